@@ -1,0 +1,116 @@
+//! What every stage passes on: frames, their sizes, and masks.
+
+use std::fmt;
+
+/// Width and height of an image in pixels.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+pub struct Size {
+    /// Columns.
+    pub width: u32,
+    /// Rows.
+    pub height: u32,
+}
+
+impl Size {
+    /// A size of `width` columns and `height` rows.
+    pub const fn new(width: u32, height: u32) -> Self {
+        Self { width, height }
+    }
+
+    /// How many pixels an image of this size has.
+    pub const fn pixels(self) -> usize {
+        self.width as usize * self.height as usize
+    }
+
+    /// The shorter side, in pixels.
+    pub fn shorter_side(self) -> u32 {
+        self.width.min(self.height)
+    }
+
+    /// Where pixel (x, y) stands in row order, or `None` outside the image.
+    pub fn index(self, x: u32, y: u32) -> Option<usize> {
+        (x < self.width && y < self.height).then(|| y as usize * self.width as usize + x as usize)
+    }
+}
+
+impl fmt::Display for Size {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}×{}", self.width, self.height)
+    }
+}
+
+/// One 8-bit RGB image of a sequence, and the number that the source gives it.
+#[derive(Clone, PartialEq, Eq)]
+pub struct Frame {
+    /// The frame's number as a person and a file see it: from 1, or the number in an image's file name.
+    pub number: u32,
+    /// Width and height.
+    pub size: Size,
+    /// Row after row, three bytes a pixel: red, green, blue.
+    pub rgb: Vec<u8>,
+}
+
+impl Frame {
+    /// A frame from its bytes, row after row, three a pixel.
+    ///
+    /// # Panics
+    /// When the bytes do not fill the size exactly: a source that decodes wrongly is a bug.
+    pub fn new(number: u32, size: Size, rgb: Vec<u8>) -> Self {
+        assert_eq!(rgb.len(), size.pixels() * 3, "three bytes for each pixel");
+        Self { number, size, rgb }
+    }
+
+    /// The colour at (x, y), or `None` outside the image.
+    pub fn pixel(&self, x: u32, y: u32) -> Option<[u8; 3]> {
+        let at = self.size.index(x, y)? * 3;
+        Some([self.rgb[at], self.rgb[at + 1], self.rgb[at + 2]])
+    }
+}
+
+impl fmt::Debug for Frame {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Frame {} of {}", self.number, self.size)
+    }
+}
+
+/// Which pixels are foreground: one byte a pixel in row order, 0 background, 255 foreground.
+#[derive(Clone, PartialEq, Eq)]
+pub struct Mask {
+    /// Width and height.
+    pub size: Size,
+    /// 0 or 255 for each pixel, row after row.
+    pub data: Vec<u8>,
+}
+
+impl Mask {
+    /// The value of a background pixel.
+    pub const BACKGROUND: u8 = 0;
+    /// The value of a foreground pixel.
+    pub const FOREGROUND: u8 = 255;
+
+    /// A mask without foreground.
+    pub fn empty(size: Size) -> Self {
+        Self { size, data: vec![Self::BACKGROUND; size.pixels()] }
+    }
+
+    /// Whether (x, y) is foreground; outside the image nothing is.
+    pub fn is_foreground(&self, x: u32, y: u32) -> bool {
+        self.size.index(x, y).is_some_and(|at| self.data[at] != Self::BACKGROUND)
+    }
+
+    /// How many pixels are foreground.
+    pub fn foreground_pixels(&self) -> usize {
+        self.data.iter().filter(|&&value| value != Self::BACKGROUND).count()
+    }
+
+    /// The share of foreground pixels, 0..=1.
+    pub fn foreground_share(&self) -> f32 {
+        self.foreground_pixels() as f32 / self.size.pixels().max(1) as f32
+    }
+}
+
+impl fmt::Debug for Mask {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Mask of {} with {} foreground pixels", self.size, self.foreground_pixels())
+    }
+}

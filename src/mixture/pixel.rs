@@ -1,0 +1,318 @@
+//! One pixel in plain words: the definition that every faster path has to equal bit for bit.
+//!
+//! A pixel's value X is a vector of n channels in 0..=255; its recent history is a mixture of K
+//! Gaussians, each with weight w, mean μ and covariance σ²I, kept in rank order (falling w/σ).
+//! Arithmetic is f32, in the order in which it is written here.
+
+use std::f32::consts::PI;
+
+use super::exponential::exp_of_negative;
+use crate::settings::{Rate, Settings, Space};
+
+/// The largest K.
+pub const MAX_K: usize = 8;
+
+/// A pixel's value: n channels in 0..=255, those beyond n are 0.
+pub type Value = [f32; 3];
+
+/// The parameters of the pixel process, with the symbols of §V–VI.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameters {
+    /// K, the number of components, 1..=8.
+    pub k: usize,
+    /// α, the learning rate, 0 < α < 1.
+    pub alpha: f32,
+    /// T, the least portion of the data that the background accounts for.
+    pub t: f32,
+    /// λ, the match threshold in standard deviations.
+    pub lambda: f32,
+    /// σ₀, the standard deviation of a new component.
+    pub initial_sigma: f32,
+    /// w₀, the weight of a new component.
+    pub initial_weight: f32,
+    /// σ_min, the least standard deviation.
+    pub min_sigma: f32,
+    /// How ρ is found.
+    pub rate: Rate,
+    /// What X is.
+    pub space: Space,
+    /// While t ≤ `warm_up`, α is max(α, 1/t).
+    pub warm_up: u32,
+}
+
+impl Parameters {
+    /// The parameters within `settings`.
+    pub fn new(settings: &Settings) -> Self {
+        Self {
+            k: settings.k as usize,
+            alpha: settings.alpha,
+            t: settings.t,
+            lambda: settings.match_sigmas,
+            initial_sigma: settings.initial_sigma,
+            initial_weight: settings.initial_weight,
+            min_sigma: settings.min_sigma,
+            rate: settings.rate,
+            space: settings.space,
+            warm_up: settings.warm_up,
+        }
+    }
+
+    /// n, the number of channels.
+    pub const fn channels(&self) -> usize {
+        match self.space {
+            Space::Rgb => 3,
+            Space::Gray => 1,
+        }
+    }
+
+    /// α of the t-th frame, t counting from 1.
+    pub fn alpha_at(&self, t: u32) -> f32 {
+        if t <= self.warm_up { self.alpha.max(1.0 / t as f32) } else { self.alpha }
+    }
+
+    /// X of an RGB pixel.
+    pub fn value(&self, rgb: [u8; 3]) -> Value {
+        match self.space {
+            Space::Rgb => rgb.map(f32::from),
+            Space::Gray => [f32::from(luma(rgb)), 0.0, 0.0],
+        }
+    }
+}
+
+/// BT.601 luma in 8 bits, rounded as OpenCV's `COLOR_RGB2GRAY` rounds it.
+#[inline(always)]
+pub fn luma([r, g, b]: [u8; 3]) -> u8 {
+    ((9798 * u32::from(r) + 19235 * u32::from(g) + 3735 * u32::from(b) + (1 << 14)) >> 15) as u8
+}
+
+/// One Gaussian of a mixture. A component that was never used is all zeros.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Component {
+    /// w, the share of the recent data that it accounts for.
+    pub weight: f32,
+    /// μ.
+    pub mean: Value,
+    /// σ², the same for each channel; it follows the squared distance summed over the channels.
+    pub variance: f32,
+}
+
+impl Component {
+    /// σ.
+    pub fn sigma(&self) -> f32 {
+        self.variance.sqrt()
+    }
+
+    /// w/σ, by which components are ranked; 0 for an unused one.
+    pub fn rank_value(&self) -> f32 {
+        if self.is_used() { self.weight / self.sigma() } else { 0.0 }
+    }
+
+    /// Whether it stands for any data at all.
+    pub fn is_used(&self) -> bool {
+        self.weight > 0.0
+    }
+
+    /// ‖X − μ‖², summed over the channels.
+    pub fn distance_squared(&self, x: Value) -> f32 {
+        let [r, g, b] = [x[0] - self.mean[0], x[1] - self.mean[1], x[2] - self.mean[2]];
+        (r * r + g * g) + b * b
+    }
+
+    /// η(X; μ, σ²I) over `channels` channels, with the usual normaliser (2π)^(n/2)·σⁿ.
+    pub fn density(&self, x: Value, channels: usize) -> f32 {
+        density(self.distance_squared(x), self.variance, channels)
+    }
+}
+
+/// η for a squared distance and a variance: e^(−d²/2σ²) / ((2π)^(n/2)·σⁿ).
+#[inline(always)]
+pub fn density(distance_squared: f32, variance: f32, channels: usize) -> f32 {
+    let two_pi_variance = 2.0 * PI * variance;
+    let normaliser =
+        if channels == 3 { two_pi_variance * two_pi_variance.sqrt() } else { two_pi_variance.sqrt() };
+    exp_of_negative(-0.5 * distance_squared / variance) / normaliser
+}
+
+/// What happened to a pixel in one frame.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Outcome {
+    /// The rank (from 1) before the update of the component that matched, 0 if none did.
+    pub matched: u8,
+    /// The matched or new component's rank (from 1) after the update.
+    pub rank: u8,
+    /// B, how many components are background after the update.
+    pub background_count: u8,
+    /// Whether the pixel is foreground.
+    pub foreground: bool,
+    /// ρ, 0 where nothing matched.
+    pub rho: f32,
+    /// P(X), the mixture's density at the value, from the state before the update; 0 in the first frame.
+    pub p: f32,
+}
+
+/// A pixel's mixture: K components in rank order, unused ones last.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pixel {
+    components: [Component; MAX_K],
+    k: usize,
+}
+
+impl Pixel {
+    /// A pixel that has seen nothing, with room for `k` components.
+    pub fn unseen(k: usize) -> Self {
+        Self { components: [Component::default(); MAX_K], k: k.clamp(1, MAX_K) }
+    }
+
+    /// A pixel with these components, in rank order, unused ones last; at most [`MAX_K`].
+    pub fn from_components(components: &[Component]) -> Self {
+        let mut pixel = Self::unseen(components.len());
+        pixel.components[..components.len()].copy_from_slice(components);
+        pixel
+    }
+
+    /// The K components in rank order.
+    pub fn components(&self) -> &[Component] {
+        &self.components[..self.k]
+    }
+
+    /// How many components are in use.
+    pub fn used(&self) -> usize {
+        self.components().iter().filter(|component| component.is_used()).count()
+    }
+
+    /// P(X) = Σ w·η(X; μ, σ²I), in rank order.
+    pub fn probability(&self, x: Value, channels: usize) -> f32 {
+        let used = self.components().iter().filter(|component| component.is_used());
+        used.fold(0.0, |sum, component| sum + component.weight * component.density(x, channels))
+    }
+
+    /// B: the smallest b with w₁ + … + w_b > T, all used components if none reaches it (§VI).
+    pub fn background_count(&self, t: f32) -> usize {
+        let mut sum = 0.0;
+        for (index, component) in self.components().iter().enumerate() {
+            sum += component.weight;
+            if sum > t {
+                return index + 1;
+            }
+        }
+        self.used()
+    }
+
+    /// The weighted mean of the B background components.
+    pub fn background_mean(&self, t: f32) -> Value {
+        let background = &self.components()[..self.background_count(t)];
+        let total: f32 = background.iter().map(|component| component.weight).sum();
+        let mut mean = [0.0; 3];
+        for component in background {
+            for (sum, channel) in mean.iter_mut().zip(component.mean) {
+                *sum += component.weight / total * channel;
+            }
+        }
+        mean
+    }
+
+    /// Takes the value of the `t`-th frame (from 1) into the mixture and decides about it.
+    pub fn update(&mut self, x: Value, t: u32, parameters: &Parameters) -> Outcome {
+        if t <= 1 || !self.components[0].is_used() {
+            return self.first_frame(x, parameters);
+        }
+        let alpha = parameters.alpha_at(t);
+        let p = self.probability(x, parameters.channels());
+
+        let matched = self.find_match(x, parameters.lambda);
+        self.update_weights(matched, alpha);
+        let (changed, rho) = match matched {
+            Some(index) => (index, self.learn(index, x, alpha, parameters)),
+            None => {
+                self.replace_last(x, parameters);
+                self.renormalise();
+                (self.k - 1, 0.0)
+            }
+        };
+        let rank = self.sort_upwards(changed) + 1;
+        let background_count = self.background_count(parameters.t);
+        Outcome {
+            matched: matched.map_or(0, |index| index as u8 + 1),
+            rank: rank as u8,
+            background_count: background_count as u8,
+            foreground: matched.is_none() || rank > background_count,
+            rho,
+            p,
+        }
+    }
+
+    /// One certain component around the first value; every pixel starts as background.
+    fn first_frame(&mut self, x: Value, parameters: &Parameters) -> Outcome {
+        *self = Self::unseen(parameters.k);
+        self.components[0] =
+            Component { weight: 1.0, mean: x, variance: parameters.initial_sigma * parameters.initial_sigma };
+        Outcome { rank: 1, background_count: 1, ..Outcome::default() }
+    }
+
+    /// The first component in rank order within λ standard deviations of the value: ‖X − μ‖² ≤ λ²σ².
+    fn find_match(&self, x: Value, lambda: f32) -> Option<usize> {
+        let lambda_squared = lambda * lambda;
+        self.components().iter().position(|component| {
+            component.is_used() && component.distance_squared(x) <= lambda_squared * component.variance
+        })
+    }
+
+    /// w ← (1 − α)·w + α·M, M being 1 for the matched component and 0 for the others.
+    fn update_weights(&mut self, matched: Option<usize>, alpha: f32) {
+        for (index, component) in self.components[..self.k].iter_mut().enumerate() {
+            component.weight *= 1.0 - alpha;
+            if matched == Some(index) {
+                component.weight += alpha;
+            }
+        }
+    }
+
+    /// μ ← (1 − ρ)μ + ρX, then with the new μ, σ² ← (1 − ρ)σ² + ρ‖X − μ‖², not below σ_min². Gives ρ.
+    fn learn(&mut self, index: usize, x: Value, alpha: f32, parameters: &Parameters) -> f32 {
+        let component = &mut self.components[index];
+        let rho = match parameters.rate {
+            Rate::Density => alpha * component.density(x, parameters.channels()),
+            Rate::Weight => alpha / component.weight,
+            Rate::Constant => alpha,
+        };
+        let rho = if rho < 1.0 { rho } else { 1.0 };
+        for (mean, channel) in component.mean.iter_mut().zip(x) {
+            *mean = (1.0 - rho) * *mean + rho * channel;
+        }
+        let variance = (1.0 - rho) * component.variance + rho * component.distance_squared(x);
+        let least = parameters.min_sigma * parameters.min_sigma;
+        component.variance = if variance < least { least } else { variance };
+        rho
+    }
+
+    /// The least probable component gives way to (w₀, X, σ₀²).
+    fn replace_last(&mut self, x: Value, parameters: &Parameters) {
+        self.components[self.k - 1] = Component {
+            weight: parameters.initial_weight,
+            mean: x,
+            variance: parameters.initial_sigma * parameters.initial_sigma,
+        };
+    }
+
+    /// Divides the weights by their sum. Only a replacement changes it: after a match
+    /// (1 − α)·1 + α = 1, and rounding errors shrink by 1 − α in every frame.
+    fn renormalise(&mut self) {
+        let components = &mut self.components[..self.k];
+        let sum = components.iter().fold(0.0, |sum, component| sum + component.weight);
+        for component in components {
+            component.weight /= sum;
+        }
+    }
+
+    /// Moves a component up while its w/σ is greater than its upper neighbour's; gives where it ends.
+    ///
+    /// As the paper sorts upwards only, a matched component whose σ grew may stay above a
+    /// neighbour of larger w/σ.
+    fn sort_upwards(&mut self, mut index: usize) -> usize {
+        while index > 0 && self.components[index].rank_value() > self.components[index - 1].rank_value() {
+            self.components.swap(index, index - 1);
+            index -= 1;
+        }
+        index
+    }
+}

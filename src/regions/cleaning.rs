@@ -1,0 +1,4 @@
+//! Cleaning.
+/// x
+#[derive(Clone)]
+pub struct Cleaning;

@@ -1,0 +1,149 @@
+//! Dominant colour: the most frequent colour of a region's own pixels (Algorithm 1).
+
+use palette::color_difference::EuclideanDistance;
+use palette::{IntoColor, Lab, Srgb};
+use std::collections::BTreeMap;
+
+/// An 8-bit RGB colour.
+pub type Rgb = [u8; 3];
+
+/// CIE76 ΔE: the Euclidean distance of two colours in Lab.
+pub fn delta_e(a: Rgb, b: Rgb) -> f32 {
+    let lab = |colour: Rgb| -> Lab { Srgb::from(colour).into_linear::<f32>().into_color() };
+    lab(a).distance(lab(b))
+}
+
+/// How many pixels fall into one bin, and the sum of their colours.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Bin {
+    /// Pixels, or an average of pixels over frames.
+    pub count: f32,
+    /// Sum of red, green and blue over them.
+    pub sum: [f32; 3],
+}
+
+impl Bin {
+    fn mean(&self) -> Rgb {
+        self.sum.map(|sum| (sum / self.count).round().clamp(0.0, 255.0) as u8)
+    }
+}
+
+/// A colour histogram of 16 levels a channel (4096 bins), keeping only bins that hold something.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Histogram {
+    bins: BTreeMap<u16, Bin>,
+}
+
+impl Histogram {
+    /// Takes one pixel in.
+    pub fn add(&mut self, colour: Rgb) {
+        let [r, g, b] = colour.map(|channel| u16::from(channel >> 4));
+        let bin = self.bins.entry(r << 8 | g << 4 | b).or_default();
+        bin.count += 1.0;
+        for (sum, channel) in bin.sum.iter_mut().zip(colour) {
+            *sum += f32::from(channel);
+        }
+    }
+
+    /// Adds another histogram, `share` times.
+    pub fn add_scaled(&mut self, other: &Self, share: f32) {
+        for (&index, bin) in &other.bins {
+            let mine = self.bins.entry(index).or_default();
+            mine.count += share * bin.count;
+            for (sum, other) in mine.sum.iter_mut().zip(bin.sum) {
+                *sum += share * other;
+            }
+        }
+    }
+
+    /// How many pixels it holds.
+    pub fn total(&self) -> f32 {
+        self.bins.values().map(|bin| bin.count).sum()
+    }
+
+    /// Its bins by rising index, which is `r·256 + g·16 + b` of the levels.
+    pub fn bins(&self) -> impl Iterator<Item = (u16, &Bin)> {
+        self.bins.iter().map(|(&index, bin)| (index, bin))
+    }
+
+    /// The mean colour of the fullest bin, the lower index on a tie; `None` of an empty histogram.
+    pub fn dominant(&self) -> Option<Rgb> {
+        self.dominant_at_least(1.0).first().copied()
+    }
+
+    /// The mean colours of all bins at least `share` as full as the fullest, fullest first.
+    pub fn dominant_at_least(&self, share: f32) -> Vec<Rgb> {
+        let fullest = self.bins.values().map(|bin| bin.count).fold(0.0, f32::max);
+        let mut full: Vec<_> =
+            self.bins.iter().filter(|(_, bin)| bin.count > 0.0 && bin.count >= share * fullest).collect();
+        full.sort_by(|(i, a), (j, b)| b.count.total_cmp(&a.count).then(i.cmp(j)));
+        full.into_iter().map(|(_, bin)| bin.mean()).collect()
+    }
+
+    /// How much of the two, each taken as shares of its total, is the same: 0..=1.
+    pub fn likeness(&self, other: &Self) -> f32 {
+        let (mine, theirs) = (self.smoothed(), other.smoothed());
+        mine.iter().filter_map(|(index, a)| theirs.get(index).map(|b| a.min(*b))).sum()
+    }
+
+    /// Shares of the total over coarser, overlapping bins, so that a colour at the edge of a bin
+    /// does not count as another colour when noise moves it across.
+    fn smoothed(&self) -> BTreeMap<u16, f32> {
+        let total = self.total().max(f32::MIN_POSITIVE);
+        let mut shares = BTreeMap::new();
+        for (&index, bin) in &self.bins {
+            let level = |shift: u16| (index >> shift) & 15;
+            for (dr, dg, db) in (0..8).map(|bits: u16| (bits & 1, bits >> 1 & 1, bits >> 2)) {
+                let cell = (level(8) + dr) / 2 * 81 + (level(4) + dg) / 2 * 9 + (level(0) + db) / 2;
+                *shares.entry(cell | (dr | dg << 1 | db << 2) << 10).or_insert(0.0) +=
+                    bin.count / total / 8.0;
+            }
+        }
+        shares
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn histogram(colours: &[(Rgb, usize)]) -> Histogram {
+        let mut histogram = Histogram::default();
+        for &(colour, count) in colours {
+            (0..count).for_each(|_| histogram.add(colour));
+        }
+        histogram
+    }
+
+    #[test]
+    fn the_fullest_bin_wins_and_gives_its_mean() {
+        let mut colours = histogram(&[([200, 10, 10], 5), ([202, 12, 14], 5), ([10, 10, 200], 9)]);
+        assert_eq!(colours.dominant(), Some([201, 11, 12]));
+        colours.add_scaled(&histogram(&[([10, 10, 200], 1)]), 1.0);
+        assert_eq!(colours.dominant(), Some([10, 10, 200]), "a tie goes to the lower index");
+        assert_eq!(Histogram::default().dominant(), None);
+    }
+
+    #[test]
+    fn dominant_colours_are_the_bins_at_least_half_as_full() {
+        let colours = histogram(&[([0, 0, 0], 10), ([100, 0, 0], 5), ([0, 100, 0], 4)]);
+        assert_eq!(colours.dominant_at_least(0.5), vec![[0, 0, 0], [100, 0, 0]]);
+    }
+
+    #[test]
+    fn delta_e_agrees_with_known_lab_values() {
+        // sRGB red and green in Lab (D65): (53.24, 80.09, 67.20) and (87.73, −86.18, 83.18).
+        assert!((delta_e([255, 0, 0], [0, 255, 0]) - 170.6).abs() < 0.2);
+        assert!((delta_e([0, 0, 0], [255, 255, 255]) - 100.0).abs() < 0.1);
+        assert_eq!(delta_e([12, 34, 56], [12, 34, 56]), 0.0);
+    }
+
+    #[test]
+    fn likeness_is_one_for_the_same_and_zero_for_nothing_shared() {
+        let red = histogram(&[([200, 0, 0], 10)]);
+        assert!((red.likeness(&histogram(&[([200, 0, 0], 3)])) - 1.0).abs() < 1e-5);
+        assert_eq!(red.likeness(&histogram(&[([0, 0, 200], 3)])), 0.0);
+        let across_the_edge = red.likeness(&histogram(&[([207, 0, 0], 5), ([208, 0, 0], 5)]));
+        assert!(across_the_edge > 0.7, "{across_the_edge}");
+    }
+}

@@ -1,0 +1,24 @@
+//! From mask to moving regions: cleaning, two-pass connected components, shape, dominant colour (§VII, Algorithm 1).
+
+pub mod cleaning;
+pub mod colour;
+pub mod components;
+pub mod shape;
+
+pub use cleaning::Cleaning;
+pub use colour::{Histogram, Rgb};
+pub use components::Labels;
+pub use shape::{Rect, Shape};
+
+/// A connected region of the foreground mask.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Region {
+    /// Its number in the frame, from 1 in the raster order of the regions' first pixels.
+    pub label: u32,
+    /// Where it is and what form it has.
+    pub shape: Shape,
+    /// The most frequent colour of its own pixels (Algorithm 1).
+    pub colour: Rgb,
+    /// How often each colour occurs among its pixels.
+    pub histogram: Histogram,
+}

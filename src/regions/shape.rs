@@ -1,0 +1,169 @@
+//! Where a region is and what form it has: box, centroid, moments and what follows from them (§VII).
+
+use serde::{Deserialize, Serialize};
+
+use crate::frame::Size;
+
+/// An upright rectangle in pixels; pixel (x, y) covers [x, x + 1) × [y, y + 1).
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Rect {
+    /// Left edge.
+    pub x: f32,
+    /// Upper edge.
+    pub y: f32,
+    /// Width.
+    pub w: f32,
+    /// Height.
+    pub h: f32,
+}
+
+impl Rect {
+    /// A rectangle from its upper left corner and its extent.
+    pub const fn new(x: f32, y: f32, w: f32, h: f32) -> Self {
+        Self { x, y, w, h }
+    }
+
+    /// A rectangle of extent `w` × `h` around a centre.
+    pub fn around(centre: [f32; 2], w: f32, h: f32) -> Self {
+        Self::new(centre[0] - w / 2.0, centre[1] - h / 2.0, w, h)
+    }
+
+    /// Right edge.
+    pub fn right(&self) -> f32 {
+        self.x + self.w
+    }
+
+    /// Lower edge.
+    pub fn bottom(&self) -> f32 {
+        self.y + self.h
+    }
+
+    /// Middle.
+    pub fn centre(&self) -> [f32; 2] {
+        [self.x + self.w / 2.0, self.y + self.h / 2.0]
+    }
+
+    /// Area in square pixels.
+    pub fn area(&self) -> f32 {
+        self.w * self.h
+    }
+
+    /// The part that both cover; of no extent where they do not meet.
+    pub fn intersection(&self, other: &Self) -> Self {
+        let (x, y) = (self.x.max(other.x), self.y.max(other.y));
+        let w = (self.right().min(other.right()) - x).max(0.0);
+        let h = (self.bottom().min(other.bottom()) - y).max(0.0);
+        Self { x, y, w, h }
+    }
+
+    /// The least rectangle that holds both.
+    pub fn union(&self, other: &Self) -> Self {
+        let (x, y) = (self.x.min(other.x), self.y.min(other.y));
+        Self { x, y, w: self.right().max(other.right()) - x, h: self.bottom().max(other.bottom()) - y }
+    }
+
+    /// Intersection over union, 0..=1.
+    pub fn iou(&self, other: &Self) -> f32 {
+        let shared = self.intersection(other).area();
+        let all = self.area() + other.area() - shared;
+        if all > 0.0 { shared / all } else { 0.0 }
+    }
+
+    /// How far it is from the nearest edge of an image of this size, in pixels; negative beyond the edge.
+    pub fn distance_to_edge(&self, size: Size) -> f32 {
+        let right = size.width as f32 - self.right();
+        let bottom = size.height as f32 - self.bottom();
+        self.x.min(self.y).min(right).min(bottom)
+    }
+
+    /// The rectangle moved by (`dx`, `dy`).
+    pub fn moved(&self, dx: f32, dy: f32) -> Self {
+        Self { x: self.x + dx, y: self.y + dy, ..*self }
+    }
+}
+
+/// The shape of a region, from its pixels (i, j) taken as points at their indices.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Shape {
+    /// Number of pixels.
+    pub area: u32,
+    /// Bounding box, in whole pixels.
+    pub bbox: Rect,
+    /// Mean of the pixels' coordinates.
+    pub centroid: [f32; 2],
+    /// μ20 = Σ (x − x̄)², in pixels⁴ as OpenCV's `moments` gives it.
+    pub mu20: f64,
+    /// μ11 = Σ (x − x̄)(y − ȳ).
+    pub mu11: f64,
+    /// μ02 = Σ (y − ȳ)².
+    pub mu02: f64,
+    /// Angle of the longer axis to the x axis in radians, −π/2..=π/2, y down: ½·atan2(2μ11, μ20 − μ02).
+    pub orientation: f32,
+    /// 0 for a disc, towards 1 for a line: √(1 − λ₂/λ₁) of the second moments' eigenvalues.
+    pub eccentricity: f32,
+    /// Area over the area of the bounding box, 0..=1.
+    pub extent: f32,
+}
+
+/// Sums over a region's pixels from which its [`Shape`] follows.
+#[derive(Clone, Debug, Default)]
+pub struct ShapeSums {
+    area: u64,
+    left: u32,
+    top: u32,
+    right: u32,
+    bottom: u32,
+    x: u64,
+    y: u64,
+    xx: u64,
+    xy: u64,
+    yy: u64,
+}
+
+impl ShapeSums {
+    /// Takes pixel (x, y) in.
+    pub fn add(&mut self, x: u32, y: u32) {
+        if self.area == 0 {
+            (self.left, self.top, self.right, self.bottom) = (x, y, x, y);
+        }
+        self.left = self.left.min(x);
+        self.top = self.top.min(y);
+        self.right = self.right.max(x);
+        self.bottom = self.bottom.max(y);
+        self.area += 1;
+        let (x, y) = (u64::from(x), u64::from(y));
+        self.x += x;
+        self.y += y;
+        self.xx += x * x;
+        self.xy += x * y;
+        self.yy += y * y;
+    }
+
+    /// The shape of the pixels taken in; all zeros when there were none.
+    pub fn shape(&self) -> Shape {
+        if self.area == 0 {
+            return Shape::default();
+        }
+        let n = self.area as f64;
+        let (mean_x, mean_y) = (self.x as f64 / n, self.y as f64 / n);
+        let mu20 = self.xx as f64 - self.x as f64 * mean_x;
+        let mu11 = self.xy as f64 - self.x as f64 * mean_y;
+        let mu02 = self.yy as f64 - self.y as f64 * mean_y;
+        let half_difference = ((mu20 - mu02).powi(2) + 4.0 * mu11 * mu11).sqrt() / 2.0;
+        let middle = f64::midpoint(mu20, mu02);
+        let (longer, shorter) = (middle + half_difference, (middle - half_difference).max(0.0));
+        let w = (self.right - self.left + 1) as f32;
+        let h = (self.bottom - self.top + 1) as f32;
+        Shape {
+            area: self.area as u32,
+            bbox: Rect::new(self.left as f32, self.top as f32, w, h),
+            centroid: [mean_x as f32, mean_y as f32],
+            mu20,
+            mu11,
+            mu02,
+            orientation: (0.5 * (2.0 * mu11).atan2(mu20 - mu02)) as f32,
+            eccentricity: if longer > 0.0 { (1.0 - shorter / longer).max(0.0).sqrt() as f32 } else { 0.0 },
+            extent: self.area as f32 / (w * h),
+        }
+    }
+}

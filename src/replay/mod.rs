@@ -1,0 +1,104 @@
+//! Time travel: a worker that analyses ahead, remembers, and shows any frame as it was.
+//!
+//! The window holds a [`Session`] and asks; the worker publishes a [`State`] whenever something
+//! changed. Neither waits for the other.
+
+use std::sync::Arc;
+
+use crate::frame::Frame;
+use crate::mixture::PixelHistory;
+use crate::occlusion::Event;
+use crate::pipeline::Analysis;
+use crate::settings::Settings;
+use crate::source::SourceInfo;
+use crate::tracking::{Identity, TrackState};
+
+/// How far a session has come.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Phase {
+    /// The source is being opened.
+    Opening,
+    /// Frames are there, or on their way.
+    Ready,
+    /// It cannot go on; a sentence that says why and what to do.
+    Failed(String),
+}
+
+/// What the worker last published. Cheap to clone and to read.
+#[derive(Clone, Debug)]
+pub struct State {
+    /// How far the session has come.
+    pub phase: Phase,
+    /// The source, once it is open.
+    pub info: Option<Arc<SourceInfo>>,
+    /// What went wrong without ending the work, a sentence each, in order.
+    pub warnings: Arc<Vec<String>>,
+    /// The frame in view: everything of one moment and one choice of settings.
+    pub shown: Option<Arc<Shown>>,
+    /// What is known of the whole sequence so far.
+    pub timeline: Arc<Timeline>,
+    /// What the worker is doing, `None` when it rests.
+    pub busy: Option<Progress>,
+    /// Frames a second of analysis, averaged over about the last second of work; 0 when unknown.
+    pub analysis_fps: f32,
+}
+
+/// Work under way.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Progress {
+    /// What: `analysing`, `going back to frame 203`.
+    pub what: String,
+    /// Frames done.
+    pub done: u32,
+    /// Frames to do, where that is known.
+    pub total: Option<u32>,
+}
+
+/// One frame with everything that was made of it.
+#[derive(Clone, Debug)]
+pub struct Shown {
+    /// The frame's place in the sequence, from 0.
+    pub position: u32,
+    /// The settings under which all of this came about.
+    pub settings: Arc<Settings>,
+    /// The input.
+    pub frame: Arc<Frame>,
+    /// What the stages made of it.
+    pub analysis: Arc<Analysis>,
+    /// The mean of component 1 at each pixel, after this frame's update (or what MOG2 or KNN give).
+    pub background: Arc<Frame>,
+    /// The weighted mean of the B background components; `None` where the model has no mixture.
+    pub multi_mode: Option<Arc<Frame>>,
+    /// B at each pixel in row order; `None` where the model has no mixture.
+    pub background_count: Option<Arc<Vec<u8>>>,
+    /// The chosen pixel through all analysed frames up to the last that is known, under `settings`;
+    /// `None` when no pixel is chosen or the model has no mixture. Its state of this frame is the
+    /// one at index [`Shown::position`].
+    pub pixel: Option<Arc<PixelHistory>>,
+}
+
+/// What is known of the whole sequence: for the timeline and the event list.
+#[derive(Clone, Debug, Default)]
+pub struct Timeline {
+    /// The frame numbers of the positions known so far.
+    pub numbers: Vec<u32>,
+    /// Whether the sequence's end has been found, so that `numbers` is all there is.
+    pub complete: bool,
+    /// Positions 0..analysed have been analysed under the present settings.
+    pub analysed: u32,
+    /// Share of foreground of each analysed position, 0..=1.
+    pub foreground_share: Vec<f32>,
+    /// All events so far, by frame and kind, with the position at which each happened.
+    pub events: Vec<(u32, Event)>,
+    /// Each identity's life, by identity.
+    pub life_lines: Vec<LifeLine>,
+}
+
+/// When an object was seen, and how.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LifeLine {
+    /// Who.
+    pub id: Identity,
+    /// Positions `first..=last` in which its state was the same, in order.
+    pub spans: Vec<(u32, u32, TrackState)>,
+}

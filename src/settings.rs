@@ -1,0 +1,769 @@
+//! Every parameter once: its name, symbol, range, default and meaning.
+//!
+//! Flags, the TOML file, the sliders of the window and the docs all read [`SETTINGS`]; nothing
+//! about a parameter is written down anywhere else.
+
+use std::fmt;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+/// The first stage of the way of a frame that a setting touches: it and all after it must run again.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Stage {
+    /// The pixel process and the choice of background (§V–VI).
+    Mixture,
+    /// What is done to the mask before regions are found in it.
+    Cleaning,
+    /// Connected components and their colours (§VII, Algorithm 1).
+    Regions,
+    /// Kalman models and their hypotheses (§VIII).
+    Tracking,
+    /// Merging, disappearing, demerging, reappearing (Algorithms 1–3).
+    Occlusion,
+}
+
+impl Stage {
+    /// All stages in the order a frame meets them.
+    pub const ALL: [Self; 5] =
+        [Self::Mixture, Self::Cleaning, Self::Regions, Self::Tracking, Self::Occlusion];
+
+    /// The stage's name for a heading.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Mixture => "Mixture",
+            Self::Cleaning => "Cleaning",
+            Self::Regions => "Regions",
+            Self::Tracking => "Tracking",
+            Self::Occlusion => "Occlusion",
+        }
+    }
+}
+
+/// A length of time as a person gives it: in frames, or in seconds of the video.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Span {
+    /// So many frames.
+    Frames(u32),
+    /// So many seconds at the video's frame rate.
+    Seconds(f32),
+}
+
+impl Span {
+    /// The span in frames of a video with `fps` frames a second, rounded, at least 1 unless it is zero.
+    pub fn frames(self, fps: f32) -> u32 {
+        match self {
+            Self::Frames(frames) => frames,
+            Self::Seconds(seconds) if seconds <= 0.0 => 0,
+            Self::Seconds(seconds) => ((seconds * fps).round() as u32).max(1),
+        }
+    }
+
+    /// The span in seconds of a video with `fps` frames a second.
+    pub fn seconds(self, fps: f32) -> f32 {
+        match self {
+            Self::Frames(frames) => frames as f32 / fps.max(f32::MIN_POSITIVE),
+            Self::Seconds(seconds) => seconds,
+        }
+    }
+
+    fn parse(text: &str) -> Option<Self> {
+        let text = text.trim();
+        if let Some(seconds) = text.strip_suffix('s') {
+            let seconds: f32 = seconds.trim().parse().ok()?;
+            return seconds.is_finite().then_some(Self::Seconds(seconds));
+        }
+        let frames = text.strip_suffix("frames").or_else(|| text.strip_suffix('f')).unwrap_or(text);
+        frames.trim().parse().ok().map(Self::Frames)
+    }
+}
+
+impl fmt::Display for Span {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Frames(frames) => write!(f, "{frames}"),
+            Self::Seconds(seconds) => write!(f, "{seconds}s"),
+        }
+    }
+}
+
+/// The value of any setting.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Value {
+    /// A whole number.
+    Integer(u32),
+    /// A number.
+    Real(f32),
+    /// One of a few words.
+    Choice(&'static str),
+    /// A length of time.
+    Span(Span),
+}
+
+impl fmt::Display for Value {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Integer(value) => write!(f, "{value}"),
+            Self::Real(value) => write!(f, "{value}"),
+            Self::Choice(value) => write!(f, "{value}"),
+            Self::Span(value) => write!(f, "{value}"),
+        }
+    }
+}
+
+/// What values a setting takes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Kind {
+    /// A whole number, both ends included.
+    Integer {
+        /// The least value.
+        min: u32,
+        /// The greatest value.
+        max: u32,
+    },
+    /// An odd number of pixels from 3 to `max`, or 0 for off.
+    OddSize {
+        /// The greatest size.
+        max: u32,
+    },
+    /// A number.
+    Real {
+        /// The lower end.
+        min: f32,
+        /// The upper end.
+        max: f32,
+        /// Whether the ends themselves are left out (`0 < α < 1`).
+        open: bool,
+        /// Whether a slider should be logarithmic, as the quantity is.
+        logarithmic: bool,
+    },
+    /// One of these words.
+    Choice(&'static [&'static str]),
+    /// Frames (`25`) or seconds (`"10s"`), up to so many of either.
+    Span {
+        /// The greatest number of frames.
+        max_frames: u32,
+        /// The greatest number of seconds.
+        max_seconds: f32,
+    },
+}
+
+impl Kind {
+    /// The range in words: `0 < value < 1`, `1..=8`, `weight | density | constant`.
+    pub fn range(&self, symbol: &str) -> String {
+        match *self {
+            Self::Integer { min, max } => format!("{min}..={max}"),
+            Self::OddSize { max } => format!("0 (off) or an odd number 3..={max}"),
+            Self::Real { min, max, open: true, .. } => {
+                let name = if symbol.is_empty() { "value" } else { symbol };
+                format!("{min} < {name} < {max}")
+            }
+            Self::Real { min, max, .. } => format!("{min}..={max}"),
+            Self::Choice(words) => words.join(" | "),
+            Self::Span { max_frames, max_seconds } => {
+                format!("0..={max_frames} frames, or \"0s\"..=\"{max_seconds}s\"")
+            }
+        }
+    }
+
+    /// Reads a value of this kind and checks its range.
+    fn parse(&self, text: &str) -> Option<Value> {
+        let text = text.trim();
+        let value = match *self {
+            Self::Integer { .. } | Self::OddSize { .. } => Value::Integer(text.parse().ok()?),
+            Self::Real { .. } => Value::Real(text.parse().ok()?),
+            Self::Choice(words) => Value::Choice(words.iter().copied().find(|&word| word == text)?),
+            Self::Span { .. } => Value::Span(Span::parse(text)?),
+        };
+        self.contains(value).then_some(value)
+    }
+
+    /// Whether `value` is of this kind and within its range.
+    pub fn contains(&self, value: Value) -> bool {
+        match (*self, value) {
+            (Self::Integer { min, max }, Value::Integer(value)) => (min..=max).contains(&value),
+            (Self::OddSize { max }, Value::Integer(value)) => {
+                value == 0 || (value % 2 == 1 && (3..=max).contains(&value))
+            }
+            (Self::Real { min, max, open: true, .. }, Value::Real(value)) => value > min && value < max,
+            (Self::Real { min, max, .. }, Value::Real(value)) => (min..=max).contains(&value),
+            (Self::Choice(words), Value::Choice(value)) => words.contains(&value),
+            (Self::Span { max_frames, .. }, Value::Span(Span::Frames(frames))) => frames <= max_frames,
+            (Self::Span { max_seconds, .. }, Value::Span(Span::Seconds(seconds))) => {
+                (0.0..=max_seconds).contains(&seconds)
+            }
+            _ => false,
+        }
+    }
+}
+
+/// One parameter: all that is known of it besides its present value.
+pub struct Setting {
+    /// Its key in a settings file; with dashes for underscores, its flag.
+    pub name: &'static str,
+    /// The symbol in the paper, empty where it has none.
+    pub symbol: &'static str,
+    /// What its number counts, empty where it is a pure number.
+    pub unit: &'static str,
+    /// The first stage that it touches.
+    pub stage: Stage,
+    /// Which values it takes.
+    pub kind: Kind,
+    /// What it is, in a sentence.
+    pub meaning: &'static str,
+    get: fn(&Settings) -> Value,
+    set: fn(&mut Settings, Value),
+}
+
+impl Setting {
+    /// The setting of this name (underscores or dashes).
+    pub fn named(name: &str) -> Option<&'static Self> {
+        SETTINGS.iter().find(|setting| setting.name == name || setting.flag() == name)
+    }
+
+    /// Its command-line flag without the leading dashes.
+    pub fn flag(&self) -> String {
+        self.name.replace('_', "-")
+    }
+
+    /// Its value in `settings`.
+    pub fn get(&self, settings: &Settings) -> Value {
+        (self.get)(settings)
+    }
+
+    /// Puts `value` into `settings`, or says why it cannot be.
+    pub fn set(&self, settings: &mut Settings, value: Value) -> Result<(), SettingError> {
+        if !self.kind.contains(value) {
+            return Err(self.refusal(&value.to_string()));
+        }
+        (self.set)(settings, value);
+        Ok(())
+    }
+
+    /// Reads a value from text into `settings`, or says why it cannot be.
+    pub fn set_text(&self, settings: &mut Settings, text: &str) -> Result<(), SettingError> {
+        let value = self.kind.parse(text).ok_or_else(|| self.refusal(text))?;
+        (self.set)(settings, value);
+        Ok(())
+    }
+
+    fn refusal(&self, text: &str) -> SettingError {
+        SettingError::Refused { name: self.name, given: text.to_owned(), range: self.kind.range(self.symbol) }
+    }
+}
+
+/// Why a setting could not be taken.
+#[derive(Debug, thiserror::Error, PartialEq)]
+pub enum SettingError {
+    /// No setting has this name.
+    #[error("there is no setting `{0}`; `occluscope settings` lists them all")]
+    Unknown(String),
+    /// The value is of another kind or out of range.
+    #[error("the setting `{name}` cannot be `{given}`: it takes {range}")]
+    Refused {
+        /// The setting.
+        name: &'static str,
+        /// What was given.
+        given: String,
+        /// What it takes.
+        range: String,
+    },
+    /// No preset has this name.
+    #[error("there is no preset `{0}`; choose one of plain, paper, opencv-mog, default")]
+    UnknownPreset(String),
+    /// A settings file that is no TOML, or not a flat list of keys.
+    #[error("the settings file {path} cannot be used: {why}")]
+    File {
+        /// The file.
+        path: String,
+        /// What is wrong with it.
+        why: String,
+    },
+}
+
+/// How a field of [`Settings`] turns into a [`Value`] and back.
+trait Parameter: Sized {
+    fn to_value(&self) -> Value;
+    fn from_value(value: Value) -> Option<Self>;
+}
+
+impl Parameter for u32 {
+    fn to_value(&self) -> Value {
+        Value::Integer(*self)
+    }
+    fn from_value(value: Value) -> Option<Self> {
+        if let Value::Integer(value) = value { Some(value) } else { None }
+    }
+}
+
+impl Parameter for f32 {
+    fn to_value(&self) -> Value {
+        Value::Real(*self)
+    }
+    fn from_value(value: Value) -> Option<Self> {
+        if let Value::Real(value) = value { Some(value) } else { None }
+    }
+}
+
+impl Parameter for Span {
+    fn to_value(&self) -> Value {
+        Value::Span(*self)
+    }
+    fn from_value(value: Value) -> Option<Self> {
+        if let Value::Span(value) = value { Some(value) } else { None }
+    }
+}
+
+/// An enumeration whose variants have a word each.
+macro_rules! words {
+    ($(#[$doc:meta])* $name:ident { $($(#[$variant_doc:meta])* $variant:ident = $word:literal),+ $(,)? }) => {
+        $(#[$doc])*
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+        pub enum $name { $($(#[$variant_doc])* $variant),+ }
+
+        impl $name {
+            /// The words of all choices.
+            pub const WORDS: &'static [&'static str] = &[$($word),+];
+
+            /// The word of this choice.
+            pub const fn word(self) -> &'static str {
+                match self { $(Self::$variant => $word),+ }
+            }
+
+            /// The choice of this word.
+            pub fn from_word(word: &str) -> Option<Self> {
+                match word { $($word => Some(Self::$variant),)+ _ => None }
+            }
+        }
+
+        impl Parameter for $name {
+            fn to_value(&self) -> Value {
+                Value::Choice(self.word())
+            }
+            fn from_value(value: Value) -> Option<Self> {
+                if let Value::Choice(word) = value { Self::from_word(word) } else { None }
+            }
+        }
+    };
+}
+
+words! {
+    /// Which model decides what is background.
+    BackgroundModel {
+        /// The adaptive mixture of Gaussians of §V–VI.
+        Mixture = "mixture",
+        /// OpenCV's `BackgroundSubtractorMOG2`, for comparison.
+        Mog2 = "mog2",
+        /// OpenCV's `BackgroundSubtractorKNN`, for comparison.
+        Knn = "knn",
+    }
+}
+
+words! {
+    /// How fast a matched component learns: ρ of §V.
+    Rate {
+        /// ρ = α·η(X; μ, σ²I), the paper's equation.
+        Density = "density",
+        /// ρ = α / w (Power & Schoonees 2002), what most working systems use.
+        Weight = "weight",
+        /// ρ = α.
+        Constant = "constant",
+    }
+}
+
+words! {
+    /// What the value X of a pixel is.
+    Space {
+        /// Three channels: red, green, blue.
+        Rgb = "rgb",
+        /// One channel: BT.601 luma in 8 bits.
+        Gray = "gray",
+    }
+}
+
+words! {
+    /// From where an object's dominant colours come (Algorithm 1).
+    ColourMemory {
+        /// From the single frame before the occlusion, as Algorithm 1 has it.
+        Frame = "frame",
+        /// From the histogram averaged over the object's clear frames.
+        Clear = "clear",
+    }
+}
+
+words! {
+    /// What decides who reappears (Algorithm 3).
+    ReappearBy {
+        /// The predicted position alone, as Algorithm 3 has it.
+        Position = "position",
+        /// The predicted position, colours deciding between several.
+        Colour = "colour",
+    }
+}
+
+macro_rules! settings {
+    ($($(#[doc = $doc:literal])+ $field:ident : $ty:ty = $plain:expr, $symbol:literal, $unit:literal, $stage:ident, $kind:expr;)+) => {
+        /// The value of every parameter. Equal settings and equal frames give equal results.
+        #[derive(Clone, Debug, PartialEq)]
+        pub struct Settings {
+            $($(#[doc = $doc])+ pub $field: $ty,)+
+        }
+
+        impl Settings {
+            /// The method exactly as its tables have it, every addition switched off.
+            fn plain() -> Self {
+                Self { $($field: $plain,)+ }
+            }
+        }
+
+        /// Every setting, in the order in which files and panels list them.
+        pub static SETTINGS: &[Setting] = &[$(
+            Setting {
+                name: stringify!($field),
+                symbol: $symbol,
+                unit: $unit,
+                stage: Stage::$stage,
+                kind: $kind,
+                meaning: concat!($($doc),+),
+                get: |settings| settings.$field.to_value(),
+                set: |settings, value| {
+                    if let Some(value) = Parameter::from_value(value) {
+                        settings.$field = value;
+                    }
+                },
+            },
+        )+];
+    };
+}
+
+const fn real(min: f32, max: f32) -> Kind {
+    Kind::Real { min, max, open: false, logarithmic: false }
+}
+
+const fn open(min: f32, max: f32) -> Kind {
+    Kind::Real { min, max, open: true, logarithmic: false }
+}
+
+const fn log(min: f32, max: f32) -> Kind {
+    Kind::Real { min, max, open: false, logarithmic: true }
+}
+
+const fn span(max_frames: u32, max_seconds: f32) -> Kind {
+    Kind::Span { max_frames, max_seconds }
+}
+
+settings! {
+    /// Which model decides what is background: the mixture, or OpenCV's MOG2 or KNN in its place.
+    background_model: BackgroundModel = BackgroundModel::Mixture, "", "", Mixture, Kind::Choice(BackgroundModel::WORDS);
+    /// Components a pixel's mixture has room for.
+    k: u32 = 4, "K", "", Mixture, Kind::Integer { min: 1, max: 8 };
+    /// Learning rate: 1/α frames is the time constant with which weights change.
+    alpha: f32 = 0.01, "α", "", Mixture, Kind::Real { min: 0.0, max: 1.0, open: true, logarithmic: true };
+    /// Share of the recent past that the background has to account for; higher lets more components in.
+    t: f32 = 0.7, "T", "", Mixture, open(0.0, 1.0);
+    /// How many standard deviations from its mean a component still matches.
+    match_sigmas: f32 = 2.5, "λ", "σ", Mixture, real(0.5, 10.0);
+    /// Standard deviation of a new component.
+    initial_sigma: f32 = 20.0, "σ₀", "levels", Mixture, real(1.0, 128.0);
+    /// Weight of a new component before the weights are normalised.
+    initial_weight: f32 = 0.05, "w₀", "", Mixture, open(0.0, 1.0);
+    /// Least standard deviation of a component; higher holds off noise and soft shadows.
+    min_sigma: f32 = 4.0, "σ_min", "levels", Mixture, log(0.1, 64.0);
+    /// How fast the matched component's mean and variance learn: `density` is the paper's α·η, `weight` is α/w, `constant` is α.
+    rate: Rate = Rate::Weight, "ρ", "", Mixture, Kind::Choice(Rate::WORDS);
+    /// What a pixel's value is: three colour channels, or BT.601 luma.
+    space: Space = Space::Rgb, "", "", Mixture, Kind::Choice(Space::WORDS);
+    /// For so many frames α is at least 1/t, so that the first frame does not weigh more than the others; 0 is off.
+    warm_up: u32 = 0, "", "frames", Mixture, Kind::Integer { min: 0, max: 10_000 };
+
+    /// Side of the median filter over the mask, which removes specks and closes gaps; 0 is off.
+    median: u32 = 0, "", "pixels", Cleaning, Kind::OddSize { max: 31 };
+    /// Side of the opening (erosion, then dilation), which removes what is thinner; 0 is off.
+    opening: u32 = 0, "", "pixels", Cleaning, Kind::OddSize { max: 31 };
+    /// Side of the closing (dilation, then erosion), which joins what is nearer; 0 is off.
+    closing: u32 = 0, "", "pixels", Cleaning, Kind::OddSize { max: 31 };
+    /// Holes of the mask up to this area are filled; 0 is off.
+    fill_holes: u32 = 0, "", "pixels", Cleaning, Kind::Integer { min: 0, max: 1_000_000 };
+
+    /// Regions of fewer pixels are dropped.
+    min_area: u32 = 3, "", "pixels", Regions, Kind::Integer { min: 1, max: 1_000_000 };
+
+    /// Regions below this share of the image area are not tracked.
+    track_min_area: f32 = 0.03, "", "% of image", Tracking, log(0.001, 10.0);
+    /// Probability inside the χ² gate (3 degrees of freedom) within which a region can belong to a model.
+    gate: f32 = 0.99, "", "", Tracking, Kind::Real { min: 0.5, max: 0.9999, open: false, logarithmic: false };
+    /// Standard deviation of how a model's position and size wander from constant velocity in a frame.
+    process_noise: f32 = 1.0, "", "pixels", Tracking, log(0.01, 50.0);
+    /// Standard deviation of a measured position and size.
+    measurement_noise: f32 = 2.0, "", "pixels", Tracking, log(0.1, 50.0);
+    /// Frames over which the prediction error is averaged into the fitness.
+    fitness_memory: u32 = 10, "", "frames", Tracking, Kind::Integer { min: 1, max: 1000 };
+    /// Factor on the fitness for a frame without a match.
+    null_factor: f32 = 0.8, "", "", Tracking, open(0.0, 1.0);
+    /// A model whose fitness falls below this is removed.
+    min_fitness: f32 = 0.02, "", "", Tracking, log(0.0001, 10.0);
+    /// Most models in the pool; the least probable go first.
+    max_hypotheses: u32 = 200, "", "models", Tracking, Kind::Integer { min: 1, max: 10_000 };
+    /// An object seen in fewer frames is noise: it gets no identity and leaves no trace in exports.
+    min_track: Span = Span::Frames(5), "", "frames", Tracking, span(10_000, 600.0);
+
+    /// A hidden object is given up after this.
+    max_hidden: Span = Span::Seconds(10.0), "", "time", Occlusion, span(100_000, 3600.0);
+    /// Objects apart for less than this are still in the same meeting.
+    same_episode: Span = Span::Seconds(0.5), "", "time", Occlusion, span(10_000, 60.0);
+    /// An object is near a boundary when its box is this close to the image edge.
+    border: f32 = 2.0, "", "% of shorter side", Occlusion, real(0.0, 25.0);
+    /// Growth or loss of a region's size, as a share, that speaks for a merge or a split.
+    size_step: f32 = 0.2, "", "", Occlusion, real(0.01, 2.0);
+    /// Two colours are the same up to this CIE76 ΔE.
+    same_colour: f32 = 25.0, "ΔE", "Lab units", Occlusion, real(0.0, 100.0);
+    /// Where an object's colours come from: the single frame before the occlusion, or its clear frames.
+    colour_memory: ColourMemory = ColourMemory::Frame, "", "", Occlusion, Kind::Choice(ColourMemory::WORDS);
+    /// What decides who reappears: predicted position alone, or colours between several that fit.
+    reappear_by: ReappearBy = ReappearBy::Position, "", "", Occlusion, Kind::Choice(ReappearBy::WORDS);
+}
+
+words! {
+    /// A named set of values to start from.
+    Preset {
+        /// The method exactly as its tables have it, every addition switched off.
+        Plain = "plain",
+        /// `plain` with the paper's own rate, ρ = α·η.
+        Paper = "paper",
+        /// Imitates OpenCV's `bgsegm::BackgroundSubtractorMOG`.
+        OpencvMog = "opencv-mog",
+        /// What evidence says works best.
+        Default = "default",
+    }
+}
+
+impl Preset {
+    /// All presets.
+    pub const ALL: [Self; 4] = [Self::Default, Self::Plain, Self::Paper, Self::OpencvMog];
+
+    /// What the preset is, in a sentence.
+    pub const fn meaning(self) -> &'static str {
+        match self {
+            Self::Plain => "the method exactly as its tables have it, every addition switched off",
+            Self::Paper => "`plain` with the paper's own learning rate ρ = α·η",
+            Self::OpencvMog => "imitates OpenCV's bgsegm MOG with its default parameters",
+            Self::Default => "what evidence says works best",
+        }
+    }
+}
+
+impl Default for Settings {
+    fn default() -> Self {
+        Self::preset(Preset::Default)
+    }
+}
+
+impl Settings {
+    /// The values of a preset.
+    pub fn preset(preset: Preset) -> Self {
+        let plain = Self::plain();
+        match preset {
+            Preset::Plain => plain,
+            Preset::Paper => Self { rate: Rate::Density, ..plain },
+            // bgsegm MOG keeps one variance a channel and compares their sum; ours is that sum,
+            // hence the √3 on its σ of 30 (new) and 15 (least).
+            Preset::OpencvMog => Self {
+                k: 5,
+                alpha: 0.005,
+                warm_up: 200,
+                rate: Rate::Constant,
+                initial_sigma: 51.96,
+                min_sigma: 25.98,
+                ..plain
+            },
+            Preset::Default => Self {
+                k: 3,
+                alpha: 0.002,
+                warm_up: 100,
+                min_sigma: 16.0,
+                median: 5,
+                min_area: 20,
+                colour_memory: ColourMemory::Clear,
+                reappear_by: ReappearBy::Colour,
+                ..plain
+            },
+        }
+    }
+
+    /// Sets one parameter from text.
+    pub fn set(&mut self, name: &str, text: &str) -> Result<(), SettingError> {
+        Setting::named(name).ok_or_else(|| SettingError::Unknown(name.to_owned()))?.set_text(self, text)
+    }
+
+    /// Lays the keys of a TOML file over these settings. `path` is for messages only.
+    pub fn apply_toml(&mut self, text: &str, path: &Path) -> Result<(), SettingError> {
+        let fail = |why: String| SettingError::File { path: path.display().to_string(), why };
+        let table: toml::Table = text
+            .parse()
+            .map_err(|error: toml::de::Error| fail(error.to_string().trim().replace('\n', " ")))?;
+        for (name, value) in &table {
+            let text = match value {
+                toml::Value::String(text) => text.clone(),
+                toml::Value::Integer(number) => number.to_string(),
+                toml::Value::Float(number) => number.to_string(),
+                other => return Err(fail(format!("`{name}` is {}, not a value", other.type_str()))),
+            };
+            self.set(name, &text).map_err(|error| fail(error.to_string()))?;
+        }
+        Ok(())
+    }
+
+    /// All settings as TOML, each with its symbol, range, default and meaning in comments.
+    pub fn to_toml(&self) -> String {
+        let defaults = Self::default();
+        let mut text = String::new();
+        for stage in Stage::ALL {
+            let heading = format!("# {} ", stage.name());
+            text += &format!("{heading:-<78}\n\n");
+            for setting in SETTINGS.iter().filter(|setting| setting.stage == stage) {
+                let symbol =
+                    if setting.symbol.is_empty() { String::new() } else { format!("{}: ", setting.symbol) };
+                let unit = if setting.unit.is_empty() { String::new() } else { format!(" {}", setting.unit) };
+                text += &format!(
+                    "# {symbol}{}\n# range: {}{unit}; default: {}\n{} = {}\n\n",
+                    setting.meaning.trim(),
+                    setting.kind.range(setting.symbol),
+                    setting.get(&defaults),
+                    setting.name,
+                    toml_value(setting.get(self)),
+                );
+            }
+        }
+        text
+    }
+
+    /// The first stage at which the two differ, `None` when they are equal.
+    pub fn first_difference(&self, other: &Self) -> Option<Stage> {
+        SETTINGS
+            .iter()
+            .filter(|setting| setting.get(self) != setting.get(other))
+            .map(|setting| setting.stage)
+            .min()
+    }
+}
+
+fn toml_value(value: Value) -> String {
+    match value {
+        Value::Choice(word) => format!("\"{word}\""),
+        Value::Span(span @ Span::Seconds(_)) => format!("\"{span}\""),
+        // TOML tells `1.0` from `1`, and a reader expects a real to look like one.
+        Value::Real(number) => format!("{number:?}"),
+        other => other.to_string(),
+    }
+}
+
+impl Serialize for Settings {
+    /// A map from name to value, in the order of [`SETTINGS`].
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        use serde::ser::SerializeMap;
+        let mut map = serializer.serialize_map(Some(SETTINGS.len()))?;
+        for setting in SETTINGS {
+            match setting.get(self) {
+                Value::Integer(value) => map.serialize_entry(setting.name, &value)?,
+                // The shortest decimal of the f32, not the digits of its f64 image.
+                Value::Real(value) => map.serialize_entry(
+                    setting.name,
+                    &value.to_string().parse::<f64>().unwrap_or(f64::from(value)),
+                )?,
+                Value::Choice(word) => map.serialize_entry(setting.name, word)?,
+                Value::Span(span @ Span::Seconds(_)) => {
+                    map.serialize_entry(setting.name, &span.to_string())?;
+                }
+                Value::Span(Span::Frames(frames)) => map.serialize_entry(setting.name, &frames)?,
+            }
+        }
+        map.end()
+    }
+}
+
+impl<'de> Deserialize<'de> for Settings {
+    /// The inverse of serialising: missing keys keep their default, unknown ones are refused.
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        use serde::de::Error;
+        let map = std::collections::BTreeMap::<String, serde_json::Value>::deserialize(deserializer)?;
+        let mut settings = Self::default();
+        for (name, value) in map {
+            let text = match value {
+                serde_json::Value::String(text) => text,
+                other => other.to_string(),
+            };
+            settings.set(&name, &text).map_err(D::Error::custom)?;
+        }
+        Ok(settings)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_preset_is_within_its_own_ranges() {
+        for preset in Preset::ALL {
+            let settings = Settings::preset(preset);
+            for setting in SETTINGS {
+                assert!(setting.kind.contains(setting.get(&settings)), "{} in {preset:?}", setting.name);
+            }
+        }
+    }
+
+    #[test]
+    fn toml_and_json_come_back_as_they_were() {
+        for preset in Preset::ALL {
+            let settings = Settings::preset(preset);
+            let mut read = Settings::preset(Preset::Plain);
+            read.apply_toml(&settings.to_toml(), Path::new("settings.toml")).unwrap();
+            assert_eq!(read, settings);
+            let json = serde_json::to_string(&settings).unwrap();
+            assert_eq!(serde_json::from_str::<Settings>(&json).unwrap(), settings);
+        }
+    }
+
+    #[test]
+    fn refusals_name_the_setting_the_value_and_the_range() {
+        let mut settings = Settings::default();
+        let refused = settings.set("alpha", "1").unwrap_err().to_string();
+        assert!(
+            refused.contains("alpha") && refused.contains("`1`") && refused.contains("0 < α < 1"),
+            "{refused}"
+        );
+        for (name, text) in [
+            ("k", "0"),
+            ("k", "9"),
+            ("k", "3.5"),
+            ("alpha", "NaN"),
+            ("rate", "fast"),
+            ("median", "4"),
+            ("max_hidden", "-1s"),
+        ] {
+            assert!(settings.set(name, text).is_err(), "{name} = {text}");
+        }
+        assert_eq!(settings.set("alfa", "1"), Err(SettingError::Unknown("alfa".into())));
+        assert_eq!(settings, Settings::default());
+    }
+
+    #[test]
+    fn spans_read_frames_and_seconds() {
+        let mut settings = Settings::default();
+        settings.set("max_hidden", "25").unwrap();
+        assert_eq!(settings.max_hidden.frames(10.0), 25);
+        settings.set("max-hidden", "2.5s").unwrap();
+        assert_eq!(settings.max_hidden.frames(10.0), 25);
+        assert_eq!(settings.max_hidden.seconds(10.0), 2.5);
+    }
+
+    #[test]
+    fn a_difference_names_the_first_stage_it_touches() {
+        let base = Settings::default();
+        assert_eq!(base.first_difference(&base), None);
+        let tracking = Settings { gate: 0.95, same_colour: 1.0, ..base.clone() };
+        assert_eq!(base.first_difference(&tracking), Some(Stage::Tracking));
+        let mixture = Settings { k: 5, ..tracking };
+        assert_eq!(base.first_difference(&mixture), Some(Stage::Mixture));
+    }
+}

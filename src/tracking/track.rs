@@ -1,0 +1,62 @@
+//! What is known of an object in one frame: the reading of the hypotheses that is shown.
+
+use serde::Serialize;
+
+use crate::regions::{Rect, Rgb};
+
+/// The number under which an object is known throughout a video, from 1.
+pub type Identity = u32;
+
+/// How an object is seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum TrackState {
+    /// It has a region of its own.
+    Visible,
+    /// It shares a region with others.
+    Merged,
+    /// It has no region; where it is drawn is where it is predicted.
+    Hidden,
+}
+
+impl TrackState {
+    /// The word for it in files and on the screen.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Visible => "visible",
+            Self::Merged => "merged",
+            Self::Hidden => "hidden",
+        }
+    }
+}
+
+/// An object in one frame.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct Track {
+    /// Who it is.
+    pub id: Identity,
+    /// How it is seen.
+    pub state: TrackState,
+    /// Its box, the predicted one while merged or hidden.
+    pub bbox: Rect,
+    /// The Kalman model's centre (x, y), after the frame's measurement.
+    pub centre: [f32; 2],
+    /// The model's velocity (vx, vy) in pixels a frame.
+    pub velocity: [f32; 2],
+    /// The model's size s = √area.
+    pub scale: f32,
+    /// Half axes and angle (radians) of the ellipse within which the next region may lie, at the gate's probability.
+    pub gate: [f32; 3],
+    /// Inverse of the variance of the prediction error.
+    pub fitness: f32,
+    /// How many hypotheses compete for it.
+    pub hypotheses: u32,
+    /// The share of its full size that is seen, 0..=1.
+    pub visible_share: f32,
+    /// Its dominant colours, the most frequent first.
+    pub colours: Vec<Rgb>,
+    /// The labels of the regions that it explains, alone or as a member of a group.
+    pub regions: Vec<u32>,
+    /// While merged, the identities of the whole group, itself among them.
+    pub group: Vec<Identity>,
+}
