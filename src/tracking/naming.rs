@@ -29,6 +29,11 @@ impl Naming {
         })
     }
 
+    /// How many identities have been given.
+    pub const fn count(&self) -> u32 {
+        self.last
+    }
+
     /// Decides who an object is.
     pub fn set(&mut self, key: Key, identity: Identity) {
         self.identities.insert(key, identity);
