@@ -16,6 +16,7 @@
 pub mod frame;
 pub mod mixture;
 pub mod occlusion;
+pub mod palette;
 pub mod pipeline;
 pub mod regions;
 pub mod replay;
