@@ -17,7 +17,7 @@ pub fn ui(ctx: &Context, commands: &mut Vec<Command>) {
     }
     if hovered {
         let rect = ctx.content_rect();
-        let painter = ctx.layer_painter(LayerId::new(Order::Foreground, Id::new("drop")));
+        let painter = ctx.layer_painter(LayerId::new(Order::Foreground, Id::unique("drop")));
         let accent = theme::colours(&ctx.global_style().visuals).accent;
         painter.rect_filled(rect, 0.0, Color32::from_black_alpha(190));
         painter.rect_stroke(rect.shrink(16.0), 10.0, Stroke::new(3.0, accent), StrokeKind::Inside);

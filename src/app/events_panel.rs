@@ -71,7 +71,7 @@ fn follow(
     row: f32,
     height: f32,
 ) -> Option<f32> {
-    let id = ui.id().with("followed");
+    let id = ui.scope_id().with("followed");
     let before = ui.data(|data| data.get_temp::<u32>(id));
     let here = here?;
     if before == Some(here) {

@@ -30,8 +30,8 @@ impl Finder {
         if !self.open {
             return;
         }
-        let area = Modal::default_area(Id::new("finder")).anchor(Align2::CENTER_TOP, [0.0, 80.0]);
-        let response = Modal::new(Id::new("finder")).area(area).show(ctx, |ui| {
+        let area = Modal::default_area(Id::unique("finder")).anchor(Align2::CENTER_TOP, [0.0, 80.0]);
+        let response = Modal::new(Id::unique("finder")).area(area).show(ctx, |ui| {
             ui.set_width(440.0);
             let pressed = |key| ui.input_mut(|input| input.consume_key(Modifiers::NONE, key));
             let (up, down, enter) = (pressed(Key::ArrowUp), pressed(Key::ArrowDown), pressed(Key::Enter));

