@@ -18,6 +18,7 @@ pub mod export;
 pub mod frame;
 pub mod mixture;
 pub mod occlusion;
+pub mod palette;
 pub mod pipeline;
 pub mod regions;
 pub mod replay;
