@@ -9,6 +9,7 @@ pub mod episodes_csv;
 pub mod events_jsonl;
 pub mod number;
 pub mod picture;
+pub mod picture_queue;
 pub mod pixel_csv;
 pub mod regions_csv;
 pub mod staging;

@@ -51,12 +51,12 @@ impl Staging {
     ///
     /// A staged file takes the place of one with its name. A staged folder takes the place of the
     /// numbered pictures of an earlier one; whatever else lies in that folder stays.
-    pub fn publish(mut self, last: &str) -> io::Result<()> {
+    pub fn publish(mut self, last: impl AsRef<Path>) -> io::Result<()> {
         let Some(hidden) = self.hidden.take() else { return Ok(()) };
         self.made.clear();
         let mut names: Vec<_> =
             fs::read_dir(hidden.path())?.map(|entry| Ok(entry?.file_name())).collect::<io::Result<_>>()?;
-        names.sort_by_key(|name| (name == last, name.clone()));
+        names.sort_by_key(|name| (Path::new(name) == last.as_ref(), name.clone()));
         for name in names {
             let (from, to) = (hidden.path().join(&name), self.folder.join(&name));
             if from.is_dir() && to.is_dir() { replace_numbered(&from, &to)? } else { fs::rename(&from, &to)? }
