@@ -58,9 +58,9 @@ pub(super) struct Progress {
 }
 
 impl Progress {
-    /// One more frame is done.
-    pub(super) fn step(&self) {
-        self.bar.inc(1);
+    /// So many more frames are done.
+    pub(super) fn advance(&self, frames: usize) {
+        self.bar.inc(frames as u64);
     }
 
     /// Something went wrong without ending the work.

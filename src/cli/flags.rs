@@ -15,7 +15,9 @@ pub struct UsageError(pub String);
 
 /// VIDEO, as the first argument.
 pub(super) fn video() -> Arg {
-    Arg::new("video").value_name("VIDEO").help("A video file, a folder of images, a pattern such as in%06d.png, or camera:0")
+    Arg::new("video")
+        .value_name("VIDEO")
+        .help("A video file, a folder of images, a pattern such as in%06d.png, or camera:0")
 }
 
 /// Adds `--preset`, `--settings` and a flag for every setting.
@@ -65,9 +67,8 @@ pub(super) fn with_settings(command: Command) -> Command {
 /// The settings that were asked for: the preset, the file over it, the flags over both.
 pub(super) fn settings(matches: &ArgMatches) -> anyhow::Result<Settings> {
     let preset = match matches.get_one::<String>("preset") {
-        Some(word) => {
-            Preset::from_word(word).ok_or_else(|| crate::settings::SettingError::UnknownPreset(word.clone()))?
-        }
+        Some(word) => Preset::from_word(word)
+            .ok_or_else(|| crate::settings::SettingError::UnknownPreset(word.clone()))?,
         None => Preset::Default,
     };
     let mut settings = Settings::preset(preset);
@@ -135,9 +136,9 @@ pub(super) fn with_range(command: Command) -> Command {
 /// The frames that were asked for, `None` for all.
 pub(super) fn range(matches: &ArgMatches) -> Result<Option<Range>, UsageError> {
     let Some(text) = matches.get_one::<String>("range") else { return Ok(None) };
-    let parsed = text
-        .split_once("..")
-        .and_then(|(first, last)| Some(Range { first: first.trim().parse().ok()?, last: last.trim().parse().ok()? }));
+    let parsed = text.split_once("..").and_then(|(first, last)| {
+        Some(Range { first: first.trim().parse().ok()?, last: last.trim().parse().ok()? })
+    });
     match parsed {
         Some(range) if range.first <= range.last => Ok(Some(range)),
         _ => Err(UsageError(format!(

@@ -21,7 +21,8 @@ pub use flags::UsageError;
 
 use crate::settings::SettingError;
 
-const ABOUT: &str = "A desktop microscope for background models, moving regions, tracks and occlusions in video";
+const ABOUT: &str =
+    "A desktop microscope for background models, moving regions, tracks and occlusions in video";
 
 const AFTER_HELP: &str = "\
 Examples:
@@ -51,6 +52,7 @@ pub fn command() -> Command {
 
 /// Runs the program with these arguments, the first being its own name.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
+    crate::source::silence_libraries();
     let matches = match command().try_get_matches_from(arguments) {
         Ok(matches) => matches,
         Err(error) => {
@@ -80,9 +82,9 @@ fn report(error: &anyhow::Error) -> ExitCode {
     let line = format!("{error:#}").split_whitespace().collect::<Vec<_>>().join(" ");
     // Where stderr is closed, there is nobody to tell.
     let _ = writeln!(io::stderr(), "error: {line}");
-    let wrong_usage = error
-        .chain()
-        .any(|cause| cause.downcast_ref::<UsageError>().is_some() || cause.downcast_ref::<SettingError>().is_some());
+    let wrong_usage = error.chain().any(|cause| {
+        cause.downcast_ref::<UsageError>().is_some() || cause.downcast_ref::<SettingError>().is_some()
+    });
     ExitCode::from(if wrong_usage { 2 } else { 1 })
 }
 

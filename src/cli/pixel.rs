@@ -56,15 +56,19 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
         .into());
     }
     flags::start_threads(matches)?;
-    let follow = Follow { video: text(matches, "video"), at, settings: &settings, range, console: Console::new(matches) };
-    match matches.get_one::<PathBuf>("out") {
-        Some(path) => to_file(path, &follow),
-        None => {
-            let mut out = BufWriter::new(io::stdout().lock());
-            follow.write(&mut out)?;
-            Ok(out.flush()?)
-        }
+    let follow = Follow {
+        video: text(matches, "video"),
+        at,
+        settings: &settings,
+        range,
+        console: Console::new(matches),
+    };
+    if let Some(path) = matches.get_one::<PathBuf>("out") {
+        return to_file(path, &follow);
     }
+    let mut out = BufWriter::new(io::stdout().lock());
+    follow.write_frames(&follow.open()?, &mut out)?;
+    Ok(out.flush()?)
 }
 
 fn text<'a>(matches: &'a ArgMatches, name: &str) -> &'a str {
@@ -73,9 +77,9 @@ fn text<'a>(matches: &'a ArgMatches, name: &str) -> &'a str {
 
 fn at(matches: &ArgMatches) -> Result<(u32, u32), UsageError> {
     let text = text(matches, "at");
-    text.split_once(',')
-        .and_then(|(x, y)| Some((x.trim().parse().ok()?, y.trim().parse().ok()?)))
-        .ok_or_else(|| UsageError(format!("--at cannot be `{text}`: it takes a column and a row, as in 320,240")))
+    text.split_once(',').and_then(|(x, y)| Some((x.trim().parse().ok()?, y.trim().parse().ok()?))).ok_or_else(
+        || UsageError(format!("--at cannot be `{text}`: it takes a column and a row, as in 320,240")),
+    )
 }
 
 /// Writes beside `path` and moves the whole there; a device or a pipe is written to as it is.
@@ -106,10 +110,6 @@ struct Follow<'a> {
 }
 
 impl Follow<'_> {
-    fn write(&self, out: &mut impl Write) -> anyhow::Result<()> {
-        self.write_frames(&self.open()?, out)
-    }
-
     fn open(&self) -> anyhow::Result<Frames> {
         let frames = Frames::open(self.video, self.range)?;
         let (x, y) = self.at;
@@ -142,7 +142,7 @@ impl Follow<'_> {
                     if let Some(state) = history.states.last() {
                         pixel_csv::write_row(out, &parameters, state)?;
                     }
-                    progress.step();
+                    progress.advance(1);
                 }
                 Item::Warning(text) => progress.warn(&text),
                 Item::Failed(error) => return Err(error),

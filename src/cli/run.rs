@@ -5,6 +5,7 @@
 //! are drawn in a second pass over the video for the same reason. A camera has no second pass:
 //! its pictures show what was known at the time.
 
+use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::{self, BufWriter, Read, Write};
 use std::path::{Path, PathBuf};
@@ -27,24 +28,45 @@ use crate::export::summary::{self, Input, Summary, Timing};
 use crate::export::video::VideoFile;
 use crate::export::{Staging, episodes_csv, events_jsonl, picture, regions_csv, tracks_csv, tracks_json};
 use crate::frame::{Frame, Mask, Size};
-use crate::occlusion::Event;
+use crate::occlusion::{Event, EventKind};
 use crate::pipeline::{Analysis, Pipeline, Reading, final_reading};
 use crate::regions::Labels;
 use crate::settings::Settings;
+use crate::source::SourceInfo;
 use crate::tracking::Track;
 
-const MASKS: &str = "masks";
-const FRAMES: &str = "frames";
-const ANNOTATED: &str = "annotated.mp4";
-const BACKGROUND: &str = "background";
-const PLAIN_FRAMES: &str = "plain-frames";
 const SUMMARY: &str = "summary.json";
+
+/// A file or folder that is written only when asked for.
+struct Bulky {
+    flag: &'static str,
+    file: &'static str,
+    help: &'static str,
+}
+
+const MASKS: Bulky =
+    Bulky { flag: "masks", file: "masks", help: "masks/bin000001.png …: the foreground, 0 or 255" };
+const FRAMES: Bulky = Bulky {
+    flag: "frames",
+    file: "frames",
+    help: "frames/000001.png …: the input with all that was found drawn on",
+};
+const ANNOTATED: Bulky =
+    Bulky { flag: "annotated", file: "annotated.mp4", help: "annotated.mp4: the same as a video" };
+const BACKGROUND: Bulky = Bulky {
+    flag: "background",
+    file: "background",
+    help: "background/000001.png …: the model's background after each frame",
+};
+const PLAIN_FRAMES: Bulky = Bulky {
+    flag: "plain-frames",
+    file: "plain-frames",
+    help: "plain-frames/000001.png …: the input as it was decoded",
+};
+const ALL_BULKY: [Bulky; 5] = [MASKS, FRAMES, ANNOTATED, BACKGROUND, PLAIN_FRAMES];
 
 /// The subcommand.
 pub fn command() -> Command {
-    let switch = |name: &'static str, help: &'static str| {
-        Arg::new(name).long(name).action(ArgAction::SetTrue).help(help).help_heading("Bulky files")
-    };
     let command = Command::new("run")
         .about("Analyse a video without a display and write tracks, regions, events and episodes")
         .after_help(
@@ -61,12 +83,11 @@ pub fn command() -> Command {
                 .required(true)
                 .value_parser(value_parser!(PathBuf))
                 .help("The folder for the results; made if it is not there"),
-        )
-        .arg(switch(MASKS, "masks/bin000001.png …: the foreground, 0 or 255"))
-        .arg(switch(FRAMES, "frames/000001.png …: the input with all that was found drawn on"))
-        .arg(switch("annotated", "annotated.mp4: the same as a video"))
-        .arg(switch(BACKGROUND, "background/000001.png …: the model's background after each frame"))
-        .arg(switch(PLAIN_FRAMES, "plain-frames/000001.png …: the input as it was decoded"));
+        );
+    let command = ALL_BULKY.into_iter().fold(command, |command, Bulky { flag, help, .. }| {
+        command
+            .arg(Arg::new(flag).long(flag).action(ArgAction::SetTrue).help(help).help_heading("Bulky files"))
+    });
     flags::with_settings(flags::with_common(flags::with_range(command)))
 }
 
@@ -86,20 +107,20 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
         rayon::current_num_threads()
     ));
 
-    let staging = Staging::new(&job.out).with_context(|| format!("{} cannot be written to", job.out.display()))?;
+    let staging = Staging::new(&job.out).with_context(|| job.out_failure())?;
     let record = analyse(&job, &frames, &staging)?;
     if job.draws() && !frames.info.live {
         draw(&job, &record, &staging)?;
     }
     let sha256 = match hash {
-        Some(hash) => hash.join().map_err(|_| anyhow!("{} could not be hashed", job.video))??,
+        Some(hash) => Some(hash.join().map_err(|_| anyhow!("{} could not be hashed", job.video))??),
         None => record.frames_hash.clone(),
     };
     write_tables(&record, &job.settings, &staging)?;
     let seconds = started.elapsed().as_secs_f64();
-    let summary = summarise(&job, &frames, &record, sha256, seconds);
+    let summary = summarise(&job, &frames.info, &record, sha256, seconds);
     write_file(&staging, SUMMARY, |out| summary::write(out, &summary))?;
-    staging.publish(SUMMARY).with_context(|| format!("{} cannot be written to", job.out.display()))?;
+    staging.publish(SUMMARY).with_context(|| job.out_failure())?;
 
     tell(&job, &summary);
     Ok(())
@@ -112,11 +133,8 @@ struct Job {
     settings: Settings,
     range: Option<Range>,
     console: Console,
-    masks: bool,
-    frames: bool,
-    annotated: bool,
-    background: bool,
-    plain_frames: bool,
+    /// The flags of the bulky files that were asked for.
+    bulky: Vec<&'static str>,
 }
 
 impl Job {
@@ -127,17 +145,21 @@ impl Job {
             settings: flags::settings(matches)?,
             range: flags::range(matches)?,
             console: Console::new(matches),
-            masks: matches.get_flag(MASKS),
-            frames: matches.get_flag(FRAMES),
-            annotated: matches.get_flag("annotated"),
-            background: matches.get_flag(BACKGROUND),
-            plain_frames: matches.get_flag(PLAIN_FRAMES),
+            bulky: ALL_BULKY.iter().map(|bulky| bulky.flag).filter(|flag| matches.get_flag(flag)).collect(),
         })
+    }
+
+    fn out_failure(&self) -> String {
+        format!("{} cannot be written to", self.out.display())
     }
 
     /// Whether anything is to be drawn onto frames.
     fn draws(&self) -> bool {
-        self.frames || self.annotated
+        self.wants(&FRAMES) || self.wants(&ANNOTATED)
+    }
+
+    fn wants(&self, bulky: &Bulky) -> bool {
+        self.bulky.contains(&bulky.flag)
     }
 }
 
@@ -155,18 +177,20 @@ struct Record {
 fn analyse(job: &Job, frames: &Frames, staging: &Staging) -> anyhow::Result<Record> {
     let info = &frames.info;
     let mut pipeline = Pipeline::new(&job.settings, info.size, info.fps)?;
-    let mut pictures = Pictures::new(job, staging)?;
-    let mut live = if info.live && job.draws() { Some(Live::new(job, frames, staging)?) } else { None };
-    let mut hasher = (!info.live && Path::new(&job.video).is_dir() || job.video.contains('%')).then(Sha256::new);
+    let mut pictures = Pictures::new(job, staging).with_context(|| job.out_failure())?;
+    let mut live = None;
+    if info.live && job.draws() {
+        live = Some(LiveDrawing::new(Drawing::new(job, info, staging)?, info.fps));
+    }
+    let mut hasher = is_images(info).then(Sha256::new);
     let mut kept = Vec::new();
     let mut regions = Vec::new();
-    let mut share = 0.0;
+    let mut foreground = 0;
     let mut warnings = Vec::new();
-    let nothing = Analysis {
-        mask: Arc::new(Mask::empty(Size::new(0, 0))),
-        labels: Arc::new(Labels { size: Size::new(0, 0), data: Vec::new() }),
-        ..Analysis::default()
-    };
+    let no_mask = Arc::new(Mask::empty(Size::new(0, 0)));
+    let no_labels = Arc::new(Labels { size: Size::new(0, 0), data: Vec::new() });
+    let no_regions = Arc::new(Vec::new());
+
     let progress = job.console.progress("analysing", frames.total);
     for item in frames.items() {
         // A recording ends when it is stopped; anything else is then not done.
@@ -186,23 +210,23 @@ fn analyse(job: &Job, frames: &Frames, staging: &Staging) -> anyhow::Result<Reco
             hasher.update(&frame.rgb);
         }
         let analysis = pipeline.step(&frame).with_context(|| job.video.clone())?;
-        pictures.write(&frame, &analysis, &pipeline).with_context(|| job.out.display().to_string())?;
+        pictures.write(&frame, &analysis, &pipeline).with_context(|| job.out_failure())?;
         if let Some(live) = &mut live {
-            live.draw(&frame, &analysis)?;
+            live.draw(Frame::clone(&frame), &analysis).with_context(|| job.out_failure())?;
         }
-        share += f64::from(analysis.mask.foreground_pixels() as u32) / info.size.pixels() as f64;
+        foreground += analysis.mask.foreground_pixels();
         regions.push((frame.number, analysis.regions.iter().map(regions_csv::Row::from).collect()));
-        // Masks and labels would fill the memory, and the final reading needs none.
+        // Masks, labels and histograms would fill the memory, and the final reading needs none.
         kept.push(Analysis {
-            mask: nothing.mask.clone(),
-            labels: nothing.labels.clone(),
-            regions: nothing.regions.clone(),
+            mask: no_mask.clone(),
+            labels: no_labels.clone(),
+            regions: no_regions.clone(),
             ..analysis
         });
-        progress.step();
+        progress.advance(1);
     }
     drop(progress);
-    pictures.queue.finish().with_context(|| job.out.display().to_string())?;
+    pictures.queue.finish().with_context(|| job.out_failure())?;
     if let Some(live) = live {
         live.finish()?;
     }
@@ -211,9 +235,255 @@ fn analyse(job: &Job, frames: &Frames, staging: &Staging) -> anyhow::Result<Reco
     }
     Ok(Record {
         reading: final_reading(&kept, &pipeline),
-        foreground_share: share / kept.len() as f64,
+        foreground_share: foreground as f64 / (kept.len() * info.size.pixels()) as f64,
         regions,
         warnings,
         frames_hash: hasher.map(|hasher| hexadecimal(&hasher.finalize())),
     })
+}
+
+/// The bulky pictures that are written as frames pass.
+struct Pictures {
+    masks: Option<PathBuf>,
+    background: Option<PathBuf>,
+    plain_frames: Option<PathBuf>,
+    queue: PictureQueue,
+}
+
+impl Pictures {
+    fn new(job: &Job, staging: &Staging) -> io::Result<Self> {
+        let folder = |bulky: &Bulky| job.wants(bulky).then(|| staging.folder(bulky.file)).transpose();
+        Ok(Self {
+            masks: folder(&MASKS)?,
+            background: folder(&BACKGROUND)?,
+            plain_frames: folder(&PLAIN_FRAMES)?,
+            queue: PictureQueue::start(rayon::current_num_threads().min(8))?,
+        })
+    }
+
+    fn write(&mut self, frame: &Arc<Frame>, analysis: &Analysis, pipeline: &Pipeline) -> anyhow::Result<()> {
+        let number = frame.number;
+        if let Some(folder) = &self.masks {
+            let path = folder.join(format!("bin{number:06}.png"));
+            self.queue.write(path, Picture::Mask(analysis.mask.clone()))?;
+        }
+        if let Some(folder) = &self.background {
+            let image = Frame::new(number, frame.size, pipeline.background_image()?);
+            self.queue.write(numbered(folder, number), Picture::Frame(Arc::new(image)))?;
+        }
+        if let Some(folder) = &self.plain_frames {
+            self.queue.write(numbered(folder, number), Picture::Frame(frame.clone()))?;
+        }
+        Ok(())
+    }
+}
+
+fn numbered(folder: &Path, number: u32) -> PathBuf {
+    folder.join(format!("{number:06}.png"))
+}
+
+/// Where annotated frames go.
+struct Drawing {
+    frames: Option<PathBuf>,
+    video: Option<VideoFile>,
+}
+
+impl Drawing {
+    fn new(job: &Job, info: &SourceInfo, staging: &Staging) -> anyhow::Result<Self> {
+        let frames = job
+            .wants(&FRAMES)
+            .then(|| staging.folder(FRAMES.file))
+            .transpose()
+            .with_context(|| job.out_failure())?;
+        let video = job
+            .wants(&ANNOTATED)
+            .then(|| VideoFile::create(&staging.path(ANNOTATED.file), info.size, info.fps))
+            .transpose()?;
+        Ok(Self { frames, video })
+    }
+
+    fn write(&mut self, frames: &[Frame]) -> anyhow::Result<()> {
+        if let Some(folder) = &self.frames {
+            frames
+                .par_iter()
+                .try_for_each(|frame| picture::write_frame(&numbered(folder, frame.number), frame))?;
+        }
+        if let Some(video) = &mut self.video {
+            for frame in frames {
+                video.write(frame)?;
+            }
+        }
+        Ok(())
+    }
+
+    fn finish(self) -> anyhow::Result<()> {
+        Ok(self.video.map_or(Ok(()), VideoFile::finish)?)
+    }
+}
+
+/// Draws as frames pass what is known at the time.
+struct LiveDrawing {
+    drawing: Drawing,
+    fps: f32,
+    tracks: Vec<(u32, Vec<Track>)>,
+    events: Vec<Event>,
+}
+
+impl LiveDrawing {
+    fn new(drawing: Drawing, fps: f32) -> Self {
+        Self { drawing, fps, tracks: Vec::new(), events: Vec::new() }
+    }
+
+    fn draw(&mut self, mut frame: Frame, analysis: &Analysis) -> anyhow::Result<()> {
+        self.tracks.push((analysis.number, analysis.tracks.to_vec()));
+        self.events.extend(analysis.events.iter().cloned());
+        // An event may be decided some frames after it happened.
+        self.events.sort_by_key(|event| event.frame);
+        annotate(&mut frame, &Moment::at(self.tracks.len() - 1, &self.tracks, &self.events, self.fps));
+        self.drawing.write(&[frame])
+    }
+
+    fn finish(self) -> anyhow::Result<()> {
+        self.drawing.finish()
+    }
+}
+
+/// The second pass: the final reading drawn onto the frames, decoded once more.
+fn draw(job: &Job, record: &Record, staging: &Staging) -> anyhow::Result<()> {
+    let frames = Frames::open(&job.video, job.range)?;
+    let fps = frames.info.fps;
+    let Reading { tracks, events, .. } = &record.reading;
+    let mut drawing = Drawing::new(job, &frames.info, staging)?;
+    let progress = job.console.progress("drawing", Some(tracks.len() as u32));
+    let changed = || anyhow!("{} changed while it was analysed; run again", job.video);
+
+    let mut pictures = frames.items().filter_map(|item| match item {
+        Item::Frame(frame) => Some(Ok(frame)),
+        // The first pass has told it.
+        Item::Warning(_) => None,
+        Item::Failed(error) => Some(Err(error)),
+    });
+    let mut done = 0;
+    while done < tracks.len() {
+        if interrupt::asked() {
+            bail!("stopped before all frames of {} were drawn; nothing was written", job.video);
+        }
+        let some = 2 * rayon::current_num_threads();
+        let mut batch: Vec<Frame> =
+            pictures.by_ref().take(some.min(tracks.len() - done)).collect::<Result<_, _>>()?;
+        if batch.is_empty()
+            || batch.iter().zip(&tracks[done..]).any(|(frame, (number, _))| frame.number != *number)
+        {
+            return Err(changed());
+        }
+        batch.par_iter_mut().enumerate().for_each(|(offset, frame)| {
+            annotate(frame, &Moment::at(done + offset, tracks, events, fps));
+        });
+        drawing.write(&batch).with_context(|| job.out_failure())?;
+        done += batch.len();
+        progress.advance(batch.len());
+    }
+    drawing.finish()
+}
+
+/// Whether frames come from a folder or a pattern of images.
+fn is_images(info: &SourceInfo) -> bool {
+    !info.live && !Path::new(&info.name).is_file()
+}
+
+/// Starts to hash a video file; `None` of anything else.
+fn hash_of_file(video: &str) -> Option<JoinHandle<io::Result<String>>> {
+    let path = Path::new(video).is_file().then(|| PathBuf::from(video))?;
+    let hash = move || {
+        let mut file = File::open(path)?;
+        let mut hasher = Sha256::new();
+        let mut part = vec![0; 1 << 16];
+        loop {
+            match file.read(&mut part)? {
+                0 => return Ok(hexadecimal(&hasher.finalize())),
+                read => hasher.update(&part[..read]),
+            }
+        }
+    };
+    thread::Builder::new().name("hash".to_owned()).spawn(hash).ok()
+}
+
+fn hexadecimal(bytes: &[u8]) -> String {
+    use std::fmt::Write as _;
+    bytes.iter().fold(String::new(), |mut text, byte| {
+        // Writing to a string cannot fail.
+        let _ = write!(text, "{byte:02x}");
+        text
+    })
+}
+
+fn write_tables(record: &Record, settings: &Settings, staging: &Staging) -> anyhow::Result<()> {
+    let Record { reading, regions, .. } = record;
+    write_file(staging, "settings.toml", |out| out.write_all(settings.to_toml().as_bytes()))?;
+    write_file(staging, "tracks.csv", |out| tracks_csv::write(out, &reading.tracks))?;
+    write_file(staging, "tracks.json", |out| tracks_json::write(out, &reading.tracks))?;
+    write_file(staging, "regions.csv", |out| regions_csv::write(out, regions, &reading.tracks))?;
+    write_file(staging, "events.jsonl", |out| events_jsonl::write(out, &reading.events))?;
+    write_file(staging, "episodes.csv", |out| episodes_csv::write(out, &reading.episodes))
+}
+
+fn write_file(
+    staging: &Staging,
+    name: &str,
+    content: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
+) -> anyhow::Result<()> {
+    let write = || {
+        let mut out = BufWriter::new(File::create(staging.path(name))?);
+        content(&mut out)?;
+        out.flush()
+    };
+    write().with_context(|| format!("{name} cannot be written"))
+}
+
+fn summarise(job: &Job, info: &SourceInfo, record: &Record, sha256: Option<String>, seconds: f64) -> Summary {
+    let reading = &record.reading;
+    let frames = reading.tracks.len() as u32;
+    let number = |entry: Option<&(u32, Vec<Track>)>| entry.map_or(0, |(number, _)| *number);
+    let identities: BTreeSet<_> =
+        reading.tracks.iter().flat_map(|(_, tracks)| tracks.iter().map(|track| track.id)).collect();
+    Summary {
+        version: env!("CARGO_PKG_VERSION"),
+        input: Input {
+            path: job.video.clone(),
+            size: info.size,
+            fps: info.fps,
+            frames,
+            first_frame: number(reading.tracks.first()),
+            last_frame: number(reading.tracks.last()),
+            sha256,
+        },
+        settings: job.settings.clone(),
+        objects: identities.len(),
+        events: reading.counters,
+        episodes: reading.episodes.len(),
+        foreground_share: record.foreground_share,
+        warnings: record.warnings.clone(),
+        timing: Timing { seconds, frames_per_second: f64::from(frames) / seconds.max(f64::MIN_POSITIVE) },
+    }
+}
+
+/// Says what came of it.
+fn tell(job: &Job, summary: &Summary) {
+    job.console.note(&format!(
+        "{} frames, {} objects, {} occlusion episodes, {:.0} frames/s; written to {}",
+        summary.input.frames,
+        summary.objects,
+        summary.episodes,
+        summary.timing.frames_per_second,
+        job.out.display()
+    ));
+    for kind in EventKind::ALL {
+        job.console.detail(&format!("{:>9}: {}", kind.name(), summary.events.of(kind)));
+    }
+    for bulky in &ALL_BULKY {
+        let path = job.out.join(bulky.file);
+        if !job.wants(bulky) && path.exists() {
+            job.console.note(&format!("note: {} is not of this run", path.display()));
+        }
+    }
 }

@@ -1,10 +1,10 @@
 //! What was found, drawn onto the frame it was found in.
 
 use super::canvas::{Canvas, Paint, text_width};
-use crate::palette::{event_colour, identity_colour};
 use super::joined;
 use crate::frame::Frame;
 use crate::occlusion::Event;
+use crate::palette::{event_colour, identity_colour};
 use crate::regions::Rect;
 use crate::tracking::{Identity, Track, TrackState};
 
@@ -204,7 +204,8 @@ fn draw_labels(
             Rect::new(x.clamp(0.0, most_x), y.clamp(0.0, most_y), w, h)
         };
         let hidden = |place: &Rect| {
-            let over = |others: &[Rect]| others.iter().map(|other| place.intersection(other).area()).sum::<f32>();
+            let over =
+                |others: &[Rect]| others.iter().map(|other| place.intersection(other).area()).sum::<f32>();
             3.0 * over(&taken) + over(&objects)
         };
         let best = places
@@ -263,14 +264,18 @@ mod tests {
             }
         }
         let label = (40..60).flat_map(|x| (30..50).map(move |y| (x, y)));
-        let inked = label.filter(|&(x, y)| frame.pixel(x, y).is_some_and(|[r, g, b]| r < 40 && g < 40 && b < 40));
+        let inked =
+            label.filter(|&(x, y)| frame.pixel(x, y).is_some_and(|[r, g, b]| r < 40 && g < 40 && b < 40));
         assert!(inked.count() > 3, "the label is written above the box");
     }
 
     #[test]
     fn a_predicted_box_is_dashed() {
-        let hidden =
-            Track { state: TrackState::Hidden, bbox: Rect::new(40.0, 40.0, 60.0, 60.0), ..track(1, 0.0, 0.0) };
+        let hidden = Track {
+            state: TrackState::Hidden,
+            bbox: Rect::new(40.0, 40.0, 60.0, 60.0),
+            ..track(1, 0.0, 0.0)
+        };
         let tracks = vec![(9, vec![hidden])];
         let mut frame = grey(9, Size::new(200, 120));
         annotate(&mut frame, &Moment::at(0, &tracks, &[], 10.0));

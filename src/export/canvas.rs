@@ -122,9 +122,8 @@ impl<'a> Canvas<'a> {
 
     /// A filled rectangle, its edges blended where they cut through pixels.
     pub fn fill(&mut self, rect: &Rect, paint: Paint) {
-        let share = |at: u32, from: f32, to: f32| {
-            ((at as f32 + 1.0).min(to) - (at as f32).max(from)).clamp(0.0, 1.0)
-        };
+        let share =
+            |at: u32, from: f32, to: f32| ((at as f32 + 1.0).min(to) - (at as f32).max(from)).clamp(0.0, 1.0);
         for y in self.rows(rect.y, rect.bottom()) {
             for x in self.columns(rect.x, rect.right()) {
                 let covered = share(x, rect.x, rect.right()) * share(y, rect.y, rect.bottom());

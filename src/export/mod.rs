@@ -36,6 +36,7 @@ mod tests {
     pub(crate) fn track(id: Identity, x: f32, y: f32) -> Track {
         let bbox = Rect::new(x, y, 8.0, 16.0);
         Track {
+            key: id,
             id,
             state: TrackState::Visible,
             bbox,

@@ -8,7 +8,14 @@ pub fn significant(value: f64) -> String {
         return "0".to_owned();
     }
     if !value.is_finite() {
-        return if value.is_nan() { "nan" } else if value > 0.0 { "inf" } else { "-inf" }.to_owned();
+        return if value.is_nan() {
+            "nan"
+        } else if value > 0.0 {
+            "inf"
+        } else {
+            "-inf"
+        }
+        .to_owned();
     }
     // Rounding to nine digits may carry into the next power of ten, so the exponent is read after it.
     let rounded = format!("{value:.8e}");

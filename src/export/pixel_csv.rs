@@ -55,8 +55,7 @@ mod tests {
 
     fn table(settings: &Settings, colours: &[[u8; 3]]) -> Vec<String> {
         let parameters = Parameters::new(settings);
-        let history =
-            PixelHistory::of_colours((0, 0), parameters, (1..).zip(colours.iter().copied()));
+        let history = PixelHistory::of_colours((0, 0), parameters, (1..).zip(colours.iter().copied()));
         let mut text = Vec::new();
         write_header(&mut text, &parameters).unwrap();
         for state in &history.states {

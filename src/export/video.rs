@@ -19,7 +19,9 @@ pub struct VideoFile {
 #[derive(Debug, thiserror::Error)]
 pub enum VideoError {
     /// OpenCV was built without an encoder, or the size or rate is beyond it.
-    #[error("OpenCV cannot encode an MPEG-4 video of {size} at {fps} frames a second; leave `--annotated` out")]
+    #[error(
+        "OpenCV cannot encode an MPEG-4 video of {size} at {fps} frames a second; leave `--annotated` out"
+    )]
     Encoder {
         /// Of the video.
         size: Size,
@@ -36,7 +38,7 @@ impl VideoFile {
     pub fn create(path: &Path, size: Size, fps: f32) -> Result<Self, VideoError> {
         let fourcc = VideoWriter::fourcc('m', 'p', '4', 'v')?;
         let cv_size = CvSize::new(size.width as i32, size.height as i32);
-        let writer = VideoWriter::new(&path.to_string_lossy(), fourcc, fps.into(), cv_size, true)?;
+        let writer = VideoWriter::new(path, fourcc, fps.into(), cv_size, true)?;
         if !writer.is_opened()? {
             return Err(VideoError::Encoder { size, fps });
         }
@@ -49,7 +51,7 @@ impl VideoFile {
         self.bgr.extend(frame.rgb.chunks_exact(3).flat_map(|rgb| [rgb[2], rgb[1], rgb[0]]));
         let (rows, columns) = (self.size.height as i32, self.size.width as i32);
         let image = Mat::new_rows_cols_with_bytes::<Vec3b>(rows, columns, &self.bgr)?;
-        Ok(self.writer.write(&*image)?)
+        Ok(self.writer.write(&image)?)
     }
 
     /// Ends the file.
@@ -76,7 +78,7 @@ mod tests {
             }
             video.finish().unwrap();
 
-            let mut read = VideoCapture::from_file(&path.to_string_lossy(), CAP_ANY).unwrap();
+            let mut read = VideoCapture::from_file(&path, CAP_ANY).unwrap();
             let mut image = Mat::default();
             let mut reds = Vec::new();
             while read.read(&mut image).unwrap() {
