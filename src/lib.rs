@@ -15,6 +15,8 @@
 
 #[cfg(feature = "gui")]
 pub mod app;
+pub mod cli;
+pub mod export;
 pub mod frame;
 pub mod mixture;
 pub mod occlusion;
