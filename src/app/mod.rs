@@ -1,3 +1,4 @@
 //! The window.
 
+pub mod inspector;
 pub mod theme;
