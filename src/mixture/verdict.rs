@@ -50,8 +50,7 @@ pub fn overruled(mixture: bool, mask: bool, settings: &Settings) -> Option<Strin
         .iter()
         .filter(|setting| setting.stage == Stage::Cleaning && !powerless.contains(&setting.name))
         .filter_map(|setting| match setting.get(settings) {
-            SettingValue::Integer(0) => None,
-            SettingValue::Choice("off" | "none") => None,
+            SettingValue::Integer(0) | SettingValue::Choice("off" | "none") => None,
             value => Some(format!("{} {value}", setting.name.replace('_', " "))),
         })
         .collect();

@@ -55,8 +55,8 @@ pub(super) fn ticks(min: f64, max: f64, most: usize) -> Vec<f64> {
     let raw = span / most.max(1) as f64;
     let power = 10_f64.powf(raw.log10().floor());
     let step = [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|&step| step >= raw).unwrap_or(raw);
-    let first = (min / step).ceil() as i64;
-    (first..).map(|n| n as f64 * step).take_while(|&tick| tick <= max + step * 1e-9).collect()
+    let (first, last) = ((min / step).ceil() as i64, (max / step + 1e-9).floor() as i64);
+    (first..=last).map(|n| n as f64 * step).collect()
 }
 
 /// The plot's part of a row: without the gutter and the space at the right.

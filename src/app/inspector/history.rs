@@ -422,3 +422,54 @@ fn count_plot(painter: &Painter, visuals: &Visuals, bins: &[Bin], axis: Axis, re
         visuals,
     );
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+    use crate::mixture::Parameters;
+    use crate::mixture::follow::slots;
+    use crate::settings::Settings;
+
+    fn of_level(level: u8) -> Arc<PixelHistory> {
+        let colours = (1..=50).map(|number| (number, [level; 3]));
+        Arc::new(PixelHistory::of_colours((1, 2), Parameters::new(&Settings::default()), colours))
+    }
+
+    #[test]
+    fn columns_are_made_anew_only_for_another_history_part_or_width() {
+        let mut view = HistoryView::default();
+        let mut made = |history: &Arc<PixelHistory>, frames: Range<usize>, columns: usize| {
+            let slots = Arc::new(slots(history));
+            let chosen = Chosen { history, slots: &slots, index: 3, state: &history.states[3], fps: 25.0 };
+            let bins = view.bins(&chosen, frames, columns);
+            (bins.as_ptr(), bins.len(), bins[0].value[0].0)
+        };
+        let (one, other) = (of_level(10), of_level(200));
+        let first = made(&one, 0..50, 20);
+        assert_eq!(first, made(&Arc::clone(&one), 0..50, 20), "the same columns, not equal ones");
+        assert_eq!(made(&one, 10..50, 5).1, 5);
+        assert_eq!(made(&other, 10..50, 5).2, 200.0);
+        // Equal in content, but another: it may have grown by the next time.
+        assert_eq!(made(&of_level(10), 10..50, 5).2, 10.0);
+    }
+
+    #[test]
+    fn zooming_keeps_the_centre_and_stays_within_the_history() {
+        let mut view = HistoryView::default();
+        view.zoom(0.5, 75.0, 100);
+        assert_eq!(view.view, Some((37.5, 87.5)));
+        view.zoom(2.0, 75.0, 100);
+        assert_eq!(view.view, None, "all of it again");
+        for _ in 0..20 {
+            view.zoom(0.5, 0.0, 100);
+        }
+        let (from, to) = view.range(100);
+        assert!(from == 0.0 && to - from >= LEAST_FRAMES);
+        view.set(95.0, 105.0, 100);
+        assert_eq!(view.range(100), (90.0, 100.0));
+        view.set(-10.0, 0.0, 100);
+        assert_eq!(view.range(100), (0.0, 10.0));
+    }
+}

@@ -118,7 +118,7 @@ fn caption(ui: &mut Ui, text: &str) {
 /// A small plot for each channel, one under the other on the same 0..255.
 fn densities(ui: &mut Ui, chosen: &Chosen<'_>, rows: &[Row]) {
     const CURVES: f32 = 50.0;
-    let lane = if rows.len() > 4 { 6.0 } else { 9.0 };
+    let lane = if rows.len() > 4 { 6.0 } else { 10.0 };
     let lanes = lane * rows.len() as f32;
     let channels = chosen.channels();
     let height = (CURVES + lanes + 8.0) * channels.len() as f32 + TICKS + 2.0;
@@ -229,7 +229,7 @@ fn curve(
     let fill = colour.gamma_multiply(if row.background { 0.38 } else { 0.10 });
     let mut columns = Columns::default();
     for pair in points.windows(2) {
-        let y = (pair[0].y + pair[1].y) / 2.0;
+        let y = f32::midpoint(pair[0].y, pair[1].y);
         if y < plot.bottom() - 0.2 {
             columns.add(Rangef::new(pair[0].x, pair[1].x), y, plot.bottom(), fill);
         }
@@ -426,10 +426,11 @@ fn line(ui: &mut Ui, rank: Option<usize>, mut cell: impl FnMut(&mut Ui, usize)) 
         } else {
             Layout::right_to_left(Align::Center)
         };
-        ui.scope_builder(UiBuilder::new().max_rect(place).layout(layout).id_salt((rank, column)), |ui| {
-            ui.spacing_mut().item_spacing.x = 4.0;
-            cell(ui, column);
-        });
+        // A child of its own place: the row has been allocated as a whole.
+        let mut cell_ui =
+            ui.new_child(UiBuilder::new().max_rect(place).layout(layout).id_salt((rank, column)));
+        cell_ui.spacing_mut().item_spacing.x = 4.0;
+        cell(&mut cell_ui, column);
     }
 }
 
@@ -479,12 +480,11 @@ fn numbers(ui: &mut Ui, chosen: &Chosen<'_>) {
             let left = area.left() + width * column as f32;
             let place = Rect::from_min_size(Pos2::new(left, area.top()), Vec2::new(width, area.height()));
             let layout = Layout::left_to_right(Align::Center);
-            ui.scope_builder(UiBuilder::new().max_rect(place).layout(layout).id_salt(name), |ui| {
-                ui.spacing_mut().item_spacing.x = 5.0;
-                let label = ui.label(style::aside(ui, name));
-                label.on_hover_text(*meaning);
-                ui.label(small(value)).on_hover_text(*meaning);
-            });
+            let mut cell = ui.new_child(UiBuilder::new().max_rect(place).layout(layout).id_salt(name));
+            cell.spacing_mut().item_spacing.x = 5.0;
+            let label = cell.label(style::aside(&cell, name));
+            label.on_hover_text(*meaning);
+            cell.label(small(value)).on_hover_text(*meaning);
         }
     }
 }

@@ -153,8 +153,8 @@ impl Scatter {
             .allow_boxed_zoom(false)
             .show_crosshair(false)
             .show_background(false)
-            .x_grid_spacer(marks)
-            .y_grid_spacer(marks)
+            .x_grid_spacer(|input| marks(&input))
+            .y_grid_spacer(|input| marks(&input))
             .grid_color(style::faint(&visuals).color)
             .grid_fade(0.0)
             .custom_x_axes(vec![axis(AxisHints::new_x(), names.0, &visuals)])
@@ -249,7 +249,7 @@ fn axis<'a>(hints: AxisHints<'a>, name: &str, visuals: &Visuals) -> AxisHints<'a
 }
 
 /// Grid lines of one kind, as many as leave room for their numbers.
-fn marks(input: GridInput) -> Vec<GridMark> {
+fn marks(input: &GridInput) -> Vec<GridMark> {
     let (min, max) = input.bounds;
     let values = chart::ticks(min, max, 6);
     let step_size = values.get(1).map_or(max - min, |second| second - values[0]);

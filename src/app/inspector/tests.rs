@@ -376,10 +376,8 @@ fn a_long_history_stays_quick() {
     for _ in 0..20 {
         harness.step();
     }
-    // Without the cached columns each step would pass through all hundred thousand states.
     let each = start.elapsed() / 20;
-    println!("a repaint of 100 000 frames: {each:?}");
-    assert!(each.as_millis() < 100, "{each:?}");
+    assert!(each.as_millis() < 33, "a repaint of 100 000 frames takes {each:?}");
     open(&mut harness, "Scatter");
     harness.get_by_label("all").click();
     harness.run();
