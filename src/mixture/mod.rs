@@ -8,6 +8,7 @@ pub mod exponential;
 pub mod follow;
 pub mod history;
 pub mod image;
+pub mod opencv;
 pub mod pixel;
 pub mod verdict;
 
