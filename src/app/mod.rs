@@ -24,6 +24,7 @@ mod transport;
 mod views;
 mod welcome;
 
+pub mod inspector;
 pub mod theme;
 
 #[cfg(test)]

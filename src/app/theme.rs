@@ -140,15 +140,26 @@ fn dressed(mut visuals: Visuals, colours: &Colours) -> Visuals {
     visuals.hyperlink_color = colours.accent;
     visuals.selection = Selection {
         bg_fill: if dark { Color32::from_rgb(44, 66, 112) } else { Color32::from_rgb(196, 214, 250) },
-        stroke: Stroke::new(1.0, if dark { Color32::from_rgb(232, 239, 255) } else { Color32::from_rgb(16, 44, 110) }),
+        stroke: Stroke::new(
+            1.0,
+            if dark { Color32::from_rgb(232, 239, 255) } else { Color32::from_rgb(16, 44, 110) },
+        ),
     };
     visuals.slider_trailing_fill = true;
     visuals.window_corner_radius = CornerRadius::same(8);
     visuals.menu_corner_radius = CornerRadius::same(6);
-    visuals.window_shadow =
-        Shadow { offset: [0, 8], blur: 28, spread: 0, color: Color32::from_black_alpha(if dark { 140 } else { 50 }) };
-    visuals.popup_shadow =
-        Shadow { offset: [0, 4], blur: 14, spread: 0, color: Color32::from_black_alpha(if dark { 120 } else { 40 }) };
+    visuals.window_shadow = Shadow {
+        offset: [0, 8],
+        blur: 28,
+        spread: 0,
+        color: Color32::from_black_alpha(if dark { 140 } else { 50 }),
+    };
+    visuals.popup_shadow = Shadow {
+        offset: [0, 4],
+        blur: 14,
+        spread: 0,
+        color: Color32::from_black_alpha(if dark { 120 } else { 40 }),
+    };
     let widgets = &mut visuals.widgets;
     for (widget, amount) in [
         (&mut widgets.noninteractive, 0),
