@@ -4,6 +4,7 @@ use eframe::egui::{Context, Theme, ViewportCommand};
 
 use super::Window;
 use super::command::{Action, Command};
+use super::export_frame::Picture;
 use super::state::{Camera, SPEEDS};
 use super::{sample, views};
 use crate::replay::Start;
@@ -53,10 +54,9 @@ impl Window {
             Action::OpenFolder => self.dialogs.folder(ctx),
             Action::OpenSample => self.open_sample(ctx),
             Action::ExportFrame => {
-                if let Some(shown) = model.shown() {
-                    let name = format!("frame-{:06}.png", shown.frame.number);
-                    self.exporting = model.state.as_ref().and_then(|state| state.shown.clone());
-                    self.dialogs.save(ctx, name);
+                if let Some(picture) = Picture::of(model) {
+                    self.dialogs.save(ctx, picture.name());
+                    self.exporting = Some(picture);
                 }
             }
             Action::Quit => ctx.send_viewport_cmd(ViewportCommand::Close),

@@ -8,10 +8,12 @@ mod command;
 mod dialogs;
 mod drop_files;
 mod events_panel;
+mod export_frame;
 mod finder;
 mod help;
 mod history;
 mod icons;
+pub mod inspector;
 mod keys;
 mod sample;
 mod setting_control;
@@ -30,17 +32,18 @@ pub mod theme;
 #[cfg(test)]
 mod tests;
 
-use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use eframe::egui::{self, CentralPanel, Context, Frame, Margin, Panel, Ui, vec2};
 
 use self::command::Command;
 use self::dialogs::{Answer, Dialogs};
+use self::export_frame::{Exports, Picture};
 use self::finder::Finder;
+use self::inspector::{Inspector, InspectorAction};
 use self::state::{Model, Opener};
 use self::views::{Textures, View};
-use crate::replay::{Session, Shown, Start};
+use crate::replay::{Session, Start};
 use crate::settings::Settings;
 
 /// While a slider is pulled, the worker gets new settings no oftener than this.
@@ -98,7 +101,9 @@ struct Window {
     help: bool,
     opener: Opener,
     /// The frame for which a place to write it is being chosen.
-    exporting: Option<Arc<Shown>>,
+    exporting: Option<Picture>,
+    exports: Exports,
+    inspector: Inspector,
     sent_at: Option<Instant>,
 }
 
@@ -115,6 +120,8 @@ impl Window {
             help: false,
             opener,
             exporting: None,
+            exports: Exports::default(),
+            inspector: Inspector::default(),
             sent_at: None,
         }
     }
@@ -140,7 +147,20 @@ impl Window {
             Some(Answer::Open(path)) => {
                 self.apply(ctx, Command::Open(path.to_string_lossy().into_owned(), Start::First));
             }
-            Some(Answer::Save(path)) => self.export(&path),
+            Some(Answer::Save(path)) => {
+                if let Some(picture) = self.exporting.take() {
+                    self.exports.start(ctx, picture, path);
+                }
+            }
+            None => {}
+        }
+        match self.exports.done() {
+            Some(Ok(path)) => {
+                self.toasts.success(format!("Wrote {}", path.display()));
+            }
+            Some(Err(why)) => {
+                self.toasts.error(why).duration(Duration::from_secs(8));
+            }
             None => {}
         }
         if let Some(wait) = self.model.tick(ctx.input(|input| input.time)) {
@@ -168,10 +188,6 @@ impl Window {
         if let Some(player) = &self.model.player {
             player.set_settings(self.model.settings.clone());
         }
-    }
-
-    /// Writes the frame for which a place was chosen, on a thread of its own.
-    fn export(&mut self, _path: &std::path::Path) {
     }
 
     fn panels(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) {
@@ -207,7 +223,17 @@ impl Window {
         if model.inspector_panel && model.shown().is_some() {
             let size = (wide * 0.235).clamp(232.0, 520.0);
             let panel = Panel::right("inspector").frame(side).resizable(true).default_size(size);
-            panel.size_range(220.0..=760.0).show(ui, |ui| events_panel::ui(ui, model, commands));
+            let inspector = &mut self.inspector;
+            panel.size_range(220.0..=760.0).show(ui, |ui| {
+                let half = ui.available_height() * 0.42;
+                let below = Frame::NONE.inner_margin(Margin { top: 8, ..Margin::ZERO });
+                let list = Panel::bottom("events").frame(below).resizable(true).default_size(half);
+                list.min_size(120.0).show(ui, |ui| events_panel::ui(ui, model, commands));
+                let action = inspector.ui(ui, model.shown(), model.fps());
+                if let Some(InspectorAction::GoTo(position)) = action {
+                    commands.push(Command::GoTo(position));
+                }
+            });
         }
         let (tree, textures) = (&mut self.tree, &mut self.textures);
         CentralPanel::no_frame().show(ui, |ui| {

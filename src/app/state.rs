@@ -1,6 +1,7 @@
 //! What the window knows and what has been asked of it: data alone, without drawing.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use eframe::egui::Context;
 
@@ -9,7 +10,7 @@ use super::views::{Background, View};
 use crate::occlusion::EventKind;
 use crate::replay::{Phase, Session, Shown, Start, State, Timeline};
 use crate::settings::Settings;
-use crate::tracking::Identity;
+use crate::tracking::Track;
 
 /// What the window asks of the worker behind it.
 pub trait Player {
@@ -88,8 +89,8 @@ pub struct Hover {
     pub scale: f32,
 }
 
-/// Where each object was in the frames that have been seen.
-pub type Trails = BTreeMap<u32, Vec<(Identity, [f32; 2])>>;
+/// The number and the objects of each frame near the one in view that has been seen, by position.
+pub type Trails = BTreeMap<u32, (u32, Arc<Vec<Track>>)>;
 
 /// Everything that the window shows, and what has been asked for.
 pub struct Model {
@@ -269,8 +270,7 @@ impl Model {
             if before.and_then(|before| before.shown.as_ref()).is_some_and(|old| old.settings != shown.settings) {
                 self.trails.clear();
             }
-            let centres = shown.analysis.tracks.iter().map(|track| (track.id, track.centre)).collect();
-            self.trails.insert(shown.position, centres);
+            self.trails.insert(shown.position, (shown.frame.number, shown.analysis.tracks.clone()));
             let near = shown.position.saturating_sub(TRAIL)..=shown.position + TRAIL;
             self.trails.retain(|position, _| near.contains(position));
         }

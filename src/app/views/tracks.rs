@@ -93,11 +93,11 @@ fn trails(pane: &Pane<'_>) {
     for track in pane.shown.analysis.tracks.iter() {
         let colour = theme::rgb(identity_colour(track.id));
         let mut last: Option<(u32, Pos2)> = None;
-        for (&position, objects) in pane.model.trails.range(..=here) {
-            let Some((_, centre)) = objects.iter().find(|(id, _)| *id == track.id) else {
+        for (&position, (_, objects)) in pane.model.trails.range(..=here) {
+            let Some(then) = objects.iter().find(|then| then.id == track.id) else {
                 continue;
             };
-            let at = pane.canvas.screen(*centre);
+            let at = pane.canvas.screen(then.centre);
             if let Some((before, from)) = last
                 && position - before <= 2
             {
