@@ -92,7 +92,9 @@ pub struct Shown {
     pub frame: Arc<Frame>,
     /// What the stages made of it.
     pub analysis: Arc<Analysis>,
-    /// The mean of component 1 at each pixel, after this frame's update (or what MOG2 or KNN give).
+    /// The mean of component 1 at each pixel, after this frame's update. What MOG2 and KNN give
+    /// instead cannot be had again later: of them each frame's is kept while there is memory, then
+    /// every second one's and so on, and a frame without its own shows the nearest earlier one.
     pub background: Arc<Frame>,
     /// The weighted mean of the B background components; `None` where the model has no mixture.
     pub multi_mode: Option<Arc<Frame>>,

@@ -25,9 +25,12 @@ pub struct Session {
 pub(super) struct Requests {
     pub(super) show: Option<u32>,
     pub(super) settings: Option<Settings>,
-    pub(super) inspect: Option<Option<(u32, u32)>>,
+    pub(super) inspect: Option<Pixel>,
     stop: bool,
 }
+
+/// Which pixel to follow, `None` for none.
+pub(super) struct Pixel(pub(super) Option<(u32, u32)>);
 
 /// What both sides hold.
 pub(super) struct Shared {
@@ -110,7 +113,7 @@ impl Session {
 
     /// Chooses the pixel whose history is shown; `None`, or one outside the image, chooses none.
     pub fn inspect(&self, at: Option<(u32, u32)>) {
-        self.shared.ask(|requests| requests.inspect = Some(at));
+        self.shared.ask(|requests| requests.inspect = Some(Pixel(at)));
     }
 }
 

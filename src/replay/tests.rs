@@ -71,7 +71,7 @@ impl Watched {
 
     /// Waits for a state, looking at every one on the way that it gets to see.
     fn until(&self, mut look: impl FnMut(&State) -> bool) -> State {
-        let deadline = Instant::now() + Duration::from_secs(60);
+        let deadline = Instant::now() + Duration::from_mins(1);
         loop {
             let state = self.session.state();
             if look(&state) {

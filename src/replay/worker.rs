@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use super::inspector::Inspector;
 use super::run::{Run, Towards};
-use super::session::{Requests, Shared};
+use super::session::{Pixel, Requests, Shared};
 use super::timeline::Growing;
 use super::{Phase, Progress, Shown, Start, Timeline};
 use crate::frame::Frame;
@@ -26,8 +26,9 @@ const PACE: Duration = Duration::from_millis(100);
 /// After the first occlusion was decided, so many more frames show how it goes on.
 const INTO_OCCLUSION: u32 = 10;
 
-/// Stepping back so many checkpoints or less is taken for stepping, and the frames between are kept.
-const STEPPING: u32 = 2;
+/// Who steps back will step back again: the pictures of so many frames before the one that is
+/// wanted are made while the replay passes them. More would keep that one waiting.
+const STEPPING_BACK: u32 = 8;
 
 /// What stops the work on a choice of settings, in words for the user.
 struct Stopped(String);
@@ -58,11 +59,16 @@ pub(super) struct Worker<'a> {
     finished: bool,
     stopped: bool,
     shown: Option<Arc<Shown>>,
-    warnings: Vec<String>,
-    told_of_gone: bool,
     busy: Option<Progress>,
     meter: Meter,
-    unpublished: bool,
+    outbox: Outbox,
+}
+
+/// What waits to be published, and when that was last done.
+struct Outbox {
+    timeline_grew: bool,
+    warnings: Vec<String>,
+    told_of_gone: bool,
     published: Instant,
     publishing_took: Duration,
 }
@@ -123,13 +129,15 @@ impl<'a> Worker<'a> {
             finished: false,
             stopped: false,
             shown: None,
-            warnings: Vec::new(),
-            told_of_gone: false,
             busy: None,
             meter: Meter::default(),
-            unpublished: true,
-            published: Instant::now(),
-            publishing_took: Duration::ZERO,
+            outbox: Outbox {
+                timeline_grew: true,
+                warnings: Vec::new(),
+                told_of_gone: false,
+                published: Instant::now(),
+                publishing_took: Duration::ZERO,
+            },
         })
     }
 
@@ -152,7 +160,7 @@ impl<'a> Worker<'a> {
             self.wanted = position;
             self.follow = self.info.live && position >= self.run.front().saturating_sub(1);
         }
-        if let Some(pixel) = requests.inspect {
+        if let Some(Pixel(pixel)) = requests.inspect {
             self.pixel = pixel.filter(|&(x, y)| self.info.size.index(x, y).is_some());
             self.inspector.choose(self.pixel, self.run.settings());
             if self.pixel.is_none() {
@@ -175,7 +183,7 @@ impl<'a> Worker<'a> {
                     self.frames.forget();
                     self.wanted = 0;
                     self.follow = true;
-                    self.warnings.push(format!(
+                    self.outbox.warnings.push(format!(
                         "the first frames of {} are no longer kept: the new settings start with the next one",
                         self.info.name
                     ));
@@ -198,7 +206,7 @@ impl<'a> Worker<'a> {
                 ..Timeline::default()
             });
         });
-        self.unpublished = true;
+        self.outbox.timeline_grew = true;
         Ok(())
     }
 
@@ -265,10 +273,10 @@ impl<'a> Worker<'a> {
             }
             Towards::Needs(needed) => {
                 let last = self.shown.as_ref().map_or(0, |shown| shown.position);
-                let stepping_back =
-                    position < last && last - position <= STEPPING.saturating_mul(self.run.stride());
+                let stepping_back = (1..=10).contains(&last.saturating_sub(position));
+                let keep = stepping_back && position - needed <= STEPPING_BACK;
                 if let Some(passed) = self.fetch(needed)? {
-                    self.run.replay_frame(needed, &passed, stepping_back);
+                    self.run.replay_frame(needed, &passed, keep);
                 }
                 let what = format!("going back to frame {}", frame.number);
                 self.busy = Some(Progress { what, done: needed, total: Some(position + 1) });
@@ -288,8 +296,8 @@ impl<'a> Worker<'a> {
             Fetched::Gone | Fetched::End => {
                 // Only a live source forgets: the oldest thing that surely is there is the newest.
                 self.wanted = self.run.front().saturating_sub(1);
-                if !std::mem::replace(&mut self.told_of_gone, true) {
-                    self.warnings.push(format!(
+                if !std::mem::replace(&mut self.outbox.told_of_gone, true) {
+                    self.outbox.warnings.push(format!(
                         "earlier frames of {} are no longer kept: the newest is shown",
                         self.info.name
                     ));
@@ -307,8 +315,8 @@ impl<'a> Worker<'a> {
             self.run.track_next();
         } else {
             let fetched = self.frames.fetch(position, Keep::IfRoom);
-            self.warnings.extend(self.frames.take_warnings());
-            self.unpublished = true;
+            self.outbox.warnings.extend(self.frames.take_warnings());
+            self.outbox.timeline_grew = true;
             match fetched? {
                 Fetched::Frame(frame) => {
                     self.run.step(&frame)?;
@@ -348,12 +356,12 @@ impl<'a> Worker<'a> {
                 "analysing".to_owned()
             };
             self.busy = Some(Progress { what, done: position + 1, total });
-            self.unpublished = true;
+            self.outbox.timeline_grew = true;
         }
         if self.is_all_analysed() && !self.finished {
             self.growing.finish(self.run.final_reading());
             self.finished = true;
-            self.unpublished = true;
+            self.outbox.timeline_grew = true;
         }
         Ok(())
     }
@@ -430,17 +438,17 @@ impl<'a> Worker<'a> {
 
     /// Publishes what grows, not too often, and whatever is left before resting.
     fn publish_in_time(&mut self, resting: bool) {
-        let pace = PACE.max(self.publishing_took * 10);
-        if self.stopped || !resting && self.published.elapsed() < pace {
+        let pace = PACE.max(self.outbox.publishing_took * 10);
+        if self.stopped || !resting && self.outbox.published.elapsed() < pace {
             return;
         }
         if resting {
             self.busy = None;
         }
         let started = Instant::now();
-        let timeline = std::mem::take(&mut self.unpublished)
+        let timeline = std::mem::take(&mut self.outbox.timeline_grew)
             .then(|| Arc::new(self.growing.timeline(self.frames.numbers(), self.frames.is_complete())));
-        let new_warnings = std::mem::take(&mut self.warnings);
+        let new_warnings = std::mem::take(&mut self.outbox.warnings);
         self.show_pixel();
         self.shared.publish(|state| {
             if let Some(timeline) = timeline {
@@ -452,8 +460,8 @@ impl<'a> Worker<'a> {
             state.busy.clone_from(&self.busy);
             state.analysis_fps = self.meter.frames_a_second();
         });
-        self.published = Instant::now();
-        self.publishing_took = started.elapsed();
+        self.outbox.published = Instant::now();
+        self.outbox.publishing_took = started.elapsed();
     }
 }
 
