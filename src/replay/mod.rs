@@ -3,6 +3,19 @@
 //! The window holds a [`Session`] and asks; the worker publishes a [`State`] whenever something
 //! changed. Neither waits for the other.
 
+mod inspector;
+mod memory;
+mod pictures;
+mod record;
+mod run;
+mod session;
+mod spaced;
+mod timeline;
+mod worker;
+
+#[cfg(test)]
+mod tests;
+
 use std::sync::Arc;
 
 use crate::frame::Frame;
@@ -12,6 +25,20 @@ use crate::pipeline::Analysis;
 use crate::settings::Settings;
 use crate::source::SourceInfo;
 use crate::tracking::{Identity, TrackState};
+
+pub use session::Session;
+
+/// Which frame comes into view after opening. The first frame is shown until it is reached.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Start {
+    /// The first.
+    First,
+    /// One within the first occlusion: a merge, or an object that disappears. The first frame where
+    /// there is none.
+    FirstOcclusion,
+    /// The one of this number, or the next one after it that there is.
+    Frame(u32),
+}
 
 /// How far a session has come.
 #[derive(Clone, Debug, PartialEq)]
@@ -65,7 +92,9 @@ pub struct Shown {
     pub frame: Arc<Frame>,
     /// What the stages made of it.
     pub analysis: Arc<Analysis>,
-    /// The mean of component 1 at each pixel, after this frame's update (or what MOG2 or KNN give).
+    /// The mean of component 1 at each pixel, after this frame's update. What MOG2 and KNN give
+    /// instead cannot be had again later: of them each frame's is kept while there is memory, then
+    /// every second one's and so on, and a frame without its own shows the nearest earlier one.
     pub background: Arc<Frame>,
     /// The weighted mean of the B background components; `None` where the model has no mixture.
     pub multi_mode: Option<Arc<Frame>>,
