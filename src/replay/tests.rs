@@ -372,3 +372,28 @@ fn dropping_a_session_ends_its_worker_at_once() {
     while woken.try_recv().is_ok() {}
     assert!(matches!(woken.recv(), Err(std::sync::mpsc::RecvError)));
 }
+
+#[test]
+fn the_start_can_be_the_first_occlusion() {
+    let folder = scene();
+    let watched = Watched::open(folder.path(), settings(), Start::FirstOcclusion, 1 << 30);
+    let first = watched.until(|state| state.shown.is_some());
+    assert_eq!(first.shown.unwrap().position, 0, "something is in view at once");
+    let state = watched.until(|state| !shows(state, 0) && state.shown.is_some());
+    let tracks = state.shown.as_ref().unwrap().analysis.tracks.clone();
+    assert!(tracks.iter().any(|track| track.state != TrackState::Visible), "{tracks:?}");
+    let done = watched.until_done();
+    let merged =
+        done.timeline.events.iter().find(|(_, event)| event.kind == crate::occlusion::EventKind::Merge);
+    let (position, event) = merged.expect("the squares cross");
+    assert_eq!(event.frame, done.timeline.numbers[*position as usize]);
+    assert!(done.timeline.life_lines.len() >= 2);
+    for life in &done.timeline.life_lines {
+        assert!(life.spans.windows(2).all(|pair| pair[0].1 < pair[1].0), "{life:?}");
+    }
+    assert!(!first.timeline.complete || first.timeline.analysed == FRAMES);
+    // Who asks for a frame is not carried away from it.
+    let watched = Watched::open(folder.path(), settings(), Start::FirstOcclusion, 1 << 30);
+    watched.shown(2);
+    assert_eq!(watched.until_done().shown.unwrap().position, 2);
+}
