@@ -133,7 +133,9 @@ impl Window {
         let player = (self.opener)(name, self.model.settings.clone(), start, ctx);
         self.textures.clear();
         self.model.opened(name, player);
-        let short = std::path::Path::new(name).file_name().map_or_else(|| name.into(), |short| short.to_string_lossy());
+        let short = std::path::Path::new(name)
+            .file_name()
+            .map_or_else(|| name.into(), |short| short.to_string_lossy());
         ctx.send_viewport_cmd(ViewportCommand::Title(format!("{short} - Occluscope")));
     }
 }

@@ -12,7 +12,7 @@ use crate::settings::Settings;
 
 /// Something that a person can ask for by name or key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Action {
+pub(crate) enum Action {
     /// Choose a video file.
     OpenVideo,
     /// Choose a folder of images.
@@ -73,7 +73,7 @@ pub enum Action {
 
 /// Under which menu an action stands.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Menu {
+pub(crate) enum Menu {
     /// Opening and writing.
     File,
     /// What is seen.
@@ -86,10 +86,10 @@ pub enum Menu {
 
 impl Menu {
     /// All menus in order.
-    pub const ALL: [Self; 4] = [Self::File, Self::View, Self::Analysis, Self::Help];
+    pub(crate) const ALL: [Self; 4] = [Self::File, Self::View, Self::Analysis, Self::Help];
 
     /// The menu's name.
-    pub const fn name(self) -> &'static str {
+    pub(crate) const fn name(self) -> &'static str {
         match self {
             Self::File => "File",
             Self::View => "View",
@@ -101,18 +101,18 @@ impl Menu {
 
 /// A key with what is held down with it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shortcut {
+pub(crate) struct Shortcut {
     /// Ctrl (on a Mac, command).
-    pub ctrl: bool,
+    pub(crate) ctrl: bool,
     /// Shift, where the key itself does not need it.
-    pub shift: bool,
+    pub(crate) shift: bool,
     /// The key.
-    pub key: Key,
+    pub(crate) key: Key,
 }
 
 impl Shortcut {
     /// Whether a key press means this shortcut.
-    pub fn matches(&self, key: Key, modifiers: Modifiers) -> bool {
+    pub(crate) fn matches(&self, key: Key, modifiers: Modifiers) -> bool {
         let needs_shift = matches!(self.key, Key::Questionmark | Key::Plus);
         key == self.key
             && modifiers.command == self.ctrl
@@ -121,7 +121,7 @@ impl Shortcut {
     }
 
     /// As it is written in menus: `Ctrl+Shift+Z`.
-    pub fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         let key = match self.key {
             Key::ArrowLeft => "Left",
             Key::ArrowRight => "Right",
@@ -159,25 +159,25 @@ const fn ctrl_shift(key: Key) -> Shortcut {
 }
 
 /// All that is said of an action anywhere.
-pub struct Entry {
+pub(crate) struct Entry {
     /// What it does.
-    pub action: Action,
+    pub(crate) action: Action,
     /// Its name in menu, palette and help.
-    pub text: &'static str,
+    pub(crate) text: &'static str,
     /// What it does, in a sentence.
-    pub tooltip: &'static str,
+    pub(crate) tooltip: &'static str,
     /// The keys that call it.
-    pub shortcuts: &'static [Shortcut],
+    pub(crate) shortcuts: &'static [Shortcut],
     /// Its picture.
-    pub icon: Icon,
+    pub(crate) icon: Icon,
     /// The menu it stands in.
-    pub menu: Menu,
+    pub(crate) menu: Menu,
     /// Whether a line goes before it in its menu.
-    pub line_before: bool,
+    pub(crate) line_before: bool,
     /// Whether it makes sense with nothing opened.
-    pub always: bool,
+    pub(crate) always: bool,
     /// Whether holding the key down repeats it.
-    pub repeats: bool,
+    pub(crate) repeats: bool,
 }
 
 const fn entry(
@@ -209,55 +209,320 @@ impl Entry {
 }
 
 /// Every action, in the order of the menus.
-pub static ACTIONS: &[Entry] = &[
-    entry(Menu::File, Action::OpenVideo, m::ICON_VIDEO_FILE, "Open video…", &[ctrl(Key::O)], "Choose a video file: mp4, avi, mkv, mov, webm").always(),
-    entry(Menu::File, Action::OpenFolder, m::ICON_FOLDER_OPEN, "Open folder of images…", &[ctrl_shift(Key::O)], "Choose a folder whose images are the frames, in natural order").always(),
-    entry(Menu::File, Action::OpenSample, m::ICON_MOVIE, "Open sample", &[], "Two people cross: a bundled scene, opened at its occlusion").always(),
-    entry(Menu::File, Action::ExportFrame, m::ICON_PHOTO_CAMERA, "Export frame…", &[key(Key::E)], "Write this frame with boxes, identities and events drawn on, as a PNG").after_line(),
-    entry(Menu::File, Action::Quit, m::ICON_CLOSE, "Quit", &[ctrl(Key::Q)], "End the program").after_line().always(),
-    entry(Menu::View, Action::Maximise(View::Input), m::ICON_FULLSCREEN, "Input alone", &[key(Key::Num1)], "Show the input alone, or all views again"),
-    entry(Menu::View, Action::Maximise(View::Background), m::ICON_FULLSCREEN, "Background alone", &[key(Key::Num2)], "Show the background model alone, or all views again"),
-    entry(Menu::View, Action::Maximise(View::Foreground), m::ICON_FULLSCREEN, "Foreground alone", &[key(Key::Num3)], "Show the foreground mask alone, or all views again"),
-    entry(Menu::View, Action::Maximise(View::Regions), m::ICON_FULLSCREEN, "Regions alone", &[key(Key::Num4)], "Show the regions alone, or all views again"),
-    entry(Menu::View, Action::Maximise(View::Tracks), m::ICON_FULLSCREEN, "Tracks and occlusions alone", &[key(Key::Num5)], "Show tracks and occlusions alone, or all views again"),
-    entry(Menu::View, Action::Maximise(View::Difference), m::ICON_FULLSCREEN, "Difference alone", &[key(Key::Num6)], "Show how far the input is from the background alone, or all views again"),
-    entry(Menu::View, Action::Fit, m::ICON_FIT_SCREEN, "Fit image", &[key(Key::F)], "Show the whole image in each view").after_line(),
-    entry(Menu::View, Action::ZoomIn, m::ICON_ZOOM_IN, "Zoom in", &[key(Key::Plus), key(Key::Equals)], "Nearer, at the chosen pixel or the middle").repeats(),
+pub(crate) static ACTIONS: &[Entry] = &[
+    entry(
+        Menu::File,
+        Action::OpenVideo,
+        m::ICON_VIDEO_FILE,
+        "Open video…",
+        &[ctrl(Key::O)],
+        "Choose a video file: mp4, avi, mkv, mov, webm",
+    )
+    .always(),
+    entry(
+        Menu::File,
+        Action::OpenFolder,
+        m::ICON_FOLDER_OPEN,
+        "Open folder of images…",
+        &[ctrl_shift(Key::O)],
+        "Choose a folder whose images are the frames, in natural order",
+    )
+    .always(),
+    entry(
+        Menu::File,
+        Action::OpenSample,
+        m::ICON_MOVIE,
+        "Open sample",
+        &[],
+        "Two people cross: a bundled scene, opened at its occlusion",
+    )
+    .always(),
+    entry(
+        Menu::File,
+        Action::ExportFrame,
+        m::ICON_PHOTO_CAMERA,
+        "Export frame…",
+        &[key(Key::E)],
+        "Write this frame with boxes, identities and events drawn on, as a PNG",
+    )
+    .after_line(),
+    entry(Menu::File, Action::Quit, m::ICON_CLOSE, "Quit", &[ctrl(Key::Q)], "End the program")
+        .after_line()
+        .always(),
+    entry(
+        Menu::View,
+        Action::Maximise(View::Input),
+        m::ICON_FULLSCREEN,
+        "Input alone",
+        &[key(Key::Num1)],
+        "Show the input alone, or all views again",
+    ),
+    entry(
+        Menu::View,
+        Action::Maximise(View::Background),
+        m::ICON_FULLSCREEN,
+        "Background alone",
+        &[key(Key::Num2)],
+        "Show the background model alone, or all views again",
+    ),
+    entry(
+        Menu::View,
+        Action::Maximise(View::Foreground),
+        m::ICON_FULLSCREEN,
+        "Foreground alone",
+        &[key(Key::Num3)],
+        "Show the foreground mask alone, or all views again",
+    ),
+    entry(
+        Menu::View,
+        Action::Maximise(View::Regions),
+        m::ICON_FULLSCREEN,
+        "Regions alone",
+        &[key(Key::Num4)],
+        "Show the regions alone, or all views again",
+    ),
+    entry(
+        Menu::View,
+        Action::Maximise(View::Tracks),
+        m::ICON_FULLSCREEN,
+        "Tracks and occlusions alone",
+        &[key(Key::Num5)],
+        "Show tracks and occlusions alone, or all views again",
+    ),
+    entry(
+        Menu::View,
+        Action::Maximise(View::Difference),
+        m::ICON_FULLSCREEN,
+        "Difference alone",
+        &[key(Key::Num6)],
+        "Show how far the input is from the background alone, or all views again",
+    ),
+    entry(
+        Menu::View,
+        Action::Fit,
+        m::ICON_FIT_SCREEN,
+        "Fit image",
+        &[key(Key::F)],
+        "Show the whole image in each view",
+    )
+    .after_line(),
+    entry(
+        Menu::View,
+        Action::ZoomIn,
+        m::ICON_ZOOM_IN,
+        "Zoom in",
+        &[key(Key::Plus), key(Key::Equals)],
+        "Nearer, at the chosen pixel or the middle",
+    )
+    .repeats(),
     entry(Menu::View, Action::ZoomOut, m::ICON_ZOOM_OUT, "Zoom out", &[key(Key::Minus)], "Farther").repeats(),
-    entry(Menu::View, Action::Background, m::ICON_LAYERS, "Next kind of background", &[key(Key::M)], "The mean of component 1, the mean of all background components, or how many there are"),
-    entry(Menu::View, Action::ClearPixel, m::ICON_LOCATION_OFF, "Clear chosen pixel", &[], "Take the cross off the views"),
-    entry(Menu::View, Action::SettingsPanel, m::ICON_TUNE, "Settings panel", &[], "Show or hide the settings on the left").after_line().always(),
-    entry(Menu::View, Action::InspectorPanel, m::ICON_FRAME_INSPECT, "Inspector and events", &[], "Show or hide the panel on the right").always(),
-    entry(Menu::View, Action::ResetLayout, m::ICON_GRID_VIEW, "Reset layout", &[], "Views back in their first places").always(),
-    entry(Menu::View, Action::Theme, m::ICON_CONTRAST, "Dark or light", &[], "Change between dark and light colours").always(),
-    entry(Menu::Analysis, Action::Play, m::ICON_PLAY_ARROW, "Play or pause", &[key(Key::Space)], "Play at the video's frame rate times the speed, or stop"),
-    entry(Menu::Analysis, Action::Step(1), m::ICON_CHEVRON_RIGHT, "Next frame", &[key(Key::ArrowRight), key(Key::Period)], "One frame on").repeats(),
-    entry(Menu::Analysis, Action::Step(-1), m::ICON_CHEVRON_LEFT, "Previous frame", &[key(Key::ArrowLeft), key(Key::Comma)], "One frame back").repeats(),
-    entry(Menu::Analysis, Action::Step(10), m::ICON_KEYBOARD_DOUBLE_ARROW_RIGHT, "Ten frames on", &[shift(Key::ArrowRight)], "Ten frames on").repeats(),
-    entry(Menu::Analysis, Action::Step(-10), m::ICON_KEYBOARD_DOUBLE_ARROW_LEFT, "Ten frames back", &[shift(Key::ArrowLeft)], "Ten frames back").repeats(),
-    entry(Menu::Analysis, Action::NextEvent, m::ICON_FLAG, "Next event", &[ctrl(Key::ArrowRight), key(Key::N)], "To the next event of the kinds that the list shows").repeats(),
-    entry(Menu::Analysis, Action::PreviousEvent, m::ICON_FLAG, "Previous event", &[ctrl(Key::ArrowLeft), key(Key::P)], "To the event before").repeats(),
-    entry(Menu::Analysis, Action::First, m::ICON_FIRST_PAGE, "First frame", &[key(Key::Home)], "To the first frame"),
-    entry(Menu::Analysis, Action::Last, m::ICON_LAST_PAGE, "Last frame", &[key(Key::End)], "To the last frame that is known"),
-    entry(Menu::Analysis, Action::Slower, m::ICON_FAST_REWIND, "Slower", &[key(Key::OpenBracket)], "Play at half the speed"),
-    entry(Menu::Analysis, Action::Faster, m::ICON_FAST_FORWARD, "Faster", &[key(Key::CloseBracket)], "Play at twice the speed"),
-    entry(Menu::Analysis, Action::Undo, m::ICON_UNDO, "Undo change of settings", &[ctrl(Key::Z)], "Take the last change of settings back").after_line().always().repeats(),
-    entry(Menu::Analysis, Action::Redo, m::ICON_REDO, "Redo change of settings", &[ctrl_shift(Key::Z), ctrl(Key::Y)], "Make it again").always().repeats(),
-    entry(Menu::Analysis, Action::DefaultSettings, m::ICON_RESTART_ALT, "All settings to defaults", &[], "Take the preset `default`").always(),
-    entry(Menu::Help, Action::Palette, m::ICON_SEARCH, "Find an action…", &[ctrl(Key::K)], "Find an action by its name").always(),
-    entry(Menu::Help, Action::Help, m::ICON_KEYBOARD, "Keys and pointer", &[key(Key::Questionmark), key(Key::F1)], "All keys, and what the pointer does").always(),
+    entry(
+        Menu::View,
+        Action::Background,
+        m::ICON_LAYERS,
+        "Next kind of background",
+        &[key(Key::M)],
+        "The mean of component 1, the mean of all background components, or how many there are",
+    ),
+    entry(
+        Menu::View,
+        Action::ClearPixel,
+        m::ICON_LOCATION_OFF,
+        "Clear chosen pixel",
+        &[],
+        "Take the cross off the views",
+    ),
+    entry(
+        Menu::View,
+        Action::SettingsPanel,
+        m::ICON_TUNE,
+        "Settings panel",
+        &[],
+        "Show or hide the settings on the left",
+    )
+    .after_line()
+    .always(),
+    entry(
+        Menu::View,
+        Action::InspectorPanel,
+        m::ICON_FRAME_INSPECT,
+        "Inspector and events",
+        &[],
+        "Show or hide the panel on the right",
+    )
+    .always(),
+    entry(
+        Menu::View,
+        Action::ResetLayout,
+        m::ICON_GRID_VIEW,
+        "Reset layout",
+        &[],
+        "Views back in their first places",
+    )
+    .always(),
+    entry(
+        Menu::View,
+        Action::Theme,
+        m::ICON_CONTRAST,
+        "Dark or light",
+        &[],
+        "Change between dark and light colours",
+    )
+    .always(),
+    entry(
+        Menu::Analysis,
+        Action::Play,
+        m::ICON_PLAY_ARROW,
+        "Play or pause",
+        &[key(Key::Space)],
+        "Play at the video's frame rate times the speed, or stop",
+    ),
+    entry(
+        Menu::Analysis,
+        Action::Step(1),
+        m::ICON_CHEVRON_RIGHT,
+        "Next frame",
+        &[key(Key::ArrowRight), key(Key::Period)],
+        "One frame on",
+    )
+    .repeats(),
+    entry(
+        Menu::Analysis,
+        Action::Step(-1),
+        m::ICON_CHEVRON_LEFT,
+        "Previous frame",
+        &[key(Key::ArrowLeft), key(Key::Comma)],
+        "One frame back",
+    )
+    .repeats(),
+    entry(
+        Menu::Analysis,
+        Action::Step(10),
+        m::ICON_KEYBOARD_DOUBLE_ARROW_RIGHT,
+        "Ten frames on",
+        &[shift(Key::ArrowRight)],
+        "Ten frames on",
+    )
+    .repeats(),
+    entry(
+        Menu::Analysis,
+        Action::Step(-10),
+        m::ICON_KEYBOARD_DOUBLE_ARROW_LEFT,
+        "Ten frames back",
+        &[shift(Key::ArrowLeft)],
+        "Ten frames back",
+    )
+    .repeats(),
+    entry(
+        Menu::Analysis,
+        Action::NextEvent,
+        m::ICON_FLAG,
+        "Next event",
+        &[ctrl(Key::ArrowRight), key(Key::N)],
+        "To the next event of the kinds that the list shows",
+    )
+    .repeats(),
+    entry(
+        Menu::Analysis,
+        Action::PreviousEvent,
+        m::ICON_FLAG,
+        "Previous event",
+        &[ctrl(Key::ArrowLeft), key(Key::P)],
+        "To the event before",
+    )
+    .repeats(),
+    entry(
+        Menu::Analysis,
+        Action::First,
+        m::ICON_FIRST_PAGE,
+        "First frame",
+        &[key(Key::Home)],
+        "To the first frame",
+    ),
+    entry(
+        Menu::Analysis,
+        Action::Last,
+        m::ICON_LAST_PAGE,
+        "Last frame",
+        &[key(Key::End)],
+        "To the last frame that is known",
+    ),
+    entry(
+        Menu::Analysis,
+        Action::Slower,
+        m::ICON_FAST_REWIND,
+        "Slower",
+        &[key(Key::OpenBracket)],
+        "Play at half the speed",
+    ),
+    entry(
+        Menu::Analysis,
+        Action::Faster,
+        m::ICON_FAST_FORWARD,
+        "Faster",
+        &[key(Key::CloseBracket)],
+        "Play at twice the speed",
+    ),
+    entry(
+        Menu::Analysis,
+        Action::Undo,
+        m::ICON_UNDO,
+        "Undo change of settings",
+        &[ctrl(Key::Z)],
+        "Take the last change of settings back",
+    )
+    .after_line()
+    .always()
+    .repeats(),
+    entry(
+        Menu::Analysis,
+        Action::Redo,
+        m::ICON_REDO,
+        "Redo change of settings",
+        &[ctrl_shift(Key::Z), ctrl(Key::Y)],
+        "Make it again",
+    )
+    .always()
+    .repeats(),
+    entry(
+        Menu::Analysis,
+        Action::DefaultSettings,
+        m::ICON_RESTART_ALT,
+        "All settings to defaults",
+        &[],
+        "Take the preset `default`",
+    )
+    .always(),
+    entry(
+        Menu::Help,
+        Action::Palette,
+        m::ICON_SEARCH,
+        "Find an action…",
+        &[ctrl(Key::K)],
+        "Find an action by its name",
+    )
+    .always(),
+    entry(
+        Menu::Help,
+        Action::Help,
+        m::ICON_KEYBOARD,
+        "Keys and pointer",
+        &[key(Key::Questionmark), key(Key::F1)],
+        "All keys, and what the pointer does",
+    )
+    .always(),
 ];
 
 impl Action {
     /// All that is said of it.
-    pub fn entry(self) -> Option<&'static Entry> {
+    pub(crate) fn entry(self) -> Option<&'static Entry> {
         ACTIONS.iter().find(|entry| entry.action == self)
     }
 }
 
 /// Something that a panel asks for.
 #[derive(Clone, Debug)]
-pub enum Command {
+pub(crate) enum Command {
     /// An action of the table.
     Act(Action),
     /// Open this video at this place.
@@ -299,7 +564,13 @@ mod tests {
                 assert_ne!(a.action, b.action);
                 assert_ne!(a.text, b.text);
                 for shortcut in a.shortcuts {
-                    assert!(!b.shortcuts.contains(shortcut), "{} of {} and {}", shortcut.text(), a.text, b.text);
+                    assert!(
+                        !b.shortcuts.contains(shortcut),
+                        "{} of {} and {}",
+                        shortcut.text(),
+                        a.text,
+                        b.text
+                    );
                 }
             }
         }

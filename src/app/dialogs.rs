@@ -6,7 +6,7 @@ use crossbeam_channel::{Receiver, Sender};
 use eframe::egui::Context;
 
 /// What a dialog brought back.
-pub enum Answer {
+pub(crate) enum Answer {
     /// A video or folder to open.
     Open(PathBuf),
     /// Where to write the frame.
@@ -14,7 +14,7 @@ pub enum Answer {
 }
 
 /// The dialogs that are open.
-pub struct Dialogs {
+pub(crate) struct Dialogs {
     sender: Sender<Option<Answer>>,
     receiver: Receiver<Option<Answer>>,
     open: bool,
@@ -29,7 +29,7 @@ impl Default for Dialogs {
 
 impl Dialogs {
     /// Asks for a video file.
-    pub fn video(&mut self, ctx: &Context) {
+    pub(crate) fn video(&mut self, ctx: &Context) {
         self.ask(ctx, || {
             let dialog = rfd::FileDialog::new().set_title("Open video");
             let endings = ["mp4", "avi", "mkv", "mov", "webm", "m4v", "mpg", "mpeg", "ogv"];
@@ -38,14 +38,14 @@ impl Dialogs {
     }
 
     /// Asks for a folder of images.
-    pub fn folder(&mut self, ctx: &Context) {
+    pub(crate) fn folder(&mut self, ctx: &Context) {
         self.ask(ctx, || {
             rfd::FileDialog::new().set_title("Open folder of images").pick_folder().map(Answer::Open)
         });
     }
 
     /// Asks where to write a picture.
-    pub fn save(&mut self, ctx: &Context, name: String) {
+    pub(crate) fn save(&mut self, ctx: &Context, name: String) {
         self.ask(ctx, move || {
             let dialog = rfd::FileDialog::new().set_title("Export frame").set_file_name(name);
             dialog.add_filter("PNG picture", &["png"]).save_file().map(Answer::Save)
@@ -53,7 +53,7 @@ impl Dialogs {
     }
 
     /// What came back since this was last asked.
-    pub fn answer(&mut self) -> Option<Answer> {
+    pub(crate) fn answer(&mut self) -> Option<Answer> {
         let answer = self.receiver.try_recv().ok()?;
         self.open = false;
         answer

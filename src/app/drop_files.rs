@@ -7,7 +7,7 @@ use super::theme;
 use crate::replay::Start;
 
 /// Shows that what is held over the window can be dropped, and opens what was dropped.
-pub fn ui(ctx: &Context, commands: &mut Vec<Command>) {
+pub(crate) fn ui(ctx: &Context, commands: &mut Vec<Command>) {
     let (hovered, dropped) = ctx.input(|input| {
         let path = input.raw.dropped_files.first().map(|file| file.path().to_string_lossy().into_owned());
         (!input.raw.hovered_files.is_empty(), path)

@@ -13,7 +13,7 @@ use crate::occlusion::{Event, EventKind};
 use crate::palette::{event_colour, identity_colour};
 
 /// Shows them.
-pub fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let Some(timeline) = model.timeline() else { return };
     ui.horizontal(|ui| {
         ui.heading("Events");
@@ -63,14 +63,7 @@ pub fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 
 /// Where the list has to stand so that the events nearest to the frame in view are seen, when that
 /// frame is another than before.
-fn follow(
-    ui: &Ui,
-    listed: &[usize],
-    model: &Model,
-    here: Option<u32>,
-    row: f32,
-    height: f32,
-) -> Option<f32> {
+fn follow(ui: &Ui, listed: &[usize], model: &Model, here: Option<u32>, row: f32, height: f32) -> Option<f32> {
     let id = ui.scope_id().with("followed");
     let before = ui.data(|data| data.get_temp::<u32>(id));
     let here = here?;
@@ -114,15 +107,20 @@ fn filter(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 /// A palette colour as it is read on a panel: darker on a light one.
 fn readable(ui: &Ui, colour: [u8; 3]) -> Color32 {
     let colour = theme::rgb(colour);
-    if ui.visuals().dark_mode { colour } else { Color32::from_rgb(colour.r() / 10 * 7, colour.g() / 10 * 7, colour.b() / 10 * 7) }
+    if ui.visuals().dark_mode {
+        colour
+    } else {
+        Color32::from_rgb(colour.r() / 10 * 7, colour.g() / 10 * 7, colour.b() / 10 * 7)
+    }
 }
 
 /// Who an event was about: `3 + 5`, `3 + 5 → 3, 7`.
-pub fn participants(event: &Event) -> String {
+pub(crate) fn participants(event: &Event) -> String {
     let join = |ids: &[u32], with: &str| ids.iter().map(ToString::to_string).collect::<Vec<_>>().join(with);
     let before = join(&event.objects, " + ");
     let after = join(&event.becomes, ", ");
-    let same = matches!(event.kind, EventKind::Merge) || event.becomes.is_empty() || event.becomes == event.objects;
+    let same =
+        matches!(event.kind, EventKind::Merge) || event.becomes.is_empty() || event.becomes == event.objects;
     match (same, before.is_empty()) {
         (true, _) => before,
         (false, true) => after,
@@ -145,15 +143,28 @@ fn row(ui: &mut Ui, event: &Event, current: bool, read: bool) -> bool {
         painter.rect_filled(rect, 3.0, colours.accent.gamma_multiply(0.16));
     }
     if current {
-        let mark = eframe::egui::Rect::from_min_size(rect.min + vec2(0.0, 3.0), vec2(3.0, rect.height() - 6.0));
+        let mark =
+            eframe::egui::Rect::from_min_size(rect.min + vec2(0.0, 3.0), vec2(3.0, rect.height() - 6.0));
         painter.rect_filled(mark, 1.0, colours.accent);
     }
     let icon = icons::of_event(event.kind);
     let font = FontId::new(theme::ICON, icon.font_family());
     let middle = rect.left_center();
-    painter.text(middle + vec2(8.0, 0.0), Align2::LEFT_CENTER, icon.codepoint, font, readable(ui, event_colour(event.kind)));
+    painter.text(
+        middle + vec2(8.0, 0.0),
+        Align2::LEFT_CENTER,
+        icon.codepoint,
+        font,
+        readable(ui, event_colour(event.kind)),
+    );
     let font = FontId::proportional(theme::BODY);
-    painter.text(middle + vec2(30.0, 0.0), Align2::LEFT_CENTER, event.kind.name(), font.clone(), colours.text);
+    painter.text(
+        middle + vec2(30.0, 0.0),
+        Align2::LEFT_CENTER,
+        event.kind.name(),
+        font.clone(),
+        colours.text,
+    );
     let mut x = 104.0;
     let ids = if event.objects.is_empty() { &event.becomes } else { &event.objects };
     for id in ids.iter().take(3) {
@@ -213,7 +224,8 @@ fn evidence(ui: &mut Ui, event: &Event, commands: &mut Vec<Command>) {
                 }
                 ui.label(&comparison.what);
                 ui.monospace(format!("{:.2}", comparison.value));
-                let limit = comparison.threshold.map_or_else(String::new, |limit| format!("limit {limit:.2}"));
+                let limit =
+                    comparison.threshold.map_or_else(String::new, |limit| format!("limit {limit:.2}"));
                 ui.label(RichText::new(limit).monospace().color(colours.weak));
                 ui.end_row();
             }

@@ -15,7 +15,7 @@ use crate::replay::Shown;
 use crate::tracking::Track;
 
 /// A frame with all that is drawn on it, held while a place to write it is chosen.
-pub struct Picture {
+pub(crate) struct Picture {
     shown: Arc<Shown>,
     recent: Vec<(u32, Vec<Track>)>,
     events: Vec<Event>,
@@ -23,7 +23,7 @@ pub struct Picture {
 
 impl Picture {
     /// The frame in view.
-    pub fn of(model: &Model) -> Option<Self> {
+    pub(crate) fn of(model: &Model) -> Option<Self> {
         let shown = model.state.as_ref()?.shown.clone()?;
         let recent = model
             .trails
@@ -37,16 +37,15 @@ impl Picture {
     }
 
     /// The name that is proposed for it.
-    pub fn name(&self) -> String {
+    pub(crate) fn name(&self) -> String {
         format!("frame-{:06}.png", self.shown.frame.number)
     }
 
     fn write(&self, path: &Path) -> Result<(), String> {
         let mut frame = Frame::clone(&self.shown.frame);
         annotate(&mut frame, &Moment { recent: &self.recent, events: &self.events });
-        write_whole(path, &frame).map_err(|error| {
-            format!("{} was not written: {error}; choose another place", path.display())
-        })
+        write_whole(path, &frame)
+            .map_err(|error| format!("{} was not written: {error}; choose another place", path.display()))
     }
 }
 
@@ -60,7 +59,7 @@ fn write_whole(path: &Path, frame: &Frame) -> std::io::Result<()> {
 }
 
 /// Pictures being written.
-pub struct Exports {
+pub(crate) struct Exports {
     sender: Sender<Result<PathBuf, String>>,
     receiver: Receiver<Result<PathBuf, String>>,
 }
@@ -74,7 +73,7 @@ impl Default for Exports {
 
 impl Exports {
     /// Writes a picture; [`Exports::done`] tells when it is there.
-    pub fn start(&self, ctx: &Context, picture: Picture, path: PathBuf) {
+    pub(crate) fn start(&self, ctx: &Context, picture: Picture, path: PathBuf) {
         let (sender, ctx) = (self.sender.clone(), ctx.clone());
         std::thread::spawn(move || {
             let path = if path.extension().is_none() { path.with_extension("png") } else { path };
@@ -86,7 +85,7 @@ impl Exports {
     }
 
     /// A picture that has been written since this was last asked, or why it was not.
-    pub fn done(&self) -> Option<Result<PathBuf, String>> {
+    pub(crate) fn done(&self) -> Option<Result<PathBuf, String>> {
         self.receiver.try_recv().ok()
     }
 }

@@ -8,7 +8,7 @@ use super::{icons, theme, top_bar};
 
 /// What has been typed, and which of the actions found is chosen.
 #[derive(Default)]
-pub struct Finder {
+pub(crate) struct Finder {
     open: bool,
     text: String,
     chosen: usize,
@@ -16,17 +16,17 @@ pub struct Finder {
 
 impl Finder {
     /// Opens it empty, or closes it.
-    pub fn toggle(&mut self) {
+    pub(crate) fn toggle(&mut self) {
         *self = Self { open: !self.open, ..Self::default() };
     }
 
     /// Whether it is open.
-    pub const fn is_open(&self) -> bool {
+    pub(crate) const fn is_open(&self) -> bool {
         self.open
     }
 
     /// Shows it while it is open.
-    pub fn ui(&mut self, ctx: &Context, model: &Model, commands: &mut Vec<Command>) {
+    pub(crate) fn ui(&mut self, ctx: &Context, model: &Model, commands: &mut Vec<Command>) {
         if !self.open {
             return;
         }
@@ -35,7 +35,8 @@ impl Finder {
             ui.set_width(440.0);
             let pressed = |key| ui.input_mut(|input| input.consume_key(Modifiers::NONE, key));
             let (up, down, enter) = (pressed(Key::ArrowUp), pressed(Key::ArrowDown), pressed(Key::Enter));
-            let edit = TextEdit::singleline(&mut self.text).hint_text("What to do?").desired_width(f32::INFINITY);
+            let edit =
+                TextEdit::singleline(&mut self.text).hint_text("What to do?").desired_width(f32::INFINITY);
             let response = ui.add(edit).accessible_name("Find an action");
             response.request_focus();
             if response.changed() {
@@ -53,8 +54,10 @@ impl Finder {
                 ui.with_layout(eframe::egui::Layout::top_down_justified(Align::Min), |ui| {
                     for (index, entry) in found.iter().enumerate() {
                         let chosen = index == self.chosen;
-                        let shortcut = entry.shortcuts.first().map_or_else(String::new, super::command::Shortcut::text);
-                        let button = Button::selectable(chosen, (icons::text(entry.icon), entry.text)).shortcut_text(shortcut);
+                        let shortcut =
+                            entry.shortcuts.first().map_or_else(String::new, super::command::Shortcut::text);
+                        let button = Button::selectable(chosen, (icons::text(entry.icon), entry.text))
+                            .shortcut_text(shortcut);
                         let response = ui.add(button);
                         if chosen && (up || down) {
                             response.scroll_to_me(None);
@@ -98,7 +101,9 @@ fn score(text: &str, name: &str) -> Option<u32> {
     for letter in text.to_lowercase().chars().filter(|letter| !letter.is_whitespace()) {
         let place = at + name[at..].iter().position(|&other| other == letter)?;
         let starts_word = place == 0 || name[place - 1] == ' ';
-        score += 1 + if starts_word { 4 } else { 0 } + if last.is_some_and(|last| last + 1 == place) { 3 } else { 0 };
+        score += 1
+            + if starts_word { 4 } else { 0 }
+            + if last.is_some_and(|last| last + 1 == place) { 3 } else { 0 };
         last = Some(place);
         at = place + 1;
     }

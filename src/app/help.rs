@@ -16,7 +16,7 @@ const POINTER: &[(&str, &str)] = &[
 ];
 
 /// Shows the sheet while `open`.
-pub fn ui(ctx: &Context, open: &mut bool) {
+pub(crate) fn ui(ctx: &Context, open: &mut bool) {
     if !*open {
         return;
     }

@@ -7,7 +7,7 @@ const DEPTH: usize = 200;
 
 /// Settings as they were, and as they were before something was taken back.
 #[derive(Clone, Debug)]
-pub struct History {
+pub(crate) struct History {
     present: Settings,
     past: Vec<Settings>,
     future: Vec<Settings>,
@@ -15,12 +15,12 @@ pub struct History {
 
 impl History {
     /// A history that starts here.
-    pub const fn new(present: Settings) -> Self {
+    pub(crate) const fn new(present: Settings) -> Self {
         Self { present, past: Vec::new(), future: Vec::new() }
     }
 
     /// Notes settings that have come to rest; nothing when they are those that were last noted.
-    pub fn note(&mut self, settings: &Settings) {
+    pub(crate) fn note(&mut self, settings: &Settings) {
         if *settings == self.present {
             return;
         }
@@ -32,21 +32,21 @@ impl History {
     }
 
     /// The settings before the last change.
-    pub fn undo(&mut self) -> Option<Settings> {
+    pub(crate) fn undo(&mut self) -> Option<Settings> {
         let before = self.past.pop()?;
         self.future.push(std::mem::replace(&mut self.present, before.clone()));
         Some(before)
     }
 
     /// The settings after the change that was last taken back.
-    pub fn redo(&mut self) -> Option<Settings> {
+    pub(crate) fn redo(&mut self) -> Option<Settings> {
         let after = self.future.pop()?;
         self.past.push(std::mem::replace(&mut self.present, after.clone()));
         Some(after)
     }
 
     /// Whether there is something to take back, and to make again.
-    pub fn can(&self) -> (bool, bool) {
+    pub(crate) fn can(&self) -> (bool, bool) {
         (!self.past.is_empty(), !self.future.is_empty())
     }
 }

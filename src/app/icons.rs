@@ -1,14 +1,14 @@
 //! Which picture stands for what.
 
 use eframe::egui::{Color32, RichText};
-pub use egui_material_icons::MaterialIcon as Icon;
+pub(crate) use egui_material_icons::MaterialIcon as Icon;
 use egui_material_icons::icons as m;
 
 use super::theme;
 use crate::occlusion::EventKind;
 
 /// The picture of a kind of event.
-pub const fn of_event(kind: EventKind) -> Icon {
+pub(crate) const fn of_event(kind: EventKind) -> Icon {
     match kind {
         EventKind::Exit => m::ICON_LOGOUT,
         EventKind::Demerge => m::ICON_CALL_SPLIT,
@@ -21,11 +21,11 @@ pub const fn of_event(kind: EventKind) -> Icon {
 }
 
 /// A picture in a line of text.
-pub fn text(icon: Icon) -> RichText {
+pub(crate) fn text(icon: Icon) -> RichText {
     icon.rich_text().size(theme::ICON)
 }
 
 /// A picture in a line of text, in a colour.
-pub fn coloured(icon: Icon, colour: Color32) -> RichText {
+pub(crate) fn coloured(icon: Icon, colour: Color32) -> RichText {
     text(icon).color(colour)
 }

@@ -6,7 +6,7 @@ use super::command::{ACTIONS, Command};
 
 /// The actions whose keys were pressed. None while text is typed, and none of the keys that move
 /// or press a control while one has the focus.
-pub fn pressed(ctx: &Context, commands: &mut Vec<Command>) {
+pub(crate) fn pressed(ctx: &Context, commands: &mut Vec<Command>) {
     if ctx.text_edit_focused() {
         return;
     }

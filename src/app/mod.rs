@@ -26,7 +26,6 @@ mod transport;
 mod views;
 mod welcome;
 
-pub mod inspector;
 pub mod theme;
 
 #[cfg(test)]
@@ -198,9 +197,12 @@ impl Window {
         Panel::bottom("status").frame(bar).exact_size(theme::ROW).show(ui, |ui| status::ui(ui, model));
         if model.shown().is_some() {
             let bar = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(10, 6));
-            Panel::bottom("timeline").frame(bar).resizable(true).default_size(112.0).size_range(84.0..=320.0).show(
-                ui,
-                |ui| {
+            Panel::bottom("timeline")
+                .frame(bar)
+                .resizable(true)
+                .default_size(112.0)
+                .size_range(84.0..=320.0)
+                .show(ui, |ui| {
                     ui.horizontal_top(|ui| {
                         ui.vertical(|ui| {
                             ui.set_width(TRANSPORT);
@@ -210,8 +212,7 @@ impl Window {
                         });
                         timeline::ui(ui, model, commands);
                     });
-                },
-            );
+                });
         }
         let wide = ui.ctx().content_rect().width();
         let side = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(10, 8));

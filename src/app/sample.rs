@@ -9,7 +9,7 @@ const NAME: &str = "crossing.mp4";
 
 /// The path of the scene, written there unless it lies there already; or why that cannot be, in a
 /// sentence.
-pub fn unpacked() -> Result<PathBuf, String> {
+pub(crate) fn unpacked() -> Result<PathBuf, String> {
     let mut why = String::new();
     for folder in folders() {
         match unpack_into(&folder) {

@@ -12,7 +12,13 @@ use crate::settings::{Kind, Setting, Settings, Span, Value};
 const WIDE: u32 = 200;
 
 /// Shows it; a change goes into `settings`.
-pub fn ui(ui: &mut Ui, setting: &'static Setting, settings: &mut Settings, defaults: &Settings, fps: f32) {
+pub(crate) fn ui(
+    ui: &mut Ui,
+    setting: &'static Setting,
+    settings: &mut Settings,
+    defaults: &Settings,
+    fps: f32,
+) {
     let colours = theme::colours(ui.visuals());
     let before = setting.get(settings);
     let differs = before != setting.get(defaults);
@@ -77,8 +83,12 @@ fn exact(ui: &mut Ui, setting: &Setting, value: &mut Value, fps: f32, label: efr
             let drag = DragValue::new(&mut typed)
                 .range(0.0..=f64::from(max))
                 .speed(0.1)
-                .custom_formatter(|number, _| if number < 1.0 { "off".to_owned() } else { format!("{number}") })
-                .custom_parser(|text| if text.trim() == "off" { Some(0.0) } else { text.trim().parse().ok() });
+                .custom_formatter(
+                    |number, _| if number < 1.0 { "off".to_owned() } else { format!("{number}") },
+                )
+                .custom_parser(
+                    |text| if text.trim() == "off" { Some(0.0) } else { text.trim().parse().ok() },
+                );
             if ui.add(drag).labelled_by(label).changed() {
                 *value = Value::Integer(odd(typed, max));
             }
@@ -146,7 +156,8 @@ fn span_control(
         }
         Span::Seconds(seconds) => {
             let mut typed = exact_f64(seconds);
-            let drag = DragValue::new(&mut typed).range(0.0..=exact_f64(max_seconds)).speed(0.05).max_decimals(3);
+            let drag =
+                DragValue::new(&mut typed).range(0.0..=exact_f64(max_seconds)).speed(0.05).max_decimals(3);
             let response = ui.add(drag);
             if response.changed() {
                 changed = Span::Seconds((typed as f32).clamp(0.0, max_seconds));
@@ -244,7 +255,10 @@ mod tests {
 
     #[test]
     fn sizes_snap_to_odd_numbers_or_off() {
-        assert_eq!([0.0, 1.0, 2.0, 3.0, 4.4, 30.0, 99.0].map(|typed| odd(typed, 31)), [0, 0, 3, 3, 5, 31, 31]);
+        assert_eq!(
+            [0.0, 1.0, 2.0, 3.0, 4.4, 30.0, 99.0].map(|typed| odd(typed, 31)),
+            [0, 0, 3, 3, 5, 31, 31]
+        );
     }
 
     #[test]

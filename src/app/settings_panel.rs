@@ -10,7 +10,7 @@ use super::{icons, theme};
 use crate::settings::{Preset, SETTINGS, Settings, Stage};
 
 /// Shows them.
-pub fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let mut settings = model.settings.clone();
     head(ui, model, &mut settings, commands);
     ui.add_space(theme::SPACE);
@@ -25,15 +25,15 @@ pub fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             } else {
                 RichText::new(format!("{}  ({changed} changed)", stage.name())).strong()
             };
-            CollapsingHeader::new(title).id_salt(stage.name()).default_open(stage == Stage::Mixture).show_unindented(
-                ui,
-                |ui| {
+            CollapsingHeader::new(title)
+                .id_salt(stage.name())
+                .default_open(stage == Stage::Mixture)
+                .show_unindented(ui, |ui| {
                     for setting in of_stage() {
                         setting_control::ui(ui, setting, &mut settings, &defaults, fps);
                     }
                     ui.add_space(2.0 * theme::SPACE);
-                },
-            );
+                });
         }
     });
     if settings != model.settings {
@@ -63,7 +63,8 @@ fn head(ui: &mut Ui, model: &Model, settings: &mut Settings, commands: &mut Vec<
     ui.horizontal(|ui| {
         let label = ui.label("Preset");
         let text = present.map_or("custom", Preset::word);
-        let combo = ComboBox::from_id_salt("preset").selected_text(text).width(ui.available_width() - theme::SPACE);
+        let combo =
+            ComboBox::from_id_salt("preset").selected_text(text).width(ui.available_width() - theme::SPACE);
         let response = combo.show_ui(ui, |ui| {
             for preset in Preset::ALL {
                 let response = ui.selectable_label(present == Some(preset), preset.word());

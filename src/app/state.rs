@@ -13,7 +13,7 @@ use crate::settings::Settings;
 use crate::tracking::Track;
 
 /// What the window asks of the worker behind it.
-pub trait Player {
+pub(crate) trait Player {
     /// What it last published.
     fn state(&self) -> State;
     /// Asks for a frame.
@@ -43,98 +43,98 @@ impl Player for Session {
 }
 
 /// How a video's name becomes a worker.
-pub type Opener = Box<dyn Fn(&str, Settings, Start, &Context) -> Box<dyn Player>>;
+pub(crate) type Opener = Box<dyn Fn(&str, Settings, Start, &Context) -> Box<dyn Player>>;
 
 /// The speeds at which can be played.
-pub const SPEEDS: [f32; 8] = [0.0625, 0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0];
+pub(crate) const SPEEDS: [f32; 8] = [0.0625, 0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0];
 /// The place of ×1 among them.
-pub const NORMAL_SPEED: usize = 4;
+pub(crate) const NORMAL_SPEED: usize = 4;
 
 /// Over how many frames back a trail goes.
 const TRAIL: u32 = 60;
 
 /// Playing by the window's clock.
 #[derive(Clone, Copy, Debug)]
-pub struct Playback {
+pub(crate) struct Playback {
     /// Whether it runs.
-    pub playing: bool,
+    pub(crate) playing: bool,
     /// The place of its speed in [`SPEEDS`].
-    pub speed: usize,
+    pub(crate) speed: usize,
     /// When the next frame is due, in seconds of the window's clock.
-    pub next_at: f64,
+    pub(crate) next_at: f64,
 }
 
 /// Where all views look: shared, so that they stay linked whatever their sizes.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Camera {
+pub(crate) struct Camera {
     /// How much larger than fitted into its view the image is drawn.
-    pub magnification: f32,
+    pub(crate) magnification: f32,
     /// Which point stands in the middle of each view, as shares of width and height.
-    pub centre: [f32; 2],
+    pub(crate) centre: [f32; 2],
 }
 
 impl Camera {
     /// The whole image.
-    pub const FIT: Self = Self { magnification: 1.0, centre: [0.5, 0.5] };
+    pub(crate) const FIT: Self = Self { magnification: 1.0, centre: [0.5, 0.5] };
 }
 
 /// What the pointer is on.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Hover {
+pub(crate) struct Hover {
     /// In which view.
-    pub view: View,
+    pub(crate) view: View,
     /// Which pixel.
-    pub pixel: (u32, u32),
+    pub(crate) pixel: (u32, u32),
     /// How many points a pixel of the image takes there.
-    pub scale: f32,
+    pub(crate) scale: f32,
 }
 
 /// The number and the objects of each frame near the one in view that has been seen, by position.
-pub type Trails = BTreeMap<u32, (u32, Arc<Vec<Track>>)>;
+pub(crate) type Trails = BTreeMap<u32, (u32, Arc<Vec<Track>>)>;
 
 /// Everything that the window shows, and what has been asked for.
-pub struct Model {
+pub(crate) struct Model {
     /// The worker, once something was opened.
-    pub player: Option<Box<dyn Player>>,
+    pub(crate) player: Option<Box<dyn Player>>,
     /// What the worker last said.
-    pub state: Option<State>,
+    pub(crate) state: Option<State>,
     /// What was opened, as it was named.
-    pub opened: Option<String>,
+    pub(crate) opened: Option<String>,
     /// The settings that are asked for.
-    pub settings: Settings,
+    pub(crate) settings: Settings,
     /// The settings that the worker was last given.
-    pub sent: Settings,
+    pub(crate) sent: Settings,
     /// Settings before and after, for undo.
-    pub history: History,
+    pub(crate) history: History,
     /// The position that was asked for and has not arrived.
-    pub wanted: Option<u32>,
+    pub(crate) wanted: Option<u32>,
     /// Playing.
-    pub playback: Playback,
+    pub(crate) playback: Playback,
     /// The chosen pixel.
-    pub chosen: Option<(u32, u32)>,
+    pub(crate) chosen: Option<(u32, u32)>,
     /// The pixel under the pointer.
-    pub hovered: Option<Hover>,
+    pub(crate) hovered: Option<Hover>,
     /// Where the views look.
-    pub camera: Camera,
+    pub(crate) camera: Camera,
     /// The view that is shown alone.
-    pub maximised: Option<View>,
+    pub(crate) maximised: Option<View>,
     /// What the background view shows.
-    pub background: Background,
+    pub(crate) background: Background,
     /// Which kinds of events are listed and jumped to, in the order of [`EventKind::ALL`].
-    pub listed: [bool; EventKind::ALL.len()],
+    pub(crate) listed: [bool; EventKind::ALL.len()],
     /// The event whose evidence is read, by its place in the timeline.
-    pub reading: Option<usize>,
+    pub(crate) reading: Option<usize>,
     /// Trails of the objects.
-    pub trails: Trails,
+    pub(crate) trails: Trails,
     /// Whether the panel on the left is there.
-    pub settings_panel: bool,
+    pub(crate) settings_panel: bool,
     /// Whether the panel on the right is there.
-    pub inspector_panel: bool,
+    pub(crate) inspector_panel: bool,
 }
 
 impl Model {
     /// Nothing opened yet.
-    pub fn new(settings: Settings) -> Self {
+    pub(crate) fn new(settings: Settings) -> Self {
         Self {
             player: None,
             state: None,
@@ -158,7 +158,7 @@ impl Model {
     }
 
     /// Another video has been opened in place of what was there.
-    pub fn opened(&mut self, name: &str, player: Box<dyn Player>) {
+    pub(crate) fn opened(&mut self, name: &str, player: Box<dyn Player>) {
         self.state = Some(player.state());
         self.player = Some(player);
         self.opened = Some(name.to_owned());
@@ -170,14 +170,12 @@ impl Model {
     }
 
     /// Zooms all views at the chosen pixel, or at the middle.
-    pub fn zoom_by(&mut self, factor: f32) {
+    pub(crate) fn zoom_by(&mut self, factor: f32) {
         let magnification = (self.camera.magnification * factor).clamp(0.5, 400.0);
         let at_pixel = self.chosen.zip(self.shown().map(|shown| shown.frame.size));
         if let Some(((x, y), size)) = at_pixel {
-            let target = [
-                (x as f32 + 0.5) / size.width.max(1) as f32,
-                (y as f32 + 0.5) / size.height.max(1) as f32,
-            ];
+            let target =
+                [(x as f32 + 0.5) / size.width.max(1) as f32, (y as f32 + 0.5) / size.height.max(1) as f32];
             let part = 1.0 - self.camera.magnification / magnification;
             for (centre, target) in self.camera.centre.iter_mut().zip(target) {
                 *centre = (*centre + (target - *centre) * part).clamp(0.0, 1.0);
@@ -187,28 +185,28 @@ impl Model {
     }
 
     /// The frame in view.
-    pub fn shown(&self) -> Option<&Shown> {
+    pub(crate) fn shown(&self) -> Option<&Shown> {
         self.state.as_ref()?.shown.as_deref()
     }
 
     /// What is known of the sequence.
-    pub fn timeline(&self) -> Option<&Timeline> {
+    pub(crate) fn timeline(&self) -> Option<&Timeline> {
         self.state.as_ref().map(|state| &*state.timeline)
     }
 
     /// Whether there is something to look at.
-    pub fn is_ready(&self) -> bool {
+    pub(crate) fn is_ready(&self) -> bool {
         self.state.as_ref().is_some_and(|state| state.phase == Phase::Ready)
     }
 
     /// The video's frames a second, 25 until it is known.
-    pub fn fps(&self) -> f32 {
+    pub(crate) fn fps(&self) -> f32 {
         let info = self.state.as_ref().and_then(|state| state.info.as_ref());
         info.map_or(25.0, |info| if info.fps.is_finite() && info.fps > 0.0 { info.fps } else { 25.0 })
     }
 
     /// How many frames there are, or seem to be.
-    pub fn frames(&self) -> u32 {
+    pub(crate) fn frames(&self) -> u32 {
         let Some(state) = &self.state else { return 0 };
         let known = state.timeline.numbers.len() as u32;
         if state.timeline.complete {
@@ -218,18 +216,18 @@ impl Model {
     }
 
     /// The position that steps start from: the one asked for, or the one in view.
-    pub fn position(&self) -> u32 {
+    pub(crate) fn position(&self) -> u32 {
         self.wanted.or_else(|| self.shown().map(|shown| shown.position)).unwrap_or(0)
     }
 
     /// The number of the frame at a position.
-    pub fn number(&self, position: u32) -> u32 {
+    pub(crate) fn number(&self, position: u32) -> u32 {
         let known = self.timeline().and_then(|timeline| timeline.numbers.get(position as usize));
         known.copied().unwrap_or(position + 1)
     }
 
     /// The position of the frame with this number, or of the next that there is.
-    pub fn position_of(&self, number: u32) -> u32 {
+    pub(crate) fn position_of(&self, number: u32) -> u32 {
         let numbers = self.timeline().map_or(&[][..], |timeline| &timeline.numbers);
         match numbers.binary_search(&number) {
             Ok(position) => position as u32,
@@ -243,18 +241,20 @@ impl Model {
     }
 
     /// Whether events of this kind are listed.
-    pub fn lists(&self, kind: EventKind) -> bool {
+    pub(crate) fn lists(&self, kind: EventKind) -> bool {
         EventKind::ALL.iter().zip(self.listed).any(|(&each, listed)| each == kind && listed)
     }
 
     /// Takes what the worker has published; says what is new in it.
-    pub fn take(&mut self) -> News {
+    pub(crate) fn take(&mut self) -> News {
         let Some(player) = &self.player else { return News::default() };
         let state = player.state();
         let before = self.state.as_ref();
         let warned = before.map_or(0, |before| before.warnings.len());
         let failed = match &state.phase {
-            Phase::Failed(why) if before.is_none_or(|before| before.phase != state.phase) => Some(why.clone()),
+            Phase::Failed(why) if before.is_none_or(|before| before.phase != state.phase) => {
+                Some(why.clone())
+            }
             _ => None,
         };
         let news = News { warnings: state.warnings.iter().skip(warned).cloned().collect(), failed };
@@ -267,7 +267,10 @@ impl Model {
             if self.wanted == Some(shown.position) {
                 self.wanted = None;
             }
-            if before.and_then(|before| before.shown.as_ref()).is_some_and(|old| old.settings != shown.settings) {
+            if before
+                .and_then(|before| before.shown.as_ref())
+                .is_some_and(|old| old.settings != shown.settings)
+            {
                 self.trails.clear();
             }
             self.trails.insert(shown.position, (shown.frame.number, shown.analysis.tracks.clone()));
@@ -279,7 +282,7 @@ impl Model {
     }
 
     /// Asks for the frame at a position.
-    pub fn go_to(&mut self, position: u32) {
+    pub(crate) fn go_to(&mut self, position: u32) {
         let frames = self.frames();
         let position = if frames > 0 { position.min(frames - 1) } else { position };
         if let Some(player) = &self.player {
@@ -291,7 +294,7 @@ impl Model {
     }
 
     /// The position of the next listed event after the present one, or before it, and its place.
-    pub fn event_beside(&self, forward: bool) -> Option<(usize, u32)> {
+    pub(crate) fn event_beside(&self, forward: bool) -> Option<(usize, u32)> {
         let here = self.position();
         let events = &self.timeline()?.events;
         let mut listed = events
@@ -310,7 +313,7 @@ impl Model {
 
     /// Lets time pass while playing: asks for the next frame when it is due and the last has come.
     /// Returns after how many seconds it wants to be called again.
-    pub fn tick(&mut self, now: f64) -> Option<f64> {
+    pub(crate) fn tick(&mut self, now: f64) -> Option<f64> {
         if !self.playback.playing {
             return None;
         }
@@ -339,9 +342,9 @@ impl Model {
 
 /// What is new in what the worker published.
 #[derive(Debug, Default)]
-pub struct News {
+pub(crate) struct News {
     /// Warnings that were not there before.
-    pub warnings: Vec<String>,
+    pub(crate) warnings: Vec<String>,
     /// Why it cannot go on, if it has only just found out.
-    pub failed: Option<String>,
+    pub(crate) failed: Option<String>,
 }

@@ -7,7 +7,7 @@ use super::state::Model;
 use super::{icons, theme};
 
 /// Shows it.
-pub fn ui(ui: &mut Ui, model: &Model) {
+pub(crate) fn ui(ui: &mut Ui, model: &Model) {
     let colours = theme::colours(ui.visuals());
     ui.horizontal_centered(|ui| {
         ui.spacing_mut().item_spacing.x = 3.0 * theme::SPACE;
@@ -17,7 +17,9 @@ pub fn ui(ui: &mut Ui, model: &Model) {
                 ui.label(RichText::new(format!("{x}, {y}")).monospace());
                 let value = hover.view.value(shown, model.background, hover.pixel);
                 ui.label(RichText::new(format!("{}  {value}", hover.view.title())).monospace());
-                ui.label(RichText::new(format!("{:.0} %", hover.scale * 100.0)).monospace().color(colours.weak));
+                ui.label(
+                    RichText::new(format!("{:.0} %", hover.scale * 100.0)).monospace().color(colours.weak),
+                );
             }
             None => {
                 let hint = if model.is_ready() {

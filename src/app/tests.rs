@@ -126,7 +126,12 @@ fn shown_at(position: u32) -> Shown {
         .filter(|track| track.regions == [track.id])
         .map(|track| regions::Region {
             label: track.id,
-            shape: regions::Shape { area: 565, bbox: track.bbox, centroid: track.centre, ..regions::Shape::default() },
+            shape: regions::Shape {
+                area: 565,
+                bbox: track.bbox,
+                centroid: track.centre,
+                ..regions::Shape::default()
+            },
             colour: [[200, 70, 60], [70, 90, 200], [80, 170, 90]][track.id as usize - 1],
             histogram: regions::Histogram::default(),
         })
@@ -145,18 +150,22 @@ fn shown_at(position: u32) -> Shown {
             regions: Arc::new(regions),
             tracks: Arc::new(tracks),
             tentative: Arc::default(),
+            objects: Arc::default(),
             events: Arc::default(),
             counters: Counters::default(),
         }),
         background: background.clone(),
         multi_mode: Some(background),
-        background_count: Some(Arc::new((0..SIZE.pixels()).map(|index| 1 + (index % 160 / 60) as u8).collect())),
+        background_count: Some(Arc::new(
+            (0..SIZE.pixels()).map(|index| 1 + (index % 160 / 60) as u8).collect(),
+        )),
         pixel: None,
     }
 }
 
 fn event(kind: EventKind, frame: u32, objects: &[u32], at: (f32, f32)) -> (u32, Event) {
-    let mut evidence = Evidence { branch: format!("{} because region 4 grew", kind.name()), ..Evidence::default() };
+    let mut evidence =
+        Evidence { branch: format!("{} because region 4 grew", kind.name()), ..Evidence::default() };
     evidence.compare("size change", 0.41, 0.2, true);
     evidence.note("ΔE of 1 with piece 2", 12.5);
     let event = Event {
@@ -202,7 +211,13 @@ fn state(phase: Phase, shown: Option<u32>) -> State {
     State {
         phase,
         info: shown.map(|_| {
-            Arc::new(SourceInfo { name: "walk.mp4".into(), size: SIZE, fps: 25.0, frames: Some(FRAMES), live: false })
+            Arc::new(SourceInfo {
+                name: "walk.mp4".into(),
+                size: SIZE,
+                fps: 25.0,
+                frames: Some(FRAMES),
+                live: false,
+            })
         }),
         warnings: Arc::default(),
         shown: shown.map(|position| Arc::new(shown_at(position))),
@@ -243,13 +258,19 @@ fn ready(position: u32) -> (Harness<'static, Window>, Scene) {
 
 fn shows(scene: &Scene) -> Vec<u32> {
     let asked = scene.asked.borrow();
-    asked.iter().filter_map(|asked| if let Asked::Show(position) = asked { Some(*position) } else { None }).collect()
+    asked
+        .iter()
+        .filter_map(|asked| if let Asked::Show(position) = asked { Some(*position) } else { None })
+        .collect()
 }
 
 /// The settings that the worker was last given.
 fn given(scene: &Scene) -> Option<Settings> {
     let asked = scene.asked.borrow();
-    asked.iter().rev().find_map(|asked| if let Asked::Settings(s) = asked { Some((**s).clone()) } else { None })
+    asked
+        .iter()
+        .rev()
+        .find_map(|asked| if let Asked::Settings(s) = asked { Some((**s).clone()) } else { None })
 }
 
 /// Writes a picture to look at where `OCCLUSCOPE_PICTURES` names a folder, and sees that it is no empty one.
@@ -362,7 +383,9 @@ fn every_setting_has_a_control_and_sliders_change_them() {
     harness.run_steps(2);
     for stage in ["Cleaning", "Regions", "Tracking", "Occlusion"] {
         let header = harness.get_all_by_role(egui::Role::Button).find(|node| {
-            node.accesskit_node().label().is_some_and(|label| label.starts_with(stage) && label != "Regions view")
+            node.accesskit_node()
+                .label()
+                .is_some_and(|label| label.starts_with(stage) && label != "Regions view")
         });
         if let Some(header) = header {
             header.click_accesskit();
@@ -433,6 +456,7 @@ fn a_click_in_a_view_chooses_the_pixel_and_the_wheel_zooms_all_views() {
         delta: vec2(0.0, 200.0),
         modifiers: Modifiers::NONE,
         phase: egui::TouchPhase::Move,
+        source: egui::MouseWheelSource::Wheel,
     });
     harness.run_steps(20);
     assert!(harness.state().model.camera.magnification > 1.5);

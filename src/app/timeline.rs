@@ -46,7 +46,7 @@ impl Axis {
 }
 
 /// Shows it.
-pub fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let rect = ui.available_rect_before_wrap();
     let response = ui.allocate_rect(rect, Sense::click_and_drag());
     response.widget_info(|| WidgetInfo::labeled(Role::Slider, true, "Timeline"));
@@ -221,7 +221,8 @@ fn life_lines(painter: &Painter, timeline: &Timeline, axis: &Axis, ground: Rect)
         let colour = theme::rgb(identity_colour(line.id));
         let y = ground.top() + 4.0 + (lane as f32 + 0.5) * pitch;
         for &(first, last, state) in &line.spans {
-            let (from, to) = (axis.edge(first as f32), axis.edge(last as f32 + 1.0).max(axis.edge(first as f32) + 1.0));
+            let (from, to) =
+                (axis.edge(first as f32), axis.edge(last as f32 + 1.0).max(axis.edge(first as f32) + 1.0));
             match state {
                 TrackState::Visible => {
                     painter.hline(from..=to, y, Stroke::new(thick, colour));
@@ -245,7 +246,13 @@ fn event_marks(painter: &Painter, model: &Model, timeline: &Timeline, axis: &Axi
         }
         let read = model.reading == Some(index);
         let colour = theme::rgb(event_colour(event.kind));
-        mark(painter, pos2(axis.x(*position), row.center().y), event.kind, colour, if read { 6.0 } else { 4.0 });
+        mark(
+            painter,
+            pos2(axis.x(*position), row.center().y),
+            event.kind,
+            colour,
+            if read { 6.0 } else { 4.0 },
+        );
     }
 }
 
@@ -266,7 +273,12 @@ fn mark(painter: &Painter, at: Pos2, kind: EventKind, colour: Color32, size: f32
             painter.circle(at, size, colour, edge);
         }
         EventKind::Appear => {
-            let points = vec![at + vec2(0.0, -size), at + vec2(size, 0.0), at + vec2(0.0, size), at + vec2(-size, 0.0)];
+            let points = vec![
+                at + vec2(0.0, -size),
+                at + vec2(size, 0.0),
+                at + vec2(0.0, size),
+                at + vec2(-size, 0.0),
+            ];
             painter.add(Shape::convex_polygon(points, colour, edge));
         }
         EventKind::Enter | EventKind::Exit => {
@@ -299,7 +311,8 @@ fn playhead(painter: &Painter, model: &Model, axis: &Axis, accent: Color32, ink:
     let number = model.number(position).to_string();
     let galley = painter.layout_no_wrap(number, FontId::proportional(theme::SMALL), ink);
     let size = galley.size() + vec2(10.0, 1.0);
-    let left = (x - size.x / 2.0).clamp(axis.rect.left() - 8.0, (axis.rect.right() + 8.0 - size.x).max(axis.rect.left()));
+    let left = (x - size.x / 2.0)
+        .clamp(axis.rect.left() - 8.0, (axis.rect.right() + 8.0 - size.x).max(axis.rect.left()));
     let plate = Rect::from_min_size(pos2(left, axis.rect.top()), size);
     painter.rect_filled(plate, 3.0, accent);
     painter.galley(plate.min + vec2(5.0, 0.5), galley, ink);

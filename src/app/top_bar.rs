@@ -7,7 +7,7 @@ use super::state::Model;
 use super::{icons, theme};
 
 /// Shows it.
-pub fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     MenuBar::new().ui(ui, |ui| {
         for menu in Menu::ALL {
             ui.menu_button(menu.name(), |ui| {
@@ -38,7 +38,7 @@ fn item(ui: &mut Ui, model: &Model, entry: &'static Entry, commands: &mut Vec<Co
 }
 
 /// Whether an action makes sense now.
-pub fn allowed(model: &Model, entry: &Entry) -> bool {
+pub(crate) fn allowed(model: &Model, entry: &Entry) -> bool {
     match entry.action {
         Action::Undo => model.history.can().0,
         Action::Redo => model.history.can().1,
@@ -61,6 +61,7 @@ fn opened(ui: &mut Ui, model: &Model) {
         let rate = (info.fps * 100.0).round() / 100.0;
         ui.weak(format!("·  {}  ·  {rate} fps  ·  {frames}", info.size));
     }
-    let short = std::path::Path::new(name).file_name().map_or(name.as_str(), |last| last.to_str().unwrap_or(name));
+    let short =
+        std::path::Path::new(name).file_name().map_or(name.as_str(), |last| last.to_str().unwrap_or(name));
     ui.label(RichText::new(short).strong()).on_hover_text(name);
 }

@@ -9,7 +9,7 @@ use super::state::{Model, SPEEDS};
 use super::theme;
 
 /// The buttons.
-pub fn buttons(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+pub(crate) fn buttons(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.spacing_mut().item_spacing.x = theme::SPACE / 2.0;
     let play = if model.playback.playing { (m::ICON_PAUSE, "Pause") } else { (m::ICON_PLAY_ARROW, "Play") };
     for (action, (icon, name)) in [
@@ -28,7 +28,7 @@ pub fn buttons(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 }
 
 /// The frame in view and the speed.
-pub fn place(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+pub(crate) fn place(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.spacing_mut().item_spacing.x = theme::SPACE;
     frame_field(ui, model, commands);
     ui.add_space(2.0 * theme::SPACE);
@@ -40,7 +40,8 @@ fn button(ui: &mut Ui, action: Action, icon: Icon, name: &str) -> bool {
     let colours = theme::colours(ui.visuals());
     let text = icon.rich_text().size(if main { 22.0 } else { 19.0 });
     let text = if main { text.color(colours.on_accent) } else { text };
-    let mut button = Button::new(text).min_size(vec2(if main { 40.0 } else { 28.0 }, 28.0)).corner_radius(6.0);
+    let mut button =
+        Button::new(text).min_size(vec2(if main { 40.0 } else { 28.0 }, 28.0)).corner_radius(6.0);
     button = if main { button.fill(colours.accent) } else { button.frame_when_inactive(false) };
     ui.spacing_mut().button_padding = vec2(3.0, 0.0);
     let keys = action.entry().map_or_else(String::new, |entry| {

@@ -10,7 +10,7 @@ use super::theme;
 use crate::replay::Phase;
 
 /// Shows it.
-pub fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let colours = theme::colours(ui.visuals());
     let rect = ui.available_rect_before_wrap();
     ui.painter().rect_filled(rect, 0.0, colours.canvas);
@@ -65,7 +65,12 @@ fn choices(ui: &mut Ui, commands: &mut Vec<Command>) {
     }
 }
 
-fn choice(ui: &mut Ui, icon: Icon, text: &str, main: Option<(eframe::egui::Color32, eframe::egui::Color32)>) -> bool {
+fn choice(
+    ui: &mut Ui,
+    icon: Icon,
+    text: &str,
+    main: Option<(eframe::egui::Color32, eframe::egui::Color32)>,
+) -> bool {
     let (mut icon, mut label) = (icon.rich_text().size(18.0), RichText::new(text));
     if let Some((_, ink)) = main {
         (icon, label) = (icon.color(ink), label.color(ink));

@@ -65,6 +65,7 @@ fn shown_of(settings: Settings, history: Option<PixelHistory>, position: u32) ->
             regions: Arc::default(),
             tracks: Arc::default(),
             tentative: Arc::default(),
+            objects: Arc::default(),
             events: Arc::default(),
             counters: Counters::default(),
         }),

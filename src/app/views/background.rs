@@ -37,10 +37,13 @@ pub(super) fn paint(pane: &mut Pane<'_>) {
         draw::message(pane.painter, &pane.canvas, NO_MIXTURE, pane.colours.weak);
         return;
     };
-    let texture =
-        pane.textures.get(pane.ctx, (View::Background, kind as u8), [frame.clone(), frame.clone()], frame.size, |index| {
-            Color32::from_rgb(frame.rgb[index * 3], frame.rgb[index * 3 + 1], frame.rgb[index * 3 + 2])
-        });
+    let texture = pane.textures.get(
+        pane.ctx,
+        (View::Background, kind as u8),
+        [frame.clone(), frame.clone()],
+        frame.size,
+        |index| Color32::from_rgb(frame.rgb[index * 3], frame.rgb[index * 3 + 1], frame.rgb[index * 3 + 2]),
+    );
     draw::image(pane.painter, &pane.canvas, texture, Color32::WHITE);
     let ground = |(x, y)| theme::rgb(frame.pixel(x, y).unwrap_or_default());
     draw::values(pane.painter, &pane.canvas, |at| value(shown, kind, at), ground);
@@ -87,7 +90,8 @@ pub(super) fn value(shown: &Shown, kind: Background, (x, y): (u32, u32)) -> Stri
         Background::MultiMode => shown.multi_mode.as_ref().and_then(|frame| frame.pixel(x, y)),
         Background::Count => {
             let index = shown.frame.size.index(x, y);
-            let count = shown.background_count.as_ref().zip(index).and_then(|(counts, index)| counts.get(index));
+            let count =
+                shown.background_count.as_ref().zip(index).and_then(|(counts, index)| counts.get(index));
             return count.map_or_else(String::new, |count| format!("B={count}"));
         }
     };

@@ -15,13 +15,13 @@ const FIT: f32 = 0.985;
 
 /// An image within a view.
 #[derive(Clone, Copy, Debug)]
-pub struct Canvas {
+pub(crate) struct Canvas {
     /// The view.
-    pub rect: Rect,
+    pub(crate) rect: Rect,
     /// The image.
-    pub size: Size,
+    pub(crate) size: Size,
     /// Points a pixel.
-    pub scale: f32,
+    pub(crate) scale: f32,
     origin: Pos2,
     fitted: f32,
     camera: Camera,
@@ -29,7 +29,7 @@ pub struct Canvas {
 
 impl Canvas {
     /// An image of `size` in the view `rect`, as `camera` has it.
-    pub fn new(rect: Rect, size: Size, camera: Camera) -> Self {
+    pub(crate) fn new(rect: Rect, size: Size, camera: Camera) -> Self {
         let (w, h) = (size.width.max(1) as f32, size.height.max(1) as f32);
         let fitted = (rect.width() / w).min(rect.height() / h).max(1e-3) * FIT;
         let scale = (fitted * camera.magnification).min(MAX_SCALE.max(fitted));
@@ -38,41 +38,41 @@ impl Canvas {
     }
 
     /// Where a point of the image stands on the screen.
-    pub fn screen(&self, [x, y]: [f32; 2]) -> Pos2 {
+    pub(crate) fn screen(&self, [x, y]: [f32; 2]) -> Pos2 {
         self.origin + vec2(x, y) * self.scale
     }
 
     /// Which point of the image stands here.
-    pub fn image(&self, at: Pos2) -> [f32; 2] {
+    pub(crate) fn image(&self, at: Pos2) -> [f32; 2] {
         let offset = (at - self.origin) / self.scale;
         [offset.x, offset.y]
     }
 
     /// Which pixel stands here.
-    pub fn pixel(&self, at: Pos2) -> Option<(u32, u32)> {
+    pub(crate) fn pixel(&self, at: Pos2) -> Option<(u32, u32)> {
         let [x, y] = self.image(at);
         let inside = x >= 0.0 && y >= 0.0 && x < self.size.width as f32 && y < self.size.height as f32;
         inside.then_some((x as u32, y as u32))
     }
 
     /// Where the whole image stands.
-    pub fn whole(&self) -> Rect {
+    pub(crate) fn whole(&self) -> Rect {
         let size = vec2(self.size.width as f32, self.size.height as f32);
         Rect::from_min_size(self.origin, size * self.scale)
     }
 
     /// Where a rectangle of the image stands.
-    pub fn place(&self, rect: &regions::Rect) -> Rect {
+    pub(crate) fn place(&self, rect: &regions::Rect) -> Rect {
         Rect::from_min_max(self.screen([rect.x, rect.y]), self.screen([rect.right(), rect.bottom()]))
     }
 
     /// Where a pixel stands.
-    pub fn place_pixel(&self, (x, y): (u32, u32)) -> Rect {
+    pub(crate) fn place_pixel(&self, (x, y): (u32, u32)) -> Rect {
         self.place(&regions::Rect::new(x as f32, y as f32, 1.0, 1.0))
     }
 
     /// The pixels that are seen: columns and rows, ends excluded.
-    pub fn visible(&self) -> (std::ops::Range<u32>, std::ops::Range<u32>) {
+    pub(crate) fn visible(&self) -> (std::ops::Range<u32>, std::ops::Range<u32>) {
         let (min, max) = (self.image(self.rect.min), self.image(self.rect.max));
         let columns = min[0].max(0.0) as u32..(max[0].ceil().max(0.0) as u32).min(self.size.width);
         let rows = min[1].max(0.0) as u32..(max[1].ceil().max(0.0) as u32).min(self.size.height);
@@ -80,7 +80,7 @@ impl Canvas {
     }
 
     /// The camera after zooming by `factor` with the point under `at` staying where it is.
-    pub fn zoomed(&self, at: Pos2, factor: f32) -> Camera {
+    pub(crate) fn zoomed(&self, at: Pos2, factor: f32) -> Camera {
         let most = (MAX_SCALE / self.fitted).max(1.0);
         let magnification = (self.camera.magnification * factor).clamp(MIN_MAGNIFICATION, most);
         let pinned = self.image(at);
@@ -90,7 +90,7 @@ impl Canvas {
     }
 
     /// The camera after the image was pulled by `delta` points.
-    pub fn panned(&self, delta: Vec2) -> Camera {
+    pub(crate) fn panned(&self, delta: Vec2) -> Camera {
         let middle = self.image(self.rect.center() - delta);
         self.looking_at(middle, self.camera.magnification)
     }
@@ -102,7 +102,7 @@ impl Canvas {
 }
 
 /// The corner from which texture coordinates run, for painting whole textures.
-pub const UV: Rect = Rect { min: pos2(0.0, 0.0), max: pos2(1.0, 1.0) };
+pub(crate) const UV: Rect = Rect { min: pos2(0.0, 0.0), max: pos2(1.0, 1.0) };
 
 #[cfg(test)]
 mod tests {

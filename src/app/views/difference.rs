@@ -18,7 +18,11 @@ pub(super) fn paint(pane: &mut Pane<'_>) {
         (View::Difference, 0),
         [frame.clone(), background.clone()],
         frame.size,
-        |index| Color32::from_gray(difference(at(&frame.rgb, index), at(&background.rgb, index)).saturating_mul(2)),
+        |index| {
+            Color32::from_gray(
+                difference(at(&frame.rgb, index), at(&background.rgb, index)).saturating_mul(2),
+            )
+        },
     );
     draw::image(pane.painter, &pane.canvas, texture, Color32::WHITE);
     let ground = |pixel| {

@@ -11,25 +11,26 @@ use crate::app::theme;
 const VALUES_FROM: f32 = 40.0;
 
 /// Paints a picture over the whole image.
-pub fn image(painter: &Painter, canvas: &Canvas, texture: eframe::egui::TextureId, tint: Color32) {
+pub(crate) fn image(painter: &Painter, canvas: &Canvas, texture: eframe::egui::TextureId, tint: Color32) {
     painter.image(texture, canvas.whole(), UV, tint);
 }
 
 /// An outline of dashes.
-pub fn dashed_rect(painter: &Painter, rect: Rect, stroke: Stroke, dash: f32) {
-    let corners = [rect.left_top(), rect.right_top(), rect.right_bottom(), rect.left_bottom(), rect.left_top()];
+pub(crate) fn dashed_rect(painter: &Painter, rect: Rect, stroke: Stroke, dash: f32) {
+    let corners =
+        [rect.left_top(), rect.right_top(), rect.right_bottom(), rect.left_bottom(), rect.left_top()];
     painter.extend(Shape::dashed_line(&corners, stroke, dash, dash * 0.7));
 }
 
 /// An outline with a dark edge, to be seen on any picture.
-pub fn outlined_rect(painter: &Painter, rect: Rect, stroke: Stroke) {
+pub(crate) fn outlined_rect(painter: &Painter, rect: Rect, stroke: Stroke) {
     let edge = Stroke::new(stroke.width + 2.0, Color32::from_black_alpha(110));
     painter.rect_stroke(rect, 1.0, edge, StrokeKind::Middle);
     painter.rect_stroke(rect, 1.0, stroke, StrokeKind::Middle);
 }
 
 /// Diagonal lines within a rectangle.
-pub fn hatch(painter: &Painter, rect: Rect, stroke: Stroke, step: f32) {
+pub(crate) fn hatch(painter: &Painter, rect: Rect, stroke: Stroke, step: f32) {
     let (w, h) = (rect.width(), rect.height());
     let mut along = step;
     while along < w + h {
@@ -41,19 +42,18 @@ pub fn hatch(painter: &Painter, rect: Rect, stroke: Stroke, step: f32) {
 }
 
 /// A dotted ellipse with half axes and an angle.
-pub fn ellipse(painter: &Painter, centre: Pos2, axes: Vec2, angle: f32, stroke: Stroke) {
+pub(crate) fn ellipse(painter: &Painter, centre: Pos2, axes: Vec2, angle: f32, stroke: Stroke) {
     let turned = |t: f32| {
         let (sin, cos) = angle.sin_cos();
         let (x, y) = (axes.x * t.cos(), axes.y * t.sin());
         centre + vec2(x * cos - y * sin, x * sin + y * cos)
     };
-    let points: Vec<Pos2> =
-        (0..=64).map(|step| turned(step as f32 / 64.0 * std::f32::consts::TAU)).collect();
+    let points: Vec<Pos2> = (0..=64).map(|step| turned(step as f32 / 64.0 * std::f32::consts::TAU)).collect();
     painter.extend(Shape::dashed_line(&points, stroke, 2.0, 3.0));
 }
 
 /// A word on a filled ground, its lower left corner at `at`, kept within `bounds`. Returns its place.
-pub fn tag(painter: &Painter, at: Pos2, text: &str, fill: Color32, bounds: Rect) -> Rect {
+pub(crate) fn tag(painter: &Painter, at: Pos2, text: &str, fill: Color32, bounds: Rect) -> Rect {
     let ink = theme::ink_on(fill);
     let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(theme::MONO), ink);
     let size = galley.size() + vec2(8.0, 2.0);
@@ -69,7 +69,7 @@ pub fn tag(painter: &Painter, at: Pos2, text: &str, fill: Color32, bounds: Rect)
 }
 
 /// The cross through the chosen pixel, in all views.
-pub fn cross(painter: &Painter, canvas: &Canvas, pixel: (u32, u32), accent: Color32) {
+pub(crate) fn cross(painter: &Painter, canvas: &Canvas, pixel: (u32, u32), accent: Color32) {
     let place = canvas.place_pixel(pixel);
     let centre = place.center();
     let gap = (place.width() / 2.0).max(5.0);
@@ -80,12 +80,17 @@ pub fn cross(painter: &Painter, canvas: &Canvas, pixel: (u32, u32), accent: Colo
         painter.vline(centre.x, view.top()..=centre.y - gap, stroke);
         painter.vline(centre.x, centre.y + gap..=view.bottom(), stroke);
         let least = Rect::from_center_size(centre, Vec2::splat(2.0 * gap));
-        painter.rect_stroke(if place.width() > 10.0 { place } else { least }, 0.0, stroke, StrokeKind::Outside);
+        painter.rect_stroke(
+            if place.width() > 10.0 { place } else { least },
+            0.0,
+            stroke,
+            StrokeKind::Outside,
+        );
     }
 }
 
 /// Values written into pixels, where they are large enough.
-pub fn values(
+pub(crate) fn values(
     painter: &Painter,
     canvas: &Canvas,
     value: impl Fn((u32, u32)) -> String,
@@ -112,7 +117,7 @@ pub fn values(
 }
 
 /// A sentence in the middle of a view that has nothing to show.
-pub fn message(painter: &Painter, canvas: &Canvas, text: &str, colour: Color32) {
+pub(crate) fn message(painter: &Painter, canvas: &Canvas, text: &str, colour: Color32) {
     painter.text(
         canvas.rect.center(),
         Align2::CENTER_CENTER,

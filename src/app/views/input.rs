@@ -18,13 +18,9 @@ pub(super) fn paint(pane: &mut Pane<'_>) {
 /// The frame as a picture, which the tracks view shares.
 pub(super) fn texture(pane: &mut Pane<'_>) -> TextureId {
     let frame = &pane.shown.frame;
-    pane.textures.get(
-        pane.ctx,
-        (View::Input, 0),
-        [frame.clone(), frame.clone()],
-        frame.size,
-        |index| Color32::from_rgb(frame.rgb[index * 3], frame.rgb[index * 3 + 1], frame.rgb[index * 3 + 2]),
-    )
+    pane.textures.get(pane.ctx, (View::Input, 0), [frame.clone(), frame.clone()], frame.size, |index| {
+        Color32::from_rgb(frame.rgb[index * 3], frame.rgb[index * 3 + 1], frame.rgb[index * 3 + 2])
+    })
 }
 
 /// Red, green and blue.

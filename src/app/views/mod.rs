@@ -11,9 +11,9 @@ mod textures;
 mod tiles;
 mod tracks;
 
-pub use canvas::Canvas;
-pub use textures::Textures;
-pub use tiles::{default_tree, show};
+pub(crate) use canvas::Canvas;
+pub(crate) use textures::Textures;
+pub(crate) use tiles::{default_tree, show};
 
 use eframe::egui::{Context, Painter};
 use serde::{Deserialize, Serialize};
@@ -24,7 +24,7 @@ use crate::replay::Shown;
 
 /// A view of the frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub enum View {
+pub(crate) enum View {
     /// The frame as it came.
     Input,
     /// The background model.
@@ -41,11 +41,11 @@ pub enum View {
 
 impl View {
     /// All views in the order of their keys, from 1.
-    pub const ALL: [Self; 6] =
+    pub(crate) const ALL: [Self; 6] =
         [Self::Input, Self::Background, Self::Foreground, Self::Regions, Self::Tracks, Self::Difference];
 
     /// Its title.
-    pub const fn title(self) -> &'static str {
+    pub(crate) const fn title(self) -> &'static str {
         match self {
             Self::Input => "Input",
             Self::Background => "Background",
@@ -57,7 +57,7 @@ impl View {
     }
 
     /// What is seen in it.
-    pub const fn meaning(self) -> &'static str {
+    pub(crate) const fn meaning(self) -> &'static str {
         match self {
             Self::Input => "The frame as it came from the source.",
             Self::Background => "The background model after this frame.",
@@ -77,12 +77,12 @@ impl View {
     }
 
     /// Its number on the keyboard.
-    pub fn key(self) -> usize {
+    pub(crate) fn key(self) -> usize {
         Self::ALL.iter().position(|&view| view == self).unwrap_or(0) + 1
     }
 
     /// The value of a pixel in it, in as many lines as it has parts.
-    pub fn value(self, shown: &Shown, background: Background, at: (u32, u32)) -> String {
+    pub(crate) fn value(self, shown: &Shown, background: Background, at: (u32, u32)) -> String {
         match self {
             Self::Input | Self::Tracks => input::value(shown, at),
             Self::Background => background::value(shown, background, at),
@@ -106,7 +106,7 @@ impl View {
 
 /// What the background view shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
-pub enum Background {
+pub(crate) enum Background {
     /// The mean of component 1.
     Mean,
     /// The weighted mean of the B background components.
@@ -117,10 +117,10 @@ pub enum Background {
 
 impl Background {
     /// All kinds in order.
-    pub const ALL: [Self; 3] = [Self::Mean, Self::MultiMode, Self::Count];
+    pub(crate) const ALL: [Self; 3] = [Self::Mean, Self::MultiMode, Self::Count];
 
     /// Its name on a button.
-    pub const fn name(self) -> &'static str {
+    pub(crate) const fn name(self) -> &'static str {
         match self {
             Self::Mean => "Mean",
             Self::MultiMode => "Modes",
@@ -129,7 +129,7 @@ impl Background {
     }
 
     /// What it is, in a sentence.
-    pub const fn meaning(self) -> &'static str {
+    pub(crate) const fn meaning(self) -> &'static str {
         match self {
             Self::Mean => "The mean of component 1 at each pixel",
             Self::MultiMode => "The weighted mean of the B components that are background",
@@ -138,7 +138,7 @@ impl Background {
     }
 
     /// The kind after this one.
-    pub const fn next(self) -> Self {
+    pub(crate) const fn next(self) -> Self {
         match self {
             Self::Mean => Self::MultiMode,
             Self::MultiMode => Self::Count,

@@ -40,7 +40,8 @@ pub(super) fn paint(pane: &mut Pane<'_>) {
             Some(&label) => {
                 // A little of the input's light keeps the region's inside readable.
                 let light = 0.55 + 0.45 * f32::from(gray) / 255.0;
-                let [r, g, b, _] = colour_of(label).to_array().map(|channel| (f32::from(channel) * light) as u8);
+                let [r, g, b, _] =
+                    colour_of(label).to_array().map(|channel| (f32::from(channel) * light) as u8);
                 Color32::from_rgb(r, g, b)
             }
         }
@@ -57,10 +58,24 @@ pub(super) fn paint(pane: &mut Pane<'_>) {
         pane.painter.rect_stroke(place, 0.0, Stroke::new(1.0, colour), StrokeKind::Outside);
         // Specks would only hide the picture under their numbers.
         if place.width().max(place.height()) > 14.0 {
-            let number =
-                draw::tag(pane.painter, place.left_top(), &region.label.to_string(), colour, pane.canvas.rect);
-            let swatch = Rect::from_min_size(pos2(number.right() + 2.0, number.top()), vec2(number.height(), number.height()));
-            pane.painter.rect(swatch, 2.0, theme::rgb(region.colour), Stroke::new(1.0, colour), StrokeKind::Inside);
+            let number = draw::tag(
+                pane.painter,
+                place.left_top(),
+                &region.label.to_string(),
+                colour,
+                pane.canvas.rect,
+            );
+            let swatch = Rect::from_min_size(
+                pos2(number.right() + 2.0, number.top()),
+                vec2(number.height(), number.height()),
+            );
+            pane.painter.rect(
+                swatch,
+                2.0,
+                theme::rgb(region.colour),
+                Stroke::new(1.0, colour),
+                StrokeKind::Inside,
+            );
         }
     }
     let ground = |(x, y)| frame.size.index(x, y).map_or(Color32::BLACK, pixel_colour);

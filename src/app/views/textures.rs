@@ -16,7 +16,7 @@ type Origin = Arc<dyn Any + Send + Sync>;
 
 /// A picture a view.
 #[derive(Default)]
-pub struct Textures {
+pub(crate) struct Textures {
     kept: HashMap<(View, u8), ([Origin; 2], TextureHandle)>,
 }
 
@@ -31,7 +31,7 @@ const OPTIONS: TextureOptions = TextureOptions {
 impl Textures {
     /// The picture in `slot` of a view: the one that is there when it was made from the same two
     /// things, else a new one by `colour`, which gives the colour of the pixel at an index.
-    pub fn get(
+    pub(crate) fn get(
         &mut self,
         ctx: &Context,
         (view, slot): (View, u8),
@@ -61,7 +61,7 @@ impl Textures {
     }
 
     /// Forgets all pictures, for another video.
-    pub fn clear(&mut self) {
+    pub(crate) fn clear(&mut self) {
         self.kept.clear();
     }
 }

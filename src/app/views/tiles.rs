@@ -16,7 +16,7 @@ use crate::app::state::{Camera, Hover, Model};
 use crate::app::theme;
 
 /// Two rows of two, and the tracks across below them; the difference behind the background's tab.
-pub fn default_tree() -> Tree<View> {
+pub(crate) fn default_tree() -> Tree<View> {
     let mut tiles = Tiles::default();
     let mut tab = |views: &[View]| {
         let panes = views.iter().map(|&view| tiles.insert_pane(view)).collect();
@@ -36,7 +36,7 @@ pub fn default_tree() -> Tree<View> {
 }
 
 /// Shows the views, or the one that is maximised.
-pub fn show(
+pub(crate) fn show(
     ui: &mut Ui,
     tree: &mut Tree<View>,
     textures: &mut Textures,
