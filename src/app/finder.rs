@@ -58,7 +58,7 @@ impl Finder {
                             entry.shortcuts.first().map_or_else(String::new, super::command::Shortcut::text);
                         let button = Button::selectable(chosen, (icons::text(entry.icon), entry.text))
                             .shortcut_text(shortcut);
-                        let response = ui.add(button);
+                        let response = ui.add(button).accessible_name(entry.text);
                         if chosen && (up || down) {
                             response.scroll_to_me(None);
                         }

@@ -217,9 +217,9 @@ impl Window {
         let wide = ui.ctx().content_rect().width();
         let side = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(10, 8));
         if model.settings_panel {
-            let size = (wide * 0.165).clamp(216.0, 320.0);
+            let size = (wide * 0.165).clamp(244.0, 320.0);
             let panel = Panel::left("settings").frame(side).resizable(true).default_size(size);
-            panel.size_range(200.0..=480.0).show(ui, |ui| settings_panel::ui(ui, model, commands));
+            panel.size_range(236.0..=480.0).show(ui, |ui| settings_panel::ui(ui, model, commands));
         }
         if model.inspector_panel && model.shown().is_some() {
             let size = (wide * 0.235).clamp(232.0, 520.0);
@@ -229,7 +229,11 @@ impl Window {
                 let half = ui.available_height() * 0.42;
                 let below = Frame::NONE.inner_margin(Margin { top: 8, ..Margin::ZERO });
                 let list = Panel::bottom("events").frame(below).resizable(true).default_size(half);
-                list.min_size(120.0).show(ui, |ui| events_panel::ui(ui, model, commands));
+                list.min_size(120.0).show(ui, |ui| {
+                    events_panel::ui(ui, model, commands);
+                    // A panel is as large as what is in it: a short list must not shrink it.
+                    ui.take_available_space();
+                });
                 let action = inspector.ui(ui, model.shown(), model.fps());
                 if let Some(InspectorAction::GoTo(position)) = action {
                     commands.push(Command::GoTo(position));

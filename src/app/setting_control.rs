@@ -36,8 +36,8 @@ pub(crate) fn ui(
             }
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 ui.spacing_mut().item_spacing.x = theme::SPACE;
-                reset(ui, setting, differs, &mut value, defaults);
                 ui.name_inputs(setting.name, |ui| exact(ui, setting, &mut value, fps, label.id));
+                reset(ui, setting, differs, &mut value, defaults);
             });
         });
         slider(ui, setting, &mut value);

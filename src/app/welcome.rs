@@ -79,5 +79,5 @@ fn choice(
     if let Some((fill, _)) = main {
         button = button.fill(fill);
     }
-    ui.add(button).clicked()
+    ui.add(button).accessible_name(text).clicked()
 }

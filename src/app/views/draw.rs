@@ -73,8 +73,8 @@ pub(crate) fn cross(painter: &Painter, canvas: &Canvas, pixel: (u32, u32), accen
     let place = canvas.place_pixel(pixel);
     let centre = place.center();
     let gap = (place.width() / 2.0).max(5.0);
-    let (view, shadow) = (canvas.rect, Stroke::new(3.0, Color32::from_black_alpha(90)));
-    for stroke in [shadow, Stroke::new(1.0, accent)] {
+    let (view, shadow) = (canvas.rect, Stroke::new(3.0, Color32::from_black_alpha(60)));
+    for stroke in [shadow, Stroke::new(1.0, accent.gamma_multiply(0.7))] {
         painter.hline(view.left()..=centre.x - gap, centre.y, stroke);
         painter.hline(centre.x + gap..=view.right(), centre.y, stroke);
         painter.vline(centre.x, view.top()..=centre.y - gap, stroke);

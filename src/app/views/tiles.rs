@@ -47,6 +47,7 @@ pub(crate) fn show(
     if let Some(view) = model.maximised {
         let whole = ui.available_rect_before_wrap();
         let (bar, rest) = whole.split_top_bottom_at_y(whole.top() + theme::ROW);
+        ui.painter().rect_filled(bar, 0.0, ui.visuals().panel_fill);
         ui.scope_builder(UiBuilder::new().max_rect(bar), |ui| {
             ui.horizontal_centered(|ui| {
                 ui.add_space(2.0 * theme::SPACE);
