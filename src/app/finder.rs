@@ -31,7 +31,7 @@ impl Finder {
             return;
         }
         let area = Modal::default_area(Id::unique("finder")).anchor(Align2::CENTER_TOP, [0.0, 80.0]);
-        let response = Modal::new(Id::unique("finder")).area(area).show(ctx, |ui| {
+        let response = Modal::new(Id::unique("finder")).area(area).frame(theme::sheet(ctx)).show(ctx, |ui| {
             ui.set_width(440.0);
             let pressed = |key| ui.input_mut(|input| input.consume_key(Modifiers::NONE, key));
             let (up, down, enter) = (pressed(Key::ArrowUp), pressed(Key::ArrowDown), pressed(Key::Enter));

@@ -20,7 +20,7 @@ pub(crate) fn ui(ctx: &Context, open: &mut bool) {
     if !*open {
         return;
     }
-    let response = Modal::new(Id::unique("help")).show(ctx, |ui| {
+    let response = Modal::new(Id::unique("help")).frame(theme::sheet(ctx)).show(ctx, |ui| {
         let room = ctx.content_rect();
         ui.set_width((room.width() - 80.0).min(760.0));
         let mut close = false;

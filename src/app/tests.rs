@@ -9,7 +9,7 @@ use std::sync::Arc;
 
 use eframe::egui::{self, Key, Modifiers, Theme, vec2};
 use egui_kittest::Harness;
-use egui_kittest::kittest::{NodeT, Queryable};
+use egui_kittest::kittest::Queryable;
 
 use super::Window;
 use super::command::Command;

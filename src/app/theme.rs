@@ -1,7 +1,8 @@
 //! The look of the window: colours, text sizes and distances, in one place.
 
 use eframe::egui::{
-    Color32, CornerRadius, FontFamily, FontId, Margin, Shadow, Stroke, Style, TextStyle, Theme, Visuals,
+    Color32, CornerRadius, FontFamily, FontId, Frame, Margin, Shadow, Stroke, Style, TextStyle, Theme,
+    Visuals,
     style::{ScrollStyle, Selection},
     vec2,
 };
@@ -86,6 +87,11 @@ pub const fn rgb(colour: [u8; 3]) -> Color32 {
 pub fn ink_on(background: Color32) -> Color32 {
     let [r, g, b, _] = background.to_array().map(f32::from);
     if 0.299 * r + 0.587 * g + 0.114 * b > 128.0 { Color32::from_rgb(12, 14, 18) } else { Color32::WHITE }
+}
+
+/// The frame of a sheet that lies over the window.
+pub fn sheet(ctx: &eframe::egui::Context) -> Frame {
+    Frame::popup(&ctx.global_style()).inner_margin(4.0 * SPACE)
 }
 
 /// Puts fonts, sizes, distances and colours into `ctx`, for dark and light.
@@ -174,6 +180,10 @@ fn dressed(mut visuals: Visuals, colours: &Colours) -> Visuals {
         widget.bg_stroke = Stroke::NONE;
         widget.fg_stroke = Stroke::new(1.0, colours.text);
         widget.expansion = 0.0;
+    }
+    if !dark {
+        // Gray on light gray has too little edge of its own.
+        widgets.inactive.bg_stroke = Stroke::new(1.0, colours.line);
     }
     widgets.noninteractive.bg_stroke = Stroke::new(1.0, colours.line);
     widgets.hovered.bg_stroke = Stroke::new(1.0, colours.weak.gamma_multiply(0.6));
