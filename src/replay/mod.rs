@@ -62,7 +62,9 @@ pub struct State {
     pub warnings: Arc<Vec<String>>,
     /// The frame in view: everything of one moment and one choice of settings.
     pub shown: Option<Arc<Shown>>,
-    /// What is known of the whole sequence so far.
+    /// What is known of the whole sequence so far under the settings chosen last. It follows the
+    /// work at most ten times a second, and holds the frame in view unless that one still shows
+    /// the settings before.
     pub timeline: Arc<Timeline>,
     /// What the worker is doing, `None` when it rests.
     pub busy: Option<Progress>,
