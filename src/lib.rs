@@ -24,4 +24,5 @@ pub mod regions;
 pub mod replay;
 pub mod settings;
 pub mod source;
+pub mod synth;
 pub mod tracking;

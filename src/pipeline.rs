@@ -5,10 +5,10 @@ use std::sync::Arc;
 use crate::frame::{Frame, Mask, Size};
 use crate::mixture::opencv::OpencvModel;
 use crate::mixture::{Mixture, Parameters};
-use crate::occlusion::{Counters, Episode, Event};
+use crate::occlusion::{Counters, Episode, Event, EventKind, Reasoner};
 use crate::regions::{Cleaning, Labels, Region, find_regions};
 use crate::settings::Settings;
-use crate::tracking::{Naming, Track, Tracker};
+use crate::tracking::{Naming, Track};
 
 /// Why a frame could not be analysed.
 #[derive(Debug, thiserror::Error)]
@@ -83,7 +83,7 @@ pub struct Pipeline {
     model: Model,
     cleaning: Cleaning,
     min_area: u32,
-    tracker: Tracker,
+    reasoner: Reasoner,
 }
 
 impl Pipeline {
@@ -99,7 +99,7 @@ impl Pipeline {
             model,
             cleaning: Cleaning::new(settings),
             min_area: settings.min_area,
-            tracker: Tracker::new(settings, size, fps),
+            reasoner: Reasoner::new(settings, size, fps),
         })
     }
 
@@ -117,7 +117,7 @@ impl Pipeline {
         };
         let mask = self.cleaning.apply(raw).map_err(opencv)?;
         let (labels, regions) = find_regions(frame, &mask, self.min_area).map_err(opencv)?;
-        let seen = self.tracker.step(frame.number, &regions);
+        let seen = self.reasoner.step(frame.number, &regions);
         Ok(Analysis {
             number: frame.number,
             t: self.t,
@@ -128,8 +128,28 @@ impl Pipeline {
             tentative: Arc::new(seen.tentative),
             objects: Arc::new(seen.objects),
             events: Arc::new(seen.events),
-            counters: self.tracker.counters(),
+            counters: self.reasoner.counters(),
         })
+    }
+
+    /// Begins tracking anew under `settings`, of which only those of tracking and occlusion may
+    /// differ; the model and all before tracking stay as they are.
+    pub fn restart_tracking(&mut self, settings: &Settings, fps: f32) {
+        self.tracker = Tracker::new(settings, self.size, fps);
+    }
+
+    /// Takes the regions of a frame that was analysed before through tracking and occlusion alone,
+    /// after [`Self::restart_tracking`] and in the frames' order.
+    pub fn track_again(&mut self, analysis: &Analysis) -> Analysis {
+        let seen = self.tracker.step(analysis.number, &analysis.regions);
+        Analysis {
+            tracks: Arc::new(seen.tracks),
+            tentative: Arc::new(seen.tentative),
+            objects: Arc::new(seen.objects),
+            events: Arc::new(seen.events),
+            counters: self.tracker.counters(),
+            ..analysis.clone()
+        }
     }
 
     /// The model's background: the mean of component 1, or what MOG2 or KNN give; RGB bytes in row order.
@@ -153,22 +173,22 @@ impl Pipeline {
     /// A copy that goes on from here; `None` for MOG2 and KNN, whose state cannot be copied.
     pub fn try_clone(&self) -> Option<Self> {
         let mixture = self.mixture()?.clone();
-        Some(Self { model: Model::Mixture(mixture), tracker: self.tracker.clone(), ..*self })
+        Some(Self { model: Model::Mixture(mixture), reasoner: self.reasoner.clone(), ..*self })
     }
 
     /// The memory that a copy takes, in bytes, to the nearest few kilobytes.
     pub fn state_bytes(&self) -> usize {
-        self.mixture().map_or(0, Mixture::state_bytes) + self.tracker.state_bytes()
+        self.mixture().map_or(0, Mixture::state_bytes) + self.reasoner.state_bytes()
     }
 
     /// Who is who, as decided up to here.
     pub fn naming(&self) -> Naming {
-        self.tracker.naming()
+        self.reasoner.naming()
     }
 
     /// The occlusion episodes up to here, by start; those still going on end at the last frame.
     pub fn episodes(&self) -> Vec<Episode> {
-        self.tracker.episodes()
+        self.reasoner.episodes()
     }
 }
 
@@ -182,8 +202,18 @@ pub fn final_reading<'a>(analyses: impl IntoIterator<Item = &'a Analysis>, pipel
         reading.events.extend(analysis.events.iter().cloned());
     }
     reading.events.sort_by(|a, b| (a.frame, a.kind, &a.objects).cmp(&(b.frame, b.kind, &b.objects)));
-    for event in &reading.events {
+    for event in &mut reading.events {
         reading.counters.count(event.kind);
+        if event.kind == EventKind::Merge {
+            // Who is in front shows while they are merged, after the event.
+            event.front = reading
+                .episodes
+                .iter()
+                .filter(|episode| (episode.start..=episode.end).contains(&event.frame))
+                .find(|episode| event.objects.iter().all(|id| episode.objects.contains(id)))
+                .and_then(|episode| episode.front)
+                .filter(|front| event.objects.contains(front));
+        }
     }
     reading
 }

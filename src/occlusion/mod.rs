@@ -1,5 +1,18 @@
 //! Merging, disappearing, demerging, reappearing: Algorithms 1–3, each decision with its evidence.
+//!
+//! [`reasoner`] takes a frame's regions through tracking and reasoning; it reads as its stages.
+//! [`partition`] finds which objects and regions have to do with each other, [`assign`] who is who
+//! among the pieces of a group; [`splits`] and [`hidden`] hold what is undecided or out of sight.
 
+pub mod assign;
 pub mod event;
+mod hidden;
+pub mod meetings;
+pub mod object;
+pub mod partition;
+mod readout;
+pub mod reasoner;
+mod splits;
 
-pub use event::{Counters, Episode, EpisodeKind, Event, EventKind, Evidence};
+pub use event::{Comparison, Counters, Episode, EpisodeKind, Event, EventKind, Evidence};
+pub use reasoner::{Reasoner, Seen};

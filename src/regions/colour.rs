@@ -56,6 +56,12 @@ impl Histogram {
         }
     }
 
+    /// Drops the bins that hold less than this share of the whole.
+    pub fn forget_below(&mut self, share: f32) {
+        let least = share * self.total();
+        self.bins.retain(|_, bin| bin.count >= least);
+    }
+
     /// How many pixels it holds.
     pub fn total(&self) -> f32 {
         self.bins.values().map(|bin| bin.count).sum()
@@ -84,6 +90,14 @@ impl Histogram {
     pub fn likeness(&self, other: &Self) -> f32 {
         let (mine, theirs) = (self.smoothed(), other.smoothed());
         mine.iter().filter_map(|(index, a)| theirs.get(index).map(|b| a.min(*b))).sum()
+    }
+
+    /// How much of `area` pixels coloured as `other` could be among the pixels of this one: 0..=1.
+    pub fn holds(&self, other: &Self, area: f32) -> f32 {
+        let scale = area / other.total().max(f32::MIN_POSITIVE);
+        let due = other.bins.iter().map(|(index, bin)| (scale * bin.count, self.bins.get(index)));
+        let held: f32 = due.map(|(due, mine)| mine.map_or(0.0, |mine| mine.count.min(due))).sum();
+        (held / area.max(f32::MIN_POSITIVE)).min(1.0)
     }
 
     /// Shares of the total over coarser, overlapping bins, so that a colour at the edge of a bin

@@ -3,6 +3,19 @@
 //! The window holds a [`Session`] and asks; the worker publishes a [`State`] whenever something
 //! changed. Neither waits for the other.
 
+mod inspector;
+mod memory;
+mod pictures;
+mod record;
+mod run;
+mod session;
+mod spaced;
+mod timeline;
+mod worker;
+
+#[cfg(test)]
+mod tests;
+
 use std::sync::Arc;
 
 use crate::frame::Frame;
@@ -12,6 +25,20 @@ use crate::pipeline::Analysis;
 use crate::settings::Settings;
 use crate::source::SourceInfo;
 use crate::tracking::{Identity, TrackState};
+
+pub use session::Session;
+
+/// Which frame comes into view after opening. The first frame is shown until it is reached.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Start {
+    /// The first.
+    First,
+    /// One within the first occlusion: a merge, or an object that disappears. The first frame where
+    /// there is none.
+    FirstOcclusion,
+    /// The one of this number, or the next one after it that there is.
+    Frame(u32),
+}
 
 /// How far a session has come.
 #[derive(Clone, Debug, PartialEq)]

@@ -102,6 +102,15 @@ impl FrameCache {
         std::mem::take(&mut self.warnings)
     }
 
+    /// Forgets all frames of a live source: the next one that it gives is at position 0.
+    pub fn forget(&mut self) {
+        if self.info.live {
+            self.numbers.clear();
+            self.kept.clear();
+            self.by_use.clear();
+        }
+    }
+
     /// The frame at `position` if it is kept; it counts as used.
     pub fn kept(&mut self, position: u32) -> Option<Arc<Frame>> {
         let (frame, used) = self.kept.get_mut(&position)?;

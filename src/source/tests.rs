@@ -136,8 +136,9 @@ fn a_video_with_garbage_inside_is_read_as_far_as_it_goes() {
     }
     fs::write(&path, &bytes).unwrap();
     let (frames, warnings) = read_all(&path);
-    println!("{} of {third} {half} {}: {warnings:?}", frames.len(), bytes.len());
-    assert!(frames.len() >= 15, "{}", frames.len());
+    assert!(frames.len() >= 8, "{}", frames.len());
+    assert_levels(&frames[..8]);
+    assert!(warnings.len() == 1 || frames.len() >= 57, "{} frames, {warnings:?}", frames.len());
 }
 
 #[test]
@@ -311,4 +312,17 @@ fn folders_without_a_usable_image_are_refused() {
     assert!(open_error(folder.path()).contains("holds no images"));
     fs::write(folder.path().join("a.png"), "text").unwrap();
     assert!(open_error(folder.path()).contains("none of its images can be read"));
+}
+
+#[test]
+fn libraries_write_nothing_to_the_terminal() {
+    // In a process of its own: what C code writes is not captured by the test harness.
+    let output = std::process::Command::new(std::env::current_exe().unwrap())
+        .args(["--nocapture", "source::tests::a_video", "source::tests::files", "source::tests::cameras"])
+        .env_remove("RUST_BACKTRACE")
+        .output()
+        .unwrap();
+    assert!(output.status.success());
+    assert!(String::from_utf8_lossy(&output.stdout).contains("4 passed"));
+    assert_eq!(String::from_utf8_lossy(&output.stderr), "");
 }

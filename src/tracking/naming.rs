@@ -29,6 +29,11 @@ impl Naming {
         })
     }
 
+    /// Decides who an object is.
+    pub fn set(&mut self, key: Key, identity: Identity) {
+        self.identities.insert(key, identity);
+    }
+
     /// Decides that an object is one that has been known before.
     pub fn same(&mut self, key: Key, as_known: Key) {
         if let Some(identity) = self.of(as_known) {

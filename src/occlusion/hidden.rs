@@ -1,0 +1,261 @@
+//! Objects without a region: who left, who is hidden, and who came back (Algorithms 2 and 3).
+
+use super::event::{Episode, EpisodeKind, Event, EventKind, Evidence};
+use super::object::Object;
+use super::reasoner::{ObjectId, Reasoner};
+use crate::regions::Rect;
+use crate::settings::ReappearBy;
+
+/// An object that the scene hides: the paper's past object.
+#[derive(Clone, Debug)]
+pub(super) struct Hidden {
+    pub(super) id: ObjectId,
+    /// The frame's number and t from which on it had no region.
+    pub(super) since: (u32, u32),
+}
+
+/// An object that came back, not told yet: it may be gone again in the next moment.
+#[derive(Clone, Debug)]
+pub(super) struct Return {
+    pub(super) id: ObjectId,
+    since: (u32, u32),
+    t: u32,
+    event: Event,
+}
+
+impl Reasoner {
+    /// Decides about every blob without a region: wait, left the image, or hidden.
+    pub(super) fn judge_lost(&mut self) {
+        for index in (0..self.carried.len()).rev() {
+            let carried = &mut self.carried[index];
+            if carried.view.is_some() {
+                carried.lost_from = None;
+                continue;
+            }
+            let lost_from = *carried.lost_from.get_or_insert((self.number, self.t));
+            let frames = self.t - lost_from.1 + 1;
+            let members = carried.members.clone();
+            let unfit = self.pool.unfit(&carried.blob);
+            if members.iter().all(|id| !self.objects[id].named) {
+                // Nobody yet: it was noise.
+                if frames > 2 {
+                    self.remove(index, &members);
+                }
+                continue;
+            }
+            let bbox = self.carried[index].blob.bbox;
+            if frames < self.limits.patience && !unfit && !self.is_outside(&bbox) {
+                continue;
+            }
+            let leaves = self.leaves(index, lost_from.0);
+            self.carried.remove(index);
+            for &id in &members {
+                self.settle_splits_of(id);
+                self.meetings.lose(id);
+                match &leaves {
+                    Some(evidence) => self.tell_exit(id, lost_from.0, evidence.clone()),
+                    None => self.hide(id, lost_from),
+                }
+            }
+        }
+    }
+
+    fn remove(&mut self, index: usize, members: &[ObjectId]) {
+        self.carried.remove(index);
+        for id in members {
+            self.objects.remove(id);
+        }
+    }
+
+    fn is_outside(&self, bbox: &Rect) -> bool {
+        let image = Rect::new(0.0, 0.0, self.size.width as f32, self.size.height as f32);
+        bbox.intersection(&image).area() <= 0.0
+    }
+
+    /// The evidence that a blob without a region has left the image, `None` when it has not.
+    fn leaves(&self, index: usize, lost_from: u32) -> Option<Evidence> {
+        let carried = &self.carried[index];
+        let velocity = carried.blob.shown().model.velocity();
+        let last = carried.members.iter().map(|id| self.objects[id].last.bbox).reduce(|a, b| a.union(&b))?;
+        let last = if carried.members.len() > 1 { carried.blob.bbox } else { last };
+        let distance = last.distance_to_edge(self.size).min(carried.blob.bbox.distance_to_edge(self.size));
+        let outward =
+            outward_speed(&last, [velocity.x, velocity.y], self.size.width as f32, self.size.height as f32);
+        let near = distance <= self.limits.border;
+        let leaves = near && outward > -0.2;
+        leaves.then(|| {
+            let mut evidence = self.evidence(format!(
+                "no region from frame {lost_from} on; the box was near the image edge and moved outward"
+            ));
+            evidence.compare("distance to the image edge", distance, self.limits.border, near);
+            evidence.compare("speed outward in pixels a frame", outward, -0.2, outward > -0.2);
+            evidence
+        })
+    }
+
+    fn tell_exit(&mut self, id: ObjectId, frame: u32, evidence: Evidence) {
+        self.tell_return_of(id);
+        let Some(identity) = self.identity(id) else { return };
+        let Some(object) = self.objects.remove(&id) else { return };
+        let [x, y] = object.last.bbox.centre();
+        self.events.push(Event {
+            frame,
+            kind: EventKind::Exit,
+            objects: vec![identity],
+            becomes: vec![identity],
+            x,
+            y,
+            front: None,
+            evidence,
+        });
+    }
+
+    /// An object lost its region inside the image: it is kept as a past object.
+    fn hide(&mut self, id: ObjectId, since: (u32, u32)) {
+        let Some(identity) = self.identity(id) else {
+            self.objects.remove(&id);
+            return;
+        };
+        if let Some(index) = self.returns.iter().position(|returned| returned.id == id) {
+            // It only flickered through a gap in what hides it: hidden all the time.
+            let since = self.returns.remove(index).since;
+            self.hidden.push(Hidden { id, since });
+            return;
+        }
+        let last = self.objects[&id].last.bbox;
+        let mut evidence = self.evidence(format!(
+            "no region from frame {} on, away from the image edge, and no region grew to hold it",
+            since.0
+        ));
+        let distance = last.distance_to_edge(self.size);
+        evidence.compare(
+            "distance to the image edge",
+            distance,
+            self.limits.border,
+            distance > self.limits.border,
+        );
+        let [x, y] = last.centre();
+        self.hidden.push(Hidden { id, since });
+        self.events.push(Event {
+            frame: since.0,
+            kind: EventKind::Disappear,
+            objects: vec![identity],
+            becomes: vec![identity],
+            x,
+            y,
+            front: None,
+            evidence,
+        });
+    }
+
+    /// Whether a new object is a hidden one that came back; if so it takes that one's identity.
+    pub(super) fn reappears(&mut self, id: ObjectId) -> bool {
+        let new = &self.objects[&id];
+        if new.birthplace.distance_to_edge(self.size) <= self.limits.border {
+            return false;
+        }
+        let mut candidates: Vec<(f32, f32, f32, usize)> = Vec::new();
+        for (index, hidden) in self.hidden.iter().enumerate() {
+            let past = &self.objects[&hidden.id];
+            let reach = self.reach(past, self.t - hidden.since.1);
+            let [x, y] = past.model.centre();
+            let [new_x, new_y] = new.model.centre();
+            let distance = (new_x - x).hypot(new_y - y);
+            if distance <= reach {
+                let (agreement, _) = past.agreement(&new.last.histogram, &self.settings);
+                candidates.push((distance, reach, agreement, index));
+            }
+        }
+        let by_colour = self.settings.reappear_by == ReappearBy::Colour && candidates.len() > 1;
+        let chosen = if by_colour {
+            candidates.iter().max_by(|a, b| a.2.total_cmp(&b.2))
+        } else {
+            candidates.iter().min_by(|a, b| (a.0 / a.1).total_cmp(&(b.0 / b.1)))
+        };
+        let Some(&(distance, reach, agreement, index)) = chosen else { return false };
+        let hidden = self.hidden.remove(index);
+        let branch = if by_colour {
+            "a region without an object where several hidden ones were predicted; its colours decided"
+        } else {
+            "a region without an object where a hidden one was predicted"
+        };
+        let mut evidence = self.evidence(branch);
+        evidence.compare("distance in pixels from the predicted place", distance, reach, true);
+        evidence.compare("agreement of colours", agreement, 1.2, true);
+        evidence.note("frames hidden", (self.t - hidden.since.1) as f32);
+        self.take_back(id, &hidden, evidence);
+        true
+    }
+
+    /// How far from its predicted place a hidden object may come back: it may have slowed down,
+    /// stopped or turned behind what hides it.
+    fn reach(&self, object: &Object, frames: u32) -> f32 {
+        let velocity = object.model.velocity();
+        let (_, height) = object.size();
+        0.6 * height + 0.5 * velocity.x.hypot(velocity.y) * frames as f32 + (frames as f32).sqrt()
+    }
+
+    fn take_back(&mut self, new: ObjectId, hidden: &Hidden, evidence: Evidence) {
+        let Some(seen) = self.objects.remove(&new) else { return };
+        let Some(object) = self.objects.get_mut(&hidden.id) else { return };
+        self.naming.same(seen.key, object.key);
+        let [x, y] = seen.birthplace.centre();
+        let frame = seen.born;
+        object.key = seen.key;
+        object.model = seen.model;
+        object.seen += seen.seen;
+        object.last = seen.last;
+        for carried in &mut self.carried {
+            for member in carried.members.iter_mut().filter(|member| **member == new) {
+                *member = hidden.id;
+            }
+            carried.members.sort_unstable();
+        }
+        let Some(identity) = self.identity(hidden.id) else { return };
+        let (objects, becomes) = (vec![identity], vec![identity]);
+        let event = Event { frame, kind: EventKind::Reappear, objects, becomes, x, y, front: None, evidence };
+        self.returns.push(Return { id: hidden.id, since: hidden.since, t: self.t, event });
+    }
+
+    /// Gives up who has been hidden for too long, and tells of those who came back to stay.
+    pub(super) fn judge_hidden(&mut self) {
+        for index in (0..self.hidden.len()).rev() {
+            let Hidden { id, since } = self.hidden[index];
+            let gone = self.objects.get(&id).is_none_or(|object| self.is_outside(&object.predicted_box()));
+            if gone || self.t - since.1 > self.limits.max_hidden {
+                self.hidden.remove(index);
+                self.objects.remove(&id);
+            }
+        }
+        let stayed: Vec<ObjectId> = self
+            .returns
+            .iter()
+            .filter(|returned| self.t - returned.t > self.limits.same_episode)
+            .map(|returned| returned.id)
+            .collect();
+        for id in stayed {
+            self.tell_return_of(id);
+        }
+    }
+
+    fn tell_return_of(&mut self, id: ObjectId) {
+        let Some(index) = self.returns.iter().position(|returned| returned.id == id) else { return };
+        let returned = self.returns.remove(index);
+        self.scene_episodes.push(Episode {
+            kind: EpisodeKind::Scene,
+            objects: returned.event.objects.clone(),
+            start: returned.since.0,
+            end: returned.event.frame.saturating_sub(1).max(returned.since.0),
+            least_visible: 0.0,
+            front: None,
+            identities_kept: true,
+        });
+        self.events.push(returned.event);
+    }
+}
+
+/// How fast a box near an edge moves towards it, in pixels a frame.
+fn outward_speed(bbox: &Rect, [vx, vy]: [f32; 2], width: f32, height: f32) -> f32 {
+    let edges = [(bbox.x, -vx), (bbox.y, -vy), (width - bbox.right(), vx), (height - bbox.bottom(), vy)];
+    edges.iter().min_by(|a, b| a.0.total_cmp(&b.0)).map_or(0.0, |(_, speed)| *speed)
+}

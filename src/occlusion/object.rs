@@ -1,0 +1,162 @@
+//! What is remembered of an object: how large it is, what colours it wears, how it moves.
+
+use crate::regions::colour::delta_e;
+use crate::regions::{Histogram, Rect, Rgb};
+use crate::settings::{ColourMemory, Settings};
+use crate::tracking::Key;
+use crate::tracking::kalman::Model;
+
+/// How fast the memory of clear frames follows a new one, once it has seen a few.
+const CLEAR_RATE: f32 = 0.1;
+/// A frame is clear when the region has at least this share of the size that is remembered.
+const NEAR_FULL: f32 = 0.75;
+
+/// The region, or the regions taken together, by which an object was seen in a frame.
+#[derive(Clone, Debug)]
+pub struct View {
+    /// Box of its regions.
+    pub bbox: Rect,
+    /// Pixels of its regions.
+    pub area: f32,
+    /// Colours of its pixels.
+    pub histogram: Histogram,
+    /// The labels of its regions.
+    pub labels: Vec<u32>,
+}
+
+/// What an object looks like when nothing hides it: averages over its clear frames.
+#[derive(Clone, Debug)]
+pub struct Appearance {
+    /// Width of its box in pixels.
+    pub w: f32,
+    /// Height of its box.
+    pub h: f32,
+    /// Pixels.
+    pub area: f32,
+    /// Share of each colour.
+    pub histogram: Histogram,
+    /// Clear frames seen.
+    pub frames: u32,
+}
+
+impl Appearance {
+    fn first(view: &View) -> Self {
+        let mut histogram = Histogram::default();
+        histogram.add_scaled(&view.histogram, 1.0 / view.area.max(1.0));
+        Self { w: view.bbox.w, h: view.bbox.h, area: view.area, histogram, frames: 1 }
+    }
+
+    fn follow(&mut self, view: &View) {
+        let rate = CLEAR_RATE.max(1.0 / (self.frames + 1) as f32);
+        self.w += rate * (view.bbox.w - self.w);
+        self.h += rate * (view.bbox.h - self.h);
+        self.area += rate * (view.area - self.area);
+        let mut histogram = Histogram::default();
+        histogram.add_scaled(&self.histogram, 1.0 - rate);
+        histogram.add_scaled(&view.histogram, rate / view.area.max(1.0));
+        histogram.forget_below(0.002);
+        self.histogram = histogram;
+        self.frames += 1;
+    }
+}
+
+/// An object, from its first region to its last.
+#[derive(Clone, Debug)]
+pub struct Object {
+    /// Under which its tracks are recorded; changes where who it is has yet to be decided.
+    pub key: Key,
+    /// The frame in which it was first seen.
+    pub born: u32,
+    /// Its first box.
+    pub birthplace: Rect,
+    /// Frames in which it had a region.
+    pub seen: u32,
+    /// Whether it has an identity.
+    pub named: bool,
+    /// Its own motion: the blob's while it is alone, its own prediction otherwise.
+    pub model: Model,
+    /// What it looks like when nothing hides it, `None` before its first clear frame.
+    pub clear: Option<Appearance>,
+    /// How it was last seen alone.
+    pub last: View,
+}
+
+impl Object {
+    /// The size that its box should have: width and height.
+    pub fn size(&self) -> (f32, f32) {
+        self.clear.as_ref().map_or((self.last.bbox.w, self.last.bbox.h), |clear| (clear.w, clear.h))
+    }
+
+    /// The pixels that it should have.
+    pub fn area(&self) -> f32 {
+        self.clear.as_ref().map_or(self.last.area, |clear| clear.area)
+    }
+
+    /// Where its own motion puts it.
+    pub fn predicted_box(&self) -> Rect {
+        let (w, h) = self.size();
+        Rect::around(self.model.centre(), w, h)
+    }
+
+    /// The share of its full size that a region of `area` pixels shows, 0..=1.
+    pub fn visible_share(&self, area: f32) -> f32 {
+        (area / self.area().max(1.0)).min(1.0)
+    }
+
+    /// Takes in how it is seen, alone. `cut_off` says that the image edge may hide a part of it.
+    pub fn see(&mut self, view: &View, cut_off: bool) {
+        self.seen += 1;
+        self.last = view.clone();
+        match &mut self.clear {
+            // Until its whole was seen once, larger is clearer.
+            Some(clear) if cut_off && view.area > clear.area => clear.follow(view),
+            Some(clear) if !cut_off && view.area >= NEAR_FULL * clear.area => clear.follow(view),
+            Some(_) => {}
+            None if !cut_off => self.clear = Some(Appearance::first(view)),
+            None => {}
+        }
+    }
+
+    /// Whether a view shows nearly the whole of it.
+    pub fn is_nearly_whole(&self, view: &View) -> bool {
+        self.clear.as_ref().is_none_or(|clear| view.area >= NEAR_FULL * clear.area)
+    }
+
+    /// Its dominant colours as Algorithm 1 compares them, the most frequent first.
+    pub fn colours(&self, settings: &Settings) -> Vec<Rgb> {
+        dominant_colours(self.histogram(settings), settings)
+    }
+
+    /// Its colours as Algorithm 1 compares them.
+    pub fn histogram(&self, settings: &Settings) -> &Histogram {
+        match (&self.clear, settings.colour_memory) {
+            (Some(clear), ColourMemory::Clear) => &clear.histogram,
+            _ => &self.last.histogram,
+        }
+    }
+
+    /// How well a view's colours agree with its own, 0..=1.2, and the least ΔE between two of
+    /// their dominant colours.
+    pub fn agreement(&self, seen: &Histogram, settings: &Settings) -> (f32, f32) {
+        let mine = self.histogram(settings);
+        let least = dominant_colours(mine, settings)
+            .iter()
+            .flat_map(|&a| dominant_colours(seen, settings).into_iter().map(move |b| delta_e(a, b)))
+            .fold(f32::INFINITY, f32::min);
+        let same = if least <= settings.same_colour { 1.0 } else { 0.0 };
+        let agreement = match settings.colour_memory {
+            ColourMemory::Frame => same,
+            // Several dominant colours often share one, dark trousers say; the whole histogram
+            // tells by how much they agree.
+            ColourMemory::Clear => mine.likeness(seen) + 0.2 * same,
+        };
+        (agreement, least)
+    }
+}
+
+fn dominant_colours(histogram: &Histogram, settings: &Settings) -> Vec<Rgb> {
+    match settings.colour_memory {
+        ColourMemory::Frame => histogram.dominant().into_iter().collect(),
+        ColourMemory::Clear => histogram.dominant_at_least(0.5),
+    }
+}

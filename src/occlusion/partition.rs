@@ -1,0 +1,242 @@
+//! Which objects and which regions have to do with each other in a frame.
+
+use crate::regions::Rect;
+
+/// What was expected where: a blob, alone or a group.
+#[derive(Clone, Debug)]
+pub struct Expected {
+    /// Where its region should be.
+    pub bbox: Rect,
+    /// Pixels that it should have.
+    pub area: f32,
+    /// The observation that the tracker matched it with.
+    pub matched: Option<usize>,
+    /// Whether it stands for several objects.
+    pub group: bool,
+}
+
+/// Blobs and observations that have to do with each other.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Cluster {
+    /// Indices of blobs.
+    pub blobs: Vec<usize>,
+    /// Indices of observations.
+    pub observations: Vec<usize>,
+}
+
+/// Joins blobs and observations: by the tracker's match, and by place where the tracker has none.
+/// `size_step` is the growth that speaks for a merge where the place alone does not decide.
+pub fn clusters(expected: &[Expected], observed: &[(Rect, f32)], size_step: f32) -> Vec<Cluster> {
+    let blobs = expected.len();
+    let mut sets = Sets::new(blobs + observed.len());
+    let mut owner = vec![None; observed.len()];
+    for (blob, expected) in expected.iter().enumerate() {
+        if let Some(observation) = expected.matched {
+            owner[observation] = Some(blob);
+            sets.join(blob, blobs + observation);
+        }
+    }
+    for (blob, it) in expected.iter().enumerate() {
+        for (observation, (bbox, area)) in observed.iter().enumerate() {
+            let belongs = match owner[observation] {
+                None => is_piece_of(bbox, it) || (it.matched.is_none() && held_share(&it.bbox, bbox) >= 0.5),
+                Some(other) if it.matched.is_none() && other != blob => {
+                    let held = held_share(&it.bbox, bbox);
+                    let grown = *area >= (1.0 + size_step) * expected[other].area;
+                    held >= 0.5 || (held >= 0.2 && grown)
+                }
+                Some(_) => false,
+            };
+            if belongs {
+                sets.join(blob, blobs + observation);
+            }
+        }
+    }
+    sets.into_clusters(blobs)
+}
+
+/// Whether a region nobody claims lies so far inside what was expected that it is a part of it.
+fn is_piece_of(bbox: &Rect, expected: &Expected) -> bool {
+    let (grow, least) = if expected.group { (0.1, 0.3) } else { (0.2, 0.5) };
+    let it = expected.bbox;
+    let around = Rect::around(it.centre(), it.w * (1.0 + grow), it.h * (1.0 + grow));
+    held_share(bbox, &around) >= least
+}
+
+/// The share of `inner` that lies within `outer`, 0..=1.
+pub fn held_share(inner: &Rect, outer: &Rect) -> f32 {
+    inner.intersection(outer).area() / inner.area().max(f32::MIN_POSITIVE)
+}
+
+/// How large the objects are that a set of regions can show.
+#[derive(Clone, Copy, Debug)]
+pub struct Extent {
+    /// Width of the widest.
+    pub w: f32,
+    /// Height of the tallest.
+    pub h: f32,
+    /// Pixels of the smallest.
+    pub least_area: f32,
+}
+
+/// Joins regions that are parts of one object: one above the other within an object's extent (a
+/// pole or a belt of the background's colour cut it), or too small to be anybody. `inside` is the
+/// box of the only object that is expected, where there is only one: all that lies in it is its own.
+/// Gives pieces as lists of indices into `observed`, each by rising index, largest area first.
+pub fn pieces(observed: &[(Rect, f32)], extent: Extent, inside: Option<Rect>) -> Vec<Vec<usize>> {
+    let mut sets = Sets::new(observed.len());
+    for (i, (a, _)) in observed.iter().enumerate() {
+        for (j, (b, _)) in observed.iter().enumerate().skip(i + 1) {
+            let both = a.union(b);
+            let shared_columns = a.right().min(b.right()) - a.x.max(b.x);
+            let stacked = shared_columns >= 0.5 * a.w.min(b.w)
+                && both.h <= 1.25 * extent.h
+                && both.w <= 1.25 * extent.w;
+            let within = inside.is_some_and(|it| {
+                let around = Rect::around(it.centre(), it.w * 1.2, it.h * 1.2);
+                held_share(a, &around) >= 0.5 && held_share(b, &around) >= 0.5
+            });
+            if stacked || within {
+                sets.join(i, j);
+            }
+        }
+    }
+    let mut pieces: Vec<Vec<usize>> =
+        sets.into_clusters(0).into_iter().map(|cluster| cluster.observations).collect();
+    let area = |piece: &[usize]| piece.iter().map(|&index| observed[index].1).sum::<f32>();
+    pieces.sort_by(|a, b| area(b).total_cmp(&area(a)).then(a.cmp(b)));
+    if inside.is_none() {
+        join_crumbs(&mut pieces, observed, 0.3 * extent.least_area);
+    }
+    pieces
+}
+
+/// Gives pieces of fewer than `least` pixels to the nearest larger one.
+fn join_crumbs(pieces: &mut Vec<Vec<usize>>, observed: &[(Rect, f32)], least: f32) {
+    while let [_, .., crumb] = pieces.as_slice() {
+        if crumb.iter().map(|&index| observed[index].1).sum::<f32>() >= least {
+            break;
+        }
+        let crumb_box = bounding_box(crumb, observed);
+        let distance = |piece: &Vec<usize>| gap(&bounding_box(piece, observed), &crumb_box);
+        let crumb = pieces.pop().unwrap_or_default();
+        let nearest =
+            (0..pieces.len()).min_by(|&a, &b| distance(&pieces[a]).total_cmp(&distance(&pieces[b])));
+        if let Some(nearest) = nearest {
+            pieces[nearest].extend(crumb);
+            pieces[nearest].sort_unstable();
+        }
+    }
+}
+
+/// The box around several observations.
+pub fn bounding_box(indices: &[usize], observed: &[(Rect, f32)]) -> Rect {
+    indices.iter().map(|&index| observed[index].0).reduce(|a, b| a.union(&b)).unwrap_or_default()
+}
+
+/// The free space between two boxes, 0 where they meet.
+fn gap(a: &Rect, b: &Rect) -> f32 {
+    let dx = (a.x.max(b.x) - a.right().min(b.right())).max(0.0);
+    let dy = (a.y.max(b.y) - a.bottom().min(b.bottom())).max(0.0);
+    dx.hypot(dy)
+}
+
+/// Disjoint sets.
+struct Sets {
+    parent: Vec<usize>,
+}
+
+impl Sets {
+    fn new(count: usize) -> Self {
+        Self { parent: (0..count).collect() }
+    }
+
+    fn root(&mut self, mut at: usize) -> usize {
+        while self.parent[at] != at {
+            self.parent[at] = self.parent[self.parent[at]];
+            at = self.parent[at];
+        }
+        at
+    }
+
+    fn join(&mut self, a: usize, b: usize) {
+        let (a, b) = (self.root(a), self.root(b));
+        self.parent[a.max(b)] = a.min(b);
+    }
+
+    /// The sets in the order of their first members; the first `blobs` members are blobs.
+    fn into_clusters(mut self, blobs: usize) -> Vec<Cluster> {
+        let mut of_root = std::collections::BTreeMap::<usize, Cluster>::new();
+        for at in 0..self.parent.len() {
+            let cluster = of_root.entry(self.root(at)).or_default();
+            if at < blobs {
+                cluster.blobs.push(at);
+            } else {
+                cluster.observations.push(at - blobs);
+            }
+        }
+        of_root.into_values().collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn person(x: f32, y: f32) -> Rect {
+        Rect::new(x, y, 20.0, 60.0)
+    }
+
+    fn alone(bbox: Rect, matched: Option<usize>) -> Expected {
+        Expected { bbox, area: 800.0, matched, group: false }
+    }
+
+    const PERSON: Extent = Extent { w: 20.0, h: 60.0, least_area: 800.0 };
+
+    #[test]
+    fn a_region_that_holds_two_lost_objects_joins_them() {
+        let expected = [alone(person(100.0, 50.0), None), alone(person(118.0, 50.0), None)];
+        let observed = [(Rect::new(100.0, 50.0, 38.0, 60.0), 1500.0)];
+        assert_eq!(
+            clusters(&expected, &observed, 0.2),
+            [Cluster { blobs: vec![0, 1], observations: vec![0] }]
+        );
+    }
+
+    #[test]
+    fn size_decides_where_place_does_not() {
+        let expected = [alone(person(100.0, 50.0), Some(0)), alone(person(114.0, 50.0), None)];
+        let not_grown = [(Rect::new(100.0, 50.0, 20.0, 60.0), 820.0)];
+        let grown = [(Rect::new(100.0, 50.0, 20.0, 60.0), 1100.0)];
+        assert_eq!(clusters(&expected, &not_grown, 0.2).len(), 2);
+        assert_eq!(clusters(&expected, &grown, 0.2).len(), 1);
+    }
+
+    #[test]
+    fn strangers_stay_apart() {
+        let expected = [alone(person(100.0, 50.0), Some(0))];
+        let observed = [(person(100.0, 50.0), 800.0), (person(150.0, 50.0), 800.0)];
+        assert_eq!(clusters(&expected, &observed, 0.2).len(), 2);
+    }
+
+    #[test]
+    fn a_person_cut_by_a_pole_is_one_piece_and_two_side_by_side_are_two() {
+        let cut = [(Rect::new(100.0, 50.0, 20.0, 25.0), 400.0), (Rect::new(101.0, 80.0, 18.0, 30.0), 350.0)];
+        assert_eq!(pieces(&cut, PERSON, None), [[0, 1]]);
+        let two = [(person(100.0, 50.0), 800.0), (person(125.0, 50.0), 790.0)];
+        assert_eq!(pieces(&two, PERSON, None), [[0], [1]]);
+        let split_lengthwise =
+            [(Rect::new(100.0, 50.0, 8.0, 60.0), 400.0), (Rect::new(111.0, 50.0, 8.0, 60.0), 400.0)];
+        assert_eq!(pieces(&split_lengthwise, PERSON, Some(person(100.0, 50.0))), [[0, 1]]);
+    }
+
+    #[test]
+    fn crumbs_go_to_the_nearest() {
+        let observed = [
+            (person(100.0, 50.0), 800.0),
+            (person(150.0, 50.0), 790.0),
+            (Rect::new(145.0, 100.0, 4.0, 4.0), 12.0),
+        ];
+        assert_eq!(pieces(&observed, PERSON, None), [vec![0], vec![1, 2]]);
+    }
+}

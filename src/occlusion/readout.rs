@@ -1,0 +1,77 @@
+//! What the reasoner says of a frame.
+
+use super::object::Object;
+use super::reasoner::{Reasoner, Seen};
+use crate::regions::Rect;
+use crate::tracking::pool::Blob;
+use crate::tracking::{Track, TrackState};
+
+impl Reasoner {
+    /// All objects as they stand after this frame.
+    pub(super) fn tell(&mut self) -> Seen {
+        let mut objects = Vec::new();
+        for carried in &self.carried {
+            let labels = carried.view.as_ref().map(|view| view.labels.clone()).unwrap_or_default();
+            let group: Vec<u32> = match carried.members.len() {
+                1 => Vec::new(),
+                _ => carried.members.iter().filter_map(|id| Some(self.objects.get(id)?.key)).collect(),
+            };
+            for id in &carried.members {
+                let object = &self.objects[id];
+                let (state, bbox, share) = match (&carried.view, group.is_empty()) {
+                    (Some(view), true) => (TrackState::Visible, view.bbox, object.visible_share(view.area)),
+                    (Some(_), false) => {
+                        (TrackState::Merged, object.predicted_box(), self.share_in_group(*id, carried))
+                    }
+                    (None, _) => (TrackState::Hidden, object.predicted_box(), 0.0),
+                };
+                let mut track = self.track(object, Some(&carried.blob), state, bbox, share);
+                track.regions.clone_from(&labels);
+                track.group.clone_from(&group);
+                objects.push(track);
+            }
+        }
+        for hidden in &self.hidden {
+            if let Some(object) = self.objects.get(&hidden.id) {
+                objects.push(self.track(object, None, TrackState::Hidden, object.predicted_box(), 0.0));
+            }
+        }
+        objects.sort_by_key(|track| track.key);
+        let (named, tentative): (Vec<_>, Vec<_>) =
+            objects.iter().partition(|track| self.naming.of(track.key).is_some());
+        Seen {
+            tracks: self.naming.apply(named),
+            tentative: tentative.into_iter().cloned().collect(),
+            objects,
+            events: self.count_told(),
+        }
+    }
+
+    fn track(
+        &self,
+        object: &Object,
+        blob: Option<&Blob>,
+        state: TrackState,
+        bbox: Rect,
+        share: f32,
+    ) -> Track {
+        let velocity = object.model.velocity();
+        let shown = blob.map(Blob::shown);
+        Track {
+            id: 0,
+            key: object.key,
+            state,
+            bbox,
+            centre: object.model.centre(),
+            velocity: [velocity.x, velocity.y],
+            scale: object.model.scale(),
+            gate: object.model.gate_ellipse(self.pool.gate),
+            fitness: shown.map_or(0.0, |shown| shown.fitness.value()),
+            hypotheses: blob.map_or(1, |blob| blob.hypotheses.len() as u32),
+            visible_share: share,
+            colours: object.colours(&self.settings),
+            regions: Vec::new(),
+            group: Vec::new(),
+        }
+    }
+}

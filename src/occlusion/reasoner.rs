@@ -1,0 +1,777 @@
+//! One frame's regions through tracking and occlusion reasoning (§VIII, Algorithms 1–3).
+//!
+//! The tracker follows *blobs*: things that have a region each. An *object* is somebody with an
+//! identity; a blob carries one object, or several while they share its region. Events come from
+//! how this partition changes from frame to frame.
+
+use std::collections::BTreeMap;
+
+use nalgebra::Vector3;
+
+use super::assign::{self, Piece};
+use super::event::{Counters, Episode, Event, EventKind, Evidence};
+use super::hidden::{Hidden, Return};
+use super::meetings::Meetings;
+use super::object::{Object, View};
+use super::partition::{self, Cluster, Expected, Extent};
+use super::splits::Split;
+use crate::frame::Size;
+use crate::regions::{Histogram, Rect, Region};
+use crate::settings::Settings;
+use crate::tracking::kalman::Model;
+use crate::tracking::pool::{Blob, Observation, PoolSettings};
+use crate::tracking::seeds::Seeds;
+use crate::tracking::{Naming, Track};
+
+/// An object's number, from its first region on; never used again.
+pub type ObjectId = u32;
+
+/// A blob and the objects that it carries.
+#[derive(Clone, Debug)]
+pub(super) struct Carried {
+    pub(super) blob: Blob,
+    /// By rising number; several while they share the region.
+    pub(super) members: Vec<ObjectId>,
+    /// How it is seen in this frame, `None` while it is lost.
+    pub(super) view: Option<View>,
+    /// The frame's number and t of the first frame without a region.
+    pub(super) lost_from: Option<(u32, u32)>,
+}
+
+/// Times and lengths of `settings` in frames and pixels of this video.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Limits {
+    pub(super) least_area: f32,
+    pub(super) border: f32,
+    pub(super) min_track: u32,
+    pub(super) max_hidden: u32,
+    pub(super) same_episode: u32,
+    /// Frames without a region after which it is believed that there is none.
+    pub(super) patience: u32,
+}
+
+/// What is said of one frame.
+#[derive(Clone, Debug, Default)]
+pub struct Seen {
+    /// Objects with an identity, by identity: the causal reading.
+    pub tracks: Vec<Track>,
+    /// Objects without one yet.
+    pub tentative: Vec<Track>,
+    /// All objects under their keys.
+    pub objects: Vec<Track>,
+    /// Events decided in this frame, by frame and kind.
+    pub events: Vec<Event>,
+}
+
+/// Follows objects through a sequence.
+#[derive(Clone)]
+pub struct Reasoner {
+    pub(super) settings: Settings,
+    pub(super) pool: PoolSettings,
+    pub(super) limits: Limits,
+    pub(super) size: Size,
+    /// Frames taken in so far, and the present frame's number.
+    pub(super) t: u32,
+    pub(super) number: u32,
+    pub(super) carried: Vec<Carried>,
+    pub(super) objects: BTreeMap<ObjectId, Object>,
+    pub(super) hidden: Vec<Hidden>,
+    pub(super) returns: Vec<Return>,
+    pub(super) splits: Vec<Split>,
+    pub(super) meetings: Meetings,
+    pub(super) scene_episodes: Vec<Episode>,
+    pub(super) naming: Naming,
+    /// The identity of every object that ever had one.
+    identities: BTreeMap<ObjectId, u32>,
+    pub(super) events: Vec<Event>,
+    seeds: Seeds,
+    counters: Counters,
+    last_id: u32,
+    /// Objects that had a region in the frame before and in this one: the paper's counters.
+    pub(super) with_region: (u32, u32),
+    /// Frame numbers of the last three frames.
+    recent: [u32; 3],
+}
+
+impl Reasoner {
+    /// A reasoner that has seen nothing, for frames of `size` at `fps` frames a second.
+    pub fn new(settings: &Settings, size: Size, fps: f32) -> Self {
+        let limits = Limits {
+            least_area: settings.track_min_area / 100.0 * size.pixels() as f32,
+            border: settings.border / 100.0 * size.shorter_side() as f32,
+            min_track: settings.min_track.frames(fps),
+            max_hidden: settings.max_hidden.frames(fps),
+            same_episode: settings.same_episode.frames(fps),
+            patience: ((0.2 * fps).round() as u32).max(3),
+        };
+        Self {
+            settings: settings.clone(),
+            pool: PoolSettings::new(settings),
+            limits,
+            size,
+            t: 0,
+            number: 0,
+            carried: Vec::new(),
+            objects: BTreeMap::new(),
+            hidden: Vec::new(),
+            returns: Vec::new(),
+            splits: Vec::new(),
+            meetings: Meetings::default(),
+            scene_episodes: Vec::new(),
+            naming: Naming::default(),
+            identities: BTreeMap::new(),
+            events: Vec::new(),
+            seeds: Seeds::default(),
+            counters: Counters::default(),
+            last_id: 0,
+            with_region: (0, 0),
+            recent: [0; 3],
+        }
+    }
+
+    /// Takes in the regions of the next frame, whose number is `number`.
+    pub fn step(&mut self, number: u32, regions: &[Region]) -> Seen {
+        self.t += 1;
+        self.number = number;
+        self.recent = [self.recent[1], self.recent[2], number];
+        let views: Vec<View> = regions
+            .iter()
+            .filter(|region| region.shape.area as f32 >= self.limits.least_area)
+            .map(view)
+            .collect();
+
+        self.predict();
+        let matched = self.match_blobs(&views);
+        let (clusters, observed) = self.cluster(&views, &matched);
+        let mut unexplained = Vec::new();
+        for cluster in clusters {
+            self.resolve(&cluster, &views, &observed, &matched, &mut unexplained);
+        }
+        self.carried.retain(|carried| !carried.members.is_empty());
+        self.seed(&views, &unexplained);
+        self.count_objects();
+        self.follow_objects();
+        self.judge_lost();
+        self.name_objects();
+        self.judge_hidden();
+        self.follow_splits();
+        self.follow_meetings();
+        self.tell()
+    }
+
+    /// Events so far, by kind.
+    pub const fn counters(&self) -> Counters {
+        self.counters
+    }
+
+    /// Who is who.
+    pub fn naming(&self) -> Naming {
+        self.naming.clone()
+    }
+
+    /// The occlusion episodes so far, by start.
+    pub fn episodes(&self) -> Vec<Episode> {
+        let mut episodes = self.meetings.episodes(|id| self.identity(id));
+        episodes.extend(self.scene_episodes.iter().cloned());
+        episodes.sort_by(|a, b| (a.start, &a.objects).cmp(&(b.start, &b.objects)));
+        episodes
+    }
+
+    /// The memory a copy takes, roughly, in bytes.
+    pub fn state_bytes(&self) -> usize {
+        size_of::<Self>()
+            + self.objects.len() * (size_of::<Object>() + 4096)
+            + self.carried.len() * (size_of::<Carried>() + 2048)
+            + self.meetings.bytes()
+    }
+
+    /// The identity of an object, also of one that is gone.
+    pub(super) fn identity(&self, id: ObjectId) -> Option<u32> {
+        self.identities.get(&id).copied()
+    }
+
+    /// Whether a box is near the image edge.
+    pub(super) fn near_border(&self, bbox: &Rect) -> bool {
+        bbox.distance_to_edge(self.size) <= self.limits.border
+    }
+
+    pub(super) fn evidence(&self, branch: impl Into<String>) -> Evidence {
+        let (objects_before, objects_now) = self.with_region;
+        Evidence { branch: branch.into(), objects_before, objects_now, comparisons: Vec::new() }
+    }
+
+    pub(super) const fn new_key(&mut self) -> u32 {
+        self.last_id += 1;
+        self.last_id
+    }
+
+    fn predict(&mut self) {
+        for carried in &mut self.carried {
+            carried.view = None;
+            for hypothesis in &mut carried.blob.hypotheses {
+                hypothesis.model.predict();
+            }
+        }
+        let shared: Vec<ObjectId> = self
+            .carried
+            .iter()
+            .filter(|carried| carried.members.len() > 1)
+            .flat_map(|carried| carried.members.iter().copied())
+            .chain(self.hidden.iter().map(|hidden| hidden.id))
+            .collect();
+        for id in shared {
+            if let Some(object) = self.objects.get_mut(&id) {
+                object.model.predict();
+            }
+        }
+        for carried in &self.carried {
+            if let [alone] = carried.members[..]
+                && let Some(object) = self.objects.get_mut(&alone)
+            {
+                object.model = carried.blob.shown().model.clone();
+            }
+        }
+    }
+
+    /// The tracker's own matches: for each blob the view in its gate that the best reading gives it.
+    fn match_blobs(&mut self, views: &[View]) -> Vec<Option<usize>> {
+        let observations: Vec<Observation> = views.iter().map(observation).collect();
+        let mut blobs: Vec<Blob> = self.carried.iter().map(|carried| carried.blob.clone()).collect();
+        let matched = self.pool.match_observations(&mut blobs, &observations);
+        for (carried, blob) in self.carried.iter_mut().zip(blobs) {
+            carried.blob = blob;
+        }
+        matched
+    }
+
+    fn cluster(&self, views: &[View], matched: &[Option<usize>]) -> (Vec<Cluster>, Vec<(Rect, f32)>) {
+        let expected: Vec<Expected> = self
+            .carried
+            .iter()
+            .zip(matched)
+            .map(|(carried, &matched)| {
+                let group = carried.members.len() > 1;
+                let members = carried.members.iter().map(|id| &self.objects[id]);
+                Expected {
+                    bbox: match (group, matched) {
+                        (false, None) => self.objects[&carried.members[0]].predicted_box(),
+                        _ => carried.blob.bbox,
+                    },
+                    area: members.map(Object::area).fold(0.0, f32::max),
+                    matched,
+                    group,
+                }
+            })
+            .collect();
+        let observed: Vec<(Rect, f32)> = views.iter().map(|view| (view.bbox, view.area)).collect();
+        (partition::clusters(&expected, &observed, self.settings.size_step), observed)
+    }
+
+    /// Decides which of the cluster's objects are in which of its regions.
+    fn resolve(
+        &mut self,
+        cluster: &Cluster,
+        views: &[View],
+        observed: &[(Rect, f32)],
+        matched: &[Option<usize>],
+        unexplained: &mut Vec<usize>,
+    ) {
+        if cluster.blobs.is_empty() || cluster.observations.is_empty() {
+            unexplained.extend(&cluster.observations);
+            return;
+        }
+        let members = self.present_members(cluster);
+        let local: Vec<(Rect, f32)> = cluster.observations.iter().map(|&index| observed[index]).collect();
+        let only = match members[..] {
+            [only] => {
+                Some(self.objects[&only].predicted_box().union(&self.carried[cluster.blobs[0]].blob.bbox))
+            }
+            _ => None,
+        };
+        let extent = self.extent(&members);
+        let pieces: Vec<Vec<usize>> = partition::pieces(&local, extent, only)
+            .into_iter()
+            .map(|piece| piece.into_iter().map(|index| cluster.observations[index]).collect())
+            .collect();
+        let whole: Vec<View> = pieces.iter().map(|piece| join(views, piece)).collect();
+
+        if let [only] = members[..] {
+            let best = self.best_piece(cluster.blobs[0], matched, &pieces, &whole);
+            self.give(
+                cluster.blobs[0],
+                vec![only],
+                &whole[best],
+                is_just(&pieces[best], matched[cluster.blobs[0]]),
+            );
+            unexplained.extend(
+                pieces.iter().enumerate().filter(|(index, _)| *index != best).flat_map(|(_, piece)| piece),
+            );
+            return;
+        }
+        if pieces.len() == 1 {
+            self.gather(cluster, members, &whole[0], pieces[0].as_slice(), matched);
+            return;
+        }
+        self.part(cluster, &members, &pieces, whole, unexplained);
+    }
+
+    /// The cluster's objects. Those without an identity give way where others have one: noise
+    /// that touches somebody is no meeting.
+    fn present_members(&mut self, cluster: &Cluster) -> Vec<ObjectId> {
+        let mut members: Vec<ObjectId> =
+            cluster.blobs.iter().flat_map(|&blob| self.carried[blob].members.iter().copied()).collect();
+        members.sort_unstable();
+        if cluster.blobs.len() > 1 && cluster.observations.len() < cluster.blobs.len() {
+            let named = |id: &ObjectId| self.objects[id].named;
+            let keep: Vec<ObjectId> = if members.iter().any(named) {
+                members.iter().copied().filter(|id| named(id)).collect()
+            } else {
+                members[..1].to_vec()
+            };
+            for id in members.iter().filter(|id| !keep.contains(id)) {
+                self.objects.remove(id);
+                for &blob in &cluster.blobs {
+                    self.carried[blob].members.retain(|member| member != id);
+                }
+            }
+            members = keep;
+        }
+        members
+    }
+
+    fn extent(&self, members: &[ObjectId]) -> Extent {
+        members.iter().map(|id| &self.objects[id]).fold(
+            Extent { w: 0.0, h: 0.0, least_area: f32::INFINITY },
+            |extent, object| {
+                let (w, h) = object.size();
+                Extent {
+                    w: extent.w.max(w),
+                    h: extent.h.max(h),
+                    least_area: extent.least_area.min(object.area()),
+                }
+            },
+        )
+    }
+
+    /// Which piece a lone object is: the one that the tracker took, else the one it overlaps most.
+    fn best_piece(
+        &self,
+        blob: usize,
+        matched: &[Option<usize>],
+        pieces: &[Vec<usize>],
+        whole: &[View],
+    ) -> usize {
+        let holds_match =
+            pieces.iter().position(|piece| matched[blob].is_some_and(|view| piece.contains(&view)));
+        holds_match.unwrap_or_else(|| {
+            let expected = self.objects[&self.carried[blob].members.first().copied().unwrap_or_default()]
+                .predicted_box();
+            let overlap = |index: &usize| expected.intersection(&whole[*index].bbox).area();
+            (0..whole.len()).max_by(|a, b| overlap(a).total_cmp(&overlap(b)).then(b.cmp(a))).unwrap_or(0)
+        })
+    }
+
+    /// Gives a blob its region and its members. `as_matched`: the tracker took just this region,
+    /// and its hypotheses stand; otherwise the model is corrected from outside.
+    fn give(&mut self, blob: usize, members: Vec<ObjectId>, view: &View, as_matched: bool) {
+        let measured = observation(view);
+        let whole = match members[..] {
+            [only] => self.objects.get(&only).is_none_or(|object| object.is_nearly_whole(view)),
+            _ => true,
+        };
+        let cut_off = self.near_border(&view.bbox);
+        let carried = &mut self.carried[blob];
+        carried.members = members;
+        carried.view = Some(view.clone());
+        if as_matched {
+            return;
+        }
+        let fits =
+            carried.blob.shown().model.distance_squared(&measured.measurement()) <= 4.0 * self.pool.gate;
+        carried.blob.settle(&measured, |model| {
+            if fits && whole && !cut_off {
+                model.update(&measured.measurement(), 2.0);
+            } else {
+                // A part of it, or cut off by the image edge: the box's centre moves as the whole
+                // does not, so that the velocity stays as it was last seen clearly.
+                let velocity = model.velocity();
+                model.stand_at(&measured.measurement());
+                model.set_velocity(Vector3::new(velocity.x, velocity.y, 0.0));
+            }
+        });
+    }
+
+    /// All the cluster's objects are in one region: a group goes on, or objects have merged.
+    fn gather(
+        &mut self,
+        cluster: &Cluster,
+        members: Vec<ObjectId>,
+        view: &View,
+        piece: &[usize],
+        matched: &[Option<usize>],
+    ) {
+        let (&first, others) = match cluster.blobs.split_first() {
+            Some(split) => split,
+            None => return,
+        };
+        if others.is_empty() {
+            self.give(first, members, view, is_just(piece, matched[first]));
+            return;
+        }
+        self.tell_merge(cluster, &members, view);
+        for &other in others {
+            self.carried[other].members.clear();
+        }
+        let model = self.group_model(&members, view);
+        self.carried[first].blob = Blob::new(model, &observation(view));
+        self.carried[first].members = members;
+        self.carried[first].view = Some(view.clone());
+    }
+
+    fn group_model(&self, members: &[ObjectId], view: &View) -> Model {
+        let mean = members.iter().map(|id| self.objects[id].model.velocity()).sum::<Vector3<f32>>()
+            / members.len().max(1) as f32;
+        let velocity = Vector3::new(mean.x, mean.y, 0.0);
+        Model::new(observation(view).measurement(), velocity, self.pool.noise.measurement, self.pool.noise)
+    }
+
+    /// The event of a merge, unless these were in one meeting a moment ago: touching again within
+    /// `same_episode` is the same meeting, and then a parting that was not told yet never was.
+    fn tell_merge(&mut self, cluster: &Cluster, members: &[ObjectId], view: &View) {
+        let meeting_goes_on = members.iter().enumerate().all(|(index, &a)| {
+            members[index + 1..].iter().all(|&b| {
+                let were_apart = cluster.blobs.iter().all(|&blob| {
+                    let carried = &self.carried[blob].members;
+                    !(carried.contains(&a) && carried.contains(&b))
+                });
+                !were_apart || self.meetings.together(a, b)
+            })
+        });
+        self.rejoin_splits(members);
+        if meeting_goes_on {
+            return;
+        }
+        let before: f32 = cluster
+            .blobs
+            .iter()
+            .map(|&blob| {
+                self.carried[blob].members.iter().map(|id| self.objects[id].last.area).fold(0.0, f32::max)
+            })
+            .fold(0.0, f32::max);
+        let grown = view.area / before.max(1.0) - 1.0;
+        let step = self.settings.size_step;
+        let mut evidence = self.evidence(format!(
+            "{} objects had regions of their own and now share one of {:.0} pixels, {:+.0} % against the largest of them",
+            cluster.blobs.len(),
+            view.area,
+            100.0 * grown,
+        ));
+        evidence.compare("growth of the region", grown, step, grown >= step);
+        for &id in members {
+            let held = partition::held_share(&self.objects[&id].predicted_box(), &view.bbox);
+            evidence.compare(
+                format!(
+                    "share of {}'s predicted box inside the region",
+                    self.identity(id).unwrap_or_default()
+                ),
+                held,
+                0.5,
+                held >= 0.5,
+            );
+        }
+        let identities = self.identities(members);
+        let [x, y] = view.bbox.centre();
+        self.events.push(Event {
+            frame: self.number,
+            kind: EventKind::Merge,
+            objects: identities.clone(),
+            becomes: identities,
+            x,
+            y,
+            front: None,
+            evidence,
+        });
+    }
+
+    /// Several objects and several pieces: who is where now, and what that says has happened.
+    fn part(
+        &mut self,
+        cluster: &Cluster,
+        members: &[ObjectId],
+        pieces: &[Vec<usize>],
+        whole: Vec<View>,
+        unexplained: &mut Vec<usize>,
+    ) {
+        let was_in: BTreeMap<ObjectId, usize> = cluster
+            .blobs
+            .iter()
+            .flat_map(|&blob| self.carried[blob].members.iter().map(move |&id| (id, blob)))
+            .collect();
+        let in_group: Vec<bool> =
+            members.iter().map(|id| self.carried[was_in[id]].members.len() > 1).collect();
+        let objects: Vec<&Object> = members.iter().map(|id| &self.objects[id]).collect();
+        let unsure: Vec<f32> =
+            members.iter().zip(&in_group).map(|(&id, &group)| self.unsureness(id, group)).collect();
+        let parts: Vec<Piece> = whole.iter().map(piece_of).collect();
+        let fits = assign::fits(&objects, &unsure, &parts, &self.settings);
+        let assigned = assign::assign(&fits, &objects, &parts, &in_group);
+
+        let before: Vec<Vec<ObjectId>> =
+            cluster.blobs.iter().map(|&blob| self.carried[blob].members.clone()).collect();
+        let mut blobs: Vec<Carried> = Vec::new();
+        let mut piece_numbers = Vec::new();
+        for (index, view) in whole.into_iter().enumerate() {
+            let here: Vec<ObjectId> =
+                members.iter().zip(&assigned).filter(|(_, at)| **at == index).map(|(&id, _)| id).collect();
+            if here.is_empty() {
+                unexplained.extend(&pieces[index]);
+                continue;
+            }
+            let observed = observation(&view);
+            let blob = match here[..] {
+                [only] => {
+                    let mut model = self.objects[&only].model.clone();
+                    model.stand_at(&observed.measurement());
+                    Blob::new(model, &observed)
+                }
+                _ => Blob::new(self.group_model(&here, &view), &observed),
+            };
+            blobs.push(Carried { blob, members: here, view: Some(view), lost_from: None });
+            piece_numbers.push(index);
+        }
+        for joined in &blobs {
+            let from: std::collections::BTreeSet<usize> =
+                joined.members.iter().map(|id| was_in[id]).collect();
+            if from.len() > 1
+                && let Some(view) = &joined.view
+            {
+                let parents = Cluster { blobs: from.into_iter().collect(), observations: Vec::new() };
+                self.tell_merge(&parents, &joined.members, view);
+            }
+        }
+        for group in before.iter().filter(|group| group.len() > 1) {
+            self.start_split(group, &blobs, &piece_numbers, members, &fits);
+        }
+        for &blob in &cluster.blobs {
+            self.carried[blob].members.clear();
+        }
+        self.carried.extend(blobs);
+    }
+
+    /// How far an object's prediction may be off: little while it was alone, more the longer it
+    /// has been in a group.
+    fn unsureness(&self, id: ObjectId, in_group: bool) -> f32 {
+        let object = &self.objects[&id];
+        let (_, height) = object.size();
+        let apart = if in_group { self.meetings.duration_of(id, self.t) as f32 } else { 0.0 };
+        let velocity = object.model.velocity();
+        0.15 * height + 0.25 * velocity.x.hypot(velocity.y) * apart
+    }
+
+    /// New models for what nothing explains.
+    fn seed(&mut self, views: &[View], unexplained: &[usize]) {
+        let observations = unexplained.iter().map(|&index| (index, observation(&views[index]))).collect();
+        for seed in self.seeds.step(&self.pool, observations) {
+            let view = views[seed.observation].clone();
+            let id = self.new_key();
+            let object = Object {
+                key: id,
+                born: self.recent[0],
+                birthplace: seed.first.bbox,
+                // Two frames before this one, which counts when it is followed below.
+                seen: 2,
+                named: false,
+                model: seed.model.clone(),
+                clear: None,
+                last: view.clone(),
+            };
+            self.objects.insert(id, object);
+            let blob = Blob::new(seed.model, &observation(&view));
+            self.carried.push(Carried { blob, members: vec![id], view: Some(view), lost_from: None });
+        }
+    }
+
+    fn count_objects(&mut self) {
+        let now: usize = self
+            .carried
+            .iter()
+            .filter(|carried| carried.view.is_some())
+            .map(|carried| carried.members.iter().filter(|id| self.objects[id].named).count())
+            .sum();
+        self.with_region = (self.with_region.1, now as u32);
+    }
+
+    /// Each object's own motion and looks, from how its blob is seen.
+    fn follow_objects(&mut self) {
+        for index in 0..self.carried.len() {
+            let carried = &self.carried[index];
+            if let [alone] = carried.members[..] {
+                let model = carried.blob.shown().model.clone();
+                let view = carried.view.clone();
+                let cut_off = view.as_ref().is_some_and(|view| self.near_border(&view.bbox));
+                let undecided = self.splits.iter().any(|split| split.is_undecided(alone));
+                if let Some(object) = self.objects.get_mut(&alone) {
+                    object.model = model;
+                    match view {
+                        Some(_) if undecided => object.seen += 1,
+                        Some(view) => object.see(&view, cut_off),
+                        None => {}
+                    }
+                }
+            } else if let Some(view) = carried.view.clone() {
+                let members = carried.members.clone();
+                self.hold_inside(&members, &view.bbox);
+            }
+        }
+    }
+
+    /// Keeps the predictions of a group's members inside its region. Where the region is wider than
+    /// anybody in it, its left and right edge are those of the outermost members.
+    fn hold_inside(&mut self, members: &[ObjectId], region: &Rect) {
+        let widest = members.iter().map(|id| self.objects[id].size().0).fold(0.0, f32::max);
+        let centre_x = |id: &ObjectId| self.objects[id].model.centre()[0];
+        let leftmost = members.iter().min_by(|a, b| centre_x(a).total_cmp(&centre_x(b))).copied();
+        let rightmost = members.iter().rev().max_by(|a, b| centre_x(a).total_cmp(&centre_x(b))).copied();
+        let spread = region.w > 1.15 * widest && leftmost != rightmost;
+        for &id in members {
+            let Some(object) = self.objects.get_mut(&id) else { continue };
+            object.seen += 1;
+            let (w, h) = object.size();
+            let [x, y] = object.model.centre();
+            let mut centre =
+                [inside(x, w, region.x, region.right()), inside(y, h, region.y, region.bottom())];
+            if spread && Some(id) == leftmost {
+                centre[0] = f32::midpoint(centre[0], region.x + w / 2.0);
+            }
+            if spread && Some(id) == rightmost {
+                centre[0] = f32::midpoint(centre[0], region.right() - w / 2.0);
+            }
+            object.model.set_centre(centre);
+        }
+    }
+
+    /// Objects that have been seen often enough get their identity, and their beginning is told.
+    fn name_objects(&mut self) {
+        let due: Vec<ObjectId> = self
+            .objects
+            .iter()
+            .filter(|(_, object)| !object.named && object.seen >= self.limits.min_track)
+            .map(|(&id, _)| id)
+            .collect();
+        for id in due {
+            if self.reappears(id) {
+                continue;
+            }
+            let Some(object) = self.objects.get_mut(&id) else { continue };
+            object.named = true;
+            let identity = self.naming.name(object.key);
+            self.identities.insert(id, identity);
+            let (born, birthplace) = (object.born, object.birthplace);
+            let distance = birthplace.distance_to_edge(self.size);
+            let near = distance <= self.limits.border;
+            let kind = if near { EventKind::Enter } else { EventKind::Appear };
+            let branch = if near {
+                "a new object whose box was near the image edge when it was first seen"
+            } else {
+                "a new object away from the image edge; no hidden object fits and no group shrank"
+            };
+            let mut evidence = self.evidence(branch);
+            evidence.compare("distance to the image edge", distance, self.limits.border, near);
+            let [x, y] = birthplace.centre();
+            let (objects, becomes) = (vec![identity], vec![identity]);
+            self.events.push(Event { frame: born, kind, objects, becomes, x, y, front: None, evidence });
+        }
+    }
+
+    /// Notes who shares a region with whom.
+    fn follow_meetings(&mut self) {
+        let groups: Vec<(Vec<(ObjectId, f32)>, bool)> =
+            self.carried
+                .iter()
+                .filter(|carried| carried.members.len() > 1)
+                .map(|carried| {
+                    let boxes: Vec<Rect> =
+                        carried.members.iter().map(|id| self.objects[id].predicted_box()).collect();
+                    let overlapping = boxes.iter().enumerate().any(|(index, a)| {
+                        boxes[index + 1..].iter().any(|b| partition::held_share(a, b) >= 0.3)
+                    });
+                    let shares =
+                        carried.members.iter().map(|&id| (id, self.share_in_group(id, carried))).collect();
+                    (shares, overlapping)
+                })
+                .collect();
+        for (members, overlapping) in groups {
+            self.meetings.share(&members, self.number, self.t, overlapping);
+        }
+        self.meetings.close(self.t, self.limits.same_episode);
+    }
+
+    /// How much of a member is seen in its group: the share of its own colours that the region shows.
+    pub(super) fn share_in_group(&self, id: ObjectId, carried: &Carried) -> f32 {
+        let object = &self.objects[&id];
+        match (&object.clear, &carried.view) {
+            (Some(clear), Some(view)) => view.histogram.holds(&clear.histogram, clear.area),
+            _ => 1.0,
+        }
+    }
+
+    pub(super) fn identities(&self, members: &[ObjectId]) -> Vec<u32> {
+        let mut identities: Vec<u32> = members.iter().filter_map(|&id| self.identity(id)).collect();
+        identities.sort_unstable();
+        identities
+    }
+
+    pub(super) fn count_told(&mut self) -> Vec<Event> {
+        let mut events = std::mem::take(&mut self.events);
+        events.sort_by(|a, b| (a.frame, a.kind, &a.objects).cmp(&(b.frame, b.kind, &b.objects)));
+        for event in &events {
+            self.counters.count(event.kind);
+        }
+        events
+    }
+}
+
+/// The nearest place for a span of length `extent` around `centre` inside `low..high`; the middle
+/// where it does not fit.
+fn inside(centre: f32, extent: f32, low: f32, high: f32) -> f32 {
+    if extent >= high - low {
+        f32::midpoint(low, high)
+    } else {
+        centre.clamp(low + extent / 2.0, high - extent / 2.0)
+    }
+}
+
+/// Whether a piece is the one observation that the tracker matched.
+fn is_just(piece: &[usize], matched: Option<usize>) -> bool {
+    matches!((piece, matched), ([only], Some(matched)) if *only == matched)
+}
+
+fn view(region: &Region) -> View {
+    View {
+        bbox: region.shape.bbox,
+        area: region.shape.area as f32,
+        histogram: region.histogram.clone(),
+        labels: vec![region.label],
+    }
+}
+
+fn join(views: &[View], piece: &[usize]) -> View {
+    let mut histogram = Histogram::default();
+    for &index in piece {
+        histogram.add_scaled(&views[index].histogram, 1.0);
+    }
+    View {
+        bbox: piece.iter().map(|&index| views[index].bbox).reduce(|a, b| a.union(&b)).unwrap_or_default(),
+        area: piece.iter().map(|&index| views[index].area).sum(),
+        histogram,
+        labels: piece.iter().flat_map(|&index| views[index].labels.iter().copied()).collect(),
+    }
+}
+
+fn piece_of(view: &View) -> Piece {
+    Piece { bbox: view.bbox, area: view.area, histogram: view.histogram.clone() }
+}
+
+fn observation(view: &View) -> Observation {
+    Observation { bbox: view.bbox, area: view.area }
+}

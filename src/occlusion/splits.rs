@@ -1,0 +1,282 @@
+//! Groups that fell apart: who came out as whom (Algorithm 3), decided when the pieces were seen for a while.
+
+use std::collections::BTreeMap;
+
+use super::assign::{self, Fit, Piece};
+use super::event::{Event, EventKind};
+use super::object::Object;
+use super::reasoner::{Carried, ObjectId, Reasoner};
+use crate::regions::{Histogram, Rect};
+
+/// A decision about identity waits at most this many frames for clearer sight.
+const LONGEST_WAIT: u32 = 10;
+
+/// A group that fell apart and whose parting has not been told yet.
+#[derive(Clone, Debug)]
+pub(super) struct Split {
+    /// The frame's number and t of the parting.
+    frame: u32,
+    t: u32,
+    members: Vec<ObjectId>,
+    /// For each member the piece that it is in.
+    piece_of: Vec<usize>,
+    pieces: Vec<Piece>,
+    /// Member by piece, at the parting.
+    fits: Vec<Vec<Fit>>,
+    decided: bool,
+}
+
+impl Split {
+    /// Whether it is still open who this is.
+    pub(super) fn is_undecided(&self, id: ObjectId) -> bool {
+        !self.decided && self.members.contains(&id)
+    }
+
+    fn members_in(&self, piece: usize) -> Vec<ObjectId> {
+        self.members.iter().zip(&self.piece_of).filter(|(_, at)| **at == piece).map(|(&id, _)| id).collect()
+    }
+}
+
+impl Reasoner {
+    /// Notes that a group fell apart, if its members are now in several of `blobs`, which are the
+    /// pieces `piece_numbers` of `fits`, whose rows are `rows`.
+    pub(super) fn start_split(
+        &mut self,
+        group: &[ObjectId],
+        blobs: &[Carried],
+        piece_numbers: &[usize],
+        rows: &[ObjectId],
+        fits: &[Vec<Fit>],
+    ) {
+        let present: Vec<ObjectId> =
+            group.iter().copied().filter(|id| self.objects.contains_key(id)).collect();
+        let pieces: Vec<usize> = (0..blobs.len())
+            .filter(|&blob| blobs[blob].members.iter().any(|id| present.contains(id)))
+            .collect();
+        if pieces.len() < 2 {
+            return;
+        }
+        for &id in &present {
+            self.settle_splits_of(id);
+        }
+        let piece_of = present
+            .iter()
+            .map(|id| pieces.iter().position(|&blob| blobs[blob].members.contains(id)).unwrap_or(0))
+            .collect();
+        let fits = present
+            .iter()
+            .filter_map(|id| rows.iter().position(|row| row == id))
+            .map(|row| pieces.iter().map(|&blob| fits[row][piece_numbers[blob]]).collect())
+            .collect();
+        let empty = |bbox: Rect, area: f32| Piece { bbox, area, histogram: Histogram::default() };
+        let pieces = pieces
+            .iter()
+            .map(|&blob| {
+                blobs[blob]
+                    .view
+                    .as_ref()
+                    .map_or_else(|| empty(Rect::default(), 0.0), |view| empty(view.bbox, view.area))
+            })
+            .collect();
+        // From here on their tracks go under new keys: should it turn out that they came out the
+        // other way round, only who the keys are has to change.
+        for &id in &present {
+            let key = self.new_key();
+            if let Some(object) = self.objects.get_mut(&id) {
+                self.naming.same(key, object.key);
+                object.key = key;
+            }
+        }
+        self.splits.push(Split {
+            frame: self.number,
+            t: self.t,
+            members: present,
+            piece_of,
+            pieces,
+            fits,
+            decided: false,
+        });
+    }
+
+    /// Objects that parted a moment ago share a region again: they never parted. A split of which
+    /// only one piece met others is settled with what is known.
+    pub(super) fn rejoin_splits(&mut self, members: &[ObjectId]) {
+        let involved: Vec<usize> = (0..self.splits.len())
+            .filter(|&index| self.splits[index].members.iter().any(|id| members.contains(id)))
+            .collect();
+        for index in involved.into_iter().rev() {
+            let split = &self.splits[index];
+            let met: std::collections::BTreeSet<usize> = split
+                .members
+                .iter()
+                .zip(&split.piece_of)
+                .filter(|(id, _)| members.contains(id))
+                .map(|(_, &piece)| piece)
+                .collect();
+            if met.len() > 1 {
+                self.splits.remove(index);
+            } else {
+                self.settle_split(index);
+            }
+        }
+    }
+
+    /// Decides and tells at once what is open about an object.
+    pub(super) fn settle_splits_of(&mut self, id: ObjectId) {
+        while let Some(index) = self.splits.iter().position(|split| split.members.contains(&id)) {
+            self.settle_split(index);
+        }
+    }
+
+    fn settle_split(&mut self, index: usize) {
+        self.decide_split(index);
+        let split = self.splits.remove(index);
+        self.tell_split(&split);
+    }
+
+    /// Looks at the pieces once more; decides and tells what has waited long enough.
+    pub(super) fn follow_splits(&mut self) {
+        let same_episode = self.limits.same_episode;
+        for index in (0..self.splits.len()).rev() {
+            self.look_at_pieces(index);
+            let waited = self.t - self.splits[index].t;
+            if waited >= LONGEST_WAIT.min(same_episode.max(3)) {
+                self.decide_split(index);
+            }
+            if waited > same_episode {
+                self.settle_split(index);
+            }
+        }
+    }
+
+    fn look_at_pieces(&mut self, index: usize) {
+        let split = &mut self.splits[index];
+        for piece in 0..split.pieces.len() {
+            let members = split.members_in(piece);
+            let view = self
+                .carried
+                .iter()
+                .find(|carried| carried.members == members)
+                .and_then(|carried| carried.view.as_ref());
+            if let Some(view) = view {
+                split.pieces[piece].histogram.add_scaled(&view.histogram, 1.0 / view.area.max(1.0));
+            }
+        }
+    }
+
+    /// Asks the colours again, with all that was seen of the pieces since; the motion is that at
+    /// the parting. Where the answer differs from the first guess the objects change places.
+    fn decide_split(&mut self, index: usize) {
+        if std::mem::replace(&mut self.splits[index].decided, true) {
+            return;
+        }
+        let split = self.splits[index].clone();
+        if split.pieces.iter().any(|piece| piece.histogram.total() <= 0.0)
+            || split.members.iter().any(|id| !self.objects.contains_key(id))
+        {
+            return;
+        }
+        let mut fits = split.fits.clone();
+        for (row, id) in fits.iter_mut().zip(&split.members) {
+            for (fit, piece) in row.iter_mut().zip(&split.pieces) {
+                (fit.colour, fit.delta_e) = self.objects[id].agreement(&piece.histogram, &self.settings);
+            }
+        }
+        let assigned = assign::reassign(&fits, &split.piece_of, split.pieces.len());
+        let mut takes_place_of = BTreeMap::new();
+        for piece in 0..split.pieces.len() {
+            let new = split.members.iter().zip(&assigned).filter(|(_, at)| **at == piece).map(|(&id, _)| id);
+            takes_place_of.extend(new.zip(split.members_in(piece)));
+        }
+        self.change_places(&takes_place_of);
+        self.splits[index].fits = fits;
+        self.splits[index].piece_of = assigned;
+    }
+
+    /// Each object (key) takes the place of another (value): its key, motion, last view and blob.
+    fn change_places(&mut self, takes_place_of: &BTreeMap<ObjectId, ObjectId>) {
+        if takes_place_of.iter().all(|(id, place)| id == place) {
+            return;
+        }
+        let identities: BTreeMap<ObjectId, Option<u32>> =
+            takes_place_of.keys().map(|&id| (id, self.identity(id))).collect();
+        let places: BTreeMap<ObjectId, Object> =
+            takes_place_of.values().filter_map(|id| Some((*id, self.objects.get(id)?.clone()))).collect();
+        for (id, place) in takes_place_of {
+            if let (Some(object), Some(place)) = (self.objects.get_mut(id), places.get(place)) {
+                object.key = place.key;
+                object.model = place.model.clone();
+                object.last = place.last.clone();
+                if let Some(identity) = identities[id] {
+                    self.naming.set(place.key, identity);
+                }
+            }
+        }
+        let who: BTreeMap<ObjectId, ObjectId> =
+            takes_place_of.iter().map(|(&id, &place)| (place, id)).collect();
+        for carried in &mut self.carried {
+            for member in &mut carried.members {
+                *member = who.get(member).copied().unwrap_or(*member);
+            }
+            carried.members.sort_unstable();
+        }
+    }
+
+    fn tell_split(&mut self, split: &Split) {
+        let objects = self.identities(&split.members);
+        if objects.len() < 2 {
+            return;
+        }
+        let singles: Vec<ObjectId> = (0..split.pieces.len())
+            .map(|piece| split.members_in(piece))
+            .filter(|members| members.len() == 1)
+            .flatten()
+            .collect();
+        let becomes = if singles.is_empty() { objects.clone() } else { self.identities(&singles) };
+        let area: f32 = split.pieces.iter().map(|piece| piece.area).sum();
+        let mut evidence = self.evidence(format!(
+            "a region that {} objects shared fell into {} pieces of {area:.0} pixels together, and they stayed apart for more than {} frames",
+            objects.len(),
+            split.pieces.len(),
+            self.limits.same_episode,
+        ));
+        for (member, (row, &chosen)) in split.members.iter().zip(split.fits.iter().zip(&split.piece_of)) {
+            let identity = self.identity(*member).unwrap_or_default();
+            for (piece, fit) in row.iter().enumerate() {
+                let name = piece + 1;
+                let taken = piece == chosen;
+                evidence.compare(
+                    format!("ΔE of {identity} and piece {name}"),
+                    if fit.delta_e.is_finite() { fit.delta_e } else { 999.0 },
+                    self.settings.same_colour,
+                    taken,
+                );
+                evidence.compare(
+                    format!("agreement of colours of {identity} and piece {name}"),
+                    fit.colour,
+                    1.2,
+                    taken,
+                );
+                evidence.compare(
+                    format!("distance in pixels of {identity}'s prediction from piece {name}"),
+                    fit.distance,
+                    0.0,
+                    taken,
+                );
+            }
+        }
+        let around =
+            split.pieces.iter().map(|piece| piece.bbox).reduce(|a, b| a.union(&b)).unwrap_or_default();
+        let [x, y] = around.centre();
+        self.events.push(Event {
+            frame: split.frame,
+            kind: EventKind::Demerge,
+            objects,
+            becomes,
+            x,
+            y,
+            front: None,
+            evidence,
+        });
+    }
+}

@@ -1,0 +1,94 @@
+//! The chosen pixel through time.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use crate::frame::Frame;
+use crate::mixture::{Parameters, PixelHistory};
+use crate::settings::{BackgroundModel, Settings};
+use crate::source::SourceError;
+use crate::source::cache::{Fetched, FrameCache, Keep};
+
+/// Work on a pixel goes on for so long before other work gets its turn.
+const TURN: Duration = Duration::from_millis(4);
+
+/// Follows one pixel through the frames, as far as the model has seen them.
+#[derive(Default)]
+pub(super) struct Inspector {
+    history: Option<Arc<PixelHistory>>,
+    /// Colours that are not in `history` yet: it is extended when somebody wants to see it, as
+    /// others hold the last one and it has to be copied then.
+    pending: Vec<(u32, [u8; 3])>,
+}
+
+impl Inspector {
+    /// Chooses a pixel, or none; what is known stays where it is the same pixel under the same parameters.
+    pub(super) fn choose(&mut self, at: Option<(u32, u32)>, settings: &Settings) {
+        let at = at.filter(|_| settings.background_model == BackgroundModel::Mixture);
+        let parameters = Parameters::new(settings);
+        let same = |history: &Arc<PixelHistory>| Some(history.at) == at && history.parameters == parameters;
+        if !self.history.as_ref().is_some_and(same) {
+            self.history = at.map(|at| Arc::new(PixelHistory::new(at, parameters)));
+            self.pending.clear();
+        }
+    }
+
+    /// How many frames are known, `None` when no pixel is chosen.
+    pub(super) fn frames(&self) -> Option<u32> {
+        let history = self.history.as_ref()?;
+        Some((history.states.len() + self.pending.len()) as u32)
+    }
+
+    /// Takes in the frame at `position` if it is the next.
+    pub(super) fn push(&mut self, position: u32, frame: &Frame) {
+        if let Some(history) = &self.history
+            && self.frames() == Some(position)
+            && let Some(colour) = frame.pixel(history.at.0, history.at.1)
+        {
+            self.pending.push((frame.number, colour));
+        }
+    }
+
+    /// Takes in frames up to position `end` for a short while; whether there was anything to do.
+    pub(super) fn gather(&mut self, frames: &mut FrameCache, end: u32) -> Result<bool, SourceError> {
+        let started = Instant::now();
+        let mut worked = false;
+        while let Some(next) = self.frames().filter(|&next| next < end) {
+            worked = true;
+            match frames.fetch(next, Keep::IfRoom)? {
+                Fetched::Frame(frame) => self.push(next, &frame),
+                Fetched::OnTheWay => {}
+                // A camera's first frames are no longer there, and the mixture depends on all of them.
+                Fetched::Gone | Fetched::End => *self = Self::default(),
+            }
+            if started.elapsed() > TURN {
+                break;
+            }
+        }
+        Ok(worked)
+    }
+
+    /// The history, brought up to date if `position` is not in it yet; `None` while that is not known.
+    pub(super) fn covering(&mut self, position: u32) -> Option<Arc<PixelHistory>> {
+        if self.frames()? <= position {
+            return None;
+        }
+        if self.history.as_ref()?.states.len() as u32 <= position {
+            self.latest()
+        } else {
+            self.history.clone()
+        }
+    }
+
+    /// The history brought up to date.
+    pub(super) fn latest(&mut self) -> Option<Arc<PixelHistory>> {
+        let history = self.history.as_mut()?;
+        if !self.pending.is_empty() {
+            let history = Arc::make_mut(history);
+            for (number, colour) in self.pending.drain(..) {
+                history.push_colour(number, colour);
+            }
+        }
+        Some(Arc::clone(history))
+    }
+}

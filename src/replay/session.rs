@@ -1,0 +1,175 @@
+//! The window's side: asks, and reads what was last published.
+
+use std::any::Any;
+use std::panic::{AssertUnwindSafe, catch_unwind};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
+use std::thread;
+use std::time::Duration;
+
+use super::worker::Worker;
+use super::{Phase, Start, State, Timeline, memory};
+use crate::settings::Settings;
+
+/// A video under analysis. Dropping it ends its worker.
+///
+/// Requests never wait; a newer one takes the place of an older one of its kind.
+pub struct Session {
+    shared: Arc<Shared>,
+    /// Disconnected when the worker has ended.
+    ended: Receiver<()>,
+}
+
+/// What the window wants that has not been done yet.
+#[derive(Default)]
+pub(super) struct Requests {
+    pub(super) show: Option<u32>,
+    pub(super) settings: Option<Settings>,
+    pub(super) inspect: Option<Option<(u32, u32)>>,
+    stop: bool,
+}
+
+/// What both sides hold.
+pub(super) struct Shared {
+    requests: Mutex<Requests>,
+    asked: Condvar,
+    state: Mutex<State>,
+    wake: Box<dyn Fn() + Send + Sync>,
+}
+
+impl Session {
+    /// Starts a worker on `video` (a name as [`crate::source::open`] takes it) and returns at once.
+    ///
+    /// It calls `wake` after every change of [`Self::state`], from its own thread. It keeps up to a
+    /// quarter of the machine's memory in frames and models.
+    pub fn open(
+        video: &str,
+        settings: Settings,
+        start: Start,
+        wake: impl Fn() + Send + Sync + 'static,
+    ) -> Self {
+        Self::open_within(memory::quarter(), video, settings, start, wake)
+    }
+
+    pub(super) fn open_within(
+        budget: usize,
+        video: &str,
+        settings: Settings,
+        start: Start,
+        wake: impl Fn() + Send + Sync + 'static,
+    ) -> Self {
+        let state = State {
+            phase: Phase::Opening,
+            info: None,
+            warnings: Arc::default(),
+            shown: None,
+            timeline: Arc::new(Timeline::default()),
+            busy: None,
+            analysis_fps: 0.0,
+        };
+        let shared = Arc::new(Shared {
+            requests: Mutex::default(),
+            asked: Condvar::new(),
+            state: Mutex::new(state),
+            wake: Box::new(wake),
+        });
+        let (alive, ended) = channel();
+        let (theirs, video) = (Arc::clone(&shared), video.to_owned());
+        let started = thread::Builder::new().name("analysis".into()).spawn(move || {
+            let work = AssertUnwindSafe(|| Worker::open_and_run(&theirs, &video, settings, start, budget));
+            if let Err(payload) = catch_unwind(work) {
+                theirs.fail(format!(
+                    "{video} cannot be analysed further: the program made an error ({}); open it again",
+                    words(&*payload)
+                ));
+            }
+            drop(alive);
+        });
+        if let Err(error) = started {
+            shared.fail(format!("the analysis cannot start: {error}; close other programs and try again"));
+        }
+        Self { shared, ended }
+    }
+
+    /// What was last published.
+    pub fn state(&self) -> State {
+        lock(&self.shared.state).clone()
+    }
+
+    /// Asks for a frame by its position from 0; one beyond the end gives the last. What lies beyond
+    /// the frames that are analysed is analysed first.
+    pub fn show(&self, position: u32) {
+        self.shared.ask(|requests| requests.show = Some(position));
+    }
+
+    /// Asks for other settings: what they touch is run again. What is shown stays until the frame
+    /// in view is there under the new ones.
+    pub fn set_settings(&self, settings: Settings) {
+        self.shared.ask(|requests| requests.settings = Some(settings));
+    }
+
+    /// Chooses the pixel whose history is shown; `None`, or one outside the image, chooses none.
+    pub fn inspect(&self, at: Option<(u32, u32)>) {
+        self.shared.ask(|requests| requests.inspect = Some(at));
+    }
+}
+
+impl Drop for Session {
+    fn drop(&mut self) {
+        self.shared.ask(|requests| requests.stop = true);
+        // A worker inside a decoder must not meet the end of the process; one that hangs in a
+        // dead disk or camera must not hold up the window.
+        let waited = self.ended.recv_timeout(Duration::from_secs(2));
+        debug_assert!(matches!(waited, Err(RecvTimeoutError::Disconnected | RecvTimeoutError::Timeout)));
+    }
+}
+
+impl Shared {
+    fn ask(&self, change: impl FnOnce(&mut Requests)) {
+        change(&mut lock(&self.requests));
+        self.asked.notify_one();
+    }
+
+    /// What has been asked since the last time; `None` when the session is over. With `wait`, it
+    /// sleeps until something is asked.
+    pub(super) fn take_requests(&self, wait: bool) -> Option<Requests> {
+        let mut requests = lock(&self.requests);
+        if wait {
+            requests = self
+                .asked
+                .wait_while(requests, |requests| !requests.is_anything())
+                .unwrap_or_else(PoisonError::into_inner);
+        }
+        if requests.stop { None } else { Some(std::mem::take(&mut *requests)) }
+    }
+
+    /// Publishes a change of the state.
+    pub(super) fn publish(&self, change: impl FnOnce(&mut State)) {
+        change(&mut lock(&self.state));
+        (self.wake)();
+    }
+
+    pub(super) fn fail(&self, why: String) {
+        self.publish(|state| {
+            state.phase = Phase::Failed(why);
+            state.busy = None;
+        });
+    }
+}
+
+impl Requests {
+    const fn is_anything(&self) -> bool {
+        self.show.is_some() || self.settings.is_some() || self.inspect.is_some() || self.stop
+    }
+}
+
+/// A thread that panicked with the lock held left whole values behind: every change under it is one assignment.
+fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
+    mutex.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+fn words(payload: &(dyn Any + Send)) -> String {
+    let text = payload.downcast_ref::<&str>().copied();
+    let text = text.or_else(|| payload.downcast_ref::<String>().map(String::as_str));
+    text.unwrap_or("of an unknown kind").split_whitespace().collect::<Vec<_>>().join(" ")
+}

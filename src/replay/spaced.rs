@@ -1,0 +1,71 @@
+//! Things kept at evenly spaced positions, farther apart as their room fills.
+
+use std::collections::BTreeMap;
+
+/// Things by position, at multiples of a stride that doubles whenever there is no more room.
+pub(super) struct Spaced<T> {
+    kept: BTreeMap<u32, T>,
+    stride: u32,
+    room: usize,
+}
+
+impl<T> Spaced<T> {
+    /// Room for `room` things, at first at multiples of `stride`.
+    pub(super) const fn new(stride: u32, room: usize) -> Self {
+        Self { kept: BTreeMap::new(), stride, room }
+    }
+
+    /// The distance of two things, in positions.
+    pub(super) const fn stride(&self) -> u32 {
+        self.stride
+    }
+
+    /// Whether what belongs to this position would be kept.
+    pub(super) fn wants(&self, position: u32) -> bool {
+        self.room > 0 && position.is_multiple_of(self.stride) && !self.kept.contains_key(&position)
+    }
+
+    /// Keeps a thing, and drops every other one when there are too many.
+    pub(super) fn insert(&mut self, position: u32, thing: T) {
+        self.kept.insert(position, thing);
+        while self.kept.len() > self.room.max(1) {
+            self.stride = self.stride.saturating_mul(2);
+            self.kept.retain(|position, _| position.is_multiple_of(self.stride));
+        }
+    }
+
+    /// The last thing at or before a position.
+    pub(super) fn at_or_before(&self, position: u32) -> Option<(u32, &T)> {
+        self.kept.range(..=position).next_back().map(|(&position, thing)| (position, thing))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_thins_evenly_and_never_exceeds_its_room() {
+        let mut spaced = Spaced::new(4, 5);
+        for position in 1..=200 {
+            if spaced.wants(position) {
+                spaced.insert(position, position * 10);
+            }
+            assert!(spaced.kept.len() <= 5);
+            let steps: Vec<_> = spaced.kept.keys().copied().collect();
+            assert!(steps.windows(2).all(|pair| pair[1] - pair[0] == spaced.stride()), "{steps:?}");
+            if let Some((at, &thing)) = spaced.at_or_before(position) {
+                assert!(thing == at * 10 && position - at < spaced.stride());
+            }
+        }
+        assert_eq!(spaced.stride(), 64);
+        assert_eq!(spaced.at_or_before(63), None);
+        assert_eq!(spaced.at_or_before(130), Some((128, &1280)));
+    }
+
+    #[test]
+    fn without_room_nothing_is_wanted() {
+        let spaced = Spaced::<u8>::new(1, 0);
+        assert!(!spaced.wants(0) && !spaced.wants(7));
+    }
+}

@@ -1,0 +1,374 @@
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::path::Path;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, channel};
+use std::time::{Duration, Instant};
+
+use image::{Rgb, RgbImage};
+
+use super::*;
+use crate::mixture::Parameters;
+use crate::pipeline::Pipeline;
+use crate::settings::{BackgroundModel, Preset};
+use crate::source;
+
+const FRAMES: u32 = 60;
+const WIDTH: u32 = 96;
+const HEIGHT: u32 = 64;
+/// Frame numbers are positions plus this.
+const FIRST: u32 = 101;
+/// A pixel that both squares pass over.
+const PIXEL: (u32, u32) = (48, 32);
+
+/// Two squares that cross over a texture with noise.
+fn write_scene(folder: &Path) {
+    for index in 0..FRAMES {
+        let (red, blue) = (4 + index * 3 / 2, 84_u32.saturating_sub(index * 3 / 2));
+        let image = RgbImage::from_fn(WIDTH, HEIGHT, |x, y| {
+            let inside = |left: u32, top: u32| (left..left + 9).contains(&x) && (top..top + 14).contains(&y);
+            if inside(red, 26) && index > 4 {
+                return Rgb([220, 40, 30]);
+            }
+            if inside(blue, 28) && index > 4 {
+                return Rgb([30, 40, 220]);
+            }
+            let noise = (x * 7919 + y * 104_729 + index * 1_299_709) % 1009 % 9;
+            Rgb([x * 2 % 60 + 60, y * 3 % 50 + 80, (x + y) % 40 + 70].map(|level| (level + noise) as u8))
+        });
+        image.save(folder.join(format!("in{:06}.png", FIRST + index))).unwrap();
+    }
+}
+
+fn scene() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    write_scene(folder.path());
+    folder
+}
+
+fn name(path: &Path) -> String {
+    path.to_str().unwrap().to_owned()
+}
+
+fn settings() -> Settings {
+    Settings { track_min_area: 0.3, warm_up: 0, alpha: 0.02, ..Settings::preset(Preset::Default) }
+}
+
+/// A session that tells when its state changed.
+struct Watched {
+    session: Session,
+    woken: Receiver<()>,
+}
+
+impl Watched {
+    fn open(video: &Path, settings: Settings, start: Start, budget: usize) -> Self {
+        let (wake, woken) = channel();
+        let session = Session::open_within(budget, &name(video), settings, start, move || {
+            let _ = wake.send(());
+        });
+        Self { session, woken }
+    }
+
+    /// Waits for a state, looking at every one on the way that it gets to see.
+    fn until(&self, mut look: impl FnMut(&State) -> bool) -> State {
+        let deadline = Instant::now() + Duration::from_secs(60);
+        loop {
+            let state = self.session.state();
+            if look(&state) {
+                return state;
+            }
+            let left = deadline.saturating_duration_since(Instant::now());
+            assert!(
+                self.woken.recv_timeout(left).is_ok(),
+                "waited in vain: {:?} {:?}",
+                state.phase,
+                state.busy
+            );
+        }
+    }
+
+    fn until_done(&self) -> State {
+        self.until(|state| {
+            state.timeline.complete && state.timeline.analysed == FRAMES && state.busy.is_none()
+        })
+    }
+
+    fn shown(&self, position: u32) -> Arc<Shown> {
+        self.session.show(position);
+        self.until(|state| shows(state, position)).shown.unwrap()
+    }
+}
+
+fn shows(state: &State, position: u32) -> bool {
+    state.shown.as_ref().is_some_and(|shown| shown.position == position)
+}
+
+/// What one pass forward gives at each position, with nothing kept and nothing replayed.
+fn straight(video: &Path, settings: &Settings) -> Vec<Shown> {
+    let mut source = source::open(&name(video)).unwrap();
+    let mut pipeline = Pipeline::new(settings, source.info().size, source.info().fps).unwrap();
+    let shared = Arc::new(settings.clone());
+    let mut history = PixelHistory::new(PIXEL, Parameters::new(settings));
+    let mut all = Vec::new();
+    while let Some(frame) = source.next_frame().unwrap() {
+        let analysis = pipeline.step(&frame).unwrap();
+        history.push(&frame);
+        let picture = |rgb| Arc::new(Frame::new(frame.number, frame.size, rgb));
+        let mixture = pipeline.mixture();
+        all.push(Shown {
+            position: all.len() as u32,
+            settings: Arc::clone(&shared),
+            analysis: Arc::new(analysis),
+            background: picture(pipeline.background_image().unwrap()),
+            multi_mode: mixture.map(|mixture| picture(mixture.multi_mode_image())),
+            background_count: mixture.map(|mixture| Arc::new(mixture.background_counts())),
+            pixel: mixture.is_some().then(|| Arc::new(history.clone())),
+            frame: Arc::new(frame),
+        });
+    }
+    all
+}
+
+fn assert_same(got: &Shown, expected: &Shown) {
+    let position = expected.position;
+    assert_eq!(got.position, position);
+    assert_eq!(got.settings, expected.settings);
+    assert_eq!(got.frame, expected.frame, "frame at {position}");
+    let (a, b) = (&got.analysis, &expected.analysis);
+    assert_eq!((a.number, a.t, &a.counters), (b.number, b.t, &b.counters));
+    assert_eq!(a.mask, b.mask, "mask at {position}");
+    assert!(a.labels == b.labels, "labels at {position}");
+    assert_eq!(a.regions, b.regions, "regions at {position}");
+    assert_eq!((&a.tracks, &a.tentative), (&b.tracks, &b.tentative), "tracks at {position}");
+    assert_eq!((&a.objects, &a.events), (&b.objects, &b.events), "events at {position}");
+    assert_eq!(got.background, expected.background, "background at {position}");
+    assert_eq!(got.multi_mode, expected.multi_mode, "multi-mode at {position}");
+    assert_eq!(got.background_count, expected.background_count, "B at {position}");
+}
+
+/// Any positions, those beyond the end among them, steps of one among the jumps.
+fn walk() -> impl Iterator<Item = u32> {
+    let mut position = 0_u32;
+    (0..60_u32).map(move |step| {
+        position = match step % 5 {
+            0 | 3 => (position * 31 + step * 17) % (FRAMES + 8),
+            1 | 2 => position.saturating_sub(1),
+            _ => position + 1,
+        };
+        position
+    })
+}
+
+#[test]
+fn any_walk_shows_what_one_pass_forward_gives() {
+    let folder = scene();
+    let expected = straight(folder.path(), &settings());
+    assert!(expected.iter().any(|shown| shown.analysis.regions.len() >= 2));
+    let frame_bytes = (WIDTH * HEIGHT * 3) as usize;
+    // Room for everything; for few frames and checkpoints; for next to nothing.
+    for budget in [1 << 30, frame_bytes * 160, 0] {
+        let watched = Watched::open(folder.path(), settings(), Start::First, budget);
+        watched.session.inspect(Some(PIXEL));
+        for position in walk() {
+            watched.session.show(position);
+            let position = position.min(FRAMES - 1);
+            let shown = watched
+                .until(|state| {
+                    let shown = state.shown.as_ref().filter(|shown| shown.position == position);
+                    shown.is_some_and(|shown| shown.pixel.is_some())
+                })
+                .shown
+                .unwrap();
+            let expected = &expected[position as usize];
+            assert_same(&shown, expected);
+            let (history, straight) = (shown.pixel.as_ref().unwrap(), expected.pixel.as_ref().unwrap());
+            assert_eq!(history.at, PIXEL);
+            assert_eq!(history.states[..=position as usize], straight.states[..], "history at {position}");
+        }
+        let done = watched.until_done();
+        let history = done.shown.as_ref().unwrap().pixel.clone().unwrap();
+        assert_eq!(history, expected.last().unwrap().pixel.clone().unwrap());
+        let timeline = &done.timeline;
+        assert_eq!(timeline.numbers, (FIRST..FIRST + FRAMES).collect::<Vec<_>>());
+        let shares: Vec<_> = expected.iter().map(|shown| shown.analysis.mask.foreground_share()).collect();
+        assert_eq!(timeline.foreground_share, shares);
+        assert_eq!((&done.phase, done.warnings.len()), (&Phase::Ready, 0));
+        assert!(done.analysis_fps > 0.0);
+        watched.session.inspect(None);
+        watched.until(|state| state.shown.as_ref().unwrap().pixel.is_none());
+    }
+}
+
+#[test]
+fn a_change_of_settings_never_mixes_with_what_was() {
+    let folder = scene();
+    let mixture = Settings { k: 4, alpha: 0.05, ..settings() };
+    let cleaning = Settings { median: 0, min_area: 3, ..mixture.clone() };
+    let tracking = Settings { gate: 0.9, process_noise: 3.0, ..cleaning.clone() };
+    let choices = [settings(), mixture, cleaning, tracking];
+    let expected = choices.each_ref().map(|settings| straight(folder.path(), settings));
+    let watched = Watched::open(folder.path(), settings(), Start::First, 1 << 30);
+    watched.session.inspect(Some(PIXEL));
+    watched.session.show(40);
+    watched.until(|state| shows(state, 40));
+    let check = |state: &State| {
+        let shown = state.shown.as_ref().unwrap();
+        let choice = choices.iter().position(|settings| *settings == *shown.settings).unwrap();
+        assert_same(shown, &expected[choice][shown.position as usize]);
+        if let Some(history) = &shown.pixel {
+            assert_eq!(history.parameters, Parameters::new(&shown.settings));
+        }
+        shown.settings.clone()
+    };
+    for (round, settings) in choices.iter().cycle().skip(1).take(9).enumerate() {
+        // A choice that is replaced at once is never an obstacle.
+        watched.session.set_settings(choices[(round + 2) % 4].clone());
+        watched.session.set_settings(settings.clone());
+        if round % 3 == 1 {
+            watched.session.show(10 + round as u32);
+        }
+        watched.until(|state| *check(state) == *settings);
+    }
+    let last = watched.until_done();
+    check(&last);
+    for position in [59, 3, 30] {
+        watched.session.show(position);
+        watched.until(|state| {
+            check(state);
+            shows(state, position)
+        });
+    }
+}
+
+#[test]
+fn tracking_again_gives_the_events_of_a_whole_run() {
+    let folder = scene();
+    let other = Settings { gate: 0.95, size_step: 0.4, ..settings() };
+    let watched = Watched::open(folder.path(), settings(), Start::First, 1 << 30);
+    watched.until_done();
+    watched.session.set_settings(other.clone());
+    watched.until(|state| *state.shown.as_ref().unwrap().settings == other);
+    let again = watched.until_done();
+    let fresh = Watched::open(folder.path(), other, Start::First, 1 << 30);
+    let fresh = fresh.until_done();
+    assert_eq!(again.timeline.events, fresh.timeline.events);
+    assert_eq!(again.timeline.life_lines, fresh.timeline.life_lines);
+    assert_eq!(again.timeline.foreground_share, fresh.timeline.foreground_share);
+}
+
+#[test]
+fn videos_are_walked_through_like_images() {
+    use opencv::core::{CV_8UC3, Mat, Scalar, Size as CvSize};
+    use opencv::prelude::*;
+    use opencv::videoio::{CAP_FFMPEG, VideoWriter};
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.avi");
+    source::silence_libraries();
+    let fourcc = VideoWriter::fourcc('M', 'J', 'P', 'G').unwrap();
+    let size = CvSize::new(64, 48);
+    let mut writer =
+        VideoWriter::new_with_backend(path.to_str().unwrap(), CAP_FFMPEG, fourcc, 10.0, size, true).unwrap();
+    for index in 0..FRAMES as i32 {
+        let mut picture = Mat::new_rows_cols_with_default(48, 64, CV_8UC3, Scalar::all(90.0)).unwrap();
+        let square = opencv::core::Rect::new(index % 50, 20, 10, 12);
+        let colour = Scalar::new(30.0, 60.0, 220.0, 0.0);
+        opencv::imgproc::rectangle(&mut picture, square, colour, -1, 8, 0).unwrap();
+        writer.write(&picture).unwrap();
+    }
+    writer.release().unwrap();
+    let expected = straight(&path, &settings());
+    assert_eq!(expected.len() as u32, FRAMES);
+    let watched = Watched::open(&path, settings(), Start::First, 64 * 48 * 3 * 40);
+    for position in walk() {
+        watched.session.show(position);
+        let position = position.min(FRAMES - 1);
+        let state = watched.until(|state| shows(state, position));
+        assert_same(&state.shown.unwrap(), &expected[position as usize]);
+    }
+}
+
+#[test]
+fn opencv_models_show_the_background_of_the_frame_while_there_is_room() {
+    let folder = scene();
+    for model in [BackgroundModel::Mog2, BackgroundModel::Knn] {
+        let settings = Settings { background_model: model, ..settings() };
+        let expected = straight(folder.path(), &settings);
+        let watched = Watched::open(folder.path(), settings, Start::First, 1 << 30);
+        watched.session.inspect(Some(PIXEL));
+        watched.until_done();
+        for position in [59, 20, 41, 0] {
+            let shown = watched.shown(position);
+            assert_same(&shown, &expected[position as usize]);
+            assert!(shown.pixel.is_none() && shown.multi_mode.is_none());
+        }
+    }
+}
+
+#[test]
+fn the_first_frame_is_shown_before_the_one_that_was_asked_for() {
+    let folder = scene();
+    for (start, position) in [(FIRST + 30, 30), (0, 0), (FIRST + 1000, FRAMES - 1)] {
+        let mut seen = Vec::new();
+        let watched = Watched::open(folder.path(), settings(), Start::Frame(start), 1 << 30);
+        watched.until(|state| {
+            if let Some(shown) = &state.shown {
+                seen.push(shown.position);
+            }
+            shows(state, position) && (position > 0 || state.timeline.analysed > 0)
+        });
+        seen.dedup();
+        assert!(seen == [0, position] || seen == [position], "{seen:?}");
+    }
+}
+
+#[test]
+fn what_cannot_be_opened_fails_in_a_sentence() {
+    let watched = Watched::open(Path::new("/nowhere/at/all.avi"), settings(), Start::First, 1 << 20);
+    let state = watched.until(|state| matches!(state.phase, Phase::Failed(_)));
+    let expected = "/nowhere/at/all.avi does not exist; check the path".to_owned();
+    assert_eq!(state.phase, Phase::Failed(expected));
+    watched.session.show(3);
+    watched.session.set_settings(settings());
+}
+
+#[test]
+fn a_frame_that_is_skipped_is_warned_of() {
+    let folder = scene();
+    std::fs::write(folder.path().join(format!("in{:06}.png", FIRST + 7)), "broken").unwrap();
+    let watched = Watched::open(folder.path(), settings(), Start::First, 1 << 30);
+    let state = watched.until(|state| state.timeline.complete && state.busy.is_none());
+    assert_eq!(state.timeline.numbers.len() as u32, FRAMES - 1);
+    assert!(!state.timeline.numbers.contains(&(FIRST + 7)));
+    assert_eq!(state.warnings.len(), 1);
+    assert!(state.warnings[0].contains(&format!("frame {} is skipped", FIRST + 7)), "{:?}", state.warnings);
+}
+
+#[test]
+fn a_panic_in_the_worker_becomes_a_failure() {
+    let folder = scene();
+    let once = AtomicBool::new(true);
+    let (wake, woken) = channel();
+    let session = Session::open(&name(folder.path()), settings(), Start::First, move || {
+        assert!(!once.swap(false, Ordering::Relaxed), "as this test wants it");
+        let _ = wake.send(());
+    });
+    woken.recv_timeout(Duration::from_secs(20)).unwrap();
+    let Phase::Failed(why) = session.state().phase else { panic!("{:?}", session.state().phase) };
+    assert!(why.contains("as this test wants it") && !why.contains('\n'), "{why}");
+}
+
+#[test]
+fn dropping_a_session_ends_its_worker_at_once() {
+    let folder = scene();
+    let (wake, woken) = channel::<()>();
+    let session = Session::open(&name(folder.path()), settings(), Start::First, move || {
+        let _ = wake.send(());
+    });
+    woken.recv_timeout(Duration::from_secs(20)).unwrap();
+    let started = Instant::now();
+    drop(session);
+    assert!(started.elapsed() < Duration::from_secs(1), "{:?}", started.elapsed());
+    // The worker held the other end.
+    while woken.try_recv().is_ok() {}
+    assert!(matches!(woken.recv(), Err(std::sync::mpsc::RecvError)));
+}

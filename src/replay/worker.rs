@@ -1,0 +1,479 @@
+//! The worker's side: one small piece of work after another, the most urgent first.
+//!
+//! In this order: the frame that is wanted in view, the chosen pixel's history, the analysis ahead.
+//! Between two pieces it looks at what was asked meanwhile; no piece takes longer than a frame.
+
+use std::collections::VecDeque;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use super::inspector::Inspector;
+use super::run::{Run, Towards};
+use super::session::{Requests, Shared};
+use super::timeline::Growing;
+use super::{Phase, Progress, Shown, Start, Timeline};
+use crate::frame::Frame;
+use crate::mixture::PixelHistory;
+use crate::occlusion::EventKind;
+use crate::settings::{Settings, Stage};
+use crate::source::cache::{Fetched, FrameCache, Keep};
+use crate::source::{SourceError, SourceInfo};
+use crate::tracking::{Identity, TrackState};
+
+/// Growing things are published at most so often.
+const PACE: Duration = Duration::from_millis(100);
+
+/// After the first occlusion was decided, so many more frames show how it goes on.
+const INTO_OCCLUSION: u32 = 10;
+
+/// Stepping back so many checkpoints or less is taken for stepping, and the frames between are kept.
+const STEPPING: u32 = 2;
+
+/// What stops the work on a choice of settings, in words for the user.
+struct Stopped(String);
+
+impl<E: std::error::Error> From<E> for Stopped {
+    fn from(error: E) -> Self {
+        Self(error.to_string())
+    }
+}
+
+pub(super) struct Worker<'a> {
+    shared: &'a Shared,
+    frames: FrameCache,
+    info: Arc<SourceInfo>,
+    /// Memory for going back in time, in bytes.
+    model_budget: usize,
+    run: Run,
+    /// The position that the window wants to see.
+    wanted: u32,
+    /// What will be wanted once it is found.
+    aim: Option<Aim>,
+    /// A live source: the newest frame is what is wanted.
+    follow: bool,
+    pixel: Option<(u32, u32)>,
+    inspector: Inspector,
+    growing: Growing,
+    /// Whether the final reading has taken the place of the causal one.
+    finished: bool,
+    stopped: bool,
+    shown: Option<Arc<Shown>>,
+    warnings: Vec<String>,
+    told_of_gone: bool,
+    busy: Option<Progress>,
+    meter: Meter,
+    unpublished: bool,
+    published: Instant,
+    publishing_took: Duration,
+}
+
+/// A frame to show that is not known yet.
+enum Aim {
+    Number(u32),
+    /// The first occlusion: the position at which it was decided, and who takes part.
+    Occlusion(Option<(u32, Vec<Identity>)>),
+}
+
+impl<'a> Worker<'a> {
+    /// Opens the video and works until the session is over.
+    pub(super) fn open_and_run(
+        shared: &'a Shared,
+        video: &str,
+        settings: Settings,
+        start: Start,
+        budget: usize,
+    ) {
+        match Self::open(shared, video, settings, start, budget) {
+            Ok(mut worker) => worker.work(),
+            Err(Stopped(why)) => shared.fail(why),
+        }
+    }
+
+    fn open(
+        shared: &'a Shared,
+        video: &str,
+        settings: Settings,
+        start: Start,
+        budget: usize,
+    ) -> Result<Self, Stopped> {
+        // A frame that is dropped costs decoding from the start, one without a checkpoint replaying.
+        let frames = FrameCache::open(video, budget / 2)?;
+        let info = Arc::clone(frames.info());
+        let run = Run::new(Arc::new(settings), &info, budget / 2)?;
+        shared.publish(|state| {
+            state.phase = Phase::Ready;
+            state.info = Some(Arc::clone(&info));
+        });
+        Ok(Self {
+            shared,
+            frames,
+            follow: info.live,
+            info,
+            model_budget: budget / 2,
+            run,
+            wanted: 0,
+            aim: match start {
+                Start::First => None,
+                Start::FirstOcclusion => Some(Aim::Occlusion(None)),
+                Start::Frame(number) => Some(Aim::Number(number)),
+            },
+            pixel: None,
+            inspector: Inspector::default(),
+            growing: Growing::default(),
+            finished: false,
+            stopped: false,
+            shown: None,
+            warnings: Vec::new(),
+            told_of_gone: false,
+            busy: None,
+            meter: Meter::default(),
+            unpublished: true,
+            published: Instant::now(),
+            publishing_took: Duration::ZERO,
+        })
+    }
+
+    fn work(&mut self) {
+        let mut resting = false;
+        while let Some(requests) = self.shared.take_requests(resting) {
+            let worked = self.take(requests).and_then(|()| self.piece());
+            resting = !worked.unwrap_or_else(|Stopped(why)| {
+                self.stopped = true;
+                self.shared.fail(why);
+                false
+            });
+            self.publish_in_time(resting);
+        }
+    }
+
+    fn take(&mut self, requests: Requests) -> Result<(), Stopped> {
+        if let Some(position) = requests.show {
+            self.aim = None;
+            self.wanted = position;
+            self.follow = self.info.live && position >= self.run.front().saturating_sub(1);
+        }
+        if let Some(pixel) = requests.inspect {
+            self.pixel = pixel.filter(|&(x, y)| self.info.size.index(x, y).is_some());
+            self.inspector.choose(self.pixel, self.run.settings());
+            if self.pixel.is_none() {
+                self.show_pixel();
+            }
+        }
+        requests.settings.map_or(Ok(()), |settings| self.change_settings(settings))
+    }
+
+    fn change_settings(&mut self, settings: Settings) -> Result<(), Stopped> {
+        let difference = self.run.settings().first_difference(&settings);
+        if difference.is_none() && !self.stopped {
+            return Ok(());
+        }
+        let settings = Arc::new(settings);
+        match difference {
+            Some(Stage::Tracking | Stage::Occlusion) if !self.stopped => self.run.restart_tracking(settings),
+            _ => {
+                if self.info.live && self.run.modelled() > 0 && self.frames.kept(0).is_none() {
+                    self.frames.forget();
+                    self.wanted = 0;
+                    self.follow = true;
+                    self.warnings.push(format!(
+                        "the first frames of {} are no longer kept: the new settings start with the next one",
+                        self.info.name
+                    ));
+                }
+                self.run = Run::new(settings, &self.info, self.model_budget)?;
+            }
+        }
+        self.stopped = false;
+        self.inspector.choose(self.pixel, self.run.settings());
+        self.growing = Growing::default();
+        self.finished = false;
+        if let Some(Aim::Occlusion(found)) = &mut self.aim {
+            *found = None;
+        }
+        self.shared.publish(|state| {
+            state.phase = Phase::Ready;
+            state.timeline = Arc::new(Timeline {
+                numbers: self.frames.numbers().to_vec(),
+                complete: self.frames.is_complete(),
+                ..Timeline::default()
+            });
+        });
+        self.unpublished = true;
+        Ok(())
+    }
+
+    /// Does the most urgent piece of work; whether there was any.
+    fn piece(&mut self) -> Result<bool, Stopped> {
+        if self.stopped {
+            return Ok(false);
+        }
+        self.find_aim();
+        if self.follow {
+            self.wanted = self.run.front().saturating_sub(1);
+        }
+        if self.frames.is_complete() {
+            self.wanted = self.wanted.min((self.frames.numbers().len() as u32).saturating_sub(1));
+        }
+        if !self.is_view_current() {
+            self.approach_view()?;
+        } else if self.inspector.gather(&mut self.frames, self.run.modelled())? {
+            if let Some(shown) = &self.shown
+                && shown.pixel.as_ref().map(|history| history.at) != self.pixel
+            {
+                self.show_pixel();
+            }
+        } else if !self.is_all_analysed() {
+            self.analyse_next()?;
+        } else {
+            return Ok(false);
+        }
+        Ok(true)
+    }
+
+    fn is_view_current(&self) -> bool {
+        self.shown.as_ref().is_some_and(|shown| {
+            shown.position == self.wanted && Arc::ptr_eq(&shown.settings, self.run.settings())
+        })
+    }
+
+    fn is_all_analysed(&self) -> bool {
+        self.frames.is_complete() && self.run.front() as usize == self.frames.numbers().len()
+    }
+
+    /// One step towards showing the wanted frame.
+    fn approach_view(&mut self) -> Result<(), Stopped> {
+        let position = self.wanted;
+        if position >= self.run.front() {
+            return self.analyse_next();
+        }
+        let Some(frame) = self.fetch(position)? else { return Ok(()) };
+        match self.run.towards(position, &frame)? {
+            Towards::Pictures(pictures) => {
+                if let Some(analysis) = self.run.analysis(position) {
+                    let pixel = self.inspector.covering(position);
+                    self.show(Shown {
+                        position,
+                        settings: Arc::clone(self.run.settings()),
+                        frame,
+                        analysis: Arc::new(analysis),
+                        background: pictures.background,
+                        multi_mode: pictures.multi_mode,
+                        background_count: pictures.background_count,
+                        pixel,
+                    });
+                }
+            }
+            Towards::Needs(needed) => {
+                let last = self.shown.as_ref().map_or(0, |shown| shown.position);
+                let stepping_back =
+                    position < last && last - position <= STEPPING.saturating_mul(self.run.stride());
+                if let Some(passed) = self.fetch(needed)? {
+                    self.run.replay_frame(needed, &passed, stepping_back);
+                }
+                let what = format!("going back to frame {}", frame.number);
+                self.busy = Some(Progress { what, done: needed, total: Some(position + 1) });
+            }
+        }
+        Ok(())
+    }
+
+    /// A frame that has been analysed, or `None` while it is on its way.
+    fn fetch(&mut self, position: u32) -> Result<Option<Arc<Frame>>, SourceError> {
+        match self.frames.fetch(position, Keep::Yes)? {
+            Fetched::Frame(frame) => return Ok(Some(frame)),
+            Fetched::OnTheWay => {
+                let what = format!("reading again up to frame {}", self.number_of(position));
+                self.busy = Some(Progress { what, done: 0, total: None });
+            }
+            Fetched::Gone | Fetched::End => {
+                // Only a live source forgets: the oldest thing that surely is there is the newest.
+                self.wanted = self.run.front().saturating_sub(1);
+                if !std::mem::replace(&mut self.told_of_gone, true) {
+                    self.warnings.push(format!(
+                        "earlier frames of {} are no longer kept: the newest is shown",
+                        self.info.name
+                    ));
+                }
+            }
+        }
+        Ok(None)
+    }
+
+    /// Analyses the next frame, or decodes one on the way to it.
+    fn analyse_next(&mut self) -> Result<(), Stopped> {
+        let started = Instant::now();
+        let position = self.run.front();
+        if self.run.is_tracking_again() {
+            self.run.track_next();
+        } else {
+            let fetched = self.frames.fetch(position, Keep::IfRoom);
+            self.warnings.extend(self.frames.take_warnings());
+            self.unpublished = true;
+            match fetched? {
+                Fetched::Frame(frame) => {
+                    self.run.step(&frame)?;
+                    self.inspector.push(position, &frame);
+                }
+                Fetched::OnTheWay => return Ok(()),
+                Fetched::End => {}
+                // A live source's frame that nobody had analysed yet: the model begins anew.
+                Fetched::Gone => {
+                    let settings = Arc::clone(self.run.settings());
+                    self.frames.forget();
+                    self.run = Run::new(settings, &self.info, self.model_budget)?;
+                    self.growing = Growing::default();
+                }
+            }
+        }
+        if self.run.front() > position
+            && let Some((analysis, share)) = self.run.outline(position)
+        {
+            self.growing.push(analysis, share);
+            if let Some(Aim::Occlusion(found @ None)) = &mut self.aim {
+                let occlusion = analysis
+                    .events
+                    .iter()
+                    .find(|event| matches!(event.kind, EventKind::Merge | EventKind::Disappear));
+                *found = occlusion.map(|event| (position, event.objects.clone()));
+            }
+            self.meter.add(started.elapsed());
+            let total = if self.frames.is_complete() {
+                Some(self.frames.numbers().len() as u32)
+            } else {
+                self.info.frames.map(|frames| frames.max(position + 1))
+            };
+            let what = if self.wanted > position && !self.follow {
+                format!("analysing up to frame {}", self.number_of(self.wanted))
+            } else {
+                "analysing".to_owned()
+            };
+            self.busy = Some(Progress { what, done: position + 1, total });
+            self.unpublished = true;
+        }
+        if self.is_all_analysed() && !self.finished {
+            self.growing.finish(self.run.final_reading());
+            self.finished = true;
+            self.unpublished = true;
+        }
+        Ok(())
+    }
+
+    /// The frame number of a position; a guess beyond the frames that are known.
+    fn number_of(&self, position: u32) -> u32 {
+        let numbers = self.frames.numbers();
+        numbers.get(position as usize).copied().unwrap_or_else(|| {
+            let beyond = position.saturating_sub(numbers.len() as u32).saturating_add(1);
+            numbers.last().map_or(beyond, |last| last.saturating_add(beyond))
+        })
+    }
+
+    /// Wants what the start aims at, once it is known and the first frame has been seen.
+    fn find_aim(&mut self) {
+        let Some(aim) = &self.aim else { return };
+        if self.shown.is_none() {
+            return;
+        }
+        let numbers = self.frames.numbers();
+        let found = match aim {
+            Aim::Number(number) => {
+                let position = numbers.partition_point(|known| known < number);
+                (position < numbers.len() || self.frames.is_complete()).then_some(position as u32)
+            }
+            Aim::Occlusion(Some((decided, objects))) => {
+                let front = self.run.front();
+                (front > decided.saturating_add(INTO_OCCLUSION) || self.is_all_analysed())
+                    .then(|| self.within_occlusion(*decided, objects))
+            }
+            Aim::Occlusion(None) => self.is_all_analysed().then_some(self.wanted),
+        };
+        if let Some(position) = found {
+            self.wanted = position;
+            self.aim = None;
+        }
+    }
+
+    /// The middle of the stretch in which one of `objects` is merged or hidden, around the position
+    /// at which that was decided.
+    fn within_occlusion(&self, decided: u32, objects: &[Identity]) -> u32 {
+        let occluded = |position: &u32| {
+            self.run.outline(*position).is_some_and(|(analysis, _)| {
+                let mut tracks = analysis.tracks.iter();
+                tracks.any(|track| objects.contains(&track.id) && track.state != TrackState::Visible)
+            })
+        };
+        let Some(first) = (decided..self.run.front()).find(occluded) else { return decided };
+        let length = (first..self.run.front()).take_while(occluded).count() as u32;
+        first + length / 2
+    }
+
+    fn show(&mut self, shown: Shown) {
+        let shown = Arc::new(shown);
+        self.shown = Some(Arc::clone(&shown));
+        self.shared.publish(|state| state.shown = Some(shown));
+    }
+
+    /// Publishes the frame in view with the pixel's history as it is now.
+    fn show_pixel(&mut self) {
+        let Some(shown) = self.shown.clone() else { return };
+        // A view that waits for new settings keeps the old ones' history.
+        if !Arc::ptr_eq(&shown.settings, self.run.settings()) {
+            return;
+        }
+        let pixel = self.inspector.covering(shown.position).and_then(|_| self.inspector.latest());
+        let extent = |history: &Arc<PixelHistory>| (history.at, history.states.len());
+        if pixel.as_ref().map(extent) != shown.pixel.as_ref().map(extent)
+            && (pixel.is_some() || self.pixel.is_none())
+        {
+            self.show(Shown { pixel, ..(*shown).clone() });
+        }
+    }
+
+    /// Publishes what grows, not too often, and whatever is left before resting.
+    fn publish_in_time(&mut self, resting: bool) {
+        let pace = PACE.max(self.publishing_took * 10);
+        if self.stopped || !resting && self.published.elapsed() < pace {
+            return;
+        }
+        if resting {
+            self.busy = None;
+        }
+        let started = Instant::now();
+        let timeline = std::mem::take(&mut self.unpublished)
+            .then(|| Arc::new(self.growing.timeline(self.frames.numbers(), self.frames.is_complete())));
+        let new_warnings = std::mem::take(&mut self.warnings);
+        self.show_pixel();
+        self.shared.publish(|state| {
+            if let Some(timeline) = timeline {
+                state.timeline = timeline;
+            }
+            if !new_warnings.is_empty() {
+                Arc::make_mut(&mut state.warnings).extend(new_warnings);
+            }
+            state.busy.clone_from(&self.busy);
+            state.analysis_fps = self.meter.frames_a_second();
+        });
+        self.published = Instant::now();
+        self.publishing_took = started.elapsed();
+    }
+}
+
+/// How fast the analysis goes, over about its last second of work.
+#[derive(Default)]
+struct Meter {
+    took: VecDeque<Duration>,
+    sum: Duration,
+}
+
+impl Meter {
+    fn add(&mut self, took: Duration) {
+        self.took.push_back(took);
+        self.sum += took;
+        while self.sum > Duration::from_secs(1) && self.took.len() > 1 {
+            self.sum -= self.took.pop_front().unwrap_or_default();
+        }
+    }
+
+    fn frames_a_second(&self) -> f32 {
+        if self.sum.is_zero() { 0.0 } else { self.took.len() as f32 / self.sum.as_secs_f32() }
+    }
+}

@@ -1,0 +1,174 @@
+//! Places: what the camera sees when nobody is there.
+
+use rayon::prelude::*;
+
+use super::scene::Background;
+use super::texture::{Colour, fractal_noise, lit, mix_colour, smoothstep, unit, value_noise};
+use crate::frame::Size;
+
+/// Samples along each side of a pixel.
+const SAMPLES: u32 = 3;
+
+/// Draws a place without noise: a colour for each pixel, row after row, 0..=255 but not yet rounded.
+pub fn draw(place: Background, size: Size, seed: u64) -> Vec<Colour> {
+    // Textures are laid out for an image 240 rows high and scaled to others, so that a scene looks
+    // the same at every size.
+    let scale = 240.0 / size.height as f32;
+    let width = size.width as f32 * scale;
+    let colour_at = |x: f32, y: f32| match place {
+        Background::Plaza => plaza(x, y, width, seed),
+        Background::Park => park(x, y, width, seed),
+        Background::Street => street(x, y, width, seed),
+    };
+    (0..size.pixels())
+        .into_par_iter()
+        .map(|at| {
+            let (column, row) = ((at % size.width as usize) as f32, (at / size.width as usize) as f32);
+            let mut sum = [0.0; 3];
+            for sample in 0..SAMPLES * SAMPLES {
+                let dx = ((sample % SAMPLES) as f32 + 0.5) / SAMPLES as f32;
+                let dy = ((sample / SAMPLES) as f32 + 0.5) / SAMPLES as f32;
+                let colour = colour_at((column + dx) * scale, (row + dy) * scale);
+                sum = [sum[0] + colour[0], sum[1] + colour[1], sum[2] + colour[2]];
+            }
+            let mean = sum.map(|channel| channel / (SAMPLES * SAMPLES) as f32);
+            lit(mean, vignette(column * scale / width - 0.5, row / size.height as f32 - 0.5))
+        })
+        .collect()
+}
+
+/// A lens gives less light towards the corners.
+fn vignette(x: f32, y: f32) -> f32 {
+    1.03 - 0.32 * (x * x + y * y)
+}
+
+/// Where on the ground a point of the image lies, in units of the camera's height: to the right of
+/// the middle, and away from the camera.
+fn ground(x: f32, y: f32, width: f32, horizon: f32) -> (f32, f32) {
+    let depth = 120.0 / (y - horizon).max(1.0);
+    ((x - width / 2.0) / 150.0 * depth, depth)
+}
+
+/// Slabs or bricks in rows, each row moved by `shift` against the one before: the number of the
+/// stone, and how near to its edge a point is, in the given units.
+fn stones(u: f32, v: f32, length: f32, height: f32, shift: f32) -> (i64, i64, f32) {
+    let row = (v / height).floor();
+    let along = u / length + shift * row.rem_euclid(2.0);
+    let column = along.floor();
+    let (s, t) = (along - column, v / height - row);
+    let edge = (s.min(1.0 - s) * length).min(t.min(1.0 - t) * height);
+    (column as i64, row as i64, edge)
+}
+
+fn plaza(x: f32, y: f32, width: f32, seed: u64) -> Colour {
+    const FOOT_OF_HOUSE: f32 = 112.0;
+    if y < FOOT_OF_HOUSE {
+        return house(x, y, width, seed);
+    }
+    let (u, v) = ground(x, y, width, 40.0);
+    let (column, row, edge) = stones(u, v, 0.26, 0.13, 0.5);
+    let tint = unit(seed ^ 11, column, row);
+    let stain = fractal_noise(seed ^ 12, u * 5.0, v * 9.0, 4);
+    let grain = fractal_noise(seed ^ 13, x * 0.5, y * 0.5, 3);
+    let slab = mix_colour([150.0, 144.0, 136.0], [178.0, 168.0, 154.0], tint);
+    let slab = lit(slab, 0.80 + 0.22 * stain + 0.18 * (grain - 0.5));
+    let joint = lit([104.0, 99.0, 92.0], 0.9 + 0.2 * grain);
+    let stone = mix_colour(joint, slab, smoothstep(0.003, 0.009, edge));
+    // The house stands in its own faint shade.
+    lit(stone, 0.80 + 0.20 * smoothstep(FOOT_OF_HOUSE, FOOT_OF_HOUSE + 12.0, y))
+}
+
+fn house(x: f32, y: f32, width: f32, seed: u64) -> Colour {
+    let plaster_grain = fractal_noise(seed ^ 21, x * 0.35, y * 0.35, 4);
+    let weather = fractal_noise(seed ^ 22, x * 0.02, y * 0.012, 4);
+    let plaster = lit([205.0, 184.0, 152.0], 0.80 + 0.14 * plaster_grain + 0.16 * weather);
+    if y > 96.0 {
+        let (column, row, edge) = stones(x - width / 2.0, y - 96.0, 27.0, 16.0, 0.5);
+        let block = lit(
+            [139.0, 134.0, 128.0],
+            0.84 + 0.2 * unit(seed ^ 23, column, row) + 0.2 * (plaster_grain - 0.5),
+        );
+        let ledge = 1.0 + 0.16 * smoothstep(98.5, 97.0, y);
+        return lit(mix_colour([92.0, 88.0, 84.0], block, smoothstep(0.2, 0.9, edge)), ledge);
+    }
+    // Windows every 52 pixels, one of them in the middle; sills stand out and throw a shade.
+    let window = ((x - width / 2.0) / 52.0 + 0.5).floor();
+    let (s, t) = (x - width / 2.0 - window * 52.0, y - 20.0);
+    let (half, height) = (15.0, 54.0);
+    if s.abs() < half && (0.0..height).contains(&t) {
+        let pane_edge = (s.abs() - 0.6).min(half - 2.0 - s.abs()).min((t - 18.0).abs() - 0.6).min(t - 2.0);
+        let sky = fractal_noise(seed ^ 24, (x + 40.0 * window) * 0.05, y * 0.03, 3);
+        let glass = mix_colour([42.0, 52.0, 62.0], [112.0, 130.0, 145.0], sky * (1.0 - t / height) * 1.2);
+        let inset = smoothstep(-half, -half + 4.0, s) * 0.25 + 0.75;
+        return lit(mix_colour([222.0, 217.0, 206.0], glass, smoothstep(0.0, 0.9, pane_edge)), inset);
+    }
+    if s.abs() < half + 2.5 && (height..height + 4.0).contains(&t) {
+        return lit([190.0, 184.0, 174.0], 0.95 + 0.1 * plaster_grain);
+    }
+    let sill_shade = if s.abs() < half + 2.5 { smoothstep(height + 9.0, height + 4.0, t) } else { 0.0 };
+    let sill_shade = if t > height { sill_shade } else { 0.0 };
+    lit(plaster, 1.0 - 0.22 * sill_shade)
+}
+
+fn park(x: f32, y: f32, width: f32, seed: u64) -> Colour {
+    let hedge_foot = 84.0 + 3.0 * fractal_noise(seed ^ 31, x * 0.04, 0.0, 3);
+    if y < hedge_foot {
+        return hedge(x, y, hedge_foot, seed);
+    }
+    let (u, v) = ground(x, y, width, 30.0);
+    let blades = fractal_noise(seed ^ 32, x * 0.42, y * 0.20, 3);
+    let patches = fractal_noise(seed ^ 33, u * 3.2, v * 5.0, 4);
+    let grass = mix_colour([78.0, 104.0, 44.0], [138.0, 152.0, 74.0], 0.62 * patches + 0.38 * blades);
+    let grass = lit(grass, 0.86 + 0.30 * (blades - 0.5) + 0.10 * smoothstep(84.0, 130.0, y));
+    let gravel_grain = fractal_noise(seed ^ 34, x * 0.9, y * 1.3, 2);
+    let gravel_drift = fractal_noise(seed ^ 35, u * 2.4, v * 6.0, 4);
+    let gravel = lit([190.0, 174.0, 146.0], 0.78 + 0.22 * gravel_drift + 0.26 * (gravel_grain - 0.5));
+    let ragged = 5.0 * (fractal_noise(seed ^ 36, x * 0.09, y * 0.12, 4) - 0.5);
+    let on_path = smoothstep(163.0, 165.5, y + ragged) * smoothstep(223.0, 220.0, y + ragged);
+    let verge = 1.0 - 0.14 * smoothstep(6.0, 0.0, (y + ragged - 164.0).abs().min((y + ragged - 221.0).abs()));
+    lit(
+        mix_colour(grass, gravel, on_path),
+        verge * (0.93 + 0.07 * smoothstep(hedge_foot, hedge_foot + 9.0, y)),
+    )
+}
+
+fn hedge(x: f32, y: f32, foot: f32, seed: u64) -> Colour {
+    let bushes = fractal_noise(seed ^ 41, x * 0.035, y * 0.045, 3);
+    let leaves = fractal_noise(seed ^ 42, x * 0.30, y * 0.34, 3);
+    let skyline = 20.0 + 26.0 * fractal_noise(seed ^ 43, x * 0.022, 0.5, 4) + 5.0 * leaves;
+    let haze = mix_colour([206.0, 216.0, 226.0], [184.0, 202.0, 222.0], smoothstep(40.0, 0.0, y));
+    let wood = mix_colour([30.0, 46.0, 26.0], [96.0, 118.0, 58.0], 0.65 * leaves + 0.35 * bushes);
+    let depth = 0.66 + 0.42 * smoothstep(foot, skyline, y) + 0.5 * (bushes - 0.5);
+    mix_colour(haze, lit(wood, depth), smoothstep(skyline - 1.0, skyline + 1.0, y))
+}
+
+fn street(x: f32, y: f32, width: f32, seed: u64) -> Colour {
+    const FOOT_OF_WALL: f32 = 118.0;
+    if y < FOOT_OF_WALL {
+        let (column, row, edge) = stones(x, y, 15.0, 6.4, 0.5);
+        let tint = unit(seed ^ 51, column, row);
+        let grain = fractal_noise(seed ^ 52, x * 0.7, y * 0.7, 3);
+        let weather = fractal_noise(seed ^ 53, x * 0.02, y * 0.03, 4);
+        let brick = mix_colour([126.0, 70.0, 54.0], [168.0, 102.0, 78.0], tint);
+        let brick = lit(brick, 0.78 + 0.20 * weather + 0.24 * (grain - 0.4));
+        let mortar = lit([172.0, 162.0, 150.0], 0.78 + 0.22 * weather);
+        let wall = mix_colour(mortar, brick, smoothstep(0.25, 0.85, edge));
+        return lit(wall, 0.86 + 0.14 * smoothstep(FOOT_OF_WALL, FOOT_OF_WALL - 26.0, y));
+    }
+    let (u, v) = ground(x, y, width, 40.0);
+    let grain = fractal_noise(seed ^ 54, x * 0.8, y * 0.9, 3);
+    let stain = fractal_noise(seed ^ 55, u * 3.0, v * 6.0, 4);
+    if y > 226.0 {
+        // The kerb and the road beyond it.
+        let kerb = smoothstep(230.5, 229.5, y);
+        let road = lit([86.0, 86.0, 90.0], 0.84 + 0.2 * stain + 0.3 * (grain - 0.5));
+        let stone = lit([166.0, 162.0, 155.0], 0.85 + 0.1 * stain + 0.2 * (grain - 0.5));
+        return mix_colour(road, stone, kerb);
+    }
+    let (column, row, edge) = stones(u, v, 0.36, 0.24, 0.5);
+    let slab = mix_colour([142.0, 140.0, 138.0], [160.0, 157.0, 152.0], unit(seed ^ 56, column, row));
+    let slab = lit(slab, 0.80 + 0.26 * stain + 0.20 * (grain - 0.5));
+    let gum = smoothstep(0.80, 0.84, value_noise(seed ^ 57, u * 26.0, v * 60.0)) * 0.2;
+    let stone = mix_colour([100.0, 98.0, 96.0], lit(slab, 1.0 - gum), smoothstep(0.002, 0.007, edge));
+    lit(stone, 0.78 + 0.22 * smoothstep(FOOT_OF_WALL, FOOT_OF_WALL + 9.0, y))
+}

@@ -1,0 +1,189 @@
+//! What stands in front of people: trees, poles, walls.
+
+use rand::Rng;
+use rand_pcg::Pcg64Mcg;
+use rayon::prelude::*;
+use serde::{Deserialize, Serialize};
+
+use super::layer::Layer;
+use super::texture::{Colour, fractal_noise, hash, lit, mix_colour, smoothstep, unit, value_noise};
+use crate::frame::Size;
+
+/// Samples along each side of a pixel.
+const SAMPLES: usize = 3;
+
+/// Something that stands still and hides what is behind it: everybody whose feet are higher in the image.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Occluder {
+    /// What it is.
+    pub kind: OccluderKind,
+    /// The middle of its foot on the ground, in pixels.
+    pub at: [f32; 2],
+    /// Its width at half height (of a tree: of the trunk), in pixels.
+    pub width: f32,
+    /// Its height in pixels (of a tree: of the whole tree, most of which may lie above the image).
+    pub height: f32,
+}
+
+/// Kinds of [`Occluder`].
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum OccluderKind {
+    /// A trunk with bark, roots and a crown of leaves.
+    Tree,
+    /// A steel pole.
+    Pole,
+    /// A low brick wall with a coping.
+    Wall,
+}
+
+impl Occluder {
+    /// Draws it. The layer is as large as the image.
+    pub fn draw(&self, size: Size, seed: u64) -> Layer {
+        let crown = if self.kind == OccluderKind::Tree { self.crown(seed) } else { Vec::new() };
+        let colour_at = |x: f32, y: f32| match self.kind {
+            OccluderKind::Tree => leaves(&crown, self.leaf(), x, y, seed).or_else(|| self.trunk(x, y, seed)),
+            OccluderKind::Pole => self.pole(x, y, seed),
+            OccluderKind::Wall => self.wall(x, y, seed),
+        };
+        let mut layer = Layer::clear(0, 0, size.width as usize, size.height as usize);
+        let width = layer.width;
+        layer.coverage.par_iter_mut().zip(&mut layer.colour).enumerate().for_each(
+            |(at, (coverage, colour))| {
+                let (column, row) = ((at % width) as f32, (at / width) as f32);
+                let samples = (0..SAMPLES * SAMPLES).filter_map(|sample| {
+                    let dx = ((sample % SAMPLES) as f32 + 0.5) / SAMPLES as f32;
+                    let dy = ((sample / SAMPLES) as f32 + 0.5) / SAMPLES as f32;
+                    colour_at(column + dx, row + dy)
+                });
+                for sample in samples {
+                    *coverage += 1.0 / (SAMPLES * SAMPLES) as f32;
+                    for (sum, channel) in colour.iter_mut().zip(sample) {
+                        *sum += channel / (SAMPLES * SAMPLES) as f32;
+                    }
+                }
+            },
+        );
+        layer
+    }
+
+    /// The size of a leaf, in pixels.
+    fn leaf(&self) -> f32 {
+        (self.height / 150.0).max(0.8)
+    }
+
+    /// Clumps of leaves, those nearer to the camera later.
+    fn crown(&self, seed: u64) -> Vec<Clump> {
+        let mut random = Pcg64Mcg::new(u128::from(hash(seed, 61, 0)) << 64 | 1);
+        let mut next = || (random.next_u32() >> 8) as f32 / (1 << 24) as f32;
+        let middle = [self.at[0], self.at[1] - 0.84 * self.height];
+        let reach = [0.40 * self.height, 0.25 * self.height];
+        let mut clumps: Vec<Clump> = (0..90)
+            .map(|_| {
+                let (angle, radius) = (next() * std::f32::consts::TAU, next().sqrt());
+                Clump {
+                    at: [
+                        middle[0] + reach[0] * radius * angle.cos(),
+                        middle[1] + reach[1] * radius * angle.sin(),
+                    ],
+                    radius: (0.055 + 0.05 * next()) * self.height,
+                    tone: next(),
+                }
+            })
+            .collect();
+        // Lower clumps hang in front of higher ones.
+        clumps.sort_by(|a, b| (a.at[1] + 30.0 * a.tone).total_cmp(&(b.at[1] + 30.0 * b.tone)));
+        clumps
+    }
+
+    fn trunk(&self, x: f32, y: f32, seed: u64) -> Option<Colour> {
+        let up = (self.at[1] - y) / self.width;
+        let across_raw = (x - self.at[0]) / (self.width / 2.0);
+        let knobs =
+            fractal_noise(seed ^ 62, up * 2.2 + 9.0, if across_raw < 0.0 { 0.0 } else { 50.0 }, 3) - 0.5;
+        // Roots spread at the foot; the trunk narrows slowly upwards.
+        let spread = 1.0 + 0.46 * (-up.max(0.0) * 4.2).exp() - 0.035 * up + 0.10 * knobs;
+        let across = across_raw / spread;
+        let roots = 0.10 * (across.abs() * 7.0 + 4.0 * knobs).sin() * (1.0 - across * across).max(0.0);
+        if across.abs() > 1.0 || up < roots - 0.06 * (1.0 - across * across) || up * self.width > self.height
+        {
+            return None;
+        }
+        // Bark: furrows that run upwards and wander, crossed by cracks.
+        let round = across.asin();
+        let wander = fractal_noise(seed ^ 63, round * 2.0, up * 2.4, 3) * 0.8;
+        let ridge = (fractal_noise(seed ^ 64, (round + wander * 0.35) * 13.0, up * 3.2, 4) - 0.5).abs() * 2.0;
+        let fine = fractal_noise(seed ^ 65, x * 0.55, y * 0.25, 3);
+        let moss = smoothstep(0.52, 0.72, fractal_noise(seed ^ 66, round * 2.1 + 7.0, up * 1.4, 4));
+        let bark = mix_colour([52.0, 41.0, 32.0], [139.0, 118.0, 94.0], smoothstep(0.02, 0.42, ridge));
+        let bark = mix_colour(bark, [104.0, 108.0, 62.0], 0.40 * moss);
+        let light = 0.50 + 0.62 * (1.0 - (across + 0.30).powi(2) / 1.69).max(0.0).sqrt();
+        let foot = 0.72 + 0.28 * smoothstep(-0.05, 0.22, up);
+        Some(lit(bark, light * foot * (0.82 + 0.30 * fine)))
+    }
+
+    fn pole(&self, x: f32, y: f32, seed: u64) -> Option<Colour> {
+        let across = (x - self.at[0]) / (self.width / 2.0);
+        let up = self.at[1] - y;
+        let at_foot = up < self.width * 0.5;
+        let across = if at_foot { across / 1.7 } else { across };
+        let rim = up + self.width * 0.22 * (1.0 - across * across).max(0.0).sqrt();
+        if across.abs() > 1.0 || rim < 0.0 || up > self.height {
+            return None;
+        }
+        let shine = (-(across + 0.38).powi(2) * 9.0).exp();
+        let streaks = fractal_noise(seed ^ 71, x * 0.8, y * 0.06, 3);
+        let light = 0.46 + 0.50 * (1.0 - (across + 0.2).powi(2) / 1.44).max(0.0).sqrt() + 0.34 * shine;
+        Some(lit([122.0, 128.0, 132.0], light * (0.90 + 0.20 * streaks) * if at_foot { 0.8 } else { 1.0 }))
+    }
+
+    fn wall(&self, x: f32, y: f32, seed: u64) -> Option<Colour> {
+        let up = self.at[1] - y;
+        let coping = 0.13 * self.height;
+        let out = if up > self.height - coping { 0.03 * self.height } else { 0.0 };
+        if (x - self.at[0]).abs() > self.width / 2.0 + out || !(0.0..self.height).contains(&up) {
+            return None;
+        }
+        let grain = fractal_noise(seed ^ 81, x * 0.6, y * 0.6, 3);
+        let weather = fractal_noise(seed ^ 82, x * 0.03, y * 0.05, 4);
+        if up > self.height - coping {
+            let top = smoothstep(self.height - coping * 0.45, self.height - coping * 0.35, up);
+            return Some(lit(
+                [176.0, 170.0, 160.0],
+                0.72 + 0.20 * top + 0.16 * weather + 0.2 * (grain - 0.5),
+            ));
+        }
+        let course = self.height / 9.0;
+        let row = (up / course).floor();
+        let along = (x - self.at[0]) / (course * 2.4) + 0.5 * row.rem_euclid(2.0);
+        let (s, t) = (along - along.floor(), up / course - row);
+        let edge = (s.min(1.0 - s) * course * 2.4).min(t.min(1.0 - t) * course);
+        let tint = unit(seed ^ 83, along.floor() as i64, row as i64);
+        let brick = mix_colour([120.0, 66.0, 50.0], [166.0, 98.0, 72.0], tint);
+        let brick = lit(brick, 0.76 + 0.24 * weather + 0.26 * (grain - 0.4));
+        let mortar = lit([164.0, 156.0, 146.0], 0.78 + 0.2 * weather);
+        let under_coping = 1.0 - 0.35 * smoothstep(self.height - coping * 1.6, self.height - coping, up);
+        Some(lit(mix_colour(mortar, brick, smoothstep(0.05 * course, 0.14 * course, edge)), under_coping))
+    }
+}
+
+/// A ball of leaves.
+struct Clump {
+    at: [f32; 2],
+    radius: f32,
+    tone: f32,
+}
+
+fn leaves(crown: &[Clump], leaf: f32, x: f32, y: f32, seed: u64) -> Option<Colour> {
+    let ragged = fractal_noise(seed ^ 67, x / (3.2 * leaf), y / (3.2 * leaf), 3) - 0.5;
+    let clump = crown.iter().rev().find(|clump| {
+        let distance = (x - clump.at[0]).hypot(y - clump.at[1]);
+        distance < clump.radius * (1.0 + 0.75 * ragged)
+    })?;
+    let (dx, dy) = ((x - clump.at[0]) / clump.radius, (y - clump.at[1]) / clump.radius);
+    let facing = (0.78 - 0.38 * dx - 0.55 * dy).clamp(0.0, 1.4);
+    let tuft = value_noise(seed ^ 68, x / (2.0 * leaf), y / (1.6 * leaf));
+    let fine = unit(seed ^ 69, (x / leaf).floor() as i64, (y / (0.8 * leaf)).floor() as i64);
+    let green = mix_colour([46.0, 66.0, 26.0], [126.0, 148.0, 58.0], 0.45 * clump.tone + 0.55 * tuft);
+    Some(lit(green, (0.42 + 0.50 * facing) * (0.78 + 0.34 * fine)))
+}

@@ -1,0 +1,281 @@
+//! A scene's frames, and who is where in them.
+
+use rayon::prelude::*;
+
+use super::layer::Layer;
+use super::scene::Scene;
+use super::texture::Colour;
+use super::{background, walker};
+use crate::frame::{Frame, Size};
+use crate::regions::Rect;
+use crate::tracking::Identity;
+
+/// Two people touch when at most this many pixels less one lie between them: a detector's region
+/// bridges such a gap through their soft outlines.
+pub const TOUCH_PIXELS: i32 = 2;
+
+/// A person in one frame: how large they would be seen alone, and how much of that is seen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Silhouette {
+    /// Who.
+    pub id: Identity,
+    /// The box of the full silhouette, hidden parts included, clipped to the image.
+    pub bbox: Rect,
+    /// Pixels of the full silhouette, those beyond the image included.
+    pub full: u32,
+    /// Its pixels inside the image.
+    pub inside: u32,
+    /// Those of them that nothing of the scene hides; other people may.
+    pub unscreened: u32,
+    /// Those of them that are seen.
+    pub visible: u32,
+}
+
+impl Silhouette {
+    /// Below this share of the full silhouette nobody counts as seen.
+    pub const LEAST: f32 = 0.05;
+
+    /// Seen pixels over those of the full silhouette, as MOTChallenge has it: 0..=1.
+    pub fn visibility(&self) -> f32 {
+        self.visible as f32 / self.full.max(1) as f32
+    }
+
+    /// Whether enough of them is inside the image to speak of.
+    pub fn is_inside(&self) -> bool {
+        self.inside as f32 >= Self::LEAST * self.full as f32 && self.inside > 0
+    }
+
+    /// Whether the scene hides them: less than 5 % of what is inside the image is not screened.
+    pub fn is_hidden(&self) -> bool {
+        (self.unscreened as f32) < Self::LEAST * self.inside as f32
+    }
+}
+
+/// The truth of one frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FrameTruth {
+    /// The frame's number, from 1.
+    pub number: u32,
+    /// Width and height.
+    pub size: Size,
+    /// Who is seen at each pixel: an identity, 0 for background and occluders; row after row.
+    pub identities: Vec<u8>,
+    /// Everybody with at least one pixel inside the image, by identity.
+    pub silhouettes: Vec<Silhouette>,
+    /// Pairs of people, the lower identity first, whose unscreened silhouettes touch or overlap.
+    pub touching: Vec<(Identity, Identity)>,
+    /// Everybody of `silhouettes`, the farthest first.
+    pub depth: Vec<Identity>,
+}
+
+/// Draws the frames of a scene, each independent of the others.
+#[derive(Clone, Debug)]
+pub struct Renderer {
+    scene: Scene,
+    background: Vec<Colour>,
+    occluders: Vec<Layer>,
+}
+
+/// What is laid on the background, by the height of its foot in the image.
+enum Thing<'a> {
+    Person(Identity, &'a Layer),
+    Occluder(&'a Layer),
+}
+
+impl Renderer {
+    /// Draws what stands still once.
+    pub fn new(scene: &Scene) -> Self {
+        let background = background::draw(scene.background, scene.size, scene.seed);
+        let occluders = (1u64..)
+            .zip(&scene.occluders)
+            .map(|(number, occluder)| occluder.draw(scene.size, scene.seed.wrapping_add(number << 20)))
+            .collect();
+        Self { scene: scene.clone(), background, occluders }
+    }
+
+    /// The scene it draws.
+    pub fn scene(&self) -> &Scene {
+        &self.scene
+    }
+
+    /// Draws frame `number`, from 1; numbers beyond the scene's frames go on in the same way.
+    pub fn frame(&self, number: u32) -> (Frame, FrameTruth) {
+        let size = self.scene.size;
+        let people = self.people(number);
+        let things = self.by_depth(&people, number);
+
+        let mut light = self.background.clone();
+        if self.scene.shadows {
+            for (_, layer) in &people {
+                cast_shadow(&mut light, size, layer);
+            }
+        }
+        let mut identities = vec![0; size.pixels()];
+        for (_, thing) in &things {
+            let (identity, layer) = match thing {
+                Thing::Person(identity, layer) => (*identity as u8, *layer),
+                Thing::Occluder(layer) => (0, *layer),
+            };
+            lay(&mut light, &mut identities, size, layer, identity);
+        }
+
+        let row_bytes = size.width as usize * 3;
+        let mut rgb = vec![0; size.pixels() * 3];
+        rgb.par_chunks_mut(row_bytes).zip(light.par_chunks(size.width as usize)).enumerate().for_each(
+            |(row, (bytes, light))| {
+                self.scene.noise.expose(light, bytes, self.scene.seed, number, row as u32);
+            },
+        );
+
+        let truth = truth_of(number, size, identities, &things);
+        (Frame::new(number, size, rgb), truth)
+    }
+
+    /// Everybody who reaches into the image.
+    fn people(&self, number: u32) -> Vec<(Identity, Layer)> {
+        let (width, height) = (self.scene.size.width as i32, self.scene.size.height as i32);
+        (1..)
+            .zip(&self.scene.actors)
+            .map(|(id, actor)| {
+                let seed = self.scene.seed.wrapping_add(u64::from(id) << 40);
+                (id, walker::draw(actor, number as f32, seed))
+            })
+            .filter(|(_, layer)| {
+                layer.x < width
+                    && layer.y < height
+                    && layer.x + layer.width as i32 > 0
+                    && layer.y + layer.height as i32 > 0
+            })
+            .collect()
+    }
+
+    /// People and occluders with the height of their feet, the farthest first.
+    fn by_depth<'a>(&'a self, people: &'a [(Identity, Layer)], number: u32) -> Vec<(f32, Thing<'a>)> {
+        let person = |(id, layer): &'a (Identity, Layer)| {
+            let actor = &self.scene.actors[*id as usize - 1];
+            (actor.path.position(number as f32)[1], Thing::Person(*id, layer))
+        };
+        let occluders = self.scene.occluders.iter().zip(&self.occluders);
+        let mut things: Vec<_> = people
+            .iter()
+            .map(person)
+            .chain(occluders.map(|(occluder, layer)| (occluder.at[1], Thing::Occluder(layer))))
+            .collect();
+        things.sort_by(|a, b| a.0.total_cmp(&b.0));
+        things
+    }
+}
+
+/// All frames of a scene in order.
+pub fn render(scene: &Scene) -> impl Iterator<Item = (Frame, FrameTruth)> + use<> {
+    let renderer = Renderer::new(scene);
+    (1..=scene.frames).map(move |number| renderer.frame(number))
+}
+
+/// Lays a layer on the image and notes whose its solid pixels are.
+fn lay(light: &mut [Colour], identities: &mut [u8], size: Size, layer: &Layer, identity: u8) {
+    for (at, x, y) in layer.places() {
+        let coverage = layer.coverage[at];
+        let Some(place) = place(size, x, y).filter(|_| coverage > 0.0) else { continue };
+        for (under, over) in light[place].iter_mut().zip(layer.colour[at]) {
+            *under = *under * (1.0 - coverage) + over;
+        }
+        if coverage >= Layer::SOLID {
+            identities[place] = identity;
+        }
+    }
+}
+
+/// Darkens the ground below a person's feet, softly.
+fn cast_shadow(light: &mut [Colour], size: Size, layer: &Layer) {
+    let (half_width, half_height) = (layer.width as f32 * 0.62, layer.height as f32 * 0.055);
+    let middle = [layer.x as f32 + layer.width as f32 * 0.56, (layer.y + layer.height as i32) as f32 - 2.0];
+    let (left, right) = ((middle[0] - half_width) as i32, (middle[0] + half_width) as i32);
+    let (top, bottom) = ((middle[1] - half_height) as i32, (middle[1] + half_height) as i32);
+    for (x, y) in (top..=bottom).flat_map(|y| (left..=right).map(move |x| (x, y))) {
+        let away = ((x as f32 - middle[0]) / half_width).hypot((y as f32 - middle[1]) / half_height);
+        if let Some(at) = place(size, x, y) {
+            let dark = 1.0 - 0.45 * (1.0 - away).max(0.0).powf(0.7);
+            light[at] = light[at].map(|channel| channel * dark);
+        }
+    }
+}
+
+fn place(size: Size, x: i32, y: i32) -> Option<usize> {
+    size.index(u32::try_from(x).ok()?, u32::try_from(y).ok()?)
+}
+
+fn truth_of(number: u32, size: Size, identities: Vec<u8>, things: &[(f32, Thing)]) -> FrameTruth {
+    let mut seen = [0u32; 256];
+    for &identity in &identities {
+        seen[identity as usize] += 1;
+    }
+    let mut silhouettes = Vec::new();
+    let mut depth = Vec::new();
+    let mut unscreened_masks = Vec::new();
+    for (place, (_, thing)) in things.iter().enumerate() {
+        let Thing::Person(id, layer) = thing else { continue };
+        let screens: Vec<&Layer> = things[place + 1..]
+            .iter()
+            .filter_map(|(_, nearer)| if let Thing::Occluder(layer) = nearer { Some(*layer) } else { None })
+            .collect();
+        let (mut full, mut inside, mut unscreened) = (0, 0, 0);
+        let (mut least, mut most) = ([i32::MAX; 2], [i32::MIN; 2]);
+        let mut mask = vec![false; layer.coverage.len()];
+        for (at, x, y) in layer.places().filter(|&(at, ..)| layer.coverage[at] >= Layer::SOLID) {
+            full += 1;
+            if self::place(size, x, y).is_none() {
+                continue;
+            }
+            inside += 1;
+            least = [least[0].min(x), least[1].min(y)];
+            most = [most[0].max(x), most[1].max(y)];
+            mask[at] = !screens.iter().any(|screen| screen.is_solid(x, y));
+            unscreened += u32::from(mask[at]);
+        }
+        if inside == 0 {
+            continue;
+        }
+        let [w, h] = [most[0] - least[0] + 1, most[1] - least[1] + 1];
+        let bbox = Rect::new(least[0] as f32, least[1] as f32, w as f32, h as f32);
+        let visible = seen[*id as usize & 255];
+        silhouettes.push(Silhouette { id: *id, bbox, full, inside, unscreened, visible });
+        depth.push(*id);
+        unscreened_masks.push((*id, *layer, mask));
+    }
+    silhouettes.sort_by_key(|silhouette| silhouette.id);
+    unscreened_masks.sort_by_key(|(id, ..)| *id);
+    let mut touching = Vec::new();
+    for (place, (id, layer, mask)) in unscreened_masks.iter().enumerate() {
+        for (other_id, other_layer, other_mask) in &unscreened_masks[place + 1..] {
+            if touch(layer, mask, other_layer, other_mask) {
+                touching.push((*id, *other_id));
+            }
+        }
+    }
+    FrameTruth { number, size, identities, silhouettes, touching, depth }
+}
+
+/// Whether two silhouettes come within [`TOUCH_PIXELS`] of each other.
+fn touch(a: &Layer, a_mask: &[bool], b: &Layer, b_mask: &[bool]) -> bool {
+    let near = -TOUCH_PIXELS..=TOUCH_PIXELS;
+    a.places().filter(|&(at, ..)| a_mask[at]).any(|(_, x, y)| {
+        let (column, row) = (x - b.x, y - b.y);
+        let reach = TOUCH_PIXELS;
+        if column < -reach
+            || row < -reach
+            || column >= b.width as i32 + reach
+            || row >= b.height as i32 + reach
+        {
+            return false;
+        }
+        near.clone().any(|dy| {
+            near.clone().any(|dx| {
+                let (column, row) = (column + dx, row + dy);
+                (0..b.width as i32).contains(&column)
+                    && (0..b.height as i32).contains(&row)
+                    && b_mask[row as usize * b.width + column as usize]
+            })
+        })
+    })
+}

@@ -1,0 +1,348 @@
+//! Events and episodes, derived from what is known of every frame.
+//!
+//! - A person is *seen* in a frame when at least 5 % of their full silhouette lies inside the image
+//!   and the scene leaves at least 5 % of that part open. `enter` is the first such frame, `exit`
+//!   the last; nobody exits who is still inside the image in the last frame.
+//! - `merge` is the first frame in which the silhouettes of people, without what the scene hides of
+//!   them, touch or come within [`TOUCH_PIXELS`](super::render::TOUCH_PIXELS), so that one region
+//!   holds them; `demerge` is the first in which they are apart again. Times apart shorter than
+//!   [`SAME_EPISODE`] belong to the meeting.
+//! - `disappear` is the first frame in which the scene hides a person (less than 5 % of what is inside
+//!   the image is open), `reappear` the first in which they are seen again; a shorter sight than
+//!   [`SAME_EPISODE`] between does not count. Who is hidden by other people is merged, not hidden.
+
+use serde::Serialize;
+
+use super::render::{FrameTruth, Silhouette};
+use crate::occlusion::{Episode, EpisodeKind, EventKind};
+use crate::tracking::Identity;
+
+/// People apart, or in sight, for less than this many seconds are still in the same episode.
+pub const SAME_EPISODE: f32 = 0.5;
+
+/// Something that truly happened; the fields are those of `events.jsonl` without evidence.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TruthEvent {
+    /// In which frame.
+    pub frame: u32,
+    /// What happened.
+    pub kind: EventKind,
+    /// The identities before: the whole group of a merge or demerge, the one of the others.
+    pub objects: Vec<Identity>,
+    /// The identities after: the group of a merge, everybody who came out of a demerge, the one
+    /// who entered or reappeared; nobody after an exit or a disappearance.
+    pub becomes: Vec<Identity>,
+    /// The middle of the box around those it happened to, in pixels.
+    pub x: f32,
+    /// See `x`.
+    pub y: f32,
+    /// In a merge, who is in front.
+    pub front: Option<Identity>,
+}
+
+/// Everything that truly happened in a scene.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Truth {
+    /// By frame, then in the order of the kinds.
+    pub events: Vec<TruthEvent>,
+    /// By start. `least_visible` is over the full silhouettes, as MOTChallenge's visibility is.
+    pub episodes: Vec<Episode>,
+    /// The frame and silhouette of everybody from their enter to their exit, hidden or not.
+    pub boxes: Vec<(u32, Silhouette)>,
+}
+
+/// Takes in the frames of a scene in order and tells what happened.
+#[derive(Clone, Debug)]
+pub struct Recorder {
+    shortest_break: f32,
+    moments: Vec<Moment>,
+}
+
+/// What is kept of a frame.
+#[derive(Clone, Debug)]
+struct Moment {
+    number: u32,
+    silhouettes: Vec<Silhouette>,
+    touching: Vec<(Identity, Identity)>,
+    depth: Vec<Identity>,
+}
+
+impl Moment {
+    fn silhouette(&self, id: Identity) -> Option<&Silhouette> {
+        self.silhouettes.iter().find(|silhouette| silhouette.id == id)
+    }
+
+    fn is_seen(&self, id: Identity) -> bool {
+        self.silhouette(id).is_some_and(|silhouette| silhouette.is_inside() && !silhouette.is_hidden())
+    }
+
+    /// The middle of the box around some people.
+    fn middle(&self, ids: &[Identity]) -> [f32; 2] {
+        let boxes = ids.iter().filter_map(|&id| self.silhouette(id)).map(|silhouette| silhouette.bbox);
+        boxes.reduce(|a, b| a.union(&b)).unwrap_or_default().centre()
+    }
+}
+
+/// One person's presence, as places in the list of moments.
+struct Presence {
+    id: Identity,
+    /// First and last moment in which they are seen; the last moment of all for who is still inside then.
+    stay: (usize, usize),
+    left: bool,
+    /// First and last moment of each time that the scene hid them.
+    hidden: Vec<(usize, usize)>,
+}
+
+impl Presence {
+    fn is_in(&self, at: usize) -> bool {
+        (self.stay.0..=self.stay.1).contains(&at)
+    }
+
+    fn is_hidden(&self, at: usize) -> bool {
+        self.hidden.iter().any(|&(start, end)| (start..=end).contains(&at))
+    }
+}
+
+impl Recorder {
+    /// A recorder for a scene of so many frames a second.
+    pub fn new(fps: f32) -> Self {
+        Self { shortest_break: SAME_EPISODE * fps, moments: Vec::new() }
+    }
+
+    /// Takes in the next frame.
+    pub fn push(&mut self, frame: &FrameTruth) {
+        self.moments.push(Moment {
+            number: frame.number,
+            silhouettes: frame.silhouettes.clone(),
+            touching: frame.touching.clone(),
+            depth: frame.depth.clone(),
+        });
+    }
+
+    /// What happened in the frames taken in.
+    pub fn finish(&self) -> Truth {
+        let people = self.presences();
+        let groups = self.groups(&people);
+        let mut events = self.comings_and_goings(&people);
+        events.extend(self.meetings(&people, &groups));
+        events.sort_by(|a, b| (a.frame, a.kind, &a.objects).cmp(&(b.frame, b.kind, &b.objects)));
+        let mut episodes = self.inter_object_episodes(&groups);
+        episodes.extend(self.scene_episodes(&people));
+        episodes.sort_by_key(|episode| (episode.start, episode.objects.clone()));
+        let mut boxes = Vec::new();
+        for (at, moment) in self.moments.iter().enumerate() {
+            let present = |id| people.iter().any(|person| person.id == id && person.is_in(at));
+            boxes.extend(moment.silhouettes.iter().filter(|s| present(s.id)).map(|s| (moment.number, *s)));
+        }
+        Truth { events, episodes, boxes }
+    }
+
+    /// Joins runs of moments that are parted by too short a break.
+    fn close_breaks(&self, runs: impl IntoIterator<Item = (usize, usize)>) -> Vec<(usize, usize)> {
+        let mut joined: Vec<(usize, usize)> = Vec::new();
+        for (start, end) in runs {
+            match joined.last_mut() {
+                Some(last) if ((start - last.1 - 1) as f32) < self.shortest_break => last.1 = end,
+                _ => joined.push((start, end)),
+            }
+        }
+        joined
+    }
+
+    fn presences(&self) -> Vec<Presence> {
+        let mut ids: Vec<Identity> =
+            self.moments.iter().flat_map(|moment| moment.silhouettes.iter().map(|s| s.id)).collect();
+        ids.sort_unstable();
+        ids.dedup();
+        ids.into_iter().filter_map(|id| self.presence(id)).collect()
+    }
+
+    fn presence(&self, id: Identity) -> Option<Presence> {
+        let first = self.moments.iter().position(|moment| moment.is_seen(id))?;
+        let last_seen = self.moments.iter().rposition(|moment| moment.is_seen(id))?;
+        let last = self.moments.len() - 1;
+        let left = !self.moments[last].silhouette(id).is_some_and(Silhouette::is_inside);
+        let stay = (first, if left { last_seen } else { last });
+        let hidden = self.close_breaks(runs(stay.0, stay.1, |at| !self.moments[at].is_seen(id)));
+        Some(Presence { id, stay, left, hidden })
+    }
+
+    /// For each moment, who is together with whom: sorted groups of at least two.
+    fn groups(&self, people: &[Presence]) -> Vec<Vec<Vec<Identity>>> {
+        let pairs = |at: usize| {
+            let present = move |id| people.iter().any(|p| p.id == id && p.is_in(at) && !p.is_hidden(at));
+            let touching = self.moments[at].touching.iter().copied();
+            touching.filter(move |&(a, b)| present(a) && present(b))
+        };
+        let direct: Vec<_> = (0..self.moments.len()).map(|at| unite(pairs(at))).collect();
+        let mut together: Vec<Vec<(Identity, Identity)>> = vec![Vec::new(); self.moments.len()];
+        for (place, a) in people.iter().enumerate() {
+            for b in &people[place + 1..] {
+                let shared = (a.stay.0.max(b.stay.0), a.stay.1.min(b.stay.1));
+                let meets = |at: usize| direct[at].iter().any(|g| g.contains(&a.id) && g.contains(&b.id));
+                for (start, end) in self.close_breaks(runs(shared.0, shared.1, meets)) {
+                    for moment in &mut together[start..=end] {
+                        moment.push((a.id, b.id));
+                    }
+                }
+            }
+        }
+        together.into_iter().map(unite).collect()
+    }
+
+    fn event(
+        &self,
+        at: usize,
+        kind: EventKind,
+        objects: Vec<Identity>,
+        becomes: Vec<Identity>,
+    ) -> TruthEvent {
+        let [x, y] = self.moments[at].middle(&objects);
+        TruthEvent { frame: self.moments[at].number, kind, objects, becomes, x, y, front: None }
+    }
+
+    fn comings_and_goings(&self, people: &[Presence]) -> Vec<TruthEvent> {
+        let mut events = Vec::new();
+        for person in people {
+            let one = || vec![person.id];
+            events.push(self.event(person.stay.0, EventKind::Enter, one(), one()));
+            for &(start, end) in &person.hidden {
+                events.push(self.event(start, EventKind::Disappear, one(), vec![]));
+                if end < person.stay.1 {
+                    events.push(self.event(end + 1, EventKind::Reappear, one(), one()));
+                }
+            }
+            if person.left {
+                events.push(self.event(person.stay.1, EventKind::Exit, one(), vec![]));
+            }
+        }
+        events
+    }
+
+    fn meetings(&self, people: &[Presence], groups: &[Vec<Vec<Identity>>]) -> Vec<TruthEvent> {
+        let mut events = Vec::new();
+        let none = Vec::new();
+        for (at, now) in groups.iter().enumerate() {
+            let before = at.checked_sub(1).map_or(&none, |earlier| &groups[earlier]);
+            for group in now {
+                let held = |old: &Vec<Identity>| group.iter().all(|id| old.contains(id));
+                if !before.iter().any(held) {
+                    let mut event = self.event(at, EventKind::Merge, group.clone(), group.clone());
+                    event.front = self.front(at, group);
+                    events.push(event);
+                }
+            }
+            for group in before {
+                let stays =
+                    |id: &Identity| people.iter().any(|p| p.id == *id && p.is_in(at) && !p.is_hidden(at));
+                let out: Vec<Identity> = group.iter().copied().filter(stays).collect();
+                let as_one = out.len() < 2 || now.iter().any(|new| out.iter().all(|id| new.contains(id)));
+                if !as_one {
+                    events.push(self.event(at, EventKind::Demerge, group.clone(), out));
+                }
+            }
+        }
+        events
+    }
+
+    /// Who of a group is drawn last.
+    fn front(&self, at: usize, group: &[Identity]) -> Option<Identity> {
+        self.moments[at].depth.iter().rev().find(|id| group.contains(id)).copied()
+    }
+
+    /// A meeting lasts as long as at least two of those who were together still are; who joins takes part.
+    fn inter_object_episodes(&self, groups: &[Vec<Vec<Identity>>]) -> Vec<Episode> {
+        struct Meeting {
+            episode: Episode,
+            last: usize,
+            groups: Vec<Vec<Identity>>,
+        }
+        let mut meetings: Vec<Meeting> = Vec::new();
+        for (at, now) in groups.iter().enumerate() {
+            let number = self.moments[at].number;
+            for group in now {
+                let goes_on = |meeting: &Meeting| {
+                    let both = |old: &Vec<Identity>| group.iter().filter(|id| old.contains(id)).count() > 1;
+                    meeting.last + 1 == at && meeting.groups.iter().any(both)
+                        || meeting.last == at
+                            && at > 0
+                            && groups[at - 1].iter().any(|old| {
+                                both(old) && meeting.episode.objects.iter().any(|id| old.contains(id))
+                            })
+                };
+                let place = meetings.iter().position(goes_on).unwrap_or_else(|| {
+                    let episode = Episode {
+                        kind: EpisodeKind::InterObject,
+                        objects: Vec::new(),
+                        start: number,
+                        end: number,
+                        least_visible: 1.0,
+                        front: self.front(at, group),
+                        identities_kept: true,
+                    };
+                    meetings.push(Meeting { episode, last: at, groups: Vec::new() });
+                    meetings.len() - 1
+                });
+                let meeting = &mut meetings[place];
+                if meeting.last < at {
+                    meeting.groups.clear();
+                }
+                meeting.groups.push(group.clone());
+                (meeting.last, meeting.episode.end) = (at, number);
+                let objects = &mut meeting.episode.objects;
+                objects.extend(group);
+                objects.sort_unstable();
+                objects.dedup();
+                let least = group.iter().map(|&id| self.visibility(at, id)).fold(1.0, f32::min);
+                meeting.episode.least_visible = meeting.episode.least_visible.min(least);
+            }
+        }
+        meetings.into_iter().map(|meeting| meeting.episode).collect()
+    }
+
+    fn scene_episodes(&self, people: &[Presence]) -> Vec<Episode> {
+        let episode = |id: Identity, (start, end): (usize, usize)| Episode {
+            kind: EpisodeKind::Scene,
+            objects: vec![id],
+            start: self.moments[start].number,
+            end: self.moments[end].number,
+            least_visible: (start..=end).map(|at| self.visibility(at, id)).fold(1.0, f32::min),
+            front: None,
+            identities_kept: true,
+        };
+        people.iter().flat_map(|p| p.hidden.iter().map(move |&time| episode(p.id, time))).collect()
+    }
+
+    fn visibility(&self, at: usize, id: Identity) -> f32 {
+        self.moments[at].silhouette(id).map_or(0.0, Silhouette::visibility)
+    }
+}
+
+/// First and last place of every run in `first..=last` for which `holds`.
+fn runs(first: usize, last: usize, holds: impl Fn(usize) -> bool) -> Vec<(usize, usize)> {
+    let mut runs: Vec<(usize, usize)> = Vec::new();
+    for at in (first..=last).filter(|&at| holds(at)) {
+        match runs.last_mut() {
+            Some(run) if run.1 + 1 == at => run.1 = at,
+            _ => runs.push((at, at)),
+        }
+    }
+    runs
+}
+
+/// The groups that pairs make: sorted, and nobody in two.
+fn unite(pairs: impl IntoIterator<Item = (Identity, Identity)>) -> Vec<Vec<Identity>> {
+    let mut groups: Vec<Vec<Identity>> = Vec::new();
+    for (a, b) in pairs {
+        let (mut joined, apart): (Vec<_>, Vec<_>) =
+            groups.into_iter().partition(|group: &Vec<Identity>| group.contains(&a) || group.contains(&b));
+        joined.push(vec![a, b]);
+        let mut group = joined.concat();
+        group.sort_unstable();
+        group.dedup();
+        groups = apart;
+        groups.push(group);
+    }
+    groups.sort();
+    groups
+}

@@ -1,0 +1,204 @@
+//! A Kalman model of a moving region: position and size, constant velocity per frame (§VIII).
+
+use nalgebra::{Matrix3, Matrix3x6, Matrix6, Vector3, Vector6};
+
+/// How much a model trusts its own prediction and what it is shown.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Noise {
+    /// Standard deviation, in pixels, of how position and size wander from constant velocity in a frame.
+    pub process: f32,
+    /// Standard deviation, in pixels, of a measured position and size.
+    pub measurement: f32,
+}
+
+/// What is measured of a region: (x, y, s), its box's centre and s = √area, in pixels.
+pub type Measurement = Vector3<f32>;
+
+/// State (x, y, s, vx, vy, vs) with its covariance.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Model {
+    state: Vector6<f32>,
+    covariance: Matrix6<f32>,
+    noise: Noise,
+}
+
+impl Model {
+    /// A model that starts at a measurement with a velocity (vx, vy, vs), known to `velocity_sigma`
+    /// pixels a frame.
+    pub fn new(at: Measurement, velocity: Vector3<f32>, velocity_sigma: f32, noise: Noise) -> Self {
+        let position = noise.measurement.powi(2);
+        let speed = velocity_sigma.powi(2);
+        Self {
+            state: Vector6::new(at.x, at.y, at.z, velocity.x, velocity.y, velocity.z),
+            covariance: Matrix6::from_diagonal(&Vector6::new(
+                position, position, position, speed, speed, speed,
+            )),
+            noise,
+        }
+    }
+
+    /// The model through two measurements of consecutive frames, standing at the second.
+    pub fn through(first: Measurement, second: Measurement, noise: Noise) -> Self {
+        Self::new(second, second - first, noise.measurement * std::f32::consts::SQRT_2, noise)
+    }
+
+    /// Goes on by one frame.
+    pub fn predict(&mut self) {
+        let mut transition = Matrix6::identity();
+        for axis in 0..3 {
+            transition[(axis, axis + 3)] = 1.0;
+        }
+        // White acceleration within the frame: position wanders with q, velocity with q/2.
+        let (q, v) = (self.noise.process.powi(2), (self.noise.process / 2.0).powi(2));
+        self.state = transition * self.state;
+        self.covariance = transition * self.covariance * transition.transpose()
+            + Matrix6::from_diagonal(&Vector6::new(q, q, q, v, v, v));
+    }
+
+    /// The squared Mahalanobis length of the difference between a measurement and the prediction.
+    pub fn distance_squared(&self, measured: &Measurement) -> f32 {
+        let innovation = measured - self.measurement();
+        self.innovation_covariance()
+            .try_inverse()
+            .map_or(f32::INFINITY, |inverse| (innovation.transpose() * inverse * innovation).x)
+    }
+
+    /// Takes a measurement in; `trust` multiplies the standard deviation of the measurement.
+    pub fn update(&mut self, measured: &Measurement, trust: f32) {
+        let observe = Matrix3x6::<f32>::identity();
+        let noise = Matrix3::from_diagonal_element((self.noise.measurement * trust).powi(2));
+        let spread = self.covariance.fixed_view::<3, 3>(0, 0) + noise;
+        // Sums of positive definite matrices always have an inverse; should rounding say otherwise,
+        // the prediction stands.
+        let Some(inverse) = spread.try_inverse() else { return };
+        let gain = self.covariance * observe.transpose() * inverse;
+        self.state += gain * (measured - self.measurement());
+        self.covariance = (Matrix6::identity() - gain * observe) * self.covariance;
+        // Rounding must not let the covariance drift from symmetry.
+        self.covariance = (self.covariance + self.covariance.transpose()) * 0.5;
+    }
+
+    /// Stands at a measurement from now on, keeping its velocity.
+    pub fn stand_at(&mut self, measured: &Measurement) {
+        *self = Self::new(*measured, self.velocity(), self.noise.measurement, self.noise);
+    }
+
+    /// Gives the model a velocity (vx, vy, vs) from outside.
+    pub fn set_velocity(&mut self, velocity: Vector3<f32>) {
+        self.state.fixed_rows_mut::<3>(3).copy_from(&velocity);
+    }
+
+    /// Moves its centre without touching its certainty.
+    pub fn set_centre(&mut self, centre: [f32; 2]) {
+        self.state[0] = centre[0];
+        self.state[1] = centre[1];
+    }
+
+    /// (x, y, s) as the model has it.
+    pub fn measurement(&self) -> Measurement {
+        self.state.fixed_rows::<3>(0).into_owned()
+    }
+
+    /// (vx, vy, vs).
+    pub fn velocity(&self) -> Vector3<f32> {
+        self.state.fixed_rows::<3>(3).into_owned()
+    }
+
+    /// (x, y).
+    pub fn centre(&self) -> [f32; 2] {
+        [self.state[0], self.state[1]]
+    }
+
+    /// s.
+    pub fn scale(&self) -> f32 {
+        self.state[2]
+    }
+
+    /// Half axes and angle (radians) of the ellipse around the centre that holds the next measured
+    /// position while χ² is at most `chi_squared`.
+    pub fn gate_ellipse(&self, chi_squared: f32) -> [f32; 3] {
+        let spread = self.innovation_covariance();
+        let (a, b, c) = (spread[(0, 0)], spread[(0, 1)], spread[(1, 1)]);
+        let root = ((a - c).powi(2) / 4.0 + b * b).sqrt();
+        let middle = f32::midpoint(a, c);
+        let half = |eigenvalue: f32| (chi_squared * eigenvalue.max(0.0)).sqrt();
+        [half(middle + root), half(middle - root), 0.5 * (2.0 * b).atan2(a - c)]
+    }
+
+    fn innovation_covariance(&self) -> Matrix3<f32> {
+        self.covariance.fixed_view::<3, 3>(0, 0)
+            + Matrix3::from_diagonal_element(self.noise.measurement.powi(2))
+    }
+}
+
+/// The χ² quantile with 3 degrees of freedom (Wilson–Hilferty, within 1 % from .5 to .9999).
+pub fn chi_squared_3(probability: f32) -> f32 {
+    let z = normal_quantile(f64::from(probability));
+    let (n, a) = (3.0, 2.0 / 27.0_f64);
+    (n * (1.0 - a + z * a.sqrt()).powi(3)) as f32
+}
+
+/// The standard normal quantile by bisection of its distribution function.
+fn normal_quantile(probability: f64) -> f64 {
+    let (mut low, mut high) = (-8.0, 8.0);
+    for _ in 0..60 {
+        let middle = f64::midpoint(low, high);
+        if normal_distribution(middle) < probability { low = middle } else { high = middle }
+    }
+    f64::midpoint(low, high)
+}
+
+/// Φ(z) (Abramowitz & Stegun 26.2.17, error below 7.5e-8).
+fn normal_distribution(z: f64) -> f64 {
+    let t = 1.0 / (1.0 + 0.231_641_9 * z.abs());
+    let series = t
+        * (0.319_381_53
+            + t * (-0.356_563_782 + t * (1.781_477_937 + t * (-1.821_255_978 + t * 1.330_274_429))));
+    let tail = (-z * z / 2.0).exp() / (2.0 * std::f64::consts::PI).sqrt() * series;
+    if z >= 0.0 { 1.0 - tail } else { tail }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const NOISE: Noise = Noise { process: 1.0, measurement: 2.0 };
+
+    #[test]
+    fn the_gate_agrees_with_the_tables() {
+        for (probability, quantile) in [(0.5, 2.366), (0.95, 7.815), (0.99, 11.345), (0.999, 16.266)] {
+            assert!((chi_squared_3(probability) / quantile - 1.0).abs() < 0.01, "{probability}");
+        }
+    }
+
+    #[test]
+    fn two_measurements_give_a_line() {
+        let mut model = Model::through(Vector3::new(10.0, 5.0, 8.0), Vector3::new(13.0, 4.0, 8.0), NOISE);
+        model.predict();
+        assert_eq!(model.measurement(), Vector3::new(16.0, 3.0, 8.0));
+        assert_eq!(model.distance_squared(&Vector3::new(16.0, 3.0, 8.0)), 0.0);
+    }
+
+    #[test]
+    fn it_settles_on_a_constant_velocity_and_grows_sure_of_it() {
+        let at = |frame: f32| Vector3::new(2.5 * frame, 100.0 - frame, 20.0);
+        let mut model = Model::through(at(0.0), at(1.0) + Vector3::new(2.0, -1.0, 0.0), NOISE);
+        let unsure = {
+            model.predict();
+            model.gate_ellipse(11.3)[0]
+        };
+        for frame in 2..40 {
+            if frame > 2 {
+                model.predict();
+            }
+            model.update(&at(frame as f32), 1.0);
+        }
+        assert!((model.velocity() - Vector3::new(2.5, -1.0, 0.0)).norm() < 0.1);
+        model.predict();
+        assert!(model.gate_ellipse(11.3)[0] < unsure);
+        for _ in 0..10 {
+            model.predict();
+        }
+        assert!((model.centre()[0] - 2.5 * 50.0).abs() < 3.0, "{:?}", model.centre());
+    }
+}

@@ -1,0 +1,335 @@
+//! The pool of Kalman models: each moving region's competing hypotheses, matched to the regions of a frame (§VIII).
+
+use nalgebra::Vector3;
+use pathfinding::matrix::Matrix;
+use pathfinding::prelude::kuhn_munkres;
+
+use super::kalman::{Measurement, Model, Noise, chi_squared_3};
+use crate::regions::Rect;
+use crate::settings::Settings;
+
+/// The most hypotheses that compete for one moving region.
+const MOST_A_BLOB: usize = 6;
+/// A hypothesis this much less likely than the best (a factor of e⁸) is not worth keeping.
+const WORST_SCORE: f32 = -8.0;
+
+/// What a hypothesis can be matched to: one region, or several that are one thing.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Observation {
+    /// Box of all its regions.
+    pub bbox: Rect,
+    /// Pixels of all its regions.
+    pub area: f32,
+}
+
+impl Observation {
+    /// What the Kalman model measures of it: the box's centre and √area.
+    pub fn measurement(&self) -> Measurement {
+        let [x, y] = self.bbox.centre();
+        Vector3::new(x, y, self.area.sqrt())
+    }
+}
+
+/// Inverse of the variance of the prediction error: of its squared Mahalanobis length, averaged.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fitness {
+    mean_error: f32,
+    /// Product of the null factors since the last match.
+    nulls: f32,
+}
+
+impl Fitness {
+    /// The fitness of a model whose errors are as large as its covariance says: 3 degrees of freedom.
+    pub const fn expected() -> Self {
+        Self { mean_error: 3.0, nulls: 1.0 }
+    }
+
+    /// The number that is compared to `min_fitness`.
+    pub fn value(self) -> f32 {
+        self.nulls / self.mean_error.max(0.1)
+    }
+
+    fn matched(&mut self, distance_squared: f32, memory: u32) {
+        self.mean_error += (distance_squared - self.mean_error) / memory as f32;
+        self.nulls = 1.0;
+    }
+
+    fn missed(&mut self, null_factor: f32) {
+        self.nulls *= null_factor;
+    }
+}
+
+/// One explanation of a moving region's past.
+#[derive(Clone, Debug)]
+pub struct Hypothesis {
+    /// Where it says the region is and goes.
+    pub model: Model,
+    /// How well it predicted.
+    pub fitness: Fitness,
+    /// Sum of its log-likelihoods, relative to the reading that is shown.
+    pub score: f32,
+    /// The observation that it took in this frame, `None` for a null match.
+    pub matched: Option<usize>,
+}
+
+/// A moving region and the hypotheses that compete for it, the shown one first.
+#[derive(Clone, Debug)]
+pub struct Blob {
+    /// The competing explanations; never empty, the one that is shown first.
+    pub hypotheses: Vec<Hypothesis>,
+    /// Frames since it last had a region.
+    pub lost: u32,
+    /// The box of its last region, moved along while it has none.
+    pub bbox: Rect,
+}
+
+impl Blob {
+    /// A blob with one hypothesis, standing at an observation.
+    pub fn new(model: Model, observation: &Observation) -> Self {
+        let shown = Hypothesis { model, fitness: Fitness::expected(), score: 0.0, matched: None };
+        Self { hypotheses: vec![shown], lost: 0, bbox: observation.bbox }
+    }
+
+    /// The hypothesis that is shown.
+    pub fn shown(&self) -> &Hypothesis {
+        &self.hypotheses[0]
+    }
+
+    /// Keeps the shown hypothesis alone and lets `change` correct its model: what follows an
+    /// interaction is no longer what the others competed about.
+    pub fn settle(&mut self, observation: &Observation, change: impl FnOnce(&mut Model)) {
+        self.hypotheses.truncate(1);
+        let shown = &mut self.hypotheses[0];
+        change(&mut shown.model);
+        shown.score = 0.0;
+        shown.fitness.nulls = 1.0;
+        self.lost = 0;
+        self.bbox = observation.bbox;
+    }
+}
+
+/// How hypotheses are matched, scored and dropped.
+#[derive(Clone, Debug)]
+pub struct PoolSettings {
+    /// The Kalman models' noise.
+    pub noise: Noise,
+    /// χ² at the edge of the gate.
+    pub gate: f32,
+    fitness_memory: u32,
+    null_factor: f32,
+    min_fitness: f32,
+    max_hypotheses: usize,
+}
+
+impl PoolSettings {
+    /// The pool's part of `settings`.
+    pub fn new(settings: &Settings) -> Self {
+        Self {
+            noise: Noise { process: settings.process_noise, measurement: settings.measurement_noise },
+            gate: chi_squared_3(settings.gate),
+            fitness_memory: settings.fitness_memory,
+            null_factor: settings.null_factor,
+            min_fitness: settings.min_fitness,
+            max_hypotheses: settings.max_hypotheses as usize,
+        }
+    }
+
+    /// Whether a blob's shown model is no longer fit to be believed.
+    pub fn unfit(&self, blob: &Blob) -> bool {
+        blob.shown().fitness.value() < self.min_fitness
+    }
+
+    /// Moves every hypothesis on by one frame.
+    pub fn predict(&self, blobs: &mut [Blob]) {
+        for blob in blobs {
+            for hypothesis in &mut blob.hypotheses {
+                hypothesis.model.predict();
+            }
+        }
+    }
+
+    /// Branches every hypothesis into one for each observation in its gate and one null match,
+    /// and chooses the reading of greatest total likelihood in which no observation is explained
+    /// twice. Gives for each blob the observation that the reading has for it.
+    pub fn match_observations(&self, blobs: &mut [Blob], observations: &[Observation]) -> Vec<Option<usize>> {
+        let measurements: Vec<_> = observations.iter().map(Observation::measurement).collect();
+        for blob in blobs.iter_mut() {
+            blob.hypotheses = self.branch(&blob.hypotheses, &measurements);
+        }
+        let chosen = best_reading(blobs, observations.len());
+        for (blob, &observation) in blobs.iter_mut().zip(&chosen) {
+            show(blob, observation);
+            if let Some(observation) = observation {
+                blob.lost = 0;
+                blob.bbox = observations[observation].bbox;
+            } else {
+                blob.lost += 1;
+                let velocity = blob.shown().model.velocity();
+                blob.bbox = blob.bbox.moved(velocity.x, velocity.y);
+            }
+        }
+        self.prune(blobs);
+        chosen
+    }
+
+    /// The children of a blob's hypotheses: of several that took the same observation, the best.
+    fn branch(&self, parents: &[Hypothesis], measurements: &[Measurement]) -> Vec<Hypothesis> {
+        let mut children: Vec<Hypothesis> = Vec::new();
+        for parent in parents {
+            let matches = measurements.iter().enumerate().filter_map(|(index, measured)| {
+                let distance = parent.model.distance_squared(measured);
+                (distance <= self.gate).then(|| {
+                    let mut child = parent.clone();
+                    child.model.update(measured, 1.0);
+                    child.fitness.matched(distance, self.fitness_memory);
+                    child.score -= 0.5 * distance;
+                    child.matched = Some(index);
+                    child
+                })
+            });
+            // A null match is as likely as a match at the edge of the gate.
+            let mut null = parent.clone();
+            null.fitness.missed(self.null_factor);
+            null.score -= 0.5 * self.gate;
+            null.matched = None;
+            for child in matches.chain([null]) {
+                match children.iter_mut().find(|other| other.matched == child.matched) {
+                    Some(other) if other.score >= child.score => {}
+                    Some(other) => *other = child,
+                    None => children.push(child),
+                }
+            }
+        }
+        children
+    }
+
+    /// Drops the hypotheses that cannot win any more, and the least probable beyond the cap.
+    fn prune(&self, blobs: &mut [Blob]) {
+        for blob in blobs.iter_mut() {
+            let shown = blob.hypotheses.remove(0);
+            blob.hypotheses
+                .retain(|other| other.score >= WORST_SCORE && other.fitness.value() >= self.min_fitness);
+            blob.hypotheses.sort_by(|a, b| b.score.total_cmp(&a.score));
+            blob.hypotheses.truncate(MOST_A_BLOB - 1);
+            blob.hypotheses.insert(0, shown);
+        }
+        let total: usize = blobs.iter().map(|blob| blob.hypotheses.len()).sum();
+        if total <= self.max_hypotheses {
+            return;
+        }
+        let mut scores: Vec<f32> =
+            blobs.iter().flat_map(|blob| &blob.hypotheses[1..]).map(|other| other.score).collect();
+        scores.sort_by(|a, b| b.total_cmp(a));
+        let room = self.max_hypotheses.saturating_sub(blobs.len());
+        let least = scores.get(room).copied().unwrap_or(f32::NEG_INFINITY);
+        for blob in blobs {
+            let mut rank = 0;
+            blob.hypotheses.retain(|other| {
+                rank += 1;
+                rank == 1 || other.score > least
+            });
+        }
+    }
+}
+
+/// For each blob the observation (or none) that maximises the total score; blobs come oldest
+/// first, and on a tie the older keeps what it has.
+fn best_reading(blobs: &[Blob], observations: usize) -> Vec<Option<usize>> {
+    if blobs.is_empty() {
+        return Vec::new();
+    }
+    // Thousandths of a nat; far below what any sum of real scores reaches.
+    const IMPOSSIBLE: i64 = -1_000_000_000;
+    let thousandths = |score: f32| (f64::from(score) * 1000.0).round() as i64;
+    let mut scores = Matrix::new(blobs.len(), observations + blobs.len(), IMPOSSIBLE);
+    for (row, blob) in blobs.iter().enumerate() {
+        for hypothesis in &blob.hypotheses {
+            let column = hypothesis.matched.unwrap_or(observations + row);
+            scores[(row, column)] = thousandths(hypothesis.score);
+        }
+    }
+    let (_, columns) = kuhn_munkres(&scores);
+    columns.into_iter().map(|column| (column < observations).then_some(column)).collect()
+}
+
+/// Puts the hypothesis with this match first and counts the others' scores from its own.
+fn show(blob: &mut Blob, matched: Option<usize>) {
+    if let Some(at) = blob.hypotheses.iter().position(|hypothesis| hypothesis.matched == matched) {
+        blob.hypotheses.swap(0, at);
+    }
+    let best = blob.hypotheses[0].score;
+    for hypothesis in &mut blob.hypotheses {
+        hypothesis.score -= best;
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::Preset;
+
+    fn at(x: f32, y: f32) -> Observation {
+        Observation { bbox: Rect::around([x, y], 20.0, 40.0), area: 800.0 }
+    }
+
+    fn settings() -> PoolSettings {
+        PoolSettings::new(&Settings::preset(Preset::Plain))
+    }
+
+    fn blob(x: f32, y: f32, vx: f32) -> Blob {
+        let model = Model::through(at(x - vx, y).measurement(), at(x, y).measurement(), settings().noise);
+        Blob::new(model, &at(x, y))
+    }
+
+    fn step(blobs: &mut [Blob], observations: &[Observation]) -> Vec<Option<usize>> {
+        let settings = settings();
+        settings.predict(blobs);
+        settings.match_observations(blobs, observations)
+    }
+
+    #[test]
+    fn each_blob_takes_the_region_it_predicts_even_side_by_side() {
+        let mut blobs = [blob(100.0, 50.0, 3.0), blob(108.0, 50.0, -3.0)];
+        assert_eq!(step(&mut blobs, &[at(105.0, 50.0), at(103.0, 50.0)]), [Some(1), Some(0)]);
+        assert!(blobs[0].hypotheses.len() > 1, "the other reading is kept to compete");
+    }
+
+    #[test]
+    fn a_null_match_goes_on_as_predicted_and_loses_fitness() {
+        let mut blobs = [blob(100.0, 50.0, 3.0)];
+        let fit = blobs[0].shown().fitness.value();
+        assert_eq!(step(&mut blobs, &[at(300.0, 50.0)]), [None]);
+        assert!((blobs[0].shown().model.centre()[0] - 103.0).abs() < 1e-3);
+        assert!((blobs[0].shown().fitness.value() / fit - 0.8).abs() < 1e-4);
+        assert_eq!(step(&mut blobs, &[at(106.0, 50.0)]), [Some(0)], "it regains the region");
+        assert_eq!(blobs[0].lost, 0);
+    }
+
+    #[test]
+    fn a_later_frame_can_overturn_the_reading() {
+        // Two regions lie in the gate; the nearer one stands still and is gone in the next frame,
+        // the other goes on at the blob's velocity.
+        let mut blobs = [blob(100.0, 50.0, 4.0)];
+        assert_eq!(step(&mut blobs, &[at(102.0, 50.0), at(107.5, 50.0)]), [Some(0)]);
+        let mut overturned = false;
+        for frame in 1..4 {
+            let reading = step(&mut blobs, &[at(107.5 + 4.0 * frame as f32, 50.0)]);
+            overturned |= reading == [Some(0)];
+        }
+        assert!(overturned);
+        assert!((blobs[0].shown().model.centre()[0] - 119.5).abs() < 3.0);
+    }
+
+    #[test]
+    fn the_pool_never_holds_more_than_its_cap() {
+        let mut capped = settings();
+        capped.max_hypotheses = 12;
+        let mut blobs: Vec<_> = (0..10).map(|n| blob(100.0 + n as f32, 50.0, 0.0)).collect();
+        let crowd: Vec<_> = (0..30).map(|n| at(95.0 + 0.5 * n as f32, 50.0)).collect();
+        for _ in 0..5 {
+            capped.predict(&mut blobs);
+            capped.match_observations(&mut blobs, &crowd);
+            assert!(blobs.iter().map(|blob| blob.hypotheses.len()).sum::<usize>() <= 12);
+        }
+    }
+}
