@@ -13,6 +13,7 @@
 //! return. [`pipeline`] takes one frame through all of it; [`replay`] goes back and forth in time.
 //! [`export`] writes results, [`cli`] is the command line, `app` (feature `gui`) the window.
 
+pub mod cli;
 pub mod frame;
 pub mod mixture;
 pub mod occlusion;
