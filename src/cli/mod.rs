@@ -9,6 +9,7 @@ mod interrupt;
 pub mod pixel;
 pub mod run;
 pub mod settings;
+pub mod synth;
 mod window;
 
 use std::ffi::OsString;
@@ -46,7 +47,8 @@ pub fn command() -> Command {
         .subcommand_precedence_over_arg(false)
         .subcommand(run::command())
         .subcommand(pixel::command())
-        .subcommand(settings::command());
+        .subcommand(settings::command())
+        .subcommand(flags::with_common(synth::command()));
     window::with_arguments(program)
 }
 
@@ -65,6 +67,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Some(("run", matches)) => run::run(matches),
         Some(("pixel", matches)) => pixel::run(matches),
         Some(("settings", matches)) => settings::run(matches),
+        Some(("synth", matches)) => flags::start_threads(matches).and_then(|()| synth::run(matches)),
         _ => window::run(&matches),
     };
     done.map_or_else(|error| report(&error), |()| ExitCode::SUCCESS)
