@@ -142,7 +142,7 @@ fn groups(tracks: &[Track]) -> Vec<(Vec<Identity>, Rect)> {
 
 /// Draws the banner into the upper left corner and gives the places it takes.
 fn draw_banner(canvas: &mut Canvas<'_>, number: u32, events: &[Event], style: Style) -> Vec<Rect> {
-    let mut chips = vec![(format!("frame {number}"), Paint::sheer(BLACK, 0.65), WHITE)];
+    let mut chips = vec![(format!("frame {number}"), Paint::sheer(BLACK, 0.7), WHITE)];
     // The newest first: it is what the picture shows.
     for event in events.iter().rev() {
         let what = if event.objects == event.becomes || event.becomes.is_empty() || event.objects.is_empty() {
@@ -154,7 +154,7 @@ fn draw_banner(canvas: &mut Canvas<'_>, number: u32, events: &[Event], style: St
         if event.frame == number {
             chips.push((what, Paint::solid(event_colour(event.kind)), BLACK));
         } else {
-            chips.push((what, Paint::sheer(BLACK, 0.45), event_colour(event.kind)));
+            chips.push((what, Paint::sheer(BLACK, 0.7), event_colour(event.kind)));
         }
     }
     let size = canvas.size();
@@ -271,7 +271,7 @@ mod tests {
         }
         let label = (40..60).flat_map(|x| (30..50).map(move |y| (x, y)));
         let inked =
-            label.filter(|&(x, y)| frame.pixel(x, y).is_some_and(|[r, g, b]| r < 40 && g < 40 && b < 40));
+            label.filter(|&(x, y)| frame.pixel(x, y).is_some_and(|[r, g, b]| r < 90 && g < 90 && b < 60));
         assert!(inked.count() > 3, "the label is written above the box");
     }
 
