@@ -108,7 +108,7 @@ fn every_file_has_its_form() {
     assert_eq!(picture("plain-frames", 45), scene(45));
     assert_ne!(picture("frames", 45), scene(45));
     assert_eq!(picture("background", 1), scene(1), "the first frame is the first background");
-    let mut video = videoio::VideoCapture::from_file(&out.join("annotated.mp4"), videoio::CAP_ANY).unwrap();
+    let mut video = videoio::VideoCapture::from_file(out.join("annotated.mp4"), videoio::CAP_ANY).unwrap();
     let (mut image, mut frames, mut sides) = (Mat::default(), 0, (0, 0));
     while video.read(&mut image).unwrap() {
         frames += 1;
@@ -175,9 +175,13 @@ fn tracks_events_and_regions_agree() {
         let cells: Vec<_> = line.split(',').collect();
         let owners: Vec<_> = tracks
             .iter()
-            .filter(|track| track["frame"].to_string() == cells[0])
+            .filter(|track| track["frame"].as_u64() == cells[0].parse().ok())
             .filter(|track| {
-                track["regions"].as_array().unwrap().iter().any(|label| label.to_string() == cells[1])
+                track["regions"]
+                    .as_array()
+                    .unwrap()
+                    .iter()
+                    .any(|label| label.as_u64() == cells[1].parse().ok())
             })
             .map(|track| track["id"].to_string())
             .collect();

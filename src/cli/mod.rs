@@ -12,10 +12,11 @@ pub mod settings;
 pub mod synth;
 mod window;
 
+use std::env;
 use std::ffi::OsString;
 use std::io::{self, Write};
+use std::panic::{self, AssertUnwindSafe};
 use std::process::ExitCode;
-use std::{env, panic};
 
 use clap::{ArgMatches, Command};
 
@@ -66,7 +67,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     };
     tell_bugs_in_one_line();
     // Unwinding takes away what was half written.
-    match panic::catch_unwind(|| dispatch(&matches)) {
+    match panic::catch_unwind(AssertUnwindSafe(|| dispatch(&matches))) {
         Ok(Ok(())) => ExitCode::SUCCESS,
         Ok(Err(error)) => report(&error),
         Err(_) => ExitCode::FAILURE,
