@@ -1,6 +1,6 @@
 //! Frames decoded on a thread of their own, ahead of whoever takes them.
 
-use std::thread;
+use std::{iter, thread};
 
 use anyhow::anyhow;
 use crossbeam_channel::{Receiver, Sender, bounded};
@@ -21,6 +21,8 @@ pub(super) enum Item {
     Warning(String),
     /// The sequence cannot go on.
     Failed(anyhow::Error),
+    /// There are no more: without it, decoding broke off.
+    End,
 }
 
 /// The frames of a source, or of a range of it.
@@ -50,7 +52,21 @@ impl Frames {
 
     /// The frames and what else comes, in order, to the end.
     pub(super) fn items(&self) -> impl Iterator<Item = Item> {
-        self.items.iter()
+        let mut over = false;
+        iter::from_fn(move || {
+            if over {
+                return None;
+            }
+            match self.items.recv() {
+                Ok(Item::End) => None,
+                Ok(item) => Some(item),
+                Err(_) => {
+                    over = true;
+                    Some(Item::Failed(anyhow!("decoding {} broke off", self.info.name)))
+                }
+            }
+        })
+        .fuse()
     }
 }
 
@@ -58,6 +74,8 @@ impl Frames {
 fn decode(mut source: Box<dyn Source>, range: Option<Range>, items: &Sender<Item>) {
     let mut last_number = None;
     let mut sent = false;
+    // Whether the source ended before the range did.
+    let mut ended_within = true;
     loop {
         let next = source.next_frame();
         for warning in source.take_warnings() {
@@ -67,7 +85,7 @@ fn decode(mut source: Box<dyn Source>, range: Option<Range>, items: &Sender<Item
         }
         // A camera has no end: to stop is how a recording ends.
         if source.info().live && interrupt::asked() {
-            return;
+            break;
         }
         let frame = match next {
             Ok(Some(frame)) => frame,
@@ -78,10 +96,8 @@ fn decode(mut source: Box<dyn Source>, range: Option<Range>, items: &Sender<Item
             }
         };
         if range.is_some_and(|range| frame.number > range.last) {
-            if !sent {
-                break;
-            }
-            return;
+            ended_within = !sent;
+            break;
         }
         last_number = Some(frame.number);
         if range.is_none_or(|range| frame.number >= range.first) {
@@ -94,9 +110,10 @@ fn decode(mut source: Box<dyn Source>, range: Option<Range>, items: &Sender<Item
             return;
         }
     }
-    if let Some(item) = at_the_end(source.info(), range, last_number, sent) {
+    if ended_within && let Some(item) = at_the_end(source.info(), range, last_number, sent) {
         let _ = items.send(item);
     }
+    let _ = items.send(Item::End);
 }
 
 /// What is to be said of a sequence that ended before its range did.

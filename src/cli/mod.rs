@@ -9,13 +9,16 @@ mod interrupt;
 pub mod pixel;
 pub mod run;
 pub mod settings;
+pub mod synth;
 mod window;
 
+use std::env;
 use std::ffi::OsString;
 use std::io::{self, Write};
+use std::panic::{self, AssertUnwindSafe};
 use std::process::ExitCode;
 
-use clap::Command;
+use clap::{ArgMatches, Command};
 
 pub use flags::UsageError;
 
@@ -46,7 +49,8 @@ pub fn command() -> Command {
         .subcommand_precedence_over_arg(false)
         .subcommand(run::command())
         .subcommand(pixel::command())
-        .subcommand(settings::command());
+        .subcommand(settings::command())
+        .subcommand(flags::with_common(synth::command()));
     window::with_arguments(program)
 }
 
@@ -61,13 +65,36 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
             return ExitCode::from(error.exit_code() as u8);
         }
     };
-    let done = match matches.subcommand() {
+    tell_bugs_in_one_line();
+    // Unwinding takes away what was half written.
+    match panic::catch_unwind(AssertUnwindSafe(|| dispatch(&matches))) {
+        Ok(Ok(())) => ExitCode::SUCCESS,
+        Ok(Err(error)) => report(&error),
+        Err(_) => ExitCode::FAILURE,
+    }
+}
+
+fn dispatch(matches: &ArgMatches) -> anyhow::Result<()> {
+    match matches.subcommand() {
         Some(("run", matches)) => run::run(matches),
         Some(("pixel", matches)) => pixel::run(matches),
         Some(("settings", matches)) => settings::run(matches),
-        _ => window::run(&matches),
-    };
-    done.map_or_else(|error| report(&error), |()| ExitCode::SUCCESS)
+        Some(("synth", matches)) => flags::start_threads(matches).and_then(|()| synth::run(matches)),
+        _ => window::run(matches),
+    }
+}
+
+/// A bug is told in one line, too; who asks for a backtrace gets it.
+fn tell_bugs_in_one_line() {
+    if env::var_os("RUST_BACKTRACE").is_none() {
+        panic::set_hook(Box::new(|bug| {
+            let line = bug.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
+            let _ = writeln!(
+                io::stderr(),
+                "error: this is a bug in occluscope: {line}; please report it with what RUST_BACKTRACE=1 shows"
+            );
+        }));
+    }
 }
 
 /// Tells what went wrong in one line and gives the exit status.

@@ -146,6 +146,7 @@ impl Follow<'_> {
                 }
                 Item::Warning(text) => progress.warn(&text),
                 Item::Failed(error) => return Err(error),
+                Item::End => break,
             }
         }
         Ok(())

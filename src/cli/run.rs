@@ -205,6 +205,7 @@ fn analyse(job: &Job, frames: &Frames, staging: &Staging) -> anyhow::Result<Reco
                 continue;
             }
             Item::Failed(error) => return Err(error),
+            Item::End => break,
         };
         if let Some(hasher) = &mut hasher {
             hasher.update(&frame.rgb);
@@ -360,7 +361,7 @@ fn draw(job: &Job, record: &Record, staging: &Staging) -> anyhow::Result<()> {
     let mut pictures = frames.items().filter_map(|item| match item {
         Item::Frame(frame) => Some(Ok(frame)),
         // The first pass has told it.
-        Item::Warning(_) => None,
+        Item::Warning(_) | Item::End => None,
         Item::Failed(error) => Some(Err(error)),
     });
     let mut done = 0;

@@ -80,7 +80,7 @@ impl Style {
     fn of(shorter_side: u32) -> Self {
         let side = shorter_side as f32;
         let text = (side / 40.0).clamp(11.0, 40.0).round();
-        Self { line: (side / 320.0).clamp(1.2, 6.0), text, gap: (text / 4.0).round() }
+        Self { line: (side / 320.0).round().clamp(1.0, 6.0), text, gap: (text / 4.0).round() }
     }
 
     fn chip_height(self) -> f32 {
@@ -107,10 +107,16 @@ fn draw_trail(canvas: &mut Canvas<'_>, track: &Track, recent: &[(u32, Vec<Track>
 }
 
 fn draw_box(canvas: &mut Canvas<'_>, track: &Track, style: Style) {
-    let dash = if track.state == TrackState::Visible { 0.0 } else { style.line * 3.5 };
+    let dash = if track.state == TrackState::Visible { 0.0 } else { style.line * 4.0 };
+    // Whole pixels around the object, so that lines are sharp and hide none of it.
+    let Rect { x, y, .. } = track.bbox;
+    let (left, top) = (x.round() - style.line / 2.0, y.round() - style.line / 2.0);
+    let (right, bottom) =
+        (track.bbox.right().round() + style.line / 2.0, track.bbox.bottom().round() + style.line / 2.0);
+    let around = Rect::new(left, top, right - left, bottom - top);
     // A dark rim keeps the colour apart from a background that resembles it.
-    canvas.outline(&track.bbox, style.line + 2.0, dash, Paint::sheer(BLACK, 0.35));
-    canvas.outline(&track.bbox, style.line, dash, Paint::solid(identity_colour(track.id)));
+    canvas.outline(&around, style.line + 2.0, dash, Paint::sheer(BLACK, 0.35));
+    canvas.outline(&around, style.line, dash, Paint::solid(identity_colour(track.id)));
 }
 
 /// The groups among these objects, and the rectangle around each.
@@ -136,7 +142,7 @@ fn groups(tracks: &[Track]) -> Vec<(Vec<Identity>, Rect)> {
 
 /// Draws the banner into the upper left corner and gives the places it takes.
 fn draw_banner(canvas: &mut Canvas<'_>, number: u32, events: &[Event], style: Style) -> Vec<Rect> {
-    let mut chips = vec![(format!("frame {number}"), Paint::sheer(BLACK, 0.65), WHITE)];
+    let mut chips = vec![(format!("frame {number}"), Paint::sheer(BLACK, 0.7), WHITE)];
     // The newest first: it is what the picture shows.
     for event in events.iter().rev() {
         let what = if event.objects == event.becomes || event.becomes.is_empty() || event.objects.is_empty() {
@@ -148,7 +154,7 @@ fn draw_banner(canvas: &mut Canvas<'_>, number: u32, events: &[Event], style: St
         if event.frame == number {
             chips.push((what, Paint::solid(event_colour(event.kind)), BLACK));
         } else {
-            chips.push((what, Paint::sheer(BLACK, 0.45), event_colour(event.kind)));
+            chips.push((what, Paint::sheer(BLACK, 0.7), event_colour(event.kind)));
         }
     }
     let size = canvas.size();
@@ -256,7 +262,7 @@ mod tests {
         let tracks = vec![(9, vec![Track { bbox: Rect::new(40.0, 50.0, 20.0, 40.0), ..track(4, 0.0, 0.0) }])];
         let mut frame = grey(9, Size::new(200, 120));
         annotate(&mut frame, &Moment::at(0, &tracks, &[], 10.0));
-        assert_eq!(frame.pixel(40, 70), Some(identity_colour(4)));
+        assert_eq!(frame.pixel(39, 70), Some(identity_colour(4)));
         assert_eq!(frame.pixel(60, 70), Some(identity_colour(4)));
         for y in 53..87 {
             for x in 43..57 {
@@ -265,7 +271,7 @@ mod tests {
         }
         let label = (40..60).flat_map(|x| (30..50).map(move |y| (x, y)));
         let inked =
-            label.filter(|&(x, y)| frame.pixel(x, y).is_some_and(|[r, g, b]| r < 40 && g < 40 && b < 40));
+            label.filter(|&(x, y)| frame.pixel(x, y).is_some_and(|[r, g, b]| r < 90 && g < 90 && b < 60));
         assert!(inked.count() > 3, "the label is written above the box");
     }
 
@@ -279,7 +285,7 @@ mod tests {
         let tracks = vec![(9, vec![hidden])];
         let mut frame = grey(9, Size::new(200, 120));
         annotate(&mut frame, &Moment::at(0, &tracks, &[], 10.0));
-        let coloured = (40..100).filter(|&y| frame.pixel(99, y) == Some(identity_colour(1))).count();
+        let coloured = (40..100).filter(|&y| frame.pixel(100, y) == Some(identity_colour(1))).count();
         assert!((15..45).contains(&coloured), "{coloured} of 60");
     }
 

@@ -67,7 +67,7 @@ mod tests {
     fn it_is_json_with_a_record_a_line() {
         let mut text = Vec::new();
         write(&mut text, &[(4, vec![track(3, 1.0, 2.0), track(5, 1.0, 2.0)])]).unwrap();
-        assert_eq!(text.iter().filter(|&&byte| byte == b'\n').count(), 4);
+        assert_eq!(String::from_utf8_lossy(&text).lines().count(), 4);
         let read: serde_json::Value = serde_json::from_slice(&text).unwrap();
         assert_eq!(read[1]["id"], 5);
         assert_eq!(read[0]["state"], "visible");
