@@ -1,8 +1,8 @@
 //! The pixel inspector: one pixel's mixture now and through time, and why it was decided so.
 //!
-//! [`now`] draws the mixture of the frame in view, [`history`] how it came about, [`scatter`]
+//! `now` draws the mixture of the frame in view, `history` how it came about, `scatter`
 //! where the values lie among the channels. They draw; what they show is worked out in
-//! [`crate::mixture`] and, for long histories, in [`bins`].
+//! [`crate::mixture`] and, for long histories, in `bins`.
 
 mod bins;
 mod chart;

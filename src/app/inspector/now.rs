@@ -111,8 +111,9 @@ fn details(ui: &mut Ui, words: &Verdict) {
     ui.spacing_mut().item_spacing.y = 3.0;
 }
 
-fn caption(ui: &mut Ui, text: &str) {
-    ui.label(style::aside(ui, text));
+/// A plot's caption; what it takes more than a line to say stands in its tip, out of the plot's way.
+fn caption(ui: &mut Ui, text: &str, meaning: &str) {
+    ui.label(style::aside(ui, text)).on_hover_text(meaning);
 }
 
 /// A small plot for each channel, one under the other on the same 0..255.
@@ -123,7 +124,14 @@ fn densities(ui: &mut Ui, chosen: &Chosen<'_>, rows: &[Row]) {
     let channels = chosen.channels();
     let height = (CURVES + lanes + 8.0) * channels.len() as f32 + TICKS + 2.0;
     let lambda = chosen.history.parameters.lambda;
-    caption(ui, &format!("Densities w·η; the bars under them: μ ± {}σ", number(lambda)));
+    caption(
+        ui,
+        &format!("Densities w·η; the bars under them: μ ± {}σ", number(lambda)),
+        "Each curve is a component's marginal in one channel, with the component's variance σ². σ² follows the squared \
+         distance summed over the channels, so with three channels a curve is wider than the data of its channel alone. \
+         A value matches where its distance over all channels together is at most λσ; being inside the bar of one \
+         channel is necessary, not sufficient. Filled: background. Dashed: foreground.",
+    );
 
     let (area, response) = ui.allocate_exact_size(Vec2::new(ui.available_width(), height), Sense::hover());
     let summary = channels
@@ -135,12 +143,6 @@ fn densities(ui: &mut Ui, chosen: &Chosen<'_>, rows: &[Row]) {
     response.widget_info(|| {
         WidgetInfo::labeled(Role::Image, true, format!("Densities of {} components at {summary}", rows.len()))
     });
-    response.on_hover_text(
-        "Each curve is a component's marginal in one channel, with the component's variance σ². σ² follows the squared \
-         distance summed over the channels, so with three channels a curve is wider than the data of its channel alone. \
-         A value matches where its distance over all channels together is at most λσ; being inside the bar of one \
-         channel is necessary, not sufficient. Filled: background. Dashed: foreground.",
-    );
     if !ui.is_rect_visible(area) {
         return;
     }
@@ -253,17 +255,18 @@ fn curve(
 fn weights(ui: &mut Ui, chosen: &Chosen<'_>, rows: &[Row], count: usize) {
     const BAR: f32 = 13.0;
     let t = chosen.history.parameters.t;
-    caption(ui, &format!("Weights, added up in rank order until they exceed T: B = {count}"));
+    caption(
+        ui,
+        &format!("Weights, added up in rank order until they exceed T: B = {count}"),
+        "Each bar is a weight and starts where the sum of the weights above it ends. B is the first rank at which the \
+         sum exceeds T: the components down to it are background, those below it are foreground.",
+    );
     let height = 14.0 + BAR * rows.len() as f32 + 2.0 + TICKS;
     let (area, response) = ui.allocate_exact_size(Vec2::new(ui.available_width(), height), Sense::hover());
     let listed = rows.iter().map(|row| format!("{:.3}", row.component.weight)).collect::<Vec<_>>().join(", ");
     response.widget_info(|| {
         WidgetInfo::labeled(Role::Image, true, format!("Weights {listed}; T = {}; B = {count}", number(t)))
     });
-    response.on_hover_text(
-        "Each bar is a weight and starts where the sum of the weights above it ends. B is the first rank at which the \
-         sum exceeds T: the components down to it are background, those below it are foreground.",
-    );
     let (painter, visuals) = (ui.painter_at(area), ui.visuals());
     let bars = Rect::from_min_size(
         Pos2::new(area.left(), area.top() + 14.0),

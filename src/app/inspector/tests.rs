@@ -63,6 +63,7 @@ fn shown_of(settings: Settings, history: Option<PixelHistory>, position: u32) ->
             mask: Arc::new(mask),
             labels: Arc::new(Labels { size: SIZE, data: vec![0; SIZE.pixels()] }),
             regions: Arc::default(),
+            objects: Arc::default(),
             tracks: Arc::default(),
             tentative: Arc::default(),
             objects: Arc::default(),
@@ -212,6 +213,27 @@ fn eight_components_where_nothing_matches_can_be_drawn() {
         open(&mut harness, by);
         picture(&mut harness, &format!("crowded-scatter-{by}"));
     }
+}
+
+#[test]
+fn a_low_panel_scrolls_under_the_verdict() {
+    let (mut harness, _) = harness(Some(shown(430)), Vec2::new(340.0, 400.0), Theme::Light);
+    let (headline, before) =
+        (harness.get_by_label("Now").rect(), harness.get_by_label_contains("Weights 0").rect());
+    harness.hover_at(Pos2::new(150.0, 300.0));
+    harness.event(egui::Event::MouseWheel {
+        unit: egui::MouseWheelUnit::Point,
+        delta: Vec2::new(0.0, -180.0),
+        phase: egui::TouchPhase::Move,
+        source: egui::MouseWheelSource::Wheel,
+        modifiers: egui::Modifiers::NONE,
+    });
+    // A scroll is smoothed over several frames.
+    harness.run_steps(8);
+    assert_eq!(harness.get_by_label("Now").rect(), headline, "tabs and verdict stay");
+    let after = harness.get_by_label_contains("Weights 0").rect();
+    assert!(after.top() < before.top() - 100.0, "{before:?} to {after:?}");
+    picture(&mut harness, "scrolled");
 }
 
 #[test]
