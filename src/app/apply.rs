@@ -122,9 +122,7 @@ impl Window {
     fn open_sample(&mut self, ctx: &Context) {
         match sample::unpacked() {
             Ok(path) => self.open(ctx, &path.to_string_lossy(), Start::FirstOcclusion),
-            Err(why) => {
-                self.toasts.error(why);
-            }
+            Err(why) => self.toasts.fail(ctx, why),
         }
     }
 

@@ -21,6 +21,7 @@ mod settings_panel;
 mod state;
 mod status;
 mod timeline;
+mod toasts;
 mod top_bar;
 mod transport;
 mod views;
@@ -41,6 +42,7 @@ use self::export_frame::{Exports, Picture};
 use self::finder::Finder;
 use self::inspector::{Inspector, InspectorAction};
 use self::state::{Model, Opener};
+use self::toasts::Toasts;
 use self::views::{Textures, View};
 use crate::replay::{Session, Start};
 use crate::settings::Settings;
@@ -94,7 +96,7 @@ struct Window {
     model: Model,
     tree: egui_tiles::Tree<View>,
     textures: Textures,
-    toasts: egui_notify::Toasts,
+    toasts: Toasts,
     dialogs: Dialogs,
     finder: Finder,
     help: bool,
@@ -113,7 +115,7 @@ impl Window {
             model: Model::new(settings),
             tree: views::default_tree(),
             textures: Textures::default(),
-            toasts: egui_notify::Toasts::default().with_anchor(egui_notify::Anchor::BottomRight),
+            toasts: Toasts::default(),
             dialogs: Dialogs::default(),
             finder: Finder::default(),
             help: false,
@@ -137,10 +139,13 @@ impl Window {
     fn advance(&mut self, ctx: &Context) {
         let news = self.model.take();
         for warning in news.warnings {
-            self.toasts.warning(warning).duration(Duration::from_secs(8));
+            self.toasts.warn(ctx, warning);
         }
         if let Some(why) = news.failed {
-            self.toasts.error(why).duration(Duration::from_secs(8));
+            // What could not be opened at all says so in the middle.
+            if self.model.shown().is_some() {
+                self.toasts.fail(ctx, why);
+            }
         }
         match self.dialogs.answer() {
             Some(Answer::Open(path)) => {
@@ -155,10 +160,10 @@ impl Window {
         }
         match self.exports.done() {
             Some(Ok(path)) => {
-                self.toasts.success(format!("Wrote {}", path.display()));
+                self.toasts.done(ctx, format!("Wrote {}", path.display()));
             }
             Some(Err(why)) => {
-                self.toasts.error(why).duration(Duration::from_secs(8));
+                self.toasts.fail(ctx, why);
             }
             None => {}
         }
@@ -243,6 +248,7 @@ impl Window {
         let (tree, textures) = (&mut self.tree, &mut self.textures);
         CentralPanel::no_frame().show(ui, |ui| {
             if model.shown().is_some() {
+                welcome::stopped(ui, model, commands);
                 views::show(ui, tree, textures, model, commands);
             } else {
                 welcome::ui(ui, model, commands);

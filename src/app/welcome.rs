@@ -1,13 +1,13 @@
 //! What stands in the middle while there is no frame to look at: nothing opened, opening, failed.
 
-use eframe::egui::{Align, Button, Layout, RichText, Spinner, Ui, vec2};
+use eframe::egui::{Align, Button, Frame, Layout, Margin, Panel, RichText, Spinner, Ui, vec2};
 use egui_material_icons::icons as m;
 
 use super::command::{Action, Command};
 use super::icons::Icon;
 use super::state::Model;
 use super::theme;
-use crate::replay::Phase;
+use crate::replay::{Phase, Start};
 
 /// Shows it.
 pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
@@ -48,6 +48,24 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
                 choices(ui, commands);
             }
         }
+    });
+}
+
+/// A strip over the views when the analysis has broken off while there was already something to see.
+pub(crate) fn stopped(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    let Some(Phase::Failed(why)) = model.state.as_ref().map(|state| &state.phase) else { return };
+    let colours = theme::colours(ui.visuals());
+    let strip = Frame::new().fill(colours.bad.gamma_multiply(0.18)).inner_margin(Margin::symmetric(10, 6));
+    Panel::top("stopped").frame(strip).show(ui, |ui| {
+        ui.horizontal_wrapped(|ui| {
+            ui.label(m::ICON_ERROR.rich_text().size(theme::ICON).color(colours.bad));
+            ui.label(why);
+            if let Some(name) = &model.opened
+                && ui.button("Open again").clicked()
+            {
+                commands.push(Command::Open(name.clone(), Start::First));
+            }
+        });
     });
 }
 

@@ -66,7 +66,6 @@ fn shown_of(settings: Settings, history: Option<PixelHistory>, position: u32) ->
             objects: Arc::default(),
             tracks: Arc::default(),
             tentative: Arc::default(),
-            objects: Arc::default(),
             events: Arc::default(),
             counters: Counters::default(),
         }),
