@@ -114,7 +114,7 @@ fn readable(ui: &Ui, colour: [u8; 3]) -> Color32 {
     }
 }
 
-/// Who an event was about: `3 + 5`, `3 + 5 → 3, 7`.
+/// Who an event was about: `3 + 5`, `3 + 5 ➡ 3, 7`.
 pub(crate) fn participants(event: &Event) -> String {
     let join = |ids: &[u32], with: &str| ids.iter().map(ToString::to_string).collect::<Vec<_>>().join(with);
     let before = join(&event.objects, " + ");
@@ -124,7 +124,7 @@ pub(crate) fn participants(event: &Event) -> String {
     match (same, before.is_empty()) {
         (true, _) => before,
         (false, true) => after,
-        (false, false) => format!("{before} → {after}"),
+        (false, false) => format!("{before} ➡ {after}"),
     }
 }
 
@@ -250,7 +250,7 @@ mod tests {
             evidence: crate::occlusion::Evidence::default(),
         };
         assert_eq!(participants(&event(EventKind::Merge, &[3, 5], &[3, 5])), "3 + 5");
-        assert_eq!(participants(&event(EventKind::Demerge, &[3, 5], &[3, 7])), "3 + 5 → 3, 7");
+        assert_eq!(participants(&event(EventKind::Demerge, &[3, 5], &[3, 7])), "3 + 5 ➡ 3, 7");
         assert_eq!(participants(&event(EventKind::Enter, &[], &[4])), "4");
         assert_eq!(participants(&event(EventKind::Disappear, &[4], &[])), "4");
     }

@@ -29,17 +29,20 @@ pub(crate) fn ui(ctx: &Context, open: &mut bool) {
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| close = ui.button("Close").clicked());
         });
         ui.add_space(2.0 * theme::SPACE);
-        ScrollArea::vertical().max_height(room.height() - 140.0).show(ui, |ui| {
-            ui.columns(2, |columns| {
-                if let [left, right] = columns {
-                    keys(left, Menu::Analysis);
-                    keys(right, Menu::View);
-                    keys(right, Menu::File);
-                    keys(right, Menu::Help);
-                    pointer(right);
-                }
+        ScrollArea::vertical()
+            .max_height(room.height() - 140.0)
+            .min_scrolled_height(room.height() - 140.0)
+            .show(ui, |ui| {
+                ui.columns(2, |columns| {
+                    if let [left, right] = columns {
+                        keys(left, Menu::Analysis);
+                        keys(right, Menu::View);
+                        keys(right, Menu::File);
+                        keys(right, Menu::Help);
+                        pointer(right);
+                    }
+                });
             });
-        });
         close
     });
     if response.inner || response.should_close() {

@@ -137,15 +137,8 @@ impl Window {
 
     /// Takes in what the worker, the dialogs and the clock have brought; draws nothing.
     fn advance(&mut self, ctx: &Context) {
-        let news = self.model.take();
-        for warning in news.warnings {
+        for warning in self.model.take() {
             self.toasts.warn(ctx, warning);
-        }
-        if let Some(why) = news.failed {
-            // What could not be opened at all says so in the middle.
-            if self.model.shown().is_some() {
-                self.toasts.fail(ctx, why);
-            }
         }
         match self.dialogs.answer() {
             Some(Answer::Open(path)) => {

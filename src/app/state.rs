@@ -245,19 +245,13 @@ impl Model {
         EventKind::ALL.iter().zip(self.listed).any(|(&each, listed)| each == kind && listed)
     }
 
-    /// Takes what the worker has published; says what is new in it.
-    pub(crate) fn take(&mut self) -> News {
-        let Some(player) = &self.player else { return News::default() };
+    /// Takes what the worker has published; returns the warnings that are new in it.
+    pub(crate) fn take(&mut self) -> Vec<String> {
+        let Some(player) = &self.player else { return Vec::new() };
         let state = player.state();
         let before = self.state.as_ref();
         let warned = before.map_or(0, |before| before.warnings.len());
-        let failed = match &state.phase {
-            Phase::Failed(why) if before.is_none_or(|before| before.phase != state.phase) => {
-                Some(why.clone())
-            }
-            _ => None,
-        };
-        let news = News { warnings: state.warnings.iter().skip(warned).cloned().collect(), failed };
+        let news = state.warnings.iter().skip(warned).cloned().collect();
         if let Some(shown) = &state.shown {
             if state.timeline.complete {
                 // A position that turned out not to exist is answered by the last that does.
@@ -338,13 +332,4 @@ impl Model {
         self.go_to(position + 1);
         Some(period)
     }
-}
-
-/// What is new in what the worker published.
-#[derive(Debug, Default)]
-pub(crate) struct News {
-    /// Warnings that were not there before.
-    pub(crate) warnings: Vec<String>,
-    /// Why it cannot go on, if it has only just found out.
-    pub(crate) failed: Option<String>,
 }

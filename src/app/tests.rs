@@ -168,16 +168,9 @@ fn event(kind: EventKind, frame: u32, objects: &[u32], at: (f32, f32)) -> (u32, 
         Evidence { branch: format!("{} because region 4 grew", kind.name()), ..Evidence::default() };
     evidence.compare("size change", 0.41, 0.2, true);
     evidence.note("ΔE of 1 with piece 2", 12.5);
-    let event = Event {
-        frame,
-        kind,
-        objects: objects.to_vec(),
-        becomes: objects.to_vec(),
-        x: at.0,
-        y: at.1,
-        front: None,
-        evidence,
-    };
+    let becomes = if kind == EventKind::Demerge { vec![1, 4] } else { objects.to_vec() };
+    let event =
+        Event { frame, kind, objects: objects.to_vec(), becomes, x: at.0, y: at.1, front: None, evidence };
     (frame - 1, event)
 }
 

@@ -85,8 +85,9 @@ pub const fn rgb(colour: [u8; 3]) -> Color32 {
 
 /// Black or white, whichever is better read on `background`.
 pub fn ink_on(background: Color32) -> Color32 {
-    let [r, g, b, _] = background.to_array().map(f32::from);
-    if 0.299 * r + 0.587 * g + 0.114 * b > 128.0 { Color32::from_rgb(12, 14, 18) } else { Color32::WHITE }
+    let [r, g, b, _] = background.to_array().map(|channel| (f32::from(channel) / 255.0).powf(2.2));
+    // Where black and white are read equally well, by the ratio of luminances.
+    if 0.2126 * r + 0.7152 * g + 0.0722 * b > 0.18 { Color32::from_rgb(12, 14, 18) } else { Color32::WHITE }
 }
 
 /// The frame of a sheet that lies over the window.

@@ -48,6 +48,6 @@ impl Toasts {
     }
 
     fn add(&mut self, text: impl Into<String>, icon: Icon, colour: Color32, time: Duration) {
-        self.0.custom(text.into(), icon.codepoint.to_owned(), colour).duration(time).closable(true);
+        self.0.custom(text.into(), icon.codepoint.to_owned(), colour).duration(time).closable(false);
     }
 }
