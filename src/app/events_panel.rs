@@ -1,7 +1,7 @@
 //! The list of events, and the evidence behind the one that is read.
 
 use eframe::egui::{
-    Align, Align2, Button, Color32, FontId, Grid, Layout, RichText, ScrollArea, Sense, Ui, WidgetInfo,
+    Align, Align2, Button, Color32, FontId, Label, Layout, RichText, ScrollArea, Sense, Ui, WidgetInfo,
     accesskit::Role, vec2,
 };
 use egui_material_icons::icons as m;
@@ -9,6 +9,7 @@ use egui_material_icons::icons as m;
 use super::command::Command;
 use super::state::Model;
 use super::{icons, theme};
+use crate::occlusion::event::Comparison;
 use crate::occlusion::{Event, EventKind};
 use crate::palette::{event_colour, identity_colour};
 
@@ -114,7 +115,7 @@ fn readable(ui: &Ui, colour: [u8; 3]) -> Color32 {
     }
 }
 
-/// Who an event was about: `3 + 5`, `3 + 5 ➡ 3, 7`.
+/// Who an event was about: `3 + 5`, `3 + 5 » 3, 7`.
 pub(crate) fn participants(event: &Event) -> String {
     let join = |ids: &[u32], with: &str| ids.iter().map(ToString::to_string).collect::<Vec<_>>().join(with);
     let before = join(&event.objects, " + ");
@@ -124,7 +125,7 @@ pub(crate) fn participants(event: &Event) -> String {
     match (same, before.is_empty()) {
         (true, _) => before,
         (false, true) => after,
-        (false, false) => format!("{before} ➡ {after}"),
+        (false, false) => format!("{before} » {after}"),
     }
 }
 
@@ -188,7 +189,6 @@ fn row(ui: &mut Ui, event: &Event, current: bool, read: bool) -> bool {
 }
 
 fn evidence(ui: &mut Ui, event: &Event, commands: &mut Vec<Command>) {
-    let colours = theme::colours(ui.visuals());
     ui.horizontal(|ui| {
         let colour = readable(ui, event_colour(event.kind));
         ui.label(icons::coloured(icons::of_event(event.kind), colour));
@@ -210,25 +210,33 @@ fn evidence(ui: &mut Ui, event: &Event, commands: &mut Vec<Command>) {
             event.evidence.objects_before, event.evidence.objects_now
         ));
         ui.add_space(theme::SPACE);
-        Grid::new("comparisons").num_columns(4).striped(true).spacing(vec2(10.0, 4.0)).show(ui, |ui| {
-            for comparison in &event.evidence.comparisons {
-                if comparison.threshold.is_some() {
-                    let (icon, colour, word) = if comparison.holds {
-                        (m::ICON_CHECK, colours.good, "speaks for it")
-                    } else {
-                        (m::ICON_CLOSE, colours.bad, "speaks against it")
-                    };
-                    ui.label(icon.rich_text().size(14.0).color(colour)).on_hover_text(word);
-                } else {
-                    ui.label("");
-                }
-                ui.label(&comparison.what);
-                ui.monospace(format!("{:.2}", comparison.value));
-                let limit =
-                    comparison.threshold.map_or_else(String::new, |limit| format!("limit {limit:.2}"));
-                ui.label(RichText::new(limit).monospace().color(colours.weak));
-                ui.end_row();
-            }
+        for comparison in &event.evidence.comparisons {
+            compared(ui, comparison);
+        }
+    });
+}
+
+/// What was compared to the left, the number and its limit to the right.
+fn compared(ui: &mut Ui, comparison: &Comparison) {
+    let colours = theme::colours(ui.visuals());
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = theme::SPACE;
+        let (icon, colour, word) = match (comparison.threshold, comparison.holds) {
+            (None, _) => (m::ICON_REMOVE, colours.weak, "noted"),
+            (_, true) => (m::ICON_CHECK, colours.good, "speaks for it"),
+            (_, false) => (m::ICON_CLOSE, colours.bad, "speaks against it"),
+        };
+        ui.label(icon.rich_text().size(14.0).color(colour)).on_hover_text(word);
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            let limit = comparison.threshold.map_or_else(String::new, |limit| format!("limit {limit:.2}"));
+            ui.add_sized(
+                vec2(84.0, 16.0),
+                Label::new(RichText::new(limit).monospace().color(colours.weak)).halign(Align::RIGHT),
+            );
+            ui.monospace(format!("{:.2}", comparison.value));
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                ui.add(Label::new(&comparison.what).truncate());
+            });
         });
     });
 }
@@ -250,7 +258,7 @@ mod tests {
             evidence: crate::occlusion::Evidence::default(),
         };
         assert_eq!(participants(&event(EventKind::Merge, &[3, 5], &[3, 5])), "3 + 5");
-        assert_eq!(participants(&event(EventKind::Demerge, &[3, 5], &[3, 7])), "3 + 5 ➡ 3, 7");
+        assert_eq!(participants(&event(EventKind::Demerge, &[3, 5], &[3, 7])), "3 + 5 » 3, 7");
         assert_eq!(participants(&event(EventKind::Enter, &[], &[4])), "4");
         assert_eq!(participants(&event(EventKind::Disappear, &[4], &[])), "4");
     }

@@ -65,7 +65,7 @@ pub fn run(video: Option<String>, settings: Settings) -> anyhow::Result<()> {
     };
     let create = move |creation: &eframe::CreationContext<'_>| -> Result<Box<dyn eframe::App>, _> {
         let mut window = Window::new(&creation.egui_ctx, settings, Box::new(open_session));
-        window.restore(creation.storage);
+        window.restore(&creation.egui_ctx, creation.storage);
         window.apply(&creation.egui_ctx, first);
         Ok(Box::new(window))
     };
@@ -106,6 +106,7 @@ struct Window {
     exports: Exports,
     inspector: Inspector,
     sent_at: Option<Instant>,
+    light: bool,
 }
 
 impl Window {
@@ -124,15 +125,21 @@ impl Window {
             exports: Exports::default(),
             inspector: Inspector::default(),
             sent_at: None,
+            light: false,
         }
     }
 
     /// Takes over how the window was left; what cannot be read is as in a first start.
-    fn restore(&mut self, storage: Option<&dyn eframe::Storage>) {
-        let layout = storage.and_then(|storage| eframe::get_value(storage, LAYOUT));
-        if let Some(tree) = layout {
+    fn restore(&mut self, ctx: &Context, storage: Option<&dyn eframe::Storage>) {
+        let layout: Option<egui_tiles::Tree<View>> =
+            storage.and_then(|storage| eframe::get_value(storage, LAYOUT));
+        if let Some(tree) =
+            layout.filter(|tree| View::ALL.iter().all(|view| tree.tiles.find_pane(view).is_some()))
+        {
             self.tree = tree;
         }
+        let light = storage.and_then(|storage| eframe::get_value(storage, LIGHT)).unwrap_or(false);
+        ctx.set_theme(if light { egui::Theme::Light } else { egui::Theme::Dark });
     }
 
     /// Takes in what the worker, the dialogs and the clock have brought; draws nothing.
@@ -254,6 +261,8 @@ impl Window {
 const TRANSPORT: f32 = 244.0;
 /// Under which name the places of the views are kept from start to start.
 const LAYOUT: &str = "layout";
+/// Under which name it is kept whether the window is light.
+const LIGHT: &str = "light";
 
 impl eframe::App for Window {
     fn logic(&mut self, ctx: &Context, _frame: &mut eframe::Frame) {
@@ -266,6 +275,7 @@ impl eframe::App for Window {
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
         eframe::set_value(storage, LAYOUT, &self.tree);
+        eframe::set_value(storage, LIGHT, &self.light);
     }
 }
 
@@ -273,6 +283,7 @@ impl Window {
     /// Draws everything, then does what was asked for meanwhile.
     fn show(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
+        self.light = ctx.theme() == egui::Theme::Light;
         let mut commands = Vec::new();
         if !self.help && !self.finder.is_open() {
             keys::pressed(&ctx, &mut commands);

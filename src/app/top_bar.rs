@@ -43,7 +43,7 @@ pub(crate) fn allowed(model: &Model, entry: &Entry) -> bool {
         Action::Undo => model.history.can().0,
         Action::Redo => model.history.can().1,
         Action::ClearPixel => model.chosen.is_some(),
-        _ => entry.always || model.is_ready(),
+        _ => entry.always || model.shown().is_some(),
     }
 }
 

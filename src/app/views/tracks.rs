@@ -52,7 +52,9 @@ fn object(pane: &Pane<'_>, track: &Track) {
     let gate = vec2(major, minor) * pane.canvas.scale;
     if gate.x.is_finite() && gate.y.is_finite() && gate.length() < 4.0 * pane.canvas.rect.width() {
         let centre = pane.canvas.screen(track.centre);
-        draw::ellipse(pane.painter, centre, gate, angle, Stroke::new(1.0, colour.gamma_multiply(0.8)));
+        // A gate grows while nothing is measured; large and strong it would hide the picture.
+        let strength = if track.state == TrackState::Visible { 0.8 } else { 0.4 };
+        draw::ellipse(pane.painter, centre, gate, angle, Stroke::new(1.0, colour.gamma_multiply(strength)));
     }
     draw::tag(pane.painter, place.left_top() - vec2(1.0, 1.0), &word, colour, pane.canvas.rect);
 }
