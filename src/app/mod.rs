@@ -189,6 +189,8 @@ impl Window {
         }
         self.sent_at = Some(Instant::now());
         self.model.sent = self.model.settings.clone();
+        // Under other settings, other events stand at its place.
+        self.model.reading = None;
         if let Some(player) = &self.model.player {
             player.set_settings(self.model.settings.clone());
         }

@@ -418,6 +418,10 @@ fn a_click_in_the_event_list_jumps_and_shows_the_evidence() {
     harness.get_by_label("Why merge 1 + 2");
     harness.get_by_label("merge because region 4 grew");
     harness.get_by_label("size change");
+    // Under other settings another event may stand at its place.
+    harness.get_by_label("t slider").set_value_accesskit(0.9);
+    harness.run_steps(8);
+    assert!(harness.query_by_label("Why merge 1 + 2").is_none());
 }
 
 #[test]
