@@ -112,7 +112,7 @@ pub(crate) struct Shortcut {
 
 impl Shortcut {
     /// Whether a key press means this shortcut.
-    pub(crate) fn matches(&self, key: Key, modifiers: Modifiers) -> bool {
+    pub(crate) fn matches(self, key: Key, modifiers: Modifiers) -> bool {
         let needs_shift = matches!(self.key, Key::Questionmark | Key::Plus);
         key == self.key
             && modifiers.command == self.ctrl
@@ -121,7 +121,7 @@ impl Shortcut {
     }
 
     /// As it is written in menus: `Ctrl+Shift+Z`.
-    pub(crate) fn text(&self) -> String {
+    pub(crate) fn text(self) -> String {
         let key = match self.key {
             Key::ArrowLeft => "Left",
             Key::ArrowRight => "Right",

@@ -55,7 +55,7 @@ impl Finder {
                     for (index, entry) in found.iter().enumerate() {
                         let chosen = index == self.chosen;
                         let shortcut =
-                            entry.shortcuts.first().map_or_else(String::new, super::command::Shortcut::text);
+                            entry.shortcuts.first().map_or_else(String::new, |shortcut| shortcut.text());
                         let button = Button::selectable(chosen, (icons::text(entry.icon), entry.text))
                             .shortcut_text(shortcut);
                         let response = ui.add(button).accessible_name(entry.text);

@@ -2,7 +2,7 @@
 
 use eframe::egui::{Align, Context, Grid, Id, Layout, Modal, RichText, ScrollArea, Ui, vec2};
 
-use super::command::{ACTIONS, Menu, Shortcut};
+use super::command::{ACTIONS, Menu};
 use super::theme;
 
 /// What the pointer does.
@@ -54,7 +54,7 @@ fn keys(ui: &mut Ui, menu: Menu) {
     heading(ui, menu.name());
     Grid::new(menu.name()).num_columns(2).spacing(vec2(16.0, 5.0)).show(ui, |ui| {
         for entry in ACTIONS.iter().filter(|entry| entry.menu == menu && !entry.shortcuts.is_empty()) {
-            let keys: Vec<String> = entry.shortcuts.iter().map(Shortcut::text).collect();
+            let keys: Vec<String> = entry.shortcuts.iter().map(|shortcut| shortcut.text()).collect();
             ui.label(RichText::new(keys.join("  ")).monospace().color(theme::colours(ui.visuals()).accent));
             ui.label(entry.text.trim_end_matches('…')).on_hover_text(entry.tooltip);
             ui.end_row();

@@ -77,17 +77,20 @@ fn open_session(name: &str, settings: Settings, start: Start, ctx: &Context) -> 
     Box::new(Session::open(name, settings, start, move || ctx.request_repaint()))
 }
 
-/// Why there can be no window, in one line.
+/// Why there can be no window, in one line. The libraries' own words speak of their source files.
 fn explain(error: &eframe::Error) -> anyhow::Error {
-    let why = error.to_string().replace('\n', " ");
     match error {
         eframe::Error::Wgpu(_) => anyhow::anyhow!(
-            "the window cannot be opened: no graphics adapter can be used ({why}); install a Vulkan or OpenGL \
-             driver (mesa-vulkan-drivers works without a graphics card), or use the commands that need no window"
+            "the window cannot be opened: no graphics adapter can be used; install a Vulkan or OpenGL driver \
+             (mesa-vulkan-drivers works without a graphics card), or use the commands that need no window"
         ),
-        _ => anyhow::anyhow!(
-            "the window cannot be opened: {why}; check that a display is there, or use the commands that need no window"
+        eframe::Error::Winit(_) | eframe::Error::WinitEventLoop(_) => anyhow::anyhow!(
+            "the window cannot be opened: no display can be reached; check DISPLAY or WAYLAND_DISPLAY, or use \
+             the commands that need no window"
         ),
+        other @ eframe::Error::AppCreation(_) => {
+            anyhow::anyhow!("the window cannot be opened: {}", other.to_string().replace('\n', " "))
+        }
     }
 }
 

@@ -11,24 +11,19 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model) {
     let colours = theme::colours(ui.visuals());
     ui.horizontal_centered(|ui| {
         ui.spacing_mut().item_spacing.x = 3.0 * theme::SPACE;
-        match model.hovered.zip(model.shown()) {
-            Some((hover, shown)) => {
-                let (x, y) = hover.pixel;
-                ui.label(RichText::new(format!("{x}, {y}")).monospace());
-                let value = hover.view.value(shown, model.background, hover.pixel);
-                ui.label(RichText::new(format!("{}  {value}", hover.view.title())).monospace());
-                ui.label(
-                    RichText::new(format!("{:.0} %", hover.scale * 100.0)).monospace().color(colours.weak),
-                );
-            }
-            None => {
-                let hint = if model.is_ready() {
-                    "Click a pixel to inspect it  ·  wheel zooms, drag pans, F fits  ·  ? shows all keys"
-                } else {
-                    ""
-                };
-                ui.label(RichText::new(hint).size(theme::SMALL).color(colours.weak));
-            }
+        if let Some((hover, shown)) = model.hovered.zip(model.shown()) {
+            let (x, y) = hover.pixel;
+            ui.label(RichText::new(format!("{x}, {y}")).monospace());
+            let value = hover.view.value(shown, model.background, hover.pixel);
+            ui.label(RichText::new(format!("{}  {value}", hover.view.title())).monospace());
+            ui.label(RichText::new(format!("{:.0} %", hover.scale * 100.0)).monospace().color(colours.weak));
+        } else {
+            let hint = if model.is_ready() {
+                "Click a pixel to inspect it  ·  wheel zooms, drag pans, F fits  ·  ? shows all keys"
+            } else {
+                ""
+            };
+            ui.label(RichText::new(hint).size(theme::SMALL).color(colours.weak));
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             ui.spacing_mut().item_spacing.x = 3.0 * theme::SPACE;

@@ -176,8 +176,8 @@ fn event(kind: EventKind, frame: u32, objects: &[u32], at: (f32, f32)) -> (u32, 
 
 fn timeline() -> Timeline {
     use EventKind::{Demerge, Disappear, Enter, Merge, Reappear};
-    let life = |id, spans: &[(u32, u32, TrackState)]| LifeLine { id, spans: spans.to_vec() };
     use TrackState::{Hidden, Merged, Visible};
+    let life = |id, spans: &[(u32, u32, TrackState)]| LifeLine { id, spans: spans.to_vec() };
     let crossing = [(0, 49, Visible), (50, 69, Merged), (70, 119, Visible)];
     Timeline {
         numbers: (1..=FRAMES).collect(),
@@ -376,8 +376,9 @@ fn every_setting_has_a_control_and_sliders_change_them() {
     harness.run_steps(2);
     for stage in ["Cleaning", "Regions", "Tracking", "Occlusion"] {
         // The view of the regions has their name too; the settings stand to the left of it.
-        let headers = harness.get_all_by_label_contains(stage).filter(|node| node.rect().left() < 60.0);
-        headers.last().unwrap().click_accesskit();
+        let left = |node: &egui_kittest::Node<'_>| node.rect().left() < 60.0;
+        let header = harness.get_all_by_label_contains(stage).rfind(left).unwrap();
+        header.click_accesskit();
         harness.run_steps(12);
     }
     for setting in SETTINGS {

@@ -28,7 +28,7 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 }
 
 fn item(ui: &mut Ui, model: &Model, entry: &'static Entry, commands: &mut Vec<Command>) {
-    let shortcut = entry.shortcuts.first().map_or_else(String::new, super::command::Shortcut::text);
+    let shortcut = entry.shortcuts.first().map_or_else(String::new, |shortcut| shortcut.text());
     let button = Button::new((icons::text(entry.icon), entry.text)).shortcut_text(shortcut);
     let response = ui.add_enabled(allowed(model, entry), button).accessible_name(entry.text);
     if response.on_hover_text(entry.tooltip).clicked() {

@@ -45,7 +45,7 @@ fn button(ui: &mut Ui, action: Action, icon: Icon, name: &str) -> bool {
     button = if main { button.fill(colours.accent) } else { button.frame_when_inactive(false) };
     ui.spacing_mut().button_padding = vec2(3.0, 0.0);
     let keys = action.entry().map_or_else(String::new, |entry| {
-        entry.shortcuts.iter().map(super::command::Shortcut::text).collect::<Vec<_>>().join(" or ")
+        entry.shortcuts.iter().map(|shortcut| shortcut.text()).collect::<Vec<_>>().join(" or ")
     });
     ui.add(button).accessible_name(name).on_hover_text(format!("{name} ({keys})")).clicked()
 }

@@ -45,19 +45,15 @@ impl Textures {
             return texture.id();
         }
         let picture = picture(size, ctx.input(|input| input.max_texture_side), colour);
-        match self.kept.get_mut(&(view, slot)) {
-            Some((known, texture)) => {
-                *known = origin;
-                texture.set(picture, OPTIONS);
-                texture.id()
-            }
-            None => {
-                let texture = ctx.load_texture(format!("{} {slot}", view.title()), picture, OPTIONS);
-                let id = texture.id();
-                self.kept.insert((view, slot), (origin, texture));
-                id
-            }
+        if let Some((known, texture)) = self.kept.get_mut(&(view, slot)) {
+            *known = origin;
+            texture.set(picture, OPTIONS);
+            return texture.id();
         }
+        let texture = ctx.load_texture(format!("{} {slot}", view.title()), picture, OPTIONS);
+        let id = texture.id();
+        self.kept.insert((view, slot), (origin, texture));
+        id
     }
 
     /// Forgets all pictures, for another video.
