@@ -13,9 +13,14 @@
 //! return. [`pipeline`] takes one frame through all of it; [`replay`] goes back and forth in time.
 //! [`export`] writes results, [`cli`] is the command line, `app` (feature `gui`) the window.
 
+#[cfg(feature = "gui")]
+pub mod app;
+pub mod cli;
+pub mod export;
 pub mod frame;
 pub mod mixture;
 pub mod occlusion;
+pub mod palette;
 pub mod pipeline;
 pub mod regions;
 pub mod replay;

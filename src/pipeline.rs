@@ -135,19 +135,19 @@ impl Pipeline {
     /// Begins tracking anew under `settings`, of which only those of tracking and occlusion may
     /// differ; the model and all before tracking stay as they are.
     pub fn restart_tracking(&mut self, settings: &Settings, fps: f32) {
-        self.tracker = Tracker::new(settings, self.size, fps);
+        self.reasoner = Reasoner::new(settings, self.size, fps);
     }
 
     /// Takes the regions of a frame that was analysed before through tracking and occlusion alone,
     /// after [`Self::restart_tracking`] and in the frames' order.
     pub fn track_again(&mut self, analysis: &Analysis) -> Analysis {
-        let seen = self.tracker.step(analysis.number, &analysis.regions);
+        let seen = self.reasoner.step(analysis.number, &analysis.regions);
         Analysis {
             tracks: Arc::new(seen.tracks),
             tentative: Arc::new(seen.tentative),
             objects: Arc::new(seen.objects),
             events: Arc::new(seen.events),
-            counters: self.tracker.counters(),
+            counters: self.reasoner.counters(),
             ..analysis.clone()
         }
     }

@@ -1,13 +1,16 @@
 //! The pixel process: each pixel an adaptive mixture of Gaussians, and which of them are background (§V–VI).
 //!
 //! [`pixel`] is the definition, one pixel in plain words. [`image`] does the same to a whole
-//! image, bit for bit, fast. [`history`] follows one pixel through many frames.
+//! image, bit for bit, fast. [`history`] follows one pixel through many frames, [`follow`] its
+//! components through their changes of rank, and [`verdict`] says in words why it was decided so.
 
 pub mod exponential;
+pub mod follow;
 pub mod history;
 pub mod image;
 pub mod opencv;
 pub mod pixel;
+pub mod verdict;
 
 pub use history::{PixelHistory, PixelState};
 pub use image::Mixture;

@@ -62,7 +62,9 @@ pub struct State {
     pub warnings: Arc<Vec<String>>,
     /// The frame in view: everything of one moment and one choice of settings.
     pub shown: Option<Arc<Shown>>,
-    /// What is known of the whole sequence so far.
+    /// What is known of the whole sequence so far under the settings chosen last. It follows the
+    /// work at most ten times a second, and holds the frame in view unless that one still shows
+    /// the settings before.
     pub timeline: Arc<Timeline>,
     /// What the worker is doing, `None` when it rests.
     pub busy: Option<Progress>,
@@ -92,7 +94,9 @@ pub struct Shown {
     pub frame: Arc<Frame>,
     /// What the stages made of it.
     pub analysis: Arc<Analysis>,
-    /// The mean of component 1 at each pixel, after this frame's update (or what MOG2 or KNN give).
+    /// The mean of component 1 at each pixel, after this frame's update. What MOG2 and KNN give
+    /// instead cannot be had again later: of them each frame's is kept while there is memory, then
+    /// every second one's and so on, and a frame without its own shows the nearest earlier one.
     pub background: Arc<Frame>,
     /// The weighted mean of the B background components; `None` where the model has no mixture.
     pub multi_mode: Option<Arc<Frame>>,

@@ -192,11 +192,6 @@ impl Run {
         }
     }
 
-    /// The distance of two checkpoints in frames.
-    pub(super) const fn stride(&self) -> u32 {
-        self.checkpoints.stride()
-    }
-
     fn background(&self, number: u32, size: Size) -> Result<Arc<Frame>, PipelineError> {
         Ok(Arc::new(Frame::new(number, size, self.pipeline.background_image()?)))
     }

@@ -10,6 +10,8 @@ use std::time::Duration;
 use super::worker::Worker;
 use super::{Phase, Start, State, Timeline, memory};
 use crate::settings::Settings;
+use crate::source::SourceError;
+use crate::source::cache::FrameCache;
 
 /// A video under analysis. Dropping it ends its worker.
 ///
@@ -25,9 +27,12 @@ pub struct Session {
 pub(super) struct Requests {
     pub(super) show: Option<u32>,
     pub(super) settings: Option<Settings>,
-    pub(super) inspect: Option<Option<(u32, u32)>>,
+    pub(super) inspect: Option<Pixel>,
     stop: bool,
 }
+
+/// Which pixel to follow, `None` for none.
+pub(super) struct Pixel(pub(super) Option<(u32, u32)>);
 
 /// What both sides hold.
 pub(super) struct Shared {
@@ -48,12 +53,18 @@ impl Session {
         start: Start,
         wake: impl Fn() + Send + Sync + 'static,
     ) -> Self {
-        Self::open_within(memory::quarter(), video, settings, start, wake)
+        let name = video.to_owned();
+        // A frame that was dropped costs decoding from the start, a checkpoint replaying from the
+        // one before: half for each.
+        let budget = memory::quarter() / 2;
+        Self::start(video, move || FrameCache::open(&name, budget), budget, settings, start, wake)
     }
 
-    pub(super) fn open_within(
-        budget: usize,
+    /// As [`Self::open`], on frames that `open` gives; `model_budget` is the memory for checkpoints.
+    pub(super) fn start(
         video: &str,
+        open: impl FnOnce() -> Result<FrameCache, SourceError> + Send + 'static,
+        model_budget: usize,
         settings: Settings,
         start: Start,
         wake: impl Fn() + Send + Sync + 'static,
@@ -76,7 +87,8 @@ impl Session {
         let (alive, ended) = channel();
         let (theirs, video) = (Arc::clone(&shared), video.to_owned());
         let started = thread::Builder::new().name("analysis".into()).spawn(move || {
-            let work = AssertUnwindSafe(|| Worker::open_and_run(&theirs, &video, settings, start, budget));
+            let work =
+                AssertUnwindSafe(|| Worker::open_and_run(&theirs, open, settings, start, model_budget));
             if let Err(payload) = catch_unwind(work) {
                 theirs.fail(format!(
                     "{video} cannot be analysed further: the program made an error ({}); open it again",
@@ -110,7 +122,7 @@ impl Session {
 
     /// Chooses the pixel whose history is shown; `None`, or one outside the image, chooses none.
     pub fn inspect(&self, at: Option<(u32, u32)>) {
-        self.shared.ask(|requests| requests.inspect = Some(at));
+        self.shared.ask(|requests| requests.inspect = Some(Pixel(at)));
     }
 }
 

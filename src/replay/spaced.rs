@@ -15,11 +15,6 @@ impl<T> Spaced<T> {
         Self { kept: BTreeMap::new(), stride, room }
     }
 
-    /// The distance of two things, in positions.
-    pub(super) const fn stride(&self) -> u32 {
-        self.stride
-    }
-
     /// Whether what belongs to this position would be kept.
     pub(super) fn wants(&self, position: u32) -> bool {
         self.room > 0 && position.is_multiple_of(self.stride) && !self.kept.contains_key(&position)
@@ -53,12 +48,12 @@ mod tests {
             }
             assert!(spaced.kept.len() <= 5);
             let steps: Vec<_> = spaced.kept.keys().copied().collect();
-            assert!(steps.windows(2).all(|pair| pair[1] - pair[0] == spaced.stride()), "{steps:?}");
+            assert!(steps.windows(2).all(|pair| pair[1] - pair[0] == spaced.stride), "{steps:?}");
             if let Some((at, &thing)) = spaced.at_or_before(position) {
-                assert!(thing == at * 10 && position - at < spaced.stride());
+                assert!(thing == at * 10 && position - at < spaced.stride);
             }
         }
-        assert_eq!(spaced.stride(), 64);
+        assert_eq!(spaced.stride, 64);
         assert_eq!(spaced.at_or_before(63), None);
         assert_eq!(spaced.at_or_before(130), Some((128, &1280)));
     }

@@ -11,7 +11,8 @@ use super::*;
 use crate::mixture::Parameters;
 use crate::pipeline::Pipeline;
 use crate::settings::{BackgroundModel, Preset};
-use crate::source;
+use crate::source::cache::FrameCache;
+use crate::source::{self, Source, SourceError};
 
 const FRAMES: u32 = 60;
 const WIDTH: u32 = 96;
@@ -62,8 +63,20 @@ struct Watched {
 
 impl Watched {
     fn open(video: &Path, settings: Settings, start: Start, budget: usize) -> Self {
+        let video = name(video);
+        let path = video.clone();
+        Self::start(&video, move || FrameCache::open(&path, budget / 2), budget / 2, settings, start)
+    }
+
+    fn start(
+        name: &str,
+        open: impl FnOnce() -> Result<FrameCache, SourceError> + Send + 'static,
+        model_budget: usize,
+        settings: Settings,
+        start: Start,
+    ) -> Self {
         let (wake, woken) = channel();
-        let session = Session::open_within(budget, &name(video), settings, start, move || {
+        let session = Session::start(name, open, model_budget, settings, start, move || {
             let _ = wake.send(());
         });
         Self { session, woken }
@@ -71,9 +84,13 @@ impl Watched {
 
     /// Waits for a state, looking at every one on the way that it gets to see.
     fn until(&self, mut look: impl FnMut(&State) -> bool) -> State {
-        let deadline = Instant::now() + Duration::from_secs(60);
+        let deadline = Instant::now() + Duration::from_mins(1);
         loop {
             let state = self.session.state();
+            if let Some(shown) = &state.shown {
+                let number = state.timeline.numbers.get(shown.position as usize);
+                assert!(number.is_none_or(|&number| number == shown.frame.number));
+            }
             if look(&state) {
                 return state;
             }
@@ -251,6 +268,7 @@ fn tracking_again_gives_the_events_of_a_whole_run() {
     let again = watched.until_done();
     let fresh = Watched::open(folder.path(), other, Start::First, 1 << 30);
     let fresh = fresh.until_done();
+    assert!(!fresh.timeline.events.is_empty());
     assert_eq!(again.timeline.events, fresh.timeline.events);
     assert_eq!(again.timeline.life_lines, fresh.timeline.life_lines);
     assert_eq!(again.timeline.foreground_share, fresh.timeline.foreground_share);
@@ -371,4 +389,122 @@ fn dropping_a_session_ends_its_worker_at_once() {
     // The worker held the other end.
     while woken.try_recv().is_ok() {}
     assert!(matches!(woken.recv(), Err(std::sync::mpsc::RecvError)));
+}
+
+#[test]
+fn the_start_can_be_the_first_occlusion() {
+    let folder = scene();
+    let watched = Watched::open(folder.path(), settings(), Start::FirstOcclusion, 1 << 30);
+    let first = watched.until(|state| state.shown.is_some());
+    assert_eq!(first.shown.unwrap().position, 0, "something is in view at once");
+    let state = watched.until(|state| !shows(state, 0) && state.shown.is_some());
+    let tracks = state.shown.as_ref().unwrap().analysis.tracks.clone();
+    assert!(tracks.iter().any(|track| track.state != TrackState::Visible), "{tracks:?}");
+    let done = watched.until_done();
+    let merged =
+        done.timeline.events.iter().find(|(_, event)| event.kind == crate::occlusion::EventKind::Merge);
+    let (position, event) = merged.expect("the squares cross");
+    assert_eq!(event.frame, done.timeline.numbers[*position as usize]);
+    assert!(done.timeline.life_lines.len() >= 2);
+    for life in &done.timeline.life_lines {
+        assert!(life.spans.windows(2).all(|pair| pair[0].1 < pair[1].0), "{life:?}");
+    }
+    assert!(!first.timeline.complete || first.timeline.analysed == FRAMES);
+    // Who asks for a frame is not carried away from it.
+    let watched = Watched::open(folder.path(), settings(), Start::FirstOcclusion, 1 << 30);
+    watched.shown(2);
+    assert_eq!(watched.until_done().shown.unwrap().position, 2);
+}
+
+/// A camera in front of the scene, which it sees again and again until it is pulled out.
+struct Camera {
+    info: SourceInfo,
+    scene: Vec<Arc<Frame>>,
+    next: u32,
+    length: u32,
+}
+
+impl Source for Camera {
+    fn info(&self) -> &SourceInfo {
+        &self.info
+    }
+
+    fn next_frame(&mut self) -> Result<Option<Frame>, SourceError> {
+        std::thread::sleep(Duration::from_millis(2));
+        self.next += 1;
+        let seen = &self.scene[(self.next - 1) as usize % self.scene.len()];
+        Ok((self.next <= self.length).then(|| Frame::new(self.next, seen.size, seen.rgb.clone())))
+    }
+
+    fn take_warnings(&mut self) -> Vec<String> {
+        Vec::new()
+    }
+}
+
+fn camera(length: u32, frames_kept: usize) -> Watched {
+    let folder = scene();
+    let scene: Vec<_> = straight(folder.path(), &settings()).into_iter().map(|shown| shown.frame).collect();
+    let frame_bytes = scene[0].rgb.len();
+    let info =
+        SourceInfo { name: "camera:7".into(), size: scene[0].size, fps: 25.0, frames: None, live: true };
+    let open = move || -> Result<Box<dyn Source>, SourceError> {
+        Ok(Box::new(Camera { info: info.clone(), scene: scene.clone(), next: 0, length }))
+    };
+    Watched::start(
+        "camera:7",
+        move || FrameCache::new(open, frames_kept * frame_bytes),
+        1 << 28,
+        settings(),
+        Start::First,
+    )
+}
+
+#[test]
+fn a_camera_is_followed_until_an_earlier_frame_is_asked_for() {
+    let watched = camera(400, 1000);
+    let newest = watched.until(|state| state.shown.as_ref().is_some_and(|shown| shown.position > 30));
+    let newest_shown = newest.shown.unwrap();
+    assert_eq!(newest_shown.frame.number, newest_shown.position + 1);
+    assert!(newest.timeline.numbers.len() as u32 > newest_shown.position);
+    let earlier = watched.shown(12);
+    assert_eq!(earlier.frame.number, 13);
+    let later = watched.until(|state| state.timeline.analysed > 100);
+    assert_eq!(later.shown.unwrap().position, 12, "it stays in view");
+    watched.session.set_settings(Settings { alpha: 0.1, ..settings() });
+    let state = watched.until(|state| state.shown.as_ref().is_some_and(|shown| shown.settings.alpha == 0.1));
+    assert_eq!(state.shown.unwrap().position, 12, "all frames are kept, so it runs again from the first");
+}
+
+#[test]
+fn a_camera_forgets_what_has_no_room() {
+    let watched = camera(u32::MAX, 20);
+    watched.session.inspect(Some(PIXEL));
+    watched.until(|state| state.timeline.analysed > 60);
+    watched.session.show(3);
+    let state = watched.until(|state| !state.warnings.is_empty());
+    assert!(state.warnings[0].contains("no longer kept"), "{:?}", state.warnings);
+    watched.session.set_settings(Settings { alpha: 0.1, ..settings() });
+    let state = watched.until(|state| {
+        let shown = state.shown.as_ref().unwrap();
+        shown.settings.alpha == 0.1 && shown.position > 5 && shown.pixel.is_some()
+    });
+    let shown = state.shown.unwrap();
+    assert!(shown.frame.number > 60 && shown.analysis.t == shown.position + 1);
+    let history = shown.pixel.clone().unwrap();
+    assert_eq!(history.states[shown.position as usize].number, shown.frame.number);
+    watched.session.set_settings(Settings { gate: 0.95, alpha: 0.1, ..settings() });
+    watched.until(|state| state.shown.as_ref().unwrap().settings.gate == 0.95);
+}
+
+#[test]
+fn a_request_that_changes_nothing_wakes_nobody() {
+    let folder = scene();
+    let watched = Watched::open(folder.path(), settings(), Start::First, 1 << 30);
+    watched.until_done();
+    std::thread::sleep(Duration::from_millis(300));
+    while watched.woken.try_recv().is_ok() {}
+    watched.session.show(0);
+    watched.session.set_settings(settings());
+    watched.session.inspect(None);
+    assert!(watched.woken.recv_timeout(Duration::from_millis(500)).is_err());
 }

@@ -9,7 +9,7 @@ use std::time::{Duration, Instant};
 
 use super::inspector::Inspector;
 use super::run::{Run, Towards};
-use super::session::{Requests, Shared};
+use super::session::{Pixel, Requests, Shared};
 use super::timeline::Growing;
 use super::{Phase, Progress, Shown, Start, Timeline};
 use crate::frame::Frame;
@@ -26,8 +26,9 @@ const PACE: Duration = Duration::from_millis(100);
 /// After the first occlusion was decided, so many more frames show how it goes on.
 const INTO_OCCLUSION: u32 = 10;
 
-/// Stepping back so many checkpoints or less is taken for stepping, and the frames between are kept.
-const STEPPING: u32 = 2;
+/// Who steps back will step back again: the pictures of so many frames before the one that is
+/// wanted are made while the replay passes them. More would keep that one waiting.
+const STEPPING_BACK: u32 = 8;
 
 /// What stops the work on a choice of settings, in words for the user.
 struct Stopped(String);
@@ -58,11 +59,20 @@ pub(super) struct Worker<'a> {
     finished: bool,
     stopped: bool,
     shown: Option<Arc<Shown>>,
-    warnings: Vec<String>,
-    told_of_gone: bool,
     busy: Option<Progress>,
     meter: Meter,
-    unpublished: bool,
+    outbox: Outbox,
+}
+
+/// What waits to be published, and when that was last done.
+struct Outbox {
+    timeline_grew: bool,
+    warnings: Vec<String>,
+    told_of_gone: bool,
+    /// How far the timeline reached that was last published.
+    analysed: u32,
+    /// As last published.
+    busy: Option<Progress>,
     published: Instant,
     publishing_took: Duration,
 }
@@ -75,15 +85,15 @@ enum Aim {
 }
 
 impl<'a> Worker<'a> {
-    /// Opens the video and works until the session is over.
+    /// Opens the frames and works until the session is over.
     pub(super) fn open_and_run(
         shared: &'a Shared,
-        video: &str,
+        open: impl FnOnce() -> Result<FrameCache, SourceError>,
         settings: Settings,
         start: Start,
-        budget: usize,
+        model_budget: usize,
     ) {
-        match Self::open(shared, video, settings, start, budget) {
+        match Self::open(shared, open, settings, start, model_budget) {
             Ok(mut worker) => worker.work(),
             Err(Stopped(why)) => shared.fail(why),
         }
@@ -91,15 +101,14 @@ impl<'a> Worker<'a> {
 
     fn open(
         shared: &'a Shared,
-        video: &str,
+        open: impl FnOnce() -> Result<FrameCache, SourceError>,
         settings: Settings,
         start: Start,
-        budget: usize,
+        model_budget: usize,
     ) -> Result<Self, Stopped> {
-        // A frame that is dropped costs decoding from the start, one without a checkpoint replaying.
-        let frames = FrameCache::open(video, budget / 2)?;
+        let frames = open()?;
         let info = Arc::clone(frames.info());
-        let run = Run::new(Arc::new(settings), &info, budget / 2)?;
+        let run = Run::new(Arc::new(settings), &info, model_budget)?;
         shared.publish(|state| {
             state.phase = Phase::Ready;
             state.info = Some(Arc::clone(&info));
@@ -109,7 +118,7 @@ impl<'a> Worker<'a> {
             frames,
             follow: info.live,
             info,
-            model_budget: budget / 2,
+            model_budget,
             run,
             wanted: 0,
             aim: match start {
@@ -123,13 +132,17 @@ impl<'a> Worker<'a> {
             finished: false,
             stopped: false,
             shown: None,
-            warnings: Vec::new(),
-            told_of_gone: false,
             busy: None,
             meter: Meter::default(),
-            unpublished: true,
-            published: Instant::now(),
-            publishing_took: Duration::ZERO,
+            outbox: Outbox {
+                timeline_grew: true,
+                warnings: Vec::new(),
+                told_of_gone: false,
+                analysed: 0,
+                busy: None,
+                published: Instant::now(),
+                publishing_took: Duration::ZERO,
+            },
         })
     }
 
@@ -152,7 +165,7 @@ impl<'a> Worker<'a> {
             self.wanted = position;
             self.follow = self.info.live && position >= self.run.front().saturating_sub(1);
         }
-        if let Some(pixel) = requests.inspect {
+        if let Some(Pixel(pixel)) = requests.inspect {
             self.pixel = pixel.filter(|&(x, y)| self.info.size.index(x, y).is_some());
             self.inspector.choose(self.pixel, self.run.settings());
             if self.pixel.is_none() {
@@ -171,16 +184,10 @@ impl<'a> Worker<'a> {
         match difference {
             Some(Stage::Tracking | Stage::Occlusion) if !self.stopped => self.run.restart_tracking(settings),
             _ => {
-                if self.info.live && self.run.modelled() > 0 && self.frames.kept(0).is_none() {
-                    self.frames.forget();
-                    self.wanted = 0;
-                    self.follow = true;
-                    self.warnings.push(format!(
-                        "the first frames of {} are no longer kept: the new settings start with the next one",
-                        self.info.name
-                    ));
-                }
                 self.run = Run::new(settings, &self.info, self.model_budget)?;
+                if self.info.live && !self.frames.numbers().is_empty() && self.frames.kept(0).is_none() {
+                    self.start_over_live()?;
+                }
             }
         }
         self.stopped = false;
@@ -190,15 +197,32 @@ impl<'a> Worker<'a> {
         if let Some(Aim::Occlusion(found)) = &mut self.aim {
             *found = None;
         }
+        let timeline = self.timeline();
         self.shared.publish(|state| {
             state.phase = Phase::Ready;
-            state.timeline = Arc::new(Timeline {
-                numbers: self.frames.numbers().to_vec(),
-                complete: self.frames.is_complete(),
-                ..Timeline::default()
-            });
+            state.timeline = timeline;
         });
-        self.unpublished = true;
+        Ok(())
+    }
+
+    /// A live source whose first frames are no longer kept cannot be run again from the start: the
+    /// sequence begins with the next frame.
+    fn start_over_live(&mut self) -> Result<(), Stopped> {
+        let name = &self.info.name;
+        if self.frames.is_complete() {
+            return Err(Stopped(format!(
+                "{name} gives no more frames, and its first ones are no longer kept to run them again; open it again"
+            )));
+        }
+        self.outbox.warnings.push(format!(
+            "the first frames of {name} are no longer kept: the new settings start with the next one"
+        ));
+        self.frames.forget();
+        self.run = Run::new(Arc::clone(self.run.settings()), &self.info, self.model_budget)?;
+        self.growing = Growing::default();
+        self.inspector = Inspector::default();
+        self.inspector.choose(self.pixel, self.run.settings());
+        self.follow = true;
         Ok(())
     }
 
@@ -265,10 +289,10 @@ impl<'a> Worker<'a> {
             }
             Towards::Needs(needed) => {
                 let last = self.shown.as_ref().map_or(0, |shown| shown.position);
-                let stepping_back =
-                    position < last && last - position <= STEPPING.saturating_mul(self.run.stride());
+                let stepping_back = (1..=10).contains(&last.saturating_sub(position));
+                let keep = stepping_back && position - needed <= STEPPING_BACK;
                 if let Some(passed) = self.fetch(needed)? {
-                    self.run.replay_frame(needed, &passed, stepping_back);
+                    self.run.replay_frame(needed, &passed, keep);
                 }
                 let what = format!("going back to frame {}", frame.number);
                 self.busy = Some(Progress { what, done: needed, total: Some(position + 1) });
@@ -287,9 +311,9 @@ impl<'a> Worker<'a> {
             }
             Fetched::Gone | Fetched::End => {
                 // Only a live source forgets: the oldest thing that surely is there is the newest.
-                self.wanted = self.run.front().saturating_sub(1);
-                if !std::mem::replace(&mut self.told_of_gone, true) {
-                    self.warnings.push(format!(
+                self.wanted = self.run.modelled().saturating_sub(1);
+                if !std::mem::replace(&mut self.outbox.told_of_gone, true) {
+                    self.outbox.warnings.push(format!(
                         "earlier frames of {} are no longer kept: the newest is shown",
                         self.info.name
                     ));
@@ -307,8 +331,8 @@ impl<'a> Worker<'a> {
             self.run.track_next();
         } else {
             let fetched = self.frames.fetch(position, Keep::IfRoom);
-            self.warnings.extend(self.frames.take_warnings());
-            self.unpublished = true;
+            self.outbox.warnings.extend(self.frames.take_warnings());
+            self.outbox.timeline_grew = true;
             match fetched? {
                 Fetched::Frame(frame) => {
                     self.run.step(&frame)?;
@@ -316,13 +340,8 @@ impl<'a> Worker<'a> {
                 }
                 Fetched::OnTheWay => return Ok(()),
                 Fetched::End => {}
-                // A live source's frame that nobody had analysed yet: the model begins anew.
-                Fetched::Gone => {
-                    let settings = Arc::clone(self.run.settings());
-                    self.frames.forget();
-                    self.run = Run::new(settings, &self.info, self.model_budget)?;
-                    self.growing = Growing::default();
-                }
+                // After a change of settings, frames of a live source that the new run needs.
+                Fetched::Gone => return self.start_over_live(),
             }
         }
         if self.run.front() > position
@@ -348,12 +367,12 @@ impl<'a> Worker<'a> {
                 "analysing".to_owned()
             };
             self.busy = Some(Progress { what, done: position + 1, total });
-            self.unpublished = true;
+            self.outbox.timeline_grew = true;
         }
         if self.is_all_analysed() && !self.finished {
             self.growing.finish(self.run.final_reading());
             self.finished = true;
-            self.unpublished = true;
+            self.outbox.timeline_grew = true;
         }
         Ok(())
     }
@@ -406,10 +425,26 @@ impl<'a> Worker<'a> {
         first + length / 2
     }
 
+    /// Publishes a frame in view, and the timeline with it where that did not reach so far yet.
     fn show(&mut self, shown: Shown) {
         let shown = Arc::new(shown);
         self.shown = Some(Arc::clone(&shown));
-        self.shared.publish(|state| state.shown = Some(shown));
+        let timeline = (shown.position >= self.outbox.analysed).then(|| self.timeline());
+        self.shared.publish(|state| {
+            state.shown = Some(shown);
+            state.analysis_fps = self.meter.frames_a_second();
+            if let Some(timeline) = timeline {
+                state.timeline = timeline;
+            }
+        });
+    }
+
+    /// The timeline to publish now.
+    fn timeline(&mut self) -> Arc<Timeline> {
+        self.outbox.timeline_grew = false;
+        let timeline = self.growing.timeline(self.frames.numbers(), self.frames.is_complete());
+        self.outbox.analysed = timeline.analysed;
+        Arc::new(timeline)
     }
 
     /// Publishes the frame in view with the pixel's history as it is now.
@@ -430,17 +465,20 @@ impl<'a> Worker<'a> {
 
     /// Publishes what grows, not too often, and whatever is left before resting.
     fn publish_in_time(&mut self, resting: bool) {
-        let pace = PACE.max(self.publishing_took * 10);
-        if self.stopped || !resting && self.published.elapsed() < pace {
+        let pace = PACE.max(self.outbox.publishing_took * 10);
+        if self.stopped || !resting && self.outbox.published.elapsed() < pace {
             return;
         }
         if resting {
             self.busy = None;
         }
+        // A request that changed nothing is no reason to wake anybody, who might ask again.
+        if self.busy == self.outbox.busy && !self.outbox.timeline_grew && self.outbox.warnings.is_empty() {
+            return;
+        }
         let started = Instant::now();
-        let timeline = std::mem::take(&mut self.unpublished)
-            .then(|| Arc::new(self.growing.timeline(self.frames.numbers(), self.frames.is_complete())));
-        let new_warnings = std::mem::take(&mut self.warnings);
+        let timeline = self.outbox.timeline_grew.then(|| self.timeline());
+        let new_warnings = std::mem::take(&mut self.outbox.warnings);
         self.show_pixel();
         self.shared.publish(|state| {
             if let Some(timeline) = timeline {
@@ -452,8 +490,9 @@ impl<'a> Worker<'a> {
             state.busy.clone_from(&self.busy);
             state.analysis_fps = self.meter.frames_a_second();
         });
-        self.published = Instant::now();
-        self.publishing_took = started.elapsed();
+        self.outbox.busy.clone_from(&self.busy);
+        self.outbox.published = Instant::now();
+        self.outbox.publishing_took = started.elapsed();
     }
 }
 

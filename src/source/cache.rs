@@ -219,7 +219,7 @@ mod tests {
     }
 
     impl Counting {
-        fn new(length: u32, live: bool) -> Box<dyn Source> {
+        fn boxed(length: u32, live: bool) -> Box<dyn Source> {
             let info = SourceInfo { name: "counting".into(), size: SIZE, fps: 25.0, frames: None, live };
             Box::new(Self { info, next: 0, length })
         }
@@ -249,7 +249,7 @@ mod tests {
         let count = Arc::clone(&opened);
         let open = move || {
             count.fetch_add(1, Ordering::Relaxed);
-            Ok(Counting::new(length, live))
+            Ok(Counting::boxed(length, live))
         };
         (FrameCache::new(open, frames * SIZE.pixels() * 3).unwrap(), opened)
     }
@@ -316,7 +316,7 @@ mod tests {
         let mut length = 20;
         let open = move || {
             length -= 10;
-            Ok(Counting::new(length, false))
+            Ok(Counting::boxed(length, false))
         };
         let mut cache = FrameCache::new(open, 0).unwrap();
         cache.get(9).unwrap().unwrap();

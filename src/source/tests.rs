@@ -47,7 +47,7 @@ fn picture(width: u32, height: u32, index: u32) -> RgbImage {
 }
 
 /// Writes frames of a single gray level that rises by 12 a frame.
-fn write_video(path: &Path, fourcc: &[u8; 4], fps: f64, (width, height): (i32, i32), frames: u32) {
+fn write_video(path: &Path, fourcc: [u8; 4], fps: f64, (width, height): (i32, i32), frames: u32) {
     silence_libraries();
     let [a, b, c, d] = fourcc.map(char::from);
     let fourcc = VideoWriter::fourcc(a, b, c, d).unwrap();
@@ -88,10 +88,10 @@ fn assert_levels(frames: &[Frame]) {
 fn videos_are_read_in_order_and_counted() {
     let folder = folder();
     for (file, fourcc, size) in [
-        ("a.avi", b"MJPG", (64, 48)),
-        ("b.mp4", b"mp4v", (66, 50)),
-        ("odd name: 50%.avi", b"MJPG", (34, 18)),
-        ("c.mkv", b"MJPG", (64, 48)),
+        ("a.avi", *b"MJPG", (64, 48)),
+        ("b.mp4", *b"mp4v", (66, 50)),
+        ("odd name: 50%.avi", *b"MJPG", (34, 18)),
+        ("c.mkv", *b"MJPG", (64, 48)),
     ] {
         let path = folder.path().join(file);
         write_video(&path, fourcc, 12.5, size, 23);
@@ -109,7 +109,7 @@ fn videos_are_read_in_order_and_counted() {
 #[test]
 fn a_video_that_breaks_off_is_read_to_the_break() {
     let folder = folder();
-    for (file, fourcc) in [("a.avi", b"MJPG"), ("b.mkv", b"MJPG"), ("c.avi", b"mp4v")] {
+    for (file, fourcc) in [("a.avi", *b"MJPG"), ("b.mkv", *b"MJPG"), ("c.avi", *b"mp4v")] {
         let path = folder.path().join(file);
         write_video(&path, fourcc, 25.0, (160, 120), 60);
         let bytes = fs::read(&path).unwrap();
@@ -128,7 +128,7 @@ fn a_video_that_breaks_off_is_read_to_the_break() {
 fn a_video_with_garbage_inside_is_read_as_far_as_it_goes() {
     let folder = folder();
     let path = folder.path().join("a.avi");
-    write_video(&path, b"MJPG", 25.0, (160, 120), 60);
+    write_video(&path, *b"MJPG", 25.0, (160, 120), 60);
     let mut bytes = fs::read(&path).unwrap();
     let (third, half) = (bytes.len() / 3, bytes.len() / 2);
     for (index, byte) in bytes[third..half].iter_mut().enumerate() {
@@ -152,19 +152,19 @@ fn files_that_are_no_video_are_refused() {
     assert!(open_error(path("empty.avi")).contains("is empty"));
     fs::write(path("notes.txt"), "some notes\n".repeat(100)).unwrap();
     assert!(open_error(path("notes.txt")).contains("text, not a video"));
-    fs::write(path("noise.mp4"), (0..20_000_u32).map(|i| (i * i >> 5) as u8).collect::<Vec<_>>()).unwrap();
+    fs::write(path("noise.mp4"), (0..20_000_u32).map(|i| ((i * i) >> 5) as u8).collect::<Vec<_>>()).unwrap();
     assert!(open_error(path("noise.mp4")).contains("no video that can be decoded"));
     picture(8, 8, 0).save(path("one.png")).unwrap();
     assert!(open_error(path("one.png")).contains("single image"));
 
     // An mp4's index stands at its end: nothing can be read without it.
-    write_video(&path("cut.mp4"), b"mp4v", 25.0, (160, 120), 30);
+    write_video(&path("cut.mp4"), *b"mp4v", 25.0, (160, 120), 30);
     let bytes = fs::read(path("cut.mp4")).unwrap();
     fs::write(path("cut.mp4"), &bytes[..bytes.len() * 2 / 3]).unwrap();
     assert!(open_error(path("cut.mp4")).contains("no video that can be decoded"));
 
     // A header and not one frame.
-    write_video(&path("head.avi"), b"MJPG", 25.0, (160, 120), 30);
+    write_video(&path("head.avi"), *b"MJPG", 25.0, (160, 120), 30);
     let bytes = fs::read(path("head.avi")).unwrap();
     let movi = bytes.windows(4).position(|window| window == b"movi").unwrap();
     fs::write(path("head.avi"), &bytes[..movi + 4]).unwrap();

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::scene::Background;
-use super::texture::{Colour, fractal_noise, lit, mix_colour, smoothstep, unit, value_noise};
+use super::texture::{Colour, fractal_noise, lit, mix_colour, smoothstep, unit};
 use crate::frame::Size;
 
 /// Samples along each side of a pixel.
@@ -39,7 +39,7 @@ pub fn draw(place: Background, size: Size, seed: u64) -> Vec<Colour> {
 
 /// A lens gives less light towards the corners.
 fn vignette(x: f32, y: f32) -> f32 {
-    1.03 - 0.32 * (x * x + y * y)
+    1.06 - 0.30 * (x * x + y * y)
 }
 
 /// Where on the ground a point of the image lies, in units of the camera's height: to the right of
@@ -70,9 +70,9 @@ fn plaza(x: f32, y: f32, width: f32, seed: u64) -> Colour {
     let tint = unit(seed ^ 11, column, row);
     let stain = fractal_noise(seed ^ 12, u * 5.0, v * 9.0, 4);
     let grain = fractal_noise(seed ^ 13, x * 0.5, y * 0.5, 3);
-    let slab = mix_colour([150.0, 144.0, 136.0], [178.0, 168.0, 154.0], tint);
+    let slab = mix_colour([168.0, 161.0, 151.0], [200.0, 189.0, 173.0], tint);
     let slab = lit(slab, 0.80 + 0.22 * stain + 0.18 * (grain - 0.5));
-    let joint = lit([104.0, 99.0, 92.0], 0.9 + 0.2 * grain);
+    let joint = lit([122.0, 115.0, 106.0], 0.9 + 0.2 * grain);
     let stone = mix_colour(joint, slab, smoothstep(0.003, 0.009, edge));
     // The house stands in its own faint shade.
     lit(stone, 0.80 + 0.20 * smoothstep(FOOT_OF_HOUSE, FOOT_OF_HOUSE + 12.0, y))
@@ -118,11 +118,11 @@ fn park(x: f32, y: f32, width: f32, seed: u64) -> Colour {
     let (u, v) = ground(x, y, width, 30.0);
     let blades = fractal_noise(seed ^ 32, x * 0.42, y * 0.20, 3);
     let patches = fractal_noise(seed ^ 33, u * 3.2, v * 5.0, 4);
-    let grass = mix_colour([78.0, 104.0, 44.0], [138.0, 152.0, 74.0], 0.62 * patches + 0.38 * blades);
+    let grass = mix_colour([86.0, 112.0, 50.0], [152.0, 164.0, 86.0], 0.62 * patches + 0.38 * blades);
     let grass = lit(grass, 0.86 + 0.30 * (blades - 0.5) + 0.10 * smoothstep(84.0, 130.0, y));
     let gravel_grain = fractal_noise(seed ^ 34, x * 0.9, y * 1.3, 2);
     let gravel_drift = fractal_noise(seed ^ 35, u * 2.4, v * 6.0, 4);
-    let gravel = lit([190.0, 174.0, 146.0], 0.78 + 0.22 * gravel_drift + 0.26 * (gravel_grain - 0.5));
+    let gravel = lit([204.0, 189.0, 162.0], 0.80 + 0.22 * gravel_drift + 0.26 * (gravel_grain - 0.5));
     let ragged = 5.0 * (fractal_noise(seed ^ 36, x * 0.09, y * 0.12, 4) - 0.5);
     let on_path = smoothstep(163.0, 165.5, y + ragged) * smoothstep(223.0, 220.0, y + ragged);
     let verge = 1.0 - 0.14 * smoothstep(6.0, 0.0, (y + ragged - 164.0).abs().min((y + ragged - 221.0).abs()));
@@ -166,9 +166,8 @@ fn street(x: f32, y: f32, width: f32, seed: u64) -> Colour {
         return mix_colour(road, stone, kerb);
     }
     let (column, row, edge) = stones(u, v, 0.36, 0.24, 0.5);
-    let slab = mix_colour([142.0, 140.0, 138.0], [160.0, 157.0, 152.0], unit(seed ^ 56, column, row));
+    let slab = mix_colour([160.0, 158.0, 155.0], [182.0, 178.0, 171.0], unit(seed ^ 56, column, row));
     let slab = lit(slab, 0.80 + 0.26 * stain + 0.20 * (grain - 0.5));
-    let gum = smoothstep(0.80, 0.84, value_noise(seed ^ 57, u * 26.0, v * 60.0)) * 0.2;
-    let stone = mix_colour([100.0, 98.0, 96.0], lit(slab, 1.0 - gum), smoothstep(0.002, 0.007, edge));
+    let stone = mix_colour([116.0, 113.0, 110.0], slab, smoothstep(0.002, 0.007, edge));
     lit(stone, 0.78 + 0.22 * smoothstep(FOOT_OF_WALL, FOOT_OF_WALL + 9.0, y))
 }

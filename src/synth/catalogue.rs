@@ -18,10 +18,10 @@ pub const SETTLE: u32 = 35;
 pub const FPS: f32 = 25.0;
 
 /// A person's height over the image's.
-const BODY: f32 = 0.345;
+const BODY: f32 = 0.36;
 
-/// An unhurried walk: 1.4 m/s for 1.75 m, in body heights a frame.
-const WALK: f32 = 0.032;
+/// An unhurried walk: 1.25 m/s for 1.75 m, in body heights a frame.
+const WALK: f32 = 0.0286;
 
 /// What can be chosen of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -145,9 +145,9 @@ pub fn scene(name: &str, parameters: &Parameters) -> Option<Scene> {
 }
 
 fn crossing(stage: &mut Stage) {
-    let meeting = stage.earliest_meeting(&[1.0, 1.06]);
-    stage.person(0, Way::right(1.0).meeting(meeting), 0.80);
-    stage.person(1, Way::left(1.06).meeting(meeting), 0.845);
+    let meeting = stage.earliest_meeting(&[0.9, 0.97]);
+    stage.person(0, Way::right(0.9).meeting(meeting), 0.80);
+    stage.person(1, Way::left(0.97).meeting(meeting), 0.845);
 }
 
 fn crossing_alike(stage: &mut Stage) {
@@ -191,7 +191,7 @@ fn tree(stage: &mut Stage) {
 fn pole(stage: &mut Stage) {
     let meeting = stage.earliest_meeting(&[1.0]);
     stage.person(1, Way::left(1.0).meeting(meeting), 0.80);
-    stage.occluder(OccluderKind::Pole, 0.89, 0.11, 2.0);
+    stage.occluder(OccluderKind::Pole, 0.89, 0.11, 2.9);
 }
 
 fn wall(stage: &mut Stage) {
@@ -254,7 +254,7 @@ impl Stage {
 
     /// The way from beyond the image's edge to its middle, in body heights.
     fn half_way(&self) -> f32 {
-        0.5 * self.parameters.size.width as f32 / self.body() + 0.5
+        0.5 * self.parameters.size.width as f32 / self.body() + 0.36
     }
 
     /// The first frame in which people of these paces can all be in the middle.

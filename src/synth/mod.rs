@@ -30,8 +30,10 @@ pub mod scene;
 pub mod texture;
 pub mod truth;
 pub mod walker;
+pub mod write;
 
 pub use catalogue::Parameters;
 pub use render::{FrameTruth, Renderer, Silhouette, render};
 pub use scene::Scene;
 pub use truth::{Recorder, Truth, TruthEvent};
+pub use write::{WriteError, write};

@@ -42,7 +42,9 @@ impl Occluder {
     pub fn draw(&self, size: Size, seed: u64) -> Layer {
         let crown = if self.kind == OccluderKind::Tree { self.crown(seed) } else { Vec::new() };
         let colour_at = |x: f32, y: f32| match self.kind {
-            OccluderKind::Tree => leaves(&crown, self.leaf(), x, y, seed).or_else(|| self.trunk(x, y, seed)),
+            OccluderKind::Tree => leaves(&crown, self.leaf(), x, y, seed)
+                .or_else(|| self.grass(x, y, seed))
+                .or_else(|| self.trunk(x, y, seed)),
             OccluderKind::Pole => self.pole(x, y, seed),
             OccluderKind::Wall => self.wall(x, y, seed),
         };
@@ -61,6 +63,11 @@ impl Occluder {
                     for (sum, channel) in colour.iter_mut().zip(sample) {
                         *sum += channel / (SAMPLES * SAMPLES) as f32;
                     }
+                }
+                // A shade is not the thing itself: it may not make a pixel solid.
+                if *coverage < Layer::SOLID {
+                    let shade = (1.0 - *coverage) * self.contact_shade(column + 0.5, row + 0.5);
+                    *coverage = (*coverage + shade).min(Layer::SOLID - 0.01);
                 }
             },
         );
@@ -104,9 +111,9 @@ impl Occluder {
         // Roots spread at the foot; the trunk narrows slowly upwards.
         let spread = 1.0 + 0.46 * (-up.max(0.0) * 4.2).exp() - 0.035 * up + 0.10 * knobs;
         let across = across_raw / spread;
-        let roots = 0.10 * (across.abs() * 7.0 + 4.0 * knobs).sin() * (1.0 - across * across).max(0.0);
-        if across.abs() > 1.0 || up < roots - 0.06 * (1.0 - across * across) || up * self.width > self.height
-        {
+        // The foot is round: its middle is nearer to the camera than its sides.
+        let foot = -0.05 * (1.0 - across * across).max(0.0).sqrt() + 0.03 * knobs;
+        if across.abs() > 1.0 || up < foot || up * self.width > self.height {
             return None;
         }
         // Bark: furrows that run upwards and wander, crossed by cracks.
@@ -118,8 +125,35 @@ impl Occluder {
         let bark = mix_colour([52.0, 41.0, 32.0], [139.0, 118.0, 94.0], smoothstep(0.02, 0.42, ridge));
         let bark = mix_colour(bark, [104.0, 108.0, 62.0], 0.40 * moss);
         let light = 0.50 + 0.62 * (1.0 - (across + 0.30).powi(2) / 1.69).max(0.0).sqrt();
-        let foot = 0.72 + 0.28 * smoothstep(-0.05, 0.22, up);
-        Some(lit(bark, light * foot * (0.82 + 0.30 * fine)))
+        let near_ground = 0.70 + 0.30 * smoothstep(-0.05, 0.25, up);
+        Some(lit(bark, light * near_ground * (0.82 + 0.30 * fine)))
+    }
+
+    /// Tufts that grow against the foot of the trunk.
+    fn grass(&self, x: f32, y: f32, seed: u64) -> Option<Colour> {
+        let leaf = self.leaf();
+        let away = (x - self.at[0]) / (self.width * 0.78);
+        let up = (self.at[1] - y) / self.width + 0.055 * (1.0 - away * away).max(0.0).sqrt();
+        // Blades lean a little, each its own way.
+        let blade = x / (1.5 * leaf) + 2.0 * up;
+        let tall = unit(seed ^ 72, blade.floor() as i64, 0) * (1.0 - (2.0 * blade.fract() - 1.0).abs());
+        let clump = smoothstep(0.30, 0.75, value_noise(seed ^ 73, x / (9.0 * leaf), 0.0));
+        if away.abs() > 1.0 || up < -0.02 || up > 0.16 * (0.25 + 0.75 * clump) * tall {
+            return None;
+        }
+        let tone = unit(seed ^ 74, blade.floor() as i64, 1);
+        Some(lit(mix_colour([72.0, 98.0, 40.0], [132.0, 150.0, 70.0], tone), 0.72 + 2.6 * up.max(0.0)))
+    }
+
+    /// How much it darkens the ground around its foot, 0 where not at all.
+    fn contact_shade(&self, x: f32, y: f32) -> f32 {
+        let reach = match self.kind {
+            OccluderKind::Tree => [self.width * 1.05, self.width * 0.11],
+            OccluderKind::Pole => [self.width * 2.4, self.width * 0.8],
+            OccluderKind::Wall => [self.width * 0.53, self.height * 0.07],
+        };
+        let away = ((x - self.at[0]) / reach[0]).hypot((y - self.at[1]) / reach[1]);
+        0.42 * smoothstep(1.0, 0.35, away)
     }
 
     fn pole(&self, x: f32, y: f32, seed: u64) -> Option<Colour> {

@@ -279,3 +279,114 @@ fn touch(a: &Layer, a_mask: &[bool], b: &Layer, b_mask: &[bool]) -> bool {
         })
     })
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+    use super::*;
+    use crate::regions::colour::delta_e;
+    use crate::synth::{Parameters, catalogue};
+
+    fn scene(name: &str, seed: u64) -> Scene {
+        let parameters =
+            Parameters { size: Size::new(128, 96), seed, shadows: true, ..Parameters::default() };
+        catalogue::scene(name, &parameters).unwrap()
+    }
+
+    #[test]
+    fn the_same_seed_gives_the_same_bits_on_any_threads_and_in_any_order() {
+        for entry in &catalogue::ENTRIES {
+            let scene = scene(entry.name, 5);
+            let numbers = [40, 90, 120];
+            let first = Renderer::new(&scene);
+            let one: Vec<_> = numbers.iter().map(|&number| first.frame(number)).collect();
+            let alone = rayon::ThreadPoolBuilder::new().num_threads(1).build().unwrap();
+            let second = alone.install(|| Renderer::new(&scene));
+            for (place, &number) in numbers.iter().enumerate().rev() {
+                let again = alone.install(|| second.frame(number));
+                assert!(again == one[place], "{} frame {number}", entry.name);
+            }
+        }
+    }
+
+    #[test]
+    fn seeds_and_frames_differ() {
+        let (one, other) = (Renderer::new(&scene("empty", 1)), Renderer::new(&scene("empty", 2)));
+        assert_ne!(one.frame(1).0.rgb, other.frame(1).0.rgb);
+        assert_ne!(one.frame(1).0.rgb, one.frame(2).0.rgb, "noise is drawn anew");
+    }
+
+    #[test]
+    fn truth_agrees_with_the_pixels() {
+        for (name, seed) in [("crossing", 1), ("tree", 2), ("group", 3), ("pole", 4), ("wall", 5)] {
+            let scene = scene(name, seed);
+            for (_, truth) in render(&scene).step_by(3) {
+                for who in &truth.silhouettes {
+                    let mut seen = 0;
+                    for (at, &identity) in truth.identities.iter().enumerate() {
+                        if u32::from(identity) != who.id {
+                            continue;
+                        }
+                        seen += 1;
+                        let (x, y) = ((at % 128) as f32, (at / 128) as f32);
+                        let inside = x >= who.bbox.x
+                            && y >= who.bbox.y
+                            && x < who.bbox.right()
+                            && y < who.bbox.bottom();
+                        assert!(inside, "{name} frame {}", truth.number);
+                    }
+                    assert_eq!(seen, who.visible);
+                    assert!(who.visible <= who.unscreened && who.unscreened <= who.inside);
+                    assert!(who.inside <= who.full && who.inside as f32 <= who.bbox.area());
+                }
+                let known = |&id: &u8| id == 0 || truth.silhouettes.iter().any(|who| who.id == u32::from(id));
+                assert!(truth.identities.iter().all(known));
+            }
+        }
+    }
+
+    #[test]
+    fn who_walks_alone_is_seen_whole_and_keeps_their_size() {
+        let scene = scene("crossing", 1);
+        let walker = &scene.actors[0];
+        let height = walker.height;
+        let lone = Scene { actors: vec![walker.clone()], ..scene };
+        let mut whole = 0;
+        for (_, truth) in render(&lone) {
+            for who in truth.silhouettes.iter().filter(|who| who.full == who.inside) {
+                assert_eq!(who.visible, who.full);
+                assert!((who.bbox.h - height).abs() < 0.08 * height, "{} of {height}", who.bbox.h);
+                let share = who.full as f32 / (height * height);
+                assert!((0.09..0.20).contains(&share), "{share}");
+                whole += 1;
+            }
+        }
+        assert!(whole > 40, "{whole}");
+    }
+
+    #[test]
+    fn people_stand_out_from_each_other_and_from_the_background() {
+        for seed in 1..=6 {
+            for name in ["crossing", "tree", "overtake", "wall", "pole"] {
+                let scene = scene(name, seed);
+                let bare = Scene { actors: Vec::new(), ..scene.clone() };
+                let empty = Renderer::new(&bare).frame(1).0;
+                let number = scene.actors[0].path.frame as u32 - 25;
+                let (frame, truth) = Renderer::new(&scene).frame(number);
+                let own = (0..frame.size.pixels()).filter(|&at| truth.identities[at] != 0);
+                let (mut plain, mut all) = (0, 0);
+                for at in own {
+                    let colour = |rgb: &[u8]| [rgb[3 * at], rgb[3 * at + 1], rgb[3 * at + 2]];
+                    plain += u32::from(delta_e(colour(&frame.rgb), colour(&empty.rgb)) > 15.0);
+                    all += 1;
+                }
+                assert!(all > 50 && plain * 100 > all * 80, "{name} {seed}: {plain} of {all}");
+            }
+            let [one, other] = &scene("crossing", seed).actors[..] else { panic!("two") };
+            assert!(delta_e(one.clothes.shirt, other.clothes.shirt) > 40.0, "seed {seed}");
+            let [one, other] = &scene("crossing-alike", seed).actors[..] else { panic!("two") };
+            assert!(delta_e(one.clothes.shirt, other.clothes.shirt) < 10.0, "seed {seed}");
+        }
+    }
+}

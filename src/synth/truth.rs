@@ -346,3 +346,235 @@ fn unite(pairs: impl IntoIterator<Item = (Identity, Identity)>) -> Vec<Vec<Ident
     groups.sort();
     groups
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+    use super::*;
+    use crate::frame::Size;
+    use crate::regions::Rect;
+    use crate::synth::noise::Noise;
+    use crate::synth::{Parameters, catalogue, render};
+
+    fn truth_of(name: &str, parameters: &Parameters) -> Truth {
+        let scene = catalogue::scene(name, parameters).unwrap();
+        let mut recorder = Recorder::new(scene.fps);
+        for (_, truth) in render(&scene) {
+            recorder.push(&truth);
+        }
+        recorder.finish()
+    }
+
+    fn kinds(truth: &Truth) -> Vec<(EventKind, Vec<Identity>)> {
+        truth.events.iter().map(|event| (event.kind, event.objects.clone())).collect()
+    }
+
+    fn count(truth: &Truth, kind: EventKind) -> usize {
+        truth.events.iter().filter(|event| event.kind == kind).count()
+    }
+
+    /// Many seeds, sizes and speeds; small images keep it quick.
+    fn varied() -> impl Iterator<Item = Parameters> {
+        let sizes = [Size::new(96, 72), Size::new(128, 72), Size::new(160, 120), Size::new(100, 140)];
+        (1..=6u64).map(move |seed| Parameters {
+            size: sizes[seed as usize % sizes.len()],
+            seed,
+            speed: [1.0, 0.7, 1.6, 2.2][(seed / 2) as usize % 4],
+            noise: Noise { sigma: 0.0, signal_dependent: false },
+            ..Parameters::default()
+        })
+    }
+
+    #[test]
+    fn two_who_cross_meet_once_whatever_seed_size_and_speed() {
+        for name in ["crossing", "crossing-alike", "overtake"] {
+            for parameters in varied() {
+                let truth = truth_of(name, &parameters);
+                let mut sorted = kinds(&truth);
+                sorted.sort();
+                let expected = [
+                    (EventKind::Exit, vec![1]),
+                    (EventKind::Exit, vec![2]),
+                    (EventKind::Demerge, vec![1, 2]),
+                    (EventKind::Merge, vec![1, 2]),
+                    (EventKind::Enter, vec![1]),
+                    (EventKind::Enter, vec![2]),
+                ];
+                assert_eq!(sorted, expected, "{name} {parameters:?}");
+                let at = |kind| truth.events.iter().find(|event| event.kind == kind).unwrap();
+                let (merge, demerge) = (at(EventKind::Merge), at(EventKind::Demerge));
+                assert_eq!((merge.front, &merge.becomes), (Some(2), &vec![1, 2]));
+                let [meeting] = truth.episodes.as_slice() else { panic!("{:?}", truth.episodes) };
+                assert_eq!(meeting.kind, EpisodeKind::InterObject);
+                assert_eq!((meeting.start, meeting.end + 1), (merge.frame, demerge.frame));
+                assert!(meeting.least_visible < 0.6, "a full merge hides much: {}", meeting.least_visible);
+                assert!(truth.boxes[0].0 > catalogue::SETTLE);
+            }
+        }
+    }
+
+    #[test]
+    fn a_tree_hides_a_walker_once_and_wholly() {
+        for parameters in varied() {
+            let truth = truth_of("tree", &parameters);
+            let expected = [EventKind::Enter, EventKind::Disappear, EventKind::Reappear, EventKind::Exit]
+                .map(|kind| (kind, vec![1]));
+            assert_eq!(kinds(&truth), expected, "{parameters:?}");
+            let [hidden] = truth.episodes.as_slice() else { panic!("{:?}", truth.episodes) };
+            assert_eq!((hidden.kind, hidden.least_visible), (EpisodeKind::Scene, 0.0));
+            let seconds = (hidden.end + 1 - hidden.start) as f32 / catalogue::FPS * parameters.speed;
+            assert!((0.9..2.0).contains(&seconds), "hidden for {seconds} s at usual speed");
+        }
+    }
+
+    #[test]
+    fn who_is_only_partly_hidden_does_not_disappear() {
+        for parameters in varied() {
+            for name in ["pole", "wall"] {
+                let truth = truth_of(name, &parameters);
+                assert_eq!(
+                    kinds(&truth),
+                    [(EventKind::Enter, vec![1]), (EventKind::Exit, vec![1])],
+                    "{name}"
+                );
+                let least = truth.boxes.iter().map(|(_, who)| who.unscreened as f32 / who.inside as f32);
+                let least = least.fold(1.0, f32::min);
+                assert!((0.2..0.85).contains(&least), "{name} hides a part: {least} is left");
+            }
+            let pair = truth_of("pair", &parameters);
+            assert_eq!((count(&pair, EventKind::Enter), count(&pair, EventKind::Exit)), (2, 2));
+            assert!(pair.events.len() == 4 && pair.episodes.is_empty(), "{:?}", pair.events);
+            assert_eq!(truth_of("empty", &Parameters { frames: Some(3), ..parameters }), Truth::default());
+        }
+    }
+
+    #[test]
+    fn three_who_meet_are_one_episode() {
+        for parameters in varied() {
+            let truth = truth_of("group", &parameters);
+            let all = |event: &&TruthEvent| event.objects == [1, 2, 3];
+            assert!(truth.events.iter().filter(all).any(|event| event.kind == EventKind::Merge));
+            assert!(truth.events.iter().filter(all).any(|event| event.kind == EventKind::Demerge));
+            assert_eq!((count(&truth, EventKind::Enter), count(&truth, EventKind::Exit)), (3, 3));
+            let [meeting] = truth.episodes.as_slice() else { panic!("{parameters:?} {:?}", truth.episodes) };
+            assert_eq!(meeting.objects, [1, 2, 3]);
+        }
+    }
+
+    #[test]
+    fn boxes_go_on_behind_the_tree() {
+        let truth = truth_of("tree", &varied().next().unwrap());
+        let frames: Vec<u32> = truth.boxes.iter().map(|(frame, _)| *frame).collect();
+        let (enter, exit) = (truth.events[0].frame, truth.events[3].frame);
+        assert_eq!(frames, (enter..=exit).collect::<Vec<_>>());
+    }
+
+    /// A frame in which people 100 pixels in size stand 50 pixels apart, with so many pixels unscreened.
+    fn frame(number: u32, unscreened: &[(Identity, u32)], touching: &[(Identity, Identity)]) -> FrameTruth {
+        let silhouette = |&(id, unscreened): &(Identity, u32)| Silhouette {
+            id,
+            bbox: Rect::new(50.0 * id as f32, 10.0, 10.0, 10.0),
+            full: 100,
+            inside: 100,
+            unscreened,
+            visible: unscreened,
+        };
+        FrameTruth {
+            number,
+            size: Size::new(300, 40),
+            identities: vec![0; 12_000],
+            silhouettes: unscreened.iter().map(silhouette).collect(),
+            touching: touching.to_vec(),
+            depth: unscreened.iter().map(|(id, _)| *id).rev().collect(),
+        }
+    }
+
+    fn told(frames: impl IntoIterator<Item = FrameTruth>) -> Truth {
+        let mut recorder = Recorder::new(10.0);
+        frames.into_iter().for_each(|frame| recorder.push(&frame));
+        recorder.finish()
+    }
+
+    fn frames_and_kinds(truth: &Truth) -> Vec<(u32, EventKind)> {
+        truth.events.iter().map(|event| (event.frame, event.kind)).collect()
+    }
+
+    #[test]
+    fn a_break_shorter_than_half_a_second_does_not_end_a_meeting() {
+        // Five frames are half a second.
+        for (breadth, ends) in [(4, 1), (5, 2)] {
+            let touches = |number: u32| (3..6).contains(&number) || (6 + breadth..20).contains(&number);
+            let truth = told((1..=30).map(|number| {
+                let pairs: &[_] = if touches(number) { &[(1, 2)] } else { &[] };
+                frame(number, &[(1, 100), (2, 100)], pairs)
+            }));
+            assert_eq!(count(&truth, EventKind::Merge), ends);
+            assert_eq!((truth.episodes.len(), truth.episodes[ends - 1].end), (ends, 19));
+            assert_eq!(truth.episodes[0].front, Some(1));
+        }
+    }
+
+    #[test]
+    fn who_is_hidden_by_the_scene_disappears_and_sights_too_short_do_not_count() {
+        let open = |number: u32| if (5..20).contains(&number) && number != 9 { 4 } else { 100 };
+        let truth = told((1..=30).map(|number| frame(number, &[(1, open(number))], &[])));
+        let expected = [(1, EventKind::Enter), (5, EventKind::Disappear), (20, EventKind::Reappear)];
+        assert_eq!(frames_and_kinds(&truth), expected, "and nobody leaves who is still there");
+        assert_eq!((truth.episodes[0].start, truth.episodes[0].end), (5, 19));
+    }
+
+    #[test]
+    fn who_is_still_hidden_at_the_end_neither_reappears_nor_leaves() {
+        let truth = told((1..=9).map(|number| frame(number, &[(1, if number < 6 { 100 } else { 0 })], &[])));
+        assert_eq!(frames_and_kinds(&truth), [(1, EventKind::Enter), (6, EventKind::Disappear)]);
+        assert_eq!((truth.episodes[0].end, truth.boxes.len()), (9, 9));
+    }
+
+    #[test]
+    fn a_group_loses_one_and_goes_on() {
+        let truth = told((1..=40).map(|number| {
+            let pairs: &[_] = match number {
+                0..5 | 30.. => &[],
+                5..10 => &[(1, 2)],
+                10..20 => &[(1, 2), (2, 3)],
+                _ => &[(1, 2)],
+            };
+            frame(number, &[(1, 100), (2, 100), (3, 100)], pairs)
+        }));
+        let meetings: Vec<_> = truth
+            .events
+            .iter()
+            .skip(3)
+            .map(|e| (e.frame, e.kind, e.objects.as_slice(), e.becomes.as_slice()))
+            .collect();
+        let expected: [(u32, EventKind, &[Identity], &[Identity]); 4] = [
+            (5, EventKind::Merge, &[1, 2], &[1, 2]),
+            (10, EventKind::Merge, &[1, 2, 3], &[1, 2, 3]),
+            (20, EventKind::Demerge, &[1, 2, 3], &[1, 2, 3]),
+            (30, EventKind::Demerge, &[1, 2], &[1, 2]),
+        ];
+        assert_eq!(meetings, expected);
+        let [episode] = truth.episodes.as_slice() else { panic!("{:?}", truth.episodes) };
+        assert_eq!((episode.objects.as_slice(), episode.start, episode.end), ([1, 2, 3].as_slice(), 5, 29));
+    }
+
+    #[test]
+    fn a_group_that_leaves_gives_exits_and_no_demerge() {
+        let truth = told((1..=20).map(|number| match number {
+            0..=5 => frame(number, &[(1, 100), (2, 100)], &[]),
+            6..=10 => frame(number, &[(1, 100), (2, 100)], &[(1, 2)]),
+            _ => frame(number, &[], &[]),
+        }));
+        let expected = [
+            (1, EventKind::Enter),
+            (1, EventKind::Enter),
+            (6, EventKind::Merge),
+            (10, EventKind::Exit),
+            (10, EventKind::Exit),
+        ];
+        let mut told = frames_and_kinds(&truth);
+        told.sort();
+        assert_eq!(told, expected.map(|(frame, kind)| (frame, kind)));
+    }
+}

@@ -129,31 +129,11 @@ fn pose(actor: &Actor, frame: f32) -> Vec<Part> {
     }
     add(on_hip([0.0, 0.035]), 0.070, on_hip([0.014, 0.225]), 0.086, clothes.shirt, 1.0);
     add(neck, 0.034, [neck[0] + 0.014, neck[1] + 0.07], 0.032, clothes.skin, 0.86);
-    let head = [neck[0] + 0.020, neck[1] + 0.125];
-    add(
-        [head[0] - 0.014, head[1] - 0.012],
-        0.050,
-        [head[0] - 0.004, head[1] + 0.012],
-        0.056,
-        clothes.hair,
-        1.0,
-    );
-    add(
-        [head[0] + 0.022, head[1] - 0.036],
-        0.033,
-        [head[0] + 0.018, head[1] - 0.004],
-        0.042,
-        clothes.skin,
-        1.0,
-    );
-    add(
-        [head[0] - 0.02, head[1] + 0.034],
-        0.030,
-        [head[0] + 0.022, head[1] + 0.032],
-        0.028,
-        clothes.hair,
-        1.04,
-    );
+    let head = [neck[0] + 0.020, neck[1] + 0.122];
+    let at = |forward: f32, up: f32| -> Point { [head[0] + forward, head[1] + up] };
+    add(at(-0.016, -0.014), 0.044, at(-0.003, 0.014), 0.057, clothes.hair, 1.0);
+    add(at(0.020, -0.040), 0.026, at(0.015, 0.0), 0.042, clothes.skin, 1.0);
+    add(at(-0.014, 0.032), 0.034, at(0.016, 0.046), 0.020, clothes.hair, 1.05);
     for (a, ra, b, rb, colour, light) in near_arm {
         add(a, ra, b, rb, colour, light);
     }
@@ -185,26 +165,31 @@ fn measure(part: &Part, p: Point) -> (f32, f32, f32) {
     (distance, s, (across / radius.max(0.5)).clamp(-1.0, 1.0))
 }
 
+/// The pixels that parts can reach: left, top, right, bottom, the last two beyond them.
+fn reach<'a>(parts: impl IntoIterator<Item = &'a Part>) -> [i32; 4] {
+    let ends = |part: &'a Part| [(part.from, part.from_radius), (part.to, part.to_radius)];
+    parts.into_iter().flat_map(ends).fold([i32::MAX, i32::MAX, i32::MIN, i32::MIN], |reach, (p, radius)| {
+        [
+            reach[0].min((p[0] - radius - 1.0).floor() as i32),
+            reach[1].min((p[1] - radius - 1.0).floor() as i32),
+            reach[2].max((p[0] + radius + 1.0).ceil() as i32),
+            reach[3].max((p[1] + radius + 1.0).ceil() as i32),
+        ]
+    })
+}
+
 /// Draws a person as they are in a frame, parts beyond the image included.
 pub fn draw(actor: &Actor, frame: f32, seed: u64) -> Layer {
     let parts = pose(actor, frame);
-    let (mut least, mut most) = ([f32::MAX; 2], [f32::MIN; 2]);
+    let [left, top, right, bottom] = reach(&parts);
+    let mut layer = Layer::clear(left, top, (right - left) as usize, (bottom - top) as usize);
     for part in &parts {
-        for (end, radius) in [(part.from, part.from_radius), (part.to, part.to_radius)] {
-            for axis in 0..2 {
-                least[axis] = least[axis].min((end[axis] - radius - 1.0).floor());
-                most[axis] = most[axis].max((end[axis] + radius + 1.0).ceil());
-            }
-        }
-    }
-    let (width, height) = ((most[0] - least[0]) as usize, (most[1] - least[1]) as usize);
-    let mut layer = Layer::clear(least[0] as i32, least[1] as i32, width, height);
-    for (at, x, y) in layer.places() {
-        let p = [x as f32 + 0.5, y as f32 + 0.5];
-        for part in &parts {
-            let (distance, along, across) = measure(part, p);
+        let [part_left, part_top, part_right, part_bottom] = reach([part]);
+        for (x, y) in (part_top..part_bottom).flat_map(|y| (part_left..part_right).map(move |x| (x, y))) {
+            let (distance, along, across) = measure(part, [x as f32 + 0.5, y as f32 + 0.5]);
             let coverage = (0.5 - distance).clamp(0.0, 1.0);
             if coverage > 0.0 {
+                let at = (y - top) as usize * layer.width + (x - left) as usize;
                 layer.paint(at, shade(part, along, across, seed, actor.height), coverage);
             }
         }

@@ -1,0 +1,32 @@
+//! Opening by dropping a file or folder on the window.
+
+use eframe::egui::{Align2, Color32, Context, FontId, Id, LayerId, Order, Stroke, StrokeKind};
+
+use super::command::Command;
+use super::theme;
+use crate::replay::Start;
+
+/// Shows that what is held over the window can be dropped, and opens what was dropped.
+pub(crate) fn ui(ctx: &Context, commands: &mut Vec<Command>) {
+    let (hovered, dropped) = ctx.input(|input| {
+        let path = input.raw.dropped_files.first().map(|file| file.path().to_string_lossy().into_owned());
+        (!input.raw.hovered_files.is_empty(), path)
+    });
+    if let Some(path) = dropped.filter(|path| !path.is_empty()) {
+        commands.push(Command::Open(path, Start::First));
+    }
+    if hovered {
+        let rect = ctx.content_rect();
+        let painter = ctx.layer_painter(LayerId::new(Order::Foreground, Id::unique("drop")));
+        let accent = theme::colours(&ctx.global_style().visuals).accent;
+        painter.rect_filled(rect, 0.0, Color32::from_black_alpha(190));
+        painter.rect_stroke(rect.shrink(16.0), 10.0, Stroke::new(3.0, accent), StrokeKind::Inside);
+        painter.text(
+            rect.center(),
+            Align2::CENTER_CENTER,
+            "Drop to open",
+            FontId::proportional(26.0),
+            Color32::WHITE,
+        );
+    }
+}

@@ -1,0 +1,265 @@
+//! The list of events, and the evidence behind the one that is read.
+
+use eframe::egui::{
+    Align, Align2, Button, Color32, FontId, Label, Layout, RichText, ScrollArea, Sense, Ui, WidgetInfo,
+    accesskit::Role, vec2,
+};
+use egui_material_icons::icons as m;
+
+use super::command::Command;
+use super::state::Model;
+use super::{icons, theme};
+use crate::occlusion::event::Comparison;
+use crate::occlusion::{Event, EventKind};
+use crate::palette::{event_colour, identity_colour};
+
+/// Shows them.
+pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    let Some(timeline) = model.timeline() else { return };
+    ui.horizontal(|ui| {
+        ui.heading("Events");
+        ui.weak(timeline.events.len().to_string());
+    });
+    filter(ui, model, commands);
+    let listed: Vec<usize> = timeline
+        .events
+        .iter()
+        .enumerate()
+        .filter(|(_, (_, event))| model.lists(event.kind))
+        .map(|(index, _)| index)
+        .collect();
+    if listed.is_empty() {
+        ui.add_space(theme::SPACE);
+        let why = if timeline.events.is_empty() { "None so far." } else { "None of the kinds chosen above." };
+        ui.weak(why);
+        return;
+    }
+    let read = model.reading.and_then(|index| Some((index, timeline.events.get(index)?)));
+    let height = ui.available_height();
+    let list = if read.is_some() { (height * 0.5).max(height - 230.0) } else { height };
+    let here = model.shown().map(|shown| shown.position);
+    let row_height = theme::ROW;
+    let mut area = ScrollArea::vertical().id_salt("events").auto_shrink([false, true]).max_height(list);
+    if let Some(offset) = follow(ui, &listed, model, here, row_height, list) {
+        area = area.vertical_scroll_offset(offset);
+    }
+    ui.scope(|ui| {
+        ui.spacing_mut().item_spacing.y = 0.0;
+        area.show_rows(ui, row_height, listed.len(), |ui, rows| {
+            for &index in &listed[rows] {
+                let (position, event) = &timeline.events[index];
+                let current = here == Some(*position);
+                if row(ui, event, current, model.reading == Some(index)) {
+                    commands.push(Command::Read(Some(index)));
+                    commands.push(Command::GoTo(*position));
+                }
+            }
+        });
+    });
+    if let Some((_, (_, event))) = read {
+        ui.separator();
+        evidence(ui, event, commands);
+    }
+}
+
+/// Where the list has to stand so that the events nearest to the frame in view are seen, when that
+/// frame is another than before.
+fn follow(ui: &Ui, listed: &[usize], model: &Model, here: Option<u32>, row: f32, height: f32) -> Option<f32> {
+    let id = ui.scope_id().with("followed");
+    let before = ui.data(|data| data.get_temp::<u32>(id));
+    let here = here?;
+    if before == Some(here) {
+        return None;
+    }
+    ui.data_mut(|data| data.insert_temp(id, here));
+    let events = &model.timeline()?.events;
+    let first = listed.iter().position(|&index| events[index].0 >= here)?;
+    Some((first as f32 * row - height * 0.4).max(0.0))
+}
+
+fn filter(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    let counts = model.timeline().map(|timeline| {
+        EventKind::ALL.map(|kind| timeline.events.iter().filter(|(_, event)| event.kind == kind).count())
+    });
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing = vec2(theme::SPACE / 2.0, theme::SPACE / 2.0);
+        ui.spacing_mut().button_padding = vec2(theme::SPACE, 1.0);
+        let weak = theme::colours(ui.visuals()).weak;
+        for (place, kind) in EventKind::ALL.into_iter().enumerate() {
+            let on = model.listed[place];
+            let colour = if on { readable(ui, event_colour(kind)) } else { weak.gamma_multiply(0.5) };
+            let count = counts.map_or(0, |counts| counts[place]);
+            let button = Button::selectable(
+                on,
+                (
+                    icons::text(icons::of_event(kind)).color(colour).size(14.0),
+                    RichText::new(count.to_string()).size(theme::SMALL),
+                ),
+            );
+            let name = format!("Show {} events", kind.name());
+            let text = format!("{}: {count}. Click to show or hide them here and for N and P.", kind.name());
+            if ui.add(button).accessible_name(name).on_hover_text(text).clicked() {
+                commands.push(Command::FilterEvents(place, !on));
+            }
+        }
+    });
+}
+
+/// A palette colour as it is read on a panel: darker on a light one.
+fn readable(ui: &Ui, colour: [u8; 3]) -> Color32 {
+    let colour = theme::rgb(colour);
+    if ui.visuals().dark_mode {
+        colour
+    } else {
+        Color32::from_rgb(colour.r() / 10 * 7, colour.g() / 10 * 7, colour.b() / 10 * 7)
+    }
+}
+
+/// Who an event was about: `3 + 5`, `3 + 5 » 3, 7`.
+pub(crate) fn participants(event: &Event) -> String {
+    let join = |ids: &[u32], with: &str| ids.iter().map(ToString::to_string).collect::<Vec<_>>().join(with);
+    let before = join(&event.objects, " + ");
+    let after = join(&event.becomes, ", ");
+    let same =
+        matches!(event.kind, EventKind::Merge) || event.becomes.is_empty() || event.becomes == event.objects;
+    match (same, before.is_empty()) {
+        (true, _) => before,
+        (false, true) => after,
+        (false, false) => format!("{before} » {after}"),
+    }
+}
+
+fn row(ui: &mut Ui, event: &Event, current: bool, read: bool) -> bool {
+    let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), theme::ROW), Sense::click());
+    let who = participants(event);
+    let name = format!("{} {who}, frame {}", event.kind.name(), event.frame);
+    response.widget_info(|| WidgetInfo::selected(Role::Button, true, read, &name));
+    let colours = theme::colours(ui.visuals());
+    let painter = ui.painter();
+    if read {
+        painter.rect_filled(rect, 3.0, ui.visuals().selection.bg_fill);
+    } else if response.hovered() {
+        painter.rect_filled(rect, 3.0, ui.visuals().widgets.hovered.weak_bg_fill);
+    } else if current {
+        painter.rect_filled(rect, 3.0, colours.accent.gamma_multiply(0.16));
+    }
+    if current {
+        let mark =
+            eframe::egui::Rect::from_min_size(rect.min + vec2(0.0, 3.0), vec2(3.0, rect.height() - 6.0));
+        painter.rect_filled(mark, 1.0, colours.accent);
+    }
+    let icon = icons::of_event(event.kind);
+    let font = FontId::new(theme::ICON, icon.font_family());
+    let middle = rect.left_center();
+    painter.text(
+        middle + vec2(8.0, 0.0),
+        Align2::LEFT_CENTER,
+        icon.codepoint,
+        font,
+        readable(ui, event_colour(event.kind)),
+    );
+    let font = FontId::proportional(theme::BODY);
+    painter.text(
+        middle + vec2(30.0, 0.0),
+        Align2::LEFT_CENTER,
+        event.kind.name(),
+        font.clone(),
+        colours.text,
+    );
+    let mut x = 104.0;
+    let ids = if event.objects.is_empty() { &event.becomes } else { &event.objects };
+    for id in ids.iter().take(3) {
+        painter.circle_filled(middle + vec2(x, 0.0), 4.0, theme::rgb(identity_colour(*id)));
+        x += 10.0;
+    }
+    painter.text(middle + vec2(x + 2.0, 0.0), Align2::LEFT_CENTER, who, font, colours.text);
+    painter.text(
+        rect.right_center() - vec2(8.0, 0.0),
+        Align2::RIGHT_CENTER,
+        format!("#{}", event.frame),
+        FontId::monospace(theme::MONO),
+        colours.weak,
+    );
+    let clicked = response.clicked();
+    response.on_hover_ui(|ui| {
+        ui.strong(&name);
+        ui.label(&event.evidence.branch);
+    });
+    clicked
+}
+
+fn evidence(ui: &mut Ui, event: &Event, commands: &mut Vec<Command>) {
+    ui.horizontal(|ui| {
+        let colour = readable(ui, event_colour(event.kind));
+        ui.label(icons::coloured(icons::of_event(event.kind), colour));
+        ui.strong(format!("Why {} {}", event.kind.name(), participants(event)));
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            let close = Button::new(m::ICON_CLOSE.rich_text().size(14.0)).frame_when_inactive(false);
+            if ui.add(close).accessible_name("Close evidence").clicked() {
+                commands.push(Command::Read(None));
+            }
+        });
+    });
+    ScrollArea::vertical().id_salt("evidence").auto_shrink([false, true]).show(ui, |ui| {
+        ui.label(&event.evidence.branch);
+        if let Some(front) = event.front {
+            ui.label(format!("In front: {front}"));
+        }
+        ui.weak(format!(
+            "Objects with a region: {} before, {} now",
+            event.evidence.objects_before, event.evidence.objects_now
+        ));
+        ui.add_space(theme::SPACE);
+        for comparison in &event.evidence.comparisons {
+            compared(ui, comparison);
+        }
+    });
+}
+
+/// What was compared to the left, the number and its limit to the right.
+fn compared(ui: &mut Ui, comparison: &Comparison) {
+    let colours = theme::colours(ui.visuals());
+    ui.horizontal(|ui| {
+        ui.spacing_mut().item_spacing.x = theme::SPACE;
+        let (icon, colour, word) = match (comparison.threshold, comparison.holds) {
+            (None, _) => (m::ICON_REMOVE, colours.weak, "noted"),
+            (_, true) => (m::ICON_CHECK, colours.good, "speaks for it"),
+            (_, false) => (m::ICON_CLOSE, colours.bad, "speaks against it"),
+        };
+        ui.label(icon.rich_text().size(14.0).color(colour)).on_hover_text(word);
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            let limit = comparison.threshold.map_or_else(String::new, |limit| format!("limit {limit:.2}"));
+            ui.add_sized(
+                vec2(84.0, 16.0),
+                Label::new(RichText::new(limit).monospace().color(colours.weak)).halign(Align::RIGHT),
+            );
+            ui.monospace(format!("{:.2}", comparison.value));
+            ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                ui.add(Label::new(&comparison.what).truncate());
+            });
+        });
+    });
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn participants_tell_who_became_whom() {
+        let event = |kind, objects: &[u32], becomes: &[u32]| Event {
+            frame: 1,
+            kind,
+            objects: objects.to_vec(),
+            becomes: becomes.to_vec(),
+            x: 0.0,
+            y: 0.0,
+            front: None,
+            evidence: crate::occlusion::Evidence::default(),
+        };
+        assert_eq!(participants(&event(EventKind::Merge, &[3, 5], &[3, 5])), "3 + 5");
+        assert_eq!(participants(&event(EventKind::Demerge, &[3, 5], &[3, 7])), "3 + 5 » 3, 7");
+        assert_eq!(participants(&event(EventKind::Enter, &[], &[4])), "4");
+        assert_eq!(participants(&event(EventKind::Disappear, &[4], &[])), "4");
+    }
+}

@@ -1,0 +1,127 @@
+//! Find an action by typing parts of its name.
+
+use eframe::egui::{Align, Align2, Button, Context, Id, Key, Modal, Modifiers, ScrollArea, TextEdit};
+
+use super::command::{ACTIONS, Action, Command, Entry};
+use super::state::Model;
+use super::{icons, theme, top_bar};
+
+/// What has been typed, and which of the actions found is chosen.
+#[derive(Default)]
+pub(crate) struct Finder {
+    open: bool,
+    text: String,
+    chosen: usize,
+}
+
+impl Finder {
+    /// Opens it empty, or closes it.
+    pub(crate) fn toggle(&mut self) {
+        *self = Self { open: !self.open, ..Self::default() };
+    }
+
+    /// Whether it is open.
+    pub(crate) const fn is_open(&self) -> bool {
+        self.open
+    }
+
+    /// Shows it while it is open.
+    pub(crate) fn ui(&mut self, ctx: &Context, model: &Model, commands: &mut Vec<Command>) {
+        if !self.open {
+            return;
+        }
+        let area = Modal::default_area(Id::unique("finder")).anchor(Align2::CENTER_TOP, [0.0, 80.0]);
+        let response = Modal::new(Id::unique("finder")).area(area).frame(theme::sheet(ctx)).show(ctx, |ui| {
+            ui.set_width(440.0);
+            let pressed = |key| ui.input_mut(|input| input.consume_key(Modifiers::NONE, key));
+            let (up, down, enter) = (pressed(Key::ArrowUp), pressed(Key::ArrowDown), pressed(Key::Enter));
+            let edit =
+                TextEdit::singleline(&mut self.text).hint_text("What to do?").desired_width(f32::INFINITY);
+            let response = ui.add(edit).accessible_name("Find an action");
+            response.request_focus();
+            if response.changed() {
+                self.chosen = 0;
+            }
+            let found = find(&self.text, model);
+            let last = found.len().saturating_sub(1);
+            self.chosen = (self.chosen + usize::from(down)).saturating_sub(usize::from(up)).min(last);
+            let mut done = enter.then(|| found.get(self.chosen).map(|entry| entry.action)).flatten();
+            ui.add_space(theme::SPACE);
+            if found.is_empty() {
+                ui.weak("No action has such a name.");
+            }
+            ScrollArea::vertical().max_height(300.0).show(ui, |ui| {
+                ui.with_layout(eframe::egui::Layout::top_down_justified(Align::Min), |ui| {
+                    for (index, entry) in found.iter().enumerate() {
+                        let chosen = index == self.chosen;
+                        let shortcut =
+                            entry.shortcuts.first().map_or_else(String::new, |shortcut| shortcut.text());
+                        let button = Button::selectable(chosen, (icons::text(entry.icon), entry.text))
+                            .shortcut_text(shortcut);
+                        let response = ui.add(button).accessible_name(entry.text);
+                        if chosen && (up || down) {
+                            response.scroll_to_me(None);
+                        }
+                        if response.on_hover_text(entry.tooltip).clicked() {
+                            done = Some(entry.action);
+                        }
+                    }
+                });
+            });
+            done
+        });
+        if let Some(action) = response.inner {
+            self.open = false;
+            // The finder itself is shut by then: asking for it again would only open it anew.
+            if action != Action::Palette {
+                commands.push(Command::Act(action));
+            }
+        } else if response.should_close() {
+            self.open = false;
+        }
+    }
+}
+
+/// The actions that make sense now and whose name holds the letters, the best first.
+fn find(text: &str, model: &Model) -> Vec<&'static Entry> {
+    let mut found: Vec<_> = ACTIONS
+        .iter()
+        .filter(|entry| top_bar::allowed(model, entry))
+        .filter_map(|entry| Some((score(text, entry.text)?, entry)))
+        .collect();
+    found.sort_by_key(|(score, _)| std::cmp::Reverse(*score));
+    found.into_iter().map(|(_, entry)| entry).collect()
+}
+
+/// How well the letters of `text` are found in order in `name`; `None` when they are not.
+/// Letters that start a word or follow the one before count more.
+fn score(text: &str, name: &str) -> Option<u32> {
+    let name: Vec<char> = name.to_lowercase().chars().collect();
+    let (mut at, mut score, mut last) = (0, 0, None);
+    for letter in text.to_lowercase().chars().filter(|letter| !letter.is_whitespace()) {
+        let place = at + name[at..].iter().position(|&other| other == letter)?;
+        let starts_word = place == 0 || name[place - 1] == ' ';
+        score += 1
+            + if starts_word { 4 } else { 0 }
+            + if last.is_some_and(|last| last + 1 == place) { 3 } else { 0 };
+        last = Some(place);
+        at = place + 1;
+    }
+    Some(score)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn letters_in_order_find_an_action_and_words_count_more() {
+        assert!(score("nxev", "Next event").is_some());
+        assert!(score("vn", "Next event").is_some());
+        assert!(score("xn n", "Next event").is_none());
+        assert!(score("fit", "Fit image") > score("fit", "First frame of it"));
+        let model = Model::new(crate::settings::Settings::default());
+        assert!(find("", &model).iter().all(|entry| entry.always || entry.action == Action::Undo));
+        assert_eq!(find("openv", &model)[0].action, Action::OpenVideo);
+    }
+}

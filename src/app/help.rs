@@ -1,0 +1,80 @@
+//! The sheet of keys, made from the table of actions.
+
+use eframe::egui::{Align, Context, Grid, Id, Layout, Modal, RichText, ScrollArea, Ui, vec2};
+
+use super::command::{ACTIONS, Menu};
+use super::theme;
+
+/// What the pointer does.
+const POINTER: &[(&str, &str)] = &[
+    ("Click", "choose the pixel, in all views"),
+    ("Wheel", "zoom where the pointer is"),
+    ("Drag", "pan all views"),
+    ("Double click", "fit"),
+    ("Drag a title", "put a view elsewhere"),
+    ("Drop a file", "open a video or a folder of images"),
+];
+
+/// Shows the sheet while `open`.
+pub(crate) fn ui(ctx: &Context, open: &mut bool) {
+    if !*open {
+        return;
+    }
+    let response = Modal::new(Id::unique("help")).frame(theme::sheet(ctx)).show(ctx, |ui| {
+        let room = ctx.content_rect();
+        ui.set_width((room.width() - 80.0).min(760.0));
+        let mut close = false;
+        ui.horizontal(|ui| {
+            ui.label(RichText::new("Keys and pointer").size(18.0).strong());
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| close = ui.button("Close").clicked());
+        });
+        ui.add_space(2.0 * theme::SPACE);
+        ScrollArea::vertical()
+            .max_height(room.height() - 140.0)
+            .min_scrolled_height(room.height() - 140.0)
+            .show(ui, |ui| {
+                ui.columns(2, |columns| {
+                    if let [left, right] = columns {
+                        keys(left, Menu::Analysis);
+                        keys(right, Menu::View);
+                        keys(right, Menu::File);
+                        keys(right, Menu::Help);
+                        pointer(right);
+                    }
+                });
+            });
+        close
+    });
+    if response.inner || response.should_close() {
+        *open = false;
+    }
+}
+
+fn keys(ui: &mut Ui, menu: Menu) {
+    heading(ui, menu.name());
+    Grid::new(menu.name()).num_columns(2).spacing(vec2(16.0, 5.0)).show(ui, |ui| {
+        for entry in ACTIONS.iter().filter(|entry| entry.menu == menu && !entry.shortcuts.is_empty()) {
+            let keys: Vec<String> = entry.shortcuts.iter().map(|shortcut| shortcut.text()).collect();
+            ui.label(RichText::new(keys.join("  ")).monospace().color(theme::colours(ui.visuals()).accent));
+            ui.label(entry.text.trim_end_matches('…')).on_hover_text(entry.tooltip);
+            ui.end_row();
+        }
+    });
+    ui.add_space(3.0 * theme::SPACE);
+}
+
+fn pointer(ui: &mut Ui) {
+    heading(ui, "Pointer");
+    Grid::new("pointer").num_columns(2).spacing(vec2(16.0, 5.0)).show(ui, |ui| {
+        for (what, does) in POINTER {
+            ui.label(RichText::new(*what).monospace().color(theme::colours(ui.visuals()).accent));
+            ui.label(*does);
+            ui.end_row();
+        }
+    });
+}
+
+fn heading(ui: &mut Ui, text: &str) {
+    ui.label(RichText::new(text).strong());
+    ui.add_space(theme::SPACE / 2.0);
+}

@@ -1,0 +1,176 @@
+//! Long histories in as many columns as the screen has: each holds the extremes of its frames, so
+//! that nothing brief is lost.
+
+use std::ops::Range;
+
+use crate::mixture::PixelHistory;
+use crate::mixture::pixel::MAX_K;
+
+/// Levels of a value that are counted together in [`Bin::levels`].
+pub(super) const STEP: u8 = 4;
+/// Bins of more frames than this count their levels.
+pub(super) const FEW: usize = 4;
+
+/// Some consecutive frames of a history, drawn as one column.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct Bin {
+    /// Positions of its frames.
+    pub(super) frames: Range<usize>,
+    /// Least and greatest value of each channel.
+    pub(super) value: [(f32, f32); 3],
+    /// How many frames have a value in each [`STEP`] levels, for each channel; `(step, frames)`,
+    /// only those that occur, and none for bins of few frames.
+    pub(super) levels: [Vec<(u8, u32)>; 3],
+    /// The matching range of each component, by slot.
+    pub(super) bands: [Option<Band>; MAX_K],
+    /// Slot and weight in the bin's last frame, in rank order, used components only.
+    pub(super) weights: Vec<(u8, f32)>,
+    /// B in the last frame.
+    pub(super) background_count: u8,
+    /// The greatest B.
+    pub(super) most_background: u8,
+    /// How many of its frames are foreground.
+    pub(super) foreground: usize,
+}
+
+/// Where a component matched during a bin: μ ± λσ in each channel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Band {
+    /// Least μ − λσ and greatest μ + λσ of each channel.
+    pub(super) range: [(f32, f32); 3],
+    /// μ in the last frame.
+    pub(super) mean: [f32; 3],
+    /// Whether it was background in the last frame.
+    pub(super) background: bool,
+}
+
+/// `frames` of the history in at most `columns` bins of nearly equal length.
+pub(super) fn bins(
+    history: &PixelHistory,
+    slots: &[[u8; MAX_K]],
+    frames: Range<usize>,
+    columns: usize,
+) -> Vec<Bin> {
+    let end = frames.end.min(history.states.len()).min(slots.len());
+    let frames = frames.start.min(end)..end;
+    let count = frames.len().min(columns.max(1));
+    let edge = |bin: usize| frames.start + frames.len() * bin / count.max(1);
+    (0..count).map(|at| bin(history, slots, edge(at)..edge(at + 1))).collect()
+}
+
+fn bin(history: &PixelHistory, slots: &[[u8; MAX_K]], frames: Range<usize>) -> Bin {
+    let lambda = history.parameters.lambda;
+    let mut bin = Bin {
+        frames: frames.clone(),
+        value: [(f32::INFINITY, f32::NEG_INFINITY); 3],
+        levels: Default::default(),
+        bands: [None; MAX_K],
+        weights: Vec::new(),
+        background_count: 0,
+        most_background: 0,
+        foreground: 0,
+    };
+    for (state, slots) in history.states[frames.clone()].iter().zip(&slots[frames]) {
+        for ((low, high), value) in bin.value.iter_mut().zip(state.value) {
+            (*low, *high) = (low.min(value), high.max(value));
+        }
+        let count = state.outcome.background_count;
+        let used = state.pixel.components().iter().take_while(|component| component.is_used());
+        for ((rank, component), &slot) in used.enumerate().zip(slots) {
+            let reach = lambda * component.sigma();
+            let band = bin.bands[usize::from(slot)].get_or_insert(Band {
+                range: [(f32::INFINITY, f32::NEG_INFINITY); 3],
+                mean: component.mean,
+                background: false,
+            });
+            for ((low, high), mean) in band.range.iter_mut().zip(component.mean) {
+                (*low, *high) = (low.min(mean - reach), high.max(mean + reach));
+            }
+            band.mean = component.mean;
+            band.background = rank < usize::from(count);
+        }
+        bin.background_count = count;
+        bin.most_background = bin.most_background.max(count);
+        bin.foreground += usize::from(state.outcome.foreground);
+    }
+    if bin.frames.len() > FEW {
+        bin.levels = std::array::from_fn(|channel| levels(history, bin.frames.clone(), channel));
+    }
+    if let Some(last) = bin.frames.clone().next_back() {
+        let used = history.states[last].pixel.components().iter().take_while(|component| component.is_used());
+        bin.weights = used.zip(slots[last]).map(|(component, slot)| (slot, component.weight)).collect();
+    }
+    bin
+}
+
+fn levels(history: &PixelHistory, frames: Range<usize>, channel: usize) -> Vec<(u8, u32)> {
+    let mut counts = [0_u32; 256 / STEP as usize];
+    for state in &history.states[frames] {
+        counts[state.value[channel].clamp(0.0, 255.0) as usize / usize::from(STEP)] += 1;
+    }
+    let occurring = counts.into_iter().enumerate().filter(|&(_, count)| count > 0);
+    occurring.map(|(step, count)| (step as u8, count)).collect()
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+    use crate::mixture::Parameters;
+    use crate::mixture::follow::slots;
+    use crate::settings::{Preset, Settings};
+
+    fn history(frames: u32) -> PixelHistory {
+        let parameters = Parameters::new(&Settings::preset(Preset::Plain));
+        let colour = |n: u32| if n % 97 == 50 { [250, 10, 10] } else { [100 + (n % 7) as u8, 90, 80] };
+        PixelHistory::of_colours((0, 0), parameters, (0..frames).map(|n| (n + 1, colour(n))))
+    }
+
+    #[test]
+    fn bins_cover_every_frame_once_and_keep_the_extremes() {
+        let history = history(1000);
+        let bins = bins(&history, &slots(&history), 100..900, 64);
+        assert_eq!(bins.len(), 64);
+        assert_eq!((bins[0].frames.start, bins[63].frames.end), (100, 900));
+        assert!(bins.windows(2).all(|pair| pair[0].frames.end == pair[1].frames.start));
+        let foreground = history.states[100..900].iter().filter(|state| state.outcome.foreground).count();
+        assert_eq!(bins.iter().map(|bin| bin.foreground).sum::<usize>(), foreground);
+        assert!(foreground > 0);
+        // Each brief flash to red is still seen, and only where it is.
+        for bin in &bins {
+            let flash = bin.frames.clone().any(|n| n % 97 == 50);
+            assert_eq!(bin.value[0].1 == 250.0, flash);
+            assert_eq!(bin.value[1].0 == 10.0, flash);
+            assert_eq!(bin.levels[0].contains(&(250 / STEP, 1)), flash);
+            let counted: u32 = bin.levels[0].iter().map(|&(_, count)| count).sum();
+            assert_eq!(counted as usize, bin.frames.len());
+        }
+    }
+
+    #[test]
+    fn a_bin_of_one_frame_is_that_frame() {
+        let history = history(60);
+        let slots = slots(&history);
+        let bins = bins(&history, &slots, 0..60, 400);
+        assert_eq!(bins.len(), 60);
+        for (state, bin) in history.states.iter().zip(&bins) {
+            assert_eq!(bin.value[0], (state.value[0], state.value[0]));
+            let component = state.pixel.components()[0];
+            let band = bin.bands[usize::from(bin.weights[0].0)].unwrap();
+            assert_eq!(band.mean, component.mean);
+            assert_eq!(band.range[1].1, component.mean[1] + 2.5 * component.sigma());
+            assert_eq!(bin.weights.len(), state.pixel.used());
+            assert_eq!(bin.background_count, state.outcome.background_count);
+        }
+    }
+
+    #[test]
+    fn ranges_beyond_the_history_are_cut() {
+        let history = history(10);
+        let slots = slots(&history);
+        assert_eq!(bins(&history, &slots, 5..50, 400).len(), 5);
+        assert!(bins(&history, &slots, 50..60, 400).is_empty());
+        assert_eq!(bins(&history, &slots, 0..10, 0).len(), 1);
+    }
+}

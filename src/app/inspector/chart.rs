@@ -1,0 +1,143 @@
+//! The little that the inspector's own plots need: an axis, its ticks, a frame, filled columns.
+
+use eframe::egui::{Align2, Color32, Mesh, Painter, Pos2, Rangef, Rect, Shape, Visuals};
+
+use super::style;
+
+/// Room at the left of a plot for its labels.
+pub(super) const GUTTER: f32 = 30.0;
+/// Room at the right of a plot, so that the last tick's label stays inside.
+pub(super) const RIGHT: f32 = 8.0;
+/// Height of a row of tick labels.
+pub(super) const TICKS: f32 = 13.0;
+
+/// A straight map from data to the screen; `screen` may run backwards, as y does.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Axis {
+    pub(super) min: f64,
+    pub(super) max: f64,
+    pub(super) screen: (f32, f32),
+}
+
+impl Axis {
+    pub(super) fn x(min: f64, max: f64, rect: Rect) -> Self {
+        Self { min, max, screen: (rect.left(), rect.right()) }
+    }
+
+    pub(super) fn y(min: f64, max: f64, rect: Rect) -> Self {
+        Self { min, max, screen: (rect.bottom(), rect.top()) }
+    }
+
+    /// Where `value` is on the screen.
+    pub(super) fn at(&self, value: f64) -> f32 {
+        let share = (value - self.min) / (self.max - self.min).max(f64::MIN_POSITIVE);
+        self.screen.0 + (share as f32) * (self.screen.1 - self.screen.0)
+    }
+
+    /// Where `value` is on the screen, or the end of the axis that it lies beyond.
+    pub(super) fn clamped(&self, value: f64) -> f32 {
+        self.at(value.clamp(self.min, self.max))
+    }
+
+    /// The value at a place on the screen.
+    pub(super) fn value(&self, screen: f32) -> f64 {
+        let share = f64::from((screen - self.screen.0) / (self.screen.1 - self.screen.0));
+        self.min + share * (self.max - self.min)
+    }
+}
+
+/// Round values within `min..=max`, at most about `most` of them.
+pub(super) fn ticks(min: f64, max: f64, most: usize) -> Vec<f64> {
+    let span = max - min;
+    if !(span > 0.0 && span.is_finite()) {
+        return vec![min];
+    }
+    let raw = span / most.max(1) as f64;
+    let power = 10_f64.powf(raw.log10().floor());
+    let step = [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|&step| step >= raw).unwrap_or(raw);
+    let (first, last) = ((min / step).ceil() as i64, (max / step + 1e-9).floor() as i64);
+    (first..=last).map(|n| n as f64 * step).collect()
+}
+
+/// The plot's part of a row: without the gutter and the space at the right.
+pub(super) fn inner(row: Rect) -> Rect {
+    Rect::from_x_y_ranges(
+        Rangef::new(row.left() + GUTTER, (row.right() - RIGHT).max(row.left() + GUTTER + 1.0)),
+        row.y_range(),
+    )
+}
+
+/// A ground line and the left edge: all the frame that a small plot needs.
+pub(super) fn frame(painter: &Painter, rect: Rect, visuals: &Visuals) {
+    let stroke = style::faint(visuals);
+    painter.hline(rect.x_range(), rect.bottom(), stroke);
+    painter.vline(rect.left(), rect.y_range(), stroke);
+}
+
+/// Labels left of a plot, `(where, what)`.
+pub(super) fn y_labels(painter: &Painter, left: f32, labels: &[(f32, String)], visuals: &Visuals) {
+    for (y, label) in labels {
+        painter.text(
+            Pos2::new(left - 4.0, *y),
+            Align2::RIGHT_CENTER,
+            label,
+            style::tick_font(),
+            style::muted(visuals),
+        );
+    }
+}
+
+/// Labels and small marks under a plot, `(where, what)`; one that would touch its left neighbour is left out.
+pub(super) fn x_labels(painter: &Painter, rect: Rect, labels: &[(f32, String)], visuals: &Visuals) {
+    let mut free = f32::NEG_INFINITY;
+    for (x, label) in labels {
+        painter.vline(*x, Rangef::new(rect.bottom(), rect.bottom() + 3.0), style::faint(visuals));
+        let galley = painter.layout_no_wrap(label.clone(), style::tick_font(), style::muted(visuals));
+        let width = galley.size().x;
+        let left = (x - width / 2.0).min(rect.right() + RIGHT - width);
+        if left > free {
+            free = left + width + 6.0;
+            painter.galley(Pos2::new(left, rect.bottom() + 3.0), galley, style::muted(visuals));
+        }
+    }
+}
+
+/// Many filled rectangles in one shape.
+#[derive(Default)]
+pub(super) struct Columns(Mesh);
+
+impl Columns {
+    pub(super) fn add(&mut self, x: Rangef, y0: f32, y1: f32, colour: Color32) {
+        let y = Rangef::new(y0.min(y1), y0.max(y1));
+        self.0.add_colored_rect(Rect::from_x_y_ranges(x, y), colour);
+    }
+
+    pub(super) fn paint(self, painter: &Painter) {
+        if !self.0.is_empty() {
+            painter.add(Shape::mesh(self.0));
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_axis_goes_there_and_back() {
+        let rect = Rect::from_min_max(Pos2::new(30.0, 10.0), Pos2::new(330.0, 70.0));
+        let axis = Axis::x(0.0, 255.0, rect);
+        assert_eq!(axis.at(0.0), 30.0);
+        assert_eq!(axis.at(255.0), 330.0);
+        assert!((axis.value(axis.at(100.0)) - 100.0).abs() < 1e-3);
+        assert_eq!(Axis::y(0.0, 1.0, rect).at(1.0), 10.0);
+        assert_eq!(axis.clamped(400.0), 330.0);
+    }
+
+    #[test]
+    fn ticks_are_round_and_inside() {
+        assert_eq!(ticks(0.0, 795.0, 5), [0.0, 200.0, 400.0, 600.0]);
+        assert_eq!(ticks(3.2, 9.1, 6), [4.0, 5.0, 6.0, 7.0, 8.0, 9.0]);
+        assert_eq!(ticks(5.0, 5.0, 4), [5.0]);
+    }
+}

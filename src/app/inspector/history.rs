@@ -1,0 +1,475 @@
+//! How the mixture came about: values and components through time, weights, B, the verdict.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use eframe::egui::accesskit::Role;
+use eframe::egui::{
+    Align2, Color32, Painter, Pos2, Rangef, Rect, Response, Sense, Shape, Stroke, Tooltip, Ui, Vec2, Visuals,
+    WidgetInfo,
+};
+
+use super::bins::{Bin, FEW, STEP, bins};
+use super::chart::{self, Axis, Columns, TICKS};
+use super::style::{self, small};
+use super::{Chosen, InspectorAction};
+use crate::mixture::PixelHistory;
+use crate::mixture::verdict::{number, verdict};
+
+/// The fewest frames that can be zoomed to.
+const LEAST_FRAMES: f64 = 8.0;
+const CAPTION: f32 = 15.0;
+const GAP: f32 = 5.0;
+const CHANNEL: f32 = 62.0;
+const WEIGHTS: f32 = 60.0;
+const COUNT: f32 = 26.0;
+const VERDICT: f32 = 10.0;
+
+/// Which frames are looked at, and the columns that were drawn last.
+#[derive(Default)]
+pub(super) struct HistoryView {
+    /// First and last position in view, `None` for all there are.
+    view: Option<(f64, f64)>,
+    /// Whether the value axes fit the values in view instead of showing 0..255.
+    fit: bool,
+    /// The frame that was in view last, to notice when it leaves the part that is zoomed to.
+    index: usize,
+    cache: Option<Cache>,
+}
+
+/// Bins are only made anew when another history, part or width is shown.
+struct Cache {
+    history: Arc<PixelHistory>,
+    frames: Range<usize>,
+    columns: usize,
+    bins: Vec<Bin>,
+}
+
+impl HistoryView {
+    pub(super) fn ui(&mut self, ui: &mut Ui, chosen: &Chosen<'_>) -> Option<InspectorAction> {
+        self.controls(ui, chosen);
+        legend(ui, chosen);
+
+        let channels = chosen.channels().len() as f32;
+        let height =
+            (CAPTION + GAP) * (channels + 3.0) + CHANNEL * channels + WEIGHTS + COUNT + VERDICT + TICKS;
+        let size = Vec2::new(ui.available_width(), height);
+        let (area, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
+        let total = chosen.history.states.len();
+        response.widget_info(|| {
+            WidgetInfo::labeled(
+                Role::Image,
+                true,
+                format!("History of {total} frames; click one to go to it"),
+            )
+        });
+        let plot = chart::inner(area);
+        self.look_around(ui, &response, plot, chosen);
+
+        let (from, to) = self.range(total);
+        let axis = Axis::x(from, to, plot);
+        let frame_at = |x: f32| (axis.value(x).max(0.0) as usize).min(total.saturating_sub(1));
+        if ui.is_rect_visible(area) {
+            self.draw(ui, chosen, area, axis);
+        }
+        let hovered = response.hover_pos().filter(|_| !response.dragged()).map(|pointer| frame_at(pointer.x));
+        let clicked = response.interact_pointer_pos().filter(|_| response.clicked());
+        if let Some(frame) = hovered {
+            let x = axis.at(frame as f64 + 0.5);
+            ui.painter().with_clip_rect(area).vline(x, area.y_range(), style::faint(ui.visuals()));
+            Tooltip::for_widget(&response).at_pointer().show(|ui| frame_words(ui, chosen, frame));
+        }
+        clicked.map(|pointer| InspectorAction::GoTo(frame_at(pointer.x) as u32))
+    }
+
+    fn range(&self, total: usize) -> (f64, f64) {
+        self.view.unwrap_or((0.0, total.max(1) as f64))
+    }
+
+    fn controls(&mut self, ui: &mut Ui, chosen: &Chosen<'_>) {
+        let total = chosen.history.states.len();
+        ui.horizontal(|ui| {
+            ui.label(style::aside(ui, "Zoom"));
+            let centre = chosen.index as f64 + 0.5;
+            if ui.small_button("+").on_hover_text("Zoom in on the frame in view (or Ctrl + scroll)").clicked()
+            {
+                self.zoom(0.5, centre, total);
+            }
+            if ui.small_button("–").on_hover_text("Zoom out (or Ctrl + scroll)").clicked() {
+                self.zoom(2.0, centre, total);
+            }
+            if ui.small_button("All").on_hover_text("Show all frames").clicked() {
+                self.view = None;
+            }
+            ui.add_space(6.0);
+            ui.checkbox(&mut self.fit, small("fit values"))
+                .on_hover_text("Fit the value axes to the values in view, instead of 0 to 255");
+        });
+    }
+
+    /// Widens (factor over 1) or narrows the part in view, `centre` staying where it is.
+    fn zoom(&mut self, factor: f64, centre: f64, total: usize) {
+        let (from, to) = self.range(total);
+        let centre = centre.clamp(from, to);
+        let width = (to - from) * factor;
+        if width < LEAST_FRAMES && factor < 1.0 {
+            return;
+        }
+        let from = centre - (centre - from) * factor;
+        self.set(from, from + width, total);
+    }
+
+    fn set(&mut self, from: f64, to: f64, total: usize) {
+        let (all, width) = (total as f64, to - from);
+        let from = from.min(all - width).max(0.0);
+        self.view = (width < all).then_some((from, from + width));
+    }
+
+    /// Pans and zooms by the pointer, and follows the frame in view when it leaves the part in view.
+    fn look_around(&mut self, ui: &Ui, response: &Response, plot: Rect, chosen: &Chosen<'_>) {
+        let total = chosen.history.states.len();
+        if let Some((from, to)) = self.view {
+            // Another video, or the same one run anew, may be shorter.
+            self.set(from, to, total);
+            let here = chosen.index as f64 + 0.5;
+            if chosen.index != self.index && !(from..=to).contains(&here) {
+                self.set(here - (to - from) / 2.0, here + (to - from) / 2.0, total);
+            }
+        }
+        self.index = chosen.index;
+        let (from, to) = self.range(total);
+        let frames_per_point = (to - from) / f64::from(plot.width());
+        let mut shift = 0.0;
+        if response.dragged() {
+            shift -= f64::from(response.drag_delta().x) * frames_per_point;
+        }
+        if let Some(pointer) = response.hover_pos() {
+            let (zoom, scroll) = ui.input(|input| (input.zoom_delta(), input.smooth_scroll_delta().x));
+            shift -= f64::from(scroll) * frames_per_point;
+            if zoom != 1.0 {
+                let centre = Axis::x(from, to, plot).value(pointer.x);
+                self.zoom(f64::from(1.0 / zoom), centre, total);
+                return;
+            }
+        }
+        if shift != 0.0 && self.view.is_some() {
+            self.set(from + shift, to + shift, total);
+        }
+    }
+
+    fn draw(&mut self, ui: &Ui, chosen: &Chosen<'_>, area: Rect, axis: Axis) {
+        let frames = axis.min.floor() as usize..axis.max.ceil() as usize;
+        let plot = chart::inner(area);
+        let fit = self.fit;
+        let bins = self.bins(chosen, frames, plot.width() as usize);
+        let fit = fit.then(|| value_range(bins, chosen.channels().len()));
+        let (low, high) = fit.unwrap_or((0.0, 255.0));
+
+        let (painter, visuals) = (ui.painter_at(area), ui.visuals());
+        let mut y = area.top();
+        let mut rows = Vec::new();
+        let mut row = |caption: &str, height: f32| {
+            let place = Pos2::new(plot.left(), y + CAPTION - 2.0);
+            painter.text(place, Align2::LEFT_BOTTOM, caption, style::font(), style::muted(visuals));
+            let top = y + CAPTION;
+            y = top + height + GAP;
+            let rect = Rect::from_x_y_ranges(plot.x_range(), Rangef::new(top, top + height));
+            rows.push(rect.y_range());
+            rect
+        };
+        let names: &[&str] = if chosen.channels().len() == 1 { &["luma"] } else { &["red", "green", "blue"] };
+        for (channel, name) in names.iter().enumerate() {
+            let rect = row(name, CHANNEL);
+            let values = Axis::y(low, high, rect);
+            channel_plot(
+                &painter.with_clip_rect(rect.expand2(Vec2::new(0.0, 1.0)).intersect(painter.clip_rect())),
+                visuals,
+                bins,
+                channel,
+                axis,
+                values,
+            );
+            chart::frame(&painter, rect, visuals);
+            let labels: Vec<_> = if fit.is_some() {
+                chart::ticks(low, high, 5)
+                    .into_iter()
+                    .map(|tick| (values.at(tick), format!("{tick}")))
+                    .collect()
+            } else {
+                [0.0, 128.0, 255.0].map(|tick| (values.at(tick), format!("{tick}"))).to_vec()
+            };
+            chart::y_labels(&painter, rect.left(), &labels, visuals);
+        }
+
+        let t = chosen.history.parameters.t;
+        let rect = row("weights, stacked in rank order", WEIGHTS);
+        weights_plot(&painter, visuals, bins, axis, rect, t);
+
+        let k = chosen.history.parameters.k;
+        let rect = row("B, components that are background", COUNT);
+        count_plot(&painter, visuals, bins, axis, rect, k);
+
+        let rect = row("verdict of the mixture", VERDICT);
+        let mut columns = Columns::default();
+        for bin in bins {
+            let share = bin.foreground as f32 / bin.frames.len().max(1) as f32;
+            let colour = if bin.foreground > 0 {
+                // A single foreground frame among a hundred must still be seen.
+                style::verdict_colour(visuals, true).gamma_multiply(0.45 + 0.55 * share)
+            } else {
+                style::verdict_colour(visuals, false).gamma_multiply(0.30)
+            };
+            columns.add(x_range(bin, axis), rect.top(), rect.bottom(), colour);
+        }
+        columns.paint(&painter.with_clip_rect(rect.intersect(painter.clip_rect())));
+
+        let last = Rect::from_x_y_ranges(plot.x_range(), Rangef::new(area.top() + CAPTION, rect.bottom()));
+        let states = &chosen.history.states;
+        let labels: Vec<_> = chart::ticks(axis.min, axis.max, (plot.width() / 60.0) as usize)
+            .into_iter()
+            .filter_map(|tick| {
+                // Ticks are at positions from 1, which are the frame numbers of most videos.
+                let position = (tick as usize).max(1) - 1;
+                let state = states.get(position)?;
+                Some((axis.at(position as f64 + 0.5), state.number.to_string()))
+            })
+            .filter(|(x, _)| last.x_range().contains(*x))
+            .collect();
+        chart::x_labels(&painter, last, &labels, visuals);
+
+        let here = axis.at(chosen.index as f64 + 0.5);
+        if last.x_range().contains(here) {
+            for row in rows {
+                painter.vline(here, row, Stroke::new(1.5, style::ink(visuals)));
+            }
+            let tip = Pos2::new(here, last.top() - 1.0);
+            let shape = vec![tip, tip + Vec2::new(-4.0, -6.0), tip + Vec2::new(4.0, -6.0)];
+            painter.add(Shape::convex_polygon(shape, style::ink(visuals), Stroke::NONE));
+        }
+    }
+
+    fn bins(&mut self, chosen: &Chosen<'_>, frames: Range<usize>, columns: usize) -> &[Bin] {
+        let fits = self.cache.as_ref().is_some_and(|cache| {
+            Arc::ptr_eq(&cache.history, chosen.history) && cache.frames == frames && cache.columns == columns
+        });
+        if !fits {
+            let bins = bins(chosen.history, chosen.slots, frames.clone(), columns);
+            self.cache = Some(Cache { history: Arc::clone(chosen.history), frames, columns, bins });
+        }
+        self.cache.as_ref().map_or(&[], |cache| &cache.bins)
+    }
+}
+
+/// Which colour is which component now.
+fn legend(ui: &mut Ui, chosen: &Chosen<'_>) {
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing = Vec2::new(4.0, 1.0);
+        let lambda = number(chosen.history.parameters.lambda);
+        ui.label(style::aside(ui, &format!("Bands μ ± {lambda}σ, rank now:")))
+            .on_hover_text(
+                "A colour follows its component through changes of rank. A new component takes the colour of the one \
+                 that it replaced. Strong bands are background, pale ones are not.",
+            );
+        let slots = chosen.slots[chosen.index];
+        for (rank, slot) in slots.iter().enumerate().take(chosen.state.pixel.used()) {
+            let (rect, _) = ui.allocate_exact_size(Vec2::new(12.0, 10.0), Sense::hover());
+            let colour = style::component(ui.visuals(), *slot);
+            let plate = Rect::from_center_size(rect.center(), Vec2::new(12.0, 8.0));
+            ui.painter().rect_filled(plate, 1.0, colour.gamma_multiply(0.4));
+            ui.painter().hline(plate.x_range(), plate.center().y, Stroke::new(1.5, colour));
+            ui.label(small(&(rank + 1).to_string()));
+        }
+        ui.label(style::aside(ui, "pale: foreground"));
+    });
+}
+
+/// What the pointer is over, in words.
+fn frame_words(ui: &mut Ui, chosen: &Chosen<'_>, frame: usize) {
+    let Some(state) = chosen.history.states.get(frame) else { return };
+    let words = verdict(chosen.history, frame);
+    ui.set_max_width(260.0);
+    ui.label(format!("Frame {}, {} s", state.number, style::seconds(frame, chosen.fps)));
+    let values = chosen.channels().iter().zip(state.value);
+    let values: Vec<_> = values.map(|(name, value)| format!("{name} {value}")).collect();
+    ui.label(small(&format!("{}, B = {}", values.join("  "), state.outcome.background_count)));
+    ui.label(small(&words.headline));
+}
+
+/// The part of the axis that a bin takes.
+fn x_range(bin: &Bin, axis: Axis) -> Rangef {
+    Rangef::new(axis.at(bin.frames.start as f64), axis.at(bin.frames.end as f64))
+}
+
+/// The values in view with some air, and the background that they are compared with.
+fn value_range(bins: &[Bin], channels: usize) -> (f64, f64) {
+    let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
+    for bin in bins {
+        for channel in 0..channels {
+            (low, high) = (low.min(bin.value[channel].0), high.max(bin.value[channel].1));
+            for band in bin.bands.iter().flatten().filter(|band| band.background) {
+                (low, high) = (low.min(band.range[channel].0), high.max(band.range[channel].1));
+            }
+        }
+    }
+    if low > high { (0.0, 255.0) } else { (f64::from(low) - 3.0, f64::from(high) + 3.0) }
+}
+
+fn channel_plot(
+    painter: &Painter,
+    visuals: &Visuals,
+    bins: &[Bin],
+    channel: usize,
+    axis: Axis,
+    values: Axis,
+) {
+    let (mut columns, mut means) = (Columns::default(), Columns::default());
+    for bin in bins {
+        let x = x_range(bin, axis);
+        for (slot, band) in bin.bands.iter().enumerate() {
+            let Some(band) = band else { continue };
+            let colour = style::component(visuals, slot as u8);
+            let (low, high) = band.range[channel];
+            let strength = if band.background { 0.32 } else { 0.12 };
+            let (low, high) = (values.clamped(f64::from(low)), values.clamped(f64::from(high)));
+            columns.add(x, low, high, colour.gamma_multiply(strength));
+            let mean = values.at(f64::from(band.mean[channel]));
+            let strength = if band.background { 1.0 } else { 0.45 };
+            means.add(x, mean - 0.6, mean + 0.6, colour.gamma_multiply(strength));
+        }
+    }
+    columns.paint(painter);
+    let ink = style::ink(visuals);
+    let mut levels = Columns::default();
+    for bin in bins {
+        for &(step, count) in &bin.levels[channel] {
+            // Even a single frame among a thousand leaves a trace.
+            let share = count as f32 / bin.frames.len() as f32;
+            let low = f64::from(step) * f64::from(STEP);
+            let (low, high) = (values.at(low), values.at(low + f64::from(STEP)));
+            levels.add(x_range(bin, axis), low, high, ink.gamma_multiply(0.12 + 0.88 * share.sqrt()));
+        }
+    }
+    levels.paint(painter);
+    means.paint(painter);
+    if bins.iter().any(|bin| bin.frames.len() > FEW) {
+        return;
+    }
+
+    let mut line = Vec::with_capacity(bins.len() * 2);
+    for bin in bins {
+        let (low, high) = bin.value[channel];
+        let x = x_range(bin, axis).center();
+        line.push(Pos2::new(x, values.at(f64::from(low))));
+        if high > low {
+            line.push(Pos2::new(x, values.at(f64::from(high))));
+        }
+    }
+    painter.add(Shape::line(line, Stroke::new(1.0, ink.gamma_multiply(0.9))));
+    // With room between frames each value is a point of its own.
+    for bin in bins.iter().filter(|bin| bin.frames.len() == 1) {
+        let x = x_range(bin, axis);
+        if x.span() >= 6.0 {
+            let colour: Color32 = if bin.foreground > 0 { style::verdict_colour(visuals, true) } else { ink };
+            painter.circle_filled(
+                Pos2::new(x.center(), values.at(f64::from(bin.value[channel].0))),
+                2.2,
+                colour,
+            );
+        }
+    }
+}
+
+fn weights_plot(painter: &Painter, visuals: &Visuals, bins: &[Bin], axis: Axis, rect: Rect, t: f32) {
+    let clipped = painter.with_clip_rect(rect.intersect(painter.clip_rect()));
+    let share = Axis::y(0.0, 1.0, rect);
+    let mut columns = Columns::default();
+    for bin in bins {
+        let mut sum = 0.0;
+        for (rank, (slot, weight)) in bin.weights.iter().enumerate() {
+            let strength = if rank < usize::from(bin.background_count) { 0.75 } else { 0.28 };
+            let colour = style::component(visuals, *slot).gamma_multiply(strength);
+            let next = sum + f64::from(*weight);
+            columns.add(x_range(bin, axis), share.clamped(sum), share.clamped(next), colour);
+            sum = next;
+        }
+    }
+    columns.paint(&clipped);
+    chart::frame(painter, rect, visuals);
+    let y = share.at(f64::from(t));
+    let ends = [Pos2::new(rect.left(), y), Pos2::new(rect.right(), y)];
+    painter.extend(Shape::dashed_line(&ends, Stroke::new(1.2, style::ink(visuals)), 4.0, 3.0));
+    let mut labels = vec![(y, format!("T {}", number(t)))];
+    let ends = [0.0, 1.0].map(|tick| (share.at(tick), format!("{tick}")));
+    labels.extend(ends.into_iter().filter(|(end, _)| (end - y).abs() > 10.0));
+    chart::y_labels(painter, rect.left(), &labels, visuals);
+}
+
+fn count_plot(painter: &Painter, visuals: &Visuals, bins: &[Bin], axis: Axis, rect: Rect, k: usize) {
+    let count = Axis::y(0.0, k as f64, rect);
+    let clipped = painter.with_clip_rect(rect.intersect(painter.clip_rect()));
+    let colour = visuals.text_color().gamma_multiply(0.45);
+    let mut columns = Columns::default();
+    for bin in bins {
+        let top = count.at(f64::from(bin.most_background));
+        columns.add(x_range(bin, axis), top, rect.bottom(), colour);
+    }
+    columns.paint(&clipped);
+    chart::frame(painter, rect, visuals);
+    chart::y_labels(
+        painter,
+        rect.left(),
+        &[(count.at(0.0), "0".to_owned()), (count.at(k as f64), k.to_string())],
+        visuals,
+    );
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+    use crate::mixture::Parameters;
+    use crate::mixture::follow::slots;
+    use crate::settings::Settings;
+
+    fn of_level(level: u8) -> Arc<PixelHistory> {
+        let colours = (1..=50).map(|number| (number, [level; 3]));
+        Arc::new(PixelHistory::of_colours((1, 2), Parameters::new(&Settings::default()), colours))
+    }
+
+    #[test]
+    fn columns_are_made_anew_only_for_another_history_part_or_width() {
+        let mut view = HistoryView::default();
+        let mut made = |history: &Arc<PixelHistory>, frames: Range<usize>, columns: usize| {
+            let slots = Arc::new(slots(history));
+            let chosen = Chosen { history, slots: &slots, index: 3, state: &history.states[3], fps: 25.0 };
+            let bins = view.bins(&chosen, frames, columns);
+            (bins.as_ptr(), bins.len(), bins[0].value[0].0)
+        };
+        let (one, other) = (of_level(10), of_level(200));
+        let first = made(&one, 0..50, 20);
+        assert_eq!(first, made(&Arc::clone(&one), 0..50, 20), "the same columns, not equal ones");
+        assert_eq!(made(&one, 10..50, 5).1, 5);
+        assert_eq!(made(&other, 10..50, 5).2, 200.0);
+        // Equal in content, but another: it may have grown by the next time.
+        assert_eq!(made(&of_level(10), 10..50, 5).2, 10.0);
+    }
+
+    #[test]
+    fn zooming_keeps_the_centre_and_stays_within_the_history() {
+        let mut view = HistoryView::default();
+        view.zoom(0.5, 75.0, 100);
+        assert_eq!(view.view, Some((37.5, 87.5)));
+        view.zoom(2.0, 75.0, 100);
+        assert_eq!(view.view, None, "all of it again");
+        for _ in 0..20 {
+            view.zoom(0.5, 0.0, 100);
+        }
+        let (from, to) = view.range(100);
+        assert!(from == 0.0 && to - from >= LEAST_FRAMES);
+        view.set(95.0, 105.0, 100);
+        assert_eq!(view.range(100), (90.0, 100.0));
+        view.set(-10.0, 0.0, 100);
+        assert_eq!(view.range(100), (0.0, 10.0));
+    }
+}

@@ -1,0 +1,233 @@
+//! The pixel inspector: one pixel's mixture now and through time, and why it was decided so.
+//!
+//! `now` draws the mixture of the frame in view, `history` how it came about, `scatter`
+//! where the values lie among the channels. They draw; what they show is worked out in
+//! [`crate::mixture`] and, for long histories, in `bins`.
+
+mod bins;
+mod chart;
+mod history;
+mod now;
+mod scatter;
+mod style;
+#[cfg(test)]
+mod tests;
+
+use std::sync::Arc;
+
+use eframe::egui;
+use eframe::egui::{RichText, ScrollArea, Ui};
+
+use crate::mixture::follow::slots;
+use crate::mixture::pixel::MAX_K;
+use crate::mixture::verdict::{Verdict, overruled, verdict};
+use crate::mixture::{PixelHistory, PixelState};
+use crate::replay::Shown;
+use crate::settings::{BackgroundModel, Space};
+
+/// What the person asked for in the inspector.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum InspectorAction {
+    /// Show the frame at this position of the sequence, from 0.
+    GoTo(u32),
+}
+
+/// The panel's own state: which tab is open, and how its plots are looked at.
+#[derive(Default)]
+pub struct Inspector {
+    tab: Tab,
+    now: now::Now,
+    history: history::HistoryView,
+    scatter: scatter::Scatter,
+    followed: Option<Followed>,
+}
+
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Tab {
+    #[default]
+    Now,
+    History,
+    Scatter,
+}
+
+/// A history with the slots of its components; worked out anew only when the history is another one.
+struct Followed {
+    history: Arc<PixelHistory>,
+    slots: Arc<Vec<[u8; MAX_K]>>,
+}
+
+/// The chosen pixel in the frame in view.
+#[derive(Clone, Copy)]
+struct Chosen<'a> {
+    history: &'a Arc<PixelHistory>,
+    /// Slots by rank, a set a state; a component's slot gives its colour.
+    slots: &'a Arc<Vec<[u8; MAX_K]>>,
+    /// Index of the state of the frame in view.
+    index: usize,
+    state: &'a PixelState,
+    /// The source's frames a second.
+    fps: f32,
+}
+
+impl Chosen<'_> {
+    /// The names of the value's channels, as many as it has.
+    fn channels(&self) -> &'static [&'static str] {
+        match self.history.parameters.space {
+            Space::Rgb => &["R", "G", "B"],
+            Space::Gray => &["Y"],
+        }
+    }
+}
+
+impl Inspector {
+    /// Draws the panel about the pixel chosen in `shown`; gives what was asked for in it.
+    ///
+    /// `fps` is the source's frame rate, to show times in seconds beside frame numbers.
+    pub fn ui(&mut self, ui: &mut Ui, shown: Option<&Shown>, fps: f32) -> Option<InspectorAction> {
+        let Some(shown) = shown else {
+            empty(ui, "No frame yet", "The inspector fills as soon as a frame is there.");
+            return None;
+        };
+        if shown.settings.background_model != BackgroundModel::Mixture {
+            let model = match shown.settings.background_model {
+                BackgroundModel::Knn => "KNN",
+                _ => "MOG2",
+            };
+            empty(
+                ui,
+                "No mixture to show",
+                &format!(
+                    "The background model is OpenCV's {model}, which does not let its state be read. \
+                     Choose the mixture as background model to inspect a pixel."
+                ),
+            );
+            return None;
+        }
+        let Some(history) = &shown.pixel else {
+            empty(
+                ui,
+                "No pixel chosen",
+                "Click a pixel in any view to see its mixture, how it came about, and why it is foreground or background.",
+            );
+            return None;
+        };
+        let index = shown.position as usize;
+        let Some(state) = history.states.get(index) else {
+            let (x, y) = history.at;
+            empty(
+                ui,
+                &format!("Pixel {x}, {y}"),
+                &format!("Frame {} is not in this pixel's history yet.", shown.frame.number),
+            );
+            return None;
+        };
+
+        let slots = self.follow(history);
+        let chosen = Chosen { history, slots: &slots, index, state, fps };
+        let mut words = verdict(history, index);
+        let (x, y) = history.at;
+        let mask = shown.analysis.mask.is_foreground(x, y);
+        words.details.splice(0..0, overruled(words.foreground, mask, &shown.settings));
+
+        header(ui, &chosen);
+        ui.add_space(4.0);
+        verdict_ui(ui, &words, mask);
+        ui.add_space(4.0);
+        ui.horizontal(|ui| {
+            for (tab, name) in [(Tab::Now, "Now"), (Tab::History, "History"), (Tab::Scatter, "Scatter")] {
+                ui.selectable_value(&mut self.tab, tab, name);
+            }
+        });
+        ui.separator();
+        let tab = self.tab;
+        let scrolled = ScrollArea::vertical().id_salt(("inspector", name_of(tab))).auto_shrink(false);
+        scrolled
+            .show(ui, |ui| match tab {
+                Tab::Now => {
+                    self.now.ui(ui, &chosen, &words);
+                    None
+                }
+                Tab::History => self.history.ui(ui, &chosen),
+                Tab::Scatter => {
+                    self.scatter.ui(ui, &chosen);
+                    None
+                }
+            })
+            .inner
+    }
+
+    fn follow(&mut self, history: &Arc<PixelHistory>) -> Arc<Vec<[u8; MAX_K]>> {
+        match &self.followed {
+            // The old history is kept alive, so that an equal address is the same history.
+            Some(followed) if Arc::ptr_eq(&followed.history, history) => Arc::clone(&followed.slots),
+            _ => {
+                let slots = Arc::new(slots(history));
+                self.followed = Some(Followed { history: Arc::clone(history), slots: Arc::clone(&slots) });
+                slots
+            }
+        }
+    }
+}
+
+const fn name_of(tab: Tab) -> &'static str {
+    match tab {
+        Tab::Now => "now",
+        Tab::History => "history",
+        Tab::Scatter => "scatter",
+    }
+}
+
+fn empty(ui: &mut Ui, title: &str, text: &str) {
+    ui.vertical_centered(|ui| {
+        ui.add_space((ui.available_height() * 0.3).clamp(16.0, 160.0));
+        ui.label(RichText::new(title).size(15.0).strong());
+        ui.add_space(4.0);
+        ui.set_max_width(300.0);
+        ui.label(RichText::new(text).color(style::muted(ui.visuals())));
+    });
+}
+
+fn header(ui: &mut Ui, chosen: &Chosen<'_>) {
+    let state = chosen.state;
+    let [r, g, b] = state.rgb;
+    ui.horizontal(|ui| {
+        style::swatch(ui, state.rgb, 34.0, &format!("colour {r}, {g}, {b}"));
+        ui.vertical(|ui| {
+            ui.spacing_mut().item_spacing.y = 1.0;
+            let (x, y) = chosen.history.at;
+            ui.horizontal(|ui| {
+                ui.label(RichText::new(format!("Pixel {x}, {y}")).size(15.0).strong());
+                ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
+                    ui.label(style::aside(ui, &format!("{} s", style::seconds(chosen.index, chosen.fps))));
+                    ui.label(format!("frame {}", state.number));
+                });
+            });
+            ui.label(match chosen.history.parameters.space {
+                Space::Rgb => format!("R {r}   G {g}   B {b}"),
+                Space::Gray => format!("luma {}   (R {r}  G {g}  B {b})", state.value[0]),
+            });
+        });
+    });
+}
+
+fn verdict_ui(ui: &mut Ui, words: &Verdict, mask: bool) {
+    let colour = style::verdict_colour(ui.visuals(), words.foreground);
+    let frame = egui::Frame::new()
+        .fill(colour.gamma_multiply(0.14))
+        .inner_margin(egui::Margin { left: 10, right: 6, top: 5, bottom: 5 })
+        .corner_radius(3);
+    let response = frame
+        .show(ui, |ui| {
+            ui.set_width(ui.available_width());
+            ui.spacing_mut().item_spacing.y = 2.0;
+            ui.label(RichText::new(&words.headline).color(ui.visuals().strong_text_color()));
+            if mask != words.foreground {
+                let made = if mask { "foreground" } else { "background" };
+                ui.label(style::small(&format!("After cleaning it is {made}.")));
+            }
+        })
+        .response;
+    let mut rule = response.rect;
+    rule.set_width(3.0);
+    ui.painter().rect_filled(rule, 1.0, colour);
+}

@@ -1,0 +1,83 @@
+//! What the inspector's drawings have in common: colours, text sizes, numbers.
+
+use eframe::egui::accesskit::Role;
+use eframe::egui::{
+    Color32, CornerRadius, FontId, RichText, Sense, Stroke, StrokeKind, Ui, Vec2, Visuals, WidgetInfo,
+};
+
+use crate::app::theme;
+pub(super) use crate::app::theme::SMALL;
+use crate::palette::component_colour;
+
+pub(super) fn small(text: &str) -> RichText {
+    RichText::new(text).size(SMALL)
+}
+
+pub(super) fn font() -> FontId {
+    FontId::proportional(SMALL)
+}
+
+/// The font of numbers on axes.
+pub(super) fn tick_font() -> FontId {
+    FontId::proportional(9.5)
+}
+
+/// The colour of the component in `slot`; darker on light ground, where the palette's yellow would vanish.
+pub(super) fn component(visuals: &Visuals, slot: u8) -> Color32 {
+    let [r, g, b] = component_colour(usize::from(slot));
+    if visuals.dark_mode {
+        Color32::from_rgb(r, g, b)
+    } else {
+        let darker = |channel: u8| (f32::from(channel) * 0.78) as u8;
+        Color32::from_rgb(darker(r), darker(g), darker(b))
+    }
+}
+
+/// Vermilion for foreground, bluish green for background: told apart with any kind of colour vision.
+pub(super) const fn verdict_colour(visuals: &Visuals, foreground: bool) -> Color32 {
+    match (foreground, visuals.dark_mode) {
+        (true, true) => Color32::from_rgb(232, 106, 23),
+        (true, false) => Color32::from_rgb(201, 82, 0),
+        (false, true) => Color32::from_rgb(0, 178, 128),
+        (false, false) => Color32::from_rgb(0, 140, 100),
+    }
+}
+
+/// Lines and marks that carry the data itself.
+pub(super) fn ink(visuals: &Visuals) -> Color32 {
+    visuals.strong_text_color()
+}
+
+/// Captions, ticks and asides.
+pub(super) fn muted(visuals: &Visuals) -> Color32 {
+    theme::colours(visuals).weak
+}
+
+/// A caption or an aside.
+pub(super) fn aside(ui: &Ui, text: &str) -> RichText {
+    small(text).color(muted(ui.visuals()))
+}
+
+/// Axis frames and grids.
+pub(super) fn faint(visuals: &Visuals) -> Stroke {
+    Stroke::new(1.0, visuals.text_color().gamma_multiply(0.22))
+}
+
+/// A plate of a colour with a thin edge, so that it stands out from any ground.
+pub(super) fn swatch(ui: &mut Ui, rgb: [u8; 3], side: f32, name: &str) {
+    let (rect, response) = ui.allocate_exact_size(Vec2::splat(side), Sense::hover());
+    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, name));
+    let [r, g, b] = rgb;
+    ui.painter().rect(
+        rect,
+        CornerRadius::same(2),
+        Color32::from_rgb(r, g, b),
+        faint(ui.visuals()),
+        StrokeKind::Inside,
+    );
+}
+
+/// The time of a position in seconds, with a tenth.
+pub(super) fn seconds(position: usize, fps: f32) -> String {
+    format!("{:.1}", position as f32 / fps.max(f32::MIN_POSITIVE))
+}

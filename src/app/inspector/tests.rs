@@ -1,0 +1,407 @@
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::cell::RefCell;
+use std::path::Path;
+use std::rc::Rc;
+use std::sync::Arc;
+
+use eframe::egui::{self, Pos2, Theme, Vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::{NodeT, Queryable};
+
+use super::{Inspector, InspectorAction};
+use crate::frame::{Frame, Mask, Size};
+use crate::mixture::verdict::{sigmas, verdict};
+use crate::mixture::{Parameters, PixelHistory};
+use crate::occlusion::Counters;
+use crate::pipeline::Analysis;
+use crate::regions::Labels;
+use crate::replay::Shown;
+use crate::settings::{BackgroundModel, Preset, Settings, Space};
+
+const SIZE: Size = Size::new(8, 6);
+const AT: (u32, u32) = (5, 4);
+
+/// A pixel that sees two surfaces in turn, as one under a swaying branch does, and from frame 420
+/// on for a while a person in dark clothes. With its noise.
+fn history_of(settings: &Settings, frames: u32) -> PixelHistory {
+    let mut seed = 12_345_u32;
+    let mut noise = move || {
+        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        ((seed >> 16) % 13) as i32 - 6
+    };
+    let colours = (0..frames).map(|n| {
+        let swaying = (n / 9) % 3 == 0 || n % 23 == 5;
+        let [r, g, b] = match n {
+            420..450 => [58 + (n as i32 - 420), 44, 70],
+            _ if swaying => [92, 128, 64],
+            _ => [168, 160, 150],
+        };
+        let wobble = noise();
+        let channel = |level: i32, own: i32| (level + wobble + own).clamp(0, 255) as u8;
+        (n + 1, [channel(r, noise() / 3), channel(g, noise() / 3), channel(b, noise() / 3)])
+    });
+    PixelHistory::of_colours(AT, Parameters::new(settings), colours)
+}
+
+fn shown_of(settings: Settings, history: Option<PixelHistory>, position: u32) -> Shown {
+    let rgb = history.as_ref().and_then(|h| h.states.get(position as usize)).map_or([0; 3], |s| s.rgb);
+    let foreground = history
+        .as_ref()
+        .and_then(|h| h.states.get(position as usize))
+        .is_some_and(|state| state.outcome.foreground);
+    let mut mask = Mask::empty(SIZE);
+    mask.data[SIZE.index(AT.0, AT.1).unwrap()] = if foreground { Mask::FOREGROUND } else { Mask::BACKGROUND };
+    let frame = Arc::new(Frame::new(position + 1, SIZE, rgb.repeat(SIZE.pixels())));
+    Shown {
+        position,
+        settings: Arc::new(settings),
+        frame: Arc::clone(&frame),
+        analysis: Arc::new(Analysis {
+            number: position + 1,
+            t: position + 1,
+            mask: Arc::new(mask),
+            labels: Arc::new(Labels { size: SIZE, data: vec![0; SIZE.pixels()] }),
+            regions: Arc::default(),
+            objects: Arc::default(),
+            tracks: Arc::default(),
+            tentative: Arc::default(),
+            events: Arc::default(),
+            counters: Counters::default(),
+        }),
+        background: frame,
+        multi_mode: None,
+        background_count: None,
+        pixel: history.map(Arc::new),
+    }
+}
+
+fn settings() -> Settings {
+    Settings { t: 0.8, k: 4, alpha: 0.01, median: 5, ..Settings::preset(Preset::Plain) }
+}
+
+fn shown(position: u32) -> Shown {
+    let settings = settings();
+    let history = history_of(&settings, 600);
+    shown_of(settings, Some(history), position)
+}
+
+/// The panel about `shown` in a harness, and what it asked for.
+fn harness(
+    shown: Option<Shown>,
+    size: Vec2,
+    theme: Theme,
+) -> (Harness<'static>, Rc<RefCell<Vec<InspectorAction>>>) {
+    let actions = Rc::new(RefCell::new(Vec::new()));
+    let (asked, mut inspector) = (Rc::clone(&actions), Inspector::default());
+    let mut harness = Harness::builder()
+        .with_size(size)
+        .with_theme(theme)
+        .with_context_setup(crate::app::theme::install)
+        .wgpu()
+        .build_ui(move |ui| {
+            egui::CentralPanel::default().show(ui, |ui| {
+                asked.borrow_mut().extend(inspector.ui(ui, shown.as_ref(), 10.0));
+            });
+        });
+    harness.run();
+    (harness, actions)
+}
+
+fn tall(shown: Option<Shown>) -> (Harness<'static>, Rc<RefCell<Vec<InspectorAction>>>) {
+    harness(shown, Vec2::new(380.0, 1000.0), Theme::Dark)
+}
+
+fn open(harness: &mut Harness<'_>, tab: &str) {
+    harness.get_by_label(tab).click();
+    harness.run();
+}
+
+/// Everything that is written or named in the panel.
+fn texts(harness: &Harness<'_>) -> Vec<String> {
+    let mut texts = Vec::new();
+    let mut waiting = vec![harness.root()];
+    while let Some(node) = waiting.pop() {
+        let accesskit = node.accesskit_node();
+        texts.extend(accesskit.label());
+        texts.extend(accesskit.value());
+        waiting.extend(node.children());
+    }
+    texts
+}
+
+fn says(harness: &Harness<'_>, part: &str) -> bool {
+    texts(harness).iter().any(|text| text.contains(part))
+}
+
+fn picture(harness: &mut Harness<'_>, name: &str) {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("target/inspector");
+    std::fs::create_dir_all(&folder).unwrap();
+    harness.render().unwrap().save(folder.join(format!("{name}.png"))).unwrap();
+}
+
+#[test]
+fn without_a_frame_a_pixel_a_mixture_or_a_state_it_says_what_is_missing() {
+    let history = history_of(&settings(), 20);
+    let knn = Settings { background_model: BackgroundModel::Knn, ..settings() };
+    let mog2 = Settings { background_model: BackgroundModel::Mog2, ..settings() };
+    let cases = [
+        ("no-frame", None, "No frame yet"),
+        ("no-pixel", Some(shown_of(settings(), None, 3)), "Click a pixel in any view"),
+        ("knn", Some(shown_of(knn, None, 3)), "OpenCV's KNN"),
+        ("mog2", Some(shown_of(mog2, None, 3)), "OpenCV's MOG2"),
+        (
+            "not-yet",
+            Some(shown_of(settings(), Some(history), 20)),
+            "Frame 21 is not in this pixel's history yet",
+        ),
+    ];
+    for (name, shown, words) in cases {
+        let (mut harness, _) = harness(shown, Vec2::new(340.0, 400.0), Theme::Light);
+        assert!(says(&harness, words), "{name}: {:?}", texts(&harness));
+        picture(&mut harness, &format!("empty-{name}"));
+    }
+}
+
+#[test]
+fn every_tab_can_be_drawn_dark_and_light_narrow_and_wide() {
+    for (theme, look) in [(Theme::Dark, "dark"), (Theme::Light, "light")] {
+        for (width, height) in [(340.0, 700.0), (480.0, 1000.0)] {
+            let (mut harness, _) = harness(Some(shown(430)), Vec2::new(width, height), theme);
+            for tab in ["Now", "History", "Scatter"] {
+                open(&mut harness, tab);
+                picture(&mut harness, &format!("{}-{look}-{width}", tab.to_lowercase()));
+            }
+        }
+    }
+}
+
+#[test]
+fn one_channel_can_be_drawn_too() {
+    let gray = Settings { space: Space::Gray, k: 8, min_sigma: 1.0, initial_sigma: 6.0, ..settings() };
+    let history = history_of(&gray, 600);
+    let state = history.states[330];
+    let (mut harness, _) =
+        harness(Some(shown_of(gray, Some(history), 330)), Vec2::new(340.0, 900.0), Theme::Light);
+    assert!(says(&harness, &format!("luma {}", state.value[0])));
+    for tab in ["Now", "History", "Scatter"] {
+        open(&mut harness, tab);
+        picture(&mut harness, &format!("gray-{}", tab.to_lowercase()));
+    }
+    assert!(says(&harness, "luma against the next frame's luma"));
+}
+
+#[test]
+fn eight_components_where_nothing_matches_can_be_drawn() {
+    let crowded = Settings { k: 8, t: 0.6, initial_sigma: 6.0, ..settings() };
+    let colours = (0..400_u32).map(|n| {
+        let surface = (n * n / 7) % 9;
+        (n + 1, [20 + surface * 25, 240 - surface * 23, (surface * 71) % 250].map(|level| level as u8))
+    });
+    let mut history = PixelHistory::of_colours(AT, Parameters::new(&crowded), colours);
+    history.push_colour(401, [250, 250, 250]);
+    assert_eq!(history.states[400].pixel.used(), 8);
+    let (mut harness, _) =
+        harness(Some(shown_of(crowded, Some(history), 400)), Vec2::new(340.0, 960.0), Theme::Light);
+    assert!(says(&harness, "nothing matched; nearest was component"));
+    for tab in ["Now", "History", "Scatter"] {
+        open(&mut harness, tab);
+        picture(&mut harness, &format!("crowded-{}", tab.to_lowercase()));
+    }
+    for by in ["verdict", "time"] {
+        open(&mut harness, by);
+        picture(&mut harness, &format!("crowded-scatter-{by}"));
+    }
+}
+
+#[test]
+fn a_low_panel_scrolls_under_the_verdict() {
+    let (mut harness, _) = harness(Some(shown(430)), Vec2::new(340.0, 400.0), Theme::Light);
+    let (headline, before) =
+        (harness.get_by_label("Now").rect(), harness.get_by_label_contains("Weights 0").rect());
+    harness.hover_at(Pos2::new(150.0, 300.0));
+    harness.event(egui::Event::MouseWheel {
+        unit: egui::MouseWheelUnit::Point,
+        delta: Vec2::new(0.0, -180.0),
+        phase: egui::TouchPhase::Move,
+        source: egui::MouseWheelSource::Wheel,
+        modifiers: egui::Modifiers::NONE,
+    });
+    // A scroll is smoothed over several frames.
+    harness.run_steps(8);
+    assert_eq!(harness.get_by_label("Now").rect(), headline, "tabs and verdict stay");
+    let after = harness.get_by_label_contains("Weights 0").rect();
+    assert!(after.top() < before.top() - 100.0, "{before:?} to {after:?}");
+    picture(&mut harness, "scrolled");
+}
+
+#[test]
+fn the_first_frame_can_be_drawn() {
+    let (mut harness, _) = tall(Some(shown(0)));
+    assert!(says(&harness, "the model's first frame"));
+    for tab in ["Now", "History", "Scatter"] {
+        open(&mut harness, tab);
+    }
+}
+
+#[test]
+fn what_is_shown_equals_the_state() {
+    for position in [150, 425, 430, 560] {
+        let shown = shown(position);
+        let history = Arc::clone(shown.pixel.as_ref().unwrap());
+        let (harness, _) = tall(Some(shown));
+        let (state, words) = (history.states[position as usize], verdict(&history, position as usize));
+        let [r, g, b] = state.rgb;
+        for text in [
+            format!("Pixel {}, {}", AT.0, AT.1),
+            format!("frame {}", position + 1),
+            format!("{:.1} s", position as f32 / 10.0),
+            format!("R {r}   G {g}   B {b}"),
+            words.headline.clone(),
+            state.outcome.background_count.to_string(),
+        ] {
+            assert!(says(&harness, &text), "frame {position}: {text:?} in {:#?}", texts(&harness));
+        }
+        let all = texts(&harness);
+        for detail in &words.details {
+            assert!(all.contains(detail), "{detail}");
+        }
+        for component in state.pixel.components().iter().filter(|component| component.is_used()) {
+            let [r, g, b] = component.mean;
+            for text in [
+                format!("{:.3}", component.weight),
+                format!("{:.1}", component.sigma()),
+                format!("{:.4}", component.rank_value()),
+                format!("{r:.0}  {g:.0}  {b:.0}"),
+            ] {
+                assert!(all.contains(&text), "frame {position}: {text:?} in {all:#?}");
+            }
+        }
+        if state.outcome.matched > 0 {
+            let before = history.before(position as usize).unwrap();
+            let matched = before.components()[usize::from(state.outcome.matched) - 1];
+            assert!(all.contains(&format!("{:.1} σ", sigmas(&matched, state.value))));
+            assert!(all.iter().any(|text| text == "match") && !all.iter().any(|text| text == "new"));
+        } else {
+            assert!(all.iter().any(|text| text == "new") && !all.iter().any(|text| text == "match"));
+        }
+    }
+}
+
+#[test]
+fn the_mixture_before_the_update_is_the_one_of_the_frame_before() {
+    let shown = shown(430);
+    let history = Arc::clone(shown.pixel.as_ref().unwrap());
+    let (mut harness, _) = tall(Some(shown));
+    harness.get_by_label("before").click();
+    harness.run();
+    let all = texts(&harness);
+    for component in history.before(430).unwrap().components().iter().filter(|c| c.is_used()) {
+        assert!(all.contains(&format!("{:.3}", component.weight)));
+        assert!(all.contains(&format!("{:.4}", component.rank_value())));
+    }
+}
+
+#[test]
+fn a_verdict_that_cleaning_overruled_is_marked() {
+    let mut shown = shown(425);
+    let (harness, _) = tall(Some(shown.clone()));
+    assert!(!says(&harness, "overruled"));
+    let mut analysis = (*shown.analysis).clone();
+    analysis.mask = Arc::new(Mask::empty(SIZE));
+    shown.analysis = Arc::new(analysis);
+    let (harness, _) = tall(Some(shown));
+    assert!(says(&harness, "After cleaning it is background."));
+    assert!(says(&harness, "cleaning (median 5) made this pixel background"));
+}
+
+/// Where a share of the history's time axis is on the screen.
+fn on_history(harness: &Harness<'_>, share: f32) -> Pos2 {
+    let plot = super::chart::inner(harness.get_by_label_contains("History of").rect());
+    Pos2::new(plot.left() + plot.width() * share, plot.center().y)
+}
+
+fn click_history(harness: &mut Harness<'_>, share: f32) {
+    let at = on_history(harness, share);
+    harness.drag_at(at);
+    harness.drop_at(at);
+    harness.run();
+}
+
+#[test]
+fn a_click_into_the_history_goes_to_the_frame_under_it() {
+    let (mut harness, actions) = tall(Some(shown(430)));
+    open(&mut harness, "History");
+    // 600 frames: the middle of frame 149 (from 0) is at 149.5 / 600.
+    harness.hover_at(on_history(&harness, 149.5 / 600.0));
+    harness.run();
+    assert!(says(&harness, "Frame 150, 14.9 s"), "the tip names the frame: {:?}", texts(&harness));
+    assert!(actions.borrow().is_empty(), "looking is not asking");
+    picture(&mut harness, "history-hover");
+    click_history(&mut harness, 149.5 / 600.0);
+    assert_eq!(*actions.borrow(), [InspectorAction::GoTo(149)]);
+
+    // Half as wide, frame 430 staying in its place: from 215.25 on for 300 frames.
+    harness.get_by_label("+").click();
+    harness.run();
+    actions.borrow_mut().clear();
+    click_history(&mut harness, 0.25);
+    assert_eq!(*actions.borrow(), [InspectorAction::GoTo(290)]);
+    harness.get_by_label("All").click();
+    harness.run();
+    actions.borrow_mut().clear();
+    click_history(&mut harness, 1.0);
+    assert_eq!(*actions.borrow(), [InspectorAction::GoTo(599)], "the end is the last frame, not beyond it");
+}
+
+#[test]
+fn a_zoomed_history_is_dragged_along() {
+    let (mut harness, actions) = tall(Some(shown(430)));
+    open(&mut harness, "History");
+    harness.get_by_label("+").click();
+    harness.run();
+    // From 215.25 on for 300 frames; a quarter to the right shows 75 frames earlier.
+    let (start, end) = (on_history(&harness, 0.5), on_history(&harness, 0.75));
+    harness.hover_at(start);
+    harness.drag_at(start);
+    harness.step();
+    harness.hover_at(end);
+    harness.step();
+    harness.drop_at(end);
+    harness.run();
+    assert!(actions.borrow().is_empty(), "a drag is not a click");
+    click_history(&mut harness, 0.5);
+    assert_eq!(*actions.borrow(), [InspectorAction::GoTo((215.25 - 75.0 + 150.0) as u32)]);
+}
+
+#[test]
+fn a_zoomed_history_shows_single_frames_and_fits_its_values() {
+    let (mut harness, _) = tall(Some(shown(430)));
+    open(&mut harness, "History");
+    for _ in 0..4 {
+        harness.get_by_label("+").click();
+        harness.run();
+    }
+    harness.get_by_label("fit values").click();
+    harness.run();
+    picture(&mut harness, "history-zoomed");
+}
+
+#[test]
+fn a_long_history_stays_quick() {
+    let settings = settings();
+    let history = history_of(&settings, 100_000);
+    let (mut harness, _) = tall(Some(shown_of(settings, Some(history), 50_000)));
+    open(&mut harness, "History");
+    picture(&mut harness, "history-long");
+    let start = std::time::Instant::now();
+    for _ in 0..20 {
+        harness.step();
+    }
+    let each = start.elapsed() / 20;
+    assert!(each.as_millis() < 33, "a repaint of 100 000 frames takes {each:?}");
+    open(&mut harness, "Scatter");
+    harness.get_by_label("all").click();
+    harness.run();
+    picture(&mut harness, "scatter-long");
+}

@@ -1,0 +1,39 @@
+//! From key presses to actions, by the table.
+
+use eframe::egui::{Context, Event, Key, Modifiers};
+
+use super::command::{ACTIONS, Command};
+
+/// The actions whose keys were pressed. None while text is typed, and none of the keys that move
+/// or press a control while one has the focus.
+pub(crate) fn pressed(ctx: &Context, commands: &mut Vec<Command>) {
+    if ctx.text_edit_focused() {
+        return;
+    }
+    let focused = ctx.memory(|memory| memory.focused().is_some());
+    ctx.input_mut(|input| {
+        input.events.retain(|event| {
+            let Event::Key { key, pressed: true, repeat, modifiers, .. } = event else { return true };
+            if focused && belongs_to_focus(*key, *modifiers) {
+                return true;
+            }
+            let called = ACTIONS
+                .iter()
+                .find(|entry| entry.shortcuts.iter().any(|shortcut| shortcut.matches(*key, *modifiers)));
+            if let Some(entry) = called
+                && (!repeat || entry.repeats)
+            {
+                commands.push(Command::Act(entry.action));
+            }
+            called.is_none()
+        });
+    });
+}
+
+fn belongs_to_focus(key: Key, modifiers: Modifiers) -> bool {
+    modifiers.is_none()
+        && matches!(
+            key,
+            Key::Space | Key::Enter | Key::ArrowLeft | Key::ArrowRight | Key::ArrowUp | Key::ArrowDown
+        )
+}

@@ -1,0 +1,306 @@
+//! The window.
+//!
+//! Panels and views read the [`state::Model`] and push [`command::Command`]s; [`apply`] does what
+//! they ask. [`command::ACTIONS`] is the one table of what can be done by name or key.
+
+mod apply;
+mod command;
+mod dialogs;
+mod drop_files;
+mod events_panel;
+mod export_frame;
+mod finder;
+mod help;
+mod history;
+mod icons;
+pub mod inspector;
+mod keys;
+mod sample;
+mod setting_control;
+mod settings_panel;
+mod state;
+mod status;
+mod timeline;
+mod toasts;
+mod top_bar;
+mod transport;
+mod views;
+mod welcome;
+
+pub mod theme;
+
+#[cfg(test)]
+mod tests;
+
+use std::time::{Duration, Instant};
+
+use eframe::egui::{self, CentralPanel, Context, Frame, Margin, Panel, Ui, vec2};
+
+use self::command::Command;
+use self::dialogs::{Answer, Dialogs};
+use self::export_frame::{Exports, Picture};
+use self::finder::Finder;
+use self::inspector::{Inspector, InspectorAction};
+use self::state::{Model, Opener};
+use self::toasts::Toasts;
+use self::views::{Textures, View};
+use crate::replay::{Session, Start};
+use crate::settings::Settings;
+
+/// While a slider is pulled, the worker gets new settings no oftener than this.
+const SETTLE: Duration = Duration::from_millis(60);
+
+/// Opens the window on a video, or on the bundled scene at its first occlusion, and returns when it is shut.
+/// Fails with a sentence when there is no display or no graphics adapter.
+pub fn run(video: Option<String>, settings: Settings) -> anyhow::Result<()> {
+    let viewport = egui::ViewportBuilder::default()
+        .with_title("Occluscope")
+        .with_app_id("occluscope")
+        .with_inner_size(vec2(1600.0, 1000.0))
+        .with_min_inner_size(vec2(800.0, 560.0));
+    let options = eframe::NativeOptions { viewport, ..eframe::NativeOptions::default() };
+    let first = match video {
+        Some(video) => Command::Open(video, Start::First),
+        None => Command::OpenSample,
+    };
+    let create = move |creation: &eframe::CreationContext<'_>| -> Result<Box<dyn eframe::App>, _> {
+        let mut window = Window::new(&creation.egui_ctx, settings, Box::new(open_session));
+        window.restore(&creation.egui_ctx, creation.storage);
+        window.apply(&creation.egui_ctx, first);
+        Ok(Box::new(window))
+    };
+    eframe::run_native("occluscope", options, Box::new(create)).map_err(|error| explain(&error))
+}
+
+fn open_session(name: &str, settings: Settings, start: Start, ctx: &Context) -> Box<dyn state::Player> {
+    let ctx = ctx.clone();
+    Box::new(Session::open(name, settings, start, move || ctx.request_repaint()))
+}
+
+/// Why there can be no window, in one line. The libraries' own words speak of their source files.
+fn explain(error: &eframe::Error) -> anyhow::Error {
+    match error {
+        eframe::Error::Wgpu(_) => anyhow::anyhow!(
+            "the window cannot be opened: no graphics adapter can be used; install a Vulkan or OpenGL driver \
+             (mesa-vulkan-drivers works without a graphics card), or use the commands that need no window"
+        ),
+        eframe::Error::Winit(_) | eframe::Error::WinitEventLoop(_) => anyhow::anyhow!(
+            "the window cannot be opened: no display can be reached; check DISPLAY or WAYLAND_DISPLAY, or use \
+             the commands that need no window"
+        ),
+        other @ eframe::Error::AppCreation(_) => {
+            anyhow::anyhow!("the window cannot be opened: {}", other.to_string().replace('\n', " "))
+        }
+    }
+}
+
+/// The window and all that belongs to it besides the [`Model`].
+struct Window {
+    model: Model,
+    tree: egui_tiles::Tree<View>,
+    textures: Textures,
+    toasts: Toasts,
+    dialogs: Dialogs,
+    finder: Finder,
+    help: bool,
+    opener: Opener,
+    /// The frame for which a place to write it is being chosen.
+    exporting: Option<Picture>,
+    exports: Exports,
+    inspector: Inspector,
+    sent_at: Option<Instant>,
+    light: bool,
+}
+
+impl Window {
+    fn new(ctx: &Context, settings: Settings, opener: Opener) -> Self {
+        theme::install(ctx);
+        Self {
+            model: Model::new(settings),
+            tree: views::default_tree(),
+            textures: Textures::default(),
+            toasts: Toasts::default(),
+            dialogs: Dialogs::default(),
+            finder: Finder::default(),
+            help: false,
+            opener,
+            exporting: None,
+            exports: Exports::default(),
+            inspector: Inspector::default(),
+            sent_at: None,
+            light: false,
+        }
+    }
+
+    /// Takes over how the window was left; what cannot be read is as in a first start.
+    fn restore(&mut self, ctx: &Context, storage: Option<&dyn eframe::Storage>) {
+        let layout: Option<egui_tiles::Tree<View>> =
+            storage.and_then(|storage| eframe::get_value(storage, LAYOUT));
+        if let Some(tree) =
+            layout.filter(|tree| View::ALL.iter().all(|view| tree.tiles.find_pane(view).is_some()))
+        {
+            self.tree = tree;
+        }
+        let light = storage.and_then(|storage| eframe::get_value(storage, LIGHT)).unwrap_or(false);
+        ctx.set_theme(if light { egui::Theme::Light } else { egui::Theme::Dark });
+    }
+
+    /// Takes in what the worker, the dialogs and the clock have brought; draws nothing.
+    fn advance(&mut self, ctx: &Context) {
+        for warning in self.model.take() {
+            self.toasts.warn(ctx, warning);
+        }
+        match self.dialogs.answer() {
+            Some(Answer::Open(path)) => {
+                self.apply(ctx, Command::Open(path.to_string_lossy().into_owned(), Start::First));
+            }
+            Some(Answer::Save(path)) => {
+                if let Some(picture) = self.exporting.take() {
+                    self.exports.start(ctx, picture, path);
+                }
+            }
+            None => {}
+        }
+        match self.exports.done() {
+            Some(Ok(path)) => {
+                self.toasts.done(ctx, format!("Wrote {}", path.display()));
+            }
+            Some(Err(why)) => {
+                self.toasts.fail(ctx, why);
+            }
+            None => {}
+        }
+        if let Some(wait) = self.model.tick(ctx.input(|input| input.time)) {
+            ctx.request_repaint_after(Duration::from_secs_f64(wait.clamp(0.0, 1.0)));
+        }
+    }
+
+    /// Gives the worker the settings that are asked for, the newest only, and notes them for undo
+    /// when they have come to rest.
+    fn send_settings(&mut self, ctx: &Context) {
+        let busy = ctx.input(|input| input.pointer.any_down()) || ctx.text_edit_focused();
+        if !busy {
+            self.model.history.note(&self.model.settings);
+        }
+        if self.model.settings == self.model.sent {
+            return;
+        }
+        let waited = self.sent_at.is_none_or(|at| at.elapsed() >= SETTLE);
+        if busy && !waited {
+            ctx.request_repaint_after(SETTLE);
+            return;
+        }
+        self.sent_at = Some(Instant::now());
+        self.model.sent = self.model.settings.clone();
+        // Under other settings, other events stand at its place.
+        self.model.reading = None;
+        if let Some(player) = &self.model.player {
+            player.set_settings(self.model.settings.clone());
+        }
+    }
+
+    fn panels(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) {
+        let model = &self.model;
+        let bar = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 4));
+        Panel::top("menus").frame(bar).show(ui, |ui| top_bar::ui(ui, model, commands));
+        let bar = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(10, 0));
+        Panel::bottom("status").frame(bar).exact_size(theme::ROW).show(ui, |ui| status::ui(ui, model));
+        if model.shown().is_some() {
+            let bar = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(10, 6));
+            Panel::bottom("timeline")
+                .frame(bar)
+                .resizable(true)
+                .default_size(112.0)
+                .size_range(84.0..=320.0)
+                .show(ui, |ui| {
+                    ui.horizontal_top(|ui| {
+                        ui.vertical(|ui| {
+                            ui.set_width(TRANSPORT);
+                            ui.horizontal(|ui| transport::buttons(ui, model, commands));
+                            ui.add_space(theme::SPACE);
+                            ui.horizontal(|ui| transport::place(ui, model, commands));
+                        });
+                        timeline::ui(ui, model, commands);
+                    });
+                });
+        }
+        let wide = ui.ctx().content_rect().width();
+        let side = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(10, 8));
+        if model.settings_panel {
+            let size = (wide * 0.165).clamp(244.0, 320.0);
+            let panel = Panel::left("settings").frame(side).resizable(true).default_size(size);
+            panel.size_range(236.0..=480.0).show(ui, |ui| settings_panel::ui(ui, model, commands));
+        }
+        if model.inspector_panel && model.shown().is_some() {
+            let size = (wide * 0.235).clamp(232.0, 520.0);
+            let panel = Panel::right("inspector").frame(side).resizable(true).default_size(size);
+            let inspector = &mut self.inspector;
+            panel.size_range(220.0..=760.0).show(ui, |ui| {
+                let half = ui.available_height() * 0.42;
+                let below = Frame::NONE.inner_margin(Margin { top: 8, ..Margin::ZERO });
+                let list = Panel::bottom("events").frame(below).resizable(true).default_size(half);
+                list.min_size(120.0).show(ui, |ui| {
+                    events_panel::ui(ui, model, commands);
+                    // A panel is as large as what is in it: a short list must not shrink it.
+                    ui.take_available_space();
+                });
+                let action = inspector.ui(ui, model.shown(), model.fps());
+                if let Some(InspectorAction::GoTo(position)) = action {
+                    commands.push(Command::GoTo(position));
+                }
+            });
+        }
+        let (tree, textures) = (&mut self.tree, &mut self.textures);
+        CentralPanel::no_frame().show(ui, |ui| {
+            if model.shown().is_some() {
+                welcome::stopped(ui, model, commands);
+                views::show(ui, tree, textures, model, commands);
+            } else {
+                welcome::ui(ui, model, commands);
+            }
+        });
+    }
+}
+
+/// Width of the buttons left of the timeline.
+const TRANSPORT: f32 = 244.0;
+/// Under which name the places of the views are kept from start to start.
+const LAYOUT: &str = "layout";
+/// Under which name it is kept whether the window is light.
+const LIGHT: &str = "light";
+
+impl eframe::App for Window {
+    fn logic(&mut self, ctx: &Context, _frame: &mut eframe::Frame) {
+        self.advance(ctx);
+    }
+
+    fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
+        self.show(ui);
+    }
+
+    fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        eframe::set_value(storage, LAYOUT, &self.tree);
+        eframe::set_value(storage, LIGHT, &self.light);
+    }
+}
+
+impl Window {
+    /// Draws everything, then does what was asked for meanwhile.
+    fn show(&mut self, ui: &mut Ui) {
+        let ctx = ui.ctx().clone();
+        self.light = ctx.theme() == egui::Theme::Light;
+        let mut commands = Vec::new();
+        if !self.help && !self.finder.is_open() {
+            keys::pressed(&ctx, &mut commands);
+        }
+        self.panels(ui, &mut commands);
+        help::ui(&ctx, &mut self.help);
+        self.finder.ui(&ctx, &self.model, &mut commands);
+        drop_files::ui(&ctx, &mut commands);
+        self.toasts.show(&ctx);
+        for command in commands {
+            self.apply(&ctx, command);
+        }
+        self.send_settings(&ctx);
+    }
+}

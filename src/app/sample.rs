@@ -1,0 +1,58 @@
+//! The bundled scene, put where the decoder can read it.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Two people who cross.
+const CROSSING: &[u8] = include_bytes!("../../sample_videos/crossing.mp4");
+const NAME: &str = "crossing.mp4";
+
+/// The path of the scene, written there unless it lies there already; or why that cannot be, in a
+/// sentence.
+pub(crate) fn unpacked() -> Result<PathBuf, String> {
+    let mut why = String::new();
+    for folder in folders() {
+        match unpack_into(&folder) {
+            Ok(path) => return Ok(path),
+            Err(error) => why = format!("the sample cannot be written to {}: {error}", folder.display()),
+        }
+    }
+    Err(format!("{why}; open a video of your own, or set TMPDIR to a folder that can be written"))
+}
+
+/// Where it may lie: the user's cache, else the folder for temporary files.
+fn folders() -> Vec<PathBuf> {
+    let home = |name: &str| std::env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute());
+    let cache = home("XDG_CACHE_HOME").or_else(|| home("HOME").map(|home| home.join(".cache")));
+    let version = concat!("occluscope-", env!("CARGO_PKG_VERSION"));
+    cache.into_iter().chain([std::env::temp_dir()]).map(|folder| folder.join(version)).collect()
+}
+
+fn unpack_into(folder: &Path) -> std::io::Result<PathBuf> {
+    let path = folder.join(NAME);
+    if std::fs::read(&path).is_ok_and(|there| there == CROSSING) {
+        return Ok(path);
+    }
+    std::fs::create_dir_all(folder)?;
+    let mut file = tempfile::NamedTempFile::new_in(folder)?;
+    file.write_all(CROSSING)?;
+    file.persist(&path).map_err(|error| error.error)?;
+    Ok(path)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+
+    #[test]
+    fn it_is_written_once_and_a_broken_copy_is_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = unpack_into(folder.path()).unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), CROSSING);
+        std::fs::write(&path, b"broken").unwrap();
+        assert_eq!(unpack_into(folder.path()).unwrap(), path);
+        assert_eq!(std::fs::read(&path).unwrap(), CROSSING);
+    }
+}

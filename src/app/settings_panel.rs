@@ -1,0 +1,78 @@
+//! Every setting, made from the table of settings, grouped by stage.
+
+use eframe::egui::{Align, Button, CollapsingHeader, ComboBox, Layout, RichText, ScrollArea, Ui};
+use egui_material_icons::icons as m;
+
+use super::command::{Action, Command};
+use super::setting_control;
+use super::state::Model;
+use super::{icons, theme};
+use crate::settings::{Preset, SETTINGS, Settings, Stage};
+
+/// Shows them.
+pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    let mut settings = model.settings.clone();
+    head(ui, model, &mut settings, commands);
+    ui.add_space(theme::SPACE);
+    let fps = model.fps();
+    ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
+        for stage in Stage::ALL {
+            let defaults = Settings::default();
+            let of_stage = || SETTINGS.iter().filter(move |setting| setting.stage == stage);
+            let changed = of_stage().filter(|s| s.get(&settings) != s.get(&defaults)).count();
+            let title = if changed == 0 {
+                RichText::new(stage.name()).strong()
+            } else {
+                RichText::new(format!("{}  ({changed} changed)", stage.name())).strong()
+            };
+            CollapsingHeader::new(title)
+                .id_salt(stage.name())
+                .default_open(stage == Stage::Mixture)
+                .show_unindented(ui, |ui| {
+                    for setting in of_stage() {
+                        setting_control::ui(ui, setting, &mut settings, &defaults, fps);
+                    }
+                    ui.add_space(2.0 * theme::SPACE);
+                });
+        }
+    });
+    if settings != model.settings {
+        commands.push(Command::Set(Box::new(settings)));
+    }
+}
+
+fn head(ui: &mut Ui, model: &Model, settings: &mut Settings, commands: &mut Vec<Command>) {
+    ui.horizontal(|ui| {
+        ui.heading("Settings");
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            ui.spacing_mut().item_spacing.x = theme::SPACE;
+            let (undo, redo) = model.history.can();
+            for (enabled, icon, action, name) in [
+                (redo, m::ICON_REDO, Action::Redo, "Redo change of settings"),
+                (undo, m::ICON_UNDO, Action::Undo, "Undo change of settings"),
+            ] {
+                let button = Button::new(icons::text(icon)).frame_when_inactive(false);
+                let response = ui.add_enabled(enabled, button).accessible_name(name);
+                if response.on_hover_text(name).clicked() {
+                    commands.push(Command::Act(action));
+                }
+            }
+        });
+    });
+    let present = Preset::ALL.into_iter().find(|&preset| Settings::preset(preset) == *settings);
+    ui.horizontal(|ui| {
+        let label = ui.label("Preset");
+        let text = present.map_or("custom", Preset::word);
+        let combo =
+            ComboBox::from_id_salt("preset").selected_text(text).width(ui.available_width() - theme::SPACE);
+        let response = combo.show_ui(ui, |ui| {
+            for preset in Preset::ALL {
+                let response = ui.selectable_label(present == Some(preset), preset.word());
+                if response.on_hover_text(preset.meaning()).clicked() {
+                    *settings = Settings::preset(preset);
+                }
+            }
+        });
+        response.response.labelled_by(label.id).on_hover_text("A named set of values to start from");
+    });
+}

@@ -1,0 +1,335 @@
+//! What the window knows and what has been asked of it: data alone, without drawing.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use eframe::egui::Context;
+
+use super::history::History;
+use super::views::{Background, View};
+use crate::occlusion::EventKind;
+use crate::replay::{Phase, Session, Shown, Start, State, Timeline};
+use crate::settings::Settings;
+use crate::tracking::Track;
+
+/// What the window asks of the worker behind it.
+pub(crate) trait Player {
+    /// What it last published.
+    fn state(&self) -> State;
+    /// Asks for a frame.
+    fn show(&self, position: u32);
+    /// Asks for other settings.
+    fn set_settings(&self, settings: Settings);
+    /// Chooses a pixel.
+    fn inspect(&self, at: Option<(u32, u32)>);
+}
+
+impl Player for Session {
+    fn state(&self) -> State {
+        Session::state(self)
+    }
+
+    fn show(&self, position: u32) {
+        Session::show(self, position);
+    }
+
+    fn set_settings(&self, settings: Settings) {
+        Session::set_settings(self, settings);
+    }
+
+    fn inspect(&self, at: Option<(u32, u32)>) {
+        Session::inspect(self, at);
+    }
+}
+
+/// How a video's name becomes a worker.
+pub(crate) type Opener = Box<dyn Fn(&str, Settings, Start, &Context) -> Box<dyn Player>>;
+
+/// The speeds at which can be played.
+pub(crate) const SPEEDS: [f32; 8] = [0.0625, 0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0];
+/// The place of ×1 among them.
+pub(crate) const NORMAL_SPEED: usize = 4;
+
+/// Over how many frames back a trail goes.
+const TRAIL: u32 = 60;
+
+/// Playing by the window's clock.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Playback {
+    /// Whether it runs.
+    pub(crate) playing: bool,
+    /// The place of its speed in [`SPEEDS`].
+    pub(crate) speed: usize,
+    /// When the next frame is due, in seconds of the window's clock.
+    pub(crate) next_at: f64,
+}
+
+/// Where all views look: shared, so that they stay linked whatever their sizes.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Camera {
+    /// How much larger than fitted into its view the image is drawn.
+    pub(crate) magnification: f32,
+    /// Which point stands in the middle of each view, as shares of width and height.
+    pub(crate) centre: [f32; 2],
+}
+
+impl Camera {
+    /// The whole image.
+    pub(crate) const FIT: Self = Self { magnification: 1.0, centre: [0.5, 0.5] };
+}
+
+/// What the pointer is on.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Hover {
+    /// In which view.
+    pub(crate) view: View,
+    /// Which pixel.
+    pub(crate) pixel: (u32, u32),
+    /// How many points a pixel of the image takes there.
+    pub(crate) scale: f32,
+}
+
+/// The number and the objects of each frame near the one in view that has been seen, by position.
+pub(crate) type Trails = BTreeMap<u32, (u32, Arc<Vec<Track>>)>;
+
+/// Everything that the window shows, and what has been asked for.
+pub(crate) struct Model {
+    /// The worker, once something was opened.
+    pub(crate) player: Option<Box<dyn Player>>,
+    /// What the worker last said.
+    pub(crate) state: Option<State>,
+    /// What was opened, as it was named.
+    pub(crate) opened: Option<String>,
+    /// The settings that are asked for.
+    pub(crate) settings: Settings,
+    /// The settings that the worker was last given.
+    pub(crate) sent: Settings,
+    /// Settings before and after, for undo.
+    pub(crate) history: History,
+    /// The position that was asked for and has not arrived.
+    pub(crate) wanted: Option<u32>,
+    /// Playing.
+    pub(crate) playback: Playback,
+    /// The chosen pixel.
+    pub(crate) chosen: Option<(u32, u32)>,
+    /// The pixel under the pointer.
+    pub(crate) hovered: Option<Hover>,
+    /// Where the views look.
+    pub(crate) camera: Camera,
+    /// The view that is shown alone.
+    pub(crate) maximised: Option<View>,
+    /// What the background view shows.
+    pub(crate) background: Background,
+    /// Which kinds of events are listed and jumped to, in the order of [`EventKind::ALL`].
+    pub(crate) listed: [bool; EventKind::ALL.len()],
+    /// The event whose evidence is read, by its place in the timeline.
+    pub(crate) reading: Option<usize>,
+    /// Trails of the objects.
+    pub(crate) trails: Trails,
+    /// Whether the panel on the left is there.
+    pub(crate) settings_panel: bool,
+    /// Whether the panel on the right is there.
+    pub(crate) inspector_panel: bool,
+}
+
+impl Model {
+    /// Nothing opened yet.
+    pub(crate) fn new(settings: Settings) -> Self {
+        Self {
+            player: None,
+            state: None,
+            opened: None,
+            history: History::new(settings.clone()),
+            sent: settings.clone(),
+            settings,
+            wanted: None,
+            playback: Playback { playing: false, speed: NORMAL_SPEED, next_at: 0.0 },
+            chosen: None,
+            hovered: None,
+            camera: Camera::FIT,
+            maximised: None,
+            background: Background::Mean,
+            listed: [true; EventKind::ALL.len()],
+            reading: None,
+            trails: Trails::new(),
+            settings_panel: true,
+            inspector_panel: true,
+        }
+    }
+
+    /// Another video has been opened in place of what was there.
+    pub(crate) fn opened(&mut self, name: &str, player: Box<dyn Player>) {
+        self.state = Some(player.state());
+        self.player = Some(player);
+        self.opened = Some(name.to_owned());
+        self.sent = self.settings.clone();
+        (self.wanted, self.chosen, self.hovered, self.reading) = (None, None, None, None);
+        self.playback.playing = false;
+        self.camera = Camera::FIT;
+        self.trails.clear();
+    }
+
+    /// Zooms all views at the chosen pixel, or at the middle.
+    pub(crate) fn zoom_by(&mut self, factor: f32) {
+        let magnification = (self.camera.magnification * factor).clamp(0.5, 400.0);
+        let at_pixel = self.chosen.zip(self.shown().map(|shown| shown.frame.size));
+        if let Some(((x, y), size)) = at_pixel {
+            let target =
+                [(x as f32 + 0.5) / size.width.max(1) as f32, (y as f32 + 0.5) / size.height.max(1) as f32];
+            let part = 1.0 - self.camera.magnification / magnification;
+            for (centre, target) in self.camera.centre.iter_mut().zip(target) {
+                *centre = (*centre + (target - *centre) * part).clamp(0.0, 1.0);
+            }
+        }
+        self.camera.magnification = magnification;
+    }
+
+    /// The frame in view.
+    pub(crate) fn shown(&self) -> Option<&Shown> {
+        self.state.as_ref()?.shown.as_deref()
+    }
+
+    /// What is known of the sequence.
+    pub(crate) fn timeline(&self) -> Option<&Timeline> {
+        self.state.as_ref().map(|state| &*state.timeline)
+    }
+
+    /// Whether there is something to look at.
+    pub(crate) fn is_ready(&self) -> bool {
+        self.state.as_ref().is_some_and(|state| state.phase == Phase::Ready)
+    }
+
+    /// The video's frames a second, 25 until it is known.
+    pub(crate) fn fps(&self) -> f32 {
+        let info = self.state.as_ref().and_then(|state| state.info.as_ref());
+        info.map_or(25.0, |info| if info.fps.is_finite() && info.fps > 0.0 { info.fps } else { 25.0 })
+    }
+
+    /// How many frames there are, or seem to be.
+    pub(crate) fn frames(&self) -> u32 {
+        let Some(state) = &self.state else { return 0 };
+        let known = state.timeline.numbers.len() as u32;
+        if state.timeline.complete {
+            return known;
+        }
+        state.info.as_ref().and_then(|info| info.frames).unwrap_or(0).max(known)
+    }
+
+    /// The position that steps start from: the one asked for, or the one in view.
+    pub(crate) fn position(&self) -> u32 {
+        self.wanted.or_else(|| self.shown().map(|shown| shown.position)).unwrap_or(0)
+    }
+
+    /// The number of the frame at a position.
+    pub(crate) fn number(&self, position: u32) -> u32 {
+        let known = self.timeline().and_then(|timeline| timeline.numbers.get(position as usize));
+        known.copied().unwrap_or(position + 1)
+    }
+
+    /// The position of the frame with this number, or of the next that there is.
+    pub(crate) fn position_of(&self, number: u32) -> u32 {
+        let numbers = self.timeline().map_or(&[][..], |timeline| &timeline.numbers);
+        match numbers.binary_search(&number) {
+            Ok(position) => position as u32,
+            Err(position) if position < numbers.len() => position as u32,
+            // Beyond what is known: the numbers go on one by one, so far as can be told.
+            Err(_) => {
+                let (last, count) = (numbers.last().copied().unwrap_or(0), numbers.len() as u32);
+                (count + number.saturating_sub(last)).saturating_sub(1)
+            }
+        }
+    }
+
+    /// Whether events of this kind are listed.
+    pub(crate) fn lists(&self, kind: EventKind) -> bool {
+        EventKind::ALL.iter().zip(self.listed).any(|(&each, listed)| each == kind && listed)
+    }
+
+    /// Takes what the worker has published; returns the warnings that are new in it.
+    pub(crate) fn take(&mut self) -> Vec<String> {
+        let Some(player) = &self.player else { return Vec::new() };
+        let state = player.state();
+        let before = self.state.as_ref();
+        let warned = before.map_or(0, |before| before.warnings.len());
+        let news = state.warnings.iter().skip(warned).cloned().collect();
+        if let Some(shown) = &state.shown {
+            if state.timeline.complete {
+                // A position that turned out not to exist is answered by the last that does.
+                let last = (state.timeline.numbers.len() as u32).saturating_sub(1);
+                self.wanted = self.wanted.map(|wanted| wanted.min(last));
+            }
+            if self.wanted == Some(shown.position) {
+                self.wanted = None;
+            }
+            if before
+                .and_then(|before| before.shown.as_ref())
+                .is_some_and(|old| old.settings != shown.settings)
+            {
+                self.trails.clear();
+            }
+            self.trails.insert(shown.position, (shown.frame.number, shown.analysis.tracks.clone()));
+            let near = shown.position.saturating_sub(TRAIL)..=shown.position + TRAIL;
+            self.trails.retain(|position, _| near.contains(position));
+        }
+        self.state = Some(state);
+        news
+    }
+
+    /// Asks for the frame at a position.
+    pub(crate) fn go_to(&mut self, position: u32) {
+        let frames = self.frames();
+        let position = if frames > 0 { position.min(frames - 1) } else { position };
+        if let Some(player) = &self.player {
+            player.show(position);
+            if self.shown().is_none_or(|shown| shown.position != position) || self.wanted.is_some() {
+                self.wanted = Some(position);
+            }
+        }
+    }
+
+    /// The position of the next listed event after the present one, or before it, and its place.
+    pub(crate) fn event_beside(&self, forward: bool) -> Option<(usize, u32)> {
+        let here = self.position();
+        let events = &self.timeline()?.events;
+        let mut listed = events
+            .iter()
+            .enumerate()
+            .filter(|(_, (_, event))| self.lists(event.kind))
+            .map(|(index, (position, _))| (index, *position));
+        if forward {
+            listed.filter(|(_, position)| *position > here).min_by_key(|(_, position)| *position)
+        } else {
+            let before = listed.by_ref().filter(|(_, position)| *position < here).collect::<Vec<_>>();
+            let nearest = before.iter().map(|(_, position)| *position).max()?;
+            before.into_iter().find(|(_, position)| *position == nearest)
+        }
+    }
+
+    /// Lets time pass while playing: asks for the next frame when it is due and the last has come.
+    /// Returns after how many seconds it wants to be called again.
+    pub(crate) fn tick(&mut self, now: f64) -> Option<f64> {
+        if !self.playback.playing {
+            return None;
+        }
+        let position = self.shown()?.position;
+        let at_end = self
+            .timeline()
+            .is_some_and(|timeline| timeline.complete && position + 1 >= timeline.numbers.len() as u32);
+        if at_end && self.wanted.is_none() {
+            self.playback.playing = false;
+            return None;
+        }
+        // The worker wakes the window when the frame has come.
+        if self.wanted.is_some() {
+            return None;
+        }
+        if now < self.playback.next_at {
+            return Some(self.playback.next_at - now);
+        }
+        let period = 1.0 / f64::from(self.fps() * SPEEDS[self.playback.speed]);
+        let behind = now - self.playback.next_at > period;
+        self.playback.next_at = if behind { now + period } else { self.playback.next_at + period };
+        self.go_to(position + 1);
+        Some(period)
+    }
+}

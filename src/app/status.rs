@@ -1,0 +1,61 @@
+//! The line at the bottom: the pixel under the pointer, what the worker is doing, what went wrong.
+
+use eframe::egui::{Align, Layout, ProgressBar, RichText, Ui};
+use egui_material_icons::icons as m;
+
+use super::state::Model;
+use super::{icons, theme};
+
+/// Shows it.
+pub(crate) fn ui(ui: &mut Ui, model: &Model) {
+    let colours = theme::colours(ui.visuals());
+    ui.horizontal_centered(|ui| {
+        ui.spacing_mut().item_spacing.x = 3.0 * theme::SPACE;
+        if let Some((hover, shown)) = model.hovered.zip(model.shown()) {
+            let (x, y) = hover.pixel;
+            ui.label(RichText::new(format!("{x}, {y}")).monospace());
+            let value = hover.view.value(shown, model.background, hover.pixel);
+            ui.label(RichText::new(format!("{}  {value}", hover.view.title())).monospace());
+            ui.label(RichText::new(format!("{:.0} %", hover.scale * 100.0)).monospace().color(colours.weak));
+        } else {
+            let hint = if model.is_ready() {
+                "Click a pixel to inspect it  ·  wheel zooms, drag pans, F fits  ·  ? shows all keys"
+            } else {
+                ""
+            };
+            ui.label(RichText::new(hint).size(theme::SMALL).color(colours.weak));
+        }
+        ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+            ui.spacing_mut().item_spacing.x = 3.0 * theme::SPACE;
+            right(ui, model);
+        });
+    });
+}
+
+fn right(ui: &mut Ui, model: &Model) {
+    let Some(state) = &model.state else { return };
+    let colours = theme::colours(ui.visuals());
+    if state.analysis_fps > 0.0 {
+        let text = format!("{:.0} fps analysed", state.analysis_fps);
+        ui.label(RichText::new(text).size(theme::SMALL).color(colours.weak))
+            .on_hover_text("Frames a second of analysis, over the last second of work");
+    }
+    if let Some(busy) = &state.busy {
+        if let Some(total) = busy.total.filter(|&total| total > 0) {
+            let share = busy.done as f32 / total as f32;
+            ui.add(ProgressBar::new(share).desired_width(120.0).desired_height(6.0));
+        }
+        let count = busy.total.map_or_else(String::new, |total| format!("  {} / {total}", busy.done));
+        ui.label(RichText::new(format!("{}{count}", busy.what)).size(theme::SMALL).color(colours.text));
+    }
+    if !state.warnings.is_empty() {
+        let warnings = &state.warnings;
+        let text = format!("{} warning{}", warnings.len(), if warnings.len() == 1 { "" } else { "s" });
+        ui.label(RichText::new(text).size(theme::SMALL).color(colours.warn)).on_hover_ui(|ui| {
+            for warning in warnings.iter().take(20) {
+                ui.label(warning);
+            }
+        });
+        ui.label(icons::coloured(m::ICON_WARNING, colours.warn).size(14.0));
+    }
+}

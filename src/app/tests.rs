@@ -1,0 +1,504 @@
+//! The window driven through what a person or a screen reader finds in it.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use std::cell::RefCell;
+use std::path::Path;
+use std::rc::Rc;
+use std::sync::Arc;
+
+use eframe::egui::{self, Key, Modifiers, Theme, vec2};
+use egui_kittest::Harness;
+use egui_kittest::kittest::Queryable;
+
+use super::Window;
+use super::command::Command;
+use super::state::Player;
+use super::views::View;
+use crate::frame::{Frame, Mask, Size};
+use crate::occlusion::{Counters, Event, EventKind, Evidence};
+use crate::pipeline::Analysis;
+use crate::regions::{self, Labels, Rect};
+use crate::replay::{LifeLine, Phase, Progress, Shown, Start, State, Timeline};
+use crate::settings::{SETTINGS, Settings};
+use crate::source::SourceInfo;
+use crate::tracking::{Track, TrackState};
+
+const SIZE: Size = Size::new(160, 120);
+const FRAMES: u32 = 120;
+
+/// What was asked of the worker.
+#[derive(Clone, Debug, PartialEq)]
+enum Asked {
+    Show(u32),
+    Settings(Box<Settings>),
+    Inspect(Option<(u32, u32)>),
+}
+
+/// A worker that answers at once, and notes what it was asked.
+#[derive(Clone)]
+struct Scene {
+    state: Rc<RefCell<State>>,
+    asked: Rc<RefCell<Vec<Asked>>>,
+}
+
+impl Player for Scene {
+    fn state(&self) -> State {
+        self.state.borrow().clone()
+    }
+
+    fn show(&self, position: u32) {
+        self.asked.borrow_mut().push(Asked::Show(position));
+        let shown = shown_at(position.min(FRAMES - 1));
+        self.state.borrow_mut().shown = Some(Arc::new(shown));
+    }
+
+    fn set_settings(&self, settings: Settings) {
+        self.asked.borrow_mut().push(Asked::Settings(Box::new(settings)));
+    }
+
+    fn inspect(&self, at: Option<(u32, u32)>) {
+        self.asked.borrow_mut().push(Asked::Inspect(at));
+    }
+}
+
+/// Two people walk towards each other and cross between frames 50 and 70; a third is hidden from 40 to 90.
+fn tracks_at(position: u32) -> Vec<Track> {
+    let t = position as f32;
+    let merged = (50..70).contains(&position);
+    let hidden = (40..90).contains(&position);
+    let track = |id: u32, x: f32, y: f32, state, group: &[u32]| {
+        let bbox = Rect::around([x, y], 18.0, 40.0);
+        Track {
+            id,
+            key: id,
+            state,
+            bbox,
+            centre: [x, y],
+            velocity: [1.0, 0.0],
+            scale: 25.0,
+            gate: [16.0, 10.0, 0.3],
+            fitness: 1.0,
+            hypotheses: 2,
+            visible_share: 1.0,
+            colours: vec![[180, 60, 60]],
+            regions: if state == TrackState::Hidden { vec![] } else { vec![if merged { 1 } else { id }] },
+            group: group.to_vec(),
+        }
+    };
+    let (state, group): (_, &[u32]) =
+        if merged { (TrackState::Merged, &[1, 2]) } else { (TrackState::Visible, &[]) };
+    let third = if hidden { TrackState::Hidden } else { TrackState::Visible };
+    vec![
+        track(1, 20.0 + t, 60.0, state, group),
+        track(2, 140.0 - t, 66.0, state, group),
+        track(3, 120.0, 30.0 + t * 0.2, third, &[]),
+    ]
+}
+
+fn shown_at(position: u32) -> Shown {
+    let tracks = tracks_at(position);
+    let mut rgb = Vec::with_capacity(SIZE.pixels() * 3);
+    let (mut mask, mut labels) = (Mask::empty(SIZE), vec![0; SIZE.pixels()]);
+    let mut background = Vec::with_capacity(SIZE.pixels() * 3);
+    for y in 0..SIZE.height {
+        for x in 0..SIZE.width {
+            let wall = [(60 + x / 2) as u8, (80 + y / 2) as u8, 110];
+            background.extend(wall);
+            let (px, py) = (x as f32 + 0.5, y as f32 + 0.5);
+            let inside = tracks.iter().filter(|track| track.state != TrackState::Hidden).find(|track| {
+                let (dx, dy) = ((px - track.centre[0]) / 9.0, (py - track.centre[1]) / 20.0);
+                dx * dx + dy * dy < 1.0
+            });
+            match inside {
+                Some(track) => {
+                    let at = SIZE.index(x, y).unwrap();
+                    mask.data[at] = Mask::FOREGROUND;
+                    labels[at] = track.regions[0];
+                    rgb.extend([[200, 70, 60], [70, 90, 200], [80, 170, 90]][track.id as usize - 1]);
+                }
+                None => rgb.extend(wall),
+            }
+        }
+    }
+    let regions = tracks
+        .iter()
+        .filter(|track| track.regions == [track.id])
+        .map(|track| regions::Region {
+            label: track.id,
+            shape: regions::Shape {
+                area: 565,
+                bbox: track.bbox,
+                centroid: track.centre,
+                ..regions::Shape::default()
+            },
+            colour: [[200, 70, 60], [70, 90, 200], [80, 170, 90]][track.id as usize - 1],
+            histogram: regions::Histogram::default(),
+        })
+        .collect();
+    let frame = Arc::new(Frame::new(position + 1, SIZE, rgb));
+    let background = Arc::new(Frame::new(position + 1, SIZE, background));
+    Shown {
+        position,
+        settings: Arc::new(Settings::default()),
+        frame,
+        analysis: Arc::new(Analysis {
+            number: position + 1,
+            t: position + 1,
+            mask: Arc::new(mask),
+            labels: Arc::new(Labels { size: SIZE, data: labels }),
+            regions: Arc::new(regions),
+            tracks: Arc::new(tracks),
+            tentative: Arc::default(),
+            objects: Arc::default(),
+            events: Arc::default(),
+            counters: Counters::default(),
+        }),
+        background: background.clone(),
+        multi_mode: Some(background),
+        background_count: Some(Arc::new(
+            (0..SIZE.pixels()).map(|index| 1 + (index % 160 / 60) as u8).collect(),
+        )),
+        pixel: None,
+    }
+}
+
+fn event(kind: EventKind, frame: u32, objects: &[u32], at: (f32, f32)) -> (u32, Event) {
+    let mut evidence =
+        Evidence { branch: format!("{} because region 4 grew", kind.name()), ..Evidence::default() };
+    evidence.compare("size change", 0.41, 0.2, true);
+    evidence.note("ΔE of 1 with piece 2", 12.5);
+    let becomes = if kind == EventKind::Demerge { vec![1, 4] } else { objects.to_vec() };
+    let event =
+        Event { frame, kind, objects: objects.to_vec(), becomes, x: at.0, y: at.1, front: None, evidence };
+    (frame - 1, event)
+}
+
+fn timeline() -> Timeline {
+    use EventKind::{Demerge, Disappear, Enter, Merge, Reappear};
+    use TrackState::{Hidden, Merged, Visible};
+    let life = |id, spans: &[(u32, u32, TrackState)]| LifeLine { id, spans: spans.to_vec() };
+    let crossing = [(0, 49, Visible), (50, 69, Merged), (70, 119, Visible)];
+    Timeline {
+        numbers: (1..=FRAMES).collect(),
+        complete: true,
+        analysed: FRAMES,
+        foreground_share: (0..FRAMES).map(|n| 0.05 + 0.03 * (n as f32 / 9.0).sin()).collect(),
+        events: vec![
+            event(Enter, 1, &[1], (20.0, 60.0)),
+            event(Enter, 1, &[2], (140.0, 66.0)),
+            event(Disappear, 41, &[3], (120.0, 38.0)),
+            event(Merge, 51, &[1, 2], (80.0, 62.0)),
+            event(Demerge, 71, &[1, 2], (80.0, 62.0)),
+            event(Reappear, 91, &[3], (120.0, 48.0)),
+        ],
+        life_lines: vec![
+            life(1, &crossing),
+            life(2, &crossing),
+            life(3, &[(0, 39, Visible), (40, 89, Hidden), (90, 119, Visible)]),
+        ],
+    }
+}
+
+fn state(phase: Phase, shown: Option<u32>) -> State {
+    State {
+        phase,
+        info: shown.map(|_| {
+            Arc::new(SourceInfo {
+                name: "walk.mp4".into(),
+                size: SIZE,
+                fps: 25.0,
+                frames: Some(FRAMES),
+                live: false,
+            })
+        }),
+        warnings: Arc::default(),
+        shown: shown.map(|position| Arc::new(shown_at(position))),
+        timeline: if shown.is_some() { Arc::new(timeline()) } else { Arc::default() },
+        busy: None,
+        analysis_fps: 0.0,
+    }
+}
+
+/// The window on a scene; none opens it empty.
+fn window(state: Option<State>, size: (f32, f32), theme: Theme) -> (Harness<'static, Window>, Scene) {
+    let asked = Rc::<RefCell<Vec<Asked>>>::default();
+    let first = state.clone().unwrap_or_else(|| self::state(Phase::Opening, None));
+    let scene = Scene { state: Rc::new(RefCell::new(first)), asked };
+    let player = scene.clone();
+    let harness = Harness::builder()
+        .with_size(vec2(size.0, size.1))
+        .with_theme(theme)
+        .with_max_steps(20)
+        .wgpu()
+        .build_eframe(move |creation| {
+            creation.egui_ctx.set_theme(theme);
+            let opener = move |_: &str, _: Settings, _: Start, _: &egui::Context| -> Box<dyn Player> {
+                Box::new(player.clone())
+            };
+            let mut window = Window::new(&creation.egui_ctx, Settings::default(), Box::new(opener));
+            if state.is_some() {
+                window.apply(&creation.egui_ctx, Command::Open("/videos/walk.mp4".into(), Start::First));
+            }
+            window
+        });
+    (harness, scene)
+}
+
+fn ready(position: u32) -> (Harness<'static, Window>, Scene) {
+    window(Some(state(Phase::Ready, Some(position))), (1600.0, 1000.0), Theme::Dark)
+}
+
+fn shows(scene: &Scene) -> Vec<u32> {
+    let asked = scene.asked.borrow();
+    asked
+        .iter()
+        .filter_map(|asked| if let Asked::Show(position) = asked { Some(*position) } else { None })
+        .collect()
+}
+
+/// The settings that the worker was last given.
+fn given(scene: &Scene) -> Option<Settings> {
+    let asked = scene.asked.borrow();
+    asked
+        .iter()
+        .rev()
+        .find_map(|asked| if let Asked::Settings(s) = asked { Some((**s).clone()) } else { None })
+}
+
+/// Writes a picture to look at where `OCCLUSCOPE_PICTURES` names a folder, and sees that it is no empty one.
+fn picture(harness: &mut Harness<'_, Window>, name: &str) {
+    let Ok(picture) = harness.render() else { return };
+    let first = picture.get_pixel(0, 0);
+    assert!(picture.pixels().any(|pixel| pixel != first), "{name} is of one colour");
+    if let Some(folder) = std::env::var_os("OCCLUSCOPE_PICTURES") {
+        picture.save(Path::new(&folder).join(format!("{name}.png"))).unwrap();
+    }
+}
+
+#[test]
+fn every_state_of_the_window_can_be_drawn_at_every_size_in_both_themes() {
+    for (theme, theme_name) in [(Theme::Dark, "dark"), (Theme::Light, "light")] {
+        for size in [(1024.0, 640.0), (1600.0, 1000.0), (3840.0, 2160.0)] {
+            if size.0 > 2000.0 && theme == Theme::Light {
+                continue;
+            }
+            let mut opening = state(Phase::Opening, None);
+            opening.busy = Some(Progress { what: "reading".into(), done: 3, total: Some(40) });
+            let mut working = state(Phase::Ready, Some(58));
+            working.busy = Some(Progress { what: "analysing".into(), done: 58, total: Some(120) });
+            working.analysis_fps = 84.0;
+            working.warnings = Arc::new(vec!["in000007.jpg cannot be read and was skipped".into()]);
+            let failed = Phase::Failed("clip.mp4 does not exist; check the path".into());
+            for (name, state) in [
+                ("empty", None),
+                ("opening", Some(opening)),
+                ("failed", Some(state(failed, None))),
+                ("ready", Some(working)),
+            ] {
+                let (mut harness, _) = window(state, size, theme);
+                harness.run_steps(4);
+                if name == "failed" {
+                    harness.get_by_label("clip.mp4 does not exist; check the path");
+                    harness.get_by_label("Open video…");
+                }
+                picture(&mut harness, &format!("{name}-{}-{theme_name}", size.0));
+            }
+        }
+    }
+}
+
+#[test]
+fn buttons_and_keys_ask_for_the_frames_they_name() {
+    let (mut harness, scene) = ready(10);
+    harness.get_by_label("Next frame").click();
+    harness.run_steps(3);
+    harness.get_by_label("Previous frame").click();
+    harness.run_steps(3);
+    assert_eq!(shows(&scene), [11, 10]);
+    for (modifiers, key) in [
+        (Modifiers::NONE, Key::ArrowRight),
+        (Modifiers::NONE, Key::Comma),
+        (Modifiers::SHIFT, Key::ArrowRight),
+        (Modifiers::SHIFT, Key::ArrowLeft),
+        (Modifiers::NONE, Key::End),
+        (Modifiers::NONE, Key::Home),
+        (Modifiers::COMMAND, Key::ArrowRight),
+        (Modifiers::NONE, Key::N),
+        (Modifiers::NONE, Key::P),
+    ] {
+        harness.key_press_modifiers(modifiers, key);
+        harness.run_steps(3);
+    }
+    assert_eq!(shows(&scene)[2..], [11, 10, 20, 10, 119, 0, 40, 50, 40]);
+}
+
+#[test]
+fn playing_asks_for_one_frame_after_another_and_stops_at_the_end() {
+    let (mut harness, scene) = ready(115);
+    harness.key_press(Key::Space);
+    harness.run_steps(60);
+    assert_eq!(shows(&scene), [116, 117, 118, 119]);
+    harness.get_by_label("Play");
+}
+
+#[test]
+fn the_space_key_stops_playing() {
+    let (mut harness, scene) = ready(10);
+    harness.key_press(Key::Space);
+    harness.run_steps(12);
+    harness.key_press(Key::Space);
+    harness.run_steps(3);
+    let so_far = shows(&scene);
+    assert!(!so_far.is_empty());
+    harness.run_steps(30);
+    assert_eq!(shows(&scene), so_far);
+}
+
+#[test]
+fn a_number_typed_into_the_frame_field_goes_there_and_calls_no_key() {
+    let (mut harness, scene) = ready(10);
+    harness.get_by_role_and_label(egui::Role::SpinButton, "Frame").focus();
+    harness.run_steps(2);
+    // 5 would maximise a view, F would fit.
+    harness.get_by_role_and_label(egui::Role::SpinButton, "Frame").type_text("57");
+    harness.run_steps(2);
+    assert_eq!(harness.state().model.maximised, None);
+    harness.key_press(Key::Enter);
+    harness.run_steps(3);
+    assert_eq!(shows(&scene).last(), Some(&56));
+}
+
+#[test]
+fn every_setting_has_a_control_and_sliders_change_them() {
+    let (mut harness, scene) = ready(10);
+    harness.state_mut().model.settings_panel = true;
+    harness.run_steps(2);
+    for stage in ["Cleaning", "Regions", "Tracking", "Occlusion"] {
+        // The view of the regions has their name too; the settings stand to the left of it.
+        let left = |node: &egui_kittest::Node<'_>| node.rect().left() < 60.0;
+        let header = harness.get_all_by_label_contains(stage).rfind(left).unwrap();
+        header.click_accesskit();
+        harness.run_steps(12);
+    }
+    for setting in SETTINGS {
+        let name = setting.name.replace('_', " ");
+        assert!(harness.query_all_by_label(&name).next().is_some(), "{name} has no control");
+    }
+    harness.get_by_label("t slider").set_value_accesskit(0.9);
+    harness.run_steps(8);
+    assert_eq!(given(&scene).map(|settings| settings.t), Some(0.9));
+    harness.get_by_label("median slider").set_value_accesskit(2.0);
+    harness.run_steps(8);
+    assert_eq!(given(&scene).map(|settings| settings.median), Some(5));
+
+    harness.get_by_label("Reset t").click();
+    harness.run_steps(8);
+    assert_eq!(given(&scene).map(|settings| settings.t), Some(Settings::default().t));
+}
+
+#[test]
+fn settings_can_be_taken_back_and_made_again() {
+    let (mut harness, scene) = ready(10);
+    harness.get_by_label("t slider").set_value_accesskit(0.9);
+    harness.run_steps(8);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    harness.run_steps(8);
+    assert_eq!(given(&scene), Some(Settings::default()));
+    harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    harness.run_steps(8);
+    assert_eq!(given(&scene).map(|settings| settings.t), Some(0.9));
+}
+
+#[test]
+fn a_click_in_the_event_list_jumps_and_shows_the_evidence() {
+    let (mut harness, scene) = ready(10);
+    harness.get_by_label("merge 1 + 2, frame 51").click();
+    harness.run_steps(4);
+    assert_eq!(shows(&scene), [50]);
+    harness.get_by_label("Why merge 1 + 2");
+    harness.get_by_label("merge because region 4 grew");
+    harness.get_by_label("size change");
+    // Under other settings another event may stand at its place.
+    harness.get_by_label("t slider").set_value_accesskit(0.9);
+    harness.run_steps(8);
+    assert!(harness.query_by_label("Why merge 1 + 2").is_none());
+}
+
+#[test]
+fn kinds_that_are_not_listed_are_not_jumped_to() {
+    let (mut harness, scene) = ready(10);
+    harness.get_by_label("Show disappear events").click();
+    harness.run_steps(3);
+    assert!(harness.query_by_label("disappear 3, frame 41").is_none());
+    harness.key_press(Key::N);
+    harness.run_steps(3);
+    assert_eq!(shows(&scene), [50]);
+}
+
+#[test]
+fn a_click_in_a_view_chooses_the_pixel_and_the_wheel_zooms_all_views() {
+    let (mut harness, scene) = ready(10);
+    let view = harness.get_by_label("Input view").rect();
+    harness.get_by_label("Input view").click();
+    harness.run_steps(20);
+    assert!(matches!(scene.asked.borrow().last(), Some(Asked::Inspect(Some((79..=80, 59..=60))))));
+    harness.hover_at(view.center());
+    harness.event(egui::Event::MouseWheel {
+        unit: egui::MouseWheelUnit::Point,
+        delta: vec2(0.0, 200.0),
+        modifiers: Modifiers::NONE,
+        phase: egui::TouchPhase::Move,
+        source: egui::MouseWheelSource::Wheel,
+    });
+    harness.run_steps(20);
+    assert!(harness.state().model.camera.magnification > 1.5);
+    harness.key_press(Key::F);
+    harness.run_steps(3);
+    assert_eq!(harness.state().model.camera.magnification, 1.0);
+}
+
+#[test]
+fn number_keys_show_one_view_alone_and_all_again() {
+    let (mut harness, _) = ready(58);
+    harness.key_press(Key::Num5);
+    harness.run_steps(3);
+    assert_eq!(harness.state().model.maximised, Some(View::Tracks));
+    assert!(harness.query_by_label("Input view").is_none());
+    picture(&mut harness, "tracks-alone");
+    harness.key_press(Key::Num4);
+    harness.run_steps(3);
+    picture(&mut harness, "regions-alone");
+    harness.key_press(Key::Num4);
+    harness.run_steps(3);
+    harness.get_by_label("Input view");
+}
+
+#[test]
+fn close_up_pixels_carry_their_values() {
+    let (mut harness, _) = ready(58);
+    harness.state_mut().model.camera = super::state::Camera { magnification: 30.0, centre: [0.5, 0.5] };
+    harness.state_mut().model.chosen = Some((80, 60));
+    harness.run_steps(3);
+    picture(&mut harness, "close-up");
+}
+
+#[test]
+fn the_palette_finds_an_action_and_help_lists_the_keys() {
+    let (mut harness, _) = ready(10);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::K);
+    harness.run_steps(4);
+    harness.get_by_label("Find an action").type_text("tracks alone");
+    harness.run_steps(3);
+    picture(&mut harness, "finder");
+    harness.key_press(Key::Enter);
+    harness.run_steps(3);
+    assert_eq!(harness.state().model.maximised, Some(View::Tracks));
+    harness.key_press(Key::Questionmark);
+    harness.run_steps(4);
+    assert!(harness.query_by_label("Double click").is_some());
+    picture(&mut harness, "help");
+    harness.key_press(Key::Escape);
+    harness.run_steps(4);
+    assert!(harness.query_by_label("Double click").is_none());
+}

@@ -1,0 +1,340 @@
+//! The whole sequence at a glance: what is analysed, how much moves, who lives when, what happened.
+
+use std::ops::RangeInclusive;
+
+use eframe::egui::{
+    Align2, Color32, CursorIcon, FontId, Painter, Pos2, Rect, Sense, Shape, Stroke, Ui, WidgetInfo,
+    accesskit::Role, pos2, vec2,
+};
+
+use super::command::Command;
+use super::state::Model;
+use super::{events_panel, icons, theme};
+use crate::occlusion::EventKind;
+use crate::palette::{event_colour, identity_colour};
+use crate::replay::Timeline;
+use crate::tracking::TrackState;
+
+/// Height of the row of event marks.
+const MARKS: f32 = 16.0;
+/// Height of the row of frame numbers.
+const SCALE: f32 = 14.0;
+/// The bar that tells how far the analysis has come.
+const ANALYSED: f32 = 3.0;
+
+/// Where positions stand from left to right.
+#[derive(Clone, Copy)]
+struct Axis {
+    rect: Rect,
+    frames: u32,
+}
+
+impl Axis {
+    /// The middle of a position's column.
+    fn x(&self, position: u32) -> f32 {
+        self.edge(position as f32 + 0.5)
+    }
+
+    fn edge(&self, at: f32) -> f32 {
+        self.rect.left() + at / self.frames.max(1) as f32 * self.rect.width()
+    }
+
+    fn position(&self, x: f32) -> u32 {
+        let share = ((x - self.rect.left()) / self.rect.width()).clamp(0.0, 1.0);
+        ((share * self.frames as f32) as u32).min(self.frames.saturating_sub(1))
+    }
+}
+
+/// Shows it.
+pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    let rect = ui.available_rect_before_wrap();
+    let response = ui.allocate_rect(rect, Sense::click_and_drag());
+    response.widget_info(|| WidgetInfo::labeled(Role::Slider, true, "Timeline"));
+    let Some(timeline) = model.timeline() else { return };
+    let axis = Axis { rect: rect.shrink2(vec2(8.0, 0.0)), frames: model.frames().max(1) };
+    let painter = ui.painter().with_clip_rect(rect);
+    let colours = theme::colours(ui.visuals());
+    let (scale, rest) = axis.rect.split_top_bottom_at_y(axis.rect.top() + SCALE);
+    let (marks, lanes) = rest.split_top_bottom_at_y(rest.top() + MARKS);
+    let ground = lanes.with_max_y(lanes.bottom() - 2.0);
+    painter.rect_filled(ground.expand2(vec2(8.0, 0.0)), 4.0, colours.canvas);
+    numbers(&painter, model, &axis, scale, colours.weak, colours.line);
+    foreground(&painter, timeline, &axis, ground, colours.weak);
+    analysed(&painter, timeline, &axis, ground, colours.accent);
+    life_lines(&painter, timeline, &axis, ground);
+    event_marks(&painter, model, timeline, &axis, marks);
+    playhead(&painter, model, &axis, colours.accent, colours.on_accent);
+
+    let near = response.hover_pos().and_then(|at| nearest_event(model, timeline, &axis, marks, at));
+    if let Some(at) = response.interact_pointer_pos()
+        && (response.dragged() || response.clicked() || response.is_pointer_button_down_on())
+    {
+        let position = match near {
+            Some(index) if response.clicked() => {
+                commands.push(Command::Read(Some(index)));
+                timeline.events[index].0
+            }
+            _ => axis.position(at.x),
+        };
+        if position != model.position() {
+            commands.push(Command::GoTo(position));
+        }
+    }
+    if let Some(at) = response.hover_pos() {
+        ui.ctx().set_cursor_icon(CursorIcon::ResizeHorizontal);
+        let column = axis.position(at.x);
+        painter.vline(at.x, ground.y_range(), Stroke::new(1.0, colours.weak.gamma_multiply(0.5)));
+        response.on_hover_ui_at_pointer(|ui| hover(ui, model, timeline, near, column));
+    }
+}
+
+fn hover(ui: &mut Ui, model: &Model, timeline: &Timeline, near: Option<usize>, column: u32) {
+    if let Some((_, event)) = near.and_then(|index| timeline.events.get(index)) {
+        ui.horizontal(|ui| {
+            ui.label(icons::coloured(icons::of_event(event.kind), theme::rgb(event_colour(event.kind))));
+            ui.strong(format!("{} {}", event.kind.name(), events_panel::participants(event)));
+            ui.weak(format!("frame {}", event.frame));
+        });
+        ui.label(&event.evidence.branch);
+        return;
+    }
+    ui.strong(format!("frame {}", model.number(column)));
+    match timeline.foreground_share.get(column as usize) {
+        Some(share) => ui.label(format!("foreground {:.2} %", share * 100.0)),
+        None => ui.weak("not analysed yet"),
+    };
+    let alive: Vec<String> = timeline
+        .life_lines
+        .iter()
+        .filter_map(|line| {
+            let span = line.spans.iter().find(|(first, last, _)| (*first..=*last).contains(&column))?;
+            Some(format!("{} {}", line.id, span.2.name()))
+        })
+        .collect();
+    if !alive.is_empty() {
+        ui.weak(alive.join(", "));
+    }
+}
+
+/// Frame numbers at round distances.
+fn numbers(painter: &Painter, model: &Model, axis: &Axis, row: Rect, text: Color32, line: Color32) {
+    let room = (axis.rect.width() / 70.0).max(1.0);
+    let rough = (axis.frames as f32 / room).max(1.0);
+    let power = 10_f32.powf(rough.log10().floor());
+    let step = [1.0, 2.0, 5.0, 10.0].map(|factor| factor * power).into_iter().find(|step| *step >= rough);
+    let step = (step.unwrap_or(power * 10.0) as u32).max(1);
+    let mut position = step - 1;
+    while position < axis.frames {
+        let x = axis.x(position);
+        let label = model.number(position).to_string();
+        let font = FontId::proportional(theme::SMALL);
+        if x < axis.rect.right() - 12.0 {
+            painter.text(pos2(x, row.center().y), Align2::CENTER_CENTER, label, font, text);
+        }
+        painter.vline(x, row.bottom()..=axis.rect.bottom(), Stroke::new(1.0, line.gamma_multiply(0.5)));
+        position += step;
+    }
+}
+
+/// How much of the image is foreground, as a curve over the ground.
+fn foreground(painter: &Painter, timeline: &Timeline, axis: &Axis, ground: Rect, colour: Color32) {
+    let shares = &timeline.foreground_share;
+    let most = shares.iter().copied().fold(0.01_f32, f32::max);
+    let columns = (ground.width() as u32).max(1);
+    let per_column = f64::from(axis.frames) / f64::from(columns);
+    let mut points: Vec<Pos2> = Vec::new();
+    if per_column <= 1.0 {
+        for (position, share) in shares.iter().enumerate() {
+            points.push(pos2(axis.x(position as u32), height_of(*share, most, ground)));
+        }
+    } else {
+        for column in 0..columns {
+            let first = (f64::from(column) * per_column) as usize;
+            let last = ((f64::from(column + 1) * per_column) as usize).max(first + 1);
+            let Some(part) = shares.get(first..last.min(shares.len())).filter(|part| !part.is_empty()) else {
+                break;
+            };
+            // The greatest of a column: a short burst must not be averaged away.
+            let share = part.iter().copied().fold(0.0, f32::max);
+            points.push(pos2(ground.left() + column as f32 + 0.5, height_of(share, most, ground)));
+        }
+    }
+    let mut area = eframe::egui::Mesh::default();
+    for point in &points {
+        area.colored_vertex(*point, colour.gamma_multiply(0.28));
+        area.colored_vertex(pos2(point.x, ground.bottom()), colour.gamma_multiply(0.10));
+    }
+    for pair in 0..points.len().saturating_sub(1) as u32 {
+        area.add_triangle(2 * pair, 2 * pair + 1, 2 * pair + 2);
+        area.add_triangle(2 * pair + 1, 2 * pair + 2, 2 * pair + 3);
+    }
+    painter.add(Shape::mesh(area));
+    painter.add(Shape::line(points, Stroke::new(1.0, colour.gamma_multiply(0.7))));
+}
+
+fn height_of(share: f32, most: f32, ground: Rect) -> f32 {
+    ground.bottom() - ANALYSED - share / most * (ground.height() - ANALYSED - 4.0)
+}
+
+fn analysed(painter: &Painter, timeline: &Timeline, axis: &Axis, ground: Rect, accent: Color32) {
+    let done = Rect::from_min_max(
+        pos2(axis.rect.left(), ground.bottom() - ANALYSED),
+        pos2(axis.edge(timeline.analysed as f32), ground.bottom()),
+    );
+    painter.rect_filled(done, 1.0, accent.gamma_multiply(0.7));
+}
+
+/// Which lane each life line takes, so that none covers another, and how many lanes there are.
+fn lanes(lives: &[RangeInclusive<u32>]) -> (Vec<usize>, usize) {
+    let mut ends: Vec<u32> = Vec::new();
+    let taken = lives
+        .iter()
+        .map(|life| {
+            let free = ends.iter().position(|&end| end < *life.start());
+            let lane = free.unwrap_or(ends.len());
+            if lane == ends.len() {
+                ends.push(0);
+            }
+            ends[lane] = *life.end() + 1;
+            lane
+        })
+        .collect();
+    (taken, ends.len())
+}
+
+fn life_lines(painter: &Painter, timeline: &Timeline, axis: &Axis, ground: Rect) {
+    let mut lines: Vec<_> = timeline.life_lines.iter().filter(|line| !line.spans.is_empty()).collect();
+    lines.sort_by_key(|line| (line.spans.first().map(|span| span.0), line.id));
+    let lives: Vec<_> = lines
+        .iter()
+        .map(|line| {
+            let first = line.spans.iter().map(|span| span.0).min().unwrap_or(0);
+            let last = line.spans.iter().map(|span| span.1).max().unwrap_or(0);
+            first..=last
+        })
+        .collect();
+    let (taken, count) = lanes(&lives);
+    let room = ground.height() - ANALYSED - 6.0;
+    let pitch = (room / count.max(1) as f32).min(11.0);
+    let thick = (pitch * 0.55).clamp(1.0, 5.0);
+    for (line, lane) in lines.iter().zip(taken) {
+        let colour = theme::rgb(identity_colour(line.id));
+        let y = ground.top() + 4.0 + (lane as f32 + 0.5) * pitch;
+        for &(first, last, state) in &line.spans {
+            let (from, to) =
+                (axis.edge(first as f32), axis.edge(last as f32 + 1.0).max(axis.edge(first as f32) + 1.0));
+            match state {
+                TrackState::Visible => {
+                    painter.hline(from..=to, y, Stroke::new(thick, colour));
+                }
+                TrackState::Merged => {
+                    painter.hline(from..=to, y, Stroke::new(thick, colour.gamma_multiply(0.5)));
+                }
+                TrackState::Hidden => {
+                    let ends = [pos2(from, y), pos2(to, y)];
+                    painter.extend(Shape::dashed_line(&ends, Stroke::new(thick.min(2.0), colour), 3.0, 3.0));
+                }
+            }
+        }
+    }
+}
+
+fn event_marks(painter: &Painter, model: &Model, timeline: &Timeline, axis: &Axis, row: Rect) {
+    for (index, (position, event)) in timeline.events.iter().enumerate() {
+        if !model.lists(event.kind) {
+            continue;
+        }
+        let read = model.reading == Some(index);
+        let colour = theme::rgb(event_colour(event.kind));
+        mark(
+            painter,
+            pos2(axis.x(*position), row.center().y),
+            event.kind,
+            colour,
+            if read { 6.0 } else { 4.0 },
+        );
+    }
+}
+
+/// A form as well as a colour for each kind: down what comes together, up what parts, rings what
+/// vanishes or returns, dots what starts or ends.
+fn mark(painter: &Painter, at: Pos2, kind: EventKind, colour: Color32, size: f32) {
+    let edge = Stroke::new(1.0, Color32::from_black_alpha(140));
+    match kind {
+        EventKind::Merge | EventKind::Demerge => {
+            let tip = if kind == EventKind::Merge { size } else { -size };
+            let points = vec![at + vec2(-size, -tip), at + vec2(size, -tip), at + vec2(0.0, tip)];
+            painter.add(Shape::convex_polygon(points, colour, edge));
+        }
+        EventKind::Disappear => {
+            painter.circle_stroke(at, size - 0.5, Stroke::new(2.0, colour));
+        }
+        EventKind::Reappear => {
+            painter.circle(at, size, colour, edge);
+        }
+        EventKind::Appear => {
+            let points = vec![
+                at + vec2(0.0, -size),
+                at + vec2(size, 0.0),
+                at + vec2(0.0, size),
+                at + vec2(-size, 0.0),
+            ];
+            painter.add(Shape::convex_polygon(points, colour, edge));
+        }
+        EventKind::Enter | EventKind::Exit => {
+            let bar = Rect::from_center_size(at, vec2(2.0, size * 1.6));
+            painter.rect_filled(bar, 0.0, colour);
+        }
+    }
+}
+
+/// The listed event whose mark is under the pointer.
+fn nearest_event(model: &Model, timeline: &Timeline, axis: &Axis, row: Rect, at: Pos2) -> Option<usize> {
+    if !row.expand(2.0).contains(at) {
+        return None;
+    }
+    timeline
+        .events
+        .iter()
+        .enumerate()
+        .filter(|(_, (_, event))| model.lists(event.kind))
+        .map(|(index, (position, _))| (index, (axis.x(*position) - at.x).abs()))
+        .filter(|(_, distance)| *distance < 6.0)
+        .min_by(|a, b| a.1.total_cmp(&b.1))
+        .map(|(index, _)| index)
+}
+
+fn playhead(painter: &Painter, model: &Model, axis: &Axis, accent: Color32, ink: Color32) {
+    let position = model.position();
+    let x = axis.x(position);
+    painter.vline(x, axis.rect.top() + SCALE..=axis.rect.bottom(), Stroke::new(2.0, accent));
+    let number = model.number(position).to_string();
+    let galley = painter.layout_no_wrap(number, FontId::proportional(theme::SMALL), ink);
+    let size = galley.size() + vec2(10.0, 1.0);
+    let left = (x - size.x / 2.0)
+        .clamp(axis.rect.left() - 8.0, (axis.rect.right() + 8.0 - size.x).max(axis.rect.left()));
+    let plate = Rect::from_min_size(pos2(left, axis.rect.top()), size);
+    painter.rect_filled(plate, 3.0, accent);
+    painter.galley(plate.min + vec2(5.0, 0.5), galley, ink);
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn lives_that_overlap_take_lanes_of_their_own() {
+        let (taken, count) = lanes(&[0..=10, 5..=20, 12..=15, 22..=30]);
+        assert_eq!((taken, count), (vec![0, 1, 0, 0], 2));
+    }
+
+    #[test]
+    fn every_position_is_found_again_under_its_own_mark() {
+        let axis = Axis { rect: Rect::from_min_size(pos2(20.0, 0.0), vec2(777.0, 50.0)), frames: 795 };
+        for position in 0..795 {
+            assert_eq!(axis.position(axis.x(position)), position);
+        }
+        assert_eq!(axis.position(-50.0), 0);
+        assert_eq!(axis.position(5000.0), 794);
+    }
+}

@@ -1,0 +1,149 @@
+//! Where the pixels of an image stand in a view, and how pointer and camera move them.
+
+use eframe::egui::{Pos2, Rect, Vec2, pos2, vec2};
+
+use crate::app::state::Camera;
+use crate::frame::Size;
+use crate::regions;
+
+/// The greatest size of a pixel, in points.
+const MAX_SCALE: f32 = 160.0;
+/// The image can be drawn smaller than its view by this.
+const MIN_MAGNIFICATION: f32 = 0.5;
+/// The share of the view that a fitted image fills.
+const FIT: f32 = 0.985;
+
+/// An image within a view.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Canvas {
+    /// The view.
+    pub(crate) rect: Rect,
+    /// The image.
+    pub(crate) size: Size,
+    /// Points a pixel.
+    pub(crate) scale: f32,
+    origin: Pos2,
+    fitted: f32,
+    camera: Camera,
+}
+
+impl Canvas {
+    /// An image of `size` in the view `rect`, as `camera` has it.
+    pub(crate) fn new(rect: Rect, size: Size, camera: Camera) -> Self {
+        let (w, h) = (size.width.max(1) as f32, size.height.max(1) as f32);
+        let fitted = (rect.width() / w).min(rect.height() / h).max(1e-3) * FIT;
+        let scale = (fitted * camera.magnification).min(MAX_SCALE.max(fitted));
+        let centre = vec2(camera.centre[0] * w, camera.centre[1] * h);
+        Self { rect, size, scale, origin: rect.center() - centre * scale, fitted, camera }
+    }
+
+    /// Where a point of the image stands on the screen.
+    pub(crate) fn screen(&self, [x, y]: [f32; 2]) -> Pos2 {
+        self.origin + vec2(x, y) * self.scale
+    }
+
+    /// Which point of the image stands here.
+    pub(crate) fn image(&self, at: Pos2) -> [f32; 2] {
+        let offset = (at - self.origin) / self.scale;
+        [offset.x, offset.y]
+    }
+
+    /// Which pixel stands here.
+    pub(crate) fn pixel(&self, at: Pos2) -> Option<(u32, u32)> {
+        let [x, y] = self.image(at);
+        let inside = x >= 0.0 && y >= 0.0 && x < self.size.width as f32 && y < self.size.height as f32;
+        inside.then_some((x as u32, y as u32))
+    }
+
+    /// Where the whole image stands.
+    pub(crate) fn whole(&self) -> Rect {
+        let size = vec2(self.size.width as f32, self.size.height as f32);
+        Rect::from_min_size(self.origin, size * self.scale)
+    }
+
+    /// Where a rectangle of the image stands.
+    pub(crate) fn place(&self, rect: &regions::Rect) -> Rect {
+        Rect::from_min_max(self.screen([rect.x, rect.y]), self.screen([rect.right(), rect.bottom()]))
+    }
+
+    /// Where a pixel stands.
+    pub(crate) fn place_pixel(&self, (x, y): (u32, u32)) -> Rect {
+        self.place(&regions::Rect::new(x as f32, y as f32, 1.0, 1.0))
+    }
+
+    /// The pixels that are seen: columns and rows, ends excluded.
+    pub(crate) fn visible(&self) -> (std::ops::Range<u32>, std::ops::Range<u32>) {
+        let (min, max) = (self.image(self.rect.min), self.image(self.rect.max));
+        let columns = min[0].max(0.0) as u32..(max[0].ceil().max(0.0) as u32).min(self.size.width);
+        let rows = min[1].max(0.0) as u32..(max[1].ceil().max(0.0) as u32).min(self.size.height);
+        (columns, rows)
+    }
+
+    /// The camera after zooming by `factor` with the point under `at` staying where it is.
+    pub(crate) fn zoomed(&self, at: Pos2, factor: f32) -> Camera {
+        let most = (MAX_SCALE / self.fitted).max(1.0);
+        let magnification = (self.camera.magnification * factor).clamp(MIN_MAGNIFICATION, most);
+        let pinned = self.image(at);
+        let scale = self.fitted * magnification;
+        let offset = (at - self.rect.center()) / scale;
+        self.looking_at([pinned[0] - offset.x, pinned[1] - offset.y], magnification)
+    }
+
+    /// The camera after the image was pulled by `delta` points.
+    pub(crate) fn panned(&self, delta: Vec2) -> Camera {
+        let middle = self.image(self.rect.center() - delta);
+        self.looking_at(middle, self.camera.magnification)
+    }
+
+    fn looking_at(&self, [x, y]: [f32; 2], magnification: f32) -> Camera {
+        let share = |value: f32, of: u32| (value / of.max(1) as f32).clamp(0.0, 1.0);
+        Camera { magnification, centre: [share(x, self.size.width), share(y, self.size.height)] }
+    }
+}
+
+/// The corner from which texture coordinates run, for painting whole textures.
+pub(crate) const UV: Rect = Rect { min: pos2(0.0, 0.0), max: pos2(1.0, 1.0) };
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn canvas(camera: Camera) -> Canvas {
+        Canvas::new(Rect::from_min_size(pos2(100.0, 50.0), vec2(400.0, 300.0)), Size::new(200, 100), camera)
+    }
+
+    #[test]
+    fn a_fitted_image_is_whole_and_in_the_middle() {
+        let canvas = canvas(Camera::FIT);
+        assert!(canvas.rect.contains_rect(canvas.whole()));
+        assert!((canvas.whole().center() - canvas.rect.center()).length() < 0.01);
+        assert_eq!(canvas.pixel(canvas.rect.min), None);
+        assert_eq!(canvas.pixel(canvas.rect.center()), Some((100, 50)));
+    }
+
+    #[test]
+    fn zooming_keeps_the_point_under_the_pointer() {
+        let before = canvas(Camera::FIT);
+        let at = pos2(180.0, 170.0);
+        let after = canvas(before.zoomed(at, 3.0));
+        let (a, b) = (before.image(at), after.image(at));
+        assert!((a[0] - b[0]).abs() < 0.05 && (a[1] - b[1]).abs() < 0.05, "{a:?} {b:?}");
+        assert!((after.scale / before.scale - 3.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn dragging_moves_the_image_with_the_pointer() {
+        let before = canvas(Camera { magnification: 4.0, centre: [0.5, 0.5] });
+        let after = canvas(before.panned(vec2(30.0, -12.0)));
+        let moved = after.screen([50.0, 50.0]) - before.screen([50.0, 50.0]);
+        assert!((moved - vec2(30.0, -12.0)).length() < 0.05, "{moved:?}");
+    }
+
+    #[test]
+    fn pixels_outside_the_view_are_not_visible() {
+        let canvas = canvas(Camera { magnification: 10.0, centre: [0.5, 0.5] });
+        let (columns, rows) = canvas.visible();
+        assert!(columns.start > 60 && columns.end < 140 && !columns.is_empty(), "{columns:?}");
+        assert!(rows.start > 20 && rows.end < 80 && !rows.is_empty(), "{rows:?}");
+    }
+}

@@ -1,0 +1,42 @@
+//! How far the input is from the background.
+
+use eframe::egui::Color32;
+
+use super::{Pane, View, draw};
+use crate::replay::Shown;
+
+fn difference(a: [u8; 3], b: [u8; 3]) -> u8 {
+    a.iter().zip(b).map(|(a, b)| a.abs_diff(b)).max().unwrap_or(0)
+}
+
+/// Paints it.
+pub(super) fn paint(pane: &mut Pane<'_>) {
+    let (frame, background) = (&pane.shown.frame, &pane.shown.background);
+    let at = |rgb: &[u8], index: usize| [rgb[index * 3], rgb[index * 3 + 1], rgb[index * 3 + 2]];
+    let texture = pane.textures.get(
+        pane.ctx,
+        (View::Difference, 0),
+        [frame.clone(), background.clone()],
+        frame.size,
+        |index| {
+            Color32::from_gray(
+                difference(at(&frame.rgb, index), at(&background.rgb, index)).saturating_mul(2),
+            )
+        },
+    );
+    draw::image(pane.painter, &pane.canvas, texture, Color32::WHITE);
+    let ground = |pixel| {
+        let value = pixel_difference(pane.shown, pixel).unwrap_or(0);
+        Color32::from_gray(value.saturating_mul(2))
+    };
+    draw::values(pane.painter, &pane.canvas, |at| value(pane.shown, at), ground);
+}
+
+fn pixel_difference(shown: &Shown, (x, y): (u32, u32)) -> Option<u8> {
+    Some(difference(shown.frame.pixel(x, y)?, shown.background.pixel(x, y)?))
+}
+
+/// The greatest difference of a channel.
+pub(super) fn value(shown: &Shown, at: (u32, u32)) -> String {
+    pixel_difference(shown, at).map_or_else(String::new, |value| value.to_string())
+}

@@ -1,0 +1,159 @@
+//! The linked views in the middle: one file each, and the tiles in which they stand.
+
+mod background;
+mod canvas;
+mod difference;
+mod draw;
+mod foreground;
+mod input;
+mod regions;
+mod textures;
+mod tiles;
+mod tracks;
+
+pub(crate) use canvas::Canvas;
+pub(crate) use textures::Textures;
+pub(crate) use tiles::{default_tree, show};
+
+use eframe::egui::{Context, Painter};
+use serde::{Deserialize, Serialize};
+
+use super::state::Model;
+use super::theme::Colours;
+use crate::replay::Shown;
+
+/// A view of the frame.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub(crate) enum View {
+    /// The frame as it came.
+    Input,
+    /// The background model.
+    Background,
+    /// The foreground mask.
+    Foreground,
+    /// Its connected regions.
+    Regions,
+    /// Objects, groups, occlusions and events.
+    Tracks,
+    /// How far the input is from the background.
+    Difference,
+}
+
+impl View {
+    /// All views in the order of their keys, from 1.
+    pub(crate) const ALL: [Self; 6] =
+        [Self::Input, Self::Background, Self::Foreground, Self::Regions, Self::Tracks, Self::Difference];
+
+    /// Its title.
+    pub(crate) const fn title(self) -> &'static str {
+        match self {
+            Self::Input => "Input",
+            Self::Background => "Background",
+            Self::Foreground => "Foreground",
+            Self::Regions => "Regions",
+            Self::Tracks => "Tracks and occlusions",
+            Self::Difference => "Difference",
+        }
+    }
+
+    /// What is seen in it.
+    pub(crate) const fn meaning(self) -> &'static str {
+        match self {
+            Self::Input => "The frame as it came from the source.",
+            Self::Background => "The background model after this frame.",
+            Self::Foreground => {
+                "The mask in which regions are found: after cleaning, before small regions are dropped."
+            }
+            Self::Regions => {
+                "Connected regions with their number, box and dominant colour. A region has the colour of \
+                 the object that it belongs to, white for a group, gray for none."
+            }
+            Self::Tracks => {
+                "Boxes in the colour of their identity: solid while seen, dashed where predicted (merged or \
+                 hidden). Dotted: the gate. Hatched: where one hides the other. Flags: this frame's events."
+            }
+            Self::Difference => "The greatest difference of a channel between input and background, doubled.",
+        }
+    }
+
+    /// Its number on the keyboard.
+    pub(crate) fn key(self) -> usize {
+        Self::ALL.iter().position(|&view| view == self).unwrap_or(0) + 1
+    }
+
+    /// The value of a pixel in it, in as many lines as it has parts.
+    pub(crate) fn value(self, shown: &Shown, background: Background, at: (u32, u32)) -> String {
+        match self {
+            Self::Input | Self::Tracks => input::value(shown, at),
+            Self::Background => background::value(shown, background, at),
+            Self::Foreground => foreground::value(shown, at),
+            Self::Regions => regions::value(shown, at),
+            Self::Difference => difference::value(shown, at),
+        }
+    }
+
+    fn paint(self, pane: &mut Pane<'_>) {
+        match self {
+            Self::Input => input::paint(pane),
+            Self::Background => background::paint(pane),
+            Self::Foreground => foreground::paint(pane),
+            Self::Regions => regions::paint(pane),
+            Self::Tracks => tracks::paint(pane),
+            Self::Difference => difference::paint(pane),
+        }
+    }
+}
+
+/// What the background view shows.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+pub(crate) enum Background {
+    /// The mean of component 1.
+    Mean,
+    /// The weighted mean of the B background components.
+    MultiMode,
+    /// B.
+    Count,
+}
+
+impl Background {
+    /// All kinds in order.
+    pub(crate) const ALL: [Self; 3] = [Self::Mean, Self::MultiMode, Self::Count];
+
+    /// Its name on a button.
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Self::Mean => "Mean",
+            Self::MultiMode => "Modes",
+            Self::Count => "B",
+        }
+    }
+
+    /// What it is, in a sentence.
+    pub(crate) const fn meaning(self) -> &'static str {
+        match self {
+            Self::Mean => "The mean of component 1 at each pixel",
+            Self::MultiMode => "The weighted mean of the B components that are background",
+            Self::Count => "How many components are background (B) at each pixel",
+        }
+    }
+
+    /// The kind after this one.
+    pub(crate) const fn next(self) -> Self {
+        match self {
+            Self::Mean => Self::MultiMode,
+            Self::MultiMode => Self::Count,
+            Self::Count => Self::Mean,
+        }
+    }
+}
+
+/// What a view needs in order to paint itself.
+struct Pane<'a> {
+    ctx: &'a Context,
+    painter: &'a Painter,
+    canvas: Canvas,
+    model: &'a Model,
+    shown: &'a Shown,
+    textures: &'a mut Textures,
+    colours: Colours,
+}

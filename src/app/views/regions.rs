@@ -1,0 +1,92 @@
+//! The regions: where they are, their numbers, and the colour that stands for each.
+
+use eframe::egui::{Color32, Rect, Stroke, StrokeKind, pos2, vec2};
+
+use super::{Pane, View, draw};
+use crate::app::theme;
+use crate::mixture::pixel::luma;
+use crate::palette::identity_colour;
+use crate::pipeline::Analysis;
+use crate::replay::Shown;
+
+const UNKNOWN: Color32 = Color32::from_rgb(150, 156, 170);
+const GROUP: Color32 = Color32::from_rgb(244, 246, 250);
+
+/// The colour of each label, by label: of the object it belongs to, of groups, of none.
+fn colours(analysis: &Analysis) -> Vec<Color32> {
+    let most = analysis.regions.iter().map(|region| region.label).max().unwrap_or(0) as usize;
+    let mut colours = vec![UNKNOWN; most + 1];
+    for track in analysis.tracks.iter() {
+        let colour = if track.group.len() > 1 { GROUP } else { theme::rgb(identity_colour(track.id)) };
+        for &label in &track.regions {
+            if let Some(of_label) = colours.get_mut(label as usize) {
+                *of_label = colour;
+            }
+        }
+    }
+    colours
+}
+
+/// Paints them.
+pub(super) fn paint(pane: &mut Pane<'_>) {
+    let (frame, analysis) = (&pane.shown.frame, &pane.shown.analysis);
+    let labels = &analysis.labels;
+    let colours = colours(analysis);
+    let colour_of = |label: u32| colours.get(label as usize).copied().unwrap_or(UNKNOWN);
+    let pixel_colour = |index: usize| {
+        let gray = luma([frame.rgb[index * 3], frame.rgb[index * 3 + 1], frame.rgb[index * 3 + 2]]);
+        match labels.data.get(index) {
+            None | Some(0) => Color32::from_gray(gray / 4),
+            Some(&label) => {
+                // A little of the input's light keeps the region's inside readable.
+                let light = 0.55 + 0.45 * f32::from(gray) / 255.0;
+                let [r, g, b, _] =
+                    colour_of(label).to_array().map(|channel| (f32::from(channel) * light) as u8);
+                Color32::from_rgb(r, g, b)
+            }
+        }
+    };
+    let origin: [std::sync::Arc<dyn std::any::Any + Send + Sync>; 2] = [analysis.clone(), frame.clone()];
+    let texture = pane.textures.get(pane.ctx, (View::Regions, 0), origin, frame.size, pixel_colour);
+    draw::image(pane.painter, &pane.canvas, texture, Color32::WHITE);
+    for region in analysis.regions.iter() {
+        let place = pane.canvas.place(&region.shape.bbox);
+        if !pane.canvas.rect.intersects(place) {
+            continue;
+        }
+        let colour = colour_of(region.label);
+        pane.painter.rect_stroke(place, 0.0, Stroke::new(1.0, colour), StrokeKind::Outside);
+        // Specks would only hide the picture under their numbers.
+        if place.width().max(place.height()) > 14.0 {
+            let number = draw::tag(
+                pane.painter,
+                place.left_top(),
+                &region.label.to_string(),
+                colour,
+                pane.canvas.rect,
+            );
+            let swatch = Rect::from_min_size(
+                pos2(number.right() + 2.0, number.top()),
+                vec2(number.height(), number.height()),
+            );
+            pane.painter.rect(
+                swatch,
+                2.0,
+                theme::rgb(region.colour),
+                Stroke::new(1.0, colour),
+                StrokeKind::Inside,
+            );
+        }
+    }
+    let ground = |(x, y)| frame.size.index(x, y).map_or(Color32::BLACK, pixel_colour);
+    draw::values(pane.painter, &pane.canvas, |at| value(pane.shown, at), ground);
+}
+
+/// The label.
+pub(super) fn value(shown: &Shown, (x, y): (u32, u32)) -> String {
+    let labels = &shown.analysis.labels;
+    labels.size.index(x, y).map_or_else(String::new, |index| match labels.data[index] {
+        0 => "-".to_owned(),
+        label => format!("#{label}"),
+    })
+}

@@ -1,0 +1,255 @@
+//! How the views stand beside one another, and what the pointer does in them.
+
+use eframe::egui::{
+    Button, Color32, PointerButton, Rect, RichText, Sense, Stroke, Ui, UiBuilder, Visuals, WidgetInfo,
+    WidgetText, accesskit::Role, vec2,
+};
+use egui_material_icons::icons as m;
+use egui_tiles::{
+    Behavior, Container, Linear, LinearDir, SimplificationOptions, TabState, Tabs, TileId, Tiles, Tree,
+    UiResponse,
+};
+
+use super::{Background, Canvas, Pane, Textures, View, draw};
+use crate::app::command::{Action, Command};
+use crate::app::state::{Camera, Hover, Model};
+use crate::app::theme;
+
+/// From this width of a title on, in points, all kinds of background stand in it to choose from.
+const CHOICES_FROM: f32 = 290.0;
+
+/// Two rows of two, and the tracks across below them; the difference behind the background's tab.
+pub(crate) fn default_tree() -> Tree<View> {
+    let mut tiles = Tiles::default();
+    let mut tab = |views: &[View]| {
+        let panes = views.iter().map(|&view| tiles.insert_pane(view)).collect();
+        tiles.insert_tab_tile(panes)
+    };
+    let input = tab(&[View::Input]);
+    let background = tab(&[View::Background, View::Difference]);
+    let foreground = tab(&[View::Foreground]);
+    let regions = tab(&[View::Regions]);
+    let tracks = tab(&[View::Tracks]);
+    let top = tiles.insert_horizontal_tile(vec![input, background]);
+    let middle = tiles.insert_horizontal_tile(vec![foreground, regions]);
+    let mut rows = Linear::new(LinearDir::Vertical, vec![top, middle, tracks]);
+    rows.shares.set_share(tracks, 1.6);
+    let root = tiles.insert_container(Container::Linear(rows));
+    Tree::new(eframe::egui::Id::unique("views"), root, tiles)
+}
+
+/// Shows the views, or the one that is maximised.
+pub(crate) fn show(
+    ui: &mut Ui,
+    tree: &mut Tree<View>,
+    textures: &mut Textures,
+    model: &Model,
+    commands: &mut Vec<Command>,
+) {
+    let mut panes = Panes { model, textures, commands, hover: None };
+    if let Some(view) = model.maximised {
+        let whole = ui.available_rect_before_wrap();
+        let (bar, rest) = whole.split_top_bottom_at_y(whole.top() + theme::ROW);
+        ui.painter().rect_filled(bar, 0.0, ui.visuals().panel_fill);
+        ui.scope_builder(UiBuilder::new().max_rect(bar), |ui| {
+            ui.horizontal_centered(|ui| {
+                ui.add_space(2.0 * theme::SPACE);
+                ui.strong(view.title());
+                ui.weak("press the same key again for all views");
+                panes.buttons(ui, view);
+            });
+        });
+        ui.scope_builder(UiBuilder::new().max_rect(rest), |ui| panes.view(ui, view));
+    } else {
+        tree.ui(&mut panes, ui);
+    }
+    let hover = panes.hover;
+    if model.hovered != hover {
+        commands.push(Command::Hover(hover));
+    }
+}
+
+struct Panes<'a> {
+    model: &'a Model,
+    textures: &'a mut Textures,
+    commands: &'a mut Vec<Command>,
+    hover: Option<Hover>,
+}
+
+impl Panes<'_> {
+    fn view(&mut self, ui: &mut Ui, view: View) {
+        let rect = ui.available_rect_before_wrap();
+        let response = ui.allocate_rect(rect, Sense::click_and_drag());
+        response.widget_info(|| WidgetInfo::labeled(Role::Image, true, format!("{} view", view.title())));
+        let colours = theme::colours(ui.visuals());
+        let painter = ui.painter().with_clip_rect(rect);
+        painter.rect_filled(rect, 0.0, colours.canvas);
+        let Some(shown) = self.model.shown() else { return };
+        let camera = self.pointer(ui, &response, view, shown.frame.size);
+        let canvas = Canvas::new(rect, shown.frame.size, camera);
+        if camera != self.model.camera {
+            self.commands.push(Command::Look(camera));
+        }
+        let mut pane = Pane {
+            ctx: ui.ctx(),
+            painter: &painter,
+            canvas,
+            model: self.model,
+            shown,
+            textures: self.textures,
+            colours,
+        };
+        view.paint(&mut pane);
+        if let Some(pixel) = self.model.chosen {
+            draw::cross(&painter, &canvas, pixel, Color32::from_rgb(255, 255, 255));
+        }
+    }
+
+    /// What the pointer does: the wheel zooms where it stands, dragging pans, a click chooses the
+    /// pixel, a double click fits.
+    fn pointer(
+        &mut self,
+        ui: &Ui,
+        response: &eframe::egui::Response,
+        view: View,
+        size: crate::frame::Size,
+    ) -> Camera {
+        let mut camera = self.model.camera;
+        let canvas = Canvas::new(response.rect, size, camera);
+        if response.double_clicked() {
+            return Camera::FIT;
+        }
+        if response.dragged_by(PointerButton::Primary) || response.dragged_by(PointerButton::Middle) {
+            camera = canvas.panned(response.drag_delta());
+        }
+        if let Some(at) = response.hover_pos() {
+            let (wheel, pinch) = ui.input(|input| (input.smooth_scroll_delta().y, input.zoom_delta()));
+            let factor = (wheel / 180.0).exp() * pinch;
+            if factor != 1.0 {
+                camera = canvas.zoomed(at, factor);
+            }
+            if let Some(pixel) = canvas.pixel(at) {
+                self.hover = Some(Hover { view, pixel, scale: canvas.scale });
+                if response.clicked() {
+                    self.commands.push(Command::Choose(Some(pixel)));
+                }
+            }
+        }
+        camera
+    }
+
+    /// What stands at the right end of a view's title.
+    fn buttons(&mut self, ui: &mut Ui, view: View) {
+        ui.with_layout(eframe::egui::Layout::right_to_left(eframe::egui::Align::Center), |ui| {
+            ui.spacing_mut().item_spacing.x = theme::SPACE / 2.0;
+            ui.spacing_mut().button_padding = vec2(theme::SPACE, 0.0);
+            ui.add_space(theme::SPACE);
+            let (icon, word) = if self.model.maximised == Some(view) {
+                (m::ICON_FULLSCREEN_EXIT, "Show all views")
+            } else {
+                (m::ICON_FULLSCREEN, "Show alone")
+            };
+            let button = Button::new(icon.rich_text().size(theme::ICON)).frame_when_inactive(false);
+            let text = format!("{word} ({})", view.key());
+            let response = ui.add(button).accessible_name(format!("{word}: {}", view.title()));
+            if response.on_hover_text(text).clicked() {
+                self.commands.push(Command::Act(Action::Maximise(view)));
+            }
+            if view == View::Background && ui.available_width() < CHOICES_FROM {
+                let kind = self.model.background;
+                let button = Button::selectable(true, RichText::new(kind.name()).size(theme::SMALL));
+                let text = format!("{}. Click for the next kind.", kind.meaning());
+                if ui.add(button).accessible_name(kind.meaning()).on_hover_text(text).clicked() {
+                    self.commands.push(Command::Act(Action::Background));
+                }
+            } else if view == View::Background {
+                for kind in Background::ALL.into_iter().rev() {
+                    let selected = self.model.background == kind;
+                    let text = RichText::new(kind.name()).size(theme::SMALL);
+                    let response = ui.add(Button::selectable(selected, text)).on_hover_text(kind.meaning());
+                    if response.accessible_name(kind.meaning()).clicked() {
+                        self.commands.push(Command::ShowBackground(kind));
+                    }
+                }
+            }
+        });
+    }
+}
+
+impl Behavior<View> for Panes<'_> {
+    fn pane_ui(&mut self, ui: &mut Ui, _tile_id: TileId, view: &mut View) -> UiResponse {
+        self.view(ui, *view);
+        UiResponse::None
+    }
+
+    fn tab_title_for_pane(&mut self, view: &View) -> WidgetText {
+        RichText::new(view.title()).into()
+    }
+
+    fn on_tab_button(
+        &mut self,
+        tiles: &mut Tiles<View>,
+        tile_id: TileId,
+        response: eframe::egui::Response,
+    ) -> eframe::egui::Response {
+        match tiles.get_pane(&tile_id) {
+            Some(view) => response.on_hover_text(format!("{} Key {}.", view.meaning(), view.key())),
+            None => response,
+        }
+    }
+
+    fn top_bar_right_ui(
+        &mut self,
+        tiles: &Tiles<View>,
+        ui: &mut Ui,
+        _tile_id: TileId,
+        tabs: &Tabs,
+        _scroll_offset: &mut f32,
+    ) {
+        if let Some(&view) = tabs.active.and_then(|active| tiles.get_pane(&active)) {
+            self.buttons(ui, view);
+        }
+    }
+
+    fn tab_bar_height(&self, _style: &eframe::egui::Style) -> f32 {
+        theme::ROW
+    }
+
+    fn gap_width(&self, _style: &eframe::egui::Style) -> f32 {
+        3.0
+    }
+
+    fn min_size(&self) -> f32 {
+        90.0
+    }
+
+    fn simplification_options(&self) -> SimplificationOptions {
+        SimplificationOptions { all_panes_must_have_tabs: true, ..SimplificationOptions::default() }
+    }
+
+    fn tab_bar_color(&self, visuals: &Visuals) -> Color32 {
+        visuals.panel_fill
+    }
+
+    fn tab_bg_color(&self, _: &Visuals, _: &Tiles<View>, _: TileId, _: &TabState) -> Color32 {
+        Color32::TRANSPARENT
+    }
+
+    fn tab_outline_stroke(&self, _: &Visuals, _: &Tiles<View>, _: TileId, _: &TabState) -> Stroke {
+        Stroke::NONE
+    }
+
+    fn tab_text_color(&self, visuals: &Visuals, _: &Tiles<View>, _: TileId, state: &TabState) -> Color32 {
+        let colours = theme::colours(visuals);
+        if state.active { colours.text } else { colours.weak }
+    }
+
+    fn paint_on_top_of_tile(
+        &self,
+        _painter: &eframe::egui::Painter,
+        _style: &eframe::egui::Style,
+        _tile_id: TileId,
+        _rect: Rect,
+    ) {
+    }
+}

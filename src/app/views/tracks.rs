@@ -1,0 +1,152 @@
+//! Objects with their trails, groups, occlusions, and the events of the frame.
+
+use eframe::egui::{Align2, Color32, FontId, Pos2, Rect, Shape, Stroke, pos2, vec2};
+
+use super::{Pane, draw, input};
+use crate::app::{icons, theme};
+use crate::palette::{event_colour, identity_colour};
+use crate::tracking::{Identity, Track, TrackState};
+
+/// Paints them.
+pub(super) fn paint(pane: &mut Pane<'_>) {
+    let texture = input::texture(pane);
+    draw::image(pane.painter, &pane.canvas, texture, Color32::from_gray(205));
+    let tracks = &pane.shown.analysis.tracks;
+    trails(pane);
+    for (index, track) in tracks.iter().enumerate() {
+        for other in &tracks[index + 1..] {
+            if track.group.contains(&other.id) {
+                occlusion(pane, &pane.canvas.place(&track.bbox.intersection(&other.bbox)));
+            }
+        }
+        if track.state == TrackState::Hidden {
+            occlusion(pane, &pane.canvas.place(&track.bbox));
+        }
+    }
+    for group in groups(tracks) {
+        outline(pane, &group);
+    }
+    for track in pane.shown.analysis.tentative.iter() {
+        let stroke = Stroke::new(1.0, Color32::from_white_alpha(120));
+        draw::dashed_rect(pane.painter, pane.canvas.place(&track.bbox), stroke, 2.0);
+    }
+    for track in tracks.iter() {
+        object(pane, track);
+    }
+    flags(pane);
+}
+
+fn object(pane: &Pane<'_>, track: &Track) {
+    let colour = theme::rgb(identity_colour(track.id));
+    let place = pane.canvas.place(&track.bbox);
+    let stroke = Stroke::new(2.0, colour);
+    let word = if track.state == TrackState::Visible {
+        draw::outlined_rect(pane.painter, place, stroke);
+        track.id.to_string()
+    } else {
+        draw::dashed_rect(pane.painter, place, Stroke::new(4.0, Color32::from_black_alpha(90)), 6.0);
+        draw::dashed_rect(pane.painter, place, stroke, 6.0);
+        format!("{} {}", track.id, track.state.name())
+    };
+    let [major, minor, angle] = track.gate;
+    let gate = vec2(major, minor) * pane.canvas.scale;
+    if gate.x.is_finite() && gate.y.is_finite() && gate.length() < 4.0 * pane.canvas.rect.width() {
+        let centre = pane.canvas.screen(track.centre);
+        // A gate grows while nothing is measured; large and strong it would hide the picture.
+        let strength = if track.state == TrackState::Visible { 0.8 } else { 0.4 };
+        draw::ellipse(pane.painter, centre, gate, angle, Stroke::new(1.0, colour.gamma_multiply(strength)));
+    }
+    draw::tag(pane.painter, place.left_top() - vec2(1.0, 1.0), &word, colour, pane.canvas.rect);
+}
+
+fn occlusion(pane: &Pane<'_>, place: &Rect) {
+    if place.is_positive() {
+        let place = place.intersect(pane.canvas.rect);
+        pane.painter.rect_filled(place, 0.0, Color32::from_black_alpha(60));
+        draw::hatch(pane.painter, place, Stroke::new(1.0, Color32::from_white_alpha(150)), 7.0);
+    }
+}
+
+/// The groups of merged objects, each once.
+fn groups(tracks: &[Track]) -> Vec<Vec<&Track>> {
+    let mut seen: Vec<&[Identity]> = Vec::new();
+    for track in tracks {
+        if track.group.len() > 1 && !seen.contains(&track.group.as_slice()) {
+            seen.push(&track.group);
+        }
+    }
+    seen.into_iter().map(|ids| tracks.iter().filter(|track| ids.contains(&track.id)).collect()).collect()
+}
+
+fn outline(pane: &Pane<'_>, members: &[&Track]) {
+    let Some((first, others)) = members.split_first() else { return };
+    let all = others.iter().fold(first.bbox, |all, track| all.union(&track.bbox));
+    let place = pane.canvas.place(&all).expand(6.0);
+    let stroke = Stroke::new(1.5, Color32::WHITE);
+    draw::outlined_rect(pane.painter, place, stroke);
+    let names: Vec<String> = members.iter().map(|track| track.id.to_string()).collect();
+    let word = names.join(" + ");
+    let at = pos2(place.left(), place.bottom() + 18.0);
+    draw::tag(pane.painter, at, &word, Color32::from_rgb(244, 246, 250), pane.canvas.rect);
+}
+
+fn trails(pane: &Pane<'_>) {
+    let here = pane.shown.position;
+    for track in pane.shown.analysis.tracks.iter() {
+        let colour = theme::rgb(identity_colour(track.id));
+        let mut last: Option<(u32, Pos2)> = None;
+        for (&position, (_, objects)) in pane.model.trails.range(..=here) {
+            let Some(then) = objects.iter().find(|then| then.id == track.id) else {
+                continue;
+            };
+            let at = pane.canvas.screen(then.centre);
+            if let Some((before, from)) = last
+                && position - before <= 2
+            {
+                let age = (here - position) as f32 / 60.0;
+                let stroke = Stroke::new(2.0, colour.gamma_multiply((1.0 - age).clamp(0.15, 1.0)));
+                pane.painter.add(Shape::line_segment([from, at], stroke));
+            }
+            last = Some((position, at));
+        }
+    }
+}
+
+fn flags(pane: &Pane<'_>) {
+    let Some(timeline) = pane.model.timeline() else { return };
+    let mut taken: Vec<Rect> = Vec::new();
+    for (_, event) in timeline.events.iter().filter(|(position, _)| *position == pane.shown.position) {
+        let foot = pane.canvas.screen([event.x, event.y]);
+        let colour = theme::rgb(event_colour(event.kind));
+        let ids: Vec<String> = event.objects.iter().map(ToString::to_string).collect();
+        let word = format!("{} {}", event.kind.name(), ids.join("+"));
+        let font = FontId::proportional(theme::MONO);
+        let width = pane.painter.layout_no_wrap(word.clone(), font.clone(), colour).size().x + 30.0;
+        let mut flag = Rect::from_min_size(foot - vec2(0.0, 46.0), vec2(width, 20.0));
+        while taken.iter().any(|other| other.intersects(flag)) {
+            flag = flag.translate(vec2(0.0, -23.0));
+        }
+        let bounds = pane.canvas.rect.shrink(2.0);
+        let shift = vec2(
+            (bounds.left() - flag.left()).max(0.0) - (flag.right() - bounds.right()).max(0.0),
+            (bounds.top() - flag.top()).max(0.0),
+        );
+        flag = flag.translate(shift);
+        taken.push(flag);
+        let pole = pos2(foot.x.clamp(flag.left(), flag.right()), flag.bottom());
+        pane.painter.line_segment([foot, pole], Stroke::new(3.5, Color32::from_black_alpha(120)));
+        pane.painter.line_segment([foot, pole], Stroke::new(1.5, colour));
+        pane.painter.circle(foot, 3.0, colour, Stroke::new(1.0, Color32::BLACK));
+        let ink = theme::ink_on(colour);
+        pane.painter.rect_filled(flag, 3.0, colour);
+        let icon = icons::of_event(event.kind);
+        pane.painter.text(
+            flag.left_center() + vec2(5.0, 0.0),
+            Align2::LEFT_CENTER,
+            icon.codepoint,
+            FontId::new(14.0, icon.font_family()),
+            ink,
+        );
+        pane.painter.text(flag.left_center() + vec2(22.0, 0.0), Align2::LEFT_CENTER, word, font, ink);
+    }
+}

@@ -1,0 +1,101 @@
+//! What stands in the middle while there is no frame to look at: nothing opened, opening, failed.
+
+use eframe::egui::{Align, Button, Frame, Layout, Margin, Panel, RichText, Spinner, Ui, vec2};
+use egui_material_icons::icons as m;
+
+use super::command::{Action, Command};
+use super::icons::Icon;
+use super::state::Model;
+use super::theme;
+use crate::replay::{Phase, Start};
+
+/// Shows it.
+pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    let colours = theme::colours(ui.visuals());
+    let rect = ui.available_rect_before_wrap();
+    ui.painter().rect_filled(rect, 0.0, colours.canvas);
+    ui.add_space((rect.height() * 0.5 - 130.0).max(12.0));
+    ui.with_layout(Layout::top_down(Align::Center), |ui| {
+        ui.set_max_width((rect.width() - 40.0).min(560.0));
+        match model.state.as_ref().map(|state| &state.phase) {
+            Some(Phase::Failed(why)) => {
+                ui.label(m::ICON_ERROR.rich_text().size(44.0).color(colours.bad));
+                ui.add_space(2.0 * theme::SPACE);
+                ui.label(RichText::new("This cannot be opened").size(20.0).strong());
+                ui.add_space(theme::SPACE);
+                ui.label(why);
+                ui.add_space(5.0 * theme::SPACE);
+                choices(ui, commands);
+            }
+            Some(_) => {
+                ui.add(Spinner::new().size(36.0).color(colours.accent));
+                ui.add_space(3.0 * theme::SPACE);
+                let name = model.opened.as_deref().unwrap_or_default();
+                ui.label(RichText::new("Opening").size(20.0).strong());
+                ui.label(name);
+                if let Some(busy) = model.state.as_ref().and_then(|state| state.busy.as_ref()) {
+                    let total = busy.total.map_or_else(String::new, |total| format!(" of {total}"));
+                    ui.weak(format!("{}: {}{total}", busy.what, busy.done));
+                }
+            }
+            None => {
+                ui.label(m::ICON_FRAME_INSPECT.rich_text().size(44.0).color(colours.accent));
+                ui.add_space(2.0 * theme::SPACE);
+                ui.label(RichText::new("Open a video to look into").size(20.0).strong());
+                ui.add_space(theme::SPACE);
+                ui.label("Drop a video or a folder of images anywhere in this window, or choose one here.");
+                ui.add_space(5.0 * theme::SPACE);
+                choices(ui, commands);
+            }
+        }
+    });
+}
+
+/// A strip over the views when the analysis has broken off while there was already something to see.
+pub(crate) fn stopped(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    let Some(Phase::Failed(why)) = model.state.as_ref().map(|state| &state.phase) else { return };
+    let colours = theme::colours(ui.visuals());
+    let strip = Frame::new().fill(colours.bad.gamma_multiply(0.18)).inner_margin(Margin::symmetric(10, 6));
+    Panel::top("stopped").frame(strip).show(ui, |ui| {
+        ui.horizontal_wrapped(|ui| {
+            ui.label(m::ICON_ERROR.rich_text().size(theme::ICON).color(colours.bad));
+            ui.label(why);
+            if let Some(name) = &model.opened
+                && ui.button("Open again").clicked()
+            {
+                commands.push(Command::Open(name.clone(), Start::First));
+            }
+        });
+    });
+}
+
+fn choices(ui: &mut Ui, commands: &mut Vec<Command>) {
+    let colours = theme::colours(ui.visuals());
+    for (action, icon, text) in [
+        (Action::OpenVideo, m::ICON_VIDEO_FILE, "Open video…"),
+        (Action::OpenFolder, m::ICON_FOLDER_OPEN, "Open folder of images…"),
+        (Action::OpenSample, m::ICON_MOVIE, "Open sample"),
+    ] {
+        let main = action == Action::OpenVideo;
+        if choice(ui, icon, text, main.then_some((colours.accent, colours.on_accent))) {
+            commands.push(Command::Act(action));
+        }
+    }
+}
+
+fn choice(
+    ui: &mut Ui,
+    icon: Icon,
+    text: &str,
+    main: Option<(eframe::egui::Color32, eframe::egui::Color32)>,
+) -> bool {
+    let (mut icon, mut label) = (icon.rich_text().size(18.0), RichText::new(text));
+    if let Some((_, ink)) = main {
+        (icon, label) = (icon.color(ink), label.color(ink));
+    }
+    let mut button = Button::new((icon, label)).min_size(vec2(220.0, 32.0));
+    if let Some((fill, _)) = main {
+        button = button.fill(fill);
+    }
+    ui.add(button).accessible_name(text).clicked()
+}

@@ -1,0 +1,210 @@
+//! What the subcommands take in common: settings, threads, how much to say, a range of frames.
+
+use std::fmt;
+use std::path::PathBuf;
+
+use anyhow::{Context as _, anyhow};
+use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
+
+use crate::settings::{Kind, Preset, SETTINGS, Settings};
+
+/// The user asked for what makes no sense, whatever the files hold: exit status 2.
+#[derive(Debug, thiserror::Error)]
+#[error("{0}")]
+pub struct UsageError(pub String);
+
+/// VIDEO, as the first argument.
+pub(super) fn video() -> Arg {
+    Arg::new("video")
+        .value_name("VIDEO")
+        .help("A video file, a folder of images, a pattern such as in%06d.png, or camera:0")
+}
+
+/// Adds `--preset`, `--settings` and a flag for every setting.
+pub(super) fn with_settings(command: Command) -> Command {
+    let presets: Vec<_> =
+        Preset::ALL.iter().map(|preset| format!("`{}`: {}", preset.word(), preset.meaning())).collect();
+    let command = command
+        .arg(
+            Arg::new("preset")
+                .long("preset")
+                .value_name("NAME")
+                .help(format!("Settings to start from. {} [default: default]", presets.join("; "))),
+        )
+        .arg(
+            Arg::new("settings")
+                .long("settings")
+                .value_name("FILE.toml")
+                .value_parser(value_parser!(PathBuf))
+                .help("Settings laid over the preset; flags go over both. `occluscope settings` writes such a file"),
+        );
+    let defaults = Settings::default();
+    SETTINGS.iter().fold(command, |command, setting| {
+        let symbol = if setting.symbol.is_empty() { String::new() } else { format!("{}: ", setting.symbol) };
+        let unit = if setting.unit.is_empty() { String::new() } else { format!(" {}", setting.unit) };
+        let range = setting.kind.range(setting.symbol);
+        command.arg(
+            Arg::new(setting.name)
+                .long(setting.flag())
+                .value_name(match setting.kind {
+                    Kind::Integer { .. } | Kind::OddSize { .. } => "N",
+                    Kind::Real { .. } => "NUMBER",
+                    Kind::Choice(_) => "WORD",
+                    Kind::Span { .. } => "TIME",
+                })
+                .help(format!(
+                    "{symbol}{} [{range}{unit}] [default: {}]",
+                    setting.meaning.trim(),
+                    setting.get(&defaults)
+                ))
+                .help_heading(setting.stage.name())
+                .hide_short_help(true)
+                .allow_negative_numbers(true),
+        )
+    })
+}
+
+/// The settings that were asked for: the preset, the file over it, the flags over both.
+pub(super) fn settings(matches: &ArgMatches) -> anyhow::Result<Settings> {
+    let preset = match matches.get_one::<String>("preset") {
+        Some(word) => Preset::from_word(word)
+            .ok_or_else(|| crate::settings::SettingError::UnknownPreset(word.clone()))?,
+        None => Preset::Default,
+    };
+    let mut settings = Settings::preset(preset);
+    if let Some(path) = matches.get_one::<PathBuf>("settings") {
+        let text = std::fs::read_to_string(path)
+            .with_context(|| format!("the settings file {} cannot be read", path.display()))?;
+        settings.apply_toml(&text, path)?;
+    }
+    for setting in SETTINGS {
+        if let Some(text) = matches.get_one::<String>(setting.name) {
+            setting.set_text(&mut settings, text)?;
+        }
+    }
+    Ok(settings)
+}
+
+/// Adds `--threads`, `--quiet` and `-v`.
+pub(super) fn with_common(command: Command) -> Command {
+    command
+        .arg(
+            Arg::new("threads")
+                .long("threads")
+                .value_name("N")
+                .value_parser(value_parser!(u16).range(1..=1024))
+                .help("Threads that compute, at least 1; results do not depend on it [default: one a processor]"),
+        )
+        .arg(
+            Arg::new("quiet")
+                .long("quiet")
+                .short('q')
+                .action(ArgAction::SetTrue)
+                .help("No progress and no notes on stderr; errors are always told"),
+        )
+        .arg(
+            Arg::new("verbose")
+                .long("verbose")
+                .short('v')
+                .action(ArgAction::SetTrue)
+                .conflicts_with("quiet")
+                .help("Say more on stderr"),
+        )
+}
+
+/// Gives the thread pool the size that was asked for.
+pub(super) fn start_threads(matches: &ArgMatches) -> anyhow::Result<()> {
+    let Some(&threads) = matches.get_one::<u16>("threads") else { return Ok(()) };
+    rayon::ThreadPoolBuilder::new()
+        .num_threads(threads.into())
+        .build_global()
+        .with_context(|| format!("{threads} threads cannot be started; ask for fewer"))?;
+    opencv::core::set_num_threads(i32::from(threads)).map_err(|error| anyhow!("OpenCV: {error}"))
+}
+
+/// Adds `--range`.
+pub(super) fn with_range(command: Command) -> Command {
+    command.arg(
+        Arg::new("range")
+            .long("range")
+            .value_name("A..B")
+            .allow_hyphen_values(true)
+            .help("Only frames A to B, both included, by the source's numbers; the model starts at A"),
+    )
+}
+
+/// The frames that were asked for, `None` for all.
+pub(super) fn range(matches: &ArgMatches) -> Result<Option<Range>, UsageError> {
+    let Some(text) = matches.get_one::<String>("range") else { return Ok(None) };
+    let parsed = text.split_once("..").and_then(|(first, last)| {
+        Some(Range { first: first.trim().parse().ok()?, last: last.trim().parse().ok()? })
+    });
+    match parsed {
+        Some(range) if range.first <= range.last => Ok(Some(range)),
+        _ => Err(UsageError(format!(
+            "--range cannot be `{text}`: it takes two frame numbers, the first not above the last, as in 100..250"
+        ))),
+    }
+}
+
+/// A range of frame numbers, both ends included.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct Range {
+    /// The first number.
+    pub first: u32,
+    /// The last number.
+    pub last: u32,
+}
+
+impl fmt::Display for Range {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}..{}", self.first, self.last)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+
+    fn parsed(arguments: &[&str]) -> ArgMatches {
+        let command = with_range(with_common(with_settings(Command::new("test"))));
+        command.try_get_matches_from([&["test"], arguments].concat()).unwrap()
+    }
+
+    #[test]
+    fn flags_go_over_the_file_and_the_file_over_the_preset() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("my.toml");
+        std::fs::write(&path, "k = 6\nalpha = 0.25\n").unwrap();
+        let path = path.to_str().unwrap();
+        let settings = settings(&parsed(&["--preset", "paper", "--settings", path, "--k", "2"])).unwrap();
+        let expected = Settings { k: 2, alpha: 0.25, ..Settings::preset(Preset::Paper) };
+        assert_eq!(settings, expected);
+    }
+
+    #[test]
+    fn every_setting_has_a_flag() {
+        for setting in SETTINGS {
+            let value = setting.get(&Settings::preset(Preset::OpencvMog)).to_string();
+            let flag = format!("--{}={value}", setting.flag());
+            let read = settings(&parsed(&[&flag])).unwrap();
+            assert_eq!(setting.get(&read).to_string(), value, "{flag}");
+        }
+    }
+
+    #[test]
+    fn a_negative_number_is_refused_by_the_setting_not_taken_for_a_flag() {
+        let error = settings(&parsed(&["--alpha", "-1"])).unwrap_err().to_string();
+        assert!(error.contains("0 < α < 1"), "{error}");
+    }
+
+    #[test]
+    fn ranges_are_two_numbers_in_order() {
+        assert_eq!(range(&parsed(&[])).unwrap(), None);
+        assert_eq!(range(&parsed(&["--range", "3..3"])).unwrap(), Some(Range { first: 3, last: 3 }));
+        for text in ["", "5", "5..", "..5", "5..4", "a..b", "1...4", "-1..4", "1..99999999999"] {
+            assert!(range(&parsed(&["--range", text])).is_err(), "{text}");
+        }
+    }
+}

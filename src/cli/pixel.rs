@@ -1,0 +1,154 @@
+//! `occluscope pixel`: one pixel's mixture at every frame, as CSV.
+
+use std::fs::File;
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+
+use anyhow::{Context as _, bail};
+use clap::{Arg, ArgMatches, Command, value_parser};
+
+use super::console::Console;
+use super::flags::{self, Range, UsageError};
+use super::frames::{Frames, Item};
+use super::interrupt;
+use crate::export::{Staging, pixel_csv};
+use crate::mixture::{Parameters, PixelHistory};
+use crate::settings::{BackgroundModel, Settings};
+
+/// The subcommand.
+pub fn command() -> Command {
+    let command = Command::new("pixel")
+        .about("Write one pixel's mixture at every frame as CSV")
+        .after_help(
+            "Columns: frame, the value, matched (rank before the update, 0: none), rank (after it), background_count (B), \
+             foreground (0 or 1), rho, p, and for each component in rank order w, mu, var.\n\n\
+             Examples:\n  occluscope pixel street.mp4 --at 320,240 --out pixel.csv\n  occluscope pixel street.mp4 --at 320,240 --k 3 --range 100..200 | head",
+        )
+        .arg(flags::video().required(true))
+        .arg(
+            Arg::new("at")
+                .long("at")
+                .value_name("X,Y")
+                .required(true)
+                .allow_hyphen_values(true)
+                .help("The pixel: column and row, the upper left being 0,0"),
+        )
+        .arg(
+            Arg::new("out")
+                .long("out")
+                .value_name("FILE.csv")
+                .value_parser(value_parser!(PathBuf))
+                .help("Where to write; stdout without it"),
+        );
+    flags::with_settings(flags::with_common(flags::with_range(command)))
+}
+
+/// Follows the pixel through the video.
+pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
+    let settings = flags::settings(matches)?;
+    let range = flags::range(matches)?;
+    let at = at(matches)?;
+    if settings.background_model != BackgroundModel::Mixture {
+        let model = settings.background_model.word();
+        return Err(UsageError(format!(
+            "the background model `{model}` has no mixture to show; leave out --background-model {model}"
+        ))
+        .into());
+    }
+    flags::start_threads(matches)?;
+    let follow = Follow {
+        video: text(matches, "video"),
+        at,
+        settings: &settings,
+        range,
+        console: Console::new(matches),
+    };
+    if let Some(path) = matches.get_one::<PathBuf>("out") {
+        return to_file(path, &follow);
+    }
+    let mut out = BufWriter::new(io::stdout().lock());
+    follow.write_frames(&follow.open()?, &mut out)?;
+    Ok(out.flush()?)
+}
+
+fn text<'a>(matches: &'a ArgMatches, name: &str) -> &'a str {
+    matches.get_one::<String>(name).map_or("", String::as_str)
+}
+
+fn at(matches: &ArgMatches) -> Result<(u32, u32), UsageError> {
+    let text = text(matches, "at");
+    text.split_once(',').and_then(|(x, y)| Some((x.trim().parse().ok()?, y.trim().parse().ok()?))).ok_or_else(
+        || UsageError(format!("--at cannot be `{text}`: it takes a column and a row, as in 320,240")),
+    )
+}
+
+/// Writes beside `path` and moves the whole there; a device or a pipe is written to as it is.
+fn to_file(path: &Path, follow: &Follow<'_>) -> anyhow::Result<()> {
+    let fail = || format!("{} cannot be written", path.display());
+    let frames = follow.open()?;
+    let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
+    if target.exists() && !target.is_file() {
+        let mut out = BufWriter::new(File::create(&target).with_context(fail)?);
+        follow.write_frames(&frames, &mut out)?;
+        return out.flush().with_context(fail);
+    }
+    let name = target.file_name().with_context(fail)?;
+    let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+    let staging = Staging::new(folder).with_context(fail)?;
+    let mut out = BufWriter::new(File::create(staging.path(name)).with_context(fail)?);
+    follow.write_frames(&frames, &mut out)?;
+    out.flush().with_context(fail)?;
+    staging.publish(name).with_context(fail)
+}
+
+struct Follow<'a> {
+    video: &'a str,
+    at: (u32, u32),
+    settings: &'a Settings,
+    range: Option<Range>,
+    console: Console,
+}
+
+impl Follow<'_> {
+    fn open(&self) -> anyhow::Result<Frames> {
+        let frames = Frames::open(self.video, self.range)?;
+        let (x, y) = self.at;
+        let size = frames.info.size;
+        if size.index(x, y).is_none() {
+            bail!(
+                "pixel {x},{y} is outside {}, which is {size}; choose a column in 0..={} and a row in 0..={}",
+                self.video,
+                size.width - 1,
+                size.height - 1
+            );
+        }
+        Ok(frames)
+    }
+
+    fn write_frames(&self, frames: &Frames, out: &mut impl Write) -> anyhow::Result<()> {
+        let progress = self.console.progress("following", frames.total);
+        let parameters = Parameters::new(self.settings);
+        let mut history = PixelHistory::new(self.at, parameters);
+        for item in frames.items() {
+            if interrupt::asked() && !frames.info.live {
+                bail!("stopped before the end of {}", self.video);
+            }
+            match item {
+                Item::Frame(frame) => {
+                    if history.states.is_empty() {
+                        pixel_csv::write_header(out, &parameters)?;
+                    }
+                    history.push(&frame);
+                    if let Some(state) = history.states.last() {
+                        pixel_csv::write_row(out, &parameters, state)?;
+                    }
+                    progress.advance(1);
+                }
+                Item::Warning(text) => progress.warn(&text),
+                Item::Failed(error) => return Err(error),
+                Item::End => break,
+            }
+        }
+        Ok(())
+    }
+}

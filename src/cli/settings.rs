@@ -1,0 +1,25 @@
+//! `occluscope settings`: every setting, its default, range and meaning, as commented TOML.
+
+use std::io::{self, Write};
+
+use clap::{ArgMatches, Command};
+
+use super::flags;
+
+/// The subcommand.
+pub fn command() -> Command {
+    let command = Command::new("settings")
+        .about("Print every setting with its range, default and meaning, as a settings file")
+        .after_help(
+            "Examples:\n  occluscope settings > my.toml\n  occluscope settings --preset paper --k 3 > paper3.toml\n  occluscope run street.mp4 --settings paper3.toml --out results",
+        );
+    flags::with_settings(command)
+}
+
+/// Prints the settings that the flags ask for.
+pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
+    let settings = flags::settings(matches)?;
+    let mut out = io::stdout().lock();
+    out.write_all(settings.to_toml().as_bytes())?;
+    Ok(out.flush()?)
+}

@@ -1,0 +1,328 @@
+//! What was found, drawn onto the frame it was found in.
+
+use super::canvas::{Canvas, Paint, text_width};
+use super::joined;
+use crate::frame::Frame;
+use crate::occlusion::Event;
+use crate::palette::{event_colour, identity_colour};
+use crate::regions::Rect;
+use crate::tracking::{Identity, Track, TrackState};
+
+/// How long a trail is, in seconds.
+pub const TRAIL_SECONDS: f32 = 2.0;
+/// How long an event stays in the banner, in seconds: one frame of a video is too short to read.
+pub const EVENT_SECONDS: f32 = 1.0;
+
+const BLACK: [u8; 3] = [0; 3];
+const WHITE: [u8; 3] = [255; 3];
+
+/// What is drawn onto a frame.
+#[derive(Clone, Copy, Debug)]
+pub struct Moment<'a> {
+    /// The objects of the frames up to this one, `(frame number, tracks)`, this frame's the last:
+    /// as many frames as a trail is long.
+    pub recent: &'a [(u32, Vec<Track>)],
+    /// The events of this frame, and of those shortly before it.
+    pub events: &'a [Event],
+}
+
+impl<'a> Moment<'a> {
+    /// The moment at `index` of a sequence: what of it is recent enough to be drawn.
+    pub fn at(index: usize, tracks: &'a [(u32, Vec<Track>)], events: &'a [Event], fps: f32) -> Self {
+        let start = (index + 1).saturating_sub(((TRAIL_SECONDS * fps).round() as usize).max(2));
+        let recent = tracks.get(start..=index).unwrap_or_default();
+        let now = recent.last().map_or(0, |(number, _)| *number);
+        let shown = ((EVENT_SECONDS * fps).round() as u32).max(1);
+        // Events are in the order of their frames.
+        let first = events.partition_point(|event| event.frame + shown <= now);
+        let end = events.partition_point(|event| event.frame <= now);
+        Self { recent, events: events.get(first..end).unwrap_or_default() }
+    }
+}
+
+/// Draws boxes in the identities' colours (dashed where they are predicted), labels, trails,
+/// groups, and a banner with the frame's number and events.
+pub fn annotate(frame: &mut Frame, moment: &Moment<'_>) {
+    let number = frame.number;
+    let mut canvas = Canvas::new(frame);
+    let style = Style::of(canvas.size().shorter_side());
+    let tracks = moment.recent.last().map_or(&[][..], |(_, tracks)| tracks);
+
+    for track in tracks {
+        draw_trail(&mut canvas, track, moment.recent, style);
+    }
+    let groups = groups(tracks);
+    for (_, outline) in &groups {
+        canvas.outline(outline, style.line * 2.0, 0.0, Paint::sheer(BLACK, 0.4));
+        canvas.outline(outline, style.line * 0.8, 0.0, Paint::sheer(WHITE, 0.9));
+    }
+    for track in tracks {
+        draw_box(&mut canvas, track, style);
+    }
+    for event in moment.events {
+        let age = number.saturating_sub(event.frame) as f32;
+        let paint = Paint::sheer(event_colour(event.kind), if age == 0.0 { 1.0 } else { 0.5 });
+        canvas.circle([event.x, event.y], style.text * 0.5 + age, style.line, paint);
+    }
+    let banner = draw_banner(&mut canvas, number, moment.events, style);
+    draw_labels(&mut canvas, tracks, &groups, banner, style);
+}
+
+/// Sizes in pixels that suit the picture's.
+#[derive(Clone, Copy)]
+struct Style {
+    line: f32,
+    text: f32,
+    gap: f32,
+}
+
+impl Style {
+    fn of(shorter_side: u32) -> Self {
+        let side = shorter_side as f32;
+        let text = (side / 40.0).clamp(11.0, 40.0).round();
+        Self { line: (side / 320.0).round().clamp(1.0, 6.0), text, gap: (text / 4.0).round() }
+    }
+
+    fn chip_height(self) -> f32 {
+        self.text + self.gap
+    }
+
+    fn chip_width(self, text: &str) -> f32 {
+        text_width(self.text, text) + 2.0 * self.gap
+    }
+}
+
+fn draw_trail(canvas: &mut Canvas<'_>, track: &Track, recent: &[(u32, Vec<Track>)], style: Style) {
+    let centres: Vec<_> = recent
+        .iter()
+        .rev()
+        .map_while(|(_, tracks)| tracks.iter().find(|other| other.id == track.id))
+        .map(|other| other.bbox.centre())
+        .collect();
+    let steps = centres.len().max(2) as f32;
+    for (age, pair) in centres.windows(2).enumerate() {
+        let opacity = 0.9 * (1.0 - age as f32 / steps);
+        canvas.lines(pair, style.line, Paint::sheer(identity_colour(track.id), opacity));
+    }
+}
+
+fn draw_box(canvas: &mut Canvas<'_>, track: &Track, style: Style) {
+    let dash = if track.state == TrackState::Visible { 0.0 } else { style.line * 4.0 };
+    // Whole pixels around the object, so that lines are sharp and hide none of it.
+    let Rect { x, y, .. } = track.bbox;
+    let (left, top) = (x.round() - style.line / 2.0, y.round() - style.line / 2.0);
+    let (right, bottom) =
+        (track.bbox.right().round() + style.line / 2.0, track.bbox.bottom().round() + style.line / 2.0);
+    let around = Rect::new(left, top, right - left, bottom - top);
+    // A dark rim keeps the colour apart from a background that resembles it.
+    canvas.outline(&around, style.line + 2.0, dash, Paint::sheer(BLACK, 0.35));
+    canvas.outline(&around, style.line, dash, Paint::solid(identity_colour(track.id)));
+}
+
+/// The groups among these objects, and the rectangle around each.
+fn groups(tracks: &[Track]) -> Vec<(Vec<Identity>, Rect)> {
+    let mut groups: Vec<(Vec<Identity>, Rect)> = Vec::new();
+    for track in tracks.iter().filter(|track| track.group.len() > 1) {
+        match groups.iter_mut().find(|(members, _)| *members == track.group) {
+            Some((_, outline)) => *outline = outline.union(&track.bbox),
+            None => groups.push((track.group.clone(), track.bbox)),
+        }
+    }
+    let margin = 5.0;
+    for (_, outline) in &mut groups {
+        *outline = Rect::new(
+            outline.x - margin,
+            outline.y - margin,
+            outline.w + 2.0 * margin,
+            outline.h + 2.0 * margin,
+        );
+    }
+    groups
+}
+
+/// Draws the banner into the upper left corner and gives the places it takes.
+fn draw_banner(canvas: &mut Canvas<'_>, number: u32, events: &[Event], style: Style) -> Vec<Rect> {
+    let mut chips = vec![(format!("frame {number}"), Paint::sheer(BLACK, 0.7), WHITE)];
+    // The newest first: it is what the picture shows.
+    for event in events.iter().rev() {
+        let what = if event.objects == event.becomes || event.becomes.is_empty() || event.objects.is_empty() {
+            let who = if event.objects.is_empty() { &event.becomes } else { &event.objects };
+            format!("{} {}", event.kind.name(), joined(who))
+        } else {
+            format!("{} {} → {}", event.kind.name(), joined(&event.objects), joined(&event.becomes))
+        };
+        if event.frame == number {
+            chips.push((what, Paint::solid(event_colour(event.kind)), BLACK));
+        } else {
+            chips.push((what, Paint::sheer(BLACK, 0.7), event_colour(event.kind)));
+        }
+    }
+    let size = canvas.size();
+    let (mut x, mut y) = (style.gap, style.gap);
+    let mut places = Vec::new();
+    for (text, ground, ink) in chips {
+        let width = style.chip_width(&text);
+        if x > style.gap && x + width + style.gap > size.width as f32 {
+            (x, y) = (style.gap, y + style.chip_height() + style.gap);
+        }
+        // More than a third of a picture is not a banner any more.
+        if y + style.chip_height() > size.height as f32 / 3.0 && !places.is_empty() {
+            break;
+        }
+        let place = Rect::new(x, y, width, style.chip_height());
+        draw_chip(canvas, &place, &text, ground, ink, style);
+        x += width + style.gap;
+        places.push(place);
+    }
+    places
+}
+
+/// Puts every identity beside its object, where it hides the least.
+fn draw_labels(
+    canvas: &mut Canvas<'_>,
+    tracks: &[Track],
+    groups: &[(Vec<Identity>, Rect)],
+    banner: Vec<Rect>,
+    style: Style,
+) {
+    let objects: Vec<_> = tracks.iter().map(|track| track.bbox).collect();
+    let mut taken = banner;
+    let chips = tracks.iter().map(|track| (track.id.to_string(), track.bbox, identity_colour(track.id)));
+    let group_chips = groups.iter().map(|(members, outline)| (joined(members), *outline, WHITE));
+    for (text, around, colour) in chips.chain(group_chips) {
+        let (w, h) = (style.chip_width(&text), style.chip_height());
+        let rim = style.line;
+        let (left, right) = (around.x - rim / 2.0, around.right() + rim / 2.0 - w);
+        let (above, below) = (around.y - h - rim, around.bottom() + rim);
+        let places = [
+            [left, above],
+            [right, above],
+            [left, below],
+            [right, below],
+            [around.right() + rim, around.y],
+            [around.x - rim - w, around.y],
+            [around.right() + rim, around.bottom() - h],
+            [around.x - rim - w, around.bottom() - h],
+        ];
+        let size = canvas.size();
+        let held = |[x, y]: [f32; 2]| {
+            let (most_x, most_y) = ((size.width as f32 - w).max(0.0), (size.height as f32 - h).max(0.0));
+            Rect::new(x.clamp(0.0, most_x), y.clamp(0.0, most_y), w, h)
+        };
+        let hidden = |place: &Rect| {
+            let over =
+                |others: &[Rect]| others.iter().map(|other| place.intersection(other).area()).sum::<f32>();
+            3.0 * over(&taken) + over(&objects)
+        };
+        let best = places
+            .into_iter()
+            .filter(|place| place.iter().all(|value| value.is_finite()))
+            .map(held)
+            .min_by(|a, b| hidden(a).total_cmp(&hidden(b)));
+        if let Some(place) = best {
+            draw_chip(canvas, &place, &text, Paint::sheer(colour, 0.9), BLACK, style);
+            taken.push(place);
+        }
+    }
+}
+
+fn draw_chip(canvas: &mut Canvas<'_>, place: &Rect, text: &str, ground: Paint, ink: [u8; 3], style: Style) {
+    canvas.fill(place, ground);
+    canvas.text([place.x + style.gap, place.y + style.gap / 2.0], style.text, text, Paint::solid(ink));
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::export::tests::track;
+    use crate::frame::Size;
+    use crate::occlusion::{EventKind, Evidence};
+
+    fn event(frame: u32, kind: EventKind, objects: &[Identity]) -> Event {
+        let objects = objects.to_vec();
+        Event {
+            frame,
+            kind,
+            becomes: objects.clone(),
+            objects,
+            x: 60.0,
+            y: 60.0,
+            front: None,
+            evidence: Evidence::default(),
+        }
+    }
+
+    fn grey(number: u32, size: Size) -> Frame {
+        Frame::new(number, size, vec![100; size.pixels() * 3])
+    }
+
+    #[test]
+    fn a_box_stands_in_its_identity_s_colour_and_the_object_stays_clear() {
+        let tracks = vec![(9, vec![Track { bbox: Rect::new(40.0, 50.0, 20.0, 40.0), ..track(4, 0.0, 0.0) }])];
+        let mut frame = grey(9, Size::new(200, 120));
+        annotate(&mut frame, &Moment::at(0, &tracks, &[], 10.0));
+        assert_eq!(frame.pixel(39, 70), Some(identity_colour(4)));
+        assert_eq!(frame.pixel(60, 70), Some(identity_colour(4)));
+        for y in 53..87 {
+            for x in 43..57 {
+                assert_eq!(frame.pixel(x, y), Some([100; 3]), "({x}, {y})");
+            }
+        }
+        let label = (40..60).flat_map(|x| (30..50).map(move |y| (x, y)));
+        let inked =
+            label.filter(|&(x, y)| frame.pixel(x, y).is_some_and(|[r, g, b]| r < 90 && g < 90 && b < 60));
+        assert!(inked.count() > 3, "the label is written above the box");
+    }
+
+    #[test]
+    fn a_predicted_box_is_dashed() {
+        let hidden = Track {
+            state: TrackState::Hidden,
+            bbox: Rect::new(40.0, 40.0, 60.0, 60.0),
+            ..track(1, 0.0, 0.0)
+        };
+        let tracks = vec![(9, vec![hidden])];
+        let mut frame = grey(9, Size::new(200, 120));
+        annotate(&mut frame, &Moment::at(0, &tracks, &[], 10.0));
+        let coloured = (40..100).filter(|&y| frame.pixel(100, y) == Some(identity_colour(1))).count();
+        assert!((15..45).contains(&coloured), "{coloured} of 60");
+    }
+
+    #[test]
+    fn a_moment_holds_what_is_recent() {
+        let tracks: Vec<_> = (1..=50).map(|number| (number, vec![track(1, 0.0, 0.0)])).collect();
+        let events: Vec<_> = (1..=50).map(|frame| event(frame, EventKind::Merge, &[1, 2])).collect();
+        let moment = Moment::at(39, &tracks, &events, 10.0);
+        assert_eq!((moment.recent[0].0, moment.recent.last().unwrap().0), (21, 40));
+        assert_eq!((moment.events[0].frame, moment.events.last().unwrap().frame), (31, 40));
+        let first = Moment::at(0, &tracks, &events, 10.0);
+        assert_eq!((first.recent.len(), first.events.len()), (1, 1));
+    }
+
+    #[test]
+    fn any_size_and_any_box_can_be_drawn() {
+        let wild = [
+            Rect::new(-50.0, -50.0, 10.0, 10.0),
+            Rect::new(f32::NAN, 0.0, 1.0, 1.0),
+            Rect::new(0.0, 0.0, 0.0, 0.0),
+            Rect::new(-1e7, -1e7, 3e7, 3e7),
+        ];
+        let group: Vec<_> = (1..=4).collect();
+        let tracks = wild
+            .iter()
+            .zip(1..)
+            .map(|(&bbox, id)| Track {
+                bbox,
+                state: TrackState::Merged,
+                group: group.clone(),
+                ..track(id, 0.0, 0.0)
+            })
+            .collect();
+        let frames = vec![(1, tracks)];
+        let events = vec![event(1, EventKind::Merge, &group); 30];
+        for size in [Size::new(1, 1), Size::new(20, 300), Size::new(333, 21)] {
+            annotate(&mut grey(1, size), &Moment::at(0, &frames, &events, 25.0));
+        }
+    }
+}

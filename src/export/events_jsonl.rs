@@ -1,0 +1,47 @@
+//! Events, each a JSON object on a line of its own, with its evidence.
+
+use std::io::{self, Write};
+
+use crate::occlusion::Event;
+
+/// Writes the events in the order in which they are given.
+pub fn write(out: &mut impl Write, events: &[Event]) -> io::Result<()> {
+    for event in events {
+        serde_json::to_writer(&mut *out, event)?;
+        out.write_all(b"\n")?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::occlusion::{EventKind, Evidence};
+
+    #[test]
+    fn a_line_has_the_agreed_keys() {
+        let mut evidence = Evidence { branch: "the region grew".into(), ..Evidence::default() };
+        evidence.compare("size change", 0.5, 0.2, true);
+        let event = Event {
+            frame: 203,
+            kind: EventKind::Merge,
+            objects: vec![3, 5],
+            becomes: vec![3, 5],
+            x: 1.5,
+            y: 2.0,
+            front: None,
+            evidence,
+        };
+        let mut text = Vec::new();
+        write(&mut text, &[event.clone(), event]).unwrap();
+        let text = String::from_utf8(text).unwrap();
+        assert_eq!(text.lines().count(), 2);
+        assert!(
+            text.starts_with(
+                r#"{"frame":203,"kind":"merge","objects":[3,5],"becomes":[3,5],"x":1.5,"y":2.0,"front":null,"evidence":{"#
+            ),
+            "{text}"
+        );
+    }
+}

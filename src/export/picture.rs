@@ -1,0 +1,64 @@
+//! Pictures as PNG files.
+
+use std::fs::File;
+use std::io::{self, BufWriter};
+use std::path::Path;
+
+use image::codecs::png::{CompressionType, FilterType, PngEncoder};
+use image::{ExtendedColorType, ImageEncoder};
+
+use crate::frame::{Frame, Mask};
+
+/// Writes an RGB picture.
+pub fn write_frame(path: &Path, frame: &Frame) -> io::Result<()> {
+    let size = frame.size;
+    // Without a filter, natural images grow by half.
+    write(path, &frame.rgb, size.width, size.height, ExtendedColorType::Rgb8, FilterType::Sub)
+}
+
+/// Writes a mask as CDnet has it: 8-bit gray, 0 background, 255 foreground.
+pub fn write_mask(path: &Path, mask: &Mask) -> io::Result<()> {
+    let size = mask.size;
+    write(path, &mask.data, size.width, size.height, ExtendedColorType::L8, FilterType::NoFilter)
+}
+
+fn write(
+    path: &Path,
+    bytes: &[u8],
+    width: u32,
+    height: u32,
+    colour: ExtendedColorType,
+    filter: FilterType,
+) -> io::Result<()> {
+    let out = BufWriter::new(File::create(path)?);
+    // A run writes thousands: the fast level costs a tenth of the time for a few per cent of size.
+    let encoder = PngEncoder::new_with_quality(out, CompressionType::Fast, filter);
+    encoder.write_image(bytes, width, height, colour).map_err(|error| match error {
+        image::ImageError::IoError(error) => error,
+        other => io::Error::other(other),
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::frame::Size;
+
+    #[test]
+    fn pictures_come_back_as_they_were() {
+        let folder = tempfile::tempdir().unwrap();
+        let size = Size::new(5, 3);
+        let frame = Frame::new(1, size, (0..45).map(|value| value * 5).collect());
+        let path = folder.path().join("frame.png");
+        write_frame(&path, &frame).unwrap();
+        assert_eq!(image::open(&path).unwrap().into_rgb8().into_raw(), frame.rgb);
+
+        let mask = Mask { size, data: (0..15).map(|at| if at % 4 == 0 { 255 } else { 0 }).collect() };
+        let path = folder.path().join("mask.png");
+        write_mask(&path, &mask).unwrap();
+        let read = image::open(&path).unwrap();
+        assert_eq!(read.color(), image::ColorType::L8);
+        assert_eq!(read.into_luma8().into_raw(), mask.data);
+    }
+}

@@ -1,0 +1,111 @@
+//! Pictures encoded on threads of their own while the analysis goes on.
+
+use std::path::PathBuf;
+use std::sync::Arc;
+use std::thread::{self, JoinHandle};
+use std::{io, mem};
+
+use crossbeam_channel::{Receiver, Sender, bounded};
+
+use super::picture::{write_frame, write_mask};
+use crate::frame::{Frame, Mask};
+
+/// What a picture shows.
+pub enum Picture {
+    /// An RGB image.
+    Frame(Arc<Frame>),
+    /// A mask, in gray.
+    Mask(Arc<Mask>),
+}
+
+/// Threads that write pictures. Dropped, they finish what they have.
+pub struct PictureQueue {
+    jobs: Option<Sender<(PathBuf, Picture)>>,
+    threads: Vec<JoinHandle<io::Result<()>>>,
+}
+
+impl PictureQueue {
+    /// Starts so many threads, at least one.
+    pub fn start(threads: usize) -> io::Result<Self> {
+        let threads = threads.max(1);
+        // A short queue: pictures are large, and a disk that is slower than the analysis sets the pace.
+        let (jobs, waiting) = bounded(2 * threads);
+        let threads = (0..threads)
+            .map(|_| {
+                let waiting = waiting.clone();
+                thread::Builder::new().name("pictures".to_owned()).spawn(move || work(&waiting))
+            })
+            .collect::<io::Result<_>>()?;
+        Ok(Self { jobs: Some(jobs), threads })
+    }
+
+    /// Has a picture written to `path`; waits while too many are on their way.
+    pub fn write(&mut self, path: PathBuf, picture: Picture) -> io::Result<()> {
+        let taken = self.jobs.as_ref().is_some_and(|jobs| jobs.send((path, picture)).is_ok());
+        // Nobody is there to take it: all have failed, and say why.
+        if taken { Ok(()) } else { self.join() }
+    }
+
+    /// Waits until all pictures are written.
+    pub fn finish(mut self) -> io::Result<()> {
+        self.join()
+    }
+
+    fn join(&mut self) -> io::Result<()> {
+        self.jobs = None;
+        let mut result = Ok(());
+        for thread in mem::take(&mut self.threads) {
+            let outcome =
+                thread.join().unwrap_or_else(|_| Err(io::Error::other("a writing thread broke off")));
+            result = result.and(outcome);
+        }
+        result
+    }
+}
+
+impl Drop for PictureQueue {
+    fn drop(&mut self) {
+        let _ = self.join();
+    }
+}
+
+fn work(waiting: &Receiver<(PathBuf, Picture)>) -> io::Result<()> {
+    for (path, picture) in waiting {
+        let written = match &picture {
+            Picture::Frame(frame) => write_frame(&path, frame),
+            Picture::Mask(mask) => write_mask(&path, mask),
+        };
+        written.map_err(|error| io::Error::new(error.kind(), format!("{}: {error}", path.display())))?;
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::frame::Size;
+
+    #[test]
+    fn all_pictures_are_there_when_it_has_finished() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut queue = PictureQueue::start(3).unwrap();
+        let mask = Arc::new(Mask::empty(Size::new(40, 30)));
+        for number in 0..50 {
+            queue.write(folder.path().join(format!("{number}.png")), Picture::Mask(mask.clone())).unwrap();
+        }
+        queue.finish().unwrap();
+        assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 50);
+    }
+
+    #[test]
+    fn a_failure_comes_out_and_nothing_waits_for_ever() {
+        let mut queue = PictureQueue::start(2).unwrap();
+        let mask = Arc::new(Mask::empty(Size::new(4, 3)));
+        let mut refused = Ok(());
+        for _ in 0..50 {
+            refused = refused.and(queue.write("/nowhere/at/all.png".into(), Picture::Mask(mask.clone())));
+        }
+        assert!(refused.and(queue.finish()).unwrap_err().to_string().contains("/nowhere/at/all.png"));
+    }
+}

@@ -1,0 +1,101 @@
+//! Regions with their shape, colour and object, a region a row.
+
+use std::io::{self, Write};
+
+use super::joined;
+use super::number::significant;
+use crate::regions::{Region, Rgb, Shape};
+use crate::tracking::{Identity, Track};
+
+/// The header's columns.
+const HEADER: &str =
+    "frame,label,area,x,y,w,h,cx,cy,mu20,mu11,mu02,orientation,eccentricity,extent,r,g,b,object";
+
+/// What a table keeps of a region: small, so that a long video's regions fit in memory.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Row {
+    label: u32,
+    shape: Shape,
+    colour: Rgb,
+}
+
+impl From<&Region> for Row {
+    fn from(region: &Region) -> Self {
+        Self { label: region.label, shape: region.shape, colour: region.colour }
+    }
+}
+
+/// Writes the regions of each frame with the objects of the same frame, both `(frame number, …)` in order.
+pub fn write(
+    out: &mut impl Write,
+    frames: &[(u32, Vec<Row>)],
+    tracks: &[(u32, Vec<Track>)],
+) -> io::Result<()> {
+    writeln!(out, "{HEADER}")?;
+    let mut tracks = tracks.iter().peekable();
+    for (number, rows) in frames {
+        while tracks.next_if(|(of, _)| of < number).is_some() {}
+        let here = tracks.peek().filter(|(of, _)| of == number).map_or(&[][..], |(_, tracks)| tracks);
+        for row in rows {
+            write_row(out, *number, row, &objects_of(row.label, here))?;
+        }
+    }
+    Ok(())
+}
+
+fn write_row(out: &mut impl Write, number: u32, row: &Row, objects: &[Identity]) -> io::Result<()> {
+    let Row { label, shape, colour: [r, g, b] } = row;
+    let [x, y, w, h] = [shape.bbox.x, shape.bbox.y, shape.bbox.w, shape.bbox.h];
+    let [cx, cy] = shape.centroid.map(|value| significant(value.into()));
+    let [mu20, mu11, mu02] = [shape.mu20, shape.mu11, shape.mu02].map(significant);
+    let [orientation, eccentricity, extent] =
+        [shape.orientation, shape.eccentricity, shape.extent].map(|value| significant(value.into()));
+    writeln!(
+        out,
+        "{number},{label},{},{x},{y},{w},{h},{cx},{cy},{mu20},{mu11},{mu02},{orientation},{eccentricity},{extent},{r},{g},{b},{}",
+        shape.area,
+        joined(objects),
+    )
+}
+
+/// Whose region it is: the identities, rising, of the objects that the region explains.
+fn objects_of(label: u32, tracks: &[Track]) -> Vec<Identity> {
+    let mut objects: Vec<_> =
+        tracks.iter().filter(|track| track.regions.contains(&label)).map(|track| track.id).collect();
+    objects.sort_unstable();
+    objects
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::export::tests::track;
+    use crate::regions::Rect;
+
+    #[test]
+    fn a_row_names_the_objects_of_its_region() {
+        let shape = Shape {
+            area: 12,
+            bbox: Rect::new(1.0, 2.0, 3.0, 4.0),
+            centroid: [2.0, 3.5],
+            mu20: 8.0,
+            mu11: -0.5,
+            mu02: 15.0,
+            orientation: 1.5,
+            eccentricity: 0.25,
+            extent: 1.0,
+        };
+        let row = |label| Row { label, shape, colour: [9, 8, 7] };
+        let frames = [(3, vec![row(1)]), (4, vec![row(1), row(2)])];
+        let tracks = [(4, vec![track(3, 0.0, 0.0), track(5, 0.0, 0.0)])];
+        let mut text = Vec::new();
+        write(&mut text, &frames, &tracks).unwrap();
+        let text = String::from_utf8(text).unwrap();
+        let lines: Vec<_> = text.lines().collect();
+        assert_eq!(lines[0], HEADER);
+        assert_eq!(lines[1], "3,1,12,1,2,3,4,2,3.5,8,-0.5,15,1.5,0.25,1,9,8,7,");
+        assert_eq!(lines[2], "4,1,12,1,2,3,4,2,3.5,8,-0.5,15,1.5,0.25,1,9,8,7,3+5");
+        assert_eq!(lines[3], "4,2,12,1,2,3,4,2,3.5,8,-0.5,15,1.5,0.25,1,9,8,7,");
+    }
+}

@@ -1,0 +1,80 @@
+//! Tracks with all that is known of them: an array of objects, one a line.
+
+use std::io::{self, Write};
+
+use serde::Serialize;
+
+use super::tracks_csv::confidence;
+use crate::regions::Rgb;
+use crate::tracking::{Identity, Track, TrackState};
+
+/// One object in one frame.
+#[derive(Serialize)]
+struct Record<'a> {
+    frame: u32,
+    id: Identity,
+    state: TrackState,
+    x: f32,
+    y: f32,
+    w: f32,
+    h: f32,
+    conf: f32,
+    visible_share: f32,
+    velocity: [f32; 2],
+    fitness: f32,
+    colours: &'a [Rgb],
+    group: &'a [Identity],
+    regions: &'a [u32],
+}
+
+/// Writes the objects of each frame, `(frame number, tracks)` in order.
+pub fn write(out: &mut impl Write, frames: &[(u32, Vec<Track>)]) -> io::Result<()> {
+    let all = frames.iter().flat_map(|(number, tracks)| tracks.iter().map(|track| record(*number, track)));
+    out.write_all(b"[")?;
+    for (index, record) in all.enumerate() {
+        out.write_all(if index == 0 { b"\n" } else { b",\n" })?;
+        serde_json::to_writer(&mut *out, &record)?;
+    }
+    out.write_all(b"\n]\n")
+}
+
+fn record(frame: u32, track: &Track) -> Record<'_> {
+    Record {
+        frame,
+        id: track.id,
+        state: track.state,
+        x: track.bbox.x,
+        y: track.bbox.y,
+        w: track.bbox.w,
+        h: track.bbox.h,
+        conf: confidence(track.state),
+        visible_share: track.visible_share,
+        velocity: track.velocity,
+        fitness: track.fitness,
+        colours: &track.colours,
+        group: &track.group,
+        regions: &track.regions,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::export::tests::track;
+
+    #[test]
+    fn it_is_json_with_a_record_a_line() {
+        let mut text = Vec::new();
+        write(&mut text, &[(4, vec![track(3, 1.0, 2.0), track(5, 1.0, 2.0)])]).unwrap();
+        assert_eq!(String::from_utf8_lossy(&text).lines().count(), 4);
+        let read: serde_json::Value = serde_json::from_slice(&text).unwrap();
+        assert_eq!(read[1]["id"], 5);
+        assert_eq!(read[0]["state"], "visible");
+        assert_eq!(read[0]["colours"][0][0], 200);
+
+        text.clear();
+        write(&mut text, &[]).unwrap();
+        assert_eq!(serde_json::from_slice::<serde_json::Value>(&text).unwrap(), serde_json::json!([]));
+    }
+}

@@ -1,0 +1,130 @@
+//! Which component is which: a pixel's components followed through their changes of rank.
+//!
+//! An update moves one component at most, so nothing has to be guessed. Every component gets a
+//! *slot* 0..K that it keeps while it lives; a new component takes the slot of the one that it
+//! replaces, or the first free one.
+
+use super::history::{PixelHistory, PixelState};
+use super::pixel::MAX_K;
+
+/// Where the component that the update of `state` matched or made came from and went to, ranks from 0.
+///
+/// A new component comes from the last rank, where it replaced what was there.
+fn journey(state: &PixelState) -> (usize, usize) {
+    let last = state.pixel.components().len() - 1;
+    let from = usize::from(state.outcome.matched).checked_sub(1).unwrap_or(last).min(last);
+    (from, usize::from(state.outcome.rank).saturating_sub(1).min(from))
+}
+
+/// The rank (from 0) before the update of `state` of the component that has `rank` (from 0) after
+/// it; `None` for the component that is new in this frame.
+pub fn rank_before(state: &PixelState, rank: usize) -> Option<usize> {
+    let (from, to) = journey(state);
+    if state.t <= 1 {
+        return None;
+    }
+    if rank == to {
+        (state.outcome.matched > 0).then_some(from)
+    } else if rank > to && rank <= from {
+        Some(rank - 1)
+    } else {
+        Some(rank)
+    }
+}
+
+/// For every state of a history the slots of its components by rank; those beyond K mean nothing.
+pub fn slots(history: &PixelHistory) -> Vec<[u8; MAX_K]> {
+    let mut slots: [u8; MAX_K] = std::array::from_fn(|slot| slot as u8);
+    let mut all = Vec::with_capacity(history.states.len());
+    for (index, state) in history.states.iter().enumerate() {
+        if let Some(before) = history.before(index) {
+            let (from, to) = journey(state);
+            let used = before.used();
+            if state.outcome.matched == 0 && used <= from {
+                // Room was left: of the free slots, which stand last, the new one takes the first.
+                let first = (used..=from).min_by_key(|&rank| slots[rank]).unwrap_or(from);
+                slots.swap(first, from);
+            }
+            slots[to..=from].rotate_right(1);
+        }
+        all.push(slots);
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+    use crate::mixture::Parameters;
+    use crate::settings::{Preset, Settings};
+
+    /// Three surfaces of a pixel that take turns, in an order that makes ranks change and components die.
+    fn history() -> PixelHistory {
+        let parameters = Parameters::new(&Settings::preset(Preset::Plain));
+        let colours = (0..900_u32).map(|number| {
+            let wobble = (number * 7919 % 5) as u8;
+            let gray = match (number / 30) % 7 {
+                0 | 1 => 40,
+                2 => 220,
+                3 | 4 => 130,
+                5 => (number % 251) as u8,
+                _ => 90,
+            };
+            (number + 1, [gray + wobble % (255 - gray).max(1), gray, gray])
+        });
+        PixelHistory::of_colours((3, 4), parameters, colours)
+    }
+
+    #[test]
+    fn a_followed_component_keeps_its_mean_unless_it_learned() {
+        let history = history();
+        let (mut moved, mut replaced) = (0, 0);
+        for (index, state) in history.states.iter().enumerate().skip(1) {
+            let before = history.before(index).unwrap();
+            let touched = usize::from(state.outcome.rank) - 1;
+            for (rank, component) in state.pixel.components().iter().enumerate() {
+                match rank_before(state, rank) {
+                    Some(old) if rank != touched => {
+                        assert_eq!(before.components()[old].mean, component.mean, "frame {index}");
+                    }
+                    Some(old) => moved += usize::from(old != rank),
+                    None => replaced += 1,
+                }
+            }
+        }
+        assert!(moved > 3 && replaced > 5, "the history tries it: {moved} moved, {replaced} new");
+    }
+
+    #[test]
+    fn slots_stay_with_their_component_and_are_never_shared() {
+        let history = history();
+        let slots = slots(&history);
+        assert_eq!(slots.len(), history.states.len());
+        for (index, state) in history.states.iter().enumerate().skip(1) {
+            let k = state.pixel.components().len();
+            let mut sorted = slots[index][..k].to_vec();
+            sorted.sort_unstable();
+            assert!(sorted.iter().enumerate().all(|(slot, &found)| slot == usize::from(found)));
+            for rank in 0..state.pixel.used() {
+                if let Some(old) = rank_before(state, rank) {
+                    assert_eq!(slots[index][rank], slots[index - 1][old], "frame {index} rank {rank}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn new_components_take_the_slots_in_order_while_there_is_room() {
+        let parameters = Parameters::new(&Settings::preset(Preset::Plain));
+        let colours = [[10; 3], [100; 3], [200; 3]].into_iter().enumerate();
+        let history =
+            PixelHistory::of_colours((0, 0), parameters, colours.map(|(at, rgb)| (at as u32 + 1, rgb)));
+        let slots = slots(&history);
+        for (frame, expected) in [(0, 0), (1, 1), (2, 2)] {
+            let rank = usize::from(history.states[frame].outcome.rank) - 1;
+            assert_eq!(slots[frame][rank], expected);
+        }
+    }
+}

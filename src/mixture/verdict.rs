@@ -1,0 +1,493 @@
+//! Why a pixel is what it is at one frame, in words with the numbers that were compared.
+
+use super::history::{PixelHistory, PixelState};
+use super::pixel::{Component, Parameters, Pixel, Value};
+use crate::settings::{Rate, SETTINGS, Settings, Stage, Value as SettingValue};
+
+/// The mixture's verdict about one pixel in one frame, before any later step.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Verdict {
+    /// The verdict and the comparison that decided it, one sentence without a full stop.
+    pub headline: String,
+    /// What else happened in this frame, a sentence each, the most telling first.
+    pub details: Vec<String>,
+    /// Whether the mixture calls the pixel foreground.
+    pub foreground: bool,
+}
+
+/// ‖X − μ‖ / σ: how many standard deviations `x` is from a component's mean.
+pub fn sigmas(component: &Component, x: Value) -> f32 {
+    (component.distance_squared(x) / component.variance).sqrt()
+}
+
+/// The verdict about the state at `index` of a history, as the paper's rules gave it.
+///
+/// Ranks are those after the update unless the sentence says otherwise, but all distances are to
+/// the components as they were before it: those are the ones that the value was compared with.
+pub fn verdict(history: &PixelHistory, index: usize) -> Verdict {
+    let Some(state) = history.states.get(index) else {
+        return Verdict {
+            headline: "This frame is not analysed yet".to_owned(),
+            details: Vec::new(),
+            foreground: false,
+        };
+    };
+    let parameters = &history.parameters;
+    match history.before(index) {
+        None => first_frame(state, parameters),
+        Some(before) if state.outcome.matched == 0 => unmatched(state, before, parameters),
+        Some(before) => matched(state, before, parameters),
+    }
+}
+
+/// What a later step made of the mixture's verdict, where it decided otherwise; `None` where it did not.
+///
+/// `mixture` and `mask` say whether each has the pixel as foreground.
+pub fn overruled(mixture: bool, mask: bool, settings: &Settings) -> Option<String> {
+    // An opening only takes foreground away, a closing and the filling of holes only add to it.
+    let powerless = if mixture { ["closing", "fill_holes"] } else { ["opening", ""] };
+    let steps: Vec<String> = SETTINGS
+        .iter()
+        .filter(|setting| setting.stage == Stage::Cleaning && !powerless.contains(&setting.name))
+        .filter_map(|setting| match setting.get(settings) {
+            SettingValue::Integer(0) | SettingValue::Choice("off" | "none") => None,
+            value => Some(format!("{} {value}", setting.name.replace('_', " "))),
+        })
+        .collect();
+    let made = if mask { "foreground" } else { "background" };
+    let by = if steps.is_empty() { String::new() } else { format!(" ({})", steps.join(", ")) };
+    (mixture != mask).then(|| format!("A later step overruled it: cleaning{by} made this pixel {made}."))
+}
+
+fn first_frame(state: &PixelState, parameters: &Parameters) -> Verdict {
+    Verdict {
+        headline: "Background: the model's first frame, where every pixel is".to_owned(),
+        details: vec![format!(
+            "Component 1 starts at this value with w = 1 and σ = {} (initial_sigma).",
+            number(parameters.initial_sigma)
+        )],
+        foreground: state.outcome.foreground,
+    }
+}
+
+fn matched(state: &PixelState, before: &Pixel, parameters: &Parameters) -> Verdict {
+    let (from, rank) = (usize::from(state.outcome.matched), usize::from(state.outcome.rank));
+    let old = before.components()[from - 1];
+    let distance = apart(sigmas(&old, state.value), parameters.lambda, 1);
+    let limit = number(parameters.lambda);
+    let background = background_words(&state.pixel, state.outcome.background_count, parameters.t);
+    let headline = if state.outcome.foreground {
+        let only = background.headline;
+        format!("Foreground: matched component {rank} at {distance} σ (limit {limit}), but {only}")
+    } else {
+        format!("Background: matched component {rank} at {distance} σ (limit {limit})")
+    };
+
+    let mut details = Vec::new();
+    if !state.outcome.foreground {
+        details.push(background.sentence);
+    }
+    if rank < from {
+        let (moved, passed) = (&state.pixel.components()[rank - 1], &state.pixel.components()[rank]);
+        let (now, others) = pair(moved.rank_value(), passed.rank_value(), 4);
+        details.push(format!("It went up from rank {from} to {rank}: its w/σ is now {now}, above {others}."));
+    }
+    details.extend(nearer(state, before, from));
+    details.push(learning(state, parameters));
+    let new = &state.pixel.components()[rank - 1];
+    let learned =
+        (1.0 - state.outcome.rho) * old.variance + state.outcome.rho * new.distance_squared(state.value);
+    if learned < parameters.min_sigma * parameters.min_sigma {
+        details.push(format!(
+            "σ is held at its floor {} (min_sigma); the data alone would give {}.",
+            number(parameters.min_sigma),
+            apart(learned.max(0.0).sqrt(), parameters.min_sigma, 1),
+        ));
+    }
+    if let Some(below) = state.pixel.components().get(rank).filter(|c| c.rank_value() > new.rank_value()) {
+        let (own, others) = pair(new.rank_value(), below.rank_value(), 4);
+        details.push(format!(
+            "It stays above component {} although its w/σ, {own}, is less than {others}: a match only moves up.",
+            rank + 1,
+        ));
+    }
+    details.extend(changed_count(state, before, parameters));
+    Verdict { headline, details, foreground: state.outcome.foreground }
+}
+
+fn unmatched(state: &PixelState, before: &Pixel, parameters: &Parameters) -> Verdict {
+    let limit = number(parameters.lambda);
+    let nearest = before
+        .components()
+        .iter()
+        .enumerate()
+        .filter(|(_, component)| component.is_used())
+        .map(|(index, component)| (index + 1, sigmas(component, state.value)))
+        .min_by(|a, b| a.1.total_cmp(&b.1));
+    let nearest = nearest.map_or_else(String::new, |(rank, distance)| {
+        format!(
+            "; nearest was component {rank} at {} σ (limit {limit})",
+            apart(distance, parameters.lambda, 1)
+        )
+    });
+
+    let k = before.components().len();
+    let rank = usize::from(state.outcome.rank);
+    let last = before.components()[k - 1];
+    let count = usize::from(state.outcome.background_count);
+    let new = format!(
+        "σ = {} and w = {}",
+        number(parameters.initial_sigma),
+        number_with(state.pixel.components()[rank - 1].weight, 3),
+    );
+    let mut details = vec![if last.is_used() {
+        format!(
+            "Component {k}, the last (w = {}), was replaced by this value with {new}.",
+            number_with(last.weight, 3)
+        )
+    } else {
+        format!(
+            "A component was added at this value with {new}: there was room, {} of {k} were in use.",
+            before.used()
+        )
+    }];
+    if rank < k && last.is_used() {
+        details.push(format!("The new one went up at once from rank {k} to {rank}."));
+    }
+    if rank <= count {
+        details.push(format!(
+            "It has rank {rank} and B is {count}, but a value that matched nothing is foreground."
+        ));
+    }
+    details.push(background_words(&state.pixel, state.outcome.background_count, parameters.t).sentence);
+    details.extend(changed_count(state, before, parameters));
+    Verdict {
+        headline: format!("Foreground: nothing matched{nearest}"),
+        details,
+        foreground: state.outcome.foreground,
+    }
+}
+
+/// Which components are background and why, to end the headline and as a sentence of its own.
+struct BackgroundWords {
+    headline: String,
+    sentence: String,
+}
+
+fn background_words(pixel: &Pixel, count: u8, t: f32) -> BackgroundWords {
+    let count = usize::from(count);
+    let weights: Vec<f32> = pixel.components().iter().take(count).map(|component| component.weight).collect();
+    let sum: f32 = weights.iter().fold(0.0, |sum, weight| sum + weight);
+    let who = match count {
+        1 => "component 1".to_owned(),
+        _ => format!("the first {count}"),
+    };
+    if sum > t {
+        let why = format!("{} > T = {}", sum_above(&weights, t), number(t));
+        BackgroundWords {
+            headline: format!("background is only {who} ({why})"),
+            sentence: format!("Background is {who}: {why}, so B = {count}."),
+        }
+    } else {
+        let why = format!("no sum of weights exceeds T = {}", number(t));
+        BackgroundWords {
+            headline: format!("background is only {who} ({why})"),
+            sentence: format!("Background is all {count} components in use: {why}, so B = {count}."),
+        }
+    }
+}
+
+/// Says that a component of lower rank is nearer, where one is: the first that matches is taken, not the nearest.
+fn nearer(state: &PixelState, before: &Pixel, from: usize) -> Option<String> {
+    let taken = sigmas(&before.components()[from - 1], state.value);
+    before
+        .components()
+        .iter()
+        .enumerate()
+        .skip(from)
+        .filter(|(_, component)| component.is_used())
+        .map(|(index, component)| (index + 1, sigmas(component, state.value)))
+        .filter(|&(_, distance)| distance < taken)
+        .min_by(|a, b| a.1.total_cmp(&b.1))
+        .map(|(rank, distance)| {
+            let (nearer, taken) = pair(distance, taken, 1);
+            format!(
+                "The component of rank {rank} was nearer, {nearer} σ against {taken}, but the first in rank order that matches is taken."
+            )
+        })
+}
+
+fn learning(state: &PixelState, parameters: &Parameters) -> String {
+    let alpha = parameters.alpha_at(state.t);
+    let how = match parameters.rate {
+        Rate::Density => "α·η, rate = density",
+        Rate::Weight => "α/w, rate = weight",
+        Rate::Constant => "α, rate = constant",
+    };
+    let warming = if alpha > parameters.alpha { " = 1/t (warm-up)" } else { "" };
+    // α·η has no bound of its own: where σ is small η exceeds 1/α.
+    let limited = if state.outcome.rho >= 1.0 { "limited to 1" } else { how };
+    format!("It learned with ρ = {} ({limited}), α = {}{warming}.", number(state.outcome.rho), number(alpha))
+}
+
+fn changed_count(state: &PixelState, before: &Pixel, parameters: &Parameters) -> Option<String> {
+    let (old, new) = (before.background_count(parameters.t), usize::from(state.outcome.background_count));
+    (old != new).then(|| format!("B went from {old} to {new} in this frame."))
+}
+
+/// A number in at most four significant digits, without needless zeros; very small ones as `1.2e-7`.
+pub fn number(value: f32) -> String {
+    if value == 0.0 || !value.is_finite() {
+        return format!("{value}");
+    }
+    let magnitude = value.abs().log10().floor() as i32;
+    if magnitude < -4 {
+        return format!("{value:.2e}");
+    }
+    let text = format!("{value:.*}", (3 - magnitude).max(0) as usize);
+    if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
+}
+
+fn number_with(value: f32, decimals: usize) -> String {
+    format!("{value:.decimals$}")
+}
+
+/// `value` in `decimals` digits, or in as many more as it takes to stay on its own side of `limit`,
+/// which is shown as [`number`] shows it: 2.503 beside a limit of 2.5 must not be shown as 2.5.
+fn apart(value: f32, limit: f32, decimals: usize) -> String {
+    let limit = number(limit).parse().unwrap_or(limit);
+    (decimals..=decimals + 5)
+        .map(|decimals| format!("{value:.decimals$}"))
+        .find(|text| {
+            text.parse::<f32>().is_ok_and(|shown| shown.total_cmp(&limit) == value.total_cmp(&limit))
+        })
+        .unwrap_or_else(|| format!("{value}"))
+}
+
+/// Two numbers in the same count of digits, at least `decimals`, as many as it takes to tell them apart.
+fn pair(a: f32, b: f32, decimals: usize) -> (String, String) {
+    (decimals..=decimals + 5)
+        .map(|decimals| (format!("{a:.decimals$}"), format!("{b:.decimals$}")))
+        .find(|(a, b)| a != b)
+        .unwrap_or_else(|| (format!("{a}"), format!("{b}")))
+}
+
+/// `0.61 + 0.22`, in as many digits as it takes for what is shown to exceed `t`.
+fn sum_above(weights: &[f32], t: f32) -> String {
+    let shown = |decimals: usize| -> Vec<String> {
+        weights.iter().map(|weight| format!("{weight:.decimals$}")).collect()
+    };
+    let t = number(t).parse().unwrap_or(f64::from(t));
+    let sum = |texts: &[String]| texts.iter().filter_map(|text| text.parse::<f64>().ok()).sum::<f64>();
+    (2..=6).map(shown).find(|texts| sum(texts) > t + 1e-9).unwrap_or_else(|| shown(6)).join(" + ")
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+    use crate::settings::Preset;
+
+    fn parameters() -> Parameters {
+        Parameters::new(&Settings { space: crate::settings::Space::Gray, ..Settings::preset(Preset::Plain) })
+    }
+
+    fn gray(weight: f32, mean: f32, sigma: f32) -> Component {
+        Component { weight, mean: [mean, 0.0, 0.0], variance: sigma * sigma }
+    }
+
+    /// The verdict about a gray value that meets a mixture made by hand, long after the start.
+    fn meets(components: &[Component], level: u8, parameters: Parameters) -> (Verdict, PixelState) {
+        let mut history = PixelHistory::new((0, 0), Parameters { k: components.len(), ..parameters });
+        history.push_colour(1, [0; 3]);
+        history.states[0].pixel = Pixel::from_components(components);
+        history.push_colour(2, [level; 3]);
+        (verdict(&history, 1), history.states[1])
+    }
+
+    fn detail<'a>(verdict: &'a Verdict, part: &str) -> &'a str {
+        verdict.details.iter().find(|detail| detail.contains(part)).unwrap_or_else(|| {
+            unreachable!("no detail has {part:?}: {verdict:#?}");
+        })
+    }
+
+    #[test]
+    fn the_first_frame_says_so() {
+        let history = PixelHistory::of_colours((0, 0), parameters(), [(7, [50; 3])]);
+        let words = verdict(&history, 0);
+        assert!(!words.foreground && words.headline.starts_with("Background: the model's first frame"));
+        assert!(detail(&words, "Component 1 starts").contains("σ = 20"));
+    }
+
+    #[test]
+    fn a_frame_beyond_the_history_is_not_analysed() {
+        let history = PixelHistory::of_colours((0, 0), parameters(), [(7, [50; 3])]);
+        assert_eq!(verdict(&history, 1).headline, "This frame is not analysed yet");
+    }
+
+    #[test]
+    fn a_background_match_names_component_distance_and_limit() {
+        let (words, state) = meets(&[gray(0.6, 100.0, 10.0), gray(0.4, 200.0, 10.0)], 112, parameters());
+        assert!(!words.foreground && !state.outcome.foreground);
+        assert_eq!(words.headline, "Background: matched component 1 at 1.2 σ (limit 2.5)");
+        assert_eq!(words.details[0], "Background is the first 2: 0.60 + 0.40 > T = 0.7, so B = 2.");
+        assert!(detail(&words, "learned").contains("α/w, rate = weight"));
+        assert!(!words.details.iter().any(|detail| detail.contains("floor") || detail.contains("rank")));
+    }
+
+    #[test]
+    fn a_match_beyond_b_says_which_weights_suffice() {
+        let mixture = [gray(0.61, 100.0, 10.0), gray(0.22, 150.0, 10.0), gray(0.17, 230.0, 10.0)];
+        let (words, state) = meets(&mixture, 242, parameters());
+        assert!(words.foreground && state.outcome.matched == 3);
+        assert_eq!(
+            words.headline,
+            "Foreground: matched component 3 at 1.2 σ (limit 2.5), but background is only the first 2 \
+             (0.60 + 0.22 > T = 0.7)"
+        );
+    }
+
+    #[test]
+    fn nothing_matched_names_the_nearest_and_what_was_replaced() {
+        let mixture = [gray(0.7, 100.0, 10.0), gray(0.2, 200.0, 10.0), gray(0.1, 20.0, 4.0)];
+        let (words, _) = meets(&mixture, 169, parameters());
+        assert!(words.foreground);
+        assert_eq!(
+            words.headline,
+            "Foreground: nothing matched; nearest was component 2 at 3.1 σ (limit 2.5)"
+        );
+        assert_eq!(
+            words.details[0],
+            "Component 3, the last (w = 0.100), was replaced by this value with σ = 20 and w = 0.053."
+        );
+    }
+
+    #[test]
+    fn nothing_matched_with_room_says_that_one_was_added() {
+        let mixture = [gray(1.0, 100.0, 10.0), Component::default(), Component::default()];
+        let (words, state) = meets(&mixture, 200, parameters());
+        assert_eq!(state.outcome.rank, 2);
+        assert!(detail(&words, "was added").contains("there was room, 1 of 3 were in use"));
+    }
+
+    #[test]
+    fn a_new_component_within_b_is_foreground_still() {
+        let (words, state) = meets(&[gray(0.02, 100.0, 60.0)], 255, parameters());
+        assert!(words.foreground && state.outcome.rank <= state.outcome.background_count);
+        assert!(detail(&words, "matched nothing is foreground").contains("rank 1"));
+    }
+
+    #[test]
+    fn a_new_component_that_rises_at_once_says_so() {
+        let mixture = [gray(0.9, 100.0, 10.0), gray(0.099, 200.0, 90.0), gray(0.001, 20.0, 4.0)];
+        let (words, state) =
+            meets(&mixture, 140, Parameters { initial_weight: 0.4, lambda: 0.6, ..parameters() });
+        assert_eq!((state.outcome.matched, state.outcome.rank), (0, 2));
+        assert!(detail(&words, "went up at once").contains("from rank 3 to 2"));
+    }
+
+    #[test]
+    fn a_change_of_rank_and_of_b_is_told() {
+        let fast = Parameters { alpha: 0.3, ..parameters() };
+        let (words, state) = meets(&[gray(0.72, 100.0, 10.0), gray(0.28, 200.0, 5.0)], 200, fast);
+        assert_eq!((state.outcome.matched, state.outcome.rank), (2, 1));
+        assert!(words.headline.starts_with("Background: matched component 1 at 0.0 σ"));
+        assert!(detail(&words, "went up").starts_with("It went up from rank 2 to 1"));
+        assert_eq!(detail(&words, "B went"), "B went from 1 to 2 in this frame.");
+    }
+
+    #[test]
+    fn a_nearer_component_of_lower_rank_is_named() {
+        let (words, state) = meets(&[gray(0.6, 100.0, 20.0), gray(0.4, 140.0, 20.0)], 130, parameters());
+        assert_eq!(state.outcome.matched, 1);
+        assert!(detail(&words, "nearer").contains("rank 2 was nearer, 0.5 σ against 1.5"));
+    }
+
+    #[test]
+    fn a_component_that_should_sink_and_cannot_is_told() {
+        let (words, _) = meets(&[gray(0.5, 100.0, 10.0), gray(0.5, 200.0, 10.0)], 100, parameters());
+        assert!(!words.details.iter().any(|detail| detail.contains("stays above")));
+        let (words, _) = meets(
+            &[gray(0.5, 100.0, 10.0), gray(0.1, 200.0, 1.0)],
+            100,
+            Parameters { min_sigma: 0.5, ..parameters() },
+        );
+        assert!(detail(&words, "stays above").contains("component 2"));
+    }
+
+    #[test]
+    fn the_floor_of_sigma_is_told() {
+        let (words, state) = meets(&[gray(1.0, 100.0, 4.0)], 100, parameters());
+        assert_eq!(state.pixel.components()[0].sigma(), 4.0);
+        assert!(detail(&words, "floor").contains("floor 4 (min_sigma); the data alone would give 3.98"));
+        let (words, _) = meets(&[gray(1.0, 100.0, 4.5)], 100, parameters());
+        assert!(!words.details.iter().any(|detail| detail.contains("floor")));
+    }
+
+    #[test]
+    fn a_limited_rho_is_told() {
+        let sharp = Parameters { rate: Rate::Density, alpha: 0.9, min_sigma: 0.1, ..parameters() };
+        let (words, state) = meets(&[gray(1.0, 100.0, 0.1)], 100, sharp);
+        assert_eq!(state.outcome.rho, 1.0);
+        assert!(detail(&words, "learned").contains("ρ = 1 (limited to 1)"));
+        let (words, state) = meets(&[gray(1.0, 100.0, 10.0)], 100, sharp);
+        assert!(state.outcome.rho < 1.0 && detail(&words, "learned").contains("rate = density"));
+    }
+
+    #[test]
+    fn warm_up_shows_the_alpha_that_was_used() {
+        let (words, _) = meets(&[gray(1.0, 100.0, 10.0)], 100, Parameters { warm_up: 100, ..parameters() });
+        assert!(detail(&words, "learned").contains("α = 0.5 = 1/t (warm-up)"));
+    }
+
+    #[test]
+    fn a_sum_that_never_exceeds_t_is_told() {
+        let (words, state) = meets(
+            &[gray(0.5, 100.0, 10.0), gray(0.2, 200.0, 10.0)],
+            100,
+            Parameters { t: 0.9, ..parameters() },
+        );
+        assert_eq!(state.outcome.background_count, 2);
+        assert!(words.details[0].contains("all 2 components in use: no sum of weights exceeds T = 0.9"));
+    }
+
+    #[test]
+    fn shown_numbers_never_contradict_the_comparison() {
+        let (words, _) = meets(&[gray(1.0, 100.0, 7.99)], 120, parameters());
+        assert!(words.headline.contains("at 2.503 σ (limit 2.5)"), "{}", words.headline);
+        assert_eq!(sum_above(&[0.5, 0.2004], 0.7), "0.5000 + 0.2004");
+        assert_eq!(pair(0.04918, 0.04916, 4), ("0.04918".to_owned(), "0.04916".to_owned()));
+    }
+
+    #[test]
+    fn numbers_are_short() {
+        for (value, text) in [
+            (0.7, "0.7"),
+            (20.0, "20"),
+            (51.96, "51.96"),
+            (1234.6, "1235"),
+            (0.0, "0"),
+            (0.002, "0.002"),
+            (1.234e-7, "1.23e-7"),
+            (1.0, "1"),
+            (9.999_99, "10"),
+        ] {
+            assert_eq!(number(value), text);
+        }
+    }
+
+    #[test]
+    fn a_later_step_that_overrules_names_the_filters_that_could() {
+        let settings = Settings { median: 5, opening: 3, closing: 7, ..Settings::preset(Preset::Plain) };
+        assert_eq!(overruled(true, true, &settings), None);
+        assert_eq!(overruled(false, false, &settings), None);
+        let gone = overruled(true, false, &settings).unwrap();
+        assert_eq!(
+            gone,
+            "A later step overruled it: cleaning (median 5, opening 3) made this pixel background."
+        );
+        let come = overruled(false, true, &settings).unwrap();
+        assert!(come.contains("(median 5, closing 7) made this pixel foreground"), "{come}");
+    }
+}

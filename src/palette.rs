@@ -1,0 +1,79 @@
+//! The colours that stand for identities, components and kinds of events, wherever they are drawn.
+//!
+//! All are chosen to be told apart with the common kinds of colour blindness and to be seen on a
+//! dark picture; none is the only carrier of what it means (identities also carry their number,
+//! events their icon, components their rank).
+
+use crate::occlusion::EventKind;
+use crate::tracking::Identity;
+
+/// Okabe and Ito's colours without black, the dark blue lightened to be seen on dark pictures, and
+/// three more that keep their distance from them.
+const IDENTITIES: [[u8; 3]; 10] = [
+    [230, 159, 0],
+    [86, 180, 233],
+    [0, 178, 128],
+    [240, 228, 66],
+    [213, 94, 0],
+    [204, 121, 167],
+    [78, 121, 240],
+    [187, 221, 119],
+    [255, 170, 187],
+    [153, 221, 255],
+];
+
+/// A colour for each rank of a mixture of up to eight components, the highest rank first.
+const COMPONENTS: [[u8; 3]; 8] = [
+    [86, 180, 233],
+    [230, 159, 0],
+    [0, 178, 128],
+    [204, 121, 167],
+    [240, 228, 66],
+    [213, 94, 0],
+    [128, 140, 248],
+    [170, 170, 170],
+];
+
+/// The colour of an object; neighbouring identities differ strongly, and the same identity always has the same.
+pub fn identity_colour(id: Identity) -> [u8; 3] {
+    IDENTITIES[(id.max(1) - 1) as usize % IDENTITIES.len()]
+}
+
+/// The colour of a mixture's component by its rank, 0 for the highest.
+pub fn component_colour(rank: usize) -> [u8; 3] {
+    COMPONENTS[rank % COMPONENTS.len()]
+}
+
+/// The colour of a kind of event: what comes warm, what returns green and blue, what merely starts or ends gray.
+pub const fn event_colour(kind: EventKind) -> [u8; 3] {
+    match kind {
+        EventKind::Merge => [230, 159, 0],
+        EventKind::Demerge => [86, 180, 233],
+        EventKind::Disappear => [213, 94, 0],
+        EventKind::Reappear => [0, 178, 128],
+        EventKind::Appear => [204, 121, 167],
+        EventKind::Enter => [168, 180, 190],
+        EventKind::Exit => [120, 130, 142],
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn colours_of_one_kind_differ() {
+        for (i, a) in EventKind::ALL.iter().enumerate() {
+            for b in &EventKind::ALL[i + 1..] {
+                assert_ne!(event_colour(*a), event_colour(*b), "{a:?} and {b:?}");
+            }
+        }
+        for i in 0..COMPONENTS.len() {
+            for j in i + 1..COMPONENTS.len() {
+                assert_ne!(component_colour(i), component_colour(j));
+            }
+        }
+        assert_ne!(identity_colour(1), identity_colour(2));
+        assert_eq!(identity_colour(3), identity_colour(3));
+    }
+}

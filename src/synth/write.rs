@@ -1,0 +1,380 @@
+//! A scene as files: a video and its truth.
+//!
+//! | file | form |
+//! | --- | --- |
+//! | `NAME.mp4` | H.264 (MPEG-4 where OpenCV lacks it); lossless: `NAME.avi`, FFV1, every bit as rendered |
+//! | `truth/identities/000001.png` | 8 bit: the identity of who is seen at the pixel, 0 for the background and what stands in front |
+//! | `truth/gt.txt` | MOTChallenge, no header: `frame,id,x,y,w,h,1,1,visibility`; the box of the full silhouette clipped to the image, from enter to exit, hidden or not; the first pixel is (0, 0) |
+//! | `truth/events.jsonl` | an event a line: `frame`, `kind`, `objects`, `becomes`, `x`, `y`, `front` |
+//! | `truth/episodes.csv` | header `kind,objects,start,end,least_visible,front,identities_kept` |
+//! | `scene.json` | name, seed, size, fps, frames, the video's name, the parameters, and everything that is in the scene |
+//!
+//! All are made in a temporary folder beside and take their names when all are whole, `scene.json` last.
+
+use std::fs;
+use std::io::Write as _;
+use std::path::{Path, PathBuf};
+
+use image::GrayImage;
+use opencv::{core, imgproc, prelude::*, videoio};
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::catalogue::Parameters;
+use super::render::{FrameTruth, Renderer};
+use super::scene::Scene;
+use super::truth::{Recorder, Truth};
+use crate::frame::{Frame, Size};
+
+/// Frames rendered at once: enough for every core, few enough to hold in memory at any size.
+const BATCH: u32 = 16;
+
+/// Why a scene could not be written. Each message names what, which file, why, and what to do.
+#[derive(Debug, thiserror::Error)]
+pub enum WriteError {
+    /// A file or folder cannot be made.
+    #[error("{path} cannot be written: {why}; free the place or choose another folder")]
+    File {
+        /// Which.
+        path: PathBuf,
+        /// What the system says.
+        why: String,
+    },
+    /// The video cannot be made.
+    #[error("{path} cannot be encoded: {why}")]
+    Video {
+        /// Which.
+        path: PathBuf,
+        /// Why, and what to do.
+        why: String,
+    },
+}
+
+impl WriteError {
+    fn file(path: &Path, why: impl ToString) -> Self {
+        Self::File { path: path.to_owned(), why: why.to_string() }
+    }
+}
+
+/// What `scene.json` holds.
+#[derive(Serialize)]
+struct SceneFile<'a> {
+    #[serde(flatten)]
+    scene: &'a Scene,
+    video: &'a str,
+    parameters: &'a Parameters,
+    version: &'static str,
+}
+
+/// Renders a scene into folder `out`, which is made if need be, and gives the path of the video.
+/// Of what is there already only files of the same names are replaced, and identity images beyond
+/// the scene's frames removed. `progress` hears how many frames are done.
+pub fn write(
+    scene: &Scene,
+    parameters: &Parameters,
+    out: &Path,
+    lossless: bool,
+    mut progress: impl FnMut(u32),
+) -> Result<PathBuf, WriteError> {
+    let out = std::path::absolute(out).map_err(|why| WriteError::file(out, why))?;
+    let identities = out.join("truth").join("identities");
+    fs::create_dir_all(&identities).map_err(|why| WriteError::file(&identities, why))?;
+    let draft = tempfile::Builder::new()
+        .prefix(".synth-")
+        .tempdir_in(&out)
+        .map_err(|why| WriteError::file(&out, why))?;
+    let draft = draft.path();
+    let draft_identities = draft.join("truth").join("identities");
+    fs::create_dir_all(&draft_identities).map_err(|why| WriteError::file(&draft_identities, why))?;
+
+    let video_name = format!("{}.{}", scene.name, if lossless { "avi" } else { "mp4" });
+    let mut encoder = Encoder::open(draft, &out.join(&video_name), scene, lossless)?;
+    let renderer = Renderer::new(scene);
+    let mut recorder = Recorder::new(scene.fps);
+    for first in (1..=scene.frames).step_by(BATCH as usize) {
+        let last = first.saturating_add(BATCH - 1).min(scene.frames);
+        let batch: Vec<_> = (first..=last).into_par_iter().map(|number| renderer.frame(number)).collect();
+        batch.par_iter().try_for_each(|(_, truth)| write_identities(&draft_identities, truth))?;
+        for (frame, truth) in &batch {
+            encoder.add(frame)?;
+            recorder.push(truth);
+        }
+        progress(last);
+    }
+    encoder.finish(scene.frames)?;
+
+    write_truth(&draft.join("truth"), &recorder.finish())?;
+    let description = SceneFile { scene, video: &video_name, parameters, version: env!("CARGO_PKG_VERSION") };
+    let path = draft.join("scene.json");
+    let text = serde_json::to_string_pretty(&description).map_err(|why| WriteError::file(&path, why))?;
+    fs::write(&path, text + "\n").map_err(|why| WriteError::file(&path, why))?;
+
+    remove_later_identities(&identities, scene.frames)?;
+    let images = (1..=scene.frames).map(|number| format!("truth/identities/{}", image_name(number)));
+    let others = ["truth/gt.txt", "truth/events.jsonl", "truth/episodes.csv", &video_name, "scene.json"];
+    for name in images.chain(others.map(str::to_owned)) {
+        let place = out.join(&name);
+        fs::rename(draft.join(&name), &place).map_err(|why| WriteError::file(&place, why))?;
+    }
+    Ok(out.join(video_name))
+}
+
+fn image_name(number: u32) -> String {
+    format!("{number:06}.png")
+}
+
+fn write_identities(folder: &Path, truth: &FrameTruth) -> Result<(), WriteError> {
+    let path = folder.join(image_name(truth.number));
+    let Size { width, height } = truth.size;
+    GrayImage::from_raw(width, height, truth.identities.clone())
+        .ok_or_else(|| WriteError::file(&path, "it has no pixels"))?
+        .save(&path)
+        .map_err(|why| WriteError::file(&path, why))
+}
+
+/// A longer scene's last images would be taken for truth of this one.
+fn remove_later_identities(folder: &Path, frames: u32) -> Result<(), WriteError> {
+    let entries = fs::read_dir(folder).map_err(|why| WriteError::file(folder, why))?;
+    for entry in entries.flatten() {
+        let name = entry.file_name();
+        let number = name.to_str().and_then(|name| name.strip_suffix(".png")?.parse::<u32>().ok());
+        let ours = number.filter(|&number| number > frames && name.to_str() == Some(&image_name(number)));
+        if ours.is_some() {
+            fs::remove_file(entry.path()).map_err(|why| WriteError::file(&entry.path(), why))?;
+        }
+    }
+    Ok(())
+}
+
+fn write_truth(folder: &Path, truth: &Truth) -> Result<(), WriteError> {
+    let put = |name: &str, text: String| {
+        let path = folder.join(name);
+        fs::File::create(&path)
+            .and_then(|mut file| file.write_all(text.as_bytes()))
+            .map_err(|why| WriteError::file(&path, why))
+    };
+    put("gt.txt", boxes_text(truth))?;
+    put(
+        "events.jsonl",
+        events_text(truth).map_err(|why| WriteError::file(&folder.join("events.jsonl"), why))?,
+    )?;
+    put("episodes.csv", episodes_text(truth))
+}
+
+/// The text of `gt.txt`.
+pub fn boxes_text(truth: &Truth) -> String {
+    let line = |(frame, who): &(u32, super::Silhouette)| {
+        let (place, visibility) = (who.bbox, who.visibility());
+        format!("{frame},{},{},{},{},{},1,1,{visibility:.3}\n", who.id, place.x, place.y, place.w, place.h)
+    };
+    truth.boxes.iter().map(line).collect()
+}
+
+/// The text of `events.jsonl`.
+pub fn events_text(truth: &Truth) -> Result<String, serde_json::Error> {
+    truth.events.iter().map(|event| Ok(serde_json::to_string(event)? + "\n")).collect()
+}
+
+/// The text of `episodes.csv`.
+pub fn episodes_text(truth: &Truth) -> String {
+    let line = |episode: &crate::occlusion::Episode| {
+        let objects: Vec<String> = episode.objects.iter().map(ToString::to_string).collect();
+        let front = episode.front.map(|id| id.to_string()).unwrap_or_default();
+        format!(
+            "{},{},{},{},{:.3},{front},{}\n",
+            episode.kind.name(),
+            objects.join("+"),
+            episode.start,
+            episode.end,
+            episode.least_visible,
+            episode.identities_kept
+        )
+    };
+    let header = "kind,objects,start,end,least_visible,front,identities_kept\n".to_owned();
+    header + &truth.episodes.iter().map(line).collect::<String>()
+}
+
+/// A video file while it is being made.
+struct Encoder {
+    draft: PathBuf,
+    /// Where it will stand, which is what errors speak of.
+    place: PathBuf,
+    writer: videoio::VideoWriter,
+}
+
+impl Encoder {
+    /// Starts a video in folder `draft` under the name that `place` ends with.
+    fn open(draft: &Path, place: &Path, scene: &Scene, lossless: bool) -> Result<Self, WriteError> {
+        let draft = draft.join(place.file_name().unwrap_or_default());
+        let codecs: &[[char; 4]] =
+            if lossless { &[['F', 'F', 'V', '1']] } else { &[['a', 'v', 'c', '1'], ['m', 'p', '4', 'v']] };
+        for codec in codecs {
+            match Self::try_open(&draft, scene.size, scene.fps, *codec) {
+                Ok(writer) if writer.is_opened().unwrap_or(false) => {
+                    return Ok(Self { draft, place: place.to_owned(), writer });
+                }
+                _ => {}
+            }
+        }
+        let why = "OpenCV opens no encoder for it; install FFmpeg's codecs (libavcodec with libx264)";
+        Err(WriteError::Video { path: place.to_owned(), why: why.to_owned() })
+    }
+
+    fn try_open(path: &Path, size: Size, fps: f32, codec: [char; 4]) -> opencv::Result<videoio::VideoWriter> {
+        let fourcc = videoio::VideoWriter::fourcc(codec[0], codec[1], codec[2], codec[3])?;
+        let size = core::Size::new(size.width as i32, size.height as i32);
+        videoio::VideoWriter::new_with_backend(path, videoio::CAP_FFMPEG, fourcc, f64::from(fps), size, true)
+    }
+
+    fn add(&mut self, frame: &Frame) -> Result<(), WriteError> {
+        let result = bgr(frame).and_then(|image| self.writer.write(&image));
+        result.map_err(|why| self.error(why.message))
+    }
+
+    /// OpenCV does not say when a write fails: a full disk shows only in what can be read back.
+    fn finish(mut self, frames: u32) -> Result<(), WriteError> {
+        self.writer.release().map_err(|why| self.error(why.message))?;
+        let readable = count_frames(&self.draft).map_err(|why| self.error(why.message))?;
+        if readable != frames {
+            let why = format!(
+                "only {readable} of {frames} frames can be read back; see whether the disk is full, or try --lossless"
+            );
+            return Err(self.error(why));
+        }
+        Ok(())
+    }
+
+    fn error(&self, why: String) -> WriteError {
+        let why = why.lines().collect::<Vec<_>>().join(" ");
+        WriteError::Video { path: self.place.clone(), why }
+    }
+}
+
+fn bgr(frame: &Frame) -> opencv::Result<core::Mat> {
+    let rgb = core::Mat::from_slice(&frame.rgb)?;
+    let rgb = rgb.reshape(3, frame.size.height as i32)?;
+    let mut bgr = core::Mat::default();
+    imgproc::cvt_color_def(&rgb, &mut bgr, imgproc::COLOR_RGB2BGR)?;
+    Ok(bgr)
+}
+
+fn count_frames(path: &Path) -> opencv::Result<u32> {
+    let mut reader = videoio::VideoCapture::from_file(path, videoio::CAP_FFMPEG)?;
+    let mut frames = 0;
+    while reader.grab()? {
+        frames += 1;
+    }
+    Ok(frames)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+    use super::*;
+    use crate::synth::{catalogue, render};
+
+    fn small(name: &str, frames: Option<u32>) -> (Scene, Parameters) {
+        let parameters = Parameters { size: Size::new(96, 72), frames, speed: 2.0, ..Parameters::default() };
+        (catalogue::scene(name, &parameters).unwrap(), parameters)
+    }
+
+    fn names(folder: &Path) -> Vec<String> {
+        let mut names: Vec<_> = fs::read_dir(folder)
+            .unwrap()
+            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
+            .collect();
+        names.sort();
+        names
+    }
+
+    #[test]
+    fn what_is_written_reads_back_as_what_was_rendered() {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path().join("new").join("crossing");
+        let (scene, parameters) = small("crossing", None);
+        let mut done = 0;
+        let video = write(&scene, &parameters, &out, false, |frames| done = frames).unwrap();
+        assert_eq!((done, video.as_path()), (scene.frames, out.join("crossing.mp4").as_path()));
+        assert_eq!(count_frames(&video).unwrap(), scene.frames);
+        assert_eq!(names(&out), ["crossing.mp4", "scene.json", "truth"]);
+
+        let mut recorder = Recorder::new(scene.fps);
+        for (_, truth) in render(&scene) {
+            let path = out.join("truth/identities").join(image_name(truth.number));
+            let image = image::open(path).unwrap();
+            assert!(matches!(image, image::DynamicImage::ImageLuma8(_)));
+            assert_eq!(image.into_luma8().into_raw(), truth.identities);
+            recorder.push(&truth);
+        }
+        let truth = recorder.finish();
+
+        let boxes = fs::read_to_string(out.join("truth/gt.txt")).unwrap();
+        assert_eq!(boxes.lines().count(), truth.boxes.len());
+        for (line, (frame, who)) in boxes.lines().zip(&truth.boxes) {
+            let fields: Vec<f32> = line.split(',').map(|field| field.parse().unwrap()).collect();
+            let place = who.bbox;
+            let expected = [*frame as f32, who.id as f32, place.x, place.y, place.w, place.h, 1.0, 1.0];
+            assert_eq!(fields[..8], expected);
+            assert!((fields[8] - who.visibility()).abs() < 6e-4);
+        }
+        let events = fs::read_to_string(out.join("truth/events.jsonl")).unwrap();
+        for (line, event) in events.lines().zip(&truth.events) {
+            let value: serde_json::Value = serde_json::from_str(line).unwrap();
+            assert_eq!(value["kind"], event.kind.name());
+            assert_eq!(value["frame"], event.frame);
+            assert_eq!(value["objects"].as_array().unwrap().len(), event.objects.len());
+        }
+        assert_eq!(events.lines().count(), 6);
+        let episodes = csv::Reader::from_path(out.join("truth/episodes.csv")).unwrap().into_records();
+        let rows: Vec<_> = episodes.map(Result::unwrap).collect();
+        assert_eq!(rows.len(), 1);
+        assert_eq!((&rows[0][0], &rows[0][1]), ("inter-object", "1+2"));
+        let description: serde_json::Value =
+            serde_json::from_str(&fs::read_to_string(out.join("scene.json")).unwrap()).unwrap();
+        assert_eq!(description["name"], "crossing");
+        assert_eq!(description["frames"], scene.frames);
+        assert_eq!(description["parameters"]["speed"], 2.0);
+    }
+
+    #[test]
+    fn lossless_video_holds_the_rendered_bits() {
+        let folder = tempfile::tempdir().unwrap();
+        let (scene, parameters) = small("empty", Some(5));
+        let video = write(&scene, &parameters, folder.path(), true, |_| ()).unwrap();
+        let mut reader = videoio::VideoCapture::from_file(&video, videoio::CAP_FFMPEG).unwrap();
+        for (frame, _) in render(&scene) {
+            let (mut bgr, mut rgb) = (core::Mat::default(), core::Mat::default());
+            assert!(reader.read(&mut bgr).unwrap());
+            imgproc::cvt_color_def(&bgr, &mut rgb, imgproc::COLOR_BGR2RGB).unwrap();
+            assert!(rgb.data_bytes().unwrap() == frame.rgb, "frame {}", frame.number);
+        }
+    }
+
+    #[test]
+    fn writing_again_replaces_its_own_files_and_leaves_others() {
+        let folder = tempfile::tempdir().unwrap();
+        let out = folder.path();
+        let (scene, parameters) = small("empty", Some(9));
+        write(&scene, &parameters, out, false, |_| ()).unwrap();
+        fs::write(out.join("notes.txt"), "mine").unwrap();
+        fs::write(out.join("truth/identities/000123b.png"), "mine").unwrap();
+        let (scene, parameters) = small("empty", Some(4));
+        write(&scene, &parameters, out, false, |_| ()).unwrap();
+        let images = names(&out.join("truth/identities"));
+        assert_eq!(images, ["000001.png", "000002.png", "000003.png", "000004.png", "000123b.png"]);
+        assert_eq!(names(out), ["empty.mp4", "notes.txt", "scene.json", "truth"]);
+        assert_eq!(fs::read_to_string(out.join("notes.txt")).unwrap(), "mine");
+    }
+
+    #[test]
+    fn a_place_that_cannot_be_written_is_one_line_that_names_it() {
+        let folder = tempfile::tempdir().unwrap();
+        let taken = folder.path().join("taken");
+        fs::write(&taken, "a file").unwrap();
+        let (scene, parameters) = small("empty", Some(2));
+        let message = write(&scene, &parameters, &taken, false, |_| ()).unwrap_err().to_string();
+        assert!(message.contains("taken") && message.lines().count() == 1, "{message}");
+        assert_eq!(fs::read_to_string(&taken).unwrap(), "a file");
+    }
+}

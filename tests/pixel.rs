@@ -1,0 +1,255 @@
+//! The CSV of `pixel` against the library's pixel, and against the pixel process written down a second time.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod common;
+
+use std::fs;
+use std::path::Path;
+
+use common::{Place, noise, text, works};
+use occluscope::mixture::{Parameters, Pixel};
+use occluscope::settings::{Preset, Settings};
+
+const FRAMES: u32 = 80;
+const SIDE: u32 = 12;
+
+/// A pixel that flickers between two surfaces, hidden now and then by something else.
+fn colour(x: u32, y: u32, t: u32) -> [u8; 3] {
+    let shake = |channel: u32| noise(x + 1000 * channel, y, t) / 24;
+    let base = match noise(x, y, 7 * t + 1) {
+        0..=120 => [70, 80, 90],
+        121..=220 => [150, 140, 100],
+        _ => [noise(x, t, 1), noise(x, t, 2), noise(y, t, 3)],
+    };
+    [0, 1, 2].map(|channel| base[channel as usize].saturating_add(shake(channel)))
+}
+
+fn write_images(folder: &Path) {
+    fs::create_dir(folder).unwrap();
+    for t in 1..=FRAMES {
+        let picture = image::RgbImage::from_fn(SIDE, SIDE, |x, y| image::Rgb(colour(x, y, t)));
+        picture.save(folder.join(format!("{t:04}.png"))).unwrap();
+    }
+}
+
+fn table(csv: &str) -> Vec<Vec<f32>> {
+    csv.lines().skip(1).map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect()
+}
+
+/// One Gaussian of the second writing.
+#[derive(Clone, Default)]
+struct Gaussian {
+    w: f32,
+    mu: Vec<f32>,
+    var: f32,
+}
+
+/// The pixel process of the method, written from its text alone.
+struct Reference<'a> {
+    settings: &'a Settings,
+    mixture: Vec<Gaussian>,
+    t: u32,
+}
+
+impl<'a> Reference<'a> {
+    fn new(settings: &'a Settings) -> Self {
+        Self { settings, mixture: Vec::new(), t: 0 }
+    }
+
+    fn value(&self, rgb: [u8; 3]) -> Vec<f32> {
+        if self.settings.space.word() == "rgb" {
+            return rgb.iter().map(|&channel| f32::from(channel)).collect();
+        }
+        let luma = 0.299 * f64::from(rgb[0]) + 0.587 * f64::from(rgb[1]) + 0.114 * f64::from(rgb[2]);
+        vec![luma.round() as f32]
+    }
+
+    fn density(x: &[f32], gaussian: &Gaussian) -> f64 {
+        let n = x.len() as f64;
+        let var = f64::from(gaussian.var);
+        (-0.5 * f64::from(distance(x, &gaussian.mu)) / var).exp()
+            / (std::f64::consts::TAU * var).powf(n / 2.0)
+    }
+
+    /// One frame; gives the row of the table from `matched` on.
+    fn step(&mut self, rgb: [u8; 3]) -> Vec<f32> {
+        let s = self.settings;
+        let x = self.value(rgb);
+        self.t += 1;
+        let k = s.k as usize;
+        let first_variance = s.initial_sigma * s.initial_sigma;
+        if self.t == 1 {
+            self.mixture = vec![Gaussian { w: 0.0, mu: vec![0.0; x.len()], var: 0.0 }; k];
+            self.mixture[0] = Gaussian { w: 1.0, mu: x, var: first_variance };
+            return self.row(0, 1, 1, false, 0.0, 0.0);
+        }
+        let alpha = if self.t <= s.warm_up { f32::max(s.alpha, 1.0 / self.t as f32) } else { s.alpha };
+        let p: f64 =
+            self.mixture.iter().filter(|g| g.w > 0.0).map(|g| f64::from(g.w) * Self::density(&x, g)).sum();
+
+        let limit = s.match_sigmas * s.match_sigmas;
+        let matched = self.mixture.iter().position(|g| g.w > 0.0 && distance(&x, &g.mu) <= limit * g.var);
+        for (index, g) in self.mixture.iter_mut().enumerate() {
+            let m = if matched == Some(index) { 1.0 } else { 0.0 };
+            g.w = (1.0 - alpha) * g.w + alpha * m;
+        }
+        let mut rho = 0.0;
+        let mut place = k - 1;
+        if let Some(index) = matched {
+            let g = &mut self.mixture[index];
+            rho = match s.rate.word() {
+                "density" => (f64::from(alpha) * Self::density(&x, g)) as f32,
+                "weight" => alpha / g.w,
+                _ => alpha,
+            };
+            rho = rho.min(1.0);
+            g.mu = g.mu.iter().zip(&x).map(|(mu, x)| (1.0 - rho) * mu + rho * x).collect();
+            g.var = ((1.0 - rho) * g.var + rho * distance(&x, &g.mu)).max(s.min_sigma * s.min_sigma);
+            place = index;
+        } else {
+            self.mixture[place] = Gaussian { w: s.initial_weight, mu: x, var: first_variance };
+            let sum = self.mixture.iter().fold(0.0, |sum, g| sum + g.w);
+            self.mixture.iter_mut().for_each(|g| g.w /= sum);
+        }
+        let fitness = |g: &Gaussian| if g.w > 0.0 { g.w / g.var.sqrt() } else { 0.0 };
+        while place > 0 && fitness(&self.mixture[place]) > fitness(&self.mixture[place - 1]) {
+            self.mixture.swap(place, place - 1);
+            place -= 1;
+        }
+        let mut sum = 0.0;
+        let mut background = self.mixture.iter().filter(|g| g.w > 0.0).count();
+        for (index, g) in self.mixture.iter().enumerate() {
+            sum += g.w;
+            if sum > s.t {
+                background = index + 1;
+                break;
+            }
+        }
+        let foreground = matched.is_none() || place + 1 > background;
+        self.row(matched.map_or(0, |index| index + 1), place + 1, background, foreground, rho, p)
+    }
+
+    fn row(
+        &self,
+        matched: usize,
+        rank: usize,
+        background: usize,
+        foreground: bool,
+        rho: f32,
+        p: f64,
+    ) -> Vec<f32> {
+        let mut row = vec![
+            matched as f32,
+            rank as f32,
+            background as f32,
+            f32::from(u8::from(foreground)),
+            rho,
+            p as f32,
+        ];
+        for g in &self.mixture {
+            row.push(g.w);
+            row.extend(&g.mu);
+            row.push(g.var);
+        }
+        row
+    }
+}
+
+fn distance(x: &[f32], mu: &[f32]) -> f32 {
+    x.iter().zip(mu).map(|(x, mu)| (x - mu) * (x - mu)).fold(0.0, |sum, square| sum + square)
+}
+
+#[test]
+fn the_table_is_the_method_s_pixel_process() {
+    let place = Place::new();
+    let images = place.path("images");
+    write_images(&images);
+    let (mut replaced, mut several) = (0, 0);
+    for (flags, at) in [
+        (&["--preset", "plain"][..], (3, 4)),
+        (&["--preset", "plain", "--k", "1"], (0, 0)),
+        (&["--preset", "plain", "--k", "8", "--t", "0.9"], (11, 11)),
+        (&["--preset", "plain", "--space", "gray", "--k", "3"], (5, 6)),
+        (&["--preset", "plain", "--rate", "constant", "--alpha", "0.05", "--k", "2"], (7, 1)),
+        (&["--preset", "plain", "--warm-up", "30", "--match-sigmas", "1.5", "--min-sigma", "0.5"], (2, 9)),
+        (&["--preset", "opencv-mog"], (8, 8)),
+        (&["--preset", "paper", "--k", "3"], (1, 10)),
+        (&["--preset", "default"], (6, 6)),
+    ] {
+        let out = place.path("pixel.csv");
+        let at_text = format!("{},{}", at.0, at.1);
+        let arguments = [&["pixel", text(&images), "--at", &at_text, "--out", text(&out)], flags].concat();
+        works(&arguments);
+        let rows = table(&fs::read_to_string(&out).unwrap());
+        assert_eq!(rows.len(), FRAMES as usize);
+
+        let settings = settings_of(flags);
+        let approximate = settings.rate.word() == "density";
+        let mut reference = Reference::new(&settings);
+        for (row, t) in rows.iter().zip(1..) {
+            let x = reference.value(colour(at.0, at.1, t));
+            assert_eq!(row[0], t as f32, "{flags:?}");
+            assert_eq!(row[1..=x.len()], x, "{flags:?}, frame {t}");
+            let (row, expected) = (&row[x.len() + 1..], reference.step(colour(at.0, at.1, t)));
+            assert_eq!(row.len(), expected.len());
+            for (index, (&found, &expected)) in row.iter().zip(&expected).enumerate() {
+                // Densities go through an exponential, and so does whatever follows from ρ = α·η.
+                let exact = index < 4 || (index != 5 && !approximate);
+                let close = (found - expected).abs() <= 2e-5 * expected.abs();
+                assert!(
+                    if exact { found == expected } else { close },
+                    "{flags:?}, frame {t}, column {index}: {found}, not {expected}"
+                );
+            }
+            replaced += u32::from(t > 1 && row[0] == 0.0);
+            several += u32::from(row[2] > 1.0);
+        }
+    }
+    assert!(replaced > 50 && several > 50, "the sequence is too tame: {replaced}, {several}");
+}
+
+fn settings_of(flags: &[&str]) -> Settings {
+    let mut settings = Settings::preset(Preset::from_word(flags[1]).unwrap());
+    for pair in flags[2..].chunks(2) {
+        settings.set(pair[0].trim_start_matches("--"), pair[1]).unwrap();
+    }
+    settings
+}
+
+#[test]
+fn the_table_is_the_library_s_pixel_bit_for_bit() {
+    let place = Place::new();
+    let images = place.path("images");
+    write_images(&images);
+    for preset in Preset::ALL {
+        // Without --out the table goes to stdout.
+        let rows = table(&works(&["pixel", text(&images), "--at", "4,7", "--preset", preset.word()]));
+        let parameters = Parameters::new(&Settings::preset(preset));
+        let mut pixel = Pixel::unseen(parameters.k);
+        for (row, t) in rows.iter().zip(1..) {
+            let outcome = pixel.update(parameters.value(colour(4, 7, t)), t, &parameters);
+            assert_eq!((row[8], row[9]), (outcome.rho, outcome.p));
+            for (cells, component) in row[10..].chunks(5).zip(pixel.components()) {
+                assert_eq!(cells[0], component.weight);
+                assert_eq!(cells[1..4], component.mean);
+                assert_eq!(cells[4], component.variance);
+            }
+        }
+    }
+}
+
+#[test]
+fn a_range_starts_the_model_there_and_keeps_the_numbers() {
+    let place = Place::new();
+    let images = place.path("images");
+    write_images(&images);
+    let all = works(&["pixel", text(&images), "--at", "4,7"]);
+    let some = works(&["pixel", text(&images), "--at", "4,7", "--range", "21..30"]);
+    assert_eq!(some.lines().count(), 11);
+    assert!(some.lines().nth(1).unwrap().starts_with("21,"));
+    assert!(some.lines().last().unwrap().starts_with("30,"));
+    assert!(some.lines().nth(1).unwrap().contains(",0,1,1,0,0,0,1,"), "the first frame of the model");
+    assert_eq!(some.lines().next(), all.lines().next());
+    assert_ne!(some.lines().last(), all.lines().nth(30));
+}

@@ -1,0 +1,359 @@
+//! `run` from images to files: every file and its form, numbering, sameness.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod common;
+
+use std::collections::BTreeMap;
+use std::fs;
+use std::path::Path;
+
+use common::{HEIGHT, Place, WIDTH, fails, occluscope, scene, text, works, write_images};
+use opencv::core::{Mat, Vector};
+use opencv::prelude::*;
+use opencv::{imgcodecs, videoio};
+use serde_json::Value;
+
+const TABLES: [&str; 7] = [
+    "episodes.csv",
+    "events.jsonl",
+    "regions.csv",
+    "settings.toml",
+    "summary.json",
+    "tracks.csv",
+    "tracks.json",
+];
+
+/// Settings under which the small scene's block is an object.
+const SMALL: [&str; 8] = ["--median", "0", "--min-area", "10", "--track-min-area", "0.5", "--alpha", "0.01"];
+
+fn read(path: &Path) -> String {
+    fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+fn json(path: &Path) -> Value {
+    serde_json::from_str(&read(path)).unwrap()
+}
+
+fn run(video: &Path, out: &Path, more: &[&str]) -> String {
+    works(&[&["run", text(video), "--out", text(out)], &SMALL[..], more].concat())
+}
+
+/// All files under a folder with their bytes, the summary without its timing.
+fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut all = BTreeMap::new();
+    for name in common::names(folder) {
+        let path = folder.join(&name);
+        if path.is_dir() {
+            all.extend(contents(&path).into_iter().map(|(inner, bytes)| (format!("{name}/{inner}"), bytes)));
+        } else if name == "summary.json" {
+            let mut summary = json(&path);
+            assert!(summary.as_object_mut().unwrap().remove("timing").is_some());
+            all.insert(name, summary.to_string().into_bytes());
+        } else {
+            all.insert(name, fs::read(&path).unwrap());
+        }
+    }
+    all
+}
+
+fn numbered(prefix: &str, numbers: std::ops::RangeInclusive<u32>) -> Vec<String> {
+    numbers.map(|number| format!("{prefix}{number:06}.png")).collect()
+}
+
+#[test]
+fn every_file_has_its_form() {
+    let place = Place::new();
+    let (images, out) = (place.path("images"), place.path("results/deep"));
+    write_images(&images, 60, 1);
+    let stdout =
+        run(&images, &out, &["--masks", "--frames", "--annotated", "--background", "--plain-frames"]);
+    assert!(stdout.is_empty());
+    let mut expected: Vec<_> = TABLES.to_vec();
+    expected.extend(["annotated.mp4", "background", "frames", "masks", "plain-frames"]);
+    expected.sort_unstable();
+    assert_eq!(common::names(&out), expected);
+
+    let summary = json(&out.join("summary.json"));
+    assert_eq!(summary["version"], env!("CARGO_PKG_VERSION"));
+    assert_eq!(summary["input"]["path"], text(&images));
+    assert_eq!(summary["input"]["size"], serde_json::json!({"width": WIDTH, "height": HEIGHT}));
+    assert_eq!(summary["input"]["frames"], 60);
+    assert_eq!(summary["input"]["sha256"].as_str().unwrap().len(), 64);
+    assert_eq!(summary["settings"]["min_area"], 10);
+    assert!(summary["timing"]["frames_per_second"].as_f64().unwrap() > 0.0);
+
+    // Pictures: numbered as the frames, masks of 0 and 255, their share that of the summary.
+    assert_eq!(common::names(&out.join("masks")), numbered("bin", 1..=60));
+    for folder in ["frames", "background", "plain-frames"] {
+        assert_eq!(common::names(&out.join(folder)), numbered("", 1..=60));
+    }
+    let mut foreground = 0;
+    for name in numbered("bin", 1..=60) {
+        let mask = image::open(out.join("masks").join(name)).unwrap();
+        assert_eq!(mask.color(), image::ColorType::L8);
+        let mask = mask.into_luma8();
+        assert_eq!(mask.dimensions(), (WIDTH, HEIGHT));
+        assert!(mask.pixels().all(|pixel| pixel.0 == [0] || pixel.0 == [255]));
+        foreground += mask.pixels().filter(|pixel| pixel.0 == [255]).count();
+    }
+    let share = foreground as f64 / f64::from(60 * WIDTH * HEIGHT);
+    assert!(
+        (summary["foreground_share"].as_f64().unwrap() - share).abs() < 1e-12 && share > 0.005,
+        "{share}"
+    );
+    let picture = |folder: &str, number: u32| {
+        image::open(out.join(folder).join(format!("{number:06}.png"))).unwrap().into_rgb8()
+    };
+    assert_eq!(picture("plain-frames", 45), scene(45));
+    assert_ne!(picture("frames", 45), scene(45));
+    assert_eq!(picture("background", 1), scene(1), "the first frame is the first background");
+    let mut video = videoio::VideoCapture::from_file(out.join("annotated.mp4"), videoio::CAP_ANY).unwrap();
+    let (mut image, mut frames, mut sides) = (Mat::default(), 0, (0, 0));
+    while video.read(&mut image).unwrap() {
+        frames += 1;
+        sides = (image.cols(), image.rows());
+    }
+    assert_eq!((frames, sides), (60, (WIDTH as i32, HEIGHT as i32)));
+
+    // Regions: one row each, whole boxes that hold the centroid, the block among them.
+    let regions = read(&out.join("regions.csv"));
+    let mut lines = regions.lines();
+    assert_eq!(
+        lines.next().unwrap(),
+        "frame,label,area,x,y,w,h,cx,cy,mu20,mu11,mu02,orientation,eccentricity,extent,r,g,b,object"
+    );
+    let mut red = 0;
+    for line in lines {
+        let cells: Vec<_> = line.split(',').collect();
+        assert_eq!(cells.len(), 19, "{line}");
+        let number = |index: usize| cells[index].parse::<f64>().unwrap();
+        assert!(number(2) >= 10.0 && number(14) <= 1.0);
+        assert!(number(3) <= number(7) && number(7) <= number(3) + number(5), "{line}");
+        red += u32::from(number(15) > 150.0 && number(16) < 60.0);
+    }
+    assert!(red > 20, "the block is found in {red} frames only:\n{regions}");
+
+    // The settings and the summary's are one.
+    let toml = read(&out.join("settings.toml"));
+    assert!(toml.contains("\nmin_area = 10\n") && toml.contains("\ntrack_min_area = 0.5\n"));
+    assert_eq!(works(&["settings", "--settings", text(&out.join("settings.toml"))]), toml);
+}
+
+#[test]
+fn tracks_events_and_regions_agree() {
+    let place = Place::new();
+    let (images, out) = (place.path("images"), place.path("out"));
+    write_images(&images, 70, 1);
+    run(&images, &out, &[]);
+    assert_eq!(common::names(&out), TABLES);
+
+    let tracks = json(&out.join("tracks.json"));
+    let tracks = tracks.as_array().unwrap();
+    let csv = read(&out.join("tracks.csv"));
+    assert!(!tracks.is_empty(), "the block is an object");
+    assert_eq!(csv.lines().count(), tracks.len());
+    for (line, track) in csv.lines().zip(tracks) {
+        let cells: Vec<f64> = line.split(',').map(|cell| cell.parse().unwrap()).collect();
+        let of = |key: &str| track[key].as_f64().unwrap();
+        assert_eq!(cells[7..], [-1.0; 3]);
+        for (cell, key) in cells.iter().zip(["frame", "id", "x", "y", "w", "h", "conf"]) {
+            assert!((cell - of(key)).abs() < 1e-6 * cell.abs().max(1.0), "{line}: {key}");
+        }
+        assert_eq!(of("conf"), if track["state"] == "visible" { 1.0 } else { 0.5 });
+        for key in ["visible_share", "velocity", "fitness", "colours"] {
+            assert!(track.get(key).is_some(), "{key}");
+        }
+    }
+    // The block is one object to the end, and its colour is red.
+    let last = tracks.last().unwrap();
+    assert!(last["frame"].as_u64().unwrap() >= 65, "{last}");
+    assert!(last["colours"][0][0].as_u64().unwrap() > 150, "{last}");
+
+    // Whose a region is: what the tracks say of its label.
+    for line in read(&out.join("regions.csv")).lines().skip(1) {
+        let cells: Vec<_> = line.split(',').collect();
+        let owners: Vec<_> = tracks
+            .iter()
+            .filter(|track| track["frame"].as_u64() == cells[0].parse().ok())
+            .filter(|track| {
+                track["regions"]
+                    .as_array()
+                    .unwrap()
+                    .iter()
+                    .any(|label| label.as_u64() == cells[1].parse().ok())
+            })
+            .map(|track| track["id"].to_string())
+            .collect();
+        assert_eq!(cells[18], owners.join("+"), "{line}");
+    }
+
+    let summary = json(&out.join("summary.json"));
+    let mut counts = BTreeMap::new();
+    let mut frame = 0;
+    for line in read(&out.join("events.jsonl")).lines() {
+        let event: Value = serde_json::from_str(line).unwrap();
+        for key in ["frame", "kind", "objects", "becomes", "x", "y", "front", "evidence"] {
+            assert!(event.get(key).is_some(), "{key} in {line}");
+        }
+        assert!(event["frame"].as_u64().unwrap() >= frame, "events are in order");
+        frame = event["frame"].as_u64().unwrap();
+        *counts.entry(event["kind"].as_str().unwrap().to_owned()).or_insert(0) += 1;
+    }
+    for (kind, count) in summary["events"].as_object().unwrap() {
+        assert_eq!(count.as_u64().unwrap(), counts.get(kind).copied().unwrap_or(0), "{kind}");
+    }
+    let episodes = read(&out.join("episodes.csv"));
+    assert_eq!(
+        episodes.lines().next().unwrap(),
+        "kind,objects,start,end,least_visible,front,identities_kept"
+    );
+    assert_eq!(summary["episodes"].as_u64().unwrap() as usize, episodes.lines().count() - 1);
+}
+
+#[test]
+fn threads_and_reruns_change_nothing() {
+    let place = Place::new();
+    let images = place.path("images");
+    write_images(&images, 50, 1);
+    let bulky = ["--masks", "--frames", "--background", "--annotated"];
+    let folder = |name: &str, more: &[&str]| {
+        let out = place.path(name);
+        run(&images, &out, &[&bulky[..], more].concat());
+        contents(&out)
+    };
+    let one = folder("one", &["--threads", "1"]);
+    let three = folder("three", &["--threads", "3"]);
+    let again = folder("one", &[]);
+    assert_eq!(one.keys().collect::<Vec<_>>(), three.keys().collect::<Vec<_>>());
+    for (name, bytes) in &one {
+        assert!(three[name] == *bytes, "{name} differs between 1 and 3 threads");
+        assert!(again[name] == *bytes, "{name} differs between two runs");
+    }
+}
+
+#[test]
+fn a_range_keeps_the_source_s_numbers_and_starts_the_model_there() {
+    let place = Place::new();
+    let images = place.path("images");
+    write_images(&images, 40, 470);
+    let out = place.path("out");
+    run(&images, &out, &["--masks", "--range", "490..500"]);
+    assert_eq!(common::names(&out.join("masks")), numbered("bin", 490..=500));
+
+    // The same frames alone give the same files.
+    let part = place.path("part");
+    fs::create_dir(&part).unwrap();
+    for number in 490..=500 {
+        let name = format!("in{number:06}.png");
+        fs::copy(images.join(&name), part.join(&name)).unwrap();
+    }
+    let alone = place.path("alone");
+    run(&part, &alone, &["--masks"]);
+    let (out_files, alone_files) = (contents(&out), contents(&alone));
+    for (name, bytes) in &out_files {
+        assert!(name == "summary.json" || alone_files[name] == *bytes, "{name}");
+    }
+    let input = json(&out.join("summary.json"))["input"].clone();
+    assert_eq!(
+        (&input["frames"], &input["first_frame"], &input["last_frame"]),
+        (&11.into(), &490.into(), &500.into())
+    );
+    assert_eq!(input["sha256"], json(&alone.join("summary.json"))["input"]["sha256"]);
+
+    // An end beyond the last frame is cut, and told unless quiet.
+    let beyond = place.path("beyond");
+    let arguments = ["run", text(&images), "--out", text(&beyond), "--range", "505..600"];
+    let output = occluscope(&arguments).output().unwrap();
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && stderr.contains("warning") && stderr.contains("509"), "{stderr}");
+    assert_eq!(json(&beyond.join("summary.json"))["input"]["frames"], 5);
+    let output = occluscope(&[&arguments[..], &["--quiet"]].concat()).output().unwrap();
+    assert!(output.status.success() && output.stderr.is_empty());
+}
+
+#[test]
+fn a_rerun_replaces_its_own_files_only() {
+    let place = Place::new();
+    let (images, out) = (place.path("images"), place.path("out"));
+    write_images(&images, 12, 1);
+    run(&images, &out, &["--masks"]);
+    fs::write(out.join("notes.txt"), "mine").unwrap();
+    fs::write(out.join("masks/notes.txt"), "mine").unwrap();
+    run(&images, &out, &["--masks", "--range", "3..7"]);
+    assert_eq!(read(&out.join("notes.txt")), "mine");
+    let mut expected = numbered("bin", 3..=7);
+    expected.push("notes.txt".to_owned());
+    assert_eq!(common::names(&out.join("masks")), expected);
+
+    // A failed run leaves the results that are there as they are.
+    let before = contents(&out);
+    fails(&["run", text(&images), "--out", text(&out), "--masks", "--range", "90..99"], 1);
+    assert!(contents(&out) == before);
+}
+
+#[test]
+fn an_image_that_cannot_be_read_is_warned_of_and_skipped_with_its_number() {
+    let place = Place::new();
+    let (images, out) = (place.path("images"), place.path("out"));
+    write_images(&images, 8, 1);
+    fs::write(images.join("in000004.png"), "broken").unwrap();
+    let output =
+        occluscope(&["run", text(&images), "--out", text(&out), "--masks", "--frames"]).output().unwrap();
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && stderr.contains("in000004.png"), "{stderr}");
+    let names = common::names(&out.join("masks"));
+    assert_eq!(names.len(), 7);
+    assert!(!names.contains(&"bin000004.png".to_owned()));
+    assert_eq!(common::names(&out.join("frames")).len(), 7);
+}
+
+fn write_video(path: &Path, frames: u32) {
+    let fourcc = videoio::VideoWriter::fourcc('M', 'J', 'P', 'G').unwrap();
+    let size = opencv::core::Size::new(WIDTH as i32, HEIGHT as i32);
+    let mut video = videoio::VideoWriter::new(path, fourcc, 12.5, size, true).unwrap();
+    for t in 1..=frames {
+        let mut png = std::io::Cursor::new(Vec::new());
+        scene(t).write_to(&mut png, image::ImageFormat::Png).unwrap();
+        let png = Vector::<u8>::from_iter(png.into_inner());
+        video.write(&imgcodecs::imdecode(&png, imgcodecs::IMREAD_COLOR).unwrap()).unwrap();
+    }
+    video.release().unwrap();
+}
+
+#[test]
+fn a_video_that_breaks_off_is_analysed_to_the_break() {
+    let place = Place::new();
+    let (whole, broken) = (place.path("whole.avi"), place.path("broken.avi"));
+    write_video(&whole, 30);
+    let bytes = fs::read(&whole).unwrap();
+    fs::write(&broken, &bytes[..bytes.len() * 6 / 10]).unwrap();
+
+    let out = place.path("out");
+    run(&whole, &out, &[]);
+    let input = json(&out.join("summary.json"))["input"].clone();
+    assert_eq!((&input["frames"], &input["fps"]), (&30.into(), &12.5.into()));
+    let sum = std::process::Command::new("sha256sum").arg(&whole).output().unwrap();
+    let sum = String::from_utf8(sum.stdout).unwrap();
+    assert_eq!(input["sha256"].as_str(), sum.split_whitespace().next());
+
+    let output = occluscope(&["run", text(&broken), "--out", text(&out), "--annotated"]).output().unwrap();
+    let stderr = String::from_utf8_lossy(&output.stderr);
+    assert!(output.status.success() && stderr.contains("warning: "), "{stderr}");
+    let frames = json(&out.join("summary.json"))["input"]["frames"].as_u64().unwrap();
+    assert!((5..30).contains(&frames), "{frames}");
+}
+
+#[test]
+fn opencv_s_models_go_through_the_same_stages() {
+    let place = Place::new();
+    let images = place.path("images");
+    write_images(&images, 40, 1);
+    for model in ["mog2", "knn"] {
+        let out = place.path(model);
+        run(&images, &out, &["--background-model", model, "--masks", "--background"]);
+        assert_eq!(common::names(&out.join("masks")).len(), 40);
+        assert_eq!(common::names(&out.join("background")).len(), 40);
+        assert_eq!(json(&out.join("summary.json"))["settings"]["background_model"], model);
+    }
+}
