@@ -51,8 +51,8 @@ pub enum WriteError {
 }
 
 impl WriteError {
-    fn file(path: &Path, why: impl ToString) -> Self {
-        Self::File { path: path.to_owned(), why: why.to_string() }
+    fn file(path: &Path, why: impl std::fmt::Display) -> Self {
+        Self::File { path: path.to_owned(), why: format!("{why}") }
     }
 }
 
@@ -228,23 +228,23 @@ impl Encoder {
 
     fn add(&mut self, frame: &Frame) -> Result<(), WriteError> {
         let result = bgr(frame).and_then(|image| self.writer.write(&image));
-        result.map_err(|why| self.error(why.message))
+        result.map_err(|why| self.error(&why.message))
     }
 
     /// OpenCV does not say when a write fails: a full disk shows only in what can be read back.
     fn finish(mut self, frames: u32) -> Result<(), WriteError> {
-        self.writer.release().map_err(|why| self.error(why.message))?;
-        let readable = count_frames(&self.draft).map_err(|why| self.error(why.message))?;
+        self.writer.release().map_err(|why| self.error(&why.message))?;
+        let readable = count_frames(&self.draft).map_err(|why| self.error(&why.message))?;
         if readable != frames {
             let why = format!(
                 "only {readable} of {frames} frames can be read back; see whether the disk is full, or try --lossless"
             );
-            return Err(self.error(why));
+            return Err(self.error(&why));
         }
         Ok(())
     }
 
-    fn error(&self, why: String) -> WriteError {
+    fn error(&self, why: &str) -> WriteError {
         let why = why.lines().collect::<Vec<_>>().join(" ");
         WriteError::Video { path: self.place.clone(), why }
     }
@@ -365,6 +365,26 @@ mod tests {
         assert_eq!(images, ["000001.png", "000002.png", "000003.png", "000004.png", "000123b.png"]);
         assert_eq!(names(out), ["empty.mp4", "notes.txt", "scene.json", "truth"]);
         assert_eq!(fs::read_to_string(out.join("notes.txt")).unwrap(), "mine");
+    }
+
+    #[test]
+    fn the_bundled_samples_are_what_the_program_makes() {
+        let samples = Path::new(env!("CARGO_MANIFEST_DIR")).join("sample_videos");
+        for name in ["crossing", "tree"] {
+            let mut parameters = Parameters::default();
+            parameters.noise.sigma = 6.0;
+            let scene = catalogue::scene(name, &parameters).unwrap();
+            let mut recorder = Recorder::new(scene.fps);
+            render(&scene).for_each(|(_, truth)| recorder.push(&truth));
+            let truth = recorder.finish();
+            let kept = |file: &str| fs::read_to_string(samples.join("truth").join(name).join(file)).unwrap();
+            assert_eq!(kept("gt.txt"), boxes_text(&truth));
+            assert_eq!(kept("events.jsonl"), events_text(&truth).unwrap());
+            assert_eq!(kept("episodes.csv"), episodes_text(&truth));
+            let video = samples.join(name).with_extension("mp4");
+            assert_eq!(count_frames(&video).unwrap(), scene.frames);
+            assert!(fs::metadata(video).unwrap().len() < 1 << 20);
+        }
     }
 
     #[test]
