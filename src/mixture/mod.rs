@@ -6,6 +6,7 @@
 pub mod exponential;
 pub mod history;
 pub mod image;
+pub mod opencv;
 pub mod pixel;
 
 pub use history::{PixelHistory, PixelState};

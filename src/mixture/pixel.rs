@@ -175,6 +175,10 @@ impl Pixel {
         &self.components[..self.k]
     }
 
+    pub(super) fn components_mut(&mut self) -> &mut [Component] {
+        &mut self.components[..self.k]
+    }
+
     /// How many components are in use.
     pub fn used(&self) -> usize {
         self.components().iter().filter(|component| component.is_used()).count()
@@ -213,11 +217,16 @@ impl Pixel {
 
     /// Takes the value of the `t`-th frame (from 1) into the mixture and decides about it.
     pub fn update(&mut self, x: Value, t: u32, parameters: &Parameters) -> Outcome {
-        if t <= 1 || !self.components[0].is_used() {
+        let p = self.probability(x, parameters.channels());
+        Outcome { p, ..self.step(x, t, parameters) }
+    }
+
+    /// [`Pixel::update`] without P(X), which costs K exponentials and changes nothing.
+    pub(super) fn step(&mut self, x: Value, t: u32, parameters: &Parameters) -> Outcome {
+        if t <= 1 {
             return self.first_frame(x, parameters);
         }
         let alpha = parameters.alpha_at(t);
-        let p = self.probability(x, parameters.channels());
 
         let matched = self.find_match(x, parameters.lambda);
         self.update_weights(matched, alpha);
@@ -237,7 +246,7 @@ impl Pixel {
             background_count: background_count as u8,
             foreground: matched.is_none() || rank > background_count,
             rho,
-            p,
+            p: 0.0,
         }
     }
 

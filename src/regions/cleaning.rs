@@ -1,4 +1,151 @@
-//! Cleaning.
-/// x
-#[derive(Clone)]
-pub struct Cleaning;
+//! What is done to the mask before regions are found in it: filters against specks, gaps and holes.
+
+use opencv::boxed_ref::BoxedRef;
+use opencv::core::{BORDER_CONSTANT, Mat, Point, Size as CvSize};
+use opencv::imgproc::{
+    MORPH_CLOSE, MORPH_ELLIPSE, MORPH_OPEN, get_structuring_element, median_blur,
+    morphology_default_border_value, morphology_ex,
+};
+use opencv::prelude::*;
+
+use super::components::{connected_components, mat};
+use crate::frame::Mask;
+use crate::settings::Settings;
+
+/// Which filters, and how large; a size of 0 leaves one out. They run in the order of the fields.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Cleaning {
+    /// Side of the median filter in pixels.
+    pub median: u32,
+    /// Side of the opening's disc in pixels.
+    pub opening: u32,
+    /// Side of the closing's disc in pixels.
+    pub closing: u32,
+    /// Holes up to this many pixels are filled.
+    pub fill_holes: u32,
+}
+
+impl Cleaning {
+    /// The filters that `settings` ask for.
+    pub const fn new(settings: &Settings) -> Self {
+        Self {
+            median: settings.median,
+            opening: settings.opening,
+            closing: settings.closing,
+            fill_holes: settings.fill_holes,
+        }
+    }
+
+    /// The cleaned mask.
+    pub fn apply(&self, mask: Mask) -> opencv::Result<Mask> {
+        let mut mask = mask;
+        if self.median > 0 {
+            mask = filtered(&mask, |from, to| median_blur(from, to, self.median as i32))?;
+        }
+        if self.opening > 0 {
+            mask = morphed(&mask, MORPH_OPEN, self.opening)?;
+        }
+        if self.closing > 0 {
+            mask = morphed(&mask, MORPH_CLOSE, self.closing)?;
+        }
+        if self.fill_holes > 0 {
+            fill_holes(&mut mask, self.fill_holes)?;
+        }
+        Ok(mask)
+    }
+}
+
+fn filtered(
+    mask: &Mask,
+    filter: impl FnOnce(&BoxedRef<'_, Mat>, &mut Mat) -> opencv::Result<()>,
+) -> opencv::Result<Mask> {
+    let from = mat(mask)?;
+    let mut to = Mat::default();
+    filter(&from, &mut to)?;
+    Ok(Mask { size: mask.size, data: to.data_bytes()?.to_vec() })
+}
+
+fn morphed(mask: &Mask, operation: i32, side: u32) -> opencv::Result<Mask> {
+    let centre = Point::new(-1, -1);
+    let disc = get_structuring_element(MORPH_ELLIPSE, CvSize::new(side as i32, side as i32), centre)?;
+    filtered(mask, |from, to| {
+        morphology_ex(
+            from,
+            to,
+            operation,
+            &disc,
+            centre,
+            1,
+            BORDER_CONSTANT,
+            morphology_default_border_value()?,
+        )
+    })
+}
+
+/// Fills background areas of at most `largest` pixels that the foreground encloses. A hole is
+/// 4-connected, as the foreground around it is 8-connected; one that reaches the image edge is open.
+fn fill_holes(mask: &mut Mask, largest: u32) -> opencv::Result<()> {
+    let inverse = Mask { size: mask.size, data: mask.data.iter().map(|value| 255 - value).collect() };
+    let (labels, count) = connected_components(&inverse, 4)?;
+    let (width, height) = (mask.size.width as usize, mask.size.height as usize);
+    let mut areas = vec![0_u32; count];
+    let mut open = vec![false; count];
+    for (index, &label) in labels.iter().enumerate() {
+        let (x, y) = (index % width, index / width);
+        areas[label as usize] += 1;
+        open[label as usize] |= x == 0 || y == 0 || x + 1 == width || y + 1 == height;
+    }
+    for (value, &label) in mask.data.iter_mut().zip(&labels) {
+        if label != 0 && !open[label as usize] && areas[label as usize] <= largest {
+            *value = Mask::FOREGROUND;
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::Size;
+
+    const OFF: Cleaning = Cleaning { median: 0, opening: 0, closing: 0, fill_holes: 0 };
+
+    fn mask(rows: &[&str]) -> Mask {
+        let data = rows.iter().flat_map(|row| row.bytes().map(|byte| if byte == b'#' { 255 } else { 0 }));
+        Mask { size: Size::new(rows[0].len() as u32, rows.len() as u32), data: data.collect() }
+    }
+
+    #[test]
+    fn nothing_asked_for_changes_nothing() {
+        let speckled = mask(&["#..", ".#.", "..#"]);
+        assert_eq!(OFF.apply(speckled.clone()).unwrap(), speckled);
+    }
+
+    #[test]
+    fn the_median_removes_specks_and_closes_pinholes() {
+        let before = mask(&[".......", ".#.....", "...####", "...#.##", "...####", "...####", "......."]);
+        let after = Cleaning { median: 3, ..OFF }.apply(before).unwrap();
+        assert!(!after.is_foreground(1, 1));
+        assert!(after.is_foreground(4, 3));
+    }
+
+    #[test]
+    fn only_enclosed_holes_up_to_the_size_are_filled() {
+        let before = mask(&["#####.#", "#.#...#", "#####.#", "#...#.#", "#...#.#", "#####.."]);
+        let after = Cleaning { fill_holes: 5, ..OFF }.apply(before.clone()).unwrap();
+        assert!(after.is_foreground(1, 1), "one pixel, enclosed");
+        assert!(!after.is_foreground(3, 1), "reaches the image edge");
+        assert!(!after.is_foreground(2, 3), "six pixels are too many");
+        let after = Cleaning { fill_holes: 6, ..OFF }.apply(before).unwrap();
+        assert!(after.is_foreground(2, 3));
+    }
+
+    #[test]
+    fn opening_removes_and_closing_joins_what_is_thin() {
+        let before = mask(&["..........", ".###.###..", ".###.#####", ".###.###..", ".........."]);
+        let closed = Cleaning { closing: 3, ..OFF }.apply(before.clone()).unwrap();
+        assert!(closed.is_foreground(4, 2));
+        let opened = Cleaning { opening: 3, ..OFF }.apply(before).unwrap();
+        assert!(!opened.is_foreground(9, 2) && opened.is_foreground(2, 2));
+    }
+}

@@ -2,7 +2,23 @@
 //!
 //! Every later stage sees only [`Frame`]s, 8-bit RGB, in order.
 
+pub mod cache;
+mod image_file;
+mod images;
+mod numbering;
+mod pattern;
+mod quiet;
+mod video;
+
+#[cfg(test)]
+mod tests;
+
+use std::fs;
+use std::io::ErrorKind;
+
 use crate::frame::{Frame, Size};
+
+pub use quiet::silence_libraries;
 
 /// What is known of a source before its frames are read.
 #[derive(Clone, Debug, PartialEq)]
@@ -46,4 +62,45 @@ pub enum SourceError {
         /// Why, and what to do.
         why: String,
     },
+}
+
+impl SourceError {
+    pub(crate) fn unusable(path: &str, why: impl Into<String>) -> Self {
+        // Libraries like to break their messages; a message of ours is one line.
+        let why = why.into().split_whitespace().collect::<Vec<_>>().join(" ");
+        Self::Unusable { path: path.to_owned(), why }
+    }
+}
+
+/// Opens what `name` names: a video file, a folder of images, a printf pattern such as
+/// `in%06d.png`, or a camera as `camera:0`.
+///
+/// The first frame is decoded already, so that what cannot be read fails here. A folder's images
+/// are all measured here: when they differ in size, it fails before any is analysed.
+pub fn open(name: &str) -> Result<Box<dyn Source>, SourceError> {
+    silence_libraries();
+    if let Some(index) = name.strip_prefix("camera:") {
+        return Ok(Box::new(video::open_camera(name, index)?));
+    }
+    let metadata = match fs::metadata(name) {
+        Ok(metadata) => metadata,
+        Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {
+            return if name.contains('%') {
+                Ok(Box::new(images::ImageSequence::of_pattern(name)?))
+            } else {
+                Err(SourceError::Missing(name.to_owned()))
+            };
+        }
+        Err(error) => return Err(SourceError::unusable(name, format!("{error}; check its permissions"))),
+    };
+    if metadata.is_dir() {
+        Ok(Box::new(images::ImageSequence::of_folder(name)?))
+    } else if metadata.is_file() {
+        Ok(Box::new(video::open_file(name)?))
+    } else {
+        Err(SourceError::unusable(
+            name,
+            "it is neither a file nor a folder; a camera is named camera:0, camera:1, …",
+        ))
+    }
 }

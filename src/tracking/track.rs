@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use super::naming::Key;
 use crate::regions::{Rect, Rgb};
 
 /// The number under which an object is known throughout a video, from 1.
@@ -33,8 +34,11 @@ impl TrackState {
 /// An object in one frame.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Track {
-    /// Who it is.
+    /// Who it is; 0 while it has no identity yet.
     pub id: Identity,
+    /// Its number before and after it has an identity.
+    #[serde(skip)]
+    pub key: Key,
     /// How it is seen.
     pub state: TrackState,
     /// Its box, the predicted one while merged or hidden.
@@ -57,6 +61,6 @@ pub struct Track {
     pub colours: Vec<Rgb>,
     /// The labels of the regions that it explains, alone or as a member of a group.
     pub regions: Vec<u32>,
-    /// While merged, the identities of the whole group, itself among them.
+    /// While merged, the identities of the whole group, itself among them (keys, in tentative tracks).
     pub group: Vec<Identity>,
 }

@@ -1,0 +1,77 @@
+//! OpenCV's MOG2 and KNN in the mixture's place, for comparison.
+
+use opencv::boxed_ref::BoxedRef;
+use opencv::core::{Mat, Ptr, Vec3b, set_rng_seed};
+use opencv::prelude::*;
+use opencv::video::{
+    BackgroundSubtractorKNN, BackgroundSubtractorMOG2, create_background_subtractor_knn,
+    create_background_subtractor_mog2,
+};
+
+use crate::frame::{Frame, Mask, Size};
+use crate::settings::{BackgroundModel, Settings};
+
+enum Subtractor {
+    Mog2(Ptr<BackgroundSubtractorMOG2>),
+    Knn(Ptr<BackgroundSubtractorKNN>),
+}
+
+/// One of OpenCV's background subtractors, with the mixture's α (and K, T where it has them),
+/// shadow detection off, and otherwise OpenCV's defaults. Its state cannot be read or copied.
+pub struct OpencvModel {
+    subtractor: Subtractor,
+    size: Size,
+    alpha: f64,
+    t: u64,
+}
+
+impl OpencvModel {
+    /// The subtractor that `settings` name; `None` where they name the mixture.
+    pub fn new(settings: &Settings, size: Size) -> opencv::Result<Option<Self>> {
+        let history = (1.0 / settings.alpha).round() as i32;
+        let subtractor = match settings.background_model {
+            BackgroundModel::Mixture => return Ok(None),
+            BackgroundModel::Mog2 => {
+                let mut mog2 = create_background_subtractor_mog2(history, 16.0, false)?;
+                mog2.set_n_mixtures(settings.k as i32)?;
+                mog2.set_background_ratio(f64::from(settings.t))?;
+                Subtractor::Mog2(mog2)
+            }
+            BackgroundModel::Knn => Subtractor::Knn(create_background_subtractor_knn(history, 400.0, false)?),
+        };
+        Ok(Some(Self { subtractor, size, alpha: f64::from(settings.alpha), t: 0 }))
+    }
+
+    /// Takes the next frame in and says which pixels are foreground.
+    pub fn step(&mut self, frame: &Frame) -> opencv::Result<Mask> {
+        self.t += 1;
+        // The first frame has nothing before it: OpenCV takes it whole at any learning rate.
+        let rgb = rgb_mat(frame)?;
+        let mut mask = Mat::default();
+        match &mut self.subtractor {
+            Subtractor::Mog2(mog2) => {
+                BackgroundSubtractorMOG2Trait::apply(mog2, &rgb, &mut mask, self.alpha)?;
+            }
+            Subtractor::Knn(knn) => {
+                // KNN draws which samples to replace: seeded by the frame, two runs agree.
+                set_rng_seed(self.t as i32)?;
+                BackgroundSubtractorTrait::apply(knn, &rgb, &mut mask, self.alpha)?;
+            }
+        }
+        Ok(Mask { size: self.size, data: mask.data_bytes()?.to_vec() })
+    }
+
+    /// The model's background: RGB bytes in row order.
+    pub fn background_image(&self) -> opencv::Result<Vec<u8>> {
+        let mut background = Mat::default();
+        match &self.subtractor {
+            Subtractor::Mog2(mog2) => mog2.get_background_image(&mut background)?,
+            Subtractor::Knn(knn) => knn.get_background_image(&mut background)?,
+        }
+        Ok(background.data_bytes()?.to_vec())
+    }
+}
+
+fn rgb_mat(frame: &Frame) -> opencv::Result<BoxedRef<'_, Mat>> {
+    Mat::new_rows_cols_with_bytes::<Vec3b>(frame.size.height as i32, frame.size.width as i32, &frame.rgb)
+}

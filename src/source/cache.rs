@@ -1,0 +1,317 @@
+//! Decoded frames within a budget of memory, by their position in the sequence.
+//!
+//! Sources are read from the first frame to the last; nothing here seeks. A frame that was dropped
+//! is decoded again by a fresh reader from the start: slow, and the same frame.
+
+use std::collections::{BTreeMap, HashMap};
+use std::sync::Arc;
+
+use super::{Source, SourceError, SourceInfo};
+use crate::frame::Frame;
+
+type Opener = Box<dyn FnMut() -> Result<Box<dyn Source>, SourceError> + Send>;
+
+/// What one step towards a frame gave.
+#[derive(Debug, PartialEq)]
+pub enum Fetched {
+    /// The frame.
+    Frame(Arc<Frame>),
+    /// One frame on the way to it was decoded: ask again.
+    OnTheWay,
+    /// The sequence ends before it.
+    End,
+    /// A live source gave it once, and it is no longer kept.
+    Gone,
+}
+
+/// Whether a frame that had to be decoded again may push others out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Keep {
+    /// It may: it, or its neighbours, will be asked for again.
+    Yes,
+    /// Only where there is room: a pass over the whole sequence that needs each frame once.
+    IfRoom,
+}
+
+/// Random access to the frames of a source.
+pub struct FrameCache {
+    open: Opener,
+    info: Arc<SourceInfo>,
+    /// The reader that has come furthest; it is at position `numbers.len()`.
+    front: Box<dyn Source>,
+    numbers: Vec<u32>,
+    complete: bool,
+    /// A second reader for frames that were dropped, and the position that it gives next.
+    again: Option<(u32, Box<dyn Source>)>,
+    kept: HashMap<u32, (Arc<Frame>, u64)>,
+    /// Positions by the time they were last useful.
+    by_use: BTreeMap<u64, u32>,
+    clock: u64,
+    room: usize,
+    warnings: Vec<String>,
+}
+
+impl FrameCache {
+    /// Opens the source of this name and keeps up to `budget` bytes of its frames, at least two frames.
+    pub fn open(name: &str, budget: usize) -> Result<Self, SourceError> {
+        let name = name.to_owned();
+        Self::new(move || super::open(&name), budget)
+    }
+
+    /// Keeps up to `budget` bytes of the frames of the source that `open` gives; it is called again
+    /// when frames that were dropped are wanted.
+    pub fn new(
+        mut open: impl FnMut() -> Result<Box<dyn Source>, SourceError> + Send + 'static,
+        budget: usize,
+    ) -> Result<Self, SourceError> {
+        let front = open()?;
+        let info = Arc::new(front.info().clone());
+        let frame_bytes = (info.size.pixels() * 3).max(1);
+        Ok(Self {
+            open: Box::new(open),
+            info,
+            front,
+            numbers: Vec::new(),
+            complete: false,
+            again: None,
+            kept: HashMap::new(),
+            by_use: BTreeMap::new(),
+            clock: 0,
+            room: (budget / frame_bytes).max(2),
+            warnings: Vec::new(),
+        })
+    }
+
+    /// What is known of the source.
+    pub fn info(&self) -> &Arc<SourceInfo> {
+        &self.info
+    }
+
+    /// The frame numbers of the positions that are known so far.
+    pub fn numbers(&self) -> &[u32] {
+        &self.numbers
+    }
+
+    /// Whether the end has been found: there are no frames but those of [`Self::numbers`].
+    pub fn is_complete(&self) -> bool {
+        self.complete
+    }
+
+    /// What went wrong without ending the sequence since this was last asked.
+    pub fn take_warnings(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.warnings)
+    }
+
+    /// The frame at `position` if it is kept; it counts as used.
+    pub fn kept(&mut self, position: u32) -> Option<Arc<Frame>> {
+        let (frame, used) = self.kept.get_mut(&position)?;
+        self.by_use.remove(used);
+        self.clock += 1;
+        *used = self.clock;
+        self.by_use.insert(self.clock, position);
+        Some(Arc::clone(frame))
+    }
+
+    /// One step towards the frame at `position`: decodes at most one frame, so that the caller can
+    /// turn to something else in between.
+    pub fn fetch(&mut self, position: u32, keep: Keep) -> Result<Fetched, SourceError> {
+        if let Some(frame) = self.kept(position) {
+            return Ok(Fetched::Frame(frame));
+        }
+        if position as usize >= self.numbers.len() {
+            return self.fetch_ahead(position);
+        }
+        if self.info.live {
+            return Ok(Fetched::Gone);
+        }
+        self.fetch_again(position, keep)
+    }
+
+    /// The frame at `position`, `None` beyond the end or where a live source's frame is no longer kept.
+    pub fn get(&mut self, position: u32) -> Result<Option<Arc<Frame>>, SourceError> {
+        loop {
+            match self.fetch(position, Keep::Yes)? {
+                Fetched::Frame(frame) => return Ok(Some(frame)),
+                Fetched::OnTheWay => {}
+                Fetched::End | Fetched::Gone => return Ok(None),
+            }
+        }
+    }
+
+    fn fetch_ahead(&mut self, position: u32) -> Result<Fetched, SourceError> {
+        if self.complete {
+            return Ok(Fetched::End);
+        }
+        let frame = self.front.next_frame();
+        self.warnings.extend(self.front.take_warnings());
+        let Some(frame) = frame? else {
+            self.complete = true;
+            return Ok(Fetched::End);
+        };
+        let here = self.numbers.len() as u32;
+        self.numbers.push(frame.number);
+        let frame = Arc::new(frame);
+        self.insert(here, Arc::clone(&frame));
+        Ok(if here == position { Fetched::Frame(frame) } else { Fetched::OnTheWay })
+    }
+
+    fn fetch_again(&mut self, position: u32, keep: Keep) -> Result<Fetched, SourceError> {
+        let (here, mut source) = match self.again.take() {
+            Some((next, source)) if next <= position => (next, source),
+            _ => (0, (self.open)()?),
+        };
+        let frame = source.next_frame()?.filter(|frame| {
+            frame.size == self.info.size && self.numbers.get(here as usize) == Some(&frame.number)
+        });
+        let Some(frame) = frame else {
+            return Err(SourceError::unusable(
+                &self.info.name,
+                "it changed while it was read; leave it alone and open it again",
+            ));
+        };
+        self.again = Some((here + 1, source));
+        let frame = Arc::new(frame);
+        let near = (position - here) as usize <= self.room / 2;
+        if keep == Keep::Yes && near || self.kept.len() < self.room {
+            self.insert(here, Arc::clone(&frame));
+        }
+        Ok(if here == position { Fetched::Frame(frame) } else { Fetched::OnTheWay })
+    }
+
+    fn insert(&mut self, position: u32, frame: Arc<Frame>) {
+        self.clock += 1;
+        if let Some((_, used)) = self.kept.insert(position, (frame, self.clock)) {
+            self.by_use.remove(&used);
+        }
+        self.by_use.insert(self.clock, position);
+        while self.kept.len() > self.room
+            && let Some((_, oldest)) = self.by_use.pop_first()
+        {
+            self.kept.remove(&oldest);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+    use std::sync::atomic::{AtomicU32, Ordering};
+
+    use super::*;
+    use crate::frame::Size;
+
+    const SIZE: Size = Size::new(4, 2);
+
+    /// Frame at position p is number 10 + 2p, every byte p.
+    struct Counting {
+        info: SourceInfo,
+        next: u32,
+        length: u32,
+    }
+
+    impl Counting {
+        fn new(length: u32, live: bool) -> Box<dyn Source> {
+            let info = SourceInfo { name: "counting".into(), size: SIZE, fps: 25.0, frames: None, live };
+            Box::new(Self { info, next: 0, length })
+        }
+    }
+
+    impl Source for Counting {
+        fn info(&self) -> &SourceInfo {
+            &self.info
+        }
+
+        fn next_frame(&mut self) -> Result<Option<Frame>, SourceError> {
+            self.next += 1;
+            Ok((self.next <= self.length).then(|| frame(self.next - 1)))
+        }
+
+        fn take_warnings(&mut self) -> Vec<String> {
+            if self.next > self.length { vec!["broke off".into()] } else { Vec::new() }
+        }
+    }
+
+    fn frame(position: u32) -> Frame {
+        Frame::new(10 + 2 * position, SIZE, vec![position as u8; SIZE.pixels() * 3])
+    }
+
+    fn cache(length: u32, frames: usize, live: bool) -> (FrameCache, Arc<AtomicU32>) {
+        let opened = Arc::new(AtomicU32::new(0));
+        let count = Arc::clone(&opened);
+        let open = move || {
+            count.fetch_add(1, Ordering::Relaxed);
+            Ok(Counting::new(length, live))
+        };
+        (FrameCache::new(open, frames * SIZE.pixels() * 3).unwrap(), opened)
+    }
+
+    #[test]
+    fn any_order_gives_the_same_frames_within_the_budget() {
+        let (mut cache, _) = cache(40, 6, false);
+        let mut position = 7;
+        for _ in 0..300 {
+            position = (position * 37 + 11) % 45;
+            let got = cache.get(position).unwrap();
+            let expected = (position < 40).then(|| frame(position));
+            assert_eq!(got.as_deref(), expected.as_ref(), "position {position}");
+            assert!(cache.kept.len() <= 6 && cache.by_use.len() == cache.kept.len());
+        }
+        assert!(cache.is_complete());
+        assert_eq!(cache.numbers().len(), 40);
+        assert_eq!(cache.take_warnings(), ["broke off"]);
+    }
+
+    #[test]
+    fn what_was_used_last_stays() {
+        let (mut cache, opened) = cache(10, 3, false);
+        cache.get(2).unwrap();
+        cache.kept(0).unwrap();
+        cache.get(3).unwrap();
+        assert!(cache.kept(0).is_some() && cache.kept(1).is_none());
+        assert_eq!(opened.load(Ordering::Relaxed), 1);
+        cache.get(1).unwrap().unwrap();
+        assert_eq!(opened.load(Ordering::Relaxed), 2, "a dropped frame takes a fresh reader");
+    }
+
+    #[test]
+    fn a_single_pass_pushes_nothing_out() {
+        let (mut cache, _) = cache(10, 3, false);
+        cache.get(9).unwrap();
+        for position in 0..7 {
+            let fetched = cache.fetch(position, Keep::IfRoom).unwrap();
+            assert_eq!(fetched, Fetched::Frame(Arc::new(frame(position))));
+        }
+        assert!((7..10).all(|position| cache.kept(position).is_some()));
+    }
+
+    #[test]
+    fn a_step_decodes_one_frame() {
+        let (mut cache, _) = cache(10, 3, false);
+        for _ in 0..4 {
+            assert_eq!(cache.fetch(4, Keep::Yes).unwrap(), Fetched::OnTheWay);
+        }
+        assert_eq!(cache.fetch(4, Keep::Yes).unwrap(), Fetched::Frame(Arc::new(frame(4))));
+        assert_eq!(cache.numbers(), [10, 12, 14, 16, 18]);
+    }
+
+    #[test]
+    fn a_live_frame_that_was_dropped_is_gone() {
+        let (mut cache, opened) = cache(10, 3, true);
+        cache.get(5).unwrap().unwrap();
+        assert_eq!(cache.fetch(0, Keep::Yes).unwrap(), Fetched::Gone);
+        assert_eq!(opened.load(Ordering::Relaxed), 1);
+    }
+
+    #[test]
+    fn a_source_that_changed_is_an_error() {
+        let mut length = 20;
+        let open = move || {
+            length -= 10;
+            Ok(Counting::new(length, false))
+        };
+        let mut cache = FrameCache::new(open, 0).unwrap();
+        cache.get(9).unwrap().unwrap();
+        let error = cache.get(3).unwrap_err().to_string();
+        assert!(error.contains("changed"), "{error}");
+    }
+}

@@ -1,0 +1,168 @@
+//! Folders and patterns of images.
+
+use std::ffi::OsString;
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::numbering::frame_numbers;
+use super::pattern::Pattern;
+use super::{Source, SourceError, SourceInfo, image_file};
+use crate::frame::{Frame, Size};
+
+/// Images say nothing about time.
+const FPS: f32 = 25.0;
+
+/// Images in order, all of one size.
+pub(super) struct ImageSequence {
+    info: SourceInfo,
+    files: std::vec::IntoIter<File>,
+    /// Decoded while opening, to know that there is one.
+    first: Option<Frame>,
+    warnings: Vec<String>,
+}
+
+struct File {
+    path: PathBuf,
+    number: u32,
+    /// Why its header cannot be read.
+    unreadable: Option<String>,
+}
+
+impl ImageSequence {
+    /// The images of a folder in the natural order of their names; other files are passed over.
+    pub(super) fn of_folder(name: &str) -> Result<Self, SourceError> {
+        let mut files = list(name, Path::new(name))?;
+        let anything = !files.is_empty();
+        files.retain(|path| image_file::has_image_name(path) && path.is_file());
+        if files.is_empty() {
+            let why = if anything { "the folder holds no images" } else { "the folder is empty" };
+            return Err(SourceError::unusable(
+                name,
+                format!("{why}; name a video, or a folder of png, jpg, bmp, tif, webp, gif or pnm images"),
+            ));
+        }
+        files.sort_by(|a, b| {
+            let (a, b) = (a.to_string_lossy(), b.to_string_lossy());
+            natord::compare(&a, &b).then_with(|| a.cmp(&b))
+        });
+        let numbers = frame_numbers(&files);
+        Self::new(name, files.into_iter().zip(numbers))
+    }
+
+    /// The images whose names a pattern such as `in%06d.png` would print, by number.
+    pub(super) fn of_pattern(name: &str) -> Result<Self, SourceError> {
+        let path = Path::new(name);
+        let folder = path.parent().unwrap_or(Path::new(""));
+        let pattern = path
+            .file_name()
+            .and_then(|file| Pattern::parse(&file.to_string_lossy()))
+            .filter(|_| !folder.to_string_lossy().contains('%') || folder.is_dir())
+            .ok_or_else(|| {
+                SourceError::unusable(
+                    name,
+                    "no such file, and it is no pattern: that has one number in the file's name, as in in%06d.png",
+                )
+            })?;
+        if !folder.as_os_str().is_empty() && !folder.is_dir() {
+            return Err(SourceError::Missing(folder.display().to_string()));
+        }
+        let mut files: Vec<(PathBuf, u32)> = list(name, folder)?
+            .into_iter()
+            .filter_map(|path| {
+                let number = pattern.number_in(&path.file_name()?.to_string_lossy())?;
+                path.is_file().then_some((path, number))
+            })
+            .collect();
+        if files.is_empty() {
+            return Err(SourceError::unusable(
+                name,
+                "no file matches the pattern; check how the numbers are written",
+            ));
+        }
+        files.sort_by_key(|&(_, number)| number);
+        Self::new(name, files.into_iter())
+    }
+
+    fn new(name: &str, files: impl Iterator<Item = (PathBuf, u32)>) -> Result<Self, SourceError> {
+        let mut first: Option<(Size, PathBuf)> = None;
+        let mut listed = Vec::new();
+        for (path, number) in files {
+            let unreadable = match (image_file::size(&path), &first) {
+                (Ok(size), Some((expected, other))) if size != *expected => {
+                    return Err(differ(name, (other, *expected), (&path, size)));
+                }
+                (Ok(size), None) => {
+                    first = Some((size, path.clone()));
+                    None
+                }
+                (Ok(_), Some(_)) => None,
+                (Err(why), _) => Some(why),
+            };
+            listed.push(File { path, number, unreadable });
+        }
+        let none =
+            || SourceError::unusable(name, "none of its images can be read; check that they are whole");
+        let (size, _) = first.ok_or_else(none)?;
+        let frames = listed.iter().filter(|file| file.unreadable.is_none()).count() as u32;
+        let info = SourceInfo { name: name.to_owned(), size, fps: FPS, frames: Some(frames), live: false };
+        let mut sequence = Self { info, files: listed.into_iter(), first: None, warnings: Vec::new() };
+        sequence.first = sequence.decode_next();
+        if sequence.first.is_some() { Ok(sequence) } else { Err(none()) }
+    }
+
+    /// The next image that can be read.
+    fn decode_next(&mut self) -> Option<Frame> {
+        for file in self.files.by_ref() {
+            let read = file.unreadable.map_or_else(|| image_file::read(&file.path), Err);
+            let why = match read {
+                Ok((size, rgb)) if size == self.info.size => return Some(Frame::new(file.number, size, rgb)),
+                Ok((size, _)) => format!("it is {size} where its header says {}", self.info.size),
+                Err(why) => why.split_whitespace().collect::<Vec<_>>().join(" "),
+            };
+            self.warnings.push(format!(
+                "frame {} is skipped: {} cannot be read ({why})",
+                file.number,
+                file.path.display()
+            ));
+        }
+        None
+    }
+}
+
+impl Source for ImageSequence {
+    fn info(&self) -> &SourceInfo {
+        &self.info
+    }
+
+    fn next_frame(&mut self) -> Result<Option<Frame>, SourceError> {
+        Ok(self.first.take().or_else(|| self.decode_next()))
+    }
+
+    fn take_warnings(&mut self) -> Vec<String> {
+        std::mem::take(&mut self.warnings)
+    }
+}
+
+fn list(name: &str, folder: &Path) -> Result<Vec<PathBuf>, SourceError> {
+    let shown = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let fail = |error: std::io::Error| {
+        SourceError::unusable(name, format!("the folder cannot be listed ({error}); check its permissions"))
+    };
+    let names: Result<Vec<OsString>, _> =
+        fs::read_dir(shown).map_err(fail)?.map(|entry| entry.map(|entry| entry.file_name())).collect();
+    Ok(names.map_err(fail)?.into_iter().map(|file| folder.join(file)).collect())
+}
+
+fn differ(name: &str, first: (&Path, Size), other: (&Path, Size)) -> SourceError {
+    let file = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+    SourceError::unusable(
+        name,
+        format!(
+            "its images differ in size, {} is {} and {} is {}; name a folder or a pattern of images of one size",
+            file(first.0),
+            first.1,
+            file(other.0),
+            other.1
+        ),
+    )
+}

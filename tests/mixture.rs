@@ -1,0 +1,195 @@
+//! The mixture: the fast whole image against the plain pixel, and what holds for any settings and input.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+use occluscope::frame::{Frame, Mask, Size};
+use occluscope::mixture::{Mixture, Parameters, Pixel};
+use occluscope::settings::{Rate, Space};
+use proptest::prelude::*;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg32;
+
+fn parameters() -> impl Strategy<Value = Parameters> {
+    let rates = prop_oneof![Just(Rate::Density), Just(Rate::Weight), Just(Rate::Constant)];
+    let spaces = prop_oneof![Just(Space::Rgb), Just(Space::Gray)];
+    (
+        (1_usize..=8, 0.001_f32..0.5, 0.05_f32..0.99, 0.5_f32..6.0),
+        (1.0_f32..60.0, 0.005_f32..0.5, 0.1_f32..20.0, rates, spaces, 0_u32..30),
+    )
+        .prop_map(
+            |((k, alpha, t, lambda), (initial_sigma, initial_weight, min_sigma, rate, space, warm_up))| {
+                Parameters {
+                    k,
+                    alpha,
+                    t,
+                    lambda,
+                    initial_sigma,
+                    initial_weight,
+                    min_sigma,
+                    rate,
+                    space,
+                    warm_up,
+                }
+            },
+        )
+}
+
+/// Pixels that mostly show one of two surfaces with noise, now and then anything.
+fn frames(seed: u64, size: Size, count: u32) -> Vec<Frame> {
+    let mut random = Pcg32::seed_from_u64(seed);
+    let surfaces: Vec<[[i32; 3]; 2]> = (0..size.pixels())
+        .map(|_| [0; 2].map(|_: i32| [0; 3].map(|_: i32| random.random_range(0..256))))
+        .collect();
+    (1..=count)
+        .map(|number| {
+            let busy = random.random_range(0..3) == 0;
+            let rgb = surfaces.iter().flat_map(|surface| {
+                let colour = if busy && random.random_range(0..20) == 0 {
+                    [0; 3].map(|_: i32| random.random_range(0..256))
+                } else {
+                    surface[usize::from(random.random_range(0..8) == 0)]
+                };
+                colour.map(|channel| (channel + random.random_range(-4..=4)).clamp(0, 255) as u8)
+            });
+            Frame::new(number, size, rgb.collect())
+        })
+        .collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 96, ..ProptestConfig::default() })]
+
+    #[test]
+    fn the_whole_image_equals_the_plain_pixel_bit_for_bit(
+        parameters in parameters(),
+        seed in any::<u64>(),
+        width in 1_u32..40,
+        height in 1_u32..5,
+        threads in 1_usize..4,
+    ) {
+        let size = Size::new(width, height);
+        let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
+        let mut image = Mixture::new(size, parameters);
+        let mut plain = vec![Pixel::unseen(parameters.k); size.pixels()];
+        for (frame, t) in frames(seed, size, 60).iter().zip(1..) {
+            let mask = pool.install(|| image.step(frame));
+            for y in 0..height {
+                for x in 0..width {
+                    let pixel = &mut plain[size.index(x, y).unwrap()];
+                    let value = parameters.value(frame.pixel(x, y).unwrap());
+                    let outcome = pixel.update(value, t, &parameters);
+                    prop_assert_eq!(mask.is_foreground(x, y), outcome.foreground);
+                    prop_assert_eq!(image.pixel(x, y).unwrap(), *pixel, "pixel {} {} at t {}", x, y, t);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn every_state_is_a_mixture(parameters in parameters(), seed in any::<u64>()) {
+        let mut pixel = Pixel::unseen(parameters.k);
+        for (frame, t) in frames(seed, Size::new(1, 1), 300).iter().zip(1..) {
+            let before = pixel;
+            let outcome = pixel.update(parameters.value(frame.pixel(0, 0).unwrap()), t, &parameters);
+            let components = pixel.components();
+            let sum: f32 = components.iter().map(|component| component.weight).sum();
+            prop_assert!((sum - 1.0).abs() < 1e-4, "weights sum to {}", sum);
+            prop_assert!((1..=parameters.k as u8).contains(&outcome.rank));
+            prop_assert!((1..=parameters.k as u8).contains(&outcome.background_count));
+            prop_assert!(outcome.matched <= parameters.k as u8);
+            prop_assert!((0.0..=1.0).contains(&outcome.rho));
+            prop_assert!(outcome.p >= 0.0 && outcome.p.is_finite());
+            prop_assert_eq!(outcome.rho == 0.0 && t > 1, outcome.matched == 0 && t > 1);
+            let used = components.iter().take_while(|component| component.weight > 0.0).count();
+            for component in &components[..used] {
+                prop_assert!(component.sigma() >= parameters.min_sigma.min(parameters.initial_sigma) * 0.999_99);
+            }
+            for component in &components[used..] {
+                // A weight may fade to nothing after hundreds of frames at a large α; a component
+                // that was never used is all zeros, and neither stands above one in use.
+                prop_assert_eq!(component.weight, 0.0);
+            }
+            // The moved component is not out-ranked by the neighbour that it passed.
+            let rank = usize::from(outcome.rank);
+            let started = if outcome.matched > 0 { usize::from(outcome.matched) } else { parameters.k };
+            if rank < started {
+                prop_assert!(components[rank - 1].rank_value() > components[rank].rank_value());
+            }
+            if t > 1 && outcome.matched > 0 && rank == usize::from(outcome.matched) && parameters.k > 1 {
+                prop_assert_eq!(before.used(), pixel.used());
+            }
+        }
+    }
+}
+
+fn grey(number: u32, level: u8) -> Frame {
+    Frame::new(number, Size::new(1, 1), vec![level; 3])
+}
+
+fn plain(k: usize) -> Parameters {
+    Parameters {
+        k,
+        ..Parameters::new(&occluscope::settings::Settings::preset(occluscope::settings::Preset::Plain))
+    }
+}
+
+#[test]
+fn two_frames_by_hand() {
+    let parameters = plain(3);
+    let mut pixel = Pixel::unseen(3);
+    let first = pixel.update([100.0; 3], 1, &parameters);
+    assert_eq!((first.matched, first.rank, first.background_count, first.foreground), (0, 1, 1, false));
+    assert_eq!((first.rho, first.p), (0.0, 0.0));
+    let component = pixel.components()[0];
+    assert_eq!((component.weight, component.mean, component.variance), (1.0, [100.0; 3], 400.0));
+
+    // ‖(10, 0, 0)‖² = 100 ≤ 6.25·400. ρ = α/w = .01; μ = 100.1; ‖X − μ‖² = 98.01; σ² = 396 + .9801.
+    let second = pixel.update([110.0, 100.0, 100.0], 2, &parameters);
+    assert_eq!((second.matched, second.rank, second.foreground), (1, 1, false));
+    assert!((second.rho - 0.01).abs() < 1e-7);
+    let component = pixel.components()[0];
+    assert!((component.mean[0] - 100.1).abs() < 1e-4 && component.mean[1] == 100.0);
+    assert!((component.variance - 396.9801).abs() < 1e-3);
+    // P = (2π·400)^(-3/2)·e^(-1/8).
+    assert!((second.p / 7.003e-6 - 1.0).abs() < 1e-3, "{}", second.p);
+
+    // Far away: a new component of weight w₀ / (.99 + w₀), renormalised, foreground.
+    let third = pixel.update([255.0; 3], 3, &parameters);
+    assert_eq!((third.matched, third.rank, third.background_count, third.foreground), (0, 2, 1, true));
+    assert!((pixel.components()[1].weight - 0.05 / 1.04).abs() < 1e-6);
+}
+
+#[test]
+fn what_stood_before_a_stopped_object_is_still_there_when_it_leaves() {
+    let parameters = plain(3);
+    let mut pixel = Pixel::unseen(3);
+    let mut t = 0;
+    let mut show = |pixel: &mut Pixel, level: f32| {
+        t += 1;
+        pixel.update([level; 3], t, &parameters)
+    };
+    for _ in 0..300 {
+        show(&mut pixel, 60.0);
+    }
+    let road = pixel.components()[0];
+    let absorbed = (1..500).find(|_| !show(&mut pixel, 200.0).foreground).expect("the car is absorbed");
+    let kept = *pixel.components().iter().find(|component| component.mean[0] < 100.0).unwrap();
+    assert_eq!((kept.mean, kept.variance), (road.mean, road.variance), "absorbed after {absorbed} frames");
+    let back = (1..100).find(|_| !show(&mut pixel, 60.0).foreground).expect("the road is background again");
+    assert!(back * 4 < absorbed, "{back} frames against {absorbed} for a new surface");
+}
+
+#[test]
+fn two_alternating_surfaces_are_background_at_a_higher_t_only() {
+    for (t, expected) in [(0.9, 0), (0.3, 100)] {
+        let mut mixture = Mixture::new(Size::new(1, 1), Parameters { t, ..plain(4) });
+        let mut foreground = 0;
+        for number in 1..=600 {
+            let mask: Mask = mixture.step(&grey(number, if number % 4 == 0 { 180 } else { 60 }));
+            if number > 200 {
+                foreground += mask.foreground_pixels();
+            }
+        }
+        assert_eq!(foreground, expected, "at T {t}");
+    }
+}
