@@ -25,6 +25,7 @@ use super::render::{FrameTruth, Renderer};
 use super::scene::Scene;
 use super::truth::{Recorder, Truth};
 use crate::frame::{Frame, Size};
+use crate::source::silence_libraries;
 
 /// Frames rendered at once: enough for every core, few enough to hold in memory at any size.
 const BATCH: u32 = 16;
@@ -76,6 +77,7 @@ pub fn write(
     lossless: bool,
     mut progress: impl FnMut(u32),
 ) -> Result<PathBuf, WriteError> {
+    silence_libraries();
     let out = std::path::absolute(out).map_err(|why| WriteError::file(out, why))?;
     let identities = out.join("truth").join("identities");
     fs::create_dir_all(&identities).map_err(|why| WriteError::file(&identities, why))?;
