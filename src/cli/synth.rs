@@ -60,7 +60,7 @@ pub fn command() -> Command {
             Arg::new("noise")
                 .long("noise")
                 .value_name("SIGMA")
-                .default_value("2.5")
+                .default_value("4")
                 .value_parser(|text: &str| parse_number(text, 0.0, 64.0))
                 .help("Standard deviation of the camera's noise in grey levels, 0 to 64"),
         )
@@ -112,7 +112,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
     let bar = ProgressBar::with_draw_target(Some(u64::from(scene.frames)), target);
     let written = synth::write(&scene, &parameters, out, matches.get_flag("lossless"), |done| {
-        bar.set_position(u64::from(done))
+        bar.set_position(u64::from(done));
     });
     bar.finish_and_clear();
     let video = written?;

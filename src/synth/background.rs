@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::scene::Background;
-use super::texture::{Colour, fractal_noise, lit, mix_colour, smoothstep, unit};
+use super::texture::{Colour, fractal_noise, lit, mix_colour, salted, smoothstep, unit};
 use crate::frame::Size;
 
 /// Samples along each side of a pixel.
@@ -67,9 +67,9 @@ fn plaza(x: f32, y: f32, width: f32, seed: u64) -> Colour {
     }
     let (u, v) = ground(x, y, width, 40.0);
     let (column, row, edge) = stones(u, v, 0.26, 0.13, 0.5);
-    let tint = unit(seed ^ 11, column, row);
-    let stain = fractal_noise(seed ^ 12, u * 5.0, v * 9.0, 4);
-    let grain = fractal_noise(seed ^ 13, x * 0.5, y * 0.5, 3);
+    let tint = unit(salted(seed, 11), column, row);
+    let stain = fractal_noise(salted(seed, 12), u * 5.0, v * 9.0, 4);
+    let grain = fractal_noise(salted(seed, 13), x * 0.5, y * 0.5, 3);
     let slab = mix_colour([168.0, 161.0, 151.0], [200.0, 189.0, 173.0], tint);
     let slab = lit(slab, 0.80 + 0.22 * stain + 0.18 * (grain - 0.5));
     let joint = lit([122.0, 115.0, 106.0], 0.9 + 0.2 * grain);
@@ -79,14 +79,14 @@ fn plaza(x: f32, y: f32, width: f32, seed: u64) -> Colour {
 }
 
 fn house(x: f32, y: f32, width: f32, seed: u64) -> Colour {
-    let plaster_grain = fractal_noise(seed ^ 21, x * 0.35, y * 0.35, 4);
-    let weather = fractal_noise(seed ^ 22, x * 0.02, y * 0.012, 4);
+    let plaster_grain = fractal_noise(salted(seed, 21), x * 0.35, y * 0.35, 4);
+    let weather = fractal_noise(salted(seed, 22), x * 0.02, y * 0.012, 4);
     let plaster = lit([205.0, 184.0, 152.0], 0.80 + 0.14 * plaster_grain + 0.16 * weather);
     if y > 96.0 {
         let (column, row, edge) = stones(x - width / 2.0, y - 96.0, 27.0, 16.0, 0.5);
         let block = lit(
             [139.0, 134.0, 128.0],
-            0.84 + 0.2 * unit(seed ^ 23, column, row) + 0.2 * (plaster_grain - 0.5),
+            0.84 + 0.2 * unit(salted(seed, 23), column, row) + 0.2 * (plaster_grain - 0.5),
         );
         let ledge = 1.0 + 0.16 * smoothstep(98.5, 97.0, y);
         return lit(mix_colour([92.0, 88.0, 84.0], block, smoothstep(0.2, 0.9, edge)), ledge);
@@ -97,7 +97,7 @@ fn house(x: f32, y: f32, width: f32, seed: u64) -> Colour {
     let (half, height) = (15.0, 54.0);
     if s.abs() < half && (0.0..height).contains(&t) {
         let pane_edge = (s.abs() - 0.6).min(half - 2.0 - s.abs()).min((t - 18.0).abs() - 0.6).min(t - 2.0);
-        let sky = fractal_noise(seed ^ 24, (x + 40.0 * window) * 0.05, y * 0.03, 3);
+        let sky = fractal_noise(salted(seed, 24), (x + 40.0 * window) * 0.05, y * 0.03, 3);
         let glass = mix_colour([42.0, 52.0, 62.0], [112.0, 130.0, 145.0], sky * (1.0 - t / height) * 1.2);
         let inset = smoothstep(-half, -half + 4.0, s) * 0.25 + 0.75;
         return lit(mix_colour([222.0, 217.0, 206.0], glass, smoothstep(0.0, 0.9, pane_edge)), inset);
@@ -111,19 +111,19 @@ fn house(x: f32, y: f32, width: f32, seed: u64) -> Colour {
 }
 
 fn park(x: f32, y: f32, width: f32, seed: u64) -> Colour {
-    let hedge_foot = 84.0 + 3.0 * fractal_noise(seed ^ 31, x * 0.04, 0.0, 3);
+    let hedge_foot = 84.0 + 3.0 * fractal_noise(salted(seed, 31), x * 0.04, 0.0, 3);
     if y < hedge_foot {
         return hedge(x, y, hedge_foot, seed);
     }
     let (u, v) = ground(x, y, width, 30.0);
-    let blades = fractal_noise(seed ^ 32, x * 0.42, y * 0.20, 3);
-    let patches = fractal_noise(seed ^ 33, u * 3.2, v * 5.0, 4);
+    let blades = fractal_noise(salted(seed, 32), x * 0.42, y * 0.20, 3);
+    let patches = fractal_noise(salted(seed, 33), u * 3.2, v * 5.0, 4);
     let grass = mix_colour([86.0, 112.0, 50.0], [152.0, 164.0, 86.0], 0.62 * patches + 0.38 * blades);
     let grass = lit(grass, 0.86 + 0.30 * (blades - 0.5) + 0.10 * smoothstep(84.0, 130.0, y));
-    let gravel_grain = fractal_noise(seed ^ 34, x * 0.9, y * 1.3, 2);
-    let gravel_drift = fractal_noise(seed ^ 35, u * 2.4, v * 6.0, 4);
+    let gravel_grain = fractal_noise(salted(seed, 34), x * 0.9, y * 1.3, 2);
+    let gravel_drift = fractal_noise(salted(seed, 35), u * 2.4, v * 6.0, 4);
     let gravel = lit([204.0, 189.0, 162.0], 0.80 + 0.22 * gravel_drift + 0.26 * (gravel_grain - 0.5));
-    let ragged = 5.0 * (fractal_noise(seed ^ 36, x * 0.09, y * 0.12, 4) - 0.5);
+    let ragged = 5.0 * (fractal_noise(salted(seed, 36), x * 0.09, y * 0.12, 4) - 0.5);
     let on_path = smoothstep(163.0, 165.5, y + ragged) * smoothstep(223.0, 220.0, y + ragged);
     let verge = 1.0 - 0.14 * smoothstep(6.0, 0.0, (y + ragged - 164.0).abs().min((y + ragged - 221.0).abs()));
     lit(
@@ -133,9 +133,9 @@ fn park(x: f32, y: f32, width: f32, seed: u64) -> Colour {
 }
 
 fn hedge(x: f32, y: f32, foot: f32, seed: u64) -> Colour {
-    let bushes = fractal_noise(seed ^ 41, x * 0.035, y * 0.045, 3);
-    let leaves = fractal_noise(seed ^ 42, x * 0.30, y * 0.34, 3);
-    let skyline = 20.0 + 26.0 * fractal_noise(seed ^ 43, x * 0.022, 0.5, 4) + 5.0 * leaves;
+    let bushes = fractal_noise(salted(seed, 41), x * 0.035, y * 0.045, 3);
+    let leaves = fractal_noise(salted(seed, 42), x * 0.30, y * 0.34, 3);
+    let skyline = 20.0 + 26.0 * fractal_noise(salted(seed, 43), x * 0.022, 0.5, 4) + 5.0 * leaves;
     let haze = mix_colour([206.0, 216.0, 226.0], [184.0, 202.0, 222.0], smoothstep(40.0, 0.0, y));
     let wood = mix_colour([30.0, 46.0, 26.0], [96.0, 118.0, 58.0], 0.65 * leaves + 0.35 * bushes);
     let depth = 0.66 + 0.42 * smoothstep(foot, skyline, y) + 0.5 * (bushes - 0.5);
@@ -146,9 +146,9 @@ fn street(x: f32, y: f32, width: f32, seed: u64) -> Colour {
     const FOOT_OF_WALL: f32 = 118.0;
     if y < FOOT_OF_WALL {
         let (column, row, edge) = stones(x, y, 15.0, 6.4, 0.5);
-        let tint = unit(seed ^ 51, column, row);
-        let grain = fractal_noise(seed ^ 52, x * 0.7, y * 0.7, 3);
-        let weather = fractal_noise(seed ^ 53, x * 0.02, y * 0.03, 4);
+        let tint = unit(salted(seed, 51), column, row);
+        let grain = fractal_noise(salted(seed, 52), x * 0.7, y * 0.7, 3);
+        let weather = fractal_noise(salted(seed, 53), x * 0.02, y * 0.03, 4);
         let brick = mix_colour([126.0, 70.0, 54.0], [168.0, 102.0, 78.0], tint);
         let brick = lit(brick, 0.78 + 0.20 * weather + 0.24 * (grain - 0.4));
         let mortar = lit([172.0, 162.0, 150.0], 0.78 + 0.22 * weather);
@@ -156,8 +156,8 @@ fn street(x: f32, y: f32, width: f32, seed: u64) -> Colour {
         return lit(wall, 0.86 + 0.14 * smoothstep(FOOT_OF_WALL, FOOT_OF_WALL - 26.0, y));
     }
     let (u, v) = ground(x, y, width, 40.0);
-    let grain = fractal_noise(seed ^ 54, x * 0.8, y * 0.9, 3);
-    let stain = fractal_noise(seed ^ 55, u * 3.0, v * 6.0, 4);
+    let grain = fractal_noise(salted(seed, 54), x * 0.8, y * 0.9, 3);
+    let stain = fractal_noise(salted(seed, 55), u * 3.0, v * 6.0, 4);
     if y > 226.0 {
         // The kerb and the road beyond it.
         let kerb = smoothstep(230.5, 229.5, y);
@@ -166,7 +166,7 @@ fn street(x: f32, y: f32, width: f32, seed: u64) -> Colour {
         return mix_colour(road, stone, kerb);
     }
     let (column, row, edge) = stones(u, v, 0.36, 0.24, 0.5);
-    let slab = mix_colour([160.0, 158.0, 155.0], [182.0, 178.0, 171.0], unit(seed ^ 56, column, row));
+    let slab = mix_colour([160.0, 158.0, 155.0], [182.0, 178.0, 171.0], unit(salted(seed, 56), column, row));
     let slab = lit(slab, 0.80 + 0.26 * stain + 0.20 * (grain - 0.5));
     let stone = mix_colour([116.0, 113.0, 110.0], slab, smoothstep(0.002, 0.007, edge));
     lit(stone, 0.78 + 0.22 * smoothstep(FOOT_OF_WALL, FOOT_OF_WALL + 9.0, y))

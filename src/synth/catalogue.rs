@@ -46,7 +46,7 @@ impl Default for Parameters {
             size: Size::new(320, 240),
             frames: None,
             seed: 1,
-            noise: Noise { sigma: 2.5, signal_dependent: false },
+            noise: Noise { sigma: 4.0, signal_dependent: false },
             speed: 1.0,
             shadows: false,
         }

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::layer::Layer;
-use super::texture::{Colour, fractal_noise, hash, lit, mix_colour, smoothstep, unit, value_noise};
+use super::texture::{Colour, fractal_noise, hash, lit, mix_colour, salted, smoothstep, unit, value_noise};
 use crate::frame::Size;
 
 /// Samples along each side of a pixel.
@@ -107,7 +107,8 @@ impl Occluder {
         let up = (self.at[1] - y) / self.width;
         let across_raw = (x - self.at[0]) / (self.width / 2.0);
         let knobs =
-            fractal_noise(seed ^ 62, up * 2.2 + 9.0, if across_raw < 0.0 { 0.0 } else { 50.0 }, 3) - 0.5;
+            fractal_noise(salted(seed, 62), up * 2.2 + 9.0, if across_raw < 0.0 { 0.0 } else { 50.0 }, 3)
+                - 0.5;
         // Roots spread at the foot; the trunk narrows slowly upwards.
         let spread = 1.0 + 0.46 * (-up.max(0.0) * 4.2).exp() - 0.035 * up + 0.10 * knobs;
         let across = across_raw / spread;
@@ -118,10 +119,11 @@ impl Occluder {
         }
         // Bark: furrows that run upwards and wander, crossed by cracks.
         let round = across.asin();
-        let wander = fractal_noise(seed ^ 63, round * 2.0, up * 2.4, 3) * 0.8;
-        let ridge = (fractal_noise(seed ^ 64, (round + wander * 0.35) * 13.0, up * 3.2, 4) - 0.5).abs() * 2.0;
-        let fine = fractal_noise(seed ^ 65, x * 0.55, y * 0.25, 3);
-        let moss = smoothstep(0.52, 0.72, fractal_noise(seed ^ 66, round * 2.1 + 7.0, up * 1.4, 4));
+        let wander = fractal_noise(salted(seed, 63), round * 2.0, up * 2.4, 3) * 0.8;
+        let ridge =
+            (fractal_noise(salted(seed, 64), (round + wander * 0.35) * 13.0, up * 3.2, 4) - 0.5).abs() * 2.0;
+        let fine = fractal_noise(salted(seed, 65), x * 0.55, y * 0.25, 3);
+        let moss = smoothstep(0.52, 0.72, fractal_noise(salted(seed, 66), round * 2.1 + 7.0, up * 1.4, 4));
         let bark = mix_colour([52.0, 41.0, 32.0], [139.0, 118.0, 94.0], smoothstep(0.02, 0.42, ridge));
         let bark = mix_colour(bark, [104.0, 108.0, 62.0], 0.40 * moss);
         let light = 0.50 + 0.62 * (1.0 - (across + 0.30).powi(2) / 1.69).max(0.0).sqrt();
@@ -136,12 +138,13 @@ impl Occluder {
         let up = (self.at[1] - y) / self.width + 0.055 * (1.0 - away * away).max(0.0).sqrt();
         // Blades lean a little, each its own way.
         let blade = x / (1.5 * leaf) + 2.0 * up;
-        let tall = unit(seed ^ 72, blade.floor() as i64, 0) * (1.0 - (2.0 * blade.fract() - 1.0).abs());
-        let clump = smoothstep(0.30, 0.75, value_noise(seed ^ 73, x / (9.0 * leaf), 0.0));
+        let tall =
+            unit(salted(seed, 72), blade.floor() as i64, 0) * (1.0 - (2.0 * blade.fract() - 1.0).abs());
+        let clump = smoothstep(0.30, 0.75, value_noise(salted(seed, 73), x / (9.0 * leaf), 0.0));
         if away.abs() > 1.0 || up < -0.02 || up > 0.16 * (0.25 + 0.75 * clump) * tall {
             return None;
         }
-        let tone = unit(seed ^ 74, blade.floor() as i64, 1);
+        let tone = unit(salted(seed, 74), blade.floor() as i64, 1);
         Some(lit(mix_colour([72.0, 98.0, 40.0], [132.0, 150.0, 70.0], tone), 0.72 + 2.6 * up.max(0.0)))
     }
 
@@ -166,7 +169,7 @@ impl Occluder {
             return None;
         }
         let shine = (-(across + 0.38).powi(2) * 9.0).exp();
-        let streaks = fractal_noise(seed ^ 71, x * 0.8, y * 0.06, 3);
+        let streaks = fractal_noise(salted(seed, 71), x * 0.8, y * 0.06, 3);
         let light = 0.46 + 0.50 * (1.0 - (across + 0.2).powi(2) / 1.44).max(0.0).sqrt() + 0.34 * shine;
         Some(lit([122.0, 128.0, 132.0], light * (0.90 + 0.20 * streaks) * if at_foot { 0.8 } else { 1.0 }))
     }
@@ -178,8 +181,8 @@ impl Occluder {
         if (x - self.at[0]).abs() > self.width / 2.0 + out || !(0.0..self.height).contains(&up) {
             return None;
         }
-        let grain = fractal_noise(seed ^ 81, x * 0.6, y * 0.6, 3);
-        let weather = fractal_noise(seed ^ 82, x * 0.03, y * 0.05, 4);
+        let grain = fractal_noise(salted(seed, 81), x * 0.6, y * 0.6, 3);
+        let weather = fractal_noise(salted(seed, 82), x * 0.03, y * 0.05, 4);
         if up > self.height - coping {
             let top = smoothstep(self.height - coping * 0.45, self.height - coping * 0.35, up);
             return Some(lit(
@@ -192,7 +195,7 @@ impl Occluder {
         let along = (x - self.at[0]) / (course * 2.4) + 0.5 * row.rem_euclid(2.0);
         let (s, t) = (along - along.floor(), up / course - row);
         let edge = (s.min(1.0 - s) * course * 2.4).min(t.min(1.0 - t) * course);
-        let tint = unit(seed ^ 83, along.floor() as i64, row as i64);
+        let tint = unit(salted(seed, 83), along.floor() as i64, row as i64);
         let brick = mix_colour([120.0, 66.0, 50.0], [166.0, 98.0, 72.0], tint);
         let brick = lit(brick, 0.76 + 0.24 * weather + 0.26 * (grain - 0.4));
         let mortar = lit([164.0, 156.0, 146.0], 0.78 + 0.2 * weather);
@@ -209,15 +212,15 @@ struct Clump {
 }
 
 fn leaves(crown: &[Clump], leaf: f32, x: f32, y: f32, seed: u64) -> Option<Colour> {
-    let ragged = fractal_noise(seed ^ 67, x / (3.2 * leaf), y / (3.2 * leaf), 3) - 0.5;
+    let ragged = fractal_noise(salted(seed, 67), x / (3.2 * leaf), y / (3.2 * leaf), 3) - 0.5;
     let clump = crown.iter().rev().find(|clump| {
         let distance = (x - clump.at[0]).hypot(y - clump.at[1]);
         distance < clump.radius * (1.0 + 0.75 * ragged)
     })?;
     let (dx, dy) = ((x - clump.at[0]) / clump.radius, (y - clump.at[1]) / clump.radius);
     let facing = (0.78 - 0.38 * dx - 0.55 * dy).clamp(0.0, 1.4);
-    let tuft = value_noise(seed ^ 68, x / (2.0 * leaf), y / (1.6 * leaf));
-    let fine = unit(seed ^ 69, (x / leaf).floor() as i64, (y / (0.8 * leaf)).floor() as i64);
+    let tuft = value_noise(salted(seed, 68), x / (2.0 * leaf), y / (1.6 * leaf));
+    let fine = unit(salted(seed, 69), (x / leaf).floor() as i64, (y / (0.8 * leaf)).floor() as i64);
     let green = mix_colour([46.0, 66.0, 26.0], [126.0, 148.0, 58.0], 0.45 * clump.tone + 0.55 * tuft);
     Some(lit(green, (0.42 + 0.50 * facing) * (0.78 + 0.34 * fine)))
 }

@@ -9,6 +9,11 @@ pub fn hash(seed: u64, x: i64, y: i64) -> u64 {
     bits ^ (bits >> 32)
 }
 
+/// The seed of one of many textures that share a scene's seed.
+pub fn salted(seed: u64, texture: i64) -> u64 {
+    hash(seed, texture, 0x7E87)
+}
+
 /// A number in 0..1 that belongs to a lattice point.
 pub fn unit(seed: u64, x: i64, y: i64) -> f32 {
     (hash(seed, x, y) >> 40) as f32 / (1u64 << 24) as f32

@@ -25,6 +25,7 @@ use super::render::{FrameTruth, Renderer};
 use super::scene::Scene;
 use super::truth::{Recorder, Truth};
 use crate::frame::{Frame, Size};
+use crate::source::silence_libraries;
 
 /// Frames rendered at once: enough for every core, few enough to hold in memory at any size.
 const BATCH: u32 = 16;
@@ -51,8 +52,8 @@ pub enum WriteError {
 }
 
 impl WriteError {
-    fn file(path: &Path, why: impl ToString) -> Self {
-        Self::File { path: path.to_owned(), why: why.to_string() }
+    fn file(path: &Path, why: impl std::fmt::Display) -> Self {
+        Self::File { path: path.to_owned(), why: format!("{why}") }
     }
 }
 
@@ -76,6 +77,7 @@ pub fn write(
     lossless: bool,
     mut progress: impl FnMut(u32),
 ) -> Result<PathBuf, WriteError> {
+    silence_libraries();
     let out = std::path::absolute(out).map_err(|why| WriteError::file(out, why))?;
     let identities = out.join("truth").join("identities");
     fs::create_dir_all(&identities).map_err(|why| WriteError::file(&identities, why))?;
@@ -228,23 +230,23 @@ impl Encoder {
 
     fn add(&mut self, frame: &Frame) -> Result<(), WriteError> {
         let result = bgr(frame).and_then(|image| self.writer.write(&image));
-        result.map_err(|why| self.error(why.message))
+        result.map_err(|why| self.error(&why.message))
     }
 
     /// OpenCV does not say when a write fails: a full disk shows only in what can be read back.
     fn finish(mut self, frames: u32) -> Result<(), WriteError> {
-        self.writer.release().map_err(|why| self.error(why.message))?;
-        let readable = count_frames(&self.draft).map_err(|why| self.error(why.message))?;
+        self.writer.release().map_err(|why| self.error(&why.message))?;
+        let readable = count_frames(&self.draft).map_err(|why| self.error(&why.message))?;
         if readable != frames {
             let why = format!(
                 "only {readable} of {frames} frames can be read back; see whether the disk is full, or try --lossless"
             );
-            return Err(self.error(why));
+            return Err(self.error(&why));
         }
         Ok(())
     }
 
-    fn error(&self, why: String) -> WriteError {
+    fn error(&self, why: &str) -> WriteError {
         let why = why.lines().collect::<Vec<_>>().join(" ");
         WriteError::Video { path: self.place.clone(), why }
     }
@@ -365,6 +367,26 @@ mod tests {
         assert_eq!(images, ["000001.png", "000002.png", "000003.png", "000004.png", "000123b.png"]);
         assert_eq!(names(out), ["empty.mp4", "notes.txt", "scene.json", "truth"]);
         assert_eq!(fs::read_to_string(out.join("notes.txt")).unwrap(), "mine");
+    }
+
+    #[test]
+    fn the_bundled_samples_are_what_the_program_makes() {
+        let samples = Path::new(env!("CARGO_MANIFEST_DIR")).join("sample_videos");
+        for name in ["crossing", "tree"] {
+            let mut parameters = Parameters::default();
+            parameters.noise.sigma = 6.0;
+            let scene = catalogue::scene(name, &parameters).unwrap();
+            let mut recorder = Recorder::new(scene.fps);
+            render(&scene).for_each(|(_, truth)| recorder.push(&truth));
+            let truth = recorder.finish();
+            let kept = |file: &str| fs::read_to_string(samples.join("truth").join(name).join(file)).unwrap();
+            assert_eq!(kept("gt.txt"), boxes_text(&truth));
+            assert_eq!(kept("events.jsonl"), events_text(&truth).unwrap());
+            assert_eq!(kept("episodes.csv"), episodes_text(&truth));
+            let video = samples.join(name).with_extension("mp4");
+            assert_eq!(count_frames(&video).unwrap(), scene.frames);
+            assert!(fs::metadata(video).unwrap().len() < 1 << 20);
+        }
     }
 
     #[test]
