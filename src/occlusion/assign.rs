@@ -51,7 +51,7 @@ pub fn fits(objects: &[&Object], unsure: &[f32], pieces: &[Piece], settings: &Se
 }
 
 /// How far one box would have to move to lie inside the other (or to hold it, where it is larger).
-fn outside(a: &Rect, b: &Rect) -> f32 {
+pub fn outside(a: &Rect, b: &Rect) -> f32 {
     let axis = |low: f32, high: f32, other_low: f32, other_high: f32| {
         let (below, above) = (other_low - low, high - other_high);
         if high - low <= other_high - other_low {

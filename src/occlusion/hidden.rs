@@ -1,5 +1,6 @@
 //! Objects without a region: who left, who is hidden, and who came back (Algorithms 2 and 3).
 
+use super::assign;
 use super::event::{Episode, EpisodeKind, Event, EventKind, Evidence};
 use super::object::Object;
 use super::reasoner::{ObjectId, Reasoner};
@@ -47,10 +48,12 @@ impl Reasoner {
             if frames < self.limits.patience && !unfit && !self.is_outside(&bbox) {
                 continue;
             }
-            let leaves = self.leaves(index, lost_from.0);
-            self.carried.remove(index);
+            // Objects may change places here, so that who is lost is asked only afterwards.
             for &id in &members {
                 self.settle_splits_of(id);
+            }
+            let leaves = self.leaves(index, lost_from.0);
+            for id in self.carried.remove(index).members {
                 self.meetings.lose(id);
                 match &leaves {
                     Some(evidence) => self.tell_exit(id, lost_from.0, evidence.clone()),
@@ -122,7 +125,9 @@ impl Reasoner {
             self.hidden.push(Hidden { id, since });
             return;
         }
-        let last = self.objects[&id].last.bbox;
+        let Some(object) = self.objects.get_mut(&id) else { return };
+        object.keep_pace();
+        let last = object.last.bbox;
         let mut evidence = self.evidence(format!(
             "no region from frame {} on, away from the image edge, and no region grew to hold it",
             since.0
@@ -158,9 +163,7 @@ impl Reasoner {
         for (index, hidden) in self.hidden.iter().enumerate() {
             let past = &self.objects[&hidden.id];
             let reach = self.reach(past, self.t - hidden.since.1);
-            let [x, y] = past.model.centre();
-            let [new_x, new_y] = new.model.centre();
-            let distance = (new_x - x).hypot(new_y - y);
+            let distance = assign::outside(&past.predicted_box(), &new.last.bbox);
             if distance <= reach {
                 let (agreement, _) = past.agreement(&new.last.histogram, &self.settings);
                 candidates.push((distance, reach, agreement, index));
@@ -202,8 +205,13 @@ impl Reasoner {
         let [x, y] = seen.birthplace.centre();
         let frame = seen.born;
         object.key = seen.key;
-        object.model = seen.model;
         object.seen += seen.seen;
+        if object.is_nearly_whole(&seen.last) {
+            object.model = seen.model;
+            object.partial = 0;
+        } else {
+            object.see_part(&seen.last);
+        }
         object.last = seen.last;
         for carried in &mut self.carried {
             for member in carried.members.iter_mut().filter(|member| **member == new) {

@@ -1,5 +1,7 @@
 //! What is remembered of an object: how large it is, what colours it wears, how it moves.
 
+use nalgebra::Vector3;
+
 use crate::regions::colour::delta_e;
 use crate::regions::{Histogram, Rect, Rgb};
 use crate::settings::{ColourMemory, Settings};
@@ -8,8 +10,10 @@ use crate::tracking::kalman::Model;
 
 /// How fast the memory of clear frames follows a new one, once it has seen a few.
 const CLEAR_RATE: f32 = 0.1;
-/// A frame is clear when the region has at least this share of the size that is remembered.
-const NEAR_FULL: f32 = 0.75;
+/// A frame is clear when the region has at least this share of the pixels that are remembered.
+const NEAR_FULL: f32 = 0.7;
+/// And at least this share of the height, which changes less than the width of somebody who walks.
+const NEAR_TALL: f32 = 0.8;
 
 /// The region, or the regions taken together, by which an object was seen in a frame.
 #[derive(Clone, Debug)]
@@ -35,22 +39,28 @@ pub struct Appearance {
     pub area: f32,
     /// Share of each colour.
     pub histogram: Histogram,
+    /// Pixels a frame to the right and down. The box of somebody who goes behind something shrinks
+    /// at its front, so that its centre falls behind.
+    pub velocity: [f32; 2],
     /// Clear frames seen.
     pub frames: u32,
 }
 
 impl Appearance {
-    fn first(view: &View) -> Self {
+    fn first(view: &View, velocity: [f32; 2]) -> Self {
         let mut histogram = Histogram::default();
         histogram.add_scaled(&view.histogram, 1.0 / view.area.max(1.0));
-        Self { w: view.bbox.w, h: view.bbox.h, area: view.area, histogram, frames: 1 }
+        Self { w: view.bbox.w, h: view.bbox.h, area: view.area, histogram, velocity, frames: 1 }
     }
 
-    fn follow(&mut self, view: &View) {
+    fn follow(&mut self, view: &View, velocity: [f32; 2]) {
         let rate = CLEAR_RATE.max(1.0 / (self.frames + 1) as f32);
         self.w += rate * (view.bbox.w - self.w);
         self.h += rate * (view.bbox.h - self.h);
         self.area += rate * (view.area - self.area);
+        for (mean, now) in self.velocity.iter_mut().zip(velocity) {
+            *mean += rate * (now - *mean);
+        }
         let mut histogram = Histogram::default();
         histogram.add_scaled(&self.histogram, 1.0 - rate);
         histogram.add_scaled(&view.histogram, rate / view.area.max(1.0));
@@ -79,6 +89,8 @@ pub struct Object {
     pub clear: Option<Appearance>,
     /// How it was last seen alone.
     pub last: View,
+    /// For how many frames it has been seen in part only, or not at all.
+    pub partial: u32,
 }
 
 impl Object {
@@ -98,28 +110,57 @@ impl Object {
         Rect::around(self.model.centre(), w, h)
     }
 
+    /// Goes on with the velocity that it had when it was last seen clearly.
+    pub fn keep_pace(&mut self) {
+        if let Some(Appearance { velocity: [x, y], .. }) = self.clear {
+            self.model.set_velocity(Vector3::new(x, y, 0.0));
+        }
+    }
+
     /// The share of its full size that a region of `area` pixels shows, 0..=1.
     pub fn visible_share(&self, area: f32) -> f32 {
         (area / self.area().max(1.0)).min(1.0)
     }
 
+    /// Takes in that only a part of it is seen: its own motion goes on, and its full extent holds
+    /// what is seen.
+    pub fn see_part(&mut self, view: &View) {
+        self.seen += 1;
+        self.partial += 1;
+        self.last = view.clone();
+        self.keep_pace();
+        let (w, h) = self.size();
+        let [x, y] = self.model.centre();
+        self.model.set_centre([holding(x, w, view.bbox.x, view.bbox.right()), holding(y, h, view.bbox.y, view.bbox.bottom())]);
+    }
+
+    /// Takes in that it is not seen: its own motion goes on.
+    pub fn miss(&mut self) {
+        self.partial += 1;
+        self.keep_pace();
+    }
+
     /// Takes in how it is seen, alone. `cut_off` says that the image edge may hide a part of it.
     pub fn see(&mut self, view: &View, cut_off: bool) {
         self.seen += 1;
+        self.partial = 0;
         self.last = view.clone();
+        let [x, y, _] = self.model.velocity().into();
         match &mut self.clear {
             // Until its whole was seen once, larger is clearer.
-            Some(clear) if cut_off && view.area > clear.area => clear.follow(view),
-            Some(clear) if !cut_off && view.area >= NEAR_FULL * clear.area => clear.follow(view),
+            Some(clear) if cut_off && view.area > clear.area => clear.follow(view, [x, y]),
+            Some(clear) if !cut_off => clear.follow(view, [x, y]),
             Some(_) => {}
-            None if !cut_off => self.clear = Some(Appearance::first(view)),
+            None if !cut_off => self.clear = Some(Appearance::first(view, [x, y])),
             None => {}
         }
     }
 
     /// Whether a view shows nearly the whole of it.
     pub fn is_nearly_whole(&self, view: &View) -> bool {
-        self.clear.as_ref().is_none_or(|clear| view.area >= NEAR_FULL * clear.area)
+        self.clear.as_ref().is_none_or(|clear| {
+            view.area >= NEAR_FULL * clear.area && view.bbox.h >= NEAR_TALL * clear.h
+        })
     }
 
     /// Its dominant colours as Algorithm 1 compares them, the most frequent first.
@@ -151,6 +192,16 @@ impl Object {
             ColourMemory::Clear => mine.likeness(seen) + 0.2 * same,
         };
         (agreement, least)
+    }
+}
+
+/// The nearest centre to `centre` for which a span of length `extent` holds `low..high`; the middle
+/// of what it cannot hold.
+fn holding(centre: f32, extent: f32, low: f32, high: f32) -> f32 {
+    if extent <= high - low {
+        f32::midpoint(low, high)
+    } else {
+        centre.clamp(high - extent / 2.0, low + extent / 2.0)
     }
 }
 

@@ -24,6 +24,11 @@ pub struct Cluster {
     pub observations: Vec<usize>,
 }
 
+/// A region of at most this share of somebody's pixels may be a part of them that is set off.
+const CRUMB: f32 = 0.4;
+/// How far it may be set off, over their height.
+const CLOSE: f32 = 0.08;
+
 /// Joins blobs and observations: by the tracker's match, and by place where the tracker has none.
 /// `size_step` is the growth that speaks for a merge where the place alone does not decide.
 pub fn clusters(expected: &[Expected], observed: &[(Rect, f32)], size_step: f32) -> Vec<Cluster> {
@@ -36,10 +41,17 @@ pub fn clusters(expected: &[Expected], observed: &[(Rect, f32)], size_step: f32)
             sets.join(blob, blobs + observation);
         }
     }
+    for (observation, (bbox, area)) in observed.iter().enumerate() {
+        if owner[observation].is_none()
+            && let Some(blob) = piece_of(bbox, *area, expected)
+        {
+            sets.join(blob, blobs + observation);
+        }
+    }
     for (blob, it) in expected.iter().enumerate() {
         for (observation, (bbox, area)) in observed.iter().enumerate() {
             let belongs = match owner[observation] {
-                None => is_piece_of(bbox, it) || (it.matched.is_none() && held_share(&it.bbox, bbox) >= 0.5),
+                None => it.matched.is_none() && (is_piece_of(bbox, it) || held_share(&it.bbox, bbox) >= 0.5),
                 Some(other) if it.matched.is_none() && other != blob => {
                     let held = held_share(&it.bbox, bbox);
                     let grown = *area >= (1.0 + size_step) * expected[other].area;
@@ -53,6 +65,22 @@ pub fn clusters(expected: &[Expected], observed: &[(Rect, f32)], size_step: f32)
         }
     }
     sets.into_clusters(blobs)
+}
+
+/// Of whom a region that nobody claims is a part: that lies inside what was expected of them, or
+/// that is small and close to it.
+fn piece_of(bbox: &Rect, area: f32, expected: &[Expected]) -> Option<usize> {
+    let near = |it: &Expected| {
+        let small = area <= CRUMB * it.area && it.area > 0.0;
+        small && gap(bbox, &it.bbox) <= CLOSE * it.bbox.h
+    };
+    let belongs = |it: &Expected| is_piece_of(bbox, it) || near(it);
+    let candidates = expected.iter().enumerate().filter(|(_, it)| belongs(it));
+    let nearer = |a: &Expected, b: &Expected| {
+        let held = |it: &Expected| held_share(bbox, &it.bbox);
+        held(b).total_cmp(&held(a)).then(gap(bbox, &a.bbox).total_cmp(&gap(bbox, &b.bbox)))
+    };
+    candidates.min_by(|a, b| nearer(a.1, b.1)).map(|(blob, _)| blob)
 }
 
 /// Whether a region nobody claims lies so far inside what was expected that it is a part of it.

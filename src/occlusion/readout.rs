@@ -19,7 +19,12 @@ impl Reasoner {
             for id in &carried.members {
                 let object = &self.objects[id];
                 let (state, bbox, share) = match (&carried.view, group.is_empty()) {
-                    (Some(view), true) => (TrackState::Visible, view.bbox, object.visible_share(view.area)),
+                    (Some(view), true) => {
+                        let cut_off = view.bbox.distance_to_edge(self.size) <= 1.0;
+                        let whole = object.partial == 0 || cut_off;
+                        let bbox = if whole { view.bbox } else { object.predicted_box().union(&view.bbox) };
+                        (TrackState::Visible, bbox, object.visible_share(view.area))
+                    }
                     (Some(_), false) => {
                         (TrackState::Merged, object.predicted_box(), self.share_in_group(*id, carried))
                     }

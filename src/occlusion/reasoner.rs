@@ -48,6 +48,10 @@ pub(super) struct Limits {
     pub(super) same_episode: u32,
     /// Frames without a region after which it is believed that there is none.
     pub(super) patience: u32,
+    /// Frames after which what seemed a part is believed to be the whole: it walked away, or sat down.
+    pub(super) relearn: u32,
+    /// Frames after which somebody whom the image edge still cuts off gets an identity.
+    pub(super) at_edge: u32,
 }
 
 /// What is said of one frame.
@@ -103,6 +107,8 @@ impl Reasoner {
             max_hidden: settings.max_hidden.frames(fps),
             same_episode: settings.same_episode.frames(fps),
             patience: ((0.2 * fps).round() as u32).max(3),
+            relearn: ((2.0 * fps).round() as u32).max(10),
+            at_edge: (fps.round() as u32).max(settings.min_track.frames(fps)),
         };
         Self {
             settings: settings.clone(),
@@ -228,7 +234,11 @@ impl Reasoner {
             if let [alone] = carried.members[..]
                 && let Some(object) = self.objects.get_mut(&alone)
             {
-                object.model = carried.blob.shown().model.clone();
+                if object.partial > 0 {
+                    object.model.predict();
+                } else {
+                    object.model = carried.blob.shown().model.clone();
+                }
             }
         }
     }
@@ -252,10 +262,12 @@ impl Reasoner {
             .map(|(carried, &matched)| {
                 let group = carried.members.len() > 1;
                 let members = carried.members.iter().map(|id| &self.objects[id]);
+                let predicted = members.clone().map(Object::predicted_box).reduce(|a, b| a.union(&b));
+                let predicted = predicted.unwrap_or(carried.blob.bbox);
                 Expected {
                     bbox: match (group, matched) {
-                        (false, None) => self.objects[&carried.members[0]].predicted_box(),
-                        _ => carried.blob.bbox,
+                        (false, None) => predicted,
+                        _ => carried.blob.bbox.union(&predicted),
                     },
                     area: members.map(Object::area).fold(0.0, f32::max),
                     matched,
@@ -584,6 +596,7 @@ impl Reasoner {
                 model: seed.model.clone(),
                 clear: None,
                 last: view.clone(),
+                partial: 0,
             };
             self.objects.insert(id, object);
             let blob = Blob::new(seed.model, &observation(&view));
@@ -610,12 +623,22 @@ impl Reasoner {
                 let view = carried.view.clone();
                 let cut_off = view.as_ref().is_some_and(|view| self.near_border(&view.bbox));
                 let undecided = self.splits.iter().any(|split| split.is_undecided(alone));
+                let relearn = self.limits.relearn;
                 if let Some(object) = self.objects.get_mut(&alone) {
-                    object.model = model;
                     match view {
-                        Some(_) if undecided => object.seen += 1,
-                        Some(view) => object.see(&view, cut_off),
-                        None => {}
+                        Some(view) if !object.is_nearly_whole(&view) && object.partial < relearn => {
+                            object.see_part(&view);
+                        }
+                        Some(view) => {
+                            object.model = model;
+                            if undecided {
+                                object.seen += 1;
+                                object.partial = 0;
+                            } else {
+                                object.see(&view, cut_off);
+                            }
+                        }
+                        None => object.miss(),
                     }
                 }
             } else if let Some(view) = carried.view.clone() {
@@ -656,6 +679,10 @@ impl Reasoner {
             .objects
             .iter()
             .filter(|(_, object)| !object.named && object.seen >= self.limits.min_track)
+            // What comes in first is often a foot or an arm, and there is another beside it.
+            .filter(|(_, object)| {
+                object.seen >= self.limits.at_edge || object.last.bbox.distance_to_edge(self.size) > 1.0
+            })
             .map(|(&id, _)| id)
             .collect();
         for id in due {
