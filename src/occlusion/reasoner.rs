@@ -292,19 +292,10 @@ impl Reasoner {
             unexplained.extend(&cluster.observations);
             return;
         }
-        let members = self.present_members(cluster);
-        let local: Vec<(Rect, f32)> = cluster.observations.iter().map(|&index| observed[index]).collect();
-        let only = match members[..] {
-            [only] => {
-                Some(self.objects[&only].predicted_box().union(&self.carried[cluster.blobs[0]].blob.bbox))
-            }
-            _ => None,
-        };
-        let extent = self.extent(&members);
-        let pieces: Vec<Vec<usize>> = partition::pieces(&local, extent, only)
-            .into_iter()
-            .map(|piece| piece.into_iter().map(|index| cluster.observations[index]).collect())
-            .collect();
+        let pieces = self.pieces(cluster, observed);
+        let cluster = &self.without_noise(cluster, pieces.len());
+        let members = self.members_of(&cluster.blobs);
+        let pieces = if members.len() == 1 { self.pieces(cluster, observed) } else { pieces };
         let whole: Vec<View> = pieces.iter().map(|piece| join(views, piece)).collect();
 
         if let [only] = members[..] {
@@ -327,28 +318,53 @@ impl Reasoner {
         self.part(cluster, &members, &pieces, whole, unexplained);
     }
 
-    /// The cluster's objects. Those without an identity give way where others have one: noise
-    /// that touches somebody is no meeting.
-    fn present_members(&mut self, cluster: &Cluster) -> Vec<ObjectId> {
-        let mut members: Vec<ObjectId> =
-            cluster.blobs.iter().flat_map(|&blob| self.carried[blob].members.iter().copied()).collect();
-        members.sort_unstable();
-        if cluster.blobs.len() > 1 && cluster.observations.len() < cluster.blobs.len() {
-            let named = |id: &ObjectId| self.objects[id].named;
-            let keep: Vec<ObjectId> = if members.iter().any(named) {
-                members.iter().copied().filter(|id| named(id)).collect()
-            } else {
-                members[..1].to_vec()
-            };
-            for id in members.iter().filter(|id| !keep.contains(id)) {
-                self.objects.remove(id);
-                for &blob in &cluster.blobs {
-                    self.carried[blob].members.retain(|member| member != id);
-                }
+    /// The cluster's regions, those that are parts of one thing taken together.
+    fn pieces(&self, cluster: &Cluster, observed: &[(Rect, f32)]) -> Vec<Vec<usize>> {
+        let members = self.members_of(&cluster.blobs);
+        let local: Vec<(Rect, f32)> = cluster.observations.iter().map(|&index| observed[index]).collect();
+        let only = match members[..] {
+            [only] => {
+                Some(self.objects[&only].predicted_box().union(&self.carried[cluster.blobs[0]].blob.bbox))
             }
-            members = keep;
-        }
+            _ => None,
+        };
+        partition::pieces(&local, self.extent(&members), only)
+            .into_iter()
+            .map(|piece| piece.into_iter().map(|index| cluster.observations[index]).collect())
+            .collect()
+    }
+
+    /// The objects of some blobs, by rising number.
+    fn members_of(&self, blobs: &[usize]) -> Vec<ObjectId> {
+        let mut members: Vec<ObjectId> =
+            blobs.iter().flat_map(|&blob| self.carried[blob].members.iter().copied()).collect();
+        members.sort_unstable();
         members
+    }
+
+    /// The cluster without the blobs of objects that are none. Where there are fewer pieces than
+    /// blobs those without an identity give way to those with one, and to the oldest where nobody
+    /// has one: noise that touches somebody is no meeting.
+    fn without_noise(&mut self, cluster: &Cluster, pieces: usize) -> Cluster {
+        let mut cluster = cluster.clone();
+        if cluster.blobs.len() < 2 || pieces >= cluster.blobs.len() {
+            return cluster;
+        }
+        let members = self.members_of(&cluster.blobs);
+        let named = |id: &ObjectId| self.objects[id].named;
+        let keep: Vec<ObjectId> = if members.iter().any(named) {
+            members.iter().copied().filter(|id| named(id)).collect()
+        } else {
+            members[..1].to_vec()
+        };
+        for id in members.iter().filter(|id| !keep.contains(id)) {
+            self.objects.remove(id);
+        }
+        for &blob in &cluster.blobs {
+            self.carried[blob].members.retain(|member| keep.contains(member));
+        }
+        cluster.blobs.retain(|&blob| !self.carried[blob].members.is_empty());
+        cluster
     }
 
     fn extent(&self, members: &[ObjectId]) -> Extent {
@@ -673,8 +689,32 @@ impl Reasoner {
         }
     }
 
+    /// Forgets new objects within the full extent of somebody of whom only a part is seen: they are
+    /// more of the same.
+    fn absorb_parts(&mut self) {
+        let extents: Vec<Rect> = self
+            .carried
+            .iter()
+            .filter(|carried| carried.members.len() == 1)
+            .map(|carried| &self.objects[&carried.members[0]])
+            .filter(|object| object.named && object.partial > 0)
+            .map(Object::predicted_box)
+            .collect();
+        let objects = &mut self.objects;
+        self.carried.retain(|carried| {
+            let (&[id], Some(view)) = (&carried.members[..], &carried.view) else { return true };
+            let part = !objects[&id].named
+                && extents.iter().any(|extent| partition::held_share(&view.bbox, extent) >= 0.5);
+            if part {
+                objects.remove(&id);
+            }
+            !part
+        });
+    }
+
     /// Objects that have been seen often enough get their identity, and their beginning is told.
     fn name_objects(&mut self) {
+        self.absorb_parts();
         let due: Vec<ObjectId> = self
             .objects
             .iter()
@@ -686,7 +726,11 @@ impl Reasoner {
             .map(|(&id, _)| id)
             .collect();
         for id in due {
+            if !self.objects.contains_key(&id) {
+                continue;
+            }
             if self.reappears(id) {
+                self.absorb_parts();
                 continue;
             }
             let Some(object) = self.objects.get_mut(&id) else { continue };

@@ -8,8 +8,9 @@ use occluscope::settings::Settings;
 use occluscope::synth::{Parameters, Recorder, Truth, catalogue, render};
 use occluscope::tracking::Identity;
 
-/// An event or the ends of an episode may be so many frames off.
-const TOLERANCE: u32 = 8;
+/// An event or the ends of an episode may be so many frames off at a normal walk, and as much
+/// further as people are slower: what counts as the first or last of somebody is a matter of pixels.
+const TOLERANCE: f32 = 8.0;
 /// A person of whom less is seen may be anywhere for the tracks.
 const CLEAR: f32 = 0.9;
 
@@ -42,11 +43,14 @@ pub fn differences(scene: &str, parameters: &Parameters, settings: &Settings) ->
         people.sort_unstable();
         people
     };
+    let tolerance = (TOLERANCE / parameters.speed.min(1.0)).round() as u32;
     differences.extend(unmatched(
+        tolerance,
         truth.events.iter().map(|event| (event.kind.name(), event.objects.clone(), [event.frame; 2])),
         found.events.iter().map(|event| (event.kind.name(), people(&event.objects), [event.frame; 2])),
     ));
     differences.extend(unmatched(
+        tolerance,
         truth.episodes.iter().map(|it| (it.kind.name(), it.objects.clone(), [it.start, it.end])),
         found.episodes.iter().map(|it| (it.kind.name(), people(&it.objects), [it.start, it.end])),
     ));
@@ -61,11 +65,11 @@ pub fn differences(scene: &str, parameters: &Parameters, settings: &Settings) ->
 type What = (&'static str, Vec<Identity>, [u32; 2]);
 
 /// What is on one side only: the same kind, the same people, times that agree, each counted once.
-fn unmatched(truth: impl Iterator<Item = What>, found: impl Iterator<Item = What>) -> Vec<String> {
+fn unmatched(tolerance: u32, truth: impl Iterator<Item = What>, found: impl Iterator<Item = What>) -> Vec<String> {
     let mut found: Vec<What> = found.collect();
     let mut differences = Vec::new();
     for true_one in truth {
-        let near = |time: &[u32; 2]| (0..2).all(|end| time[end].abs_diff(true_one.2[end]) <= TOLERANCE);
+        let near = |time: &[u32; 2]| (0..2).all(|end| time[end].abs_diff(true_one.2[end]) <= tolerance);
         let same = found.iter().position(|it| it.0 == true_one.0 && it.1 == true_one.1 && near(&it.2));
         match same {
             Some(at) => drop(found.remove(at)),
