@@ -3,7 +3,7 @@
 //! Flags, the TOML file, the sliders of the window and the docs all read [`SETTINGS`]; nothing
 //! about a parameter is written down anywhere else.
 
-use std::fmt;
+use std::fmt::{self, Write as _};
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
@@ -619,12 +619,14 @@ impl Settings {
         let mut text = String::new();
         for stage in Stage::ALL {
             let heading = format!("# {} ", stage.name());
-            text += &format!("{heading:-<78}\n\n");
+            let _ = write!(text, "{heading:-<78}\n\n");
             for setting in SETTINGS.iter().filter(|setting| setting.stage == stage) {
                 let symbol =
                     if setting.symbol.is_empty() { String::new() } else { format!("{}: ", setting.symbol) };
                 let unit = if setting.unit.is_empty() { String::new() } else { format!(" {}", setting.unit) };
-                text += &format!(
+                // Writing to a string cannot fail.
+                let _ = write!(
+                    text,
                     "# {symbol}{}\n# range: {}{unit}; default: {}\n{} = {}\n\n",
                     setting.meaning.trim(),
                     setting.kind.range(setting.symbol),

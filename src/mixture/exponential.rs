@@ -20,7 +20,7 @@ pub fn exp_of_negative(x: f32) -> f32 {
     p = p * r + 8.333_452e-3;
     p = p * r + 4.166_579_6e-2;
     p = p * r + 1.666_666_5e-1;
-    p = p * r + 5.000_000_1e-1;
+    p = p * r + 5e-1;
     let e_to_r = p * (r * r) + r + 1.0;
     let two_to_n = f32::from_bits(((n as i32 + 127) as u32) << 23);
     let value = e_to_r * two_to_n;

@@ -101,7 +101,7 @@ impl Mixture {
     pub fn background_counts(&self) -> Vec<u8> {
         let mut counts = vec![0; self.size.pixels()];
         counts.par_iter_mut().enumerate().for_each(|(index, count)| {
-            *count = self.pixel_at(index).background_count(self.parameters.t) as u8
+            *count = self.pixel_at(index).background_count(self.parameters.t) as u8;
         });
         counts
     }
@@ -221,7 +221,9 @@ fn all_match_first<const N: usize>(step: &Step, planes: &[Plane], x: &[Plane; N]
     let mut all = true;
     for lane in 0..LANES {
         let distance = distance_squared(planes, x, lane);
-        all &= (distance <= step.lambda_squared * planes[1][lane]) & (planes[0][lane] > 0.0);
+        // Without a branch, so that the lanes go side by side.
+        all &= distance <= step.lambda_squared * planes[1][lane];
+        all &= planes[0][lane] > 0.0;
     }
     all
 }

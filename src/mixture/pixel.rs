@@ -230,13 +230,12 @@ impl Pixel {
 
         let matched = self.find_match(x, parameters.lambda);
         self.update_weights(matched, alpha);
-        let (changed, rho) = match matched {
-            Some(index) => (index, self.learn(index, x, alpha, parameters)),
-            None => {
-                self.replace_last(x, parameters);
-                self.renormalise();
-                (self.k - 1, 0.0)
-            }
+        let (changed, rho) = if let Some(index) = matched {
+            (index, self.learn(index, x, alpha, parameters))
+        } else {
+            self.replace_last(x, parameters);
+            self.renormalise();
+            (self.k - 1, 0.0)
         };
         let rank = self.sort_upwards(changed) + 1;
         let background_count = self.background_count(parameters.t);

@@ -162,7 +162,7 @@ impl Reasoner {
         let mut candidates: Vec<(f32, f32, f32, usize)> = Vec::new();
         for (index, hidden) in self.hidden.iter().enumerate() {
             let past = &self.objects[&hidden.id];
-            let reach = self.reach(past, self.t - hidden.since.1);
+            let reach = reach(past, self.t - hidden.since.1);
             let distance = assign::outside(&past.predicted_box(), &new.last.bbox);
             if distance <= reach {
                 let (agreement, _) = past.agreement(&new.last.histogram, &self.settings);
@@ -188,14 +188,6 @@ impl Reasoner {
         evidence.note("frames hidden", (self.t - hidden.since.1) as f32);
         self.take_back(id, &hidden, evidence);
         true
-    }
-
-    /// How far from its predicted place a hidden object may come back: it may have slowed down,
-    /// stopped or turned behind what hides it.
-    fn reach(&self, object: &Object, frames: u32) -> f32 {
-        let velocity = object.model.velocity();
-        let (_, height) = object.size();
-        0.6 * height + 0.5 * velocity.x.hypot(velocity.y) * frames as f32 + (frames as f32).sqrt()
     }
 
     fn take_back(&mut self, new: ObjectId, hidden: &Hidden, evidence: Evidence) {
@@ -260,6 +252,14 @@ impl Reasoner {
         });
         self.events.push(returned.event);
     }
+}
+
+/// How far from its predicted place a hidden object may come back: it may have slowed down,
+/// stopped or turned behind what hides it.
+fn reach(object: &Object, frames: u32) -> f32 {
+    let velocity = object.model.velocity();
+    let (_, height) = object.size();
+    0.6 * height + 0.5 * velocity.x.hypot(velocity.y) * frames as f32 + (frames as f32).sqrt()
 }
 
 /// How fast a box near an edge moves towards it, in pixels a frame.

@@ -131,7 +131,10 @@ impl Object {
         self.keep_pace();
         let (w, h) = self.size();
         let [x, y] = self.model.centre();
-        self.model.set_centre([holding(x, w, view.bbox.x, view.bbox.right()), holding(y, h, view.bbox.y, view.bbox.bottom())]);
+        self.model.set_centre([
+            holding(x, w, view.bbox.x, view.bbox.right()),
+            holding(y, h, view.bbox.y, view.bbox.bottom()),
+        ]);
     }
 
     /// Takes in that it is not seen: its own motion goes on.
@@ -150,17 +153,16 @@ impl Object {
             // Until its whole was seen once, larger is clearer.
             Some(clear) if cut_off && view.area > clear.area => clear.follow(view, [x, y]),
             Some(clear) if !cut_off => clear.follow(view, [x, y]),
-            Some(_) => {}
             None if !cut_off => self.clear = Some(Appearance::first(view, [x, y])),
-            None => {}
+            Some(_) | None => {}
         }
     }
 
     /// Whether a view shows nearly the whole of it.
     pub fn is_nearly_whole(&self, view: &View) -> bool {
-        self.clear.as_ref().is_none_or(|clear| {
-            view.area >= NEAR_FULL * clear.area && view.bbox.h >= NEAR_TALL * clear.h
-        })
+        self.clear
+            .as_ref()
+            .is_none_or(|clear| view.area >= NEAR_FULL * clear.area && view.bbox.h >= NEAR_TALL * clear.h)
     }
 
     /// Its dominant colours as Algorithm 1 compares them, the most frequent first.

@@ -295,6 +295,10 @@ impl Reasoner {
         let pieces = self.pieces(cluster, observed);
         let cluster = &self.without_noise(cluster, pieces.len());
         let members = self.members_of(&cluster.blobs);
+        if cluster.blobs.len() > 1 || (pieces.len() > 1 && members.len() > 1) {
+            self.settle_before_meeting(&members, pieces.len());
+        }
+        let members = self.members_of(&cluster.blobs);
         let pieces = if members.len() == 1 { self.pieces(cluster, observed) } else { pieces };
         let whole: Vec<View> = pieces.iter().map(|piece| join(views, piece)).collect();
 
@@ -342,21 +346,22 @@ impl Reasoner {
         members
     }
 
+    /// Who of some objects stays when they come to share a region: those with an identity, and the
+    /// oldest where nobody has one. Noise that touches somebody is no meeting.
+    fn known_of(&self, members: &[ObjectId]) -> Vec<ObjectId> {
+        let named: Vec<ObjectId> = members.iter().copied().filter(|id| self.objects[id].named).collect();
+        if named.is_empty() { members.iter().take(1).copied().collect() } else { named }
+    }
+
     /// The cluster without the blobs of objects that are none. Where there are fewer pieces than
-    /// blobs those without an identity give way to those with one, and to the oldest where nobody
-    /// has one: noise that touches somebody is no meeting.
+    /// blobs, those without an identity give way.
     fn without_noise(&mut self, cluster: &Cluster, pieces: usize) -> Cluster {
         let mut cluster = cluster.clone();
         if cluster.blobs.len() < 2 || pieces >= cluster.blobs.len() {
             return cluster;
         }
         let members = self.members_of(&cluster.blobs);
-        let named = |id: &ObjectId| self.objects[id].named;
-        let keep: Vec<ObjectId> = if members.iter().any(named) {
-            members.iter().copied().filter(|id| named(id)).collect()
-        } else {
-            members[..1].to_vec()
-        };
+        let keep = self.known_of(&members);
         for id in members.iter().filter(|id| !keep.contains(id)) {
             self.objects.remove(id);
         }
@@ -438,10 +443,7 @@ impl Reasoner {
         piece: &[usize],
         matched: &[Option<usize>],
     ) {
-        let (&first, others) = match cluster.blobs.split_first() {
-            Some(split) => split,
-            None => return,
-        };
+        let Some((&first, others)) = cluster.blobs.split_first() else { return };
         if others.is_empty() {
             self.give(first, members, view, is_just(piece, matched[first]));
             return;
@@ -464,7 +466,7 @@ impl Reasoner {
     }
 
     /// The event of a merge, unless these were in one meeting a moment ago: touching again within
-    /// `same_episode` is the same meeting, and then a parting that was not told yet never was.
+    /// `same_episode` is the same meeting.
     fn tell_merge(&mut self, cluster: &Cluster, members: &[ObjectId], view: &View) {
         let meeting_goes_on = members.iter().enumerate().all(|(index, &a)| {
             members[index + 1..].iter().all(|&b| {
@@ -475,7 +477,6 @@ impl Reasoner {
                 !were_apart || self.meetings.together(a, b)
             })
         });
-        self.rejoin_splits(members);
         if meeting_goes_on {
             return;
         }
@@ -555,6 +556,11 @@ impl Reasoner {
                 unexplained.extend(&pieces[index]);
                 continue;
             }
+            let known = self.known_of(&here);
+            for id in here.iter().filter(|id| !known.contains(id)) {
+                self.objects.remove(id);
+            }
+            let here = known;
             let observed = observation(&view);
             let blob = match here[..] {
                 [only] => {

@@ -98,26 +98,14 @@ impl Reasoner {
         });
     }
 
-    /// Objects that parted a moment ago share a region again: they never parted. A split of which
-    /// only one piece met others is settled with what is known.
-    pub(super) fn rejoin_splits(&mut self, members: &[ObjectId]) {
-        let involved: Vec<usize> = (0..self.splits.len())
-            .filter(|&index| self.splits[index].members.iter().any(|id| members.contains(id)))
-            .collect();
-        for index in involved.into_iter().rev() {
-            let split = &self.splits[index];
-            let met: std::collections::BTreeSet<usize> = split
-                .members
-                .iter()
-                .zip(&split.piece_of)
-                .filter(|(id, _)| members.contains(id))
-                .map(|(_, &piece)| piece)
-                .collect();
-            if met.len() > 1 {
-                self.splits.remove(index);
-            } else {
-                self.settle_split(index);
-            }
+    /// Before objects are shared out anew among `pieces` regions, what is open about them is decided
+    /// with what is known; objects may change places. Only where all who parted a moment ago share
+    /// one region again there is nothing to decide: they never parted.
+    pub(super) fn settle_before_meeting(&mut self, members: &[ObjectId], pieces: usize) {
+        let together = |split: &Split| pieces == 1 && split.members.iter().all(|id| members.contains(id));
+        self.splits.retain(|split| !together(split));
+        for &id in members {
+            self.settle_splits_of(id);
         }
     }
 

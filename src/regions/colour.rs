@@ -108,7 +108,7 @@ impl Histogram {
         for (&index, bin) in &self.bins {
             let level = |shift: u16| (index >> shift) & 15;
             for (dr, dg, db) in (0..8).map(|bits: u16| (bits & 1, bits >> 1 & 1, bits >> 2)) {
-                let cell = (level(8) + dr) / 2 * 81 + (level(4) + dg) / 2 * 9 + (level(0) + db) / 2;
+                let cell = ((level(8) + dr) >> 1) * 81 + ((level(4) + dg) >> 1) * 9 + ((level(0) + db) >> 1);
                 *shares.entry(cell | (dr | dg << 1 | db << 2) << 10).or_insert(0.0) +=
                     bin.count / total / 8.0;
             }

@@ -232,14 +232,15 @@ impl PoolSettings {
     }
 }
 
+/// In thousandths of a nat: far below what any sum of real scores reaches.
+const IMPOSSIBLE: i64 = -1_000_000_000;
+
 /// For each blob the observation (or none) that maximises the total score; blobs come oldest
 /// first, and on a tie the older keeps what it has.
 fn best_reading(blobs: &[Blob], observations: usize) -> Vec<Option<usize>> {
     if blobs.is_empty() {
         return Vec::new();
     }
-    // Thousandths of a nat; far below what any sum of real scores reaches.
-    const IMPOSSIBLE: i64 = -1_000_000_000;
     let thousandths = |score: f32| (f64::from(score) * 1000.0).round() as i64;
     let mut scores = Matrix::new(blobs.len(), observations + blobs.len(), IMPOSSIBLE);
     for (row, blob) in blobs.iter().enumerate() {

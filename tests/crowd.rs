@@ -1,0 +1,115 @@
+//! Tracking and occlusion reasoning in a crowd of blocks that move, stop, flicker, cover each other
+//! and leave as they please: whatever comes, the bookkeeping stays sound.
+
+#![allow(clippy::expect_used)]
+
+use std::collections::BTreeSet;
+
+use occluscope::frame::{Frame, Mask, Size};
+use occluscope::occlusion::{EventKind, Reasoner};
+use occluscope::regions::find_regions;
+use occluscope::settings::Settings;
+use proptest::prelude::*;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg32;
+
+const SIZE: Size = Size::new(160, 120);
+
+/// Somebody of one colour.
+struct Block {
+    at: [f32; 2],
+    velocity: [f32; 2],
+    extent: [f32; 2],
+    colour: [u8; 3],
+}
+
+impl Block {
+    fn new(random: &mut Pcg32) -> Self {
+        Self {
+            at: [random.random_range(-20.0..170.0), random.random_range(10.0..110.0)],
+            velocity: [random.random_range(-4.0..4.0), random.random_range(-1.0..1.0)],
+            extent: [random.random_range(3.0..16.0), random.random_range(6.0..40.0)],
+            colour: std::array::from_fn(|_| random.random()),
+        }
+    }
+
+    fn holds(&self, x: usize, y: usize) -> bool {
+        let inside = |value: usize, axis: usize| {
+            (self.at[axis]..self.at[axis] + self.extent[axis]).contains(&(value as f32))
+        };
+        inside(x, 0) && inside(y, 1)
+    }
+}
+
+fn draw(number: u32, blocks: &[Block], random: &mut Pcg32) -> (Frame, Mask) {
+    let mut rgb = vec![90; 3 * SIZE.pixels()];
+    let mut mask = vec![0; SIZE.pixels()];
+    // Now and then somebody is not seen at all.
+    let seen: Vec<&Block> = blocks.iter().filter(|_| random.random_bool(0.9)).collect();
+    for (index, value) in mask.iter_mut().enumerate() {
+        let (x, y) = (index % SIZE.width as usize, index / SIZE.width as usize);
+        if let Some(block) = seen.iter().find(|block| block.holds(x, y)) {
+            *value = 255;
+            rgb[3 * index..3 * index + 3].copy_from_slice(&block.colour);
+        }
+    }
+    (Frame { number, size: SIZE, rgb: rgb.into() }, Mask { size: SIZE, data: mask })
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
+
+    #[test]
+    fn everybody_is_in_one_place_and_every_event_is_about_somebody(seed: u64, count in 1_usize..14, fps in 2.0_f32..60.0) {
+        let mut random = Pcg32::seed_from_u64(seed);
+        let mut blocks: Vec<Block> = (0..count).map(|_| Block::new(&mut random)).collect();
+        let mut reasoner = Reasoner::new(&Settings::default(), SIZE, fps);
+        let mut known: BTreeSet<u32> = BTreeSet::new();
+        let mut told = 0;
+        for number in 1..=150 {
+            for block in &mut blocks {
+                if random.random_bool(0.02) {
+                    *block = Block::new(&mut random);
+                }
+                for axis in 0..2 {
+                    block.at[axis] += block.velocity[axis] + random.random_range(-0.5..0.5);
+                }
+                if random.random_bool(0.05) {
+                    block.velocity = [-block.velocity[0], random.random_range(-1.0..1.0)];
+                }
+            }
+            let (frame, mask) = draw(number, &blocks, &mut random);
+            let (labels, regions) = find_regions(&frame, &mask, 4).expect("a mask of the frame's size");
+            let seen = reasoner.step(number, &regions);
+
+            let keys: BTreeSet<u32> = seen.objects.iter().map(|track| track.key).collect();
+            prop_assert_eq!(keys.len(), seen.objects.len(), "an object twice in frame {}", number);
+            let ids: BTreeSet<u32> = seen.tracks.iter().map(|track| track.id).collect();
+            prop_assert_eq!(ids.len(), seen.tracks.len(), "an identity twice in frame {}", number);
+            prop_assert_eq!(seen.tracks.len() + seen.tentative.len(), seen.objects.len());
+            known.extend(ids);
+            for track in &seen.objects {
+                let numbers = [track.bbox.x, track.bbox.y, track.bbox.w, track.bbox.h, track.fitness, track.scale];
+                prop_assert!(numbers.iter().all(|number| number.is_finite()), "{:?}", track);
+                prop_assert!((0.0..=1.0).contains(&track.visible_share));
+                prop_assert!(track.regions.iter().all(|label| (1..=regions.len() as u32).contains(label)));
+            }
+            for event in &seen.events {
+                prop_assert!(event.frame <= number);
+                prop_assert!(!event.objects.is_empty());
+                let least = if matches!(event.kind, EventKind::Merge | EventKind::Demerge) { 2 } else { 1 };
+                prop_assert!(event.objects.len() >= least, "{:?} of {:?}", event.kind, event.objects);
+                prop_assert!(!event.evidence.branch.is_empty());
+            }
+            told += seen.events.len() as u32;
+            prop_assert_eq!(labels.data.len(), SIZE.pixels());
+        }
+        let counters = reasoner.counters();
+        let counted: u32 = EventKind::ALL.iter().map(|&kind| counters.of(kind)).sum();
+        prop_assert_eq!(counted, told);
+        for episode in reasoner.episodes() {
+            prop_assert!(episode.start <= episode.end);
+            prop_assert!(episode.objects.iter().all(|id| *id > 0));
+        }
+    }
+}

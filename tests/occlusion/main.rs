@@ -1,0 +1,94 @@
+//! Scenes whose truth is known, through the whole analysis: every event once, at its time, everybody
+//! one identity from the first frame to the last.
+
+#![allow(clippy::expect_used, missing_docs)]
+
+mod judge;
+
+use occluscope::frame::Size;
+use occluscope::settings::Settings;
+use occluscope::synth::Parameters;
+use occluscope::synth::noise::Noise;
+
+fn parameters(seed: u64, (width, height): (u32, u32), speed: f32, sigma: f32) -> Parameters {
+    Parameters {
+        size: Size::new(width, height),
+        frames: None,
+        seed,
+        noise: Noise { sigma, signal_dependent: seed.is_multiple_of(2) },
+        speed,
+        shadows: false,
+    }
+}
+
+/// Different seeds (clothes, textures, paces), sizes, speeds and noise.
+fn variations() -> [Parameters; 4] {
+    [
+        parameters(1, (320, 240), 1.0, 4.0),
+        parameters(2, (480, 360), 1.5, 2.0),
+        parameters(3, (640, 360), 1.0, 8.0),
+        parameters(4, (320, 240), 0.6, 6.0),
+    ]
+}
+
+/// Runs the variations of a scene side by side and fails with all that is wrong.
+fn is_right(scene: &str, variations: &[Parameters]) {
+    let settings = Settings::default();
+    let wrong: Vec<String> = std::thread::scope(|scope| {
+        let runs: Vec<_> = variations
+            .iter()
+            .map(|parameters| scope.spawn(|| judge::differences(scene, parameters, &settings)))
+            .collect();
+        variations
+            .iter()
+            .zip(runs)
+            .flat_map(|(parameters, run)| {
+                let differences = run.join().expect("the analysis must not panic");
+                differences.into_iter().map(move |what| format!("{parameters:?}: {what}"))
+            })
+            .collect()
+    });
+    assert!(wrong.is_empty(), "{scene}:\n{}", wrong.join("\n"));
+}
+
+#[test]
+fn two_who_cross_keep_their_identities() {
+    is_right("crossing", &variations());
+}
+
+#[test]
+fn two_in_like_clothes_who_cross_at_different_paces_keep_their_identities() {
+    is_right("crossing-alike", &variations());
+}
+
+#[test]
+fn a_walker_behind_a_tree_disappears_and_reappears_as_the_same() {
+    is_right("tree", &variations());
+}
+
+#[test]
+fn overtaking_is_one_meeting() {
+    is_right("overtake", &variations());
+}
+
+#[test]
+fn three_meet_and_leave_one_by_one() {
+    is_right("group", &variations());
+}
+
+#[test]
+fn two_side_by_side_with_a_gap_never_meet() {
+    is_right("pair", &variations()[..2]);
+}
+
+#[test]
+fn noise_alone_is_nobody() {
+    is_right("empty", &variations());
+}
+
+#[test]
+fn shadows_do_not_make_people() {
+    let with_shadows = variations().map(|parameters| Parameters { shadows: true, ..parameters });
+    is_right("crossing", &with_shadows[..2]);
+    is_right("tree", &with_shadows[..2]);
+}
