@@ -15,6 +15,9 @@ const NEAR_FULL: f32 = 0.7;
 /// And at least this share of the height, which changes less than the width of somebody who walks.
 const NEAR_TALL: f32 = 0.8;
 
+/// What is seen for so many frames in succession is no flicker of the mask.
+const LASTS: u32 = 3;
+
 /// The region, or the regions taken together, by which an object was seen in a frame.
 #[derive(Clone, Debug)]
 pub struct View {
@@ -91,6 +94,8 @@ pub struct Object {
     pub last: View,
     /// For how many frames it has been seen in part only, or not at all.
     pub partial: u32,
+    /// For how many frames it has been seen as two who stand side by side.
+    pub beside: u32,
 }
 
 impl Object {
@@ -135,6 +140,15 @@ impl Object {
             holding(x, w, view.bbox.x, view.bbox.right()),
             holding(y, h, view.bbox.y, view.bbox.bottom()),
         ]);
+    }
+
+    /// Takes in whether it is seen as two side by side. When that lasts it was two from the start,
+    /// who came in together: how the two looked as one is forgotten.
+    pub fn note_beside(&mut self, beside: bool) {
+        self.beside = if beside { self.beside + 1 } else { 0 };
+        if self.beside >= LASTS {
+            self.clear = None;
+        }
     }
 
     /// Takes in that it is not seen: its own motion goes on.

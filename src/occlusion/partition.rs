@@ -124,7 +124,7 @@ pub fn pieces(observed: &[(Rect, f32)], extent: Extent, inside: Option<Rect>) ->
                 let around = Rect::around(it.centre(), it.w * 1.2, it.h * 1.2);
                 held_share(a, &around) >= 0.5 && held_share(b, &around) >= 0.5
             });
-            if stacked || within {
+            if stacked || (within && !beside(&observed[i], &observed[j], extent)) {
                 sets.join(i, j);
             }
         }
@@ -137,6 +137,18 @@ pub fn pieces(observed: &[(Rect, f32)], extent: Extent, inside: Option<Rect>) ->
         join_crumbs(&mut pieces, observed, 0.3 * extent.least_area);
     }
     pieces
+}
+
+/// Whether two regions look like two who stand side by side: each nearly as tall as what was taken
+/// for one object, each too wide for the half of somebody that a pole leaves, free of each other.
+pub fn beside((a, a_area): &(Rect, f32), (b, b_area): &(Rect, f32), extent: Extent) -> bool {
+    let upright = |it: &Rect, area: f32| {
+        it.h >= 0.6 * extent.h
+            && (0.27..1.0).contains(&(it.w / it.h.max(1.0)))
+            && area >= 0.25 * extent.least_area
+    };
+    let shared_columns = a.right().min(b.right()) - a.x.max(b.x);
+    upright(a, *a_area) && upright(b, *b_area) && shared_columns <= 0.2 * a.w.min(b.w)
 }
 
 /// Gives pieces of fewer than `least` pixels to the nearest larger one.

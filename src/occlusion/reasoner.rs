@@ -310,9 +310,14 @@ impl Reasoner {
                 &whole[best],
                 is_just(&pieces[best], matched[cluster.blobs[0]]),
             );
-            unexplained.extend(
-                pieces.iter().enumerate().filter(|(index, _)| *index != best).flat_map(|(_, piece)| piece),
-            );
+            let others = || (0..pieces.len()).filter(|index| *index != best);
+            let extent = self.extent(&members);
+            let size = |index: usize| (whole[index].bbox, whole[index].area);
+            let beside = others().any(|other| partition::beside(&size(best), &size(other), extent));
+            if let Some(object) = self.objects.get_mut(&only) {
+                object.note_beside(beside);
+            }
+            unexplained.extend(others().flat_map(|other| &pieces[other]));
             return;
         }
         if pieces.len() == 1 {
@@ -619,6 +624,7 @@ impl Reasoner {
                 clear: None,
                 last: view.clone(),
                 partial: 0,
+                beside: 0,
             };
             self.objects.insert(id, object);
             let blob = Blob::new(seed.model, &observation(&view));
