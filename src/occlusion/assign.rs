@@ -94,6 +94,11 @@ pub fn assign(fits: &[Vec<Fit>], objects: &[&Object], pieces: &[Piece], by_colou
     })
 }
 
+/// What colours and motion say together, in nats.
+pub fn nats(fit: Fit) -> f32 {
+    COLOUR_NATS * fit.colour + fit.motion
+}
+
 /// The best of the assignments that put as many objects into each piece as `present` does: who
 /// goes where is asked again, not how many. Only colours and the motion at the split count.
 pub fn reassign(fits: &[Vec<Fit>], present: &[usize], pieces: usize) -> Vec<usize> {
@@ -102,7 +107,6 @@ pub fn reassign(fits: &[Vec<Fit>], present: &[usize], pieces: usize) -> Vec<usiz
         if (0..pieces).any(|piece| count(assigned, piece) != count(present, piece)) {
             return f32::NEG_INFINITY;
         }
-        let nats = |fit: Fit| COLOUR_NATS * fit.colour + fit.motion;
         assigned.iter().enumerate().map(|(object, &piece)| nats(fits[object][piece])).sum()
     };
     best(present.len(), pieces, total).unwrap_or_else(|| present.to_vec())

@@ -191,11 +191,20 @@ impl Reasoner {
     }
 
     fn take_back(&mut self, new: ObjectId, hidden: &Hidden, evidence: Evidence) {
+        let Some(seen) = self.objects.get(&new) else { return };
+        let (frame, [x, y]) = (seen.born, seen.birthplace.centre());
+        self.take_place(new, hidden.id);
+        let Some(identity) = self.identity(hidden.id) else { return };
+        let (objects, becomes) = (vec![identity], vec![identity]);
+        let event = Event { frame, kind: EventKind::Reappear, objects, becomes, x, y, front: None, evidence };
+        self.returns.push(Return { id: hidden.id, since: hidden.since, t: self.t, event });
+    }
+
+    /// What was taken for a new object is one that is known.
+    pub(super) fn take_place(&mut self, new: ObjectId, known: ObjectId) {
         let Some(seen) = self.objects.remove(&new) else { return };
-        let Some(object) = self.objects.get_mut(&hidden.id) else { return };
+        let Some(object) = self.objects.get_mut(&known) else { return };
         self.naming.same(seen.key, object.key);
-        let [x, y] = seen.birthplace.centre();
-        let frame = seen.born;
         object.key = seen.key;
         object.seen += seen.seen;
         if object.is_nearly_whole(&seen.last) {
@@ -207,14 +216,10 @@ impl Reasoner {
         object.last = seen.last;
         for carried in &mut self.carried {
             for member in carried.members.iter_mut().filter(|member| **member == new) {
-                *member = hidden.id;
+                *member = known;
             }
             carried.members.sort_unstable();
         }
-        let Some(identity) = self.identity(hidden.id) else { return };
-        let (objects, becomes) = (vec![identity], vec![identity]);
-        let event = Event { frame, kind: EventKind::Reappear, objects, becomes, x, y, front: None, evidence };
-        self.returns.push(Return { id: hidden.id, since: hidden.since, t: self.t, event });
     }
 
     /// Gives up who has been hidden for too long, and tells of those who came back to stay.

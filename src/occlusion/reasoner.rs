@@ -599,7 +599,7 @@ impl Reasoner {
 
     /// How far an object's prediction may be off: little while it was alone, more the longer it
     /// has been in a group.
-    fn unsureness(&self, id: ObjectId, in_group: bool) -> f32 {
+    pub(super) fn unsureness(&self, id: ObjectId, in_group: bool) -> f32 {
         let object = &self.objects[&id];
         let (_, height) = object.size();
         let apart = if in_group { self.meetings.duration_of(id, self.t) as f32 } else { 0.0 };
@@ -741,7 +741,7 @@ impl Reasoner {
             if !self.objects.contains_key(&id) {
                 continue;
             }
-            if self.reappears(id) {
+            if self.reappears(id) || self.comes_out(id) {
                 self.absorb_parts();
                 continue;
             }

@@ -98,6 +98,63 @@ impl Reasoner {
         });
     }
 
+    /// Whether a new object is a member of a group that shrank: it came out where the group's region
+    /// had already been left (Algorithm 3). If so it takes that member's identity.
+    pub(super) fn comes_out(&mut self, id: ObjectId) -> bool {
+        let new = &self.objects[&id];
+        if new.birthplace.distance_to_edge(self.size) <= self.limits.border {
+            return false;
+        }
+        let piece =
+            Piece { bbox: new.birthplace, area: new.last.area, histogram: new.last.histogram.clone() };
+        let mut best: Option<(f32, usize, ObjectId, Fit, f32)> = None;
+        for (index, group) in self.carried.iter().enumerate().filter(|(_, it)| it.members.len() > 1) {
+            let due: f32 = group.members.iter().map(|id| self.objects[id].area()).sum();
+            let seen = group.view.as_ref().map_or(0.0, |view| view.area);
+            if seen > (1.0 - self.settings.size_step) * due {
+                continue;
+            }
+            for &member in &group.members {
+                let object = &self.objects[&member];
+                let unsure = self.unsureness(member, true);
+                let fits = assign::fits(&[object], &[unsure], std::slice::from_ref(&piece), &self.settings);
+                let fit = fits[0][0];
+                if fit.distance > 3.0 * unsure {
+                    continue;
+                }
+                let value = assign::nats(fit);
+                if best.is_none_or(|(most, ..)| value > most) {
+                    best = Some((value, index, member, fit, seen / due));
+                }
+            }
+        }
+        let Some((_, index, member, fit, filled)) = best else { return false };
+        let objects = self.identities(&self.carried[index].members);
+        let mut evidence = self.evidence(format!(
+            "a region without an object beside one that {} objects shared and that had shrunk; it is the member who fits best",
+            objects.len(),
+        ));
+        let step = self.settings.size_step;
+        evidence.compare("the group's pixels over those its members should have", filled, 1.0 - step, true);
+        evidence.compare("agreement of colours", fit.colour, 1.2, true);
+        evidence.note("distance in pixels from the member's prediction", fit.distance);
+        self.carried[index].members.retain(|&other| other != member);
+        let (frame, [x, y]) = (self.objects[&id].born, piece.bbox.centre());
+        self.take_place(id, member);
+        let becomes = self.identity(member).into_iter().collect();
+        self.events.push(Event {
+            frame,
+            kind: EventKind::Demerge,
+            objects,
+            becomes,
+            x,
+            y,
+            front: None,
+            evidence,
+        });
+        true
+    }
+
     /// Before objects are shared out anew among `pieces` regions, what is open about them is decided
     /// with what is known; objects may change places. Only where all who parted a moment ago share
     /// one region again there is nothing to decide: they never parted.
