@@ -27,7 +27,7 @@ pub struct Cluster {
 /// A region of at most this share of somebody's pixels may be a part of them that is set off.
 const CRUMB: f32 = 0.4;
 /// How far it may be set off, over their height.
-const CLOSE: f32 = 0.08;
+const CLOSE: f32 = 0.15;
 
 /// Joins blobs and observations: by the tracker's match, and by place where the tracker has none.
 /// `size_step` is the growth that speaks for a merge where the place alone does not decide.
@@ -122,7 +122,9 @@ pub fn pieces(observed: &[(Rect, f32)], extent: Extent, inside: Option<Rect>) ->
                 && both.w <= 1.25 * extent.w;
             let within = inside.is_some_and(|it| {
                 let around = Rect::around(it.centre(), it.w * 1.2, it.h * 1.2);
-                held_share(a, &around) >= 0.5 && held_share(b, &around) >= 0.5
+                let mine =
+                    |it: &(Rect, f32)| held_share(&it.0, &around) >= 0.5 || it.1 <= CRUMB * extent.least_area;
+                mine(&observed[i]) && mine(&observed[j])
             });
             if stacked || (within && !beside(&observed[i], &observed[j], extent)) {
                 sets.join(i, j);
