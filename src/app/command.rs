@@ -5,6 +5,7 @@ use eframe::egui::{Key, Modifiers};
 use egui_material_icons::icons as m;
 
 use super::icons::Icon;
+use super::slots::Slot;
 use super::state::{Camera, Hover};
 use super::views::{Background, View};
 use crate::replay::Start;
@@ -21,6 +22,10 @@ pub(crate) enum Action {
     OpenSample,
     /// Write the annotated frame as a picture.
     ExportFrame,
+    /// Write the settings as a file.
+    SaveSettings,
+    /// Read the settings from a file.
+    LoadSettings,
     /// End the program.
     Quit,
     /// Take back the last change of settings.
@@ -29,6 +34,8 @@ pub(crate) enum Action {
     Redo,
     /// All settings to their defaults.
     DefaultSettings,
+    /// Analyse under the settings of this slot.
+    Slot(Slot),
     /// Start or stop playing.
     Play,
     /// Go so many frames on, or back.
@@ -246,6 +253,25 @@ pub(crate) static ACTIONS: &[Entry] = &[
         "Write this frame with boxes, identities and events drawn on, as a PNG",
     )
     .after_line(),
+    entry(
+        Menu::File,
+        Action::SaveSettings,
+        m::ICON_SAVE,
+        "Save settings…",
+        &[ctrl(Key::S)],
+        "Write the settings in view as TOML, which --settings reads",
+    )
+    .after_line()
+    .always(),
+    entry(
+        Menu::File,
+        Action::LoadSettings,
+        m::ICON_UPLOAD_FILE,
+        "Load settings…",
+        &[],
+        "Take the settings of a TOML file; what it does not name has its default",
+    )
+    .always(),
     entry(Menu::File, Action::Quit, m::ICON_CLOSE, "Quit", &[ctrl(Key::Q)], "End the program")
         .after_line()
         .always(),
@@ -491,6 +517,25 @@ pub(crate) static ACTIONS: &[Entry] = &[
         "All settings to defaults",
         &[],
         "Take the preset `default`",
+    )
+    .always(),
+    entry(
+        Menu::Analysis,
+        Action::Slot(Slot::A),
+        m::ICON_COMPARE,
+        "Settings A",
+        &[key(Key::A)],
+        "Analyse under the first of two sets of settings",
+    )
+    .after_line()
+    .always(),
+    entry(
+        Menu::Analysis,
+        Action::Slot(Slot::B),
+        m::ICON_COMPARE,
+        "Settings B",
+        &[key(Key::B)],
+        "Analyse under the second; it begins as a copy of A",
     )
     .always(),
     entry(

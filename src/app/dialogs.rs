@@ -1,16 +1,24 @@
-//! File dialogs on threads of their own, so that the window never waits for one.
+//! File dialogs, and the reading and writing that follows them, on threads of their own, so that
+//! the window never waits for either.
 
 use std::path::PathBuf;
 
 use crossbeam_channel::{Receiver, Sender};
 use eframe::egui::Context;
+use rfd::FileDialog;
+
+use super::export_frame::Picture;
+use super::settings_file;
+use crate::settings::Settings;
 
 /// What a dialog brought back.
 pub(crate) enum Answer {
     /// A video or folder to open.
     Open(PathBuf),
-    /// Where to write the frame.
-    Save(PathBuf),
+    /// A file was written, or why not, in a sentence.
+    Wrote(Result<PathBuf, String>),
+    /// Settings were read from a file, or why not, in a sentence.
+    Settings(Result<(PathBuf, Box<Settings>), String>),
 }
 
 /// The dialogs that are open.
@@ -31,7 +39,7 @@ impl Dialogs {
     /// Asks for a video file.
     pub(crate) fn video(&mut self, ctx: &Context) {
         self.ask(ctx, || {
-            let dialog = rfd::FileDialog::new().set_title("Open video");
+            let dialog = FileDialog::new().set_title("Open video");
             let endings = ["mp4", "avi", "mkv", "mov", "webm", "m4v", "mpg", "mpeg", "ogv"];
             dialog.add_filter("Video", &endings).add_filter("All files", &["*"]).pick_file().map(Answer::Open)
         });
@@ -40,15 +48,36 @@ impl Dialogs {
     /// Asks for a folder of images.
     pub(crate) fn folder(&mut self, ctx: &Context) {
         self.ask(ctx, || {
-            rfd::FileDialog::new().set_title("Open folder of images").pick_folder().map(Answer::Open)
+            FileDialog::new().set_title("Open folder of images").pick_folder().map(Answer::Open)
         });
     }
 
-    /// Asks where to write a picture.
-    pub(crate) fn save(&mut self, ctx: &Context, name: String) {
+    /// Asks where to write a frame, and writes it there.
+    pub(crate) fn export_frame(&mut self, ctx: &Context, picture: Picture) {
         self.ask(ctx, move || {
-            let dialog = rfd::FileDialog::new().set_title("Export frame").set_file_name(name);
-            dialog.add_filter("PNG picture", &["png"]).save_file().map(Answer::Save)
+            let dialog = FileDialog::new().set_title("Export frame").set_file_name(picture.name());
+            let path = dialog.add_filter("PNG picture", &["png"]).save_file()?;
+            Some(Answer::Wrote(picture.write(path)))
+        });
+    }
+
+    /// Asks where to write settings, and writes them there.
+    pub(crate) fn save_settings(&mut self, ctx: &Context, settings: Settings) {
+        self.ask(ctx, move || {
+            let dialog = FileDialog::new().set_title("Save settings").set_file_name(settings_file::NAME);
+            let path = dialog.add_filter("Settings", &[settings_file::ENDING]).save_file()?;
+            Some(Answer::Wrote(settings_file::write(path, &settings)))
+        });
+    }
+
+    /// Asks for a file of settings, and reads it.
+    pub(crate) fn load_settings(&mut self, ctx: &Context) {
+        self.ask(ctx, || {
+            let dialog =
+                FileDialog::new().set_title("Load settings").add_filter("Settings", &[settings_file::ENDING]);
+            let path = dialog.add_filter("All files", &["*"]).pick_file()?;
+            let read = settings_file::read(&path);
+            Some(Answer::Settings(read.map(|settings| (path, Box::new(settings)))))
         });
     }
 
