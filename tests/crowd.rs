@@ -53,7 +53,7 @@ fn draw(number: u32, blocks: &[Block], random: &mut Pcg32) -> (Frame, Mask) {
             rgb[3 * index..3 * index + 3].copy_from_slice(&block.colour);
         }
     }
-    (Frame { number, size: SIZE, rgb: rgb.into() }, Mask { size: SIZE, data: mask })
+    (Frame { number, size: SIZE, rgb }, Mask { size: SIZE, data: mask })
 }
 
 proptest! {
