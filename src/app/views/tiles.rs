@@ -215,6 +215,10 @@ impl Behavior<View> for Panes<'_> {
         theme::ROW
     }
 
+    fn tab_title_spacing(&self, _visuals: &Visuals) -> f32 {
+        6.0
+    }
+
     fn gap_width(&self, _style: &eframe::egui::Style) -> f32 {
         3.0
     }
