@@ -129,7 +129,10 @@ impl Window {
 
     fn open_sample(&mut self, ctx: &Context) {
         match sample::unpacked() {
-            Ok(path) => self.open(ctx, &path.to_string_lossy(), Start::FirstOcclusion),
+            Ok(path) => {
+                self.open(ctx, &path.to_string_lossy(), Start::FirstOcclusion);
+                self.apply(ctx, Command::Choose(Some(sample::PIXEL)));
+            }
             Err(why) => self.toasts.fail(ctx, why),
         }
     }

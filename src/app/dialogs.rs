@@ -2,6 +2,7 @@
 //! the window never waits for either.
 
 use std::path::PathBuf;
+use std::time::{Duration, Instant};
 
 use crossbeam_channel::{Receiver, Sender};
 use eframe::egui::Context;
@@ -11,6 +12,9 @@ use super::export_frame::Picture;
 use super::settings_file;
 use crate::settings::Settings;
 
+/// Nobody cancels a dialog sooner than this: it never came up.
+const TOO_SOON: Duration = Duration::from_millis(250);
+
 /// What a dialog brought back.
 pub(crate) enum Answer {
     /// A video or folder to open.
@@ -19,6 +23,8 @@ pub(crate) enum Answer {
     Wrote(Result<PathBuf, String>),
     /// Settings were read from a file, or why not, in a sentence.
     Settings(Result<(PathBuf, Box<Settings>), String>),
+    /// This system has no file dialogs.
+    NoDialog,
 }
 
 /// The dialogs that are open.
@@ -96,9 +102,41 @@ impl Dialogs {
         self.open = true;
         let (sender, ctx) = (self.sender.clone(), ctx.clone());
         std::thread::spawn(move || {
+            let asked = Instant::now();
+            let answer = dialog().or_else(|| (asked.elapsed() < TOO_SOON).then_some(Answer::NoDialog));
             // The window may be gone by then; then nobody waits for the answer.
-            let _ = sender.send(dialog());
+            let _ = sender.send(answer);
             ctx.request_repaint();
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+
+    /// What comes of a dialog, once it has.
+    fn brought(dialog: impl FnOnce() -> Option<Answer> + Send + 'static) -> Option<Answer> {
+        let (ctx, mut dialogs) = (Context::default(), Dialogs::default());
+        dialogs.ask(&ctx, dialog);
+        assert!(dialogs.open);
+        let answer = dialogs.receiver.recv().unwrap();
+        dialogs.sender.send(answer).unwrap();
+        let answer = dialogs.answer();
+        assert!(!dialogs.open);
+        answer
+    }
+
+    #[test]
+    fn a_dialog_that_never_came_up_is_told_from_one_that_was_cancelled() {
+        assert!(matches!(brought(|| None), Some(Answer::NoDialog)));
+        let cancelled = || {
+            std::thread::sleep(2 * TOO_SOON);
+            None
+        };
+        assert!(brought(cancelled).is_none());
+        assert!(matches!(brought(|| Some(Answer::Open("a".into()))), Some(Answer::Open(_))));
     }
 }

@@ -166,6 +166,11 @@ impl Window {
                 self.apply(ctx, Command::Set(settings));
                 self.toasts.done(ctx, format!("Settings of {}", path.display()));
             }
+            Answer::NoDialog => self.toasts.fail(
+                ctx,
+                "This system opens no file dialog; install xdg-desktop-portal or zenity, or drop a video on \
+                 the window, or name it on the command line",
+            ),
             Answer::Wrote(Err(why)) | Answer::Settings(Err(why)) => self.toasts.fail(ctx, why),
         }
     }
@@ -231,7 +236,7 @@ impl Window {
             let panel = Panel::right("inspector").frame(side).resizable(true).default_size(size);
             let inspector = &mut self.inspector;
             panel.size_range(220.0..=760.0).show(ui, |ui| {
-                let half = ui.available_height() * 0.42;
+                let half = ui.available_height() * 0.36;
                 let below = Frame::NONE.inner_margin(Margin { top: 8, ..Margin::ZERO });
                 let list = Panel::bottom("events").frame(below).resizable(true).default_size(half);
                 list.min_size(120.0).show(ui, |ui| {

@@ -84,9 +84,9 @@ pub(crate) fn free_tag(
 
 /// The place nearest to `rect`, above or below, that covers nothing `taken`; itself where a crowd leaves none.
 fn free_place(rect: Rect, bounds: Rect, taken: &[Rect]) -> Rect {
-    let step = rect.height() + 1.0;
-    (0..12)
-        .flat_map(|rows| [-step * rows as f32, step * rows as f32])
+    let step = rect.height() / 4.0;
+    (0..48)
+        .flat_map(|steps| [-step * steps as f32, step * steps as f32])
         .map(|down| rect.translate(vec2(0.0, down)))
         // Tags that merely touch are told apart by their colours.
         .find(|place| bounds.contains_rect(*place) && !taken.iter().any(|t| t.shrink(0.5).intersects(*place)))
@@ -98,8 +98,9 @@ pub(crate) fn cross(painter: &Painter, canvas: &Canvas, pixel: (u32, u32), accen
     let place = canvas.place_pixel(pixel);
     let centre = place.center();
     let gap = (place.width() / 2.0).max(5.0);
-    let (view, shadow) = (canvas.rect, Stroke::new(3.0, Color32::from_black_alpha(60)));
-    for stroke in [shadow, Stroke::new(1.0, accent.gamma_multiply(0.7))] {
+    let (view, shadow) =
+        (canvas.whole().intersect(canvas.rect), Stroke::new(3.0, Color32::from_black_alpha(60)));
+    for stroke in [shadow, Stroke::new(1.0, accent.gamma_multiply(0.6))] {
         painter.hline(view.left()..=centre.x - gap, centre.y, stroke);
         painter.hline(centre.x + gap..=view.right(), centre.y, stroke);
         painter.vline(centre.x, view.top()..=centre.y - gap, stroke);
@@ -164,7 +165,10 @@ mod tests {
         for _ in 0..5 {
             let place = free_place(wanted, bounds, &taken);
             assert!(bounds.contains_rect(place));
-            assert!(taken.iter().all(|other: &Rect| !other.intersects(place)), "{place} {taken:?}");
+            assert!(
+                taken.iter().all(|other: &Rect| !other.shrink(0.5).intersects(place)),
+                "{place} {taken:?}"
+            );
             taken.push(place);
         }
         assert_eq!(taken[0], wanted);
