@@ -22,7 +22,8 @@ const IDENTITIES: [[u8; 3]; 10] = [
     [153, 221, 255],
 ];
 
-/// A colour for each rank of a mixture of up to eight components, the highest rank first.
+/// A colour for each slot of a mixture of up to eight components. A component keeps its slot while
+/// its rank changes, so that its colour follows it through time.
 const COMPONENTS: [[u8; 3]; 8] = [
     [86, 180, 233],
     [230, 159, 0],
@@ -39,9 +40,9 @@ pub fn identity_colour(id: Identity) -> [u8; 3] {
     IDENTITIES[(id.max(1) - 1) as usize % IDENTITIES.len()]
 }
 
-/// The colour of a mixture's component by its rank, 0 for the highest.
-pub fn component_colour(rank: usize) -> [u8; 3] {
-    COMPONENTS[rank % COMPONENTS.len()]
+/// The colour of a mixture's component by the slot that it stands in, from 0.
+pub fn component_colour(slot: usize) -> [u8; 3] {
+    COMPONENTS[slot % COMPONENTS.len()]
 }
 
 /// The colour of a kind of event: what comes warm, what returns green and blue, what merely starts or ends gray.

@@ -55,19 +55,27 @@ impl Window {
             Action::OpenSample => self.open_sample(ctx),
             Action::ExportFrame => {
                 if let Some(picture) = Picture::of(model) {
-                    self.dialogs.save(ctx, picture.name());
-                    self.exporting = Some(picture);
+                    self.dialogs.export_frame(ctx, picture);
                 }
             }
+            Action::SaveSettings => self.dialogs.save_settings(ctx, model.settings.clone()),
+            Action::LoadSettings => self.dialogs.load_settings(ctx),
             Action::Quit => ctx.send_viewport_cmd(ViewportCommand::Close),
             Action::Undo => {
-                if let Some(before) = model.history.undo() {
+                if let Some((slot, before)) = model.history.undo() {
+                    model.slots.show(slot, &mut model.settings);
                     model.settings = before;
                 }
             }
             Action::Redo => {
-                if let Some(after) = model.history.redo() {
+                if let Some((slot, after)) = model.history.redo() {
+                    model.slots.show(slot, &mut model.settings);
                     model.settings = after;
+                }
+            }
+            Action::Slot(slot) => {
+                if model.show_slot(slot) {
+                    self.toasts.done(ctx, "Settings B begin as a copy of A; the keys A and B flip");
                 }
             }
             Action::DefaultSettings => model.settings = Settings::default(),
@@ -121,7 +129,10 @@ impl Window {
 
     fn open_sample(&mut self, ctx: &Context) {
         match sample::unpacked() {
-            Ok(path) => self.open(ctx, &path.to_string_lossy(), Start::FirstOcclusion),
+            Ok(path) => {
+                self.open(ctx, &path.to_string_lossy(), Start::FirstOcclusion);
+                self.apply(ctx, Command::Choose(Some(sample::PIXEL)));
+            }
             Err(why) => self.toasts.fail(ctx, why),
         }
     }

@@ -5,6 +5,7 @@ use eframe::egui::{Key, Modifiers};
 use egui_material_icons::icons as m;
 
 use super::icons::Icon;
+use super::slots::Slot;
 use super::state::{Camera, Hover};
 use super::views::{Background, View};
 use crate::replay::Start;
@@ -21,6 +22,10 @@ pub(crate) enum Action {
     OpenSample,
     /// Write the annotated frame as a picture.
     ExportFrame,
+    /// Write the settings as a file.
+    SaveSettings,
+    /// Read the settings from a file.
+    LoadSettings,
     /// End the program.
     Quit,
     /// Take back the last change of settings.
@@ -29,6 +34,8 @@ pub(crate) enum Action {
     Redo,
     /// All settings to their defaults.
     DefaultSettings,
+    /// Analyse under the settings of this slot.
+    Slot(Slot),
     /// Start or stop playing.
     Play,
     /// Go so many frames on, or back.
@@ -246,6 +253,25 @@ pub(crate) static ACTIONS: &[Entry] = &[
         "Write this frame with boxes, identities and events drawn on, as a PNG",
     )
     .after_line(),
+    entry(
+        Menu::File,
+        Action::SaveSettings,
+        m::ICON_SAVE,
+        "Save settings…",
+        &[ctrl(Key::S)],
+        "Write the settings in view as TOML, which --settings reads",
+    )
+    .after_line()
+    .always(),
+    entry(
+        Menu::File,
+        Action::LoadSettings,
+        m::ICON_UPLOAD_FILE,
+        "Load settings…",
+        &[],
+        "Take the settings of a TOML file; what it does not name has its default",
+    )
+    .always(),
     entry(Menu::File, Action::Quit, m::ICON_CLOSE, "Quit", &[ctrl(Key::Q)], "End the program")
         .after_line()
         .always(),
@@ -494,6 +520,25 @@ pub(crate) static ACTIONS: &[Entry] = &[
     )
     .always(),
     entry(
+        Menu::Analysis,
+        Action::Slot(Slot::A),
+        m::ICON_COMPARE,
+        "Settings A",
+        &[key(Key::A)],
+        "Analyse under the first of two sets of settings",
+    )
+    .after_line()
+    .always(),
+    entry(
+        Menu::Analysis,
+        Action::Slot(Slot::B),
+        m::ICON_COMPARE,
+        "Settings B",
+        &[key(Key::B)],
+        "Analyse under the second; it begins as a copy of A",
+    )
+    .always(),
+    entry(
         Menu::Help,
         Action::Palette,
         m::ICON_SEARCH,
@@ -593,9 +638,58 @@ mod tests {
         assert!(press(Key::F, Modifiers::ALT).is_empty());
     }
 
+    /// The keys in the first cell of a row of the README's table, written as in the menus.
+    fn keys_of(cell: &str) -> Vec<String> {
+        let mut keys: Vec<String> = Vec::new();
+        let mut before = String::new();
+        for part in cell.split("<kbd>").skip(1) {
+            let (name, after) = part.split_once("</kbd>").unwrap();
+            let name = match name {
+                "←" => "Left",
+                "→" => "Right",
+                name => name,
+            };
+            if after == "+" {
+                before = format!("{before}{name}+");
+                continue;
+            }
+            if let Some(first) = keys.pop_if(|key| key.ends_with('–')) {
+                let numbers = first.trim_end_matches('–').parse::<u32>().unwrap()..=name.parse().unwrap();
+                keys.extend(numbers.map(|number| number.to_string()));
+            } else {
+                let range = if after == "–" { "–" } else { "" };
+                keys.push(format!("{before}{name}{range}"));
+            }
+            before.clear();
+        }
+        keys
+    }
+
+    #[test]
+    fn the_readme_lists_the_keys_that_there_are() {
+        let rows = include_str!("../../README.md").lines().filter(|line| line.starts_with("| <kbd>"));
+        let listed: Vec<String> = rows.flat_map(|row| keys_of(row.split('|').nth(1).unwrap())).collect();
+        let texts = |entry: &Entry| entry.shortcuts.iter().map(|key| key.text()).collect::<Vec<_>>();
+        for key in &listed {
+            let does = ACTIONS.iter().filter(|entry| texts(entry).contains(key)).count();
+            assert_eq!(does, 1, "{key} is in the README and calls {does} actions");
+            assert_eq!(listed.iter().filter(|other| *other == key).count(), 1, "{key} is listed twice");
+        }
+        for entry in ACTIONS.iter().filter(|entry| !entry.shortcuts.is_empty()) {
+            let texts = texts(entry);
+            assert!(texts.iter().any(|key| listed.contains(key)), "{} {texts:?} is not listed", entry.text);
+        }
+    }
+
     #[test]
     fn every_action_of_the_keyboard_has_an_entry() {
-        for action in [Action::Play, Action::Step(-10), Action::Maximise(View::Tracks), Action::Palette] {
+        for action in [
+            Action::Play,
+            Action::Step(-10),
+            Action::Maximise(View::Tracks),
+            Action::Slot(Slot::B),
+            Action::Palette,
+        ] {
             assert_eq!(action.entry().unwrap().action, action);
         }
     }

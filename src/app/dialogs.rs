@@ -1,16 +1,30 @@
-//! File dialogs on threads of their own, so that the window never waits for one.
+//! File dialogs, and the reading and writing that follows them, on threads of their own, so that
+//! the window never waits for either.
 
 use std::path::PathBuf;
+use std::time::{Duration, Instant};
 
 use crossbeam_channel::{Receiver, Sender};
 use eframe::egui::Context;
+use rfd::FileDialog;
+
+use super::export_frame::Picture;
+use super::settings_file;
+use crate::settings::Settings;
+
+/// Nobody cancels a dialog sooner than this: it never came up.
+const TOO_SOON: Duration = Duration::from_millis(250);
 
 /// What a dialog brought back.
 pub(crate) enum Answer {
     /// A video or folder to open.
     Open(PathBuf),
-    /// Where to write the frame.
-    Save(PathBuf),
+    /// A file was written, or why not, in a sentence.
+    Wrote(Result<PathBuf, String>),
+    /// Settings were read from a file, or why not, in a sentence.
+    Settings(Result<(PathBuf, Box<Settings>), String>),
+    /// This system has no file dialogs.
+    NoDialog,
 }
 
 /// The dialogs that are open.
@@ -31,7 +45,7 @@ impl Dialogs {
     /// Asks for a video file.
     pub(crate) fn video(&mut self, ctx: &Context) {
         self.ask(ctx, || {
-            let dialog = rfd::FileDialog::new().set_title("Open video");
+            let dialog = FileDialog::new().set_title("Open video");
             let endings = ["mp4", "avi", "mkv", "mov", "webm", "m4v", "mpg", "mpeg", "ogv"];
             dialog.add_filter("Video", &endings).add_filter("All files", &["*"]).pick_file().map(Answer::Open)
         });
@@ -40,15 +54,36 @@ impl Dialogs {
     /// Asks for a folder of images.
     pub(crate) fn folder(&mut self, ctx: &Context) {
         self.ask(ctx, || {
-            rfd::FileDialog::new().set_title("Open folder of images").pick_folder().map(Answer::Open)
+            FileDialog::new().set_title("Open folder of images").pick_folder().map(Answer::Open)
         });
     }
 
-    /// Asks where to write a picture.
-    pub(crate) fn save(&mut self, ctx: &Context, name: String) {
+    /// Asks where to write a frame, and writes it there.
+    pub(crate) fn export_frame(&mut self, ctx: &Context, picture: Picture) {
         self.ask(ctx, move || {
-            let dialog = rfd::FileDialog::new().set_title("Export frame").set_file_name(name);
-            dialog.add_filter("PNG picture", &["png"]).save_file().map(Answer::Save)
+            let dialog = FileDialog::new().set_title("Export frame").set_file_name(picture.name());
+            let path = dialog.add_filter("PNG picture", &["png"]).save_file()?;
+            Some(Answer::Wrote(picture.write(path)))
+        });
+    }
+
+    /// Asks where to write settings, and writes them there.
+    pub(crate) fn save_settings(&mut self, ctx: &Context, settings: Settings) {
+        self.ask(ctx, move || {
+            let dialog = FileDialog::new().set_title("Save settings").set_file_name(settings_file::NAME);
+            let path = dialog.add_filter("Settings", &[settings_file::ENDING]).save_file()?;
+            Some(Answer::Wrote(settings_file::write(path, &settings)))
+        });
+    }
+
+    /// Asks for a file of settings, and reads it.
+    pub(crate) fn load_settings(&mut self, ctx: &Context) {
+        self.ask(ctx, || {
+            let dialog =
+                FileDialog::new().set_title("Load settings").add_filter("Settings", &[settings_file::ENDING]);
+            let path = dialog.add_filter("All files", &["*"]).pick_file()?;
+            let read = settings_file::read(&path);
+            Some(Answer::Settings(read.map(|settings| (path, Box::new(settings)))))
         });
     }
 
@@ -67,9 +102,41 @@ impl Dialogs {
         self.open = true;
         let (sender, ctx) = (self.sender.clone(), ctx.clone());
         std::thread::spawn(move || {
+            let asked = Instant::now();
+            let answer = dialog().or_else(|| (asked.elapsed() < TOO_SOON).then_some(Answer::NoDialog));
             // The window may be gone by then; then nobody waits for the answer.
-            let _ = sender.send(dialog());
+            let _ = sender.send(answer);
             ctx.request_repaint();
         });
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+
+    /// What comes of a dialog, once it has.
+    fn brought(dialog: impl FnOnce() -> Option<Answer> + Send + 'static) -> Option<Answer> {
+        let (ctx, mut dialogs) = (Context::default(), Dialogs::default());
+        dialogs.ask(&ctx, dialog);
+        assert!(dialogs.open);
+        let answer = dialogs.receiver.recv().unwrap();
+        dialogs.sender.send(answer).unwrap();
+        let answer = dialogs.answer();
+        assert!(!dialogs.open);
+        answer
+    }
+
+    #[test]
+    fn a_dialog_that_never_came_up_is_told_from_one_that_was_cancelled() {
+        assert!(matches!(brought(|| None), Some(Answer::NoDialog)));
+        let cancelled = || {
+            std::thread::sleep(2 * TOO_SOON);
+            None
+        };
+        assert!(brought(cancelled).is_none());
+        assert!(matches!(brought(|| Some(Answer::Open("a".into()))), Some(Answer::Open(_))));
     }
 }

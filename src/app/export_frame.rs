@@ -1,12 +1,10 @@
-//! Writing the frame in view as a picture, on a thread of its own.
+//! Writing the frame in view as a picture.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
-use crossbeam_channel::{Receiver, Sender};
-use eframe::egui::Context;
-
 use super::state::Model;
+use super::whole_file;
 use crate::export::annotate::{Moment, annotate};
 use crate::export::picture;
 use crate::frame::Frame;
@@ -41,51 +39,10 @@ impl Picture {
         format!("frame-{:06}.png", self.shown.frame.number)
     }
 
-    fn write(&self, path: &Path) -> Result<(), String> {
+    /// Writes it and returns where it stands, or why it does not, in a sentence.
+    pub(crate) fn write(&self, path: PathBuf) -> Result<PathBuf, String> {
         let mut frame = Frame::clone(&self.shown.frame);
         annotate(&mut frame, &Moment { recent: &self.recent, events: &self.events });
-        write_whole(path, &frame)
-            .map_err(|error| format!("{} was not written: {error}; choose another place", path.display()))
-    }
-}
-
-/// Writes beside the place first, so that what stands there is never replaced by half a picture.
-fn write_whole(path: &Path, frame: &Frame) -> std::io::Result<()> {
-    let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let file = tempfile::Builder::new().suffix(".png").tempfile_in(folder)?;
-    picture::write_frame(file.path(), frame)?;
-    file.persist(path).map_err(|error| error.error)?;
-    Ok(())
-}
-
-/// Pictures being written.
-pub(crate) struct Exports {
-    sender: Sender<Result<PathBuf, String>>,
-    receiver: Receiver<Result<PathBuf, String>>,
-}
-
-impl Default for Exports {
-    fn default() -> Self {
-        let (sender, receiver) = crossbeam_channel::unbounded();
-        Self { sender, receiver }
-    }
-}
-
-impl Exports {
-    /// Writes a picture; [`Exports::done`] tells when it is there.
-    pub(crate) fn start(&self, ctx: &Context, picture: Picture, path: PathBuf) {
-        let (sender, ctx) = (self.sender.clone(), ctx.clone());
-        std::thread::spawn(move || {
-            let path = if path.extension().is_none() { path.with_extension("png") } else { path };
-            let result = picture.write(&path).map(|()| path);
-            // The window may be gone by then; then nobody waits for the answer.
-            let _ = sender.send(result);
-            ctx.request_repaint();
-        });
-    }
-
-    /// A picture that has been written since this was last asked, or why it was not.
-    pub(crate) fn done(&self) -> Option<Result<PathBuf, String>> {
-        self.receiver.try_recv().ok()
+        whole_file::write(path, "png", |at| picture::write_frame(at, &frame))
     }
 }

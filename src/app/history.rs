@@ -1,48 +1,68 @@
 //! Undo and redo of settings.
 
+use super::slots::Slot;
 use crate::settings::Settings;
 
 /// How many changes can be taken back.
 const DEPTH: usize = 200;
 
-/// Settings as they were, and as they were before something was taken back.
+/// One change of the settings in a slot.
+#[derive(Clone, Debug)]
+struct Change {
+    slot: Slot,
+    before: Settings,
+    after: Settings,
+}
+
+/// Changes that were made, and those that were taken back.
 #[derive(Clone, Debug)]
 pub(crate) struct History {
-    present: Settings,
-    past: Vec<Settings>,
-    future: Vec<Settings>,
+    /// The slot in view and what was last noted of it.
+    present: (Slot, Settings),
+    past: Vec<Change>,
+    future: Vec<Change>,
 }
 
 impl History {
     /// A history that starts here.
     pub(crate) const fn new(present: Settings) -> Self {
-        Self { present, past: Vec::new(), future: Vec::new() }
+        Self { present: (Slot::A, present), past: Vec::new(), future: Vec::new() }
     }
 
-    /// Notes settings that have come to rest; nothing when they are those that were last noted.
+    /// Notes settings of the slot in view that have come to rest; nothing when they are those that
+    /// were last noted.
     pub(crate) fn note(&mut self, settings: &Settings) {
-        if *settings == self.present {
+        let (slot, present) = &mut self.present;
+        if settings == present {
             return;
         }
-        self.past.push(std::mem::replace(&mut self.present, settings.clone()));
+        let before = std::mem::replace(present, settings.clone());
+        self.past.push(Change { slot: *slot, before, after: settings.clone() });
         if self.past.len() > DEPTH {
             self.past.remove(0);
         }
         self.future.clear();
     }
 
-    /// The settings before the last change.
-    pub(crate) fn undo(&mut self) -> Option<Settings> {
-        let before = self.past.pop()?;
-        self.future.push(std::mem::replace(&mut self.present, before.clone()));
-        Some(before)
+    /// Another slot has come into view, with these settings. To look elsewhere is no change.
+    pub(crate) fn look(&mut self, slot: Slot, settings: &Settings) {
+        self.present = (slot, settings.clone());
     }
 
-    /// The settings after the change that was last taken back.
-    pub(crate) fn redo(&mut self) -> Option<Settings> {
-        let after = self.future.pop()?;
-        self.past.push(std::mem::replace(&mut self.present, after.clone()));
-        Some(after)
+    /// The slot that was last changed, and its settings before.
+    pub(crate) fn undo(&mut self) -> Option<(Slot, Settings)> {
+        let change = self.past.pop()?;
+        self.present = (change.slot, change.before.clone());
+        self.future.push(change);
+        Some(self.present.clone())
+    }
+
+    /// The slot whose change was last taken back, and its settings after it.
+    pub(crate) fn redo(&mut self) -> Option<(Slot, Settings)> {
+        let change = self.future.pop()?;
+        self.present = (change.slot, change.after.clone());
+        self.past.push(change);
+        Some(self.present.clone())
     }
 
     /// Whether there is something to take back, and to make again.
@@ -64,11 +84,29 @@ mod tests {
         assert_eq!(history.can(), (false, false));
         history.note(&two);
         history.note(&five);
-        assert_eq!(history.undo(), Some(two.clone()));
-        assert_eq!(history.undo(), Some(start.clone()));
+        assert_eq!(history.undo(), Some((Slot::A, two.clone())));
+        assert_eq!(history.undo(), Some((Slot::A, start.clone())));
         assert_eq!(history.undo(), None);
-        assert_eq!(history.redo(), Some(two));
+        assert_eq!(history.redo(), Some((Slot::A, two)));
         history.note(&start);
         assert_eq!(history.redo(), None);
+    }
+
+    #[test]
+    fn a_change_is_taken_back_in_the_slot_where_it_was_made() {
+        let start = Settings::default();
+        let (two, five) = (Settings { k: 2, ..start.clone() }, Settings { k: 5, ..start.clone() });
+        let mut history = History::new(start.clone());
+        history.look(Slot::B, &start);
+        history.note(&five);
+        history.look(Slot::A, &start);
+        history.note(&two);
+        history.look(Slot::B, &five);
+        history.note(&five);
+        assert_eq!(history.undo(), Some((Slot::A, start.clone())));
+        assert_eq!(history.undo(), Some((Slot::B, start)));
+        assert_eq!(history.undo(), None);
+        assert_eq!(history.redo(), Some((Slot::B, five)));
+        assert_eq!(history.redo(), Some((Slot::A, two)));
     }
 }

@@ -17,7 +17,9 @@ pub mod inspector;
 mod keys;
 mod sample;
 mod setting_control;
+mod settings_file;
 mod settings_panel;
+mod slots;
 mod state;
 mod status;
 mod timeline;
@@ -26,6 +28,7 @@ mod top_bar;
 mod transport;
 mod views;
 mod welcome;
+mod whole_file;
 
 pub mod theme;
 
@@ -38,7 +41,6 @@ use eframe::egui::{self, CentralPanel, Context, Frame, Margin, Panel, Ui, vec2};
 
 use self::command::Command;
 use self::dialogs::{Answer, Dialogs};
-use self::export_frame::{Exports, Picture};
 use self::finder::Finder;
 use self::inspector::{Inspector, InspectorAction};
 use self::state::{Model, Opener};
@@ -104,9 +106,6 @@ struct Window {
     finder: Finder,
     help: bool,
     opener: Opener,
-    /// The frame for which a place to write it is being chosen.
-    exporting: Option<Picture>,
-    exports: Exports,
     inspector: Inspector,
     sent_at: Option<Instant>,
     light: bool,
@@ -124,8 +123,6 @@ impl Window {
             finder: Finder::default(),
             help: false,
             opener,
-            exporting: None,
-            exports: Exports::default(),
             inspector: Inspector::default(),
             sent_at: None,
             light: false,
@@ -150,28 +147,31 @@ impl Window {
         for warning in self.model.take() {
             self.toasts.warn(ctx, warning);
         }
-        match self.dialogs.answer() {
-            Some(Answer::Open(path)) => {
-                self.apply(ctx, Command::Open(path.to_string_lossy().into_owned(), Start::First));
-            }
-            Some(Answer::Save(path)) => {
-                if let Some(picture) = self.exporting.take() {
-                    self.exports.start(ctx, picture, path);
-                }
-            }
-            None => {}
-        }
-        match self.exports.done() {
-            Some(Ok(path)) => {
-                self.toasts.done(ctx, format!("Wrote {}", path.display()));
-            }
-            Some(Err(why)) => {
-                self.toasts.fail(ctx, why);
-            }
-            None => {}
+        if let Some(answer) = self.dialogs.answer() {
+            self.answered(ctx, answer);
         }
         if let Some(wait) = self.model.tick(ctx.input(|input| input.time)) {
             ctx.request_repaint_after(Duration::from_secs_f64(wait.clamp(0.0, 1.0)));
+        }
+    }
+
+    /// Does what was chosen in a dialog, or tells what became of it.
+    fn answered(&mut self, ctx: &Context, answer: Answer) {
+        match answer {
+            Answer::Open(path) => {
+                self.apply(ctx, Command::Open(path.to_string_lossy().into_owned(), Start::First));
+            }
+            Answer::Wrote(Ok(path)) => self.toasts.done(ctx, format!("Wrote {}", path.display())),
+            Answer::Settings(Ok((path, settings))) => {
+                self.apply(ctx, Command::Set(settings));
+                self.toasts.done(ctx, format!("Settings of {}", path.display()));
+            }
+            Answer::NoDialog => self.toasts.fail(
+                ctx,
+                "This system opens no file dialog; install xdg-desktop-portal or zenity, or drop a video on \
+                 the window, or name it on the command line",
+            ),
+            Answer::Wrote(Err(why)) | Answer::Settings(Err(why)) => self.toasts.fail(ctx, why),
         }
     }
 
@@ -236,7 +236,7 @@ impl Window {
             let panel = Panel::right("inspector").frame(side).resizable(true).default_size(size);
             let inspector = &mut self.inspector;
             panel.size_range(220.0..=760.0).show(ui, |ui| {
-                let half = ui.available_height() * 0.42;
+                let half = ui.available_height() * 0.36;
                 let below = Frame::NONE.inner_margin(Margin { top: 8, ..Margin::ZERO });
                 let list = Panel::bottom("events").frame(below).resizable(true).default_size(half);
                 list.min_size(120.0).show(ui, |ui| {

@@ -6,6 +6,8 @@ use std::path::{Path, PathBuf};
 /// Two people who cross.
 const CROSSING: &[u8] = include_bytes!("../../sample_videos/crossing.mp4");
 const NAME: &str = "crossing.mp4";
+/// A pixel on whoever is in front when they cross: something to look into from the start.
+pub(crate) const PIXEL: (u32, u32) = (160, 137);
 
 /// The path of the scene, written there unless it lies there already; or why that cannot be, in a
 /// sentence.

@@ -5,6 +5,7 @@ use egui_material_icons::icons as m;
 
 use super::command::{Action, Command};
 use super::setting_control;
+use super::slots::{self, Slot};
 use super::state::Model;
 use super::{icons, theme};
 use crate::settings::{Preset, SETTINGS, Settings, Stage};
@@ -44,6 +45,7 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 fn head(ui: &mut Ui, model: &Model, settings: &mut Settings, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         ui.heading("Settings");
+        slots(ui, model, commands);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             ui.spacing_mut().item_spacing.x = theme::SPACE;
             let (undo, redo) = model.history.can();
@@ -75,4 +77,19 @@ fn head(ui: &mut Ui, model: &Model, settings: &mut Settings, commands: &mut Vec<
         });
         response.response.labelled_by(label.id).on_hover_text("A named set of values to start from");
     });
+}
+
+/// Which slot is in view, once there are two.
+fn slots(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    let Some(other) = &model.slots.other else { return };
+    ui.spacing_mut().item_spacing.x = theme::SPACE;
+    for slot in Slot::ALL {
+        let here = slot == model.slots.in_view;
+        let response =
+            ui.selectable_label(here, slot.name()).accessible_name(format!("Settings {}", slot.name()));
+        let text = format!("{}; the keys A and B flip", slots::difference(&model.settings, other));
+        if response.on_hover_text(text).clicked() && !here {
+            commands.push(Command::Act(Action::Slot(slot)));
+        }
+    }
 }

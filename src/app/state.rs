@@ -6,6 +6,7 @@ use std::sync::Arc;
 use eframe::egui::Context;
 
 use super::history::History;
+use super::slots::{Slot, Slots};
 use super::views::{Background, View};
 use crate::occlusion::EventKind;
 use crate::replay::{Phase, Session, Shown, Start, State, Timeline};
@@ -100,8 +101,10 @@ pub(crate) struct Model {
     pub(crate) state: Option<State>,
     /// What was opened, as it was named.
     pub(crate) opened: Option<String>,
-    /// The settings that are asked for.
+    /// The settings that are asked for: those of the slot in view.
     pub(crate) settings: Settings,
+    /// The slot in view, and what lies in the other.
+    pub(crate) slots: Slots,
     /// The settings that the worker was last given.
     pub(crate) sent: Settings,
     /// Settings before and after, for undo.
@@ -142,6 +145,7 @@ impl Model {
             history: History::new(settings.clone()),
             sent: settings.clone(),
             settings,
+            slots: Slots::new(),
             wanted: None,
             playback: Playback { playing: false, speed: NORMAL_SPEED, next_at: 0.0 },
             chosen: None,
@@ -167,6 +171,16 @@ impl Model {
         self.playback.playing = false;
         self.camera = Camera::FIT;
         self.trails.clear();
+    }
+
+    /// Brings the settings of a slot into view. Returns whether the slot is new.
+    pub(crate) fn show_slot(&mut self, slot: Slot) -> bool {
+        // What was pulled at and not yet let go belongs to the slot that is left.
+        self.history.note(&self.settings);
+        let first = self.slots.other.is_none() && slot != self.slots.in_view;
+        self.slots.show(slot, &mut self.settings);
+        self.history.look(slot, &self.settings);
+        first
     }
 
     /// Zooms all views at the chosen pixel, or at the middle.

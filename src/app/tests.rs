@@ -13,6 +13,9 @@ use egui_kittest::kittest::Queryable;
 
 use super::Window;
 use super::command::Command;
+use super::dialogs::Answer;
+use super::settings_file;
+use super::slots::Slot;
 use super::state::Player;
 use super::views::View;
 use crate::frame::{Frame, Mask, Size};
@@ -501,4 +504,68 @@ fn the_palette_finds_an_action_and_help_lists_the_keys() {
     harness.key_press(Key::Escape);
     harness.run_steps(4);
     assert!(harness.query_by_label("Double click").is_none());
+}
+
+#[test]
+fn a_and_b_keep_their_own_settings_and_undo_goes_where_the_change_was_made() {
+    let (mut harness, scene) = ready(10);
+    assert!(harness.query_by_label("Settings B").is_none());
+    harness.get_by_label("t slider").set_value_accesskit(0.8);
+    harness.run_steps(8);
+    let press = |harness: &mut Harness<'_, Window>, key| {
+        harness.key_press(key);
+        harness.run_steps(8);
+    };
+    let before = scene.asked.borrow().len();
+    press(&mut harness, Key::A);
+    press(&mut harness, Key::B);
+    assert_eq!(harness.state().model.slots.in_view, Slot::B);
+    assert_eq!(scene.asked.borrow().len(), before, "a copy is no other settings");
+    harness.get_by_label("t slider").set_value_accesskit(0.9);
+    harness.run_steps(8);
+    picture(&mut harness, "slot-b");
+    press(&mut harness, Key::A);
+    assert_eq!(given(&scene).map(|settings| settings.t), Some(0.8));
+    harness.get_by_label("Settings B").click();
+    harness.run_steps(8);
+    assert_eq!(given(&scene).map(|settings| settings.t), Some(0.9));
+
+    press(&mut harness, Key::A);
+    let undo = |harness: &mut Harness<'_, Window>, more| {
+        harness.key_press_modifiers(Modifiers::COMMAND | more, Key::Z);
+        harness.run_steps(8);
+        (harness.state().model.slots.in_view, harness.state().model.settings.t)
+    };
+    let first = Settings::default().t;
+    assert_eq!(undo(&mut harness, Modifiers::NONE), (Slot::B, 0.8));
+    assert_eq!(undo(&mut harness, Modifiers::NONE), (Slot::A, first));
+    assert_eq!(given(&scene).map(|settings| settings.t), Some(first));
+    assert_eq!(undo(&mut harness, Modifiers::SHIFT), (Slot::A, 0.8));
+    assert_eq!(undo(&mut harness, Modifiers::SHIFT), (Slot::B, 0.9));
+    press(&mut harness, Key::A);
+    assert_eq!(given(&scene).map(|settings| settings.t), Some(0.8));
+}
+
+#[test]
+fn settings_of_a_file_are_taken_whole_and_a_bad_file_changes_nothing() {
+    let (mut harness, scene) = ready(10);
+    let folder = tempfile::tempdir().unwrap();
+    let wanted = Settings { k: 6, t: 0.9, ..Settings::default() };
+    let path = settings_file::write(folder.path().join("mine"), &wanted).unwrap();
+    let load = |harness: &mut Harness<'_, Window>, path: &Path| {
+        let answer = settings_file::read(path).map(|settings| (path.to_owned(), Box::new(settings)));
+        let ctx = harness.ctx.clone();
+        harness.state_mut().answered(&ctx, Answer::Settings(answer));
+        harness.run_steps(8);
+    };
+    load(&mut harness, &path);
+    assert_eq!(given(&scene).as_ref(), Some(&wanted));
+    std::fs::write(&path, "k = 4\nt = 7").unwrap();
+    load(&mut harness, &path);
+    assert_eq!(given(&scene).as_ref(), Some(&wanted));
+    assert_eq!(harness.state().model.settings, wanted);
+    picture(&mut harness, "bad-settings-file");
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    harness.run_steps(8);
+    assert_eq!(given(&scene), Some(Settings::default()));
 }

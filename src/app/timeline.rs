@@ -128,7 +128,8 @@ fn numbers(painter: &Painter, model: &Model, axis: &Axis, row: Rect, text: Color
         let x = axis.x(position);
         let label = model.number(position).to_string();
         let font = FontId::proportional(theme::SMALL);
-        if x < axis.rect.right() - 12.0 {
+        // Under the playhead's own number it could not be read.
+        if x < axis.rect.right() - 12.0 && (x - axis.x(model.position())).abs() > 26.0 {
             painter.text(pos2(x, row.center().y), Align2::CENTER_CENTER, label, font, text);
         }
         painter.vline(x, row.bottom()..=axis.rect.bottom(), Stroke::new(1.0, line.gamma_multiply(0.5)));

@@ -13,6 +13,9 @@ const BRIEFLY: Duration = Duration::from_secs(4);
 /// How long something that went wrong is told; it stands elsewhere too.
 const LONGER: Duration = Duration::from_secs(8);
 
+/// How many letters go into a line.
+const LINE: usize = 68;
+
 /// The messages that are shown.
 pub(crate) struct Toasts(egui_notify::Toasts);
 
@@ -48,6 +51,48 @@ impl Toasts {
     }
 
     fn add(&mut self, text: impl Into<String>, icon: Icon, colour: Color32, time: Duration) {
-        self.0.custom(text.into(), icon.codepoint.to_owned(), colour).duration(time).closable(false);
+        self.0
+            .custom(lines(&text.into(), LINE), icon.codepoint.to_owned(), colour)
+            .duration(time)
+            .closable(false);
+    }
+}
+
+/// The text in lines of at most so many letters; a path that is longer than a line is broken.
+fn lines(text: &str, most: usize) -> String {
+    let mut lines = vec![String::new()];
+    let mut room = most;
+    for word in text.split_whitespace() {
+        let letters: Vec<char> = word.chars().collect();
+        for (piece, part) in letters.chunks(most).enumerate() {
+            let gap = usize::from(piece == 0 && room < most);
+            if part.len() + gap > room {
+                lines.push(String::new());
+                room = most;
+            }
+            if let Some(line) = lines.last_mut() {
+                if gap > 0 && room < most {
+                    line.push(' ');
+                    room -= 1;
+                }
+                line.extend(part);
+                room -= part.len();
+            }
+        }
+    }
+    lines.join("\n")
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn long_messages_are_broken_into_lines_that_lose_nothing() {
+        assert_eq!(lines("Wrote a.png", 20), "Wrote a.png");
+        assert_eq!(lines("one two three", 7), "one two\nthree");
+        assert_eq!(lines("in /a/very/long/path it is", 8), "in\n/a/very/\nlong/pat\nh it is");
+        assert_eq!(lines("12345678 1 2", 8), "12345678\n1 2");
+        assert_eq!(lines("", 8), "");
     }
 }

@@ -42,6 +42,7 @@ pub(crate) fn allowed(model: &Model, entry: &Entry) -> bool {
     match entry.action {
         Action::Undo => model.history.can().0,
         Action::Redo => model.history.can().1,
+        Action::Slot(slot) => model.slots.in_view != slot,
         Action::ClearPixel => model.chosen.is_some(),
         _ => entry.always || model.shown().is_some(),
     }

@@ -54,6 +54,19 @@ pub(crate) fn ellipse(painter: &Painter, centre: Pos2, axes: Vec2, angle: f32, s
 
 /// A word on a filled ground, its lower left corner at `at`, kept within `bounds`. Returns its place.
 pub(crate) fn tag(painter: &Painter, at: Pos2, text: &str, fill: Color32, bounds: Rect) -> Rect {
+    let mut taken = Vec::new();
+    free_tag(painter, at, text, fill, bounds, &mut taken)
+}
+
+/// The same, a little higher or lower where it would cover what is `taken`; its place is taken from then on.
+pub(crate) fn free_tag(
+    painter: &Painter,
+    at: Pos2,
+    text: &str,
+    fill: Color32,
+    bounds: Rect,
+    taken: &mut Vec<Rect>,
+) -> Rect {
     let ink = theme::ink_on(fill);
     let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(theme::MONO), ink);
     let size = galley.size() + vec2(8.0, 2.0);
@@ -62,10 +75,22 @@ pub(crate) fn tag(painter: &Painter, at: Pos2, text: &str, fill: Color32, bounds
         (bounds.left() - rect.left()).max(0.0) - (rect.right() - bounds.right()).max(0.0),
         (bounds.top() - rect.top()).max(0.0) - (rect.bottom() - bounds.bottom()).max(0.0),
     );
-    rect = rect.translate(shift);
+    rect = free_place(rect.translate(shift), bounds, taken);
+    taken.push(rect);
     painter.rect_filled(rect, 2.0, fill);
     painter.galley(rect.min + vec2(4.0, 1.0), galley, ink);
     rect
+}
+
+/// The place nearest to `rect`, above or below, that covers nothing `taken`; itself where a crowd leaves none.
+fn free_place(rect: Rect, bounds: Rect, taken: &[Rect]) -> Rect {
+    let step = rect.height() / 4.0;
+    (0..48)
+        .flat_map(|steps| [-step * steps as f32, step * steps as f32])
+        .map(|down| rect.translate(vec2(0.0, down)))
+        // Tags that merely touch are told apart by their colours.
+        .find(|place| bounds.contains_rect(*place) && !taken.iter().any(|t| t.shrink(0.5).intersects(*place)))
+        .unwrap_or(rect)
 }
 
 /// The cross through the chosen pixel, in all views.
@@ -73,8 +98,9 @@ pub(crate) fn cross(painter: &Painter, canvas: &Canvas, pixel: (u32, u32), accen
     let place = canvas.place_pixel(pixel);
     let centre = place.center();
     let gap = (place.width() / 2.0).max(5.0);
-    let (view, shadow) = (canvas.rect, Stroke::new(3.0, Color32::from_black_alpha(60)));
-    for stroke in [shadow, Stroke::new(1.0, accent.gamma_multiply(0.7))] {
+    let (view, shadow) =
+        (canvas.whole().intersect(canvas.rect), Stroke::new(3.0, Color32::from_black_alpha(60)));
+    for stroke in [shadow, Stroke::new(1.0, accent.gamma_multiply(0.6))] {
         painter.hline(view.left()..=centre.x - gap, centre.y, stroke);
         painter.hline(centre.x + gap..=view.right(), centre.y, stroke);
         painter.vline(centre.x, view.top()..=centre.y - gap, stroke);
@@ -125,4 +151,27 @@ pub(crate) fn message(painter: &Painter, canvas: &Canvas, text: &str, colour: Co
         FontId::proportional(theme::BODY),
         colour,
     );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn tags_move_up_or_down_until_they_cover_nothing() {
+        let bounds = Rect::from_min_size(Pos2::ZERO, vec2(100.0, 100.0));
+        let wanted = Rect::from_min_size(pos2(10.0, 20.0), vec2(30.0, 15.0));
+        let mut taken = Vec::new();
+        for _ in 0..5 {
+            let place = free_place(wanted, bounds, &taken);
+            assert!(bounds.contains_rect(place));
+            assert!(
+                taken.iter().all(|other: &Rect| !other.shrink(0.5).intersects(place)),
+                "{place} {taken:?}"
+            );
+            taken.push(place);
+        }
+        assert_eq!(taken[0], wanted);
+        assert!(taken[1].top() < wanted.top() && taken[2].top() > wanted.top());
+    }
 }

@@ -17,6 +17,8 @@ use crate::app::theme;
 
 /// From this width of a title on, in points, all kinds of background stand in it to choose from.
 const CHOICES_FROM: f32 = 290.0;
+/// From this width on, the one that is chosen; below, the tabs need all the room.
+const CHOICE_FROM: f32 = 230.0;
 
 /// Two rows of two, and the tracks across below them; the difference behind the background's tab.
 pub(crate) fn default_tree() -> Tree<View> {
@@ -155,14 +157,17 @@ impl Panes<'_> {
             if response.on_hover_text(text).clicked() {
                 self.commands.push(Command::Act(Action::Maximise(view)));
             }
-            if view == View::Background && ui.available_width() < CHOICES_FROM {
+            if view != View::Background || ui.available_width() < CHOICE_FROM {
+                return;
+            }
+            if ui.available_width() < CHOICES_FROM {
                 let kind = self.model.background;
                 let button = Button::selectable(true, RichText::new(kind.name()).size(theme::SMALL));
                 let text = format!("{}. Click for the next kind.", kind.meaning());
                 if ui.add(button).accessible_name(kind.meaning()).on_hover_text(text).clicked() {
                     self.commands.push(Command::Act(Action::Background));
                 }
-            } else if view == View::Background {
+            } else {
                 for kind in Background::ALL.into_iter().rev() {
                     let selected = self.model.background == kind;
                     let text = RichText::new(kind.name()).size(theme::SMALL);
@@ -213,6 +218,10 @@ impl Behavior<View> for Panes<'_> {
 
     fn tab_bar_height(&self, _style: &eframe::egui::Style) -> f32 {
         theme::ROW
+    }
+
+    fn tab_title_spacing(&self, _visuals: &Visuals) -> f32 {
+        6.0
     }
 
     fn gap_width(&self, _style: &eframe::egui::Style) -> f32 {

@@ -23,8 +23,9 @@ pub(super) fn paint(pane: &mut Pane<'_>) {
             occlusion(pane, &pane.canvas.place(&track.bbox));
         }
     }
-    for group in groups(tracks) {
-        outline(pane, &group);
+    let groups = groups(tracks);
+    for group in &groups {
+        outline(pane, group);
     }
     for track in pane.shown.analysis.tentative.iter() {
         let stroke = Stroke::new(1.0, Color32::from_white_alpha(120));
@@ -33,21 +34,37 @@ pub(super) fn paint(pane: &mut Pane<'_>) {
     for track in tracks.iter() {
         object(pane, track);
     }
-    flags(pane);
+    // Words last, so that no box runs through them.
+    let mut taken: Vec<Rect> = Vec::new();
+    for track in tracks.iter() {
+        let word = match track.state {
+            TrackState::Visible => track.id.to_string(),
+            state => format!("{} {}", track.id, state.name()),
+        };
+        let at = pane.canvas.place(&track.bbox).left_top() - vec2(1.0, 1.0);
+        let colour = theme::rgb(identity_colour(track.id));
+        draw::free_tag(pane.painter, at, &word, colour, pane.canvas.rect, &mut taken);
+    }
+    for group in &groups {
+        let place = around(pane, group);
+        let names: Vec<String> = group.iter().map(|track| track.id.to_string()).collect();
+        let at = pos2(place.left(), place.bottom() + 18.0);
+        let colour = Color32::from_rgb(244, 246, 250);
+        draw::free_tag(pane.painter, at, &names.join(" + "), colour, pane.canvas.rect, &mut taken);
+    }
+    flags(pane, taken);
 }
 
 fn object(pane: &Pane<'_>, track: &Track) {
     let colour = theme::rgb(identity_colour(track.id));
     let place = pane.canvas.place(&track.bbox);
     let stroke = Stroke::new(2.0, colour);
-    let word = if track.state == TrackState::Visible {
+    if track.state == TrackState::Visible {
         draw::outlined_rect(pane.painter, place, stroke);
-        track.id.to_string()
     } else {
         draw::dashed_rect(pane.painter, place, Stroke::new(4.0, Color32::from_black_alpha(90)), 6.0);
         draw::dashed_rect(pane.painter, place, stroke, 6.0);
-        format!("{} {}", track.id, track.state.name())
-    };
+    }
     let [major, minor, angle] = track.gate;
     let gate = vec2(major, minor) * pane.canvas.scale;
     if gate.x.is_finite() && gate.y.is_finite() && gate.length() < 4.0 * pane.canvas.rect.width() {
@@ -56,7 +73,6 @@ fn object(pane: &Pane<'_>, track: &Track) {
         let strength = if track.state == TrackState::Visible { 0.8 } else { 0.4 };
         draw::ellipse(pane.painter, centre, gate, angle, Stroke::new(1.0, colour.gamma_multiply(strength)));
     }
-    draw::tag(pane.painter, place.left_top() - vec2(1.0, 1.0), &word, colour, pane.canvas.rect);
 }
 
 fn occlusion(pane: &Pane<'_>, place: &Rect) {
@@ -78,16 +94,14 @@ fn groups(tracks: &[Track]) -> Vec<Vec<&Track>> {
     seen.into_iter().map(|ids| tracks.iter().filter(|track| ids.contains(&track.id)).collect()).collect()
 }
 
+/// The place of a group, a little larger than all its members.
+fn around(pane: &Pane<'_>, members: &[&Track]) -> Rect {
+    let places = members.iter().map(|track| pane.canvas.place(&track.bbox));
+    places.fold(Rect::NOTHING, Rect::union).expand(6.0)
+}
+
 fn outline(pane: &Pane<'_>, members: &[&Track]) {
-    let Some((first, others)) = members.split_first() else { return };
-    let all = others.iter().fold(first.bbox, |all, track| all.union(&track.bbox));
-    let place = pane.canvas.place(&all).expand(6.0);
-    let stroke = Stroke::new(1.5, Color32::WHITE);
-    draw::outlined_rect(pane.painter, place, stroke);
-    let names: Vec<String> = members.iter().map(|track| track.id.to_string()).collect();
-    let word = names.join(" + ");
-    let at = pos2(place.left(), place.bottom() + 18.0);
-    draw::tag(pane.painter, at, &word, Color32::from_rgb(244, 246, 250), pane.canvas.rect);
+    draw::outlined_rect(pane.painter, around(pane, members), Stroke::new(1.5, Color32::WHITE));
 }
 
 fn trails(pane: &Pane<'_>) {
@@ -112,9 +126,9 @@ fn trails(pane: &Pane<'_>) {
     }
 }
 
-fn flags(pane: &Pane<'_>) {
+/// The events of the frame, beside what is `taken`.
+fn flags(pane: &Pane<'_>, mut taken: Vec<Rect>) {
     let Some(timeline) = pane.model.timeline() else { return };
-    let mut taken: Vec<Rect> = Vec::new();
     for (_, event) in timeline.events.iter().filter(|(position, _)| *position == pane.shown.position) {
         let foot = pane.canvas.screen([event.x, event.y]);
         let colour = theme::rgb(event_colour(event.kind));

@@ -1,0 +1,93 @@
+//! Settings as a file: the same TOML that the command line writes and reads.
+
+use std::fs;
+use std::io::{self, Read};
+use std::path::{Path, PathBuf};
+
+use super::whole_file;
+use crate::settings::Settings;
+
+/// The name that is proposed for it.
+pub(crate) const NAME: &str = "settings.toml";
+/// What it ends in.
+pub(crate) const ENDING: &str = "toml";
+/// More than any settings file holds, in bytes.
+const MOST: u64 = 1 << 20;
+
+/// Writes settings and returns where they stand, or why they do not, in a sentence.
+pub(crate) fn write(path: PathBuf, settings: &Settings) -> Result<PathBuf, String> {
+    whole_file::write(path, ENDING, |at| fs::write(at, settings.to_toml()))
+}
+
+/// The settings of a file; what it does not name has its default, as on the command line. Or why
+/// it cannot be used, in a sentence.
+pub(crate) fn read(path: &Path) -> Result<Settings, String> {
+    let text = text_of(path).map_err(|error| {
+        format!("the settings file {} cannot be read: {error}; choose another", path.display())
+    })?;
+    let mut settings = Settings::default();
+    settings.apply_toml(&text, path).map_err(|error| format!("{error}; mend it or choose another"))?;
+    Ok(settings)
+}
+
+fn text_of(path: &Path) -> io::Result<String> {
+    // A pipe or a video chosen by mistake must not be waited for or swallowed whole.
+    let about = fs::metadata(path)?;
+    if !about.is_file() || about.len() > MOST {
+        return Err(io::Error::other("it is no file of settings"));
+    }
+    let mut text = String::new();
+    fs::File::open(path)?.take(MOST).read_to_string(&mut text).map_err(|error| {
+        if error.kind() == io::ErrorKind::InvalidData { io::Error::other("it is no text") } else { error }
+    })?;
+    Ok(text)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+    use crate::settings::Preset;
+
+    #[test]
+    fn what_was_written_is_read_as_it_was() {
+        let folder = tempfile::tempdir().unwrap();
+        for preset in Preset::ALL {
+            let settings = Settings { k: 7, ..Settings::preset(preset) };
+            let path = write(folder.path().join(preset.word()), &settings).unwrap();
+            assert_eq!(path.extension().unwrap(), ENDING);
+            assert_eq!(read(&path), Ok(settings));
+        }
+    }
+
+    #[test]
+    fn what_a_file_does_not_name_has_its_default() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.toml");
+        fs::write(&path, "k = 6").unwrap();
+        assert_eq!(read(&path), Ok(Settings { k: 6, ..Settings::default() }));
+    }
+
+    #[test]
+    fn a_failure_names_the_file_and_what_is_wrong_and_what_to_do() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("a.toml");
+        for (bytes, what) in [
+            (&b"k = 99"[..], "`k` cannot be `99`: it takes"),
+            (b"kk = 3", "there is no setting `kk`"),
+            (b"k = [1]", "`k` is array"),
+            (b"k = = 3", "cannot be used"),
+            (b"\xff\xfe", "it is no text"),
+        ] {
+            fs::write(&path, bytes).unwrap();
+            let why = read(&path).unwrap_err();
+            assert!(why.contains(what) && why.contains("a.toml") && why.contains("choose another"), "{why}");
+            assert!(!why.contains('\n'), "{why}");
+        }
+        for path in [folder.path().join("none.toml"), folder.path().to_owned()] {
+            let why = read(&path).unwrap_err();
+            assert!(why.contains(&path.display().to_string()) && why.contains("cannot be read"), "{why}");
+        }
+    }
+}

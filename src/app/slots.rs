@@ -1,0 +1,102 @@
+//! Two sets of settings on one video, A and B, of which one is in view.
+
+use crate::settings::{SETTINGS, Settings};
+
+/// Which of the two.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Slot {
+    /// The one to start with.
+    A,
+    /// The one to compare it with.
+    B,
+}
+
+impl Slot {
+    /// Both in order.
+    pub(crate) const ALL: [Self; 2] = [Self::A, Self::B];
+
+    /// Its letter.
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Self::A => "A",
+            Self::B => "B",
+        }
+    }
+}
+
+/// Which slot is in view, and what lies in the other. The settings in view are the model's own.
+#[derive(Clone, Debug)]
+pub(crate) struct Slots {
+    /// The slot in view.
+    pub(crate) in_view: Slot,
+    /// The settings of the other; none before there is a B.
+    pub(crate) other: Option<Settings>,
+}
+
+impl Slots {
+    /// A in view and no B.
+    pub(crate) const fn new() -> Self {
+        Self { in_view: Slot::A, other: None }
+    }
+
+    /// Brings a slot into view: what was in view is put away, and `settings` become the slot's
+    /// own. A slot that was never there begins as a copy of the one in view.
+    pub(crate) fn show(&mut self, slot: Slot, settings: &mut Settings) {
+        if slot == self.in_view {
+            return;
+        }
+        self.in_view = slot;
+        match &mut self.other {
+            Some(other) => std::mem::swap(other, settings),
+            none => *none = Some(settings.clone()),
+        }
+    }
+}
+
+/// In which settings the two differ, in a line.
+pub(crate) fn difference(one: &Settings, other: &Settings) -> String {
+    let names: Vec<_> = SETTINGS
+        .iter()
+        .filter(|setting| setting.get(one) != setting.get(other))
+        .map(|setting| setting.name.replace('_', " "))
+        .collect();
+    match names.len() {
+        0 => "A and B are equal".to_owned(),
+        1..=6 => format!("A and B differ in {}", names.join(", ")),
+        many => format!("A and B differ in {} and {} more", names[..5].join(", "), many - 5),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::Preset;
+
+    #[test]
+    fn b_begins_as_a_copy_and_each_keeps_its_own() {
+        let mut settings = Settings { k: 3, ..Settings::default() };
+        let mut slots = Slots::new();
+        slots.show(Slot::A, &mut settings);
+        assert_eq!(slots.other, None);
+        slots.show(Slot::B, &mut settings);
+        assert_eq!((slots.in_view, settings.k), (Slot::B, 3));
+        settings.k = 5;
+        slots.show(Slot::A, &mut settings);
+        assert_eq!((slots.in_view, settings.k), (Slot::A, 3));
+        settings.k = 2;
+        slots.show(Slot::A, &mut settings);
+        slots.show(Slot::B, &mut settings);
+        assert_eq!((slots.in_view, settings.k), (Slot::B, 5));
+        slots.show(Slot::A, &mut settings);
+        assert_eq!(settings.k, 2);
+    }
+
+    #[test]
+    fn the_difference_is_named() {
+        let start = Settings::default();
+        assert_eq!(difference(&start, &start), "A and B are equal");
+        let other = Settings { k: start.k + 1, t: 0.9, ..start.clone() };
+        assert_eq!(difference(&start, &other), "A and B differ in k, t");
+        assert!(difference(&start, &Settings::preset(Preset::OpencvMog)).starts_with("A and B differ in "));
+    }
+}
