@@ -1,12 +1,14 @@
 //! `occluscope synth`: renders a scene with its ground truth.
 
 use std::io::{ErrorKind, Write as _};
+use std::ops::ControlFlow;
 use std::path::PathBuf;
 
 use clap::builder::PossibleValuesParser;
 use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
-use indicatif::{ProgressBar, ProgressDrawTarget};
 
+use super::console::Console;
+use super::interrupt;
 use crate::frame::Size;
 use crate::synth::noise::Noise;
 use crate::synth::{self, Parameters, catalogue};
@@ -107,18 +109,22 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
         anyhow::bail!("there is no scene {name}; `occluscope synth --list` shows them");
     };
 
-    // `--quiet` is an option of the whole program.
-    let quiet = matches!(matches.try_get_one::<bool>("quiet"), Ok(Some(true)));
-    let target = if quiet { ProgressDrawTarget::hidden() } else { ProgressDrawTarget::stderr() };
-    let bar = ProgressBar::with_draw_target(Some(u64::from(scene.frames)), target);
-    let written = synth::write(&scene, &parameters, out, matches.get_flag("lossless"), |done| {
-        bar.set_position(u64::from(done));
-    });
-    bar.finish_and_clear();
-    let video = written?;
-    if !quiet {
-        eprintln!("{}: {} frames of {}, their truth beside it", video.display(), scene.frames, scene.size);
-    }
+    let console = Console::new(matches);
+    interrupt::watch();
+    let bar = console.progress("rendering", Some(scene.frames));
+    let mut so_far = 0;
+    let video = synth::write(&scene, &parameters, out, matches.get_flag("lossless"), |done| {
+        bar.advance((done - so_far) as usize);
+        so_far = done;
+        if interrupt::asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    })?;
+    drop(bar);
+    console.note(&format!(
+        "{}: {} frames of {}, their truth beside it",
+        video.display(),
+        scene.frames,
+        scene.size
+    ));
     Ok(())
 }
 

@@ -13,6 +13,7 @@
 
 use std::fs;
 use std::io::Write as _;
+use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
 use image::GrayImage;
@@ -49,6 +50,9 @@ pub enum WriteError {
         /// Why, and what to do.
         why: String,
     },
+    /// Whoever heard of the progress asked to stop.
+    #[error("stopped before the end of the scene; nothing was written")]
+    Stopped,
 }
 
 impl WriteError {
@@ -69,13 +73,13 @@ struct SceneFile<'a> {
 
 /// Renders a scene into folder `out`, which is made if need be, and gives the path of the video.
 /// Of what is there already only files of the same names are replaced, and identity images beyond
-/// the scene's frames removed. `progress` hears how many frames are done.
+/// the scene's frames removed. `progress` hears how many frames are done, and may stop the work.
 pub fn write(
     scene: &Scene,
     parameters: &Parameters,
     out: &Path,
     lossless: bool,
-    mut progress: impl FnMut(u32),
+    mut progress: impl FnMut(u32) -> ControlFlow<()>,
 ) -> Result<PathBuf, WriteError> {
     silence_libraries();
     let out = std::path::absolute(out).map_err(|why| WriteError::file(out, why))?;
@@ -101,7 +105,9 @@ pub fn write(
             encoder.add(frame)?;
             recorder.push(truth);
         }
-        progress(last);
+        if progress(last).is_break() {
+            return Err(WriteError::Stopped);
+        }
     }
     encoder.finish(scene.frames)?;
 
@@ -296,7 +302,11 @@ mod tests {
         let out = folder.path().join("new").join("crossing");
         let (scene, parameters) = small("crossing", None);
         let mut done = 0;
-        let video = write(&scene, &parameters, &out, false, |frames| done = frames).unwrap();
+        let video = write(&scene, &parameters, &out, false, |frames| {
+            done = frames;
+            ControlFlow::Continue(())
+        })
+        .unwrap();
         assert_eq!((done, video.as_path()), (scene.frames, out.join("crossing.mp4").as_path()));
         assert_eq!(count_frames(&video).unwrap(), scene.frames);
         assert_eq!(names(&out), ["crossing.mp4", "scene.json", "truth"]);
@@ -343,7 +353,7 @@ mod tests {
     fn lossless_video_holds_the_rendered_bits() {
         let folder = tempfile::tempdir().unwrap();
         let (scene, parameters) = small("empty", Some(5));
-        let video = write(&scene, &parameters, folder.path(), true, |_| ()).unwrap();
+        let video = write(&scene, &parameters, folder.path(), true, |_| ControlFlow::Continue(())).unwrap();
         let mut reader = videoio::VideoCapture::from_file(&video, videoio::CAP_FFMPEG).unwrap();
         for (frame, _) in render(&scene) {
             let (mut bgr, mut rgb) = (core::Mat::default(), core::Mat::default());
@@ -358,11 +368,11 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let out = folder.path();
         let (scene, parameters) = small("empty", Some(9));
-        write(&scene, &parameters, out, false, |_| ()).unwrap();
+        write(&scene, &parameters, out, false, |_| ControlFlow::Continue(())).unwrap();
         fs::write(out.join("notes.txt"), "mine").unwrap();
         fs::write(out.join("truth/identities/000123b.png"), "mine").unwrap();
         let (scene, parameters) = small("empty", Some(4));
-        write(&scene, &parameters, out, false, |_| ()).unwrap();
+        write(&scene, &parameters, out, false, |_| ControlFlow::Continue(())).unwrap();
         let images = names(&out.join("truth/identities"));
         assert_eq!(images, ["000001.png", "000002.png", "000003.png", "000004.png", "000123b.png"]);
         assert_eq!(names(out), ["empty.mp4", "notes.txt", "scene.json", "truth"]);
@@ -395,8 +405,20 @@ mod tests {
         let taken = folder.path().join("taken");
         fs::write(&taken, "a file").unwrap();
         let (scene, parameters) = small("empty", Some(2));
-        let message = write(&scene, &parameters, &taken, false, |_| ()).unwrap_err().to_string();
+        let message =
+            write(&scene, &parameters, &taken, false, |_| ControlFlow::Continue(())).unwrap_err().to_string();
         assert!(message.contains("taken") && message.lines().count() == 1, "{message}");
         assert_eq!(fs::read_to_string(&taken).unwrap(), "a file");
+    }
+
+    #[test]
+    fn what_is_stopped_leaves_no_file() {
+        let parameters = Parameters { frames: Some(40), ..Parameters::default() };
+        let scene = catalogue::scene("tree", &parameters).unwrap();
+        let folder = tempfile::tempdir().unwrap();
+        let stopped = write(&scene, &parameters, folder.path(), false, |_| ControlFlow::Break(()));
+        assert!(matches!(stopped, Err(WriteError::Stopped)));
+        let names: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|it| it.unwrap().file_name()).collect();
+        assert_eq!(names, ["truth"], "but for the empty folder of its truth");
     }
 }
