@@ -1,7 +1,7 @@
 //! The window.
 //!
-//! Panels and views read the [`state::Model`] and push [`command::Command`]s; [`apply`] does what
-//! they ask. [`command::ACTIONS`] is the one table of what can be done by name or key.
+//! Panels and views read the `state::Model` and push `command::Command`s; `apply` does what
+//! they ask. `command::ACTIONS` is the one table of what can be done by name or key.
 
 mod apply;
 mod command;

@@ -2,7 +2,7 @@
 //!
 //! [`reasoner`] takes a frame's regions through tracking and reasoning; it reads as its stages.
 //! [`partition`] finds which objects and regions have to do with each other, [`assign`] who is who
-//! among the pieces of a group; [`splits`] and [`hidden`] hold what is undecided or out of sight.
+//! among the pieces of a group; `splits` and `hidden` hold what is undecided or out of sight.
 
 pub mod assign;
 pub mod event;
