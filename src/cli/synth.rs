@@ -176,10 +176,12 @@ fn parse_number(text: &str, least: f32, most: f32) -> Result<f32, String> {
 mod tests {
     #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+    use super::super::flags;
     use super::*;
 
     fn parse(words: &str) -> Result<ArgMatches, clap::Error> {
-        command().try_get_matches_from(std::iter::once("synth").chain(words.split_whitespace()))
+        flags::with_common(command())
+            .try_get_matches_from(std::iter::once("synth").chain(words.split_whitespace()))
     }
 
     #[test]
