@@ -229,17 +229,20 @@ impl Window {
         if model.settings_panel {
             let size = (wide * 0.165).clamp(244.0, 320.0);
             let panel = Panel::left("settings").frame(side).resizable(true).default_size(size);
-            panel.size_range(236.0..=480.0).show(ui, |ui| settings_panel::ui(ui, model, commands));
+            // Sizes outlive a larger window; the views must keep the better part of a smaller one.
+            panel
+                .size_range(236.0..=(wide * 0.3).max(236.0))
+                .show(ui, |ui| settings_panel::ui(ui, model, commands));
         }
         if model.inspector_panel && model.shown().is_some() {
             let size = (wide * 0.235).clamp(232.0, 520.0);
             let panel = Panel::right("inspector").frame(side).resizable(true).default_size(size);
             let inspector = &mut self.inspector;
-            panel.size_range(220.0..=760.0).show(ui, |ui| {
-                let half = ui.available_height() * 0.36;
+            panel.size_range(220.0..=(wide * 0.36).max(220.0)).show(ui, |ui| {
+                let third = ui.available_height() * 0.36;
                 let below = Frame::NONE.inner_margin(Margin { top: 8, ..Margin::ZERO });
-                let list = Panel::bottom("events").frame(below).resizable(true).default_size(half);
-                list.min_size(120.0).show(ui, |ui| {
+                let list = Panel::bottom("events").frame(below).resizable(true).default_size(third);
+                list.size_range(120.0..=(1.4 * third).max(120.0)).show(ui, |ui| {
                     events_panel::ui(ui, model, commands);
                     // A panel is as large as what is in it: a short list must not shrink it.
                     ui.take_available_space();

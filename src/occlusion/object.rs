@@ -136,9 +136,10 @@ impl Object {
         self.keep_pace();
         let (w, h) = self.size();
         let [x, y] = self.model.centre();
+        let [middle_x, middle_y] = view.bbox.centre();
         self.model.set_centre([
-            holding(x, w, view.bbox.x, view.bbox.right()),
-            holding(y, h, view.bbox.y, view.bbox.bottom()),
+            close_to(middle_x, (w - view.bbox.w) / 2.0, x),
+            close_to(middle_y, (h - view.bbox.h) / 2.0, y),
         ]);
     }
 
@@ -211,14 +212,11 @@ impl Object {
     }
 }
 
-/// The nearest centre to `centre` for which a span of length `extent` holds `low..high`; the middle
-/// of what it cannot hold.
-fn holding(centre: f32, extent: f32, low: f32, high: f32) -> f32 {
-    if extent <= high - low {
-        f32::midpoint(low, high)
-    } else {
-        centre.clamp(high - extent / 2.0, low + extent / 2.0)
-    }
+/// `value`, or the nearest to it that is at most `slack` away from `middle`; `middle` where `slack`
+/// is negative.
+pub(super) fn close_to(middle: f32, slack: f32, value: f32) -> f32 {
+    let slack = slack.max(0.0);
+    middle + (value - middle).clamp(-slack, slack)
 }
 
 fn dominant_colours(histogram: &Histogram, settings: &Settings) -> Vec<Rgb> {

@@ -255,6 +255,29 @@ mod tests {
     }
 
     #[test]
+    fn a_small_region_across_a_pole_is_a_part_of_the_nearest_and_a_large_one_is_not() {
+        let expected = [alone(person(100.0, 50.0), Some(0)), alone(person(160.0, 50.0), Some(1))];
+        let bodies = [(person(100.0, 50.0), 800.0), (person(160.0, 50.0), 800.0)];
+        let with = |bbox: Rect, area: f32| clusters(&expected, &[bodies[0], bodies[1], (bbox, area)], 0.2);
+        let foot = with(Rect::new(126.0, 95.0, 10.0, 14.0), 110.0);
+        assert_eq!(foot[0], Cluster { blobs: vec![0], observations: vec![0, 2] });
+        assert_eq!(with(Rect::new(126.0, 50.0, 18.0, 60.0), 700.0).len(), 3);
+        assert_eq!(with(Rect::new(134.0, 95.0, 10.0, 14.0), 110.0).len(), 3, "too far from both");
+    }
+
+    #[test]
+    fn two_side_by_side_are_no_one_but_the_halves_that_a_pole_leaves_are() {
+        let pair = Extent { w: 50.0, h: 62.0, least_area: 1600.0 };
+        let (left, right) = ((person(100.0, 50.0), 800.0), (person(127.0, 51.0), 780.0));
+        assert!(beside(&left, &right, pair));
+        assert_eq!(pieces(&[left, right], pair, Some(Rect::new(100.0, 50.0, 47.0, 62.0))), [[0], [1]]);
+        let half = |x: f32| (Rect::new(x, 50.0, 9.0, 60.0), 400.0);
+        assert!(!beside(&half(100.0), &half(112.0), PERSON), "too narrow for two");
+        let low = (Rect::new(127.0, 90.0, 20.0, 22.0), 420.0);
+        assert!(!beside(&left, &low, pair), "not as tall");
+    }
+
+    #[test]
     fn strangers_stay_apart() {
         let expected = [alone(person(100.0, 50.0), Some(0))];
         let observed = [(person(100.0, 50.0), 800.0), (person(150.0, 50.0), 800.0)];

@@ -12,7 +12,7 @@ use super::assign::{self, Piece};
 use super::event::{Counters, Episode, Event, EventKind, Evidence};
 use super::hidden::{Hidden, Return};
 use super::meetings::Meetings;
-use super::object::{Object, View};
+use super::object::{Object, View, close_to};
 use super::partition::{self, Cluster, Expected, Extent};
 use super::splits::Split;
 use crate::frame::Size;
@@ -689,8 +689,9 @@ impl Reasoner {
             object.seen += 1;
             let (w, h) = object.size();
             let [x, y] = object.model.centre();
+            let [middle_x, middle_y] = region.centre();
             let mut centre =
-                [inside(x, w, region.x, region.right()), inside(y, h, region.y, region.bottom())];
+                [close_to(middle_x, (region.w - w) / 2.0, x), close_to(middle_y, (region.h - h) / 2.0, y)];
             if spread && Some(id) == leftmost {
                 centre[0] = f32::midpoint(centre[0], region.x + w / 2.0);
             }
@@ -811,16 +812,6 @@ impl Reasoner {
             self.counters.count(event.kind);
         }
         events
-    }
-}
-
-/// The nearest place for a span of length `extent` around `centre` inside `low..high`; the middle
-/// where it does not fit.
-fn inside(centre: f32, extent: f32, low: f32, high: f32) -> f32 {
-    if extent >= high - low {
-        f32::midpoint(low, high)
-    } else {
-        centre.clamp(low + extent / 2.0, high - extent / 2.0)
     }
 }
 

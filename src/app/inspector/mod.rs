@@ -140,7 +140,10 @@ impl Inspector {
         });
         ui.separator();
         let tab = self.tab;
-        let scrolled = ScrollArea::vertical().id_salt(("inspector", name_of(tab))).auto_shrink(false);
+        let scrolled = ScrollArea::vertical()
+            .id_salt(("inspector", name_of(tab)))
+            .auto_shrink(false)
+            .min_scrolled_height(0.0);
         scrolled
             .show(ui, |ui| match tab {
                 Tab::Now => {

@@ -308,7 +308,8 @@ fn weights(ui: &mut Ui, chosen: &Chosen<'_>, rows: &[Row], count: usize) {
     ));
     let text = format!("T = {}", number(t));
     let half = 24.0;
-    let place = Pos2::new(x.clamp(plot.left() + half, plot.right() - half), plot.top() - 3.0);
+    // In a plot that is narrower than the text there is no such place.
+    let place = Pos2::new(x.min(plot.right() - half).max(plot.left() + half), plot.top() - 3.0);
     painter.text(place, Align2::CENTER_BOTTOM, text, style::font(), visuals.text_color());
     if count < rows.len() {
         let y = plot.top() + count as f32 * BAR;
