@@ -312,6 +312,20 @@ fn every_state_of_the_window_can_be_drawn_at_every_size_in_both_themes() {
 }
 
 #[test]
+fn a_window_made_smaller_gives_every_panel_less() {
+    let (mut harness, _) = ready(58);
+    harness.run_steps(4);
+    let large = harness.get_by_label("Events").rect();
+    harness.set_size(vec2(1024.0, 640.0));
+    harness.run_steps(4);
+    let small = harness.get_by_label("Events").rect();
+    // What is under the heading and over the timeline: at most half of the column, as in the large one.
+    assert!(small.top() > 0.38 * 640.0, "{small} leaves the inspector no room");
+    assert!(small.left() > 1024.0 * 0.6, "{small} leaves the views no room");
+    assert!(large.top() > 0.38 * 1000.0, "{large}");
+}
+
+#[test]
 fn buttons_and_keys_ask_for_the_frames_they_name() {
     let (mut harness, scene) = ready(10);
     harness.get_by_label("Next frame").click();
