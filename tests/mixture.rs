@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use occluscope::frame::{Frame, Mask, Size};
-use occluscope::mixture::{Mixture, Parameters, Pixel};
+use occluscope::mixture::{Component, Mixture, Parameters, Pixel};
 use occluscope::settings::{Rate, Space};
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
@@ -56,6 +56,15 @@ fn frames(seed: u64, size: Size, count: u32) -> Vec<Frame> {
         .collect()
 }
 
+/// All numbers of a pixel, to the last bit.
+fn bits(pixel: &Pixel) -> Vec<[u32; 5]> {
+    let numbers = |component: &Component| {
+        let [r, g, b] = component.mean;
+        [component.weight, component.variance, r, g, b].map(f32::to_bits)
+    };
+    pixel.components().iter().map(numbers).collect()
+}
+
 proptest! {
     #![proptest_config(ProptestConfig { cases: 96, ..ProptestConfig::default() })]
 
@@ -63,26 +72,55 @@ proptest! {
     fn the_whole_image_equals_the_plain_pixel_bit_for_bit(
         parameters in parameters(),
         seed in any::<u64>(),
-        width in 1_u32..40,
-        height in 1_u32..5,
+        (width, height) in (1_u32..40, 1_u32..5),
         threads in 1_usize..4,
+        batches in prop::collection::vec(1_usize..40, 1..20),
     ) {
         let size = Size::new(width, height);
         let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
         let mut image = Mixture::new(size, parameters);
         let mut plain = vec![Pixel::unseen(parameters.k); size.pixels()];
-        for (frame, t) in frames(seed, size, 60).iter().zip(1..) {
-            let mask = pool.install(|| image.step(frame));
-            for y in 0..height {
-                for x in 0..width {
-                    let pixel = &mut plain[size.index(x, y).unwrap()];
+        let frames = frames(seed, size, 60);
+        let mut rest = &frames[..];
+        // Some frames one at a time, some in batches of any length.
+        for length in batches.into_iter().cycle() {
+            let (batch, later) = rest.split_at(length.min(rest.len()));
+            let mut masks = vec![Mask { size, data: vec![7; size.pixels()] }; batch.len()];
+            if let [frame] = batch {
+                masks[0] = pool.install(|| image.step(frame));
+            } else {
+                pool.install(|| image.replay(&batch.iter().collect::<Vec<_>>(), &mut masks));
+            }
+            for (frame, mask) in batch.iter().zip(&masks) {
+                for (index, pixel) in plain.iter_mut().enumerate() {
+                    let (x, y) = (index as u32 % width, index as u32 / width);
                     let value = parameters.value(frame.pixel(x, y).unwrap());
-                    let outcome = pixel.update(value, t, &parameters);
-                    prop_assert_eq!(mask.is_foreground(x, y), outcome.foreground);
-                    prop_assert_eq!(image.pixel(x, y).unwrap(), *pixel, "pixel {} {} at t {}", x, y, t);
+                    let outcome = pixel.update(value, frame.number, &parameters);
+                    let expected = if outcome.foreground { Mask::FOREGROUND } else { Mask::BACKGROUND };
+                    prop_assert_eq!(mask.data[index], expected, "pixel {} {} in frame {}", x, y, frame.number);
                 }
             }
+            for (index, pixel) in plain.iter().enumerate() {
+                let (x, y) = (index as u32 % width, index as u32 / width);
+                prop_assert_eq!(bits(&image.pixel(x, y).unwrap()), bits(pixel), "pixel {} {}", x, y);
+            }
+            let appearance = image.appearance();
+            prop_assert_eq!(&appearance.mean, &image.mean_image());
+            for (index, pixel) in plain.iter().enumerate() {
+                let rgb = |mean: [f32; 3]| {
+                    let gray = parameters.space == Space::Gray;
+                    [0, 1, 2].map(|channel| mean[if gray { 0 } else { channel }].round() as u8)
+                };
+                prop_assert_eq!(&appearance.mean[3 * index..][..3], rgb(pixel.components()[0].mean));
+                prop_assert_eq!(&appearance.multi_mode[3 * index..][..3], rgb(pixel.background_mean(parameters.t)));
+                prop_assert_eq!(usize::from(appearance.background_count[index]), pixel.background_count(parameters.t));
+            }
+            rest = later;
+            if rest.is_empty() {
+                break;
+            }
         }
+        prop_assert_eq!(image.frames_seen(), 60);
     }
 
     #[test]
@@ -118,6 +156,35 @@ proptest! {
             if t > 1 && outcome.matched > 0 && rank == usize::from(outcome.matched) && parameters.k > 1 {
                 prop_assert_eq!(before.used(), pixel.used());
             }
+        }
+    }
+}
+
+/// At a large α, weights fade to nothing, and a component of no weight may stand above others.
+#[test]
+fn faded_components_are_treated_alike() {
+    for (k, alpha) in [(3, 0.6), (4, 0.9), (8, 0.8)] {
+        let size = Size::new(19, 1);
+        let parameters = Parameters { alpha, initial_weight: 0.3, ..plain(k) };
+        let frames = frames(5, size, 700);
+        let mut image = Mixture::new(size, parameters);
+        let mut plain = vec![Pixel::unseen(k); size.pixels()];
+        let mut masks = vec![Mask::empty(size); frames.len()];
+        image.replay(&frames.iter().collect::<Vec<_>>(), &mut masks);
+        for (frame, mask) in frames.iter().zip(&masks) {
+            for (x, pixel) in (0..).zip(&mut plain) {
+                let value = parameters.value(frame.pixel(x, 0).unwrap());
+                let outcome = pixel.update(value, frame.number, &parameters);
+                assert_eq!(
+                    mask.is_foreground(x, 0),
+                    outcome.foreground,
+                    "pixel {x} in frame {}",
+                    frame.number
+                );
+            }
+        }
+        for (x, pixel) in (0..).zip(&plain) {
+            assert_eq!(bits(&image.pixel(x, 0).unwrap()), bits(pixel), "pixel {x}, K {k}");
         }
     }
 }

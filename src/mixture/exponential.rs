@@ -1,30 +1,29 @@
 //! One exponential for scalar and vector code, so that results do not depend on the machine.
 
+// x = n·ln 2 + r with |r| ≤ ln 2 / 2; ln 2 in two parts keeps r exact.
+pub(super) const LN_2_HIGH: f32 = 0.693_359_4;
+pub(super) const LN_2_LOW: f32 = -2.121_944_4e-4;
+/// Adding and taking away 1.5·2²³ rounds to the nearest whole number without a branch.
+pub(super) const ROUND: f32 = 12_582_912.0;
+/// Below this, f32 runs out of range.
+pub(super) const LEAST: f32 = -87.0;
+/// Minimax polynomial of (eʳ − 1 − r) / r² (Cephes, S. Moshier), from the highest power down.
+pub(super) const COEFFICIENTS: [f32; 6] =
+    [1.987_569_1e-4, 1.398_199_9e-3, 8.333_452e-3, 4.166_579_6e-2, 1.666_666_5e-1, 5e-1];
+
 /// eˣ for x ≤ 0 in f32, within 2 units in the last place; 0 below −87, where f32 runs out of range.
 ///
 /// Only additions, multiplications and bit shifts, each rounded once and in this order: any
 /// processor and any vector width gives the same bits.
 #[inline(always)]
 pub fn exp_of_negative(x: f32) -> f32 {
-    // x = n·ln 2 + r with |r| ≤ ln 2 / 2; ln 2 in two parts keeps r exact.
-    const LN_2_HIGH: f32 = 0.693_359_4;
-    const LN_2_LOW: f32 = -2.121_944_4e-4;
-    // Adding and taking away 1.5·2²³ rounds to the nearest whole number without a branch.
-    const ROUND: f32 = 12_582_912.0;
-    let clamped = if x < -87.0 { -87.0 } else { x };
+    let clamped = if x >= LEAST { x } else { LEAST };
     let n = (clamped * std::f32::consts::LOG2_E + ROUND) - ROUND;
     let r = (clamped - n * LN_2_HIGH) - n * LN_2_LOW;
-    // Minimax polynomial of (eʳ − 1 − r) / r² (Cephes, S. Moshier).
-    let mut p = 1.987_569_1e-4;
-    p = p * r + 1.398_199_9e-3;
-    p = p * r + 8.333_452e-3;
-    p = p * r + 4.166_579_6e-2;
-    p = p * r + 1.666_666_5e-1;
-    p = p * r + 5e-1;
+    let p = COEFFICIENTS[1..].iter().fold(COEFFICIENTS[0], |p, coefficient| p * r + coefficient);
     let e_to_r = p * (r * r) + r + 1.0;
     let two_to_n = f32::from_bits(((n as i32 + 127) as u32) << 23);
-    let value = e_to_r * two_to_n;
-    if x < -87.0 { 0.0 } else { value }
+    if x >= LEAST { e_to_r * two_to_n } else { 0.0 }
 }
 
 #[cfg(test)]

@@ -1,45 +1,64 @@
 //! The whole image's mixtures, fast: equal to [`Pixel::update`] bit for bit.
 //!
-//! Pixels are independent, so they are kept sixteen to a tile, each quantity as a plane of sixteen
-//! numbers that the compiler turns into vector instructions. In almost every tile of almost every
-//! frame all sixteen pixels match their component 1; that case is short and has no branches. Any
-//! other tile goes through the plain single-pixel code.
+//! Pixels are independent. So they are kept sixteen to a [`tile`](super::tile), and a tile is taken
+//! through many frames while its mixtures are in the nearest cache: [`Mixture::replay`] moves the
+//! state of a pixel once for all of them, [`Mixture::step`] once a frame.
 
-use multiversion::multiversion;
+use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
 
-use super::pixel::{Component, Parameters, Pixel, density, luma};
+use super::pixel::{Parameters, Pixel};
+use super::tile::{self, Constants, Gaussians, LANES, Moment, Rgb, Tile};
 use crate::frame::{Frame, Mask, Size};
-use crate::settings::{Rate, Space};
+use crate::settings::Space;
 
-/// Pixels a tile.
-const LANES: usize = 16;
-/// Tiles a piece of work for a thread, enough to make handing it out cheap.
-const TILES_A_JOB: usize = 128;
+/// Tiles a piece of work for a thread: its values of a batch of frames stay in the nearest caches.
+const TILES_A_JOB: usize = 64;
 
-type Plane = [f32; LANES];
+/// Frames that a tile goes through before the next one does.
+pub const BATCH: usize = 16;
 
 /// One mixture for every pixel of an image.
 ///
-/// Memory: K·(n + 2) numbers of 4 bytes a pixel, 60 bytes for K = 3 in colour.
+/// Memory: K·(n + 2) numbers of 4 bytes a pixel, 60 bytes for K = 3 in colour. Of them a frame moves
+/// those of component 1, 20 bytes there and back, wherever all of a tile matches it.
 #[derive(Clone)]
 pub struct Mixture {
     size: Size,
     parameters: Parameters,
     /// Frames taken in so far.
     t: u32,
-    /// Tile after tile; in a tile component after component; in a component w, σ², then μ by channel.
-    planes: Vec<Plane>,
-    /// For each tile how many components are in use in any of its pixels.
-    used: Vec<u8>,
+    pub(super) planes: Planes,
+}
+
+#[derive(Clone)]
+pub(super) enum Planes {
+    Rgb(Tiles<3>),
+    Gray(Tiles<1>),
+}
+
+/// All tiles of an image, in row order of their pixels.
+#[derive(Clone)]
+pub(super) struct Tiles<const N: usize> {
+    /// Component 1 apart: it is all that most tiles of a frame touch.
+    pub(super) first: Vec<Gaussians<N>>,
+    /// Components 2 to K, tile after tile.
+    pub(super) others: Vec<Gaussians<N>>,
+    /// For each tile how many components were ever in use in any of its pixels.
+    pub(super) used: Vec<u8>,
+    /// For each tile the frame up to which the weights of `others` are brought.
+    settled: Vec<u32>,
 }
 
 impl Mixture {
     /// Mixtures that have seen nothing, for images of `size`.
     pub fn new(size: Size, parameters: Parameters) -> Self {
         let tiles = size.pixels().div_ceil(LANES);
-        let planes = vec![[0.0; LANES]; tiles * parameters.k * (2 + parameters.channels())];
-        Self { size, parameters, t: 0, planes, used: vec![0; tiles] }
+        let planes = match parameters.space {
+            Space::Rgb => Planes::Rgb(Tiles::new(tiles, parameters.k)),
+            Space::Gray => Planes::Gray(Tiles::new(tiles, parameters.k)),
+        };
+        Self { size, parameters, t: 0, planes }
     }
 
     /// The size of the images.
@@ -59,7 +78,10 @@ impl Mixture {
 
     /// The memory that a copy takes, in bytes.
     pub const fn state_bytes(&self) -> usize {
-        self.planes.len() * size_of::<Plane>() + self.used.len()
+        match &self.planes {
+            Planes::Rgb(tiles) => tiles.bytes(),
+            Planes::Gray(tiles) => tiles.bytes(),
+        }
     }
 
     /// Takes the next frame in and says which pixels are foreground.
@@ -67,18 +89,43 @@ impl Mixture {
     /// # Panics
     /// When the frame has another size than the mixture.
     pub fn step(&mut self, frame: &Frame) -> Mask {
-        assert_eq!(frame.size, self.size, "a frame of the mixture's size");
-        self.t += 1;
-        let step = Step::new(&self.parameters, self.t);
         let mut mask = Mask::empty(self.size);
-        let planes_a_tile = step.planes_a_tile();
-        self.planes
-            .par_chunks_mut(planes_a_tile * TILES_A_JOB)
-            .zip(self.used.par_chunks_mut(TILES_A_JOB))
-            .zip(mask.data.par_chunks_mut(LANES * TILES_A_JOB))
-            .zip(frame.rgb.par_chunks(3 * LANES * TILES_A_JOB))
-            .for_each(|(((planes, used), mask), rgb)| step_tiles(&step, planes, used, mask, rgb));
+        self.take(Level::new(), &[frame], std::slice::from_mut(&mut mask));
         mask
+    }
+
+    /// Takes the next frames in, in order, and says of each which pixels are foreground: what
+    /// [`Mixture::step`] would say frame by frame, in a fraction of the time.
+    ///
+    /// # Panics
+    /// When a frame has another size than the mixture, or there are not as many masks as frames.
+    pub fn replay(&mut self, frames: &[&Frame], masks: &mut [Mask]) {
+        assert_eq!(frames.len(), masks.len(), "a mask for each frame");
+        for (frames, masks) in frames.chunks(BATCH).zip(masks.chunks_mut(BATCH)) {
+            self.take(Level::new(), frames, masks);
+        }
+    }
+
+    /// `level` is the instruction set to use; all give the same bits.
+    fn take(&mut self, level: Level, frames: &[&Frame], masks: &mut [Mask]) {
+        for (frame, mask) in frames.iter().zip(&*masks) {
+            assert!(
+                frame.size == self.size && mask.size == self.size,
+                "frames and masks of the mixture's size"
+            );
+        }
+        let constants = Constants::new(&self.parameters);
+        let moments: Vec<_> = (self.t + 1..).take(frames.len()).map(|t| constants.moment(t)).collect();
+        self.t += frames.len() as u32;
+        let k = self.parameters.k;
+        match &mut self.planes {
+            Planes::Rgb(tiles) => tiles.take(k, frames, masks, |job| {
+                dispatch!(level, simd => run::<_, 3>(simd, job, &constants, &moments));
+            }),
+            Planes::Gray(tiles) => tiles.take(k, frames, masks, |job| {
+                dispatch!(level, simd => run::<_, 1>(simd, job, &constants, &moments));
+            }),
+        }
     }
 
     /// The mixture of pixel (x, y), or `None` outside the image.
@@ -86,209 +133,182 @@ impl Mixture {
         self.size.index(x, y).map(|index| self.pixel_at(index))
     }
 
-    /// The mean of component 1 at each pixel: RGB bytes in row order (gray repeated).
-    pub fn mean_image(&self) -> Vec<u8> {
-        self.image(|pixel| pixel.components()[0].mean)
-    }
-
-    /// The weighted mean of the B background components at each pixel: RGB bytes in row order.
-    pub fn multi_mode_image(&self) -> Vec<u8> {
-        let t = self.parameters.t;
-        self.image(|pixel| pixel.background_mean(t))
-    }
-
-    /// B at each pixel, in row order.
-    pub fn background_counts(&self) -> Vec<u8> {
-        let mut counts = vec![0; self.size.pixels()];
-        counts.par_iter_mut().enumerate().for_each(|(index, count)| {
-            *count = self.pixel_at(index).background_count(self.parameters.t) as u8;
-        });
-        counts
-    }
-
-    fn image(&self, value: impl Fn(&Pixel) -> [f32; 3] + Sync) -> Vec<u8> {
-        let gray = self.parameters.space == Space::Gray;
-        let mut rgb = vec![0; self.size.pixels() * 3];
-        rgb.par_chunks_exact_mut(3).enumerate().for_each(|(index, rgb)| {
-            let mean = value(&self.pixel_at(index));
-            for (channel, byte) in rgb.iter_mut().enumerate() {
-                let mean = if gray { mean[0] } else { mean[channel] };
-                *byte = mean.round().clamp(0.0, 255.0) as u8;
-            }
-        });
-        rgb
-    }
-
     fn pixel_at(&self, index: usize) -> Pixel {
-        let planes_a_tile = self.parameters.k * (2 + self.parameters.channels());
-        let tile = index / LANES;
-        let planes = &self.planes[tile * planes_a_tile..(tile + 1) * planes_a_tile];
-        read_lane(planes, index % LANES, &self.parameters)
+        match &self.planes {
+            Planes::Rgb(tiles) => tiles.pixel(index, &self.parameters, self.t),
+            Planes::Gray(tiles) => tiles.pixel(index, &self.parameters, self.t),
+        }
     }
 }
 
-/// What is the same for all tiles of one frame.
-struct Step {
-    parameters: Parameters,
-    t: u32,
-    alpha: f32,
-    lambda_squared: f32,
-    least_variance: f32,
+/// Some consecutive tiles, and their part of a few consecutive frames and masks.
+struct Job<'a, const N: usize> {
+    first: &'a mut [Gaussians<N>],
+    others: &'a mut [Gaussians<N>],
+    used: &'a mut [u8],
+    settled: &'a mut [u32],
+    /// Of each frame.
+    rgb: Vec<&'a [u8]>,
+    /// Of each mask.
+    masks: Vec<&'a mut [u8]>,
 }
 
-impl Step {
-    fn new(parameters: &Parameters, t: u32) -> Self {
+impl<const N: usize> Tiles<N> {
+    fn new(tiles: usize, k: usize) -> Self {
         Self {
-            parameters: *parameters,
-            t,
-            alpha: parameters.alpha_at(t),
-            lambda_squared: parameters.lambda * parameters.lambda,
-            least_variance: parameters.min_sigma * parameters.min_sigma,
+            first: vec![Gaussians::UNUSED; tiles],
+            others: vec![Gaussians::UNUSED; tiles * (k - 1)],
+            used: vec![0; tiles],
+            settled: vec![0; tiles],
         }
     }
 
-    fn planes_a_tile(&self) -> usize {
-        self.parameters.k * (2 + self.parameters.channels())
+    const fn bytes(&self) -> usize {
+        (self.first.len() + self.others.len()) * size_of::<Gaussians<N>>() + self.used.len() * 5
+    }
+
+    /// By what the weights of a tile's components 2 to K are still to be multiplied, in order.
+    pub(super) fn keep(&self, tile: usize, mixture: &Mixture) -> Vec<f32> {
+        (self.settled[tile] + 1..=mixture.t).map(|t| 1.0 - mixture.parameters.alpha_at(t)).collect()
+    }
+
+    fn pixel(&self, index: usize, parameters: &Parameters, t: u32) -> Pixel {
+        let (tile, others) = (index / LANES, parameters.k - 1);
+        let others = &self.others[tile * others..(tile + 1) * others];
+        tile::read((&self.first[tile], others), self.settled[tile], index % LANES, (parameters, t))
+    }
+
+    /// Divides the image among the threads.
+    fn take(
+        &mut self,
+        k: usize,
+        frames: &[&Frame],
+        masks: &mut [Mask],
+        run: impl Fn(Job<'_, N>) + Send + Sync,
+    ) {
+        const PIXELS: usize = LANES * TILES_A_JOB;
+        let mut masks: Vec<_> = masks.iter_mut().map(|mask| mask.data.chunks_mut(PIXELS)).collect();
+        let mut others = self.others.chunks_mut(((k - 1) * TILES_A_JOB).max(1));
+        let parts = self.first.chunks_mut(TILES_A_JOB).zip(self.used.chunks_mut(TILES_A_JOB));
+        let parts = parts.zip(self.settled.chunks_mut(TILES_A_JOB));
+        let jobs: Vec<_> = parts
+            .enumerate()
+            .map(|(part, ((first, used), settled))| {
+                let pixels = part * PIXELS
+                    ..((part + 1) * PIXELS).min(frames.first().map_or(0, |frame| frame.size.pixels()));
+                Job {
+                    first,
+                    others: others.next().unwrap_or_default(),
+                    used,
+                    settled,
+                    rgb: frames.iter().map(|frame| &frame.rgb[3 * pixels.start..3 * pixels.end]).collect(),
+                    masks: masks.iter_mut().filter_map(Iterator::next).collect(),
+                }
+            })
+            .collect();
+        jobs.into_par_iter().for_each(run);
     }
 }
 
-/// Takes consecutive tiles through one frame. The last tile of an image may have fewer pixels than
-/// lanes; its spare lanes run along on zeros and nobody reads them.
-#[multiversion(targets("x86_64+avx512f+avx512vl+avx512bw+avx512dq", "x86_64+avx+avx2", "aarch64+neon"))]
-fn step_tiles(step: &Step, planes: &mut [Plane], used: &mut [u8], mask: &mut [u8], rgb: &[u8]) {
-    let tiles = planes.chunks_exact_mut(step.planes_a_tile()).zip(used);
-    let pixels = mask.chunks_mut(LANES).zip(rgb.chunks(3 * LANES));
-    for ((planes, used), (mask, rgb)) in tiles.zip(pixels) {
-        match step.parameters.space {
-            Space::Rgb => step_tile::<3>(step, planes, used, mask, &read_rgb(rgb)),
-            Space::Gray => step_tile::<1>(step, planes, used, mask, &read_luma(rgb)),
-        }
-    }
-}
-
+/// Takes the tiles of a job through its frames, one tile after the other. The last tile of an image
+/// may have fewer pixels than lanes; its spare lanes run along on zeros and nobody reads them.
 #[inline(always)]
-fn read_rgb(rgb: &[u8]) -> [Plane; 3] {
-    let mut x = [[0.0; LANES]; 3];
-    for (lane, rgb) in rgb.chunks_exact(3).take(LANES).enumerate() {
-        x[0][lane] = f32::from(rgb[0]);
-        x[1][lane] = f32::from(rgb[1]);
-        x[2][lane] = f32::from(rgb[2]);
-    }
-    x
-}
-
-#[inline(always)]
-fn read_luma(rgb: &[u8]) -> [Plane; 1] {
-    let mut x = [[0.0; LANES]];
-    for (lane, rgb) in rgb.chunks_exact(3).take(LANES).enumerate() {
-        x[0][lane] = f32::from(luma([rgb[0], rgb[1], rgb[2]]));
-    }
-    x
-}
-
-#[inline(always)]
-fn step_tile<const N: usize>(
-    step: &Step,
-    planes: &mut [Plane],
-    used: &mut u8,
-    mask: &mut [u8],
-    x: &[Plane; N],
-) {
-    if *used > 0 && all_match_first(step, planes, x) {
-        learn_first(step, planes, *used as usize, x);
-        mask.fill(Mask::BACKGROUND);
-        return;
-    }
-    *used = 0;
-    for lane in 0..LANES {
-        let mut value = [0.0; 3];
-        for (channel, plane) in x.iter().enumerate() {
-            value[channel] = plane[lane];
-        }
-        let mut pixel = read_lane(planes, lane, &step.parameters);
-        let outcome = pixel.step(value, step.t, &step.parameters);
-        write_lane(planes, lane, &pixel, N);
-        *used = (*used).max(pixel.used() as u8);
-        if let Some(mask) = mask.get_mut(lane) {
-            *mask = if outcome.foreground { Mask::FOREGROUND } else { Mask::BACKGROUND };
+fn run<S: Simd, const N: usize>(simd: S, job: Job<'_, N>, constants: &Constants, moments: &[Moment]) {
+    let Job { first, others, used, settled, rgb, mut masks } = job;
+    let mut others = others;
+    for (index, ((first, used), settled)) in first.iter_mut().zip(used).zip(settled).enumerate() {
+        let mine;
+        (mine, others) = others.split_at_mut(constants.k() - 1);
+        let tile = Tile { first, others: mine, used, settled, place: index as u32 };
+        let start = index * LANES;
+        if masks.first().is_some_and(|mask| mask.len() >= start + LANES) {
+            tile.run(
+                simd,
+                constants,
+                moments,
+                #[inline(always)]
+                |frame| rgb[frame][3 * start..].first_chunk().unwrap_or(&[0; 3 * LANES]),
+                #[inline(always)]
+                |frame, tile| masks[frame][start..start + LANES].copy_from_slice(&tile),
+            );
+        } else {
+            let padded: Vec<Rgb> = rgb.iter().map(|rgb| padded(&rgb[3 * start..])).collect();
+            tile.run(
+                simd,
+                constants,
+                moments,
+                #[inline(always)]
+                |frame| &padded[frame],
+                #[inline(always)]
+                |frame, tile| masks[frame][start..].iter_mut().zip(tile).for_each(|(to, from)| *to = from),
+            );
         }
     }
 }
 
-/// Whether every pixel of the tile matches its component 1. One that is unused has σ² = 0 and w = 0.
-#[inline(always)]
-fn all_match_first<const N: usize>(step: &Step, planes: &[Plane], x: &[Plane; N]) -> bool {
-    let mut all = true;
-    for lane in 0..LANES {
-        let distance = distance_squared(planes, x, lane);
-        // Without a branch, so that the lanes go side by side.
-        all &= distance <= step.lambda_squared * planes[1][lane];
-        all &= planes[0][lane] > 0.0;
-    }
-    all
+fn padded(rgb: &[u8]) -> Rgb {
+    let mut padded = [0; 3 * LANES];
+    padded[..rgb.len()].copy_from_slice(rgb);
+    padded
 }
 
-#[inline(always)]
-fn distance_squared<const N: usize>(planes: &[Plane], x: &[Plane; N], lane: usize) -> f32 {
-    let mut sum = 0.0;
-    for channel in 0..N {
-        let difference = x[channel][lane] - planes[2 + channel][lane];
-        sum += difference * difference;
-    }
-    sum
-}
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::{Preset, Rate, Settings};
 
-/// The update of §V where component 1 matched in all lanes: it stays on top, all pixels are background.
-#[inline(always)]
-fn learn_first<const N: usize>(step: &Step, planes: &mut [Plane], used: usize, x: &[Plane; N]) {
-    let keep = 1.0 - step.alpha;
-    for component in 0..used {
-        for weight in &mut planes[component * (2 + N)] {
-            *weight *= keep;
-        }
+    /// Those that this machine has, the plainest first.
+    #[cfg(target_arch = "x86_64")]
+    fn levels() -> Vec<Level> {
+        let best = Level::new();
+        let sse2 = best.as_sse2().map(Level::Sse2);
+        let avx2 = best.as_avx2().map(Level::Avx2);
+        let avx512 = best.as_avx512().map(Level::Avx512);
+        [sse2, best.as_sse4_2().map(Level::Sse4_2), avx2, avx512].into_iter().flatten().collect()
     }
-    let mut rho = [0.0; LANES];
-    for lane in 0..LANES {
-        planes[0][lane] += step.alpha;
-        rho[lane] = match step.parameters.rate {
-            Rate::Density => step.alpha * density(distance_squared(planes, x, lane), planes[1][lane], N),
-            Rate::Weight => step.alpha / planes[0][lane],
-            Rate::Constant => step.alpha,
-        };
-        rho[lane] = if rho[lane] < 1.0 { rho[lane] } else { 1.0 };
-    }
-    for channel in 0..N {
-        for lane in 0..LANES {
-            let mean = &mut planes[2 + channel][lane];
-            *mean = (1.0 - rho[lane]) * *mean + rho[lane] * x[channel][lane];
-        }
-    }
-    for lane in 0..LANES {
-        let distance = distance_squared(planes, x, lane);
-        let variance = (1.0 - rho[lane]) * planes[1][lane] + rho[lane] * distance;
-        planes[1][lane] = if variance < step.least_variance { step.least_variance } else { variance };
-    }
-}
 
-fn read_lane(planes: &[Plane], lane: usize, parameters: &Parameters) -> Pixel {
-    let fields = 2 + parameters.channels();
-    let mut pixel = Pixel::unseen(parameters.k);
-    for (component, planes) in pixel.components_mut().iter_mut().zip(planes.chunks_exact(fields)) {
-        let mut mean = [0.0; 3];
-        for (channel, plane) in mean.iter_mut().zip(&planes[2..]) {
-            *channel = plane[lane];
-        }
-        *component = Component { weight: planes[0][lane], variance: planes[1][lane], mean };
+    #[cfg(not(target_arch = "x86_64"))]
+    fn levels() -> Vec<Level> {
+        vec![Level::new()]
     }
-    pixel
-}
 
-fn write_lane(planes: &mut [Plane], lane: usize, pixel: &Pixel, channels: usize) {
-    for (component, planes) in pixel.components().iter().zip(planes.chunks_exact_mut(2 + channels)) {
-        planes[0][lane] = component.weight;
-        planes[1][lane] = component.variance;
-        for (channel, plane) in component.mean.iter().zip(&mut planes[2..]) {
-            plane[lane] = *channel;
+    #[test]
+    fn every_instruction_set_gives_the_same_bits() {
+        let size = Size::new(53, 3);
+        let frames: Vec<_> = (1..=80_u32)
+            .map(|number| {
+                let byte = |at: usize| {
+                    let mut noise = (at as u32).wrapping_mul(2_654_435_761) ^ number.wrapping_mul(40_503);
+                    noise ^= noise >> 13;
+                    noise = noise.wrapping_mul(0x5bd1_e995);
+                    noise ^= noise >> 15;
+                    if noise.is_multiple_of(23) {
+                        (noise >> 8) as u8
+                    } else {
+                        (at * 7) as u8 ^ (noise >> 28) as u8
+                    }
+                };
+                Frame::new(number, size, (0..size.pixels() * 3).map(byte).collect())
+            })
+            .collect();
+        let frames: Vec<_> = frames.iter().collect();
+        for (rate, space) in
+            [(Rate::Density, Space::Rgb), (Rate::Weight, Space::Rgb), (Rate::Density, Space::Gray)]
+        {
+            let settings = Settings { rate, space, alpha: 0.05, ..Settings::preset(Preset::Plain) };
+            let run = |level| {
+                let mut mixture = Mixture::new(size, Parameters::new(&settings));
+                let mut masks = vec![Mask::empty(size); frames.len()];
+                mixture.take(level, &frames, &mut masks);
+                let pixels: Vec<_> = (0..size.pixels()).map(|index| mixture.pixel_at(index)).collect();
+                (masks, format!("{pixels:?}"))
+            };
+            let levels = levels();
+            let plainest = run(levels[0]);
+            assert!(plainest.0.iter().any(|mask| mask.foreground_pixels() > 0));
+            for &level in &levels[1..] {
+                assert!(run(level) == plainest, "{level:?} differs, {rate:?}, {space:?}");
+            }
         }
     }
 }

@@ -1,17 +1,20 @@
 //! The pixel process: each pixel an adaptive mixture of Gaussians, and which of them are background (§V–VI).
 //!
 //! [`pixel`] is the definition, one pixel in plain words. [`image`] does the same to a whole
-//! image, bit for bit, fast. [`history`] follows one pixel through many frames, [`follow`] its
+//! image, bit for bit, fast: sixteen pixels of a `tile` side by side, many frames at a time. [`history`] follows one pixel through many frames, [`follow`] its
 //! components through their changes of rank, and [`verdict`] says in words why it was decided so.
 
+mod appearance;
 pub mod exponential;
 pub mod follow;
 pub mod history;
 pub mod image;
 pub mod opencv;
 pub mod pixel;
+mod tile;
 pub mod verdict;
 
+pub use appearance::Appearance;
 pub use history::{PixelHistory, PixelState};
 pub use image::Mixture;
 pub use pixel::{Component, MAX_K, Outcome, Parameters, Pixel};

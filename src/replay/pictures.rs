@@ -18,10 +18,11 @@ impl Pictures {
     /// Those of a mixture whose last frame is `frame`.
     pub(super) fn of_mixture(mixture: &Mixture, frame: &Frame) -> Self {
         let picture = |rgb| Arc::new(Frame::new(frame.number, frame.size, rgb));
+        let appearance = mixture.appearance();
         Self {
-            background: picture(mixture.mean_image()),
-            multi_mode: Some(picture(mixture.multi_mode_image())),
-            background_count: Some(Arc::new(mixture.background_counts())),
+            background: picture(appearance.mean),
+            multi_mode: Some(picture(appearance.multi_mode)),
+            background_count: Some(Arc::new(appearance.background_count)),
         }
     }
 

@@ -137,8 +137,8 @@ fn straight(video: &Path, settings: &Settings) -> Vec<Shown> {
             settings: Arc::clone(&shared),
             analysis: Arc::new(analysis),
             background: picture(pipeline.background_image().unwrap()),
-            multi_mode: mixture.map(|mixture| picture(mixture.multi_mode_image())),
-            background_count: mixture.map(|mixture| Arc::new(mixture.background_counts())),
+            multi_mode: mixture.map(|mixture| picture(mixture.appearance().multi_mode)),
+            background_count: mixture.map(|mixture| Arc::new(mixture.appearance().background_count)),
             pixel: mixture.is_some().then(|| Arc::new(history.clone())),
             frame: Arc::new(frame),
         });

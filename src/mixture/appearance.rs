@@ -1,0 +1,163 @@
+//! What the background of a whole image looks like: its means, and how many components it has.
+
+use fearless_simd::{Simd, dispatch, f32x16, prelude::*};
+use rayon::prelude::*;
+
+use super::image::{Mixture, Planes, Tiles};
+use super::tile::{Gaussians, LANES, Vectors};
+use crate::settings::Space;
+
+/// The background at each pixel, in row order.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Appearance {
+    /// The mean of component 1: RGB bytes (gray repeated).
+    pub mean: Vec<u8>,
+    /// The weighted mean of the B background components: RGB bytes.
+    pub multi_mode: Vec<u8>,
+    /// B.
+    pub background_count: Vec<u8>,
+}
+
+/// The part of an [`Appearance`] that a tile gives.
+struct TileAppearance {
+    mean: [u8; 3 * LANES],
+    multi_mode: [u8; 3 * LANES],
+    background_count: [u8; LANES],
+}
+
+/// Tiles a piece of work for a thread.
+const TILES_A_JOB: usize = 256;
+
+impl Mixture {
+    /// What its background looks like now: at each pixel what [`Pixel::background_mean`] and
+    /// [`Pixel::background_count`] say.
+    ///
+    /// [`Pixel::background_mean`]: super::Pixel::background_mean
+    /// [`Pixel::background_count`]: super::Pixel::background_count
+    pub fn appearance(&self) -> Appearance {
+        let pixels = self.size().pixels();
+        let mut all = Appearance {
+            mean: vec![0; 3 * pixels],
+            multi_mode: vec![0; 3 * pixels],
+            background_count: vec![0; pixels],
+        };
+        let level = fearless_simd::Level::new();
+        all.mean
+            .par_chunks_mut(3 * LANES * TILES_A_JOB)
+            .zip(all.multi_mode.par_chunks_mut(3 * LANES * TILES_A_JOB))
+            .zip(all.background_count.par_chunks_mut(LANES * TILES_A_JOB))
+            .enumerate()
+            .for_each(|(job, ((mean, multi_mode), count))| {
+                let start = job * TILES_A_JOB;
+                dispatch!(level, simd => match &self.planes {
+                    Planes::Rgb(tiles) => look(simd, self, tiles, start, (mean, multi_mode, count)),
+                    Planes::Gray(tiles) => look(simd, self, tiles, start, (mean, multi_mode, count)),
+                });
+            });
+        all
+    }
+
+    /// The mean of component 1 at each pixel: RGB bytes in row order (gray repeated).
+    pub fn mean_image(&self) -> Vec<u8> {
+        let gray = self.parameters().space == Space::Gray;
+        let mut rgb = vec![0; self.size().pixels() * 3];
+        rgb.par_chunks_mut(3 * LANES).enumerate().for_each(|(tile, rgb)| {
+            for (lane, rgb) in rgb.chunks_exact_mut(3).enumerate() {
+                let mean = match &self.planes {
+                    Planes::Rgb(tiles) => tiles.first[tile].lane(lane).mean,
+                    Planes::Gray(tiles) => tiles.first[tile].lane(lane).mean,
+                };
+                for (channel, byte) in rgb.iter_mut().enumerate() {
+                    *byte = mean[if gray { 0 } else { channel }].round() as u8;
+                }
+            }
+        });
+        rgb
+    }
+}
+
+#[inline(always)]
+fn look<S: Simd, const N: usize>(
+    simd: S,
+    mixture: &Mixture,
+    tiles: &Tiles<N>,
+    start: usize,
+    (mean, multi_mode, count): (&mut [u8], &mut [u8], &mut [u8]),
+) {
+    let others = mixture.parameters().k - 1;
+    let places =
+        mean.chunks_mut(3 * LANES).zip(multi_mode.chunks_mut(3 * LANES)).zip(count.chunks_mut(LANES));
+    for (tile, ((mean, multi_mode), count)) in (start..).zip(places) {
+        let used = usize::from(tiles.used[tile]);
+        let others = &tiles.others[tile * others..][..used.saturating_sub(1)];
+        // Weights as they are now, of which the image keeps some as they were a few frames ago.
+        let keep = tiles.keep(tile, mixture);
+        let seen = look_at(simd, &tiles.first[tile], others, &keep, mixture.parameters().t);
+        mean.copy_from_slice(&seen.mean[..mean.len()]);
+        multi_mode.copy_from_slice(&seen.multi_mode[..multi_mode.len()]);
+        count.copy_from_slice(&seen.background_count[..count.len()]);
+    }
+}
+
+#[inline(always)]
+fn look_at<S: Simd, const N: usize>(
+    simd: S,
+    first: &Gaussians<N>,
+    others: &[Gaussians<N>],
+    keep: &[f32],
+    t: f32,
+) -> TileAppearance {
+    let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
+    let first = Vectors::load(simd, first);
+    let settled = |other: &Gaussians<N>| {
+        let mut other = Vectors::load(simd, other);
+        for &keep in keep {
+            other.weight *= keep;
+        }
+        other
+    };
+    // Sums over the background components: of their weights, then of w/total·μ.
+    let mut sum = zero;
+    let mut count = zero;
+    let mut used = zero;
+    let mut reached = sum.simd_gt(t);
+    let mut total = zero;
+    let mut each = |component: &Vectors<S, N>| {
+        sum += component.weight;
+        count = reached.select(count, count + one);
+        total = reached.select(total, sum);
+        used = component.weight.simd_gt(0.0).select(used + one, used);
+        reached |= sum.simd_gt(t);
+    };
+    each(&first);
+    for other in others {
+        each(&settled(other));
+    }
+    let count = reached.select(count, used);
+    let mut multi_mode = [zero; N];
+    let mut rank = zero;
+    let mut each = |component: &Vectors<S, N>| {
+        let background = rank.simd_lt(count);
+        for (sum, mean) in multi_mode.iter_mut().zip(&component.mean) {
+            *sum = background.select(*sum + component.weight / total * *mean, *sum);
+        }
+        rank += one;
+    };
+    each(&first);
+    for other in others {
+        each(&settled(other));
+    }
+    let count = count.to_array();
+    TileAppearance {
+        mean: bytes(first.mean),
+        multi_mode: bytes(multi_mode),
+        background_count: std::array::from_fn(|lane| count[lane] as u8),
+    }
+}
+
+/// RGB bytes of rounded means, gray repeated.
+#[inline(always)]
+fn bytes<S: Simd, const N: usize>(means: [f32x16<S>; N]) -> [u8; 3 * LANES] {
+    let means: [[f32; LANES]; N] = means.map(|mean| mean.round().to_array());
+    std::array::from_fn(|at| means[(at % 3).min(N - 1)][at / 3] as u8)
+}

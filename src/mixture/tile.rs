@@ -1,0 +1,511 @@
+//! Sixteen pixels side by side: the arithmetic of [`super::pixel`] on vectors of sixteen numbers.
+//!
+//! In almost every tile of almost every frame all sixteen pixels match their component 1. That case
+//! is short, has no choices, and touches component 1 alone: what the others lose of their weights
+//! meanwhile is made up for, multiplication by multiplication, when they are next needed. Any other
+//! case makes every choice of the plain pixel by selecting lanes, so that all go the same way.
+
+use fearless_simd::{Simd, f32x16, i32x16, mask32x16, prelude::*, u8x16, u8x64, u32x16};
+
+use super::pixel::{Component, MAX_K, Parameters, Pixel};
+use crate::settings::Rate;
+
+/// Pixels a tile.
+pub(super) const LANES: usize = 16;
+
+/// The bytes of a tile's pixels in a frame.
+pub(super) type Rgb = [u8; 3 * LANES];
+
+/// One number for each pixel of a tile.
+#[derive(Clone, Copy, Debug)]
+#[repr(align(64))]
+struct Plane([f32; LANES]);
+
+/// One component of each pixel of a tile, in N channels.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Gaussians<const N: usize> {
+    weight: Plane,
+    variance: Plane,
+    mean: [Plane; N],
+}
+
+impl<const N: usize> Gaussians<N> {
+    /// Components that were never used.
+    pub(super) const UNUSED: Self =
+        Self { weight: Plane([0.0; LANES]), variance: Plane([0.0; LANES]), mean: [Plane([0.0; LANES]); N] };
+
+    /// The component of one lane.
+    pub(super) fn lane(&self, lane: usize) -> Component {
+        let mut mean = [0.0; 3];
+        for (channel, plane) in mean.iter_mut().zip(&self.mean) {
+            *channel = plane.0[lane];
+        }
+        Component { weight: self.weight.0[lane], variance: self.variance.0[lane], mean }
+    }
+}
+
+/// A tile's mixtures, as they lie in the image's.
+pub(super) struct Tile<'a, const N: usize> {
+    /// Component 1.
+    pub(super) first: &'a mut Gaussians<N>,
+    /// Components 2 to K.
+    pub(super) others: &'a mut [Gaussians<N>],
+    /// How many components were ever used in any lane; those beyond are all zeros.
+    pub(super) used: &'a mut u8,
+    /// The frame up to which the weights of `others` are brought.
+    pub(super) settled: &'a mut u32,
+    /// The tile's place: not all settle in the same frame.
+    pub(super) place: u32,
+}
+
+/// The pixel of one lane after frame `t`, its components 2 to K as they were after frame `settled`.
+pub(super) fn read<const N: usize>(
+    (first, others): (&Gaussians<N>, &[Gaussians<N>]),
+    settled: u32,
+    lane: usize,
+    (parameters, t): (&Parameters, u32),
+) -> Pixel {
+    let mut pixel = Pixel::unseen(parameters.k);
+    for (component, gaussians) in pixel.components_mut().iter_mut().zip(std::iter::once(first).chain(others))
+    {
+        *component = gaussians.lane(lane);
+    }
+    for component in pixel.components_mut().iter_mut().skip(1).filter(|component| component.is_used()) {
+        for t in settled + 1..=t {
+            component.weight *= 1.0 - parameters.alpha_at(t);
+        }
+    }
+    pixel
+}
+
+/// Weights of components 2 to K are brought to the present at least once in so many frames, so that
+/// whoever reads them has few frames to make up for.
+const SETTLE: u32 = 32;
+
+/// What is the same for all tiles in one frame.
+#[derive(Clone, Copy)]
+pub(super) struct Moment {
+    t: u32,
+    alpha: f32,
+}
+
+/// What is the same for all tiles in all frames.
+pub(super) struct Constants {
+    parameters: Parameters,
+    lambda_squared: f32,
+    initial_variance: f32,
+    least_variance: f32,
+}
+
+impl Constants {
+    pub(super) fn new(parameters: &Parameters) -> Self {
+        Self {
+            parameters: *parameters,
+            lambda_squared: parameters.lambda * parameters.lambda,
+            initial_variance: parameters.initial_sigma * parameters.initial_sigma,
+            least_variance: parameters.min_sigma * parameters.min_sigma,
+        }
+    }
+
+    pub(super) const fn k(&self) -> usize {
+        self.parameters.k
+    }
+
+    pub(super) fn moment(&self, t: u32) -> Moment {
+        Moment { t, alpha: self.parameters.alpha_at(t) }
+    }
+
+    /// ρ, from w after the update and the rest before it (§V).
+    #[inline(always)]
+    fn rho<S: Simd, const N: usize>(
+        &self,
+        alpha: f32,
+        weight: f32x16<S>,
+        distance_squared: impl FnOnce() -> f32x16<S>,
+        variance: f32x16<S>,
+    ) -> f32x16<S> {
+        let simd = weight.token();
+        let rho = match self.parameters.rate {
+            Rate::Density => density::<S, N>(distance_squared(), variance) * alpha,
+            Rate::Weight => f32x16::splat(simd, alpha) / weight,
+            Rate::Constant => f32x16::splat(simd, alpha),
+        };
+        rho.min(1.0)
+    }
+}
+
+/// One component of each pixel of a tile, in vectors.
+#[derive(Clone, Copy)]
+pub(super) struct Vectors<S: Simd, const N: usize> {
+    pub(super) weight: f32x16<S>,
+    pub(super) variance: f32x16<S>,
+    pub(super) mean: [f32x16<S>; N],
+}
+
+impl<S: Simd, const N: usize> Vectors<S, N> {
+    #[inline(always)]
+    pub(super) fn load(simd: S, from: &Gaussians<N>) -> Self {
+        let vector = |plane: &Plane| f32x16::load_array_ref(simd, &plane.0);
+        Self {
+            weight: vector(&from.weight),
+            variance: vector(&from.variance),
+            mean: std::array::from_fn(
+                #[inline(always)]
+                |channel| vector(&from.mean[channel]),
+            ),
+        }
+    }
+
+    #[inline(always)]
+    fn store(&self, to: &mut Gaussians<N>) {
+        self.weight.store_array(&mut to.weight.0);
+        self.variance.store_array(&mut to.variance.0);
+        for (mean, to) in self.mean.iter().zip(&mut to.mean) {
+            mean.store_array(&mut to.0);
+        }
+    }
+
+    #[inline(always)]
+    fn distance_squared(&self, x: &[f32x16<S>; N]) -> f32x16<S> {
+        let mut sum = f32x16::splat(self.weight.token(), 0.0);
+        for (x, mean) in x.iter().zip(&self.mean) {
+            let difference = *x - *mean;
+            sum += difference * difference;
+        }
+        sum
+    }
+
+    /// Which lanes this component is used in and the value lies within λσ of it: ‖X − μ‖² ≤ λ²σ².
+    #[inline(always)]
+    fn matches(&self, distance_squared: f32x16<S>, constants: &Constants) -> mask32x16<S> {
+        distance_squared.simd_le(self.variance * constants.lambda_squared) & self.weight.simd_gt(0.0)
+    }
+
+    /// μ ← (1 − ρ)μ + ρX, then with the new μ, σ² ← (1 − ρ)σ² + ρ‖X − μ‖², not below σ_min².
+    #[inline(always)]
+    fn learn(&mut self, x: &[f32x16<S>; N], rho: f32x16<S>, constants: &Constants) {
+        let keep = f32x16::splat(rho.token(), 1.0) - rho;
+        for (mean, x) in self.mean.iter_mut().zip(x) {
+            *mean = keep * *mean + rho * *x;
+        }
+        let variance = keep * self.variance + rho * self.distance_squared(x);
+        self.variance = variance.max(constants.least_variance);
+    }
+
+    /// w/σ, 0 where it is unused.
+    #[inline(always)]
+    fn rank_value(&self) -> f32x16<S> {
+        let zero = f32x16::splat(self.weight.token(), 0.0);
+        self.weight.simd_gt(0.0).select(self.weight / self.variance.sqrt(), zero)
+    }
+
+    /// Takes over another's lanes.
+    #[inline(always)]
+    fn take(&mut self, lanes: mask32x16<S>, other: &Self) {
+        self.weight = lanes.select(other.weight, self.weight);
+        self.variance = lanes.select(other.variance, self.variance);
+        for (mean, other) in self.mean.iter_mut().zip(&other.mean) {
+            *mean = lanes.select(*other, *mean);
+        }
+    }
+}
+
+impl<const N: usize> Tile<'_, N> {
+    /// Takes the tile through consecutive frames: `rgb` gives its bytes in each, and `mask` takes a
+    /// byte for each of its pixels.
+    #[inline(always)]
+    pub(super) fn run<'f, S: Simd>(
+        mut self,
+        simd: S,
+        constants: &Constants,
+        moments: &[Moment],
+        mut rgb: impl FnMut(usize) -> &'f Rgb,
+        mut mask: impl FnMut(usize, [u8; LANES]),
+    ) {
+        let mut first = Vectors::load(simd, self.first);
+        for (frame, &moment) in moments.iter().enumerate() {
+            let x = values::<S, N>(simd, rgb(frame));
+            let distance = first.distance_squared(&x);
+            if first.matches(distance, constants).all_true() {
+                first.weight = first.weight * (1.0 - moment.alpha) + moment.alpha;
+                // Of the distance only the paper's own rate makes use, and only there it stays in a register.
+                let rho = constants.rho::<S, N>(
+                    moment.alpha,
+                    first.weight,
+                    #[inline(always)]
+                    || distance,
+                    first.variance,
+                );
+                first.learn(&x, rho, constants);
+                mask(frame, [0; LANES]);
+                if (moment.t + self.place).is_multiple_of(SETTLE) {
+                    self.settle(simd, usize::from(*self.used), moment.t, constants);
+                }
+            } else {
+                first.store(self.first);
+                let foreground = self.step(simd, rgb(frame), moment, constants);
+                first = Vectors::load(simd, self.first);
+                mask(frame, foreground);
+            }
+        }
+        first.store(self.first);
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn step<S: Simd>(&mut self, simd: S, rgb: &Rgb, moment: Moment, constants: &Constants) -> [u8; LANES] {
+        simd.vectorize(
+            #[inline(always)]
+            || {
+                let x = values::<S, N>(simd, rgb);
+                if moment.t <= 1 {
+                    self.begin(&x, constants);
+                    return [0; LANES];
+                }
+                let used = usize::from(*self.used);
+                self.settle(simd, used, moment.t - 1, constants);
+                // Room for the component that replaces another or, while there is any, is new. A number
+                // that the compiler knows lets it unroll what runs over them.
+                let open = (used + 1).min(constants.parameters.k);
+                let (foreground, missed) = match open {
+                    1 => self.step_open::<S, 1>(&x, moment, constants),
+                    2 => self.step_open::<S, 2>(&x, moment, constants),
+                    3 => self.step_open::<S, 3>(&x, moment, constants),
+                    4 => self.step_open::<S, 4>(&x, moment, constants),
+                    5 => self.step_open::<S, 5>(&x, moment, constants),
+                    6 => self.step_open::<S, 6>(&x, moment, constants),
+                    7 => self.step_open::<S, 7>(&x, moment, constants),
+                    _ => self.step_open::<S, MAX_K>(&x, moment, constants),
+                };
+                *self.settled = moment.t;
+                if missed {
+                    *self.used = open as u8;
+                }
+                mask_bytes(foreground)
+            },
+        )
+    }
+
+    /// One certain component around the first value; every pixel starts as background.
+    #[inline(always)]
+    fn begin<S: Simd>(&mut self, x: &[f32x16<S>; N], constants: &Constants) {
+        let simd = x[0].token();
+        let first = Vectors {
+            weight: f32x16::splat(simd, 1.0),
+            variance: f32x16::splat(simd, constants.initial_variance),
+            mean: *x,
+        };
+        first.store(self.first);
+        *self.used = 1;
+        *self.settled = 1;
+    }
+
+    /// Brings the weights of components 2 to K to frame `t`, in which none of them matched.
+    #[inline(always)]
+    fn settle<S: Simd>(&mut self, simd: S, used: usize, t: u32, constants: &Constants) {
+        let mut weights: [f32x16<S>; MAX_K] = [f32x16::splat(simd, 0.0); MAX_K];
+        let others = self.others.get_mut(..used.saturating_sub(1)).unwrap_or_default();
+        for (weight, other) in weights.iter_mut().zip(&*others) {
+            *weight = f32x16::load_array_ref(simd, &other.weight.0);
+        }
+        for t in *self.settled + 1..=t {
+            let keep = 1.0 - constants.parameters.alpha_at(t);
+            for weight in &mut weights[..others.len()] {
+                *weight *= keep;
+            }
+        }
+        for (weight, other) in weights.iter().zip(others) {
+            weight.store_array(&mut other.weight.0);
+        }
+        *self.settled = t;
+    }
+
+    /// All of §V–VI on the first `W` components, of which the last is unused or may be replaced.
+    /// Gives which pixels are foreground, and whether any of them matched nothing.
+    #[inline(always)]
+    fn step_open<S: Simd, const W: usize>(
+        &mut self,
+        x: &[f32x16<S>; N],
+        moment: Moment,
+        constants: &Constants,
+    ) -> (mask32x16<S>, bool) {
+        let simd = x[0].token();
+        let no_lane = mask32x16::splat(simd, false);
+        let mut components: [Vectors<S, N>; W] = std::array::from_fn(
+            #[inline(always)]
+            |k| Vectors::load(simd, if k == 0 { &*self.first } else { &self.others[k - 1] }),
+        );
+
+        // The matched component of each lane, with its weight after and the rest before the update.
+        let mut changed = components[0];
+        let mut distance = f32x16::splat(simd, 0.0);
+        // In which lanes the component of each rank is the one that changes.
+        let mut at = [no_lane; W];
+        let mut matched = no_lane;
+        for (component, at) in components.iter_mut().zip(&mut at) {
+            let d = component.distance_squared(x);
+            *at = component.matches(d, constants) & !matched;
+            matched |= *at;
+            component.weight *= 1.0 - moment.alpha;
+            component.weight = at.select(component.weight + moment.alpha, component.weight);
+            distance = at.select(d, distance);
+            changed.take(*at, component);
+        }
+        let missed = !matched;
+        let any_missed = missed.any_true();
+
+        let rho = constants.rho::<S, N>(
+            moment.alpha,
+            changed.weight,
+            #[inline(always)]
+            || distance,
+            changed.variance,
+        );
+        changed.learn(x, rho, constants);
+        if any_missed {
+            let fresh = Vectors {
+                weight: f32x16::splat(simd, constants.parameters.initial_weight),
+                variance: f32x16::splat(simd, constants.initial_variance),
+                mean: *x,
+            };
+            changed.take(missed, &fresh);
+            at[W - 1] |= missed;
+        }
+        for (component, at) in components.iter_mut().zip(at) {
+            component.take(at, &changed);
+        }
+        if any_missed {
+            let mut sum = components[0].weight;
+            for component in &components[1..] {
+                sum += component.weight;
+            }
+            for component in &mut components {
+                component.weight = missed.select(component.weight / sum, component.weight);
+            }
+        }
+        sort_upwards(&mut components, &mut at);
+        let foreground = missed | beyond_background(&components, &at, constants.parameters.t);
+        for (k, component) in components.iter().enumerate() {
+            component.store(if k == 0 { &mut *self.first } else { &mut self.others[k - 1] });
+        }
+        (foreground, any_missed)
+    }
+}
+
+/// Moves the component that changed up while its w/σ is greater than its upper neighbour's.
+#[inline(always)]
+fn sort_upwards<S: Simd, const N: usize, const W: usize>(
+    components: &mut [Vectors<S, N>; W],
+    at: &mut [mask32x16<S>; W],
+) {
+    let mut rank_values: [f32x16<S>; W] = std::array::from_fn(
+        #[inline(always)]
+        |k| components[k].rank_value(),
+    );
+    for lower in (1..W).rev() {
+        let upper = lower - 1;
+        let rises = at[lower] & rank_values[lower].simd_gt(rank_values[upper]);
+        if !rises.any_true() {
+            continue;
+        }
+        let sinks = components[upper];
+        let risen = components[lower];
+        components[upper].take(rises, &risen);
+        components[lower].take(rises, &sinks);
+        rank_values[upper] = rises.select(rank_values[lower], rank_values[upper]);
+        at[lower] &= !rises;
+        at[upper] |= rises;
+    }
+}
+
+/// In which lanes the component that changed has a rank greater than B: the smallest b with
+/// w₁ + … + w_b > T, all used components if none reaches it.
+#[inline(always)]
+fn beyond_background<S: Simd, const N: usize, const W: usize>(
+    components: &[Vectors<S, N>; W],
+    at: &[mask32x16<S>; W],
+    t: f32,
+) -> mask32x16<S> {
+    let simd = components[0].weight.token();
+    let mut sum = f32x16::splat(simd, 0.0);
+    let mut beyond = mask32x16::splat(simd, false);
+    let mut reached = beyond;
+    let (mut used, mut rank) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 0.0));
+    for (k, (component, &at)) in components.iter().zip(at).enumerate() {
+        beyond |= at & reached;
+        rank = at.select(f32x16::splat(simd, k as f32 + 1.0), rank);
+        sum = if k == 0 { component.weight } else { sum + component.weight };
+        reached |= sum.simd_gt(t);
+        used = component.weight.simd_gt(0.0).select(used + 1.0, used);
+    }
+    beyond | (!reached & rank.simd_gt(used))
+}
+
+/// 255 in each lane that is set, 0 in the others.
+#[inline(always)]
+fn mask_bytes<S: Simd>(lanes: mask32x16<S>) -> [u8; LANES] {
+    let bits = lanes.to_bitmask();
+    std::array::from_fn(
+        #[inline(always)]
+        |lane| 0_u8.wrapping_sub((bits >> lane & 1) as u8),
+    )
+}
+
+/// X of each pixel: three channels, or BT.601 luma in 8 bits as [`super::pixel::luma`] gives it.
+#[inline(always)]
+fn values<S: Simd, const N: usize>(simd: S, rgb: &Rgb) -> [f32x16<S>; N] {
+    let [r, g, b] = channels(simd, rgb);
+    if N == 3 {
+        let all = [r, g, b];
+        return std::array::from_fn(
+            #[inline(always)]
+            |channel| all[channel].to_float(),
+        );
+    }
+    let luma = (r * 9798 + g * 19235 + b * 3735 + (1 << 14)) >> 15;
+    [luma.to_float(); N]
+}
+
+/// Red, green and blue of each pixel.
+#[inline(always)]
+fn channels<S: Simd>(simd: S, rgb: &Rgb) -> [u32x16<S>; 3] {
+    // Four pixels a block of 16 bytes; the last block starts 4 bytes early, to end where they end.
+    const SPREAD: [u8; 64] = [
+        0, 1, 2, 3, 3, 4, 5, 6, 6, 7, 8, 9, 9, 10, 11, 12, //
+        0, 1, 2, 3, 3, 4, 5, 6, 6, 7, 8, 9, 9, 10, 11, 12, //
+        0, 1, 2, 3, 3, 4, 5, 6, 6, 7, 8, 9, 9, 10, 11, 12, //
+        4, 5, 6, 7, 7, 8, 9, 10, 10, 11, 12, 13, 13, 14, 15, 15,
+    ];
+    let block = |at: usize| u8x16::from_slice(simd, &rgb[at..at + 16]);
+    let blocks = block(0).combine(block(12)).combine(block(24).combine(block(32)));
+    let pixels: u32x16<S> = blocks.swizzle_dyn_within_blocks(u8x64::load_array_ref(simd, &SPREAD)).bitcast();
+    [pixels & 0xff, (pixels >> 8) & 0xff, (pixels >> 16) & 0xff]
+}
+
+/// [`super::pixel::density`].
+#[inline(always)]
+fn density<S: Simd, const N: usize>(distance_squared: f32x16<S>, variance: f32x16<S>) -> f32x16<S> {
+    let two_pi_variance = variance * (2.0 * std::f32::consts::PI);
+    let root = two_pi_variance.sqrt();
+    let normaliser = if N == 3 { two_pi_variance * root } else { root };
+    exp_of_negative(distance_squared * -0.5 / variance) / normaliser
+}
+
+/// [`super::exponential::exp_of_negative`].
+#[inline(always)]
+fn exp_of_negative<S: Simd>(x: f32x16<S>) -> f32x16<S> {
+    use super::exponential::{COEFFICIENTS, LEAST, LN_2_HIGH, LN_2_LOW, ROUND};
+    let simd = x.token();
+    let in_range = x.simd_ge(LEAST);
+    let clamped = in_range.select(x, f32x16::splat(simd, LEAST));
+    let n = (clamped * std::f32::consts::LOG2_E + ROUND) - ROUND;
+    let r = (clamped - n * LN_2_HIGH) - n * LN_2_LOW;
+    let mut p = f32x16::splat(simd, COEFFICIENTS[0]);
+    for coefficient in &COEFFICIENTS[1..] {
+        p = p * r + *coefficient;
+    }
+    let e_to_r = p * (r * r) + r + 1.0;
+    let exponent: i32x16<S> = n.to_int();
+    let two_to_n = f32x16::from_bits(((exponent + 127) << 23).bitcast::<u32x16<S>>());
+    in_range.select(e_to_r * two_to_n, f32x16::splat(simd, 0.0))
+}
