@@ -107,7 +107,7 @@ proptest! {
                 }
             }
             let (frame, mask) = draw(number, &blocks, &mut random);
-            let (labels, regions) = find_regions(&frame, &mask, 4).expect("a mask of the frame's size");
+            let (labels, regions) = find_regions(&frame, &mask, 4);
             let seen = reasoner.step(number, &regions);
 
             let keys: BTreeSet<u32> = seen.objects.iter().map(|track| track.key).collect();

@@ -3,15 +3,18 @@
 use std::{iter, thread};
 
 use anyhow::anyhow;
-use crossbeam_channel::{Receiver, Sender, bounded};
+use crossbeam_channel::{Receiver, Sender, TryRecvError, bounded};
 
 use super::flags::Range;
 use super::interrupt;
 use crate::frame::Frame;
+use crate::mixture::BATCH;
 use crate::source::{self, Source, SourceInfo};
 
-/// How many frames are decoded ahead.
-const AHEAD: usize = 8;
+/// How many frames are decoded ahead, at most and at least, and how much memory they may take in between.
+const MOST_AHEAD: usize = 2 * BATCH;
+const LEAST_AHEAD: usize = 4;
+const AHEAD_BYTES: usize = 256 << 20;
 
 /// What comes from a source.
 pub(super) enum Item {
@@ -45,9 +48,35 @@ impl Frames {
             (Some(range), None) => Some(range.last - range.first + 1),
             (None, frames) => frames,
         };
-        let (sender, items) = bounded(AHEAD);
+        let ahead = AHEAD_BYTES / (info.size.pixels() * 3).max(1);
+        let (sender, items) = bounded(ahead.clamp(LEAST_AHEAD, MOST_AHEAD));
         thread::Builder::new().name("decode".to_owned()).spawn(move || decode(source, range, &sender))?;
         Ok(Self { info, total, items })
+    }
+
+    /// The frames that are there, at least one and up to `most`, or none where something else comes
+    /// first; and what comes after them, if it is there and no frame.
+    pub(super) fn batch(&self, most: usize) -> (Vec<Frame>, Option<Item>) {
+        let mut frames = Vec::new();
+        while frames.len() < most {
+            let item = match frames.is_empty() {
+                true => self.items.recv().unwrap_or_else(|_| self.broke_off()),
+                false => match self.items.try_recv() {
+                    Ok(item) => item,
+                    Err(TryRecvError::Empty) => break,
+                    Err(TryRecvError::Disconnected) => self.broke_off(),
+                },
+            };
+            match item {
+                Item::Frame(frame) => frames.push(frame),
+                other => return (frames, Some(other)),
+            }
+        }
+        (frames, None)
+    }
+
+    fn broke_off(&self) -> Item {
+        Item::Failed(anyhow!("decoding {} broke off", self.info.name))
     }
 
     /// The frames and what else comes, in order, to the end.
@@ -62,7 +91,7 @@ impl Frames {
                 Ok(item) => Some(item),
                 Err(_) => {
                     over = true;
-                    Some(Item::Failed(anyhow!("decoding {} broke off", self.info.name)))
+                    Some(self.broke_off())
                 }
             }
         })

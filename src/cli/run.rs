@@ -28,6 +28,7 @@ use crate::export::summary::{self, Input, Summary, Timing};
 use crate::export::video::VideoFile;
 use crate::export::{Staging, episodes_csv, events_jsonl, picture, regions_csv, tracks_csv, tracks_json};
 use crate::frame::{Frame, Mask, Size};
+use crate::mixture::BATCH;
 use crate::occlusion::{Event, EventKind};
 use crate::pipeline::{Analysis, Pipeline, Reading, final_reading};
 use crate::regions::Labels;
@@ -192,39 +193,45 @@ fn analyse(job: &Job, frames: &Frames, staging: &Staging) -> anyhow::Result<Reco
     let no_regions = Arc::new(Vec::new());
 
     let progress = job.console.progress("analysing", frames.total);
-    for item in frames.items() {
+    // Pictures of the model show it after each frame.
+    let most = if pictures.background.is_some() { 1 } else { BATCH };
+    loop {
         // A recording ends when it is stopped; anything else is then not done.
         if interrupt::asked() && !info.live {
             bail!("stopped before the end of {}; nothing was written", job.video);
         }
-        let frame = match item {
-            Item::Frame(frame) => Arc::new(frame),
-            Item::Warning(text) => {
+        let (batch, after) = frames.batch(most);
+        let batch: Vec<_> = batch.into_iter().map(Arc::new).collect();
+        if let Some(hasher) = &mut hasher {
+            batch.iter().for_each(|frame| hasher.update(&frame.rgb));
+        }
+        let borrowed: Vec<_> = batch.iter().map(Arc::as_ref).collect();
+        let analyses = pipeline.step_many(&borrowed).with_context(|| job.video.clone())?;
+        for (frame, analysis) in batch.iter().zip(analyses) {
+            pictures.write(frame, &analysis, &pipeline).with_context(|| job.out_failure())?;
+            if let Some(live) = &mut live {
+                live.draw(Frame::clone(frame), &analysis).with_context(|| job.out_failure())?;
+            }
+            foreground += analysis.mask.foreground_pixels();
+            regions.push((frame.number, analysis.regions.iter().map(regions_csv::Row::from).collect()));
+            // Masks, labels and histograms would fill the memory, and the final reading needs none.
+            kept.push(Analysis {
+                mask: no_mask.clone(),
+                labels: no_labels.clone(),
+                regions: no_regions.clone(),
+                ..analysis
+            });
+        }
+        progress.advance(batch.len());
+        match after {
+            None | Some(Item::Frame(_)) => {}
+            Some(Item::Warning(text)) => {
                 progress.warn(&text);
                 warnings.push(text);
-                continue;
             }
-            Item::Failed(error) => return Err(error),
-            Item::End => break,
-        };
-        if let Some(hasher) = &mut hasher {
-            hasher.update(&frame.rgb);
+            Some(Item::Failed(error)) => return Err(error),
+            Some(Item::End) => break,
         }
-        let analysis = pipeline.step(&frame).with_context(|| job.video.clone())?;
-        pictures.write(&frame, &analysis, &pipeline).with_context(|| job.out_failure())?;
-        if let Some(live) = &mut live {
-            live.draw(Frame::clone(&frame), &analysis).with_context(|| job.out_failure())?;
-        }
-        foreground += analysis.mask.foreground_pixels();
-        regions.push((frame.number, analysis.regions.iter().map(regions_csv::Row::from).collect()));
-        // Masks, labels and histograms would fill the memory, and the final reading needs none.
-        kept.push(Analysis {
-            mask: no_mask.clone(),
-            labels: no_labels.clone(),
-            regions: no_regions.clone(),
-            ..analysis
-        });
-        progress.advance(1);
     }
     drop(progress);
     pictures.queue.finish().with_context(|| job.out_failure())?;

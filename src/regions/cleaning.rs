@@ -1,14 +1,14 @@
 //! What is done to the mask before regions are found in it: filters against specks, gaps and holes.
 
 use opencv::boxed_ref::BoxedRef;
-use opencv::core::{BORDER_CONSTANT, Mat, Point, Size as CvSize};
+use opencv::core::{BORDER_CONSTANT, BORDER_REPLICATE, CV_32S, Mat, Point, Size as CvSize};
 use opencv::imgproc::{
-    MORPH_CLOSE, MORPH_ELLIPSE, MORPH_OPEN, get_structuring_element, median_blur,
-    morphology_default_border_value, morphology_ex,
+    CCL_SPAGHETTI, MORPH_CLOSE, MORPH_ELLIPSE, MORPH_OPEN, THRESH_BINARY, box_filter,
+    connected_components_with_algorithm, get_structuring_element, morphology_default_border_value,
+    morphology_ex, threshold,
 };
 use opencv::prelude::*;
 
-use super::components::{connected_components, mat};
 use crate::frame::Mask;
 use crate::settings::Settings;
 
@@ -40,7 +40,7 @@ impl Cleaning {
     pub fn apply(&self, mask: Mask) -> opencv::Result<Mask> {
         let mut mask = mask;
         if self.median > 0 {
-            mask = filtered(&mask, |from, to| median_blur(from, to, self.median as i32))?;
+            mask = filtered(&mask, |from, to| majority(from, to, self.median as i32))?;
         }
         if self.opening > 0 {
             mask = morphed(&mask, MORPH_OPEN, self.opening)?;
@@ -53,6 +53,15 @@ impl Cleaning {
         }
         Ok(mask)
     }
+}
+
+/// The median of a mask: foreground where more than half of the pixels around are. A mean says that,
+/// too, at the same price for any size: with an odd number of pixels none is half-way.
+fn majority(from: &BoxedRef<'_, Mat>, to: &mut Mat, side: i32) -> opencv::Result<()> {
+    let mut mean = Mat::default();
+    box_filter(from, &mut mean, -1, CvSize::new(side, side), Point::new(-1, -1), true, BORDER_REPLICATE)?;
+    threshold(&mean, to, 127.0, 255.0, THRESH_BINARY)?;
+    Ok(())
 }
 
 fn filtered(
@@ -101,6 +110,21 @@ fn fill_holes(mask: &mut Mask, largest: u32) -> opencv::Result<()> {
         }
     }
     Ok(())
+}
+
+/// OpenCV's labelling: a label for each pixel, 0 for
+/// background, and how many labels there are, background among them.
+pub(super) fn connected_components(mask: &Mask, connectivity: i32) -> opencv::Result<(Vec<u32>, usize)> {
+    let mut labels = Mat::default();
+    let count =
+        connected_components_with_algorithm(&mat(mask)?, &mut labels, connectivity, CV_32S, CCL_SPAGHETTI)?;
+    let labels = labels.data_typed::<i32>()?.iter().map(|&label| label as u32).collect();
+    Ok((labels, count as usize))
+}
+
+/// The mask as OpenCV sees it, without a copy.
+pub(super) fn mat(mask: &Mask) -> opencv::Result<BoxedRef<'_, Mat>> {
+    Mat::new_rows_cols_with_bytes::<u8>(mask.size.height as i32, mask.size.width as i32, &mask.data)
 }
 
 #[cfg(test)]

@@ -36,9 +36,9 @@ pub struct Histogram {
 
 impl Histogram {
     /// Takes one pixel in.
-    pub fn add(&mut self, colour: Rgb) {
-        let [r, g, b] = colour.map(|channel| u16::from(channel >> 4));
-        let bin = self.bins.entry(r << 8 | g << 4 | b).or_default();
+    #[cfg(test)]
+    pub(super) fn add(&mut self, colour: Rgb) {
+        let bin = self.bins.entry(index(colour)).or_default();
         bin.count += 1.0;
         for (sum, channel) in bin.sum.iter_mut().zip(colour) {
             *sum += f32::from(channel);
@@ -114,6 +114,52 @@ impl Histogram {
             }
         }
         shares
+    }
+}
+
+/// The bin of a colour.
+fn index(colour: Rgb) -> u16 {
+    let [r, g, b] = colour.map(|channel| u16::from(channel >> 4));
+    r << 8 | g << 4 | b
+}
+
+/// Counts the pixels of one region after another.
+pub(super) struct Tally {
+    /// Pixels, and their sums of red, green and blue, for each bin.
+    bins: Vec<[u64; 4]>,
+    /// The bins that hold something.
+    touched: Vec<u16>,
+}
+
+impl Default for Tally {
+    fn default() -> Self {
+        Self { bins: vec![[0; 4]; 1 << 12], touched: Vec::new() }
+    }
+}
+
+impl Tally {
+    /// Takes pixels in, three bytes each.
+    pub(super) fn add(&mut self, rgb: &[u8]) {
+        for pixel in rgb.chunks_exact(3) {
+            let index = index([pixel[0], pixel[1], pixel[2]]);
+            let bin = &mut self.bins[usize::from(index)];
+            if bin[0] == 0 {
+                self.touched.push(index);
+            }
+            bin[0] += 1;
+            for (sum, &channel) in bin[1..].iter_mut().zip(pixel) {
+                *sum += u64::from(channel);
+            }
+        }
+    }
+
+    /// What was taken in; the next region begins with nothing.
+    pub(super) fn take(&mut self) -> Histogram {
+        let bins = self.touched.drain(..).map(|index| {
+            let [count, r, g, b] = std::mem::take(&mut self.bins[usize::from(index)]);
+            (index, Bin { count: count as f32, sum: [r, g, b].map(|sum| sum as f32) })
+        });
+        Histogram { bins: bins.collect() }
     }
 }
 

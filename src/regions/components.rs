@@ -1,12 +1,12 @@
 //! Two-pass connected components of a mask (§VII), and the regions that they are.
+//!
+//! What the passes go over are not pixels but runs of foreground in a row: most of a mask is
+//! background, and that is skipped many pixels at a time.
 
-use opencv::boxed_ref::BoxedRef;
-use opencv::core::{CV_32S, Mat};
-use opencv::imgproc::{CCL_WU, connected_components_with_algorithm};
-use opencv::prelude::*;
+use memchr::memchr;
 
 use super::Region;
-use super::colour::Histogram;
+use super::colour::Tally;
 use super::shape::ShapeSums;
 use crate::frame::{Frame, Mask, Size};
 
@@ -26,6 +26,14 @@ impl Labels {
     }
 }
 
+/// Foreground pixels `start..end` of row `y`, and the run under which those connected to it are filed.
+struct Run {
+    y: u32,
+    start: u32,
+    end: u32,
+    parent: usize,
+}
+
 /// The 8-connected regions of at least `min_area` pixels, numbered from 1 in the raster order of
 /// their first pixels, and the label of each pixel.
 ///
@@ -35,56 +43,97 @@ impl Labels {
 ///        . . . .               0 0 0 0
 ///        # . . #               2 0 0 3
 /// ```
-pub fn find_regions(frame: &Frame, mask: &Mask, min_area: u32) -> opencv::Result<(Labels, Vec<Region>)> {
-    let (mut data, count) = connected_components(mask, 8)?;
-    let mut areas = vec![0_u32; count];
-    for &label in &data {
-        areas[label as usize] += 1;
+pub fn find_regions(frame: &Frame, mask: &Mask, min_area: u32) -> (Labels, Vec<Region>) {
+    let mut runs = runs(mask);
+    connect(&mut runs);
+    // A region is filed under its first run, which in raster order comes before its others.
+    let mut areas = vec![0; runs.len()];
+    for index in 0..runs.len() {
+        let root = root(&mut runs, index);
+        areas[root] += runs[index].end - runs[index].start;
     }
-    // OpenCV's numbers do not follow the raster order for every algorithm and thread count: ours do.
-    let mut renumbered = vec![None; count];
-    renumbered[0] = Some(0);
-    let mut sums: Vec<(ShapeSums, Histogram)> = Vec::new();
-    let width = mask.size.width as usize;
-    for (index, label) in data.iter_mut().enumerate().filter(|(_, label)| **label != 0) {
-        let old = *label as usize;
-        *label = *renumbered[old].get_or_insert_with(|| {
-            if areas[old] < min_area {
-                return 0;
-            }
-            sums.push((ShapeSums::default(), Histogram::default()));
-            sums.len() as u32
-        });
-        if let Some((shape, histogram)) = (*label as usize).checked_sub(1).map(|at| &mut sums[at]) {
-            shape.add((index % width) as u32, (index / width) as u32);
-            histogram.add([frame.rgb[3 * index], frame.rgb[3 * index + 1], frame.rgb[3 * index + 2]]);
+    let mut places = vec![None; runs.len()];
+    let mut members: Vec<Vec<&Run>> = Vec::new();
+    for (index, run) in runs.iter().enumerate() {
+        // Every run now points at its root.
+        if run.parent == index && areas[index] >= min_area {
+            places[index] = Some(members.len());
+            members.push(Vec::new());
+        }
+        if let Some(place) = places[run.parent] {
+            members[place].push(run);
         }
     }
-    let regions = sums.into_iter().zip(1..).map(|((shape, histogram), label)| Region {
-        label,
-        shape: shape.shape(),
-        colour: histogram.dominant().unwrap_or_default(),
-        histogram,
+
+    let mut labels = vec![0; mask.size.pixels()];
+    let mut tally = Tally::default();
+    let width = mask.size.width as usize;
+    let regions = members.into_iter().zip(1..).map(|(members, label)| {
+        let mut sums = ShapeSums::default();
+        for run in members {
+            let row = run.y as usize * width;
+            let pixels = row + run.start as usize..row + run.end as usize;
+            labels[pixels.clone()].fill(label);
+            sums.add_run(run.y, run.start..run.end);
+            tally.add(&frame.rgb[3 * pixels.start..3 * pixels.end]);
+        }
+        let histogram = tally.take();
+        Region { label, shape: sums.shape(), colour: histogram.dominant().unwrap_or_default(), histogram }
     });
-    Ok((Labels { size: mask.size, data }, regions.collect()))
+    let regions = regions.collect();
+    (Labels { size: mask.size, data: labels }, regions)
 }
 
-/// OpenCV's two-pass labelling (Wu's decision tree and union–find): a label for each pixel, 0 for
-/// background, and how many labels there are, background among them.
-pub(super) fn connected_components(mask: &Mask, connectivity: i32) -> opencv::Result<(Vec<u32>, usize)> {
-    let mut labels = Mat::default();
-    let count = connected_components_with_algorithm(&mat(mask)?, &mut labels, connectivity, CV_32S, CCL_WU)?;
-    let labels = labels.data_typed::<i32>()?.iter().map(|&label| label as u32).collect();
-    Ok((labels, count as usize))
+/// The runs of foreground in raster order, each filed under itself.
+fn runs(mask: &Mask) -> Vec<Run> {
+    let mut runs = Vec::new();
+    for (y, row) in (0..).zip(mask.data.chunks_exact((mask.size.width as usize).max(1))) {
+        let mut end = 0;
+        while let Some(skipped) = memchr(Mask::FOREGROUND, &row[end..]) {
+            let start = end + skipped;
+            end = memchr(Mask::BACKGROUND, &row[start..]).map_or(row.len(), |length| start + length);
+            runs.push(Run { y, start: start as u32, end: end as u32, parent: runs.len() });
+        }
+    }
+    runs
 }
 
-/// The mask as OpenCV sees it, without a copy.
-pub(super) fn mat(mask: &Mask) -> opencv::Result<BoxedRef<'_, Mat>> {
-    Mat::new_rows_cols_with_bytes::<u8>(mask.size.height as i32, mask.size.width as i32, &mask.data)
+/// The first pass: files runs that touch, corners included, under the earliest of them.
+fn connect(runs: &mut [Run]) {
+    let mut above = 0;
+    for below in 0..runs.len() {
+        let Run { y, start, end, .. } = runs[below];
+        while runs[above].y + 1 < y || runs[above].y + 1 == y && runs[above].end < start {
+            above += 1;
+        }
+        let touching = runs[above..below].iter().take_while(|run| run.y < y && run.start <= end).count();
+        for other in above..above + touching {
+            let (a, b) = (root(runs, other), root(runs, below));
+            runs[a.max(b)].parent = a.min(b);
+        }
+    }
+}
+
+/// The run under which another is filed in the end; on the way there, paths are made short.
+fn root(runs: &mut [Run], run: usize) -> usize {
+    let mut root = run;
+    while runs[root].parent != root {
+        root = runs[root].parent;
+    }
+    let mut next = run;
+    while next != root {
+        next = std::mem::replace(&mut runs[next].parent, root);
+    }
+    root
 }
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
+    use proptest::prelude::*;
+
+    use super::super::cleaning::connected_components;
+    use super::super::colour::Histogram;
     use super::*;
 
     fn scene(rows: &[&str]) -> (Frame, Mask) {
@@ -98,7 +147,7 @@ mod tests {
     #[test]
     fn labels_follow_the_raster_order_and_corners_connect() {
         let (frame, mask) = scene(&["...##", "#...#", ".#...", "#..#.", "....#"]);
-        let (labels, regions) = find_regions(&frame, &mask, 1).unwrap();
+        let (labels, regions) = find_regions(&frame, &mask, 1);
         assert_eq!(labels.data[3], 1);
         assert_eq!(labels.data[5], 2);
         assert_eq!(labels.at(4, 4), Some(3));
@@ -110,7 +159,7 @@ mod tests {
     #[test]
     fn small_regions_are_dropped_and_the_rest_numbered_without_gaps() {
         let (frame, mask) = scene(&["#....", "..##.", ".....", "#...#", "....#"]);
-        let (labels, regions) = find_regions(&frame, &mask, 2).unwrap();
+        let (labels, regions) = find_regions(&frame, &mask, 2);
         assert_eq!(labels.data[0], 0);
         assert_eq!(regions.len(), 2);
         assert_eq!(labels.at(4, 4), Some(2));
@@ -120,12 +169,58 @@ mod tests {
     #[test]
     fn shape_agrees_with_sums_by_hand() {
         let (frame, mask) = scene(&[".....", ".###.", ".....", "....."]);
-        let (_, regions) = find_regions(&frame, &mask, 1).unwrap();
+        let (_, regions) = find_regions(&frame, &mask, 1);
         let shape = regions[0].shape;
         assert_eq!((shape.bbox.x, shape.bbox.y, shape.bbox.w, shape.bbox.h), (1.0, 1.0, 3.0, 1.0));
         assert_eq!(shape.centroid, [2.0, 1.0]);
         assert_eq!((shape.mu20, shape.mu11, shape.mu02), (2.0, 0.0, 0.0));
         assert_eq!((shape.orientation, shape.eccentricity, shape.extent), (0.0, 1.0, 1.0));
         assert_eq!(regions[0].colour, [255, 7, 0], "bins of 16 levels hold indices 6, 7 and 8 together");
+    }
+
+    proptest! {
+        #[test]
+        fn regions_agree_with_opencv(
+            (width, height) in (1_u32..40, 1_u32..30),
+            density in 1_u32..100,
+            min_area in 0_u32..6,
+            seed in any::<u32>(),
+        ) {
+            let size = Size::new(width, height);
+            let mut noise = seed | 1;
+            let data: Vec<u8> = (0..size.pixels())
+                .map(|_| {
+                    noise ^= noise << 13;
+                    noise ^= noise >> 17;
+                    noise ^= noise << 5;
+                    if noise % 100 < density { Mask::FOREGROUND } else { Mask::BACKGROUND }
+                })
+                .collect();
+            let mask = Mask { size, data };
+            let frame = Frame::new(1, size, (0..size.pixels() * 3).map(|at| (at * 31) as u8).collect());
+            let (labels, regions) = find_regions(&frame, &mask, min_area);
+            let (theirs, count) = connected_components(&mask, 8).unwrap();
+
+            let mut shapes = vec![(ShapeSums::default(), Histogram::default()); count];
+            let mut first = vec![usize::MAX; count];
+            for (index, &label) in theirs.iter().enumerate().filter(|(_, label)| **label > 0) {
+                let (shape, histogram) = &mut shapes[label as usize];
+                shape.add_run(index as u32 / width, index as u32 % width..index as u32 % width + 1);
+                histogram.add([frame.rgb[3 * index], frame.rgb[3 * index + 1], frame.rgb[3 * index + 2]]);
+                first[label as usize] = first[label as usize].min(index);
+            }
+            let mut expected: Vec<_> = (1..count).filter(|&at| shapes[at].0.shape().area >= min_area).collect();
+            expected.sort_by_key(|&at| first[at]);
+            prop_assert_eq!(regions.len(), expected.len());
+            for (region, &at) in regions.iter().zip(&expected) {
+                prop_assert_eq!(region.shape, shapes[at].0.shape());
+                prop_assert_eq!(&region.histogram, &shapes[at].1);
+                prop_assert_eq!(Some(region.colour), shapes[at].1.dominant());
+            }
+            for (index, &label) in theirs.iter().enumerate() {
+                let place = expected.iter().position(|&at| at == label as usize);
+                prop_assert_eq!(labels.data[index] as usize, place.map_or(0, |place| place + 1));
+            }
+        }
     }
 }

@@ -1,5 +1,7 @@
 //! Where a region is and what form it has: box, centroid, moments and what follows from them (§VII).
 
+use std::ops::Range;
+
 use serde::{Deserialize, Serialize};
 
 use crate::frame::Size;
@@ -121,22 +123,28 @@ pub struct ShapeSums {
 }
 
 impl ShapeSums {
-    /// Takes pixel (x, y) in.
-    pub fn add(&mut self, x: u32, y: u32) {
+    /// Takes the pixels of row `y` in these columns in, of which there is at least one.
+    pub fn add_run(&mut self, y: u32, columns: Range<u32>) {
+        let last = columns.end - 1;
         if self.area == 0 {
-            (self.left, self.top, self.right, self.bottom) = (x, y, x, y);
+            (self.left, self.top, self.right, self.bottom) = (columns.start, y, last, y);
         }
-        self.left = self.left.min(x);
+        self.left = self.left.min(columns.start);
         self.top = self.top.min(y);
-        self.right = self.right.max(x);
+        self.right = self.right.max(last);
         self.bottom = self.bottom.max(y);
-        self.area += 1;
-        let (x, y) = (u64::from(x), u64::from(y));
+        let (start, end, y) = (u64::from(columns.start), u64::from(columns.end), u64::from(y));
+        let length = end - start;
+        // Σ x and Σ x² below a column, from which those of a run are differences.
+        let sum = |end: u64| end * end.saturating_sub(1) / 2;
+        let squares = |end: u64| end * end.saturating_sub(1) * (2 * end).saturating_sub(1) / 6;
+        let x = sum(end) - sum(start);
+        self.area += length;
         self.x += x;
-        self.y += y;
-        self.xx += x * x;
+        self.y += y * length;
+        self.xx += squares(end) - squares(start);
         self.xy += x * y;
-        self.yy += y * y;
+        self.yy += y * y * length;
     }
 
     /// The shape of the pixels taken in; all zeros when there were none.

@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use memchr::memchr;
+
 use crate::frame::{Mask, Size};
 use crate::pipeline::Analysis;
 use crate::regions::Labels;
@@ -77,24 +79,18 @@ impl Record {
 /// Each number is 7 bits a byte, the low ones first: a run takes 2 to 4 bytes.
 fn encode(mask: &[u8], labels: &[u32]) -> Vec<u8> {
     let mut runs = Vec::new();
-    let mut pixels = mask.iter().zip(labels).map(|(&mask, &label)| match (mask, label) {
-        (Mask::BACKGROUND, _) => 0,
-        (_, 0) => 1,
-        (_, label) => label + 1,
-    });
-    let Some(mut kind) = pixels.next() else { return runs };
-    let mut length = 1;
-    for next in pixels {
-        if next != kind {
-            write(&mut runs, length);
-            write(&mut runs, kind);
-            (kind, length) = (next, 0);
+    let mut end = 0;
+    while let Some(background) = memchr(Mask::FOREGROUND, &mask[end..]) {
+        let start = end + background;
+        end = memchr(Mask::BACKGROUND, &mask[start..]).map_or(mask.len(), |length| start + length);
+        if background > 0 {
+            write(&mut runs, background as u32);
+            write(&mut runs, 0);
         }
-        length += 1;
-    }
-    if kind != 0 {
-        write(&mut runs, length);
-        write(&mut runs, kind);
+        for run in labels[start..end].chunk_by(|a, b| a == b) {
+            write(&mut runs, run.len() as u32);
+            write(&mut runs, run[0] + 1);
+        }
     }
     runs
 }
