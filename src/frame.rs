@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use memchr::memchr_iter;
+
 /// Width and height of an image in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 pub struct Size {
@@ -100,7 +102,7 @@ impl Mask {
 
     /// How many pixels are foreground.
     pub fn foreground_pixels(&self) -> usize {
-        self.data.iter().filter(|&&value| value != Self::BACKGROUND).count()
+        memchr_iter(Self::FOREGROUND, &self.data).count()
     }
 
     /// The share of foreground pixels, 0..=1.

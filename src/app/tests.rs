@@ -21,7 +21,7 @@ use super::views::View;
 use crate::frame::{Frame, Mask, Size};
 use crate::occlusion::{Counters, Event, EventKind, Evidence};
 use crate::pipeline::Analysis;
-use crate::regions::{self, Labels, Rect};
+use crate::regions::{self, LabelRun, Labels, Rect};
 use crate::replay::{LifeLine, Phase, Progress, Shown, Start, State, Timeline};
 use crate::settings::{SETTINGS, Settings};
 use crate::source::SourceInfo;
@@ -102,7 +102,7 @@ fn tracks_at(position: u32) -> Vec<Track> {
 fn shown_at(position: u32) -> Shown {
     let tracks = tracks_at(position);
     let mut rgb = Vec::with_capacity(SIZE.pixels() * 3);
-    let (mut mask, mut labels) = (Mask::empty(SIZE), vec![0; SIZE.pixels()]);
+    let (mut mask, mut labels) = (Mask::empty(SIZE), Labels::none(SIZE));
     let mut background = Vec::with_capacity(SIZE.pixels() * 3);
     for y in 0..SIZE.height {
         for x in 0..SIZE.width {
@@ -117,7 +117,7 @@ fn shown_at(position: u32) -> Shown {
                 Some(track) => {
                     let at = SIZE.index(x, y).unwrap();
                     mask.data[at] = Mask::FOREGROUND;
-                    labels[at] = track.regions[0];
+                    labels.runs.push(LabelRun { start: at as u32, length: 1, label: track.regions[0] });
                     rgb.extend([[200, 70, 60], [70, 90, 200], [80, 170, 90]][track.id as usize - 1]);
                 }
                 None => rgb.extend(wall),
@@ -149,7 +149,7 @@ fn shown_at(position: u32) -> Shown {
             number: position + 1,
             t: position + 1,
             mask: Arc::new(mask),
-            labels: Arc::new(Labels { size: SIZE, data: labels }),
+            labels: Arc::new(labels),
             regions: Arc::new(regions),
             tracks: Arc::new(tracks),
             tentative: Arc::default(),

@@ -2,6 +2,7 @@
 //!
 //! Exit status 0: done, 1: the work failed, 2: wrong usage. A failure is one line on stderr.
 
+pub mod bench;
 mod console;
 mod flags;
 mod frames;
@@ -49,6 +50,7 @@ pub fn command() -> Command {
         .subcommand_precedence_over_arg(false)
         .subcommand(run::command())
         .subcommand(pixel::command())
+        .subcommand(bench::command())
         .subcommand(settings::command())
         .subcommand(flags::with_common(synth::command()));
     window::with_arguments(program)
@@ -78,6 +80,7 @@ fn dispatch(matches: &ArgMatches) -> anyhow::Result<()> {
     match matches.subcommand() {
         Some(("run", matches)) => run::run(matches),
         Some(("pixel", matches)) => pixel::run(matches),
+        Some(("bench", matches)) => bench::run(matches),
         Some(("settings", matches)) => settings::run(matches),
         Some(("synth", matches)) => flags::start_threads(matches).and_then(|()| synth::run(matches)),
         _ => window::run(matches),

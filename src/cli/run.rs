@@ -189,7 +189,7 @@ fn analyse(job: &Job, frames: &Frames, staging: &Staging) -> anyhow::Result<Reco
     let mut foreground = 0;
     let mut warnings = Vec::new();
     let no_mask = Arc::new(Mask::empty(Size::new(0, 0)));
-    let no_labels = Arc::new(Labels { size: Size::new(0, 0), data: Vec::new() });
+    let no_labels = Arc::new(Labels::none(Size::new(0, 0)));
     let no_regions = Arc::new(Vec::new());
 
     let progress = job.console.progress("analysing", frames.total);

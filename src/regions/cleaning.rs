@@ -1,6 +1,6 @@
 //! What is done to the mask before regions are found in it: filters against specks, gaps and holes.
 
-use opencv::boxed_ref::BoxedRef;
+use opencv::boxed_ref::{BoxedRef, BoxedRefMut};
 use opencv::core::{BORDER_CONSTANT, BORDER_REPLICATE, CV_32S, Mat, Point, Size as CvSize};
 use opencv::imgproc::{
     CCL_SPAGHETTI, MORPH_CLOSE, MORPH_ELLIPSE, MORPH_OPEN, THRESH_BINARY, box_filter,
@@ -57,38 +57,31 @@ impl Cleaning {
 
 /// The median of a mask: foreground where more than half of the pixels around are. A mean says that,
 /// too, at the same price for any size: with an odd number of pixels none is half-way.
-fn majority(from: &BoxedRef<'_, Mat>, to: &mut Mat, side: i32) -> opencv::Result<()> {
+fn majority(from: &BoxedRef<'_, Mat>, to: &mut BoxedRefMut<'_, Mat>, side: i32) -> opencv::Result<()> {
     let mut mean = Mat::default();
     box_filter(from, &mut mean, -1, CvSize::new(side, side), Point::new(-1, -1), true, BORDER_REPLICATE)?;
     threshold(&mean, to, 127.0, 255.0, THRESH_BINARY)?;
     Ok(())
 }
 
+/// What a filter that keeps size and type makes of a mask.
 fn filtered(
     mask: &Mask,
-    filter: impl FnOnce(&BoxedRef<'_, Mat>, &mut Mat) -> opencv::Result<()>,
+    filter: impl FnOnce(&BoxedRef<'_, Mat>, &mut BoxedRefMut<'_, Mat>) -> opencv::Result<()>,
 ) -> opencv::Result<Mask> {
-    let from = mat(mask)?;
-    let mut to = Mat::default();
-    filter(&from, &mut to)?;
-    Ok(Mask { size: mask.size, data: to.data_bytes()?.to_vec() })
+    let mut result = Mask::empty(mask.size);
+    let (rows, columns) = (mask.size.height as i32, mask.size.width as i32);
+    let mut to = Mat::new_rows_cols_with_bytes_mut::<u8>(rows, columns, &mut result.data)?;
+    filter(&mat(mask)?, &mut to)?;
+    drop(to);
+    Ok(result)
 }
 
 fn morphed(mask: &Mask, operation: i32, side: u32) -> opencv::Result<Mask> {
     let centre = Point::new(-1, -1);
     let disc = get_structuring_element(MORPH_ELLIPSE, CvSize::new(side as i32, side as i32), centre)?;
-    filtered(mask, |from, to| {
-        morphology_ex(
-            from,
-            to,
-            operation,
-            &disc,
-            centre,
-            1,
-            BORDER_CONSTANT,
-            morphology_default_border_value()?,
-        )
-    })
+    let border = morphology_default_border_value()?;
+    filtered(mask, |from, to| morphology_ex(from, to, operation, &disc, centre, 1, BORDER_CONSTANT, border))
 }
 
 /// Fills background areas of at most `largest` pixels that the foreground encloses. A hole is

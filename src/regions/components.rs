@@ -3,6 +3,8 @@
 //! What the passes go over are not pixels but runs of foreground in a row: most of a mask is
 //! background, and that is skipped many pixels at a time.
 
+use std::ops::Range;
+
 use memchr::memchr;
 
 use super::Region;
@@ -10,19 +12,53 @@ use super::colour::Tally;
 use super::shape::ShapeSums;
 use crate::frame::{Frame, Mask, Size};
 
-/// To which region each pixel belongs: its label, 0 where none, row after row.
+/// To which region each pixel belongs.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Labels {
     /// Width and height.
     pub size: Size,
-    /// A label for each pixel.
-    pub data: Vec<u32>,
+    /// The foreground, run after run in raster order; none goes over the end of a row.
+    pub runs: Vec<LabelRun>,
+}
+
+/// Pixels beside one another in a row that are foreground.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LabelRun {
+    /// Where the first of them stands in row order.
+    pub start: u32,
+    /// How many there are.
+    pub length: u32,
+    /// The label of their region, 0 where that is too small to be one.
+    pub label: u32,
+}
+
+impl LabelRun {
+    /// Where its pixels stand in row order.
+    pub const fn pixels(self) -> Range<usize> {
+        self.start as usize..(self.start + self.length) as usize
+    }
 }
 
 impl Labels {
+    /// Those of an image without foreground.
+    pub const fn none(size: Size) -> Self {
+        Self { size, runs: Vec::new() }
+    }
+
     /// The label at (x, y): 0 where there is no region, `None` outside the image.
     pub fn at(&self, x: u32, y: u32) -> Option<u32> {
-        self.size.index(x, y).map(|index| self.data[index])
+        let index = self.size.index(x, y)?;
+        let after = self.runs.partition_point(|run| run.pixels().end <= index);
+        Some(self.runs.get(after).filter(|run| run.pixels().contains(&index)).map_or(0, |run| run.label))
+    }
+
+    /// A label for each pixel in row order, 0 where there is no region.
+    pub fn image(&self) -> Vec<u32> {
+        let mut image = vec![0; self.size.pixels()];
+        for run in &self.runs {
+            image[run.pixels()].fill(run.label);
+        }
+        image
     }
 }
 
@@ -54,18 +90,22 @@ pub fn find_regions(frame: &Frame, mask: &Mask, min_area: u32) -> (Labels, Vec<R
     }
     let mut places = vec![None; runs.len()];
     let mut members: Vec<Vec<&Run>> = Vec::new();
+    let mut labels = Labels { size: mask.size, runs: Vec::with_capacity(runs.len()) };
     for (index, run) in runs.iter().enumerate() {
         // Every run now points at its root.
         if run.parent == index && areas[index] >= min_area {
             places[index] = Some(members.len());
             members.push(Vec::new());
         }
-        if let Some(place) = places[run.parent] {
+        let place = places[run.parent];
+        if let Some(place) = place {
             members[place].push(run);
         }
+        let label = place.map_or(0, |place| place as u32 + 1);
+        let start = run.y * mask.size.width + run.start;
+        labels.runs.push(LabelRun { start, length: run.end - run.start, label });
     }
 
-    let mut labels = vec![0; mask.size.pixels()];
     let mut tally = Tally::default();
     let width = mask.size.width as usize;
     let regions = members.into_iter().zip(1..).map(|(members, label)| {
@@ -73,7 +113,6 @@ pub fn find_regions(frame: &Frame, mask: &Mask, min_area: u32) -> (Labels, Vec<R
         for run in members {
             let row = run.y as usize * width;
             let pixels = row + run.start as usize..row + run.end as usize;
-            labels[pixels.clone()].fill(label);
             sums.add_run(run.y, run.start..run.end);
             tally.add(&frame.rgb[3 * pixels.start..3 * pixels.end]);
         }
@@ -81,7 +120,7 @@ pub fn find_regions(frame: &Frame, mask: &Mask, min_area: u32) -> (Labels, Vec<R
         Region { label, shape: sums.shape(), colour: histogram.dominant().unwrap_or_default(), histogram }
     });
     let regions = regions.collect();
-    (Labels { size: mask.size, data: labels }, regions)
+    (labels, regions)
 }
 
 /// The runs of foreground in raster order, each filed under itself.
@@ -148,8 +187,9 @@ mod tests {
     fn labels_follow_the_raster_order_and_corners_connect() {
         let (frame, mask) = scene(&["...##", "#...#", ".#...", "#..#.", "....#"]);
         let (labels, regions) = find_regions(&frame, &mask, 1);
-        assert_eq!(labels.data[3], 1);
-        assert_eq!(labels.data[5], 2);
+        assert_eq!(labels.at(3, 0), Some(1));
+        assert_eq!(labels.at(0, 1), Some(2));
+        assert_eq!(labels.at(2, 0), Some(0));
         assert_eq!(labels.at(4, 4), Some(3));
         assert_eq!(labels.at(5, 4), None);
         let areas: Vec<_> = regions.iter().map(|region| (region.label, region.shape.area)).collect();
@@ -160,7 +200,7 @@ mod tests {
     fn small_regions_are_dropped_and_the_rest_numbered_without_gaps() {
         let (frame, mask) = scene(&["#....", "..##.", ".....", "#...#", "....#"]);
         let (labels, regions) = find_regions(&frame, &mask, 2);
-        assert_eq!(labels.data[0], 0);
+        assert_eq!(labels.at(0, 0), Some(0));
         assert_eq!(regions.len(), 2);
         assert_eq!(labels.at(4, 4), Some(2));
         assert_eq!(mask.foreground_pixels(), 6, "the mask keeps them");
@@ -217,10 +257,14 @@ mod tests {
                 prop_assert_eq!(&region.histogram, &shapes[at].1);
                 prop_assert_eq!(Some(region.colour), shapes[at].1.dominant());
             }
+            let image = labels.image();
             for (index, &label) in theirs.iter().enumerate() {
                 let place = expected.iter().position(|&at| at == label as usize);
-                prop_assert_eq!(labels.data[index] as usize, place.map_or(0, |place| place + 1));
+                prop_assert_eq!(image[index] as usize, place.map_or(0, |place| place + 1));
+                prop_assert_eq!(labels.at(index as u32 % width, index as u32 / width), Some(image[index]));
             }
+            let foreground: usize = labels.runs.iter().map(|run| run.length as usize).sum();
+            prop_assert_eq!(foreground, mask.foreground_pixels(), "small regions keep their runs");
         }
     }
 }

@@ -7,7 +7,7 @@ pub mod shape;
 
 pub use cleaning::Cleaning;
 pub use colour::{Histogram, Rgb};
-pub use components::{Labels, find_regions};
+pub use components::{LabelRun, Labels, find_regions};
 pub use shape::{Rect, Shape};
 
 /// A connected region of the foreground mask.

@@ -2,11 +2,9 @@
 
 use std::sync::Arc;
 
-use memchr::memchr;
-
 use crate::frame::{Mask, Size};
 use crate::pipeline::Analysis;
-use crate::regions::Labels;
+use crate::regions::{LabelRun, Labels};
 
 /// The analyses of a sequence from its first frame on.
 pub(super) struct Record {
@@ -30,7 +28,7 @@ impl Record {
             size,
             entries: Vec::new(),
             no_mask: Arc::new(Mask::empty(none)),
-            no_labels: Arc::new(Labels { size: none, data: Vec::new() }),
+            no_labels: Arc::new(Labels::none(none)),
         }
     }
 
@@ -41,7 +39,7 @@ impl Record {
 
     /// Takes in the analysis of the next frame.
     pub(super) fn push(&mut self, analysis: Analysis) {
-        let runs = encode(&analysis.mask.data, &analysis.labels.data).into_boxed_slice();
+        let runs = encode(&analysis.labels).into_boxed_slice();
         let foreground_share = analysis.mask.foreground_share();
         let analysis =
             Analysis { mask: Arc::clone(&self.no_mask), labels: Arc::clone(&self.no_labels), ..analysis };
@@ -73,40 +71,31 @@ impl Record {
     }
 }
 
-/// Runs of equal pixels in row order, each its length and what it is: 0 background, 1 foreground
-/// of no region, 2 and above a region's label plus 1. A last run of background is left out.
-///
-/// Each number is 7 bits a byte, the low ones first: a run takes 2 to 4 bytes.
-fn encode(mask: &[u8], labels: &[u32]) -> Vec<u8> {
-    let mut runs = Vec::new();
+/// The runs of foreground, each as the background pixels before it, its length, and its label:
+/// mask and labels follow from it. Each number is 7 bits a byte, the low ones first: a run takes 3
+/// to 5 bytes.
+fn encode(labels: &Labels) -> Vec<u8> {
+    let mut bytes = Vec::new();
     let mut end = 0;
-    while let Some(background) = memchr(Mask::FOREGROUND, &mask[end..]) {
-        let start = end + background;
-        end = memchr(Mask::BACKGROUND, &mask[start..]).map_or(mask.len(), |length| start + length);
-        if background > 0 {
-            write(&mut runs, background as u32);
-            write(&mut runs, 0);
-        }
-        for run in labels[start..end].chunk_by(|a, b| a == b) {
-            write(&mut runs, run.len() as u32);
-            write(&mut runs, run[0] + 1);
-        }
+    for run in &labels.runs {
+        write(&mut bytes, run.start - end);
+        write(&mut bytes, run.length);
+        write(&mut bytes, run.label);
+        end = run.start + run.length;
     }
-    runs
+    bytes
 }
 
-fn decode(mut runs: &[u8], size: Size) -> (Mask, Labels) {
+fn decode(mut bytes: &[u8], size: Size) -> (Mask, Labels) {
     let mut mask = Mask::empty(size);
-    let mut labels = Labels { size, data: vec![0; size.pixels()] };
-    let mut start = 0;
-    while !runs.is_empty() {
-        let end = start + read(&mut runs) as usize;
-        let kind = read(&mut runs);
-        if kind > 0 {
-            mask.data[start..end].fill(Mask::FOREGROUND);
-            labels.data[start..end].fill(kind - 1);
-        }
-        start = end;
+    let mut labels = Labels::none(size);
+    let mut end = 0;
+    while !bytes.is_empty() {
+        let start = end + read(&mut bytes);
+        let run = LabelRun { start, length: read(&mut bytes), label: read(&mut bytes) };
+        mask.data[run.pixels()].fill(Mask::FOREGROUND);
+        labels.runs.push(run);
+        end = start + run.length;
     }
     (mask, labels)
 }
@@ -136,28 +125,41 @@ fn read(bytes: &mut &[u8]) -> u32 {
 mod tests {
     use super::*;
 
-    fn round_trip(size: Size, pixel: impl Fn(usize) -> (u8, u32)) -> usize {
-        let (mask, labels): (Vec<u8>, Vec<u32>) = (0..size.pixels()).map(pixel).unzip();
-        let runs = encode(&mask, &labels);
-        let (decoded, decoded_labels) = decode(&runs, size);
-        assert!(decoded.data == mask && decoded_labels.data == labels);
-        assert!(decoded.size == size && decoded_labels.size == size);
-        runs.len()
+    /// The mask and the labels of an image in which each pixel is background (`None`) or has a label.
+    fn round_trip(size: Size, pixel: impl Fn(usize) -> Option<u32>) -> usize {
+        let pixels: Vec<_> = (0..size.pixels()).map(pixel).collect();
+        let mut labels = Labels::none(size);
+        let mut start = 0;
+        for row in pixels.chunks(size.width.max(1) as usize) {
+            for run in row.chunk_by(|a, b| a == b) {
+                let length = run.len() as u32;
+                if let Some(label) = run[0] {
+                    labels.runs.push(LabelRun { start, length, label });
+                }
+                start += length;
+            }
+        }
+        let bytes = encode(&labels);
+        let (mask, decoded) = decode(&bytes, size);
+        assert!(decoded == labels);
+        let expected = pixels.iter().map(|pixel| if pixel.is_some() { 255 } else { 0 });
+        assert!(mask.size == size && mask.data.iter().copied().eq(expected));
+        bytes.len()
     }
 
     #[test]
     fn masks_and_labels_come_back_as_they_were() {
         let size = Size::new(300, 200);
-        assert_eq!(round_trip(size, |_| (0, 0)), 0);
-        assert_eq!(round_trip(size, |_| (255, 0)), 4);
-        round_trip(size, |_| (255, u32::MAX - 1));
-        round_trip(size, |i| if i % 2 == 0 { (255, 0) } else { (0, 0) });
-        round_trip(Size::new(0, 0), |_| (0, 0));
-        round_trip(Size::new(1, 1), |_| (255, 7));
+        assert_eq!(round_trip(size, |_| None), 0);
+        assert_eq!(round_trip(size, |_| Some(0)), 200 * 4);
+        round_trip(size, |_| Some(u32::MAX));
+        round_trip(size, |i| (i % 2 == 0).then_some(0));
+        round_trip(Size::new(0, 0), |_| None);
+        round_trip(Size::new(1, 1), |_| Some(7));
         let bytes = round_trip(size, |i| match i * i % 1009 % 16 {
-            0 => (255, i as u32 % 400),
-            1 => (255, 0),
-            _ => (0, 0),
+            0 => Some(i as u32 % 400),
+            1 => Some(0),
+            _ => None,
         });
         assert!(bytes < size.pixels(), "{bytes}");
     }

@@ -6,7 +6,7 @@ use std::fs::{self, File};
 use std::io::Read;
 use std::path::Path;
 
-use opencv::core::{CV_8UC1, CV_8UC3, CV_8UC4, Mat};
+use opencv::core::{CV_8UC1, CV_8UC3, CV_8UC4, Mat, Vec3b};
 use opencv::imgproc::{COLOR_BGR2RGB, COLOR_BGRA2RGB, COLOR_GRAY2RGB, cvt_color_def};
 use opencv::prelude::*;
 use opencv::videoio::{
@@ -216,15 +216,13 @@ fn rgb_of(picture: &Mat) -> Result<(Size, Vec<u8>), String> {
             return Err(format!("its pictures are of OpenCV's type {other}; convert it to 8-bit colour"));
         }
     };
-    let mut rgb = Mat::default();
-    cvt_color_def(picture, &mut rgb, code).map_err(|error| error.message)?;
-    let size = Size::new(rgb.cols() as u32, rgb.rows() as u32);
-    let bytes = rgb.data_bytes().map_err(|error| error.message)?;
-    if bytes.len() == size.pixels() * 3 {
-        Ok((size, bytes.to_vec()))
-    } else {
-        Err("its pictures are not three bytes a pixel".into())
-    }
+    let size = Size::new(picture.cols() as u32, picture.rows() as u32);
+    let mut rgb = vec![0; size.pixels() * 3];
+    // Written where it stays, a frame is moved once less.
+    let mut target = Mat::new_rows_cols_with_bytes_mut::<Vec3b>(picture.rows(), picture.cols(), &mut rgb)
+        .map_err(|error| error.message)?;
+    cvt_color_def(picture, &mut target, code).map_err(|error| error.message)?;
+    Ok((size, rgb))
 }
 
 #[cfg(test)]

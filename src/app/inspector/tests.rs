@@ -61,7 +61,7 @@ fn shown_of(settings: Settings, history: Option<PixelHistory>, position: u32) ->
             number: position + 1,
             t: position + 1,
             mask: Arc::new(mask),
-            labels: Arc::new(Labels { size: SIZE, data: vec![0; SIZE.pixels()] }),
+            labels: Arc::new(Labels::none(SIZE)),
             regions: Arc::default(),
             objects: Arc::default(),
             tracks: Arc::default(),

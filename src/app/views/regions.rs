@@ -1,5 +1,7 @@
 //! The regions: where they are, their numbers, and the colour that stands for each.
 
+use std::cell::LazyCell;
+
 use eframe::egui::{Color32, Rect, Stroke, StrokeKind, pos2, vec2};
 
 use super::{Pane, View, draw};
@@ -30,12 +32,12 @@ fn colours(analysis: &Analysis) -> Vec<Color32> {
 /// Paints them.
 pub(super) fn paint(pane: &mut Pane<'_>) {
     let (frame, analysis) = (&pane.shown.frame, &pane.shown.analysis);
-    let labels = &analysis.labels;
+    let labels = LazyCell::new(|| analysis.labels.image());
     let colours = colours(analysis);
     let colour_of = |label: u32| colours.get(label as usize).copied().unwrap_or(UNKNOWN);
     let pixel_colour = |index: usize| {
         let gray = luma([frame.rgb[index * 3], frame.rgb[index * 3 + 1], frame.rgb[index * 3 + 2]]);
-        match labels.data.get(index) {
+        match labels.get(index) {
             None | Some(0) => Color32::from_gray(gray / 4),
             Some(&label) => {
                 // A little of the input's light keeps the region's inside readable.
@@ -84,9 +86,9 @@ pub(super) fn paint(pane: &mut Pane<'_>) {
 
 /// The label.
 pub(super) fn value(shown: &Shown, (x, y): (u32, u32)) -> String {
-    let labels = &shown.analysis.labels;
-    labels.size.index(x, y).map_or_else(String::new, |index| match labels.data[index] {
-        0 => "-".to_owned(),
-        label => format!("#{label}"),
-    })
+    match shown.analysis.labels.at(x, y) {
+        None => String::new(),
+        Some(0) => "-".to_owned(),
+        Some(label) => format!("#{label}"),
+    }
 }

@@ -1,0 +1,345 @@
+//! `occluscope bench`: how fast decoding, the mixture, OpenCV's models and the whole analysis are.
+//!
+//! All contenders take the same decoded frames in turn, a batch each, and the median over the
+//! batches counts: what else the machine does meanwhile meets all of them alike.
+
+use std::hint::black_box;
+use std::io::{self, Write};
+use std::time::{Duration, Instant};
+
+use anyhow::{Context as _, bail};
+use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
+use image::RgbImage;
+use image::imageops::{self, FilterType};
+use serde::Serialize;
+
+use super::console::{Console, Progress};
+use super::flags::{self, Range};
+use super::frames::{Frames, Item};
+use super::interrupt;
+use crate::frame::{Frame, Mask, Size};
+use crate::mixture::opencv::OpencvModel;
+use crate::mixture::{BATCH, Mixture, Parameters};
+use crate::pipeline::Pipeline;
+use crate::settings::{BackgroundModel, Settings};
+use crate::source;
+
+/// Frames that are kept decoded where the flags do not say, if they are no larger than this.
+const FRAMES: u32 = 320;
+const FRAMES_BYTES: usize = 1 << 30;
+
+/// Fewer batches have no median to speak of.
+const LEAST_FRAMES: u32 = 2 * BATCH as u32;
+
+/// How often the whole analysis goes through the frames.
+const PASSES: usize = 3;
+
+/// The subcommand.
+pub fn command() -> Command {
+    let command = Command::new("bench")
+        .about("Measure the speed of decoding, the mixture, OpenCV's MOG2 and KNN, and the whole analysis")
+        .after_help(
+            "The contenders take the same decoded frames in turn, a batch each; medians of megapixels a second are told. \
+             `stream` gives the mixture one frame at a time, `replay` a batch at a time, with the same results. MOG2 and \
+             KNN run without shadow detection, with the same α, threads and, where they have one, K.\n\n\
+             Examples:\n  occluscope bench street.mp4\n  occluscope bench street.mp4 --k 5 --threads 2 --frames 200 --json",
+        )
+        .arg(flags::video().required(true))
+        .arg(
+            Arg::new("frames")
+                .long("frames")
+                .value_name("N")
+                .value_parser(value_parser!(u32).range(i64::from(LEAST_FRAMES)..=100_000))
+                .help("Frames to take, from the first on [default: 320, or as many as fit into 1 GiB]"),
+        )
+        .arg(
+            Arg::new("scale")
+                .long("scale")
+                .value_name("WxH")
+                .help("Enlarge or shrink the frames to this size first, as in 1920x1080"),
+        )
+        .arg(
+            Arg::new("json")
+                .long("json")
+                .action(ArgAction::SetTrue)
+                .help("Print one JSON object instead of a table"),
+        );
+    flags::with_settings(flags::with_common(command))
+}
+
+/// Measures and prints.
+pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
+    let settings = flags::settings(matches)?;
+    let scale = scale(matches)?;
+    flags::start_threads(matches)?;
+    let console = Console::new(matches);
+    let video = matches.get_one::<String>("video").map_or("", String::as_str);
+    let asked = matches.get_one::<u32>("frames").copied();
+    let sequence = Sequence::open(video, asked, scale, console)?;
+    let figures = Figures::measure(video, &sequence, scale.is_some(), &settings, console)?;
+    let mut out = io::stdout().lock();
+    if matches.get_flag("json") {
+        serde_json::to_writer(&mut out, &figures)?;
+        writeln!(out)?;
+    } else {
+        figures.print(&mut out)?;
+    }
+    Ok(out.flush()?)
+}
+
+fn scale(matches: &ArgMatches) -> Result<Option<Size>, flags::UsageError> {
+    let Some(text) = matches.get_one::<String>("scale") else { return Ok(None) };
+    let sides = text.split_once(['x', '×']);
+    let sides = sides.and_then(|(w, h)| Some(Size::new(w.trim().parse().ok()?, h.trim().parse().ok()?)));
+    match sides {
+        Some(size) if (1..=16_384).contains(&size.width) && (1..=16_384).contains(&size.height) => {
+            Ok(Some(size))
+        }
+        _ => Err(flags::UsageError(format!(
+            "--scale cannot be `{text}`: it takes a width and a height, as in 1920x1080"
+        ))),
+    }
+}
+
+/// Decoded frames, and how long each batch of them took to decode.
+struct Sequence {
+    fps: f32,
+    frames: Vec<Frame>,
+    decoding: Meter,
+}
+
+impl Sequence {
+    fn open(video: &str, asked: Option<u32>, scale: Option<Size>, console: Console) -> anyhow::Result<Self> {
+        interrupt::watch();
+        let mut source = source::open(video)?;
+        let size = scale.unwrap_or(source.info().size);
+        let fitting = (FRAMES_BYTES / (size.pixels() * 3).max(1)) as u32;
+        let wanted = asked.unwrap_or_else(|| FRAMES.min(fitting).max(LEAST_FRAMES));
+        let mut sequence = Self { fps: source.info().fps, frames: Vec::new(), decoding: Meter::default() };
+        let progress = console.progress("decoding", Some(wanted));
+        let mut ended = false;
+        while !ended && sequence.frames.len() < wanted as usize {
+            let missing = wanted as usize - sequence.frames.len();
+            let started = Instant::now();
+            let mut batch = Vec::new();
+            while batch.len() < missing.min(BATCH) {
+                let Some(frame) = source.next_frame()? else {
+                    ended = true;
+                    break;
+                };
+                batch.push(frame);
+            }
+            let took = started.elapsed();
+            stop_if_asked(video)?;
+            source.take_warnings().iter().for_each(|warning| progress.warn(warning));
+            if !batch.is_empty() {
+                let pixels = batch.iter().map(|frame: &Frame| frame.size.pixels()).sum();
+                sequence.decoding.0.push((pixels, took));
+            }
+            progress.advance(batch.len());
+            for frame in batch {
+                sequence.frames.push(match scale {
+                    Some(size) => scaled(frame, size)?,
+                    None => frame,
+                });
+            }
+        }
+        let found = sequence.frames.len();
+        if found < LEAST_FRAMES as usize {
+            bail!(
+                "{video} has {found} frames; to measure takes at least {LEAST_FRAMES}: choose a longer video"
+            );
+        }
+        Ok(sequence)
+    }
+}
+
+fn scaled(frame: Frame, size: Size) -> anyhow::Result<Frame> {
+    let number = frame.number;
+    let image = RgbImage::from_raw(frame.size.width, frame.size.height, frame.rgb);
+    let image = image.context("a frame has three bytes a pixel")?;
+    let image = imageops::resize(&image, size.width, size.height, FilterType::Triangle);
+    Ok(Frame::new(number, size, image.into_raw()))
+}
+
+fn stop_if_asked(video: &str) -> anyhow::Result<()> {
+    if interrupt::asked() {
+        bail!("stopped before {video} was measured");
+    }
+    Ok(())
+}
+
+/// What is told in JSON; `_mpx_s` is megapixels a second.
+#[derive(Serialize)]
+struct Figures {
+    frames: usize,
+    width: u32,
+    height: u32,
+    k: u32,
+    threads: usize,
+    decode_mpx_s: f64,
+    stream_mpx_s: f64,
+    replay_mpx_s: f64,
+    mog2_mpx_s: f64,
+    knn_mpx_s: f64,
+    pipeline_fps: f64,
+    /// Frames a second of decoding with nothing but the mixture behind it.
+    #[serde(skip)]
+    decode_and_mixture_fps: f64,
+}
+
+impl Figures {
+    fn measure(
+        video: &str,
+        sequence: &Sequence,
+        scaled: bool,
+        settings: &Settings,
+        console: Console,
+    ) -> anyhow::Result<Self> {
+        let frames = &sequence.frames;
+        let size = frames.first().map_or(Size::new(0, 0), |frame| frame.size);
+        let parameters = Parameters::new(settings);
+        let (mut streamed, mut replayed) = (Mixture::new(size, parameters), Mixture::new(size, parameters));
+        let mut mog2 = opencv_model(settings, size, BackgroundModel::Mog2)?;
+        let mut knn = opencv_model(settings, size, BackgroundModel::Knn)?;
+        let mut masks = vec![Mask::empty(size); BATCH];
+        let mut meters: [Meter; 4] = Default::default();
+        let [stream, replay, mog2_meter, knn_meter] = &mut meters;
+        let progress = console.progress("measuring", Some(frames.len() as u32));
+        for batch in frames.chunks(BATCH) {
+            stop_if_asked(video)?;
+            let batch: Vec<&Frame> = batch.iter().collect();
+            let pixels = batch.len() * size.pixels();
+            stream.time(pixels, || batch.iter().for_each(|frame| drop(black_box(streamed.step(frame)))));
+            replay.time(pixels, || replayed.replay(black_box(&batch), &mut masks[..batch.len()]));
+            black_box(&masks);
+            mog2_meter.time(pixels, || batch.iter().try_for_each(|frame| mog2.step(frame).map(drop)))?;
+            knn_meter.time(pixels, || batch.iter().try_for_each(|frame| knn.step(frame).map(drop)))?;
+            progress.advance(batch.len());
+        }
+        drop(progress);
+        let (mut pipeline, mut mixture) = (Meter::default(), Meter::default());
+        let progress = console.progress("analysing", Some((2 * PASSES * frames.len()) as u32));
+        for _ in 0..PASSES {
+            let mut alone = Mixture::new(size, parameters);
+            mixture.pass(video, sequence, scaled, &progress, |batch| {
+                alone.replay(batch, &mut masks[..batch.len()]);
+                Ok(())
+            })?;
+            let mut whole = Pipeline::new(settings, size, sequence.fps)?;
+            pipeline.pass(video, sequence, scaled, &progress, |batch| Ok(drop(whole.step_many(batch)?)))?;
+        }
+        let frame_mpx = size.pixels() as f64 / 1e6;
+        Ok(Self {
+            frames: frames.len(),
+            width: size.width,
+            height: size.height,
+            k: settings.k,
+            threads: rayon::current_num_threads(),
+            decode_mpx_s: sequence.decoding.median(),
+            stream_mpx_s: stream.median(),
+            replay_mpx_s: replay.median(),
+            mog2_mpx_s: mog2_meter.median(),
+            knn_mpx_s: knn_meter.median(),
+            pipeline_fps: pipeline.median() / frame_mpx,
+            decode_and_mixture_fps: mixture.median() / frame_mpx,
+        })
+    }
+
+    fn print(&self, out: &mut impl Write) -> io::Result<()> {
+        let Self { frames, width, height, k, threads, .. } = self;
+        writeln!(out, "{frames} frames of {width}×{height}, K = {k}, {threads} threads; medians\n")?;
+        let frame_mpx = f64::from(*width) * f64::from(*height) / 1e6;
+        let mut row = |name: &str, mpx_s: f64| {
+            let (frames, times) = (mpx_s / frame_mpx, mpx_s / self.mog2_mpx_s);
+            writeln!(out, "{name:24} {mpx_s:9.1} Mpx/s {frames:9.1} frames/s {times:8.2} × MOG2")
+        };
+        row("decoding", self.decode_mpx_s)?;
+        row("mixture, frame by frame", self.stream_mpx_s)?;
+        row("mixture, replay", self.replay_mpx_s)?;
+        row("OpenCV MOG2", self.mog2_mpx_s)?;
+        row("OpenCV KNN", self.knn_mpx_s)?;
+        writeln!(out)?;
+        let share = 100.0 * self.pipeline_fps / self.decode_and_mixture_fps;
+        writeln!(out, "{:24} {:9.1} frames/s", "decoding and mixture", self.decode_and_mixture_fps)?;
+        writeln!(out, "{:24} {:9.1} frames/s, {share:.0} % of that", "the whole analysis", self.pipeline_fps)
+    }
+}
+
+fn opencv_model(settings: &Settings, size: Size, model: BackgroundModel) -> anyhow::Result<OpencvModel> {
+    let settings = Settings { background_model: model, ..settings.clone() };
+    OpencvModel::new(&settings, size)?.context("OpenCV has this model")
+}
+
+/// Pixels and how long they took, measurement after measurement.
+#[derive(Default)]
+struct Meter(Vec<(usize, Duration)>);
+
+impl Meter {
+    fn time<T>(&mut self, pixels: usize, work: impl FnOnce() -> T) -> T {
+        let started = Instant::now();
+        let result = work();
+        self.0.push((pixels, started.elapsed()));
+        result
+    }
+
+    /// One way through the video as `run` goes it, decoding ahead on a thread of its own; scaled
+    /// frames are taken from memory.
+    fn pass(
+        &mut self,
+        video: &str,
+        sequence: &Sequence,
+        scaled: bool,
+        progress: &Progress,
+        mut work: impl FnMut(&[&Frame]) -> anyhow::Result<()>,
+    ) -> anyhow::Result<()> {
+        let pixels = sequence.frames.iter().map(|frame| frame.size.pixels()).sum();
+        let started = Instant::now();
+        if scaled {
+            for batch in sequence.frames.chunks(BATCH) {
+                stop_if_asked(video)?;
+                work(&batch.iter().collect::<Vec<_>>())?;
+                progress.advance(batch.len());
+            }
+        } else {
+            let last = sequence.frames.last().map_or(0, |frame| frame.number);
+            let first = sequence.frames.first().map_or(0, |frame| frame.number);
+            let frames = Frames::open(video, Some(Range { first, last }))?;
+            loop {
+                stop_if_asked(video)?;
+                let (batch, after) = frames.batch(BATCH);
+                work(&batch.iter().collect::<Vec<_>>())?;
+                progress.advance(batch.len());
+                match after {
+                    Some(Item::End) => break,
+                    Some(Item::Failed(error)) => return Err(error),
+                    // Told when the frames were decoded first.
+                    Some(Item::Warning(_) | Item::Frame(_)) | None => {}
+                }
+            }
+        }
+        self.0.push((pixels, started.elapsed()));
+        Ok(())
+    }
+
+    /// The median in megapixels a second.
+    fn median(&self) -> f64 {
+        let speed = |(pixels, took): &(usize, Duration)| *pixels as f64 / 1e6 / took.as_secs_f64().max(1e-9);
+        let mut speeds: Vec<_> = self.0.iter().map(speed).collect();
+        speeds.sort_by(f64::total_cmp);
+        speeds.get(speeds.len() / 2).copied().unwrap_or(0.0)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_median_is_of_speeds_and_one_slow_batch_does_not_move_it() {
+        let second = Duration::from_secs(1);
+        let meter = Meter(vec![(2_000_000, second), (3_000_000, second), (2_000_000, 100 * second)]);
+        assert_eq!(meter.median(), 2.0);
+        assert_eq!(Meter::default().median(), 0.0);
+    }
+}
