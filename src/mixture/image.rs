@@ -4,13 +4,15 @@
 //! through many frames while its mixtures are in the nearest cache: [`Mixture::replay`] moves the
 //! state of a pixel once for all of them, [`Mixture::step`] once a frame.
 
+use std::ops::Range;
+
 use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
 
 use super::pixel::{Parameters, Pixel};
 use super::tile::{self, Constants, Gaussians, LANES, Moment, Rgb, Tile};
 use crate::frame::{Frame, Mask, Size};
-use crate::settings::Space;
+use crate::settings::{Rate, Space};
 
 /// Tiles a piece of work for a thread: its values of a batch of frames stay in the nearest caches.
 const TILES_A_JOB: usize = 64;
@@ -210,39 +212,62 @@ impl<const N: usize> Tiles<N> {
     }
 }
 
-/// Takes the tiles of a job through its frames, one tile after the other. The last tile of an image
-/// may have fewer pixels than lanes; its spare lanes run along on zeros and nobody reads them.
+/// Takes the tiles of a job through its frames, one tile after the other; where what a frame gives
+/// takes long to compute and the next one needs it, one frame after the other, so that the tiles
+/// fill one another's waiting times.
 #[inline(always)]
-fn run<S: Simd, const N: usize>(simd: S, job: Job<'_, N>, constants: &Constants, moments: &[Moment]) {
-    let Job { first, others, used, settled, rgb, mut masks } = job;
-    let mut others = others;
-    for (index, ((first, used), settled)) in first.iter_mut().zip(used).zip(settled).enumerate() {
-        let mine;
-        (mine, others) = others.split_at_mut(constants.k() - 1);
-        let tile = Tile { first, others: mine, used, settled, place: index as u32 };
-        let start = index * LANES;
-        if masks.first().is_some_and(|mask| mask.len() >= start + LANES) {
-            tile.run(
-                simd,
-                constants,
-                moments,
-                #[inline(always)]
-                |frame| rgb[frame][3 * start..].first_chunk().unwrap_or(&[0; 3 * LANES]),
-                #[inline(always)]
-                |frame, tile| masks[frame][start..start + LANES].copy_from_slice(&tile),
-            );
-        } else {
-            let padded: Vec<Rgb> = rgb.iter().map(|rgb| padded(&rgb[3 * start..])).collect();
-            tile.run(
-                simd,
-                constants,
-                moments,
-                #[inline(always)]
-                |frame| &padded[frame],
-                #[inline(always)]
-                |frame, tile| masks[frame][start..].iter_mut().zip(tile).for_each(|(to, from)| *to = from),
-            );
+fn run<S: Simd, const N: usize>(simd: S, mut job: Job<'_, N>, constants: &Constants, moments: &[Moment]) {
+    let frames_a_turn = if constants.rate() == Rate::Density { 1 } else { moments.len() };
+    for start in (0..moments.len()).step_by(frames_a_turn.max(1)) {
+        let frames = start..moments.len().min(start + frames_a_turn);
+        for index in 0..job.first.len() {
+            run_tile(simd, &mut job, index, frames.clone(), constants, &moments[frames.clone()]);
         }
+    }
+}
+
+/// The last tile of an image may have fewer pixels than lanes; its spare lanes run along on zeros
+/// and nobody reads them.
+#[inline(always)]
+fn run_tile<S: Simd, const N: usize>(
+    simd: S,
+    job: &mut Job<'_, N>,
+    index: usize,
+    frames: Range<usize>,
+    constants: &Constants,
+    moments: &[Moment],
+) {
+    let others = constants.k() - 1;
+    let tile = Tile {
+        first: &mut job.first[index],
+        others: &mut job.others[index * others..(index + 1) * others],
+        used: &mut job.used[index],
+        settled: &mut job.settled[index],
+        place: index as u32,
+    };
+    let (rgb, masks) = (&job.rgb[frames.clone()], &mut job.masks[frames]);
+    let start = index * LANES;
+    if masks.first().is_some_and(|mask| mask.len() >= start + LANES) {
+        tile.run(
+            simd,
+            constants,
+            moments,
+            #[inline(always)]
+            |frame| rgb[frame][3 * start..].first_chunk().unwrap_or(&[0; 3 * LANES]),
+            #[inline(always)]
+            |frame, tile| masks[frame][start..start + LANES].copy_from_slice(&tile),
+        );
+    } else {
+        let padded: Vec<Rgb> = rgb.iter().map(|rgb| padded(&rgb[3 * start..])).collect();
+        tile.run(
+            simd,
+            constants,
+            moments,
+            #[inline(always)]
+            |frame| &padded[frame],
+            #[inline(always)]
+            |frame, tile| masks[frame][start..].iter_mut().zip(tile).for_each(|(to, from)| *to = from),
+        );
     }
 }
 
@@ -255,7 +280,7 @@ fn padded(rgb: &[u8]) -> Rgb {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::settings::{Preset, Rate, Settings};
+    use crate::settings::{Preset, Settings};
 
     /// Those that this machine has, the plainest first.
     #[cfg(target_arch = "x86_64")]

@@ -107,6 +107,10 @@ impl Constants {
         }
     }
 
+    pub(super) const fn rate(&self) -> Rate {
+        self.parameters.rate
+    }
+
     pub(super) const fn k(&self) -> usize {
         self.parameters.k
     }

@@ -1,0 +1,58 @@
+//! `bench`: the form of what it prints, and what it refuses. How fast anything is, no test asks.
+
+#![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+
+mod common;
+
+use common::{HEIGHT, Place, WIDTH, fails, text, works, write_images};
+use serde_json::Value;
+
+const KEYS: [&str; 11] = [
+    "frames",
+    "width",
+    "height",
+    "k",
+    "threads",
+    "decode_mpx_s",
+    "stream_mpx_s",
+    "replay_mpx_s",
+    "mog2_mpx_s",
+    "knn_mpx_s",
+    "pipeline_fps",
+];
+
+#[test]
+fn figures_come_as_json_and_as_a_table() {
+    let place = Place::new();
+    let video = place.path("images");
+    write_images(&video, 40, 101);
+
+    let json = works(&["bench", text(&video), "--json", "--k", "5", "--threads", "2"]);
+    assert_eq!(json.lines().count(), 1);
+    let figures: Value = serde_json::from_str(&json).unwrap();
+    let object = figures.as_object().unwrap();
+    assert_eq!(object.len(), KEYS.len(), "{json}");
+    for key in KEYS {
+        assert!(object[key].as_f64().is_some_and(|value| value > 0.0), "{key} in {json}");
+    }
+    for (key, value) in [("frames", 40), ("width", WIDTH), ("height", HEIGHT), ("k", 5), ("threads", 2)] {
+        assert_eq!(object[key], value, "{key}");
+    }
+
+    let table = works(&["bench", text(&video), "--frames", "33", "--scale", "48x30"]);
+    assert!(table.starts_with("33 frames of 48×30, K = 3"), "{table}");
+    for row in ["decoding", "frame by frame", "replay", "MOG2", "KNN", "the whole analysis"] {
+        assert!(table.contains(row), "{row} in {table}");
+    }
+}
+
+#[test]
+fn what_cannot_be_measured_fails_in_one_line() {
+    let place = Place::new();
+    let video = place.path("images");
+    write_images(&video, 5, 1);
+    let line = fails(&["bench", text(&video)], 1);
+    assert!(line.contains("5 frames") && line.contains("longer"), "{line}");
+    assert!(fails(&["bench", text(&video), "--scale", "0x5"], 2).contains("--scale"));
+    assert!(fails(&["bench", text(&place.path("no.avi"))], 1).contains("no.avi"));
+}
