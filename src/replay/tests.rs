@@ -396,7 +396,6 @@ fn the_start_can_be_the_first_occlusion() {
     let folder = scene();
     let watched = Watched::open(folder.path(), settings(), Start::FirstOcclusion, 1 << 30);
     let first = watched.until(|state| state.shown.is_some());
-    assert_eq!(first.shown.unwrap().position, 0, "something is in view at once");
     let state = watched.until(|state| !shows(state, 0) && state.shown.is_some());
     let tracks = state.shown.as_ref().unwrap().analysis.tracks.clone();
     assert!(tracks.iter().any(|track| track.state != TrackState::Visible), "{tracks:?}");

@@ -1,11 +1,15 @@
 //! Decoded frames within a budget of memory, by their position in the sequence.
 //!
-//! Sources are read from the first frame to the last; nothing here seeks. A frame that was dropped
-//! is decoded again by a fresh reader from the start: slow, and the same frame.
+//! Sources are read from the first frame to the last, a little ahead of what is asked for. A frame
+//! that was dropped is decoded again by a fresh reader. That may jump towards it, and as jumps in
+//! videos land anywhere, the place is told by the frames themselves: each is known by a fingerprint
+//! from when it was first decoded. Where that does not help, the reader starts from the beginning:
+//! slow, and the same frame.
 
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
+use super::ahead::{Ahead, Fingerprint, Item, fingerprint};
 use super::{Source, SourceError, SourceInfo};
 use crate::frame::Frame;
 
@@ -33,16 +37,36 @@ pub enum Keep {
     IfRoom,
 }
 
+/// Decoding so many frames in order takes no longer than to open a source again and jump.
+const FAR: u32 = 48;
+/// A jump goes so many frames before the one that is wanted: whoever steps back will want those next.
+const RUN_UP: u32 = 24;
+/// So many equal frames in a row leave it open where a jump landed.
+const MOST_TO_LAND: usize = 8;
+/// At most so many frames are decoded ahead.
+const MOST_AHEAD: usize = 32;
+
+/// A reader of frames that were dropped.
+struct Again {
+    source: Box<dyn Source>,
+    /// The position that it gives next.
+    next: u32,
+    /// Whether it jumped there.
+    jumped: bool,
+}
+
 /// Random access to the frames of a source.
 pub struct FrameCache {
     open: Opener,
     info: Arc<SourceInfo>,
     /// The reader that has come furthest; it is at position `numbers.len()`.
-    front: Box<dyn Source>,
+    front: Ahead,
     numbers: Vec<u32>,
+    fingerprints: Vec<Fingerprint>,
     complete: bool,
-    /// A second reader for frames that were dropped, and the position that it gives next.
-    again: Option<(u32, Box<dyn Source>)>,
+    again: Option<Again>,
+    /// Whether jumps have been of use so far.
+    jumps: bool,
     kept: HashMap<u32, (Arc<Frame>, u64)>,
     /// Positions by the time they were last useful.
     by_use: BTreeMap<u64, u32>,
@@ -67,17 +91,24 @@ impl FrameCache {
         let front = open()?;
         let info = Arc::new(front.info().clone());
         let frame_bytes = (info.size.pixels() * 3).max(1);
+        let room = budget / frame_bytes;
+        let ahead = (room / 4).clamp(1, if info.live { 2 } else { MOST_AHEAD });
+        let front = Ahead::start(front, ahead).map_err(|error| {
+            SourceError::unusable(&info.name, format!("no thread to decode it can be started ({error})"))
+        })?;
         Ok(Self {
             open: Box::new(open),
             info,
             front,
             numbers: Vec::new(),
+            fingerprints: Vec::new(),
             complete: false,
             again: None,
+            jumps: true,
             kept: HashMap::new(),
             by_use: BTreeMap::new(),
             clock: 0,
-            room: (budget / frame_bytes).max(2),
+            room: room.saturating_sub(ahead).max(2),
             warnings: Vec::new(),
         })
     }
@@ -106,6 +137,7 @@ impl FrameCache {
     pub fn forget(&mut self) {
         if self.info.live {
             self.numbers.clear();
+            self.fingerprints.clear();
             self.kept.clear();
             self.by_use.clear();
         }
@@ -119,6 +151,17 @@ impl FrameCache {
         *used = self.clock;
         self.by_use.insert(self.clock, position);
         Some(Arc::clone(frame))
+    }
+
+    /// The frame at `position` if it is kept, or is the next of the sequence and decoded already.
+    pub fn at_hand(&mut self, position: u32) -> Result<Option<Arc<Frame>>, SourceError> {
+        if position as usize == self.numbers.len() && !self.complete && self.front.is_ready() {
+            return Ok(match self.fetch_ahead(position)? {
+                Fetched::Frame(frame) => Some(frame),
+                _ => None,
+            });
+        }
+        Ok(self.kept(position))
     }
 
     /// One step towards the frame at `position`: decodes at most one frame, so that the caller can
@@ -151,40 +194,91 @@ impl FrameCache {
         if self.complete {
             return Ok(Fetched::End);
         }
-        let frame = self.front.next_frame();
-        self.warnings.extend(self.front.take_warnings());
-        let Some(frame) = frame? else {
+        let Some(Item { frame, warnings }) = self.front.next() else {
+            return Err(SourceError::unusable(&self.info.name, "its decoder broke down; open it again"));
+        };
+        self.warnings.extend(warnings);
+        let Some((frame, fingerprint)) = frame? else {
             self.complete = true;
             return Ok(Fetched::End);
         };
         let here = self.numbers.len() as u32;
         self.numbers.push(frame.number);
+        self.fingerprints.push(fingerprint);
         let frame = Arc::new(frame);
         self.insert(here, Arc::clone(&frame));
         Ok(if here == position { Fetched::Frame(frame) } else { Fetched::OnTheWay })
     }
 
     fn fetch_again(&mut self, position: u32, keep: Keep) -> Result<Fetched, SourceError> {
-        let (here, mut source) = match self.again.take() {
-            Some((next, source)) if next <= position => (next, source),
-            _ => (0, (self.open)()?),
+        let mut again = match self.again.take() {
+            Some(again) if again.next <= position && (position - again.next <= FAR || !self.jumps) => again,
+            _ => {
+                let mut source = (self.open)()?;
+                if self.jumps && position > FAR {
+                    self.jumps = source.seek(position - RUN_UP.min(self.room as u32 / 2));
+                    if self.jumps {
+                        return self.land(source, position);
+                    }
+                    source = (self.open)()?;
+                }
+                Again { source, next: 0, jumped: false }
+            }
         };
-        let frame = source.next_frame()?.filter(|frame| {
-            frame.size == self.info.size && self.numbers.get(here as usize) == Some(&frame.number)
+        let here = again.next;
+        let frame = again.source.next_frame()?.filter(|frame| {
+            frame.size == self.info.size && self.fingerprints.get(here as usize) == Some(&fingerprint(frame))
         });
-        let Some(frame) = frame else {
+        let Some(mut frame) = frame else {
+            if again.jumped {
+                self.jumps = false;
+                return Ok(Fetched::OnTheWay);
+            }
             return Err(SourceError::unusable(
                 &self.info.name,
                 "it changed while it was read; leave it alone and open it again",
             ));
         };
-        self.again = Some((here + 1, source));
+        // After a jump a reader counts from elsewhere.
+        frame.number = self.numbers[here as usize];
+        again.next = here + 1;
+        self.again = Some(again);
         let frame = Arc::new(frame);
         let near = (position - here) as usize <= self.room / 2;
         if keep == Keep::Yes && near || self.kept.len() < self.room {
             self.insert(here, Arc::clone(&frame));
         }
         Ok(if here == position { Fetched::Frame(frame) } else { Fetched::OnTheWay })
+    }
+
+    /// Finds out where a source that jumped is, from what it gives next; where that is not a little
+    /// before `position`, or not to be told, there are no more jumps.
+    fn land(&mut self, mut source: Box<dyn Source>, position: u32) -> Result<Fetched, SourceError> {
+        let mut seen = Vec::new();
+        self.jumps = false;
+        while seen.len() < MOST_TO_LAND {
+            let Some(frame) = source.next_frame()?.filter(|frame| frame.size == self.info.size) else {
+                break;
+            };
+            seen.push(fingerprint(&frame));
+            let mut places = self
+                .fingerprints
+                .windows(seen.len())
+                .enumerate()
+                .filter(|(_, run)| *run == seen)
+                .map(|(at, _)| at);
+            let (Some(place), another) = (places.next(), places.next()) else { break };
+            let next = (place + seen.len()) as u32;
+            if !(next..=next + FAR).contains(&position) {
+                break;
+            }
+            if another.is_none() {
+                self.jumps = true;
+                self.again = Some(Again { source, next, jumped: true });
+                break;
+            }
+        }
+        Ok(Fetched::OnTheWay)
     }
 
     fn insert(&mut self, position: u32, frame: Arc<Frame>) {
@@ -272,7 +366,7 @@ mod tests {
 
     #[test]
     fn what_was_used_last_stays() {
-        let (mut cache, opened) = cache(10, 3, false);
+        let (mut cache, opened) = cache(10, 4, false);
         cache.get(2).unwrap();
         cache.kept(0).unwrap();
         cache.get(3).unwrap();
@@ -284,7 +378,7 @@ mod tests {
 
     #[test]
     fn a_single_pass_pushes_nothing_out() {
-        let (mut cache, _) = cache(10, 3, false);
+        let (mut cache, _) = cache(10, 4, false);
         cache.get(9).unwrap();
         for position in 0..7 {
             let fetched = cache.fetch(position, Keep::IfRoom).unwrap();
@@ -322,5 +416,74 @@ mod tests {
         cache.get(9).unwrap().unwrap();
         let error = cache.get(3).unwrap_err().to_string();
         assert!(error.contains("changed"), "{error}");
+    }
+
+    /// A source that jumps: to where it is told plus `off`, and which shows each picture `still` times.
+    struct Jumping {
+        info: SourceInfo,
+        next: i64,
+        off: i64,
+        still: u32,
+        decoded: Arc<AtomicU32>,
+    }
+
+    impl Jumping {
+        fn at(&self, position: u32) -> Frame {
+            let byte = |at: usize| (position / self.still * 31 + at as u32 * 7) as u8;
+            Frame::new(1 + position, SIZE, (0..SIZE.pixels() * 3).map(byte).collect())
+        }
+    }
+
+    impl Source for Jumping {
+        fn info(&self) -> &SourceInfo {
+            &self.info
+        }
+
+        fn next_frame(&mut self) -> Result<Option<Frame>, SourceError> {
+            self.decoded.fetch_add(1, Ordering::Relaxed);
+            self.next += 1;
+            Ok((self.next <= 250).then(|| self.at(self.next as u32 - 1)))
+        }
+
+        fn seek(&mut self, position: u32) -> bool {
+            self.next = (i64::from(position) + self.off).clamp(0, 249);
+            true
+        }
+
+        fn take_warnings(&mut self) -> Vec<String> {
+            Vec::new()
+        }
+    }
+
+    #[test]
+    fn wherever_a_jump_lands_the_frame_is_the_right_one() {
+        for (off, still, most_decoded) in [
+            (0, 1, 80),
+            (-13, 1, 110),
+            (11, 1, 80),
+            (40, 1, 1000),
+            (0, 3, 90),
+            (0, 20, 1000),
+            (-900, 1, 1000),
+        ] {
+            let decoded = Arc::new(AtomicU32::new(0));
+            let count = Arc::clone(&decoded);
+            let open = move || {
+                let info =
+                    SourceInfo { name: "jumping".into(), size: SIZE, fps: 25.0, frames: None, live: false };
+                Ok(Box::new(Jumping { info, next: 0, off, still, decoded: Arc::clone(&count) })
+                    as Box<dyn Source>)
+            };
+            let mut cache = FrameCache::new(open, 40 * SIZE.pixels() * 3).unwrap();
+            cache.get(249).unwrap().unwrap();
+            let before = decoded.load(Ordering::Relaxed);
+            for position in [150, 149, 148, 140, 130, 90, 91, 10] {
+                let frame = cache.get(position).unwrap().unwrap();
+                let byte = (position / still * 31) as u8;
+                assert_eq!((frame.number, frame.rgb[0]), (position + 1, byte), "off {off}, still {still}");
+            }
+            let again = decoded.load(Ordering::Relaxed) - before;
+            assert!(again <= most_decoded, "off {off}, still {still}: {again} decoded again");
+        }
     }
 }

@@ -138,6 +138,17 @@ impl Source for ImageSequence {
         Ok(self.first.take().or_else(|| self.decode_next()))
     }
 
+    fn seek(&mut self, position: u32) -> bool {
+        // The first image has been taken already, for opening.
+        if position > 0 {
+            self.first = None;
+            let mut readable =
+                (1..position).take_while(|_| self.files.by_ref().any(|file| file.unreadable.is_none()));
+            while readable.next().is_some() {}
+        }
+        true
+    }
+
     fn take_warnings(&mut self) -> Vec<String> {
         std::mem::take(&mut self.warnings)
     }

@@ -2,6 +2,7 @@
 //!
 //! Every later stage sees only [`Frame`]s, 8-bit RGB, in order.
 
+mod ahead;
 pub mod cache;
 mod image_file;
 mod images;
@@ -42,6 +43,13 @@ pub trait Source: Send {
 
     /// The next frame, `None` after the last. All frames have the size of [`SourceInfo::size`].
     fn next_frame(&mut self) -> Result<Option<Frame>, SourceError>;
+
+    /// Jumps to about the frame at this position, from 0; whether it can jump at all. Where it lands
+    /// only the frames tell that come next, whose numbers count from elsewhere. Before any of them
+    /// was read.
+    fn seek(&mut self, _position: u32) -> bool {
+        false
+    }
 
     /// What went wrong without ending the sequence since this was last asked (an image that could
     /// not be read and was skipped, a video that broke off), a sentence each.

@@ -1,6 +1,7 @@
 //! Video files and cameras, through OpenCV.
 //!
-//! OpenCV's seeking and its frame count are not exact: frames are decoded in order and counted here.
+//! OpenCV's seeking and its frame count are not exact: frames are decoded in order and counted here,
+//! and who jumps has to find out where he is.
 
 use std::fs::{self, File};
 use std::io::Read;
@@ -10,7 +11,8 @@ use opencv::core::{CV_8UC1, CV_8UC3, CV_8UC4, Mat, Vec3b};
 use opencv::imgproc::{COLOR_BGR2RGB, COLOR_BGRA2RGB, COLOR_GRAY2RGB, cvt_color_def};
 use opencv::prelude::*;
 use opencv::videoio::{
-    CAP_ANY, CAP_FFMPEG, CAP_PROP_FPS, CAP_PROP_FRAME_COUNT, CAP_PROP_POS_MSEC, VideoCapture,
+    CAP_ANY, CAP_FFMPEG, CAP_PROP_FPS, CAP_PROP_FRAME_COUNT, CAP_PROP_POS_FRAMES, CAP_PROP_POS_MSEC,
+    VideoCapture,
 };
 
 use super::{Source, SourceError, SourceInfo, image_file};
@@ -174,6 +176,14 @@ impl Source for Video {
             Some(_) => {}
         }
         Ok(frame)
+    }
+
+    fn seek(&mut self, position: u32) -> bool {
+        if self.info.live {
+            return false;
+        }
+        self.first = None;
+        self.capture.set(CAP_PROP_POS_FRAMES, f64::from(position)).unwrap_or(false)
     }
 
     fn take_warnings(&mut self) -> Vec<String> {
