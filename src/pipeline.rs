@@ -160,13 +160,24 @@ impl Pipeline {
     /// Takes the next frames through all stages, in order: what [`Self::step`] would give frame by
     /// frame, in less time, as most of the work on a frame does not wait for the one before it.
     pub fn step_many(&mut self, frames: &[&Frame]) -> Result<Vec<Analysis>, PipelineError> {
+        let raw = self.masks(frames)?;
+        self.find_many(frames, raw)
+    }
+
+    /// The model's masks of the next frames, before cleaning: the first stage alone. Each has to be
+    /// given to [`Self::find_many`].
+    pub fn masks(&mut self, frames: &[&Frame]) -> Result<Vec<Mask>, PipelineError> {
         if let Some(other) = frames.iter().find(|frame| frame.size != self.size) {
             let (found, expected) = (other.size, self.size);
             return Err(PipelineError::Size { frame: other.number, found, expected });
         }
-        let masks = self.model.masks(frames)?;
+        self.model.masks(frames)
+    }
+
+    /// Takes frames through all stages after the model, whose masks of them are `raw`.
+    pub fn find_many(&mut self, frames: &[&Frame], raw: Vec<Mask>) -> Result<Vec<Analysis>, PipelineError> {
         let finder = self.finder;
-        let found = frames.par_iter().zip(masks).map(|(frame, mask)| finder.find(frame, mask));
+        let found = frames.par_iter().zip(raw).map(|(frame, mask)| finder.find(frame, mask));
         let found = found.collect::<Result<Vec<_>, _>>()?;
         Ok(frames.iter().zip(found).map(|(frame, found)| self.follow(frame.number, found)).collect())
     }
@@ -189,15 +200,24 @@ impl Pipeline {
         }
     }
 
+    /// Begins anew after the model under `settings`, of which those of the model must be the same:
+    /// frames go through [`Self::find_many`], in order, with the masks that the model gave.
+    pub fn restart_finding(&mut self, settings: &Settings, fps: f32) {
+        self.finder = Finder::new(settings);
+        self.restart_tracking(settings, fps);
+    }
+
     /// Begins tracking anew under `settings`, of which only those of tracking and occlusion may
     /// differ; the model and all before tracking stay as they are.
     pub fn restart_tracking(&mut self, settings: &Settings, fps: f32) {
+        self.t = 0;
         self.reasoner = Reasoner::new(settings, self.size, fps);
     }
 
     /// Takes the regions of a frame that was analysed before through tracking and occlusion alone,
     /// after [`Self::restart_tracking`] and in the frames' order.
     pub fn track_again(&mut self, analysis: &Analysis) -> Analysis {
+        self.t += 1;
         let seen = self.reasoner.step(analysis.number, &analysis.regions);
         Analysis {
             tracks: Arc::new(seen.tracks),

@@ -247,7 +247,7 @@ impl Window {
                     // A panel is as large as what is in it: a short list must not shrink it.
                     ui.take_available_space();
                 });
-                let action = inspector.ui(ui, model.shown(), model.fps());
+                let action = inspector.ui(ui, model.shown(), model.pixel(), model.fps());
                 if let Some(InspectorAction::GoTo(position)) = action {
                     commands.push(Command::GoTo(position));
                 }

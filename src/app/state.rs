@@ -8,6 +8,7 @@ use eframe::egui::Context;
 use super::history::History;
 use super::slots::{Slot, Slots};
 use super::views::{Background, View};
+use crate::mixture::PixelHistory;
 use crate::occlusion::EventKind;
 use crate::replay::{Phase, Session, Shown, Start, State, Timeline};
 use crate::settings::Settings;
@@ -201,6 +202,11 @@ impl Model {
     /// The frame in view.
     pub(crate) fn shown(&self) -> Option<&Shown> {
         self.state.as_ref()?.shown.as_deref()
+    }
+
+    /// The chosen pixel under the settings chosen last, for which the frame in view may still wait.
+    pub(crate) fn pixel(&self) -> Option<&Arc<PixelHistory>> {
+        self.state.as_ref()?.pixel.as_ref()
     }
 
     /// What is known of the sequence.

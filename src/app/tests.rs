@@ -219,6 +219,7 @@ fn state(phase: Phase, shown: Option<u32>) -> State {
         shown: shown.map(|position| Arc::new(shown_at(position))),
         timeline: if shown.is_some() { Arc::new(timeline()) } else { Arc::default() },
         busy: None,
+        pixel: None,
         analysis_fps: 0.0,
     }
 }

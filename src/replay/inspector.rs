@@ -12,31 +12,33 @@ use crate::source::cache::{Fetched, FrameCache, Keep};
 /// Work on a pixel goes on for so long before other work gets its turn.
 const TURN: Duration = Duration::from_millis(4);
 
-/// Follows one pixel through the frames, as far as the model has seen them.
+/// Follows one pixel through all frames that are known, whether they are analysed or not.
 #[derive(Default)]
 pub(super) struct Inspector {
     history: Option<Arc<PixelHistory>>,
-    /// Colours that are not in `history` yet: it is extended when somebody wants to see it, as
-    /// others hold the last one and it has to be copied then.
-    pending: Vec<(u32, [u8; 3])>,
+    /// The pixel's number and colour in each frame. `history` may be behind: it is extended when
+    /// somebody wants to see it, as others hold the last one and it has to be copied then.
+    colours: Vec<(u32, [u8; 3])>,
 }
 
 impl Inspector {
-    /// Chooses a pixel, or none; what is known stays where it is the same pixel under the same parameters.
+    /// Chooses a pixel, or none; of the same pixel what was seen stays, and is taken through the
+    /// mixture anew where the parameters are others.
     pub(super) fn choose(&mut self, at: Option<(u32, u32)>, settings: &Settings) {
         let at = at.filter(|_| settings.background_model == BackgroundModel::Mixture);
         let parameters = Parameters::new(settings);
+        if self.history.as_ref().map(|history| history.at) != at {
+            self.colours.clear();
+        }
         let same = |history: &Arc<PixelHistory>| Some(history.at) == at && history.parameters == parameters;
         if !self.history.as_ref().is_some_and(same) {
             self.history = at.map(|at| Arc::new(PixelHistory::new(at, parameters)));
-            self.pending.clear();
         }
     }
 
     /// How many frames are known, `None` when no pixel is chosen.
     pub(super) fn frames(&self) -> Option<u32> {
-        let history = self.history.as_ref()?;
-        Some((history.states.len() + self.pending.len()) as u32)
+        self.history.as_ref().map(|_| self.colours.len() as u32)
     }
 
     /// Takes in the frame at `position` if it is the next.
@@ -45,14 +47,15 @@ impl Inspector {
             && self.frames() == Some(position)
             && let Some(colour) = frame.pixel(history.at.0, history.at.1)
         {
-            self.pending.push((frame.number, colour));
+            self.colours.push((frame.number, colour));
         }
     }
 
-    /// Takes in frames up to position `end` for a short while; whether there was anything to do.
-    pub(super) fn gather(&mut self, frames: &mut FrameCache, end: u32) -> Result<bool, SourceError> {
+    /// Takes in frames that were decoded before, for a short while; whether there was anything to do.
+    pub(super) fn gather(&mut self, frames: &mut FrameCache) -> Result<bool, SourceError> {
         let started = Instant::now();
         let mut worked = false;
+        let end = frames.numbers().len() as u32;
         while let Some(next) = self.frames().filter(|&next| next < end) {
             worked = true;
             match frames.fetch(next, Keep::IfRoom)? {
@@ -83,9 +86,9 @@ impl Inspector {
     /// The history brought up to date.
     pub(super) fn latest(&mut self) -> Option<Arc<PixelHistory>> {
         let history = self.history.as_mut()?;
-        if !self.pending.is_empty() {
+        if history.states.len() < self.colours.len() {
             let history = Arc::make_mut(history);
-            for (number, colour) in self.pending.drain(..) {
+            for &(number, colour) in &self.colours[history.states.len()..] {
                 history.push_colour(number, colour);
             }
         }

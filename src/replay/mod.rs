@@ -8,6 +8,7 @@ mod memory;
 mod pictures;
 mod record;
 mod run;
+mod runs;
 mod session;
 mod spaced;
 mod timeline;
@@ -62,9 +63,12 @@ pub struct State {
     pub warnings: Arc<Vec<String>>,
     /// The frame in view: everything of one moment and one choice of settings.
     pub shown: Option<Arc<Shown>>,
-    /// What is known of the whole sequence so far under the settings chosen last. It follows the
-    /// work at most ten times a second, and holds the frame in view unless that one still shows
-    /// the settings before.
+    /// The chosen pixel through all frames that are known, under the settings chosen last; `None` when
+    /// no pixel is chosen or the model has no mixture. After a change of settings it is there at
+    /// once, before the frame in view.
+    pub pixel: Option<Arc<PixelHistory>>,
+    /// What is known of the whole sequence so far under the settings of the frame in view, which it
+    /// holds. It follows the work at most ten times a second.
     pub timeline: Arc<Timeline>,
     /// What the worker is doing, `None` when it rests.
     pub busy: Option<Progress>,
@@ -102,7 +106,7 @@ pub struct Shown {
     pub multi_mode: Option<Arc<Frame>>,
     /// B at each pixel in row order; `None` where the model has no mixture.
     pub background_count: Option<Arc<Vec<u8>>>,
-    /// The chosen pixel through all analysed frames up to the last that is known, under `settings`;
+    /// The chosen pixel through all frames up to the last that is known, under `settings`;
     /// `None` when no pixel is chosen or the model has no mixture. Its state of this frame is the
     /// one at index [`Shown::position`].
     pub pixel: Option<Arc<PixelHistory>>,

@@ -1,19 +1,32 @@
 //! One choice of settings over the sequence: how far it has come, its record, and its model at any
 //! frame on the way.
 
+use std::ops::Range;
 use std::sync::Arc;
+
+use rayon::prelude::*;
 
 use super::pictures::{Pictures, Recent};
 use super::record::Record;
+use super::runs;
 use super::spaced::Spaced;
-use crate::frame::{Frame, Size};
-use crate::mixture::{Mixture, Parameters};
+use crate::frame::{Frame, Mask, Size};
+use crate::mixture::{BATCH, Mixture, Parameters};
 use crate::pipeline::{Analysis, Pipeline, PipelineError, Reading, final_reading};
-use crate::settings::Settings;
+use crate::settings::{Settings, Stage};
 use crate::source::SourceInfo;
 
 /// Checkpoints are not closer than this: replaying so few frames takes no time worth the memory.
 const CLOSEST: u32 = 16;
+
+/// A piece of work takes frames of so many pixels together at most, and one frame at least: it is
+/// not to keep a newer request waiting.
+const PIXELS_AT_ONCE: usize = 8 << 20;
+
+/// How many frames of this size a piece of work may take.
+fn most_at_once(size: Size) -> usize {
+    (PIXELS_AT_ONCE / size.pixels().max(1)).clamp(1, BATCH)
+}
 
 /// The analysis of a sequence under one choice of settings.
 ///
@@ -26,14 +39,18 @@ pub(super) struct Run {
     info: Arc<SourceInfo>,
     pipeline: Pipeline,
     record: Record,
-    /// Frames analysed in full; less than on record while tracking is being redone.
+    /// Frames analysed in full; less than on record while what follows the model is being redone.
     front: u32,
+    /// Whether what is redone begins with the regions, and not with tracking.
+    finding_again: bool,
     /// Mixtures by the number of frames that they have taken in.
     checkpoints: Spaced<Mixture>,
     /// Background images by position, of models that cannot be copied.
     backgrounds: Spaced<Arc<Frame>>,
     /// A mixture on its way through the past, and the frames that it has taken in.
     replay: Option<(u32, Mixture)>,
+    /// Where a replay puts masks that nobody needs.
+    masks: Vec<Mask>,
     recent: Recent,
 }
 
@@ -41,8 +58,8 @@ pub(super) struct Run {
 pub(super) enum Towards {
     /// The pictures of that frame.
     Pictures(Pictures),
-    /// The frame at this position has to be given to [`Run::replay_frame`] first.
-    Needs(u32),
+    /// The frames at these positions have to be given to [`Run::replay_frames`] first, at least one.
+    Needs(Range<u32>),
 }
 
 impl Run {
@@ -65,7 +82,9 @@ impl Run {
             settings,
             pipeline,
             front: 0,
+            finding_again: false,
             replay: None,
+            masks: Vec::new(),
             recent: Recent::new(recent),
         })
     }
@@ -86,12 +105,16 @@ impl Run {
 
     /// Whether the next frame needs tracking alone, for which [`Self::track_next`] is there.
     pub(super) fn is_tracking_again(&self) -> bool {
-        self.front < self.record.len()
+        self.front < self.record.len() && !self.finding_again
     }
 
-    /// Takes other settings of tracking and occlusion: masks, regions and models stay.
-    pub(super) fn restart_tracking(&mut self, settings: Arc<Settings>) {
-        self.pipeline.restart_tracking(&settings, self.info.fps);
+    /// Takes other settings, of which those before `stage` are the same: what comes before it stays.
+    /// The model itself has to run again in another [`Run`].
+    pub(super) fn restart_at(&mut self, stage: Stage, settings: Arc<Settings>) {
+        // Frames that were not reached yet still have regions of the settings before.
+        let half_done = self.finding_again && self.front < self.record.len();
+        self.finding_again = half_done || stage <= Stage::Regions;
+        self.pipeline.restart_finding(&settings, self.info.fps);
         self.settings = settings;
         self.front = 0;
     }
@@ -105,18 +128,47 @@ impl Run {
         }
     }
 
-    /// Analyses the next frame.
-    pub(super) fn step(&mut self, frame: &Frame) -> Result<(), PipelineError> {
-        let analysis = self.pipeline.step(frame)?;
-        self.record.push(analysis);
+    /// How many of the next frames [`Self::step`] may take at a time: after the last of them the
+    /// model may have to be kept.
+    pub(super) fn most_frames(&self) -> usize {
+        let until_kept = match self.pipeline.mixture() {
+            _ if self.front < self.record.len() => self.record.len() - self.front,
+            Some(_) => self.checkpoints.until_next(self.front),
+            None => 1,
+        };
+        most_at_once(self.info.size).min(until_kept as usize).max(1)
+    }
+
+    /// Analyses the next frames, up to [`Self::most_frames`] of them.
+    pub(super) fn step(&mut self, frames: &[Arc<Frame>]) -> Result<(), PipelineError> {
+        let borrowed: Vec<_> = frames.iter().map(Arc::as_ref).collect();
         let position = self.front;
-        self.front += 1;
+        self.front += frames.len() as u32;
+        if position < self.record.len() {
+            let raw =
+                (position..).map_while(|position| self.record.raw(position)).take(frames.len()).collect();
+            for (position, analysis) in (position..).zip(self.pipeline.find_many(&borrowed, raw)?) {
+                self.record.find_again(position, analysis);
+            }
+            return Ok(());
+        }
+        let raw = self.pipeline.masks(&borrowed)?;
+        let kept: Vec<_> = raw.par_iter().map(runs::of_mask).collect();
+        for (analysis, raw) in self.pipeline.find_many(&borrowed, raw)?.into_iter().zip(kept) {
+            self.record.push(analysis, raw);
+        }
+        self.keep_model(frames.last())
+    }
+
+    /// Keeps what is needed to come back to the model as it is after this frame, if there is room.
+    fn keep_model(&mut self, last: Option<&Arc<Frame>>) -> Result<(), PipelineError> {
+        let Some((last, position)) = last.zip(self.front.checked_sub(1)) else { return Ok(()) };
         if let Some(mixture) = self.pipeline.mixture() {
             if self.checkpoints.wants(self.front) {
                 self.checkpoints.insert(self.front, mixture.clone());
             }
         } else if self.backgrounds.wants(position) {
-            let background = self.background(frame.number, frame.size)?;
+            let background = self.background(last.number, last.size)?;
             self.backgrounds.insert(position, background);
         }
         Ok(())
@@ -164,31 +216,37 @@ impl Run {
             // A replay that has come farther, yet not too far, is nearer.
             !self.replay.as_ref().is_some_and(|(replayed, _)| (*taken..=wanted).contains(replayed))
         });
-        if let Some((taken, mixture)) = checkpoint {
-            self.replay = Some((taken, mixture.clone()));
+        match (checkpoint, &mut self.replay) {
+            // Memory that is there already need not be asked for.
+            (Some((taken, mixture)), Some(replay)) => {
+                replay.0 = taken;
+                replay.1.clone_from(mixture);
+            }
+            (Some((taken, mixture)), replay @ None) => *replay = Some((taken, mixture.clone())),
+            (None, _) => {}
         }
         let (taken, mixture) = match &mut self.replay {
             Some(replay) if replay.0 <= wanted => replay,
             replay => replay.insert((0, Mixture::new(self.info.size, Parameters::new(&self.settings)))),
         };
         if *taken < wanted {
-            return Towards::Needs(*taken);
+            let most = most_at_once(self.info.size) as u32;
+            return Towards::Needs(*taken..wanted.min(*taken + most));
         }
         let pictures = Pictures::of_mixture(mixture, frame);
         self.recent.insert(position, pictures.clone());
         Towards::Pictures(pictures)
     }
 
-    /// Takes the replay one frame on. `keep`: its pictures will be asked for soon.
-    pub(super) fn replay_frame(&mut self, position: u32, frame: &Frame, keep: bool) {
+    /// Takes the replay on by the frames from `position` on.
+    pub(super) fn replay_frames(&mut self, position: u32, frames: &[Arc<Frame>]) {
         if let Some((taken, mixture)) = &mut self.replay
             && *taken == position
         {
-            mixture.step(frame);
-            *taken += 1;
-            if keep && self.recent.get(position).is_none() {
-                self.recent.insert(position, Pictures::of_mixture(mixture, frame));
-            }
+            let borrowed: Vec<_> = frames.iter().map(Arc::as_ref).collect();
+            self.masks.resize_with(frames.len(), || Mask::empty(self.info.size));
+            mixture.replay(&borrowed, &mut self.masks);
+            *taken += frames.len() as u32;
         }
     }
 

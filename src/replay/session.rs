@@ -74,6 +74,7 @@ impl Session {
             info: None,
             warnings: Arc::default(),
             shown: None,
+            pixel: None,
             timeline: Arc::new(Timeline::default()),
             busy: None,
             analysis_fps: 0.0,

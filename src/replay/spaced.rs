@@ -20,6 +20,11 @@ impl<T> Spaced<T> {
         self.room > 0 && position.is_multiple_of(self.stride) && !self.kept.contains_key(&position)
     }
 
+    /// How far it is from a position to the next one that might be wanted, at least 1.
+    pub(super) const fn until_next(&self, position: u32) -> u32 {
+        self.stride - position % self.stride
+    }
+
     /// Keeps a thing, and drops every other one when there are too many.
     pub(super) fn insert(&mut self, position: u32, thing: T) {
         self.kept.insert(position, thing);

@@ -235,6 +235,17 @@ fn a_change_of_settings_never_mixes_with_what_was() {
         if let Some(history) = &shown.pixel {
             assert_eq!(history.parameters, Parameters::new(&shown.settings));
         }
+        let shares = expected[choice].iter().map(|shown| shown.analysis.mask.foreground_share());
+        let analysed = state.timeline.foreground_share.len();
+        assert!(analysed > shown.position as usize, "the timeline holds the frame in view");
+        assert!(state.timeline.foreground_share.iter().copied().eq(shares.take(analysed)));
+        // The pixel may be ahead of the view.
+        if let Some(history) = &state.pixel {
+            let settings = |settings: &&Settings| Parameters::new(settings) == history.parameters;
+            let choice = choices.iter().position(|choice| settings(&choice)).unwrap();
+            let straight = expected[choice].last().unwrap().pixel.as_ref().unwrap();
+            assert_eq!(history.states[..], straight.states[..history.states.len()]);
+        }
         shown.settings.clone()
     };
     for (round, settings) in choices.iter().cycle().skip(1).take(9).enumerate() {
@@ -255,6 +266,26 @@ fn a_change_of_settings_never_mixes_with_what_was() {
             shows(state, position)
         });
     }
+}
+
+#[test]
+fn the_chosen_pixel_answers_new_settings_without_the_frames() {
+    let folder = scene();
+    let expected = straight(folder.path(), &settings());
+    let other = Settings { k: 2, alpha: 0.2, ..settings() };
+    let mut inspector = super::inspector::Inspector::default();
+    inspector.choose(Some(PIXEL), &settings());
+    for shown in &expected {
+        inspector.push(shown.position, &shown.frame);
+    }
+    assert_eq!(inspector.latest(), expected.last().unwrap().pixel);
+    inspector.choose(Some(PIXEL), &other);
+    let straight = straight(folder.path(), &other);
+    assert_eq!(inspector.latest(), straight.last().unwrap().pixel);
+    inspector.choose(Some((3, 4)), &other);
+    assert_eq!(inspector.frames(), Some(0));
+    inspector.choose(None, &other);
+    assert_eq!((inspector.frames(), inspector.latest()), (None, None));
 }
 
 #[test]

@@ -26,10 +26,6 @@ const PACE: Duration = Duration::from_millis(100);
 /// After the first occlusion was decided, so many more frames show how it goes on.
 const INTO_OCCLUSION: u32 = 10;
 
-/// Who steps back will step back again: the pictures of so many frames before the one that is
-/// wanted are made while the replay passes them. More would keep that one waiting.
-const STEPPING_BACK: u32 = 8;
-
 /// What stops the work on a choice of settings, in words for the user.
 struct Stopped(String);
 
@@ -69,6 +65,8 @@ struct Outbox {
     timeline_grew: bool,
     warnings: Vec<String>,
     told_of_gone: bool,
+    /// As last published.
+    pixel: Option<Arc<PixelHistory>>,
     /// How far the timeline reached that was last published.
     analysed: u32,
     /// As last published.
@@ -138,6 +136,7 @@ impl<'a> Worker<'a> {
                 timeline_grew: true,
                 warnings: Vec::new(),
                 told_of_gone: false,
+                pixel: None,
                 analysed: 0,
                 busy: None,
                 published: Instant::now(),
@@ -168,9 +167,7 @@ impl<'a> Worker<'a> {
         if let Some(Pixel(pixel)) = requests.inspect {
             self.pixel = pixel.filter(|&(x, y)| self.info.size.index(x, y).is_some());
             self.inspector.choose(self.pixel, self.run.settings());
-            if self.pixel.is_none() {
-                self.show_pixel();
-            }
+            self.show_pixel();
         }
         requests.settings.map_or(Ok(()), |settings| self.change_settings(settings))
     }
@@ -182,7 +179,7 @@ impl<'a> Worker<'a> {
         }
         let settings = Arc::new(settings);
         match difference {
-            Some(Stage::Tracking | Stage::Occlusion) if !self.stopped => self.run.restart_tracking(settings),
+            Some(stage) if stage > Stage::Mixture && !self.stopped => self.run.restart_at(stage, settings),
             _ => {
                 self.run = Run::new(settings, &self.info, self.model_budget)?;
                 if self.info.live && !self.frames.numbers().is_empty() && self.frames.kept(0).is_none() {
@@ -191,17 +188,18 @@ impl<'a> Worker<'a> {
             }
         }
         self.stopped = false;
+        // Before anything else: one pixel through all frames is a matter of a millisecond.
         self.inspector.choose(self.pixel, self.run.settings());
+        self.show_pixel();
         self.growing = Growing::default();
         self.finished = false;
         if let Some(Aim::Occlusion(found)) = &mut self.aim {
             *found = None;
         }
-        let timeline = self.timeline();
-        self.shared.publish(|state| {
-            state.phase = Phase::Ready;
-            state.timeline = timeline;
-        });
+        // The timeline changes together with the view.
+        self.outbox.analysed = 0;
+        self.outbox.timeline_grew = true;
+        self.shared.publish(|state| state.phase = Phase::Ready);
         Ok(())
     }
 
@@ -240,7 +238,7 @@ impl<'a> Worker<'a> {
         }
         if !self.is_view_current() {
             self.approach_view()?;
-        } else if self.inspector.gather(&mut self.frames, self.run.modelled())? {
+        } else if self.inspector.gather(&mut self.frames)? {
             if let Some(shown) = &self.shown
                 && shown.pixel.as_ref().map(|history| history.at) != self.pixel
             {
@@ -288,14 +286,16 @@ impl<'a> Worker<'a> {
                 }
             }
             Towards::Needs(needed) => {
-                let last = self.shown.as_ref().map_or(0, |shown| shown.position);
-                let stepping_back = (1..=10).contains(&last.saturating_sub(position));
-                let keep = stepping_back && position - needed <= STEPPING_BACK;
-                if let Some(passed) = self.fetch(needed)? {
-                    self.run.replay_frame(needed, &passed, keep);
+                if let Some(passed) = self.fetch(needed.start)? {
+                    let mut passed = vec![passed];
+                    for position in needed.start + 1..needed.end {
+                        let Some(frame) = self.frames.kept(position) else { break };
+                        passed.push(frame);
+                    }
+                    self.run.replay_frames(needed.start, &passed);
                 }
                 let what = format!("going back to frame {}", frame.number);
-                self.busy = Some(Progress { what, done: needed, total: Some(position + 1) });
+                self.busy = Some(Progress { what, done: needed.start, total: Some(position + 1) });
             }
         }
         Ok(())
@@ -323,7 +323,7 @@ impl<'a> Worker<'a> {
         Ok(None)
     }
 
-    /// Analyses the next frame, or decodes one on the way to it.
+    /// Analyses the next frames that are there, or decodes one on the way to them.
     fn analyse_next(&mut self) -> Result<(), Stopped> {
         let started = Instant::now();
         let position = self.run.front();
@@ -335,18 +335,21 @@ impl<'a> Worker<'a> {
             self.outbox.timeline_grew = true;
             match fetched? {
                 Fetched::Frame(frame) => {
-                    self.run.step(&frame)?;
-                    self.inspector.push(position, &frame);
+                    let frames = self.with_those_at_hand(position, frame);
+                    self.run.step(&frames)?;
+                    for (position, frame) in (position..).zip(&frames) {
+                        self.inspector.push(position, frame);
+                    }
                 }
-                Fetched::OnTheWay => return Ok(()),
-                Fetched::End => {}
+                Fetched::OnTheWay | Fetched::End => {}
                 // After a change of settings, frames of a live source that the new run needs.
                 Fetched::Gone => return self.start_over_live(),
             }
+            self.outbox.warnings.extend(self.frames.take_warnings());
         }
-        if self.run.front() > position
-            && let Some((analysis, share)) = self.run.outline(position)
-        {
+        let front = self.run.front();
+        for position in position..front {
+            let Some((analysis, share)) = self.run.outline(position) else { break };
             self.growing.push(analysis, share);
             if let Some(Aim::Occlusion(found @ None)) = &mut self.aim {
                 let occlusion = analysis
@@ -355,18 +358,20 @@ impl<'a> Worker<'a> {
                     .find(|event| matches!(event.kind, EventKind::Merge | EventKind::Disappear));
                 *found = occlusion.map(|event| (position, event.objects.clone()));
             }
-            self.meter.add(started.elapsed());
+        }
+        if front > position {
+            self.meter.add(started.elapsed(), front - position);
             let total = if self.frames.is_complete() {
                 Some(self.frames.numbers().len() as u32)
             } else {
-                self.info.frames.map(|frames| frames.max(position + 1))
+                self.info.frames.map(|frames| frames.max(front))
             };
-            let what = if self.wanted > position && !self.follow {
+            let what = if self.wanted >= front && !self.follow {
                 format!("analysing up to frame {}", self.number_of(self.wanted))
             } else {
                 "analysing".to_owned()
             };
-            self.busy = Some(Progress { what, done: position + 1, total });
+            self.busy = Some(Progress { what, done: front, total });
             self.outbox.timeline_grew = true;
         }
         if self.is_all_analysed() && !self.finished {
@@ -375,6 +380,21 @@ impl<'a> Worker<'a> {
             self.outbox.timeline_grew = true;
         }
         Ok(())
+    }
+
+    /// The next frame, and those after it that need not be waited for, as many as may be analysed
+    /// together: not beyond the one that is wanted in view, so that the model stops there.
+    fn with_those_at_hand(&mut self, position: u32, frame: Arc<Frame>) -> Vec<Arc<Frame>> {
+        let mut frames = vec![frame];
+        let most = match self.wanted.checked_sub(position) {
+            Some(before_wanted) if !self.follow => self.run.most_frames().min(before_wanted as usize + 1),
+            _ => self.run.most_frames(),
+        };
+        while frames.len() < most {
+            let Some(frame) = self.frames.at_hand(position + frames.len() as u32) else { break };
+            frames.push(frame);
+        }
+        frames
     }
 
     /// The frame number of a position; a guess beyond the frames that are known.
@@ -430,8 +450,13 @@ impl<'a> Worker<'a> {
         let shown = Arc::new(shown);
         self.shown = Some(Arc::clone(&shown));
         let timeline = (shown.position >= self.outbox.analysed).then(|| self.timeline());
+        if shown.pixel.is_some() || self.pixel.is_none() {
+            self.outbox.pixel.clone_from(&shown.pixel);
+        }
+        let pixel = self.outbox.pixel.clone();
         self.shared.publish(|state| {
             state.shown = Some(shown);
+            state.pixel = pixel;
             state.analysis_fps = self.meter.frames_a_second();
             if let Some(timeline) = timeline {
                 state.timeline = timeline;
@@ -447,19 +472,26 @@ impl<'a> Worker<'a> {
         Arc::new(timeline)
     }
 
-    /// Publishes the frame in view with the pixel's history as it is now.
+    /// Publishes the pixel's history as it is now, and the frame in view with it where both are of
+    /// the same settings.
     fn show_pixel(&mut self) {
-        let Some(shown) = self.shown.clone() else { return };
+        let pixel = self.inspector.latest();
+        let same = |a: &Option<Arc<PixelHistory>>| match (a, &pixel) {
+            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
+            (None, None) => true,
+            _ => false,
+        };
         // A view that waits for new settings keeps the old ones' history.
-        if !Arc::ptr_eq(&shown.settings, self.run.settings()) {
-            return;
-        }
-        let pixel = self.inspector.covering(shown.position).and_then(|_| self.inspector.latest());
-        let extent = |history: &Arc<PixelHistory>| (history.at, history.states.len());
-        if pixel.as_ref().map(extent) != shown.pixel.as_ref().map(extent)
-            && (pixel.is_some() || self.pixel.is_none())
-        {
-            self.show(Shown { pixel, ..(*shown).clone() });
+        let shown = self.shown.as_ref().filter(|shown| {
+            Arc::ptr_eq(&shown.settings, self.run.settings())
+                && !same(&shown.pixel)
+                && pixel.as_ref().is_none_or(|history| history.states.len() as u32 > shown.position)
+        });
+        if let Some(shown) = shown {
+            self.show(Shown { pixel, ..Shown::clone(shown) });
+        } else if !same(&self.outbox.pixel) {
+            self.outbox.pixel.clone_from(&pixel);
+            self.shared.publish(|state| state.pixel = pixel);
         }
     }
 
@@ -477,7 +509,10 @@ impl<'a> Worker<'a> {
             return;
         }
         let started = Instant::now();
-        let timeline = self.outbox.timeline_grew.then(|| self.timeline());
+        // While the view waits for new settings, what belongs to the old ones stays as well.
+        let view_lags =
+            self.shown.as_ref().is_some_and(|shown| !Arc::ptr_eq(&shown.settings, self.run.settings()));
+        let timeline = (self.outbox.timeline_grew && !view_lags).then(|| self.timeline());
         let new_warnings = std::mem::take(&mut self.outbox.warnings);
         self.show_pixel();
         self.shared.publish(|state| {
@@ -499,20 +534,24 @@ impl<'a> Worker<'a> {
 /// How fast the analysis goes, over about its last second of work.
 #[derive(Default)]
 struct Meter {
-    took: VecDeque<Duration>,
-    sum: Duration,
+    pieces: VecDeque<(Duration, u32)>,
+    took: Duration,
+    frames: u32,
 }
 
 impl Meter {
-    fn add(&mut self, took: Duration) {
-        self.took.push_back(took);
-        self.sum += took;
-        while self.sum > Duration::from_secs(1) && self.took.len() > 1 {
-            self.sum -= self.took.pop_front().unwrap_or_default();
+    fn add(&mut self, took: Duration, frames: u32) {
+        self.pieces.push_back((took, frames));
+        self.took += took;
+        self.frames += frames;
+        while self.took > Duration::from_secs(1) && self.pieces.len() > 1 {
+            let (took, frames) = self.pieces.pop_front().unwrap_or_default();
+            self.took -= took;
+            self.frames -= frames;
         }
     }
 
     fn frames_a_second(&self) -> f32 {
-        if self.sum.is_zero() { 0.0 } else { self.took.len() as f32 / self.sum.as_secs_f32() }
+        if self.took.is_zero() { 0.0 } else { self.frames as f32 / self.took.as_secs_f32() }
     }
 }

@@ -64,6 +64,8 @@ pub struct FrameCache {
     numbers: Vec<u32>,
     fingerprints: Vec<Fingerprint>,
     complete: bool,
+    /// Why there are no more frames, for who asks for one next.
+    failed: Option<SourceError>,
     again: Option<Again>,
     /// Whether jumps have been of use so far.
     jumps: bool,
@@ -103,6 +105,7 @@ impl FrameCache {
             numbers: Vec::new(),
             fingerprints: Vec::new(),
             complete: false,
+            failed: None,
             again: None,
             jumps: true,
             kept: HashMap::new(),
@@ -154,14 +157,18 @@ impl FrameCache {
     }
 
     /// The frame at `position` if it is kept, or is the next of the sequence and decoded already.
-    pub fn at_hand(&mut self, position: u32) -> Result<Option<Arc<Frame>>, SourceError> {
-        if position as usize == self.numbers.len() && !self.complete && self.front.is_ready() {
-            return Ok(match self.fetch_ahead(position)? {
-                Fetched::Frame(frame) => Some(frame),
-                _ => None,
-            });
+    pub fn at_hand(&mut self, position: u32) -> Option<Arc<Frame>> {
+        if position as usize != self.numbers.len() || self.complete || !self.front.is_ready() {
+            return self.kept(position);
         }
-        Ok(self.kept(position))
+        match self.fetch_ahead(position) {
+            Ok(Fetched::Frame(frame)) => Some(frame),
+            Ok(_) => None,
+            Err(error) => {
+                self.failed = Some(error);
+                None
+            }
+        }
     }
 
     /// One step towards the frame at `position`: decodes at most one frame, so that the caller can
@@ -191,6 +198,9 @@ impl FrameCache {
     }
 
     fn fetch_ahead(&mut self, position: u32) -> Result<Fetched, SourceError> {
+        if let Some(error) = self.failed.take() {
+            return Err(error);
+        }
         if self.complete {
             return Ok(Fetched::End);
         }

@@ -21,7 +21,7 @@ use eframe::egui::{RichText, ScrollArea, Ui};
 use crate::mixture::follow::slots;
 use crate::mixture::pixel::MAX_K;
 use crate::mixture::verdict::{Verdict, overruled, verdict};
-use crate::mixture::{PixelHistory, PixelState};
+use crate::mixture::{Parameters, PixelHistory, PixelState};
 use crate::replay::Shown;
 use crate::settings::{BackgroundModel, Space};
 
@@ -82,8 +82,16 @@ impl Chosen<'_> {
 impl Inspector {
     /// Draws the panel about the pixel chosen in `shown`; gives what was asked for in it.
     ///
-    /// `fps` is the source's frame rate, to show times in seconds beside frame numbers.
-    pub fn ui(&mut self, ui: &mut Ui, shown: Option<&Shown>, fps: f32) -> Option<InspectorAction> {
+    /// `newest` is the pixel under the settings chosen last: it is shown in place of the frame's own
+    /// while the frame in view still waits for those. `fps` is the source's frame rate, to show
+    /// times in seconds beside frame numbers.
+    pub fn ui(
+        &mut self,
+        ui: &mut Ui,
+        shown: Option<&Shown>,
+        newest: Option<&Arc<PixelHistory>>,
+        fps: f32,
+    ) -> Option<InspectorAction> {
         let Some(shown) = shown else {
             empty(ui, "No frame yet", "The inspector fills as soon as a frame is there.");
             return None;
@@ -103,7 +111,11 @@ impl Inspector {
             );
             return None;
         }
-        let Some(history) = &shown.pixel else {
+        let index = shown.position as usize;
+        let ahead = newest.filter(|newest| {
+            newest.parameters != Parameters::new(&shown.settings) && newest.states.len() > index
+        });
+        let Some(history) = ahead.or(shown.pixel.as_ref()) else {
             empty(
                 ui,
                 "No pixel chosen",
@@ -111,7 +123,6 @@ impl Inspector {
             );
             return None;
         };
-        let index = shown.position as usize;
         let Some(state) = history.states.get(index) else {
             let (x, y) = history.at;
             empty(
@@ -126,7 +137,8 @@ impl Inspector {
         let chosen = Chosen { history, slots: &slots, index, state, fps };
         let mut words = verdict(history, index);
         let (x, y) = history.at;
-        let mask = shown.analysis.mask.is_foreground(x, y);
+        // Of settings that the frame waits for, no mask is known yet.
+        let mask = if ahead.is_some() { words.foreground } else { shown.analysis.mask.is_foreground(x, y) };
         words.details.splice(0..0, overruled(words.foreground, mask, &shown.settings));
 
         header(ui, &chosen);

@@ -101,7 +101,7 @@ fn harness(
         .wgpu()
         .build_ui(move |ui| {
             egui::CentralPanel::default().show(ui, |ui| {
-                asked.borrow_mut().extend(inspector.ui(ui, shown.as_ref(), 10.0));
+                asked.borrow_mut().extend(inspector.ui(ui, shown.as_ref(), None, 10.0));
             });
         });
     harness.run();

@@ -1,0 +1,128 @@
+//! Masks and labels as runs of foreground: a few bytes a run in place of several a pixel.
+//!
+//! Each number is 7 bits a byte, the low ones first.
+
+use memchr::memchr;
+
+use crate::frame::{Mask, Size};
+use crate::regions::{LabelRun, Labels};
+
+/// Labels as the runs of foreground, each as the background pixels before it, its length, and its
+/// label.
+pub(super) fn of_labels(labels: &Labels) -> Box<[u8]> {
+    let mut bytes = Vec::new();
+    let mut end = 0;
+    for run in &labels.runs {
+        write(&mut bytes, run.start - end);
+        write(&mut bytes, run.length);
+        write(&mut bytes, run.label);
+        end = run.start + run.length;
+    }
+    bytes.into()
+}
+
+/// Labels, and the mask that follows from them.
+pub(super) fn labels(mut bytes: &[u8], size: Size) -> (Mask, Labels) {
+    let mut mask = Mask::empty(size);
+    let mut labels = Labels::none(size);
+    let mut end = 0;
+    while !bytes.is_empty() {
+        let start = end + read(&mut bytes);
+        let run = LabelRun { start, length: read(&mut bytes), label: read(&mut bytes) };
+        mask.data[run.pixels()].fill(Mask::FOREGROUND);
+        labels.runs.push(run);
+        end = start + run.length;
+    }
+    (mask, labels)
+}
+
+/// A mask as the runs of foreground, each as the background pixels before it and its length.
+pub(super) fn of_mask(mask: &Mask) -> Box<[u8]> {
+    let mut bytes = Vec::new();
+    let mut end = 0;
+    while let Some(background) = memchr(Mask::FOREGROUND, &mask.data[end..]) {
+        let start = end + background;
+        end = memchr(Mask::BACKGROUND, &mask.data[start..]).map_or(mask.data.len(), |length| start + length);
+        write(&mut bytes, background as u32);
+        write(&mut bytes, (end - start) as u32);
+    }
+    bytes.into()
+}
+
+/// The mask of these runs.
+pub(super) fn mask(mut bytes: &[u8], size: Size) -> Mask {
+    let mut mask = Mask::empty(size);
+    let mut end = 0;
+    while !bytes.is_empty() {
+        let start = end + read(&mut bytes) as usize;
+        end = start + read(&mut bytes) as usize;
+        mask.data[start..end].fill(Mask::FOREGROUND);
+    }
+    mask
+}
+
+fn write(bytes: &mut Vec<u8>, mut number: u32) {
+    while number >= 0x80 {
+        bytes.push(number as u8 | 0x80);
+        number >>= 7;
+    }
+    bytes.push(number as u8);
+}
+
+fn read(bytes: &mut &[u8]) -> u32 {
+    let mut number = 0;
+    for shift in (0..35).step_by(7) {
+        let Some((&byte, rest)) = bytes.split_first() else { break };
+        *bytes = rest;
+        number |= u32::from(byte & 0x7f) << shift;
+        if byte < 0x80 {
+            break;
+        }
+    }
+    number
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// The mask and the labels of an image in which each pixel is background (`None`) or has a label.
+    fn round_trip(size: Size, pixel: impl Fn(usize) -> Option<u32>) -> usize {
+        let pixels: Vec<_> = (0..size.pixels()).map(pixel).collect();
+        let mut labels = Labels::none(size);
+        let mut start = 0;
+        for row in pixels.chunks(size.width.max(1) as usize) {
+            for run in row.chunk_by(|a, b| a == b) {
+                let length = run.len() as u32;
+                if let Some(label) = run[0] {
+                    labels.runs.push(LabelRun { start, length, label });
+                }
+                start += length;
+            }
+        }
+        let bytes = of_labels(&labels);
+        let (decoded_mask, decoded) = super::labels(&bytes, size);
+        assert!(decoded == labels);
+        let expected = pixels.iter().map(|pixel| if pixel.is_some() { 255 } else { 0 });
+        assert!(decoded_mask.size == size && decoded_mask.data.iter().copied().eq(expected));
+        assert!(mask(&of_mask(&decoded_mask), size) == decoded_mask);
+        bytes.len()
+    }
+
+    #[test]
+    fn masks_and_labels_come_back_as_they_were() {
+        let size = Size::new(300, 200);
+        assert_eq!(round_trip(size, |_| None), 0);
+        assert_eq!(round_trip(size, |_| Some(0)), 200 * 4);
+        round_trip(size, |_| Some(u32::MAX));
+        round_trip(size, |i| (i % 2 == 0).then_some(0));
+        round_trip(Size::new(0, 0), |_| None);
+        round_trip(Size::new(1, 1), |_| Some(7));
+        let bytes = round_trip(size, |i| match i * i % 1009 % 16 {
+            0 => Some(i as u32 % 400),
+            1 => Some(0),
+            _ => None,
+        });
+        assert!(bytes < size.pixels(), "{bytes}");
+    }
+}
