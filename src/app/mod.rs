@@ -33,6 +33,8 @@ mod whole_file;
 pub mod theme;
 
 #[cfg(test)]
+mod measure;
+#[cfg(test)]
 mod tests;
 
 use std::time::{Duration, Instant};
