@@ -168,7 +168,7 @@ fn measure(count: u32) {
     let opener = move |_: &str, _: Settings, _: Start, _: &egui::Context| -> Box<dyn Player> {
         Box::new(ready(frames.clone()))
     };
-    let mut window = Window::new(&ctx, Settings::default(), Box::new(opener));
+    let mut window = Window::new(&ctx, &gpu, Settings::default(), Box::new(opener)).unwrap();
     window.apply(&ctx, Command::Open("crowd.mp4".into(), Start::First));
     let target = gpu.device.create_texture(&wgpu::TextureDescriptor {
         label: None,

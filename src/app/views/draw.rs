@@ -4,16 +4,11 @@ use eframe::egui::{
     Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, Vec2, pos2, vec2,
 };
 
-use super::canvas::{Canvas, UV};
+use super::canvas::Canvas;
 use crate::app::theme;
 
 /// From this size on, in points, a pixel's value is written into it.
 const VALUES_FROM: f32 = 40.0;
-
-/// Paints a picture over the whole image.
-pub(crate) fn image(painter: &Painter, canvas: &Canvas, texture: eframe::egui::TextureId, tint: Color32) {
-    painter.image(texture, canvas.whole(), UV, tint);
-}
 
 /// An outline of dashes.
 pub(crate) fn dashed_rect(painter: &Painter, rect: Rect, stroke: Stroke, dash: f32) {

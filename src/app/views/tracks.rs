@@ -2,15 +2,14 @@
 
 use eframe::egui::{Align2, Color32, FontId, Pos2, Rect, Shape, Stroke, pos2, vec2};
 
-use super::{Pane, draw, input};
+use super::{Compose, Look, Pane, draw};
 use crate::app::{icons, theme};
 use crate::palette::{event_colour, identity_colour};
 use crate::tracking::{Identity, Track, TrackState};
 
 /// Paints them.
-pub(super) fn paint(pane: &mut Pane<'_>) {
-    let texture = input::texture(pane);
-    draw::image(pane.painter, &pane.canvas, texture, Color32::from_gray(205));
+pub(super) fn paint(pane: &Pane<'_>) {
+    pane.compose(Look { tint: 205.0 / 255.0, ..Look::plain(Compose::Input) });
     let tracks = &pane.shown.analysis.tracks;
     trails(pane);
     for (index, track) in tracks.iter().enumerate() {
@@ -109,7 +108,7 @@ fn trails(pane: &Pane<'_>) {
     for track in pane.shown.analysis.tracks.iter() {
         let colour = theme::rgb(identity_colour(track.id));
         let mut last: Option<(u32, Pos2)> = None;
-        for (&position, (_, objects)) in pane.model.trails.range(..=here) {
+        for (&position, (_, objects)) in pane.set.moment().trails.range(..=here) {
             let Some(then) = objects.iter().find(|then| then.id == track.id) else {
                 continue;
             };
