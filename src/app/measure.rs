@@ -144,6 +144,20 @@ fn ready(frames: Rc<Vec<Shown>>) -> Ready {
     Ready { frames, state: RefCell::new(state) }
 }
 
+/// How long this thread has run: without what other threads and processes took of the processor.
+#[cfg(unix)]
+fn ran() -> Duration {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+    Duration::new(time.tv_sec as u64, time.tv_nsec as u32)
+}
+
+/// Where that is not known, the time that has gone by.
+#[cfg(not(unix))]
+fn ran() -> Duration {
+    static START: std::sync::LazyLock<Instant> = std::sync::LazyLock::new(Instant::now);
+    START.elapsed()
+}
+
 /// Minimum, median, nineteen of twenty, and maximum, in milliseconds.
 fn spread(took: &mut [Duration]) -> String {
     took.sort_unstable();
@@ -185,12 +199,13 @@ fn measure(count: u32) {
         ScreenDescriptor { size_in_pixels: [WINDOW.0 as u32, WINDOW.1 as u32], pixels_per_point: 1.0 };
 
     let start = Instant::now();
-    let (mut ui, mut tessellation, mut upload, mut all, mut shown) = (vec![], vec![], vec![], vec![], vec![]);
+    let (mut ui, mut tessellation, mut upload) = (vec![], vec![], vec![]);
+    let (mut all, mut waited, mut shown) = (vec![], vec![], vec![]);
     for pass in 0..WARM_UP + MEASURED {
         if pass == 5 {
             window.apply(&ctx, Command::Act(Action::Play));
         }
-        let began = Instant::now();
+        let (began, before_ui) = (Instant::now(), ran());
         let input = egui::RawInput {
             time: Some(start.elapsed().as_secs_f64()),
             screen_rect: Some(Rect::from_min_size(egui::Pos2::ZERO, vec2(WINDOW.0, WINDOW.1))),
@@ -201,9 +216,9 @@ fn measure(count: u32) {
             window.advance(ui.ctx());
             window.show(ui);
         });
-        let after_ui = Instant::now();
+        let after_ui = ran();
         let jobs = ctx.tessellate(output.shapes, 1.0);
-        let after_tessellation = Instant::now();
+        let after_tessellation = ran();
         let mut renderer = gpu.renderer.write();
         for (id, images) in &output.textures_delta.set {
             for image in images {
@@ -212,7 +227,7 @@ fn measure(count: u32) {
         }
         let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
         let buffers = renderer.update_buffers(&gpu.device, &gpu.queue, &mut encoder, &jobs, &screen);
-        let ended = Instant::now();
+        let (after_upload, by_the_clock) = (ran(), began.elapsed());
         {
             let attachment = wgpu::RenderPassColorAttachment {
                 view: &target,
@@ -239,10 +254,11 @@ fn measure(count: u32) {
         deltas.clear();
         std::thread::sleep(Duration::from_millis(33).saturating_sub(began.elapsed()));
         if pass >= WARM_UP {
-            ui.push(after_ui - began);
-            tessellation.push(after_tessellation - after_ui);
-            upload.push(ended - after_tessellation);
-            all.push(ended - began);
+            ui.push(after_ui.saturating_sub(before_ui));
+            tessellation.push(after_tessellation.saturating_sub(after_ui));
+            upload.push(after_upload.saturating_sub(after_tessellation));
+            all.push(after_upload.saturating_sub(before_ui));
+            waited.push(by_the_clock);
             shown.push(drawn);
         }
     }
@@ -253,6 +269,7 @@ fn measure(count: u32) {
         ("tessellation", &mut tessellation),
         ("textures and buffers", &mut upload),
         ("together", &mut all),
+        ("by the clock", &mut waited),
         ("(drawing, waited for)", &mut shown),
     ] {
         println!("  {what:22} {}", spread(took));
