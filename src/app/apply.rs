@@ -5,7 +5,7 @@ use eframe::egui::{Context, Theme, ViewportCommand};
 use super::Window;
 use super::command::{Action, Command};
 use super::export_frame::Picture;
-use super::state::{Camera, SPEEDS};
+use super::state::{Camera, Overlay, SPEEDS};
 use super::{sample, views};
 use crate::replay::Start;
 use crate::settings::Settings;
@@ -35,6 +35,7 @@ impl Window {
                 ctx.request_repaint();
             }
             Command::ShowBackground(kind) => model.background = kind,
+            Command::Overlay(opacity) => model.overlay.opacity = opacity.min(100),
             Command::Read(event) => model.reading = event,
             Command::FilterEvents(place, listed) => {
                 if let Some(kind) = model.listed.get_mut(place) {
@@ -110,6 +111,10 @@ impl Window {
             Action::ZoomIn => model.zoom_by(1.25),
             Action::ZoomOut => model.zoom_by(0.8),
             Action::Background => model.background = model.background.next(),
+            Action::Overlay => model.overlay.on = !model.overlay.on,
+            Action::OverlayOpacity => {
+                model.overlay = Overlay { on: true, opacity: model.overlay.next() };
+            }
             Action::ClearPixel => self.apply(ctx, Command::Choose(None)),
             Action::SettingsPanel => model.settings_panel = !model.settings_panel,
             Action::InspectorPanel => model.inspector_panel = !model.inspector_panel,
@@ -140,7 +145,7 @@ impl Window {
     /// Starts a worker on a video in place of the one that is there.
     fn open(&mut self, ctx: &Context, name: &str, start: Start) {
         let player = (self.opener)(name, self.model.settings.clone(), start, ctx);
-        self.textures.clear();
+        self.pictures.clear();
         self.model.opened(name, player);
         let short = std::path::Path::new(name)
             .file_name()

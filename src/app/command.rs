@@ -62,6 +62,10 @@ pub(crate) enum Action {
     ZoomOut,
     /// What the background view shows.
     Background,
+    /// The mask over the input, or none.
+    Overlay,
+    /// Another opacity of the mask over the input.
+    OverlayOpacity,
     /// No pixel chosen any more.
     ClearPixel,
     /// The panel with the settings.
@@ -352,6 +356,22 @@ pub(crate) static ACTIONS: &[Entry] = &[
     ),
     entry(
         Menu::View,
+        Action::Overlay,
+        m::ICON_MASKED_TRANSITIONS,
+        "Mask over the input",
+        &[key(Key::O)],
+        "Lay the foreground over the input view, or take it off",
+    ),
+    entry(
+        Menu::View,
+        Action::OverlayOpacity,
+        m::ICON_OPACITY,
+        "Next opacity of the mask",
+        &[shift(Key::O)],
+        "Cover a quarter of the input, half, three quarters, or all",
+    ),
+    entry(
+        Menu::View,
         Action::ClearPixel,
         m::ICON_LOCATION_OFF,
         "Clear chosen pixel",
@@ -590,6 +610,8 @@ pub(crate) enum Command {
     Hover(Option<Hover>),
     /// Show this kind of background.
     ShowBackground(Background),
+    /// The mask over the input covers so much of it, in per cent.
+    Overlay(u8),
     /// Read an event's evidence.
     Read(Option<usize>),
     /// Show or hide a kind of events, by its place in [`crate::occlusion::EventKind::ALL`].

@@ -22,8 +22,9 @@ pub(crate) struct Picture {
 impl Picture {
     /// The frame in view.
     pub(crate) fn of(model: &Model) -> Option<Self> {
-        let shown = model.state.as_ref()?.shown.clone()?;
-        let recent = model
+        let moment = model.moment.as_deref()?;
+        let shown = Arc::clone(&moment.shown);
+        let recent = moment
             .trails
             .range(..=shown.position)
             .map(|(_, (number, tracks))| (*number, tracks.as_ref().clone()))

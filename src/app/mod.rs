@@ -33,19 +33,25 @@ mod whole_file;
 pub mod theme;
 
 #[cfg(test)]
+mod measure;
+#[cfg(test)]
 mod tests;
 
+use std::io;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use eframe::egui::{self, CentralPanel, Context, Frame, Margin, Panel, Ui, vec2};
+use eframe::egui_wgpu::RenderState;
 
 use self::command::Command;
 use self::dialogs::{Answer, Dialogs};
 use self::finder::Finder;
 use self::inspector::{Inspector, InspectorAction};
 use self::state::{Model, Opener};
+use self::status::Pace;
 use self::toasts::Toasts;
-use self::views::{Textures, View};
+use self::views::{Pictures, View};
 use crate::replay::{Session, Start};
 use crate::settings::Settings;
 
@@ -66,7 +72,8 @@ pub fn run(video: Option<String>, settings: Settings) -> anyhow::Result<()> {
         None => Command::OpenSample,
     };
     let create = move |creation: &eframe::CreationContext<'_>| -> Result<Box<dyn eframe::App>, _> {
-        let mut window = Window::new(&creation.egui_ctx, settings, Box::new(open_session));
+        let gpu = creation.wgpu_render_state.as_ref().ok_or("no graphics adapter")?;
+        let mut window = Window::new(&creation.egui_ctx, gpu, settings, Box::new(open_session))?;
         window.restore(&creation.egui_ctx, creation.storage);
         window.apply(&creation.egui_ctx, first);
         Ok(Box::new(window))
@@ -100,7 +107,7 @@ fn explain(error: &eframe::Error) -> anyhow::Error {
 struct Window {
     model: Model,
     tree: egui_tiles::Tree<View>,
-    textures: Textures,
+    pictures: Pictures,
     toasts: Toasts,
     dialogs: Dialogs,
     finder: Finder,
@@ -109,15 +116,20 @@ struct Window {
     inspector: Inspector,
     sent_at: Option<Instant>,
     light: bool,
+    /// Whether it was told that the views cannot be drawn any more.
+    lost: bool,
+    /// How long this thread worked on the frame before, in seconds.
+    worked: Option<f32>,
 }
 
 impl Window {
-    fn new(ctx: &Context, settings: Settings, opener: Opener) -> Self {
+    /// With nothing opened. Fails where no thread can be started.
+    fn new(ctx: &Context, gpu: &RenderState, settings: Settings, opener: Opener) -> io::Result<Self> {
         theme::install(ctx);
-        Self {
+        Ok(Self {
             model: Model::new(settings),
             tree: views::default_tree(),
-            textures: Textures::default(),
+            pictures: Pictures::start(ctx, gpu)?,
             toasts: Toasts::default(),
             dialogs: Dialogs::default(),
             finder: Finder::default(),
@@ -126,7 +138,9 @@ impl Window {
             inspector: Inspector::default(),
             sent_at: None,
             light: false,
-        }
+            lost: false,
+            worked: None,
+        })
     }
 
     /// Takes over how the window was left; what cannot be read is as in a first start.
@@ -147,11 +161,26 @@ impl Window {
         for warning in self.model.take() {
             self.toasts.warn(ctx, warning);
         }
+        self.ask_for_pictures();
+        if self.pictures.turn() {
+            self.model.moment = self.pictures.in_view().map(|set| Arc::clone(set.moment()));
+        }
+        if self.pictures.is_dead() && !self.lost {
+            self.lost = true;
+            self.toasts
+                .fail(ctx, "The graphics card takes no more pictures; end the program and start it again");
+        }
         if let Some(answer) = self.dialogs.answer() {
             self.answered(ctx, answer);
         }
         if let Some(wait) = self.model.tick(ctx.input(|input| input.time)) {
             ctx.request_repaint_after(Duration::from_secs_f64(wait.clamp(0.0, 1.0)));
+        }
+    }
+
+    fn ask_for_pictures(&mut self) {
+        if let Some(newest) = &self.model.newest {
+            self.pictures.ask(newest);
         }
     }
 
@@ -201,10 +230,14 @@ impl Window {
 
     fn panels(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) {
         let model = &self.model;
+        let pace = Pace {
+            worked: self.worked,
+            pictures: self.pictures.in_view().map(|set| (set.took(), set.bytes())),
+        };
         let bar = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 4));
         Panel::top("menus").frame(bar).show(ui, |ui| top_bar::ui(ui, model, commands));
         let bar = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(10, 0));
-        Panel::bottom("status").frame(bar).exact_size(theme::ROW).show(ui, |ui| status::ui(ui, model));
+        Panel::bottom("status").frame(bar).exact_size(theme::ROW).show(ui, |ui| status::ui(ui, model, pace));
         if model.shown().is_some() {
             let bar = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(10, 6));
             Panel::bottom("timeline")
@@ -253,11 +286,11 @@ impl Window {
                 }
             });
         }
-        let (tree, textures) = (&mut self.tree, &mut self.textures);
+        let (tree, pictures) = (&mut self.tree, &mut self.pictures);
         CentralPanel::no_frame().show(ui, |ui| {
             if model.shown().is_some() {
                 welcome::stopped(ui, model, commands);
-                views::show(ui, tree, textures, model, commands);
+                views::show(ui, tree, pictures, model, commands);
             } else {
                 welcome::ui(ui, model, commands);
             }
@@ -277,7 +310,8 @@ impl eframe::App for Window {
         self.advance(ctx);
     }
 
-    fn ui(&mut self, ui: &mut Ui, _frame: &mut eframe::Frame) {
+    fn ui(&mut self, ui: &mut Ui, frame: &mut eframe::Frame) {
+        self.worked = frame.info().cpu_usage;
         self.show(ui);
     }
 
@@ -297,6 +331,8 @@ impl Window {
             keys::pressed(&ctx, &mut commands);
         }
         self.panels(ui, &mut commands);
+        // Views may have come into sight that need more of the frame.
+        self.ask_for_pictures();
         help::ui(&ctx, &mut self.help);
         self.finder.ui(&ctx, &self.model, &mut commands);
         drop_files::ui(&ctx, &mut commands);

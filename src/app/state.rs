@@ -94,12 +94,59 @@ pub(crate) struct Hover {
 /// The number and the objects of each frame near the one in view that has been seen, by position.
 pub(crate) type Trails = BTreeMap<u32, (u32, Arc<Vec<Track>>)>;
 
+/// A frame with what is drawn over it of the frames before.
+#[derive(Clone, Debug)]
+pub(crate) struct Moment {
+    /// The frame.
+    pub(crate) shown: Arc<Shown>,
+    /// Where its objects have been.
+    pub(crate) trails: Arc<Trails>,
+}
+
+impl Moment {
+    /// A frame after another, which it may follow directly or not.
+    fn after(before: Option<&Self>, shown: &Arc<Shown>) -> Self {
+        let mut trails = before.map(|before| Arc::clone(&before.trails)).unwrap_or_default();
+        let kept = Arc::make_mut(&mut trails);
+        if before.is_some_and(|before| before.shown.settings != shown.settings) {
+            kept.clear();
+        }
+        kept.insert(shown.position, (shown.frame.number, shown.analysis.tracks.clone()));
+        let near = shown.position.saturating_sub(TRAIL)..=shown.position + TRAIL;
+        kept.retain(|position, _| near.contains(position));
+        Self { shown: Arc::clone(shown), trails }
+    }
+}
+
+/// The mask over the input.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(crate) struct Overlay {
+    /// Whether it is there.
+    pub(crate) on: bool,
+    /// How much of the input it covers, in per cent.
+    pub(crate) opacity: u8,
+}
+
+impl Overlay {
+    /// Its opacities, in per cent, through which a key goes.
+    const STEPS: [u8; 4] = [25, 50, 75, 100];
+
+    /// The next opacity of the steps; the first after the last.
+    pub(crate) fn next(self) -> u8 {
+        Self::STEPS.into_iter().find(|&step| step > self.opacity).unwrap_or(Self::STEPS[0])
+    }
+}
+
 /// Everything that the window shows, and what has been asked for.
 pub(crate) struct Model {
     /// The worker, once something was opened.
     pub(crate) player: Option<Box<dyn Player>>,
-    /// What the worker last said.
+    /// What the worker last said. The frame in it may not be in view yet.
     pub(crate) state: Option<State>,
+    /// The frame that the worker gave last.
+    pub(crate) newest: Option<Arc<Moment>>,
+    /// The frame in view: the last whose pictures were ready.
+    pub(crate) moment: Option<Arc<Moment>>,
     /// What was opened, as it was named.
     pub(crate) opened: Option<String>,
     /// The settings that are asked for: those of the slot in view.
@@ -124,12 +171,12 @@ pub(crate) struct Model {
     pub(crate) maximised: Option<View>,
     /// What the background view shows.
     pub(crate) background: Background,
+    /// The mask over the input.
+    pub(crate) overlay: Overlay,
     /// Which kinds of events are listed and jumped to, in the order of [`EventKind::ALL`].
     pub(crate) listed: [bool; EventKind::ALL.len()],
     /// The event whose evidence is read, by its place in the timeline.
     pub(crate) reading: Option<usize>,
-    /// Trails of the objects.
-    pub(crate) trails: Trails,
     /// Whether the panel on the left is there.
     pub(crate) settings_panel: bool,
     /// Whether the panel on the right is there.
@@ -142,6 +189,8 @@ impl Model {
         Self {
             player: None,
             state: None,
+            newest: None,
+            moment: None,
             opened: None,
             history: History::new(settings.clone()),
             sent: settings.clone(),
@@ -154,9 +203,9 @@ impl Model {
             camera: Camera::FIT,
             maximised: None,
             background: Background::Mean,
+            overlay: Overlay { on: false, opacity: 50 },
             listed: [true; EventKind::ALL.len()],
             reading: None,
-            trails: Trails::new(),
             settings_panel: true,
             inspector_panel: true,
         }
@@ -166,12 +215,12 @@ impl Model {
     pub(crate) fn opened(&mut self, name: &str, player: Box<dyn Player>) {
         self.state = Some(player.state());
         self.player = Some(player);
+        (self.newest, self.moment) = (None, None);
         self.opened = Some(name.to_owned());
         self.sent = self.settings.clone();
         (self.wanted, self.chosen, self.hovered, self.reading) = (None, None, None, None);
         self.playback.playing = false;
         self.camera = Camera::FIT;
-        self.trails.clear();
     }
 
     /// Brings the settings of a slot into view. Returns whether the slot is new.
@@ -201,7 +250,7 @@ impl Model {
 
     /// The frame in view.
     pub(crate) fn shown(&self) -> Option<&Shown> {
-        self.state.as_ref()?.shown.as_deref()
+        self.moment.as_ref().map(|moment| &*moment.shown)
     }
 
     /// The chosen pixel under the settings chosen last, for which the frame in view may still wait.
@@ -235,9 +284,9 @@ impl Model {
         state.info.as_ref().and_then(|info| info.frames).unwrap_or(0).max(known)
     }
 
-    /// The position that steps start from: the one asked for, or the one in view.
+    /// The position that steps start from: the one asked for, or the one that is in view or about to be.
     pub(crate) fn position(&self) -> u32 {
-        self.wanted.or_else(|| self.shown().map(|shown| shown.position)).unwrap_or(0)
+        self.wanted.or_else(|| self.newest.as_ref().map(|newest| newest.shown.position)).unwrap_or(0)
     }
 
     /// The number of the frame at a position.
@@ -281,15 +330,9 @@ impl Model {
             if self.wanted == Some(shown.position) {
                 self.wanted = None;
             }
-            if before
-                .and_then(|before| before.shown.as_ref())
-                .is_some_and(|old| old.settings != shown.settings)
-            {
-                self.trails.clear();
+            if self.newest.as_ref().is_none_or(|newest| !Arc::ptr_eq(&newest.shown, shown)) {
+                self.newest = Some(Arc::new(Moment::after(self.newest.as_deref(), shown)));
             }
-            self.trails.insert(shown.position, (shown.frame.number, shown.analysis.tracks.clone()));
-            let near = shown.position.saturating_sub(TRAIL)..=shown.position + TRAIL;
-            self.trails.retain(|position, _| near.contains(position));
         }
         self.state = Some(state);
         news
@@ -301,7 +344,8 @@ impl Model {
         let position = if frames > 0 { position.min(frames - 1) } else { position };
         if let Some(player) = &self.player {
             player.show(position);
-            if self.shown().is_none_or(|shown| shown.position != position) || self.wanted.is_some() {
+            let here = self.newest.as_ref().is_some_and(|newest| newest.shown.position == position);
+            if !here || self.wanted.is_some() {
                 self.wanted = Some(position);
             }
         }
@@ -331,7 +375,7 @@ impl Model {
         if !self.playback.playing {
             return None;
         }
-        let position = self.shown()?.position;
+        let position = self.newest.as_ref()?.shown.position;
         let at_end = self
             .timeline()
             .is_some_and(|timeline| timeline.complete && position + 1 >= timeline.numbers.len() as u32);

@@ -1,13 +1,24 @@
 //! The line at the bottom: the pixel under the pointer, what the worker is doing, what went wrong.
 
+use std::time::Duration;
+
 use eframe::egui::{Align, Layout, ProgressBar, RichText, Ui};
 use egui_material_icons::icons as m;
 
 use super::state::Model;
 use super::{icons, theme};
 
+/// How long the last frame took.
+#[derive(Clone, Copy)]
+pub(crate) struct Pace {
+    /// The window's thread on all of it, in seconds.
+    pub(crate) worked: Option<f32>,
+    /// Another thread on its pictures, and the bytes that it sent.
+    pub(crate) pictures: Option<(Duration, u64)>,
+}
+
 /// Shows it.
-pub(crate) fn ui(ui: &mut Ui, model: &Model) {
+pub(crate) fn ui(ui: &mut Ui, model: &Model, pace: Pace) {
     let colours = theme::colours(ui.visuals());
     ui.horizontal_centered(|ui| {
         ui.spacing_mut().item_spacing.x = 3.0 * theme::SPACE;
@@ -27,18 +38,24 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model) {
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             ui.spacing_mut().item_spacing.x = 3.0 * theme::SPACE;
-            right(ui, model);
+            right(ui, model, pace);
         });
     });
 }
 
-fn right(ui: &mut Ui, model: &Model) {
+fn right(ui: &mut Ui, model: &Model, pace: Pace) {
     let Some(state) = &model.state else { return };
     let colours = theme::colours(ui.visuals());
     if state.analysis_fps > 0.0 {
         let text = format!("{:.0} fps analysed", state.analysis_fps);
-        ui.label(RichText::new(text).size(theme::SMALL).color(colours.weak))
-            .on_hover_text("Frames a second of analysis, over the last second of work");
+        ui.label(RichText::new(text).size(theme::SMALL).color(colours.weak)).on_hover_ui(|ui| {
+            ui.label("Frames a second of analysis, over the last second of work");
+            if let Some((worked, (took, bytes))) = pace.worked.zip(pace.pictures) {
+                let (worked, took) = (worked * 1e3, took.as_secs_f32() * 1e3);
+                ui.weak(format!("Window: {worked:.1} ms a frame"));
+                ui.weak(format!("Pictures, beside it: {took:.1} ms, {:.1} MB", bytes as f32 / 1e6));
+            }
+        });
     }
     if let Some(busy) = &state.busy {
         if let Some(total) = busy.total.filter(|&total| total > 0) {

@@ -6,6 +6,7 @@ use std::cell::RefCell;
 use std::path::Path;
 use std::rc::Rc;
 use std::sync::Arc;
+use std::time::{Duration, Instant};
 
 use eframe::egui::{self, Key, Modifiers, Theme, vec2};
 use egui_kittest::Harness;
@@ -26,6 +27,8 @@ use crate::replay::{LifeLine, Phase, Progress, Shown, Start, State, Timeline};
 use crate::settings::{SETTINGS, Settings};
 use crate::source::SourceInfo;
 use crate::tracking::{Track, TrackState};
+
+mod pictures;
 
 const SIZE: Size = Size::new(160, 120);
 const FRAMES: u32 = 120;
@@ -230,7 +233,7 @@ fn window(state: Option<State>, size: (f32, f32), theme: Theme) -> (Harness<'sta
     let first = state.clone().unwrap_or_else(|| self::state(Phase::Opening, None));
     let scene = Scene { state: Rc::new(RefCell::new(first)), asked };
     let player = scene.clone();
-    let harness = Harness::builder()
+    let mut harness = Harness::builder()
         .with_size(vec2(size.0, size.1))
         .with_theme(theme)
         .with_max_steps(20)
@@ -240,13 +243,28 @@ fn window(state: Option<State>, size: (f32, f32), theme: Theme) -> (Harness<'sta
             let opener = move |_: &str, _: Settings, _: Start, _: &egui::Context| -> Box<dyn Player> {
                 Box::new(player.clone())
             };
-            let mut window = Window::new(&creation.egui_ctx, Settings::default(), Box::new(opener));
+            let gpu = creation.wgpu_render_state.as_ref().unwrap();
+            let mut window =
+                Window::new(&creation.egui_ctx, gpu, Settings::default(), Box::new(opener)).unwrap();
             if state.is_some() {
                 window.apply(&creation.egui_ctx, Command::Open("/videos/walk.mp4".into(), Start::First));
             }
             window
         });
+    settle(&mut harness);
     (harness, scene)
+}
+
+/// Goes on until the frame that the worker gave last is in view.
+fn settle(harness: &mut Harness<'_, Window>) {
+    let started = Instant::now();
+    harness.step();
+    while !harness.state().pictures.is_settled() {
+        assert!(started.elapsed() < Duration::from_secs(20), "no picture comes");
+        std::thread::sleep(Duration::from_millis(2));
+        harness.step();
+    }
+    harness.step();
 }
 
 fn ready(position: u32) -> (Harness<'static, Window>, Scene) {
@@ -272,6 +290,7 @@ fn given(scene: &Scene) -> Option<Settings> {
 
 /// Writes a picture to look at where `OCCLUSCOPE_PICTURES` names a folder, and sees that it is no empty one.
 fn picture(harness: &mut Harness<'_, Window>, name: &str) {
+    settle(harness);
     let Ok(picture) = harness.render() else { return };
     let first = picture.get_pixel(0, 0);
     assert!(picture.pixels().any(|pixel| pixel != first), "{name} is of one colour");

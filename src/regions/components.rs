@@ -45,6 +45,23 @@ impl Labels {
         Self { size, runs: Vec::new() }
     }
 
+    /// Those of an image in which each pixel has this label, none of background.
+    #[cfg(test)]
+    pub(crate) fn of_image(size: Size, image: &[u32]) -> Self {
+        let mut labels = Self::none(size);
+        let mut start = 0;
+        for row in image.chunks(size.width.max(1) as usize) {
+            for run in row.chunk_by(|a, b| a == b) {
+                let length = run.len() as u32;
+                if run[0] > 0 {
+                    labels.runs.push(LabelRun { start, length, label: run[0] });
+                }
+                start += length;
+            }
+        }
+        labels
+    }
+
     /// The label at (x, y): 0 where there is no region, `None` outside the image.
     pub fn at(&self, x: u32, y: u32) -> Option<u32> {
         let index = self.size.index(x, y)?;

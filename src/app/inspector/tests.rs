@@ -329,6 +329,20 @@ fn click_history(harness: &mut Harness<'_>, share: f32) {
 }
 
 #[test]
+fn new_settings_answer_before_the_frame_has_them() {
+    let shown = shown(300);
+    let other = Settings { match_sigmas: 0.5, alpha: 0.2, ..settings() };
+    let newest = Arc::new(history_of(&other, 600));
+    let expected = verdict(&newest, 300).headline;
+    assert_ne!(expected, verdict(shown.pixel.as_ref().unwrap(), 300).headline, "a case in point");
+    let mut inspector = Inspector::default();
+    let harness = Harness::builder().with_size(Vec2::new(380.0, 1000.0)).build_ui(move |ui| {
+        egui::CentralPanel::default().show(ui, |ui| inspector.ui(ui, Some(&shown), Some(&newest), 10.0));
+    });
+    assert!(texts(&harness).contains(&expected), "{expected}");
+}
+
+#[test]
 fn a_click_into_the_history_goes_to_the_frame_under_it() {
     let (mut harness, actions) = tall(Some(shown(430)));
     open(&mut harness, "History");

@@ -2,14 +2,14 @@
 
 use eframe::egui::{Align2, Color32, FontId, Rect, pos2, vec2};
 
-use super::{Background, Pane, View, draw};
+use super::{Background, Look, Pane, draw};
 use crate::app::theme;
 use crate::replay::Shown;
 
 const NO_MIXTURE: &str = "This background model has no mixture";
 
 /// The colour of B: dark for one component, brighter and warmer for more.
-const COUNTS: [Color32; 5] = [
+pub(super) const COUNTS: [Color32; 5] = [
     Color32::from_rgb(0, 0, 0),
     Color32::from_rgb(38, 50, 72),
     Color32::from_rgb(70, 140, 200),
@@ -22,9 +22,9 @@ fn count_colour(count: u8) -> Color32 {
 }
 
 /// Paints it.
-pub(super) fn paint(pane: &mut Pane<'_>) {
+pub(super) fn paint(pane: &Pane<'_>) {
     let shown = pane.shown;
-    let kind = pane.model.background;
+    let kind = in_view(pane);
     let picture = match kind {
         Background::Mean => Some(&shown.background),
         Background::MultiMode => shown.multi_mode.as_ref(),
@@ -37,30 +37,28 @@ pub(super) fn paint(pane: &mut Pane<'_>) {
         draw::message(pane.painter, &pane.canvas, NO_MIXTURE, pane.colours.weak);
         return;
     };
-    let texture = pane.textures.get(
-        pane.ctx,
-        (View::Background, kind as u8),
-        [frame.clone(), frame.clone()],
-        frame.size,
-        |index| Color32::from_rgb(frame.rgb[index * 3], frame.rgb[index * 3 + 1], frame.rgb[index * 3 + 2]),
-    );
-    draw::image(pane.painter, &pane.canvas, texture, Color32::WHITE);
+    pane.compose(Look::plain(kind.compose()));
     let ground = |(x, y)| theme::rgb(frame.pixel(x, y).unwrap_or_default());
     draw::values(pane.painter, &pane.canvas, |at| value(shown, kind, at), ground);
 }
 
-fn paint_counts(pane: &mut Pane<'_>) {
+/// The kind that is chosen; until its layer is on the card, the one before it, so that the view is never empty.
+fn in_view(pane: &Pane<'_>) -> Background {
+    let chosen = pane.model.background;
+    let is_there = |kind: &Background| kind.compose().layers().iter().all(|&layer| pane.set.has(layer));
+    let is_on_its_way = chosen.compose().layers().iter().all(|layer| layer.is_in(pane.shown));
+    let other = if is_there(&chosen) { None } else { Background::ALL.into_iter().find(is_there) };
+    other.filter(|_| is_on_its_way).unwrap_or(chosen)
+}
+
+fn paint_counts(pane: &Pane<'_>) {
     let shown = pane.shown;
     let Some(counts) = &shown.background_count else {
         draw::message(pane.painter, &pane.canvas, NO_MIXTURE, pane.colours.weak);
         return;
     };
     let size = shown.frame.size;
-    let texture =
-        pane.textures.get(pane.ctx, (View::Background, 2), [counts.clone(), counts.clone()], size, |index| {
-            count_colour(counts.get(index).copied().unwrap_or(0))
-        });
-    draw::image(pane.painter, &pane.canvas, texture, Color32::WHITE);
+    pane.compose(Look::plain(Background::Count.compose()));
     let count = |(x, y)| size.index(x, y).and_then(|index| counts.get(index)).copied().unwrap_or(0);
     let text = |at| value(shown, Background::Count, at);
     draw::values(pane.painter, &pane.canvas, text, |at| count_colour(count(at)));

@@ -1,6 +1,6 @@
 //! Where the pixels of an image stand in a view, and how pointer and camera move them.
 
-use eframe::egui::{Pos2, Rect, Vec2, pos2, vec2};
+use eframe::egui::{Pos2, Rect, Vec2, vec2};
 
 use crate::app::state::Camera;
 use crate::frame::Size;
@@ -101,11 +101,10 @@ impl Canvas {
     }
 }
 
-/// The corner from which texture coordinates run, for painting whole textures.
-pub(crate) const UV: Rect = Rect { min: pos2(0.0, 0.0), max: pos2(1.0, 1.0) };
-
 #[cfg(test)]
 mod tests {
+    use eframe::egui::pos2;
+
     use super::*;
 
     fn canvas(camera: Camera) -> Canvas {

@@ -2,7 +2,7 @@
 
 use eframe::egui::Color32;
 
-use super::{Pane, View, draw};
+use super::{Compose, Look, Pane, draw};
 use crate::replay::Shown;
 
 fn difference(a: [u8; 3], b: [u8; 3]) -> u8 {
@@ -10,21 +10,8 @@ fn difference(a: [u8; 3], b: [u8; 3]) -> u8 {
 }
 
 /// Paints it.
-pub(super) fn paint(pane: &mut Pane<'_>) {
-    let (frame, background) = (&pane.shown.frame, &pane.shown.background);
-    let at = |rgb: &[u8], index: usize| [rgb[index * 3], rgb[index * 3 + 1], rgb[index * 3 + 2]];
-    let texture = pane.textures.get(
-        pane.ctx,
-        (View::Difference, 0),
-        [frame.clone(), background.clone()],
-        frame.size,
-        |index| {
-            Color32::from_gray(
-                difference(at(&frame.rgb, index), at(&background.rgb, index)).saturating_mul(2),
-            )
-        },
-    );
-    draw::image(pane.painter, &pane.canvas, texture, Color32::WHITE);
+pub(super) fn paint(pane: &Pane<'_>) {
+    pane.compose(Look::plain(Compose::Difference));
     let ground = |pixel| {
         let value = pixel_difference(pane.shown, pixel).unwrap_or(0);
         Color32::from_gray(value.saturating_mul(2))

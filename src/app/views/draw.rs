@@ -1,19 +1,20 @@
 //! Shapes that several views draw.
 
+use std::collections::HashMap;
+use std::ops::RangeInclusive;
+
 use eframe::egui::{
-    Align2, Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, Vec2, pos2, vec2,
+    Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, Vec2, pos2, vec2,
 };
 
-use super::canvas::{Canvas, UV};
+use super::canvas::Canvas;
 use crate::app::theme;
+
+/// Over how many points an edge fades.
+const FEATHER: f32 = 1.0;
 
 /// From this size on, in points, a pixel's value is written into it.
 const VALUES_FROM: f32 = 40.0;
-
-/// Paints a picture over the whole image.
-pub(crate) fn image(painter: &Painter, canvas: &Canvas, texture: eframe::egui::TextureId, tint: Color32) {
-    painter.image(texture, canvas.whole(), UV, tint);
-}
 
 /// An outline of dashes.
 pub(crate) fn dashed_rect(painter: &Painter, rect: Rect, stroke: Stroke, dash: f32) {
@@ -41,20 +42,68 @@ pub(crate) fn hatch(painter: &Painter, rect: Rect, stroke: Stroke, step: f32) {
     }
 }
 
-/// A dotted ellipse with half axes and an angle.
-pub(crate) fn ellipse(painter: &Painter, centre: Pos2, axes: Vec2, angle: f32, stroke: Stroke) {
+/// Adds a dotted ellipse with half axes and an angle to a mesh.
+pub(crate) fn add_ellipse(mesh: &mut Mesh, centre: Pos2, axes: Vec2, angle: f32, stroke: Stroke) {
+    let (sin, cos) = angle.sin_cos();
     let turned = |t: f32| {
-        let (sin, cos) = angle.sin_cos();
         let (x, y) = (axes.x * t.cos(), axes.y * t.sin());
         centre + vec2(x * cos - y * sin, x * sin + y * cos)
     };
-    let points: Vec<Pos2> = (0..=64).map(|step| turned(step as f32 / 64.0 * std::f32::consts::TAU)).collect();
-    painter.extend(Shape::dashed_line(&points, stroke, 2.0, 3.0));
+    // Dots of three points, and two and a half between them.
+    let dots = (std::f32::consts::TAU * axes.length() / 2.0_f32.sqrt() / 5.5).round().max(6.0);
+    let part = std::f32::consts::TAU / dots;
+    for dot in 0..dots as u32 {
+        let (from, to) = (turned(dot as f32 * part), turned((dot as f32 + 0.55) * part));
+        let across = (to - from).normalized().rot90();
+        add_column(mesh, from, across, stroke.color, stroke.width, false);
+        add_column(mesh, to, across, stroke.color, stroke.width, true);
+    }
+}
+
+/// Adds a line to a mesh whose colour is its own at each point, with soft edges. What moves less than a point and a
+/// half adds nothing.
+///
+/// A crowd's trails have thousands of pieces; as shapes of their own each of them would be worked out anew.
+pub(crate) fn add_line(mesh: &mut Mesh, points: impl Iterator<Item = (Pos2, Color32)>, width: f32) {
+    let mut line: Vec<(Pos2, Color32)> = Vec::new();
+    for (at, colour) in points.filter(|(at, _)| at.is_finite()) {
+        match line.last_mut() {
+            Some(last) if last.0.distance_sq(at) < 1.5 * 1.5 => last.1 = colour,
+            _ => line.push((at, colour)),
+        }
+    }
+    let mut before = None;
+    for (index, &(at, colour)) in line.iter().enumerate() {
+        let after = line.get(index + 1).map(|(next, _)| (*next - at).normalized());
+        let (Some(into), Some(out)) = (before.or(after), after.or(before)) else { return };
+        let along = (into + out).normalized();
+        // Wider at a bend, so that the line keeps its width; not without limit where it turns back.
+        let across = if along == Vec2::ZERO { out.rot90() } else { along.rot90() / along.dot(out).max(0.5) };
+        add_column(mesh, at, across, colour, width, index > 0);
+        before = after;
+    }
+}
+
+/// Adds the points across a line at one of its points, and the line's piece from the ones before where it goes `on`.
+fn add_column(mesh: &mut Mesh, at: Pos2, across: Vec2, colour: Color32, width: f32, on: bool) {
+    let inside = (width - FEATHER).max(0.0) / 2.0;
+    let outside = inside + FEATHER;
+    let first = mesh.vertices.len() as u32;
+    mesh.colored_vertex(at - across * outside, Color32::TRANSPARENT);
+    mesh.colored_vertex(at - across * inside, colour);
+    mesh.colored_vertex(at + across * inside, colour);
+    mesh.colored_vertex(at + across * outside, Color32::TRANSPARENT);
+    if on {
+        for corner in first..first + 3 {
+            mesh.add_triangle(corner - 4, corner - 3, corner);
+            mesh.add_triangle(corner - 3, corner, corner + 1);
+        }
+    }
 }
 
 /// A word on a filled ground, its lower left corner at `at`, kept within `bounds`. Returns its place.
 pub(crate) fn tag(painter: &Painter, at: Pos2, text: &str, fill: Color32, bounds: Rect) -> Rect {
-    let mut taken = Vec::new();
+    let mut taken = Taken::default();
     free_tag(painter, at, text, fill, bounds, &mut taken)
 }
 
@@ -65,7 +114,7 @@ pub(crate) fn free_tag(
     text: &str,
     fill: Color32,
     bounds: Rect,
-    taken: &mut Vec<Rect>,
+    taken: &mut Taken,
 ) -> Rect {
     let ink = theme::ink_on(fill);
     let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(theme::MONO), ink);
@@ -76,20 +125,45 @@ pub(crate) fn free_tag(
         (bounds.top() - rect.top()).max(0.0) - (rect.bottom() - bounds.bottom()).max(0.0),
     );
     rect = free_place(rect.translate(shift), bounds, taken);
-    taken.push(rect);
+    taken.add(rect);
     painter.rect_filled(rect, 2.0, fill);
     painter.galley(rect.min + vec2(4.0, 1.0), galley, ink);
     rect
 }
 
+/// Places that are covered, by the bands of the window that they lie in: a crowd's tags look for room among hundreds.
+#[derive(Default)]
+pub(crate) struct Taken(HashMap<i32, Vec<Rect>>);
+
+/// Height of a band, in points: about that of a tag.
+const BAND: f32 = 24.0;
+
+impl Taken {
+    fn bands(rect: Rect) -> RangeInclusive<i32> {
+        (rect.top() / BAND).floor() as i32..=(rect.bottom() / BAND).floor() as i32
+    }
+
+    /// Takes a place.
+    pub(crate) fn add(&mut self, rect: Rect) {
+        for band in Self::bands(rect) {
+            self.0.entry(band).or_default().push(rect);
+        }
+    }
+
+    /// Whether a place covers nothing. Tags that merely touch are told apart by their colours.
+    pub(crate) fn is_free(&self, rect: Rect) -> bool {
+        let near = Self::bands(rect).filter_map(|band| self.0.get(&band)).flatten();
+        !near.into_iter().any(|other| other.shrink(0.5).intersects(rect))
+    }
+}
+
 /// The place nearest to `rect`, above or below, that covers nothing `taken`; itself where a crowd leaves none.
-fn free_place(rect: Rect, bounds: Rect, taken: &[Rect]) -> Rect {
+fn free_place(rect: Rect, bounds: Rect, taken: &Taken) -> Rect {
     let step = rect.height() / 4.0;
     (0..48)
         .flat_map(|steps| [-step * steps as f32, step * steps as f32])
         .map(|down| rect.translate(vec2(0.0, down)))
-        // Tags that merely touch are told apart by their colours.
-        .find(|place| bounds.contains_rect(*place) && !taken.iter().any(|t| t.shrink(0.5).intersects(*place)))
+        .find(|place| bounds.contains_rect(*place) && taken.is_free(*place))
         .unwrap_or(rect)
 }
 
@@ -161,17 +235,32 @@ mod tests {
     fn tags_move_up_or_down_until_they_cover_nothing() {
         let bounds = Rect::from_min_size(Pos2::ZERO, vec2(100.0, 100.0));
         let wanted = Rect::from_min_size(pos2(10.0, 20.0), vec2(30.0, 15.0));
-        let mut taken = Vec::new();
+        let (mut taken, mut places) = (Taken::default(), Vec::new());
         for _ in 0..5 {
             let place = free_place(wanted, bounds, &taken);
             assert!(bounds.contains_rect(place));
             assert!(
-                taken.iter().all(|other: &Rect| !other.shrink(0.5).intersects(place)),
-                "{place} {taken:?}"
+                places.iter().all(|other: &Rect| !other.shrink(0.5).intersects(place)),
+                "{place} {places:?}"
             );
-            taken.push(place);
+            taken.add(place);
+            places.push(place);
         }
-        assert_eq!(taken[0], wanted);
-        assert!(taken[1].top() < wanted.top() && taken[2].top() > wanted.top());
+        assert_eq!(places[0], wanted);
+        assert!(places[1].top() < wanted.top() && places[2].top() > wanted.top());
+    }
+
+    #[test]
+    fn a_line_keeps_its_width_where_it_bends_and_is_finite_where_it_turns_back() {
+        let mut mesh = Mesh::default();
+        let points = [[0.0, 0.0], [0.1, 0.0], [10.0, 0.0], [10.0, 10.0], [10.0, 2.0]];
+        let points = points.map(|[x, y]| (pos2(x, y), Color32::WHITE));
+        add_line(&mut mesh, points.into_iter(), 2.0);
+        assert!(mesh.is_valid());
+        assert_eq!(mesh.vertices.len(), 16, "what stands still is left out");
+        assert!(mesh.vertices.iter().all(|vertex| vertex.pos.x.is_finite() && vertex.pos.y.is_finite()));
+        // The bend's outer corner, as far out as both edges.
+        let corner = mesh.vertices[4..8].iter().map(|v| v.pos).find(|p| p.x > 10.1 && p.y < -0.1).unwrap();
+        assert!((corner - pos2(10.5, -0.5)).length() < 0.01, "{corner:?}");
     }
 }

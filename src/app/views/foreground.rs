@@ -2,20 +2,13 @@
 
 use eframe::egui::Color32;
 
-use super::{Pane, View, draw};
+use super::{Compose, Look, Pane, draw};
 use crate::replay::Shown;
 
 /// Paints it.
-pub(super) fn paint(pane: &mut Pane<'_>) {
+pub(super) fn paint(pane: &Pane<'_>) {
+    pane.compose(Look::plain(Compose::Mask));
     let mask = &pane.shown.analysis.mask;
-    let texture = pane.textures.get(
-        pane.ctx,
-        (View::Foreground, 0),
-        [mask.clone(), mask.clone()],
-        mask.size,
-        |index| Color32::from_gray(mask.data[index]),
-    );
-    draw::image(pane.painter, &pane.canvas, texture, Color32::WHITE);
     let ground = |(x, y)| if mask.is_foreground(x, y) { Color32::WHITE } else { Color32::BLACK };
     draw::values(pane.painter, &pane.canvas, |at| value(pane.shown, at), ground);
 }

@@ -1,26 +1,26 @@
 //! The frame as it came.
 
-use eframe::egui::{Color32, TextureId};
-
-use super::{Pane, View, draw};
+use super::{Compose, Look, Pane, draw};
 use crate::app::theme;
 use crate::replay::Shown;
 
-/// Paints it.
-pub(super) fn paint(pane: &mut Pane<'_>) {
-    let texture = texture(pane);
-    draw::image(pane.painter, &pane.canvas, texture, Color32::WHITE);
-    let frame = &pane.shown.frame;
-    let ground = |(x, y)| theme::rgb(frame.pixel(x, y).unwrap_or_default());
-    draw::values(pane.painter, &pane.canvas, |at| value(pane.shown, at), ground);
-}
+/// The colour that lies over foreground: rare in video, and nobody's identity.
+const OVERLAY: [u8; 3] = [255, 45, 149];
 
-/// The frame as a picture, which the tracks view shares.
-pub(super) fn texture(pane: &mut Pane<'_>) -> TextureId {
-    let frame = &pane.shown.frame;
-    pane.textures.get(pane.ctx, (View::Input, 0), [frame.clone(), frame.clone()], frame.size, |index| {
-        Color32::from_rgb(frame.rgb[index * 3], frame.rgb[index * 3 + 1], frame.rgb[index * 3 + 2])
-    })
+/// Paints it.
+pub(super) fn paint(pane: &Pane<'_>) {
+    let overlay = pane.model.overlay;
+    let opacity = if overlay.on { f32::from(overlay.opacity) / 100.0 } else { 0.0 };
+    let [r, g, b] = OVERLAY.map(|channel| f32::from(channel) / 255.0);
+    let what = if overlay.on { Compose::Masked } else { Compose::Input };
+    pane.compose(Look { overlay: [r, g, b, opacity], ..Look::plain(what) });
+    let (frame, mask) = (&pane.shown.frame, &pane.shown.analysis.mask);
+    let ground = |(x, y)| {
+        let under = theme::rgb(frame.pixel(x, y).unwrap_or_default());
+        let covered = if mask.is_foreground(x, y) { opacity } else { 0.0 };
+        under.lerp_to_gamma(theme::rgb(OVERLAY), covered)
+    };
+    draw::values(pane.painter, &pane.canvas, |at| value(pane.shown, at), ground);
 }
 
 /// Red, green and blue.

@@ -2,22 +2,30 @@
 
 mod background;
 mod canvas;
+mod compose;
 mod difference;
 mod draw;
 mod foreground;
 mod input;
+mod layer;
+mod pictures;
 mod regions;
-mod textures;
+mod sender;
 mod tiles;
 mod tracks;
 
 pub(crate) use canvas::Canvas;
-pub(crate) use textures::Textures;
+pub(crate) use pictures::Pictures;
 pub(crate) use tiles::{default_tree, show};
 
-use eframe::egui::{Context, Painter};
+use std::sync::Arc;
+
+use eframe::egui::Painter;
 use serde::{Deserialize, Serialize};
 
+use self::compose::{Compose, Composer, Composition, Look};
+use self::layer::Layer;
+use self::pictures::Set;
 use super::state::Model;
 use super::theme::Colours;
 use crate::replay::Shown;
@@ -92,7 +100,20 @@ impl View {
         }
     }
 
-    fn paint(self, pane: &mut Pane<'_>) {
+    /// The layers of a frame that it is composed from.
+    const fn layers(self, background: Background) -> &'static [Layer] {
+        match self {
+            // The mask too while it is off: it is switched on without sending anything.
+            Self::Input => Compose::Masked.layers(),
+            Self::Background => background.compose().layers(),
+            Self::Foreground => Compose::Mask.layers(),
+            Self::Regions => Compose::Regions.layers(),
+            Self::Tracks => Compose::Input.layers(),
+            Self::Difference => Compose::Difference.layers(),
+        }
+    }
+
+    fn paint(self, pane: &Pane<'_>) {
         match self {
             Self::Input => input::paint(pane),
             Self::Background => background::paint(pane),
@@ -137,6 +158,15 @@ impl Background {
         }
     }
 
+    /// How it is composed.
+    const fn compose(self) -> Compose {
+        match self {
+            Self::Mean => Compose::Mean,
+            Self::MultiMode => Compose::Modes,
+            Self::Count => Compose::Counts,
+        }
+    }
+
     /// The kind after this one.
     pub(crate) const fn next(self) -> Self {
         match self {
@@ -149,11 +179,22 @@ impl Background {
 
 /// What a view needs in order to paint itself.
 struct Pane<'a> {
-    ctx: &'a Context,
+    view: View,
     painter: &'a Painter,
     canvas: Canvas,
     model: &'a Model,
     shown: &'a Shown,
-    textures: &'a mut Textures,
+    composer: &'a Arc<Composer>,
+    set: &'a Arc<Set>,
     colours: Colours,
+}
+
+impl Pane<'_> {
+    /// Paints a picture of the frame.
+    fn compose(&self, look: Look) {
+        let shape = Composition::shape(self.composer, self.set, self.view, look, self.canvas);
+        if let Some(shape) = shape {
+            self.painter.add(shape);
+        }
+    }
 }

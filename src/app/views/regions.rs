@@ -4,7 +4,7 @@ use std::cell::LazyCell;
 
 use eframe::egui::{Color32, Rect, Stroke, StrokeKind, pos2, vec2};
 
-use super::{Pane, View, draw};
+use super::{Compose, Look, Pane, draw};
 use crate::app::theme;
 use crate::mixture::pixel::luma;
 use crate::palette::identity_colour;
@@ -15,7 +15,7 @@ const UNKNOWN: Color32 = Color32::from_rgb(150, 156, 170);
 const GROUP: Color32 = Color32::from_rgb(244, 246, 250);
 
 /// The colour of each label, by label: of the object it belongs to, of groups, of none.
-fn colours(analysis: &Analysis) -> Vec<Color32> {
+pub(super) fn colours(analysis: &Analysis) -> Vec<Color32> {
     let most = analysis.regions.iter().map(|region| region.label).max().unwrap_or(0) as usize;
     let mut colours = vec![UNKNOWN; most + 1];
     for track in analysis.tracks.iter() {
@@ -30,7 +30,8 @@ fn colours(analysis: &Analysis) -> Vec<Color32> {
 }
 
 /// Paints them.
-pub(super) fn paint(pane: &mut Pane<'_>) {
+pub(super) fn paint(pane: &Pane<'_>) {
+    pane.compose(Look::plain(Compose::Regions));
     let (frame, analysis) = (&pane.shown.frame, &pane.shown.analysis);
     let labels = LazyCell::new(|| analysis.labels.image());
     let colours = colours(analysis);
@@ -48,9 +49,6 @@ pub(super) fn paint(pane: &mut Pane<'_>) {
             }
         }
     };
-    let origin: [std::sync::Arc<dyn std::any::Any + Send + Sync>; 2] = [analysis.clone(), frame.clone()];
-    let texture = pane.textures.get(pane.ctx, (View::Regions, 0), origin, frame.size, pixel_colour);
-    draw::image(pane.painter, &pane.canvas, texture, Color32::WHITE);
     for region in analysis.regions.iter() {
         let place = pane.canvas.place(&region.shape.bbox);
         if !pane.canvas.rect.intersects(place) {

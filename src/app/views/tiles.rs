@@ -1,8 +1,8 @@
 //! How the views stand beside one another, and what the pointer does in them.
 
 use eframe::egui::{
-    Button, Color32, PointerButton, Rect, RichText, Sense, Stroke, Ui, UiBuilder, Visuals, WidgetInfo,
-    WidgetText, accesskit::Role, vec2,
+    Button, Color32, DragValue, PointerButton, Rect, RichText, Sense, Stroke, Ui, UiBuilder, Visuals,
+    WidgetInfo, WidgetText, accesskit::Role, vec2,
 };
 use egui_material_icons::icons as m;
 use egui_tiles::{
@@ -10,7 +10,8 @@ use egui_tiles::{
     UiResponse,
 };
 
-use super::{Background, Canvas, Pane, Textures, View, draw};
+use super::layer::Layers;
+use super::{Background, Canvas, Pane, Pictures, View, draw};
 use crate::app::command::{Action, Command};
 use crate::app::state::{Camera, Hover, Model};
 use crate::app::theme;
@@ -19,6 +20,9 @@ use crate::app::theme;
 const CHOICES_FROM: f32 = 290.0;
 /// From this width on, the one that is chosen; below, the tabs need all the room.
 const CHOICE_FROM: f32 = 230.0;
+
+/// From this width of a title on, the mask over the input can be switched in it.
+const OVERLAY_FROM: f32 = 120.0;
 
 /// Two rows of two, and the tracks across below them; the difference behind the background's tab.
 pub(crate) fn default_tree() -> Tree<View> {
@@ -44,11 +48,11 @@ pub(crate) fn default_tree() -> Tree<View> {
 pub(crate) fn show(
     ui: &mut Ui,
     tree: &mut Tree<View>,
-    textures: &mut Textures,
+    pictures: &mut Pictures,
     model: &Model,
     commands: &mut Vec<Command>,
 ) {
-    let mut panes = Panes { model, textures, commands, hover: None };
+    let mut panes = Panes { model, pictures, commands, hover: None, layers: Layers::NONE };
     if let Some(view) = model.maximised {
         let whole = ui.available_rect_before_wrap();
         let (bar, rest) = whole.split_top_bottom_at_y(whole.top() + theme::ROW);
@@ -65,7 +69,8 @@ pub(crate) fn show(
     } else {
         tree.ui(&mut panes, ui);
     }
-    let hover = panes.hover;
+    let (hover, layers) = (panes.hover, panes.layers);
+    pictures.need(layers);
     if model.hovered != hover {
         commands.push(Command::Hover(hover));
     }
@@ -73,9 +78,11 @@ pub(crate) fn show(
 
 struct Panes<'a> {
     model: &'a Model,
-    textures: &'a mut Textures,
+    pictures: &'a Pictures,
     commands: &'a mut Vec<Command>,
     hover: Option<Hover>,
+    /// What the views that are seen need of a frame.
+    layers: Layers,
 }
 
 impl Panes<'_> {
@@ -86,22 +93,25 @@ impl Panes<'_> {
         let colours = theme::colours(ui.visuals());
         let painter = ui.painter().with_clip_rect(rect);
         painter.rect_filled(rect, 0.0, colours.canvas);
-        let Some(shown) = self.model.shown() else { return };
+        self.layers.add(view.layers(self.model.background));
+        let Some(set) = self.pictures.in_view() else { return };
+        let shown = &*set.moment().shown;
         let camera = self.pointer(ui, &response, view, shown.frame.size);
         let canvas = Canvas::new(rect, shown.frame.size, camera);
         if camera != self.model.camera {
             self.commands.push(Command::Look(camera));
         }
-        let mut pane = Pane {
-            ctx: ui.ctx(),
+        let pane = Pane {
+            view,
             painter: &painter,
             canvas,
             model: self.model,
             shown,
-            textures: self.textures,
+            composer: self.pictures.composer(),
+            set,
             colours,
         };
-        view.paint(&mut pane);
+        view.paint(&pane);
         if let Some(pixel) = self.model.chosen {
             draw::cross(&painter, &canvas, pixel, Color32::from_rgb(255, 255, 255));
         }
@@ -157,6 +167,9 @@ impl Panes<'_> {
             if response.on_hover_text(text).clicked() {
                 self.commands.push(Command::Act(Action::Maximise(view)));
             }
+            if view == View::Input && ui.available_width() >= OVERLAY_FROM {
+                self.overlay(ui);
+            }
             if view != View::Background || ui.available_width() < CHOICE_FROM {
                 return;
             }
@@ -178,6 +191,28 @@ impl Panes<'_> {
                 }
             }
         });
+    }
+
+    /// The mask over the input: whether it is there and, while it is, how strong.
+    fn overlay(&mut self, ui: &mut Ui) {
+        let overlay = self.model.overlay;
+        if overlay.on {
+            let mut opacity = overlay.opacity;
+            let drag = DragValue::new(&mut opacity).range(5..=100).suffix(" %").speed(0.5);
+            ui.spacing_mut().interact_size = vec2(44.0, theme::ROW - 6.0);
+            let response = ui.add(drag).accessible_name("Opacity of the mask");
+            if response
+                .on_hover_text("How much of the input the mask covers; drag, or click to type")
+                .changed()
+            {
+                self.commands.push(Command::Overlay(opacity));
+            }
+        }
+        let text = RichText::new("Mask").size(theme::SMALL);
+        let response = ui.add(Button::selectable(overlay.on, text)).accessible_name("Mask over the input");
+        if response.on_hover_text("Lay the foreground over the input (O)").clicked() {
+            self.commands.push(Command::Act(Action::Overlay));
+        }
     }
 }
 

@@ -1,16 +1,18 @@
 //! Objects with their trails, groups, occlusions, and the events of the frame.
 
-use eframe::egui::{Align2, Color32, FontId, Pos2, Rect, Shape, Stroke, pos2, vec2};
+use std::collections::HashMap;
 
-use super::{Pane, draw, input};
+use eframe::egui::{Align2, Color32, FontId, Mesh, Rect, Stroke, pos2, vec2};
+
+use super::draw::Taken;
+use super::{Compose, Look, Pane, draw};
 use crate::app::{icons, theme};
 use crate::palette::{event_colour, identity_colour};
 use crate::tracking::{Identity, Track, TrackState};
 
 /// Paints them.
-pub(super) fn paint(pane: &mut Pane<'_>) {
-    let texture = input::texture(pane);
-    draw::image(pane.painter, &pane.canvas, texture, Color32::from_gray(205));
+pub(super) fn paint(pane: &Pane<'_>) {
+    pane.compose(Look { tint: 205.0 / 255.0, ..Look::plain(Compose::Input) });
     let tracks = &pane.shown.analysis.tracks;
     trails(pane);
     for (index, track) in tracks.iter().enumerate() {
@@ -31,11 +33,13 @@ pub(super) fn paint(pane: &mut Pane<'_>) {
         let stroke = Stroke::new(1.0, Color32::from_white_alpha(120));
         draw::dashed_rect(pane.painter, pane.canvas.place(&track.bbox), stroke, 2.0);
     }
+    let mut gates = Mesh::default();
     for track in tracks.iter() {
-        object(pane, track);
+        object(pane, track, &mut gates);
     }
+    pane.painter.add(gates);
     // Words last, so that no box runs through them.
-    let mut taken: Vec<Rect> = Vec::new();
+    let mut taken = Taken::default();
     for track in tracks.iter() {
         let word = match track.state {
             TrackState::Visible => track.id.to_string(),
@@ -55,7 +59,7 @@ pub(super) fn paint(pane: &mut Pane<'_>) {
     flags(pane, taken);
 }
 
-fn object(pane: &Pane<'_>, track: &Track) {
+fn object(pane: &Pane<'_>, track: &Track, gates: &mut Mesh) {
     let colour = theme::rgb(identity_colour(track.id));
     let place = pane.canvas.place(&track.bbox);
     let stroke = Stroke::new(2.0, colour);
@@ -71,7 +75,7 @@ fn object(pane: &Pane<'_>, track: &Track) {
         let centre = pane.canvas.screen(track.centre);
         // A gate grows while nothing is measured; large and strong it would hide the picture.
         let strength = if track.state == TrackState::Visible { 0.8 } else { 0.4 };
-        draw::ellipse(pane.painter, centre, gate, angle, Stroke::new(1.0, colour.gamma_multiply(strength)));
+        draw::add_ellipse(gates, centre, gate, angle, Stroke::new(1.0, colour.gamma_multiply(strength)));
     }
 }
 
@@ -104,30 +108,37 @@ fn outline(pane: &Pane<'_>, members: &[&Track]) {
     draw::outlined_rect(pane.painter, around(pane, members), Stroke::new(1.5, Color32::WHITE));
 }
 
+/// Where each object has been, fainter the longer ago.
 fn trails(pane: &Pane<'_>) {
-    let here = pane.shown.position;
-    for track in pane.shown.analysis.tracks.iter() {
-        let colour = theme::rgb(identity_colour(track.id));
-        let mut last: Option<(u32, Pos2)> = None;
-        for (&position, (_, objects)) in pane.model.trails.range(..=here) {
-            let Some(then) = objects.iter().find(|then| then.id == track.id) else {
-                continue;
-            };
-            let at = pane.canvas.screen(then.centre);
-            if let Some((before, from)) = last
-                && position - before <= 2
-            {
-                let age = (here - position) as f32 / 60.0;
-                let stroke = Stroke::new(2.0, colour.gamma_multiply((1.0 - age).clamp(0.15, 1.0)));
-                pane.painter.add(Shape::line_segment([from, at], stroke));
+    let (here, tracks) = (pane.shown.position, &pane.shown.analysis.tracks);
+    let mut lines: HashMap<Identity, Vec<(u32, [f32; 2])>> =
+        tracks.iter().map(|track| (track.id, Vec::new())).collect();
+    for (&position, (_, objects)) in pane.set.moment().trails.range(..=here) {
+        for then in objects.iter() {
+            if let Some(line) = lines.get_mut(&then.id) {
+                line.push((position, then.centre));
             }
-            last = Some((position, at));
         }
     }
+    let mut mesh = Mesh::default();
+    for track in tracks.iter() {
+        let colour = theme::rgb(identity_colour(track.id));
+        let faded = |position: u32| {
+            let age = (here - position) as f32 / 60.0;
+            colour.gamma_multiply((1.0 - age).clamp(0.15, 1.0))
+        };
+        let line = lines.get(&track.id).map_or(&[][..], Vec::as_slice);
+        // One frame may be missing; over more, nobody saw where it went.
+        for piece in line.chunk_by(|(before, _), (after, _)| after - before <= 2) {
+            let points = piece.iter().map(|&(position, at)| (pane.canvas.screen(at), faded(position)));
+            draw::add_line(&mut mesh, points, 2.0);
+        }
+    }
+    pane.painter.add(mesh);
 }
 
 /// The events of the frame, beside what is `taken`.
-fn flags(pane: &Pane<'_>, mut taken: Vec<Rect>) {
+fn flags(pane: &Pane<'_>, mut taken: Taken) {
     let Some(timeline) = pane.model.timeline() else { return };
     for (_, event) in timeline.events.iter().filter(|(position, _)| *position == pane.shown.position) {
         let foot = pane.canvas.screen([event.x, event.y]);
@@ -137,7 +148,7 @@ fn flags(pane: &Pane<'_>, mut taken: Vec<Rect>) {
         let font = FontId::proportional(theme::MONO);
         let width = pane.painter.layout_no_wrap(word.clone(), font.clone(), colour).size().x + 30.0;
         let mut flag = Rect::from_min_size(foot - vec2(0.0, 46.0), vec2(width, 20.0));
-        while taken.iter().any(|other| other.intersects(flag)) {
+        while !taken.is_free(flag) {
             flag = flag.translate(vec2(0.0, -23.0));
         }
         let bounds = pane.canvas.rect.shrink(2.0);
@@ -146,7 +157,7 @@ fn flags(pane: &Pane<'_>, mut taken: Vec<Rect>) {
             (bounds.top() - flag.top()).max(0.0),
         );
         flag = flag.translate(shift);
-        taken.push(flag);
+        taken.add(flag);
         let pole = pos2(foot.x.clamp(flag.left(), flag.right()), flag.bottom());
         pane.painter.line_segment([foot, pole], Stroke::new(3.5, Color32::from_black_alpha(120)));
         pane.painter.line_segment([foot, pole], Stroke::new(1.5, colour));

@@ -1,0 +1,278 @@
+//! How long the window's thread works on a frame: a measurement to run by hand, not a test.
+//!
+//! `cargo test --release --locked --lib -- --ignored --nocapture the_windows_own_work`
+//!
+//! What the software adapter takes to draw is shown in brackets: it is not this thread's work, though it slows it.
+
+#![allow(clippy::unwrap_used)]
+
+use std::cell::RefCell;
+use std::rc::Rc;
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use eframe::egui::{self, Rect, Theme, vec2};
+use eframe::egui_wgpu::{RendererOptions, ScreenDescriptor, wgpu};
+use egui_kittest::wgpu::{create_render_state, default_wgpu_setup};
+
+use super::Window;
+use super::command::{Action, Command};
+use super::state::Player;
+use crate::frame::{Frame, Mask, Size};
+use crate::occlusion::Counters;
+use crate::pipeline::Analysis;
+use crate::regions::{self, Labels, Region, Shape};
+use crate::replay::{Phase, Shown, Start, State, Timeline};
+use crate::settings::Settings;
+use crate::source::SourceInfo;
+use crate::tracking::{Track, TrackState};
+
+const SIZE: Size = Size::new(1920, 1080);
+const FRAMES: u32 = 10_000;
+const WINDOW: (f32, f32) = (2560.0, 1440.0);
+/// How many frames are prepared; each differs from the one before it in every layer.
+const PREPARED: u32 = 6;
+const WARM_UP: usize = 70;
+const MEASURED: usize = 120;
+
+/// A worker that has every frame ready.
+struct Ready {
+    frames: Rc<Vec<Shown>>,
+    state: RefCell<State>,
+}
+
+impl Player for Ready {
+    fn state(&self) -> State {
+        self.state.borrow().clone()
+    }
+
+    fn show(&self, position: u32) {
+        let frames = &self.frames;
+        let shown = Shown { position, ..frames[position as usize % frames.len()].clone() };
+        self.state.borrow_mut().shown = Some(Arc::new(shown));
+    }
+
+    fn set_settings(&self, _: Settings) {}
+
+    fn inspect(&self, _: Option<(u32, u32)>) {}
+}
+
+/// `count` people who walk in rows over the whole picture.
+fn shown_at(position: u32, count: u32) -> Shown {
+    let columns = (count as f32).sqrt().ceil() as u32;
+    let (step_x, step_y) = (SIZE.width / columns, SIZE.height / columns.max(count.div_ceil(columns)));
+    let (w, h) = ((step_x / 3).min(60), (step_y * 2 / 3).min(150));
+    let noise =
+        |x: u32, y: u32, salt: u32| ((x * 7 + y * 13 + salt * 31).wrapping_mul(2_654_435_761) >> 24) as u8;
+    let colours = |salt: u32| {
+        let pixel = |y: u32, x: u32| {
+            let n = noise(x, y, salt) / 16;
+            [(x / 16) as u8 / 2 + n, (y / 8) as u8 / 2 + n, 90 + n]
+        };
+        (0..SIZE.height).flat_map(|y| (0..SIZE.width).flat_map(move |x| pixel(y, x))).collect::<Vec<u8>>()
+    };
+    let (mut mask, mut labels) = (Mask::empty(SIZE), vec![0; SIZE.pixels()]);
+    let (mut regions, mut tracks) = (Vec::new(), Vec::new());
+    for id in 1..=count {
+        let (left, top) = ((id - 1) % columns * step_x + position % 20, (id - 1) / columns * step_y);
+        for y in top..top + h {
+            for x in left..left + w {
+                let at = SIZE.index(x, y).unwrap();
+                mask.data[at] = Mask::FOREGROUND;
+                labels[at] = id;
+            }
+        }
+        let bbox = regions::Rect::new(left as f32, top as f32, w as f32, h as f32);
+        let centre = [bbox.x + bbox.w / 2.0, bbox.y + bbox.h / 2.0];
+        let shape = Shape { area: w * h, bbox, centroid: centre, ..Shape::default() };
+        let histogram = regions::Histogram::default();
+        regions.push(Region { label: id, shape, colour: [180, 90, 70], histogram });
+        tracks.push(Track {
+            id,
+            key: id,
+            state: TrackState::Visible,
+            bbox,
+            centre,
+            velocity: [1.0, 0.0],
+            scale: 60.0,
+            gate: [24.0, 14.0, 0.3],
+            fitness: 1.0,
+            hypotheses: 2,
+            visible_share: 1.0,
+            colours: vec![[180, 90, 70]],
+            regions: vec![id],
+            group: vec![],
+        });
+    }
+    let picture = |salt| Arc::new(Frame::new(position + 1, SIZE, colours(salt)));
+    Shown {
+        position,
+        settings: Arc::new(Settings::default()),
+        frame: picture(position + 1),
+        analysis: Arc::new(Analysis {
+            number: position + 1,
+            t: position + 1,
+            mask: Arc::new(mask),
+            labels: Arc::new(Labels::of_image(SIZE, &labels)),
+            regions: Arc::new(regions),
+            tracks: Arc::new(tracks),
+            tentative: Arc::default(),
+            objects: Arc::default(),
+            events: Arc::default(),
+            counters: Counters::default(),
+        }),
+        background: picture(0),
+        multi_mode: Some(picture(0)),
+        background_count: Some(Arc::new(vec![1; SIZE.pixels()])),
+        pixel: None,
+    }
+}
+
+fn ready(frames: Rc<Vec<Shown>>) -> Ready {
+    let info =
+        SourceInfo { name: "crowd.mp4".into(), size: SIZE, fps: 30.0, frames: Some(FRAMES), live: false };
+    let timeline = Timeline { numbers: (1..=FRAMES).collect(), complete: true, ..Timeline::default() };
+    let state = State {
+        phase: Phase::Ready,
+        info: Some(Arc::new(info)),
+        warnings: Arc::default(),
+        shown: Some(Arc::new(frames[0].clone())),
+        timeline: Arc::new(timeline),
+        busy: None,
+        pixel: None,
+        analysis_fps: 0.0,
+    };
+    Ready { frames, state: RefCell::new(state) }
+}
+
+/// How long this thread has run: without what other threads and processes took of the processor.
+#[cfg(unix)]
+fn ran() -> Duration {
+    let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
+    Duration::new(time.tv_sec as u64, time.tv_nsec as u32)
+}
+
+/// Where that is not known, the time that has gone by.
+#[cfg(not(unix))]
+fn ran() -> Duration {
+    static START: std::sync::LazyLock<Instant> = std::sync::LazyLock::new(Instant::now);
+    START.elapsed()
+}
+
+/// Minimum, median, nineteen of twenty, and maximum, in milliseconds.
+fn spread(took: &mut [Duration]) -> String {
+    took.sort_unstable();
+    let at = |share: f32| took[((took.len() - 1) as f32 * share) as usize].as_secs_f64() * 1e3;
+    format!("{:6.2} {:6.2} {:6.2} {:6.2}", at(0.0), at(0.5), at(0.95), at(1.0))
+}
+
+#[test]
+#[ignore = "a measurement"]
+fn the_windows_own_work() {
+    println!("ms a pass, five views of {SIZE} in a window of {}×{}: min median 95% max", WINDOW.0, WINDOW.1);
+    for count in [5, 300] {
+        measure(count);
+    }
+}
+
+fn measure(count: u32) {
+    let frames: Rc<Vec<Shown>> = Rc::new((0..PREPARED).map(|position| shown_at(position, count)).collect());
+    let gpu = create_render_state(default_wgpu_setup(), RendererOptions::default());
+    let ctx = egui::Context::default();
+    ctx.set_theme(Theme::Dark);
+    let opener = move |_: &str, _: Settings, _: Start, _: &egui::Context| -> Box<dyn Player> {
+        Box::new(ready(frames.clone()))
+    };
+    let mut window = Window::new(&ctx, &gpu, Settings::default(), Box::new(opener)).unwrap();
+    window.apply(&ctx, Command::Open("crowd.mp4".into(), Start::First));
+    let target = gpu.device.create_texture(&wgpu::TextureDescriptor {
+        label: None,
+        size: wgpu::Extent3d { width: WINDOW.0 as u32, height: WINDOW.1 as u32, depth_or_array_layers: 1 },
+        mip_level_count: 1,
+        sample_count: 1,
+        dimension: wgpu::TextureDimension::D2,
+        format: gpu.target_format,
+        usage: wgpu::TextureUsages::RENDER_ATTACHMENT,
+        view_formats: &[],
+    });
+    let target = target.create_view(&wgpu::TextureViewDescriptor::default());
+    let screen =
+        ScreenDescriptor { size_in_pixels: [WINDOW.0 as u32, WINDOW.1 as u32], pixels_per_point: 1.0 };
+
+    let start = Instant::now();
+    let (mut ui, mut tessellation, mut upload) = (vec![], vec![], vec![]);
+    let (mut all, mut waited, mut shown) = (vec![], vec![], vec![]);
+    for pass in 0..WARM_UP + MEASURED {
+        if pass == 5 {
+            window.apply(&ctx, Command::Act(Action::Play));
+        }
+        let (began, before_ui) = (Instant::now(), ran());
+        let input = egui::RawInput {
+            time: Some(start.elapsed().as_secs_f64()),
+            screen_rect: Some(Rect::from_min_size(egui::Pos2::ZERO, vec2(WINDOW.0, WINDOW.1))),
+            max_texture_side: Some(8192),
+            ..egui::RawInput::default()
+        };
+        let output = ctx.run_ui(input, |ui| {
+            window.advance(ui.ctx());
+            window.show(ui);
+        });
+        let after_ui = ran();
+        let jobs = ctx.tessellate(output.shapes, 1.0);
+        let after_tessellation = ran();
+        let mut renderer = gpu.renderer.write();
+        for (id, images) in &output.textures_delta.set {
+            for image in images {
+                renderer.update_texture(&gpu.device, &gpu.queue, *id, image);
+            }
+        }
+        let mut encoder = gpu.device.create_command_encoder(&wgpu::CommandEncoderDescriptor::default());
+        let buffers = renderer.update_buffers(&gpu.device, &gpu.queue, &mut encoder, &jobs, &screen);
+        let (after_upload, by_the_clock) = (ran(), began.elapsed());
+        {
+            let attachment = wgpu::RenderPassColorAttachment {
+                view: &target,
+                resolve_target: None,
+                ops: wgpu::Operations {
+                    load: wgpu::LoadOp::Clear(wgpu::Color::BLACK),
+                    store: wgpu::StoreOp::Store,
+                },
+                depth_slice: None,
+            };
+            let descriptor = wgpu::RenderPassDescriptor {
+                color_attachments: &[Some(attachment)],
+                ..wgpu::RenderPassDescriptor::default()
+            };
+            let mut pass = encoder.begin_render_pass(&descriptor).forget_lifetime();
+            renderer.render(&mut pass, &jobs, &screen);
+        }
+        gpu.queue.submit(buffers.into_iter().chain([encoder.finish()]));
+        drop(renderer);
+        let drawing = Instant::now();
+        gpu.device.poll(wgpu::PollType::wait_indefinitely()).unwrap();
+        let drawn = drawing.elapsed();
+        let mut deltas = output.textures_delta;
+        deltas.clear();
+        std::thread::sleep(Duration::from_millis(33).saturating_sub(began.elapsed()));
+        if pass >= WARM_UP {
+            ui.push(after_ui.saturating_sub(before_ui));
+            tessellation.push(after_tessellation.saturating_sub(after_ui));
+            upload.push(after_upload.saturating_sub(after_tessellation));
+            all.push(after_upload.saturating_sub(before_ui));
+            waited.push(by_the_clock);
+            shown.push(drawn);
+        }
+    }
+    let position = window.model.shown().unwrap().position;
+    println!("{count} objects, {position} frames seen");
+    for (what, took) in [
+        ("logic and ui", &mut ui),
+        ("tessellation", &mut tessellation),
+        ("textures and buffers", &mut upload),
+        ("together", &mut all),
+        ("by the clock", &mut waited),
+        ("(drawing, waited for)", &mut shown),
+    ] {
+        println!("  {what:22} {}", spread(took));
+    }
+}

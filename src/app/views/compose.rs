@@ -1,0 +1,330 @@
+//! A view composed on the graphics card from the layers of a frame.
+
+use std::sync::Arc;
+
+use eframe::egui::{PaintCallbackInfo, Rect};
+use eframe::egui_wgpu::wgpu::{self, util::DeviceExt as _};
+use eframe::egui_wgpu::{Callback, CallbackResources, CallbackTrait, RenderState, ScreenDescriptor};
+
+use super::layer::Layer;
+use super::pictures::Set;
+use super::{Canvas, View};
+
+/// What is composed, in the order of the shader's.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Compose {
+    /// The input.
+    Input,
+    /// The input under the overlay.
+    Masked,
+    /// The mean of component 1.
+    Mean,
+    /// The mean of the background components.
+    Modes,
+    /// B in its colours.
+    Counts,
+    /// The mask.
+    Mask,
+    /// The regions in their colours over a dark input.
+    Regions,
+    /// How far the input is from the mean.
+    Difference,
+}
+
+impl Compose {
+    /// All of it in order.
+    const ALL: [Self; 8] = [
+        Self::Input,
+        Self::Masked,
+        Self::Mean,
+        Self::Modes,
+        Self::Counts,
+        Self::Mask,
+        Self::Regions,
+        Self::Difference,
+    ];
+
+    /// The layers that it is made from.
+    pub(crate) const fn layers(self) -> &'static [Layer] {
+        match self {
+            Self::Input => &[Layer::Input],
+            Self::Masked => &[Layer::Input, Layer::Mask],
+            Self::Mean => &[Layer::Mean],
+            Self::Modes => &[Layer::Modes],
+            Self::Counts => &[Layer::Counts, Layer::Palette],
+            Self::Mask => &[Layer::Mask],
+            Self::Regions => &[Layer::Input, Layer::Labels, Layer::Palette],
+            Self::Difference => &[Layer::Input, Layer::Mean],
+        }
+    }
+}
+
+/// How it is composed.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Look {
+    /// What.
+    pub(crate) what: Compose,
+    /// All colours are multiplied by this.
+    pub(crate) tint: f32,
+    /// What lies over the foreground of [`Compose::Masked`]: red, green, blue and opacity, each 0..=1.
+    pub(crate) overlay: [f32; 4],
+}
+
+impl Look {
+    /// Without tint or overlay.
+    pub(crate) const fn plain(what: Compose) -> Self {
+        Self { what, tint: 1.0, overlay: [0.0; 4] }
+    }
+}
+
+/// How many bytes apart the views' values lie: the largest alignment that a card may ask for.
+const SLOT: u64 = 256;
+/// How many bytes the shader's `View` takes.
+const VALUES: u64 = 64;
+
+/// The shader and what belongs to it, for all views.
+pub(crate) struct Composer {
+    pipelines: [wgpu::RenderPipeline; Compose::ALL.len()],
+    layers: wgpu::BindGroupLayout,
+    values: wgpu::Buffer,
+    views: wgpu::BindGroup,
+    /// Stands for layers that were not sent.
+    blank: Vec<wgpu::TextureView>,
+}
+
+impl Composer {
+    /// For the card and the colours of this window.
+    pub(crate) fn new(gpu: &RenderState) -> Self {
+        let device = &gpu.device;
+        let module = device.create_shader_module(wgpu::include_wgsl!("compose.wgsl"));
+        let values = device.create_buffer(&wgpu::BufferDescriptor {
+            label: Some("views"),
+            size: SLOT * View::ALL.len() as u64,
+            usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
+            mapped_at_creation: false,
+        });
+        let of_view = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("view"),
+            entries: &[
+                wgpu::BindGroupLayoutEntry {
+                    binding: 0,
+                    visibility: wgpu::ShaderStages::VERTEX_FRAGMENT,
+                    ty: wgpu::BindingType::Buffer {
+                        ty: wgpu::BufferBindingType::Uniform,
+                        has_dynamic_offset: true,
+                        min_binding_size: wgpu::BufferSize::new(VALUES),
+                    },
+                    count: None,
+                },
+                wgpu::BindGroupLayoutEntry {
+                    binding: 1,
+                    visibility: wgpu::ShaderStages::FRAGMENT,
+                    ty: wgpu::BindingType::Sampler(wgpu::SamplerBindingType::Filtering),
+                    count: None,
+                },
+            ],
+        });
+        let entries = Layer::ALL.map(|layer| wgpu::BindGroupLayoutEntry {
+            binding: layer as u32,
+            visibility: wgpu::ShaderStages::FRAGMENT,
+            ty: wgpu::BindingType::Texture {
+                sample_type: layer
+                    .format()
+                    .sample_type(None, None)
+                    .unwrap_or(wgpu::TextureSampleType::Float { filterable: true }),
+                view_dimension: wgpu::TextureViewDimension::D2,
+                multisampled: false,
+            },
+            count: None,
+        });
+        let layers = device.create_bind_group_layout(&wgpu::BindGroupLayoutDescriptor {
+            label: Some("layers"),
+            entries: &entries,
+        });
+        let layout = device.create_pipeline_layout(&wgpu::PipelineLayoutDescriptor {
+            label: Some("views"),
+            bind_group_layouts: &[Some(&of_view), Some(&layers)],
+            immediate_size: 0,
+        });
+        let to = if gpu.target_format.is_srgb() { "to_linear" } else { "to_gamma" };
+        let pipelines = Compose::ALL.map(|what| {
+            device.create_render_pipeline(&wgpu::RenderPipelineDescriptor {
+                label: Some("views"),
+                layout: Some(&layout),
+                vertex: wgpu::VertexState {
+                    module: &module,
+                    entry_point: Some("corner"),
+                    compilation_options: wgpu::PipelineCompilationOptions::default(),
+                    buffers: &[],
+                },
+                primitive: wgpu::PrimitiveState {
+                    topology: wgpu::PrimitiveTopology::TriangleStrip,
+                    ..wgpu::PrimitiveState::default()
+                },
+                depth_stencil: None,
+                multisample: wgpu::MultisampleState::default(),
+                fragment: Some(wgpu::FragmentState {
+                    module: &module,
+                    entry_point: Some(to),
+                    compilation_options: wgpu::PipelineCompilationOptions {
+                        constants: &[("WHAT", f64::from(what as u32))],
+                        ..wgpu::PipelineCompilationOptions::default()
+                    },
+                    targets: &[Some(gpu.target_format.into())],
+                }),
+                multiview_mask: None,
+                cache: None,
+            })
+        });
+        let smooth = device.create_sampler(&wgpu::SamplerDescriptor {
+            label: Some("smooth"),
+            mag_filter: wgpu::FilterMode::Linear,
+            min_filter: wgpu::FilterMode::Linear,
+            ..wgpu::SamplerDescriptor::default()
+        });
+        let views = device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("view"),
+            layout: &of_view,
+            entries: &[
+                wgpu::BindGroupEntry {
+                    binding: 0,
+                    resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
+                        buffer: &values,
+                        offset: 0,
+                        size: wgpu::BufferSize::new(VALUES),
+                    }),
+                },
+                wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Sampler(&smooth) },
+            ],
+        });
+        let blank = Layer::ALL.map(|layer| {
+            let descriptor = wgpu::TextureDescriptor {
+                label: Some("no layer"),
+                size: wgpu::Extent3d::default(),
+                mip_level_count: 1,
+                sample_count: 1,
+                dimension: wgpu::TextureDimension::D2,
+                format: layer.format(),
+                usage: wgpu::TextureUsages::TEXTURE_BINDING,
+                view_formats: &[],
+            };
+            let bytes = vec![0; layer.texel_bytes()];
+            let order = wgpu::util::TextureDataOrder::LayerMajor;
+            device
+                .create_texture_with_data(&gpu.queue, &descriptor, order, &bytes)
+                .create_view(&wgpu::TextureViewDescriptor::default())
+        });
+        Self { pipelines, layers, values, views, blank: blank.into() }
+    }
+
+    /// Binds the layers of a frame; those that are missing are black.
+    pub(crate) fn bind<'a>(
+        &'a self,
+        device: &wgpu::Device,
+        layer: impl Fn(Layer) -> Option<&'a wgpu::TextureView>,
+    ) -> wgpu::BindGroup {
+        let entries = Layer::ALL.map(|which| wgpu::BindGroupEntry {
+            binding: which as u32,
+            resource: wgpu::BindingResource::TextureView(layer(which).unwrap_or(&self.blank[which as usize])),
+        });
+        device.create_bind_group(&wgpu::BindGroupDescriptor {
+            label: Some("layers"),
+            layout: &self.layers,
+            entries: &entries,
+        })
+    }
+}
+
+/// One view of one frame, painted by egui's painter when its turn comes.
+pub(crate) struct Composition {
+    composer: Arc<Composer>,
+    /// Kept until it is painted, so that nothing is written into its layers before.
+    set: Arc<Set>,
+    view: View,
+    look: Look,
+    canvas: Canvas,
+}
+
+impl Composition {
+    /// What a painter paints into the part of the image that is seen; nothing where none is.
+    pub(crate) fn shape(
+        composer: &Arc<Composer>,
+        set: &Arc<Set>,
+        view: View,
+        look: Look,
+        canvas: Canvas,
+    ) -> Option<eframe::egui::PaintCallback> {
+        let seen: Rect = canvas.whole().intersect(canvas.rect);
+        let whole = look.what.layers().iter().all(|&layer| set.has(layer));
+        (whole && seen.is_positive()).then(|| {
+            let (composer, set) = (Arc::clone(composer), Arc::clone(set));
+            Callback::new_paint_callback(seen, Self { composer, set, view, look, canvas })
+        })
+    }
+
+    /// Where this view's values lie among those of all.
+    const fn offset(&self) -> u64 {
+        self.view as u64 * SLOT
+    }
+
+    /// The shader's `View`.
+    fn values(&self, screen: &ScreenDescriptor) -> [u8; VALUES as usize] {
+        let dense = screen.pixels_per_point;
+        let whole = self.canvas.whole();
+        let [width, height] = screen.size_in_pixels.map(|side| side as f32);
+        let texels = self.set.texels();
+        let [r, g, b, a] = self.look.overlay;
+        let values = [
+            whole.left() * dense,
+            whole.top() * dense,
+            width,
+            height,
+            whole.width() * dense,
+            whole.height() * dense,
+            texels.width as f32,
+            texels.height as f32,
+            r,
+            g,
+            b,
+            a,
+            self.canvas.scale * dense * self.set.every() as f32,
+            self.look.tint,
+            0.0,
+            0.0,
+        ];
+        let mut bytes = [0; VALUES as usize];
+        for (four, value) in bytes.chunks_exact_mut(4).zip(values) {
+            four.copy_from_slice(&value.to_ne_bytes());
+        }
+        bytes
+    }
+}
+
+impl CallbackTrait for Composition {
+    fn prepare(
+        &self,
+        _device: &wgpu::Device,
+        queue: &wgpu::Queue,
+        screen: &ScreenDescriptor,
+        _encoder: &mut wgpu::CommandEncoder,
+        _resources: &mut CallbackResources,
+    ) -> Vec<wgpu::CommandBuffer> {
+        queue.write_buffer(&self.composer.values, self.offset(), &self.values(screen));
+        Vec::new()
+    }
+
+    fn paint(
+        &self,
+        info: PaintCallbackInfo,
+        pass: &mut wgpu::RenderPass<'static>,
+        _resources: &CallbackResources,
+    ) {
+        // The shader places the image in the whole window, to the fraction of a pixel like all shapes over it.
+        let [width, height] = info.screen_size_px.map(|side| side as f32);
+        pass.set_viewport(0.0, 0.0, width, height, 0.0, 1.0);
+        pass.set_pipeline(&self.composer.pipelines[self.look.what as usize]);
+        pass.set_bind_group(0, &self.composer.views, &[self.offset() as u32]);
+        pass.set_bind_group(1, self.set.group(), &[]);
+        pass.draw(0..4, 0..1);
+    }
+}

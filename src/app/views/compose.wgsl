@@ -1,0 +1,194 @@
+// Composes one view from the layers of a frame. A texel is one pixel of the image, or every n-th
+// one of an image that is too large for the card.
+
+struct View {
+    // The image's upper left corner and the window's size, in pixels of the screen.
+    origin: vec2<f32>,
+    screen: vec2<f32>,
+    // The image's size in pixels of the screen.
+    extent: vec2<f32>,
+    // Width and height in texels.
+    texels: vec2<f32>,
+    // What lies over foreground, and how strong, 0 to 1.
+    overlay: vec4<f32>,
+    // Pixels of the screen a texel.
+    scale: f32,
+    // All colours are multiplied by this.
+    tint: f32,
+    unused: vec2<f32>,
+}
+
+@group(0) @binding(0) var<uniform> view: View;
+@group(0) @binding(1) var smooth_sampler: sampler;
+
+@group(1) @binding(0) var input: texture_2d<f32>;
+@group(1) @binding(1) var mean: texture_2d<f32>;
+@group(1) @binding(2) var modes: texture_2d<f32>;
+@group(1) @binding(3) var counts: texture_2d<u32>;
+@group(1) @binding(4) var mask: texture_2d<f32>;
+@group(1) @binding(5) var labels: texture_2d<u32>;
+@group(1) @binding(6) var palette: texture_2d<f32>;
+
+// What is composed, in the order of `Compose`. Not a value of the view: software adapters go through all branches
+// of what they do not know when the shader is built.
+override WHAT: u32 = 0u;
+const INPUT: u32 = 0u;
+const MASKED: u32 = 1u;
+const MEAN: u32 = 2u;
+const MODES: u32 = 3u;
+const COUNTS: u32 = 4u;
+const MASK: u32 = 5u;
+const REGIONS: u32 = 6u;
+const DIFFERENCE: u32 = 7u;
+
+// Of texels that are smaller than a pixel of the screen, at most so many are looked at in a row.
+const MOST_TEXELS: f32 = 64.0;
+
+@vertex
+fn corner(@builtin(vertex_index) index: u32) -> @builtin(position) vec4<f32> {
+    let at = view.origin + view.extent * vec2<f32>(f32(index & 1u), f32(index >> 1u));
+    return vec4<f32>(2.0 * at.x / view.screen.x - 1.0, 1.0 - 2.0 * at.y / view.screen.y, 0.0, 1.0);
+}
+
+// BT.601 in 8 bits.
+fn luma(colour: vec3<f32>) -> f32 {
+    let c = vec3<u32>(colour * 255.0 + 0.5);
+    return f32((9798u * c.r + 19235u * c.g + 3735u * c.b + 16384u) >> 15u);
+}
+
+fn masked(input_here: vec3<f32>, mask_here: f32) -> vec3<f32> {
+    return mix(input_here, view.overlay.rgb, view.overlay.a * mask_here);
+}
+
+fn apart(input_here: vec3<f32>, mean_here: vec3<f32>) -> vec3<f32> {
+    let channels = abs(input_here - mean_here);
+    return vec3<f32>(min(2.0 * max(channels.r, max(channels.g, channels.b)), 1.0));
+}
+
+// The colour of B, or of a region, at a texel; its alpha is 0 where there is no region.
+fn named(at: vec2<i32>) -> vec4<f32> {
+    if WHAT == COUNTS {
+        return textureLoad(palette, vec2<u32>(min(textureLoad(counts, at, 0).r, 4u), 0u), 0);
+    }
+    let label = textureLoad(labels, at, 0).r;
+    if label == 0u {
+        return vec4<f32>(0.0);
+    }
+    return textureLoad(palette, vec2<u32>(label & 255u, 1u + (label >> 8u)), 0);
+}
+
+// Regions in their colours over a dark input. A little of the input's light keeps a region's inside readable.
+fn over_dark(region: vec4<f32>, input_here: vec3<f32>) -> vec3<f32> {
+    let gray = luma(input_here);
+    let ground = floor(gray / 4.0) / 255.0;
+    let lit = floor(region.rgb * (255.0 * 0.55 + 0.45 * gray) + 0.001) / 255.0;
+    return lit + ground * (1.0 - region.a);
+}
+
+fn texel(at: vec2<i32>) -> vec3<f32> {
+    switch WHAT {
+        case MASKED: { return masked(textureLoad(input, at, 0).rgb, textureLoad(mask, at, 0).r); }
+        case MEAN: { return textureLoad(mean, at, 0).rgb; }
+        case MODES: { return textureLoad(modes, at, 0).rgb; }
+        case COUNTS: { return named(at).rgb; }
+        case MASK: { return vec3<f32>(textureLoad(mask, at, 0).r); }
+        case REGIONS: { return over_dark(named(at), textureLoad(input, at, 0).rgb); }
+        case DIFFERENCE: { return apart(textureLoad(input, at, 0).rgb, textureLoad(mean, at, 0).rgb); }
+        default: { return textureLoad(input, at, 0).rgb; }
+    }
+}
+
+// Minified, a pixel of the screen gets the mean of the texels under it, each by the share of the pixel that it
+// covers: no line is too thin to be seen, and none flickers while the image moves.
+struct Under {
+    low: vec2<f32>,
+    high: vec2<f32>,
+    first: vec2<f32>,
+    // 1, or more where there are too many to look at each.
+    stride: vec2<f32>,
+};
+
+fn under(middle: vec2<f32>) -> Under {
+    let low = max(middle - 0.5 / view.scale, vec2<f32>(0.0));
+    let high = min(middle + 0.5 / view.scale, view.texels);
+    return Under(low, high, floor(low), max((high - low) / MOST_TEXELS, vec2<f32>(1.0)));
+}
+
+// Two neighbours and the shares that they have: where between them a smooth sampler weighs them like that, and
+// their shares together.
+fn pair(low: f32, high: f32, first: f32, stride: f32) -> vec2<f32> {
+    let a = max(min(first + stride, high) - max(first, low), 0.0);
+    let b = max(min(first + 2.0 * stride, high) - (first + stride), 0.0);
+    return vec2<f32>(first + stride * (0.5 + b / max(a + b, 1e-6)), a + b);
+}
+
+// The same as `texel` for a mean of up to four of them. Names have no mean: it is the input that regions lie over.
+fn smooth_texels(at: vec2<f32>) -> vec3<f32> {
+    switch WHAT {
+        case MASKED: {
+            let mask_here = textureSampleLevel(mask, smooth_sampler, at, 0.0).r;
+            return masked(textureSampleLevel(input, smooth_sampler, at, 0.0).rgb, mask_here);
+        }
+        case MEAN: { return textureSampleLevel(mean, smooth_sampler, at, 0.0).rgb; }
+        case MODES: { return textureSampleLevel(modes, smooth_sampler, at, 0.0).rgb; }
+        case MASK: { return vec3<f32>(textureSampleLevel(mask, smooth_sampler, at, 0.0).r); }
+        case DIFFERENCE: {
+            let mean_here = textureSampleLevel(mean, smooth_sampler, at, 0.0).rgb;
+            return apart(textureSampleLevel(input, smooth_sampler, at, 0.0).rgb, mean_here);
+        }
+        default: { return textureSampleLevel(input, smooth_sampler, at, 0.0).rgb; }
+    }
+}
+
+fn mean_of(what: Under) -> vec3<f32> {
+    var sum = vec4<f32>(0.0);
+    for (var y = what.first.y; y < what.high.y; y += 2.0 * what.stride.y) {
+        let row = pair(what.low.y, what.high.y, y, what.stride.y);
+        for (var x = what.first.x; x < what.high.x; x += 2.0 * what.stride.x) {
+            let column = pair(what.low.x, what.high.x, x, what.stride.x);
+            sum += vec4<f32>(smooth_texels(vec2<f32>(column.x, row.x) / view.texels), 1.0) * (row.y * column.y);
+        }
+    }
+    return sum.rgb / max(sum.a, 1e-6);
+}
+
+fn mean_of_named(what: Under) -> vec4<f32> {
+    var sum = vec4<f32>(0.0);
+    var shares = 0.0;
+    for (var y = what.first.y; y < what.high.y; y += what.stride.y) {
+        let height = min(y + what.stride.y, what.high.y) - max(y, what.low.y);
+        for (var x = what.first.x; x < what.high.x; x += what.stride.x) {
+            let share = height * (min(x + what.stride.x, what.high.x) - max(x, what.low.x));
+            sum += named(vec2<i32>(vec2<f32>(x, y) + what.stride / 2.0)) * share;
+            shares += share;
+        }
+    }
+    return sum / max(shares, 1e-6);
+}
+
+fn composed(position: vec2<f32>) -> vec3<f32> {
+    let middle = (position - view.origin) / view.scale;
+    if view.scale >= 1.0 {
+        return texel(vec2<i32>(clamp(floor(middle), vec2<f32>(0.0), view.texels - 1.0)));
+    }
+    let what = under(middle);
+    switch WHAT {
+        case COUNTS: { return mean_of_named(what).rgb; }
+        case REGIONS: { return over_dark(mean_of_named(what), mean_of(what)); }
+        default: { return mean_of(what); }
+    }
+}
+
+@fragment
+fn to_gamma(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
+    return vec4<f32>(composed(position.xy) * view.tint, 1.0);
+}
+
+// For a window that takes linear light and makes sRGB of it itself.
+@fragment
+fn to_linear(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
+    let srgb = composed(position.xy) * view.tint;
+    let low = srgb / 12.92;
+    let high = pow((srgb + 0.055) / 1.055, vec3<f32>(2.4));
+    return vec4<f32>(select(high, low, srgb < vec3<f32>(0.04045)), 1.0);
+}

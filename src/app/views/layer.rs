@@ -1,0 +1,238 @@
+//! What the graphics card is given of a frame: raw layers, from which every view is composed there.
+
+use std::sync::Arc;
+
+use eframe::egui_wgpu::wgpu::TextureFormat;
+
+use super::{background, regions};
+use crate::frame::{Frame, Size};
+use crate::regions::Labels;
+use crate::replay::Shown;
+
+/// One of them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Layer {
+    /// The input's colours.
+    Input,
+    /// The mean of component 1.
+    Mean,
+    /// The weighted mean of the background components.
+    Modes,
+    /// B.
+    Counts,
+    /// The mask.
+    Mask,
+    /// Each pixel's region.
+    Labels,
+    /// The colours of the values of B in its first row, of the regions from its second row on.
+    Palette,
+}
+
+/// How many texels a row of the palette has.
+const PALETTE_WIDTH: usize = 256;
+/// Labels share the last colour from here on.
+const LAST_LABEL: u32 = u16::MAX as u32;
+
+impl Layer {
+    /// All layers, in the order of their bindings in the shader.
+    pub(crate) const ALL: [Self; 7] =
+        [Self::Input, Self::Mean, Self::Modes, Self::Counts, Self::Mask, Self::Labels, Self::Palette];
+
+    /// How a texel is kept.
+    pub(crate) const fn format(self) -> TextureFormat {
+        match self {
+            Self::Input | Self::Mean | Self::Modes | Self::Palette => TextureFormat::Rgba8Unorm,
+            Self::Counts => TextureFormat::R8Uint,
+            Self::Mask => TextureFormat::R8Unorm,
+            Self::Labels => TextureFormat::R16Uint,
+        }
+    }
+
+    /// How many bytes a texel takes.
+    pub(crate) const fn texel_bytes(self) -> usize {
+        match self {
+            Self::Input | Self::Mean | Self::Modes | Self::Palette => 4,
+            Self::Counts | Self::Mask => 1,
+            Self::Labels => 2,
+        }
+    }
+
+    /// Whether the frame has it: a model without a mixture has no modes and no B.
+    pub(crate) const fn is_in(self, shown: &Shown) -> bool {
+        match self {
+            Self::Modes => shown.multi_mode.is_some(),
+            Self::Counts => shown.background_count.is_some(),
+            _ => true,
+        }
+    }
+
+    /// Whether it is made from the same data in both.
+    pub(crate) fn is_same(self, a: &Shown, b: &Shown) -> bool {
+        fn both<T>(a: Option<&Arc<T>>, b: Option<&Arc<T>>) -> bool {
+            a.zip(b).is_some_and(|(a, b)| Arc::ptr_eq(a, b))
+        }
+        match self {
+            Self::Input => Arc::ptr_eq(&a.frame, &b.frame),
+            Self::Mean => Arc::ptr_eq(&a.background, &b.background),
+            Self::Modes => both(a.multi_mode.as_ref(), b.multi_mode.as_ref()),
+            Self::Counts => both(a.background_count.as_ref(), b.background_count.as_ref()),
+            Self::Mask => Arc::ptr_eq(&a.analysis.mask, &b.analysis.mask),
+            Self::Labels => Arc::ptr_eq(&a.analysis.labels, &b.analysis.labels),
+            Self::Palette => Arc::ptr_eq(&a.analysis, &b.analysis),
+        }
+    }
+
+    /// Width and height in texels when every `every`-th pixel of each row and column is kept.
+    pub(crate) fn texels(self, shown: &Shown, every: u32) -> Size {
+        if self == Self::Palette {
+            let labels = regions::colours(&shown.analysis).len().min(LAST_LABEL as usize + 1);
+            return Size::new(PALETTE_WIDTH as u32, 1 + labels.div_ceil(PALETTE_WIDTH) as u32);
+        }
+        texels(shown.frame.size, every)
+    }
+
+    /// Gives `put` each row of texels with its number, from the top.
+    pub(crate) fn write(self, shown: &Shown, every: u32, put: &mut dyn FnMut(usize, &[u8])) {
+        let (width, every) = (shown.frame.size.width as usize, every as usize);
+        match self {
+            Self::Input => colours(&shown.frame, every, put),
+            Self::Mean => colours(&shown.background, every, put),
+            Self::Modes => {
+                if let Some(modes) = &shown.multi_mode {
+                    colours(modes, every, put);
+                }
+            }
+            Self::Counts => {
+                if let Some(counts) = &shown.background_count {
+                    numbers(counts, width, every, |&count| [count], put);
+                }
+            }
+            Self::Mask => numbers(&shown.analysis.mask.data, width, every, |&value| [value], put),
+            Self::Labels => labels(&shown.analysis.labels, every, put),
+            Self::Palette => {
+                let mut row = vec![0; PALETTE_WIDTH * 4];
+                for (texel, colour) in row.chunks_exact_mut(4).zip(background::COUNTS) {
+                    texel.copy_from_slice(&colour.to_array());
+                }
+                put(0, &row);
+                let colours = regions::colours(&shown.analysis);
+                let kept = &colours[..colours.len().min(LAST_LABEL as usize + 1)];
+                for (y, colours) in kept.chunks(PALETTE_WIDTH).enumerate() {
+                    for (texel, colour) in row.chunks_exact_mut(4).zip(colours) {
+                        texel.copy_from_slice(&colour.to_array());
+                    }
+                    put(y + 1, &row);
+                }
+            }
+        }
+    }
+}
+
+/// Which layers a view needs.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Layers([bool; Layer::ALL.len()]);
+
+impl Layers {
+    /// None.
+    pub(crate) const NONE: Self = Self([false; Layer::ALL.len()]);
+
+    /// Adds some.
+    pub(crate) fn add(&mut self, layers: &[Layer]) {
+        for &layer in layers {
+            self.0[layer as usize] = true;
+        }
+    }
+
+    /// Whether a layer is among them.
+    pub(crate) const fn has(self, layer: Layer) -> bool {
+        self.0[layer as usize]
+    }
+
+    /// Whether all of `others` are among them.
+    pub(crate) fn covers(self, others: Self) -> bool {
+        Layer::ALL.into_iter().all(|layer| self.has(layer) || !others.has(layer))
+    }
+}
+
+/// Every which pixel is kept so that neither side has more than `most` texels.
+pub(crate) fn thinning(size: Size, most: u32) -> u32 {
+    size.width.max(size.height).div_ceil(most.max(1)).max(1)
+}
+
+fn texels(size: Size, every: u32) -> Size {
+    Size::new(size.width.div_ceil(every).max(1), size.height.div_ceil(every).max(1))
+}
+
+fn colours(frame: &Frame, every: usize, put: &mut dyn FnMut(usize, &[u8])) {
+    let width = frame.size.width as usize;
+    let mut row = vec![255; width.div_ceil(every) * 4];
+    for (y, source) in frame.rgb.chunks_exact(width.max(1) * 3).step_by(every).enumerate() {
+        let texels = row.chunks_exact_mut(4);
+        if every == 1 {
+            for (texel, pixel) in texels.zip(source.chunks_exact(3)) {
+                texel[..3].copy_from_slice(pixel);
+            }
+        } else {
+            for (texel, pixel) in texels.zip(source.chunks_exact(3).step_by(every)) {
+                texel[..3].copy_from_slice(pixel);
+            }
+        }
+        put(y, &row);
+    }
+}
+
+fn labels(labels: &Labels, every: usize, put: &mut dyn FnMut(usize, &[u8])) {
+    let width = labels.size.width as usize;
+    numbers(&labels.image(), width, every, |&label| (label.min(LAST_LABEL) as u16).to_le_bytes(), put);
+}
+
+fn numbers<T, const N: usize>(
+    data: &[T],
+    width: usize,
+    every: usize,
+    bytes: impl Fn(&T) -> [u8; N],
+    put: &mut dyn FnMut(usize, &[u8]),
+) {
+    let mut row = vec![0; width.div_ceil(every) * N];
+    for (y, source) in data.chunks_exact(width.max(1)).step_by(every).enumerate() {
+        let texels = row.chunks_exact_mut(N);
+        if every == 1 {
+            for (texel, value) in texels.zip(source) {
+                texel.copy_from_slice(&bytes(value));
+            }
+        } else {
+            for (texel, value) in texels.zip(source.iter().step_by(every)) {
+                texel.copy_from_slice(&bytes(value));
+            }
+        }
+        put(y, &row);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_image_too_large_for_the_card_is_thinned() {
+        let size = Size::new(100, 30);
+        let every = thinning(size, 40);
+        assert_eq!((every, texels(size, every)), (3, Size::new(34, 10)));
+        assert_eq!(thinning(size, 100), 1);
+        let frame = Frame::new(1, size, (0..9000).map(|byte| (byte / 3 % 100) as u8).collect());
+        let mut rows = Vec::new();
+        colours(&frame, 3, &mut |y, row| rows.push((y, row.to_vec())));
+        assert_eq!(rows.len(), 10);
+        assert_eq!(rows[9].0, 9);
+        assert_eq!(rows[9].1[..8], [0, 0, 0, 255, 3, 3, 3, 255]);
+        assert_eq!(rows[9].1[33 * 4..], [99, 99, 99, 255]);
+    }
+
+    #[test]
+    fn labels_beyond_sixteen_bits_share_the_last_colour() {
+        let many = Labels::of_image(Size::new(2, 1), &[258, 70_000]);
+        let mut bytes = Vec::new();
+        labels(&many, 1, &mut |_, row| bytes.extend_from_slice(row));
+        assert_eq!(bytes, [2, 1, 255, 255]);
+    }
+}

@@ -1,0 +1,248 @@
+//! The frame in view on the graphics card, and the thread that brings it there.
+//!
+//! The window's thread asks for a frame and goes on; the frame comes into view, in all views at once, when all of
+//! its layers are on the card.
+
+use std::io;
+use std::sync::mpsc;
+use std::sync::{Arc, Mutex, PoisonError};
+use std::thread::{self, JoinHandle};
+use std::time::{Duration, Instant};
+
+use eframe::egui::Context;
+use eframe::egui_wgpu::{RenderState, wgpu};
+
+use super::compose::Composer;
+use super::layer::{self, Layer, Layers};
+use super::sender::{Sender, Sents};
+use super::{Background, View};
+use crate::app::state::Moment;
+use crate::frame::Size;
+
+/// A frame whose layers are on the card.
+pub(crate) struct Set {
+    moment: Arc<Moment>,
+    video: u32,
+    every: u32,
+    sents: Sents,
+    group: wgpu::BindGroup,
+    took: Duration,
+    bytes: u64,
+}
+
+impl Set {
+    /// The frame.
+    pub(crate) const fn moment(&self) -> &Arc<Moment> {
+        &self.moment
+    }
+
+    /// Whether a layer is there.
+    pub(crate) const fn has(&self, layer: Layer) -> bool {
+        self.sents[layer as usize].is_some()
+    }
+
+    /// Every which pixel became a texel.
+    pub(crate) const fn every(&self) -> u32 {
+        self.every
+    }
+
+    /// Width and height in texels.
+    pub(crate) fn texels(&self) -> Size {
+        Layer::Input.texels(&self.moment.shown, self.every)
+    }
+
+    /// The layers, bound for the shader.
+    pub(crate) const fn group(&self) -> &wgpu::BindGroup {
+        &self.group
+    }
+
+    /// How long it took to bring it onto the card.
+    pub(crate) const fn took(&self) -> Duration {
+        self.took
+    }
+
+    /// How many bytes were sent of it; the rest was there from the frame before.
+    pub(crate) const fn bytes(&self) -> u64 {
+        self.bytes
+    }
+}
+
+/// What the thread is asked for.
+#[derive(Clone)]
+struct Request {
+    moment: Arc<Moment>,
+    layers: Layers,
+    /// Which video it is of, counted from the first: what comes too late from one before is not shown.
+    video: u32,
+}
+
+/// Where a set waits for the window; a newer one takes its place.
+type Ready = Arc<Mutex<Option<Set>>>;
+
+/// The window's side.
+pub(crate) struct Pictures {
+    composer: Arc<Composer>,
+    requests: Option<mpsc::Sender<Request>>,
+    ready: Ready,
+    thread: Option<JoinHandle<()>>,
+    asked: Option<Request>,
+    video: u32,
+    layers: Layers,
+    in_view: Option<Arc<Set>>,
+}
+
+impl Pictures {
+    /// Starts the thread. It wakes the window whenever a frame is there.
+    pub(crate) fn start(ctx: &Context, gpu: &RenderState) -> io::Result<Self> {
+        let composer = Arc::new(Composer::new(gpu));
+        let (requests, received) = mpsc::channel();
+        let ready = Ready::default();
+        let worker = Worker {
+            sender: Sender::new(gpu.device.clone(), gpu.queue.clone()),
+            device: gpu.device.clone(),
+            composer: Arc::clone(&composer),
+            ready: Arc::clone(&ready),
+            ctx: ctx.clone(),
+        };
+        let thread = thread::Builder::new().name("pictures".into()).spawn(move || worker.work(&received))?;
+        Ok(Self {
+            composer,
+            requests: Some(requests),
+            ready,
+            thread: Some(thread),
+            asked: None,
+            video: 0,
+            layers: first_layers(),
+            in_view: None,
+        })
+    }
+
+    /// What composes the views.
+    pub(crate) const fn composer(&self) -> &Arc<Composer> {
+        &self.composer
+    }
+
+    /// The frame in view.
+    pub(crate) const fn in_view(&self) -> Option<&Arc<Set>> {
+        self.in_view.as_ref()
+    }
+
+    /// These layers are needed from now on.
+    pub(crate) const fn need(&mut self, layers: Layers) {
+        self.layers = layers;
+    }
+
+    /// Asks for a frame, unless it was asked for last.
+    pub(crate) fn ask(&mut self, moment: &Arc<Moment>) {
+        let (layers, video) = (self.layers, self.video);
+        let known = self.asked.as_ref().is_some_and(|asked| {
+            Arc::ptr_eq(&asked.moment, moment) && asked.layers.covers(layers) && asked.video == video
+        });
+        if known {
+            return;
+        }
+        let request = Request { moment: Arc::clone(moment), layers, video };
+        if let Some(requests) = &self.requests {
+            // Nobody listens when the thread is dead, which `is_dead` tells.
+            let _ = requests.send(request.clone());
+        }
+        self.asked = Some(request);
+    }
+
+    /// Brings the newest frame that is on the card into view; whether there was any.
+    pub(crate) fn turn(&mut self) -> bool {
+        let set = self.ready.lock().unwrap_or_else(PoisonError::into_inner).take();
+        let set = set.filter(|set| set.video == self.video);
+        let turned = set.is_some();
+        if let Some(set) = set {
+            self.in_view = Some(Arc::new(set));
+        }
+        turned
+    }
+
+    /// Whether what was asked for last is in view.
+    #[cfg(test)]
+    pub(crate) fn is_settled(&self) -> bool {
+        self.asked.as_ref().is_none_or(|asked| {
+            self.in_view.as_ref().is_some_and(|set| {
+                let missing = |&layer: &Layer| {
+                    asked.layers.has(layer) && layer.is_in(&asked.moment.shown) && !set.has(layer)
+                };
+                Arc::ptr_eq(&set.moment, &asked.moment) && !Layer::ALL.iter().any(missing)
+            })
+        })
+    }
+
+    /// Whether the thread has ended, though nobody asked it to.
+    pub(crate) fn is_dead(&self) -> bool {
+        self.thread.as_ref().is_some_and(JoinHandle::is_finished)
+    }
+
+    /// Forgets the frame in view, for another video.
+    pub(crate) fn clear(&mut self) {
+        self.video += 1;
+        self.in_view = None;
+        self.asked = None;
+    }
+}
+
+/// What the views need that are there at first, so that the first frame comes whole.
+fn first_layers() -> Layers {
+    let mut layers = Layers::NONE;
+    for view in View::ALL {
+        layers.add(view.layers(Background::Mean));
+    }
+    layers
+}
+
+impl Drop for Pictures {
+    fn drop(&mut self) {
+        // A thread inside the card's driver must not meet the end of the process.
+        self.requests = None;
+        if let Some(thread) = self.thread.take() {
+            drop(thread.join());
+        }
+    }
+}
+
+/// The thread's side.
+struct Worker {
+    sender: Sender,
+    device: wgpu::Device,
+    composer: Arc<Composer>,
+    ready: Ready,
+    ctx: Context,
+}
+
+impl Worker {
+    fn work(mut self, requests: &mpsc::Receiver<Request>) {
+        let mut last: Option<(Arc<Moment>, u32, Sents)> = None;
+        while let Ok(mut request) = requests.recv() {
+            while let Ok(newer) = requests.try_recv() {
+                request = newer;
+            }
+            let started = Instant::now();
+            let shown = &request.moment.shown;
+            let every = layer::thinning(shown.frame.size, self.device.limits().max_texture_dimension_2d);
+            let known = |layer: Layer| {
+                let (before, thinned, sents) = last.as_ref()?;
+                let sent = sents[layer as usize].as_ref()?;
+                (*thinned == every && layer.is_same(&before.shown, shown)).then(|| Arc::clone(sent))
+            };
+            let Ok((sents, bytes)) = self.sender.send(shown, request.layers, every, known) else { return };
+            let view = |layer: Layer| sents[layer as usize].as_ref().map(|sent| &sent.view);
+            let set = Set {
+                group: self.composer.bind(&self.device, view),
+                moment: Arc::clone(&request.moment),
+                video: request.video,
+                every,
+                took: started.elapsed(),
+                bytes,
+                sents: sents.clone(),
+            };
+            last = Some((request.moment, every, sents));
+            *self.ready.lock().unwrap_or_else(PoisonError::into_inner) = Some(set);
+            self.ctx.request_repaint();
+        }
+    }
+}
