@@ -78,12 +78,36 @@ impl Mixture {
         self.t
     }
 
-    /// The memory that a copy takes, in bytes.
+    /// The memory that it takes, in bytes.
     pub const fn state_bytes(&self) -> usize {
         match &self.planes {
             Planes::Rgb(tiles) => tiles.bytes(),
             Planes::Gray(tiles) => tiles.bytes(),
         }
+    }
+
+    /// A copy of its state without what was never used.
+    pub fn snapshot(&self) -> Snapshot {
+        let packed = match &self.planes {
+            Planes::Rgb(tiles) => PackedPlanes::Rgb(tiles.pack(self.parameters.k)),
+            Planes::Gray(tiles) => PackedPlanes::Gray(tiles.pack(self.parameters.k)),
+        };
+        Snapshot { t: self.t, packed }
+    }
+
+    /// Goes back, or forward, to where it was when `snapshot` was taken of it, or of another of the
+    /// same size and parameters; of any other it takes nothing, and says so by `false`.
+    pub fn restore(&mut self, snapshot: &Snapshot) -> bool {
+        let k = self.parameters.k;
+        let restored = match (&mut self.planes, &snapshot.packed) {
+            (Planes::Rgb(tiles), PackedPlanes::Rgb(packed)) => tiles.unpack(k, packed),
+            (Planes::Gray(tiles), PackedPlanes::Gray(packed)) => tiles.unpack(k, packed),
+            _ => false,
+        };
+        if restored {
+            self.t = snapshot.t;
+        }
+        restored
     }
 
     /// Takes the next frame in and says which pixels are foreground.
@@ -143,6 +167,47 @@ impl Mixture {
     }
 }
 
+/// The state of a [`Mixture`] at one moment, in less memory: most pixels use one or two components.
+pub struct Snapshot {
+    t: u32,
+    packed: PackedPlanes,
+}
+
+enum PackedPlanes {
+    Rgb(Packed<3>),
+    Gray(Packed<1>),
+}
+
+/// All tiles of an image, of their components only those that were ever used.
+struct Packed<const N: usize> {
+    first: Vec<Gaussians<N>>,
+    /// Tile after tile, components 2 to the last that is used.
+    others: Vec<Gaussians<N>>,
+    used: Vec<u8>,
+    settled: Vec<u32>,
+}
+
+impl Snapshot {
+    /// Frames that the mixture had taken in.
+    pub const fn frames_seen(&self) -> u32 {
+        self.t
+    }
+
+    /// The memory that it takes, in bytes.
+    pub const fn bytes(&self) -> usize {
+        match &self.packed {
+            PackedPlanes::Rgb(packed) => packed.bytes(),
+            PackedPlanes::Gray(packed) => packed.bytes(),
+        }
+    }
+}
+
+impl<const N: usize> Packed<N> {
+    const fn bytes(&self) -> usize {
+        (self.first.len() + self.others.len()) * size_of::<Gaussians<N>>() + self.used.len() * 5
+    }
+}
+
 /// Some consecutive tiles, and their part of a few consecutive frames and masks.
 struct Job<'a, const N: usize> {
     first: &'a mut [Gaussians<N>],
@@ -167,6 +232,35 @@ impl<const N: usize> Tiles<N> {
 
     const fn bytes(&self) -> usize {
         (self.first.len() + self.others.len()) * size_of::<Gaussians<N>>() + self.used.len() * 5
+    }
+
+    fn pack(&self, k: usize) -> Packed<N> {
+        let in_use = |used: u8| usize::from(used).saturating_sub(1);
+        let mut others = Vec::with_capacity(self.used.iter().map(|&used| in_use(used)).sum());
+        for (tile, &used) in self.others.chunks((k - 1).max(1)).zip(&self.used) {
+            others.extend_from_slice(&tile[..in_use(used)]);
+        }
+        Packed { first: self.first.clone(), others, used: self.used.clone(), settled: self.settled.clone() }
+    }
+
+    fn unpack(&mut self, k: usize, packed: &Packed<N>) -> bool {
+        if packed.first.len() != self.first.len() || packed.used.iter().any(|&used| usize::from(used) > k) {
+            return false;
+        }
+        let mut others = &packed.others[..];
+        for ((tile, &used), old) in self.others.chunks_mut((k - 1).max(1)).zip(&packed.used).zip(&self.used) {
+            let (mine, rest) = others.split_at(usize::from(used).saturating_sub(1));
+            others = rest;
+            tile[..mine.len()].copy_from_slice(mine);
+            // What was used since is unused again.
+            if old > &used {
+                tile[mine.len()..usize::from(*old) - 1].fill(Gaussians::UNUSED);
+            }
+        }
+        self.first.copy_from_slice(&packed.first);
+        self.used.copy_from_slice(&packed.used);
+        self.settled.copy_from_slice(&packed.settled);
+        true
     }
 
     /// By what the weights of a tile's components 2 to K are still to be multiplied, in order.

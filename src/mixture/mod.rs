@@ -16,5 +16,5 @@ pub mod verdict;
 
 pub use appearance::Appearance;
 pub use history::{PixelHistory, PixelState};
-pub use image::{BATCH, Mixture};
+pub use image::{BATCH, Mixture, Snapshot};
 pub use pixel::{Component, MAX_K, Outcome, Parameters, Pixel};

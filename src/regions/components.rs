@@ -46,7 +46,7 @@ impl Labels {
     }
 
     /// Those of an image in which each pixel has this label, none of background.
-    #[cfg(test)]
+    #[cfg(all(test, feature = "gui"))]
     pub(crate) fn of_image(size: Size, image: &[u32]) -> Self {
         let mut labels = Self::none(size);
         let mut start = 0;

@@ -11,13 +11,13 @@ use super::record::Record;
 use super::runs;
 use super::spaced::Spaced;
 use crate::frame::{Frame, Mask, Size};
-use crate::mixture::{BATCH, Mixture, Parameters};
+use crate::mixture::{BATCH, Mixture, Parameters, Snapshot};
 use crate::pipeline::{Analysis, Pipeline, PipelineError, Reading, final_reading};
 use crate::settings::{Settings, Stage};
 use crate::source::SourceInfo;
 
 /// Checkpoints are not closer than this: replaying so few frames takes no time worth the memory.
-const CLOSEST: u32 = 16;
+const CLOSEST: u32 = 2 * BATCH as u32;
 
 /// A piece of work takes frames of so many pixels together at most, and one frame at least: it is
 /// not to keep a newer request waiting.
@@ -44,7 +44,7 @@ pub(super) struct Run {
     /// Whether what is redone begins with the regions, and not with tracking.
     finding_again: bool,
     /// Mixtures by the number of frames that they have taken in.
-    checkpoints: Spaced<Mixture>,
+    checkpoints: Spaced<Snapshot>,
     /// Background images by position, of models that cannot be copied.
     backgrounds: Spaced<Arc<Frame>>,
     /// A mixture on its way through the past, and the frames that it has taken in.
@@ -72,11 +72,10 @@ impl Run {
         let pipeline = Pipeline::new(&settings, info.size, info.fps)?;
         let frame_bytes = (info.size.pixels() * 3).max(1);
         let (for_pictures, for_models) = (budget / 8, budget / 8 * 7);
-        let state_bytes = pipeline.mixture().map_or(usize::MAX, |mixture| mixture.state_bytes().max(1));
         let recent = (for_pictures / (frame_bytes * 7 / 3).max(1)).clamp(1, 512);
         Ok(Self {
-            checkpoints: Spaced::new(CLOSEST, for_models / state_bytes),
-            backgrounds: Spaced::new(1, for_models / frame_bytes),
+            checkpoints: Spaced::new(CLOSEST, for_models),
+            backgrounds: Spaced::new(1, for_models),
             record: Record::new(info.size),
             info: Arc::clone(info),
             settings,
@@ -165,11 +164,14 @@ impl Run {
         let Some((last, position)) = last.zip(self.front.checked_sub(1)) else { return Ok(()) };
         if let Some(mixture) = self.pipeline.mixture() {
             if self.checkpoints.wants(self.front) {
-                self.checkpoints.insert(self.front, mixture.clone());
+                let snapshot = mixture.snapshot();
+                let bytes = snapshot.bytes();
+                self.checkpoints.insert(self.front, snapshot, bytes);
             }
         } else if self.backgrounds.wants(position) {
             let background = self.background(last.number, last.size)?;
-            self.backgrounds.insert(position, background);
+            let bytes = background.rgb.len();
+            self.backgrounds.insert(position, background, bytes);
         }
         Ok(())
     }
@@ -212,23 +214,17 @@ impl Run {
 
     fn towards_past(&mut self, position: u32, frame: &Frame) -> Towards {
         let wanted = position + 1;
-        let checkpoint = self.checkpoints.at_or_before(wanted).filter(|(taken, _)| {
-            // A replay that has come farther, yet not too far, is nearer.
-            !self.replay.as_ref().is_some_and(|(replayed, _)| (*taken..=wanted).contains(replayed))
-        });
-        match (checkpoint, &mut self.replay) {
-            // Memory that is there already need not be asked for.
-            (Some((taken, mixture)), Some(replay)) => {
-                replay.0 = taken;
-                replay.1.clone_from(mixture);
+        let new = || (0, Mixture::new(self.info.size, Parameters::new(&self.settings)));
+        let (taken, mixture) = self.replay.get_or_insert_with(new);
+        let checkpoint = self.checkpoints.at_or_before(wanted);
+        // A replay that has come farther, yet not too far, is nearer.
+        let nearest = checkpoint.map_or(0, |(kept, _)| kept);
+        if !(nearest..=wanted).contains(taken) {
+            match checkpoint {
+                Some((kept, snapshot)) if mixture.restore(snapshot) => *taken = kept,
+                _ => (*taken, *mixture) = new(),
             }
-            (Some((taken, mixture)), replay @ None) => *replay = Some((taken, mixture.clone())),
-            (None, _) => {}
         }
-        let (taken, mixture) = match &mut self.replay {
-            Some(replay) if replay.0 <= wanted => replay,
-            replay => replay.insert((0, Mixture::new(self.info.size, Parameters::new(&self.settings)))),
-        };
         if *taken < wanted {
             let most = most_at_once(self.info.size) as u32;
             return Towards::Needs(*taken..wanted.min(*taken + most));

@@ -4,15 +4,17 @@ use std::collections::BTreeMap;
 
 /// Things by position, at multiples of a stride that doubles whenever there is no more room.
 pub(super) struct Spaced<T> {
-    kept: BTreeMap<u32, T>,
+    /// With the memory that each takes.
+    kept: BTreeMap<u32, (T, usize)>,
     stride: u32,
     room: usize,
+    taken: usize,
 }
 
 impl<T> Spaced<T> {
-    /// Room for `room` things, at first at multiples of `stride`.
+    /// Room for `room` bytes of things, at first at multiples of `stride`.
     pub(super) const fn new(stride: u32, room: usize) -> Self {
-        Self { kept: BTreeMap::new(), stride, room }
+        Self { kept: BTreeMap::new(), stride, room, taken: 0 }
     }
 
     /// Whether what belongs to this position would be kept.
@@ -25,18 +27,26 @@ impl<T> Spaced<T> {
         self.stride - position % self.stride
     }
 
-    /// Keeps a thing, and drops every other one when there are too many.
-    pub(super) fn insert(&mut self, position: u32, thing: T) {
-        self.kept.insert(position, thing);
-        while self.kept.len() > self.room.max(1) {
+    /// Keeps a thing of so many bytes, and drops every other one when they take too many.
+    pub(super) fn insert(&mut self, position: u32, thing: T, bytes: usize) {
+        self.taken += bytes;
+        if let Some((_, before)) = self.kept.insert(position, (thing, bytes)) {
+            self.taken -= before;
+        }
+        while self.taken > self.room && self.kept.len() > 1 {
             self.stride = self.stride.saturating_mul(2);
-            self.kept.retain(|position, _| position.is_multiple_of(self.stride));
+            let (stride, taken) = (self.stride, &mut self.taken);
+            self.kept.retain(|position, (_, bytes)| {
+                let stays = position.is_multiple_of(stride);
+                *taken -= if stays { 0 } else { *bytes };
+                stays
+            });
         }
     }
 
     /// The last thing at or before a position.
     pub(super) fn at_or_before(&self, position: u32) -> Option<(u32, &T)> {
-        self.kept.range(..=position).next_back().map(|(&position, thing)| (position, thing))
+        self.kept.range(..=position).next_back().map(|(&position, (thing, _))| (position, thing))
     }
 }
 
@@ -46,12 +56,12 @@ mod tests {
 
     #[test]
     fn it_thins_evenly_and_never_exceeds_its_room() {
-        let mut spaced = Spaced::new(4, 5);
+        let mut spaced = Spaced::new(4, 50);
         for position in 1..=200 {
             if spaced.wants(position) {
-                spaced.insert(position, position * 10);
+                spaced.insert(position, position * 10, 10);
             }
-            assert!(spaced.kept.len() <= 5);
+            assert!(spaced.kept.len() <= 5 && spaced.taken == 10 * spaced.kept.len());
             let steps: Vec<_> = spaced.kept.keys().copied().collect();
             assert!(steps.windows(2).all(|pair| pair[1] - pair[0] == spaced.stride), "{steps:?}");
             if let Some((at, &thing)) = spaced.at_or_before(position) {

@@ -177,20 +177,23 @@ impl<'a> Worker<'a> {
         if difference.is_none() && !self.stopped {
             return Ok(());
         }
+        // Before anything else: one pixel through all frames is a matter of a millisecond.
+        self.inspector.choose(self.pixel, &settings);
+        self.publish_pixel();
         let settings = Arc::new(settings);
         match difference {
             Some(stage) if stage > Stage::Mixture && !self.stopped => self.run.restart_at(stage, settings),
             _ => {
-                self.run = Run::new(settings, &self.info, self.model_budget)?;
+                let run = Run::new(settings, &self.info, self.model_budget)?;
+                let old = std::mem::replace(&mut self.run, run);
+                // To give gigabytes back takes longer than the first frames.
+                rayon::spawn(move || drop(old));
                 if self.info.live && !self.frames.numbers().is_empty() && self.frames.kept(0).is_none() {
                     self.start_over_live()?;
                 }
             }
         }
         self.stopped = false;
-        // Before anything else: one pixel through all frames is a matter of a millisecond.
-        self.inspector.choose(self.pixel, self.run.settings());
-        self.show_pixel();
         self.growing = Growing::default();
         self.finished = false;
         if let Some(Aim::Occlusion(found)) = &mut self.aim {
@@ -490,9 +493,15 @@ impl<'a> Worker<'a> {
         if let Some(shown) = shown {
             self.show(Shown { pixel, ..Shown::clone(shown) });
         } else if !same(&self.outbox.pixel) {
-            self.outbox.pixel.clone_from(&pixel);
-            self.shared.publish(|state| state.pixel = pixel);
+            self.publish_pixel();
         }
+    }
+
+    /// Publishes the pixel's history alone, ahead of the frame in view.
+    fn publish_pixel(&mut self) {
+        let pixel = self.inspector.latest();
+        self.outbox.pixel.clone_from(&pixel);
+        self.shared.publish(|state| state.pixel = pixel);
     }
 
     /// Publishes what grows, not too often, and whatever is left before resting.
