@@ -59,8 +59,9 @@ use crate::settings::Settings;
 const SETTLE: Duration = Duration::from_millis(60);
 
 /// Opens the window on a video, or on the bundled scene at its first occlusion, and returns when it is shut.
+/// Videos take up to `memory` bytes, a quarter of the machine's where that is not said.
 /// Fails with a sentence when there is no display or no graphics adapter.
-pub fn run(video: Option<String>, settings: Settings) -> anyhow::Result<()> {
+pub fn run(video: Option<String>, settings: Settings, memory: Option<usize>) -> anyhow::Result<()> {
     let viewport = egui::ViewportBuilder::default()
         .with_title("Occluscope")
         .with_app_id("occluscope")
@@ -73,7 +74,7 @@ pub fn run(video: Option<String>, settings: Settings) -> anyhow::Result<()> {
     };
     let create = move |creation: &eframe::CreationContext<'_>| -> Result<Box<dyn eframe::App>, _> {
         let gpu = creation.wgpu_render_state.as_ref().ok_or("no graphics adapter")?;
-        let mut window = Window::new(&creation.egui_ctx, gpu, settings, Box::new(open_session))?;
+        let mut window = Window::new(&creation.egui_ctx, gpu, settings, open_sessions(memory))?;
         window.restore(&creation.egui_ctx, creation.storage);
         window.apply(&creation.egui_ctx, first);
         Ok(Box::new(window))
@@ -81,9 +82,12 @@ pub fn run(video: Option<String>, settings: Settings) -> anyhow::Result<()> {
     eframe::run_native("occluscope", options, Box::new(create)).map_err(|error| explain(&error))
 }
 
-fn open_session(name: &str, settings: Settings, start: Start, ctx: &Context) -> Box<dyn state::Player> {
-    let ctx = ctx.clone();
-    Box::new(Session::open(name, settings, start, move || ctx.request_repaint()))
+/// Opens sessions that keep within so many bytes.
+fn open_sessions(memory: Option<usize>) -> Opener {
+    Box::new(move |name, settings, start, ctx| {
+        let ctx = ctx.clone();
+        Box::new(Session::open(name, settings, start, memory, move || ctx.request_repaint()))
+    })
 }
 
 /// Why there can be no window, in one line. The libraries' own words speak of their source files.

@@ -1,6 +1,6 @@
 //! `occluscope [VIDEO]`: the window.
 
-use clap::{ArgMatches, Command};
+use clap::{Arg, ArgMatches, Command, value_parser};
 
 use super::flags;
 use crate::settings::Settings;
@@ -11,23 +11,29 @@ pub(super) fn with_arguments(command: Command) -> Command {
         "Open the window on a video file, a folder of images, a pattern such as in%06d.png, or camera:0; \
          without it, on a bundled sample",
     );
-    flags::with_common(flags::with_settings(command.arg(video)))
+    let memory = Arg::new("memory")
+        .long("memory")
+        .value_name("MIB")
+        .value_parser(value_parser!(u64).range(16..=1 << 30))
+        .help("Memory for decoded frames and for going back in time, in MiB [default: a quarter of the machine's]");
+    flags::with_common(flags::with_settings(command.arg(video).arg(memory)))
 }
 
 /// Opens the window and returns when it is closed.
 pub(super) fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let settings = flags::settings(matches)?;
     flags::start_threads(matches)?;
-    open(matches.get_one::<String>("video").cloned(), settings)
+    let memory = matches.get_one::<u64>("memory").map(|&mib| mib as usize * (1 << 20));
+    open(matches.get_one::<String>("video").cloned(), settings, memory)
 }
 
 #[cfg(feature = "gui")]
-fn open(video: Option<String>, settings: Settings) -> anyhow::Result<()> {
-    crate::app::run(video, settings)
+fn open(video: Option<String>, settings: Settings, memory: Option<usize>) -> anyhow::Result<()> {
+    crate::app::run(video, settings, memory)
 }
 
 #[cfg(not(feature = "gui"))]
-fn open(video: Option<String>, _: Settings) -> anyhow::Result<()> {
+fn open(video: Option<String>, _: Settings, _: Option<usize>) -> anyhow::Result<()> {
     let video = video.unwrap_or_else(|| "VIDEO".to_owned());
     anyhow::bail!(
         "this build has no window; analyse with `occluscope run {video} --out DIR`, or build it without `--no-default-features`"

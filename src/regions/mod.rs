@@ -22,3 +22,10 @@ pub struct Region {
     /// How often each colour occurs among its pixels.
     pub histogram: Histogram,
 }
+
+impl Region {
+    /// The memory that it takes, in bytes, roughly.
+    pub fn bytes(&self) -> usize {
+        size_of::<Self>() + self.histogram.bins().count() * 2 * size_of::<colour::Bin>()
+    }
+}

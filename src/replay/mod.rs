@@ -5,6 +5,7 @@
 
 mod inspector;
 mod memory;
+mod near;
 mod pictures;
 mod record;
 mod run;

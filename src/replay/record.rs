@@ -5,12 +5,15 @@ use std::sync::Arc;
 use super::runs;
 use crate::frame::{Mask, Size};
 use crate::pipeline::Analysis;
-use crate::regions::Labels;
+use crate::regions::{Labels, Region};
+use crate::tracking::Track;
 
 /// The analyses of a sequence from its first frame on.
 pub(super) struct Record {
     size: Size,
     entries: Vec<Entry>,
+    /// What the entries take, in bytes.
+    bytes: usize,
     no_mask: Arc<Mask>,
     no_labels: Arc<Labels>,
 }
@@ -25,12 +28,21 @@ struct Entry {
     foreground_share: f32,
 }
 
+impl Entry {
+    fn bytes(&self) -> usize {
+        let regions = self.analysis.regions.iter().map(Region::bytes).sum::<usize>();
+        let tracks = self.analysis.tracks.len() + self.analysis.objects.len() + self.analysis.tentative.len();
+        size_of::<Self>() + self.labels.len() + self.raw.len() + regions + tracks * size_of::<Track>()
+    }
+}
+
 impl Record {
     pub(super) fn new(size: Size) -> Self {
         let none = Size::new(0, 0);
         Self {
             size,
             entries: Vec::new(),
+            bytes: 0,
             no_mask: Arc::new(Mask::empty(none)),
             no_labels: Arc::new(Labels::none(none)),
         }
@@ -44,7 +56,13 @@ impl Record {
     /// Takes in the analysis of the next frame, and the model's mask before cleaning.
     pub(super) fn push(&mut self, analysis: Analysis, raw: Box<[u8]>) {
         let entry = self.entry(analysis, raw);
+        self.bytes += entry.bytes();
         self.entries.push(entry);
+    }
+
+    /// The memory that it takes, in bytes, to some kilobytes a frame.
+    pub(super) const fn bytes(&self) -> usize {
+        self.bytes
     }
 
     /// Puts another analysis, of other regions, in the place of one whose raw mask stays.

@@ -6,6 +6,7 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
+use super::near::Near;
 use super::pictures::{Pictures, Recent};
 use super::record::Record;
 use super::runs;
@@ -43,8 +44,12 @@ pub(super) struct Run {
     front: u32,
     /// Whether what is redone begins with the regions, and not with tracking.
     finding_again: bool,
+    /// Memory for models and the record, in bytes.
+    for_models: usize,
     /// Mixtures by the number of frames that they have taken in.
     checkpoints: Spaced<Snapshot>,
+    /// Mixtures on the way to frames that were looked at, by the number of frames taken in.
+    near: Near<Snapshot>,
     /// Background images by position, of models that cannot be copied.
     backgrounds: Spaced<Arc<Frame>>,
     /// A mixture on its way through the past, and the frames that it has taken in.
@@ -71,10 +76,12 @@ impl Run {
     ) -> Result<Self, PipelineError> {
         let pipeline = Pipeline::new(&settings, info.size, info.fps)?;
         let frame_bytes = (info.size.pixels() * 3).max(1);
-        let (for_pictures, for_models) = (budget / 8, budget / 8 * 7);
+        let (for_pictures, for_near, for_models) = (budget / 8, budget / 8, budget / 8 * 6);
         let recent = (for_pictures / (frame_bytes * 7 / 3).max(1)).clamp(1, 512);
         Ok(Self {
+            for_models,
             checkpoints: Spaced::new(CLOSEST, for_models),
+            near: Near::new(for_near),
             backgrounds: Spaced::new(1, for_models),
             record: Record::new(info.size),
             info: Arc::clone(info),
@@ -162,6 +169,10 @@ impl Run {
     /// Keeps what is needed to come back to the model as it is after this frame, if there is room.
     fn keep_model(&mut self, last: Option<&Arc<Frame>>) -> Result<(), PipelineError> {
         let Some((last, position)) = last.zip(self.front.checked_sub(1)) else { return Ok(()) };
+        // Every frame's record is kept: what it takes, models go without.
+        let room = self.for_models.saturating_sub(self.record.bytes());
+        self.checkpoints.set_room(room);
+        self.backgrounds.set_room(room);
         if let Some(mixture) = self.pipeline.mixture() {
             if self.checkpoints.wants(self.front) {
                 let snapshot = mixture.snapshot();
@@ -216,7 +227,9 @@ impl Run {
         let wanted = position + 1;
         let new = || (0, Mixture::new(self.info.size, Parameters::new(&self.settings)));
         let (taken, mixture) = self.replay.get_or_insert_with(new);
-        let checkpoint = self.checkpoints.at_or_before(wanted);
+        let checkpoint =
+            [self.checkpoints.at_or_before(wanted), self.near.at_or_before(wanted)].into_iter().flatten();
+        let checkpoint = checkpoint.max_by_key(|(kept, _)| *kept);
         // A replay that has come farther, yet not too far, is nearer.
         let nearest = checkpoint.map_or(0, |(kept, _)| kept);
         if !(nearest..=wanted).contains(taken) {
@@ -226,7 +239,8 @@ impl Run {
             }
         }
         if *taken < wanted {
-            let most = most_at_once(self.info.size) as u32;
+            // Not beyond where the model may be kept.
+            let most = (most_at_once(self.info.size) as u32).min(CLOSEST - *taken % CLOSEST);
             return Towards::Needs(*taken..wanted.min(*taken + most));
         }
         let pictures = Pictures::of_mixture(mixture, frame);
@@ -234,8 +248,8 @@ impl Run {
         Towards::Pictures(pictures)
     }
 
-    /// Takes the replay on by the frames from `position` on.
-    pub(super) fn replay_frames(&mut self, position: u32, frames: &[Arc<Frame>]) {
+    /// Takes the replay on by the frames from `position` on, on the way to the one at `wanted`.
+    pub(super) fn replay_frames(&mut self, position: u32, frames: &[Arc<Frame>], wanted: u32) {
         if let Some((taken, mixture)) = &mut self.replay
             && *taken == position
         {
@@ -243,6 +257,12 @@ impl Run {
             self.masks.resize_with(frames.len(), || Mask::empty(self.info.size));
             mixture.replay(&borrowed, &mut self.masks);
             *taken += frames.len() as u32;
+            // Checkpoints may have become few: some of the way is kept, for the next step back.
+            if taken.is_multiple_of(CLOSEST) && !self.near.has(*taken) {
+                let snapshot = mixture.snapshot();
+                let bytes = snapshot.bytes();
+                self.near.insert(*taken, snapshot, bytes, wanted);
+            }
         }
     }
 

@@ -45,18 +45,19 @@ pub(super) struct Shared {
 impl Session {
     /// Starts a worker on `video` (a name as [`crate::source::open`] takes it) and returns at once.
     ///
-    /// It calls `wake` after every change of [`Self::state`], from its own thread. It keeps up to a
-    /// quarter of the machine's memory in frames and models.
+    /// It calls `wake` after every change of [`Self::state`], from its own thread. It keeps up to
+    /// `memory` bytes of frames and models, or a quarter of the machine's memory.
     pub fn open(
         video: &str,
         settings: Settings,
         start: Start,
+        memory: Option<usize>,
         wake: impl Fn() + Send + Sync + 'static,
     ) -> Self {
         let name = video.to_owned();
         // A frame that was dropped costs decoding from the start, a checkpoint replaying from the
         // one before: half for each.
-        let budget = memory::quarter() / 2;
+        let budget = memory.unwrap_or_else(memory::quarter) / 2;
         Self::start(video, move || FrameCache::open(&name, budget), budget, settings, start, wake)
     }
 

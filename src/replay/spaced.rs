@@ -27,6 +27,11 @@ impl<T> Spaced<T> {
         self.stride - position % self.stride
     }
 
+    /// Less room, as other things take it, or more.
+    pub(super) const fn set_room(&mut self, room: usize) {
+        self.room = room;
+    }
+
     /// Keeps a thing of so many bytes, and drops every other one when they take too many.
     pub(super) fn insert(&mut self, position: u32, thing: T, bytes: usize) {
         self.taken += bytes;

@@ -397,7 +397,7 @@ fn a_panic_in_the_worker_becomes_a_failure() {
     let folder = scene();
     let once = AtomicBool::new(true);
     let (wake, woken) = channel();
-    let session = Session::open(&name(folder.path()), settings(), Start::First, move || {
+    let session = Session::open(&name(folder.path()), settings(), Start::First, None, move || {
         assert!(!once.swap(false, Ordering::Relaxed), "as this test wants it");
         let _ = wake.send(());
     });
@@ -410,7 +410,7 @@ fn a_panic_in_the_worker_becomes_a_failure() {
 fn dropping_a_session_ends_its_worker_at_once() {
     let folder = scene();
     let (wake, woken) = channel::<()>();
-    let session = Session::open(&name(folder.path()), settings(), Start::First, move || {
+    let session = Session::open(&name(folder.path()), settings(), Start::First, None, move || {
         let _ = wake.send(());
     });
     woken.recv_timeout(Duration::from_secs(20)).unwrap();

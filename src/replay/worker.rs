@@ -63,6 +63,7 @@ pub(super) struct Worker<'a> {
 /// What waits to be published, and when that was last done.
 struct Outbox {
     timeline_grew: bool,
+    pixel_grew: bool,
     warnings: Vec<String>,
     told_of_gone: bool,
     /// As last published.
@@ -134,6 +135,7 @@ impl<'a> Worker<'a> {
             meter: Meter::default(),
             outbox: Outbox {
                 timeline_grew: true,
+                pixel_grew: false,
                 warnings: Vec::new(),
                 told_of_gone: false,
                 pixel: None,
@@ -242,6 +244,7 @@ impl<'a> Worker<'a> {
         if !self.is_view_current() {
             self.approach_view()?;
         } else if self.inspector.gather(&mut self.frames)? {
+            self.outbox.pixel_grew = true;
             if let Some(shown) = &self.shown
                 && shown.pixel.as_ref().map(|history| history.at) != self.pixel
             {
@@ -295,7 +298,7 @@ impl<'a> Worker<'a> {
                         let Some(frame) = self.frames.kept(position) else { break };
                         passed.push(frame);
                     }
-                    self.run.replay_frames(needed.start, &passed);
+                    self.run.replay_frames(needed.start, &passed, position);
                 }
                 let what = format!("going back to frame {}", frame.number);
                 self.busy = Some(Progress { what, done: needed.start, total: Some(position + 1) });
@@ -514,7 +517,8 @@ impl<'a> Worker<'a> {
             self.busy = None;
         }
         // A request that changed nothing is no reason to wake anybody, who might ask again.
-        if self.busy == self.outbox.busy && !self.outbox.timeline_grew && self.outbox.warnings.is_empty() {
+        let grew = self.outbox.timeline_grew || std::mem::take(&mut self.outbox.pixel_grew);
+        if self.busy == self.outbox.busy && !grew && self.outbox.warnings.is_empty() {
             return;
         }
         let started = Instant::now();
