@@ -130,7 +130,8 @@ proptest! {
                 prop_assert!(!event.evidence.branch.is_empty());
             }
             told += seen.events.len() as u32;
-            prop_assert_eq!(labels.data.len(), SIZE.pixels());
+            let labelled = labels.runs.iter().filter(|run| run.label > 0).map(|run| run.length).sum::<u32>();
+            prop_assert_eq!(labelled, regions.iter().map(|region| region.shape.area).sum::<u32>());
         }
         let counters = reasoner.counters();
         let counted: u32 = EventKind::ALL.iter().map(|&kind| counters.of(kind)).sum();

@@ -59,13 +59,15 @@ impl Frames {
     pub(super) fn batch(&self, most: usize) -> (Vec<Frame>, Option<Item>) {
         let mut frames = Vec::new();
         while frames.len() < most {
-            let item = match frames.is_empty() {
-                true => self.items.recv().unwrap_or_else(|_| self.broke_off()),
-                false => match self.items.try_recv() {
-                    Ok(item) => item,
-                    Err(TryRecvError::Empty) => break,
-                    Err(TryRecvError::Disconnected) => self.broke_off(),
-                },
+            let received = if frames.is_empty() {
+                self.items.recv().map_err(|_| TryRecvError::Disconnected)
+            } else {
+                self.items.try_recv()
+            };
+            let item = match received {
+                Ok(item) => item,
+                Err(TryRecvError::Empty) => break,
+                Err(TryRecvError::Disconnected) => self.broke_off(),
             };
             match item {
                 Item::Frame(frame) => frames.push(frame),

@@ -203,7 +203,9 @@ fn analyse(job: &Job, frames: &Frames, staging: &Staging) -> anyhow::Result<Reco
         let (batch, after) = frames.batch(most);
         let batch: Vec<_> = batch.into_iter().map(Arc::new).collect();
         if let Some(hasher) = &mut hasher {
-            batch.iter().for_each(|frame| hasher.update(&frame.rgb));
+            for frame in &batch {
+                hasher.update(&frame.rgb);
+            }
         }
         let borrowed: Vec<_> = batch.iter().map(Arc::as_ref).collect();
         let analyses = pipeline.step_many(&borrowed).with_context(|| job.video.clone())?;
