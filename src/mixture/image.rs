@@ -1,6 +1,6 @@
 //! The whole image's mixtures, fast: equal to [`Pixel::update`] bit for bit.
 //!
-//! Pixels are independent. So they are kept sixteen to a [`tile`](super::tile), and a tile is taken
+//! Pixels are independent. So they are kept sixteen to a `tile`, and a tile is taken
 //! through many frames while its mixtures are in the nearest cache: [`Mixture::replay`] moves the
 //! state of a pixel once for all of them, [`Mixture::step`] once a frame.
 
