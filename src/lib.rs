@@ -11,7 +11,7 @@
 //! components and their colours. [`tracking`] follows the components with Kalman models, several
 //! hypotheses an object. [`occlusion`] reasons about those that come together, vanish, part and
 //! return. [`pipeline`] takes one frame through all of it; [`replay`] goes back and forth in time.
-//! [`export`] writes results, [`cli`] is the command line, `app` (feature `gui`) the window.
+//! [`truth`] scores results, [`export`] writes them, [`cli`] is the command line, `app` (feature `gui`) the window.
 
 #[cfg(feature = "gui")]
 pub mod app;
@@ -28,3 +28,4 @@ pub mod settings;
 pub mod source;
 pub mod synth;
 pub mod tracking;
+pub mod truth;

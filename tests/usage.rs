@@ -77,8 +77,8 @@ fn help_and_version_tell_what_there_is() {
         assert!(long.contains(part) && !short.contains(part), "{part}");
     }
     let help = works(&["--help"]);
-    assert!(["run", "pixel", "settings", "synth"].iter().all(|name| help.contains(name)));
-    assert!(!help.contains("sweep") && !help.contains("bench"));
+    assert!(["run", "pixel", "score", "bench", "settings", "synth"].iter().all(|name| help.contains(name)));
+    assert!(!help.contains("sweep"));
 }
 
 #[test]

@@ -9,6 +9,7 @@ mod frames;
 mod interrupt;
 pub mod pixel;
 pub mod run;
+pub mod score;
 pub mod settings;
 pub mod synth;
 mod window;
@@ -33,6 +34,7 @@ Examples:
   occluscope                                  open the window on a bundled sample
   occluscope street.mp4 --preset paper        open a video with the paper's own settings
   occluscope run street.mp4 --out results     analyse without a display
+  occluscope score results --truth gt.txt     how right that was
   occluscope pixel street.mp4 --at 320,240    one pixel's mixture at every frame, as CSV
   occluscope settings > my.toml               every setting with its range and meaning
 
@@ -50,6 +52,7 @@ pub fn command() -> Command {
         .subcommand_precedence_over_arg(false)
         .subcommand(run::command())
         .subcommand(pixel::command())
+        .subcommand(score::command())
         .subcommand(bench::command())
         .subcommand(settings::command())
         .subcommand(flags::with_common(synth::command()));
@@ -80,6 +83,7 @@ fn dispatch(matches: &ArgMatches) -> anyhow::Result<()> {
     match matches.subcommand() {
         Some(("run", matches)) => run::run(matches),
         Some(("pixel", matches)) => pixel::run(matches),
+        Some(("score", matches)) => score::run(matches),
         Some(("bench", matches)) => bench::run(matches),
         Some(("settings", matches)) => settings::run(matches),
         Some(("synth", matches)) => flags::start_threads(matches).and_then(|()| synth::run(matches)),

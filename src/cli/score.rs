@@ -1,0 +1,185 @@
+//! `occluscope score`: what `run` wrote against ground truth.
+
+use std::collections::BTreeMap;
+use std::io::{self, Write};
+use std::path::{Path, PathBuf};
+
+use anyhow::bail;
+use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
+use serde::Serialize;
+
+use super::flags;
+use crate::truth::boxes::{self, Boxes};
+use crate::truth::clear_mot::{self, ClearMot};
+use crate::truth::happenings::{self, Found, Happening};
+use crate::truth::masks::{self, MaskScore};
+use crate::truth::survival::{self, Survival};
+
+/// Events and the ends of episodes may be so many frames off.
+const TOLERANCE: u32 = 8;
+
+/// The subcommand.
+pub fn command() -> Command {
+    let command = Command::new("score")
+        .about("Score what `run` wrote against ground truth")
+        .after_help(
+            "PATH is one of\n  a MOTChallenge gt.txt: CLEAR-MOT and IDF1 at IoU 0.5 and 0.3, identities that survive occlusion;\n  a CDnet folder (groundtruth/, ROI.bmp, temporalROI.txt): the seven measures of masks, for which `run` needs --masks;\n  a scene written by `synth`: tracks, events and episodes by kind (8 frames of tolerance), and masks where there are some.\n\n\
+             Examples:\n  occluscope score results --truth gt.txt\n  occluscope score results --truth highway --json\n  occluscope score results --truth crossing",
+        )
+        .arg(
+            Arg::new("results")
+                .value_name("DIR")
+                .required(true)
+                .value_parser(value_parser!(PathBuf))
+                .help("The folder that `run` wrote"),
+        )
+        .arg(
+            Arg::new("truth")
+                .long("truth")
+                .value_name("PATH")
+                .required(true)
+                .value_parser(value_parser!(PathBuf))
+                .help("A MOTChallenge file, a CDnet folder, or a scene written by `synth`"),
+        )
+        .arg(
+            Arg::new("json")
+                .long("json")
+                .action(ArgAction::SetTrue)
+                .help("Print one JSON object instead of text"),
+        );
+    flags::with_common(command)
+}
+
+/// Scores and prints.
+pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
+    flags::start_threads(matches)?;
+    let path = |name: &str| matches.get_one::<PathBuf>(name).cloned().unwrap_or_default();
+    let scores = Scores::of(&path("results"), &path("truth"))?;
+    let mut out = io::stdout().lock();
+    if matches.get_flag("json") {
+        serde_json::to_writer(&mut out, &scores)?;
+        writeln!(out)?;
+    } else {
+        scores.print(&mut out)?;
+    }
+    Ok(out.flush()?)
+}
+
+/// Whatever the truth allows to score.
+#[derive(Default, Serialize)]
+struct Scores {
+    #[serde(rename = "iou0.5", skip_serializing_if = "Option::is_none")]
+    strict: Option<ClearMot>,
+    #[serde(rename = "iou0.3", skip_serializing_if = "Option::is_none")]
+    loose: Option<ClearMot>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    occlusion: Option<Survival>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    events: Option<BTreeMap<String, Found>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    episodes: Option<BTreeMap<String, Found>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    masks: Option<MaskScore>,
+}
+
+impl Scores {
+    fn of(results: &Path, truth: &Path) -> anyhow::Result<Self> {
+        if !results.is_dir() {
+            bail!("{} is no folder of results; name the one that `run --out` wrote", results.display());
+        }
+        if truth.is_file() {
+            return Ok(Self::of_tracks(&boxes::read(truth)?, &tracks(results)?));
+        }
+        if truth.join("groundtruth").is_dir() {
+            let masks = masks::score_cdnet(&results.join("masks"), truth)?;
+            return Ok(Self { masks: Some(masks), ..Self::default() });
+        }
+        let scene = [truth.join("truth"), truth.to_owned()];
+        match scene.into_iter().find(|folder| folder.join("gt.txt").is_file()) {
+            Some(scene) => Self::of_scene(results, &scene),
+            None if !truth.exists() => bail!("{} does not exist; check the path", truth.display()),
+            None => bail!(
+                "{} is no ground truth that is known; it takes a MOTChallenge file, a CDnet folder with groundtruth/, or a scene written by `synth`",
+                truth.display()
+            ),
+        }
+    }
+
+    fn of_tracks(truth: &Boxes, found: &Boxes) -> Self {
+        Self {
+            strict: Some(clear_mot::score(truth, found, 0.5)),
+            loose: Some(clear_mot::score(truth, found, 0.3)),
+            occlusion: Some(survival::score(truth, found)),
+            ..Self::default()
+        }
+    }
+
+    fn of_scene(results: &Path, scene: &Path) -> anyhow::Result<Self> {
+        let (truth, found) = (boxes::read(&scene.join("gt.txt"))?, tracks(results)?);
+        let people = happenings::people(&truth, &found);
+        let compare = |truth: Vec<Happening>, found: Vec<Happening>| {
+            happenings::compare(&truth, &found, &people, TOLERANCE)
+        };
+        let events = |folder: &Path| happenings::read_events(&folder.join("events.jsonl"));
+        let episodes = |folder: &Path| happenings::read_episodes(&folder.join("episodes.csv"));
+        let (masks, identities) = (results.join("masks"), scene.join("identities"));
+        let masks = masks.is_dir() && identities.is_dir();
+        Ok(Self {
+            events: Some(compare(events(scene)?, events(results)?)),
+            episodes: Some(compare(episodes(scene)?, episodes(results)?)),
+            masks: masks.then(|| masks::score_scene(&results.join("masks"), &identities)).transpose()?,
+            ..Self::of_tracks(&truth, &found)
+        })
+    }
+
+    fn print(&self, out: &mut impl Write) -> io::Result<()> {
+        for (name, score) in [("IoU 0.5", &self.strict), ("IoU 0.3", &self.loose)] {
+            let Some(score) = score else { continue };
+            writeln!(
+                out,
+                "{name}   MOTA {:.3}  IDF1 {:.3}  precision {:.3}  recall {:.3}  MOTP {:.3}  switches {}  fragmentations {}  mostly tracked {} of {}",
+                score.mota,
+                score.idf1,
+                score.precision,
+                score.recall,
+                score.motp,
+                score.num_switches,
+                score.num_fragmentations,
+                score.mostly_tracked,
+                score.num_unique_objects
+            )?;
+        }
+        if let Some(Survival { episodes, identities, survived, .. }) = &self.occlusion {
+            writeln!(out, "occlusion {survived} of {identities} identities survive {episodes} meetings")?;
+        }
+        for (title, found) in [("events", &self.events), ("episodes", &self.episodes)] {
+            let Some(found) = found else { continue };
+            writeln!(out, "{title}")?;
+            for (kind, Found { truth, reported, matched, precision, recall }) in found {
+                writeln!(
+                    out,
+                    "  {kind:13} {matched} of {truth} found, {reported} reported: precision {precision:.3}  recall {recall:.3}"
+                )?;
+            }
+        }
+        if let Some(score) = &self.masks {
+            writeln!(
+                out,
+                "masks     F {:.4}  precision {:.4}  recall {:.4}  specificity {:.4}  FPR {:.4}  FNR {:.4}  PWC {:.3}  ({} frames)",
+                score.f_measure,
+                score.precision,
+                score.recall,
+                score.specificity,
+                score.fpr,
+                score.fnr,
+                score.pwc,
+                score.frames
+            )?;
+        }
+        Ok(())
+    }
+}
+
+fn tracks(results: &Path) -> anyhow::Result<Boxes> {
+    Ok(boxes::read(&results.join("tracks.csv"))?)
+}

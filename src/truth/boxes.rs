@@ -1,0 +1,64 @@
+//! Boxes by frame and identity, from MOTChallenge's CSV.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use super::TruthError;
+
+/// A box: left, top, width, height, in pixels.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bounds(pub [f64; 4]);
+
+impl Bounds {
+    /// Its area.
+    pub fn area(&self) -> f64 {
+        self.0[2] * self.0[3]
+    }
+
+    /// The area that two boxes share.
+    pub fn shared(&self, other: &Self) -> f64 {
+        let [ax, ay, aw, ah] = self.0;
+        let [bx, by, bw, bh] = other.0;
+        let width = (ax + aw).min(bx + bw) - ax.max(bx);
+        let height = (ay + ah).min(by + bh) - ay.max(by);
+        width.max(0.0) * height.max(0.0)
+    }
+
+    /// Intersection over union, 0..=1.
+    pub fn iou(&self, other: &Self) -> f64 {
+        let shared = self.shared(other);
+        let all = self.area() + other.area() - shared;
+        if all > 0.0 { shared / all } else { 0.0 }
+    }
+}
+
+/// The boxes of each frame, by identity.
+pub type Boxes = BTreeMap<u32, BTreeMap<u32, Bounds>>;
+
+/// Reads `frame,id,x,y,w,h[,conf,…]` without a header. Rows of confidence 0 are not to be counted
+/// and left out; fewer than six columns in a row are passed over.
+pub fn read(path: &Path) -> Result<Boxes, TruthError> {
+    let reader =
+        csv::ReaderBuilder::new().has_headers(false).flexible(true).trim(csv::Trim::All).from_path(path);
+    let mut boxes = Boxes::new();
+    for (row, line) in reader.map_err(|error| TruthError::new(path, error))?.records().zip(1..) {
+        let row = row.map_err(|error| TruthError::new(path, error))?;
+        if row.len() < 6 {
+            continue;
+        }
+        let numbers: Result<Vec<f64>, _> = row.iter().take(7).map(str::parse).collect();
+        let numbers = numbers.map_err(|_| {
+            let why = "it takes numbers, frame,id,x,y,w,h,conf and on, as MOTChallenge has them";
+            TruthError::new(
+                path,
+                format!("line {line} is `{}`: {why}", row.iter().collect::<Vec<_>>().join(",")),
+            )
+        })?;
+        if numbers.get(6) == Some(&0.0) {
+            continue;
+        }
+        let place = Bounds([numbers[2], numbers[3], numbers[4], numbers[5]]);
+        boxes.entry(numbers[0] as u32).or_default().insert(numbers[1] as u32, place);
+    }
+    Ok(boxes)
+}

@@ -1,0 +1,162 @@
+//! How many identities survive occlusion.
+//!
+//! An episode is a run of frames in which two true boxes overlap by at least 15 % of the smaller
+//! (gaps up to 5 frames closed), at least 3 frames long, with both objects in the truth within the
+//! 10 frames before and after. An identity survives when it is on the same object mostly in those
+//! frames before and after, and on that object alone.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::boxes::{Bounds, Boxes};
+
+/// Shared area of the smaller box from which two overlap.
+const OVERLAP: f64 = 0.15;
+/// Frames apart from which it is another episode.
+const APART: u32 = 7;
+/// The shortest episode in frames.
+const SHORTEST: u32 = 3;
+/// Frames before and after an episode in which is asked who was who.
+const AROUND: u32 = 10;
+/// A box is on an object from this IoU on.
+const ON: f64 = 0.3;
+
+/// What became of the identities of objects that met.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct Survival {
+    /// How often two objects met.
+    pub episodes: usize,
+    /// Two for each episode.
+    pub identities: usize,
+    /// Those that were the same before and after.
+    pub survived: usize,
+    /// The share that survived; none where nobody met.
+    pub survival: Option<f64>,
+}
+
+/// Scores `found` against `truth`.
+pub fn score(truth: &Boxes, found: &Boxes) -> Survival {
+    let mut objects: BTreeMap<u32, BTreeMap<u32, Bounds>> = BTreeMap::new();
+    for (frame, boxes) in truth {
+        for (id, place) in boxes {
+            objects.entry(*id).or_default().insert(*frame, *place);
+        }
+    }
+    let on = on(truth, found);
+    let mut survival = Survival::default();
+    for (a, boxes_a) in &objects {
+        for (b, boxes_b) in objects.range(a + 1..) {
+            for (start, end) in episodes(boxes_a, boxes_b) {
+                survival.episodes += 1;
+                survival.identities += 2;
+                let most = |object: u32, from: u32, to: u32| mostly(&on, object, from, to);
+                let before = [a, b].map(|id| most(*id, start.saturating_sub(AROUND), start));
+                let after = [a, b].map(|id| most(*id, end + 1, end + 1 + AROUND));
+                for (me, other) in [(0, 1), (1, 0)] {
+                    let kept = before[me].is_some() && before[me] == after[me];
+                    let mine = before[me] != before[other] && after[me] != after[other];
+                    survival.survived += usize::from(kept && mine);
+                }
+            }
+        }
+    }
+    survival.survival =
+        (survival.identities > 0).then(|| survival.survived as f64 / survival.identities as f64);
+    survival
+}
+
+fn episodes(a: &BTreeMap<u32, Bounds>, b: &BTreeMap<u32, Bounds>) -> Vec<(u32, u32)> {
+    let mut runs: Vec<(u32, u32)> = Vec::new();
+    for (&frame, mine) in a {
+        let Some(theirs) = b.get(&frame) else { continue };
+        if mine.shared(theirs) < OVERLAP * mine.area().min(theirs.area()) {
+            continue;
+        }
+        match runs.last_mut() {
+            Some((_, end)) if frame - *end < APART => *end = frame,
+            _ => runs.push((frame, frame)),
+        }
+    }
+    let both_within = |from: u32, to: u32| [a, b].iter().all(|boxes| boxes.range(from..to).next().is_some());
+    runs.retain(|&(start, end)| {
+        end - start + 1 >= SHORTEST
+            && both_within(start.saturating_sub(AROUND), start)
+            && both_within(end + 1, end + 1 + AROUND)
+    });
+    runs
+}
+
+/// Which identity is on each true object in each frame: the best pairs first.
+fn on(truth: &Boxes, found: &Boxes) -> BTreeMap<(u32, u32), u32> {
+    let mut on = BTreeMap::new();
+    for (frame, true_ones) in truth {
+        let Some(found_ones) = found.get(frame) else { continue };
+        let mut pairs: Vec<(f64, u32, u32)> = Vec::new();
+        for (object, a) in true_ones {
+            pairs.extend(found_ones.iter().map(|(identity, b)| (a.iou(b), *object, *identity)));
+        }
+        pairs.sort_by(|a, b| b.0.total_cmp(&a.0).then((b.1, b.2).cmp(&(a.1, a.2))));
+        let mut taken = Vec::new();
+        for (iou, object, identity) in pairs {
+            if iou >= ON && !on.contains_key(&(*frame, object)) && !taken.contains(&identity) {
+                on.insert((*frame, object), identity);
+                taken.push(identity);
+            }
+        }
+    }
+    on
+}
+
+/// The identity that is on an object most often in frames `from..to`, the earlier one on a tie.
+fn mostly(on: &BTreeMap<(u32, u32), u32>, object: u32, from: u32, to: u32) -> Option<u32> {
+    let mut counts: Vec<(u32, usize)> = Vec::new();
+    for identity in (from..to).filter_map(|frame| on.get(&(frame, object))) {
+        match counts.iter_mut().find(|(known, _)| known == identity) {
+            Some((_, count)) => *count += 1,
+            None => counts.push((*identity, 1)),
+        }
+    }
+    let most = counts.iter().map(|(_, count)| *count).max()?;
+    counts.into_iter().find(|(_, count)| *count == most).map(|(identity, _)| identity)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Two who cross in 40 frames, and what each is called before and after frame 20.
+    fn crossing(names: [[u32; 2]; 2]) -> (Boxes, Boxes) {
+        let (mut truth, mut found) = (Boxes::new(), Boxes::new());
+        for frame in 1..=40_u32 {
+            let half = usize::from(frame > 20);
+            for (object, x) in [(1, f64::from(frame) * 2.0), (2, 80.0 - f64::from(frame) * 2.0)] {
+                let place = Bounds([x, 0.0, 10.0, 20.0]);
+                truth.entry(frame).or_default().insert(object, place);
+                found.entry(frame).or_default().insert(names[object as usize - 1][half], place);
+            }
+        }
+        (truth, found)
+    }
+
+    #[test]
+    fn identities_survive_when_they_stay_with_their_objects() {
+        for (names, survived) in [([[5, 5], [6, 6]], 2), ([[5, 6], [6, 5]], 0), ([[5, 5], [6, 7]], 1)] {
+            let (truth, found) = crossing(names);
+            let score = score(&truth, &found);
+            assert_eq!((score.episodes, score.identities, score.survived), (1, 2, survived), "{names:?}");
+        }
+    }
+
+    #[test]
+    fn an_identity_that_is_lost_or_moves_over_does_not_survive() {
+        let (truth, mut found) = crossing([[5, 5], [6, 6]]);
+        for boxes in found.range_mut(21..).map(|(_, boxes)| boxes) {
+            boxes.remove(&6);
+        }
+        assert_eq!(score(&truth, &found).survived, 1);
+        let (truth, found) = crossing([[5, 7], [6, 5]]);
+        assert_eq!(score(&truth, &found).survived, 0);
+        assert_eq!(score(&Boxes::new(), &found), Survival::default());
+    }
+}
