@@ -53,6 +53,9 @@ fn the_command_line_itself_is_checked() {
         &["run", "--out", "there"],
         &["pixel", "video.avi"],
         &["one.avi", "two.avi"],
+        &["one.avi", "--memory", "5"],
+        &["score", "results"],
+        &["bench", "one.avi", "--frames", "3"],
         &["settings", "--quiet", "-v"],
     ] {
         let output = occluscope(arguments).output().unwrap();
