@@ -122,6 +122,10 @@ pub(super) fn mat(mask: &Mask) -> opencv::Result<BoxedRef<'_, Mat>> {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
+    use opencv::imgproc::median_blur;
+    use proptest::prelude::*;
+
     use super::*;
     use crate::frame::Size;
 
@@ -164,5 +168,29 @@ mod tests {
         assert!(closed.is_foreground(4, 2));
         let opened = Cleaning { opening: 3, ..OFF }.apply(before).unwrap();
         assert!(!opened.is_foreground(9, 2) && opened.is_foreground(2, 2));
+    }
+
+    proptest! {
+        #[test]
+        fn the_median_is_opencv_s(
+            (width, height) in (1_u32..50, 1_u32..40),
+            half in 1_u32..16,
+            density in 1_u32..100,
+            seed in any::<u32>(),
+        ) {
+            let mut noise = seed | 1;
+            let size = Size::new(width, height);
+            let data = (0..size.pixels()).map(|_| {
+                noise ^= noise << 13;
+                noise ^= noise >> 17;
+                noise ^= noise << 5;
+                if noise % 100 < density { Mask::FOREGROUND } else { Mask::BACKGROUND }
+            });
+            let mask = Mask { size, data: data.collect() };
+            let mut theirs = Mat::default();
+            median_blur(&mat(&mask).unwrap(), &mut theirs, 2 * half as i32 + 1).unwrap();
+            let ours = Cleaning { median: 2 * half + 1, ..OFF }.apply(mask).unwrap();
+            prop_assert_eq!(&ours.data[..], theirs.data_bytes().unwrap());
+        }
     }
 }
