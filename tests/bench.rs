@@ -54,5 +54,7 @@ fn what_cannot_be_measured_fails_in_one_line() {
     let line = fails(&["bench", text(&video)], 1);
     assert!(line.contains("5 frames") && line.contains("longer"), "{line}");
     assert!(fails(&["bench", text(&video), "--scale", "0x5"], 2).contains("--scale"));
+    let vast = ["bench", text(&video), "--scale", "16384x16384", "--frames", "100000"];
+    assert!(fails(&vast, 1).contains("memory"));
     assert!(fails(&["bench", text(&place.path("no.avi"))], 1).contains("no.avi"));
 }

@@ -101,6 +101,17 @@ fn what_cannot_be_scored_fails_in_one_line() {
     let score = |truth: &str| fails(&["score", text(&results), "--truth", truth], 1);
     let line = score(text(&truth));
     assert!(line.contains("gt.txt") && line.contains("line 1") && line.contains("five"), "{line}");
+    for row in [
+        "4294967295,1,0,0,5,5,1",
+        "1,4294967295,0,0,5,5,1",
+        "-3,1,0,0,5,5,1",
+        "1,1,nan,0,5,5,1",
+        "1,1,0,0,-5,5,1",
+    ] {
+        fs::write(&truth, format!("1,1,0,0,5,5,1\n{row}\n")).unwrap();
+        let line = score(text(&truth));
+        assert!(line.contains("line 2"), "{row}: {line}");
+    }
     fs::write(&truth, "1,1,0,0,5,5,1\n").unwrap();
     assert!(score(text(&truth)).contains("tracks.csv"));
     assert!(score("nowhere").contains("nowhere"));

@@ -18,6 +18,7 @@ use egui_kittest::wgpu::{create_render_state, default_wgpu_setup};
 use super::Window;
 use super::command::{Action, Command};
 use super::state::Player;
+use crate::export::tests::track;
 use crate::frame::{Frame, Mask, Size};
 use crate::occlusion::Counters;
 use crate::pipeline::Analysis;
@@ -25,7 +26,7 @@ use crate::regions::{self, Labels, Region, Shape};
 use crate::replay::{Phase, Shown, Start, State, Timeline};
 use crate::settings::Settings;
 use crate::source::SourceInfo;
-use crate::tracking::{Track, TrackState};
+use crate::tracking::Track;
 
 const SIZE: Size = Size::new(1920, 1080);
 const FRAMES: u32 = 10_000;
@@ -88,20 +89,11 @@ fn shown_at(position: u32, count: u32) -> Shown {
         let histogram = regions::Histogram::default();
         regions.push(Region { label: id, shape, colour: [180, 90, 70], histogram });
         tracks.push(Track {
-            id,
-            key: id,
-            state: TrackState::Visible,
             bbox,
             centre,
-            velocity: [1.0, 0.0],
-            scale: 60.0,
             gate: [24.0, 14.0, 0.3],
-            fitness: 1.0,
-            hypotheses: 2,
-            visible_share: 1.0,
-            colours: vec![[180, 90, 70]],
             regions: vec![id],
-            group: vec![],
+            ..track(id, bbox.x, bbox.y)
         });
     }
     let picture = |salt| Arc::new(Frame::new(position + 1, SIZE, colours(salt)));

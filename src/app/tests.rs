@@ -76,20 +76,13 @@ fn tracks_at(position: u32) -> Vec<Track> {
     let track = |id: u32, x: f32, y: f32, state, group: &[u32]| {
         let bbox = Rect::around([x, y], 18.0, 40.0);
         Track {
-            id,
-            key: id,
             state,
             bbox,
             centre: [x, y],
-            velocity: [1.0, 0.0],
-            scale: 25.0,
             gate: [16.0, 10.0, 0.3],
-            fitness: 1.0,
-            hypotheses: 2,
-            visible_share: 1.0,
-            colours: vec![[180, 60, 60]],
             regions: if state == TrackState::Hidden { vec![] } else { vec![if merged { 1 } else { id }] },
             group: group.to_vec(),
+            ..crate::export::tests::track(id, bbox.x, bbox.y)
         }
     };
     let (state, group): (_, &[u32]) =

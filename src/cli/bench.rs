@@ -21,6 +21,7 @@ use crate::frame::{Frame, Mask, Size};
 use crate::mixture::opencv::OpencvModel;
 use crate::mixture::{BATCH, Mixture, Parameters};
 use crate::pipeline::Pipeline;
+use crate::replay::memory;
 use crate::settings::{BackgroundModel, Settings};
 use crate::source;
 
@@ -115,6 +116,13 @@ impl Sequence {
         let size = scale.unwrap_or(source.info().size);
         let fitting = (FRAMES_BYTES / (size.pixels() * 3).max(1)) as u32;
         let wanted = asked.unwrap_or_else(|| FRAMES.min(fitting).max(LEAST_FRAMES));
+        let bytes = size.pixels() as u64 * 3 * u64::from(wanted);
+        if bytes > memory() / 2 {
+            bail!(
+                "{wanted} frames of {size} take {} MiB, more than half of this machine's memory; choose fewer with --frames, or a smaller --scale",
+                bytes >> 20
+            );
+        }
         let mut sequence = Self { fps: source.info().fps, frames: Vec::new(), decoding: Meter::default() };
         let progress = console.progress("decoding", Some(wanted));
         let mut ended = false;

@@ -28,7 +28,7 @@ fn joined(identities: &[Identity]) -> String {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use crate::regions::Rect;
     use crate::tracking::{Identity, Track, TrackState};
 

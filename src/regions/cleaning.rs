@@ -121,13 +121,25 @@ pub(super) fn mat(mask: &Mask) -> opencv::Result<BoxedRef<'_, Mat>> {
 }
 
 #[cfg(test)]
-mod tests {
+pub(super) mod tests {
     #![allow(clippy::unwrap_used)]
     use opencv::imgproc::median_blur;
     use proptest::prelude::*;
 
     use super::*;
     use crate::frame::Size;
+
+    /// Foreground here and there, of so many pixels in a hundred.
+    pub(crate) fn noise(size: Size, density: u32, seed: u32) -> Mask {
+        let mut noise = seed | 1;
+        let data = (0..size.pixels()).map(|_| {
+            noise ^= noise << 13;
+            noise ^= noise >> 17;
+            noise ^= noise << 5;
+            if noise % 100 < density { Mask::FOREGROUND } else { Mask::BACKGROUND }
+        });
+        Mask { size, data: data.collect() }
+    }
 
     const OFF: Cleaning = Cleaning { median: 0, opening: 0, closing: 0, fill_holes: 0 };
 
@@ -178,15 +190,7 @@ mod tests {
             density in 1_u32..100,
             seed in any::<u32>(),
         ) {
-            let mut noise = seed | 1;
-            let size = Size::new(width, height);
-            let data = (0..size.pixels()).map(|_| {
-                noise ^= noise << 13;
-                noise ^= noise >> 17;
-                noise ^= noise << 5;
-                if noise % 100 < density { Mask::FOREGROUND } else { Mask::BACKGROUND }
-            });
-            let mask = Mask { size, data: data.collect() };
+            let mask = noise(Size::new(width, height), density, seed);
             let mut theirs = Mat::default();
             median_blur(&mat(&mask).unwrap(), &mut theirs, 2 * half as i32 + 1).unwrap();
             let ours = Cleaning { median: 2 * half + 1, ..OFF }.apply(mask).unwrap();

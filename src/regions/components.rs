@@ -70,7 +70,8 @@ impl Labels {
     }
 
     /// A label for each pixel in row order, 0 where there is no region.
-    pub fn image(&self) -> Vec<u32> {
+    #[cfg(test)]
+    pub(crate) fn image(&self) -> Vec<u32> {
         let mut image = vec![0; self.size.pixels()];
         for run in &self.runs {
             image[run.pixels()].fill(run.label);
@@ -189,6 +190,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::super::cleaning::connected_components;
+    use super::super::cleaning::tests::noise;
     use super::super::colour::Histogram;
     use super::*;
 
@@ -244,16 +246,7 @@ mod tests {
             seed in any::<u32>(),
         ) {
             let size = Size::new(width, height);
-            let mut noise = seed | 1;
-            let data: Vec<u8> = (0..size.pixels())
-                .map(|_| {
-                    noise ^= noise << 13;
-                    noise ^= noise >> 17;
-                    noise ^= noise << 5;
-                    if noise % 100 < density { Mask::FOREGROUND } else { Mask::BACKGROUND }
-                })
-                .collect();
-            let mask = Mask { size, data };
+            let mask = noise(size, density, seed);
             let frame = Frame::new(1, size, (0..size.pixels() * 3).map(|at| (at * 31) as u8).collect());
             let (labels, regions) = find_regions(&frame, &mask, min_area);
             let (theirs, count) = connected_components(&mask, 8).unwrap();

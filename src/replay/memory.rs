@@ -7,11 +7,15 @@ const UNKNOWN: u64 = 4 << 30;
 
 /// A quarter of the memory that this process may use, in bytes.
 pub(super) fn quarter() -> usize {
-    let total = System::new().map_or(UNKNOWN, |mut system| {
+    usize::try_from(memory() / 4).unwrap_or(usize::MAX)
+}
+
+/// The memory that this process may use, in bytes.
+pub fn memory() -> u64 {
+    System::new().map_or(UNKNOWN, |mut system| {
         system.refresh_memory();
         let machine = system.total_memory();
         // A container may be given less than the machine has.
         system.cgroup_limits().map_or(machine, |limits| limits.total_memory.min(machine))
-    });
-    usize::try_from(total / 4).unwrap_or(usize::MAX)
+    })
 }

@@ -28,6 +28,7 @@ use crate::settings::Settings;
 use crate::source::SourceInfo;
 use crate::tracking::{Identity, TrackState};
 
+pub use memory::memory;
 pub use session::Session;
 
 /// Which frame comes into view after opening. The first frame is shown until it is reached.

@@ -32,6 +32,9 @@ impl Bounds {
     }
 }
 
+/// Frames and identities are below this, so that there is room to count on.
+const LARGEST: f64 = 1_000_000_001.0;
+
 /// The boxes of each frame, by identity.
 pub type Boxes = BTreeMap<u32, BTreeMap<u32, Bounds>>;
 
@@ -58,6 +61,12 @@ pub fn read(path: &Path) -> Result<Boxes, TruthError> {
             continue;
         }
         let place = Bounds([numbers[2], numbers[3], numbers[4], numbers[5]]);
+        let whole = numbers[..2].iter().all(|number| (0.0..LARGEST).contains(number));
+        if !whole || !place.0.iter().all(|side| side.is_finite()) || place.0[2] < 0.0 || place.0[3] < 0.0 {
+            let why =
+                "frame and id count from 0 to 1000000000, and a box has finite sides that are not negative";
+            return Err(TruthError::new(path, format!("line {line}: {why}")));
+        }
         boxes.entry(numbers[0] as u32).or_default().insert(numbers[1] as u32, place);
     }
     Ok(boxes)

@@ -183,7 +183,20 @@ fn colours(frame: &Frame, every: usize, put: &mut dyn FnMut(usize, &[u8])) {
 
 fn labels(labels: &Labels, every: usize, put: &mut dyn FnMut(usize, &[u8])) {
     let width = labels.size.width as usize;
-    numbers(&labels.image(), width, every, |&label| (label.min(LAST_LABEL) as u16).to_le_bytes(), put);
+    let mut row = vec![0; width.div_ceil(every) * 2];
+    let mut runs = labels.runs.iter().peekable();
+    for (y, start) in (0..labels.size.pixels()).step_by((width * every).max(1)).enumerate() {
+        row.fill(0);
+        // Of the rows in between, nothing is kept.
+        while runs.next_if(|run| run.pixels().end <= start).is_some() {}
+        while let Some(run) = runs.next_if(|run| run.pixels().start < start + width) {
+            let columns = run.pixels().start - start..run.pixels().end - start;
+            let texels = columns.start.div_ceil(every) * 2..columns.end.div_ceil(every) * 2;
+            let label = (run.label.min(LAST_LABEL) as u16).to_le_bytes();
+            row[texels].as_chunks_mut().0.fill(label);
+        }
+        put(y, &row);
+    }
 }
 
 fn numbers<T, const N: usize>(
@@ -234,5 +247,20 @@ mod tests {
         let mut bytes = Vec::new();
         labels(&many, 1, &mut |_, row| bytes.extend_from_slice(row));
         assert_eq!(bytes, [2, 1, 255, 255]);
+    }
+
+    #[test]
+    fn labels_are_thinned_like_all_else() {
+        let image =
+            [0, 3, 3, 3, 0, 9, 1, 1, 0, 0, 0, 0, 5, 0, 4, 4, 4, 4, 7, 7, 7, 7, 7, 7, 8, 0, 8, 0, 0, 2];
+        let size = Size::new(6, 5);
+        for every in 1..4 {
+            let mut rows = Vec::new();
+            labels(&Labels::of_image(size, &image), every, &mut |y, row| rows.push((y, row.to_vec())));
+            let mut expected = Vec::new();
+            let bytes = |label: &u32| (*label as u16).to_le_bytes();
+            numbers(&image, 6, every, bytes, &mut |y, row| expected.push((y, row.to_vec())));
+            assert_eq!(rows, expected, "every {every}");
+        }
     }
 }

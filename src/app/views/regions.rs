@@ -1,7 +1,5 @@
 //! The regions: where they are, their numbers, and the colour that stands for each.
 
-use std::cell::LazyCell;
-
 use eframe::egui::{Color32, Rect, Stroke, StrokeKind, pos2, vec2};
 
 use super::{Compose, Look, Pane, draw};
@@ -33,14 +31,13 @@ pub(super) fn colours(analysis: &Analysis) -> Vec<Color32> {
 pub(super) fn paint(pane: &Pane<'_>) {
     pane.compose(Look::plain(Compose::Regions));
     let (frame, analysis) = (&pane.shown.frame, &pane.shown.analysis);
-    let labels = LazyCell::new(|| analysis.labels.image());
     let colours = colours(analysis);
     let colour_of = |label: u32| colours.get(label as usize).copied().unwrap_or(UNKNOWN);
-    let pixel_colour = |index: usize| {
-        let gray = luma([frame.rgb[index * 3], frame.rgb[index * 3 + 1], frame.rgb[index * 3 + 2]]);
-        match labels.get(index) {
+    let ground = |(x, y)| {
+        let gray = luma(frame.pixel(x, y).unwrap_or_default());
+        match analysis.labels.at(x, y) {
             None | Some(0) => Color32::from_gray(gray / 4),
-            Some(&label) => {
+            Some(label) => {
                 // A little of the input's light keeps the region's inside readable.
                 let light = 0.55 + 0.45 * f32::from(gray) / 255.0;
                 let [r, g, b, _] =
@@ -78,7 +75,6 @@ pub(super) fn paint(pane: &Pane<'_>) {
             );
         }
     }
-    let ground = |(x, y)| frame.size.index(x, y).map_or(Color32::BLACK, pixel_colour);
     draw::values(pane.painter, &pane.canvas, |at| value(pane.shown, at), ground);
 }
 
