@@ -476,6 +476,11 @@ settings! {
     /// For so many frames α is at least 1/t, so that the first frame does not weigh more than the others; 0 is off.
     warm_up: u32 = 0, "", "frames", Mixture, Kind::Integer { min: 0, max: 10_000 };
 
+    /// Foreground is shadow, not an object, where it has the colour of component 1 darkened to no less than this share; 1 is off.
+    shadow_floor: f32 = 1.0, "τ", "", Mixture, real(0.2, 1.0);
+    /// How far the value may be from that darkened colour.
+    shadow_colour: f32 = 12.0, "", "levels", Mixture, real(0.0, 100.0);
+
     /// Side of the median filter over the mask, which removes specks and closes gaps; 0 is off.
     median: u32 = 0, "", "pixels", Cleaning, Kind::OddSize { max: 31 };
     /// Side of the opening (erosion, then dilation), which removes what is thinner; 0 is off.
@@ -579,8 +584,10 @@ impl Settings {
             Preset::Default => Self {
                 k: 3,
                 alpha: 0.002,
-                warm_up: 100,
+                warm_up: 20,
                 min_sigma: 16.0,
+                shadow_floor: 0.6,
+                shadow_colour: 15.0,
                 median: 5,
                 min_area: 20,
                 colour_memory: ColourMemory::Clear,

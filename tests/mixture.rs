@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use occluscope::frame::{Frame, Mask, Size};
+use occluscope::mixture::shadow::Shadow;
 use occluscope::mixture::{Component, Mixture, Parameters, Pixel};
 use occluscope::settings::{Rate, Space};
 use proptest::prelude::*;
@@ -12,12 +13,21 @@ use rand_pcg::Pcg32;
 fn parameters() -> impl Strategy<Value = Parameters> {
     let rates = prop_oneof![Just(Rate::Density), Just(Rate::Weight), Just(Rate::Constant)];
     let spaces = prop_oneof![Just(Space::Rgb), Just(Space::Gray)];
+    let shadow = prop_oneof![
+        Just(Shadow { floor: 1.0, colour: 0.0 }),
+        (0.2_f32..1.0, 0.0_f32..100.0).prop_map(|(floor, colour)| Shadow { floor, colour }),
+    ];
     (
         (1_usize..=8, 0.001_f32..0.5, 0.05_f32..0.99, 0.5_f32..6.0),
         (1.0_f32..60.0, 0.005_f32..0.5, 0.1_f32..20.0, rates, spaces, 0_u32..30),
+        shadow,
     )
         .prop_map(
-            |((k, alpha, t, lambda), (initial_sigma, initial_weight, min_sigma, rate, space, warm_up))| {
+            |(
+                (k, alpha, t, lambda),
+                (initial_sigma, initial_weight, min_sigma, rate, space, warm_up),
+                shadow,
+            )| {
                 Parameters {
                     k,
                     alpha,
@@ -29,6 +39,7 @@ fn parameters() -> impl Strategy<Value = Parameters> {
                     rate,
                     space,
                     warm_up,
+                    shadow,
                 }
             },
         )
@@ -96,7 +107,10 @@ proptest! {
                     let (x, y) = (index as u32 % width, index as u32 / width);
                     let value = parameters.value(frame.pixel(x, y).unwrap());
                     let outcome = pixel.update(value, frame.number, &parameters);
-                    let expected = if outcome.foreground { Mask::FOREGROUND } else { Mask::BACKGROUND };
+                    let channels = if parameters.space == Space::Gray { 1 } else { 3 };
+                    let surface = pixel.components()[0].mean;
+                    let shadow = parameters.shadow.covers(&value[..channels], &surface[..channels]);
+                    let expected = if outcome.foreground && !shadow { Mask::FOREGROUND } else { Mask::BACKGROUND };
                     prop_assert_eq!(mask.data[index], expected, "pixel {} {} in frame {}", x, y, frame.number);
                 }
             }

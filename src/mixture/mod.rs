@@ -11,6 +11,7 @@ pub mod history;
 pub mod image;
 pub mod opencv;
 pub mod pixel;
+pub mod shadow;
 mod tile;
 pub mod verdict;
 

@@ -7,6 +7,7 @@
 use std::f32::consts::PI;
 
 use super::exponential::exp_of_negative;
+use super::shadow::Shadow;
 use crate::settings::{Rate, Settings, Space};
 
 /// The largest K.
@@ -38,6 +39,8 @@ pub struct Parameters {
     pub space: Space,
     /// While t ≤ `warm_up`, α is max(α, 1/t).
     pub warm_up: u32,
+    /// What foreground is shadow.
+    pub shadow: Shadow,
 }
 
 impl Parameters {
@@ -54,6 +57,7 @@ impl Parameters {
             rate: settings.rate,
             space: settings.space,
             warm_up: settings.warm_up,
+            shadow: Shadow::new(settings),
         }
     }
 

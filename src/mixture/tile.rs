@@ -247,7 +247,10 @@ impl<const N: usize> Tile<'_, N> {
                 }
             } else {
                 first.store(self.first);
-                let foreground = self.step(simd, rgb(frame), moment, constants);
+                let mut foreground = self.step(simd, rgb(frame), moment, constants);
+                if constants.parameters.shadow.is_on() {
+                    self.drop_shadows(&mut foreground, simd, rgb(frame), constants);
+                }
                 first = Vectors::load(simd, self.first);
                 mask(frame, foreground);
             }
@@ -288,6 +291,24 @@ impl<const N: usize> Tile<'_, N> {
                 mask_bytes(foreground)
             },
         )
+    }
+
+    /// Takes the lanes out of the foreground that are shadow on component 1.
+    fn drop_shadows<S: Simd>(&self, foreground: &mut [u8; LANES], simd: S, rgb: &Rgb, constants: &Constants) {
+        if *foreground == [0; LANES] {
+            return;
+        }
+        let mut x = [[0.0; LANES]; N];
+        for (plane, channel) in values::<S, N>(simd, rgb).into_iter().zip(&mut x) {
+            plane.store_array(channel);
+        }
+        for (lane, byte) in foreground.iter_mut().enumerate().filter(|(_, byte)| **byte > 0) {
+            let value = x.map(|channel| channel[lane]);
+            let mean = self.first.lane(lane).mean;
+            if constants.parameters.shadow.covers(&value, &mean[..N]) {
+                *byte = 0;
+            }
+        }
     }
 
     /// One certain component around the first value; every pixel starts as background.

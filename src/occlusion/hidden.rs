@@ -19,9 +19,9 @@ pub(super) struct Hidden {
 #[derive(Clone, Debug)]
 pub(super) struct Return {
     pub(super) id: ObjectId,
-    since: (u32, u32),
-    t: u32,
-    event: Event,
+    pub(super) since: (u32, u32),
+    pub(super) t: u32,
+    pub(super) event: Event,
 }
 
 impl Reasoner {
@@ -261,7 +261,7 @@ impl Reasoner {
 
 /// How far from its predicted place a hidden object may come back: it may have slowed down,
 /// stopped or turned behind what hides it.
-fn reach(object: &Object, frames: u32) -> f32 {
+pub(super) fn reach(object: &Object, frames: u32) -> f32 {
     let velocity = object.model.velocity();
     let (_, height) = object.size();
     0.6 * height + 0.5 * velocity.x.hypot(velocity.y) * frames as f32 + (frames as f32).sqrt()

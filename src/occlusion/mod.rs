@@ -4,15 +4,21 @@
 //! [`partition`] finds which objects and regions have to do with each other, [`assign`] who is who
 //! among the pieces of a group; `splits` and `hidden` hold what is undecided or out of sight.
 
+mod abreast;
 pub mod assign;
 pub mod event;
 mod hidden;
+pub mod lobes;
 pub mod meetings;
+mod members;
 pub mod object;
 pub mod partition;
+pub mod perspective;
+pub mod placing;
 mod readout;
 pub mod reasoner;
 mod splits;
+pub mod template;
 
 pub use event::{Comparison, Counters, Episode, EpisodeKind, Event, EventKind, Evidence};
 pub use reasoner::{Reasoner, Seen};

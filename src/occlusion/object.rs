@@ -1,9 +1,13 @@
 //! What is remembered of an object: how large it is, what colours it wears, how it moves.
 
+use std::sync::Arc;
+
 use nalgebra::Vector3;
 
+use super::perspective::Perspective;
+use super::template::Template;
 use crate::regions::colour::delta_e;
-use crate::regions::{Histogram, Rect, Rgb};
+use crate::regions::{Histogram, Mosaic, Rect, Rgb};
 use crate::settings::{ColourMemory, Settings};
 use crate::tracking::Key;
 use crate::tracking::kalman::Model;
@@ -14,6 +18,9 @@ const CLEAR_RATE: f32 = 0.1;
 const NEAR_FULL: f32 = 0.7;
 /// And at least this share of the height, which changes less than the width of somebody who walks.
 const NEAR_TALL: f32 = 0.8;
+
+/// What is left of the speed of somebody unseen after a frame.
+const SLOWING: f32 = 0.9;
 
 /// What is seen for so many frames in succession is no flicker of the mask.
 const LASTS: u32 = 3;
@@ -29,6 +36,8 @@ pub struct View {
     pub histogram: Histogram,
     /// The labels of its regions.
     pub labels: Vec<u32>,
+    /// Where in them which colours are.
+    pub mosaic: Arc<Mosaic>,
 }
 
 /// What an object looks like when nothing hides it: averages over its clear frames.
@@ -40,6 +49,8 @@ pub struct Appearance {
     pub h: f32,
     /// Pixels.
     pub area: f32,
+    /// Where the lower edge of its box was, in pixels from the top of the image.
+    pub feet: f32,
     /// Share of each colour.
     pub histogram: Histogram,
     /// Pixels a frame to the right and down. The box of somebody who goes behind something shrinks
@@ -50,10 +61,12 @@ pub struct Appearance {
 }
 
 impl Appearance {
-    fn first(view: &View, velocity: [f32; 2]) -> Self {
+    /// From one sight of it.
+    pub fn first(view: &View, velocity: [f32; 2]) -> Self {
         let mut histogram = Histogram::default();
         histogram.add_scaled(&view.histogram, 1.0 / view.area.max(1.0));
-        Self { w: view.bbox.w, h: view.bbox.h, area: view.area, histogram, velocity, frames: 1 }
+        let (w, h) = (view.bbox.w, view.bbox.h);
+        Self { w, h, area: view.area, feet: view.bbox.bottom(), histogram, velocity, frames: 1 }
     }
 
     fn follow(&mut self, view: &View, velocity: [f32; 2]) {
@@ -61,6 +74,7 @@ impl Appearance {
         self.w += rate * (view.bbox.w - self.w);
         self.h += rate * (view.bbox.h - self.h);
         self.area += rate * (view.area - self.area);
+        self.feet += rate * (view.bbox.bottom() - self.feet);
         for (mean, now) in self.velocity.iter_mut().zip(velocity) {
             *mean += rate * (now - *mean);
         }
@@ -71,6 +85,15 @@ impl Appearance {
         self.histogram = histogram;
         self.frames += 1;
     }
+}
+
+/// Where and when something of an object was seen.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Sighting {
+    /// Its centre.
+    pub centre: [f32; 2],
+    /// The frame's number and t.
+    pub frame: (u32, u32),
 }
 
 /// An object, from its first region to its last.
@@ -90,10 +113,22 @@ pub struct Object {
     pub model: Model,
     /// What it looks like when nothing hides it, `None` before its first clear frame.
     pub clear: Option<Appearance>,
+    /// How much larger it is where it is now than where it was seen clearly.
+    pub scale: f32,
+    /// What it looks like place by place, `None` before it was seen alone.
+    pub template: Option<Template>,
+    /// For how many frames its region has shown more heads than it has members.
+    pub crowded: u32,
+    /// For how many frames nothing was seen of it in the region that it shares.
+    pub unseen: u32,
+    /// Where something of it was last seen.
+    pub sighting: Sighting,
     /// How it was last seen alone.
     pub last: View,
     /// For how many frames it has been seen in part only, or not at all.
     pub partial: u32,
+    /// Where it was when only a part of it began to be seen.
+    pub partial_from: [f32; 2],
     /// For how many frames it has been seen as two who stand side by side.
     pub beside: u32,
 }
@@ -101,12 +136,21 @@ pub struct Object {
 impl Object {
     /// The size that its box should have: width and height.
     pub fn size(&self) -> (f32, f32) {
-        self.clear.as_ref().map_or((self.last.bbox.w, self.last.bbox.h), |clear| (clear.w, clear.h))
+        let size = |clear: &Appearance| (self.scale * clear.w, self.scale * clear.h);
+        self.clear.as_ref().map_or((self.last.bbox.w, self.last.bbox.h), size)
     }
 
     /// The pixels that it should have.
     pub fn area(&self) -> f32 {
-        self.clear.as_ref().map_or(self.last.area, |clear| clear.area)
+        self.clear.as_ref().map_or(self.last.area, |clear| self.scale * self.scale * clear.area)
+    }
+
+    /// Takes in how size changes with place.
+    pub fn rescale(&mut self, perspective: &Perspective) {
+        if let Some(clear) = &self.clear {
+            let feet = self.model.centre()[1] + self.size().1 / 2.0;
+            self.scale = perspective.scale(feet, clear.feet);
+        }
     }
 
     /// Where its own motion puts it.
@@ -122,6 +166,12 @@ impl Object {
         }
     }
 
+    /// Goes on more slowly: somebody of whom nothing is seen may have stopped or turned.
+    pub fn slow_down(&mut self) {
+        let velocity = self.model.velocity();
+        self.model.set_velocity(SLOWING * velocity);
+    }
+
     /// The share of its full size that a region of `area` pixels shows, 0..=1.
     pub fn visible_share(&self, area: f32) -> f32 {
         (area / self.area().max(1.0)).min(1.0)
@@ -131,9 +181,14 @@ impl Object {
     /// what is seen.
     pub fn see_part(&mut self, view: &View) {
         self.seen += 1;
+        if self.partial == 0 {
+            self.partial_from = self.model.centre();
+        }
         self.partial += 1;
         self.last = view.clone();
-        self.keep_pace();
+        if self.template.is_none() {
+            self.keep_pace();
+        }
         let (w, h) = self.size();
         let [x, y] = self.model.centre();
         let [middle_x, middle_y] = view.bbox.centre();
@@ -149,6 +204,7 @@ impl Object {
         self.beside = if beside { self.beside + 1 } else { 0 };
         if self.beside >= LASTS {
             self.clear = None;
+            self.template = None;
         }
     }
 
@@ -171,13 +227,31 @@ impl Object {
             None if !cut_off => self.clear = Some(Appearance::first(view, [x, y])),
             Some(_) | None => {}
         }
+        match &mut self.template {
+            Some(template) if !cut_off => template.follow(&view.mosaic, &view.bbox),
+            Some(_) => {}
+            None => self.template = Some(Template::first(&view.mosaic, &view.bbox)),
+        }
+    }
+
+    /// Whether it went far while a part of it was seen: past anything that could hide the rest.
+    pub fn went_far(&self) -> bool {
+        let [x, y] = self.model.centre();
+        (x - self.partial_from[0]).hypot(y - self.partial_from[1]) > self.size().0
+    }
+
+    /// What seemed a part of it has been the whole for long: what it looked like before is forgotten.
+    pub fn relearn(&mut self, view: &View) {
+        let [x, y, _] = self.model.velocity().into();
+        self.clear = Some(Appearance::first(view, [x, y]));
+        self.template = Some(Template::first(&view.mosaic, &view.bbox));
+        self.scale = 1.0;
     }
 
     /// Whether a view shows nearly the whole of it.
     pub fn is_nearly_whole(&self, view: &View) -> bool {
-        self.clear
-            .as_ref()
-            .is_none_or(|clear| view.area >= NEAR_FULL * clear.area && view.bbox.h >= NEAR_TALL * clear.h)
+        self.clear.is_none()
+            || (view.area >= NEAR_FULL * self.area() && view.bbox.h >= NEAR_TALL * self.size().1)
     }
 
     /// Its dominant colours as Algorithm 1 compares them, the most frequent first.

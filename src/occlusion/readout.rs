@@ -18,6 +18,9 @@ impl Reasoner {
             };
             for id in &carried.members {
                 let object = &self.objects[id];
+                if !group.is_empty() && object.unseen > self.limits.told {
+                    continue;
+                }
                 let (state, bbox, share) = match (&carried.view, group.is_empty()) {
                     (Some(view), true) => {
                         let cut_off = view.bbox.distance_to_edge(self.size) <= 1.0;
@@ -37,7 +40,9 @@ impl Reasoner {
             }
         }
         for hidden in &self.hidden {
-            if let Some(object) = self.objects.get(&hidden.id) {
+            if let Some(object) = self.objects.get(&hidden.id)
+                && self.t - hidden.since.1 <= self.limits.told
+            {
                 objects.push(self.track(object, None, TrackState::Hidden, object.predicted_box(), 0.0));
             }
         }

@@ -5,6 +5,7 @@
 //! how this partition changes from frame to frame.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use nalgebra::Vector3;
 
@@ -12,16 +13,20 @@ use super::assign::{self, Piece};
 use super::event::{Counters, Episode, Event, EventKind, Evidence};
 use super::hidden::{Hidden, Return};
 use super::meetings::Meetings;
-use super::object::{Object, View, close_to};
+use super::object::{Object, Sighting, View, close_to};
 use super::partition::{self, Cluster, Expected, Extent};
+use super::perspective::Perspective;
 use super::splits::Split;
 use crate::frame::Size;
-use crate::regions::{Histogram, Rect, Region};
+use crate::regions::{Histogram, Mosaic, Rect, Region};
 use crate::settings::Settings;
 use crate::tracking::kalman::Model;
 use crate::tracking::pool::{Blob, Observation, PoolSettings};
 use crate::tracking::seeds::Seeds;
 use crate::tracking::{Naming, Track};
+
+/// A member of which nothing was seen for more frames than this need not be in its group's region.
+const COASTS: u32 = 2;
 
 /// An object's number, from its first region on; never used again.
 pub type ObjectId = u32;
@@ -48,10 +53,14 @@ pub(super) struct Limits {
     pub(super) same_episode: u32,
     /// Frames without a region after which it is believed that there is none.
     pub(super) patience: u32,
+    /// Frames for which a region has to show more heads than objects.
+    pub(super) heads: u32,
     /// Frames after which what seemed a part is believed to be the whole: it walked away, or sat down.
     pub(super) relearn: u32,
     /// Frames after which somebody whom the image edge still cuts off gets an identity.
     pub(super) at_edge: u32,
+    /// Frames for which an object of which nothing is seen is told where it is predicted.
+    pub(super) told: u32,
 }
 
 /// What is said of one frame.
@@ -88,6 +97,7 @@ pub struct Reasoner {
     /// The identity of every object that ever had one.
     identities: BTreeMap<ObjectId, u32>,
     pub(super) events: Vec<Event>,
+    perspective: Perspective,
     seeds: Seeds,
     counters: Counters,
     last_id: u32,
@@ -107,7 +117,9 @@ impl Reasoner {
             max_hidden: settings.max_hidden.frames(fps),
             same_episode: settings.same_episode.frames(fps),
             patience: ((0.2 * fps).round() as u32).max(3),
+            heads: ((0.5 * fps).round() as u32).max(3),
             relearn: ((2.0 * fps).round() as u32).max(10),
+            told: (0.5 * fps).round() as u32,
             at_edge: (fps.round() as u32).max(settings.min_track.frames(fps)),
         };
         Self {
@@ -127,6 +139,7 @@ impl Reasoner {
             naming: Naming::default(),
             identities: BTreeMap::new(),
             events: Vec::new(),
+            perspective: Perspective::new(size),
             seeds: Seeds::default(),
             counters: Counters::default(),
             last_id: 0,
@@ -157,6 +170,8 @@ impl Reasoner {
         self.seed(&views, &unexplained);
         self.count_objects();
         self.follow_objects();
+        self.count_heads();
+        self.find_again();
         self.judge_lost();
         self.name_objects();
         self.judge_hidden();
@@ -240,6 +255,9 @@ impl Reasoner {
                     object.model = carried.blob.shown().model.clone();
                 }
             }
+        }
+        for object in self.objects.values_mut() {
+            object.rescale(&self.perspective);
         }
     }
 
@@ -602,7 +620,11 @@ impl Reasoner {
     pub(super) fn unsureness(&self, id: ObjectId, in_group: bool) -> f32 {
         let object = &self.objects[&id];
         let (_, height) = object.size();
-        let apart = if in_group { self.meetings.duration_of(id, self.t) as f32 } else { 0.0 };
+        let apart = match object.template {
+            _ if !in_group => 0.0,
+            Some(_) => object.unseen as f32,
+            None => self.meetings.duration_of(id, self.t) as f32,
+        };
         let velocity = object.model.velocity();
         0.15 * height + 0.25 * velocity.x.hypot(velocity.y) * apart
     }
@@ -622,8 +644,14 @@ impl Reasoner {
                 named: false,
                 model: seed.model.clone(),
                 clear: None,
+                template: None,
+                scale: 1.0,
+                crowded: 0,
+                unseen: 0,
+                sighting: Sighting::default(),
                 last: view.clone(),
                 partial: 0,
+                partial_from: seed.first.bbox.centre(),
                 beside: 0,
             };
             self.objects.insert(id, object);
@@ -651,14 +679,28 @@ impl Reasoner {
                 let view = carried.view.clone();
                 let cut_off = view.as_ref().is_some_and(|view| self.near_border(&view.bbox));
                 let undecided = self.splits.iter().any(|split| split.is_undecided(alone));
-                let relearn = self.limits.relearn;
+                let (relearn, at_last) = (self.limits.relearn, self.limits.max_hidden);
+                let mut part = None;
                 if let Some(object) = self.objects.get_mut(&alone) {
                     match view {
-                        Some(view) if !object.is_nearly_whole(&view) && object.partial < relearn => {
+                        Some(view)
+                            if !object.is_nearly_whole(&view)
+                                && (object.partial < relearn
+                                    || !object.went_far() && object.partial < at_last) =>
+                        {
                             object.see_part(&view);
+                            part = Some(view);
                         }
                         Some(view) => {
                             object.model = model;
+                            if object.partial >= relearn {
+                                object.relearn(&view);
+                            } else if let Some(clear) = &object.clear
+                                && !cut_off
+                            {
+                                let (feet, h) = (view.bbox.bottom(), view.bbox.h);
+                                self.perspective.see(feet, h, clear.feet, clear.h);
+                            }
                             if undecided {
                                 object.seen += 1;
                                 object.partial = 0;
@@ -669,9 +711,13 @@ impl Reasoner {
                         None => object.miss(),
                     }
                 }
+                if let Some(view) = part {
+                    self.place_members(&[alone], &view);
+                }
             } else if let Some(view) = carried.view.clone() {
                 let members = carried.members.clone();
                 self.hold_inside(&members, &view.bbox);
+                self.place_members(&members, &view);
             }
         }
     }
@@ -687,6 +733,10 @@ impl Reasoner {
         for &id in members {
             let Some(object) = self.objects.get_mut(&id) else { continue };
             object.seen += 1;
+            if object.unseen > COASTS {
+                object.slow_down();
+                continue;
+            }
             let (w, h) = object.size();
             let [x, y] = object.model.centre();
             let [middle_x, middle_y] = region.centre();
@@ -826,6 +876,7 @@ fn view(region: &Region) -> View {
         area: region.shape.area as f32,
         histogram: region.histogram.clone(),
         labels: vec![region.label],
+        mosaic: Arc::clone(&region.mosaic),
     }
 }
 
@@ -839,6 +890,15 @@ fn join(views: &[View], piece: &[usize]) -> View {
         area: piece.iter().map(|&index| views[index].area).sum(),
         histogram,
         labels: piece.iter().flat_map(|&index| views[index].labels.iter().copied()).collect(),
+        mosaic: join_mosaics(piece.iter().map(|&index| &views[index].mosaic)),
+    }
+}
+
+pub(super) fn join_mosaics<'a>(mosaics: impl Iterator<Item = &'a Arc<Mosaic>>) -> Arc<Mosaic> {
+    let mosaics: Vec<Arc<Mosaic>> = mosaics.cloned().collect();
+    match &mosaics[..] {
+        [only] => Arc::clone(only),
+        _ => Arc::new(Mosaic::join(&mosaics)),
     }
 }
 

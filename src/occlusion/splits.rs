@@ -108,13 +108,16 @@ impl Reasoner {
         let piece =
             Piece { bbox: new.birthplace, area: new.last.area, histogram: new.last.histogram.clone() };
         let mut best: Option<(f32, usize, ObjectId, Fit, f32)> = None;
-        for (index, group) in self.carried.iter().enumerate().filter(|(_, it)| it.members.len() > 1) {
+        for (index, group) in self
+            .carried
+            .iter()
+            .enumerate()
+            .filter(|(_, it)| it.members.len() > 1 && !it.members.contains(&id))
+        {
             let due: f32 = group.members.iter().map(|id| self.objects[id].area()).sum();
             let seen = group.view.as_ref().map_or(0.0, |view| view.area);
-            if seen > (1.0 - self.settings.size_step) * due {
-                continue;
-            }
-            for &member in &group.members {
+            let shrunk = seen <= (1.0 - self.settings.size_step) * due;
+            for &member in group.members.iter().filter(|id| shrunk || self.objects[id].unseen > 0) {
                 let object = &self.objects[&member];
                 let unsure = self.unsureness(member, true);
                 let fits = assign::fits(&[object], &[unsure], std::slice::from_ref(&piece), &self.settings);

@@ -35,13 +35,12 @@ pub struct Histogram {
 }
 
 impl Histogram {
-    /// Takes one pixel in.
-    #[cfg(test)]
-    pub(super) fn add(&mut self, colour: Rgb) {
+    /// Takes pixels of one colour in.
+    pub(super) fn add_many(&mut self, colour: Rgb, pixels: u32) {
         let bin = self.bins.entry(index(colour)).or_default();
-        bin.count += 1.0;
+        bin.count += pixels as f32;
         for (sum, channel) in bin.sum.iter_mut().zip(colour) {
-            *sum += f32::from(channel);
+            *sum += pixels as f32 * f32::from(channel);
         }
     }
 
@@ -167,10 +166,10 @@ impl Tally {
 mod tests {
     use super::*;
 
-    fn histogram(colours: &[(Rgb, usize)]) -> Histogram {
+    fn histogram(colours: &[(Rgb, u32)]) -> Histogram {
         let mut histogram = Histogram::default();
         for &(colour, count) in colours {
-            (0..count).for_each(|_| histogram.add(colour));
+            histogram.add_many(colour, count);
         }
         histogram
     }

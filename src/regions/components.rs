@@ -4,11 +4,13 @@
 //! background, and that is skipped many pixels at a time.
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use memchr::memchr;
 
 use super::Region;
 use super::colour::Tally;
+use super::mosaic::{MosaicSums, cell_side};
 use super::shape::ShapeSums;
 use crate::frame::{Frame, Mask, Size};
 
@@ -126,19 +128,41 @@ pub fn find_regions(frame: &Frame, mask: &Mask, min_area: u32) -> (Labels, Vec<R
 
     let mut tally = Tally::default();
     let width = mask.size.width as usize;
+    let side = cell_side(mask.size);
     let regions = members.into_iter().zip(1..).map(|(members, label)| {
         let mut sums = ShapeSums::default();
+        let mut mosaic = MosaicSums::new(side, columns(&members), rows(&members));
         for run in members {
             let row = run.y as usize * width;
             let pixels = row + run.start as usize..row + run.end as usize;
             sums.add_run(run.y, run.start..run.end);
-            tally.add(&frame.rgb[3 * pixels.start..3 * pixels.end]);
+            let rgb = &frame.rgb[3 * pixels.start..3 * pixels.end];
+            tally.add(rgb);
+            mosaic.add_run(run.y, run.start, rgb);
         }
         let histogram = tally.take();
-        Region { label, shape: sums.shape(), colour: histogram.dominant().unwrap_or_default(), histogram }
+        Region {
+            label,
+            shape: sums.shape(),
+            colour: histogram.dominant().unwrap_or_default(),
+            histogram,
+            mosaic: Arc::new(mosaic.mosaic()),
+        }
     });
     let regions = regions.collect();
     (labels, regions)
+}
+
+/// The columns of pixels that a region's runs reach over.
+fn columns(runs: &[&Run]) -> Range<u32> {
+    let left = runs.iter().map(|run| run.start).min().unwrap_or_default();
+    left..runs.iter().map(|run| run.end).max().unwrap_or_default()
+}
+
+/// The rows of pixels that a region's runs, which are in raster order, reach over.
+fn rows(runs: &[&Run]) -> Range<u32> {
+    let top = runs.first().map_or(0, |run| run.y);
+    top..runs.last().map_or(0, |run| run.y + 1)
 }
 
 /// The runs of foreground in raster order, each filed under itself.
@@ -256,7 +280,7 @@ mod tests {
             for (index, &label) in theirs.iter().enumerate().filter(|(_, label)| **label > 0) {
                 let (shape, histogram) = &mut shapes[label as usize];
                 shape.add_run(index as u32 / width, index as u32 % width..index as u32 % width + 1);
-                histogram.add([frame.rgb[3 * index], frame.rgb[3 * index + 1], frame.rgb[3 * index + 2]]);
+                histogram.add_many([frame.rgb[3 * index], frame.rgb[3 * index + 1], frame.rgb[3 * index + 2]], 1);
                 first[label as usize] = first[label as usize].min(index);
             }
             let mut expected: Vec<_> = (1..count).filter(|&at| shapes[at].0.shape().area >= min_area).collect();

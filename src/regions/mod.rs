@@ -1,13 +1,17 @@
 //! From mask to moving regions: cleaning, two-pass connected components, shape, dominant colour (§VII, Algorithm 1).
 
+use std::sync::Arc;
+
 pub mod cleaning;
 pub mod colour;
 pub mod components;
+pub mod mosaic;
 pub mod shape;
 
 pub use cleaning::Cleaning;
 pub use colour::{Histogram, Rgb};
 pub use components::{LabelRun, Labels, find_regions};
+pub use mosaic::Mosaic;
 pub use shape::{Rect, Shape};
 
 /// A connected region of the foreground mask.
@@ -21,11 +25,13 @@ pub struct Region {
     pub colour: Rgb,
     /// How often each colour occurs among its pixels.
     pub histogram: Histogram,
+    /// Where in it which colours are.
+    pub mosaic: Arc<Mosaic>,
 }
 
 impl Region {
     /// The memory that it takes, in bytes, roughly.
     pub fn bytes(&self) -> usize {
-        size_of::<Self>() + self.histogram.bins().count() * 2 * size_of::<colour::Bin>()
+        size_of::<Self>() + self.mosaic.bytes() + self.histogram.bins().count() * 2 * size_of::<colour::Bin>()
     }
 }

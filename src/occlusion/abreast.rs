@@ -1,0 +1,130 @@
+//! More heads in a region than objects: who came in side by side with somebody, or was taken for gone.
+
+use std::sync::Arc;
+
+use super::lobes::lobes;
+use super::object::{Appearance, Object, Sighting, View};
+use super::reasoner::{ObjectId, Reasoner};
+use super::template::Template;
+use crate::regions::Rect;
+use crate::tracking::kalman::Model;
+
+/// What was learnt of somebody this much wider than they now seem to be was learnt of two.
+const AS_WIDE_AS_TWO: f32 = 1.3;
+
+impl Reasoner {
+    /// Counts the heads of every region. Where there have been more than objects for a while,
+    /// there is one more.
+    pub(super) fn count_heads(&mut self) {
+        for index in 0..self.carried.len() {
+            let carried = &self.carried[index];
+            let Some(view) = carried.view.clone() else { continue };
+            let members = carried.members.clone();
+            let Some(&first) = members.first() else { continue };
+            let seen = members.iter().filter(|id| self.objects[id].unseen == 0).count().max(1);
+            let cut_off = view.bbox.distance_to_edge(self.size) <= 1.0;
+            let heads = if cut_off { Vec::new() } else { lobes(&view.mosaic) };
+            let patience = self.limits.heads;
+            let Some(object) = self.objects.get_mut(&first) else { continue };
+            if heads.len() <= seen {
+                object.crowded = object.crowded.saturating_sub(2);
+                continue;
+            }
+            object.crowded += 1;
+            if object.crowded > patience {
+                object.crowded = 0;
+                let bodies = heads.iter().filter_map(|columns| body(&view, columns)).collect();
+                self.seat(index, &members, bodies);
+            }
+        }
+    }
+
+    /// Gives one of a region's bodies to the member that was not seen, or to somebody new.
+    fn seat(&mut self, index: usize, members: &[ObjectId], mut bodies: Vec<View>) {
+        if bodies.len() < 2 {
+            return;
+        }
+        let objects: Vec<&Object> = members.iter().map(|id| &self.objects[id]).collect();
+        let taken = |view: &View| {
+            // Both bodies are where the only member is; the other's is the newcomer's.
+            if let [only] = objects[..] {
+                return only.agreement(&view.histogram, &self.settings).0;
+            }
+            let seen = objects.iter().filter(|object| object.unseen == 0);
+            seen.map(|object| object.predicted_box().iou(&view.bbox)).fold(0.0, f32::max)
+        };
+        let free = (0..bodies.len()).min_by(|&a, &b| taken(&bodies[a]).total_cmp(&taken(&bodies[b])));
+        let Some(free) = free else { return };
+        let free = bodies.remove(free);
+        let frame = (self.number, self.t);
+        let centre = free.bbox.centre();
+        let unseen = members.iter().copied().filter(|id| self.objects[id].unseen > 0);
+        if let Some(id) = unseen.max_by_key(|id| self.objects[id].unseen) {
+            if let Some(object) = self.objects.get_mut(&id) {
+                object.model.set_centre(centre);
+                object.unseen = 0;
+                object.sighting = Sighting { centre, frame };
+            }
+            return;
+        }
+        let Some(known) = members.first().and_then(|id| self.objects.get(id)).cloned() else { return };
+        let was_two = members.len() == 1 && known.size().0 >= AS_WIDE_AS_TWO * free.bbox.w;
+        let velocity = known.model.velocity();
+        let id = self.new_key();
+        let model = |view: &View| {
+            let [x, y] = view.bbox.centre();
+            let measured = nalgebra::Vector3::new(x, y, view.area.sqrt());
+            Model::new(measured, velocity, self.pool.noise.measurement, self.pool.noise)
+        };
+        let look = |view: &View| {
+            let speed = [velocity.x, velocity.y];
+            (Some(Appearance::first(view, speed)), Some(Template::first(&view.mosaic, &view.bbox)))
+        };
+        let (clear, template) = look(&free);
+        let (born, birthplace) =
+            if was_two { (known.born, known.birthplace) } else { (self.number, free.bbox) };
+        let newcomer = Object {
+            key: id,
+            born,
+            birthplace,
+            seen: 1,
+            named: false,
+            model: model(&free),
+            clear,
+            template,
+            scale: 1.0,
+            crowded: 0,
+            unseen: 0,
+            sighting: Sighting { centre, frame },
+            last: free,
+            partial: 0,
+            partial_from: centre,
+            beside: 0,
+        };
+        if was_two {
+            let mine = &bodies[0];
+            let (clear, template) = look(mine);
+            let model = model(mine);
+            if let Some(object) = members.first().and_then(|id| self.objects.get_mut(id)) {
+                object.clear = clear;
+                object.template = template;
+                object.scale = 1.0;
+                object.model = model;
+                object.partial = 0;
+                object.last = mine.clone();
+            }
+        }
+        self.objects.insert(id, newcomer);
+        self.carried[index].members.push(id);
+        self.carried[index].members.sort_unstable();
+    }
+}
+
+/// What these columns show of a region.
+fn body(view: &View, columns: &std::ops::Range<u32>) -> Option<View> {
+    let mosaic = view.mosaic.part(columns);
+    let bbox: Rect = mosaic.bbox()?.intersection(&view.bbox);
+    let histogram = mosaic.histogram();
+    let labels = view.labels.clone();
+    Some(View { bbox, area: histogram.total(), histogram, labels, mosaic: Arc::new(mosaic) })
+}

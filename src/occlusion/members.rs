@@ -1,0 +1,172 @@
+//! The members of a group in its region, and those of whom nothing was seen, in the regions of others.
+
+use nalgebra::Vector3;
+
+use super::assign;
+use super::event::{Event, EventKind};
+use super::hidden::{Return, reach};
+use super::object::{Object, Sighting, View};
+use super::placing::{self, Field, Placed};
+use super::reasoner::{ObjectId, Reasoner};
+
+/// An object of which a smaller share than this is seen in a group may not be there at all.
+const UNSEEN: f32 = 0.2;
+/// Who is in front changes when the other order explains the region better by so many nats.
+const CLEARLY_IN_FRONT: f32 = 1.0;
+/// Somebody unseen is found again in a region where at least this share of them is seen.
+const FOUND_AGAIN: f32 = 0.4;
+
+impl Reasoner {
+    /// Moves the members of a group to where its region shows them.
+    pub(super) fn place_members(&mut self, members: &[ObjectId], view: &View) {
+        let Some((ids, mut placed, field)) = self.laid_out(members, view) else { return };
+        let mut ids = ids;
+        placing::place(&mut placed, &field);
+        let mut best = placing::total(&placed, &field);
+        for behind in 1..placed.len() {
+            let mut other = placed.clone();
+            other.swap(behind - 1, behind);
+            placing::place(&mut other, &field);
+            let total = placing::total(&other, &field);
+            if total > best + CLEARLY_IN_FRONT {
+                best = total;
+                placed = other;
+                ids.swap(behind - 1, behind);
+            }
+        }
+        let found: Vec<(ObjectId, [f32; 2], f32)> =
+            ids.into_iter().zip(placed).map(|(id, it)| (id, it.centre, it.seen)).collect();
+        for (id, centre, seen) in found {
+            self.sight(id, centre, seen);
+        }
+    }
+
+    fn sight(&mut self, id: ObjectId, centre: [f32; 2], seen: f32) {
+        let frame = (self.number, self.t);
+        let Some(object) = self.objects.get_mut(&id) else { return };
+        if seen < UNSEEN {
+            object.unseen += 1;
+            return;
+        }
+        object.unseen = 0;
+        object.sighting = Sighting { centre, frame };
+        let scale = object.model.scale();
+        object.model.update(&Vector3::new(centre[0], centre[1], scale), 1.0 / seen.max(0.2));
+    }
+
+    /// Some members of a region with their templates, who stands lowest in the image first: usually
+    /// they are nearest. `None` while somebody's looks are not known.
+    fn laid_out<'a>(
+        &'a self,
+        members: &[ObjectId],
+        view: &View,
+    ) -> Option<(Vec<ObjectId>, Vec<Placed<'a>>, Field)> {
+        let objects: Vec<&Object> = members.iter().map(|id| &self.objects[id]).collect();
+        let boxes = objects.iter().map(|object| object.predicted_box());
+        let around = boxes.reduce(|a, b| a.union(&b))?;
+        let field = Field::new(&view.mosaic, &around, self.size)?;
+        let mut known: Vec<(ObjectId, Placed)> = Vec::new();
+        for (&id, object) in members.iter().zip(&objects) {
+            known.push((id, placed(object)?));
+        }
+        known.sort_by(|a, b| {
+            let bottom = |it: &Placed| it.centre[1] + it.size.1 / 2.0;
+            bottom(&b.1).total_cmp(&bottom(&a.1))
+        });
+        let (ids, placed) = known.into_iter().unzip();
+        Some((ids, placed, field))
+    }
+
+    /// Looks for everybody of whom nothing is seen in the regions near where they should be.
+    pub(super) fn find_again(&mut self) {
+        let in_groups = self.carried.iter().filter(|carried| carried.members.len() > 1);
+        let unseen = in_groups.flat_map(|carried| carried.members.iter().copied());
+        let mut missing: Vec<ObjectId> = unseen.filter(|id| self.objects[id].unseen > 1).collect();
+        missing.extend(self.hidden.iter().map(|hidden| hidden.id));
+        for id in missing {
+            if let Some((index, centre)) = self.region_that_shows(id) {
+                self.join_again(id, index, centre);
+            }
+        }
+    }
+
+    /// The region, and the place in it, where a part that its own objects do not explain looks like
+    /// this one.
+    fn region_that_shows(&self, id: ObjectId) -> Option<(usize, [f32; 2])> {
+        let object = self.objects.get(&id)?;
+        let wide = reach(object, self.frames_unseen(id));
+        let mut best: Option<(f32, usize, [f32; 2])> = None;
+        for (index, carried) in self.carried.iter().enumerate() {
+            let Some(view) = &carried.view else { continue };
+            let named = carried.members.iter().any(|member| self.objects[member].named);
+            if carried.members.contains(&id) || !named {
+                continue;
+            }
+            if assign::outside(&object.predicted_box(), &view.bbox) > wide {
+                continue;
+            }
+            let Some((_, mut placed, field)) = self.laid_out(&carried.members, view) else { continue };
+            let Some(mut last) = self::placed(object) else { continue };
+            last.unsure = wide.max(last.unsure);
+            let Some(start) = placing::unexplained(&placed, &field) else { continue };
+            last.centre = start;
+            placed.push(last);
+            placing::place_last(&mut placed, &field);
+            let Some(last) = placed.last() else { continue };
+            if last.seen >= FOUND_AGAIN && best.is_none_or(|(most, ..)| last.seen > most) {
+                best = Some((last.seen, index, last.centre));
+            }
+        }
+        best.map(|(_, index, centre)| (index, centre))
+    }
+
+    fn frames_unseen(&self, id: ObjectId) -> u32 {
+        let hidden = self.hidden.iter().find(|hidden| hidden.id == id);
+        hidden.map_or(self.objects[&id].unseen, |hidden| self.t - hidden.since.1)
+    }
+
+    fn join_again(&mut self, id: ObjectId, index: usize, centre: [f32; 2]) {
+        for carried in &mut self.carried {
+            carried.members.retain(|member| *member != id);
+        }
+        let carried = &mut self.carried[index];
+        carried.members.push(id);
+        carried.members.sort_unstable();
+        let frame = (self.number, self.t);
+        let Some(object) = self.objects.get_mut(&id) else { return };
+        object.model.set_centre(centre);
+        object.unseen = 0;
+        object.partial = 0;
+        object.sighting = Sighting { centre, frame };
+        let Some(at) = self.hidden.iter().position(|hidden| hidden.id == id) else { return };
+        let hidden = self.hidden.remove(at);
+        let Some(identity) = self.identity(id) else { return };
+        let mut evidence =
+            self.evidence("a hidden object is seen in a region that others alone do not explain");
+        evidence.note("frames hidden", (self.t - hidden.since.1) as f32);
+        let (objects, becomes) = (vec![identity], vec![identity]);
+        let [x, y] = centre;
+        let event = Event {
+            frame: self.number,
+            kind: EventKind::Reappear,
+            objects,
+            becomes,
+            x,
+            y,
+            front: None,
+            evidence,
+        };
+        self.returns.push(Return { id, since: hidden.since, t: self.t, event });
+    }
+}
+
+/// An object where its own motion puts it, `None` while its looks are not known.
+fn placed(object: &Object) -> Option<Placed<'_>> {
+    let velocity = object.model.velocity();
+    let speed = velocity.x.hypot(velocity.y);
+    let size = object.size();
+    let centre = object.model.centre();
+    let unsure = 1.0 + 0.03 * size.1 + 0.3 * speed * (1 + object.unseen.min(10)) as f32;
+    let template = object.template.as_ref()?;
+    Some(Placed { template, size, predicted: centre, unsure, centre, seen: 0.0 })
+}

@@ -1,0 +1,360 @@
+//! Where in the region that objects share each of them is: their templates, laid over one another,
+//! are moved until they explain the region's cells best.
+
+use super::template::Template;
+use crate::frame::Size;
+use crate::regions::{Mosaic, Rect};
+
+/// How much likelier a pixel of just the expected colour is than one of any colour.
+const PEAK: f32 = 8.0;
+/// Of any other colour: people turn, and light changes.
+const ODD_COLOUR: f32 = 0.25;
+/// A difference of colours, in RGB, at which the likelihood is down to a quarter.
+const COLOUR_SPREAD: f32 = 45.0;
+/// Foreground where nobody is, or none where somebody is, relative to any colour.
+const STRAY: f32 = 0.03;
+/// The weight of a full cell: pixels beside one another say the same.
+const CELL_WEIGHT: f32 = 0.1;
+/// What the sight of a cell is worth at most, in nats.
+const CELL_NATS: f32 = 5.5;
+/// How often each is moved in turn.
+const ROUNDS: usize = 3;
+
+/// An object to be placed.
+#[derive(Clone, Debug)]
+pub struct Placed<'a> {
+    /// What it looks like.
+    pub template: &'a Template,
+    /// Width and height of its box.
+    pub size: (f32, f32),
+    /// Where its own motion puts it, and how far, in pixels, that may be off.
+    pub predicted: [f32; 2],
+    /// See `predicted`.
+    pub unsure: f32,
+    /// Where it is.
+    pub centre: [f32; 2],
+    /// What is seen of it there, over what would be if nothing hid it: 0..=1.
+    pub seen: f32,
+}
+
+impl Placed<'_> {
+    fn bbox(&self) -> Rect {
+        Rect::around(self.centre, self.size.0, self.size.1)
+    }
+
+    fn prior(&self, [x, y]: [f32; 2]) -> f32 {
+        let (dx, dy) = (x - self.predicted[0], y - self.predicted[1]);
+        -0.5 * (dx * dx + dy * dy) / (self.unsure * self.unsure)
+    }
+}
+
+/// The cells of some regions, and those around them.
+pub struct Field {
+    side: f32,
+    left: u32,
+    top: u32,
+    columns: u32,
+    rows: u32,
+    cells: Vec<FieldCell>,
+}
+
+#[derive(Clone, Copy, Default)]
+struct FieldCell {
+    cover: f32,
+    colour: [f32; 3],
+}
+
+impl Field {
+    /// The cells of a group's regions, and those within `reach`, inside an image of this size;
+    /// `None` where there are none.
+    pub fn new(mosaic: &Mosaic, reach: &Rect, size: Size) -> Option<Self> {
+        let side = mosaic.side.max(1);
+        let cell = |value: f32, most: u32| (value.max(0.0) as u32).min(most) / side;
+        let left = cell(reach.x, size.width).min(mosaic.left);
+        let top = cell(reach.y, size.height).min(mosaic.top);
+        let right = (cell(reach.right(), size.width) + 1).max(mosaic.left + mosaic.columns);
+        let bottom = (cell(reach.bottom(), size.height) + 1).max(mosaic.top + mosaic.rows());
+        let (columns, rows) = (right.checked_sub(left)?, bottom.checked_sub(top)?);
+        let mut cells = vec![FieldCell::default(); (columns * rows) as usize];
+        let full = (side * side) as f32;
+        for (column, row, cell) in mosaic.filled() {
+            let here = &mut cells[((row - top) * columns + column - left) as usize];
+            here.cover = (cell.pixels as f32 / full).min(1.0);
+            here.colour = cell.colour.map(f32::from);
+        }
+        Some(Self { side: side as f32, left, top, columns, rows, cells })
+    }
+
+    /// The cells whose middle lies in a box: their indices and middles.
+    fn within(&self, bbox: &Rect) -> impl Iterator<Item = (usize, f32, f32)> + use<> {
+        let side = self.side;
+        let place = |low: f32, high: f32, first: u32, count: u32| {
+            let cell = |value: f32| (value / side - 0.5).ceil() as i64 - i64::from(first);
+            (cell(low).clamp(0, i64::from(count)), cell(high).clamp(0, i64::from(count)))
+        };
+        let (left, right) = place(bbox.x, bbox.right(), self.left, self.columns);
+        let (top, bottom) = place(bbox.y, bbox.bottom(), self.top, self.rows);
+        let (columns, first) = (i64::from(self.columns), (self.left, self.top));
+        (top..bottom).flat_map(move |row| {
+            (left..right).map(move |column| {
+                let x = (column as f32 + first.0 as f32 + 0.5) * side;
+                let y = (row as f32 + first.1 as f32 + 0.5) * side;
+                ((row * columns + column) as usize, x, y)
+            })
+        })
+    }
+}
+
+/// What all but one of the objects say of a cell.
+#[derive(Clone, Copy)]
+struct Others {
+    /// Likelihood of its colour from those in front of the one, and from those behind.
+    front: f32,
+    behind: f32,
+    /// How likely none of those covers it.
+    free_front: f32,
+    free_behind: f32,
+}
+
+impl Others {
+    const NONE: Self = Self { front: 0.0, behind: 0.0, free_front: 1.0, free_behind: 1.0 };
+
+    /// The log-likelihood of a cell that the one covers with probability `cover`, as likely of its
+    /// colour as `colour` says.
+    fn likelihood(&self, cell: FieldCell, cover: f32, colour: f32) -> f32 {
+        let seen = self.front + self.free_front * (cover * colour + (1.0 - cover) * self.behind);
+        let free = self.free_front * (1.0 - cover) * self.free_behind;
+        cell.cover * (seen + STRAY).ln() + (1.0 - cell.cover) * (free + STRAY).ln()
+    }
+}
+
+fn colour_likelihood(a: [f32; 3], b: [f32; 3]) -> f32 {
+    let squared: f32 = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum();
+    let near = 1.0 / (1.0 + squared / (COLOUR_SPREAD * COLOUR_SPREAD));
+    ODD_COLOUR + PEAK * near * near
+}
+
+/// Moves objects, given front first, until together they explain the field best, and says how much
+/// of each is seen.
+pub fn place(objects: &mut [Placed], field: &Field) {
+    for _ in 0..ROUNDS {
+        let mut moved = false;
+        for index in 0..objects.len() {
+            moved |= climb(objects, index, field);
+        }
+        if !moved {
+            break;
+        }
+    }
+    for index in 0..objects.len() {
+        look(objects, index, field);
+    }
+}
+
+/// Moves the last of the objects alone, and says how much of it is seen.
+pub fn place_last(objects: &mut [Placed], field: &Field) {
+    let Some(last) = objects.len().checked_sub(1) else { return };
+    climb(objects, last, field);
+    look(objects, last, field);
+}
+
+/// The middle of the foreground that no object covers, `None` where there is none.
+pub fn unexplained(objects: &[Placed], field: &Field) -> Option<[f32; 2]> {
+    let whole = Rect::new(
+        field.left as f32 * field.side,
+        field.top as f32 * field.side,
+        field.columns as f32 * field.side,
+        field.rows as f32 * field.side,
+    );
+    let mut free = vec![1.0f32; field.cells.len()];
+    for object in objects {
+        for (at, x, y) in field.within(&object.bbox()) {
+            free[at] *= 1.0 - element(object, object.centre, x, y).cover;
+        }
+    }
+    let (mut sum, mut middle) = (0.0, [0.0; 2]);
+    for (at, x, y) in field.within(&whole) {
+        let weight = field.cells[at].cover * free[at];
+        if weight > 0.5 {
+            sum += weight;
+            middle[0] += weight * x;
+            middle[1] += weight * y;
+        }
+    }
+    (sum > 0.0).then(|| middle.map(|value| value / sum))
+}
+
+/// Says how much of one object is seen.
+fn look(objects: &mut [Placed], index: usize, field: &Field) {
+    let others = others(objects, index, field);
+    let full: f32 = field
+        .within(&objects[index].bbox())
+        .map(|(_, x, y)| element(&objects[index], objects[index].centre, x, y).cover)
+        .sum();
+    let gain = gain(&objects[index], objects[index].centre, &others, field);
+    objects[index].seen = (gain / (CELL_WEIGHT * CELL_NATS * full.max(1.0))).clamp(0.0, 1.0);
+}
+
+/// How well all objects together explain the field, in nats; comparable between orders of the same objects.
+pub fn total(objects: &[Placed], field: &Field) -> f32 {
+    let mut cells = vec![Others::NONE; field.cells.len()];
+    for object in objects {
+        for (at, x, y) in field.within(&object.bbox()) {
+            let element = element(object, object.centre, x, y);
+            let colour = colour_likelihood(field.cells[at].colour, element.colour);
+            cells[at].front += cells[at].free_front * element.cover * colour;
+            cells[at].free_front *= 1.0 - element.cover;
+        }
+    }
+    let likelihood = |(others, &cell): (&Others, &FieldCell)| others.likelihood(cell, 0.0, 0.0);
+    let seen: f32 = cells.iter().zip(&field.cells).map(likelihood).sum();
+    CELL_WEIGHT * seen + objects.iter().map(|object| object.prior(object.centre)).sum::<f32>()
+}
+
+fn element(object: &Placed, [cx, cy]: [f32; 2], x: f32, y: f32) -> super::template::Element {
+    let (w, h) = object.size;
+    object.template.at(((x - cx) / w + 0.5).max(0.0), ((y - cy) / h + 0.5).max(0.0))
+}
+
+/// What all objects but one say of the field's cells.
+fn others(objects: &[Placed], but: usize, field: &Field) -> Vec<Others> {
+    let mut cells = vec![Others::NONE; field.cells.len()];
+    for (index, object) in objects.iter().enumerate().filter(|(index, _)| *index != but) {
+        for (at, x, y) in field.within(&object.bbox()) {
+            let element = element(object, object.centre, x, y);
+            let colour = colour_likelihood(field.cells[at].colour, element.colour);
+            let cell = &mut cells[at];
+            if index < but {
+                cell.front += cell.free_front * element.cover * colour;
+                cell.free_front *= 1.0 - element.cover;
+            } else {
+                cell.behind += cell.free_behind * element.cover * colour;
+                cell.free_behind *= 1.0 - element.cover;
+            }
+        }
+    }
+    cells
+}
+
+/// How much better the field is explained with the object there than without it, in nats.
+fn gain(object: &Placed, centre: [f32; 2], others: &[Others], field: &Field) -> f32 {
+    let (w, h) = object.size;
+    let gained = field.within(&Rect::around(centre, w, h)).map(|(at, x, y)| {
+        let element = element(object, centre, x, y);
+        let cell = field.cells[at];
+        let colour = colour_likelihood(cell.colour, element.colour);
+        others[at].likelihood(cell, element.cover, colour) - others[at].likelihood(cell, 0.0, 0.0)
+    });
+    CELL_WEIGHT * gained.sum::<f32>()
+}
+
+/// Moves one object uphill, in steps that grow shorter; whether it moved.
+fn climb(objects: &mut [Placed], index: usize, field: &Field) -> bool {
+    let others = others(objects, index, field);
+    let object = &objects[index];
+    let value = |centre| gain(object, centre, &others, field) + object.prior(centre);
+    let start = object.centre;
+    let mut best = (value(start), start);
+    let mut step = 2.0 * field.side;
+    while step >= 0.5 * field.side {
+        let [x, y] = best.1;
+        let around = [(-1.0, 0.0), (1.0, 0.0), (0.0, -1.0), (0.0, 1.0)];
+        let next = around
+            .map(|(dx, dy)| [x + step * dx, y + step * dy])
+            .into_iter()
+            .map(|centre| (value(centre), centre))
+            .max_by(|a, b| a.0.total_cmp(&b.0));
+        match next {
+            Some(next) if next.0 > best.0 => best = next,
+            _ => step /= 2.0,
+        }
+    }
+    objects[index].centre = best.1;
+    best.1 != start
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::regions::mosaic::Cell;
+
+    const SIZE: Size = Size { width: 400, height: 300 };
+
+    /// Somebody of 32 by 80 pixels in a shirt and trousers, painted onto cells of 4 pixels.
+    fn paint(cells: &mut Mosaic, left: u32, top: u32, shirt: u8, trousers: u8) {
+        for row in 0..20 {
+            for column in 0..8 {
+                let corner = !(4..10).contains(&row) && !(1..7).contains(&column);
+                let grey = if row < 10 { shirt } else { trousers };
+                let index = (top + row) * cells.columns + left + column;
+                if !corner {
+                    cells.cells[index as usize] = Cell { pixels: 16, colour: [grey, grey / 2, 90] };
+                }
+            }
+        }
+    }
+
+    fn blank() -> Mosaic {
+        Mosaic { side: 4, left: 0, top: 0, columns: 100, cells: vec![Cell::default(); 100 * 75] }
+    }
+
+    fn template(shirt: u8, trousers: u8) -> Template {
+        let mut alone = blank();
+        paint(&mut alone, 20, 20, shirt, trousers);
+        Template::first(&alone, &Rect::new(80.0, 80.0, 32.0, 80.0))
+    }
+
+    fn at(template: &Template, centre: [f32; 2]) -> Placed<'_> {
+        let size = (32.0, 80.0);
+        Placed { template, size, predicted: centre, unsure: 10.0, centre, seen: 0.0 }
+    }
+
+    fn field(mosaic: &Mosaic) -> Field {
+        Field::new(mosaic, &Rect::new(0.0, 0.0, 400.0, 300.0), SIZE).unwrap()
+    }
+
+    #[test]
+    fn two_who_overlap_are_found_where_they_are_and_in_their_order() {
+        let (bright, dark) = (template(220, 160), template(60, 20));
+        let mut both = blank();
+        paint(&mut both, 44, 30, 60, 20);
+        paint(&mut both, 40, 30, 220, 160);
+        let field = field(&both);
+        // True centres (176, 160) in front and (192, 160) behind; both start some pixels off.
+        let mut right = [at(&bright, [170.0, 166.0]), at(&dark, [199.0, 154.0])];
+        place(&mut right, &field);
+        let near = |placed: &Placed, x: f32| {
+            (placed.centre[0] - x).abs() <= 3.0 && (placed.centre[1] - 160.0).abs() <= 3.0
+        };
+        assert!(near(&right[0], 176.0), "{:?}", right[0].centre);
+        assert!(near(&right[1], 192.0), "{:?}", right[1].centre);
+        assert!(right[0].seen > 0.7 && right[1].seen > 0.2, "{} {}", right[0].seen, right[1].seen);
+        let mut wrong = [at(&dark, [199.0, 154.0]), at(&bright, [170.0, 166.0])];
+        place(&mut wrong, &field);
+        assert!(total(&right, &field) > total(&wrong, &field) + 1.0);
+    }
+
+    #[test]
+    fn who_is_not_there_is_not_seen() {
+        let (bright, dark) = (template(220, 160), template(60, 20));
+        let mut one = blank();
+        paint(&mut one, 40, 30, 220, 160);
+        let mut placed = [at(&bright, [176.0, 160.0]), at(&dark, [180.0, 158.0])];
+        place(&mut placed, &field(&one));
+        assert!(placed[0].seen > 0.5, "{}", placed[0].seen);
+        assert!(placed[1].seen < 0.1, "{}", placed[1].seen);
+    }
+
+    #[test]
+    fn what_nobody_explains_is_where_somebody_else_stands() {
+        let bright = template(220, 160);
+        let mut both = blank();
+        paint(&mut both, 10, 30, 220, 160);
+        paint(&mut both, 60, 30, 60, 20);
+        let field = field(&both);
+        let [x, y] = unexplained(&[at(&bright, [56.0, 160.0])], &field).unwrap();
+        assert!((x - 256.0).abs() < 3.0 && (y - 160.0).abs() < 3.0, "{x} {y}");
+        assert_eq!(unexplained(&[], &self::field(&blank())), None);
+    }
+}

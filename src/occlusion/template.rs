@@ -1,0 +1,73 @@
+//! What an object looks like, place by place: how often each part of its box is covered, and by which colour.
+
+use crate::regions::{Mosaic, Rect};
+
+/// Elements across a template.
+pub const COLUMNS: usize = 8;
+/// Elements from top to bottom.
+pub const ROWS: usize = 20;
+/// How fast a template follows what is seen, once it has seen a few frames.
+const RATE: f32 = 0.1;
+
+/// What is known of one part of an object's box.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Element {
+    /// How likely a point of it belongs to the object, 0..=1.
+    pub cover: f32,
+    /// The mean colour of those that do.
+    pub colour: [f32; 3],
+}
+
+/// An object as a picture of [`COLUMNS`] by [`ROWS`] elements, whatever its size.
+#[derive(Clone, Debug)]
+pub struct Template {
+    elements: Vec<Element>,
+    frames: u32,
+}
+
+impl Template {
+    /// From the first sight of it.
+    pub fn first(mosaic: &Mosaic, bbox: &Rect) -> Self {
+        Self { elements: sample(mosaic, bbox), frames: 1 }
+    }
+
+    /// Takes in how it is seen now.
+    pub fn follow(&mut self, mosaic: &Mosaic, bbox: &Rect) {
+        let rate = RATE.max(1.0 / (self.frames + 1) as f32);
+        self.frames += 1;
+        for (mine, now) in self.elements.iter_mut().zip(sample(mosaic, bbox)) {
+            let cover = mine.cover + rate * (now.cover - mine.cover);
+            if now.cover > 0.0 {
+                let share = (rate * now.cover / cover.max(f32::MIN_POSITIVE)).min(1.0);
+                for (mean, now) in mine.colour.iter_mut().zip(now.colour) {
+                    *mean += share * (now - *mean);
+                }
+            }
+            mine.cover = cover;
+        }
+    }
+
+    /// The part at (u, v), each 0..1 from left and top.
+    pub fn at(&self, u: f32, v: f32) -> Element {
+        let column = ((u * COLUMNS as f32) as usize).min(COLUMNS - 1);
+        let row = ((v * ROWS as f32) as usize).min(ROWS - 1);
+        self.elements[row * COLUMNS + column]
+    }
+}
+
+/// What a mosaic shows of each element of a box.
+fn sample(mosaic: &Mosaic, bbox: &Rect) -> Vec<Element> {
+    let mut elements = vec![Element::default(); COLUMNS * ROWS];
+    for (index, element) in elements.iter_mut().enumerate() {
+        let u = ((index % COLUMNS) as f32 + 0.5) / COLUMNS as f32;
+        let v = ((index / COLUMNS) as f32 + 0.5) / ROWS as f32;
+        let (x, y) = (bbox.x + u * bbox.w, bbox.y + v * bbox.h);
+        let side = mosaic.side.max(1);
+        let Some(cell) = mosaic.at(x as u32 / side, y as u32 / side) else { continue };
+        if cell.pixels > 0 {
+            element.cover = (cell.pixels as f32 / (side * side) as f32).min(1.0);
+            element.colour = cell.colour.map(f32::from);
+        }
+    }
+    elements
+}
