@@ -101,7 +101,7 @@ pub(super) const ENTRIES: [Entry; 14] = [
 
 fn empty(_: &mut Stage) {}
 
-/// A car is parked for so many frames: the default model takes about 180 to make it background.
+/// A car is parked for so many frames: the default model takes about 120 to make it background.
 const PARKED: f32 = 200.0;
 
 fn car(stage: &mut Stage) {
@@ -202,10 +202,12 @@ fn passers_by(stage: &mut Stage) {
     stage.least_frames = frames;
     let meeting = stage.earliest_meeting(&[0.8]);
     for number in 0..(frames / EVERY).clamp(1, MOST) {
-        let pace = 0.8 + 0.5 * stage.chance(number as usize, 5);
+        // Four come again and again.
+        let who = number as usize % 4;
+        let pace = 0.8 + 0.5 * stage.chance(who, 5);
         let way = if number.is_multiple_of(2) { Way::right(pace) } else { Way::left(pace) };
         let middle = meeting + (number * EVERY) as f32;
-        stage.person(number as usize, way.meeting(middle), 0.76 + 0.1 * stage.chance(number as usize, 6));
+        stage.person(who, way.meeting(middle), 0.76 + 0.1 * stage.chance(who, 6));
     }
     let hour = |number: u32| ((number * 500) as f32, if number.is_multiple_of(2) { 0.7 } else { 0.95 });
     stage.light.gains = (0..=frames / 500 + 1).map(hour).collect();
