@@ -144,3 +144,9 @@ fn twelve_walkers_keep_their_identities() {
     let confused: Vec<_> = differences.iter().filter(confused).collect();
     assert!(confused.is_empty(), "{confused:#?}");
 }
+
+#[test]
+fn a_swaying_tree_and_deep_shade_do_not_make_people() {
+    is_right("swaying-tree", &variations()[..2]);
+    is_right("shade", &variations()[..2]);
+}
