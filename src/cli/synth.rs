@@ -15,9 +15,9 @@ use crate::synth::{self, Parameters, catalogue};
 
 /// What the command line takes. Every wrong value is found here, as wrong usage.
 pub fn command() -> Command {
-    let names = catalogue::ENTRIES.map(|entry| entry.name);
+    let names = catalogue::entries().map(|entry| entry.name);
     Command::new("synth")
-        .about("Renders a scene of walking people with its exact ground truth")
+        .about("Renders a scene with its exact ground truth")
         .arg(
             Arg::new("scene")
                 .value_name("SCENE")
@@ -146,8 +146,8 @@ fn parameters(matches: &ArgMatches) -> Parameters {
 
 fn list() -> anyhow::Result<()> {
     let mut out = std::io::stdout().lock();
-    for entry in &catalogue::ENTRIES {
-        match writeln!(out, "{:15} {}", entry.name, entry.description) {
+    for entry in catalogue::entries() {
+        match writeln!(out, "{:17} {}", entry.name, entry.description) {
             // Whoever reads has seen enough.
             Err(error) if error.kind() == ErrorKind::BrokenPipe => return Ok(()),
             written => written?,

@@ -19,6 +19,7 @@ pub fn draw(place: Background, size: Size, seed: u64) -> Vec<Colour> {
         Background::Plaza => plaza(x, y, width, seed),
         Background::Park => park(x, y, width, seed),
         Background::Street => street(x, y, width, seed),
+        Background::Room => room(x, y, width, seed),
     };
     (0..size.pixels())
         .into_par_iter()
@@ -170,4 +171,63 @@ fn street(x: f32, y: f32, width: f32, seed: u64) -> Colour {
     let slab = lit(slab, 0.80 + 0.26 * stain + 0.20 * (grain - 0.5));
     let stone = mix_colour([116.0, 113.0, 110.0], slab, smoothstep(0.002, 0.007, edge));
     lit(stone, 0.78 + 0.22 * smoothstep(FOOT_OF_WALL, FOOT_OF_WALL + 9.0, y))
+}
+
+fn room(x: f32, y: f32, width: f32, seed: u64) -> Colour {
+    const FOOT_OF_WALL: f32 = 124.0;
+    if y < FOOT_OF_WALL {
+        return inner_wall(x - width / 2.0, FOOT_OF_WALL - y, seed);
+    }
+    let (u, v) = ground(x, y, width, 44.0);
+    // Boards run away from the wall, each cut where its neighbours are not.
+    let board = (u / 0.13).floor();
+    let (column, row, edge) = stones(v + 0.37 * unit(salted(seed, 91), board as i64, 0), u, 0.9, 0.13, 0.5);
+    let tint = unit(salted(seed, 92), column, row);
+    let veins = fractal_noise(salted(seed, 93), u * 90.0, v * 4.0 + 7.0 * tint, 3);
+    let board = mix_colour([150.0, 108.0, 70.0], [186.0, 142.0, 98.0], tint);
+    let board = lit(board, 0.84 + 0.26 * veins);
+    let floor = mix_colour([92.0, 64.0, 42.0], board, smoothstep(0.001, 0.005, edge));
+    lit(floor, 0.82 + 0.18 * smoothstep(FOOT_OF_WALL, FOOT_OF_WALL + 14.0, y))
+}
+
+/// A wall seen from within: `x` to the right of the middle, `up` above its foot.
+fn inner_wall(x: f32, up: f32, seed: u64) -> Colour {
+    let grain = fractal_noise(salted(seed, 94), x * 0.5, up * 0.5, 3);
+    let light =
+        0.88 + 0.10 * fractal_noise(salted(seed, 95), x * 0.012, up * 0.012, 3) + 0.08 * (grain - 0.5);
+    if up < 9.0 {
+        let top = smoothstep(7.6, 8.2, up);
+        return lit([226.0, 221.0, 210.0], (0.78 + 0.14 * top) * light);
+    }
+    // A door left of the middle, its handle to the right.
+    let (s, door) = ((x + 92.0).abs(), 104.0);
+    if s < 27.0 && up < door + 5.0 {
+        if s > 23.0 || up > door {
+            return lit([216.0, 210.0, 198.0], light);
+        }
+        let handle = (x + 74.0).hypot(1.4 * (up - 50.0));
+        if handle < 2.4 {
+            return lit([190.0, 168.0, 96.0], 1.25 - 0.2 * handle);
+        }
+        let panel = ((s - 8.0).abs() - 7.0).max(((up - 56.0).abs() - 24.0).abs() - 19.0);
+        let relief = 1.0 - 0.12 * smoothstep(1.4, 0.4, panel.abs());
+        let veins = fractal_noise(salted(seed, 96), x * 0.5, up * 0.05, 3);
+        return lit([122.0, 88.0, 62.0], relief * light * (0.86 + 0.24 * veins));
+    }
+    // Two pictures hang on the right.
+    for (number, middle, half, height) in [(0, 58.0, 21.0, 15.0), (1, 116.0, 13.0, 17.0)] {
+        let edge = ((x - middle).abs() - half).max((up - 78.0).abs() - height);
+        if edge < 0.0 {
+            let seen = fractal_noise(salted(seed, 97 + number), x * 0.07, up * 0.10, 4);
+            let painting = mix_colour([58.0, 84.0, 104.0], [206.0, 176.0, 120.0], smoothstep(0.3, 0.7, seen));
+            return mix_colour(
+                painting,
+                lit([92.0, 68.0, 44.0], 0.8 + 0.4 * grain),
+                smoothstep(-3.4, -2.6, edge),
+            );
+        }
+    }
+    let stripe = smoothstep(0.44, 0.56, (x / 11.0).rem_euclid(1.0))
+        * smoothstep(1.0, 0.88, (x / 11.0).rem_euclid(1.0));
+    lit(mix_colour([206.0, 201.0, 176.0], [194.0, 192.0, 168.0], stripe), light)
 }

@@ -29,6 +29,14 @@ impl Layer {
         Self { x, y, width, height, colour: vec![[0.0; 3]; pixels], coverage: vec![0.0; pixels] }
     }
 
+    /// The same, so many columns and rows further.
+    #[must_use]
+    pub fn moved(mut self, [x, y]: [i32; 2]) -> Self {
+        self.x += x;
+        self.y += y;
+        self
+    }
+
     /// Lays a colour over what is there at index `at`.
     pub fn paint(&mut self, at: usize, colour: Colour, coverage: f32) {
         for (under, over) in self.colour[at].iter_mut().zip(colour) {

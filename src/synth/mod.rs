@@ -21,10 +21,14 @@
 //! The same scene and seed give the same bits, whatever the thread count and the order of frames.
 
 pub mod background;
+pub mod car;
 pub mod catalogue;
 pub mod layer;
+pub mod light;
+pub mod motion;
 pub mod noise;
 pub mod occluder;
+pub mod path;
 pub mod render;
 pub mod scene;
 pub mod texture;

@@ -6,7 +6,9 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::layer::Layer;
-use super::texture::{Colour, fractal_noise, hash, lit, mix_colour, salted, smoothstep, unit, value_noise};
+use super::texture::{
+    Colour, fractal_noise, hash, lit, mix, mix_colour, salted, smoothstep, unit, value_noise,
+};
 use crate::frame::Size;
 
 /// Samples along each side of a pixel.
@@ -23,6 +25,18 @@ pub struct Occluder {
     pub width: f32,
     /// Its height in pixels (of a tree: of the whole tree, most of which may lie above the image).
     pub height: f32,
+    /// How it sways in the wind, if it does.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub sway: Option<Sway>,
+}
+
+/// A swaying to and fro: the higher, the further.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Sway {
+    /// How far the top goes to either side, in pixels.
+    pub reach: f32,
+    /// Frames to and fro.
+    pub period: f32,
 }
 
 /// Kinds of [`Occluder`].
@@ -72,6 +86,33 @@ impl Occluder {
             },
         );
         layer
+    }
+
+    /// How it stands in a frame, `drawn` being how it stands without wind; `None` where it stands still.
+    pub(super) fn swayed(&self, drawn: &Layer, frame: f32) -> Option<Layer> {
+        let Sway { reach, period } = self.sway?;
+        let turn = std::f32::consts::TAU * frame / period;
+        let mut swayed = drawn.clone();
+        let width = drawn.width;
+        let rows = swayed.coverage.par_chunks_mut(width).zip(swayed.colour.par_chunks_mut(width));
+        rows.enumerate().for_each(|(row, (coverage, colour))| {
+            let up = ((self.at[1] - row as f32) / self.height).clamp(0.0, 1.0);
+            // Gusts come on top, and the top follows later than the trunk.
+            let wind = 0.75 * (turn - up).sin() + 0.25 * (2.3 * turn + 2.0 * up).sin();
+            let shift = reach * up * up * wind;
+            let (whole, part) = (shift.floor() as i32, shift - shift.floor());
+            for column in 0..width {
+                let from =
+                    |back: i32| usize::try_from(column as i32 - whole - back).ok().filter(|&c| c < width);
+                let mixed = |channel: &dyn Fn(usize) -> f32| {
+                    let at = |back| from(back).map_or(0.0, |column| channel(row * width + column));
+                    mix(at(0), at(1), part)
+                };
+                coverage[column] = mixed(&|at| drawn.coverage[at]);
+                colour[column] = [0, 1, 2].map(|c| mixed(&|at| drawn.colour[at][c]));
+            }
+        });
+        Some(swayed)
     }
 
     /// The size of a leaf, in pixels.

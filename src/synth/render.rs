@@ -1,11 +1,14 @@
 //! A scene's frames, and who is where in them.
 
+use std::borrow::Cow;
+
 use rayon::prelude::*;
 
 use super::layer::Layer;
-use super::scene::Scene;
-use super::texture::Colour;
-use super::{background, walker};
+use super::path::Path;
+use super::scene::{Actor, Scene};
+use super::texture::{Colour, hash};
+use super::{background, car, walker};
 use crate::frame::{Frame, Size};
 use crate::regions::Rect;
 use crate::tracking::Identity;
@@ -14,7 +17,7 @@ use crate::tracking::Identity;
 /// bridges such a gap through their soft outlines.
 pub const TOUCH_PIXELS: i32 = 2;
 
-/// A person in one frame: how large they would be seen alone, and how much of that is seen.
+/// A person or a car in one frame: how large they would be seen alone, and how much of that is seen.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Silhouette {
     /// Who.
@@ -29,6 +32,9 @@ pub struct Silhouette {
     pub unscreened: u32,
     /// Those of them that are seen.
     pub visible: u32,
+    /// Whether it is a car that stands: it belongs to the background until it drives on. People who
+    /// stand are people still.
+    pub parked: bool,
 }
 
 impl Silhouette {
@@ -58,7 +64,7 @@ pub struct FrameTruth {
     pub number: u32,
     /// Width and height.
     pub size: Size,
-    /// Who is seen at each pixel: an identity, 0 for background and occluders; row after row.
+    /// Who is seen at each pixel: an identity, 0 for background, parked cars and occluders; row after row.
     pub identities: Vec<u8>,
     /// Everybody with at least one pixel inside the image, by identity.
     pub silhouettes: Vec<Silhouette>,
@@ -76,9 +82,9 @@ pub struct Renderer {
     occluders: Vec<Layer>,
 }
 
-/// What is laid on the background, by the height of its foot in the image.
+/// What is laid on the background.
 enum Thing<'a> {
-    Person(Identity, &'a Layer),
+    Mover(Identity, &'a Layer),
     Occluder(&'a Layer),
 }
 
@@ -101,23 +107,26 @@ impl Renderer {
     /// Draws frame `number`, from 1; numbers beyond the scene's frames go on in the same way.
     pub fn frame(&self, number: u32) -> (Frame, FrameTruth) {
         let size = self.scene.size;
-        let people = self.people(number);
-        let things = self.by_depth(&people, number);
+        let shake = self.shake(number);
+        let (movers, occluders) = (self.movers(number, shake), self.occluders(number, shake));
+        let things = self.by_depth(&movers, &occluders, number);
 
-        let mut light = self.background.clone();
+        let mut light = self.place(number, shake);
         if self.scene.shadows {
-            for (_, layer) in &people {
+            let people = movers.iter().filter(|(id, _)| *id as usize <= self.scene.actors.len());
+            for (_, layer) in people {
                 cast_shadow(&mut light, size, layer);
             }
         }
         let mut identities = vec![0; size.pixels()];
         for (_, thing) in &things {
             let (identity, layer) = match thing {
-                Thing::Person(identity, layer) => (*identity as u8, *layer),
+                Thing::Mover(identity, layer) => (*identity as u8, *layer),
                 Thing::Occluder(layer) => (0, *layer),
             };
             lay(&mut light, &mut identities, size, layer, identity);
         }
+        self.scene.light.fall_on(&mut light, size, number as f32);
 
         let row_bytes = size.width as usize * 3;
         let mut rgb = vec![0; size.pixels() * 3];
@@ -127,19 +136,68 @@ impl Renderer {
             },
         );
 
-        let truth = truth_of(number, size, identities, &things);
+        let parked: Vec<Identity> = self.parked(number).collect();
+        let truth = truth_of(number, size, identities, &things, &parked);
         (Frame::new(number, size, rgb), truth)
     }
 
-    /// Everybody who reaches into the image.
-    fn people(&self, number: u32) -> Vec<(Identity, Layer)> {
+    /// How far the camera is turned aside in a frame, in pixels to the right and down.
+    fn shake(&self, number: u32) -> [i32; 2] {
+        let reach = u64::from(self.scene.jitter);
+        [0x78, 0x79].map(|axis| {
+            let chance = hash(self.scene.seed ^ 0x6A69_7474, i64::from(number), axis);
+            (chance % (2 * reach + 1)) as i32 - reach as i32
+        })
+    }
+
+    /// The place as it is without people.
+    fn place(&self, number: u32, [x, y]: [i32; 2]) -> Vec<Colour> {
+        let Size { width, height } = self.scene.size;
+        let mut light = self.background.clone();
+        for (motion, seed) in self.scene.motions.iter().zip(1u64..) {
+            motion.draw(&mut light, self.scene.size, self.scene.seed.wrapping_add(seed << 30), number as f32);
+        }
+        if [x, y] == [0, 0] {
+            return light;
+        }
+        let from = |to: u32, shift: i32, end: u32| (to as i32 - shift).clamp(0, end as i32 - 1) as usize;
+        let rows = (0..height).map(|row| from(row, y, height) * width as usize);
+        rows.flat_map(|row| (0..width).map(move |column| row + from(column, x, width)))
+            .map(|at| light[at])
+            .collect()
+    }
+
+    /// The way of whoever has this identity.
+    fn path(&self, id: Identity) -> &Path {
+        let index = id as usize - 1;
+        let people = self.scene.actors.len();
+        if index < people { &self.scene.actors[index].path } else { &self.scene.cars[index - people].path }
+    }
+
+    /// The identities of the cars that stand.
+    fn parked(&self, number: u32) -> impl Iterator<Item = Identity> {
+        let first = self.scene.actors.len() as Identity + 1;
+        let cars = (first..).zip(&self.scene.cars);
+        cars.filter(move |(_, car)| car.path.stands(number as f32)).map(|(id, _)| id)
+    }
+
+    /// All people and cars that reach into the image.
+    fn movers(&self, number: u32, shake: [i32; 2]) -> Vec<(Identity, Layer)> {
         let (width, height) = (self.scene.size.width as i32, self.scene.size.height as i32);
-        (1..)
-            .zip(&self.scene.actors)
-            .map(|(id, actor)| {
-                let seed = self.scene.seed.wrapping_add(u64::from(id) << 40);
-                (id, walker::draw(actor, number as f32, seed))
-            })
+        // Nobody reaches further than their height.
+        let near = |actor: &Actor| {
+            let ([x, _], reach) = (actor.path.position(number as f32), actor.height_at(number as f32) + 9.0);
+            x + reach > 0.0 && x - reach < width as f32
+        };
+        let people = (1..).zip(&self.scene.actors).filter(|(_, actor)| near(actor)).map(|(id, actor)| {
+            let seed = self.scene.seed.wrapping_add(u64::from(id) << 40);
+            (id, walker::draw(actor, number as f32, seed))
+        });
+        let first_car = self.scene.actors.len() as Identity + 1;
+        let cars = (first_car..).zip(&self.scene.cars).map(|(id, car)| (id, car::draw(car, number as f32)));
+        people
+            .chain(cars)
+            .map(|(id, layer)| (id, layer.moved(shake)))
             .filter(|(_, layer)| {
                 layer.x < width
                     && layer.y < height
@@ -149,16 +207,31 @@ impl Renderer {
             .collect()
     }
 
-    /// People and occluders with the height of their feet, the farthest first.
-    fn by_depth<'a>(&'a self, people: &'a [(Identity, Layer)], number: u32) -> Vec<(f32, Thing<'a>)> {
-        let person = |(id, layer): &'a (Identity, Layer)| {
-            let actor = &self.scene.actors[*id as usize - 1];
-            (actor.path.position(number as f32)[1], Thing::Person(*id, layer))
-        };
+    /// What stands in front, as it is in a frame.
+    fn occluders(&self, number: u32, shake: [i32; 2]) -> Vec<Cow<'_, Layer>> {
         let occluders = self.scene.occluders.iter().zip(&self.occluders);
-        let mut things: Vec<_> = people
+        occluders
+            .map(|(occluder, layer)| {
+                let swayed = occluder.swayed(layer, number as f32).map_or(Cow::Borrowed(layer), Cow::Owned);
+                if shake == [0, 0] { swayed } else { Cow::Owned(swayed.into_owned().moved(shake)) }
+            })
+            .collect()
+    }
+
+    /// Everything with the height of its foot in the image, the farthest first.
+    fn by_depth<'a>(
+        &self,
+        movers: &'a [(Identity, Layer)],
+        occluders: &'a [Cow<Layer>],
+        number: u32,
+    ) -> Vec<(f32, Thing<'a>)> {
+        let mover = |(id, layer): &'a (Identity, Layer)| {
+            (self.path(*id).position(number as f32)[1], Thing::Mover(*id, layer))
+        };
+        let occluders = self.scene.occluders.iter().zip(occluders);
+        let mut things: Vec<_> = movers
             .iter()
-            .map(person)
+            .map(mover)
             .chain(occluders.map(|(occluder, layer)| (occluder.at[1], Thing::Occluder(layer))))
             .collect();
         things.sort_by(|a, b| a.0.total_cmp(&b.0));
@@ -205,7 +278,13 @@ fn place(size: Size, x: i32, y: i32) -> Option<usize> {
     size.index(u32::try_from(x).ok()?, u32::try_from(y).ok()?)
 }
 
-fn truth_of(number: u32, size: Size, identities: Vec<u8>, things: &[(f32, Thing)]) -> FrameTruth {
+fn truth_of(
+    number: u32,
+    size: Size,
+    mut identities: Vec<u8>,
+    things: &[(f32, Thing)],
+    parked: &[Identity],
+) -> FrameTruth {
     let mut seen = [0u32; 256];
     for &identity in &identities {
         seen[identity as usize] += 1;
@@ -214,7 +293,7 @@ fn truth_of(number: u32, size: Size, identities: Vec<u8>, things: &[(f32, Thing)
     let mut depth = Vec::new();
     let mut unscreened_masks = Vec::new();
     for (place, (_, thing)) in things.iter().enumerate() {
-        let Thing::Person(id, layer) = thing else { continue };
+        let Thing::Mover(id, layer) = thing else { continue };
         let screens: Vec<&Layer> = things[place + 1..]
             .iter()
             .filter_map(|(_, nearer)| if let Thing::Occluder(layer) = nearer { Some(*layer) } else { None })
@@ -239,9 +318,17 @@ fn truth_of(number: u32, size: Size, identities: Vec<u8>, things: &[(f32, Thing)
         let [w, h] = [most[0] - least[0] + 1, most[1] - least[1] + 1];
         let bbox = Rect::new(least[0] as f32, least[1] as f32, w as f32, h as f32);
         let visible = seen[*id as usize & 255];
-        silhouettes.push(Silhouette { id: *id, bbox, full, inside, unscreened, visible });
+        let parked = parked.contains(id);
+        silhouettes.push(Silhouette { id: *id, bbox, full, inside, unscreened, visible, parked });
         depth.push(*id);
-        unscreened_masks.push((*id, *layer, mask));
+        if !parked {
+            unscreened_masks.push((*id, *layer, mask));
+        }
+    }
+    for identity in &mut identities {
+        if parked.contains(&Identity::from(*identity)) {
+            *identity = 0;
+        }
     }
     silhouettes.sort_by_key(|silhouette| silhouette.id);
     unscreened_masks.sort_by_key(|(id, ..)| *id);
@@ -296,7 +383,7 @@ mod tests {
 
     #[test]
     fn the_same_seed_gives_the_same_bits_on_any_threads_and_in_any_order() {
-        for entry in &catalogue::ENTRIES {
+        for entry in catalogue::entries() {
             let scene = scene(entry.name, 5);
             let numbers = [40, 90, 120];
             let first = Renderer::new(&scene);

@@ -10,6 +10,7 @@
 //! - `disappear` is the first frame in which the scene hides a person (less than 5 % of what is inside
 //!   the image is open), `reappear` the first in which they are seen again; a shorter sight than
 //!   [`SAME_EPISODE`] between does not count. Who is hidden by other people is merged, not hidden.
+//! - A car that stands is background meanwhile, but has not left: nothing happens to it until it exits.
 
 use serde::Serialize;
 
@@ -163,7 +164,8 @@ impl Recorder {
         let last = self.moments.len() - 1;
         let left = !self.moments[last].silhouette(id).is_some_and(Silhouette::is_inside);
         let stay = (first, if left { last_seen } else { last });
-        let hidden = self.close_breaks(runs(stay.0, stay.1, |at| !self.moments[at].is_seen(id)));
+        let is_hidden = |at: usize| self.moments[at].silhouette(id).is_some_and(Silhouette::is_hidden);
+        let hidden = self.close_breaks(runs(stay.0, stay.1, is_hidden));
         Some(Presence { id, stay, left, hidden })
     }
 
@@ -479,6 +481,7 @@ mod tests {
             inside: 100,
             unscreened,
             visible: unscreened,
+            parked: false,
         };
         FrameTruth {
             number,
@@ -522,6 +525,15 @@ mod tests {
         let expected = [(1, EventKind::Enter), (5, EventKind::Disappear), (20, EventKind::Reappear)];
         assert_eq!(frames_and_kinds(&truth), expected, "and nobody leaves who is still there");
         assert_eq!((truth.episodes[0].start, truth.episodes[0].end), (5, 19));
+    }
+
+    #[test]
+    fn who_is_shaken_out_of_the_image_is_not_hidden() {
+        let truth = told((1..=30).map(|number| {
+            let seen: &[_] = if number == 7 { &[] } else { &[(1, 100)] };
+            frame(number, seen, &[])
+        }));
+        assert_eq!(frames_and_kinds(&truth), [(1, EventKind::Enter)]);
     }
 
     #[test]

@@ -22,6 +22,9 @@ const SHIN: f32 = 0.235;
 const UPPER_ARM: f32 = 0.165;
 const FOREARM: f32 = 0.135;
 
+/// Raising or lowering the arms takes so many frames.
+const ARM_LIFT: f32 = 10.0;
+
 /// A limb: two discs and everything between them.
 struct Part {
     from: Point,
@@ -58,13 +61,14 @@ struct Leg {
     toe: Point,
 }
 
-/// A leg hanging from a hip at the origin, in body heights, forward and up positive.
-fn leg(phase: f32) -> Leg {
-    let hip = cyclic(&HIP, phase);
-    let shin = hip - cyclic(&KNEE, phase);
+/// A leg hanging from a hip at the origin, in body heights, forward and up positive. `stride` is the
+/// share of a walk's angles: 0 stands straight.
+fn leg(phase: f32, stride: f32) -> Leg {
+    let hip = cyclic(&HIP, phase) * stride;
+    let shin = hip - cyclic(&KNEE, phase) * stride;
     let knee = hang([0.0, 0.0], hip, THIGH);
     let ankle = hang(knee, shin, SHIN);
-    let sole = shin + 90.0 + cyclic(&ANKLE, phase);
+    let sole = shin + 90.0 + cyclic(&ANKLE, phase) * stride;
     let heel = hang(hang(ankle, sole, -0.022), sole - 90.0, 0.018);
     Leg { knee, ankle, heel, toe: hang(heel, sole, 0.105) }
 }
@@ -73,19 +77,19 @@ fn leg(phase: f32) -> Leg {
 fn pose(actor: &Actor, frame: f32) -> Vec<Part> {
     const SOLE: f32 = 0.019;
     let phase = actor.path.walked(frame) / (STRIDE * actor.height) + actor.phase;
+    let (stride, height) = (actor.path.stride(frame), actor.height_at(frame));
     let clothes = &actor.clothes;
-    let (near, far) = (leg(phase), leg(phase + 0.5));
+    let (near, far) = (leg(phase, stride), leg(phase + 0.5, stride));
     let lowest = [near.heel, near.toe, far.heel, far.toe].iter().map(|p| p[1]).fold(f32::MAX, f32::min);
     let hip = [0.0, SOLE - lowest];
 
     let ground = actor.path.position(frame);
-    let facing = if actor.path.velocity[0] < 0.0 { -1.0 } else { 1.0 };
-    let to_image =
-        |p: Point| -> Point { [ground[0] + facing * actor.height * p[0], ground[1] - actor.height * p[1]] };
+    let facing = actor.path.facing(frame);
+    let to_image = |p: Point| -> Point { [ground[0] + facing * height * p[0], ground[1] - height * p[1]] };
     let mut parts = Vec::with_capacity(24);
     let mut add = |from: Point, from_radius: f32, to: Point, to_radius: f32, colour: Rgb, light: f32| {
         let grain = parts.len() as u64;
-        let scale = actor.height * actor.build;
+        let scale = height * actor.build;
         parts.push(Part {
             from: to_image(from),
             to: to_image(to),
@@ -100,9 +104,12 @@ fn pose(actor: &Actor, frame: f32) -> Vec<Part> {
     let neck = on_hip([0.022, 0.275]);
     let shoulder = on_hip([0.018, 0.255]);
     // An arm swings with the leg of the other side.
-    let arm = |phase: f32, light: f32| {
-        let swing = (std::f32::consts::TAU * phase).cos();
-        let upper = 2.0 + 24.0 * swing;
+    let held_out = actor.arms_out.map_or(0.0, |[from, to]| {
+        smoothstep(from, from + ARM_LIFT, frame) * smoothstep(to, to - ARM_LIFT, frame)
+    });
+    let arm = |phase: f32, out: f32, light: f32| {
+        let swing = (std::f32::consts::TAU * phase).cos() * stride;
+        let upper = 2.0 + 24.0 * swing + out * held_out;
         let elbow = hang(shoulder, upper, UPPER_ARM);
         let wrist = hang(elbow, upper + 20.0 + 10.0 * swing, FOREARM);
         let hand = hang(wrist, upper + 22.0 + 10.0 * swing, 0.032);
@@ -112,7 +119,7 @@ fn pose(actor: &Actor, frame: f32) -> Vec<Part> {
             (wrist, 0.019, hand, 0.021, clothes.skin, light),
         ]
     };
-    let (far_arm, near_arm) = (arm(phase, 0.70), arm(phase + 0.5, 0.93));
+    let (far_arm, near_arm) = (arm(phase, -95.0, 0.70), arm(phase + 0.5, 75.0, 0.93));
     for (a, ra, b, rb, colour, light) in far_arm {
         add(a, ra, b, rb, colour, light);
     }
@@ -134,6 +141,12 @@ fn pose(actor: &Actor, frame: f32) -> Vec<Part> {
     add(at(-0.016, -0.014), 0.044, at(-0.003, 0.014), 0.057, clothes.hair, 1.0);
     add(at(0.020, -0.040), 0.026, at(0.015, 0.0), 0.042, clothes.skin, 1.0);
     add(at(-0.014, 0.032), 0.034, at(0.016, 0.046), 0.020, clothes.hair, 1.05);
+    if let Some(colour) = actor.bag {
+        // It hangs from the near hand and swings with it.
+        let hand = near_arm[2].2;
+        let at = |forward: f32| -> Point { [0.6 * hand[0] + forward, hand[1] - 0.085] };
+        add(at(-0.125), 0.082, at(0.125), 0.082, colour, 1.0);
+    }
     for (a, ra, b, rb, colour, light) in near_arm {
         add(a, ra, b, rb, colour, light);
     }
@@ -181,6 +194,7 @@ fn reach<'a>(parts: impl IntoIterator<Item = &'a Part>) -> [i32; 4] {
 /// Draws a person as they are in a frame, parts beyond the image included.
 pub fn draw(actor: &Actor, frame: f32, seed: u64) -> Layer {
     let parts = pose(actor, frame);
+    let height = actor.height_at(frame);
     let [left, top, right, bottom] = reach(&parts);
     let mut layer = Layer::clear(left, top, (right - left) as usize, (bottom - top) as usize);
     for part in &parts {
@@ -190,7 +204,7 @@ pub fn draw(actor: &Actor, frame: f32, seed: u64) -> Layer {
             let coverage = (0.5 - distance).clamp(0.0, 1.0);
             if coverage > 0.0 {
                 let at = (y - top) as usize * layer.width + (x - left) as usize;
-                layer.paint(at, shade(part, along, across, seed, actor.height), coverage);
+                layer.paint(at, shade(part, along, across, seed, height), coverage);
             }
         }
     }

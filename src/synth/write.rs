@@ -3,8 +3,8 @@
 //! | file | form |
 //! | --- | --- |
 //! | `NAME.mp4` | H.264 (MPEG-4 where OpenCV lacks it); lossless: `NAME.avi`, FFV1, every bit as rendered |
-//! | `truth/identities/000001.png` | 8 bit: the identity of who is seen at the pixel, 0 for the background and what stands in front |
-//! | `truth/gt.txt` | MOTChallenge, no header: `frame,id,x,y,w,h,1,1,visibility`; the box of the full silhouette clipped to the image, from enter to exit, hidden or not; the first pixel is (0, 0) |
+//! | `truth/identities/000001.png` | 8 bit: the identity of who is seen at the pixel, 0 for the background, parked cars, and what stands in front |
+//! | `truth/gt.txt` | MOTChallenge, no header: `frame,id,x,y,w,h,1,1,visibility`; the box of the full silhouette clipped to the image, from enter to exit, hidden or not; the first pixel is (0, 0); the first 1 is 0 while a car is parked |
 //! | `truth/events.jsonl` | an event a line: `frame`, `kind`, `objects`, `becomes`, `x`, `y`, `front` |
 //! | `truth/episodes.csv` | header `kind,objects,start,end,least_visible,front,identities_kept` |
 //! | `scene.json` | name, seed, size, fps, frames, the video's name, the parameters, and everything that is in the scene |
@@ -173,7 +173,12 @@ fn write_truth(folder: &Path, truth: &Truth) -> Result<(), WriteError> {
 pub fn boxes_text(truth: &Truth) -> String {
     let line = |(frame, who): &(u32, super::Silhouette)| {
         let (place, visibility) = (who.bbox, who.visibility());
-        format!("{frame},{},{},{},{},{},1,1,{visibility:.3}\n", who.id, place.x, place.y, place.w, place.h)
+        // MOTChallenge's 0: the box is not to be counted.
+        let counts = u8::from(!who.parked);
+        format!(
+            "{frame},{},{},{},{},{},{counts},1,{visibility:.3}\n",
+            who.id, place.x, place.y, place.w, place.h
+        )
     };
     truth.boxes.iter().map(line).collect()
 }

@@ -92,3 +92,61 @@ fn shadows_do_not_make_people() {
     is_right("crossing", &with_shadows[..2]);
     is_right("tree", &with_shadows[..2]);
 }
+
+#[test]
+fn two_who_cross_at_other_angles_keep_their_identities() {
+    is_right("crossing-diagonal", &variations()[..2]);
+    is_right("crossing-steep", &variations()[..2]);
+}
+
+#[test]
+fn two_who_meet_and_turn_back_are_not_taken_for_each_other() {
+    let [usual, fast, _, slow] = variations();
+    is_right("meet-and-part", &[usual, fast, slow]);
+}
+
+#[test]
+fn a_child_who_joins_a_grown_up_is_a_merge() {
+    is_right("child", &variations()[..2]);
+}
+
+#[test]
+fn two_leave_as_one() {
+    is_right("leave-together", &variations()[..2]);
+}
+
+#[test]
+fn arms_held_out_are_no_event() {
+    is_right("arms", &variations()[..2]);
+}
+
+#[test]
+fn who_is_hidden_in_part_stays_whole() {
+    is_right("pole", &variations()[..2]);
+    is_right("wall", &variations()[..2]);
+}
+
+#[test]
+fn two_cross_indoors_as_outdoors() {
+    is_right("room", &variations()[..2]);
+}
+
+#[test]
+fn a_shaking_camera_and_little_light_do_not_make_people() {
+    is_right("jitter", &variations()[..2]);
+    is_right("low-light", &variations()[..1]);
+}
+
+#[test]
+fn twelve_walkers_keep_their_identities() {
+    let differences = judge::differences("crowd", &variations()[0], &Settings::default());
+    let confused = |what: &&String| what.starts_with("person") || what.starts_with("identity");
+    let confused: Vec<_> = differences.iter().filter(confused).collect();
+    assert!(confused.is_empty(), "{confused:#?}");
+}
+
+#[test]
+fn a_swaying_tree_and_deep_shade_do_not_make_people() {
+    is_right("swaying-tree", &variations()[..2]);
+    is_right("shade", &variations()[..2]);
+}

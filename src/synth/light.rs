@@ -1,0 +1,89 @@
+//! How light it is, where, and when.
+
+use serde::{Deserialize, Serialize};
+
+use super::texture::{Colour, lit, mix, smoothstep};
+use crate::frame::Size;
+
+/// A factor on all light, which may change in time, and a shade that lies over one side.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+pub struct Light {
+    /// Frames and the factor in them, in order; between them it changes evenly, before the first and
+    /// after the last it stays. None at all is 1.
+    pub gains: Vec<(f32, f32)>,
+    /// What lies in the shade, if anything does.
+    pub shade: Option<Shade>,
+}
+
+/// A shade over all that is to the right of a column, people too.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Shade {
+    /// Where it begins, in pixels.
+    pub from: f32,
+    /// Over how many pixels it deepens.
+    pub softness: f32,
+    /// The factor on the light in it.
+    pub light: f32,
+}
+
+impl Light {
+    /// Whether it changes nothing.
+    pub fn is_usual(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// The factor on all light in a frame.
+    pub fn gain(&self, frame: f32) -> f32 {
+        let later = self.gains.iter().position(|&(at, _)| at > frame);
+        match (later, self.gains.last()) {
+            (Some(0), _) => self.gains[0].1,
+            (Some(next), _) => {
+                let ((start, from), (end, to)) = (self.gains[next - 1], self.gains[next]);
+                mix(from, to, (frame - start) / (end - start))
+            }
+            (None, last) => last.map_or(1.0, |last| last.1),
+        }
+    }
+
+    /// Lets it fall on an image.
+    pub(super) fn fall_on(&self, image: &mut [Colour], size: Size, frame: f32) {
+        if self.is_usual() {
+            return;
+        }
+        let gain = self.gain(frame);
+        let column = |x: u32| {
+            let shaded = |shade: &Shade| {
+                let depth = smoothstep(shade.from, shade.from + shade.softness, x as f32 + 0.5);
+                mix(1.0, shade.light, depth)
+            };
+            gain * self.shade.as_ref().map_or(1.0, shaded)
+        };
+        let factors: Vec<f32> = (0..size.width).map(column).collect();
+        for row in image.chunks_exact_mut(factors.len()) {
+            for (colour, factor) in row.iter_mut().zip(&factors) {
+                *colour = lit(*colour, *factor);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn light_changes_evenly_between_its_frames_and_stays_beyond_them() {
+        let light = Light { gains: vec![(10.0, 0.5), (20.0, 1.0)], shade: None };
+        assert_eq!([1.0, 10.0, 15.0, 20.0, 99.0].map(|frame| light.gain(frame)), [0.5, 0.5, 0.75, 1.0, 1.0]);
+        assert_eq!(Light::default().gain(7.0), 1.0);
+    }
+
+    #[test]
+    fn a_shade_lies_over_one_side() {
+        let shade = Shade { from: 40.0, softness: 10.0, light: 0.25 };
+        let light = Light { gains: vec![(0.0, 2.0)], shade: Some(shade) };
+        let mut image = vec![[10.0; 3]; 200];
+        light.fall_on(&mut image, Size::new(100, 2), 5.0);
+        assert_eq!((image[39], image[150]), ([20.0; 3], [5.0; 3]));
+    }
+}

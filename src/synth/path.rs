@@ -1,0 +1,178 @@
+//! Ways over the ground.
+
+use serde::{Deserialize, Serialize};
+
+/// Somebody slows down and speeds up over so many frames on either side of a stop.
+const EASE: i32 = 6;
+
+/// A way over the ground: straight at constant speed, but for its turns.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Path {
+    /// The frame in which they would be at `at` if they never turned; may lie between frames and
+    /// beyond the scene.
+    pub frame: f32,
+    /// The point on the ground below the middle, in pixels.
+    pub at: [f32; 2],
+    /// Pixels a frame, to the right and down.
+    pub velocity: [f32; 2],
+    /// When they go on otherwise, in order.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub turns: Vec<Turn>,
+}
+
+/// From a frame on another velocity.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Turn {
+    /// From when on.
+    pub frame: f32,
+    /// Pixels a frame, to the right and down; none is a stop.
+    pub velocity: [f32; 2],
+}
+
+/// A straight stretch of a path.
+#[derive(Clone, Copy)]
+struct Leg {
+    /// A frame and where they are in it.
+    frame: f32,
+    at: [f32; 2],
+    velocity: [f32; 2],
+    /// When the next leg starts.
+    end: f32,
+}
+
+impl Leg {
+    fn position(&self, frame: f32) -> [f32; 2] {
+        let passed = frame - self.frame;
+        [self.at[0] + self.velocity[0] * passed, self.at[1] + self.velocity[1] * passed]
+    }
+
+    fn speed(&self) -> f32 {
+        self.velocity[0].hypot(self.velocity[1])
+    }
+}
+
+impl Path {
+    /// A straight way without turns.
+    pub const fn straight(frame: f32, at: [f32; 2], velocity: [f32; 2]) -> Self {
+        Self { frame, at, velocity, turns: Vec::new() }
+    }
+
+    /// Goes on with another velocity from `frame` on, which is later than every turn before.
+    #[must_use]
+    pub fn then(mut self, frame: f32, velocity: [f32; 2]) -> Self {
+        self.turns.push(Turn { frame, velocity });
+        self
+    }
+
+    fn legs(&self) -> impl Iterator<Item = Leg> {
+        let end = |index: usize| self.turns.get(index).map_or(f32::INFINITY, |turn| turn.frame);
+        let first = Leg { frame: self.frame, at: self.at, velocity: self.velocity, end: end(0) };
+        let turns = self.turns.iter().zip(1..).scan(first, move |before, (turn, next)| {
+            let at = before.position(turn.frame);
+            *before = Leg { frame: turn.frame, at, velocity: turn.velocity, end: end(next) };
+            Some(*before)
+        });
+        std::iter::once(first).chain(turns)
+    }
+
+    /// The leg that a frame is in.
+    fn leg(&self, frame: f32) -> Leg {
+        let first = Leg { frame: self.frame, at: self.at, velocity: self.velocity, end: f32::INFINITY };
+        self.legs().find(|leg| frame < leg.end).unwrap_or(first)
+    }
+
+    /// The point on the ground in a frame.
+    pub fn position(&self, frame: f32) -> [f32; 2] {
+        self.leg(frame).position(frame)
+    }
+
+    /// Pixels a frame, to the right and down.
+    pub fn velocity(&self, frame: f32) -> [f32; 2] {
+        self.leg(frame).velocity
+    }
+
+    /// Whether they stand in a frame.
+    pub fn stands(&self, frame: f32) -> bool {
+        self.velocity(frame) == [0.0; 2]
+    }
+
+    /// The signed way from `at`, along the path, to where they are in a frame, in pixels.
+    pub fn walked(&self, frame: f32) -> f32 {
+        let before = self.legs().take_while(|leg| leg.end <= frame);
+        let before: f32 = before.map(|leg| (leg.end - leg.frame) * leg.speed()).sum();
+        let leg = self.leg(frame);
+        before + (frame - leg.frame) * leg.speed()
+    }
+
+    /// 1 while they walk, 0 while they stand, and between the two around the moment of either.
+    pub fn stride(&self, frame: f32) -> f32 {
+        let walks = (-EASE..=EASE).filter(|&away| !self.stands(frame + away as f32)).count();
+        walks as f32 / (2 * EASE + 1) as f32
+    }
+
+    /// 1 to the right, −1 to the left; who stands, or goes straight up or down, looks where they went last.
+    pub fn facing(&self, frame: f32) -> f32 {
+        let until_now = self.legs().take_while(|leg| leg.frame <= frame || leg.frame == self.frame);
+        let sideways = until_now.map(|leg| leg.velocity[0]).filter(|&speed| speed != 0.0);
+        if sideways.last().is_some_and(|speed| speed < 0.0) { -1.0 } else { 1.0 }
+    }
+
+    /// The frame in which they have come `reach` pixels to the right or left of column `middle` for
+    /// the last time, on their way out; `None` when they do not go sideways in the end.
+    pub fn last_within(&self, middle: f32, reach: f32) -> Option<f32> {
+        let last = self.legs().last()?;
+        let [across, _] = last.velocity;
+        let way = reach - (last.at[0] - middle) * across.signum();
+        (across != 0.0).then(|| last.frame + way / across.abs())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// To the right until frame 10, a stop until 20, back until 30, then down.
+    fn path() -> Path {
+        Path::straight(0.0, [100.0, 50.0], [3.0, 4.0])
+            .then(10.0, [0.0, 0.0])
+            .then(20.0, [-3.0, -4.0])
+            .then(30.0, [0.0, 1.0])
+    }
+
+    #[test]
+    fn a_path_goes_on_from_turn_to_turn() {
+        let expected = [
+            (-2.0, [94.0, 42.0], -10.0),
+            (0.0, [100.0, 50.0], 0.0),
+            (10.0, [130.0, 90.0], 50.0),
+            (15.0, [130.0, 90.0], 50.0),
+            (25.0, [115.0, 70.0], 75.0),
+            (30.0, [100.0, 50.0], 100.0),
+            (37.0, [100.0, 57.0], 107.0),
+        ];
+        for (frame, at, walked) in expected {
+            assert_eq!((path().position(frame), path().walked(frame)), (at, walked), "frame {frame}");
+        }
+    }
+
+    #[test]
+    fn who_stands_looks_where_they_went() {
+        let facing = [-5.0, 15.0, 25.0, 40.0].map(|frame| path().facing(frame));
+        assert_eq!(facing, [1.0, 1.0, -1.0, -1.0]);
+        assert_eq!([5.0, 10.0, 19.0, 20.0].map(|frame| path().stands(frame)), [false, true, true, false]);
+    }
+
+    #[test]
+    fn strides_end_softly() {
+        let long = Path::straight(0.0, [0.0; 2], [1.0, 0.0]).then(50.0, [0.0; 2]).then(90.0, [1.0, 0.0]);
+        assert_eq!([0.0, 43.0, 60.0, 80.0, 100.0].map(|frame| long.stride(frame)), [1.0, 1.0, 0.0, 0.0, 1.0]);
+        assert!((0.4..0.6).contains(&long.stride(50.0)));
+    }
+
+    #[test]
+    fn the_last_way_out_counts() {
+        let back = Path::straight(50.0, [100.0, 0.0], [2.0, 0.0]).then(60.0, [-2.0, 0.0]);
+        assert_eq!(back.last_within(100.0, 40.0), Some(60.0 + 30.0));
+        assert_eq!(path().last_within(100.0, 40.0), None);
+    }
+}

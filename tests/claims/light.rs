@@ -1,0 +1,35 @@
+//! "Deals with slow lighting changes by slowly adapting the values of the Gaussians."
+
+use occluscope::settings::{Preset, Settings};
+
+use crate::measure::{Counts, counts, deserted, scene, watch};
+
+#[test]
+fn a_slow_change_of_light_is_absorbed() {
+    for settings in [Settings::default(), Settings::preset(Preset::Plain)] {
+        let walkers = counts(&scene("slow-light"), &settings, 60, 400);
+        assert!(walkers.f() > 0.85 && walkers.false_share() < 0.005, "{walkers:?}");
+        let at_the_end = counts(&deserted("slow-light", 351), &settings, 330, 351);
+        assert!(at_the_end.false_share() < 0.001, "{at_the_end:?}");
+
+        // A model that hardly learns is left behind: there is something to absorb.
+        let rigid = Settings { alpha: settings.alpha / 100.0, ..settings };
+        let at_the_end = counts(&deserted("slow-light", 351), &rigid, 330, 351);
+        assert!(at_the_end.false_share() > 0.5, "{at_the_end:?}");
+    }
+}
+
+#[test]
+fn a_sudden_change_of_light_is_seen_and_in_the_end_absorbed() {
+    for settings in [Settings::default(), Settings::preset(Preset::Plain)] {
+        let mut shares = Vec::new();
+        watch(&deserted("sudden-light", 310), &settings, |truth, mask, _| {
+            let mut counts = Counts::default();
+            counts.add(truth, mask, |_| true);
+            shares.push(counts.false_share());
+        });
+        // Frame n is at n − 1; the light is another from frame 120 on.
+        assert!(shares[118] < 0.001 && shares[119] > 0.9, "{} {}", shares[118], shares[119]);
+        assert!(shares[309] < 0.001, "{}", shares[309]);
+    }
+}

@@ -1,0 +1,77 @@
+//! What a model makes of a scene, in numbers.
+
+use occluscope::frame::{Mask, Size};
+use occluscope::pipeline::Pipeline;
+use occluscope::settings::Settings;
+use occluscope::synth::noise::Noise;
+use occluscope::synth::render::FrameTruth;
+use occluscope::synth::{Parameters, Scene, catalogue, render};
+
+/// A scene of the catalogue at a size that is quick.
+pub(crate) fn scene(name: &str) -> Scene {
+    let noise = Noise { sigma: 4.0, signal_dependent: false };
+    let parameters = Parameters { size: Size::new(160, 120), noise, ..Parameters::default() };
+    catalogue::scene(name, &parameters).expect("a scene of the catalogue")
+}
+
+/// The same without anybody, for so many frames.
+pub(crate) fn deserted(name: &str, frames: u32) -> Scene {
+    Scene { actors: Vec::new(), cars: Vec::new(), frames, ..scene(name) }
+}
+
+/// Takes a scene through all stages and shows each frame's truth, mask and model after it.
+pub(crate) fn watch(scene: &Scene, settings: &Settings, mut see: impl FnMut(&FrameTruth, &Mask, &Pipeline)) {
+    let mut pipeline = Pipeline::new(settings, scene.size, scene.fps).expect("settings in range");
+    for (frame, truth) in render(scene) {
+        let analysis = pipeline.step(&frame).expect("a frame of the scene's size");
+        see(&truth, &analysis.mask, &pipeline);
+    }
+}
+
+/// Pixels by what they are and what they were taken for.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Counts {
+    hit: u32,
+    wrong: u32,
+    missed: u32,
+    all: u32,
+}
+
+impl Counts {
+    /// Adds a frame's pixels, or those of them in which `counts`.
+    pub(crate) fn add(&mut self, truth: &FrameTruth, mask: &Mask, counts: impl Fn(usize) -> bool) {
+        for (at, (&who, &level)) in truth.identities.iter().zip(&mask.data).enumerate() {
+            if !counts(at) {
+                continue;
+            }
+            self.all += 1;
+            match (who > 0, level > 0) {
+                (true, true) => self.hit += 1,
+                (false, true) => self.wrong += 1,
+                (true, false) => self.missed += 1,
+                (false, false) => {}
+            }
+        }
+    }
+
+    /// The F-measure of the foreground.
+    pub(crate) fn f(&self) -> f64 {
+        f64::from(2 * self.hit) / f64::from((2 * self.hit + self.wrong + self.missed).max(1))
+    }
+
+    /// The share of the background that was taken for foreground.
+    pub(crate) fn false_share(&self) -> f64 {
+        f64::from(self.wrong) / f64::from((self.all - self.hit - self.missed).max(1))
+    }
+}
+
+/// The counts of a scene's frames from `first` to `last`.
+pub(crate) fn counts(scene: &Scene, settings: &Settings, first: u32, last: u32) -> Counts {
+    let mut counts = Counts::default();
+    watch(&Scene { frames: scene.frames.min(last), ..scene.clone() }, settings, |truth, mask, _| {
+        if truth.number >= first {
+            counts.add(truth, mask, |_| true);
+        }
+    });
+    counts
+}
