@@ -1,8 +1,11 @@
 //! The one place where what was asked for is done.
 
+use std::sync::Arc;
+
 use eframe::egui::{Context, Theme, ViewportCommand};
 
 use super::Window;
+use super::areas::Change;
 use super::command::{Action, Command};
 use super::export_frame::Picture;
 use super::state::{Camera, Overlay, SPEEDS};
@@ -36,6 +39,7 @@ impl Window {
             }
             Command::ShowBackground(kind) => model.background = kind,
             Command::Overlay(opacity) => model.overlay.opacity = opacity.min(100),
+            Command::Area(change) => self.change_areas(ctx, change),
             Command::Read(event) => model.reading = event,
             Command::FilterEvents(place, listed) => {
                 if let Some(kind) = model.listed.get_mut(place) {
@@ -80,6 +84,28 @@ impl Window {
                 }
             }
             Action::DefaultSettings => model.settings = Settings::default(),
+            Action::DrawArea(purpose) => {
+                let again = model.areas.draft.as_ref().is_some_and(|draft| draft.purpose == purpose);
+                self.change_areas(ctx, if again { Change::Cancel } else { Change::Begin(purpose) });
+            }
+            Action::CloseArea => self.change_areas(ctx, Change::Close),
+            Action::UndoCorner => self.change_areas(ctx, Change::Back),
+            Action::CancelArea => {
+                let drawing = model.areas.draft.is_some();
+                self.change_areas(ctx, if drawing { Change::Cancel } else { Change::Choose(None) });
+            }
+            Action::DeleteArea => {
+                if let Some(place) = model.areas.chosen {
+                    self.change_areas(ctx, Change::Delete(place));
+                }
+            }
+            Action::ClearAreas => self.change_areas(ctx, Change::Clear),
+            Action::LoadMask => self.dialogs.load_mask(ctx),
+            Action::SaveMask => {
+                if let Some(roi) = &model.areas.roi {
+                    self.dialogs.save_mask(ctx, Arc::clone(roi));
+                }
+            }
             Action::Play => {
                 model.playback.playing = !model.playback.playing;
                 model.playback.next_at = ctx.input(|input| input.time);
@@ -142,9 +168,33 @@ impl Window {
         }
     }
 
+    /// Changes what is analysed, or tells why not.
+    pub(super) fn change_areas(&mut self, ctx: &Context, change: Change) {
+        let model = &mut self.model;
+        let Some(size) = model.size() else { return };
+        if let Change::Load(mask) = &change
+            && let Err(error) = mask.check(size)
+        {
+            self.toasts.fail(ctx, error.to_string());
+            return;
+        }
+        match model.areas.change(change, size) {
+            Ok(false) => {}
+            Ok(true) => {
+                // Other events stand at its place.
+                model.reading = None;
+                if let Some(player) = &model.player {
+                    player.set_roi(model.areas.roi.clone());
+                }
+            }
+            Err(refused) => self.toasts.warn(ctx, refused.to_string()),
+        }
+    }
+
     /// Starts a worker on a video in place of the one that is there.
     fn open(&mut self, ctx: &Context, name: &str, start: Start) {
-        let player = (self.opener)(name, self.model.settings.clone(), start, ctx);
+        let roi = self.model.areas_for(name);
+        let player = (self.opener)(name, self.model.settings.clone(), roi, start, ctx);
         self.pictures.clear();
         self.model.opened(name, player);
         let short = std::path::Path::new(name)

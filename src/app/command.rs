@@ -4,10 +4,12 @@
 use eframe::egui::{Key, Modifiers};
 use egui_material_icons::icons as m;
 
+use super::areas::Change;
 use super::icons::Icon;
 use super::slots::Slot;
 use super::state::{Camera, Hover};
 use super::views::{Background, View};
+use crate::regions::roi::Purpose;
 use crate::replay::Start;
 use crate::settings::Settings;
 
@@ -36,6 +38,22 @@ pub(crate) enum Action {
     DefaultSettings,
     /// Analyse under the settings of this slot.
     Slot(Slot),
+    /// Draw an area over the views.
+    DrawArea(Purpose),
+    /// The area that is being drawn is whole.
+    CloseArea,
+    /// Take back its last corner.
+    UndoCorner,
+    /// Give up drawing, or choose no area any more.
+    CancelArea,
+    /// Take the chosen area away.
+    DeleteArea,
+    /// Take all areas away.
+    ClearAreas,
+    /// Take what is analysed from a picture.
+    LoadMask,
+    /// Write what is analysed as a picture.
+    SaveMask,
     /// Start or stop playing.
     Play,
     /// Go so many frames on, or back.
@@ -217,6 +235,15 @@ impl Entry {
         self.repeats = true;
         self
     }
+
+    /// The sentence with the keys behind it: `One frame on (Right or .)`.
+    pub(crate) fn tooltip_with_keys(&self) -> String {
+        let keys: Vec<String> = self.shortcuts.iter().map(|shortcut| shortcut.text()).collect();
+        if keys.is_empty() {
+            return self.tooltip.to_owned();
+        }
+        format!("{} ({})", self.tooltip, keys.join(" or "))
+    }
 }
 
 /// Every action, in the order of the menus.
@@ -276,6 +303,23 @@ pub(crate) static ACTIONS: &[Entry] = &[
         "Take the settings of a TOML file; what it does not name has its default",
     )
     .always(),
+    entry(
+        Menu::File,
+        Action::LoadMask,
+        m::ICON_UPLOAD_FILE,
+        "Load area mask…",
+        &[],
+        "Analyse where a picture as large as the frames is bright, as --roi does",
+    )
+    .after_line(),
+    entry(
+        Menu::File,
+        Action::SaveMask,
+        m::ICON_SAVE,
+        "Save area mask…",
+        &[],
+        "Write what is analysed as a PNG, which --roi reads",
+    ),
     entry(Menu::File, Action::Quit, m::ICON_CLOSE, "Quit", &[ctrl(Key::Q)], "End the program")
         .after_line()
         .always(),
@@ -559,6 +603,64 @@ pub(crate) static ACTIONS: &[Entry] = &[
     )
     .always(),
     entry(
+        Menu::Analysis,
+        Action::DrawArea(Purpose::Ignore),
+        m::ICON_DRAW,
+        "Draw area to ignore",
+        &[key(Key::I)],
+        "Foreground inside is taken away: click corners, or drag a rectangle, over any view",
+    )
+    .after_line(),
+    entry(
+        Menu::Analysis,
+        Action::DrawArea(Purpose::Analyse),
+        m::ICON_SELECT_ALL,
+        "Draw area to analyse",
+        &[shift(Key::I)],
+        "Foreground outside of all such areas is taken away",
+    ),
+    entry(
+        Menu::Analysis,
+        Action::CloseArea,
+        m::ICON_CHECK,
+        "Close the area that is drawn",
+        &[key(Key::Enter)],
+        "Join its last corner to the first",
+    ),
+    entry(
+        Menu::Analysis,
+        Action::UndoCorner,
+        m::ICON_BACKSPACE,
+        "Take back the last corner",
+        &[key(Key::Backspace)],
+        "One corner less of the area that is drawn",
+    )
+    .repeats(),
+    entry(
+        Menu::Analysis,
+        Action::CancelArea,
+        m::ICON_CANCEL,
+        "Give up the area that is drawn",
+        &[key(Key::Escape)],
+        "Draw no area, and choose none",
+    ),
+    entry(
+        Menu::Analysis,
+        Action::DeleteArea,
+        m::ICON_DELETE,
+        "Delete chosen area",
+        &[key(Key::Delete)],
+        "An area is chosen by a click on its outline, or in the list",
+    ),
+    entry(
+        Menu::Analysis,
+        Action::ClearAreas,
+        m::ICON_DELETE_SWEEP,
+        "Clear all areas",
+        &[],
+        "Analyse the whole image again",
+    ),
+    entry(
         Menu::Help,
         Action::Palette,
         m::ICON_SEARCH,
@@ -612,6 +714,8 @@ pub(crate) enum Command {
     ShowBackground(Background),
     /// The mask over the input covers so much of it, in per cent.
     Overlay(u8),
+    /// Change the areas that are analysed or ignored.
+    Area(Change),
     /// Read an event's evidence.
     Read(Option<usize>),
     /// Show or hide a kind of events, by its place in [`crate::occlusion::EventKind::ALL`].

@@ -4,6 +4,8 @@
 //! they ask. `command::ACTIONS` is the one table of what can be done by name or key.
 
 mod apply;
+mod area_panel;
+mod areas;
 mod command;
 mod dialogs;
 mod drop_files;
@@ -44,6 +46,7 @@ use std::time::{Duration, Instant};
 use eframe::egui::{self, CentralPanel, Context, Frame, Margin, Panel, Ui, vec2};
 use eframe::egui_wgpu::RenderState;
 
+use self::areas::{Areas, Change};
 use self::command::Command;
 use self::dialogs::{Answer, Dialogs};
 use self::finder::Finder;
@@ -52,6 +55,7 @@ use self::state::{Model, Opener};
 use self::status::Pace;
 use self::toasts::Toasts;
 use self::views::{Pictures, View};
+use crate::regions::Roi;
 use crate::replay::{Session, Start};
 use crate::settings::Settings;
 
@@ -59,9 +63,15 @@ use crate::settings::Settings;
 const SETTLE: Duration = Duration::from_millis(60);
 
 /// Opens the window on a video, or on the bundled scene at its first occlusion, and returns when it is shut.
+/// Of the video, `roi` is analysed, the whole image without one.
 /// Videos take up to `memory` bytes, a quarter of the machine's where that is not said.
 /// Fails with a sentence when there is no display or no graphics adapter.
-pub fn run(video: Option<String>, settings: Settings, memory: Option<usize>) -> anyhow::Result<()> {
+pub fn run(
+    video: Option<String>,
+    settings: Settings,
+    roi: Option<Arc<Roi>>,
+    memory: Option<usize>,
+) -> anyhow::Result<()> {
     let viewport = egui::ViewportBuilder::default()
         .with_title("Occluscope")
         .with_app_id("occluscope")
@@ -76,6 +86,7 @@ pub fn run(video: Option<String>, settings: Settings, memory: Option<usize>) -> 
         let gpu = creation.wgpu_render_state.as_ref().ok_or("no graphics adapter")?;
         let mut window = Window::new(&creation.egui_ctx, gpu, settings, open_sessions(memory))?;
         window.restore(&creation.egui_ctx, creation.storage);
+        window.model.areas = Areas::of_mask(roi);
         window.apply(&creation.egui_ctx, first);
         Ok(Box::new(window))
     };
@@ -84,9 +95,9 @@ pub fn run(video: Option<String>, settings: Settings, memory: Option<usize>) -> 
 
 /// Opens sessions that keep within so many bytes.
 fn open_sessions(memory: Option<usize>) -> Opener {
-    Box::new(move |name, settings, start, ctx| {
+    Box::new(move |name, settings, roi, start, ctx| {
         let ctx = ctx.clone();
-        Box::new(Session::open(name, settings, start, memory, move || ctx.request_repaint()))
+        Box::new(Session::open(name, settings, roi, start, memory, move || ctx.request_repaint()))
     })
 }
 
@@ -199,12 +210,15 @@ impl Window {
                 self.apply(ctx, Command::Set(settings));
                 self.toasts.done(ctx, format!("Settings of {}", path.display()));
             }
+            Answer::Mask(Ok(mask)) => self.change_areas(ctx, Change::Load(mask)),
             Answer::NoDialog => self.toasts.fail(
                 ctx,
                 "This system opens no file dialog; install xdg-desktop-portal or zenity, or drop a video on \
                  the window, or name it on the command line",
             ),
-            Answer::Wrote(Err(why)) | Answer::Settings(Err(why)) => self.toasts.fail(ctx, why),
+            Answer::Wrote(Err(why)) | Answer::Settings(Err(why)) | Answer::Mask(Err(why)) => {
+                self.toasts.fail(ctx, why);
+            }
         }
     }
 
@@ -332,7 +346,7 @@ impl Window {
         self.light = ctx.theme() == egui::Theme::Light;
         let mut commands = Vec::new();
         if !self.help && !self.finder.is_open() {
-            keys::pressed(&ctx, &mut commands);
+            keys::pressed(&ctx, &self.model, &mut commands);
         }
         self.panels(ui, &mut commands);
         // Views may have come into sight that need more of the frame.

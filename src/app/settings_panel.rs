@@ -7,7 +7,7 @@ use super::command::{Action, Command};
 use super::setting_control;
 use super::slots::{self, Slot};
 use super::state::Model;
-use super::{icons, theme};
+use super::{area_panel, icons, theme};
 use crate::settings::{Preset, SETTINGS, Settings, Stage};
 
 /// Shows them.
@@ -18,6 +18,10 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let fps = model.fps();
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         for stage in Stage::ALL {
+            // What is ignored is taken away before cleaning.
+            if stage == Stage::Cleaning && model.size().is_some() {
+                area_panel::ui(ui, model, commands);
+            }
             let defaults = Settings::default();
             let of_stage = || SETTINGS.iter().filter(move |setting| setting.stage == stage);
             let changed = of_stage().filter(|s| s.get(&settings) != s.get(&defaults)).count();

@@ -5,11 +5,14 @@ use std::sync::Arc;
 
 use eframe::egui::Context;
 
+use super::areas::Areas;
 use super::history::History;
 use super::slots::{Slot, Slots};
 use super::views::{Background, View};
+use crate::frame::Size;
 use crate::mixture::PixelHistory;
 use crate::occlusion::EventKind;
+use crate::regions::Roi;
 use crate::replay::{Phase, Session, Shown, Start, State, Timeline};
 use crate::settings::Settings;
 use crate::tracking::Track;
@@ -22,6 +25,8 @@ pub(crate) trait Player {
     fn show(&self, position: u32);
     /// Asks for other settings.
     fn set_settings(&self, settings: Settings);
+    /// Asks for another part of the image to be analysed, the whole without one.
+    fn set_roi(&self, roi: Option<Arc<Roi>>);
     /// Chooses a pixel.
     fn inspect(&self, at: Option<(u32, u32)>);
 }
@@ -39,13 +44,17 @@ impl Player for Session {
         Session::set_settings(self, settings);
     }
 
+    fn set_roi(&self, roi: Option<Arc<Roi>>) {
+        Session::set_roi(self, roi);
+    }
+
     fn inspect(&self, at: Option<(u32, u32)>) {
         Session::inspect(self, at);
     }
 }
 
 /// How a video's name becomes a worker.
-pub(crate) type Opener = Box<dyn Fn(&str, Settings, Start, &Context) -> Box<dyn Player>>;
+pub(crate) type Opener = Box<dyn Fn(&str, Settings, Option<Arc<Roi>>, Start, &Context) -> Box<dyn Player>>;
 
 /// The speeds at which can be played.
 pub(crate) const SPEEDS: [f32; 8] = [0.0625, 0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0];
@@ -108,7 +117,11 @@ impl Moment {
     fn after(before: Option<&Self>, shown: &Arc<Shown>) -> Self {
         let mut trails = before.map(|before| Arc::clone(&before.trails)).unwrap_or_default();
         let kept = Arc::make_mut(&mut trails);
-        if before.is_some_and(|before| before.shown.settings != shown.settings) {
+        let other = |before: &Self| {
+            let roi = |shown: &Shown| shown.roi.as_ref().map(Arc::as_ptr);
+            before.shown.settings != shown.settings || roi(&before.shown) != roi(shown)
+        };
+        if before.is_some_and(other) {
             kept.clear();
         }
         kept.insert(shown.position, (shown.frame.number, shown.analysis.tracks.clone()));
@@ -159,6 +172,8 @@ pub(crate) struct Model {
     pub(crate) history: History,
     /// The position that was asked for and has not arrived.
     pub(crate) wanted: Option<u32>,
+    /// What is analysed, and what is drawn to say so.
+    pub(crate) areas: Areas,
     /// Playing.
     pub(crate) playback: Playback,
     /// The chosen pixel.
@@ -197,6 +212,7 @@ impl Model {
             settings,
             slots: Slots::new(),
             wanted: None,
+            areas: Areas::default(),
             playback: Playback { playing: false, speed: NORMAL_SPEED, next_at: 0.0 },
             chosen: None,
             hovered: None,
@@ -209,6 +225,20 @@ impl Model {
             settings_panel: true,
             inspector_panel: true,
         }
+    }
+
+    /// What is analysed of a video that is about to be opened: what was said at the start, or was drawn over the same.
+    pub(crate) fn areas_for(&mut self, name: &str) -> Option<Arc<Roi>> {
+        let same = self.opened.as_deref() == Some(name) && self.size().is_some();
+        if self.opened.is_some() && !same {
+            self.areas = Areas::default();
+        }
+        self.areas.roi.clone()
+    }
+
+    /// The size of the frames, once it is known.
+    pub(crate) fn size(&self) -> Option<Size> {
+        self.state.as_ref()?.info.as_ref().map(|info| info.size)
     }
 
     /// Another video has been opened in place of what was there.

@@ -44,6 +44,11 @@ pub(crate) fn allowed(model: &Model, entry: &Entry) -> bool {
         Action::Redo => model.history.can().1,
         Action::Slot(slot) => model.slots.in_view != slot,
         Action::ClearPixel => model.chosen.is_some(),
+        Action::CloseArea | Action::UndoCorner => model.areas.draft.is_some(),
+        Action::CancelArea => model.areas.draft.is_some() || model.areas.chosen.is_some(),
+        Action::DeleteArea => model.areas.chosen.is_some(),
+        Action::ClearAreas => !model.areas.is_empty(),
+        Action::SaveMask => model.areas.roi.is_some(),
         _ => entry.always || model.shown().is_some(),
     }
 }

@@ -42,8 +42,13 @@ pub fn verdict(history: &PixelHistory, index: usize) -> Verdict {
 
 /// What a later step made of the mixture's verdict, where it decided otherwise; `None` where it did not.
 ///
-/// `mixture` and `mask` say whether each has the pixel as foreground.
-pub fn overruled(mixture: bool, mask: bool, settings: &Settings) -> Option<String> {
+/// `mixture` and `mask` say whether each has the pixel as foreground, `ignored` whether it lies outside what is
+/// analysed.
+pub fn overruled(mixture: bool, mask: bool, ignored: bool, settings: &Settings) -> Option<String> {
+    if ignored {
+        let made = "A later step overruled it: the pixel lies outside the area that is analysed.";
+        return mixture.then(|| made.to_owned());
+    }
     // An opening only takes foreground away, a closing and the filling of holes only add to it.
     let powerless = if mixture { ["closing", "fill_holes"] } else { ["opening", ""] };
     let steps: Vec<String> = SETTINGS
@@ -480,14 +485,17 @@ mod tests {
     #[test]
     fn a_later_step_that_overrules_names_the_filters_that_could() {
         let settings = Settings { median: 5, opening: 3, closing: 7, ..Settings::preset(Preset::Plain) };
-        assert_eq!(overruled(true, true, &settings), None);
-        assert_eq!(overruled(false, false, &settings), None);
-        let gone = overruled(true, false, &settings).unwrap();
+        assert_eq!(overruled(true, true, false, &settings), None);
+        assert_eq!(overruled(false, false, false, &settings), None);
+        let gone = overruled(true, false, false, &settings).unwrap();
         assert_eq!(
             gone,
             "A later step overruled it: cleaning (median 5, opening 3) made this pixel background."
         );
-        let come = overruled(false, true, &settings).unwrap();
+        let come = overruled(false, true, false, &settings).unwrap();
         assert!(come.contains("(median 5, closing 7) made this pixel foreground"), "{come}");
+        let ignored = overruled(true, false, true, &settings).unwrap();
+        assert!(ignored.contains("outside the area") && !ignored.contains("cleaning"), "{ignored}");
+        assert_eq!(overruled(false, false, true, &settings), None);
     }
 }

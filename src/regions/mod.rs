@@ -3,11 +3,13 @@
 pub mod cleaning;
 pub mod colour;
 pub mod components;
+pub mod roi;
 pub mod shape;
 
 pub use cleaning::Cleaning;
 pub use colour::{Histogram, Rgb};
 pub use components::{LabelRun, Labels, find_regions};
+pub use roi::Roi;
 pub use shape::{Rect, Shape};
 
 /// A connected region of the foreground mask.

@@ -24,6 +24,7 @@ use crate::frame::Frame;
 use crate::mixture::PixelHistory;
 use crate::occlusion::Event;
 use crate::pipeline::Analysis;
+use crate::regions::Roi;
 use crate::settings::Settings;
 use crate::source::SourceInfo;
 use crate::tracking::{Identity, TrackState};
@@ -96,6 +97,8 @@ pub struct Shown {
     pub position: u32,
     /// The settings under which all of this came about.
     pub settings: Arc<Settings>,
+    /// What was analysed, the whole image without one.
+    pub roi: Option<Arc<Roi>>,
     /// The input.
     pub frame: Arc<Frame>,
     /// What the stages made of it.

@@ -1,5 +1,6 @@
 //! The linked views in the middle: one file each, and the tiles in which they stand.
 
+mod areas;
 mod background;
 mod canvas;
 mod compose;
@@ -14,6 +15,7 @@ mod sender;
 mod tiles;
 mod tracks;
 
+pub(crate) use areas::area_colour;
 pub(crate) use canvas::Canvas;
 pub(crate) use pictures::Pictures;
 pub(crate) use tiles::{default_tree, show};

@@ -1,8 +1,8 @@
 //! How the views stand beside one another, and what the pointer does in them.
 
 use eframe::egui::{
-    Button, Color32, DragValue, PointerButton, Rect, RichText, Sense, Stroke, Ui, UiBuilder, Visuals,
-    WidgetInfo, WidgetText, accesskit::Role, vec2,
+    Button, Color32, CursorIcon, DragValue, Painter, PointerButton, Pos2, Rect, Response, RichText, Sense,
+    Stroke, Ui, UiBuilder, Visuals, WidgetInfo, WidgetText, accesskit::Role, vec2,
 };
 use egui_material_icons::icons as m;
 use egui_tiles::{
@@ -10,8 +10,9 @@ use egui_tiles::{
     UiResponse,
 };
 
-use super::layer::Layers;
-use super::{Background, Canvas, Pane, Pictures, View, draw};
+use super::layer::{Layer, Layers};
+use super::{Background, Canvas, Pane, Pictures, View, areas, draw};
+use crate::app::areas::Change;
 use crate::app::command::{Action, Command};
 use crate::app::state::{Camera, Hover, Model};
 use crate::app::theme;
@@ -20,6 +21,9 @@ use crate::app::theme;
 const CHOICES_FROM: f32 = 290.0;
 /// From this width on, the one that is chosen; below, the tabs need all the room.
 const CHOICE_FROM: f32 = 230.0;
+
+/// An area is chosen by a click within so many points of its outline.
+const OUTLINE: f32 = 4.0;
 
 /// From this width of a title on, the mask over the input can be switched in it.
 const OVERLAY_FROM: f32 = 120.0;
@@ -94,6 +98,7 @@ impl Panes<'_> {
         let painter = ui.painter().with_clip_rect(rect);
         painter.rect_filled(rect, 0.0, colours.canvas);
         self.layers.add(view.layers(self.model.background));
+        self.layers.add(&[Layer::Ignored]);
         let Some(set) = self.pictures.in_view() else { return };
         let shown = &*set.moment().shown;
         let camera = self.pointer(ui, &response, view, shown.frame.size);
@@ -115,23 +120,60 @@ impl Panes<'_> {
         if let Some(pixel) = self.model.chosen {
             draw::cross(&painter, &canvas, pixel, Color32::from_rgb(255, 255, 255));
         }
+        self.areas(&painter, &canvas, view, &response);
+    }
+
+    /// The areas over a view, and what the pointer does to the one that is being drawn.
+    fn areas(&mut self, painter: &Painter, canvas: &Canvas, view: View, response: &Response) {
+        let areas = &self.model.areas;
+        let pointer = response.hover_pos().or_else(|| response.interact_pointer_pos());
+        // Where a rectangle began; the pointer forgets it before the button is up.
+        let began = response.id.with("began");
+        let mut from = response.ctx.data(|data| data.get_temp::<Pos2>(began));
+        if let Some(draft) = &areas.draft {
+            if response.hovered() || (view == View::Input && self.hover.is_none()) {
+                areas::hint(painter, canvas, draft);
+            }
+            if response.drag_started_by(PointerButton::Primary) {
+                from = response.ctx.input(|input| input.pointer.press_origin());
+                response.ctx.data_mut(|data| from.map(|from| data.insert_temp(began, from)));
+            } else if let Some((from, to)) =
+                from.zip(pointer).filter(|_| response.drag_stopped_by(PointerButton::Primary))
+            {
+                let corners = Change::Rectangle(canvas.image(from), canvas.image(to));
+                self.commands.push(Command::Area(corners));
+            } else if response.double_clicked() {
+                self.commands.push(Command::Area(Change::Close));
+            } else if response.clicked()
+                && let Some(at) = pointer
+            {
+                let closes = areas::closes(canvas, draft, at);
+                let change = if closes { Change::Close } else { Change::Corner(canvas.image(at)) };
+                self.commands.push(Command::Area(change));
+            }
+        }
+        if from.is_some() && !response.dragged() {
+            response.ctx.data_mut(|data| data.remove::<Pos2>(began));
+            from = None;
+        }
+        areas::paint(painter, canvas, areas, pointer, from);
     }
 
     /// What the pointer does: the wheel zooms where it stands, dragging pans, a click chooses the
-    /// pixel, a double click fits.
-    fn pointer(
-        &mut self,
-        ui: &Ui,
-        response: &eframe::egui::Response,
-        view: View,
-        size: crate::frame::Size,
-    ) -> Camera {
+    /// pixel or the area whose outline it is on, a double click fits. While an area is drawn, only the middle button
+    /// pans.
+    fn pointer(&mut self, ui: &Ui, response: &Response, view: View, size: crate::frame::Size) -> Camera {
         let mut camera = self.model.camera;
         let canvas = Canvas::new(response.rect, size, camera);
-        if response.double_clicked() {
+        let drawing = self.model.areas.draft.is_some();
+        if drawing && response.hovered() {
+            ui.ctx().set_cursor_icon(CursorIcon::Crosshair);
+        }
+        if response.double_clicked() && !drawing {
             return Camera::FIT;
         }
-        if response.dragged_by(PointerButton::Primary) || response.dragged_by(PointerButton::Middle) {
+        let pulled = response.dragged_by(PointerButton::Primary) && !drawing;
+        if pulled || response.dragged_by(PointerButton::Middle) {
             camera = canvas.panned(response.drag_delta());
         }
         if let Some(at) = response.hover_pos() {
@@ -142,8 +184,12 @@ impl Panes<'_> {
             }
             if let Some(pixel) = canvas.pixel(at) {
                 self.hover = Some(Hover { view, pixel, scale: canvas.scale });
-                if response.clicked() {
-                    self.commands.push(Command::Choose(Some(pixel)));
+                if response.clicked() && !drawing {
+                    let area = self.model.areas.at(canvas.image(at), OUTLINE / canvas.scale);
+                    self.commands.push(match area {
+                        Some(_) => Command::Area(Change::Choose(area)),
+                        None => Command::Choose(Some(pixel)),
+                    });
                 }
             }
         }
