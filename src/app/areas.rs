@@ -49,7 +49,7 @@ pub(crate) enum Refused {
 }
 
 /// The areas over a video.
-#[derive(Clone, Debug, Default)]
+#[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Areas {
     /// A mask from a file, which lies under all that is drawn.
     pub(crate) mask: Option<Arc<Roi>>,

@@ -14,6 +14,7 @@ use super::{settings_file, whole_file};
 use crate::export::picture;
 use crate::regions::Roi;
 use crate::settings::Settings;
+use crate::truth::boxes::{self, Boxes};
 
 /// Nobody cancels a dialog sooner than this: it never came up.
 const TOO_SOON: Duration = Duration::from_millis(250);
@@ -28,6 +29,8 @@ pub(crate) enum Answer {
     Settings(Result<(PathBuf, Box<Settings>), String>),
     /// A mask was read from a file, or why not, in a sentence.
     Mask(Result<Arc<Roi>, String>),
+    /// Boxes were read from a file, or why not, in a sentence.
+    Truth(Result<Arc<Boxes>, String>),
     /// This system has no file dialogs.
     NoDialog,
 }
@@ -99,6 +102,16 @@ impl Dialogs {
             let endings = ["png", "bmp", "jpg", "jpeg", "tif", "tiff", "pgm"];
             let path = dialog.add_filter("Picture", &endings).add_filter("All files", &["*"]).pick_file()?;
             Some(Answer::Mask(Roi::read(&path).map(Arc::new).map_err(|error| error.to_string())))
+        });
+    }
+
+    /// Asks for a file of ground truth, and reads it.
+    pub(crate) fn load_truth(&mut self, ctx: &Context) {
+        self.ask(ctx, || {
+            let dialog = FileDialog::new().set_title("Load ground truth");
+            let dialog = dialog.add_filter("MOTChallenge", &["txt", "csv"]).add_filter("All files", &["*"]);
+            let read = boxes::read(&dialog.pick_file()?);
+            Some(Answer::Truth(read.map(Arc::new).map_err(|error| format!("{error}; choose another"))))
         });
     }
 

@@ -29,7 +29,10 @@ use crate::source::SourceInfo;
 use crate::tracking::{Track, TrackState};
 
 mod areas;
+mod around;
+mod layout;
 mod pictures;
+mod timeline;
 
 const SIZE: Size = Size::new(160, 120);
 const FRAMES: u32 = 120;
@@ -204,6 +207,7 @@ fn timeline() -> Timeline {
         numbers: (1..=FRAMES).collect(),
         complete: true,
         analysed: FRAMES,
+        decoded: vec![(0, 30), (50, FRAMES - 1)],
         foreground_share: (0..FRAMES).map(|n| 0.05 + 0.03 * (n as f32 / 9.0).sin()).collect(),
         events: vec![
             event(Enter, 1, &[1], (20.0, 60.0)),

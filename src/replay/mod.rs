@@ -126,6 +126,9 @@ pub struct Timeline {
     pub complete: bool,
     /// Positions 0..analysed have been analysed under the present settings.
     pub analysed: u32,
+    /// The positions whose frames are kept decoded, as ranges with both ends in them, in order: to go there takes no
+    /// decoding.
+    pub decoded: Vec<(u32, u32)>,
     /// Share of foreground of each analysed position, 0..=1.
     pub foreground_share: Vec<f32>,
     /// All events so far, by frame and kind, with the position at which each happened.

@@ -488,7 +488,7 @@ impl<'a> Worker<'a> {
         self.outbox.timeline_grew = false;
         let timeline = self.growing.timeline(self.frames.numbers(), self.frames.is_complete());
         self.outbox.analysed = timeline.analysed;
-        Arc::new(timeline)
+        Arc::new(Timeline { decoded: self.frames.kept_ranges(), ..timeline })
     }
 
     /// Publishes the pixel's history as it is now, and the frame in view with it where both are of

@@ -129,6 +129,12 @@ fn areas_are_given_up_chosen_deleted_and_cleared() {
     harness.run_steps(3);
     assert_eq!(asked(&scene), None);
     harness.get_by_label("The whole image is analysed.");
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    settle(&mut harness);
+    assert_eq!(asked(&scene), Some(roi));
+    harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    harness.run_steps(3);
+    assert_eq!(asked(&scene), None);
 }
 
 #[test]

@@ -9,6 +9,7 @@ mod draw;
 mod foreground;
 mod input;
 mod layer;
+mod layouts;
 mod pictures;
 mod regions;
 mod sender;
@@ -17,8 +18,9 @@ mod tracks;
 
 pub(crate) use areas::area_colour;
 pub(crate) use canvas::Canvas;
+pub(crate) use layouts::{Layout, is_open, set_open};
 pub(crate) use pictures::Pictures;
-pub(crate) use tiles::{default_tree, show};
+pub(crate) use tiles::show;
 
 use std::sync::Arc;
 
