@@ -20,11 +20,13 @@ fn commit() -> Option<String> {
     if std::path::Path::new(&root).canonicalize().ok()? != here {
         return None;
     }
-    for file in ["HEAD", "index"] {
-        println!("cargo:rerun-if-changed={}", git(&["rev-parse", "--git-path", file])?);
-    }
-    if let Some(branch) = git(&["symbolic-ref", "HEAD"]) {
-        println!("cargo:rerun-if-changed={}", git(&["rev-parse", "--git-path", &branch])?);
+    // A commit and a checkout add a line to the log; a change of a file makes the mark.
+    let log = git(&["rev-parse", "--git-path", "logs/HEAD"]);
+    for path in log.iter().map(String::as_str).chain(["src", "Cargo.toml", "Cargo.lock"]) {
+        // What is not there would count as changed every time.
+        if std::path::Path::new(path).exists() {
+            println!("cargo:rerun-if-changed={path}");
+        }
     }
     git(&["describe", "--always", "--dirty", "--exclude=*"])
 }
