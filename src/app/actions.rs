@@ -627,6 +627,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         &[key(Key::I)],
         "Foreground inside is taken away: click corners, or drag a rectangle, over any view",
     )
+    .within("Area")
     .after_line(),
     entry(
         Menu::Analysis,
@@ -635,7 +636,8 @@ pub(crate) static ACTIONS: &[Entry] = &[
         "Draw area to analyse",
         &[shift(Key::I)],
         "Foreground outside of all such areas is taken away",
-    ),
+    )
+    .within("Area"),
     entry(
         Menu::Analysis,
         Action::CloseArea,
@@ -643,7 +645,8 @@ pub(crate) static ACTIONS: &[Entry] = &[
         "Close the area that is drawn",
         &[key(Key::Enter)],
         "Join its last corner to the first",
-    ),
+    )
+    .within("Area"),
     entry(
         Menu::Analysis,
         Action::UndoCorner,
@@ -652,6 +655,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         &[key(Key::Backspace)],
         "One corner less of the area that is drawn",
     )
+    .within("Area")
     .repeats(),
     entry(
         Menu::Analysis,
@@ -660,7 +664,8 @@ pub(crate) static ACTIONS: &[Entry] = &[
         "Give up the area that is drawn",
         &[key(Key::Escape)],
         "Draw no area, and choose none",
-    ),
+    )
+    .within("Area"),
     entry(
         Menu::Analysis,
         Action::DeleteArea,
@@ -668,7 +673,8 @@ pub(crate) static ACTIONS: &[Entry] = &[
         "Delete chosen area",
         &[key(Key::Delete)],
         "An area is chosen by a click on its outline, or in the list",
-    ),
+    )
+    .within("Area"),
     entry(
         Menu::Analysis,
         Action::ClearAreas,
@@ -676,7 +682,8 @@ pub(crate) static ACTIONS: &[Entry] = &[
         "Clear all areas",
         &[],
         "Analyse the whole image again",
-    ),
+    )
+    .within("Area"),
     entry(
         Menu::Help,
         Action::Palette,
