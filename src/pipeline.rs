@@ -8,7 +8,8 @@ use crate::frame::{Frame, Mask, Size};
 use crate::mixture::opencv::OpencvModel;
 use crate::mixture::{Mixture, Parameters};
 use crate::occlusion::{Counters, Episode, Event, EventKind, Reasoner};
-use crate::regions::{Cleaning, Labels, Region, find_regions};
+use crate::regions::roi::RoiError;
+use crate::regions::{Cleaning, Labels, Region, Roi, find_regions};
 use crate::settings::Settings;
 use crate::tracking::{Naming, Track};
 
@@ -33,6 +34,9 @@ pub enum PipelineError {
         /// The size of the frames before it.
         expected: Size,
     },
+    /// The mask of what is to be analysed belongs to other frames.
+    #[error(transparent)]
+    Roi(#[from] RoiError),
 }
 
 /// What all stages made of one frame: the causal reading, what was known at that frame.
@@ -98,21 +102,30 @@ impl Model {
 }
 
 /// How regions are found.
-#[derive(Clone, Copy)]
+#[derive(Clone)]
 struct Finder {
+    /// What is analysed, the whole image without one.
+    roi: Option<Arc<Roi>>,
     cleaning: Cleaning,
     min_area: u32,
 }
 
 impl Finder {
-    fn new(settings: &Settings) -> Self {
-        Self { cleaning: Cleaning::new(settings), min_area: settings.min_area }
+    fn new(settings: &Settings, roi: Option<Arc<Roi>>) -> Self {
+        Self { roi, cleaning: Cleaning::new(settings), min_area: settings.min_area }
     }
 
     /// What can be told of a frame from the model's mask of it, without the frames before.
-    fn find(&self, frame: &Frame, raw: Mask) -> Result<Found, PipelineError> {
+    fn find(&self, frame: &Frame, mut raw: Mask) -> Result<Found, PipelineError> {
         let failed = |source| PipelineError::Opencv { frame: frame.number, source };
-        let mask = self.cleaning.apply(raw).map_err(failed)?;
+        if let Some(roi) = &self.roi {
+            roi.clear_outside(&mut raw);
+        }
+        let mut mask = self.cleaning.apply(raw).map_err(failed)?;
+        // A closing reaches beyond, and a hole that is filled may be one that is to be ignored.
+        if let Some(roi) = &self.roi {
+            roi.clear_outside(&mut mask);
+        }
         let (labels, regions) = find_regions(frame, &mask, self.min_area);
         Ok(Found { mask: Arc::new(mask), labels: Arc::new(labels), regions: Arc::new(regions) })
     }
@@ -145,9 +158,17 @@ impl Pipeline {
             size,
             t: 0,
             model,
-            finder: Finder::new(settings),
+            finder: Finder::new(settings, None),
             reasoner: Reasoner::new(settings, size, fps),
         })
+    }
+
+    /// What is analysed from the next frame on, the whole image without one: foreground elsewhere is taken away
+    /// before cleaning. The model goes on learning every pixel. Fails where the mask is not as large as the frames.
+    pub fn set_roi(&mut self, roi: Option<Arc<Roi>>) -> Result<(), PipelineError> {
+        roi.as_ref().map_or(Ok(()), |roi| roi.check(self.size))?;
+        self.finder.roi = roi;
+        Ok(())
     }
 
     /// Takes the next frame through all stages.
@@ -176,7 +197,7 @@ impl Pipeline {
 
     /// Takes frames through all stages after the model, whose masks of them are `raw`.
     pub fn find_many(&mut self, frames: &[&Frame], raw: Vec<Mask>) -> Result<Vec<Analysis>, PipelineError> {
-        let finder = self.finder;
+        let finder = &self.finder;
         let found = frames.par_iter().zip(raw).map(|(frame, mask)| finder.find(frame, mask));
         let found = found.collect::<Result<Vec<_>, _>>()?;
         Ok(frames.iter().zip(found).map(|(frame, found)| self.follow(frame.number, found)).collect())
@@ -203,7 +224,7 @@ impl Pipeline {
     /// Begins anew after the model under `settings`, of which those of the model must be the same:
     /// frames go through [`Self::find_many`], in order, with the masks that the model gave.
     pub fn restart_finding(&mut self, settings: &Settings, fps: f32) {
-        self.finder = Finder::new(settings);
+        self.finder = Finder::new(settings, self.finder.roi.take());
         self.restart_tracking(settings, fps);
     }
 
@@ -250,7 +271,12 @@ impl Pipeline {
     /// A copy that goes on from here; `None` for MOG2 and KNN, whose state cannot be copied.
     pub fn try_clone(&self) -> Option<Self> {
         let mixture = self.mixture()?.clone();
-        Some(Self { model: Model::Mixture(mixture), reasoner: self.reasoner.clone(), ..*self })
+        Some(Self {
+            model: Model::Mixture(mixture),
+            reasoner: self.reasoner.clone(),
+            finder: self.finder.clone(),
+            ..*self
+        })
     }
 
     /// The memory that a copy takes, in bytes, to the nearest few kilobytes.

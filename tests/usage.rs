@@ -70,7 +70,9 @@ fn the_command_line_itself_is_checked() {
 #[test]
 fn help_and_version_tell_what_there_is() {
     let version = works(&["--version"]);
-    assert_eq!(version.trim(), format!("occluscope {}", env!("CARGO_PKG_VERSION")));
+    // A release build tells its commit as well.
+    assert_eq!(version.trim(), format!("occluscope {}", env!("OCCLUSCOPE_VERSION")));
+    assert!(version.starts_with(concat!("occluscope ", env!("CARGO_PKG_VERSION"))));
     let short = works(&["run", "-h"]);
     let long = works(&["run", "--help"]);
     for part in ["--out", "--masks", "--range", "--threads", "--preset", "tracks.csv"] {

@@ -1,11 +1,16 @@
 //! The one place where what was asked for is done.
 
-use eframe::egui::{Context, Theme, ViewportCommand};
+use std::sync::Arc;
+
+use eframe::egui::{ColorImage, Context, Theme, ViewportCommand};
 
 use super::Window;
+use super::areas::{Areas, Change};
 use super::command::{Action, Command};
 use super::export_frame::Picture;
-use super::state::{Camera, Overlay, SPEEDS};
+use super::history::Again;
+use super::overlays::Overlay;
+use super::state::{Camera, Origin, SPEEDS};
 use super::{sample, views};
 use crate::replay::Start;
 use crate::settings::Settings;
@@ -20,6 +25,7 @@ impl Window {
             Command::OpenSample => self.open_sample(ctx),
             Command::GoTo(position) => model.go_to(position),
             Command::GoToNumber(number) => model.go_to(model.position_of(number)),
+            Command::Span(span) => model.span = span,
             Command::Speed(place) => model.playback.speed = place.min(SPEEDS.len() - 1),
             Command::Set(settings) => model.settings = *settings,
             Command::Choose(pixel) => {
@@ -36,6 +42,13 @@ impl Window {
             }
             Command::ShowBackground(kind) => model.background = kind,
             Command::Overlay(opacity) => model.overlay.opacity = opacity.min(100),
+            Command::Area(change) => self.change_areas(ctx, change),
+            Command::LookAt(setting) => {
+                model.settings_panel = true;
+                model.looked_at = Some(setting);
+            }
+            Command::Seen => model.looked_at = None,
+            Command::HideHint => model.hint = false,
             Command::Read(event) => model.reading = event,
             Command::FilterEvents(place, listed) => {
                 if let Some(kind) = model.listed.get_mut(place) {
@@ -59,20 +72,31 @@ impl Window {
                     self.dialogs.export_frame(ctx, picture);
                 }
             }
+            Action::CloseVideo => self.close(ctx),
+            Action::CopyPlace => {
+                if let Some(place) = model.place() {
+                    self.toasts.done(ctx, format!("Copied: {place}"));
+                    ctx.copy_text(place);
+                }
+            }
+            Action::CopyPicture => {
+                if let Some(picture) = Picture::of(model) {
+                    let frame = picture.drawn();
+                    let size = [frame.size.width as usize, frame.size.height as usize];
+                    ctx.copy_image(ColorImage::from_rgb(size, &frame.rgb));
+                    self.toasts.done(ctx, format!("Copied frame {}", frame.number));
+                }
+            }
             Action::SaveSettings => self.dialogs.save_settings(ctx, model.settings.clone()),
             Action::LoadSettings => self.dialogs.load_settings(ctx),
             Action::Quit => ctx.send_viewport_cmd(ViewportCommand::Close),
             Action::Undo => {
-                if let Some((slot, before)) = model.history.undo() {
-                    model.slots.show(slot, &mut model.settings);
-                    model.settings = before;
-                }
+                let again = model.history.undo();
+                self.again(again);
             }
             Action::Redo => {
-                if let Some((slot, after)) = model.history.redo() {
-                    model.slots.show(slot, &mut model.settings);
-                    model.settings = after;
-                }
+                let again = model.history.redo();
+                self.again(again);
             }
             Action::Slot(slot) => {
                 if model.show_slot(slot) {
@@ -80,6 +104,29 @@ impl Window {
                 }
             }
             Action::DefaultSettings => model.settings = Settings::default(),
+            Action::DrawArea(purpose) => {
+                let again = model.areas.draft.as_ref().is_some_and(|draft| draft.purpose == purpose);
+                self.change_areas(ctx, if again { Change::Cancel } else { Change::Begin(purpose) });
+            }
+            Action::CloseArea => self.change_areas(ctx, Change::Close),
+            Action::UndoCorner => self.change_areas(ctx, Change::Back),
+            Action::CancelArea => {
+                let drawing = model.areas.draft.is_some();
+                self.change_areas(ctx, if drawing { Change::Cancel } else { Change::Choose(None) });
+            }
+            Action::DeleteArea => {
+                if let Some(place) = model.areas.chosen {
+                    self.change_areas(ctx, Change::Delete(place));
+                }
+            }
+            Action::ClearAreas => self.change_areas(ctx, Change::Clear),
+            Action::LoadTruth => self.dialogs.load_truth(ctx),
+            Action::LoadMask => self.dialogs.load_mask(ctx),
+            Action::SaveMask => {
+                if let Some(roi) = &model.areas.roi {
+                    self.dialogs.save_mask(ctx, Arc::clone(roi));
+                }
+            }
             Action::Play => {
                 model.playback.playing = !model.playback.playing;
                 model.playback.next_at = ctx.input(|input| input.time);
@@ -102,12 +149,37 @@ impl Window {
             }
             Action::First => model.go_to(0),
             Action::Last => model.go_to(model.frames().saturating_sub(1)),
+            Action::StartHere => model.marks.toggle_start(model.position()),
+            Action::EndHere => model.marks.toggle_end(model.position()),
+            Action::Bookmark => model.marks.toggle_bookmark(model.position()),
+            Action::NextBookmark | Action::PreviousBookmark => {
+                if let Some(place) = model.marks.beside(model.position(), action == Action::NextBookmark) {
+                    model.playback.playing = false;
+                    model.go_to(place);
+                }
+            }
+            Action::WholeTimeline => model.span = None,
             Action::Slower => model.playback.speed = model.playback.speed.saturating_sub(1),
             Action::Faster => model.playback.speed = (model.playback.speed + 1).min(SPEEDS.len() - 1),
             Action::Maximise(view) => {
                 model.maximised = if model.maximised == Some(view) { None } else { Some(view) };
             }
             Action::Fit => model.camera = Camera::FIT,
+            Action::Actual => {
+                if let Some(fitted) = self.fitted {
+                    model.camera.magnification = 1.0 / (ctx.pixels_per_point() * fitted);
+                }
+            }
+            Action::Open(view) => {
+                let open = views::is_open(&self.tree, view);
+                views::set_open(&mut self.tree, view, !open);
+            }
+            Action::Arrange(layout) => {
+                self.tree = layout.tree();
+                (model.settings_panel, model.inspector_panel) = layout.panels();
+                (model.maximised, model.camera) = (None, Camera::FIT);
+            }
+            Action::Draw(what) => model.drawn.toggle(what),
             Action::ZoomIn => model.zoom_by(1.25),
             Action::ZoomOut => model.zoom_by(0.8),
             Action::Background => model.background = model.background.next(),
@@ -118,15 +190,12 @@ impl Window {
             Action::ClearPixel => self.apply(ctx, Command::Choose(None)),
             Action::SettingsPanel => model.settings_panel = !model.settings_panel,
             Action::InspectorPanel => model.inspector_panel = !model.inspector_panel,
-            Action::ResetLayout => {
-                self.tree = views::default_tree();
-                (model.maximised, model.settings_panel, model.inspector_panel) = (None, true, true);
-                model.camera = Camera::FIT;
-            }
             Action::Theme => {
                 let other = if ctx.theme() == Theme::Dark { Theme::Light } else { Theme::Dark };
                 ctx.set_theme(other);
             }
+            Action::Messages => self.toasts.messages.open = !self.toasts.messages.open,
+            Action::About => self.about.open = true,
             Action::Help => self.help = !self.help,
             Action::Palette => self.finder.toggle(),
         }
@@ -136,15 +205,70 @@ impl Window {
         match sample::unpacked() {
             Ok(path) => {
                 self.open(ctx, &path.to_string_lossy(), Start::FirstOcclusion);
+                self.model.origin = Origin::Sample;
                 self.apply(ctx, Command::Choose(Some(sample::PIXEL)));
             }
             Err(why) => self.toasts.fail(ctx, why),
         }
     }
 
+    /// Changes what is analysed, or tells why not.
+    pub(super) fn change_areas(&mut self, ctx: &Context, change: Change) {
+        let model = &mut self.model;
+        let Some(size) = model.size() else { return };
+        if let Change::Load(mask) = &change
+            && let Err(error) = mask.check(size)
+        {
+            self.toasts.fail(ctx, error.to_string());
+            return;
+        }
+        let before = model.areas.clone();
+        match model.areas.change(change, size) {
+            Ok(false) => {}
+            Ok(true) => {
+                model.history.note_areas(Areas { draft: None, ..before }, model.areas.clone());
+                self.send_areas();
+            }
+            Err(refused) => self.toasts.warn(ctx, refused.to_string()),
+        }
+    }
+
+    /// Makes what was changed as it was.
+    fn again(&mut self, again: Option<Again>) {
+        let model = &mut self.model;
+        match again {
+            Some(Again::Settings(slot, settings)) => {
+                model.slots.show(slot, &mut model.settings);
+                model.settings = settings;
+            }
+            Some(Again::Areas(areas)) => {
+                model.areas = areas;
+                self.send_areas();
+            }
+            None => {}
+        }
+    }
+
+    /// Gives the worker what is to be analysed.
+    fn send_areas(&mut self) {
+        // Other events stand at its place.
+        self.model.reading = None;
+        if let Some(player) = &self.model.player {
+            player.set_roi(self.model.areas.roi.clone());
+        }
+    }
+
+    /// Ends the work on the video that is there, or on opening it.
+    fn close(&mut self, ctx: &Context) {
+        self.pictures.clear();
+        self.model.closed();
+        ctx.send_viewport_cmd(ViewportCommand::Title("Occluscope".into()));
+    }
+
     /// Starts a worker on a video in place of the one that is there.
     fn open(&mut self, ctx: &Context, name: &str, start: Start) {
-        let player = (self.opener)(name, self.model.settings.clone(), start, ctx);
+        let roi = self.model.areas_for(name);
+        let player = (self.opener)(name, self.model.settings.clone(), roi, start, ctx);
         self.pictures.clear();
         self.model.opened(name, player);
         let short = std::path::Path::new(name)

@@ -2,6 +2,7 @@
 //! the window never waits for either.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use crossbeam_channel::{Receiver, Sender};
@@ -9,8 +10,11 @@ use eframe::egui::Context;
 use rfd::FileDialog;
 
 use super::export_frame::Picture;
-use super::settings_file;
+use super::{settings_file, whole_file};
+use crate::export::picture;
+use crate::regions::Roi;
 use crate::settings::Settings;
+use crate::truth::boxes::{self, Boxes};
 
 /// Nobody cancels a dialog sooner than this: it never came up.
 const TOO_SOON: Duration = Duration::from_millis(250);
@@ -23,6 +27,10 @@ pub(crate) enum Answer {
     Wrote(Result<PathBuf, String>),
     /// Settings were read from a file, or why not, in a sentence.
     Settings(Result<(PathBuf, Box<Settings>), String>),
+    /// A mask was read from a file, or why not, in a sentence.
+    Mask(Result<Arc<Roi>, String>),
+    /// Boxes were read from a file, or why not, in a sentence.
+    Truth(Result<Arc<Boxes>, String>),
     /// This system has no file dialogs.
     NoDialog,
 }
@@ -84,6 +92,35 @@ impl Dialogs {
             let path = dialog.add_filter("All files", &["*"]).pick_file()?;
             let read = settings_file::read(&path);
             Some(Answer::Settings(read.map(|settings| (path, Box::new(settings)))))
+        });
+    }
+
+    /// Asks for a picture of what is to be analysed, and reads it.
+    pub(crate) fn load_mask(&mut self, ctx: &Context) {
+        self.ask(ctx, || {
+            let dialog = FileDialog::new().set_title("Load area mask");
+            let endings = ["png", "bmp", "jpg", "jpeg", "tif", "tiff", "pgm"];
+            let path = dialog.add_filter("Picture", &endings).add_filter("All files", &["*"]).pick_file()?;
+            Some(Answer::Mask(Roi::read(&path).map(Arc::new).map_err(|error| error.to_string())))
+        });
+    }
+
+    /// Asks for a file of ground truth, and reads it.
+    pub(crate) fn load_truth(&mut self, ctx: &Context) {
+        self.ask(ctx, || {
+            let dialog = FileDialog::new().set_title("Load ground truth");
+            let dialog = dialog.add_filter("MOTChallenge", &["txt", "csv"]).add_filter("All files", &["*"]);
+            let read = boxes::read(&dialog.pick_file()?);
+            Some(Answer::Truth(read.map(Arc::new).map_err(|error| format!("{error}; choose another"))))
+        });
+    }
+
+    /// Asks where to write a mask of what is analysed, and writes it there.
+    pub(crate) fn save_mask(&mut self, ctx: &Context, roi: Arc<Roi>) {
+        self.ask(ctx, move || {
+            let dialog = FileDialog::new().set_title("Save area mask").set_file_name("roi.png");
+            let path = dialog.add_filter("PNG picture", &["png"]).save_file()?;
+            Some(Answer::Wrote(whole_file::write(path, "png", |at| picture::write_mask(at, roi.mask()))))
         });
     }
 

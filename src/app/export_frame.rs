@@ -40,10 +40,16 @@ impl Picture {
         format!("frame-{:06}.png", self.shown.frame.number)
     }
 
-    /// Writes it and returns where it stands, or why it does not, in a sentence.
-    pub(crate) fn write(&self, path: PathBuf) -> Result<PathBuf, String> {
+    /// The frame with all that is drawn on it.
+    pub(crate) fn drawn(&self) -> Frame {
         let mut frame = Frame::clone(&self.shown.frame);
         annotate(&mut frame, &Moment { recent: &self.recent, events: &self.events });
+        frame
+    }
+
+    /// Writes it and returns where it stands, or why it does not, in a sentence.
+    pub(crate) fn write(&self, path: PathBuf) -> Result<PathBuf, String> {
+        let frame = self.drawn();
         whole_file::write(path, "png", |at| picture::write_frame(at, &frame))
     }
 }

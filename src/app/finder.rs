@@ -1,10 +1,55 @@
-//! Find an action by typing parts of its name.
+//! Find an action or a setting by typing parts of its name.
 
 use eframe::egui::{Align, Align2, Button, Context, Id, Key, Modal, Modifiers, ScrollArea, TextEdit};
+use egui_material_icons::icons as m;
 
 use super::command::{ACTIONS, Action, Command, Entry};
+use super::icons::Icon;
 use super::state::Model;
 use super::{icons, theme, top_bar};
+use crate::settings::{SETTINGS, Setting};
+
+/// What can be found.
+#[derive(Clone, Copy)]
+enum Found {
+    Action(&'static Entry),
+    Setting(&'static Setting),
+}
+
+impl Found {
+    /// Its name.
+    fn text(self) -> String {
+        match self {
+            Self::Action(entry) => entry.text.to_owned(),
+            Self::Setting(setting) if setting.symbol.is_empty() => setting.name.replace('_', " "),
+            Self::Setting(setting) => format!("{} {}", setting.name.replace('_', " "), setting.symbol),
+        }
+    }
+
+    const fn icon(self) -> Icon {
+        match self {
+            Self::Action(entry) => entry.icon,
+            Self::Setting(_) => m::ICON_TUNE,
+        }
+    }
+
+    /// What stands behind the name: the key of an action, the stage of a setting.
+    fn note(self) -> String {
+        match self {
+            Self::Action(entry) => {
+                entry.shortcuts.first().map_or_else(String::new, |shortcut| shortcut.text())
+            }
+            Self::Setting(setting) => setting.stage.name().to_owned(),
+        }
+    }
+
+    fn tooltip(self) -> &'static str {
+        match self {
+            Self::Action(entry) => entry.tooltip,
+            Self::Setting(setting) => setting.meaning.trim(),
+        }
+    }
+}
 
 /// What has been typed, and which of the actions found is chosen.
 #[derive(Default)]
@@ -35,8 +80,9 @@ impl Finder {
             ui.set_width(440.0);
             let pressed = |key| ui.input_mut(|input| input.consume_key(Modifiers::NONE, key));
             let (up, down, enter) = (pressed(Key::ArrowUp), pressed(Key::ArrowDown), pressed(Key::Enter));
-            let edit =
-                TextEdit::singleline(&mut self.text).hint_text("What to do?").desired_width(f32::INFINITY);
+            let edit = TextEdit::singleline(&mut self.text)
+                .hint_text("An action or a setting")
+                .desired_width(f32::INFINITY);
             let response = ui.add(edit).accessible_name("Find an action");
             response.request_focus();
             if response.changed() {
@@ -45,36 +91,37 @@ impl Finder {
             let found = find(&self.text, model);
             let last = found.len().saturating_sub(1);
             self.chosen = (self.chosen + usize::from(down)).saturating_sub(usize::from(up)).min(last);
-            let mut done = enter.then(|| found.get(self.chosen).map(|entry| entry.action)).flatten();
+            let mut done = enter.then(|| found.get(self.chosen).copied()).flatten();
             ui.add_space(theme::SPACE);
             if found.is_empty() {
-                ui.weak("No action has such a name.");
+                ui.weak("No action and no setting has such a name.");
             }
             ScrollArea::vertical().max_height(300.0).show(ui, |ui| {
                 ui.with_layout(eframe::egui::Layout::top_down_justified(Align::Min), |ui| {
-                    for (index, entry) in found.iter().enumerate() {
+                    for (index, &each) in found.iter().enumerate() {
                         let chosen = index == self.chosen;
-                        let shortcut =
-                            entry.shortcuts.first().map_or_else(String::new, |shortcut| shortcut.text());
-                        let button = Button::selectable(chosen, (icons::text(entry.icon), entry.text))
-                            .shortcut_text(shortcut);
-                        let response = ui.add(button).accessible_name(entry.text);
+                        let text = each.text();
+                        let button = Button::selectable(chosen, (icons::text(each.icon()), &text))
+                            .shortcut_text(each.note());
+                        let response = ui.add(button).accessible_name(text);
                         if chosen && (up || down) {
                             response.scroll_to_me(None);
                         }
-                        if response.on_hover_text(entry.tooltip).clicked() {
-                            done = Some(entry.action);
+                        if response.on_hover_text(each.tooltip()).clicked() {
+                            done = Some(each);
                         }
                     }
                 });
             });
             done
         });
-        if let Some(action) = response.inner {
+        if let Some(found) = response.inner {
             self.open = false;
-            // The finder itself is shut by then: asking for it again would only open it anew.
-            if action != Action::Palette {
-                commands.push(Command::Act(action));
+            match found {
+                // The finder itself is shut by then: asking for it again would only open it anew.
+                Found::Action(entry) if entry.action == Action::Palette => {}
+                Found::Action(entry) => commands.push(Command::Act(entry.action)),
+                Found::Setting(setting) => commands.push(Command::LookAt(setting.name)),
             }
         } else if response.should_close() {
             self.open = false;
@@ -82,15 +129,15 @@ impl Finder {
     }
 }
 
-/// The actions that make sense now and whose name holds the letters, the best first.
-fn find(text: &str, model: &Model) -> Vec<&'static Entry> {
-    let mut found: Vec<_> = ACTIONS
-        .iter()
-        .filter(|entry| top_bar::allowed(model, entry))
-        .filter_map(|entry| Some((score(text, entry.text)?, entry)))
+/// The actions that make sense now and the settings whose name holds the letters, the best first.
+fn find(text: &str, model: &Model) -> Vec<Found> {
+    let actions = ACTIONS.iter().filter(|entry| top_bar::allowed(model, entry)).map(Found::Action);
+    let mut found: Vec<_> = actions
+        .chain(SETTINGS.iter().map(Found::Setting))
+        .filter_map(|each| Some((score(text, &each.text())?, each)))
         .collect();
     found.sort_by_key(|(score, _)| std::cmp::Reverse(*score));
-    found.into_iter().map(|(_, entry)| entry).collect()
+    found.into_iter().map(|(_, each)| each).collect()
 }
 
 /// How well the letters of `text` are found in order in `name`; `None` when they are not.
@@ -121,7 +168,16 @@ mod tests {
         assert!(score("xn n", "Next event").is_none());
         assert!(score("fit", "Fit image") > score("fit", "First frame of it"));
         let model = Model::new(crate::settings::Settings::default());
-        assert!(find("", &model).iter().all(|entry| entry.always || entry.action == Action::Undo));
-        assert_eq!(find("openv", &model)[0].action, Action::OpenVideo);
+        let always = |found: &Found| matches!(found, Found::Action(entry) if entry.always);
+        assert!(find("", &model).iter().all(|found| always(found) || matches!(found, Found::Setting(_))));
+        assert!(
+            matches!(find("openv", &model)[0], Found::Action(entry) if entry.action == Action::OpenVideo)
+        );
+        for text in ["match sig", "λ"] {
+            assert!(
+                matches!(find(text, &model)[0], Found::Setting(setting) if setting.name == "match_sigmas"),
+                "{text}"
+            );
+        }
     }
 }

@@ -1,17 +1,28 @@
-//! Undo and redo of settings.
+//! Undo and redo of settings and areas.
 
+use super::areas::Areas;
 use super::slots::Slot;
 use crate::settings::Settings;
 
 /// How many changes can be taken back.
 const DEPTH: usize = 200;
 
-/// One change of the settings in a slot.
+/// One change.
 #[derive(Clone, Debug)]
-struct Change {
-    slot: Slot,
-    before: Settings,
-    after: Settings,
+enum Change {
+    /// Of the settings in a slot.
+    Settings { slot: Slot, before: Settings, after: Settings },
+    /// Of the areas.
+    Areas { before: Areas, after: Areas },
+}
+
+/// What is to be as it was.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) enum Again {
+    /// The settings in a slot.
+    Settings(Slot, Settings),
+    /// The areas.
+    Areas(Areas),
 }
 
 /// Changes that were made, and those that were taken back.
@@ -37,7 +48,24 @@ impl History {
             return;
         }
         let before = std::mem::replace(present, settings.clone());
-        self.past.push(Change { slot: *slot, before, after: settings.clone() });
+        let slot = *slot;
+        self.add(Change::Settings { slot, before, after: settings.clone() });
+    }
+
+    /// Notes other areas.
+    pub(crate) fn note_areas(&mut self, before: Areas, after: Areas) {
+        self.add(Change::Areas { before, after });
+    }
+
+    /// Areas belong to a video, and it is no longer there.
+    pub(crate) fn forget_areas(&mut self) {
+        for changes in [&mut self.past, &mut self.future] {
+            changes.retain(|change| matches!(change, Change::Settings { .. }));
+        }
+    }
+
+    fn add(&mut self, change: Change) {
+        self.past.push(change);
         if self.past.len() > DEPTH {
             self.past.remove(0);
         }
@@ -49,20 +77,31 @@ impl History {
         self.present = (slot, settings.clone());
     }
 
-    /// The slot that was last changed, and its settings before.
-    pub(crate) fn undo(&mut self) -> Option<(Slot, Settings)> {
+    /// What was last changed, as it was before.
+    pub(crate) fn undo(&mut self) -> Option<Again> {
         let change = self.past.pop()?;
-        self.present = (change.slot, change.before.clone());
+        let again = match &change {
+            Change::Settings { slot, before, .. } => self.settings(*slot, before.clone()),
+            Change::Areas { before, .. } => Again::Areas(before.clone()),
+        };
         self.future.push(change);
-        Some(self.present.clone())
+        Some(again)
     }
 
-    /// The slot whose change was last taken back, and its settings after it.
-    pub(crate) fn redo(&mut self) -> Option<(Slot, Settings)> {
+    /// What was last taken back, as it was after its change.
+    pub(crate) fn redo(&mut self) -> Option<Again> {
         let change = self.future.pop()?;
-        self.present = (change.slot, change.after.clone());
+        let again = match &change {
+            Change::Settings { slot, after, .. } => self.settings(*slot, after.clone()),
+            Change::Areas { after, .. } => Again::Areas(after.clone()),
+        };
         self.past.push(change);
-        Some(self.present.clone())
+        Some(again)
+    }
+
+    fn settings(&mut self, slot: Slot, settings: Settings) -> Again {
+        self.present = (slot, settings.clone());
+        Again::Settings(slot, settings)
     }
 
     /// Whether there is something to take back, and to make again.
@@ -84,10 +123,10 @@ mod tests {
         assert_eq!(history.can(), (false, false));
         history.note(&two);
         history.note(&five);
-        assert_eq!(history.undo(), Some((Slot::A, two.clone())));
-        assert_eq!(history.undo(), Some((Slot::A, start.clone())));
+        assert_eq!(history.undo(), Some(Again::Settings(Slot::A, two.clone())));
+        assert_eq!(history.undo(), Some(Again::Settings(Slot::A, start.clone())));
         assert_eq!(history.undo(), None);
-        assert_eq!(history.redo(), Some((Slot::A, two)));
+        assert_eq!(history.redo(), Some(Again::Settings(Slot::A, two)));
         history.note(&start);
         assert_eq!(history.redo(), None);
     }
@@ -103,10 +142,25 @@ mod tests {
         history.note(&two);
         history.look(Slot::B, &five);
         history.note(&five);
-        assert_eq!(history.undo(), Some((Slot::A, start.clone())));
-        assert_eq!(history.undo(), Some((Slot::B, start)));
+        assert_eq!(history.undo(), Some(Again::Settings(Slot::A, start.clone())));
+        assert_eq!(history.undo(), Some(Again::Settings(Slot::B, start)));
         assert_eq!(history.undo(), None);
-        assert_eq!(history.redo(), Some((Slot::B, five)));
-        assert_eq!(history.redo(), Some((Slot::A, two)));
+        assert_eq!(history.redo(), Some(Again::Settings(Slot::B, five)));
+        assert_eq!(history.redo(), Some(Again::Settings(Slot::A, two)));
+    }
+
+    #[test]
+    fn areas_are_taken_back_between_settings_until_another_video_is_opened() {
+        let start = Settings::default();
+        let five = Settings { k: 5, ..start.clone() };
+        let chosen = Areas { chosen: Some(0), ..Areas::default() };
+        let mut history = History::new(start.clone());
+        history.note_areas(Areas::default(), chosen.clone());
+        history.note(&five);
+        assert_eq!(history.undo(), Some(Again::Settings(Slot::A, start)));
+        assert_eq!(history.undo(), Some(Again::Areas(Areas::default())));
+        assert_eq!(history.redo(), Some(Again::Areas(chosen)));
+        history.forget_areas();
+        assert_eq!((history.can(), history.redo()), ((false, true), Some(Again::Settings(Slot::A, five))));
     }
 }

@@ -3,10 +3,12 @@
 use eframe::egui::{Context, Event, Key, Modifiers};
 
 use super::command::{ACTIONS, Command};
+use super::state::Model;
+use super::top_bar;
 
-/// The actions whose keys were pressed. None while text is typed, and none of the keys that move
+/// The actions that make sense now and whose keys were pressed. None while text is typed, and none of the keys that move
 /// or press a control while one has the focus.
-pub(crate) fn pressed(ctx: &Context, commands: &mut Vec<Command>) {
+pub(crate) fn pressed(ctx: &Context, model: &Model, commands: &mut Vec<Command>) {
     if ctx.text_edit_focused() {
         return;
     }
@@ -19,7 +21,9 @@ pub(crate) fn pressed(ctx: &Context, commands: &mut Vec<Command>) {
             }
             let called = ACTIONS
                 .iter()
-                .find(|entry| entry.shortcuts.iter().any(|shortcut| shortcut.matches(*key, *modifiers)));
+                .find(|entry| entry.shortcuts.iter().any(|shortcut| shortcut.matches(*key, *modifiers)))
+                // Esc shuts menus, too: a key that has nothing to do is left to others.
+                .filter(|entry| top_bar::allowed(model, entry));
             if let Some(entry) = called
                 && (!repeat || entry.repeats)
             {

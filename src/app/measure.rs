@@ -55,6 +55,8 @@ impl Player for Ready {
 
     fn set_settings(&self, _: Settings) {}
 
+    fn set_roi(&self, _: Option<Arc<regions::Roi>>) {}
+
     fn inspect(&self, _: Option<(u32, u32)>) {}
 }
 
@@ -87,7 +89,7 @@ fn shown_at(position: u32, count: u32) -> Shown {
         let centre = [bbox.x + bbox.w / 2.0, bbox.y + bbox.h / 2.0];
         let shape = Shape { area: w * h, bbox, centroid: centre, ..Shape::default() };
         let histogram = regions::Histogram::default();
-        regions.push(Region { label: id, shape, colour: [180, 90, 70], histogram });
+        regions.push(Region { label: id, shape, colour: [180, 90, 70], histogram, mosaic: Arc::default() });
         tracks.push(Track {
             bbox,
             centre,
@@ -100,6 +102,7 @@ fn shown_at(position: u32, count: u32) -> Shown {
     Shown {
         position,
         settings: Arc::new(Settings::default()),
+        roi: None,
         frame: picture(position + 1),
         analysis: Arc::new(Analysis {
             number: position + 1,
@@ -172,9 +175,12 @@ fn measure(count: u32) {
     let gpu = create_render_state(default_wgpu_setup(), RendererOptions::default());
     let ctx = egui::Context::default();
     ctx.set_theme(Theme::Dark);
-    let opener = move |_: &str, _: Settings, _: Start, _: &egui::Context| -> Box<dyn Player> {
-        Box::new(ready(frames.clone()))
-    };
+    let opener = move |_: &str,
+                       _: Settings,
+                       _: Option<Arc<regions::Roi>>,
+                       _: Start,
+                       _: &egui::Context|
+          -> Box<dyn Player> { Box::new(ready(frames.clone())) };
     let mut window = Window::new(&ctx, &gpu, Settings::default(), Box::new(opener)).unwrap();
     window.apply(&ctx, Command::Open("crowd.mp4".into(), Start::First));
     let target = gpu.device.create_texture(&wgpu::TextureDescriptor {

@@ -1,12 +1,17 @@
 //! The window.
 //!
 //! Panels and views read the `state::Model` and push `command::Command`s; `apply` does what
-//! they ask. `command::ACTIONS` is the one table of what can be done by name or key.
+//! they ask. `actions::ACTIONS` is the one table of what can be done by name or key.
 
+mod about;
+mod actions;
 mod apply;
+mod area_panel;
+mod areas;
 mod command;
 mod dialogs;
 mod drop_files;
+mod entry;
 mod events_panel;
 mod export_frame;
 mod finder;
@@ -14,9 +19,14 @@ mod help;
 mod history;
 mod icons;
 pub mod inspector;
+mod kept;
 mod keys;
+mod marks;
+mod messages;
+mod overlays;
 mod sample;
 mod setting_control;
+mod setting_help;
 mod settings_file;
 mod settings_panel;
 mod slots;
@@ -44,27 +54,41 @@ use std::time::{Duration, Instant};
 use eframe::egui::{self, CentralPanel, Context, Frame, Margin, Panel, Ui, vec2};
 use eframe::egui_wgpu::RenderState;
 
+use self::about::About;
+use self::areas::{Areas, Change};
 use self::command::Command;
 use self::dialogs::{Answer, Dialogs};
 use self::finder::Finder;
 use self::inspector::{Inspector, InspectorAction};
+use self::kept::Kept;
 use self::state::{Model, Opener};
 use self::status::Pace;
 use self::toasts::Toasts;
-use self::views::{Pictures, View};
+use self::views::{Layout, Pictures, View};
+use crate::regions::Roi;
 use crate::replay::{Session, Start};
 use crate::settings::Settings;
+
+/// The picture that stands for the program.
+const ICON: &[u8] = include_bytes!("../../assets/occluscope.png");
 
 /// While a slider is pulled, the worker gets new settings no oftener than this.
 const SETTLE: Duration = Duration::from_millis(60);
 
 /// Opens the window on a video, or on the bundled scene at its first occlusion, and returns when it is shut.
+/// Of the video, `roi` is analysed, the whole image without one.
 /// Videos take up to `memory` bytes, a quarter of the machine's where that is not said.
 /// Fails with a sentence when there is no display or no graphics adapter.
-pub fn run(video: Option<String>, settings: Settings, memory: Option<usize>) -> anyhow::Result<()> {
+pub fn run(
+    video: Option<String>,
+    settings: Settings,
+    roi: Option<Arc<Roi>>,
+    memory: Option<usize>,
+) -> anyhow::Result<()> {
     let viewport = egui::ViewportBuilder::default()
         .with_title("Occluscope")
         .with_app_id("occluscope")
+        .with_icon(eframe::icon_data::from_png_bytes(ICON).unwrap_or_default())
         .with_inner_size(vec2(1600.0, 1000.0))
         .with_min_inner_size(vec2(800.0, 560.0));
     let options = eframe::NativeOptions { viewport, ..eframe::NativeOptions::default() };
@@ -76,6 +100,7 @@ pub fn run(video: Option<String>, settings: Settings, memory: Option<usize>) -> 
         let gpu = creation.wgpu_render_state.as_ref().ok_or("no graphics adapter")?;
         let mut window = Window::new(&creation.egui_ctx, gpu, settings, open_sessions(memory))?;
         window.restore(&creation.egui_ctx, creation.storage);
+        window.model.areas = Areas::of_mask(roi);
         window.apply(&creation.egui_ctx, first);
         Ok(Box::new(window))
     };
@@ -84,9 +109,9 @@ pub fn run(video: Option<String>, settings: Settings, memory: Option<usize>) -> 
 
 /// Opens sessions that keep within so many bytes.
 fn open_sessions(memory: Option<usize>) -> Opener {
-    Box::new(move |name, settings, start, ctx| {
+    Box::new(move |name, settings, roi, start, ctx| {
         let ctx = ctx.clone();
-        Box::new(Session::open(name, settings, start, memory, move || ctx.request_repaint()))
+        Box::new(Session::open(name, settings, roi, start, memory, move || ctx.request_repaint()))
     })
 }
 
@@ -111,11 +136,14 @@ fn explain(error: &eframe::Error) -> anyhow::Error {
 struct Window {
     model: Model,
     tree: egui_tiles::Tree<View>,
+    /// Points a pixel where the whole image fits: in the view under the pointer, or the largest.
+    fitted: Option<f32>,
     pictures: Pictures,
     toasts: Toasts,
     dialogs: Dialogs,
     finder: Finder,
     help: bool,
+    about: About,
     opener: Opener,
     inspector: Inspector,
     sent_at: Option<Instant>,
@@ -132,12 +160,14 @@ impl Window {
         theme::install(ctx);
         Ok(Self {
             model: Model::new(settings),
-            tree: views::default_tree(),
+            tree: Layout::All.tree(),
+            fitted: None,
             pictures: Pictures::start(ctx, gpu)?,
             toasts: Toasts::default(),
             dialogs: Dialogs::default(),
             finder: Finder::default(),
             help: false,
+            about: About::on(&gpu.adapter.get_info()),
             opener,
             inspector: Inspector::default(),
             sent_at: None,
@@ -156,8 +186,7 @@ impl Window {
         {
             self.tree = tree;
         }
-        let light = storage.and_then(|storage| eframe::get_value(storage, LIGHT)).unwrap_or(false);
-        ctx.set_theme(if light { egui::Theme::Light } else { egui::Theme::Dark });
+        Kept::read(storage).restore(ctx, &mut self.model);
     }
 
     /// Takes in what the worker, the dialogs and the clock have brought; draws nothing.
@@ -199,12 +228,23 @@ impl Window {
                 self.apply(ctx, Command::Set(settings));
                 self.toasts.done(ctx, format!("Settings of {}", path.display()));
             }
+            Answer::Mask(Ok(mask)) => self.change_areas(ctx, Change::Load(mask)),
+            Answer::Truth(Ok(boxes)) => {
+                let frames = boxes.len();
+                self.model.truth = Some(boxes);
+                self.toasts.done(ctx, format!("Ground truth of {frames} frames, over the tracks"));
+            }
             Answer::NoDialog => self.toasts.fail(
                 ctx,
                 "This system opens no file dialog; install xdg-desktop-portal or zenity, or drop a video on \
                  the window, or name it on the command line",
             ),
-            Answer::Wrote(Err(why)) | Answer::Settings(Err(why)) => self.toasts.fail(ctx, why),
+            Answer::Wrote(Err(why))
+            | Answer::Settings(Err(why))
+            | Answer::Mask(Err(why))
+            | Answer::Truth(Err(why)) => {
+                self.toasts.fail(ctx, why);
+            }
         }
     }
 
@@ -241,7 +281,10 @@ impl Window {
         let bar = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 4));
         Panel::top("menus").frame(bar).show(ui, |ui| top_bar::ui(ui, model, commands));
         let bar = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(10, 0));
-        Panel::bottom("status").frame(bar).exact_size(theme::ROW).show(ui, |ui| status::ui(ui, model, pace));
+        Panel::bottom("status")
+            .frame(bar)
+            .exact_size(theme::ROW)
+            .show(ui, |ui| status::ui(ui, model, pace, commands));
         if model.shown().is_some() {
             let bar = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(10, 6));
             Panel::bottom("timeline")
@@ -290,11 +333,12 @@ impl Window {
                 }
             });
         }
-        let (tree, pictures) = (&mut self.tree, &mut self.pictures);
+        let (tree, pictures, fitted) = (&mut self.tree, &mut self.pictures, &mut self.fitted);
         CentralPanel::no_frame().show(ui, |ui| {
             if model.shown().is_some() {
                 welcome::stopped(ui, model, commands);
-                views::show(ui, tree, pictures, model, commands);
+                welcome::hint(ui, model, commands);
+                *fitted = views::show(ui, tree, pictures, model, commands);
             } else {
                 welcome::ui(ui, model, commands);
             }
@@ -306,8 +350,6 @@ impl Window {
 const TRANSPORT: f32 = 244.0;
 /// Under which name the places of the views are kept from start to start.
 const LAYOUT: &str = "layout";
-/// Under which name it is kept whether the window is light.
-const LIGHT: &str = "light";
 
 impl eframe::App for Window {
     fn logic(&mut self, ctx: &Context, _frame: &mut eframe::Frame) {
@@ -321,7 +363,8 @@ impl eframe::App for Window {
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
         eframe::set_value(storage, LAYOUT, &self.tree);
-        eframe::set_value(storage, LIGHT, &self.light);
+        self.model.put_marks_away();
+        Kept::of(&self.model, self.light).write(storage);
     }
 }
 
@@ -330,14 +373,16 @@ impl Window {
     fn show(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
         self.light = ctx.theme() == egui::Theme::Light;
+        self.model.open = View::ALL.map(|view| views::is_open(&self.tree, view));
         let mut commands = Vec::new();
-        if !self.help && !self.finder.is_open() {
-            keys::pressed(&ctx, &mut commands);
+        if !self.help && !self.about.open && !self.finder.is_open() {
+            keys::pressed(&ctx, &self.model, &mut commands);
         }
         self.panels(ui, &mut commands);
         // Views may have come into sight that need more of the frame.
         self.ask_for_pictures();
         help::ui(&ctx, &mut self.help);
+        self.about.ui(&ctx);
         self.finder.ui(&ctx, &self.model, &mut commands);
         drop_files::ui(&ctx, &mut commands);
         self.toasts.show(&ctx);

@@ -5,25 +5,25 @@ use eframe::egui::{
 };
 use egui_material_icons::icons as m;
 
-use super::theme;
+use super::{setting_help, theme};
 use crate::settings::{Kind, Setting, Settings, Span, Value};
 
 /// From this ratio of its ends on, a range of whole numbers has a logarithmic slider.
 const WIDE: u32 = 200;
 
-/// Shows it; a change goes into `settings`.
+/// Shows it; a change goes into `settings`. Returns its place.
 pub(crate) fn ui(
     ui: &mut Ui,
     setting: &'static Setting,
     settings: &mut Settings,
     defaults: &Settings,
     fps: f32,
-) {
+) -> Response {
     let colours = theme::colours(ui.visuals());
     let before = setting.get(settings);
     let differs = before != setting.get(defaults);
     let mut value = before;
-    ui.push_id(setting.name, |ui| {
+    let whole = ui.push_id(setting.name, |ui| {
         ui.add_space(theme::SPACE / 2.0);
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = theme::SPACE;
@@ -46,12 +46,25 @@ pub(crate) fn ui(
         // The controls keep to the ranges; what would still be refused leaves the setting as it was.
         let _ = setting.set(settings, value);
     }
+    whole.response
 }
 
 fn tooltip(ui: &mut Ui, setting: &Setting, defaults: &Settings) {
     let symbol = if setting.symbol.is_empty() { String::new() } else { format!("  {}", setting.symbol) };
     ui.strong(format!("{}{symbol}", setting.name));
     ui.label(setting.meaning.trim());
+    if let Some(help) = setting_help::help(setting.name) {
+        if !help.equation.is_empty() {
+            ui.add_space(theme::SPACE);
+            ui.monospace(help.equation);
+            ui.add_space(theme::SPACE);
+        }
+        if !matches!(setting.kind, Kind::Choice(_)) {
+            ui.weak("When it is raised:");
+        }
+        ui.label(help.raising);
+        ui.add_space(theme::SPACE);
+    }
     let unit = if setting.unit.is_empty() { String::new() } else { format!(" {}", setting.unit) };
     ui.weak(format!("Range: {}{unit}", setting.kind.range(setting.symbol)));
     ui.weak(format!("Default: {}{unit}", setting.get(defaults)));

@@ -1,14 +1,17 @@
 //! Every setting, made from the table of settings, grouped by stage.
 
-use eframe::egui::{Align, Button, CollapsingHeader, ComboBox, Layout, RichText, ScrollArea, Ui};
+use eframe::egui::{
+    Align, Button, CollapsingHeader, ComboBox, InputState, Layout, RichText, ScrollArea, Stroke, StrokeKind,
+    Ui, Vec2, vec2,
+};
 use egui_material_icons::icons as m;
 
 use super::command::{Action, Command};
 use super::setting_control;
 use super::slots::{self, Slot};
 use super::state::Model;
-use super::{icons, theme};
-use crate::settings::{Preset, SETTINGS, Settings, Stage};
+use super::{area_panel, icons, theme};
+use crate::settings::{Preset, SETTINGS, Setting, Settings, Stage};
 
 /// Shows them.
 pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
@@ -18,6 +21,10 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let fps = model.fps();
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         for stage in Stage::ALL {
+            // What is ignored is taken away before cleaning.
+            if stage == Stage::Cleaning && model.size().is_some() {
+                area_panel::ui(ui, model, commands);
+            }
             let defaults = Settings::default();
             let of_stage = || SETTINGS.iter().filter(move |setting| setting.stage == stage);
             let changed = of_stage().filter(|s| s.get(&settings) != s.get(&defaults)).count();
@@ -26,12 +33,32 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             } else {
                 RichText::new(format!("{}  ({changed} changed)", stage.name())).strong()
             };
+            let looked_at = model.looked_at.and_then(Setting::named);
             CollapsingHeader::new(title)
                 .id_salt(stage.name())
                 .default_open(stage == Stage::Mixture)
+                .open(looked_at.filter(|setting| setting.stage == stage).map(|_| true))
                 .show_unindented(ui, |ui| {
                     for setting in of_stage() {
-                        setting_control::ui(ui, setting, &mut settings, &defaults, fps);
+                        let looked_at = model.looked_at == Some(setting.name);
+                        let response = setting_control::ui(ui, setting, &mut settings, &defaults, fps);
+                        if looked_at {
+                            response.scroll_to_me(Some(Align::Center));
+                            let accent = theme::colours(ui.visuals()).accent;
+                            let place = response.rect.expand2(vec2(2.0, 1.0));
+                            ui.painter().rect_stroke(
+                                place,
+                                4.0,
+                                Stroke::new(1.5, accent),
+                                StrokeKind::Inside,
+                            );
+                            let elsewhere = |input: &InputState| {
+                                input.pointer.any_pressed() || input.smooth_scroll_delta() != Vec2::ZERO
+                            };
+                            if ui.input(elsewhere) {
+                                commands.push(Command::Seen);
+                            }
+                        }
                     }
                     ui.add_space(2.0 * theme::SPACE);
                 });
@@ -49,10 +76,9 @@ fn head(ui: &mut Ui, model: &Model, settings: &mut Settings, commands: &mut Vec<
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             ui.spacing_mut().item_spacing.x = theme::SPACE;
             let (undo, redo) = model.history.can();
-            for (enabled, icon, action, name) in [
-                (redo, m::ICON_REDO, Action::Redo, "Redo change of settings"),
-                (undo, m::ICON_UNDO, Action::Undo, "Undo change of settings"),
-            ] {
+            for (enabled, icon, action, name) in
+                [(redo, m::ICON_REDO, Action::Redo, "Redo"), (undo, m::ICON_UNDO, Action::Undo, "Undo")]
+            {
                 let button = Button::new(icons::text(icon)).frame_when_inactive(false);
                 let response = ui.add_enabled(enabled, button).accessible_name(name);
                 if response.on_hover_text(name).clicked() {

@@ -5,14 +5,20 @@ use std::sync::Arc;
 
 use eframe::egui::Context;
 
+use super::areas::Areas;
 use super::history::History;
+use super::marks::Marks;
+use super::overlays::{Overlay, Overlays};
 use super::slots::{Slot, Slots};
 use super::views::{Background, View};
+use crate::frame::Size;
 use crate::mixture::PixelHistory;
 use crate::occlusion::EventKind;
+use crate::regions::Roi;
 use crate::replay::{Phase, Session, Shown, Start, State, Timeline};
 use crate::settings::Settings;
 use crate::tracking::Track;
+use crate::truth::boxes::Boxes;
 
 /// What the window asks of the worker behind it.
 pub(crate) trait Player {
@@ -22,6 +28,8 @@ pub(crate) trait Player {
     fn show(&self, position: u32);
     /// Asks for other settings.
     fn set_settings(&self, settings: Settings);
+    /// Asks for another part of the image to be analysed, the whole without one.
+    fn set_roi(&self, roi: Option<Arc<Roi>>);
     /// Chooses a pixel.
     fn inspect(&self, at: Option<(u32, u32)>);
 }
@@ -39,18 +47,25 @@ impl Player for Session {
         Session::set_settings(self, settings);
     }
 
+    fn set_roi(&self, roi: Option<Arc<Roi>>) {
+        Session::set_roi(self, roi);
+    }
+
     fn inspect(&self, at: Option<(u32, u32)>) {
         Session::inspect(self, at);
     }
 }
 
 /// How a video's name becomes a worker.
-pub(crate) type Opener = Box<dyn Fn(&str, Settings, Start, &Context) -> Box<dyn Player>>;
+pub(crate) type Opener = Box<dyn Fn(&str, Settings, Option<Arc<Roi>>, Start, &Context) -> Box<dyn Player>>;
 
 /// The speeds at which can be played.
 pub(crate) const SPEEDS: [f32; 8] = [0.0625, 0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0];
 /// The place of ×1 among them.
 pub(crate) const NORMAL_SPEED: usize = 4;
+
+/// So many videos are remembered.
+const RECENT: usize = 10;
 
 /// Over how many frames back a trail goes.
 const TRAIL: u32 = 60;
@@ -108,7 +123,11 @@ impl Moment {
     fn after(before: Option<&Self>, shown: &Arc<Shown>) -> Self {
         let mut trails = before.map(|before| Arc::clone(&before.trails)).unwrap_or_default();
         let kept = Arc::make_mut(&mut trails);
-        if before.is_some_and(|before| before.shown.settings != shown.settings) {
+        let other = |before: &Self| {
+            let roi = |shown: &Shown| shown.roi.as_ref().map(Arc::as_ptr);
+            before.shown.settings != shown.settings || roi(&before.shown) != roi(shown)
+        };
+        if before.is_some_and(other) {
             kept.clear();
         }
         kept.insert(shown.position, (shown.frame.number, shown.analysis.tracks.clone()));
@@ -118,23 +137,15 @@ impl Moment {
     }
 }
 
-/// The mask over the input.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) struct Overlay {
-    /// Whether it is there.
-    pub(crate) on: bool,
-    /// How much of the input it covers, in per cent.
-    pub(crate) opacity: u8,
-}
-
-impl Overlay {
-    /// Its opacities, in per cent, through which a key goes.
-    const STEPS: [u8; 4] = [25, 50, 75, 100];
-
-    /// The next opacity of the steps; the first after the last.
-    pub(crate) fn next(self) -> u8 {
-        Self::STEPS.into_iter().find(|&step| step > self.opacity).unwrap_or(Self::STEPS[0])
-    }
+/// What is open, to the list of what was opened before.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Origin {
+    /// It comes into the list once it is known to open.
+    New,
+    /// It is in the list.
+    Listed,
+    /// The bundled scene: it never comes into the list.
+    Sample,
 }
 
 /// Everything that the window shows, and what has been asked for.
@@ -149,6 +160,8 @@ pub(crate) struct Model {
     pub(crate) moment: Option<Arc<Moment>>,
     /// What was opened, as it was named.
     pub(crate) opened: Option<String>,
+    /// What that is to the list of what was opened before.
+    pub(crate) origin: Origin,
     /// The settings that are asked for: those of the slot in view.
     pub(crate) settings: Settings,
     /// The slot in view, and what lies in the other.
@@ -159,8 +172,16 @@ pub(crate) struct Model {
     pub(crate) history: History,
     /// The position that was asked for and has not arrived.
     pub(crate) wanted: Option<u32>,
+    /// What is analysed, and what is drawn to say so.
+    pub(crate) areas: Areas,
     /// Playing.
     pub(crate) playback: Playback,
+    /// What is marked in this video.
+    pub(crate) marks: Marks,
+    /// What was marked in others, by their names.
+    pub(crate) marks_of: BTreeMap<String, Marks>,
+    /// Which positions the timeline shows, from and to; all of them where it is not said.
+    pub(crate) span: Option<(f32, f32)>,
     /// The chosen pixel.
     pub(crate) chosen: Option<(u32, u32)>,
     /// The pixel under the pointer.
@@ -173,10 +194,22 @@ pub(crate) struct Model {
     pub(crate) background: Background,
     /// The mask over the input.
     pub(crate) overlay: Overlay,
+    /// The boxes that are known to be right, by frame number and identity.
+    pub(crate) truth: Option<Arc<Boxes>>,
+    /// What is drawn over the tracks.
+    pub(crate) drawn: Overlays,
+    /// Which views are open, in the order of [`View::ALL`].
+    pub(crate) open: [bool; View::ALL.len()],
+    /// What was opened before, the last first.
+    pub(crate) recent: Vec<String>,
     /// Which kinds of events are listed and jumped to, in the order of [`EventKind::ALL`].
     pub(crate) listed: [bool; EventKind::ALL.len()],
     /// The event whose evidence is read, by its place in the timeline.
     pub(crate) reading: Option<usize>,
+    /// The setting that is to be brought into sight.
+    pub(crate) looked_at: Option<&'static str>,
+    /// Whether the line on what to try first is still to be read.
+    pub(crate) hint: bool,
     /// Whether the panel on the left is there.
     pub(crate) settings_panel: bool,
     /// Whether the panel on the right is there.
@@ -192,11 +225,16 @@ impl Model {
             newest: None,
             moment: None,
             opened: None,
+            origin: Origin::New,
             history: History::new(settings.clone()),
             sent: settings.clone(),
             settings,
             slots: Slots::new(),
             wanted: None,
+            areas: Areas::default(),
+            marks: Marks::default(),
+            marks_of: BTreeMap::new(),
+            span: None,
             playback: Playback { playing: false, speed: NORMAL_SPEED, next_at: 0.0 },
             chosen: None,
             hovered: None,
@@ -204,11 +242,32 @@ impl Model {
             maximised: None,
             background: Background::Mean,
             overlay: Overlay { on: false, opacity: 50 },
+            truth: None,
+            drawn: Overlays::default(),
+            open: [true; View::ALL.len()],
+            recent: Vec::new(),
             listed: [true; EventKind::ALL.len()],
             reading: None,
+            looked_at: None,
+            hint: true,
             settings_panel: true,
             inspector_panel: true,
         }
+    }
+
+    /// What is analysed of a video that is about to be opened: what was said at the start, or was drawn over the same.
+    pub(crate) fn areas_for(&mut self, name: &str) -> Option<Arc<Roi>> {
+        let same = self.opened.as_deref() == Some(name) && self.size().is_some();
+        if self.opened.is_some() && !same {
+            self.areas = Areas::default();
+            self.history.forget_areas();
+        }
+        self.areas.roi.clone()
+    }
+
+    /// The size of the frames, once it is known.
+    pub(crate) fn size(&self) -> Option<Size> {
+        self.state.as_ref()?.info.as_ref().map(|info| info.size)
     }
 
     /// Another video has been opened in place of what was there.
@@ -216,11 +275,48 @@ impl Model {
         self.state = Some(player.state());
         self.player = Some(player);
         (self.newest, self.moment) = (None, None);
+        self.put_marks_away();
+        self.marks = self.marks_of.get(name).cloned().unwrap_or_default();
+        self.span = None;
         self.opened = Some(name.to_owned());
+        (self.origin, self.truth) = (Origin::New, None);
         self.sent = self.settings.clone();
         (self.wanted, self.chosen, self.hovered, self.reading) = (None, None, None, None);
         self.playback.playing = false;
         self.camera = Camera::FIT;
+    }
+
+    /// The video has been closed.
+    pub(crate) fn closed(&mut self) {
+        self.put_marks_away();
+        (self.player, self.state, self.newest, self.moment, self.opened) = (None, None, None, None, None);
+        (self.wanted, self.chosen, self.hovered, self.reading) = (None, None, None, None);
+        (self.marks, self.span, self.areas) = (Marks::default(), None, Areas::default());
+        self.history.forget_areas();
+        (self.origin, self.truth) = (Origin::New, None);
+        self.playback.playing = false;
+    }
+
+    /// Video, frame, time and the chosen pixel, in a line.
+    pub(crate) fn place(&self) -> Option<String> {
+        let shown = self.shown()?;
+        let name = self.opened.as_deref().map_or("", super::top_bar::short);
+        let seconds = shown.position as f32 / self.fps();
+        let pixel = self.chosen.and_then(|(x, y)| {
+            let [r, g, b] = shown.frame.pixel(x, y)?;
+            Some(format!(", pixel {x},{y} = {r} {g} {b}"))
+        });
+        Some(format!("{name}, frame {}, {seconds:.2} s{}", shown.frame.number, pixel.unwrap_or_default()))
+    }
+
+    /// Keeps what is marked under the video's name.
+    pub(crate) fn put_marks_away(&mut self) {
+        let Some(name) = &self.opened else { return };
+        if self.marks.is_empty() {
+            self.marks_of.remove(name);
+        } else {
+            self.marks_of.insert(name.clone(), self.marks.clone());
+        }
     }
 
     /// Brings the settings of a slot into view. Returns whether the slot is new.
@@ -334,8 +430,25 @@ impl Model {
                 self.newest = Some(Arc::new(Moment::after(self.newest.as_deref(), shown)));
             }
         }
+        let is_open = state.info.is_some();
         self.state = Some(state);
+        if is_open && self.origin == Origin::New {
+            self.remember();
+        }
         news
+    }
+
+    /// Puts what has just been opened before all others that were.
+    fn remember(&mut self) {
+        let live = self.state.as_ref().and_then(|state| state.info.as_ref()).is_some_and(|info| info.live);
+        self.origin = Origin::Listed;
+        let Some(name) = self.opened.as_ref().filter(|_| !live) else { return };
+        // A name from the command line holds for the folder that it was said in.
+        let whole = std::path::absolute(name).ok().filter(|path| path.exists());
+        let name = whole.map_or_else(|| name.clone(), |path| path.to_string_lossy().into_owned());
+        self.recent.retain(|other| *other != name);
+        self.recent.insert(0, name);
+        self.recent.truncate(RECENT);
     }
 
     /// Asks for the frame at a position.
@@ -379,7 +492,8 @@ impl Model {
         let at_end = self
             .timeline()
             .is_some_and(|timeline| timeline.complete && position + 1 >= timeline.numbers.len() as u32);
-        if at_end && self.wanted.is_none() {
+        let again = self.marks.again_from(position, at_end);
+        if at_end && again.is_none() && self.wanted.is_none() {
             self.playback.playing = false;
             return None;
         }
@@ -393,7 +507,7 @@ impl Model {
         let period = 1.0 / f64::from(self.fps() * SPEEDS[self.playback.speed]);
         let behind = now - self.playback.next_at > period;
         self.playback.next_at = if behind { now + period } else { self.playback.next_at + period };
-        self.go_to(position + 1);
+        self.go_to(again.unwrap_or(position + 1));
         Some(period)
     }
 }

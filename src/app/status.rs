@@ -2,10 +2,11 @@
 
 use std::time::Duration;
 
-use eframe::egui::{Align, Layout, ProgressBar, RichText, Ui};
+use eframe::egui::{Align, Button, Layout, ProgressBar, RichText, Ui};
 use egui_material_icons::icons as m;
 
-use super::state::Model;
+use super::command::{Action, Command};
+use super::state::{Model, SPEEDS};
 use super::{icons, theme};
 
 /// How long the last frame took.
@@ -18,10 +19,17 @@ pub(crate) struct Pace {
 }
 
 /// Shows it.
-pub(crate) fn ui(ui: &mut Ui, model: &Model, pace: Pace) {
+pub(crate) fn ui(ui: &mut Ui, model: &Model, pace: Pace, commands: &mut Vec<Command>) {
     let colours = theme::colours(ui.visuals());
     ui.horizontal_centered(|ui| {
         ui.spacing_mut().item_spacing.x = 3.0 * theme::SPACE;
+        if let Some(shown) = model.shown() {
+            let seconds = shown.position as f32 / model.fps();
+            let speed = SPEEDS[model.playback.speed];
+            let speed = if model.playback.playing { format!("  ×{speed}") } else { String::new() };
+            let text = format!("#{}  {seconds:.2} s{speed}", shown.frame.number);
+            ui.label(RichText::new(text).monospace().color(colours.weak));
+        }
         if let Some((hover, shown)) = model.hovered.zip(model.shown()) {
             let (x, y) = hover.pixel;
             ui.label(RichText::new(format!("{x}, {y}")).monospace());
@@ -38,12 +46,12 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, pace: Pace) {
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             ui.spacing_mut().item_spacing.x = 3.0 * theme::SPACE;
-            right(ui, model, pace);
+            right(ui, model, pace, commands);
         });
     });
 }
 
-fn right(ui: &mut Ui, model: &Model, pace: Pace) {
+fn right(ui: &mut Ui, model: &Model, pace: Pace, commands: &mut Vec<Command>) {
     let Some(state) = &model.state else { return };
     let colours = theme::colours(ui.visuals());
     if state.analysis_fps > 0.0 {
@@ -68,11 +76,16 @@ fn right(ui: &mut Ui, model: &Model, pace: Pace) {
     if !state.warnings.is_empty() {
         let warnings = &state.warnings;
         let text = format!("{} warning{}", warnings.len(), if warnings.len() == 1 { "" } else { "s" });
-        ui.label(RichText::new(text).size(theme::SMALL).color(colours.warn)).on_hover_ui(|ui| {
+        let text = RichText::new(text).size(theme::SMALL).color(colours.warn);
+        let icon = icons::coloured(m::ICON_WARNING, colours.warn).size(14.0);
+        let button = Button::new((icon, text)).frame_when_inactive(false);
+        let response = ui.add(button).accessible_name("Warnings").on_hover_ui(|ui| {
             for warning in warnings.iter().take(20) {
                 ui.label(warning);
             }
         });
-        ui.label(icons::coloured(m::ICON_WARNING, colours.warn).size(14.0));
+        if response.clicked() {
+            commands.push(Command::Act(Action::Messages));
+        }
     }
 }

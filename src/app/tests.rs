@@ -28,7 +28,11 @@ use crate::settings::{SETTINGS, Settings};
 use crate::source::SourceInfo;
 use crate::tracking::{Track, TrackState};
 
+mod areas;
+mod around;
+mod layout;
 mod pictures;
+mod timeline;
 
 const SIZE: Size = Size::new(160, 120);
 const FRAMES: u32 = 120;
@@ -38,6 +42,7 @@ const FRAMES: u32 = 120;
 enum Asked {
     Show(u32),
     Settings(Box<Settings>),
+    Roi(Option<Arc<regions::Roi>>),
     Inspect(Option<(u32, u32)>),
 }
 
@@ -61,6 +66,13 @@ impl Player for Scene {
 
     fn set_settings(&self, settings: Settings) {
         self.asked.borrow_mut().push(Asked::Settings(Box::new(settings)));
+    }
+
+    fn set_roi(&self, roi: Option<Arc<regions::Roi>>) {
+        self.asked.borrow_mut().push(Asked::Roi(roi.clone()));
+        let mut state = self.state.borrow_mut();
+        let shown = state.shown.as_ref().map(|shown| within(shown_at(shown.position), roi));
+        state.shown = shown.map(Arc::new);
     }
 
     fn inspect(&self, at: Option<(u32, u32)>) {
@@ -133,6 +145,7 @@ fn shown_at(position: u32) -> Shown {
             },
             colour: [[200, 70, 60], [70, 90, 200], [80, 170, 90]][track.id as usize - 1],
             histogram: regions::Histogram::default(),
+            mosaic: Arc::default(),
         })
         .collect();
     let frame = Arc::new(Frame::new(position + 1, SIZE, rgb));
@@ -140,6 +153,7 @@ fn shown_at(position: u32) -> Shown {
     Shown {
         position,
         settings: Arc::new(Settings::default()),
+        roi: None,
         frame,
         analysis: Arc::new(Analysis {
             number: position + 1,
@@ -162,6 +176,18 @@ fn shown_at(position: u32) -> Shown {
     }
 }
 
+/// The frame as it is where a part of the image alone is analysed.
+fn within(shown: Shown, roi: Option<Arc<regions::Roi>>) -> Shown {
+    let Some(roi) = roi else { return shown };
+    let mut analysis = Analysis::clone(&shown.analysis);
+    roi.clear_outside(Arc::make_mut(&mut analysis.mask));
+    Arc::make_mut(&mut analysis.regions).retain(|region| {
+        let [x, y] = region.shape.centroid;
+        roi.contains(x as u32, y as u32)
+    });
+    Shown { analysis: Arc::new(analysis), roi: Some(roi), ..shown }
+}
+
 fn event(kind: EventKind, frame: u32, objects: &[u32], at: (f32, f32)) -> (u32, Event) {
     let mut evidence =
         Evidence { branch: format!("{} because region 4 grew", kind.name()), ..Evidence::default() };
@@ -182,6 +208,7 @@ fn timeline() -> Timeline {
         numbers: (1..=FRAMES).collect(),
         complete: true,
         analysed: FRAMES,
+        decoded: vec![(0, 30), (50, FRAMES - 1)],
         foreground_share: (0..FRAMES).map(|n| 0.05 + 0.03 * (n as f32 / 9.0).sin()).collect(),
         events: vec![
             event(Enter, 1, &[1], (20.0, 60.0)),
@@ -233,9 +260,12 @@ fn window(state: Option<State>, size: (f32, f32), theme: Theme) -> (Harness<'sta
         .wgpu()
         .build_eframe(move |creation| {
             creation.egui_ctx.set_theme(theme);
-            let opener = move |_: &str, _: Settings, _: Start, _: &egui::Context| -> Box<dyn Player> {
-                Box::new(player.clone())
-            };
+            let opener = move |_: &str,
+                               _: Settings,
+                               _: Option<Arc<regions::Roi>>,
+                               _: Start,
+                               _: &egui::Context|
+                  -> Box<dyn Player> { Box::new(player.clone()) };
             let gpu = creation.wgpu_render_state.as_ref().unwrap();
             let mut window =
                 Window::new(&creation.egui_ctx, gpu, Settings::default(), Box::new(opener)).unwrap();

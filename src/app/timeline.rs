@@ -1,9 +1,9 @@
 //! The whole sequence at a glance: what is analysed, how much moves, who lives when, what happened.
 
-use std::ops::RangeInclusive;
+use std::ops::{Range, RangeInclusive};
 
 use eframe::egui::{
-    Align2, Color32, CursorIcon, FontId, Painter, Pos2, Rect, Sense, Shape, Stroke, Ui, WidgetInfo,
+    Align2, Color32, CursorIcon, FontId, Painter, Pos2, Rect, Sense, Shape, Stroke, Ui, Vec2, WidgetInfo,
     accesskit::Role, pos2, vec2,
 };
 
@@ -22,11 +22,16 @@ const SCALE: f32 = 14.0;
 /// The bar that tells how far the analysis has come.
 const ANALYSED: f32 = 3.0;
 
+/// The fewest frames that the timeline shows.
+const LEAST: f32 = 8.0;
+
 /// Where positions stand from left to right.
 #[derive(Clone, Copy)]
 struct Axis {
     rect: Rect,
     frames: u32,
+    /// Which positions are seen, from and to.
+    span: (f32, f32),
 }
 
 impl Axis {
@@ -36,12 +41,30 @@ impl Axis {
     }
 
     fn edge(&self, at: f32) -> f32 {
-        self.rect.left() + at / self.frames.max(1) as f32 * self.rect.width()
+        let (from, to) = self.span;
+        self.rect.left() + (at - from) / (to - from).max(1.0) * self.rect.width()
     }
 
     fn position(&self, x: f32) -> u32 {
         let share = ((x - self.rect.left()) / self.rect.width()).clamp(0.0, 1.0);
-        ((share * self.frames as f32) as u32).min(self.frames.saturating_sub(1))
+        let (from, to) = self.span;
+        ((from + share * (to - from)) as u32).min(self.frames.saturating_sub(1))
+    }
+
+    /// The positions that are seen, the last not among them.
+    fn seen(&self) -> Range<u32> {
+        self.span.0.floor() as u32..(self.span.1.ceil() as u32).min(self.frames)
+    }
+
+    /// What is seen after zooming where the pointer is, and after moving by so many points.
+    fn moved(&self, at: f32, zoom: f32, by: f32) -> Option<(f32, f32)> {
+        let (from, to) = self.span;
+        let (length, all) = (to - from, self.frames as f32);
+        let new = (length / zoom).clamp(LEAST.min(all), all);
+        let share = ((at - self.rect.left()) / self.rect.width()).clamp(0.0, 1.0);
+        let first = from + share * (length - new) - by / self.rect.width() * new;
+        let first = first.clamp(0.0, all - new);
+        (new < all).then_some((first, first + new))
     }
 }
 
@@ -51,7 +74,10 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let response = ui.allocate_rect(rect, Sense::click_and_drag());
     response.widget_info(|| WidgetInfo::labeled(Role::Slider, true, "Timeline"));
     let Some(timeline) = model.timeline() else { return };
-    let axis = Axis { rect: rect.shrink2(vec2(8.0, 0.0)), frames: model.frames().max(1) };
+    let frames = model.frames().max(1);
+    let span = model.span.filter(|span| span.1 <= frames as f32).unwrap_or((0.0, frames as f32));
+    let axis = Axis { rect: rect.shrink2(vec2(8.0, 0.0)), frames, span };
+    follow(model, &axis, commands);
     let painter = ui.painter().with_clip_rect(rect);
     let colours = theme::colours(ui.visuals());
     let (scale, rest) = axis.rect.split_top_bottom_at_y(axis.rect.top() + SCALE);
@@ -60,8 +86,9 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     painter.rect_filled(ground.expand2(vec2(8.0, 0.0)), 4.0, colours.canvas);
     numbers(&painter, model, &axis, scale, colours.weak, colours.line);
     foreground(&painter, timeline, &axis, ground, colours.weak);
-    analysed(&painter, timeline, &axis, ground, colours.accent);
+    analysed(&painter, timeline, &axis, ground, &colours);
     life_lines(&painter, timeline, &axis, ground);
+    marked(&painter, model, &axis, ground, &colours);
     event_marks(&painter, model, timeline, &axis, marks);
     playhead(&painter, model, &axis, colours.accent, colours.on_accent);
 
@@ -80,11 +107,62 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             commands.push(Command::GoTo(position));
         }
     }
+    if response.contains_pointer()
+        && let Some(at) = response.hover_pos()
+    {
+        zoom(ui, model, &axis, at.x, commands);
+    }
     if let Some(at) = response.hover_pos() {
         ui.ctx().set_cursor_icon(CursorIcon::ResizeHorizontal);
         let column = axis.position(at.x);
         painter.vline(at.x, ground.y_range(), Stroke::new(1.0, colours.weak.gamma_multiply(0.5)));
         response.on_hover_ui_at_pointer(|ui| hover(ui, model, timeline, near, column));
+    }
+}
+
+/// The wheel zooms where the pointer is; sideways, or with Shift, it pans.
+fn zoom(ui: &Ui, model: &Model, axis: &Axis, at: f32, commands: &mut Vec<Command>) {
+    let (wheel, pinch) = ui.input(|input| (input.smooth_scroll_delta(), input.zoom_delta()));
+    let span = axis.moved(at, (wheel.y / 180.0).exp() * pinch, wheel.x);
+    if (wheel != Vec2::ZERO || pinch != 1.0) && span != model.span {
+        commands.push(Command::Span(span));
+    }
+}
+
+/// While playing, the part that is seen goes along.
+fn follow(model: &Model, axis: &Axis, commands: &mut Vec<Command>) {
+    let (from, to) = axis.span;
+    let here = model.position() as f32 + 0.5;
+    if model.span.is_some() && model.playback.playing && !(from..to).contains(&here) {
+        let length = to - from;
+        let first = (here - 0.1 * length).clamp(0.0, axis.frames as f32 - length);
+        commands.push(Command::Span(Some((first, first + length))));
+    }
+}
+
+/// The part that is played, bookmarks, and which part of the whole is seen.
+fn marked(painter: &Painter, model: &Model, axis: &Axis, ground: Rect, colours: &theme::Colours) {
+    let marks = &model.marks;
+    for (place, outside) in [
+        (marks.start.map(|start| axis.edge(start as f32)), ground.left() - 8.0),
+        (marks.end.map(|end| axis.edge(end as f32 + 1.0)), ground.right() + 8.0),
+    ] {
+        let Some(x) = place else { continue };
+        let away = Rect::from_x_y_ranges(x.min(outside)..=x.max(outside), ground.y_range());
+        painter.rect_filled(away, 0.0, colours.panel.gamma_multiply(0.72));
+        painter.vline(x, ground.y_range(), Stroke::new(2.0, colours.good));
+    }
+    for &bookmark in &marks.bookmarks {
+        let (x, top) = (axis.x(bookmark), axis.rect.top() + SCALE - 2.0);
+        painter.vline(x, top..=ground.bottom(), Stroke::new(1.0, colours.warn.gamma_multiply(0.6)));
+        let flag = vec![pos2(x, top), pos2(x + 7.0, top + 3.5), pos2(x, top + 7.0)];
+        painter.add(Shape::convex_polygon(flag, colours.warn, Stroke::NONE));
+    }
+    if model.span.is_some() {
+        let all = axis.frames as f32;
+        let x = |at: f32| ground.left() + at / all * ground.width();
+        let bar = Rect::from_x_y_ranges(x(axis.span.0)..=x(axis.span.1), ground.top()..=ground.top() + 2.0);
+        painter.rect_filled(bar, 1.0, colours.weak);
     }
 }
 
@@ -119,12 +197,13 @@ fn hover(ui: &mut Ui, model: &Model, timeline: &Timeline, near: Option<usize>, c
 /// Frame numbers at round distances.
 fn numbers(painter: &Painter, model: &Model, axis: &Axis, row: Rect, text: Color32, line: Color32) {
     let room = (axis.rect.width() / 70.0).max(1.0);
-    let rough = (axis.frames as f32 / room).max(1.0);
+    let rough = ((axis.span.1 - axis.span.0) / room).max(1.0);
     let power = 10_f32.powf(rough.log10().floor());
     let step = [1.0, 2.0, 5.0, 10.0].map(|factor| factor * power).into_iter().find(|step| *step >= rough);
     let step = (step.unwrap_or(power * 10.0) as u32).max(1);
-    let mut position = step - 1;
-    while position < axis.frames {
+    let seen = axis.seen();
+    let mut position = seen.start / step * step + step - 1;
+    while position < seen.end {
         let x = axis.x(position);
         let label = model.number(position).to_string();
         let font = FontId::proportional(theme::SMALL);
@@ -142,16 +221,20 @@ fn foreground(painter: &Painter, timeline: &Timeline, axis: &Axis, ground: Rect,
     let shares = &timeline.foreground_share;
     let most = shares.iter().copied().fold(0.01_f32, f32::max);
     let columns = (ground.width() as u32).max(1);
-    let per_column = f64::from(axis.frames) / f64::from(columns);
+    let per_column = f64::from(axis.span.1 - axis.span.0) / f64::from(columns);
     let mut points: Vec<Pos2> = Vec::new();
     if per_column <= 1.0 {
-        for (position, share) in shares.iter().enumerate() {
-            points.push(pos2(axis.x(position as u32), height_of(*share, most, ground)));
+        let seen = axis.seen();
+        // One more to either side, so that the curve goes on to the edge.
+        for position in seen.start.saturating_sub(1)..seen.end.saturating_add(1) {
+            let Some(share) = shares.get(position as usize) else { break };
+            points.push(pos2(axis.x(position), height_of(*share, most, ground)));
         }
     } else {
         for column in 0..columns {
-            let first = (f64::from(column) * per_column) as usize;
-            let last = ((f64::from(column + 1) * per_column) as usize).max(first + 1);
+            let from = f64::from(axis.span.0);
+            let first = (from + f64::from(column) * per_column) as usize;
+            let last = ((from + f64::from(column + 1) * per_column) as usize).max(first + 1);
             let Some(part) = shares.get(first..last.min(shares.len())).filter(|part| !part.is_empty()) else {
                 break;
             };
@@ -177,12 +260,19 @@ fn height_of(share: f32, most: f32, ground: Rect) -> f32 {
     ground.bottom() - ANALYSED - share / most * (ground.height() - ANALYSED - 4.0)
 }
 
-fn analysed(painter: &Painter, timeline: &Timeline, axis: &Axis, ground: Rect, accent: Color32) {
-    let done = Rect::from_min_max(
-        pos2(axis.rect.left(), ground.bottom() - ANALYSED),
-        pos2(axis.edge(timeline.analysed as f32), ground.bottom()),
-    );
-    painter.rect_filled(done, 1.0, accent.gamma_multiply(0.7));
+/// How far the analysis has come, bright where frames are kept decoded as well.
+fn analysed(painter: &Painter, timeline: &Timeline, axis: &Axis, ground: Rect, colours: &theme::Colours) {
+    let part = |from: u32, to: u32, colour: Color32| {
+        let x = |at: u32| axis.edge(at as f32).clamp(axis.rect.left(), axis.rect.right());
+        let rect = Rect::from_x_y_ranges(x(from)..=x(to), ground.bottom() - ANALYSED..=ground.bottom());
+        painter.rect_filled(rect, 0.0, colour);
+    };
+    part(0, timeline.analysed, colours.accent.gamma_multiply(0.4));
+    for &(first, last) in &timeline.decoded {
+        let known = first < timeline.analysed;
+        let colour = if known { colours.accent } else { colours.weak.gamma_multiply(0.6) };
+        part(first, last + 1, colour);
+    }
 }
 
 /// Which lane each life line takes, so that none covers another, and how many lanes there are.
@@ -331,11 +421,32 @@ mod tests {
 
     #[test]
     fn every_position_is_found_again_under_its_own_mark() {
-        let axis = Axis { rect: Rect::from_min_size(pos2(20.0, 0.0), vec2(777.0, 50.0)), frames: 795 };
-        for position in 0..795 {
-            assert_eq!(axis.position(axis.x(position)), position);
+        let rect = Rect::from_min_size(pos2(20.0, 0.0), vec2(777.0, 50.0));
+        for span in [(0.0, 795.0), (100.0, 180.5), (780.0, 795.0)] {
+            let axis = Axis { rect, frames: 795, span };
+            for position in span.0 as u32..span.1 as u32 {
+                assert_eq!(axis.position(axis.x(position)), position);
+            }
+            assert_eq!(axis.position(-50.0), span.0 as u32);
+            assert_eq!(axis.position(5000.0), (span.1 as u32).min(794));
         }
-        assert_eq!(axis.position(-50.0), 0);
-        assert_eq!(axis.position(5000.0), 794);
+    }
+
+    #[test]
+    fn zooming_keeps_the_position_under_the_pointer_and_never_leaves_the_video() {
+        let rect = Rect::from_min_size(pos2(20.0, 0.0), vec2(777.0, 50.0));
+        let whole = Axis { rect, frames: 795, span: (0.0, 795.0) };
+        let near = Axis { span: whole.moved(300.0, 4.0, 0.0).unwrap_or_default(), ..whole };
+        assert_eq!(near.position(300.0), whole.position(300.0));
+        assert!((near.span.1 - near.span.0 - 795.0 / 4.0).abs() < 0.01);
+        let left = near.moved(300.0, 1.0, 1e6).unwrap_or_default();
+        assert_eq!(left.0, 0.0);
+        let right = near.moved(300.0, 1.0, -1e6).unwrap_or_default();
+        assert_eq!(right.1, 795.0);
+        assert_eq!(near.moved(300.0, 0.01, 0.0), None, "all of it");
+        let nearest = near.moved(300.0, 1e6, 0.0).unwrap_or_default();
+        assert_eq!(nearest.1 - nearest.0, LEAST);
+        let short = Axis { rect, frames: 3, span: (0.0, 3.0) };
+        assert_eq!(short.moved(300.0, 10.0, 0.0), None);
     }
 }

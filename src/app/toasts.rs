@@ -6,6 +6,7 @@ use eframe::egui::{Color32, Context, vec2};
 use egui_material_icons::icons as m;
 
 use super::icons::Icon;
+use super::messages::Messages;
 use super::theme;
 
 /// How long something that was done is told.
@@ -16,43 +17,52 @@ const LONGER: Duration = Duration::from_secs(8);
 /// How many letters go into a line.
 const LINE: usize = 68;
 
-/// The messages that are shown.
-pub(crate) struct Toasts(egui_notify::Toasts);
+/// The messages that are shown, and all that were.
+pub(crate) struct Toasts {
+    shown: egui_notify::Toasts,
+    /// All that was told.
+    pub(crate) messages: Messages,
+}
+
+/// Which colour a message has.
+type Colour = fn(&theme::Colours) -> Color32;
 
 impl Default for Toasts {
     fn default() -> Self {
         let corner = egui_notify::Anchor::TopRight;
-        Self(egui_notify::Toasts::default().with_anchor(corner).with_margin(vec2(12.0, 40.0)))
+        let shown = egui_notify::Toasts::default().with_anchor(corner).with_margin(vec2(12.0, 40.0));
+        Self { shown, messages: Messages::default() }
     }
 }
 
 impl Toasts {
     /// Something was done.
     pub(crate) fn done(&mut self, ctx: &Context, text: impl Into<String>) {
-        let colour = theme::colours(&ctx.global_style().visuals).good;
-        self.add(text, m::ICON_CHECK_CIRCLE, colour, BRIEFLY);
+        self.add(ctx, text, m::ICON_CHECK_CIRCLE, |colours| colours.good, BRIEFLY);
     }
 
     /// Something went wrong without ending the work.
     pub(crate) fn warn(&mut self, ctx: &Context, text: impl Into<String>) {
-        let colour = theme::colours(&ctx.global_style().visuals).warn;
-        self.add(text, m::ICON_WARNING, colour, LONGER);
+        self.add(ctx, text, m::ICON_WARNING, |colours| colours.warn, LONGER);
     }
 
     /// Something failed.
     pub(crate) fn fail(&mut self, ctx: &Context, text: impl Into<String>) {
-        let colour = theme::colours(&ctx.global_style().visuals).bad;
-        self.add(text, m::ICON_ERROR, colour, LONGER);
+        self.add(ctx, text, m::ICON_ERROR, |colours| colours.bad, LONGER);
     }
 
     /// Shows them.
     pub(crate) fn show(&mut self, ctx: &Context) {
-        self.0.show(ctx);
+        self.shown.show(ctx);
+        self.messages.ui(ctx);
     }
 
-    fn add(&mut self, text: impl Into<String>, icon: Icon, colour: Color32, time: Duration) {
-        self.0
-            .custom(lines(&text.into(), LINE), icon.codepoint.to_owned(), colour)
+    fn add(&mut self, ctx: &Context, text: impl Into<String>, icon: Icon, colour: Colour, time: Duration) {
+        let text = text.into();
+        self.messages.add(ctx.input(|input| input.time), &text, icon, colour);
+        let colour = colour(&theme::colours(&ctx.global_style().visuals));
+        self.shown
+            .custom(lines(&text, LINE), icon.codepoint.to_owned(), colour)
             .duration(time)
             .closable(false);
     }

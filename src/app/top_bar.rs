@@ -1,10 +1,15 @@
 //! The menus, made from the table of actions, and a line on what is open.
 
+use std::path::Path;
+
 use eframe::egui::{Align, Button, Layout, MenuBar, RichText, Ui};
+use egui_material_icons::icons as m;
 
 use super::command::{ACTIONS, Action, Command, Entry, Menu};
+use super::overlays::Drawn;
 use super::state::Model;
 use super::{icons, theme};
+use crate::replay::Start;
 
 /// Shows it.
 pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
@@ -12,11 +17,9 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         for menu in Menu::ALL {
             ui.menu_button(menu.name(), |ui| {
                 ui.set_min_width(250.0);
-                for entry in ACTIONS.iter().filter(|entry| entry.menu == menu) {
-                    if entry.line_before {
-                        ui.separator();
-                    }
-                    item(ui, model, entry, commands);
+                let entries: Vec<_> = ACTIONS.iter().filter(|entry| entry.menu == menu).collect();
+                for group in entries.chunk_by(|a, b| a.submenu.is_some() && a.submenu == b.submenu) {
+                    items(ui, model, group, commands);
                 }
             });
         }
@@ -27,13 +30,82 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     });
 }
 
-fn item(ui: &mut Ui, model: &Model, entry: &'static Entry, commands: &mut Vec<Command>) {
+/// One action, or a menu of several.
+fn items(ui: &mut Ui, model: &Model, group: &[&'static Entry], commands: &mut Vec<Command>) {
+    if group.first().is_some_and(|entry| entry.line_before) {
+        ui.separator();
+    }
+    match group.first().and_then(|entry| entry.submenu) {
+        Some(name) => {
+            ui.menu_button(name, |ui| {
+                ui.set_min_width(220.0);
+                for entry in group {
+                    item(ui, model, entry, commands);
+                }
+            });
+        }
+        None => {
+            for entry in group {
+                item(ui, model, entry, commands);
+                if entry.action == Action::OpenSample {
+                    recent(ui, model, commands);
+                }
+            }
+        }
+    }
+}
+
+/// What was opened before.
+fn recent(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    if model.recent.is_empty() {
+        return;
+    }
+    ui.menu_button("Open recent", |ui| {
+        for name in &model.recent {
+            if ui.button(short(name)).on_hover_text(name).clicked() {
+                commands.push(Command::Open(name.clone(), Start::First));
+                ui.close();
+            }
+        }
+    });
+}
+
+/// The last part of a path.
+pub(crate) fn short(name: &str) -> &str {
+    Path::new(name).file_name().and_then(|last| last.to_str()).unwrap_or(name)
+}
+
+/// One action in a menu, marked where it is on.
+pub(crate) fn item(ui: &mut Ui, model: &Model, entry: &'static Entry, commands: &mut Vec<Command>) {
     let shortcut = entry.shortcuts.first().map_or_else(String::new, |shortcut| shortcut.text());
-    let button = Button::new((icons::text(entry.icon), entry.text)).shortcut_text(shortcut);
+    let on = is_on(model, entry.action);
+    let icon = if on == Some(true) { m::ICON_CHECK } else { entry.icon };
+    let button = Button::selectable(on == Some(true), (icons::text(icon), entry.text));
+    let button = button.shortcut_text(shortcut);
     let response = ui.add_enabled(allowed(model, entry), button).accessible_name(entry.text);
     if response.on_hover_text(entry.tooltip).clicked() {
         commands.push(Command::Act(entry.action));
         ui.close();
+    }
+}
+
+/// Whether something that is on or off is on; `None` of what is neither.
+fn is_on(model: &Model, action: Action) -> Option<bool> {
+    match action {
+        Action::Open(view) => Some(model.open[view.key() - 1]),
+        Action::Maximise(view) => Some(model.maximised == Some(view)),
+        Action::Draw(what) => Some(model.drawn.has(what)),
+        Action::Overlay => Some(model.overlay.on),
+        Action::StartHere => Some(model.marks.start == Some(model.position())),
+        Action::EndHere => Some(model.marks.end == Some(model.position())),
+        Action::Bookmark => Some(model.marks.bookmarks.contains(&model.position())),
+        Action::SettingsPanel => Some(model.settings_panel),
+        Action::InspectorPanel => Some(model.inspector_panel),
+        Action::Slot(slot) => Some(model.slots.in_view == slot),
+        Action::DrawArea(purpose) => {
+            Some(model.areas.draft.as_ref().is_some_and(|draft| draft.purpose == purpose))
+        }
+        _ => None,
     }
 }
 
@@ -44,6 +116,21 @@ pub(crate) fn allowed(model: &Model, entry: &Entry) -> bool {
         Action::Redo => model.history.can().1,
         Action::Slot(slot) => model.slots.in_view != slot,
         Action::ClearPixel => model.chosen.is_some(),
+        Action::Draw(Drawn::Truth) => model.truth.is_some(),
+        Action::CloseVideo => model.player.is_some(),
+        // The last view stays.
+        Action::Open(view) => {
+            let more = model.open.iter().filter(|open| **open).count() > 1;
+            model.shown().is_some() && (more || !model.open[view.key() - 1])
+        }
+        Action::CloseArea | Action::UndoCorner => model.areas.draft.is_some(),
+        Action::CancelArea => model.areas.draft.is_some() || model.areas.chosen.is_some(),
+        Action::DeleteArea => model.areas.chosen.is_some(),
+        Action::NextBookmark => model.marks.beside(model.position(), true).is_some(),
+        Action::PreviousBookmark => model.marks.beside(model.position(), false).is_some(),
+        Action::WholeTimeline => model.span.is_some(),
+        Action::ClearAreas => !model.areas.is_empty(),
+        Action::SaveMask => model.areas.roi.is_some(),
         _ => entry.always || model.shown().is_some(),
     }
 }
@@ -62,7 +149,5 @@ fn opened(ui: &mut Ui, model: &Model) {
         let rate = (info.fps * 100.0).round() / 100.0;
         ui.weak(format!("·  {}  ·  {rate} fps  ·  {frames}", info.size));
     }
-    let short =
-        std::path::Path::new(name).file_name().map_or(name.as_str(), |last| last.to_str().unwrap_or(name));
-    ui.label(RichText::new(short).strong()).on_hover_text(name);
+    ui.label(RichText::new(short(name)).strong()).on_hover_text(name);
 }

@@ -1,12 +1,12 @@
 //! What stands in the middle while there is no frame to look at: nothing opened, opening, failed.
 
-use eframe::egui::{Align, Button, Frame, Layout, Margin, Panel, RichText, Spinner, Ui, vec2};
+use eframe::egui::{Align, Button, Frame, Label, Layout, Margin, Panel, RichText, Spinner, Ui, vec2};
 use egui_material_icons::icons as m;
 
 use super::command::{Action, Command};
 use super::icons::Icon;
-use super::state::Model;
-use super::theme;
+use super::state::{Model, Origin};
+use super::{theme, top_bar};
 use crate::replay::{Phase, Start};
 
 /// Shows it.
@@ -37,6 +37,10 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
                     let total = busy.total.map_or_else(String::new, |total| format!(" of {total}"));
                     ui.weak(format!("{}: {}{total}", busy.what, busy.done));
                 }
+                ui.add_space(4.0 * theme::SPACE);
+                if ui.button("Cancel").clicked() {
+                    commands.push(Command::Act(Action::CloseVideo));
+                }
             }
             None => {
                 ui.label(m::ICON_FRAME_INSPECT.rich_text().size(44.0).color(colours.accent));
@@ -46,8 +50,49 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
                 ui.label("Drop a video or a folder of images anywhere in this window, or choose one here.");
                 ui.add_space(5.0 * theme::SPACE);
                 choices(ui, commands);
+                recent(ui, model, commands);
             }
         }
+    });
+}
+
+/// What was opened before.
+fn recent(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    if model.recent.is_empty() {
+        return;
+    }
+    ui.add_space(5.0 * theme::SPACE);
+    ui.weak("Opened before");
+    for name in model.recent.iter().take(5) {
+        if ui.link(top_bar::short(name)).on_hover_text(name).clicked() {
+            commands.push(Command::Open(name.clone(), Start::First));
+        }
+    }
+}
+
+/// A line over the views of the bundled scene on what to try first, until somebody has read it.
+pub(crate) fn hint(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    if !model.hint || model.origin != Origin::Sample {
+        return;
+    }
+    let colours = theme::colours(ui.visuals());
+    let strip = Frame::new().fill(colours.panel).inner_margin(Margin::symmetric(10, 3));
+    Panel::top("hint").frame(strip).show(ui, |ui| {
+        ui.horizontal(|ui| {
+            ui.label(m::ICON_LIGHTBULB.rich_text().size(theme::ICON).color(colours.accent));
+            let text = "Two people cross here. Step with the arrow keys, read on the right why the pixel under the \
+                        cross is what it is, and click another.";
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                let close = Button::new(m::ICON_CLOSE.rich_text().size(14.0)).frame_when_inactive(false);
+                let close = ui.add(close).accessible_name("Hide hint");
+                if close.on_hover_text("Do not show this again").clicked() {
+                    commands.push(Command::HideHint);
+                }
+                ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
+                    ui.add(Label::new(RichText::new(text).color(colours.weak)).wrap());
+                });
+            });
+        });
     });
 }
 

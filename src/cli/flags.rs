@@ -2,10 +2,12 @@
 
 use std::fmt;
 use std::path::PathBuf;
+use std::sync::Arc;
 
 use anyhow::{Context as _, anyhow};
 use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 
+use crate::regions::Roi;
 use crate::settings::{Kind, Preset, SETTINGS, Settings};
 
 /// The user asked for what makes no sense, whatever the files hold: exit status 2.
@@ -145,6 +147,22 @@ pub(super) fn range(matches: &ArgMatches) -> Result<Option<Range>, UsageError> {
             "--range cannot be `{text}`: it takes two frame numbers, the first not above the last, as in 100..250"
         ))),
     }
+}
+
+/// Adds `--roi`.
+pub(super) fn with_roi(command: Command) -> Command {
+    command.arg(
+        Arg::new("roi").long("roi").value_name("MASK.png").value_parser(value_parser!(PathBuf)).help(
+            "Analyse only where this picture, as large as the frames, is bright (128 or more): foreground elsewhere \
+             is taken away before cleaning",
+        ),
+    )
+}
+
+/// What is to be analysed, `None` for the whole image.
+pub(super) fn roi(matches: &ArgMatches) -> anyhow::Result<Option<Arc<Roi>>> {
+    let path = matches.get_one::<PathBuf>("roi");
+    Ok(path.map(|path| Roi::read(path)).transpose()?.map(Arc::new))
 }
 
 /// A range of frame numbers, both ends included.

@@ -44,7 +44,7 @@ VIDEO is a video file, a folder of images, a pattern such as in%06d.png, or came
 /// The whole command line.
 pub fn command() -> Command {
     let program = Command::new("occluscope")
-        .version(env!("CARGO_PKG_VERSION"))
+        .version(env!("OCCLUSCOPE_VERSION"))
         .about(ABOUT)
         .after_help(AFTER_HELP)
         .subcommand_value_name("COMMAND")

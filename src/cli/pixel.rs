@@ -3,6 +3,7 @@
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use anyhow::{Context as _, bail};
 use clap::{Arg, ArgMatches, Command, value_parser};
@@ -13,6 +14,7 @@ use super::frames::{Frames, Item};
 use super::interrupt;
 use crate::export::{Staging, pixel_csv};
 use crate::mixture::{Parameters, PixelHistory};
+use crate::regions::Roi;
 use crate::settings::{BackgroundModel, Settings};
 
 /// The subcommand.
@@ -21,7 +23,8 @@ pub fn command() -> Command {
         .about("Write one pixel's mixture at every frame as CSV")
         .after_help(
             "Columns: frame, the value, matched (rank before the update, 0: none), rank (after it), background_count (B), \
-             foreground (0 or 1), rho, p, and for each component in rank order w, mu, var.\n\n\
+             foreground (0 or 1), rho, p, and for each component in rank order w, mu, var. They speak of the mixture \
+             alone: with --roi it is told where the area overrules it.\n\n\
              Examples:\n  occluscope pixel street.mp4 --at 320,240 --out pixel.csv\n  occluscope pixel street.mp4 --at 320,240 --k 3 --range 100..200 | head",
         )
         .arg(flags::video().required(true))
@@ -40,7 +43,7 @@ pub fn command() -> Command {
                 .value_parser(value_parser!(PathBuf))
                 .help("Where to write; stdout without it"),
         );
-    flags::with_settings(flags::with_common(flags::with_range(command)))
+    flags::with_settings(flags::with_common(flags::with_roi(flags::with_range(command))))
 }
 
 /// Follows the pixel through the video.
@@ -60,6 +63,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
         video: text(matches, "video"),
         at,
         settings: &settings,
+        roi: flags::roi(matches)?,
         range,
         console: Console::new(matches),
     };
@@ -105,6 +109,7 @@ struct Follow<'a> {
     video: &'a str,
     at: (u32, u32),
     settings: &'a Settings,
+    roi: Option<Arc<Roi>>,
     range: Option<Range>,
     console: Console,
 }
@@ -121,6 +126,15 @@ impl Follow<'_> {
                 size.width - 1,
                 size.height - 1
             );
+        }
+        if let Some(roi) = &self.roi {
+            roi.check(size)?;
+            if !roi.contains(x, y) {
+                self.console.note(&format!(
+                    "note: pixel {x},{y} lies outside the area that is analysed: where the mixture calls it \
+                     foreground, a later step overrules it"
+                ));
+            }
         }
         Ok(frames)
     }

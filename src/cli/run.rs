@@ -31,12 +31,14 @@ use crate::frame::{Frame, Mask, Size};
 use crate::mixture::BATCH;
 use crate::occlusion::{Event, EventKind};
 use crate::pipeline::{Analysis, Pipeline, Reading, final_reading};
-use crate::regions::Labels;
+use crate::regions::{Labels, Roi};
 use crate::settings::Settings;
 use crate::source::SourceInfo;
 use crate::tracking::Track;
 
 const SUMMARY: &str = "summary.json";
+/// What was analysed, where that was not the whole image.
+const ROI: &str = "roi.png";
 
 /// A file or folder that is written only when asked for.
 struct Bulky {
@@ -72,7 +74,7 @@ pub fn command() -> Command {
         .about("Analyse a video without a display and write tracks, regions, events and episodes")
         .after_help(
             "Writes into DIR: summary.json, settings.toml, tracks.csv (MOTChallenge), tracks.json, regions.csv, \
-             events.jsonl, episodes.csv. Files of an earlier run are replaced, others are left alone; nothing appears \
+             events.jsonl, episodes.csv; roi.png, the mask that --roi gave. Files of an earlier run are replaced, others are left alone; nothing appears \
              before all of it is whole.\n\n\
              Examples:\n  occluscope run street.mp4 --out results\n  occluscope run street.mp4 --out results --annotated --masks --range 100..250\n  occluscope run images/in%06d.jpg --out results --preset plain --k 3 --alpha 0.005",
         )
@@ -89,7 +91,7 @@ pub fn command() -> Command {
         command
             .arg(Arg::new(flag).long(flag).action(ArgAction::SetTrue).help(help).help_heading("Bulky files"))
     });
-    flags::with_settings(flags::with_common(flags::with_range(command)))
+    flags::with_settings(flags::with_common(flags::with_roi(flags::with_range(command))))
 }
 
 /// Analyses and writes.
@@ -98,6 +100,9 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     flags::start_threads(matches)?;
     let started = Instant::now();
     let frames = Frames::open(&job.video, job.range)?;
+    if let Some(roi) = &job.roi {
+        roi.check(frames.info.size)?;
+    }
     let hash = hash_of_file(&job.video);
     job.console.detail(&format!(
         "{}: {}, {} frames/s{}; {} threads",
@@ -117,7 +122,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
         Some(hash) => Some(hash.join().map_err(|_| anyhow!("{} could not be hashed", job.video))??),
         None => record.frames_hash.clone(),
     };
-    write_tables(&record, &job.settings, &staging)?;
+    write_tables(&record, &job, &staging)?;
     let seconds = started.elapsed().as_secs_f64();
     let summary = summarise(&job, &frames.info, &record, sha256, seconds);
     write_file(&staging, SUMMARY, |out| summary::write(out, &summary))?;
@@ -132,6 +137,7 @@ struct Job {
     video: String,
     out: PathBuf,
     settings: Settings,
+    roi: Option<Arc<Roi>>,
     range: Option<Range>,
     console: Console,
     /// The flags of the bulky files that were asked for.
@@ -144,6 +150,7 @@ impl Job {
             video: matches.get_one::<String>("video").cloned().unwrap_or_default(),
             out: matches.get_one::<PathBuf>("out").cloned().unwrap_or_default(),
             settings: flags::settings(matches)?,
+            roi: flags::roi(matches)?,
             range: flags::range(matches)?,
             console: Console::new(matches),
             bulky: ALL_BULKY.iter().map(|bulky| bulky.flag).filter(|flag| matches.get_flag(flag)).collect(),
@@ -178,6 +185,7 @@ struct Record {
 fn analyse(job: &Job, frames: &Frames, staging: &Staging) -> anyhow::Result<Record> {
     let info = &frames.info;
     let mut pipeline = Pipeline::new(&job.settings, info.size, info.fps)?;
+    pipeline.set_roi(job.roi.clone())?;
     let mut pictures = Pictures::new(job, staging).with_context(|| job.out_failure())?;
     let mut live = None;
     if info.live && job.draws() {
@@ -427,9 +435,22 @@ fn hexadecimal(bytes: &[u8]) -> String {
     })
 }
 
-fn write_tables(record: &Record, settings: &Settings, staging: &Staging) -> anyhow::Result<()> {
+fn write_tables(record: &Record, job: &Job, staging: &Staging) -> anyhow::Result<()> {
     let Record { reading, regions, .. } = record;
-    write_file(staging, "settings.toml", |out| out.write_all(settings.to_toml().as_bytes()))?;
+    write_file(staging, "settings.toml", |out| {
+        out.write_all(job.settings.to_toml().as_bytes())?;
+        if job.roi.is_some() {
+            writeln!(
+                out,
+                "# Only where {ROI} beside this file is bright; to run the same again: --roi {ROI}"
+            )?;
+        }
+        Ok(())
+    })?;
+    if let Some(roi) = &job.roi {
+        picture::write_mask(&staging.path(ROI), roi.mask())
+            .with_context(|| format!("{ROI} cannot be written"))?;
+    }
     write_file(staging, "tracks.csv", |out| tracks_csv::write(out, &reading.tracks))?;
     write_file(staging, "tracks.json", |out| tracks_json::write(out, &reading.tracks))?;
     write_file(staging, "regions.csv", |out| regions_csv::write(out, regions, &reading.tracks))?;
@@ -468,6 +489,7 @@ fn summarise(job: &Job, info: &SourceInfo, record: &Record, sha256: Option<Strin
             sha256,
         },
         settings: job.settings.clone(),
+        analysed_share: job.roi.as_ref().map(|roi| roi.share()),
         objects: identities.len(),
         events: reading.counters,
         episodes: reading.episodes.len(),
@@ -490,9 +512,10 @@ fn tell(job: &Job, summary: &Summary) {
     for kind in EventKind::ALL {
         job.console.detail(&format!("{:>9}: {}", kind.name(), summary.events.of(kind)));
     }
-    for bulky in &ALL_BULKY {
-        let path = job.out.join(bulky.file);
-        if !job.wants(bulky) && path.exists() {
+    let bulky = ALL_BULKY.iter().map(|bulky| (bulky.file, job.wants(bulky)));
+    for (file, ours) in bulky.chain([(ROI, job.roi.is_some())]) {
+        let path = job.out.join(file);
+        if !ours && path.exists() {
             job.console.note(&format!("note: {} is not of this run", path.display()));
         }
     }

@@ -17,6 +17,9 @@ pub struct Summary {
     pub input: Input,
     /// The value of every setting.
     pub settings: Settings,
+    /// The share of the image that was analysed, where `--roi` said which: `roi.png` beside this file.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub analysed_share: Option<f32>,
     /// How many objects were given an identity.
     pub objects: usize,
     /// Events of each kind.

@@ -28,11 +28,17 @@ impl Shadow {
 
     /// Whether `value` is shadow on a surface of the colour `mean`.
     pub fn covers(self, value: &[f32], mean: &[f32]) -> bool {
+        let (share, off) = self.of(value, mean);
+        self.is_on() && self.floor <= share && share < 1.0 && off <= self.colour
+    }
+
+    /// The share of the surface's brightness that is nearest to `value`, and how far, in levels,
+    /// the value is from the surface's colour at that brightness.
+    pub fn of(self, value: &[f32], mean: &[f32]) -> (f32, f32) {
         let dot = |a: &[f32], b: &[f32]| a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + a * b);
         let (along, surface) = (dot(value, mean), dot(mean, mean));
         let share = along / surface;
-        let off = dot(value, value) - share * along;
-        self.is_on() && self.floor <= share && share < 1.0 && off <= self.colour * self.colour
+        (share, (dot(value, value) - share * along).max(0.0).sqrt())
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::history::{PixelHistory, PixelState};
 use super::pixel::{Component, Parameters, Pixel, Value};
-use crate::settings::{Rate, SETTINGS, Settings, Stage, Value as SettingValue};
+use crate::settings::{Rate, SETTINGS, Setting, Settings, Stage, Value as SettingValue};
 
 /// The mixture's verdict about one pixel in one frame, before any later step.
 #[derive(Clone, Debug, PartialEq)]
@@ -33,22 +33,53 @@ pub fn verdict(history: &PixelHistory, index: usize) -> Verdict {
         };
     };
     let parameters = &history.parameters;
-    match history.before(index) {
+    let mut verdict = match history.before(index) {
         None => first_frame(state, parameters),
         Some(before) if state.outcome.matched == 0 => unmatched(state, before, parameters),
         Some(before) => matched(state, before, parameters),
-    }
+    };
+    verdict.details.extend(shadow(state, parameters));
+    verdict
+}
+
+/// Whether the foreground pixel is taken for shadow, in words.
+fn shadow(state: &PixelState, parameters: &Parameters) -> Option<String> {
+    let channels = parameters.channels();
+    let surface = state.pixel.components().first()?;
+    let (value, mean) = (&state.value[..channels], &surface.mean[..channels]);
+    let covers = state.outcome.foreground && parameters.shadow.covers(value, mean);
+    covers.then(|| {
+        let (share, off) = parameters.shadow.of(value, mean);
+        format!(
+            "It is taken for shadow and leaves the mask: the colour of component 1 at {} of its brightness \
+             (at least {}, shadow_floor), {} levels off (at most {}, shadow_colour).",
+            number(share),
+            number(parameters.shadow.floor),
+            number(off),
+            number(parameters.shadow.colour)
+        )
+    })
 }
 
 /// What a later step made of the mixture's verdict, where it decided otherwise; `None` where it did not.
 ///
-/// `mixture` and `mask` say whether each has the pixel as foreground.
-pub fn overruled(mixture: bool, mask: bool, settings: &Settings) -> Option<String> {
+/// `mixture` and `mask` say whether each has the pixel as foreground, `ignored` whether it lies outside what is
+/// analysed.
+pub fn overruled(mixture: bool, mask: bool, ignored: bool, settings: &Settings) -> Option<String> {
+    if ignored {
+        let made = "A later step overruled it: the pixel lies outside the area that is analysed.";
+        return mixture.then(|| made.to_owned());
+    }
     // An opening only takes foreground away, a closing and the filling of holes only add to it.
     let powerless = if mixture { ["closing", "fill_holes"] } else { ["opening", ""] };
+    let shadow = mixture && settings.shadow_floor < 1.0;
+    let changes_masks = |setting: &Setting| {
+        setting.stage == Stage::Cleaning && !powerless.contains(&setting.name)
+            || shadow && setting.name == "shadow_floor"
+    };
     let steps: Vec<String> = SETTINGS
         .iter()
-        .filter(|setting| setting.stage == Stage::Cleaning && !powerless.contains(&setting.name))
+        .filter(|setting| changes_masks(setting))
         .filter_map(|setting| match setting.get(settings) {
             SettingValue::Integer(0) | SettingValue::Choice("off" | "none") => None,
             value => Some(format!("{} {value}", setting.name.replace('_', " "))),
@@ -480,14 +511,17 @@ mod tests {
     #[test]
     fn a_later_step_that_overrules_names_the_filters_that_could() {
         let settings = Settings { median: 5, opening: 3, closing: 7, ..Settings::preset(Preset::Plain) };
-        assert_eq!(overruled(true, true, &settings), None);
-        assert_eq!(overruled(false, false, &settings), None);
-        let gone = overruled(true, false, &settings).unwrap();
+        assert_eq!(overruled(true, true, false, &settings), None);
+        assert_eq!(overruled(false, false, false, &settings), None);
+        let gone = overruled(true, false, false, &settings).unwrap();
         assert_eq!(
             gone,
             "A later step overruled it: cleaning (median 5, opening 3) made this pixel background."
         );
-        let come = overruled(false, true, &settings).unwrap();
+        let come = overruled(false, true, false, &settings).unwrap();
         assert!(come.contains("(median 5, closing 7) made this pixel foreground"), "{come}");
+        let ignored = overruled(true, false, true, &settings).unwrap();
+        assert!(ignored.contains("outside the area") && !ignored.contains("cleaning"), "{ignored}");
+        assert_eq!(overruled(false, false, true, &settings), None);
     }
 }

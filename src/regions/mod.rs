@@ -6,12 +6,14 @@ pub mod cleaning;
 pub mod colour;
 pub mod components;
 pub mod mosaic;
+pub mod roi;
 pub mod shape;
 
 pub use cleaning::Cleaning;
 pub use colour::{Histogram, Rgb};
 pub use components::{LabelRun, Labels, find_regions};
 pub use mosaic::Mosaic;
+pub use roi::Roi;
 pub use shape::{Rect, Shape};
 
 /// A connected region of the foreground mask.

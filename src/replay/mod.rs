@@ -24,6 +24,7 @@ use crate::frame::Frame;
 use crate::mixture::PixelHistory;
 use crate::occlusion::Event;
 use crate::pipeline::Analysis;
+use crate::regions::Roi;
 use crate::settings::Settings;
 use crate::source::SourceInfo;
 use crate::tracking::{Identity, TrackState};
@@ -96,6 +97,8 @@ pub struct Shown {
     pub position: u32,
     /// The settings under which all of this came about.
     pub settings: Arc<Settings>,
+    /// What was analysed, the whole image without one.
+    pub roi: Option<Arc<Roi>>,
     /// The input.
     pub frame: Arc<Frame>,
     /// What the stages made of it.
@@ -123,6 +126,9 @@ pub struct Timeline {
     pub complete: bool,
     /// Positions 0..analysed have been analysed under the present settings.
     pub analysed: u32,
+    /// The positions whose frames are kept decoded, as ranges with both ends in them, in order: to go there takes no
+    /// decoding.
+    pub decoded: Vec<(u32, u32)>,
     /// Share of foreground of each analysed position, 0..=1.
     pub foreground_share: Vec<f32>,
     /// All events so far, by frame and kind, with the position at which each happened.

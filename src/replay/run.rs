@@ -14,6 +14,7 @@ use super::spaced::Spaced;
 use crate::frame::{Frame, Mask, Size};
 use crate::mixture::{BATCH, Mixture, Parameters, Snapshot};
 use crate::pipeline::{Analysis, Pipeline, PipelineError, Reading, final_reading};
+use crate::regions::Roi;
 use crate::settings::{Settings, Stage};
 use crate::source::SourceInfo;
 
@@ -37,6 +38,7 @@ fn most_at_once(size: Size) -> usize {
 /// so on; a frame whose image is not kept gets that of the nearest earlier one that is.
 pub(super) struct Run {
     settings: Arc<Settings>,
+    roi: Option<Arc<Roi>>,
     info: Arc<SourceInfo>,
     pipeline: Pipeline,
     record: Record,
@@ -71,10 +73,12 @@ impl Run {
     /// Nothing analysed yet; `budget` is the memory for going back in time, in bytes.
     pub(super) fn new(
         settings: Arc<Settings>,
+        roi: Option<Arc<Roi>>,
         info: &Arc<SourceInfo>,
         budget: usize,
     ) -> Result<Self, PipelineError> {
-        let pipeline = Pipeline::new(&settings, info.size, info.fps)?;
+        let mut pipeline = Pipeline::new(&settings, info.size, info.fps)?;
+        pipeline.set_roi(roi.clone())?;
         let frame_bytes = (info.size.pixels() * 3).max(1);
         let (for_pictures, for_near, for_models) = (budget / 8, budget / 8, budget / 8 * 6);
         let recent = (for_pictures / (frame_bytes * 7 / 3).max(1)).clamp(1, 512);
@@ -86,6 +90,7 @@ impl Run {
             record: Record::new(info.size),
             info: Arc::clone(info),
             settings,
+            roi,
             pipeline,
             front: 0,
             finding_again: false,
@@ -97,6 +102,10 @@ impl Run {
 
     pub(super) const fn settings(&self) -> &Arc<Settings> {
         &self.settings
+    }
+
+    pub(super) const fn roi(&self) -> Option<&Arc<Roi>> {
+        self.roi.as_ref()
     }
 
     /// How many frames have been analysed under these settings.
@@ -115,14 +124,22 @@ impl Run {
     }
 
     /// Takes other settings, of which those before `stage` are the same: what comes before it stays.
-    /// The model itself has to run again in another [`Run`].
-    pub(super) fn restart_at(&mut self, stage: Stage, settings: Arc<Settings>) {
+    /// Another `roi` needs a stage no later than cleaning. The model itself has to run again in another [`Run`].
+    pub(super) fn restart_at(
+        &mut self,
+        stage: Stage,
+        settings: Arc<Settings>,
+        roi: Option<Arc<Roi>>,
+    ) -> Result<(), PipelineError> {
+        self.pipeline.set_roi(roi.clone())?;
+        self.roi = roi;
         // Frames that were not reached yet still have regions of the settings before.
         let half_done = self.finding_again && self.front < self.record.len();
         self.finding_again = half_done || stage <= Stage::Regions;
         self.pipeline.restart_finding(&settings, self.info.fps);
         self.settings = settings;
         self.front = 0;
+        Ok(())
     }
 
     /// Tracks the next frame that is on record.

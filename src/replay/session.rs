@@ -9,6 +9,7 @@ use std::time::Duration;
 
 use super::worker::Worker;
 use super::{Phase, Start, State, Timeline, memory};
+use crate::regions::Roi;
 use crate::settings::Settings;
 use crate::source::SourceError;
 use crate::source::cache::FrameCache;
@@ -27,12 +28,16 @@ pub struct Session {
 pub(super) struct Requests {
     pub(super) show: Option<u32>,
     pub(super) settings: Option<Settings>,
+    pub(super) roi: Option<Analysed>,
     pub(super) inspect: Option<Pixel>,
     stop: bool,
 }
 
 /// Which pixel to follow, `None` for none.
 pub(super) struct Pixel(pub(super) Option<(u32, u32)>);
+
+/// What is to be analysed, `None` for the whole image.
+pub(super) struct Analysed(pub(super) Option<Arc<Roi>>);
 
 /// What both sides hold.
 pub(super) struct Shared {
@@ -45,11 +50,12 @@ pub(super) struct Shared {
 impl Session {
     /// Starts a worker on `video` (a name as [`crate::source::open`] takes it) and returns at once.
     ///
-    /// It calls `wake` after every change of [`Self::state`], from its own thread. It keeps up to
-    /// `memory` bytes of frames and models, or a quarter of the machine's memory.
+    /// `roi` is what is analysed, the whole image without one; where it is not as large as the frames, the session
+    /// fails. It calls `wake` after every change of [`Self::state`], from its own thread. It keeps up to `memory` bytes of frames and models, or a quarter of the machine's memory.
     pub fn open(
         video: &str,
         settings: Settings,
+        roi: Option<Arc<Roi>>,
         start: Start,
         memory: Option<usize>,
         wake: impl Fn() + Send + Sync + 'static,
@@ -58,7 +64,8 @@ impl Session {
         // A frame that was dropped costs decoding from the start, a checkpoint replaying from the
         // one before: half for each.
         let budget = memory.unwrap_or_else(memory::quarter) / 2;
-        Self::start(video, move || FrameCache::open(&name, budget), budget, settings, start, wake)
+        let open = move || FrameCache::open(&name, budget);
+        Self::start(video, open, budget, (settings, roi), start, wake)
     }
 
     /// As [`Self::open`], on frames that `open` gives; `model_budget` is the memory for checkpoints.
@@ -66,7 +73,7 @@ impl Session {
         video: &str,
         open: impl FnOnce() -> Result<FrameCache, SourceError> + Send + 'static,
         model_budget: usize,
-        settings: Settings,
+        under: (Settings, Option<Arc<Roi>>),
         start: Start,
         wake: impl Fn() + Send + Sync + 'static,
     ) -> Self {
@@ -89,8 +96,7 @@ impl Session {
         let (alive, ended) = channel();
         let (theirs, video) = (Arc::clone(&shared), video.to_owned());
         let started = thread::Builder::new().name("analysis".into()).spawn(move || {
-            let work =
-                AssertUnwindSafe(|| Worker::open_and_run(&theirs, open, settings, start, model_budget));
+            let work = AssertUnwindSafe(|| Worker::open_and_run(&theirs, open, under, start, model_budget));
             if let Err(payload) = catch_unwind(work) {
                 theirs.fail(format!(
                     "{video} cannot be analysed further: the program made an error ({}); open it again",
@@ -120,6 +126,12 @@ impl Session {
     /// in view is there under the new ones.
     pub fn set_settings(&self, settings: Settings) {
         self.shared.ask(|requests| requests.settings = Some(settings));
+    }
+
+    /// Asks for another part of the image to be analysed, the whole without one; it must be as large as the frames.
+    /// The model is not run again.
+    pub fn set_roi(&self, roi: Option<Arc<Roi>>) {
+        self.shared.ask(|requests| requests.roi = Some(Analysed(roi)));
     }
 
     /// Chooses the pixel whose history is shown; `None`, or one outside the image, chooses none.
@@ -173,7 +185,11 @@ impl Shared {
 
 impl Requests {
     const fn is_anything(&self) -> bool {
-        self.show.is_some() || self.settings.is_some() || self.inspect.is_some() || self.stop
+        self.show.is_some()
+            || self.settings.is_some()
+            || self.roi.is_some()
+            || self.inspect.is_some()
+            || self.stop
     }
 }
 

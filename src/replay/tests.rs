@@ -8,6 +8,7 @@ use std::time::{Duration, Instant};
 use image::{Rgb, RgbImage};
 
 use super::*;
+use crate::frame::{Mask, Size};
 use crate::mixture::Parameters;
 use crate::pipeline::Pipeline;
 use crate::settings::{BackgroundModel, Preset};
@@ -76,7 +77,7 @@ impl Watched {
         start: Start,
     ) -> Self {
         let (wake, woken) = channel();
-        let session = Session::start(name, open, model_budget, settings, start, move || {
+        let session = Session::start(name, open, model_budget, (settings, None), start, move || {
             let _ = wake.send(());
         });
         Self { session, woken }
@@ -122,8 +123,14 @@ fn shows(state: &State, position: u32) -> bool {
 
 /// What one pass forward gives at each position, with nothing kept and nothing replayed.
 fn straight(video: &Path, settings: &Settings) -> Vec<Shown> {
+    straight_within(video, settings, None)
+}
+
+/// The same where only a part of the image is analysed.
+fn straight_within(video: &Path, settings: &Settings, roi: Option<&Arc<Roi>>) -> Vec<Shown> {
     let mut source = source::open(&name(video)).unwrap();
     let mut pipeline = Pipeline::new(settings, source.info().size, source.info().fps).unwrap();
+    pipeline.set_roi(roi.cloned()).unwrap();
     let shared = Arc::new(settings.clone());
     let mut history = PixelHistory::new(PIXEL, Parameters::new(settings));
     let mut all = Vec::new();
@@ -135,6 +142,7 @@ fn straight(video: &Path, settings: &Settings) -> Vec<Shown> {
         all.push(Shown {
             position: all.len() as u32,
             settings: Arc::clone(&shared),
+            roi: roi.cloned(),
             analysis: Arc::new(analysis),
             background: picture(pipeline.background_image().unwrap()),
             multi_mode: mixture.map(|mixture| picture(mixture.appearance().multi_mode)),
@@ -149,7 +157,7 @@ fn straight(video: &Path, settings: &Settings) -> Vec<Shown> {
 fn assert_same(got: &Shown, expected: &Shown) {
     let position = expected.position;
     assert_eq!(got.position, position);
-    assert_eq!(got.settings, expected.settings);
+    assert_eq!((&got.settings, &got.roi), (&expected.settings, &expected.roi));
     assert_eq!(got.frame, expected.frame, "frame at {position}");
     let (a, b) = (&got.analysis, &expected.analysis);
     assert_eq!((a.number, a.t, &a.counters), (b.number, b.t, &b.counters));
@@ -266,6 +274,61 @@ fn a_change_of_settings_never_mixes_with_what_was() {
             shows(state, position)
         });
     }
+}
+
+/// The left half alone, or the right one.
+fn half(left: bool) -> Arc<Roi> {
+    let size = Size::new(WIDTH, HEIGHT);
+    let inside = |at: usize| (at as u32 % WIDTH < WIDTH / 2) == left;
+    let data = (0..size.pixels()).map(|at| if inside(at) { 255 } else { 0 }).collect();
+    Arc::new(Roi::new(Mask { size, data }).unwrap())
+}
+
+#[test]
+fn another_area_gives_what_one_pass_forward_gives_and_the_model_is_not_run_again() {
+    let folder = scene();
+    let watched = Watched::open(folder.path(), settings(), Start::First, 1 << 30);
+    watched.session.inspect(Some(PIXEL));
+    watched.until_done();
+    let areas = [Some(half(true)), Some(half(false)), None];
+    let other = Settings { gate: 0.95, ..settings() };
+    for (area, settings) in areas.iter().zip([settings(), settings(), other]) {
+        let expected = straight_within(folder.path(), &settings, area.as_ref());
+        watched.session.set_roi(area.clone());
+        watched.session.set_settings(settings.clone());
+        let state = watched.until(|state| {
+            let shown = state.shown.as_ref().unwrap();
+            shown.roi == *area && *shown.settings == settings
+        });
+        let shown = state.shown.unwrap();
+        assert_same(&shown, &expected[shown.position as usize]);
+        for position in walk().take(20) {
+            let position = position.min(FRAMES - 1);
+            assert_same(&watched.shown(position), &expected[position as usize]);
+        }
+        let done = watched.until_done();
+        let shares: Vec<_> = expected.iter().map(|shown| shown.analysis.mask.foreground_share()).collect();
+        assert_eq!(done.timeline.foreground_share, shares);
+    }
+    assert!(straight(folder.path(), &settings()).iter().any(|shown| shown.analysis.regions.len() > 1));
+}
+
+#[test]
+fn an_area_of_another_size_ends_the_work_in_a_sentence_and_another_one_goes_on() {
+    let folder = scene();
+    let watched = Watched::open(folder.path(), settings(), Start::First, 1 << 30);
+    watched.until(|state| state.shown.is_some());
+    let small = Roi::new(Mask { size: Size::new(2, 1), data: vec![255, 0] }).map(Arc::new);
+    watched.session.set_roi(small);
+    let failed = watched.until(|state| matches!(state.phase, Phase::Failed(_))).phase;
+    assert!(
+        matches!(&failed, Phase::Failed(why) if why.contains("2×1") && why.contains("96×64")),
+        "{failed:?}"
+    );
+    watched.session.set_roi(Some(half(true)));
+    let expected = straight_within(folder.path(), &settings(), Some(&half(true)));
+    watched.until(|state| state.shown.as_ref().unwrap().roi.is_some());
+    assert_same(&watched.shown(50), &expected[50]);
 }
 
 #[test]
@@ -397,7 +460,7 @@ fn a_panic_in_the_worker_becomes_a_failure() {
     let folder = scene();
     let once = AtomicBool::new(true);
     let (wake, woken) = channel();
-    let session = Session::open(&name(folder.path()), settings(), Start::First, None, move || {
+    let session = Session::open(&name(folder.path()), settings(), None, Start::First, None, move || {
         assert!(!once.swap(false, Ordering::Relaxed), "as this test wants it");
         let _ = wake.send(());
     });
@@ -410,7 +473,7 @@ fn a_panic_in_the_worker_becomes_a_failure() {
 fn dropping_a_session_ends_its_worker_at_once() {
     let folder = scene();
     let (wake, woken) = channel::<()>();
-    let session = Session::open(&name(folder.path()), settings(), Start::First, None, move || {
+    let session = Session::open(&name(folder.path()), settings(), None, Start::First, None, move || {
         let _ = wake.send(());
     });
     woken.recv_timeout(Duration::from_secs(20)).unwrap();

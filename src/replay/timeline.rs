@@ -44,6 +44,7 @@ impl Growing {
             numbers: numbers.to_vec(),
             complete,
             analysed: self.foreground_share.len() as u32,
+            decoded: Vec::new(),
             foreground_share: self.foreground_share.clone(),
             events,
             life_lines: self.lives.iter().map(|(&id, spans)| LifeLine { id, spans: spans.clone() }).collect(),

@@ -9,12 +9,13 @@ use std::time::{Duration, Instant};
 
 use super::inspector::Inspector;
 use super::run::{Run, Towards};
-use super::session::{Pixel, Requests, Shared};
+use super::session::{Analysed, Pixel, Requests, Shared};
 use super::timeline::Growing;
 use super::{Phase, Progress, Shown, Start, Timeline};
 use crate::frame::Frame;
 use crate::mixture::PixelHistory;
 use crate::occlusion::EventKind;
+use crate::regions::Roi;
 use crate::settings::{Settings, Stage};
 use crate::source::cache::{Fetched, FrameCache, Keep};
 use crate::source::{SourceError, SourceInfo};
@@ -88,11 +89,11 @@ impl<'a> Worker<'a> {
     pub(super) fn open_and_run(
         shared: &'a Shared,
         open: impl FnOnce() -> Result<FrameCache, SourceError>,
-        settings: Settings,
+        under: (Settings, Option<Arc<Roi>>),
         start: Start,
         model_budget: usize,
     ) {
-        match Self::open(shared, open, settings, start, model_budget) {
+        match Self::open(shared, open, under, start, model_budget) {
             Ok(mut worker) => worker.work(),
             Err(Stopped(why)) => shared.fail(why),
         }
@@ -101,13 +102,13 @@ impl<'a> Worker<'a> {
     fn open(
         shared: &'a Shared,
         open: impl FnOnce() -> Result<FrameCache, SourceError>,
-        settings: Settings,
+        (settings, roi): (Settings, Option<Arc<Roi>>),
         start: Start,
         model_budget: usize,
     ) -> Result<Self, Stopped> {
         let frames = open()?;
         let info = Arc::clone(frames.info());
-        let run = Run::new(Arc::new(settings), &info, model_budget)?;
+        let run = Run::new(Arc::new(settings), roi, &info, model_budget)?;
         shared.publish(|state| {
             state.phase = Phase::Ready;
             state.info = Some(Arc::clone(&info));
@@ -171,11 +172,19 @@ impl<'a> Worker<'a> {
             self.inspector.choose(self.pixel, self.run.settings());
             self.show_pixel();
         }
-        requests.settings.map_or(Ok(()), |settings| self.change_settings(settings))
+        if requests.settings.is_none() && requests.roi.is_none() {
+            return Ok(());
+        }
+        let settings = requests.settings.unwrap_or_else(|| Settings::clone(self.run.settings()));
+        let roi = requests.roi.map_or_else(|| self.run.roi().cloned(), |Analysed(roi)| roi);
+        self.change(settings, roi)
     }
 
-    fn change_settings(&mut self, settings: Settings) -> Result<(), Stopped> {
-        let difference = self.run.settings().first_difference(&settings);
+    /// Takes other settings, or another part of the image, and runs again what they touch.
+    fn change(&mut self, settings: Settings, roi: Option<Arc<Roi>>) -> Result<(), Stopped> {
+        let of_settings = self.run.settings().first_difference(&settings);
+        let of_roi = (self.run.roi() != roi.as_ref()).then_some(Stage::Cleaning);
+        let difference = [of_settings, of_roi].into_iter().flatten().min();
         if difference.is_none() && !self.stopped {
             return Ok(());
         }
@@ -184,9 +193,11 @@ impl<'a> Worker<'a> {
         self.publish_pixel();
         let settings = Arc::new(settings);
         match difference {
-            Some(stage) if stage > Stage::Mixture && !self.stopped => self.run.restart_at(stage, settings),
+            Some(stage) if stage > Stage::Mixture && !self.stopped => {
+                self.run.restart_at(stage, settings, roi)?;
+            }
             _ => {
-                let run = Run::new(settings, &self.info, self.model_budget)?;
+                let run = Run::new(settings, roi, &self.info, self.model_budget)?;
                 let old = std::mem::replace(&mut self.run, run);
                 // To give gigabytes back takes longer than the first frames.
                 rayon::spawn(move || drop(old));
@@ -221,7 +232,8 @@ impl<'a> Worker<'a> {
             "the first frames of {name} are no longer kept: the new settings start with the next one"
         ));
         self.frames.forget();
-        self.run = Run::new(Arc::clone(self.run.settings()), &self.info, self.model_budget)?;
+        let (settings, roi) = (Arc::clone(self.run.settings()), self.run.roi().cloned());
+        self.run = Run::new(settings, roi, &self.info, self.model_budget)?;
         self.growing = Growing::default();
         self.inspector = Inspector::default();
         self.inspector.choose(self.pixel, self.run.settings());
@@ -282,6 +294,7 @@ impl<'a> Worker<'a> {
                     self.show(Shown {
                         position,
                         settings: Arc::clone(self.run.settings()),
+                        roi: self.run.roi().cloned(),
                         frame,
                         analysis: Arc::new(analysis),
                         background: pictures.background,
@@ -475,7 +488,7 @@ impl<'a> Worker<'a> {
         self.outbox.timeline_grew = false;
         let timeline = self.growing.timeline(self.frames.numbers(), self.frames.is_complete());
         self.outbox.analysed = timeline.analysed;
-        Arc::new(timeline)
+        Arc::new(Timeline { decoded: self.frames.kept_ranges(), ..timeline })
     }
 
     /// Publishes the pixel's history as it is now, and the frame in view with it where both are of

@@ -126,6 +126,14 @@ impl FrameCache {
         &self.numbers
     }
 
+    /// The positions whose frames are kept decoded, as ranges with both ends in them, in order.
+    pub fn kept_ranges(&self) -> Vec<(u32, u32)> {
+        let mut positions: Vec<u32> = self.kept.keys().copied().collect();
+        positions.sort_unstable();
+        let ranges = positions.chunk_by(|a, b| a + 1 == *b);
+        ranges.filter_map(|range| Some((*range.first()?, *range.last()?))).collect()
+    }
+
     /// Whether the end has been found: there are no frames but those of [`Self::numbers`].
     pub fn is_complete(&self) -> bool {
         self.complete

@@ -139,7 +139,8 @@ impl Inspector {
         let (x, y) = history.at;
         // Of settings that the frame waits for, no mask is known yet.
         let mask = if ahead.is_some() { words.foreground } else { shown.analysis.mask.is_foreground(x, y) };
-        words.details.splice(0..0, overruled(words.foreground, mask, &shown.settings));
+        let ignored = ahead.is_none() && shown.roi.as_ref().is_some_and(|roi| !roi.contains(x, y));
+        words.details.splice(0..0, overruled(words.foreground, mask, ignored, &shown.settings));
 
         header(ui, &chosen);
         ui.add_space(4.0);

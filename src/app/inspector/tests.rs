@@ -56,6 +56,7 @@ fn shown_of(settings: Settings, history: Option<PixelHistory>, position: u32) ->
     Shown {
         position,
         settings: Arc::new(settings),
+        roi: None,
         frame: Arc::clone(&frame),
         analysis: Arc::new(Analysis {
             number: position + 1,

@@ -37,6 +37,11 @@ impl Canvas {
         Self { rect, size, scale, origin: rect.center() - centre * scale, fitted, camera }
     }
 
+    /// Points a pixel where the whole image fits.
+    pub(crate) const fn fitted(&self) -> f32 {
+        self.fitted
+    }
+
     /// Where a point of the image stands on the screen.
     pub(crate) fn screen(&self, [x, y]: [f32; 2]) -> Pos2 {
         self.origin + vec2(x, y) * self.scale

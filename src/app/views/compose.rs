@@ -289,7 +289,7 @@ impl Composition {
             a,
             self.canvas.scale * dense * self.set.every() as f32,
             self.look.tint,
-            0.0,
+            dense,
             0.0,
         ];
         let mut bytes = [0; VALUES as usize];

@@ -15,7 +15,9 @@ struct View {
     scale: f32,
     // All colours are multiplied by this.
     tint: f32,
-    unused: vec2<f32>,
+    // Pixels of the screen a point.
+    dense: f32,
+    unused: f32,
 }
 
 @group(0) @binding(0) var<uniform> view: View;
@@ -28,6 +30,7 @@ struct View {
 @group(1) @binding(4) var mask: texture_2d<f32>;
 @group(1) @binding(5) var labels: texture_2d<u32>;
 @group(1) @binding(6) var palette: texture_2d<f32>;
+@group(1) @binding(7) var ignored: texture_2d<f32>;
 
 // What is composed, in the order of `Compose`. Not a value of the view: software adapters go through all branches
 // of what they do not know when the shader is built.
@@ -166,6 +169,20 @@ fn mean_of_named(what: Under) -> vec4<f32> {
     return sum / max(shares, 1e-6);
 }
 
+// What is not analysed is darker, under thin diagonal lines.
+fn set_back(colour: vec3<f32>, position: vec2<f32>) -> vec3<f32> {
+    let at = (position - view.origin) / view.scale;
+    var share = 0.0;
+    if view.scale >= 1.0 {
+        share = textureLoad(ignored, vec2<i32>(clamp(floor(at), vec2<f32>(0.0), view.texels - 1.0)), 0).r;
+    } else {
+        share = textureSampleLevel(ignored, smooth_sampler, at / view.texels, 0.0).r;
+    }
+    let along = fract((position.x + position.y) / (9.0 * view.dense));
+    let line = select(0.0, 0.16, along < 0.14);
+    return mix(colour, colour * 0.38 + line, share);
+}
+
 fn composed(position: vec2<f32>) -> vec3<f32> {
     let middle = (position - view.origin) / view.scale;
     if view.scale >= 1.0 {
@@ -181,13 +198,13 @@ fn composed(position: vec2<f32>) -> vec3<f32> {
 
 @fragment
 fn to_gamma(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
-    return vec4<f32>(composed(position.xy) * view.tint, 1.0);
+    return vec4<f32>(set_back(composed(position.xy) * view.tint, position.xy), 1.0);
 }
 
 // For a window that takes linear light and makes sRGB of it itself.
 @fragment
 fn to_linear(@builtin(position) position: vec4<f32>) -> @location(0) vec4<f32> {
-    let srgb = composed(position.xy) * view.tint;
+    let srgb = set_back(composed(position.xy) * view.tint, position.xy);
     let low = srgb / 12.92;
     let high = pow((srgb + 0.055) / 1.055, vec3<f32>(2.4));
     return vec4<f32>(select(high, low, srgb < vec3<f32>(0.04045)), 1.0);

@@ -26,6 +26,8 @@ pub(crate) enum Layer {
     Labels,
     /// The colours of the values of B in its first row, of the regions from its second row on.
     Palette,
+    /// Where nothing is analysed.
+    Ignored,
 }
 
 /// How many texels a row of the palette has.
@@ -35,15 +37,23 @@ const LAST_LABEL: u32 = u16::MAX as u32;
 
 impl Layer {
     /// All layers, in the order of their bindings in the shader.
-    pub(crate) const ALL: [Self; 7] =
-        [Self::Input, Self::Mean, Self::Modes, Self::Counts, Self::Mask, Self::Labels, Self::Palette];
+    pub(crate) const ALL: [Self; 8] = [
+        Self::Input,
+        Self::Mean,
+        Self::Modes,
+        Self::Counts,
+        Self::Mask,
+        Self::Labels,
+        Self::Palette,
+        Self::Ignored,
+    ];
 
     /// How a texel is kept.
     pub(crate) const fn format(self) -> TextureFormat {
         match self {
             Self::Input | Self::Mean | Self::Modes | Self::Palette => TextureFormat::Rgba8Unorm,
             Self::Counts => TextureFormat::R8Uint,
-            Self::Mask => TextureFormat::R8Unorm,
+            Self::Mask | Self::Ignored => TextureFormat::R8Unorm,
             Self::Labels => TextureFormat::R16Uint,
         }
     }
@@ -52,16 +62,17 @@ impl Layer {
     pub(crate) const fn texel_bytes(self) -> usize {
         match self {
             Self::Input | Self::Mean | Self::Modes | Self::Palette => 4,
-            Self::Counts | Self::Mask => 1,
+            Self::Counts | Self::Mask | Self::Ignored => 1,
             Self::Labels => 2,
         }
     }
 
-    /// Whether the frame has it: a model without a mixture has no modes and no B.
+    /// Whether the frame has it: a model without a mixture has no modes and no B, the whole image nothing ignored.
     pub(crate) const fn is_in(self, shown: &Shown) -> bool {
         match self {
             Self::Modes => shown.multi_mode.is_some(),
             Self::Counts => shown.background_count.is_some(),
+            Self::Ignored => shown.roi.is_some(),
             _ => true,
         }
     }
@@ -79,6 +90,7 @@ impl Layer {
             Self::Mask => Arc::ptr_eq(&a.analysis.mask, &b.analysis.mask),
             Self::Labels => Arc::ptr_eq(&a.analysis.labels, &b.analysis.labels),
             Self::Palette => Arc::ptr_eq(&a.analysis, &b.analysis),
+            Self::Ignored => both(a.roi.as_ref(), b.roi.as_ref()),
         }
     }
 
@@ -109,6 +121,11 @@ impl Layer {
             }
             Self::Mask => numbers(&shown.analysis.mask.data, width, every, |&value| [value], put),
             Self::Labels => labels(&shown.analysis.labels, every, put),
+            Self::Ignored => {
+                if let Some(roi) = &shown.roi {
+                    numbers(&roi.mask().data, width, every, |&value| [255 - value], put);
+                }
+            }
             Self::Palette => {
                 let mut row = vec![0; PALETTE_WIDTH * 4];
                 for (texel, colour) in row.chunks_exact_mut(4).zip(background::COUNTS) {

@@ -1,5 +1,6 @@
 //! The linked views in the middle: one file each, and the tiles in which they stand.
 
+mod areas;
 mod background;
 mod canvas;
 mod compose;
@@ -8,15 +9,18 @@ mod draw;
 mod foreground;
 mod input;
 mod layer;
+mod layouts;
 mod pictures;
 mod regions;
 mod sender;
 mod tiles;
 mod tracks;
 
+pub(crate) use areas::area_colour;
 pub(crate) use canvas::Canvas;
+pub(crate) use layouts::{Layout, is_open, set_open};
 pub(crate) use pictures::Pictures;
-pub(crate) use tiles::{default_tree, show};
+pub(crate) use tiles::show;
 
 use std::sync::Arc;
 

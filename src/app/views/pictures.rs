@@ -192,6 +192,7 @@ fn first_layers() -> Layers {
     for view in View::ALL {
         layers.add(view.layers(Background::Mean));
     }
+    layers.add(&[Layer::Ignored]);
     layers
 }
 

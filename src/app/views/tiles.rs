@@ -1,58 +1,45 @@
 //! How the views stand beside one another, and what the pointer does in them.
 
+use eframe::egui::containers::menu::MenuButton;
 use eframe::egui::{
-    Button, Color32, DragValue, PointerButton, Rect, RichText, Sense, Stroke, Ui, UiBuilder, Visuals,
-    WidgetInfo, WidgetText, accesskit::Role, vec2,
+    Button, Color32, CursorIcon, DragValue, Painter, PointerButton, Pos2, Rect, Response, RichText, Sense,
+    Stroke, Ui, UiBuilder, Visuals, WidgetInfo, WidgetText, accesskit::Role, vec2,
 };
 use egui_material_icons::icons as m;
-use egui_tiles::{
-    Behavior, Container, Linear, LinearDir, SimplificationOptions, TabState, Tabs, TileId, Tiles, Tree,
-    UiResponse,
-};
+use egui_tiles::{Behavior, SimplificationOptions, TabState, Tabs, TileId, Tiles, Tree, UiResponse};
 
-use super::layer::Layers;
-use super::{Background, Canvas, Pane, Pictures, View, draw};
+use super::layer::{Layer, Layers};
+use super::{Background, Canvas, Pane, Pictures, View, areas, draw};
+use crate::app::areas::Change;
 use crate::app::command::{Action, Command};
+use crate::app::overlays::Drawn;
 use crate::app::state::{Camera, Hover, Model};
-use crate::app::theme;
+use crate::app::{theme, top_bar};
 
 /// From this width of a title on, in points, all kinds of background stand in it to choose from.
 const CHOICES_FROM: f32 = 290.0;
 /// From this width on, the one that is chosen; below, the tabs need all the room.
 const CHOICE_FROM: f32 = 230.0;
 
+/// An area is chosen by a click within so many points of its outline.
+const OUTLINE: f32 = 4.0;
+
+/// From this width of a title on for each of its tabs, a view can be closed in it.
+const CLOSE_FROM: f32 = 130.0;
+
 /// From this width of a title on, the mask over the input can be switched in it.
 const OVERLAY_FROM: f32 = 120.0;
 
-/// Two rows of two, and the tracks across below them; the difference behind the background's tab.
-pub(crate) fn default_tree() -> Tree<View> {
-    let mut tiles = Tiles::default();
-    let mut tab = |views: &[View]| {
-        let panes = views.iter().map(|&view| tiles.insert_pane(view)).collect();
-        tiles.insert_tab_tile(panes)
-    };
-    let input = tab(&[View::Input]);
-    let background = tab(&[View::Background, View::Difference]);
-    let foreground = tab(&[View::Foreground]);
-    let regions = tab(&[View::Regions]);
-    let tracks = tab(&[View::Tracks]);
-    let top = tiles.insert_horizontal_tile(vec![input, background]);
-    let middle = tiles.insert_horizontal_tile(vec![foreground, regions]);
-    let mut rows = Linear::new(LinearDir::Vertical, vec![top, middle, tracks]);
-    rows.shares.set_share(tracks, 1.6);
-    let root = tiles.insert_container(Container::Linear(rows));
-    Tree::new(eframe::egui::Id::unique("views"), root, tiles)
-}
-
-/// Shows the views, or the one that is maximised.
+/// Shows the views, or the one that is maximised. Returns how many points a pixel takes where the whole image fits: in
+/// the view under the pointer, or in the largest.
 pub(crate) fn show(
     ui: &mut Ui,
     tree: &mut Tree<View>,
     pictures: &mut Pictures,
     model: &Model,
     commands: &mut Vec<Command>,
-) {
-    let mut panes = Panes { model, pictures, commands, hover: None, layers: Layers::NONE };
+) -> Option<f32> {
+    let mut panes = Panes { model, pictures, commands, hover: None, layers: Layers::NONE, fitted: None };
     if let Some(view) = model.maximised {
         let whole = ui.available_rect_before_wrap();
         let (bar, rest) = whole.split_top_bottom_at_y(whole.top() + theme::ROW);
@@ -62,18 +49,19 @@ pub(crate) fn show(
                 ui.add_space(2.0 * theme::SPACE);
                 ui.strong(view.title());
                 ui.weak("press the same key again for all views");
-                panes.buttons(ui, view);
+                panes.buttons(ui, view, 1);
             });
         });
         ui.scope_builder(UiBuilder::new().max_rect(rest), |ui| panes.view(ui, view));
     } else {
         tree.ui(&mut panes, ui);
     }
-    let (hover, layers) = (panes.hover, panes.layers);
+    let (hover, layers, fitted) = (panes.hover, panes.layers, panes.fitted);
     pictures.need(layers);
     if model.hovered != hover {
         commands.push(Command::Hover(hover));
     }
+    fitted.map(|(_, fitted)| fitted)
 }
 
 struct Panes<'a> {
@@ -83,6 +71,9 @@ struct Panes<'a> {
     hover: Option<Hover>,
     /// What the views that are seen need of a frame.
     layers: Layers,
+    /// The area of the largest view, boundless for the one under the pointer, and how many points a pixel takes there
+    /// where the whole image fits.
+    fitted: Option<(f32, f32)>,
 }
 
 impl Panes<'_> {
@@ -94,10 +85,15 @@ impl Panes<'_> {
         let painter = ui.painter().with_clip_rect(rect);
         painter.rect_filled(rect, 0.0, colours.canvas);
         self.layers.add(view.layers(self.model.background));
+        self.layers.add(&[Layer::Ignored]);
         let Some(set) = self.pictures.in_view() else { return };
         let shown = &*set.moment().shown;
         let camera = self.pointer(ui, &response, view, shown.frame.size);
         let canvas = Canvas::new(rect, shown.frame.size, camera);
+        let area = if response.contains_pointer() { f32::INFINITY } else { rect.area() };
+        if self.fitted.is_none_or(|(most, _)| area > most) {
+            self.fitted = Some((area, canvas.fitted()));
+        }
         if camera != self.model.camera {
             self.commands.push(Command::Look(camera));
         }
@@ -115,23 +111,60 @@ impl Panes<'_> {
         if let Some(pixel) = self.model.chosen {
             draw::cross(&painter, &canvas, pixel, Color32::from_rgb(255, 255, 255));
         }
+        self.areas(&painter, &canvas, view, &response);
+    }
+
+    /// The areas over a view, and what the pointer does to the one that is being drawn.
+    fn areas(&mut self, painter: &Painter, canvas: &Canvas, view: View, response: &Response) {
+        let areas = &self.model.areas;
+        let pointer = response.hover_pos().or_else(|| response.interact_pointer_pos());
+        // Where a rectangle began; the pointer forgets it before the button is up.
+        let began = response.id.with("began");
+        let mut from = response.ctx.data(|data| data.get_temp::<Pos2>(began));
+        if let Some(draft) = &areas.draft {
+            if response.hovered() || (view == View::Input && self.hover.is_none()) {
+                areas::hint(painter, canvas, draft);
+            }
+            if response.drag_started_by(PointerButton::Primary) {
+                from = response.ctx.input(|input| input.pointer.press_origin());
+                response.ctx.data_mut(|data| from.map(|from| data.insert_temp(began, from)));
+            } else if let Some((from, to)) =
+                from.zip(pointer).filter(|_| response.drag_stopped_by(PointerButton::Primary))
+            {
+                let corners = Change::Rectangle(canvas.image(from), canvas.image(to));
+                self.commands.push(Command::Area(corners));
+            } else if response.double_clicked() {
+                self.commands.push(Command::Area(Change::Close));
+            } else if response.clicked()
+                && let Some(at) = pointer
+            {
+                let closes = areas::closes(canvas, draft, at);
+                let change = if closes { Change::Close } else { Change::Corner(canvas.image(at)) };
+                self.commands.push(Command::Area(change));
+            }
+        }
+        if from.is_some() && !response.dragged() {
+            response.ctx.data_mut(|data| data.remove::<Pos2>(began));
+            from = None;
+        }
+        areas::paint(painter, canvas, areas, pointer, from);
     }
 
     /// What the pointer does: the wheel zooms where it stands, dragging pans, a click chooses the
-    /// pixel, a double click fits.
-    fn pointer(
-        &mut self,
-        ui: &Ui,
-        response: &eframe::egui::Response,
-        view: View,
-        size: crate::frame::Size,
-    ) -> Camera {
+    /// pixel or the area whose outline it is on, a double click fits. While an area is drawn, only the middle button
+    /// pans.
+    fn pointer(&mut self, ui: &Ui, response: &Response, view: View, size: crate::frame::Size) -> Camera {
         let mut camera = self.model.camera;
         let canvas = Canvas::new(response.rect, size, camera);
-        if response.double_clicked() {
+        let drawing = self.model.areas.draft.is_some();
+        if drawing && response.hovered() {
+            ui.ctx().set_cursor_icon(CursorIcon::Crosshair);
+        }
+        if response.double_clicked() && !drawing {
             return Camera::FIT;
         }
-        if response.dragged_by(PointerButton::Primary) || response.dragged_by(PointerButton::Middle) {
+        let pulled = response.dragged_by(PointerButton::Primary) && !drawing;
+        if pulled || response.dragged_by(PointerButton::Middle) {
             camera = canvas.panned(response.drag_delta());
         }
         if let Some(at) = response.hover_pos() {
@@ -142,20 +175,27 @@ impl Panes<'_> {
             }
             if let Some(pixel) = canvas.pixel(at) {
                 self.hover = Some(Hover { view, pixel, scale: canvas.scale });
-                if response.clicked() {
-                    self.commands.push(Command::Choose(Some(pixel)));
+                if response.clicked() && !drawing {
+                    let area = self.model.areas.at(canvas.image(at), OUTLINE / canvas.scale);
+                    self.commands.push(match area {
+                        Some(_) => Command::Area(Change::Choose(area)),
+                        None => Command::Choose(Some(pixel)),
+                    });
                 }
             }
         }
         camera
     }
 
-    /// What stands at the right end of a view's title.
-    fn buttons(&mut self, ui: &mut Ui, view: View) {
+    /// What stands at the right end of a title with so many tabs.
+    fn buttons(&mut self, ui: &mut Ui, view: View, tabs: usize) {
         ui.with_layout(eframe::egui::Layout::right_to_left(eframe::egui::Align::Center), |ui| {
             ui.spacing_mut().item_spacing.x = theme::SPACE / 2.0;
             ui.spacing_mut().button_padding = vec2(theme::SPACE, 0.0);
             ui.add_space(theme::SPACE);
+            if self.model.maximised.is_none() && ui.available_width() >= CLOSE_FROM * tabs as f32 {
+                self.close(ui, view);
+            }
             let (icon, word) = if self.model.maximised == Some(view) {
                 (m::ICON_FULLSCREEN_EXIT, "Show all views")
             } else {
@@ -169,6 +209,9 @@ impl Panes<'_> {
             }
             if view == View::Input && ui.available_width() >= OVERLAY_FROM {
                 self.overlay(ui);
+            }
+            if view == View::Tracks {
+                self.drawn(ui);
             }
             if view != View::Background || ui.available_width() < CHOICE_FROM {
                 return;
@@ -191,6 +234,33 @@ impl Panes<'_> {
                 }
             }
         });
+    }
+
+    /// What takes a view away.
+    fn close(&mut self, ui: &mut Ui, view: View) {
+        let action = Action::Open(view);
+        let last = action.entry().is_some_and(|entry| !top_bar::allowed(self.model, entry));
+        let button = Button::new(m::ICON_CLOSE.rich_text().size(14.0)).frame_when_inactive(false);
+        let response = ui.add_enabled(!last, button).accessible_name(format!("Close: {}", view.title()));
+        let text = "Close this view; the menu View, Views brings it back";
+        if response.on_hover_text(text).clicked() {
+            self.commands.push(Command::Act(action));
+        }
+    }
+
+    /// What is drawn over the tracks.
+    fn drawn(&mut self, ui: &mut Ui) {
+        let icon = m::ICON_LAYERS.rich_text().size(theme::ICON);
+        let button = Button::new(icon).frame_when_inactive(false);
+        let (response, _) = MenuButton::from_button(button).ui(ui, |ui| {
+            ui.set_min_width(190.0);
+            for what in Drawn::ALL {
+                if let Some(entry) = Action::Draw(what).entry() {
+                    top_bar::item(ui, self.model, entry, self.commands);
+                }
+            }
+        });
+        response.accessible_name("Over the tracks").on_hover_text("What is drawn over the tracks");
     }
 
     /// The mask over the input: whether it is there and, while it is, how strong.
@@ -247,7 +317,7 @@ impl Behavior<View> for Panes<'_> {
         _scroll_offset: &mut f32,
     ) {
         if let Some(&view) = tabs.active.and_then(|active| tiles.get_pane(&active)) {
-            self.buttons(ui, view);
+            self.buttons(ui, view, tabs.children.len());
         }
     }
 

@@ -6,16 +6,21 @@ use eframe::egui::{Align2, Color32, FontId, Mesh, Rect, Stroke, pos2, vec2};
 
 use super::draw::Taken;
 use super::{Compose, Look, Pane, draw};
+use crate::app::overlays::Drawn;
 use crate::app::{icons, theme};
 use crate::palette::{event_colour, identity_colour};
+use crate::regions;
 use crate::tracking::{Identity, Track, TrackState};
+use crate::truth::boxes::Bounds;
 
 /// Paints them.
 pub(super) fn paint(pane: &Pane<'_>) {
     pane.compose(Look { tint: 205.0 / 255.0, ..Look::plain(Compose::Input) });
-    let tracks = &pane.shown.analysis.tracks;
-    trails(pane);
-    for (index, track) in tracks.iter().enumerate() {
+    let (tracks, drawn) = (&pane.shown.analysis.tracks, pane.model.drawn);
+    if drawn.has(Drawn::Trails) {
+        trails(pane);
+    }
+    for (index, track) in tracks.iter().enumerate().filter(|_| drawn.has(Drawn::Occlusions)) {
         for other in &tracks[index + 1..] {
             if track.group.contains(&other.id) {
                 occlusion(pane, &pane.canvas.place(&track.bbox.intersection(&other.bbox)));
@@ -25,7 +30,7 @@ pub(super) fn paint(pane: &Pane<'_>) {
             occlusion(pane, &pane.canvas.place(&track.bbox));
         }
     }
-    let groups = groups(tracks);
+    let groups = if drawn.has(Drawn::Groups) { groups(tracks) } else { Vec::new() };
     for group in &groups {
         outline(pane, group);
     }
@@ -37,10 +42,21 @@ pub(super) fn paint(pane: &Pane<'_>) {
     for track in tracks.iter() {
         object(pane, track, &mut gates);
     }
-    pane.painter.add(gates);
+    if drawn.has(Drawn::Gates) {
+        pane.painter.add(gates);
+    }
+    let truth = pane.model.truth.as_ref().and_then(|truth| truth.get(&pane.shown.frame.number));
+    let truth = truth.filter(|_| drawn.has(Drawn::Truth));
+    for &Bounds([x, y, w, h]) in truth.into_iter().flat_map(|boxes| boxes.values()) {
+        let place = regions::Rect::new(x as f32, y as f32, w as f32, h as f32);
+        let place = pane.canvas.place(&place);
+        let stroke = |width, colour| Stroke::new(width, colour);
+        draw::dashed_rect(pane.painter, place, stroke(3.0, Color32::from_black_alpha(120)), 2.5);
+        draw::dashed_rect(pane.painter, place, stroke(1.5, Color32::WHITE), 2.5);
+    }
     // Words last, so that no box runs through them.
     let mut taken = Taken::default();
-    for track in tracks.iter() {
+    for track in tracks.iter().filter(|_| drawn.has(Drawn::Names)) {
         let word = match track.state {
             TrackState::Visible => track.id.to_string(),
             state => format!("{} {}", track.id, state.name()),
@@ -49,14 +65,21 @@ pub(super) fn paint(pane: &Pane<'_>) {
         let colour = theme::rgb(identity_colour(track.id));
         draw::free_tag(pane.painter, at, &word, colour, pane.canvas.rect, &mut taken);
     }
-    for group in &groups {
+    for (id, &Bounds([x, y, w, h])) in truth.into_iter().flatten() {
+        let foot = pane.canvas.screen([(x + w) as f32, (y + h) as f32]) + vec2(1.0, 17.0);
+        let word = format!("truth {id}");
+        draw::free_tag(pane.painter, foot, &word, Color32::from_gray(225), pane.canvas.rect, &mut taken);
+    }
+    for group in groups.iter().filter(|_| drawn.has(Drawn::Names)) {
         let place = around(pane, group);
         let names: Vec<String> = group.iter().map(|track| track.id.to_string()).collect();
         let at = pos2(place.left(), place.bottom() + 18.0);
         let colour = Color32::from_rgb(244, 246, 250);
         draw::free_tag(pane.painter, at, &names.join(" + "), colour, pane.canvas.rect, &mut taken);
     }
-    flags(pane, taken);
+    if drawn.has(Drawn::Events) {
+        flags(pane, taken);
+    }
 }
 
 fn object(pane: &Pane<'_>, track: &Track, gates: &mut Mesh) {

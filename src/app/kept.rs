@@ -1,0 +1,82 @@
+//! What of the window is the same at the next start, besides the places of the views.
+
+use std::collections::BTreeMap;
+
+use eframe::Storage;
+use eframe::egui::{Context, Theme};
+use serde::{Deserialize, Serialize};
+
+use super::marks::Marks;
+use super::overlays::{Overlay, Overlays};
+use super::state::{Model, SPEEDS};
+use super::views::Background;
+use crate::occlusion::EventKind;
+
+/// Under which name it is kept.
+const NAME: &str = "window";
+
+/// All of it. What an older version did not keep is as in a first start.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default)]
+pub(crate) struct Kept {
+    light: bool,
+    hint: bool,
+    /// The settings, and the inspector with the events.
+    panels: [bool; 2],
+    background: Background,
+    overlay: Overlay,
+    drawn: Overlays,
+    speed: usize,
+    listed: Vec<bool>,
+    recent: Vec<String>,
+    marks: BTreeMap<String, Marks>,
+}
+
+impl Default for Kept {
+    fn default() -> Self {
+        Self::of(&Model::new(crate::settings::Settings::default()), false)
+    }
+}
+
+impl Kept {
+    /// What is to be kept of a window.
+    pub(crate) fn of(model: &Model, light: bool) -> Self {
+        Self {
+            light,
+            hint: model.hint,
+            panels: [model.settings_panel, model.inspector_panel],
+            background: model.background,
+            overlay: model.overlay,
+            drawn: model.drawn,
+            speed: model.playback.speed,
+            listed: model.listed.to_vec(),
+            recent: model.recent.clone(),
+            marks: model.marks_of.clone(),
+        }
+    }
+
+    /// What was kept; what cannot be read is as in a first start.
+    pub(crate) fn read(storage: Option<&dyn Storage>) -> Self {
+        storage.and_then(|storage| eframe::get_value(storage, NAME)).unwrap_or_default()
+    }
+
+    /// Keeps it.
+    pub(crate) fn write(&self, storage: &mut dyn Storage) {
+        eframe::set_value(storage, NAME, self);
+    }
+
+    /// Makes the window as it was.
+    pub(crate) fn restore(self, ctx: &Context, model: &mut Model) {
+        ctx.set_theme(if self.light { Theme::Light } else { Theme::Dark });
+        [model.settings_panel, model.inspector_panel] = self.panels;
+        model.background = self.background;
+        model.overlay = Overlay { opacity: self.overlay.opacity.clamp(5, 100), ..self.overlay };
+        model.drawn = self.drawn;
+        model.playback.speed = self.speed.min(SPEEDS.len() - 1);
+        if let Ok(listed) = <[bool; EventKind::ALL.len()]>::try_from(self.listed) {
+            model.listed = listed;
+        }
+        (model.recent, model.hint) = (self.recent, self.hint);
+        model.marks_of = self.marks;
+    }
+}

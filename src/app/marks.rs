@@ -1,0 +1,89 @@
+//! Places in a video that somebody marked: where playing begins and ends, and bookmarks.
+
+use std::collections::BTreeSet;
+
+use serde::{Deserialize, Serialize};
+
+/// Positions from 0.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(default)]
+pub(crate) struct Marks {
+    /// Playing begins here.
+    pub(crate) start: Option<u32>,
+    /// Playing goes no farther than this, and begins again.
+    pub(crate) end: Option<u32>,
+    /// Bookmarks.
+    pub(crate) bookmarks: BTreeSet<u32>,
+}
+
+impl Marks {
+    /// Whether there are none.
+    pub(crate) fn is_empty(&self) -> bool {
+        *self == Self::default()
+    }
+
+    /// Lets playing begin here; a second time, at the first frame again.
+    pub(crate) fn toggle_start(&mut self, position: u32) {
+        self.start = if self.start == Some(position) { None } else { Some(position) };
+        self.end = self.end.filter(|&end| end > position);
+    }
+
+    /// Lets playing end here; a second time, at the last frame again.
+    pub(crate) fn toggle_end(&mut self, position: u32) {
+        self.end = if self.end == Some(position) { None } else { Some(position) };
+        self.start = self.start.filter(|&start| start < position);
+    }
+
+    /// Sets a bookmark, or takes it away.
+    pub(crate) fn toggle_bookmark(&mut self, position: u32) {
+        if !self.bookmarks.remove(&position) {
+            self.bookmarks.insert(position);
+        }
+    }
+
+    /// The next bookmark after a position, or the one before it.
+    pub(crate) fn beside(&self, position: u32, forward: bool) -> Option<u32> {
+        if forward {
+            self.bookmarks.range(position.saturating_add(1)..).next().copied()
+        } else {
+            self.bookmarks.range(..position).next_back().copied()
+        }
+    }
+
+    /// Where playing goes on at the end of the part that is played; `None` before it, and where no part is.
+    pub(crate) fn again_from(&self, position: u32, last: bool) -> Option<u32> {
+        let over = self.end.is_some_and(|end| position >= end) || (last && self.start.is_some());
+        over.then(|| self.start.unwrap_or(0))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_part_that_is_played_never_ends_before_it_begins() {
+        let mut marks = Marks::default();
+        marks.toggle_start(10);
+        marks.toggle_end(30);
+        assert_eq!((marks.start, marks.end), (Some(10), Some(30)));
+        assert_eq!([20, 30, 35].map(|at| marks.again_from(at, false)), [None, Some(10), Some(10)]);
+        marks.toggle_start(40);
+        assert_eq!((marks.start, marks.end), (Some(40), None));
+        assert_eq!((marks.again_from(50, false), marks.again_from(50, true)), (None, Some(40)));
+        marks.toggle_end(5);
+        assert_eq!((marks.start, marks.end, marks.again_from(6, false)), (None, Some(5), Some(0)));
+        marks.toggle_end(5);
+        assert!(marks.is_empty() && marks.again_from(50, true).is_none());
+    }
+
+    #[test]
+    fn bookmarks_are_gone_to_in_order() {
+        let mut marks = Marks::default();
+        for position in [30, 10, 20, 10] {
+            marks.toggle_bookmark(position);
+        }
+        assert_eq!([0, 20, 30].map(|at| marks.beside(at, true)), [Some(20), Some(30), None]);
+        assert_eq!([0, 20, 31].map(|at| marks.beside(at, false)), [None, None, Some(30)]);
+    }
+}

@@ -1,0 +1,170 @@
+//! Areas drawn over the views.
+
+use eframe::egui::{PointerButton, Pos2};
+
+use super::*;
+use crate::app::areas::Change;
+use crate::app::views::Canvas;
+use crate::regions::Roi;
+
+fn canvas(harness: &Harness<'_, Window>) -> Canvas {
+    let rect = harness.get_by_label("Input view").rect();
+    Canvas::new(rect, SIZE, harness.state().model.camera)
+}
+
+fn button(harness: &mut Harness<'_, Window>, at: Pos2, pressed: bool) {
+    let button = PointerButton::Primary;
+    harness.event(egui::Event::PointerMoved(at));
+    harness.step();
+    harness.event(egui::Event::PointerButton { pos: at, button, pressed, modifiers: Modifiers::NONE });
+    harness.step();
+}
+
+fn click(harness: &mut Harness<'_, Window>, [x, y]: [f32; 2]) {
+    let at = canvas(harness).screen([x, y]);
+    button(harness, at, true);
+    button(harness, at, false);
+    // Two clicks within a moment would be one double click.
+    harness.run_steps(40);
+}
+
+/// What was last asked to be analysed.
+fn asked(scene: &Scene) -> Option<Arc<Roi>> {
+    let asked = scene.asked.borrow();
+    let mut rois = asked.iter().rev();
+    rois.find_map(|asked| if let Asked::Roi(roi) = asked { Some(roi.clone()) } else { None })
+        .expect("no area was asked for")
+}
+
+fn how_often(scene: &Scene) -> usize {
+    scene.asked.borrow().iter().filter(|asked| matches!(asked, Asked::Roi(_))).count()
+}
+
+#[test]
+fn a_polygon_takes_away_the_regions_inside_it() {
+    let (mut harness, scene) = ready(10);
+    assert_eq!(harness.state().model.shown().unwrap().analysis.regions.len(), 3);
+    harness.key_press(Key::I);
+    harness.run_steps(3);
+    for corner in [[5.0, 20.0], [60.0, 20.0], [60.0, 110.0], [5.0, 110.0]] {
+        click(&mut harness, corner);
+    }
+    assert_eq!(how_often(&scene), 0, "nothing is ignored before it is closed");
+    picture(&mut harness, "area-drawn");
+    harness.key_press(Key::Enter);
+    settle(&mut harness);
+    let roi = asked(&scene).unwrap();
+    assert!(!roi.contains(30, 60) && roi.contains(130, 60) && roi.contains(2, 2));
+    let shown = harness.state().model.shown().unwrap().clone();
+    // The first who walks is at 30, 60.
+    assert_eq!(shown.analysis.regions.iter().map(|region| region.label).collect::<Vec<_>>(), [2, 3]);
+    assert!(!shown.analysis.mask.is_foreground(30, 60));
+    assert_eq!(harness.state().model.chosen, None, "a click that draws chooses no pixel");
+    // What is ignored is darker in every view; what is analysed is as it was.
+    let picture = harness.render().unwrap();
+    let at = |pixel| {
+        let place = canvas(&harness).place_pixel(pixel).center();
+        picture.get_pixel(place.x as u32, place.y as u32).0
+    };
+    for pixel in [(20, 100), (40, 30), (50, 90)] {
+        let before = shown.frame.pixel(pixel.0, pixel.1).unwrap();
+        assert!(at(pixel)[0] < before[0] && at(pixel)[2] < before[2], "{pixel:?}");
+    }
+    assert_eq!(at((100, 100))[..3], shown.frame.pixel(100, 100).unwrap());
+    super::picture(&mut harness, "area-ignored");
+}
+
+#[test]
+fn dragging_draws_a_rectangle_and_outside_of_areas_to_analyse_nothing_is() {
+    let (mut harness, scene) = ready(10);
+    harness.key_press_modifiers(Modifiers::SHIFT, Key::I);
+    harness.run_steps(3);
+    let camera = harness.state().model.camera;
+    let canvas = canvas(&harness);
+    button(&mut harness, canvas.screen([100.0, 10.0]), true);
+    harness.event(egui::Event::PointerMoved(canvas.screen([130.0, 60.0])));
+    harness.run_steps(2);
+    button(&mut harness, canvas.screen([150.0, 110.0]), false);
+    settle(&mut harness);
+    let roi = asked(&scene).unwrap();
+    assert!(roi.contains(125, 60) && roi.contains(101, 11) && !roi.contains(98, 60) && !roi.contains(30, 60));
+    assert_eq!(harness.state().model.camera, camera, "a drag that draws does not pan");
+    assert!(harness.state().model.areas.draft.is_none());
+    picture(&mut harness, "area-analysed");
+}
+
+#[test]
+fn areas_are_given_up_chosen_deleted_and_cleared() {
+    let (mut harness, scene) = ready(10);
+    harness.key_press(Key::I);
+    harness.run_steps(2);
+    for corner in [[5.0, 5.0], [40.0, 5.0]] {
+        click(&mut harness, corner);
+    }
+    harness.key_press(Key::Enter);
+    harness.run_steps(3);
+    assert!(harness.state().model.areas.draft.is_some(), "two corners have no inside");
+    harness.key_press(Key::Escape);
+    harness.run_steps(3);
+    assert!(harness.state().model.areas.draft.is_none() && how_often(&scene) == 0);
+
+    let ctx = harness.ctx.clone();
+    for (a, b) in [([5.0, 5.0], [40.0, 40.0]), ([60.0, 60.0], [90.0, 90.0])] {
+        harness.state_mut().apply(
+            &ctx,
+            Command::Act(crate::app::command::Action::DrawArea(crate::regions::roi::Purpose::Ignore)),
+        );
+        harness.state_mut().apply(&ctx, Command::Area(Change::Rectangle(a, b)));
+    }
+    harness.key_press(Key::Escape);
+    harness.run_steps(3);
+    assert_eq!(harness.state().model.areas.chosen, None);
+    click(&mut harness, [40.0, 20.0]);
+    assert_eq!((harness.state().model.areas.chosen, harness.state().model.chosen), (Some(0), None));
+    harness.key_press(Key::Delete);
+    settle(&mut harness);
+    let roi = asked(&scene).unwrap();
+    assert!(roi.contains(20, 20) && !roi.contains(75, 75));
+    harness.get_by_label("Clear all areas").click();
+    harness.run_steps(3);
+    assert_eq!(asked(&scene), None);
+    harness.get_by_label("The whole image is analysed.");
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    settle(&mut harness);
+    assert_eq!(asked(&scene), Some(roi));
+    harness.key_press_modifiers(Modifiers::COMMAND | Modifiers::SHIFT, Key::Z);
+    harness.run_steps(3);
+    assert_eq!(asked(&scene), None);
+}
+
+#[test]
+fn a_mask_of_another_size_is_refused_and_one_that_fits_is_taken() {
+    let (mut harness, scene) = ready(10);
+    let mask = |width, height| {
+        let size = Size::new(width, height);
+        let data = (0..size.pixels()).map(|at| if at as u32 % width < width / 2 { 255 } else { 0 }).collect();
+        Arc::new(Roi::new(Mask { size, data }).unwrap())
+    };
+    let ctx = harness.ctx.clone();
+    harness.state_mut().answered(&ctx, Answer::Mask(Ok(mask(20, 10))));
+    harness.run_steps(3);
+    assert_eq!(how_often(&scene), 0);
+    harness.state_mut().answered(&ctx, Answer::Mask(Ok(mask(160, 120))));
+    settle(&mut harness);
+    assert_eq!(asked(&scene), Some(mask(160, 120)));
+    picture(&mut harness, "area-mask");
+    // Another video is whole again.
+    harness.state_mut().apply(&ctx, Command::Open("/videos/other.mp4".into(), Start::First));
+    assert!(harness.state().model.areas.is_empty());
+}
+
+#[test]
+fn escape_is_left_to_menus_while_nothing_is_drawn() {
+    let (mut harness, _) = ready(10);
+    harness.get_by_label("View").click();
+    harness.run_steps(4);
+    harness.get_by_label("Fit image");
+    harness.key_press(Key::Escape);
+    harness.run_steps(4);
+    assert!(harness.query_by_label("Fit image").is_none());
+}

@@ -1,0 +1,134 @@
+//! What stands around the work itself: opening and closing, messages, copying, the first minute.
+
+use super::*;
+use crate::app::command::Action;
+
+fn act(harness: &mut Harness<'_, Window>, action: Action) {
+    let ctx = harness.ctx.clone();
+    harness.state_mut().apply(&ctx, Command::Act(action));
+    harness.run_steps(3);
+}
+
+/// What was put on the clipboard in the last frame.
+fn copied(harness: &Harness<'_, Window>) -> Vec<egui::OutputCommand> {
+    harness.output().platform_output.commands.clone()
+}
+
+#[test]
+fn opening_can_be_given_up_and_a_video_closed() {
+    let (mut harness, _) = window(Some(state(Phase::Opening, None)), (1600.0, 1000.0), Theme::Dark);
+    harness.get_by_label("Cancel").click();
+    harness.run_steps(3);
+    assert!(harness.state().model.player.is_none());
+    harness.get_by_label("Open a video to look into");
+
+    let (mut harness, _) = ready(10);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::W);
+    harness.run_steps(3);
+    harness.get_by_label("Open a video to look into");
+    // It is there to be opened again.
+    harness.get_by_label("walk.mp4").click();
+    settle(&mut harness);
+    harness.run_steps(3);
+    assert_eq!(harness.state().model.opened.as_deref(), Some("/videos/walk.mp4"));
+    assert!(harness.state().model.shown().is_some());
+}
+
+#[test]
+fn frame_and_pixel_are_copied_as_text_and_the_frame_as_a_picture() {
+    let (mut harness, _) = ready(10);
+    let ctx = harness.ctx.clone();
+    harness.state_mut().apply(&ctx, Command::Choose(Some((30, 60))));
+    harness.state_mut().apply(&ctx, Command::Act(Action::CopyPlace));
+    harness.step();
+    let text = copied(&harness).into_iter().find_map(|command| match command {
+        egui::OutputCommand::CopyText(text) => Some(text),
+        _ => None,
+    });
+    let [r, g, b] = shown_at(10).frame.pixel(30, 60).unwrap();
+    assert_eq!(text, Some(format!("walk.mp4, frame 11, 0.40 s, pixel 30,60 = {r} {g} {b}")));
+    harness.state_mut().apply(&ctx, Command::Act(Action::CopyPicture));
+    harness.step();
+    let picture = copied(&harness).into_iter().find_map(|command| match command {
+        egui::OutputCommand::CopyImage(image) => Some(image),
+        _ => None,
+    });
+    assert_eq!(picture.unwrap().size, [160, 120]);
+}
+
+#[test]
+fn messages_can_be_read_again() {
+    let (mut harness, scene) = ready(10);
+    scene.state.borrow_mut().warnings = Arc::new(vec!["in000007.jpg cannot be read and was skipped".into()]);
+    harness.run_steps(3);
+    harness.get_by_label("Warnings").click();
+    harness.run_steps(4);
+    assert!(harness.query_all_by_label("in000007.jpg cannot be read and was skipped").next().is_some());
+    picture(&mut harness, "messages");
+    harness.get_by_label("Copy all").click();
+    harness.run_steps(2);
+}
+
+#[test]
+fn about_tells_version_and_graphics() {
+    let (mut harness, _) = ready(10);
+    act(&mut harness, Action::About);
+    harness.get_by_label(env!("OCCLUSCOPE_VERSION"));
+    picture(&mut harness, "about");
+    // Keys do nothing to what lies under it.
+    harness.key_press(Key::Num5);
+    harness.run_steps(2);
+    assert_eq!(harness.state().model.maximised, None);
+    harness.key_press(Key::Escape);
+    harness.run_steps(3);
+    assert!(harness.query_by_label(env!("OCCLUSCOPE_VERSION")).is_none());
+}
+
+#[test]
+fn the_sample_says_what_to_try_until_that_has_been_read() {
+    let (mut harness, _) = ready(58);
+    assert!(harness.query_by_label("Hide hint").is_none(), "a video of one's own needs none");
+    act(&mut harness, Action::OpenSample);
+    settle(&mut harness);
+    assert_eq!(
+        harness.state().model.recent,
+        ["/videos/walk.mp4"],
+        "the sample has its own place in the menu"
+    );
+    picture(&mut harness, "hint");
+    harness.get_by_label("Hide hint").click();
+    harness.run_steps(3);
+    assert!(harness.query_by_label("Hide hint").is_none() && !harness.state().model.hint);
+}
+
+#[test]
+fn a_setting_s_name_tells_its_equation_and_what_raising_it_does() {
+    let (mut harness, _) = ready(58);
+    // The name stands at the left of what is typed.
+    let typed = harness.get_by_label("alpha").rect();
+    harness.hover_at(egui::pos2(harness.get_by_label("Settings").rect().left() + 14.0, typed.center().y));
+    harness.run_steps(10);
+    picture(&mut harness, "setting-help");
+    harness.get_by_label_contains("w_k");
+    harness.get_by_label_contains("The model learns faster");
+}
+
+#[test]
+fn a_setting_is_found_by_its_name_and_brought_into_sight() {
+    let (mut harness, _) = ready(58);
+    assert!(harness.query_by_label("same colour").is_none(), "its stage is shut");
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::K);
+    harness.run_steps(4);
+    harness.get_by_label("Find an action").type_text("same col");
+    harness.run_steps(3);
+    harness.key_press(Key::Enter);
+    harness.run_steps(40);
+    let place = harness.get_by_label("same colour").rect();
+    let panel = harness.get_by_label("Settings").rect();
+    assert!(place.top() > panel.bottom() && place.bottom() < 860.0, "{place}");
+    picture(&mut harness, "setting-found");
+    // The panel stays where its user takes it then.
+    harness.get_by_label("Input view").click();
+    harness.run_steps(3);
+    assert_eq!(harness.state().model.looked_at, None);
+}

@@ -1,0 +1,181 @@
+//! Which views are open and where, what is drawn over them, and what of it is there at the next start.
+
+use std::collections::HashMap;
+
+use super::*;
+use crate::app::command::Action;
+use crate::app::overlays::Drawn;
+use crate::app::views::Layout;
+
+fn act(harness: &mut Harness<'_, Window>, action: Action) {
+    let ctx = harness.ctx.clone();
+    harness.state_mut().apply(&ctx, Command::Act(action));
+    harness.run_steps(3);
+}
+
+fn is_seen(harness: &Harness<'_, Window>, view: View) -> bool {
+    harness.query_by_label(&format!("{} view", view.title())).is_some()
+}
+
+#[test]
+fn a_view_is_closed_and_brought_back_and_the_last_stays() {
+    let (mut harness, _) = ready(10);
+    harness.get_by_label("Close: Regions").click();
+    harness.run_steps(3);
+    assert!(!is_seen(&harness, View::Regions) && is_seen(&harness, View::Foreground));
+    picture(&mut harness, "regions-closed");
+    harness.get_by_label("View").click();
+    harness.run_steps(4);
+    harness.get_by_label_contains("Views").click();
+    harness.run_steps(4);
+    harness.get_by_label("Regions view").click();
+    harness.run_steps(4);
+    assert!(is_seen(&harness, View::Regions));
+    for view in View::ALL {
+        act(&mut harness, Action::Open(view));
+    }
+    let open = View::ALL.into_iter().filter(|&view| is_seen(&harness, view)).count();
+    assert_eq!((open, harness.state().model.open.iter().filter(|open| **open).count()), (1, 1));
+}
+
+#[test]
+fn layouts_put_views_and_panels_in_their_places() {
+    let (mut harness, _) = ready(58);
+    for (layout, name, seen) in [
+        (Layout::Figure, "figure", &View::ALL[..]),
+        (Layout::Tuning, "tuning", &[View::Input, View::Foreground, View::Tracks]),
+        (Layout::Compare, "compare", &[View::Foreground, View::Tracks, View::Input, View::Background]),
+        (Layout::Inspect, "inspect", &[View::Input, View::Background, View::Foreground]),
+        (Layout::All, "all", &[View::Input, View::Background, View::Foreground, View::Regions, View::Tracks]),
+    ] {
+        act(&mut harness, Action::Arrange(layout));
+        for &view in seen {
+            assert!(is_seen(&harness, view), "{view:?} in {layout:?}");
+        }
+        let panels =
+            (harness.query_by_label("Settings").is_some(), harness.query_by_label("Events").is_some());
+        assert_eq!(panels, layout.panels(), "{layout:?}");
+        picture(&mut harness, &format!("layout-{name}"));
+    }
+}
+
+#[test]
+fn what_is_drawn_over_the_tracks_can_be_left_out() {
+    let (mut harness, _) = ready(58);
+    harness.state_mut().model.maximised = Some(View::Tracks);
+    settle(&mut harness);
+    let full = harness.render().unwrap();
+    let mut plain = full.clone();
+    for what in Drawn::ALL {
+        act(&mut harness, Action::Draw(what));
+        let less = harness.render().unwrap();
+        // One frame alone has no trail, no event happens in it, and no truth was loaded.
+        let nothing = matches!(what, Drawn::Trails | Drawn::Events | Drawn::Truth);
+        assert_eq!(less == plain, nothing, "{what:?}");
+        plain = less;
+    }
+    picture(&mut harness, "boxes-alone");
+    harness.key_press(Key::T);
+    harness.key_press(Key::G);
+    harness.run_steps(3);
+    let drawn = harness.state().model.drawn;
+    assert!(drawn.has(Drawn::Trails) && drawn.has(Drawn::Gates) && !drawn.has(Drawn::Names));
+}
+
+#[test]
+fn ground_truth_lies_over_the_tracks_of_its_frame() {
+    let (mut harness, _) = ready(58);
+    harness.state_mut().model.maximised = Some(View::Tracks);
+    settle(&mut harness);
+    let without = harness.render().unwrap();
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("gt.txt");
+    std::fs::write(&path, "59,1,20,20,30,50,1,1,1\n60,2,90,20,30,50,1,1,1\n").unwrap();
+    let boxes = crate::truth::boxes::read(&path).unwrap();
+    let ctx = harness.ctx.clone();
+    harness.state_mut().answered(&ctx, Answer::Truth(Ok(Arc::new(boxes))));
+    // The message about it comes and goes.
+    harness.state_mut().toasts = crate::app::toasts::Toasts::default();
+    harness.run_steps(2);
+    let with = harness.render().unwrap();
+    let rect = harness.get_by_label("Tracks and occlusions view").rect();
+    let canvas = crate::app::views::Canvas::new(rect, SIZE, harness.state().model.camera);
+    let differs = |place: Rect| {
+        let place = canvas.place(&place);
+        let pixels = (place.left() as u32..place.right() as u32)
+            .flat_map(|x| (place.top() as u32..place.bottom() as u32).map(move |y| (x, y)));
+        pixels.filter(|&(x, y)| with.get_pixel(x, y) != without.get_pixel(x, y)).count()
+    };
+    assert!(differs(Rect::new(18.0, 18.0, 34.0, 54.0)) > 200);
+    assert_eq!(differs(Rect::new(100.0, 80.0, 30.0, 30.0)), 0, "another frame's box is not drawn");
+    picture(&mut harness, "ground-truth");
+    harness.state_mut().apply(&ctx, Command::Open("/videos/other.mp4".into(), Start::First));
+    assert!(harness.state().model.truth.is_none());
+}
+
+#[test]
+fn actual_size_gives_each_pixel_one_of_the_screen() {
+    let (mut harness, _) = ready(10);
+    act(&mut harness, Action::Actual);
+    let rect = harness.get_by_label("Tracks and occlusions view").rect();
+    let canvas = crate::app::views::Canvas::new(rect, SIZE, harness.state().model.camera);
+    assert!((canvas.scale - 1.0).abs() < 1e-3, "{}", canvas.scale);
+}
+
+#[derive(Default)]
+struct Storage(HashMap<String, String>);
+
+impl eframe::Storage for Storage {
+    fn get_string(&self, key: &str) -> Option<String> {
+        self.0.get(key).cloned()
+    }
+
+    fn set_string(&mut self, key: &str, value: String) {
+        self.0.insert(key.to_owned(), value);
+    }
+
+    fn remove_string(&mut self, key: &str) {
+        self.0.remove(key);
+    }
+
+    fn flush(&mut self) {}
+}
+
+#[test]
+fn the_next_start_finds_the_window_as_it_was_left() {
+    use eframe::App as _;
+    let (mut harness, _) = ready(10);
+    act(&mut harness, Action::Arrange(Layout::Compare));
+    act(&mut harness, Action::Open(View::Difference));
+    act(&mut harness, Action::Draw(Drawn::Gates));
+    act(&mut harness, Action::OverlayOpacity);
+    act(&mut harness, Action::Faster);
+    act(&mut harness, Action::Bookmark);
+    act(&mut harness, Action::Theme);
+    let mut storage = Storage::default();
+    harness.state_mut().save(&mut storage);
+
+    let (mut next, _) = window(None, (1600.0, 1000.0), Theme::Dark);
+    let ctx = next.ctx.clone();
+    next.state_mut().restore(&ctx, Some(&storage));
+    next.run_steps(2);
+    let (was, is) = (&harness.state().model, &next.state().model);
+    assert_eq!(is.open, was.open);
+    assert!(!is.open[View::Difference.key() - 1] && is.settings_panel && !is.inspector_panel);
+    assert_eq!((is.drawn, is.overlay, is.playback.speed), (was.drawn, was.overlay, was.playback.speed));
+    assert!(!is.drawn.has(Drawn::Gates));
+    assert_eq!(is.recent, ["/videos/walk.mp4"]);
+    assert!(next.state().light);
+    next.state_mut().apply(&ctx, Command::Open("/videos/walk.mp4".into(), Start::First));
+    assert!(next.state().model.marks.bookmarks.contains(&10));
+    next.state_mut().apply(&ctx, Command::Open("/videos/other.mp4".into(), Start::First));
+    assert!(next.state().model.marks.is_empty());
+
+    // What cannot be read is as in a first start.
+    storage.0.insert("window".into(), "(light: 7".into());
+    storage.0.insert("layout".into(), "nothing".into());
+    let (mut fresh, _) = window(None, (1600.0, 1000.0), Theme::Dark);
+    fresh.state_mut().restore(&ctx, Some(&storage));
+    assert_eq!(fresh.state().model.open, [true; 6]);
+    assert!(fresh.state().model.recent.is_empty());
+}

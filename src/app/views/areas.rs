@@ -1,0 +1,105 @@
+//! Outlines of the areas to analyse or to ignore, and the one that is being drawn.
+
+use eframe::egui::{Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2};
+
+use super::Canvas;
+use crate::app::areas::Areas;
+use crate::app::theme;
+use crate::regions::roi::{Area, Purpose};
+
+/// The first corner is caught within so many points: it closes the area.
+const CATCH: f32 = 9.0;
+
+/// The colour of what an area is for.
+pub(crate) const fn area_colour(purpose: Purpose) -> Color32 {
+    match purpose {
+        Purpose::Analyse => Color32::from_rgb(64, 196, 140),
+        Purpose::Ignore => Color32::from_rgb(240, 140, 60),
+    }
+}
+
+/// Paints them; `pointer` is where the next corner would be, `drag` where a rectangle began.
+pub(super) fn paint(
+    painter: &Painter,
+    canvas: &Canvas,
+    areas: &Areas,
+    pointer: Option<Pos2>,
+    drag: Option<Pos2>,
+) {
+    for (place, area) in areas.drawn.iter().enumerate() {
+        let chosen = areas.chosen == Some(place);
+        let points = corners(canvas, area);
+        line(painter, &points, area_colour(area.purpose), if chosen { 2.5 } else { 1.5 }, true);
+        if chosen {
+            for at in points {
+                handle(painter, at, area_colour(area.purpose));
+            }
+        }
+    }
+    let Some(draft) = &areas.draft else { return };
+    let colour = area_colour(draft.purpose);
+    if let Some((from, to)) = drag.zip(pointer) {
+        let rect = Rect::from_two_pos(from, to);
+        let points = [rect.left_top(), rect.right_top(), rect.right_bottom(), rect.left_bottom()];
+        line(painter, &points, colour, 2.0, true);
+        return;
+    }
+    let mut points = corners(canvas, draft);
+    for (place, at) in points.iter().enumerate() {
+        let closes = place == 0 && pointer.is_some_and(|pointer| closes(canvas, draft, pointer));
+        handle(painter, *at, if closes { Color32::WHITE } else { colour });
+    }
+    if !points.is_empty() {
+        points.extend(pointer);
+        line(painter, &points, colour, 2.0, false);
+        if points.len() > 2 {
+            painter.extend(Shape::dashed_line(
+                &[points[points.len() - 1], points[0]],
+                Stroke::new(1.0, colour),
+                4.0,
+                4.0,
+            ));
+        }
+    }
+}
+
+/// What drawing asks for, at the foot of the view.
+pub(super) fn hint(painter: &Painter, canvas: &Canvas, draft: &Area) {
+    let what = match draft.purpose {
+        Purpose::Analyse => "Area to analyse",
+        Purpose::Ignore => "Area to ignore",
+    };
+    let text = format!(
+        "{what}: click its corners, Enter or a double click closes it; drag for a rectangle; Esc gives up"
+    );
+    let ink = Color32::from_rgb(236, 240, 246);
+    let wrap = canvas.rect.width() - 24.0;
+    let galley = painter.layout(text, FontId::proportional(theme::MONO), ink, wrap.max(40.0));
+    let size = galley.size() + vec2(16.0, 8.0);
+    let plate =
+        Rect::from_center_size(pos2(canvas.rect.center().x, canvas.rect.bottom() - 8.0 - size.y / 2.0), size);
+    painter.rect_filled(plate, 4.0, Color32::from_black_alpha(200));
+    painter.galley(plate.min + vec2(8.0, 4.0), galley, ink);
+}
+
+/// Whether a click here closes the area.
+pub(super) fn closes(canvas: &Canvas, draft: &Area, at: Pos2) -> bool {
+    draft.corners.len() > 2 && canvas.screen(draft.corners[0]).distance(at) < CATCH
+}
+
+fn corners(canvas: &Canvas, area: &Area) -> Vec<Pos2> {
+    area.corners.iter().map(|&corner| canvas.screen(corner)).collect()
+}
+
+fn line(painter: &Painter, points: &[Pos2], colour: Color32, width: f32, closed: bool) {
+    for stroke in [Stroke::new(width + 2.0, Color32::from_black_alpha(130)), Stroke::new(width, colour)] {
+        let points = points.to_vec();
+        painter.add(if closed { Shape::closed_line(points, stroke) } else { Shape::line(points, stroke) });
+    }
+}
+
+fn handle(painter: &Painter, at: Pos2, colour: Color32) {
+    let square = Rect::from_center_size(at, Vec2::splat(7.0));
+    painter.rect_filled(square.expand(1.0), 1.0, Color32::from_black_alpha(160));
+    painter.rect_filled(square, 1.0, colour);
+}

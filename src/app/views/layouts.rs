@@ -1,0 +1,123 @@
+//! How the views can stand beside one another, and which of them are open.
+
+use eframe::egui::Id;
+use egui_tiles::{Container, Linear, LinearDir, Tile, TileId, Tiles, Tree};
+
+use super::View;
+
+/// Places of the views for a purpose.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Layout {
+    /// Everything: where one starts.
+    All,
+    /// Six pictures of one size and nothing beside them.
+    Figure,
+    /// Settings beside what they change.
+    Tuning,
+    /// What two sets of settings make of the same frame.
+    Compare,
+    /// One large picture beside the pixel's mixture.
+    Inspect,
+}
+
+impl Layout {
+    /// Whether the settings, and the inspector with the events, are there.
+    pub(crate) const fn panels(self) -> (bool, bool) {
+        match self {
+            Self::All => (true, true),
+            Self::Figure => (false, false),
+            Self::Tuning | Self::Compare => (true, false),
+            Self::Inspect => (false, true),
+        }
+    }
+
+    /// The views in it. Each is there once, some behind another's tab.
+    pub(crate) fn tree(self) -> Tree<View> {
+        use View::{Background, Difference, Foreground, Input, Regions, Tracks};
+        let rows: &[(f32, &[&[View]])] = match self {
+            Self::All => &[
+                (1.0, &[&[Input], &[Background, Difference]]),
+                (1.0, &[&[Foreground], &[Regions]]),
+                (1.6, &[&[Tracks]]),
+            ],
+            Self::Figure => &[
+                (1.0, &[&[Input], &[Background], &[Difference]]),
+                (1.0, &[&[Foreground], &[Regions], &[Tracks]]),
+            ],
+            Self::Tuning => {
+                &[(1.0, &[&[Input, Background, Difference], &[Foreground, Regions]]), (1.0, &[&[Tracks]])]
+            }
+            Self::Compare => {
+                &[(1.0, &[&[Foreground, Regions], &[Tracks]]), (1.0, &[&[Input], &[Background, Difference]])]
+            }
+            Self::Inspect => {
+                &[(1.6, &[&[Input, Tracks]]), (1.0, &[&[Background], &[Foreground, Regions], &[Difference]])]
+            }
+        };
+        let mut tiles = Tiles::default();
+        let mut shares = Vec::new();
+        let rows: Vec<TileId> = rows
+            .iter()
+            .map(|(share, columns)| {
+                let columns = columns.iter().map(|tabs| {
+                    let panes = tabs.iter().map(|&view| tiles.insert_pane(view)).collect();
+                    tiles.insert_tab_tile(panes)
+                });
+                let columns: Vec<TileId> = columns.collect();
+                let row = match columns[..] {
+                    [alone] => alone,
+                    _ => tiles.insert_horizontal_tile(columns),
+                };
+                shares.push((row, *share));
+                row
+            })
+            .collect();
+        let mut column = Linear::new(LinearDir::Vertical, rows);
+        for (row, share) in shares {
+            column.shares.set_share(row, share);
+        }
+        let root = tiles.insert_container(Container::Linear(column));
+        Tree::new(Id::unique("views"), root, tiles)
+    }
+}
+
+/// Whether a view has a place that can be seen, if only behind another's tab.
+pub(crate) fn is_open(tree: &Tree<View>, view: View) -> bool {
+    tree.tiles.find_pane(&view).is_some_and(|tile| tree.tiles.is_visible(tile))
+}
+
+/// Opens a view in its place and in front of the others there, or closes it; its place is kept.
+pub(crate) fn set_open(tree: &mut Tree<View>, view: View, open: bool) {
+    let Some(tile) = tree.tiles.find_pane(&view) else { return };
+    tree.tiles.set_visible(tile, open);
+    if open {
+        tree.make_active(|_, tile| matches!(tile, Tile::Pane(other) if *other == view));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+
+    #[test]
+    fn every_layout_has_every_view_once() {
+        for layout in [Layout::All, Layout::Figure, Layout::Tuning, Layout::Compare, Layout::Inspect] {
+            let tree = layout.tree();
+            let panes = tree.tiles.tiles().filter(|tile| matches!(tile, Tile::Pane(_))).count();
+            assert_eq!(panes, View::ALL.len(), "{layout:?}");
+            assert!(View::ALL.iter().all(|&view| is_open(&tree, view)), "{layout:?}");
+        }
+    }
+
+    #[test]
+    fn a_view_that_was_closed_comes_back_in_front() {
+        let mut tree = Layout::All.tree();
+        set_open(&mut tree, View::Difference, false);
+        assert!(!is_open(&tree, View::Difference) && is_open(&tree, View::Background));
+        set_open(&mut tree, View::Difference, true);
+        let tile = tree.tiles.find_pane(&View::Difference).unwrap();
+        assert!(tree.active_tiles().contains(&tile), "the background's tab was in front of it");
+    }
+}
