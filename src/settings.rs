@@ -392,6 +392,26 @@ words! {
 }
 
 words! {
+    /// Where in the region that objects share each of them is.
+    Placing {
+        /// Where its own motion puts it, held inside the region.
+        Predicted = "predicted",
+        /// Where its looks, remembered place by place, explain the region's pixels best.
+        Looks = "looks",
+    }
+}
+
+words! {
+    /// Whether something is done.
+    Switch {
+        /// It is not.
+        Off = "off",
+        /// It is.
+        On = "on",
+    }
+}
+
+words! {
     /// What decides who reappears (Algorithm 3).
     ReappearBy {
         /// The predicted position alone, as Algorithm 3 has it.
@@ -526,6 +546,16 @@ settings! {
     colour_memory: ColourMemory = ColourMemory::Frame, "", "", Occlusion, Kind::Choice(ColourMemory::WORDS);
     /// What decides who reappears: predicted position alone, or colours between several that fit.
     reappear_by: ReappearBy = ReappearBy::Position, "", "", Occlusion, Kind::Choice(ReappearBy::WORDS);
+    /// Where in a shared region an object is: where its motion predicts it, or where its looks are seen.
+    placing: Placing = Placing::Predicted, "", "", Occlusion, Kind::Choice(Placing::WORDS);
+    /// Whether somebody unseen is looked for in the regions that others do not explain.
+    find_again: Switch = Switch::Off, "", "", Occlusion, Kind::Choice(Switch::WORDS);
+    /// Whether heads side by side in one region are counted, so that two who came in together are two.
+    count_heads: Switch = Switch::Off, "", "", Occlusion, Kind::Choice(Switch::WORDS);
+    /// Whether it is learnt how size changes with place, so that who walks away unseen grows smaller.
+    perspective: Switch = Switch::Off, "", "", Occlusion, Kind::Choice(Switch::WORDS);
+    /// For so long an object of which nothing is seen is told where it is predicted; it is remembered for longer.
+    predict_for: Span = Span::Seconds(10.0), "", "time", Occlusion, span(100_000, 3600.0);
 }
 
 words! {
@@ -584,14 +614,19 @@ impl Settings {
             Preset::Default => Self {
                 k: 3,
                 alpha: 0.002,
-                warm_up: 20,
+                warm_up: 25,
                 min_sigma: 16.0,
-                shadow_floor: 0.6,
+                shadow_floor: 0.65,
                 shadow_colour: 15.0,
                 median: 5,
                 min_area: 20,
                 colour_memory: ColourMemory::Clear,
                 reappear_by: ReappearBy::Colour,
+                placing: Placing::Looks,
+                find_again: Switch::On,
+                count_heads: Switch::On,
+                perspective: Switch::On,
+                predict_for: Span::Seconds(0.5),
                 ..plain
             },
         }

@@ -160,6 +160,33 @@ static HELP: &[Help] = &[
         "clear: an object's colours are averaged over the frames in which it is alone. frame: the last single frame, \
          as in the paper.",
     ),
+    of(
+        "placing",
+        "",
+        "looks: members of a group are laid over one another as they are remembered, place by place, and moved until \
+         they explain the region's colours best. predicted: their motion alone, held inside the region.",
+    ),
+    of(
+        "find_again",
+        "",
+        "Somebody hidden, or unseen in a group, joins the region in which their looks explain what its own objects \
+         do not.",
+    ),
+    of(
+        "count_heads",
+        "",
+        "Two heads with a gap between, each above feet, are two objects, though the region never parts.",
+    ),
+    of(
+        "perspective",
+        "ln h grows by a slope learnt from all, for each pixel that the feet stand lower",
+        "The remembered size follows the place; a camera that moves or tilts makes the slope wrong.",
+    ),
+    of(
+        "predict_for",
+        "",
+        "Longer draws, and exports, where somebody unseen may be; most such places are wrong after a second.",
+    ),
     of("reappear_by", "", "colour: colours decide between several that fit. position: the prediction alone."),
 ];
 

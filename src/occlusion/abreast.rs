@@ -3,9 +3,8 @@
 use std::sync::Arc;
 
 use super::lobes::lobes;
-use super::object::{Appearance, Object, Sighting, View};
+use super::object::{Appearance, Object, Sighting, View, template_of};
 use super::reasoner::{ObjectId, Reasoner};
-use super::template::Template;
 use crate::regions::Rect;
 use crate::tracking::kalman::Model;
 
@@ -78,7 +77,7 @@ impl Reasoner {
         };
         let look = |view: &View| {
             let speed = [velocity.x, velocity.y];
-            (Some(Appearance::first(view, speed)), Some(Template::first(&view.mosaic, &view.bbox)))
+            (Some(Appearance::first(view, speed)), template_of(view, &self.settings))
         };
         let (clear, template) = look(&free);
         let (born, birthplace) =

@@ -54,6 +54,9 @@ impl Reasoner {
             }
             let leaves = self.leaves(index, lost_from.0);
             for id in self.carried.remove(index).members {
+                if leaves.is_none() && (self.goes_on(id, lost_from) || self.is_found_again(id)) {
+                    continue;
+                }
                 self.meetings.lose(id);
                 match &leaves {
                     Some(evidence) => self.tell_exit(id, lost_from.0, evidence.clone()),
@@ -61,6 +64,25 @@ impl Reasoner {
                 }
             }
         }
+    }
+
+    /// Whether somebody lost was there all the time: a region that nothing explained began, where
+    /// they should be, when theirs was lost. Then that is theirs.
+    fn goes_on(&mut self, id: ObjectId, lost_from: (u32, u32)) -> bool {
+        let Some(past) = self.objects.get(&id).filter(|object| object.named) else { return false };
+        let reach = reach(past, 0);
+        let since = |new: &Object| new.born.abs_diff(lost_from.0);
+        let near = |new: &Object| assign::outside(&past.predicted_box(), &new.last.bbox);
+        let alone = self.carried.iter().filter_map(|carried| match carried.members[..] {
+            [only] => Some((only, &self.objects[&only])),
+            _ => None,
+        });
+        let new = alone
+            .filter(|(_, new)| !new.named && since(new) <= self.limits.patience && near(new) <= reach)
+            .min_by(|a, b| near(a.1).total_cmp(&near(b.1)));
+        let Some((new, _)) = new else { return false };
+        self.take_place(new, id);
+        true
     }
 
     fn remove(&mut self, index: usize, members: &[ObjectId]) {

@@ -8,6 +8,7 @@ use super::hidden::{Return, reach};
 use super::object::{Object, Sighting, View};
 use super::placing::{self, Field, Placed};
 use super::reasoner::{ObjectId, Reasoner};
+use crate::settings::Switch;
 
 /// An object of which a smaller share than this is seen in a group may not be there at all.
 const UNSEEN: f32 = 0.2;
@@ -88,6 +89,15 @@ impl Reasoner {
                 self.join_again(id, index, centre);
             }
         }
+    }
+
+    /// Whether somebody whose own region is lost is seen in that of others, and joins them.
+    pub(super) fn is_found_again(&mut self, id: ObjectId) -> bool {
+        let named = self.objects.get(&id).is_some_and(|object| object.named);
+        let place = (named && self.settings.find_again == Switch::On).then(|| self.region_that_shows(id));
+        let Some((index, centre)) = place.flatten() else { return false };
+        self.join_again(id, index, centre);
+        true
     }
 
     /// The region, and the place in it, where a part that its own objects do not explain looks like

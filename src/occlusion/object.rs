@@ -8,7 +8,7 @@ use super::perspective::Perspective;
 use super::template::Template;
 use crate::regions::colour::delta_e;
 use crate::regions::{Histogram, Mosaic, Rect, Rgb};
-use crate::settings::{ColourMemory, Settings};
+use crate::settings::{ColourMemory, Placing, Settings};
 use crate::tracking::Key;
 use crate::tracking::kalman::Model;
 
@@ -215,7 +215,7 @@ impl Object {
     }
 
     /// Takes in how it is seen, alone. `cut_off` says that the image edge may hide a part of it.
-    pub fn see(&mut self, view: &View, cut_off: bool) {
+    pub fn see(&mut self, view: &View, cut_off: bool, settings: &Settings) {
         self.seen += 1;
         self.partial = 0;
         self.last = view.clone();
@@ -230,7 +230,7 @@ impl Object {
         match &mut self.template {
             Some(template) if !cut_off => template.follow(&view.mosaic, &view.bbox),
             Some(_) => {}
-            None => self.template = Some(Template::first(&view.mosaic, &view.bbox)),
+            None => self.template = template_of(view, settings),
         }
     }
 
@@ -241,10 +241,10 @@ impl Object {
     }
 
     /// What seemed a part of it has been the whole for long: what it looked like before is forgotten.
-    pub fn relearn(&mut self, view: &View) {
+    pub fn relearn(&mut self, view: &View, settings: &Settings) {
         let [x, y, _] = self.model.velocity().into();
         self.clear = Some(Appearance::first(view, [x, y]));
-        self.template = Some(Template::first(&view.mosaic, &view.bbox));
+        self.template = template_of(view, settings);
         self.scale = 1.0;
     }
 
@@ -291,6 +291,11 @@ impl Object {
 pub(super) fn close_to(middle: f32, slack: f32, value: f32) -> f32 {
     let slack = slack.max(0.0);
     middle + (value - middle).clamp(-slack, slack)
+}
+
+/// What a first view says of the looks, where these are asked.
+pub(super) fn template_of(view: &View, settings: &Settings) -> Option<Template> {
+    (settings.placing == Placing::Looks).then(|| Template::first(&view.mosaic, &view.bbox))
 }
 
 fn dominant_colours(histogram: &Histogram, settings: &Settings) -> Vec<Rgb> {

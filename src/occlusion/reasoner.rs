@@ -19,7 +19,7 @@ use super::perspective::Perspective;
 use super::splits::Split;
 use crate::frame::Size;
 use crate::regions::{Histogram, Mosaic, Rect, Region};
-use crate::settings::Settings;
+use crate::settings::{Settings, Switch};
 use crate::tracking::kalman::Model;
 use crate::tracking::pool::{Blob, Observation, PoolSettings};
 use crate::tracking::seeds::Seeds;
@@ -119,7 +119,7 @@ impl Reasoner {
             patience: ((0.2 * fps).round() as u32).max(3),
             heads: ((0.5 * fps).round() as u32).max(3),
             relearn: ((2.0 * fps).round() as u32).max(10),
-            told: (0.5 * fps).round() as u32,
+            told: settings.predict_for.frames(fps),
             at_edge: (fps.round() as u32).max(settings.min_track.frames(fps)),
         };
         Self {
@@ -170,8 +170,12 @@ impl Reasoner {
         self.seed(&views, &unexplained);
         self.count_objects();
         self.follow_objects();
-        self.count_heads();
-        self.find_again();
+        if self.settings.count_heads == Switch::On {
+            self.count_heads();
+        }
+        if self.settings.find_again == Switch::On {
+            self.find_again();
+        }
         self.judge_lost();
         self.name_objects();
         self.judge_hidden();
@@ -256,8 +260,10 @@ impl Reasoner {
                 }
             }
         }
-        for object in self.objects.values_mut() {
-            object.rescale(&self.perspective);
+        if self.settings.perspective == Switch::On {
+            for object in self.objects.values_mut() {
+                object.rescale(&self.perspective);
+            }
         }
     }
 
@@ -694,7 +700,7 @@ impl Reasoner {
                         Some(view) => {
                             object.model = model;
                             if object.partial >= relearn {
-                                object.relearn(&view);
+                                object.relearn(&view, &self.settings);
                             } else if let Some(clear) = &object.clear
                                 && !cut_off
                             {
@@ -705,7 +711,7 @@ impl Reasoner {
                                 object.seen += 1;
                                 object.partial = 0;
                             } else {
-                                object.see(&view, cut_off);
+                                object.see(&view, cut_off, &self.settings);
                             }
                         }
                         None => object.miss(),

@@ -33,7 +33,7 @@ fn nothing_drifts_in_thousands_of_frames() {
             }
         });
         let f: Vec<f64> = passing.iter().map(Counts::f).collect();
-        assert!(f.iter().all(|f| *f > 0.8), "{background:?}: {f:?}");
+        assert!(f.iter().all(|f| *f > 0.75), "{background:?}: {f:?}");
         assert!(f[f.len() - 1] > f[0] - 0.03, "{background:?} at the end as at the start: {f:?}");
         for round in &deserted {
             assert!(round.false_share() < 1e-5, "{background:?} deserted: {round:?}");
