@@ -337,6 +337,8 @@ impl Window {
                             commands.push(Command::Set(Box::new(settings)));
                         }
                     }
+                    Some(InspectorAction::Copy(table)) => commands.push(Command::CopyTable(table)),
+                    Some(InspectorAction::Save(table)) => commands.push(Command::SaveTable(table)),
                     None => {}
                 }
             });

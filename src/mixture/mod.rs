@@ -13,6 +13,7 @@ pub mod image;
 pub mod opencv;
 pub mod pixel;
 pub mod shadow;
+pub mod statistics;
 mod tile;
 pub mod tuning;
 pub mod verdict;

@@ -12,6 +12,7 @@ use eframe::egui::{
 use super::bins::{Bin, FEW, STEP, bins};
 use super::chart::{self, Axis, Columns, TICKS};
 use super::style::{self, small};
+use super::table::{self, Table};
 use super::{Chosen, InspectorAction};
 use crate::mixture::PixelHistory;
 use crate::mixture::verdict::{number, verdict};
@@ -47,7 +48,8 @@ struct Cache {
 
 impl HistoryView {
     pub(super) fn ui(&mut self, ui: &mut Ui, chosen: &Chosen<'_>) -> Option<InspectorAction> {
-        self.controls(ui, chosen);
+        let total = chosen.history.states.len();
+        let asked = self.controls(ui, chosen);
         legend(ui, chosen);
 
         let channels = chosen.channels().len() as f32;
@@ -55,7 +57,6 @@ impl HistoryView {
             (CAPTION + GAP) * (channels + 3.0) + CHANNEL * channels + WEIGHTS + COUNT + VERDICT + TICKS;
         let size = Vec2::new(ui.available_width(), height);
         let (area, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
-        let total = chosen.history.states.len();
         response.widget_info(|| {
             WidgetInfo::labeled(
                 Role::Image,
@@ -79,16 +80,16 @@ impl HistoryView {
             ui.painter().with_clip_rect(area).vline(x, area.y_range(), style::faint(ui.visuals()));
             Tooltip::for_widget(&response).at_pointer().show(|ui| frame_words(ui, chosen, frame));
         }
-        clicked.map(|pointer| InspectorAction::GoTo(frame_at(pointer.x) as u32))
+        asked.or(clicked.map(|pointer| InspectorAction::GoTo(frame_at(pointer.x) as u32)))
     }
 
     fn range(&self, total: usize) -> (f64, f64) {
         self.view.unwrap_or((0.0, total.max(1) as f64))
     }
 
-    fn controls(&mut self, ui: &mut Ui, chosen: &Chosen<'_>) {
+    fn controls(&mut self, ui: &mut Ui, chosen: &Chosen<'_>) -> Option<InspectorAction> {
         let total = chosen.history.states.len();
-        ui.horizontal(|ui| {
+        ui.horizontal_wrapped(|ui| {
             ui.label(style::aside(ui, "Zoom"));
             let centre = chosen.index as f64 + 0.5;
             if ui.small_button("+").on_hover_text("Zoom in on the frame in view (or Ctrl + scroll)").clicked()
@@ -104,7 +105,14 @@ impl HistoryView {
             ui.add_space(6.0);
             ui.checkbox(&mut self.fit, small("fit values"))
                 .on_hover_text("Fit the value axes to the values in view, instead of 0 to 255");
-        });
+            ui.add_space(6.0);
+            let (from, to) = self.range(total);
+            table::buttons(ui, "the frames in view, values and mixture", || {
+                let frames = from.floor() as usize..(to.ceil() as usize).min(total);
+                Table::History(Arc::clone(chosen.history), frames)
+            })
+        })
+        .inner
     }
 
     /// Widens (factor over 1) or narrows the part in view, `centre` staying where it is.

@@ -1,7 +1,7 @@
 //! The pixel inspector: one pixel's mixture now and through time, and why it was decided so.
 //!
 //! `now` draws the mixture of the frame in view, `history` how it came about, `scatter`
-//! where the values lie among the channels, `tuning` what the pixel would be under other settings. They draw; what they show is worked out in
+//! where the values lie among the channels, `tuning` what the pixel would be under other settings, `statistics` counts. They draw; what they show is worked out in
 //! [`crate::mixture`] and, for long histories, in `bins`.
 
 mod bins;
@@ -9,7 +9,9 @@ mod chart;
 mod history;
 mod now;
 mod scatter;
+mod statistics;
 mod style;
+mod table;
 #[cfg(test)]
 mod tests;
 mod tuning;
@@ -19,6 +21,7 @@ use std::sync::Arc;
 use eframe::egui;
 use eframe::egui::{RichText, ScrollArea, Ui};
 
+pub use self::table::Table;
 use crate::mixture::follow::slots;
 use crate::mixture::pixel::MAX_K;
 use crate::mixture::tuning::Knob;
@@ -28,12 +31,16 @@ use crate::replay::{Shown, Tuning};
 use crate::settings::{BackgroundModel, Space};
 
 /// What the person asked for in the inspector.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum InspectorAction {
     /// Show the frame at this position of the sequence, from 0.
     GoTo(u32),
     /// Take these values of these settings.
     Take([(Knob, f32); 2]),
+    /// Put the numbers behind a plot on the clipboard.
+    Copy(Table),
+    /// Write them to a file.
+    Save(Table),
 }
 
 /// The panel's own state: which tab is open, and how its plots are looked at.
@@ -44,6 +51,7 @@ pub struct Inspector {
     history: history::HistoryView,
     scatter: scatter::Scatter,
     tuning: tuning::TuningView,
+    statistics: statistics::StatisticsView,
     followed: Option<Followed>,
 }
 
@@ -54,6 +62,7 @@ enum Tab {
     History,
     Scatter,
     Tuning,
+    Statistics,
 }
 
 /// A history with the slots of its components; worked out anew only when the history is another one.
@@ -153,12 +162,13 @@ impl Inspector {
         ui.add_space(4.0);
         verdict_ui(ui, &words, mask);
         ui.add_space(4.0);
-        ui.horizontal(|ui| {
+        ui.horizontal_wrapped(|ui| {
             for (tab, name) in [
                 (Tab::Now, "Now"),
                 (Tab::History, "History"),
                 (Tab::Scatter, "Scatter"),
                 (Tab::Tuning, "Tuning"),
+                (Tab::Statistics, "Statistics"),
             ] {
                 ui.selectable_value(&mut self.tab, tab, name);
             }
@@ -181,6 +191,7 @@ impl Inspector {
                     None
                 }
                 Tab::Tuning => self.tuning.ui(ui, &chosen, tuning),
+                Tab::Statistics => self.statistics.ui(ui, &chosen),
             })
             .inner
     }
@@ -209,6 +220,7 @@ const fn name_of(tab: Tab) -> &'static str {
         Tab::History => "history",
         Tab::Scatter => "scatter",
         Tab::Tuning => "tuning",
+        Tab::Statistics => "statistics",
     }
 }
 

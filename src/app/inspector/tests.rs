@@ -9,8 +9,9 @@ use eframe::egui::{self, Pos2, Theme, Vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 
-use super::{Inspector, InspectorAction};
+use super::{Inspector, InspectorAction, Table};
 use crate::frame::{Frame, Mask, Size};
+use crate::mixture::statistics::Statistics;
 use crate::mixture::tuning::{Knob, flip, map};
 use crate::mixture::verdict::{number, sigmas, verdict};
 use crate::mixture::{Parameters, PixelHistory};
@@ -187,7 +188,7 @@ fn every_tab_can_be_drawn_dark_and_light_narrow_and_wide() {
     for (theme, look) in [(Theme::Dark, "dark"), (Theme::Light, "light")] {
         for (width, height) in [(340.0, 700.0), (480.0, 1000.0)] {
             let (mut harness, _) = harness(Some(shown(430)), Vec2::new(width, height), theme);
-            for tab in ["Now", "History", "Tuning", "Scatter"] {
+            for tab in ["Now", "History", "Tuning", "Statistics", "Scatter"] {
                 open(&mut harness, tab);
                 picture(&mut harness, &format!("{}-{look}-{width}", tab.to_lowercase()));
             }
@@ -203,7 +204,7 @@ fn one_channel_can_be_drawn_too() {
     let (mut harness, _) =
         harness(Some(shown_of(gray, Some(history), 330)), Vec2::new(340.0, 900.0), Theme::Light);
     assert!(says(&harness, &format!("luma {}", state.value[0])));
-    for tab in ["Now", "History", "Tuning", "Scatter"] {
+    for tab in ["Now", "History", "Tuning", "Statistics", "Scatter"] {
         open(&mut harness, tab);
         picture(&mut harness, &format!("gray-{}", tab.to_lowercase()));
     }
@@ -223,7 +224,7 @@ fn eight_components_where_nothing_matches_can_be_drawn() {
     let (mut harness, _) =
         harness(Some(shown_of(crowded, Some(history), 400)), Vec2::new(340.0, 960.0), Theme::Light);
     assert!(says(&harness, "nothing matched; nearest was component"));
-    for tab in ["Now", "History", "Tuning", "Scatter"] {
+    for tab in ["Now", "History", "Tuning", "Statistics", "Scatter"] {
         open(&mut harness, tab);
         picture(&mut harness, &format!("crowded-{}", tab.to_lowercase()));
     }
@@ -258,7 +259,7 @@ fn a_low_panel_scrolls_under_the_verdict() {
 fn the_first_frame_can_be_drawn() {
     let (mut harness, _) = tall(Some(shown(0)));
     assert!(says(&harness, "the model's first frame"));
-    for tab in ["Now", "History", "Tuning", "Scatter"] {
+    for tab in ["Now", "History", "Tuning", "Statistics", "Scatter"] {
         open(&mut harness, tab);
     }
 }
@@ -520,4 +521,82 @@ fn a_map_of_other_settings_is_asked_for_and_waited_for() {
     harness.get_all_by_label("α").last().unwrap().click();
     harness.run();
     assert_eq!(*asked.borrow(), Some([Knob::Lambda, Knob::Alpha]), "the sides change places");
+}
+
+#[test]
+fn statistics_are_of_the_frames_that_are_chosen_and_can_be_taken_along() {
+    let shown = shown(430);
+    let history = Arc::clone(shown.pixel.as_ref().unwrap());
+    let (mut harness, actions) = tall(Some(shown));
+    open(&mut harness, "Statistics");
+    picture(&mut harness, "statistics");
+    let check = |harness: &Harness<'_>, range: std::ops::Range<usize>| {
+        let expected = Statistics::new(&history, range.clone());
+        assert_eq!(expected.frames, range.len());
+        let [r, g, b] = expected.variance;
+        let share = expected.foreground_share() * 100.0;
+        for text in [
+            format!("{r:.1}   {g:.1}   {b:.1}  levels²"),
+            format!("{share:.1} %,  {} of {} frames", expected.foreground, expected.frames),
+            "100 frames,  10 s".to_owned(),
+            expected.births.to_string(),
+            expected.replacements.to_string(),
+        ] {
+            assert!(texts(harness).contains(&text), "{range:?}: {text:?} in {:?}", texts(harness));
+        }
+    };
+    check(&harness, 0..600);
+    harness.get_by_label("Up to here").click();
+    harness.run();
+    check(&harness, 0..431);
+    harness.get_by_label("Copy").click();
+    harness.run();
+    let [InspectorAction::Copy(table)] = &actions.take()[..] else { panic!("one table is asked for") };
+    assert_eq!(*table, Table::History(Arc::clone(&history), 0..431));
+    let csv = table.csv().unwrap();
+    assert_eq!((csv.lines().count(), table.rows()), (432, 431));
+    let last = &history.states[430];
+    let [r, g, b] = last.rgb;
+    assert!(csv.lines().last().unwrap().starts_with(&format!("431,{r},{g},{b},{}", last.outcome.matched)));
+    harness.get_by_label("All").click();
+    harness.run();
+    check(&harness, 0..600);
+}
+
+#[test]
+fn the_frames_of_a_zoomed_history_are_what_is_copied() {
+    let (mut harness, actions) = tall(Some(shown(430)));
+    open(&mut harness, "History");
+    harness.get_by_label("+").click();
+    harness.run();
+    harness.get_by_label("Save…").click();
+    harness.run();
+    // From 215.25 on for 300 frames.
+    let [InspectorAction::Save(Table::History(_, frames))] = &actions.take()[..] else { panic!("no table") };
+    assert_eq!(*frames, 215..516);
+}
+
+#[test]
+fn a_map_is_saved_cell_by_cell() {
+    let shown = shown(430);
+    let tuning = tuning_of(&shown, [Knob::Alpha, Knob::T]).unwrap();
+    let (mut harness, actions) = tall(Some(shown));
+    open(&mut harness, "Tuning");
+    harness.get_by_label("Save…").click();
+    harness.run();
+    let [InspectorAction::Save(table)] = &actions.take()[..] else { panic!("one table is asked for") };
+    assert_eq!(table.name(), "tuning-5-4.csv");
+    let folder = tempfile::tempdir().unwrap();
+    let path = table.save(folder.path().join("map")).unwrap();
+    let text = std::fs::read_to_string(path).unwrap();
+    let lines: Vec<_> = text.lines().collect();
+    assert_eq!((lines.len(), lines[0]), (1 + 24 * 24, "alpha,t,foreground"));
+    for (column, row) in [(0, 0), (23, 0), (5, 17), (23, 23)] {
+        let [x, y] = &tuning.map.axes;
+        let foreground = u8::from(tuning.map.is_foreground(column, row));
+        let line = format!("{},{},{foreground}", x.values[column], y.values[row]);
+        assert_eq!(lines[1 + row * 24 + column], line);
+    }
+    let nowhere = folder.path().join("none").join("map.csv");
+    assert!(table.save(nowhere).unwrap_err().contains("map.csv was not written"));
 }

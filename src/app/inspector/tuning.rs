@@ -8,6 +8,7 @@ use eframe::egui::{
 
 use super::chart::{self, Columns, TICKS};
 use super::style::{self, small};
+use super::table::{self, Table};
 use super::{Chosen, InspectorAction};
 use crate::mixture::tuning::{Axis, Flip, Knob, Map};
 use crate::mixture::verdict::number;
@@ -19,6 +20,9 @@ const NAME: f32 = 15.0;
 const SIDE: f32 = 380.0;
 /// An answer that is older than the question for so many seconds is drawn pale.
 const LATE: f64 = 0.15;
+
+/// How strongly background and foreground are drawn: much of either must not outshine the cross.
+const STRENGTHS: [f32; 2] = [0.34, 0.72];
 
 /// Which settings the map is about.
 pub(super) struct TuningView {
@@ -48,7 +52,14 @@ impl TuningView {
         });
         let pale = self.is_late(ui, of_knobs.is_some() && current.is_none());
         let taken = map_ui(ui, chosen, self.knobs, of_knobs.map(|tuning| &tuning.map), pale);
-        ui.add_space(4.0);
+        let copied = ui.horizontal_wrapped(|ui| {
+            legend(ui);
+            let tuning = of_knobs.filter(|_| current.is_some())?;
+            ui.add_space(6.0);
+            table::buttons(ui, "the map, a cell a row", || Table::Map(Box::new(tuning.clone())))
+        });
+        let taken = copied.inner.or(taken);
+        ui.add_space(6.0);
         let taken = flips_ui(ui, chosen, current.map(|tuning| &tuning.flips[..])).or(taken);
         ui.add_space(8.0);
         taken
@@ -95,6 +106,24 @@ impl TuningView {
     }
 }
 
+/// What the colours and the cross stand for.
+fn legend(ui: &mut Ui) {
+    ui.spacing_mut().item_spacing.x = 4.0;
+    for (foreground, name) in [(true, "foreground"), (false, "background")] {
+        let (rect, _) = ui.allocate_exact_size(Vec2::new(12.0, 10.0), Sense::hover());
+        let strength = STRENGTHS[usize::from(foreground)];
+        let colour = style::verdict_colour(ui.visuals(), foreground).gamma_multiply(strength);
+        let plate = Rect::from_center_size(rect.center(), Vec2::new(12.0, 8.0));
+        ui.painter().rect_filled(plate, 1.0, colour);
+        ui.label(style::aside(ui, name));
+    }
+    let (rect, _) = ui.allocate_exact_size(Vec2::splat(12.0), Sense::hover());
+    let (at, stroke) = (rect.center(), Stroke::new(2.0, style::ink(ui.visuals())));
+    ui.painter().hline(Rangef::new(at.x - 5.0, at.x + 5.0), at.y, stroke);
+    ui.painter().vline(at.x, Rangef::new(at.y - 5.0, at.y + 5.0), stroke);
+    ui.label(style::aside(ui, "now"));
+}
+
 fn map_ui(
     ui: &mut Ui,
     chosen: &Chosen<'_>,
@@ -137,7 +166,7 @@ fn map_ui(
 
 fn cells(painter: &Painter, ui: &Ui, plot: Rect, map: &Map, strength: f32) {
     let visuals = ui.visuals();
-    let colours = [0.34, 0.9].map(|share| share * strength);
+    let colours = STRENGTHS.map(|share| share * strength);
     let background = style::verdict_colour(visuals, false).gamma_multiply(colours[0]);
     let foreground = style::verdict_colour(visuals, true).gamma_multiply(colours[1]);
     let mut columns = Columns::default();

@@ -66,3 +66,22 @@ fn the_worker_is_asked_for_a_map_while_it_is_looked_at_and_a_cell_becomes_the_se
     harness.run_steps(4);
     assert_eq!(tuned(&scene).last(), Some(&None), "nobody looks any more");
 }
+
+#[test]
+fn a_copied_table_is_on_the_clipboard() {
+    let (mut harness, _) = inspected(60);
+    harness.get_by_label("Statistics").click();
+    harness.run_steps(4);
+    picture(&mut harness, "statistics");
+    harness.get_by_label("Copy").click();
+    let mut copied = Vec::new();
+    for _ in 0..6 {
+        harness.step();
+        copied.extend(harness.output().platform_output.commands.iter().filter_map(|command| {
+            if let egui::OutputCommand::CopyText(text) = command { Some(text.clone()) } else { None }
+        }));
+    }
+    let [text] = &copied[..] else { panic!("{} texts were copied", copied.len()) };
+    assert_eq!(text.lines().count() as u32, FRAMES + 1);
+    assert!(text.starts_with("frame,value_r,value_g,value_b,matched,"));
+}

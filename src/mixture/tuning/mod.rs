@@ -50,6 +50,17 @@ impl Knob {
         }
     }
 
+    /// Its name in settings files and tables.
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Alpha => "alpha",
+            Self::T => "t",
+            Self::K => "k",
+            Self::Lambda => "match_sigmas",
+            Self::InitialSigma => "initial_sigma",
+        }
+    }
+
     /// What it is, in two or three words.
     pub const fn name(self) -> &'static str {
         match self {
@@ -92,14 +103,12 @@ impl Knob {
 
     /// Puts `value` into `settings`, or says why it cannot be.
     pub fn set(self, settings: &mut Settings, value: f32) -> Result<(), SettingError> {
-        let (name, value) = match self {
-            Self::Alpha => ("alpha", SettingValue::Real(value)),
-            Self::T => ("t", SettingValue::Real(value)),
-            Self::K => ("k", SettingValue::Integer(value.round().max(0.0) as u32)),
-            Self::Lambda => ("match_sigmas", SettingValue::Real(value)),
-            Self::InitialSigma => ("initial_sigma", SettingValue::Real(value)),
+        let value = match self {
+            Self::K => SettingValue::Integer(value.round().max(0.0) as u32),
+            _ => SettingValue::Real(value),
         };
-        Setting::named(name).ok_or_else(|| SettingError::Unknown(name.to_owned()))?.set(settings, value)
+        let setting = Setting::named(self.key());
+        setting.ok_or_else(|| SettingError::Unknown(self.key().to_owned()))?.set(settings, value)
     }
 
     /// The values worth a look: all that are allowed, of α and T without the extremes.
