@@ -49,7 +49,7 @@ struct Cache {
 impl HistoryView {
     pub(super) fn ui(&mut self, ui: &mut Ui, chosen: &Chosen<'_>) -> Option<InspectorAction> {
         let total = chosen.history.states.len();
-        let asked = self.controls(ui, chosen);
+        self.controls(ui, chosen);
         legend(ui, chosen);
 
         let channels = chosen.channels().len() as f32;
@@ -80,16 +80,24 @@ impl HistoryView {
             ui.painter().with_clip_rect(area).vline(x, area.y_range(), style::faint(ui.visuals()));
             Tooltip::for_widget(&response).at_pointer().show(|ui| frame_words(ui, chosen, frame));
         }
-        asked.or(clicked.map(|pointer| InspectorAction::GoTo(frame_at(pointer.x) as u32)))
+        let asked = ui.horizontal(|ui| {
+            table::buttons(ui, "the frames in view, values and mixture", || {
+                let frames = from.floor() as usize..(to.ceil() as usize).min(total);
+                Table::History(Arc::clone(chosen.history), frames)
+            })
+        });
+        ui.add_space(8.0);
+        let clicked = clicked.map(|pointer| InspectorAction::GoTo(frame_at(pointer.x) as u32));
+        clicked.or(asked.inner)
     }
 
     fn range(&self, total: usize) -> (f64, f64) {
         self.view.unwrap_or((0.0, total.max(1) as f64))
     }
 
-    fn controls(&mut self, ui: &mut Ui, chosen: &Chosen<'_>) -> Option<InspectorAction> {
+    fn controls(&mut self, ui: &mut Ui, chosen: &Chosen<'_>) {
         let total = chosen.history.states.len();
-        ui.horizontal_wrapped(|ui| {
+        ui.horizontal(|ui| {
             ui.label(style::aside(ui, "Zoom"));
             let centre = chosen.index as f64 + 0.5;
             if ui.small_button("+").on_hover_text("Zoom in on the frame in view (or Ctrl + scroll)").clicked()
@@ -105,14 +113,7 @@ impl HistoryView {
             ui.add_space(6.0);
             ui.checkbox(&mut self.fit, small("fit values"))
                 .on_hover_text("Fit the value axes to the values in view, instead of 0 to 255");
-            ui.add_space(6.0);
-            let (from, to) = self.range(total);
-            table::buttons(ui, "the frames in view, values and mixture", || {
-                let frames = from.floor() as usize..(to.ceil() as usize).min(total);
-                Table::History(Arc::clone(chosen.history), frames)
-            })
-        })
-        .inner
+        });
     }
 
     /// Widens (factor over 1) or narrows the part in view, `centre` staying where it is.

@@ -163,6 +163,9 @@ impl Inspector {
         verdict_ui(ui, &words, mask);
         ui.add_space(4.0);
         ui.horizontal_wrapped(|ui| {
+            // Five tabs have to stand in one line of a narrow panel.
+            ui.spacing_mut().item_spacing.x = 2.0;
+            ui.spacing_mut().button_padding.x = 6.0;
             for (tab, name) in [
                 (Tab::Now, "Now"),
                 (Tab::History, "History"),

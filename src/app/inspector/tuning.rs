@@ -1,5 +1,7 @@
 //! What the pixel would be under other settings: a map over two of them, and what flips the verdict.
 
+use std::time::Duration;
+
 use eframe::egui::accesskit::Role;
 use eframe::egui::{
     Align2, Painter, Pos2, Rangef, Rect, Response, RichText, Sense, Stroke, StrokeKind, Tooltip, Ui, Vec2,
@@ -18,6 +20,8 @@ use crate::replay::Tuning;
 const NAME: f32 = 15.0;
 /// The map's greatest side.
 const SIDE: f32 = 380.0;
+/// Its height as a share of its width: what flips the verdict should be in sight below it.
+const FLAT: f32 = 0.62;
 /// An answer that is older than the question for so many seconds is drawn pale.
 const LATE: f64 = 0.15;
 
@@ -52,15 +56,15 @@ impl TuningView {
         });
         let pale = self.is_late(ui, of_knobs.is_some() && current.is_none());
         let taken = map_ui(ui, chosen, self.knobs, of_knobs.map(|tuning| &tuning.map), pale);
-        let copied = ui.horizontal_wrapped(|ui| {
-            legend(ui);
+        ui.horizontal_wrapped(legend);
+        ui.add_space(6.0);
+        let taken = flips_ui(ui, chosen, current.map(|tuning| &tuning.flips[..])).or(taken);
+        ui.add_space(6.0);
+        let copied = ui.horizontal(|ui| {
             let tuning = of_knobs.filter(|_| current.is_some())?;
-            ui.add_space(6.0);
             table::buttons(ui, "the map, a cell a row", || Table::Map(Box::new(tuning.clone())))
         });
         let taken = copied.inner.or(taken);
-        ui.add_space(6.0);
-        let taken = flips_ui(ui, chosen, current.map(|tuning| &tuning.flips[..])).or(taken);
         ui.add_space(8.0);
         taken
     }
@@ -102,6 +106,7 @@ impl TuningView {
         }
         let now = ui.input(|input| input.time);
         let since = *self.late_since.get_or_insert(now);
+        ui.ctx().request_repaint_after(Duration::from_secs_f64(LATE));
         now - since > LATE
     }
 }
@@ -132,7 +137,7 @@ fn map_ui(
     pale: bool,
 ) -> Option<InspectorAction> {
     let side = (ui.available_width() - chart::GUTTER - chart::RIGHT).clamp(80.0, SIDE);
-    let size = Vec2::new(side + chart::GUTTER + chart::RIGHT, 6.0 + side * 0.8 + TICKS + NAME);
+    let size = Vec2::new(side + chart::GUTTER + chart::RIGHT, 6.0 + side * FLAT + TICKS + NAME);
     let (area, response) = ui.allocate_exact_size(size, Sense::click());
     let [across, up] = knobs.map(Knob::symbol);
     response.widget_info(|| {
@@ -143,7 +148,7 @@ fn map_ui(
     });
     let plot = Rect::from_min_size(
         Pos2::new(area.left() + chart::GUTTER, area.top() + 6.0),
-        Vec2::new(side, side * 0.8),
+        Vec2::new(side, side * FLAT),
     );
     let (painter, visuals) = (ui.painter_at(area), ui.visuals());
     let parameters = &chosen.history.parameters;
