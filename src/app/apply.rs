@@ -23,6 +23,16 @@ impl Window {
             Command::Act(action) => self.act(ctx, action),
             Command::Open(name, start) => self.open(ctx, &name, start),
             Command::OpenSample => self.open_sample(ctx),
+            Command::CopyTable(table) => match table.csv() {
+                Ok(text) => {
+                    ctx.copy_text(text);
+                    self.toasts.done(ctx, format!("Copied {} rows as CSV", table.rows()));
+                }
+                Err(error) => {
+                    self.toasts.fail(ctx, format!("the table was not copied: {error}; save it instead"));
+                }
+            },
+            Command::SaveTable(table) => self.dialogs.save_table(ctx, table),
             Command::GoTo(position) => model.go_to(position),
             Command::GoToNumber(number) => model.go_to(model.position_of(number)),
             Command::Span(span) => model.span = span,

@@ -3,6 +3,7 @@
 pub(crate) use super::actions::ACTIONS;
 use super::areas::Change;
 pub(crate) use super::entry::{Entry, Menu};
+use super::inspector::Table;
 use super::overlays::Drawn;
 use super::slots::Slot;
 use super::state::{Camera, Hover};
@@ -131,6 +132,10 @@ pub(crate) enum Action {
 /// Something that a panel asks for.
 #[derive(Clone, Debug)]
 pub(crate) enum Command {
+    /// Put a table on the clipboard.
+    CopyTable(Table),
+    /// Choose a file for a table.
+    SaveTable(Table),
     /// An action of the table.
     Act(Action),
     /// Open this video at this place.

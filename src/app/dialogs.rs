@@ -10,6 +10,7 @@ use eframe::egui::Context;
 use rfd::FileDialog;
 
 use super::export_frame::Picture;
+use super::inspector::Table;
 use super::{settings_file, whole_file};
 use crate::export::picture;
 use crate::regions::Roi;
@@ -121,6 +122,15 @@ impl Dialogs {
             let dialog = FileDialog::new().set_title("Save area mask").set_file_name("roi.png");
             let path = dialog.add_filter("PNG picture", &["png"]).save_file()?;
             Some(Answer::Wrote(whole_file::write(path, "png", |at| picture::write_mask(at, roi.mask()))))
+        });
+    }
+
+    /// Asks where to write a table, and writes it there.
+    pub(crate) fn save_table(&mut self, ctx: &Context, table: Table) {
+        self.ask(ctx, move || {
+            let dialog = FileDialog::new().set_title("Save table").set_file_name(table.name());
+            let path = dialog.add_filter("CSV table", &["csv"]).save_file()?;
+            Some(Answer::Wrote(table.save(path)))
         });
     }
 

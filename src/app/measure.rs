@@ -20,6 +20,7 @@ use super::command::{Action, Command};
 use super::state::Player;
 use crate::export::tests::track;
 use crate::frame::{Frame, Mask, Size};
+use crate::mixture::tuning::Knob;
 use crate::occlusion::Counters;
 use crate::pipeline::Analysis;
 use crate::regions::{self, Labels, Region, Shape};
@@ -58,6 +59,8 @@ impl Player for Ready {
     fn set_roi(&self, _: Option<Arc<regions::Roi>>) {}
 
     fn inspect(&self, _: Option<(u32, u32)>) {}
+
+    fn tune(&self, _: Option<[Knob; 2]>) {}
 }
 
 /// `count` people who walk in rows over the whole picture.
@@ -135,6 +138,7 @@ fn ready(frames: Rc<Vec<Shown>>) -> Ready {
         timeline: Arc::new(timeline),
         busy: None,
         pixel: None,
+        tuning: None,
         analysis_fps: 0.0,
     };
     Ready { frames, state: RefCell::new(state) }

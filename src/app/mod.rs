@@ -327,9 +327,19 @@ impl Window {
                     // A panel is as large as what is in it: a short list must not shrink it.
                     ui.take_available_space();
                 });
-                let action = inspector.ui(ui, model.shown(), model.pixel(), model.fps());
-                if let Some(InspectorAction::GoTo(position)) = action {
-                    commands.push(Command::GoTo(position));
+                let action = inspector.ui(ui, model.shown(), model.pixel(), model.tuning(), model.fps());
+                match action {
+                    Some(InspectorAction::GoTo(position)) => commands.push(Command::GoTo(position)),
+                    Some(InspectorAction::Take(values)) => {
+                        let mut settings = model.settings.clone();
+                        // A map covers no value that the setting does not take.
+                        if values.iter().all(|&(knob, value)| knob.set(&mut settings, value).is_ok()) {
+                            commands.push(Command::Set(Box::new(settings)));
+                        }
+                    }
+                    Some(InspectorAction::Copy(table)) => commands.push(Command::CopyTable(table)),
+                    Some(InspectorAction::Save(table)) => commands.push(Command::SaveTable(table)),
+                    None => {}
                 }
             });
         }
@@ -379,6 +389,8 @@ impl Window {
             keys::pressed(&ctx, &self.model, &mut commands);
         }
         self.panels(ui, &mut commands);
+        let looked_at = self.model.inspector_panel && self.model.shown().is_some();
+        self.model.tune(self.inspector.asks_about().filter(|_| looked_at));
         // Views may have come into sight that need more of the frame.
         self.ask_for_pictures();
         help::ui(&ctx, &mut self.help);

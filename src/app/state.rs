@@ -13,9 +13,10 @@ use super::slots::{Slot, Slots};
 use super::views::{Background, View};
 use crate::frame::Size;
 use crate::mixture::PixelHistory;
+use crate::mixture::tuning::Knob;
 use crate::occlusion::EventKind;
 use crate::regions::Roi;
-use crate::replay::{Phase, Session, Shown, Start, State, Timeline};
+use crate::replay::{Phase, Session, Shown, Start, State, Timeline, Tuning};
 use crate::settings::Settings;
 use crate::tracking::Track;
 use crate::truth::boxes::Boxes;
@@ -32,6 +33,8 @@ pub(crate) trait Player {
     fn set_roi(&self, roi: Option<Arc<Roi>>);
     /// Chooses a pixel.
     fn inspect(&self, at: Option<(u32, u32)>);
+    /// Asks what the chosen pixel would be under other values of these two settings.
+    fn tune(&self, knobs: Option<[Knob; 2]>);
 }
 
 impl Player for Session {
@@ -53,6 +56,10 @@ impl Player for Session {
 
     fn inspect(&self, at: Option<(u32, u32)>) {
         Session::inspect(self, at);
+    }
+
+    fn tune(&self, knobs: Option<[Knob; 2]>) {
+        Session::tune(self, knobs);
     }
 }
 
@@ -168,6 +175,8 @@ pub(crate) struct Model {
     pub(crate) slots: Slots,
     /// The settings that the worker was last given.
     pub(crate) sent: Settings,
+    /// The settings whose map the worker was last asked for.
+    pub(crate) tuned: Option<[Knob; 2]>,
     /// Settings before and after, for undo.
     pub(crate) history: History,
     /// The position that was asked for and has not arrived.
@@ -228,6 +237,7 @@ impl Model {
             origin: Origin::New,
             history: History::new(settings.clone()),
             sent: settings.clone(),
+            tuned: None,
             settings,
             slots: Slots::new(),
             wanted: None,
@@ -280,7 +290,7 @@ impl Model {
         self.span = None;
         self.opened = Some(name.to_owned());
         (self.origin, self.truth) = (Origin::New, None);
-        self.sent = self.settings.clone();
+        (self.sent, self.tuned) = (self.settings.clone(), None);
         (self.wanted, self.chosen, self.hovered, self.reading) = (None, None, None, None);
         self.playback.playing = false;
         self.camera = Camera::FIT;
@@ -327,6 +337,19 @@ impl Model {
         self.slots.show(slot, &mut self.settings);
         self.history.look(slot, &self.settings);
         first
+    }
+
+    /// What the chosen pixel would be under other settings, as far as that is known.
+    pub(crate) fn tuning(&self) -> Option<&Tuning> {
+        self.state.as_ref()?.tuning.as_deref()
+    }
+
+    /// Asks the worker for the map of these settings, if it has not been asked before.
+    pub(crate) fn tune(&mut self, knobs: Option<[Knob; 2]>) {
+        if let Some(player) = self.player.as_ref().filter(|_| self.tuned != knobs) {
+            player.tune(knobs);
+            self.tuned = knobs;
+        }
     }
 
     /// Zooms all views at the chosen pixel, or at the middle.

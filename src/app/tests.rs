@@ -20,6 +20,7 @@ use super::slots::Slot;
 use super::state::Player;
 use super::views::View;
 use crate::frame::{Frame, Mask, Size};
+use crate::mixture::tuning::Knob;
 use crate::occlusion::{Counters, Event, EventKind, Evidence};
 use crate::pipeline::Analysis;
 use crate::regions::{self, LabelRun, Labels, Rect};
@@ -30,6 +31,7 @@ use crate::tracking::{Track, TrackState};
 
 mod areas;
 mod around;
+mod inspector;
 mod layout;
 mod pictures;
 mod timeline;
@@ -44,6 +46,7 @@ enum Asked {
     Settings(Box<Settings>),
     Roi(Option<Arc<regions::Roi>>),
     Inspect(Option<(u32, u32)>),
+    Tune(Option<[Knob; 2]>),
 }
 
 /// A worker that answers at once, and notes what it was asked.
@@ -77,6 +80,10 @@ impl Player for Scene {
 
     fn inspect(&self, at: Option<(u32, u32)>) {
         self.asked.borrow_mut().push(Asked::Inspect(at));
+    }
+
+    fn tune(&self, knobs: Option<[Knob; 2]>) {
+        self.asked.borrow_mut().push(Asked::Tune(knobs));
     }
 }
 
@@ -243,6 +250,7 @@ fn state(phase: Phase, shown: Option<u32>) -> State {
         timeline: if shown.is_some() { Arc::new(timeline()) } else { Arc::default() },
         busy: None,
         pixel: None,
+        tuning: None,
         analysis_fps: 0.0,
     }
 }

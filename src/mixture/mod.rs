@@ -2,7 +2,8 @@
 //!
 //! [`pixel`] is the definition, one pixel in plain words. [`image`] does the same to a whole
 //! image, bit for bit, fast: sixteen pixels of a `tile` side by side, many frames at a time. [`history`] follows one pixel through many frames, [`follow`] its
-//! components through their changes of rank, and [`verdict`] says in words why it was decided so.
+//! components through their changes of rank, [`verdict`] says in words why it was decided so, and
+//! [`tuning`] what it would take to decide otherwise.
 
 mod appearance;
 pub mod exponential;
@@ -12,7 +13,9 @@ pub mod image;
 pub mod opencv;
 pub mod pixel;
 pub mod shadow;
+pub mod statistics;
 mod tile;
+pub mod tuning;
 pub mod verdict;
 
 pub use appearance::Appearance;

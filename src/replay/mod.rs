@@ -13,6 +13,7 @@ mod runs;
 mod session;
 mod spaced;
 mod timeline;
+mod tuner;
 mod worker;
 
 #[cfg(test)]
@@ -21,7 +22,8 @@ mod tests;
 use std::sync::Arc;
 
 use crate::frame::Frame;
-use crate::mixture::PixelHistory;
+use crate::mixture::tuning::{Flip, Map};
+use crate::mixture::{Parameters, PixelHistory};
 use crate::occlusion::Event;
 use crate::pipeline::Analysis;
 use crate::regions::Roi;
@@ -70,6 +72,9 @@ pub struct State {
     /// no pixel is chosen or the model has no mixture. After a change of settings it is there at
     /// once, before the frame in view.
     pub pixel: Option<Arc<PixelHistory>>,
+    /// What the chosen pixel would be under other settings, if [`Session::tune`] asked for it. It may
+    /// be of another frame, pixel or choice of settings than the one in view: then the new one is on its way.
+    pub tuning: Option<Arc<Tuning>>,
     /// What is known of the whole sequence so far under the settings of the frame in view, which it
     /// holds. It follows the work at most ten times a second.
     pub timeline: Arc<Timeline>,
@@ -77,6 +82,21 @@ pub struct State {
     pub busy: Option<Progress>,
     /// Frames a second of analysis, averaged over about the last second of work; 0 when unknown.
     pub analysis_fps: f32,
+}
+
+/// What one pixel would be in one frame under other settings of the mixture.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Tuning {
+    /// The pixel: column and row.
+    pub at: (u32, u32),
+    /// The frame's place in the sequence, from 0.
+    pub position: u32,
+    /// The parameters around which was looked.
+    pub parameters: Parameters,
+    /// Foreground or background over a grid of two settings.
+    pub map: Map,
+    /// What flips the verdict, a setting each.
+    pub flips: Vec<Flip>,
 }
 
 /// Work under way.

@@ -9,6 +9,7 @@ use std::time::Duration;
 
 use super::worker::Worker;
 use super::{Phase, Start, State, Timeline, memory};
+use crate::mixture::tuning::Knob;
 use crate::regions::Roi;
 use crate::settings::Settings;
 use crate::source::SourceError;
@@ -30,11 +31,15 @@ pub(super) struct Requests {
     pub(super) settings: Option<Settings>,
     pub(super) roi: Option<Analysed>,
     pub(super) inspect: Option<Pixel>,
+    pub(super) tune: Option<Knobs>,
     stop: bool,
 }
 
 /// Which pixel to follow, `None` for none.
 pub(super) struct Pixel(pub(super) Option<(u32, u32)>);
+
+/// What to change along the sides of a map, `None` for no map.
+pub(super) struct Knobs(pub(super) Option<[Knob; 2]>);
 
 /// What is to be analysed, `None` for the whole image.
 pub(super) struct Analysed(pub(super) Option<Arc<Roi>>);
@@ -83,6 +88,7 @@ impl Session {
             warnings: Arc::default(),
             shown: None,
             pixel: None,
+            tuning: None,
             timeline: Arc::new(Timeline::default()),
             busy: None,
             analysis_fps: 0.0,
@@ -138,6 +144,12 @@ impl Session {
     pub fn inspect(&self, at: Option<(u32, u32)>) {
         self.shared.ask(|requests| requests.inspect = Some(Pixel(at)));
     }
+
+    /// Asks what the chosen pixel would be in the frame in view under other values of these two
+    /// settings, and of each alone; `None` to ask no more.
+    pub fn tune(&self, knobs: Option<[Knob; 2]>) {
+        self.shared.ask(|requests| requests.tune = Some(Knobs(knobs)));
+    }
 }
 
 impl Drop for Session {
@@ -189,6 +201,7 @@ impl Requests {
             || self.settings.is_some()
             || self.roi.is_some()
             || self.inspect.is_some()
+            || self.tune.is_some()
             || self.stop
     }
 }

@@ -10,6 +10,7 @@ use image::{Rgb, RgbImage};
 use super::*;
 use crate::frame::{Mask, Size};
 use crate::mixture::Parameters;
+use crate::mixture::tuning::{self, Knob};
 use crate::pipeline::Pipeline;
 use crate::settings::{BackgroundModel, Preset};
 use crate::source::cache::FrameCache;
@@ -600,4 +601,37 @@ fn a_request_that_changes_nothing_wakes_nobody() {
     watched.session.set_settings(settings());
     watched.session.inspect(None);
     assert!(watched.woken.recv_timeout(Duration::from_millis(500)).is_err());
+}
+
+#[test]
+fn the_worker_says_what_the_pixel_would_be_under_other_settings() {
+    let folder = scene();
+    let watched = Watched::open(folder.path(), settings(), Start::First, 1 << 30);
+    watched.session.inspect(Some(PIXEL));
+    for (knobs, position, settings) in [
+        ([Knob::Alpha, Knob::T], 31, settings()),
+        ([Knob::Lambda, Knob::K], 33, settings()),
+        ([Knob::Lambda, Knob::K], 33, Settings { alpha: 0.1, ..settings() }),
+    ] {
+        watched.session.tune(Some(knobs));
+        watched.session.set_settings(settings.clone());
+        watched.session.show(position);
+        let state = watched.until(|state| {
+            let tuning = state.tuning.as_ref().filter(|tuning| tuning.position == position);
+            tuning.is_some_and(|tuning| {
+                let of = tuning.map.axes.each_ref().map(|axis| axis.knob);
+                of == knobs && tuning.parameters == Parameters::new(&settings)
+            })
+        });
+        let tuning = state.tuning.unwrap();
+        let history = state.pixel.unwrap();
+        let values: Vec<_> = history.states[..=position as usize].iter().map(|state| state.value).collect();
+        assert_eq!(tuning.at, PIXEL);
+        assert_eq!(tuning.map, tuning::map(&values, &tuning.parameters, knobs));
+        for flip in &tuning.flips {
+            assert_eq!(*flip, tuning::flip(&values, &tuning.parameters, flip.knob));
+        }
+    }
+    watched.session.tune(None);
+    watched.until(|state| state.tuning.is_none());
 }

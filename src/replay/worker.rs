@@ -1,6 +1,7 @@
 //! The worker's side: one small piece of work after another, the most urgent first.
 //!
-//! In this order: the frame that is wanted in view, the chosen pixel's history, the analysis ahead.
+//! In this order: the frame that is wanted in view, what the chosen pixel would be in it under other
+//! settings, the pixel's history, the analysis ahead.
 //! Between two pieces it looks at what was asked meanwhile; no piece takes longer than a frame.
 
 use std::collections::VecDeque;
@@ -9,8 +10,9 @@ use std::time::{Duration, Instant};
 
 use super::inspector::Inspector;
 use super::run::{Run, Towards};
-use super::session::{Analysed, Pixel, Requests, Shared};
+use super::session::{Analysed, Knobs, Pixel, Requests, Shared};
 use super::timeline::Growing;
+use super::tuner::Tuner;
 use super::{Phase, Progress, Shown, Start, Timeline};
 use crate::frame::Frame;
 use crate::mixture::PixelHistory;
@@ -51,6 +53,7 @@ pub(super) struct Worker<'a> {
     follow: bool,
     pixel: Option<(u32, u32)>,
     inspector: Inspector,
+    tuner: Tuner,
     growing: Growing,
     /// Whether the final reading has taken the place of the causal one.
     finished: bool,
@@ -128,6 +131,7 @@ impl<'a> Worker<'a> {
             },
             pixel: None,
             inspector: Inspector::default(),
+            tuner: Tuner::default(),
             growing: Growing::default(),
             finished: false,
             stopped: false,
@@ -171,6 +175,9 @@ impl<'a> Worker<'a> {
             self.pixel = pixel.filter(|&(x, y)| self.info.size.index(x, y).is_some());
             self.inspector.choose(self.pixel, self.run.settings());
             self.show_pixel();
+        }
+        if let Some(Knobs(knobs)) = requests.tune {
+            self.tuner.choose(knobs);
         }
         if requests.settings.is_none() && requests.roi.is_none() {
             return Ok(());
@@ -237,6 +244,7 @@ impl<'a> Worker<'a> {
         self.growing = Growing::default();
         self.inspector = Inspector::default();
         self.inspector.choose(self.pixel, self.run.settings());
+        self.tuner.forget();
         self.follow = true;
         Ok(())
     }
@@ -255,6 +263,8 @@ impl<'a> Worker<'a> {
         }
         if !self.is_view_current() {
             self.approach_view()?;
+        } else if self.tune() {
+            // It publishes itself.
         } else if self.inspector.gather(&mut self.frames)? {
             self.outbox.pixel_grew = true;
             if let Some(shown) = &self.shown
@@ -268,6 +278,23 @@ impl<'a> Worker<'a> {
             return Ok(false);
         }
         Ok(true)
+    }
+
+    /// Works on what the chosen pixel would be under other settings; whether there was anything to do.
+    fn tune(&mut self) -> bool {
+        let history = self.shown.as_ref().and_then(|shown| shown.pixel.as_ref().map(|pixel| (pixel, shown)));
+        let Some((history, shown)) = history else { return false };
+        let before = self.tuner.latest();
+        let worked = self.tuner.piece(history, shown.position);
+        let tuning = self.tuner.latest();
+        let same = match (&tuning, &before) {
+            (Some(one), Some(other)) => Arc::ptr_eq(one, other),
+            (one, other) => one.is_none() && other.is_none(),
+        };
+        if !same {
+            self.shared.publish(|state| state.tuning = tuning);
+        }
+        worked
     }
 
     fn is_view_current(&self) -> bool {

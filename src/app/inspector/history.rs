@@ -12,6 +12,7 @@ use eframe::egui::{
 use super::bins::{Bin, FEW, STEP, bins};
 use super::chart::{self, Axis, Columns, TICKS};
 use super::style::{self, small};
+use super::table::{self, Table};
 use super::{Chosen, InspectorAction};
 use crate::mixture::PixelHistory;
 use crate::mixture::verdict::{number, verdict};
@@ -47,6 +48,7 @@ struct Cache {
 
 impl HistoryView {
     pub(super) fn ui(&mut self, ui: &mut Ui, chosen: &Chosen<'_>) -> Option<InspectorAction> {
+        let total = chosen.history.states.len();
         self.controls(ui, chosen);
         legend(ui, chosen);
 
@@ -55,7 +57,6 @@ impl HistoryView {
             (CAPTION + GAP) * (channels + 3.0) + CHANNEL * channels + WEIGHTS + COUNT + VERDICT + TICKS;
         let size = Vec2::new(ui.available_width(), height);
         let (area, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
-        let total = chosen.history.states.len();
         response.widget_info(|| {
             WidgetInfo::labeled(
                 Role::Image,
@@ -79,7 +80,15 @@ impl HistoryView {
             ui.painter().with_clip_rect(area).vline(x, area.y_range(), style::faint(ui.visuals()));
             Tooltip::for_widget(&response).at_pointer().show(|ui| frame_words(ui, chosen, frame));
         }
-        clicked.map(|pointer| InspectorAction::GoTo(frame_at(pointer.x) as u32))
+        let asked = ui.horizontal(|ui| {
+            table::buttons(ui, "the frames in view, values and mixture", || {
+                let frames = from.floor() as usize..(to.ceil() as usize).min(total);
+                Table::History(Arc::clone(chosen.history), frames)
+            })
+        });
+        ui.add_space(8.0);
+        let clicked = clicked.map(|pointer| InspectorAction::GoTo(frame_at(pointer.x) as u32));
+        clicked.or(asked.inner)
     }
 
     fn range(&self, total: usize) -> (f64, f64) {

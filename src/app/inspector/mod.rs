@@ -1,7 +1,7 @@
 //! The pixel inspector: one pixel's mixture now and through time, and why it was decided so.
 //!
 //! `now` draws the mixture of the frame in view, `history` how it came about, `scatter`
-//! where the values lie among the channels. They draw; what they show is worked out in
+//! where the values lie among the channels, `tuning` what the pixel would be under other settings, `statistics` counts. They draw; what they show is worked out in
 //! [`crate::mixture`] and, for long histories, in `bins`.
 
 mod bins;
@@ -9,27 +9,38 @@ mod chart;
 mod history;
 mod now;
 mod scatter;
+mod statistics;
 mod style;
+mod table;
 #[cfg(test)]
 mod tests;
+mod tuning;
 
 use std::sync::Arc;
 
 use eframe::egui;
 use eframe::egui::{RichText, ScrollArea, Ui};
 
+pub use self::table::Table;
 use crate::mixture::follow::slots;
 use crate::mixture::pixel::MAX_K;
+use crate::mixture::tuning::Knob;
 use crate::mixture::verdict::{Verdict, overruled, verdict};
 use crate::mixture::{Parameters, PixelHistory, PixelState};
-use crate::replay::Shown;
+use crate::replay::{Shown, Tuning};
 use crate::settings::{BackgroundModel, Space};
 
 /// What the person asked for in the inspector.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub enum InspectorAction {
     /// Show the frame at this position of the sequence, from 0.
     GoTo(u32),
+    /// Take these values of these settings.
+    Take([(Knob, f32); 2]),
+    /// Put the numbers behind a plot on the clipboard.
+    Copy(Table),
+    /// Write them to a file.
+    Save(Table),
 }
 
 /// The panel's own state: which tab is open, and how its plots are looked at.
@@ -39,6 +50,8 @@ pub struct Inspector {
     now: now::Now,
     history: history::HistoryView,
     scatter: scatter::Scatter,
+    tuning: tuning::TuningView,
+    statistics: statistics::StatisticsView,
     followed: Option<Followed>,
 }
 
@@ -48,6 +61,8 @@ enum Tab {
     Now,
     History,
     Scatter,
+    Tuning,
+    Statistics,
 }
 
 /// A history with the slots of its components; worked out anew only when the history is another one.
@@ -84,12 +99,13 @@ impl Inspector {
     ///
     /// `newest` is the pixel under the settings chosen last: it is shown in place of the frame's own
     /// while the frame in view still waits for those. `fps` is the source's frame rate, to show
-    /// times in seconds beside frame numbers.
+    /// times in seconds beside frame numbers. `tuning` answers what [`Self::asks_about`].
     pub fn ui(
         &mut self,
         ui: &mut Ui,
         shown: Option<&Shown>,
         newest: Option<&Arc<PixelHistory>>,
+        tuning: Option<&Tuning>,
         fps: f32,
     ) -> Option<InspectorAction> {
         let Some(shown) = shown else {
@@ -146,8 +162,17 @@ impl Inspector {
         ui.add_space(4.0);
         verdict_ui(ui, &words, mask);
         ui.add_space(4.0);
-        ui.horizontal(|ui| {
-            for (tab, name) in [(Tab::Now, "Now"), (Tab::History, "History"), (Tab::Scatter, "Scatter")] {
+        ui.horizontal_wrapped(|ui| {
+            // Five tabs have to stand in one line of a narrow panel.
+            ui.spacing_mut().item_spacing.x = 2.0;
+            ui.spacing_mut().button_padding.x = 6.0;
+            for (tab, name) in [
+                (Tab::Now, "Now"),
+                (Tab::History, "History"),
+                (Tab::Scatter, "Scatter"),
+                (Tab::Tuning, "Tuning"),
+                (Tab::Statistics, "Statistics"),
+            ] {
                 ui.selectable_value(&mut self.tab, tab, name);
             }
         });
@@ -168,8 +193,15 @@ impl Inspector {
                     self.scatter.ui(ui, &chosen);
                     None
                 }
+                Tab::Tuning => self.tuning.ui(ui, &chosen, tuning),
+                Tab::Statistics => self.statistics.ui(ui, &chosen),
             })
             .inner
+    }
+
+    /// The two settings whose map is looked at, `None` while none is.
+    pub fn asks_about(&self) -> Option<[Knob; 2]> {
+        (self.tab == Tab::Tuning).then_some(self.tuning.knobs)
     }
 
     fn follow(&mut self, history: &Arc<PixelHistory>) -> Arc<Vec<[u8; MAX_K]>> {
@@ -190,6 +222,8 @@ const fn name_of(tab: Tab) -> &'static str {
         Tab::Now => "now",
         Tab::History => "history",
         Tab::Scatter => "scatter",
+        Tab::Tuning => "tuning",
+        Tab::Statistics => "statistics",
     }
 }
 

@@ -9,14 +9,16 @@ use eframe::egui::{self, Pos2, Theme, Vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 
-use super::{Inspector, InspectorAction};
+use super::{Inspector, InspectorAction, Table};
 use crate::frame::{Frame, Mask, Size};
-use crate::mixture::verdict::{sigmas, verdict};
+use crate::mixture::statistics::Statistics;
+use crate::mixture::tuning::{Knob, flip, map};
+use crate::mixture::verdict::{number, sigmas, verdict};
 use crate::mixture::{Parameters, PixelHistory};
 use crate::occlusion::Counters;
 use crate::pipeline::Analysis;
 use crate::regions::Labels;
-use crate::replay::Shown;
+use crate::replay::{Shown, Tuning};
 use crate::settings::{BackgroundModel, Preset, Settings, Space};
 
 const SIZE: Size = Size::new(8, 6);
@@ -87,6 +89,21 @@ fn shown(position: u32) -> Shown {
     shown_of(settings, Some(history), position)
 }
 
+fn tuning_of(shown: &Shown, knobs: [Knob; 2]) -> Option<Tuning> {
+    let history = shown.pixel.as_ref()?;
+    let states = history.states.get(..=shown.position as usize)?;
+    // A long history is tried elsewhere.
+    let values: Vec<_> = states.iter().take(1000).map(|state| state.value).collect();
+    let parameters = history.parameters;
+    Some(Tuning {
+        at: history.at,
+        position: shown.position,
+        parameters,
+        map: map(&values, &parameters, knobs),
+        flips: Knob::ALL.iter().map(|&knob| flip(&values, &parameters, knob)).collect(),
+    })
+}
+
 /// The panel about `shown` in a harness, and what it asked for.
 fn harness(
     shown: Option<Shown>,
@@ -95,6 +112,8 @@ fn harness(
 ) -> (Harness<'static>, Rc<RefCell<Vec<InspectorAction>>>) {
     let actions = Rc::new(RefCell::new(Vec::new()));
     let (asked, mut inspector) = (Rc::clone(&actions), Inspector::default());
+    // As the worker answers when the tab is open.
+    let tuning = shown.as_ref().and_then(|shown| tuning_of(shown, [Knob::Alpha, Knob::T]));
     let mut harness = Harness::builder()
         .with_size(size)
         .with_theme(theme)
@@ -102,7 +121,7 @@ fn harness(
         .wgpu()
         .build_ui(move |ui| {
             egui::CentralPanel::default().show(ui, |ui| {
-                asked.borrow_mut().extend(inspector.ui(ui, shown.as_ref(), None, 10.0));
+                asked.borrow_mut().extend(inspector.ui(ui, shown.as_ref(), None, tuning.as_ref(), 10.0));
             });
         });
     harness.run();
@@ -169,7 +188,7 @@ fn every_tab_can_be_drawn_dark_and_light_narrow_and_wide() {
     for (theme, look) in [(Theme::Dark, "dark"), (Theme::Light, "light")] {
         for (width, height) in [(340.0, 700.0), (480.0, 1000.0)] {
             let (mut harness, _) = harness(Some(shown(430)), Vec2::new(width, height), theme);
-            for tab in ["Now", "History", "Scatter"] {
+            for tab in ["Now", "History", "Tuning", "Statistics", "Scatter"] {
                 open(&mut harness, tab);
                 picture(&mut harness, &format!("{}-{look}-{width}", tab.to_lowercase()));
             }
@@ -185,7 +204,7 @@ fn one_channel_can_be_drawn_too() {
     let (mut harness, _) =
         harness(Some(shown_of(gray, Some(history), 330)), Vec2::new(340.0, 900.0), Theme::Light);
     assert!(says(&harness, &format!("luma {}", state.value[0])));
-    for tab in ["Now", "History", "Scatter"] {
+    for tab in ["Now", "History", "Tuning", "Statistics", "Scatter"] {
         open(&mut harness, tab);
         picture(&mut harness, &format!("gray-{}", tab.to_lowercase()));
     }
@@ -205,7 +224,7 @@ fn eight_components_where_nothing_matches_can_be_drawn() {
     let (mut harness, _) =
         harness(Some(shown_of(crowded, Some(history), 400)), Vec2::new(340.0, 960.0), Theme::Light);
     assert!(says(&harness, "nothing matched; nearest was component"));
-    for tab in ["Now", "History", "Scatter"] {
+    for tab in ["Now", "History", "Tuning", "Statistics", "Scatter"] {
         open(&mut harness, tab);
         picture(&mut harness, &format!("crowded-{}", tab.to_lowercase()));
     }
@@ -240,7 +259,7 @@ fn a_low_panel_scrolls_under_the_verdict() {
 fn the_first_frame_can_be_drawn() {
     let (mut harness, _) = tall(Some(shown(0)));
     assert!(says(&harness, "the model's first frame"));
-    for tab in ["Now", "History", "Scatter"] {
+    for tab in ["Now", "History", "Tuning", "Statistics", "Scatter"] {
         open(&mut harness, tab);
     }
 }
@@ -338,7 +357,8 @@ fn new_settings_answer_before_the_frame_has_them() {
     assert_ne!(expected, verdict(shown.pixel.as_ref().unwrap(), 300).headline, "a case in point");
     let mut inspector = Inspector::default();
     let harness = Harness::builder().with_size(Vec2::new(380.0, 1000.0)).build_ui(move |ui| {
-        egui::CentralPanel::default().show(ui, |ui| inspector.ui(ui, Some(&shown), Some(&newest), 10.0));
+        egui::CentralPanel::default()
+            .show(ui, |ui| inspector.ui(ui, Some(&shown), Some(&newest), None, 10.0));
     });
     assert!(texts(&harness).contains(&expected), "{expected}");
 }
@@ -419,4 +439,164 @@ fn a_long_history_stays_quick() {
     harness.get_by_label("all").click();
     harness.run();
     picture(&mut harness, "scatter-long");
+}
+
+/// Where a cell of the tuning map is on the screen.
+fn on_map(harness: &Harness<'_>, share: Vec2) -> Pos2 {
+    let area = harness.get_by_label_contains("Tuning map of").rect();
+    let plot = egui::Rect::from_min_max(
+        Pos2::new(area.left() + super::chart::GUTTER, area.top() + 6.0),
+        Pos2::new(area.right() - super::chart::RIGHT, area.bottom() - super::chart::TICKS - 15.0),
+    );
+    Pos2::new(plot.left() + plot.width() * share.x, plot.bottom() - plot.height() * share.y)
+}
+
+#[test]
+fn a_click_into_the_tuning_map_takes_the_cell_that_its_tip_names() {
+    let shown = shown(430);
+    let tuning = tuning_of(&shown, [Knob::Alpha, Knob::T]).unwrap();
+    let share = tuning.map.foreground_share();
+    assert!(share > 0.05 && share < 0.95, "a case in point: {share}");
+    let (mut harness, actions) = tall(Some(shown));
+    open(&mut harness, "Tuning");
+    assert!(says(&harness, &format!("foreground in {:.0} % of it", share * 100.0)));
+    for (column, row) in [(2, 20), (21, 3)] {
+        let at = on_map(&harness, Vec2::new((column as f32 + 0.4) / 24.0, (row as f32 + 0.6) / 24.0));
+        harness.hover_at(at);
+        harness.run();
+        let [alpha, t] = [tuning.map.axes[0].values[column], tuning.map.axes[1].values[row]];
+        assert!(
+            says(&harness, &format!("α = {},  T = {}", number(alpha), number(t))),
+            "{:?}",
+            texts(&harness)
+        );
+        let verdict = if tuning.map.is_foreground(column, row) { "Foreground" } else { "Background" };
+        assert!(says(&harness, &format!("{verdict}. Click to take")));
+        picture(&mut harness, &format!("tuning-hover-{column}"));
+        assert!(actions.borrow().is_empty(), "looking is not asking");
+        harness.drag_at(at);
+        harness.drop_at(at);
+        harness.run();
+        assert_eq!(actions.take(), [InspectorAction::Take([(Knob::Alpha, alpha), (Knob::T, t)])]);
+    }
+}
+
+#[test]
+fn what_flips_the_verdict_is_named_and_taken() {
+    let shown = shown(430);
+    let tuning = tuning_of(&shown, [Knob::Alpha, Knob::T]).unwrap();
+    let (mut harness, actions) = tall(Some(shown));
+    open(&mut harness, "Tuning");
+    let mut taken = 0;
+    for flip in &tuning.flips {
+        assert!(texts(&harness).contains(&flip.words()), "{} in {:?}", flip.words(), texts(&harness));
+        let Some(value) = flip.value else { continue };
+        harness.get_by_label(&flip.words()).click();
+        harness.run();
+        assert_eq!(actions.take(), [InspectorAction::Take([(flip.knob, value); 2])]);
+        taken += 1;
+    }
+    assert!(taken > 1, "a case in point: {:?}", tuning.flips);
+}
+
+#[test]
+fn a_map_of_other_settings_is_asked_for_and_waited_for() {
+    let (shown, mut inspector) = (shown(430), Inspector::default());
+    assert_eq!(inspector.asks_about(), None, "nobody looks");
+    let asked = Rc::new(RefCell::new(None));
+    let (noted, tuning) = (Rc::clone(&asked), tuning_of(&shown, [Knob::Alpha, Knob::T]));
+    let mut harness = Harness::builder().with_size(Vec2::new(380.0, 900.0)).build_ui(move |ui| {
+        egui::CentralPanel::default().show(ui, |ui| {
+            inspector.ui(ui, Some(&shown), None, tuning.as_ref(), 10.0);
+            *noted.borrow_mut() = inspector.asks_about();
+        });
+    });
+    open(&mut harness, "Tuning");
+    assert_eq!(*asked.borrow(), Some([Knob::Alpha, Knob::T]));
+    // λ in the lower row of choices: up.
+    harness.get_all_by_label("λ").last().unwrap().click();
+    harness.run();
+    assert_eq!(*asked.borrow(), Some([Knob::Alpha, Knob::Lambda]));
+    assert!(says(&harness, "Tuning map of α across and λ up, not known yet"), "{:?}", texts(&harness));
+    harness.get_all_by_label("α").last().unwrap().click();
+    harness.run();
+    assert_eq!(*asked.borrow(), Some([Knob::Lambda, Knob::Alpha]), "the sides change places");
+}
+
+#[test]
+fn statistics_are_of_the_frames_that_are_chosen_and_can_be_taken_along() {
+    let shown = shown(430);
+    let history = Arc::clone(shown.pixel.as_ref().unwrap());
+    let (mut harness, actions) = tall(Some(shown));
+    open(&mut harness, "Statistics");
+    picture(&mut harness, "statistics");
+    let check = |harness: &Harness<'_>, range: std::ops::Range<usize>| {
+        let expected = Statistics::new(&history, range.clone());
+        assert_eq!(expected.frames, range.len());
+        let [r, g, b] = expected.variance;
+        let share = expected.foreground_share() * 100.0;
+        for text in [
+            format!("{r:.1}   {g:.1}   {b:.1}  levels²"),
+            format!("{share:.1} %,  {} of {} frames", expected.foreground, expected.frames),
+            "100 frames,  10 s".to_owned(),
+            expected.births.to_string(),
+            expected.replacements.to_string(),
+        ] {
+            assert!(texts(harness).contains(&text), "{range:?}: {text:?} in {:?}", texts(harness));
+        }
+    };
+    check(&harness, 0..600);
+    harness.get_by_label("Up to here").click();
+    harness.run();
+    check(&harness, 0..431);
+    harness.get_by_label("Copy").click();
+    harness.run();
+    let [InspectorAction::Copy(table)] = &actions.take()[..] else { panic!("one table is asked for") };
+    assert_eq!(*table, Table::History(Arc::clone(&history), 0..431));
+    let csv = table.csv().unwrap();
+    assert_eq!((csv.lines().count(), table.rows()), (432, 431));
+    let last = &history.states[430];
+    let [r, g, b] = last.rgb;
+    assert!(csv.lines().last().unwrap().starts_with(&format!("431,{r},{g},{b},{}", last.outcome.matched)));
+    harness.get_by_label("All").click();
+    harness.run();
+    check(&harness, 0..600);
+}
+
+#[test]
+fn the_frames_of_a_zoomed_history_are_what_is_copied() {
+    let (mut harness, actions) = tall(Some(shown(430)));
+    open(&mut harness, "History");
+    harness.get_by_label("+").click();
+    harness.run();
+    harness.get_by_label("Save…").click();
+    harness.run();
+    // From 215.25 on for 300 frames.
+    let [InspectorAction::Save(Table::History(_, frames))] = &actions.take()[..] else { panic!("no table") };
+    assert_eq!(*frames, 215..516);
+}
+
+#[test]
+fn a_map_is_saved_cell_by_cell() {
+    let shown = shown(430);
+    let tuning = tuning_of(&shown, [Knob::Alpha, Knob::T]).unwrap();
+    let (mut harness, actions) = tall(Some(shown));
+    open(&mut harness, "Tuning");
+    harness.get_by_label("Save…").click();
+    harness.run();
+    let [InspectorAction::Save(table)] = &actions.take()[..] else { panic!("one table is asked for") };
+    assert_eq!(table.name(), "tuning-5-4.csv");
+    let folder = tempfile::tempdir().unwrap();
+    let path = table.save(folder.path().join("map")).unwrap();
+    let text = std::fs::read_to_string(path).unwrap();
+    let lines: Vec<_> = text.lines().collect();
+    assert_eq!((lines.len(), lines[0]), (1 + 24 * 24, "alpha,t,foreground"));
+    for (column, row) in [(0, 0), (23, 0), (5, 17), (23, 23)] {
+        let [x, y] = &tuning.map.axes;
+        let foreground = u8::from(tuning.map.is_foreground(column, row));
+        let line = format!("{},{},{foreground}", x.values[column], y.values[row]);
+        assert_eq!(lines[1 + row * 24 + column], line);
+    }
+    let nowhere = folder.path().join("none").join("map.csv");
+    assert!(table.save(nowhere).unwrap_err().contains("map.csv was not written"));
 }

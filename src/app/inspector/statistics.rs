@@ -1,0 +1,163 @@
+//! The pixel in a few numbers, over all of its frames or some.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use eframe::egui::{Align2, DragValue, Pos2, Rect, Sense, Ui, Vec2};
+
+use super::style::{self, small};
+use super::table::{self, Table};
+use super::{Chosen, InspectorAction};
+use crate::mixture::PixelHistory;
+use crate::mixture::statistics::Statistics;
+use crate::mixture::verdict::number;
+
+/// Which frames are counted, and what was counted last.
+#[derive(Default)]
+pub(super) struct StatisticsView {
+    /// Positions, `None` for all there are.
+    part: Option<Range<usize>>,
+    cache: Option<(Arc<PixelHistory>, Range<usize>, Statistics)>,
+}
+
+impl StatisticsView {
+    pub(super) fn ui(&mut self, ui: &mut Ui, chosen: &Chosen<'_>) -> Option<InspectorAction> {
+        self.controls(ui, chosen);
+        ui.add_space(4.0);
+        let range = self.range(chosen);
+        let statistics = self.statistics(chosen.history, range.clone());
+        let gray = chosen.channels().len() == 1;
+        let each = |values: [f32; 3]| {
+            let values = values.map(|value| format!("{value:.1}"));
+            if gray { values[0].clone() } else { values.join("   ") }
+        };
+        let seconds = |frames: f32| number(frames / chosen.fps.max(f32::MIN_POSITIVE));
+        let alpha = chosen.history.parameters.alpha;
+        let frames = statistics.frames;
+        let channels = chosen.channels().join(", ");
+        let rows = [
+            ("frames", format!("{frames},  {} s", seconds(frames as f32)), "How many frames are counted."),
+            ("mean", format!("{}  levels", each(statistics.mean)), "The mean of each channel."),
+            (
+                "variance",
+                format!("{}  levels²", each(statistics.variance)),
+                "The variance of each channel about its mean over these frames, whatever component it belongs to.",
+            ),
+            (
+                "deviation",
+                format!("{}  levels", each(statistics.variance.map(f32::sqrt))),
+                "The square root of the variance of each channel.",
+            ),
+            (
+                "foreground",
+                format!(
+                    "{:.1} %,  {} of {frames} frames",
+                    statistics.foreground_share() * 100.0,
+                    statistics.foreground
+                ),
+                "In how many frames the mixture called the pixel foreground, before any cleaning.",
+            ),
+            (
+                "births",
+                statistics.births.to_string(),
+                "How often a component was made where there was room for one; the first frame makes the first.",
+            ),
+            (
+                "replacements",
+                statistics.replacements.to_string(),
+                "How often nothing matched and all K components were in use, so that the last one was replaced.",
+            ),
+            (
+                "modes, B",
+                format!("{:.2} on average,  at most {}", statistics.mean_modes, statistics.most_modes),
+                "How many components were background.",
+            ),
+            (
+                "in use",
+                format!("{} of {} components", statistics.used, chosen.history.parameters.k),
+                "How many components the mixture had at the end of these frames.",
+            ),
+            (
+                "1/α",
+                format!("{} frames,  {} s", number(1.0 / alpha), seconds(1.0 / alpha)),
+                "The time constant with which weights change: after so long, 37 % of an old weight is left.",
+            ),
+        ];
+        ui.label(style::aside(ui, &format!("Value {channels} and mixture over these frames")));
+        for (at, (name, value, meaning)) in rows.iter().enumerate() {
+            row(ui, at, name, value, meaning);
+        }
+        ui.add_space(6.0);
+        let asked = ui.horizontal(|ui| {
+            table::buttons(ui, "values and mixture of these frames", || {
+                Table::History(Arc::clone(chosen.history), range.clone())
+            })
+        });
+        ui.add_space(8.0);
+        asked.inner
+    }
+
+    fn range(&self, chosen: &Chosen<'_>) -> Range<usize> {
+        let total = chosen.history.states.len();
+        match &self.part {
+            // Another video, or the same one run anew, may be shorter.
+            Some(part) if part.start < total => part.start..part.end.min(total),
+            _ => 0..total,
+        }
+    }
+
+    fn controls(&mut self, ui: &mut Ui, chosen: &Chosen<'_>) {
+        let states = &chosen.history.states;
+        let range = self.range(chosen);
+        let (Some(first), Some(last)) = (states.first(), states.last()) else { return };
+        let number_at = |position: usize| states.get(position).map_or(last.number, |state| state.number);
+        let (mut from, mut to) = (number_at(range.start), number_at(range.end.saturating_sub(1)));
+        ui.horizontal(|ui| {
+            let label = ui.label(style::aside(ui, "frames from"));
+            let whole = first.number..=last.number;
+            let drag = ui.add(DragValue::new(&mut from).range(whole.clone())).labelled_by(label.id);
+            let mut changed = drag.changed();
+            let label = ui.label(style::aside(ui, "to"));
+            let drag = ui.add(DragValue::new(&mut to).range(whole)).labelled_by(label.id);
+            changed |= drag.changed();
+            if changed {
+                let start = states.partition_point(|state| state.number < from.min(to));
+                let end = states.partition_point(|state| state.number <= from.max(to));
+                self.part = Some(start..end.max(start + 1));
+            }
+            if ui.small_button("All").on_hover_text("Count all frames").clicked() {
+                self.part = None;
+            }
+            if ui.small_button("Up to here").on_hover_text("Count up to the frame in view").clicked() {
+                self.part = Some(0..chosen.index + 1);
+            }
+        });
+    }
+
+    /// Counted anew only for another history or other frames.
+    fn statistics(&mut self, history: &Arc<PixelHistory>, range: Range<usize>) -> Statistics {
+        match &self.cache {
+            Some((of, frames, statistics)) if Arc::ptr_eq(of, history) && *frames == range => *statistics,
+            _ => {
+                let statistics = Statistics::new(history, range.clone());
+                self.cache = Some((Arc::clone(history), range, statistics));
+                statistics
+            }
+        }
+    }
+}
+
+fn row(ui: &mut Ui, at: usize, name: &str, value: &str, meaning: &str) {
+    let height = style::SMALL + 8.0;
+    let (area, response) = ui.allocate_exact_size(Vec2::new(ui.available_width(), height), Sense::hover());
+    response.on_hover_text(meaning);
+    if at.is_multiple_of(2) {
+        ui.painter().rect_filled(area, 2.0, ui.visuals().faint_bg_color);
+    }
+    let place = Pos2::new(area.left() + 6.0, area.center().y);
+    ui.painter().text(place, Align2::LEFT_CENTER, name, style::font(), style::muted(ui.visuals()));
+    let place = Rect::from_min_max(Pos2::new(area.left() + 92.0, area.top()), area.right_bottom());
+    let layout = eframe::egui::Layout::left_to_right(eframe::egui::Align::Center);
+    let builder = eframe::egui::UiBuilder::new().max_rect(place).layout(layout).id_salt(name);
+    ui.new_child(builder).label(small(value));
+}

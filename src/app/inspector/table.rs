@@ -1,0 +1,92 @@
+//! The numbers behind a plot, to take along as CSV.
+
+use std::ops::Range;
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::{fs, io};
+
+use eframe::egui::Ui;
+
+use super::InspectorAction;
+use super::style::{self, small};
+use crate::app::whole_file;
+use crate::export::pixel_csv;
+use crate::mixture::PixelHistory;
+use crate::replay::Tuning;
+
+/// What can be copied or saved. It is written only when it is asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Table {
+    /// These states of a pixel, a frame a row, as `occluscope pixel` writes them.
+    History(Arc<PixelHistory>, Range<usize>),
+    /// A tuning map, a cell a row.
+    Map(Box<Tuning>),
+}
+
+impl Table {
+    /// How many rows it has without its header.
+    pub fn rows(&self) -> usize {
+        match self {
+            Self::History(_, range) => range.len(),
+            Self::Map(tuning) => tuning.map.axes.iter().map(|axis| axis.values.len()).product(),
+        }
+    }
+
+    /// A name for its file.
+    pub fn name(&self) -> String {
+        match self {
+            Self::History(history, _) => format!("pixel-{}-{}.csv", history.at.0, history.at.1),
+            Self::Map(tuning) => format!("tuning-{}-{}.csv", tuning.at.0, tuning.at.1),
+        }
+    }
+
+    /// Writes it as CSV.
+    pub fn write(&self, out: &mut impl io::Write) -> io::Result<()> {
+        match self {
+            Self::History(history, range) => {
+                pixel_csv::write_header(out, &history.parameters)?;
+                let states = history.states.iter().take(range.end).skip(range.start);
+                states.into_iter().try_for_each(|state| pixel_csv::write_row(out, &history.parameters, state))
+            }
+            Self::Map(tuning) => {
+                let [x, y] = &tuning.map.axes;
+                writeln!(out, "{},{},foreground", x.knob.key(), y.knob.key())?;
+                for (row, &up) in y.values.iter().enumerate() {
+                    for (column, &across) in x.values.iter().enumerate() {
+                        let foreground = u8::from(tuning.map.is_foreground(column, row));
+                        writeln!(out, "{across},{up},{foreground}")?;
+                    }
+                }
+                Ok(())
+            }
+        }
+    }
+
+    /// As text.
+    pub fn csv(&self) -> io::Result<String> {
+        let mut text = Vec::new();
+        self.write(&mut text)?;
+        String::from_utf8(text).map_err(io::Error::other)
+    }
+
+    /// Writes it to a file, or says why it could not be.
+    pub(crate) fn save(&self, path: PathBuf) -> Result<PathBuf, String> {
+        whole_file::write(path, "csv", |at: &Path| {
+            let mut out = io::BufWriter::new(fs::File::create(at)?);
+            self.write(&mut out)?;
+            io::Write::flush(&mut out)
+        })
+    }
+}
+
+/// Buttons in a row to copy and to save `what`.
+pub(super) fn buttons(ui: &mut Ui, what: &str, table: impl Fn() -> Table) -> Option<InspectorAction> {
+    ui.label(style::aside(ui, "CSV"));
+    let copy = ui.small_button(small("Copy")).on_hover_text(format!("Copy as CSV: {what}"));
+    let save = ui.small_button(small("Save…")).on_hover_text(format!("Save as a CSV file: {what}"));
+    if copy.clicked() {
+        Some(InspectorAction::Copy(table()))
+    } else {
+        save.clicked().then(|| InspectorAction::Save(table()))
+    }
+}

@@ -1,0 +1,87 @@
+//! What is asked for in the inspector, and done by the window.
+
+use super::*;
+use crate::mixture::tuning::{flip, map};
+use crate::mixture::{Parameters, PixelHistory};
+use crate::replay::Tuning;
+
+const AT: (u32, u32) = (80, 60);
+
+/// The scene with a pixel that was chosen, and what it would be under other settings.
+fn inspected(position: u32) -> (Harness<'static, Window>, Scene) {
+    let parameters = Parameters::new(&Settings::default());
+    let colour = |n: u32| if n > position - 10 { [40, 50, 60] } else { [100 + (n % 5) as u8, 90, 110] };
+    let history = PixelHistory::of_colours(AT, parameters, (1..=FRAMES).map(|n| (n, colour(n))));
+    let values: Vec<_> = history.states[..=position as usize].iter().map(|state| state.value).collect();
+    let tuning = Tuning {
+        at: AT,
+        position,
+        parameters,
+        map: map(&values, &parameters, [Knob::Alpha, Knob::T]),
+        flips: Knob::ALL.iter().map(|&knob| flip(&values, &parameters, knob)).collect(),
+    };
+    let history = Some(Arc::new(history));
+    let shown = Shown { pixel: history.clone(), ..shown_at(position) };
+    let state = State {
+        shown: Some(Arc::new(shown)),
+        pixel: history,
+        tuning: Some(Arc::new(tuning)),
+        ..state(Phase::Ready, Some(position))
+    };
+    window(Some(state), (1600.0, 1000.0), Theme::Dark)
+}
+
+fn tuned(scene: &Scene) -> Vec<Option<[Knob; 2]>> {
+    let asked = scene.asked.borrow();
+    asked
+        .iter()
+        .filter_map(|asked| if let Asked::Tune(knobs) = asked { Some(*knobs) } else { None })
+        .collect()
+}
+
+#[test]
+fn the_worker_is_asked_for_a_map_while_it_is_looked_at_and_a_cell_becomes_the_settings() {
+    let (mut harness, scene) = inspected(60);
+    assert!(tuned(&scene).is_empty());
+    harness.get_by_label("Tuning").click();
+    harness.run_steps(4);
+    picture(&mut harness, "tuning");
+    assert_eq!(tuned(&scene), [Some([Knob::Alpha, Knob::T])], "once, not in every frame");
+
+    let at = harness.get_by_label_contains("Tuning map of").rect().center();
+    harness.hover_at(at);
+    harness.run_steps(2);
+    harness.drag_at(at);
+    harness.drop_at(at);
+    harness.run_steps(8);
+    let settings = given(&scene).expect("a cell was taken");
+    let cell = harness.state().model.tuning().unwrap().map.clone();
+    assert!(cell.axes[0].values.contains(&settings.alpha) && cell.axes[1].values.contains(&settings.t));
+    assert_eq!(Settings { alpha: settings.alpha, t: settings.t, ..Settings::default() }, settings);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    harness.run_steps(8);
+    assert_eq!(given(&scene), Some(Settings::default()), "and can be taken back");
+
+    harness.get_by_label("Now").click();
+    harness.run_steps(4);
+    assert_eq!(tuned(&scene).last(), Some(&None), "nobody looks any more");
+}
+
+#[test]
+fn a_copied_table_is_on_the_clipboard() {
+    let (mut harness, _) = inspected(60);
+    harness.get_by_label("Statistics").click();
+    harness.run_steps(4);
+    picture(&mut harness, "statistics");
+    harness.get_by_label("Copy").click();
+    let mut copied = Vec::new();
+    for _ in 0..6 {
+        harness.step();
+        copied.extend(harness.output().platform_output.commands.iter().filter_map(|command| {
+            if let egui::OutputCommand::CopyText(text) = command { Some(text.clone()) } else { None }
+        }));
+    }
+    let [text] = &copied[..] else { panic!("{} texts were copied", copied.len()) };
+    assert_eq!(text.lines().count() as u32, FRAMES + 1);
+    assert!(text.starts_with("frame,value_r,value_g,value_b,matched,"));
+}

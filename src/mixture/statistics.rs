@@ -1,0 +1,107 @@
+//! What a pixel was like over some of its frames, in a few numbers.
+
+use std::ops::Range;
+
+use super::history::PixelHistory;
+use super::pixel::Value;
+
+/// A pixel over some frames.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Statistics {
+    /// How many frames.
+    pub frames: usize,
+    /// The mean of each channel, in levels.
+    pub mean: Value,
+    /// The variance of each channel, in squared levels: the mean squared distance from the mean.
+    pub variance: Value,
+    /// In how many frames the mixture called it foreground.
+    pub foreground: usize,
+    /// How often a component was made where there was room for one, the first frame's included.
+    pub births: usize,
+    /// How often one was made in place of the last.
+    pub replacements: usize,
+    /// B, the number of background modes, on average.
+    pub mean_modes: f32,
+    /// The greatest B.
+    pub most_modes: u8,
+    /// How many components were in use at the end.
+    pub used: usize,
+}
+
+impl Statistics {
+    /// The statistics of these states of a history, as many of them as there are.
+    pub fn new(history: &PixelHistory, range: Range<usize>) -> Self {
+        let end = range.end.min(history.states.len());
+        let range = range.start.min(end)..end;
+        let states = &history.states[range.clone()];
+        let Some(last) = states.last() else { return Self::default() };
+        let count = states.len() as f64;
+        let mean =
+            |of: &dyn Fn(Value) -> f64| states.iter().map(|state| of(state.value)).sum::<f64>() / count;
+        let means: [f64; 3] = std::array::from_fn(|channel| mean(&|value| f64::from(value[channel])));
+        let variance = std::array::from_fn(|channel| {
+            mean(&|value| (f64::from(value[channel]) - means[channel]).powi(2)) as f32
+        });
+        let made = range.filter(|&index| history.states[index].outcome.matched == 0);
+        let (births, replacements): (Vec<_>, Vec<_>) = made.partition(|&index| {
+            history.before(index).is_none_or(|before| before.used() < before.components().len())
+        });
+        let modes = states.iter().map(|state| state.outcome.background_count);
+        Self {
+            frames: states.len(),
+            mean: means.map(|mean| mean as f32),
+            variance,
+            foreground: states.iter().filter(|state| state.outcome.foreground).count(),
+            births: births.len(),
+            replacements: replacements.len(),
+            mean_modes: (modes.clone().map(f64::from).sum::<f64>() / count) as f32,
+            most_modes: modes.max().unwrap_or(0),
+            used: last.pixel.used(),
+        }
+    }
+
+    /// The share of frames in which it was foreground, 0..=1.
+    pub fn foreground_share(&self) -> f32 {
+        self.foreground as f32 / self.frames.max(1) as f32
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::mixture::Parameters;
+    use crate::settings::{Preset, Settings};
+
+    /// K = 2: ten dark frames, a bright one, eight dark ones, then a third colour.
+    fn history() -> PixelHistory {
+        let parameters = Parameters::new(&Settings { k: 2, ..Settings::preset(Preset::Plain) });
+        let colour = |n| match n {
+            11 => [200, 100, 0],
+            20 => [10, 250, 130],
+            _ => [20, 20, 20],
+        };
+        PixelHistory::of_colours((1, 1), parameters, (1..=20).map(|n| (n, colour(n))))
+    }
+
+    #[test]
+    fn numbers_are_those_worked_out_by_hand() {
+        let all = Statistics::new(&history(), 0..20);
+        // Red: 18 × 20, 200, 10: mean 28.5, squares (18·400 + 40 000 + 100) / 20 − 28.5².
+        assert_eq!((all.frames, all.mean[0]), (20, 28.5));
+        assert_eq!(all.variance[0], 47_300.0 / 20.0 - 28.5 * 28.5);
+        assert_eq!(all.mean[2], (18.0 * 20.0 + 130.0) / 20.0);
+        // The first frame's and the bright one's; the third colour finds no room.
+        assert_eq!((all.births, all.replacements, all.foreground), (2, 1, 2));
+        assert_eq!(all.foreground_share(), 0.1);
+        assert_eq!((all.used, all.most_modes, all.mean_modes), (2, 1, 1.0));
+    }
+
+    #[test]
+    fn a_part_counts_only_its_own_frames_and_knows_what_was_before() {
+        let part = Statistics::new(&history(), 11..25);
+        assert_eq!((part.frames, part.births, part.replacements, part.foreground), (9, 0, 1, 1));
+        let steady = Statistics::new(&history(), 1..10);
+        assert_eq!((steady.births, steady.variance, steady.used), (0, [0.0; 3], 1));
+        assert_eq!(Statistics::new(&history(), 30..40), Statistics::default());
+    }
+}

@@ -1,0 +1,374 @@
+//! What a pixel would be under other settings: a map over two of them, and the nearest value of
+//! each at which the verdict flips.
+//!
+//! Every answer is a re-run of the one pixel over its values, from the model's start up to a frame.
+//! Only T needs none: it decides what is background and changes nothing of the mixture, so one run
+//! answers for all of its values.
+
+#[cfg(test)]
+mod tests;
+
+use rayon::prelude::*;
+
+use super::pixel::{MAX_K, Outcome, Parameters, Pixel, Value};
+use crate::settings::{Setting, SettingError, Settings, Value as SettingValue};
+
+/// Cells along one axis of a map, of settings that are no whole numbers.
+pub const CELLS: usize = 24;
+/// In so many steps the nearest flip is looked for on each side of the present value.
+const STEPS: usize = 24;
+/// How often the step with the flip is halved.
+const HALVINGS: usize = 14;
+
+/// A setting that is tuned.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Knob {
+    /// α, the learning rate.
+    Alpha,
+    /// T, the least portion of the data that the background accounts for.
+    T,
+    /// K, the number of components.
+    K,
+    /// λ, the match threshold in standard deviations.
+    Lambda,
+    /// σ₀, the standard deviation of a new component.
+    InitialSigma,
+}
+
+impl Knob {
+    /// All of them.
+    pub const ALL: [Self; 5] = [Self::Alpha, Self::T, Self::K, Self::Lambda, Self::InitialSigma];
+
+    /// Its symbol.
+    pub const fn symbol(self) -> &'static str {
+        match self {
+            Self::Alpha => "α",
+            Self::T => "T",
+            Self::K => "K",
+            Self::Lambda => "λ",
+            Self::InitialSigma => "σ₀",
+        }
+    }
+
+    /// Its name in settings files and tables.
+    pub const fn key(self) -> &'static str {
+        match self {
+            Self::Alpha => "alpha",
+            Self::T => "t",
+            Self::K => "k",
+            Self::Lambda => "match_sigmas",
+            Self::InitialSigma => "initial_sigma",
+        }
+    }
+
+    /// What it is, in two or three words.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Alpha => "learning rate",
+            Self::T => "background share",
+            Self::K => "components",
+            Self::Lambda => "match threshold",
+            Self::InitialSigma => "initial deviation",
+        }
+    }
+
+    /// Whether ratios count, not differences.
+    pub const fn is_logarithmic(self) -> bool {
+        matches!(self, Self::Alpha)
+    }
+
+    /// Its value in `parameters`.
+    pub const fn get(self, parameters: &Parameters) -> f32 {
+        match self {
+            Self::Alpha => parameters.alpha,
+            Self::T => parameters.t,
+            Self::K => parameters.k as f32,
+            Self::Lambda => parameters.lambda,
+            Self::InitialSigma => parameters.initial_sigma,
+        }
+    }
+
+    /// `parameters` with another value of it; K is rounded.
+    pub fn with(self, parameters: &Parameters, value: f32) -> Parameters {
+        let mut parameters = *parameters;
+        match self {
+            Self::Alpha => parameters.alpha = value,
+            Self::T => parameters.t = value,
+            Self::K => parameters.k = (value.round() as usize).clamp(1, MAX_K),
+            Self::Lambda => parameters.lambda = value,
+            Self::InitialSigma => parameters.initial_sigma = value,
+        }
+        parameters
+    }
+
+    /// Puts `value` into `settings`, or says why it cannot be.
+    pub fn set(self, settings: &mut Settings, value: f32) -> Result<(), SettingError> {
+        let value = match self {
+            Self::K => SettingValue::Integer(value.round().max(0.0) as u32),
+            _ => SettingValue::Real(value),
+        };
+        let setting = Setting::named(self.key());
+        setting.ok_or_else(|| SettingError::Unknown(self.key().to_owned()))?.set(settings, value)
+    }
+
+    /// The values worth a look: all that are allowed, of α and T without the extremes.
+    const fn range(self) -> (f32, f32) {
+        match self {
+            Self::Alpha => (0.0005, 0.5),
+            Self::T => (0.01, 0.99),
+            Self::K => (1.0, MAX_K as f32),
+            Self::Lambda => (0.5, 10.0),
+            Self::InitialSigma => (1.0, 128.0),
+        }
+    }
+
+    /// The value on the scale on which equal steps look equal, and back.
+    fn scaled(self, value: f32) -> f64 {
+        if self.is_logarithmic() { f64::from(value).ln() } else { f64::from(value) }
+    }
+
+    fn unscaled(self, scaled: f64) -> f32 {
+        (if self.is_logarithmic() { scaled.exp() } else { scaled }) as f32
+    }
+}
+
+/// One side of a map.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Axis {
+    /// What changes along it.
+    pub knob: Knob,
+    /// The value of each cell, rising.
+    pub values: Vec<f32>,
+    ends: (f32, f32),
+}
+
+impl Axis {
+    /// The axis of `knob` wide enough for its value `present`.
+    pub fn new(knob: Knob, present: f32) -> Self {
+        let (low, high) = knob.range();
+        if knob == Knob::K {
+            return Self { knob, values: (1..=MAX_K).map(|k| k as f32).collect(), ends: (0.5, high + 0.5) };
+        }
+        let ends = (low.min(present), high.max(present));
+        let mut axis = Self { knob, values: Vec::new(), ends };
+        let centres = (0..CELLS).map(|cell| (cell as f32 + 0.5) / CELLS as f32);
+        axis.values = centres.map(|share| rounded(axis.value_at(share), 3, Round::Nearest)).collect();
+        axis
+    }
+
+    /// Where `value` lies, 0 at the low end of the axis and 1 at the high one.
+    pub fn share_of(&self, value: f32) -> f32 {
+        let (low, high) = (self.knob.scaled(self.ends.0), self.knob.scaled(self.ends.1));
+        ((self.knob.scaled(value) - low) / (high - low)) as f32
+    }
+
+    /// The value at a share of the axis.
+    pub fn value_at(&self, share: f32) -> f32 {
+        let (low, high) = (self.knob.scaled(self.ends.0), self.knob.scaled(self.ends.1));
+        self.knob.unscaled(low + f64::from(share) * (high - low))
+    }
+
+    /// The cell at a share of the axis.
+    pub fn cell_at(&self, share: f32) -> usize {
+        let cells = self.values.len();
+        ((share.max(0.0) * cells as f32) as usize).min(cells.saturating_sub(1))
+    }
+}
+
+/// The pixel after the last of its values.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ending {
+    pixel: Pixel,
+    outcome: Outcome,
+    /// How many values there were.
+    frames: usize,
+}
+
+impl Ending {
+    /// Whether the pixel is foreground for this T.
+    pub fn is_foreground(&self, t: f32) -> bool {
+        // The first frame is background without a comparison.
+        self.frames > 1
+            && (self.outcome.matched == 0 || usize::from(self.outcome.rank) > self.pixel.background_count(t))
+    }
+}
+
+/// Runs one pixel through all of `values` from an unseen one.
+pub fn run(values: &[Value], parameters: &Parameters) -> Ending {
+    let mut pixel = Pixel::unseen(parameters.k);
+    let mut outcome = Outcome::default();
+    for (t, &value) in (1..).zip(values) {
+        outcome = pixel.step(value, t, parameters);
+    }
+    Ending { pixel, outcome, frames: values.len() }
+}
+
+/// Whether a pixel is foreground, over a grid of two settings.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Map {
+    /// What changes along a row, and from row to row: two different settings.
+    pub axes: [Axis; 2],
+    /// Row by row.
+    foreground: Vec<bool>,
+}
+
+impl Map {
+    /// The axes of a map around `parameters`.
+    pub fn axes(parameters: &Parameters, knobs: [Knob; 2]) -> [Axis; 2] {
+        knobs.map(|knob| Axis::new(knob, knob.get(parameters)))
+    }
+
+    /// The runs that a map takes: one a cell, or one a row or column where the other setting is T.
+    pub fn runs(parameters: &Parameters, axes: &[Axis; 2]) -> Vec<Parameters> {
+        let values =
+            |axis: &Axis| if axis.knob == Knob::T { vec![parameters.t] } else { axis.values.clone() };
+        let (across, along) = (values(&axes[0]), values(&axes[1]));
+        let rows = along.iter().map(|&y| axes[1].knob.with(parameters, y));
+        rows.flat_map(|row| across.iter().map(move |&x| (row, x)))
+            .map(|(row, x)| axes[0].knob.with(&row, x))
+            .collect()
+    }
+
+    /// The map that follows from what [`Self::runs`] ended in, in the same order.
+    pub fn of(parameters: &Parameters, axes: [Axis; 2], endings: &[Ending]) -> Self {
+        let [across, along] = &axes;
+        let mut foreground = Vec::with_capacity(across.values.len() * along.values.len());
+        for (row, &y) in along.values.iter().enumerate() {
+            for (column, &x) in across.values.iter().enumerate() {
+                let at = match (across.knob, along.knob) {
+                    (Knob::T, _) => row,
+                    (_, Knob::T) => column,
+                    _ => row * across.values.len() + column,
+                };
+                let cell = along.knob.with(&across.knob.with(parameters, x), y);
+                foreground.push(endings.get(at).is_some_and(|ending| ending.is_foreground(cell.t)));
+            }
+        }
+        Self { axes, foreground }
+    }
+
+    /// Whether the pixel is foreground in a cell.
+    pub fn is_foreground(&self, column: usize, row: usize) -> bool {
+        self.foreground.get(row * self.axes[0].values.len() + column).copied().unwrap_or(false)
+    }
+
+    /// The share of cells that are foreground, 0..=1.
+    pub fn foreground_share(&self) -> f32 {
+        let foreground = self.foreground.iter().filter(|&&cell| cell).count();
+        foreground as f32 / self.foreground.len().max(1) as f32
+    }
+}
+
+/// The map of `knobs` around `parameters` for a pixel that saw `values`.
+pub fn map(values: &[Value], parameters: &Parameters, knobs: [Knob; 2]) -> Map {
+    let axes = Map::axes(parameters, knobs);
+    let endings: Vec<_> =
+        Map::runs(parameters, &axes).par_iter().map(|parameters| run(values, parameters)).collect();
+    Map::of(parameters, axes, &endings)
+}
+
+/// What it takes of one setting alone to flip a verdict.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Flip {
+    /// The setting.
+    pub knob: Knob,
+    /// The value nearest to the present one at which the verdict is the other one; by ratio where
+    /// the setting is logarithmic. `None` if none was found.
+    pub value: Option<f32>,
+    /// Whether that is greater than the present one.
+    pub above: bool,
+}
+
+impl Flip {
+    /// In a few signs: `α ≥ 0.013`, `no T does`.
+    pub fn words(&self) -> String {
+        let symbol = self.knob.symbol();
+        match self.value {
+            None => format!("no {symbol} does"),
+            Some(value) => format!("{symbol} {} {value}", if self.above { '≥' } else { '≤' }),
+        }
+    }
+}
+
+/// The nearest value of `knob` at which the verdict after `values` is not what it is under `parameters`.
+///
+/// Each side of the present value is looked through in steps, and the first step whose end flips is
+/// halved down; a flip and a flip back within one step are not seen. The value that is given
+/// flips the verdict for certain: it has been tried.
+pub fn flip(values: &[Value], parameters: &Parameters, knob: Knob) -> Flip {
+    let present = run(values, parameters);
+    let now = present.is_foreground(parameters.t);
+    let flips = |value: f32| {
+        let foreground = if knob == Knob::T {
+            present.is_foreground(value)
+        } else {
+            run(values, &knob.with(parameters, value)).is_foreground(parameters.t)
+        };
+        foreground != now
+    };
+    let from = knob.get(parameters);
+    let sides: Vec<Option<f32>> =
+        [false, true].par_iter().map(|&above| nearest_on_side(knob, from, above, &flips)).collect();
+    let distance = |value: f32| (knob.scaled(value) - knob.scaled(from)).abs();
+    let found = sides.into_iter().flatten().min_by(|a, b| distance(*a).total_cmp(&distance(*b)));
+    Flip { knob, value: found, above: found.is_some_and(|value| value > from) }
+}
+
+fn nearest_on_side(knob: Knob, from: f32, above: bool, flips: &(impl Fn(f32) -> bool + Sync)) -> Option<f32> {
+    let (low, high) = knob.range();
+    let end = if above { high } else { low };
+    if (above && from >= end) || (!above && from <= end) {
+        return None;
+    }
+    if knob == Knob::K {
+        let distance = (end - from).abs() as usize;
+        let at = |step: usize| if above { from + step as f32 } else { from - step as f32 };
+        return (1..=distance).map(at).find(|&k| flips(k));
+    }
+    let (start, width) = (knob.scaled(from), knob.scaled(end) - knob.scaled(from));
+    let at = |step: usize| match step {
+        0 => from,
+        STEPS => end,
+        _ => knob.unscaled(start + width * step as f64 / STEPS as f64),
+    };
+    let step = (0..STEPS).into_par_iter().find_first(|&step| flips(at(step + 1)))?;
+    let (mut inner, mut outer) = (at(step), at(step + 1));
+    for _ in 0..HALVINGS {
+        let middle = knob.unscaled(f64::midpoint(knob.scaled(inner), knob.scaled(outer)));
+        if flips(middle) {
+            outer = middle;
+        } else {
+            inner = middle;
+        }
+    }
+    let away = if above { Round::Up } else { Round::Down };
+    let short = (3..=5).map(|digits| rounded(outer, digits, away));
+    // Away from the present value, and still not beyond what the setting takes.
+    let inside = |value: &f32| (low..=high).contains(value);
+    Some(short.into_iter().filter(inside).find(|&value| flips(value)).unwrap_or(outer))
+}
+
+#[derive(Clone, Copy, PartialEq)]
+enum Round {
+    Nearest,
+    Up,
+    Down,
+}
+
+/// The positive `value` with so many significant digits.
+fn rounded(value: f32, digits: i32, how: Round) -> f32 {
+    let value = f64::from(value);
+    if value <= 0.0 {
+        return value as f32;
+    }
+    // Powers of ten are exact where they are whole.
+    let places = digits - 1 - value.log10().floor() as i32;
+    let power = 10_f64.powi(places.abs());
+    let whole = if places >= 0 { value * power } else { value / power };
+    let whole = match how {
+        Round::Nearest => whole.round(),
+        Round::Up => whole.ceil(),
+        Round::Down => whole.floor(),
+    };
+    (if places >= 0 { whole / power } else { whole * power }) as f32
+}

@@ -1,0 +1,160 @@
+#![allow(clippy::unwrap_used)]
+
+use super::*;
+use crate::mixture::PixelHistory;
+use crate::settings::{Preset, Space};
+
+/// A wall that a branch sways over, and from frame 300 on somebody in dark clothes.
+fn values(frames: u32, parameters: &Parameters) -> Vec<Value> {
+    let mut seed = 99_u32;
+    let mut noise = move || {
+        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        ((seed >> 16) % 11) as u8
+    };
+    let colour = |n: u32| match n {
+        300..340 => [50, 44, 70],
+        _ if (n / 9).is_multiple_of(3) => [92, 128, 64],
+        _ => [168, 160, 150],
+    };
+    (0..frames)
+        .map(|n| {
+            let wobble = noise();
+            parameters.value(colour(n).map(|level| level + wobble))
+        })
+        .collect()
+}
+
+fn parameters() -> Parameters {
+    Parameters { warm_up: 20, ..Parameters::new(&Settings::preset(Preset::Plain)) }
+}
+
+/// The verdict by the definition: `Pixel::update` through all values.
+fn plainly(values: &[Value], parameters: &Parameters) -> bool {
+    let mut pixel = Pixel::unseen(parameters.k);
+    (1..).zip(values).map(|(t, &value)| pixel.update(value, t, parameters).foreground).last().unwrap()
+}
+
+#[test]
+fn every_cell_of_every_map_is_what_a_plain_run_says() {
+    let gray = Parameters { space: Space::Gray, ..parameters() };
+    let (mut foreground, mut background) = (0, 0);
+    for (parameters, frames) in [(parameters(), 312), (gray, 204)] {
+        let values = values(frames, &parameters);
+        for (at, x) in Knob::ALL.into_iter().enumerate() {
+            for y in Knob::ALL.into_iter().skip(at + 1).chain(Knob::ALL.into_iter().take(at.min(1))) {
+                let map = map(&values, &parameters, [x, y]);
+                // A few cells of each: a plain run of all would take long.
+                for cell in (0..map.foreground.len()).step_by(7) {
+                    let (column, row) = (cell % map.axes[0].values.len(), cell / map.axes[0].values.len());
+                    let there = x.with(&parameters, map.axes[0].values[column]);
+                    let there = y.with(&there, map.axes[1].values[row]);
+                    let expected = plainly(&values, &there);
+                    assert_eq!(map.is_foreground(column, row), expected, "{x:?} {y:?} {column} {row}");
+                    foreground += usize::from(expected);
+                    background += usize::from(!expected);
+                }
+            }
+        }
+    }
+    assert!(foreground > 200 && background > 200, "both occur: {foreground}, {background}");
+}
+
+#[test]
+fn the_first_frame_is_background_everywhere() {
+    let values = values(1, &parameters());
+    let map = map(&values, &parameters(), [Knob::Alpha, Knob::T]);
+    assert_eq!(map.foreground_share(), 0.0);
+    for knob in Knob::ALL {
+        assert_eq!(flip(&values, &parameters(), knob).value, None, "{knob:?}");
+    }
+}
+
+#[test]
+fn a_flip_is_tried_and_nothing_nearer_flips() {
+    let parameters = parameters();
+    let mut found = 0;
+    for frames in [40, 150, 301, 310, 325, 339, 345, 400] {
+        let values = values(frames, &parameters);
+        let now = plainly(&values, &parameters);
+        for knob in Knob::ALL {
+            let flip = flip(&values, &parameters, knob);
+            let from = knob.get(&parameters);
+            let Some(value) = flip.value else {
+                // Then none of a map's values does either.
+                for value in Axis::new(knob, from).values {
+                    let there = knob.with(&parameters, value);
+                    assert!(
+                        value != value.clamp(knob.range().0, knob.range().1)
+                            || plainly(&values, &there) == now
+                    );
+                }
+                continue;
+            };
+            found += 1;
+            assert_eq!(flip.above, value > from);
+            assert_ne!(plainly(&values, &knob.with(&parameters, value)), now, "{knob:?} {value}");
+            // Up to it, but for rounding to three digits, the verdict stays.
+            let reach = knob.scaled(value) - knob.scaled(from);
+            for step in 0..=20 {
+                let near = knob.unscaled(knob.scaled(from) + reach * f64::from(step) / 20.0);
+                let near = if knob == Knob::K { from } else { near };
+                if (near / value - 1.0).abs() < 0.01 {
+                    continue;
+                }
+                assert_eq!(plainly(&values, &knob.with(&parameters, near)), now, "{knob:?} {value} {near}");
+            }
+        }
+    }
+    assert!(found > 12, "{found}");
+}
+
+#[test]
+fn the_flip_of_lambda_is_the_distance_of_the_nearest_background_component() {
+    // Forty steady frames, then one step away: λ has to reach as far as the value lies.
+    let parameters = parameters();
+    let mut colours = vec![[100_u8; 3]; 40];
+    colours.push([118; 3]);
+    let history = PixelHistory::of_colours((0, 0), parameters, (1..).zip(colours));
+    let values: Vec<_> = history.states.iter().map(|state| state.value).collect();
+    let sigma = history.before(40).unwrap().components()[0].sigma();
+    let distance = 18.0 * 3_f32.sqrt() / sigma;
+    assert!(history.states[40].outcome.foreground && distance > parameters.lambda);
+    let flip = flip(&values, &parameters, Knob::Lambda);
+    let value = flip.value.unwrap();
+    assert!(flip.above && value >= distance && value < distance * 1.01, "{value} {distance}");
+    assert_eq!(flip.words(), format!("λ ≥ {value}"));
+    let no = super::flip(&values, &parameters, Knob::T);
+    assert_eq!(no.words(), "no T does");
+}
+
+#[test]
+fn an_axis_covers_the_present_value_and_gives_only_values_that_a_setting_takes() {
+    for (knob, present) in [
+        (Knob::Alpha, 0.01),
+        (Knob::Alpha, 0.9),
+        (Knob::Alpha, 0.000_01),
+        (Knob::T, 0.999),
+        (Knob::K, 5.0),
+        (Knob::Lambda, 0.5),
+        (Knob::InitialSigma, 128.0),
+    ] {
+        let axis = Axis::new(knob, present);
+        assert!((-0.001..=1.001).contains(&axis.share_of(present)), "{knob:?}");
+        assert!(axis.values.is_sorted_by(|a, b| a < b));
+        for (cell, &value) in axis.values.iter().enumerate() {
+            let mut settings = Settings::preset(Preset::Plain);
+            knob.set(&mut settings, value).unwrap();
+            assert_eq!(knob.get(&Parameters::new(&settings)), value);
+            assert_eq!(axis.cell_at(axis.share_of(value)), cell, "{knob:?} {value}");
+        }
+    }
+    assert!(Knob::T.set(&mut Settings::default(), 1.5).is_err());
+}
+
+#[test]
+fn rounding_goes_where_it_is_told() {
+    assert_eq!(rounded(0.012_345, 3, Round::Up), 0.0124);
+    assert_eq!(rounded(0.012_345, 3, Round::Down), 0.0123);
+    assert_eq!(rounded(3.0, 3, Round::Up), 3.0);
+    assert_eq!(rounded(12_345.0, 3, Round::Nearest), 12_300.0);
+}

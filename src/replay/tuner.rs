@@ -1,0 +1,166 @@
+//! What the chosen pixel would be in the frame in view under other settings, worked out in small pieces.
+
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::Tuning;
+use crate::mixture::pixel::Value;
+use crate::mixture::tuning::{Axis, Ending, Flip, Knob, Map, flip, run};
+use crate::mixture::{Parameters, PixelHistory};
+
+/// So many frames of runs are a piece of some milliseconds.
+const PIECE: usize = 60_000;
+
+/// Works out a [`Tuning`], and keeps the last one.
+#[derive(Default)]
+pub(super) struct Tuner {
+    knobs: Option<[Knob; 2]>,
+    job: Option<Job>,
+    done: Option<Arc<Tuning>>,
+}
+
+/// A [`Tuning`] under way.
+struct Job {
+    question: Question,
+    values: Vec<Value>,
+    axes: [Axis; 2],
+    runs: Vec<Parameters>,
+    endings: Vec<Ending>,
+    flips: Vec<Flip>,
+}
+
+/// What an answer is an answer to.
+#[derive(Clone, PartialEq)]
+struct Question {
+    at: (u32, u32),
+    position: u32,
+    parameters: Parameters,
+    knobs: [Knob; 2],
+}
+
+impl Tuner {
+    /// Chooses what changes along the sides of the map; `None` where nobody wants one.
+    pub(super) fn choose(&mut self, knobs: Option<[Knob; 2]>) {
+        self.knobs = knobs;
+    }
+
+    /// Forgets what was worked out, as after another first frame.
+    pub(super) fn forget(&mut self) {
+        (self.job, self.done) = (None, None);
+    }
+
+    /// Does a piece of work on the state of `history` at `position`; whether there was any to do.
+    pub(super) fn piece(&mut self, history: &PixelHistory, position: u32) -> bool {
+        let Some(knobs) = self.knobs else {
+            self.forget();
+            return false;
+        };
+        let question = Question { at: history.at, position, parameters: history.parameters, knobs };
+        if self.done.as_ref().is_some_and(|done| Question::of(done) == question) {
+            return false;
+        }
+        let job = match self.job.take() {
+            Some(job) if job.question == question => self.job.insert(job),
+            _ => {
+                let Some(states) = history.states.get(..=position as usize) else { return false };
+                self.job.insert(Job::new(question, states.iter().map(|state| state.value).collect()))
+            }
+        };
+        if let Some(tuning) = job.go_on() {
+            (self.job, self.done) = (None, Some(Arc::new(tuning)));
+        }
+        true
+    }
+
+    /// The newest answer, which may be to an earlier question.
+    pub(super) fn latest(&self) -> Option<Arc<Tuning>> {
+        self.done.clone()
+    }
+}
+
+impl Question {
+    fn of(tuning: &Tuning) -> Self {
+        let knobs = tuning.map.axes.each_ref().map(|axis| axis.knob);
+        Self { at: tuning.at, position: tuning.position, parameters: tuning.parameters, knobs }
+    }
+}
+
+impl Job {
+    fn new(question: Question, values: Vec<Value>) -> Self {
+        let axes = Map::axes(&question.parameters, question.knobs);
+        let runs = Map::runs(&question.parameters, &axes);
+        Self { question, values, axes, runs, endings: Vec::new(), flips: Vec::new() }
+    }
+
+    /// The answer, if this was the last piece.
+    fn go_on(&mut self) -> Option<Tuning> {
+        let Question { at, position, parameters, .. } = self.question;
+        if let Some(knob) = Knob::ALL.get(self.flips.len()) {
+            self.flips.push(flip(&self.values, &parameters, *knob));
+            return None;
+        }
+        let done = self.endings.len();
+        // At least a run for each thread, however long the history.
+        let most = (PIECE / self.values.len().max(1)).max(rayon::current_num_threads());
+        let next = &self.runs[done..self.runs.len().min(done + most)];
+        self.endings.par_extend(next.par_iter().map(|parameters| run(&self.values, parameters)));
+        if self.endings.len() < self.runs.len() {
+            return None;
+        }
+        let map = Map::of(&parameters, self.axes.clone(), &self.endings);
+        Some(Tuning { at, position, parameters, map, flips: std::mem::take(&mut self.flips) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+    use crate::mixture::tuning::map;
+    use crate::settings::{Preset, Settings};
+
+    fn history(alpha: f32) -> PixelHistory {
+        let parameters = Parameters::new(&Settings { alpha, ..Settings::preset(Preset::Plain) });
+        let colours = (1..=300).map(|n| (n, [(n * 37 % 9 + if n % 50 > 40 { 120 } else { 60 }) as u8; 3]));
+        PixelHistory::of_colours((2, 3), parameters, colours)
+    }
+
+    fn all_pieces(tuner: &mut Tuner, history: &PixelHistory, position: u32) -> usize {
+        (0..2000).take_while(|_| tuner.piece(history, position)).count()
+    }
+
+    #[test]
+    fn in_pieces_it_comes_to_the_same_and_is_done_once() {
+        let (mut tuner, history) = (Tuner::default(), history(0.01));
+        assert!(!tuner.piece(&history, 200), "nobody asked");
+        for knobs in [[Knob::Alpha, Knob::Lambda], [Knob::T, Knob::K], [Knob::InitialSigma, Knob::T]] {
+            tuner.choose(Some(knobs));
+            for position in [0, 145, 299] {
+                assert!(all_pieces(&mut tuner, &history, position) > Knob::ALL.len());
+                let tuning = tuner.latest().unwrap();
+                let values: Vec<_> = history.states[..=position as usize].iter().map(|s| s.value).collect();
+                assert_eq!(tuning.map, map(&values, &history.parameters, knobs));
+                assert_eq!(tuning.flips, Knob::ALL.map(|knob| flip(&values, &history.parameters, knob)));
+                assert_eq!((tuning.at, tuning.position), ((2, 3), position));
+                assert!(!tuner.piece(&history, position));
+            }
+        }
+        assert!(!tuner.piece(&history, 300), "a frame that is not known yet");
+    }
+
+    #[test]
+    fn another_question_in_the_middle_takes_the_place_of_the_first() {
+        let (mut tuner, one, other) = (Tuner::default(), history(0.01), history(0.2));
+        tuner.choose(Some([Knob::Alpha, Knob::Lambda]));
+        for _ in 0..7 {
+            tuner.piece(&one, 250);
+        }
+        all_pieces(&mut tuner, &other, 245);
+        let tuning = tuner.latest().unwrap();
+        let values: Vec<_> = other.states[..=245].iter().map(|s| s.value).collect();
+        assert_eq!(tuning.map, map(&values, &other.parameters, [Knob::Alpha, Knob::Lambda]));
+        assert_eq!(tuning.parameters, other.parameters);
+    }
+}
