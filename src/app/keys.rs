@@ -1,6 +1,6 @@
 //! From key presses to actions, by the table.
 
-use eframe::egui::{Context, Event, Key, Modifiers};
+use eframe::egui::{Context, Event, Key, Modifiers, Popup};
 
 use super::command::{ACTIONS, Command};
 use super::state::Model;
@@ -13,16 +13,21 @@ pub(crate) fn pressed(ctx: &Context, model: &Model, commands: &mut Vec<Command>)
         return;
     }
     let focused = ctx.memory(|memory| memory.focused().is_some());
+    let menu = Popup::is_any_open(ctx);
     ctx.input_mut(|input| {
         input.events.retain(|event| {
             let Event::Key { key, pressed: true, repeat, modifiers, .. } = event else { return true };
+            // Esc shuts an open menu before it does anything else.
+            if menu && *key == Key::Escape {
+                return true;
+            }
             if focused && belongs_to_focus(*key, *modifiers) {
                 return true;
             }
             let called = ACTIONS
                 .iter()
                 .find(|entry| entry.shortcuts.iter().any(|shortcut| shortcut.matches(*key, *modifiers)))
-                // Esc shuts menus, too: a key that has nothing to do is left to others.
+                // A key that has nothing to do is left to others.
                 .filter(|entry| top_bar::allowed(model, entry));
             if let Some(entry) = called
                 && (!repeat || entry.repeats)

@@ -3,8 +3,8 @@
 use std::sync::Arc;
 
 use super::lobes::lobes;
-use super::object::{Appearance, Object, Sighting, View, template_of};
-use super::reasoner::{ObjectId, Reasoner};
+use super::object::{Appearance, Object, View, template_of};
+use super::reasoner::{Carried, ObjectId, Reasoner};
 use crate::regions::Rect;
 use crate::tracking::kalman::Model;
 
@@ -16,23 +16,21 @@ impl Reasoner {
     /// there is one more.
     pub(super) fn count_heads(&mut self) {
         for index in 0..self.carried.len() {
-            let carried = &self.carried[index];
-            let Some(view) = carried.view.clone() else { continue };
-            let members = carried.members.clone();
+            let Carried { members, view: Some(view), .. } = &self.carried[index] else { continue };
             let Some(&first) = members.first() else { continue };
             let seen = members.iter().filter(|id| self.objects[id].unseen == 0).count().max(1);
             let cut_off = view.bbox.distance_to_edge(self.size) <= 1.0;
             let heads = if cut_off { Vec::new() } else { lobes(&view.mosaic) };
-            let patience = self.limits.heads;
             let Some(object) = self.objects.get_mut(&first) else { continue };
             if heads.len() <= seen {
                 object.crowded = object.crowded.saturating_sub(2);
                 continue;
             }
             object.crowded += 1;
-            if object.crowded > patience {
+            if object.crowded > self.limits.heads {
                 object.crowded = 0;
-                let bodies = heads.iter().filter_map(|columns| body(&view, columns)).collect();
+                let bodies = heads.iter().filter_map(|columns| body(view, columns)).collect();
+                let members = members.clone();
                 self.seat(index, &members, bodies);
             }
         }
@@ -55,14 +53,12 @@ impl Reasoner {
         let free = (0..bodies.len()).min_by(|&a, &b| taken(&bodies[a]).total_cmp(&taken(&bodies[b])));
         let Some(free) = free else { return };
         let free = bodies.remove(free);
-        let frame = (self.number, self.t);
         let centre = free.bbox.centre();
         let unseen = members.iter().copied().filter(|id| self.objects[id].unseen > 0);
         if let Some(id) = unseen.max_by_key(|id| self.objects[id].unseen) {
             if let Some(object) = self.objects.get_mut(&id) {
                 object.model.set_centre(centre);
                 object.unseen = 0;
-                object.sighting = Sighting { centre, frame };
             }
             return;
         }
@@ -80,26 +76,8 @@ impl Reasoner {
             (Some(Appearance::first(view, speed)), template_of(view, &self.settings))
         };
         let (clear, template) = look(&free);
-        let (born, birthplace) =
-            if was_two { (known.born, known.birthplace) } else { (self.number, free.bbox) };
-        let newcomer = Object {
-            key: id,
-            born,
-            birthplace,
-            seen: 1,
-            named: false,
-            model: model(&free),
-            clear,
-            template,
-            scale: 1.0,
-            crowded: 0,
-            unseen: 0,
-            sighting: Sighting { centre, frame },
-            last: free,
-            partial: 0,
-            partial_from: centre,
-            beside: 0,
-        };
+        let birth = if was_two { (known.born, known.birthplace) } else { (self.number, free.bbox) };
+        let newcomer = Object { clear, template, ..Object::new(id, birth, model(&free), free) };
         if was_two {
             let mine = &bodies[0];
             let (clear, template) = look(mine);

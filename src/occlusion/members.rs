@@ -5,7 +5,7 @@ use nalgebra::Vector3;
 use super::assign;
 use super::event::{Event, EventKind};
 use super::hidden::{Return, reach};
-use super::object::{Object, Sighting, View};
+use super::object::{Object, View};
 use super::placing::{self, Field, Placed};
 use super::reasoner::{ObjectId, Reasoner};
 use crate::settings::Switch;
@@ -25,6 +25,9 @@ impl Reasoner {
         placing::place(&mut placed, &field);
         let mut best = placing::total(&placed, &field);
         for behind in 1..placed.len() {
+            if !placed[behind - 1].meets(&placed[behind]) {
+                continue;
+            }
             let mut other = placed.clone();
             other.swap(behind - 1, behind);
             placing::place(&mut other, &field);
@@ -43,14 +46,12 @@ impl Reasoner {
     }
 
     fn sight(&mut self, id: ObjectId, centre: [f32; 2], seen: f32) {
-        let frame = (self.number, self.t);
         let Some(object) = self.objects.get_mut(&id) else { return };
         if seen < UNSEEN {
             object.unseen += 1;
             return;
         }
         object.unseen = 0;
-        object.sighting = Sighting { centre, frame };
         let scale = object.model.scale();
         object.model.update(&Vector3::new(centre[0], centre[1], scale), 1.0 / seen.max(0.2));
     }
@@ -142,12 +143,10 @@ impl Reasoner {
         let carried = &mut self.carried[index];
         carried.members.push(id);
         carried.members.sort_unstable();
-        let frame = (self.number, self.t);
         let Some(object) = self.objects.get_mut(&id) else { return };
         object.model.set_centre(centre);
         object.unseen = 0;
         object.partial = 0;
-        object.sighting = Sighting { centre, frame };
         let Some(at) = self.hidden.iter().position(|hidden| hidden.id == id) else { return };
         let hidden = self.hidden.remove(at);
         let Some(identity) = self.identity(id) else { return };

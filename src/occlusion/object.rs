@@ -87,15 +87,6 @@ impl Appearance {
     }
 }
 
-/// Where and when something of an object was seen.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Sighting {
-    /// Its centre.
-    pub centre: [f32; 2],
-    /// The frame's number and t.
-    pub frame: (u32, u32),
-}
-
 /// An object, from its first region to its last.
 #[derive(Clone, Debug)]
 pub struct Object {
@@ -121,8 +112,6 @@ pub struct Object {
     pub crowded: u32,
     /// For how many frames nothing was seen of it in the region that it shares.
     pub unseen: u32,
-    /// Where something of it was last seen.
-    pub sighting: Sighting,
     /// How it was last seen alone.
     pub last: View,
     /// For how many frames it has been seen in part only, or not at all.
@@ -134,6 +123,28 @@ pub struct Object {
 }
 
 impl Object {
+    /// Somebody new, under a key, whose first box was in frame `born`, with nothing known but how
+    /// they are seen and move.
+    pub fn new(key: Key, (born, birthplace): (u32, Rect), model: Model, last: View) -> Self {
+        Self {
+            key,
+            born,
+            birthplace,
+            seen: 1,
+            named: false,
+            partial_from: model.centre(),
+            model,
+            clear: None,
+            scale: 1.0,
+            template: None,
+            crowded: 0,
+            unseen: 0,
+            last,
+            partial: 0,
+            beside: 0,
+        }
+    }
+
     /// The size that its box should have: width and height.
     pub fn size(&self) -> (f32, f32) {
         let size = |clear: &Appearance| (self.scale * clear.w, self.scale * clear.h);

@@ -38,6 +38,11 @@ pub struct Placed<'a> {
 }
 
 impl Placed<'_> {
+    /// Whether their boxes overlap, so that one can hide a part of the other.
+    pub fn meets(&self, other: &Self) -> bool {
+        self.bbox().intersection(&other.bbox()).area() > 0.0
+    }
+
     fn bbox(&self) -> Rect {
         Rect::around(self.centre, self.size.0, self.size.1)
     }

@@ -13,7 +13,7 @@ use super::assign::{self, Piece};
 use super::event::{Counters, Episode, Event, EventKind, Evidence};
 use super::hidden::{Hidden, Return};
 use super::meetings::Meetings;
-use super::object::{Object, Sighting, View, close_to};
+use super::object::{Object, View, close_to};
 use super::partition::{self, Cluster, Expected, Extent};
 use super::perspective::Perspective;
 use super::splits::Split;
@@ -641,25 +641,10 @@ impl Reasoner {
         for seed in self.seeds.step(&self.pool, observations) {
             let view = views[seed.observation].clone();
             let id = self.new_key();
-            let object = Object {
-                key: id,
-                born: self.recent[0],
-                birthplace: seed.first.bbox,
-                // Two frames before this one, which counts when it is followed below.
-                seen: 2,
-                named: false,
-                model: seed.model.clone(),
-                clear: None,
-                template: None,
-                scale: 1.0,
-                crowded: 0,
-                unseen: 0,
-                sighting: Sighting::default(),
-                last: view.clone(),
-                partial: 0,
-                partial_from: seed.first.bbox.centre(),
-                beside: 0,
-            };
+            let birth = (self.recent[0], seed.first.bbox);
+            let mut object = Object::new(id, birth, seed.model.clone(), view.clone());
+            // Two frames before this one, which counts when it is followed below.
+            object.seen = 2;
             self.objects.insert(id, object);
             let blob = Blob::new(seed.model, &observation(&view));
             self.carried.push(Carried { blob, members: vec![id], view: Some(view), lost_from: None });

@@ -31,8 +31,10 @@ pub enum RoiError {
         path: PathBuf,
     },
     /// It belongs to other frames.
-    #[error("the mask is {found} where the frames are {expected}; give one as large as the frames")]
+    #[error("the mask{file} is {found} where the frames are {expected}; give one as large as the frames")]
     Size {
+        /// A blank and the file that it was read from, or nothing.
+        file: String,
         /// The mask's size.
         found: Size,
         /// The frames'.
@@ -41,16 +43,27 @@ pub enum RoiError {
 }
 
 /// The region of interest: the pixels that are analysed. All others are background, whatever the model says.
-#[derive(Clone, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug)]
 pub struct Roi {
     /// Foreground where pixels are analysed, somewhere at least.
     inside: Mask,
+    /// The file that it was read from, if it was.
+    file: Option<PathBuf>,
 }
+
+/// The same pixels are the same region, wherever they were read from.
+impl PartialEq for Roi {
+    fn eq(&self, other: &Self) -> bool {
+        self.inside == other.inside
+    }
+}
+
+impl Eq for Roi {}
 
 impl Roi {
     /// The pixels that are foreground in `inside`; `None` where none is.
     pub fn new(inside: Mask) -> Option<Self> {
-        (inside.foreground_pixels() > 0).then_some(Self { inside })
+        (inside.foreground_pixels() > 0).then_some(Self { inside, file: None })
     }
 
     /// Reads a picture in which bright pixels (128 or more) are those to be analysed.
@@ -62,13 +75,18 @@ impl Roi {
         let level = |level: &u8| if *level >= BRIGHT { Mask::FOREGROUND } else { Mask::BACKGROUND };
         let size = Size::new(luma.width(), luma.height());
         let inside = Mask { size, data: luma.as_raw().iter().map(level).collect() };
-        Self::new(inside).ok_or_else(|| RoiError::Dark { path: path.to_owned() })
+        let read = Self::new(inside).ok_or_else(|| RoiError::Dark { path: path.to_owned() })?;
+        Ok(Self { file: Some(path.to_owned()), ..read })
     }
 
     /// Fails where frames of `expected` have other pixels than this.
     pub fn check(&self, expected: Size) -> Result<(), RoiError> {
         let found = self.inside.size;
-        if found == expected { Ok(()) } else { Err(RoiError::Size { found, expected }) }
+        if found == expected {
+            return Ok(());
+        }
+        let file = self.file.as_ref().map_or_else(String::new, |file| format!(" {}", file.display()));
+        Err(RoiError::Size { file, found, expected })
     }
 
     /// As a mask: foreground where pixels are analysed.
@@ -226,7 +244,8 @@ mod tests {
         assert_eq!(rows(roi.mask()), ["..##", ".##."]);
         assert!(roi.check(Size::new(4, 2)).is_ok());
         let other = roi.check(Size::new(4, 3)).unwrap_err().to_string();
-        assert!(other.contains("4×2") && other.contains("4×3"), "{other}");
+        assert!(other.contains("4×2") && other.contains("4×3") && other.contains("mask.png"), "{other}");
+        assert_eq!(roi, Roi::new(roi.mask().clone()).unwrap(), "wherever it comes from");
         let mut mask = Mask { size: Size::new(4, 2), data: vec![255, 0, 255, 0, 255, 255, 0, 255] };
         roi.clear_outside(&mut mask);
         assert_eq!(rows(&mask), ["..#.", ".#.."]);

@@ -168,3 +168,26 @@ fn escape_is_left_to_menus_while_nothing_is_drawn() {
     harness.run_steps(4);
     assert!(harness.query_by_label("Fit image").is_none());
 }
+
+#[test]
+fn escape_shuts_an_open_menu_before_it_lets_go_of_an_area() {
+    let (mut harness, _) = ready(10);
+    let ctx = harness.ctx.clone();
+    harness.state_mut().apply(
+        &ctx,
+        Command::Act(crate::app::command::Action::DrawArea(crate::regions::roi::Purpose::Ignore)),
+    );
+    harness.state_mut().apply(&ctx, Command::Area(Change::Rectangle([5.0, 5.0], [40.0, 40.0])));
+    harness.run_steps(3);
+    assert_eq!(harness.state().model.areas.chosen, Some(0));
+    harness.get_by_label("View").click();
+    harness.run_steps(4);
+    harness.get_by_label("Fit image");
+    harness.key_press(Key::Escape);
+    harness.run_steps(4);
+    assert!(harness.query_by_label("Fit image").is_none());
+    assert_eq!(harness.state().model.areas.chosen, Some(0));
+    harness.key_press(Key::Escape);
+    harness.run_steps(4);
+    assert_eq!(harness.state().model.areas.chosen, None);
+}
