@@ -10,10 +10,10 @@ use serde::Serialize;
 
 use super::flags;
 use crate::truth::boxes::{self, Boxes};
-use crate::truth::clear_mot::{self, ClearMot};
 use crate::truth::happenings::{self, Found, Happening};
 use crate::truth::masks::{self, MaskScore};
-use crate::truth::survival::{self, Survival};
+use crate::truth::summary::{self, TrackScore};
+use crate::truth::survival::Survival;
 
 /// Events and the ends of episodes may be so many frames off.
 const TOLERANCE: u32 = 8;
@@ -68,12 +68,8 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
 /// Whatever the truth allows to score.
 #[derive(Default, Serialize)]
 struct Scores {
-    #[serde(rename = "iou0.5", skip_serializing_if = "Option::is_none")]
-    strict: Option<ClearMot>,
-    #[serde(rename = "iou0.3", skip_serializing_if = "Option::is_none")]
-    loose: Option<ClearMot>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    occlusion: Option<Survival>,
+    #[serde(flatten)]
+    tracks: Option<TrackScore>,
     #[serde(skip_serializing_if = "Option::is_none")]
     events: Option<BTreeMap<String, Found>>,
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -106,12 +102,7 @@ impl Scores {
     }
 
     fn of_tracks(truth: &Boxes, found: &Boxes) -> Self {
-        Self {
-            strict: Some(clear_mot::score(truth, found, 0.5)),
-            loose: Some(clear_mot::score(truth, found, 0.3)),
-            occlusion: Some(survival::score(truth, found)),
-            ..Self::default()
-        }
+        Self { tracks: Some(summary::score(truth, found)), ..Self::default() }
     }
 
     fn of_scene(results: &Path, scene: &Path) -> anyhow::Result<Self> {
@@ -133,8 +124,10 @@ impl Scores {
     }
 
     fn print(&self, out: &mut impl Write) -> io::Result<()> {
-        for (name, score) in [("IoU 0.5", &self.strict), ("IoU 0.3", &self.loose)] {
-            let Some(score) = score else { continue };
+        let of_tracks = self.tracks.iter();
+        for (name, score) in
+            of_tracks.flat_map(|tracks| [("IoU 0.5", &tracks.strict), ("IoU 0.3", &tracks.loose)])
+        {
             writeln!(
                 out,
                 "{name}   MOTA {:.3}  IDF1 {:.3}  precision {:.3}  recall {:.3}  MOTP {:.3}  switches {}  fragmentations {}  mostly tracked {} of {}",
@@ -149,7 +142,8 @@ impl Scores {
                 score.num_unique_objects
             )?;
         }
-        if let Some(Survival { episodes, identities, survived, .. }) = &self.occlusion {
+        if let Some(tracks) = &self.tracks {
+            let Survival { episodes, identities, survived, .. } = &tracks.occlusion;
             writeln!(out, "occlusion {survived} of {identities} identities survive {episodes} meetings")?;
         }
         for (title, found) in [("events", &self.events), ("episodes", &self.episodes)] {

@@ -4,10 +4,12 @@
 //! changed. Neither waits for the other.
 
 mod inspector;
+mod lane;
 mod memory;
 mod near;
 mod pictures;
 mod record;
+mod rival;
 mod run;
 mod runs;
 mod session;
@@ -30,6 +32,7 @@ use crate::regions::Roi;
 use crate::settings::Settings;
 use crate::source::SourceInfo;
 use crate::tracking::{Identity, TrackState};
+use crate::truth::summary::TrackScore;
 
 pub use memory::memory;
 pub use session::Session;
@@ -78,10 +81,22 @@ pub struct State {
     /// What is known of the whole sequence so far under the settings of the frame in view, which it
     /// holds. It follows the work at most ten times a second.
     pub timeline: Arc<Timeline>,
+    /// What is known of the sequence under the settings that [`Session::compare`] named; `None` where nothing is
+    /// compared, or the same settings.
+    pub beside: Option<Arc<Beside>>,
     /// What the worker is doing, `None` when it rests.
     pub busy: Option<Progress>,
     /// Frames a second of analysis, averaged over about the last second of work; 0 when unknown.
     pub analysis_fps: f32,
+}
+
+/// The sequence under settings that are compared with those in view.
+#[derive(Clone, Debug)]
+pub struct Beside {
+    /// The settings.
+    pub settings: Arc<Settings>,
+    /// What is known so far.
+    pub timeline: Timeline,
 }
 
 /// What one pixel would be in one frame under other settings of the mixture.
@@ -135,6 +150,9 @@ pub struct Shown {
     /// `None` when no pixel is chosen or the model has no mixture. Its state of this frame is the
     /// one at index [`Shown::position`].
     pub pixel: Option<Arc<PixelHistory>>,
+    /// The same frame under the settings that are compared with `settings`; `None` while nothing is compared, or it
+    /// has not been analysed under them.
+    pub beside: Option<Arc<Shown>>,
 }
 
 /// What is known of the whole sequence: for the timeline and the event list.
@@ -155,6 +173,8 @@ pub struct Timeline {
     pub events: Vec<(u32, Event)>,
     /// Each identity's life, by identity.
     pub life_lines: Vec<LifeLine>,
+    /// How right it is by the truth that [`Session::set_truth`] named, once all has been analysed.
+    pub score: Option<Arc<TrackScore>>,
 }
 
 /// When an object was seen, and how.

@@ -16,6 +16,11 @@ impl<T> Near<T> {
         Self { kept: BTreeMap::new(), room, taken: 0 }
     }
 
+    /// Less room, or more, for what is kept from now on.
+    pub(super) const fn set_room(&mut self, room: usize) {
+        self.room = room;
+    }
+
     /// Whether something belongs to this position already.
     pub(super) fn has(&self, position: u32) -> bool {
         self.kept.contains_key(&position)

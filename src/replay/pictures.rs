@@ -44,6 +44,14 @@ impl Recent {
         Self { pictures: VecDeque::new(), room }
     }
 
+    /// Room for so many.
+    pub(super) fn set_room(&mut self, room: usize) {
+        self.room = room;
+        while self.pictures.len() > self.room {
+            self.pictures.pop_front();
+        }
+    }
+
     pub(super) fn get(&self, position: u32) -> Option<Pictures> {
         self.pictures.iter().find(|(at, _)| *at == position).map(|(_, pictures)| pictures.clone())
     }

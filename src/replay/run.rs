@@ -79,14 +79,11 @@ impl Run {
     ) -> Result<Self, PipelineError> {
         let mut pipeline = Pipeline::new(&settings, info.size, info.fps)?;
         pipeline.set_roi(roi.clone())?;
-        let frame_bytes = (info.size.pixels() * 3).max(1);
-        let (for_pictures, for_near, for_models) = (budget / 8, budget / 8, budget / 8 * 6);
-        let recent = (for_pictures / (frame_bytes * 7 / 3).max(1)).clamp(1, 512);
-        Ok(Self {
-            for_models,
-            checkpoints: Spaced::new(CLOSEST, for_models),
-            near: Near::new(for_near),
-            backgrounds: Spaced::new(1, for_models),
+        let mut run = Self {
+            for_models: 0,
+            checkpoints: Spaced::new(CLOSEST, 0),
+            near: Near::new(0),
+            backgrounds: Spaced::new(1, 0),
             record: Record::new(info.size),
             info: Arc::clone(info),
             settings,
@@ -96,8 +93,27 @@ impl Run {
             finding_again: false,
             replay: None,
             masks: Vec::new(),
-            recent: Recent::new(recent),
-        })
+            recent: Recent::new(1),
+        };
+        run.set_budget(budget);
+        Ok(run)
+    }
+
+    /// Keeps within so much memory for going back in time, in bytes.
+    pub(super) fn set_budget(&mut self, budget: usize) {
+        let frame_bytes = (self.info.size.pixels() * 3).max(1);
+        let (for_pictures, for_near, for_models) = (budget / 8, budget / 8, budget / 8 * 6);
+        self.for_models = for_models;
+        self.near.set_room(for_near);
+        self.recent.set_room((for_pictures / (frame_bytes * 7 / 3).max(1)).clamp(1, 512));
+        self.give_room();
+    }
+
+    /// Every frame's record is kept: what it takes, models go without.
+    fn give_room(&mut self) {
+        let room = self.for_models.saturating_sub(self.record.bytes());
+        self.checkpoints.set_room(room);
+        self.backgrounds.set_room(room);
     }
 
     pub(super) const fn settings(&self) -> &Arc<Settings> {
@@ -186,10 +202,7 @@ impl Run {
     /// Keeps what is needed to come back to the model as it is after this frame, if there is room.
     fn keep_model(&mut self, last: Option<&Arc<Frame>>) -> Result<(), PipelineError> {
         let Some((last, position)) = last.zip(self.front.checked_sub(1)) else { return Ok(()) };
-        // Every frame's record is kept: what it takes, models go without.
-        let room = self.for_models.saturating_sub(self.record.bytes());
-        self.checkpoints.set_room(room);
-        self.backgrounds.set_room(room);
+        self.give_room();
         if let Some(mixture) = self.pipeline.mixture() {
             if self.checkpoints.wants(self.front) {
                 let snapshot = mixture.snapshot();

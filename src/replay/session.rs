@@ -14,6 +14,7 @@ use crate::regions::Roi;
 use crate::settings::Settings;
 use crate::source::SourceError;
 use crate::source::cache::FrameCache;
+use crate::truth::boxes::Boxes;
 
 /// A video under analysis. Dropping it ends its worker.
 ///
@@ -29,6 +30,8 @@ pub struct Session {
 pub(super) struct Requests {
     pub(super) show: Option<u32>,
     pub(super) settings: Option<Settings>,
+    pub(super) beside: Option<Option<Settings>>,
+    pub(super) truth: Option<Option<Arc<Boxes>>>,
     pub(super) roi: Option<Analysed>,
     pub(super) inspect: Option<Pixel>,
     pub(super) tune: Option<Knobs>,
@@ -90,6 +93,7 @@ impl Session {
             pixel: None,
             tuning: None,
             timeline: Arc::new(Timeline::default()),
+            beside: None,
             busy: None,
             analysis_fps: 0.0,
         };
@@ -132,6 +136,20 @@ impl Session {
     /// in view is there under the new ones.
     pub fn set_settings(&self, settings: Settings) {
         self.shared.ask(|requests| requests.settings = Some(settings));
+    }
+
+    /// Asks for settings in view and, beside them, for others to compare them with; `None` for none. Settings that were
+    /// one of the two before are not run again.
+    pub fn compare(&self, settings: Settings, beside: Option<Settings>) {
+        self.shared.ask(|requests| {
+            requests.settings = Some(settings);
+            requests.beside = Some(beside);
+        });
+    }
+
+    /// Says where objects truly are, so that what was analysed is scored; `None` for no scores.
+    pub fn set_truth(&self, truth: Option<Arc<Boxes>>) {
+        self.shared.ask(|requests| requests.truth = Some(truth));
     }
 
     /// Asks for another part of the image to be analysed, the whole without one; it must be as large as the frames.
@@ -199,6 +217,8 @@ impl Requests {
     const fn is_anything(&self) -> bool {
         self.show.is_some()
             || self.settings.is_some()
+            || self.beside.is_some()
+            || self.truth.is_some()
             || self.roi.is_some()
             || self.inspect.is_some()
             || self.tune.is_some()

@@ -28,8 +28,9 @@ impl<T> Spaced<T> {
     }
 
     /// Less room, as other things take it, or more.
-    pub(super) const fn set_room(&mut self, room: usize) {
+    pub(super) fn set_room(&mut self, room: usize) {
         self.room = room;
+        self.thin();
     }
 
     /// Keeps a thing of so many bytes, and drops every other one when they take too many.
@@ -38,6 +39,11 @@ impl<T> Spaced<T> {
         if let Some((_, before)) = self.kept.insert(position, (thing, bytes)) {
             self.taken -= before;
         }
+        self.thin();
+    }
+
+    /// Drops every other thing until the rest has room.
+    fn thin(&mut self) {
         while self.taken > self.room && self.kept.len() > 1 {
             self.stride = self.stride.saturating_mul(2);
             let (stride, taken) = (self.stride, &mut self.taken);

@@ -16,6 +16,8 @@ use crate::settings::{BackgroundModel, Preset};
 use crate::source::cache::FrameCache;
 use crate::source::{self, Source, SourceError};
 
+mod compare;
+
 const FRAMES: u32 = 60;
 const WIDTH: u32 = 96;
 const HEIGHT: u32 = 64;
@@ -150,6 +152,7 @@ fn straight_within(video: &Path, settings: &Settings, roi: Option<&Arc<Roi>>) ->
             background_count: mixture.map(|mixture| Arc::new(mixture.appearance().background_count)),
             pixel: mixture.is_some().then(|| Arc::new(history.clone())),
             frame: Arc::new(frame),
+            beside: None,
         });
     }
     all

@@ -48,6 +48,7 @@ impl Growing {
             foreground_share: self.foreground_share.clone(),
             events,
             life_lines: self.lives.iter().map(|(&id, spans)| LifeLine { id, spans: spans.clone() }).collect(),
+            score: None,
         }
     }
 }

@@ -5,15 +5,16 @@
 //! Between two pieces it looks at what was asked meanwhile; no piece takes longer than a frame.
 
 use std::collections::VecDeque;
+use std::ops::Range;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::inspector::Inspector;
-use super::run::{Run, Towards};
+use super::lane::{Lane, Step};
+use super::rival::Rival;
+use super::run::Towards;
 use super::session::{Analysed, Knobs, Pixel, Requests, Shared};
-use super::timeline::Growing;
 use super::tuner::Tuner;
-use super::{Phase, Progress, Shown, Start, Timeline};
+use super::{Beside, Phase, Progress, Shown, Start, Timeline};
 use crate::frame::Frame;
 use crate::mixture::PixelHistory;
 use crate::occlusion::EventKind;
@@ -22,12 +23,22 @@ use crate::settings::{Settings, Stage};
 use crate::source::cache::{Fetched, FrameCache, Keep};
 use crate::source::{SourceError, SourceInfo};
 use crate::tracking::{Identity, TrackState};
+use crate::truth::boxes::Boxes;
 
 /// Growing things are published at most so often.
 const PACE: Duration = Duration::from_millis(100);
 
 /// After the first occlusion was decided, so many more frames show how it goes on.
 const INTO_OCCLUSION: u32 = 10;
+
+/// Which of two choices of settings.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Which {
+    /// The one in view.
+    InView,
+    /// The one that is compared with it.
+    Rival,
+}
 
 /// What stops the work on a choice of settings, in words for the user.
 struct Stopped(String);
@@ -44,7 +55,10 @@ pub(super) struct Worker<'a> {
     info: Arc<SourceInfo>,
     /// Memory for going back in time, in bytes.
     model_budget: usize,
-    run: Run,
+    /// What is in view.
+    lane: Lane,
+    /// What is compared with it.
+    rival: Rival,
     /// The position that the window wants to see.
     wanted: u32,
     /// What will be wanted once it is found.
@@ -52,11 +66,9 @@ pub(super) struct Worker<'a> {
     /// A live source: the newest frame is what is wanted.
     follow: bool,
     pixel: Option<(u32, u32)>,
-    inspector: Inspector,
     tuner: Tuner,
-    growing: Growing,
-    /// Whether the final reading has taken the place of the causal one.
-    finished: bool,
+    /// The boxes by which results are scored.
+    truth: Option<Arc<Boxes>>,
     stopped: bool,
     shown: Option<Arc<Shown>>,
     busy: Option<Progress>,
@@ -67,9 +79,11 @@ pub(super) struct Worker<'a> {
 /// What waits to be published, and when that was last done.
 struct Outbox {
     timeline_grew: bool,
+    beside_grew: bool,
     pixel_grew: bool,
     warnings: Vec<String>,
     told_of_gone: bool,
+    told_of_live: bool,
     /// As last published.
     pixel: Option<Arc<PixelHistory>>,
     /// How far the timeline reached that was last published.
@@ -111,7 +125,7 @@ impl<'a> Worker<'a> {
     ) -> Result<Self, Stopped> {
         let frames = open()?;
         let info = Arc::clone(frames.info());
-        let run = Run::new(Arc::new(settings), roi, &info, model_budget)?;
+        let lane = Lane::new(Arc::new(settings), roi, &info, model_budget)?;
         shared.publish(|state| {
             state.phase = Phase::Ready;
             state.info = Some(Arc::clone(&info));
@@ -122,7 +136,8 @@ impl<'a> Worker<'a> {
             follow: info.live,
             info,
             model_budget,
-            run,
+            lane,
+            rival: Rival::default(),
             wanted: 0,
             aim: match start {
                 Start::First => None,
@@ -130,19 +145,19 @@ impl<'a> Worker<'a> {
                 Start::Frame(number) => Some(Aim::Number(number)),
             },
             pixel: None,
-            inspector: Inspector::default(),
             tuner: Tuner::default(),
-            growing: Growing::default(),
-            finished: false,
+            truth: None,
             stopped: false,
             shown: None,
             busy: None,
             meter: Meter::default(),
             outbox: Outbox {
                 timeline_grew: true,
+                beside_grew: false,
                 pixel_grew: false,
                 warnings: Vec::new(),
                 told_of_gone: false,
+                told_of_live: false,
                 pixel: None,
                 analysed: 0,
                 busy: None,
@@ -169,53 +184,100 @@ impl<'a> Worker<'a> {
         if let Some(position) = requests.show {
             self.aim = None;
             self.wanted = position;
-            self.follow = self.info.live && position >= self.run.front().saturating_sub(1);
+            self.follow = self.info.live && position >= self.lane.run.front().saturating_sub(1);
         }
         if let Some(Pixel(pixel)) = requests.inspect {
             self.pixel = pixel.filter(|&(x, y)| self.info.size.index(x, y).is_some());
-            self.inspector.choose(self.pixel, self.run.settings());
+            self.lane.inspect(self.pixel);
+            if let Some(lane) = &mut self.rival.lane {
+                lane.inspect(self.pixel);
+            }
             self.show_pixel();
         }
         if let Some(Knobs(knobs)) = requests.tune {
             self.tuner.choose(knobs);
         }
-        if requests.settings.is_none() && requests.roi.is_none() {
+        if let Some(truth) = requests.truth {
+            self.truth = truth;
+            (self.outbox.timeline_grew, self.outbox.beside_grew) = (true, true);
+        }
+        if requests.settings.is_none() && requests.roi.is_none() && requests.beside.is_none() {
             return Ok(());
         }
-        let settings = requests.settings.unwrap_or_else(|| Settings::clone(self.run.settings()));
-        let roi = requests.roi.map_or_else(|| self.run.roi().cloned(), |Analysed(roi)| roi);
-        self.change(settings, roi)
+        let settings = requests.settings.unwrap_or_else(|| Settings::clone(self.lane.settings()));
+        let roi = requests.roi.map_or_else(|| self.lane.run.roi().cloned(), |Analysed(roi)| roi);
+        let beside = requests.beside.unwrap_or_else(|| self.rival.settings.clone());
+        self.change(settings, roi, beside)
     }
 
-    /// Takes other settings, or another part of the image, and runs again what they touch.
-    fn change(&mut self, settings: Settings, roi: Option<Arc<Roi>>) -> Result<(), Stopped> {
-        let of_settings = self.run.settings().first_difference(&settings);
-        let of_roi = (self.run.roi() != roi.as_ref()).then_some(Stage::Cleaning);
-        let difference = [of_settings, of_roi].into_iter().flatten().min();
-        if difference.is_none() && !self.stopped {
+    /// Takes other settings in view and beside it, or another part of the image, and runs again what they touch.
+    fn change(
+        &mut self,
+        settings: Settings,
+        roi: Option<Arc<Roi>>,
+        beside: Option<Settings>,
+    ) -> Result<(), Stopped> {
+        let beside = self.comparable(beside);
+        let differs = self.lane.first_difference(&settings, roi.as_ref()).is_some();
+        if !differs && !self.stopped && beside == self.rival.settings {
             return Ok(());
         }
+        if self.stopped {
+            self.rival = Rival::default();
+        }
+        self.rival.settings = beside;
+        if differs || self.stopped {
+            self.change_view(settings, roi.clone())?;
+        }
+        self.change_rival(roi)
+    }
+
+    /// A live source's frames come once, and only some are kept: two runs cannot both have them.
+    fn comparable(&mut self, beside: Option<Settings>) -> Option<Settings> {
+        let refused = beside.is_some() && self.info.live;
+        if refused && !std::mem::replace(&mut self.outbox.told_of_live, true) {
+            self.outbox.warnings.push(format!(
+                "two settings cannot be compared on {}, whose frames come only once; record it first",
+                self.info.name
+            ));
+        }
+        beside.filter(|_| !refused)
+    }
+
+    /// Brings other settings into view.
+    fn change_view(&mut self, settings: Settings, roi: Option<Arc<Roi>>) -> Result<(), Stopped> {
         // Before anything else: one pixel through all frames is a matter of a millisecond.
-        self.inspector.choose(self.pixel, &settings);
+        self.lane.inspector.choose(self.pixel, &settings);
         self.publish_pixel();
+        let budget = self.budget();
         let settings = Arc::new(settings);
-        match difference {
-            Some(stage) if stage > Stage::Mixture && !self.stopped => {
-                self.run.restart_at(stage, settings, roi)?;
+        match self.lane.first_difference(&settings, roi.as_ref()) {
+            _ if self.take_from_rival(&settings, roi.as_ref()) => self.show_pixel(),
+            Some(stage)
+                if stage > Stage::Mixture && !self.stopped && !self.rival.is(self.lane.settings()) =>
+            {
+                self.lane.restart_at(stage, settings, roi)?;
             }
             _ => {
-                let run = Run::new(settings, roi, &self.info, self.model_budget)?;
-                let old = std::mem::replace(&mut self.run, run);
-                // To give gigabytes back takes longer than the first frames.
-                rayon::spawn(move || drop(old));
+                let mut lane = Lane::new(settings, roi, &self.info, budget)?;
+                lane.inspector = std::mem::take(&mut self.lane.inspector);
+                let old = std::mem::replace(&mut self.lane, lane);
+                if self.rival.is(old.settings()) && !self.stopped {
+                    let given_up = self.rival.lane.replace(old);
+                    rayon::spawn(move || drop(given_up));
+                    if let Some(old) = &mut self.rival.lane {
+                        old.inspect(self.pixel);
+                    }
+                } else {
+                    // To give gigabytes back takes longer than the first frames.
+                    rayon::spawn(move || drop(old));
+                }
                 if self.info.live && !self.frames.numbers().is_empty() && self.frames.kept(0).is_none() {
                     self.start_over_live()?;
                 }
             }
         }
         self.stopped = false;
-        self.growing = Growing::default();
-        self.finished = false;
         if let Some(Aim::Occlusion(found)) = &mut self.aim {
             *found = None;
         }
@@ -224,6 +286,54 @@ impl<'a> Worker<'a> {
         self.outbox.timeline_grew = true;
         self.shared.publish(|state| state.phase = Phase::Ready);
         Ok(())
+    }
+
+    /// Changes places with the rival, if what is asked for is its run; whether it was.
+    fn take_from_rival(&mut self, settings: &Settings, roi: Option<&Arc<Roi>>) -> bool {
+        let Some(lane) = &mut self.rival.lane else { return false };
+        let same = lane.first_difference(settings, roi).is_none() && !self.stopped;
+        if same {
+            std::mem::swap(lane, &mut self.lane);
+            lane.inspect(self.pixel);
+            self.rival.shown = None;
+        }
+        same
+    }
+
+    /// Gives the rival the settings that it is to have.
+    fn change_rival(&mut self, roi: Option<Arc<Roi>>) -> Result<(), Stopped> {
+        let budget = self.budget();
+        self.lane.run.set_budget(budget);
+        self.outbox.beside_grew = true;
+        let settings = self.rival.settings.clone().filter(|settings| settings != &**self.lane.settings());
+        let Some(settings) = settings else {
+            // Equal settings have one run; without settings there is none.
+            let given_up = self.rival.give_up();
+            rayon::spawn(move || drop(given_up));
+            return Ok(());
+        };
+        let settings = Arc::new(settings);
+        match &mut self.rival.lane {
+            Some(lane) => match lane.first_difference(&settings, roi.as_ref()) {
+                None => {}
+                Some(stage) if stage > Stage::Mixture => lane.restart_at(stage, settings, roi)?,
+                Some(_) => {
+                    let old = std::mem::replace(lane, Lane::new(settings, roi, &self.info, budget)?);
+                    rayon::spawn(move || drop(old));
+                }
+            },
+            none => *none = Some(Lane::new(settings, roi, &self.info, budget)?),
+        }
+        if let Some(lane) = &mut self.rival.lane {
+            lane.run.set_budget(budget);
+            lane.inspect(self.pixel);
+        }
+        Ok(())
+    }
+
+    /// The memory for going back in time that one run may take.
+    const fn budget(&self) -> usize {
+        if self.rival.settings.is_some() { self.model_budget / 2 } else { self.model_budget }
     }
 
     /// A live source whose first frames are no longer kept cannot be run again from the start: the
@@ -239,11 +349,9 @@ impl<'a> Worker<'a> {
             "the first frames of {name} are no longer kept: the new settings start with the next one"
         ));
         self.frames.forget();
-        let (settings, roi) = (Arc::clone(self.run.settings()), self.run.roi().cloned());
-        self.run = Run::new(settings, roi, &self.info, self.model_budget)?;
-        self.growing = Growing::default();
-        self.inspector = Inspector::default();
-        self.inspector.choose(self.pixel, self.run.settings());
+        let (settings, roi) = (Arc::clone(self.lane.settings()), self.lane.run.roi().cloned());
+        self.lane = Lane::new(settings, roi, &self.info, self.model_budget)?;
+        self.lane.inspect(self.pixel);
         self.tuner.forget();
         self.follow = true;
         Ok(())
@@ -256,28 +364,52 @@ impl<'a> Worker<'a> {
         }
         self.find_aim();
         if self.follow {
-            self.wanted = self.run.front().saturating_sub(1);
+            self.wanted = self.lane.run.front().saturating_sub(1);
         }
         if self.frames.is_complete() {
             self.wanted = self.wanted.min((self.frames.numbers().len() as u32).saturating_sub(1));
         }
         if !self.is_view_current() {
             self.approach_view()?;
-        } else if self.tune() {
-            // It publishes itself.
-        } else if self.inspector.gather(&mut self.frames)? {
+        } else if self.tune() || self.gather()? {
+            // What came of it is published at once, or in time.
+        } else if !self.lane.is_through(&self.frames) {
+            self.analyse(Which::InView)?;
+        } else if self.rival.lane.as_ref().is_some_and(|lane| !lane.is_through(&self.frames)) {
+            self.analyse(Which::Rival)?;
+        } else if !self.score() {
+            return Ok(false);
+        }
+        Ok(true)
+    }
+
+    /// Takes the chosen pixel through the frames that are known; whether there was anything to do.
+    fn gather(&mut self) -> Result<bool, SourceError> {
+        if self.lane.inspector.gather(&mut self.frames)? {
             self.outbox.pixel_grew = true;
             if let Some(shown) = &self.shown
                 && shown.pixel.as_ref().map(|history| history.at) != self.pixel
             {
                 self.show_pixel();
             }
-        } else if !self.is_all_analysed() {
-            self.analyse_next()?;
-        } else {
-            return Ok(false);
+            return Ok(true);
         }
-        Ok(true)
+        let Some(lane) = &mut self.rival.lane else { return Ok(false) };
+        let worked = lane.inspector.gather(&mut self.frames)?;
+        if let Some(shown) = self.shown.clone().filter(|_| worked && self.rival.takes_pixel(self.pixel)) {
+            self.show(Shown::clone(&shown));
+        }
+        Ok(worked)
+    }
+
+    /// Scores what has been analysed in full; whether there was anything to do.
+    fn score(&mut self) -> bool {
+        let truth = self.truth.as_ref();
+        let in_view = self.lane.score(truth);
+        let beside = !in_view && self.rival.lane.as_mut().is_some_and(|lane| lane.score(truth));
+        self.outbox.timeline_grew |= in_view;
+        self.outbox.beside_grew |= beside;
+        in_view || beside
     }
 
     /// Works on what the chosen pixel would be under other settings; whether there was anything to do.
@@ -298,39 +430,43 @@ impl<'a> Worker<'a> {
     }
 
     fn is_view_current(&self) -> bool {
-        self.shown.as_ref().is_some_and(|shown| {
-            shown.position == self.wanted && Arc::ptr_eq(&shown.settings, self.run.settings())
-        })
+        self.shown.as_ref().is_some_and(|shown| self.is_current(shown) && self.rival.is_beside(shown))
     }
 
-    fn is_all_analysed(&self) -> bool {
-        self.frames.is_complete() && self.run.front() as usize == self.frames.numbers().len()
+    fn is_current(&self, shown: &Shown) -> bool {
+        shown.position == self.wanted && Arc::ptr_eq(&shown.settings, self.lane.settings())
     }
 
-    /// One step towards showing the wanted frame.
-    fn approach_view(&mut self) -> Result<(), Stopped> {
-        let position = self.wanted;
-        if position >= self.run.front() {
-            return self.analyse_next();
+    fn lane(&mut self, which: Which) -> Option<&mut Lane> {
+        match which {
+            Which::InView => Some(&mut self.lane),
+            Which::Rival => self.rival.lane.as_mut(),
         }
-        let Some(frame) = self.fetch(position)? else { return Ok(()) };
-        match self.run.towards(position, &frame)? {
-            Towards::Pictures(pictures) => {
-                if let Some(analysis) = self.run.analysis(position) {
-                    let pixel = self.inspector.covering(position);
-                    self.show(Shown {
-                        position,
-                        settings: Arc::clone(self.run.settings()),
-                        roi: self.run.roi().cloned(),
-                        frame,
-                        analysis: Arc::new(analysis),
-                        background: pictures.background,
-                        multi_mode: pictures.multi_mode,
-                        background_count: pictures.background_count,
-                        pixel,
-                    });
-                }
+    }
+
+    /// One step towards showing the wanted frame. Where both have been analysed, both come into view together.
+    fn approach_view(&mut self) -> Result<(), Stopped> {
+        if self.rival.lags_behind(self.wanted) {
+            if let Some(shown) = self.look(Which::Rival)? {
+                self.rival.shown = Some(Arc::new(shown));
             }
+        } else if let Some(shown) = self.shown.clone().filter(|shown| self.is_current(shown)) {
+            self.show(Shown::clone(&shown));
+        } else if self.wanted >= self.lane.run.front() {
+            self.analyse(Which::InView)?;
+        } else if let Some(shown) = self.look(Which::InView)? {
+            self.show(shown);
+        }
+        Ok(())
+    }
+
+    /// One step towards the wanted frame under some settings; the frame when it is there.
+    fn look(&mut self, which: Which) -> Result<Option<Shown>, Stopped> {
+        let position = self.wanted;
+        let Some(frame) = self.fetch(position)? else { return Ok(None) };
+        let Some(lane) = self.lane(which) else { return Ok(None) };
+        match lane.run.towards(position, &frame)? {
+            Towards::Pictures(pictures) => return Ok(lane.shown(position, frame, pictures)),
             Towards::Needs(needed) => {
                 if let Some(passed) = self.fetch(needed.start)? {
                     let mut passed = vec![passed];
@@ -338,13 +474,15 @@ impl<'a> Worker<'a> {
                         let Some(frame) = self.frames.kept(position) else { break };
                         passed.push(frame);
                     }
-                    self.run.replay_frames(needed.start, &passed, position);
+                    if let Some(lane) = self.lane(which) {
+                        lane.run.replay_frames(needed.start, &passed, position);
+                    }
                 }
                 let what = format!("going back to frame {}", frame.number);
                 self.busy = Some(Progress { what, done: needed.start, total: Some(position + 1) });
             }
         }
-        Ok(())
+        Ok(None)
     }
 
     /// A frame that has been analysed, or `None` while it is on its way.
@@ -357,7 +495,7 @@ impl<'a> Worker<'a> {
             }
             Fetched::Gone | Fetched::End => {
                 // Only a live source forgets: the oldest thing that surely is there is the newest.
-                self.wanted = self.run.modelled().saturating_sub(1);
+                self.wanted = self.lane.run.modelled().saturating_sub(1);
                 if !std::mem::replace(&mut self.outbox.told_of_gone, true) {
                     self.outbox.warnings.push(format!(
                         "earlier frames of {} are no longer kept: the newest is shown",
@@ -370,40 +508,30 @@ impl<'a> Worker<'a> {
     }
 
     /// Analyses the next frames that are there, or decodes one on the way to them.
-    fn analyse_next(&mut self) -> Result<(), Stopped> {
+    fn analyse(&mut self, which: Which) -> Result<(), Stopped> {
         let started = Instant::now();
-        let position = self.run.front();
-        if self.run.is_tracking_again() {
-            self.run.track_next();
-        } else {
-            let fetched = self.frames.fetch(position, Keep::IfRoom);
-            self.outbox.warnings.extend(self.frames.take_warnings());
-            self.outbox.timeline_grew = true;
-            match fetched? {
-                Fetched::Frame(frame) => {
-                    let frames = self.with_those_at_hand(position, frame);
-                    self.run.step(&frames)?;
-                    for (position, frame) in (position..).zip(&frames) {
-                        self.inspector.push(position, frame);
-                    }
-                }
-                Fetched::OnTheWay | Fetched::End => {}
-                // After a change of settings, frames of a live source that the new run needs.
-                Fetched::Gone => return self.start_over_live(),
+        let wanted = (!self.follow && which == Which::InView).then_some(self.wanted);
+        let lane = match which {
+            Which::InView => &mut self.lane,
+            Which::Rival => {
+                let Some(lane) = &mut self.rival.lane else { return Ok(()) };
+                lane
             }
-            self.outbox.warnings.extend(self.frames.take_warnings());
+        };
+        let position = lane.run.front();
+        let step = lane.go_on(&mut self.frames, wanted);
+        let front = lane.run.front();
+        self.outbox.warnings.extend(self.frames.take_warnings());
+        // The end of the sequence may have been found.
+        self.outbox.timeline_grew = true;
+        match step? {
+            Step::On => {}
+            // After a change of settings, frames of a live source that the new run needs.
+            Step::Gone => return self.start_over_live(),
         }
-        let front = self.run.front();
-        for position in position..front {
-            let Some((analysis, share)) = self.run.outline(position) else { break };
-            self.growing.push(analysis, share);
-            if let Some(Aim::Occlusion(found @ None)) = &mut self.aim {
-                let occlusion = analysis
-                    .events
-                    .iter()
-                    .find(|event| matches!(event.kind, EventKind::Merge | EventKind::Disappear));
-                *found = occlusion.map(|event| (position, event.objects.clone()));
-            }
+        match which {
+            Which::InView => self.find_occlusion(position..front),
+            Which::Rival => self.outbox.beside_grew = true,
         }
         if front > position {
             self.meter.add(started.elapsed(), front - position);
@@ -412,35 +540,32 @@ impl<'a> Worker<'a> {
             } else {
                 self.info.frames.map(|frames| frames.max(front))
             };
-            let what = if self.wanted >= front && !self.follow {
-                format!("analysing up to frame {}", self.number_of(self.wanted))
-            } else {
-                "analysing".to_owned()
+            let what = match which {
+                Which::Rival => "analysing what is compared".to_owned(),
+                Which::InView if self.wanted >= front && !self.follow => {
+                    format!("analysing up to frame {}", self.number_of(self.wanted))
+                }
+                Which::InView => "analysing".to_owned(),
             };
             self.busy = Some(Progress { what, done: front, total });
-            self.outbox.timeline_grew = true;
-        }
-        if self.is_all_analysed() && !self.finished {
-            self.growing.finish(self.run.final_reading());
-            self.finished = true;
-            self.outbox.timeline_grew = true;
         }
         Ok(())
     }
 
-    /// The next frame, and those after it that need not be waited for, as many as may be analysed
-    /// together: not beyond the one that is wanted in view, so that the model stops there.
-    fn with_those_at_hand(&mut self, position: u32, frame: Arc<Frame>) -> Vec<Arc<Frame>> {
-        let mut frames = vec![frame];
-        let most = match self.wanted.checked_sub(position) {
-            Some(before_wanted) if !self.follow => self.run.most_frames().min(before_wanted as usize + 1),
-            _ => self.run.most_frames(),
-        };
-        while frames.len() < most {
-            let Some(frame) = self.frames.at_hand(position + frames.len() as u32) else { break };
-            frames.push(frame);
+    /// Notes the first occlusion among frames that were just analysed, if that is aimed at.
+    fn find_occlusion(&mut self, positions: Range<u32>) {
+        let Some(Aim::Occlusion(found @ None)) = &mut self.aim else { return };
+        for position in positions {
+            let Some((analysis, _)) = self.lane.run.outline(position) else { break };
+            let occlusion = analysis
+                .events
+                .iter()
+                .find(|event| matches!(event.kind, EventKind::Merge | EventKind::Disappear));
+            *found = occlusion.map(|event| (position, event.objects.clone()));
+            if found.is_some() {
+                break;
+            }
         }
-        frames
     }
 
     /// The frame number of a position; a guess beyond the frames that are known.
@@ -465,11 +590,11 @@ impl<'a> Worker<'a> {
                 (position < numbers.len() || self.frames.is_complete()).then_some(position as u32)
             }
             Aim::Occlusion(Some((decided, objects))) => {
-                let front = self.run.front();
-                (front > decided.saturating_add(INTO_OCCLUSION) || self.is_all_analysed())
+                let front = self.lane.run.front();
+                (front > decided.saturating_add(INTO_OCCLUSION) || self.lane.is_through(&self.frames))
                     .then(|| self.within_occlusion(*decided, objects))
             }
-            Aim::Occlusion(None) => self.is_all_analysed().then_some(self.wanted),
+            Aim::Occlusion(None) => self.lane.is_through(&self.frames).then_some(self.wanted),
         };
         if let Some(position) = found {
             self.wanted = position;
@@ -481,19 +606,19 @@ impl<'a> Worker<'a> {
     /// at which that was decided.
     fn within_occlusion(&self, decided: u32, objects: &[Identity]) -> u32 {
         let occluded = |position: &u32| {
-            self.run.outline(*position).is_some_and(|(analysis, _)| {
+            self.lane.run.outline(*position).is_some_and(|(analysis, _)| {
                 let mut tracks = analysis.tracks.iter();
                 tracks.any(|track| objects.contains(&track.id) && track.state != TrackState::Visible)
             })
         };
-        let Some(first) = (decided..self.run.front()).find(occluded) else { return decided };
-        let length = (first..self.run.front()).take_while(occluded).count() as u32;
+        let Some(first) = (decided..self.lane.run.front()).find(occluded) else { return decided };
+        let length = (first..self.lane.run.front()).take_while(occluded).count() as u32;
         first + length / 2
     }
 
     /// Publishes a frame in view, and the timeline with it where that did not reach so far yet.
     fn show(&mut self, shown: Shown) {
-        let shown = Arc::new(shown);
+        let shown = Arc::new(Shown { beside: self.rival.beside(&shown), ..shown });
         self.shown = Some(Arc::clone(&shown));
         let timeline = (shown.position >= self.outbox.analysed).then(|| self.timeline());
         if shown.pixel.is_some() || self.pixel.is_none() {
@@ -513,15 +638,23 @@ impl<'a> Worker<'a> {
     /// The timeline to publish now.
     fn timeline(&mut self) -> Arc<Timeline> {
         self.outbox.timeline_grew = false;
-        let timeline = self.growing.timeline(self.frames.numbers(), self.frames.is_complete());
+        let timeline = self.lane.timeline(&self.frames, self.truth.as_ref());
         self.outbox.analysed = timeline.analysed;
-        Arc::new(Timeline { decoded: self.frames.kept_ranges(), ..timeline })
+        Arc::new(timeline)
+    }
+
+    /// What is known of the sequence under the settings that are compared with those in view.
+    fn beside(&mut self) -> Option<Arc<Beside>> {
+        self.outbox.beside_grew = false;
+        let lane = self.rival.lane.as_ref()?;
+        let timeline = lane.timeline(&self.frames, self.truth.as_ref());
+        Some(Arc::new(Beside { settings: Arc::clone(lane.settings()), timeline }))
     }
 
     /// Publishes the pixel's history as it is now, and the frame in view with it where both are of
     /// the same settings.
     fn show_pixel(&mut self) {
-        let pixel = self.inspector.latest();
+        let pixel = self.lane.inspector.latest();
         let same = |a: &Option<Arc<PixelHistory>>| match (a, &pixel) {
             (Some(a), Some(b)) => Arc::ptr_eq(a, b),
             (None, None) => true,
@@ -529,7 +662,7 @@ impl<'a> Worker<'a> {
         };
         // A view that waits for new settings keeps the old ones' history.
         let shown = self.shown.as_ref().filter(|shown| {
-            Arc::ptr_eq(&shown.settings, self.run.settings())
+            Arc::ptr_eq(&shown.settings, self.lane.settings())
                 && !same(&shown.pixel)
                 && pixel.as_ref().is_none_or(|history| history.states.len() as u32 > shown.position)
         });
@@ -542,7 +675,7 @@ impl<'a> Worker<'a> {
 
     /// Publishes the pixel's history alone, ahead of the frame in view.
     fn publish_pixel(&mut self) {
-        let pixel = self.inspector.latest();
+        let pixel = self.lane.inspector.latest();
         self.outbox.pixel.clone_from(&pixel);
         self.shared.publish(|state| state.pixel = pixel);
     }
@@ -557,20 +690,26 @@ impl<'a> Worker<'a> {
             self.busy = None;
         }
         // A request that changed nothing is no reason to wake anybody, who might ask again.
-        let grew = self.outbox.timeline_grew || std::mem::take(&mut self.outbox.pixel_grew);
+        let grew = self.outbox.timeline_grew
+            || self.outbox.beside_grew
+            || std::mem::take(&mut self.outbox.pixel_grew);
         if self.busy == self.outbox.busy && !grew && self.outbox.warnings.is_empty() {
             return;
         }
         let started = Instant::now();
         // While the view waits for new settings, what belongs to the old ones stays as well.
         let view_lags =
-            self.shown.as_ref().is_some_and(|shown| !Arc::ptr_eq(&shown.settings, self.run.settings()));
+            self.shown.as_ref().is_some_and(|shown| !Arc::ptr_eq(&shown.settings, self.lane.settings()));
         let timeline = (self.outbox.timeline_grew && !view_lags).then(|| self.timeline());
+        let beside = self.outbox.beside_grew.then(|| self.beside());
         let new_warnings = std::mem::take(&mut self.outbox.warnings);
         self.show_pixel();
         self.shared.publish(|state| {
             if let Some(timeline) = timeline {
                 state.timeline = timeline;
+            }
+            if let Some(beside) = beside {
+                state.beside = beside;
             }
             if !new_warnings.is_empty() {
                 Arc::make_mut(&mut state.warnings).extend(new_warnings);

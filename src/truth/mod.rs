@@ -1,12 +1,13 @@
 //! Ground truth, and how far what was found agrees with it.
 //!
-//! [`boxes`] reads tracks as MOTChallenge has them, [`clear_mot`] and [`survival`] score them;
+//! [`boxes`] reads tracks as MOTChallenge has them, [`clear_mot`] and [`survival`] score them, [`summary`] by both;
 //! [`masks`] scores masks as CDnet does; [`happenings`] scores events and episodes of made-up scenes.
 
 pub mod boxes;
 pub mod clear_mot;
 pub mod happenings;
 pub mod masks;
+pub mod summary;
 pub mod survival;
 
 use std::fmt::Display;

@@ -1,0 +1,189 @@
+//! One choice of settings on its way through the sequence, with all that grows on the way.
+
+use std::sync::Arc;
+
+use super::inspector::Inspector;
+use super::run::Run;
+use super::timeline::Growing;
+use super::{Shown, Timeline, pictures::Pictures};
+use crate::frame::Frame;
+use crate::pipeline::PipelineError;
+use crate::regions::Roi;
+use crate::settings::{Settings, Stage};
+use crate::source::cache::{Fetched, FrameCache, Keep};
+use crate::source::{SourceError, SourceInfo};
+use crate::truth::boxes::Boxes;
+use crate::truth::summary::{self, TrackScore};
+
+/// The sequence under one choice of settings.
+pub(super) struct Lane {
+    /// How far it has come, and its model.
+    pub(super) run: Run,
+    /// The chosen pixel under the same settings.
+    pub(super) inspector: Inspector,
+    growing: Growing,
+    /// Whether the final reading has taken the place of the causal one.
+    finished: bool,
+    /// By which truth it was scored, and what came out.
+    score: Option<(Arc<Boxes>, Arc<TrackScore>)>,
+}
+
+/// Why an analysis cannot go on.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum LaneError {
+    /// Frames cannot be had.
+    #[error(transparent)]
+    Source(#[from] SourceError),
+    /// A stage fails.
+    #[error(transparent)]
+    Pipeline(#[from] PipelineError),
+}
+
+/// What came of going on.
+pub(super) enum Step {
+    /// Frames were analysed, or will be when they have come.
+    On,
+    /// The next frame is no longer kept: a live source has forgotten it.
+    Gone,
+}
+
+impl Lane {
+    /// Nothing analysed yet; `budget` is the memory for going back in time, in bytes.
+    pub(super) fn new(
+        settings: Arc<Settings>,
+        roi: Option<Arc<Roi>>,
+        info: &Arc<SourceInfo>,
+        budget: usize,
+    ) -> Result<Self, PipelineError> {
+        Ok(Self {
+            run: Run::new(settings, roi, info, budget)?,
+            inspector: Inspector::default(),
+            growing: Growing::default(),
+            finished: false,
+            score: None,
+        })
+    }
+
+    /// Its settings.
+    pub(super) const fn settings(&self) -> &Arc<Settings> {
+        self.run.settings()
+    }
+
+    /// Follows a pixel, or none.
+    pub(super) fn inspect(&mut self, at: Option<(u32, u32)>) {
+        self.inspector.choose(at, self.run.settings());
+    }
+
+    /// The first stage that other settings or another part of the image touch; `None` where they are the same.
+    pub(super) fn first_difference(&self, settings: &Settings, roi: Option<&Arc<Roi>>) -> Option<Stage> {
+        let of_settings = self.settings().first_difference(settings);
+        let of_roi = (self.run.roi() != roi).then_some(Stage::Cleaning);
+        [of_settings, of_roi].into_iter().flatten().min()
+    }
+
+    /// Takes other settings, of which those before `stage` are the same; the model itself stays.
+    pub(super) fn restart_at(
+        &mut self,
+        stage: Stage,
+        settings: Arc<Settings>,
+        roi: Option<Arc<Roi>>,
+    ) -> Result<(), PipelineError> {
+        self.growing = Growing::default();
+        (self.finished, self.score) = (false, None);
+        self.run.restart_at(stage, settings, roi)
+    }
+
+    /// Whether all frames there are have been analysed.
+    pub(super) fn is_through(&self, frames: &FrameCache) -> bool {
+        frames.is_complete() && self.run.front() as usize == frames.numbers().len()
+    }
+
+    /// Analyses the next frames that are there, or lets one be decoded on the way to them: not beyond the
+    /// position that is wanted in view, so that the model stops there.
+    pub(super) fn go_on(&mut self, frames: &mut FrameCache, wanted: Option<u32>) -> Result<Step, LaneError> {
+        let position = self.run.front();
+        if self.run.is_tracking_again() {
+            self.run.track_next();
+        } else {
+            match frames.fetch(position, Keep::IfRoom)? {
+                Fetched::Frame(frame) => {
+                    let frames = self.with_those_at_hand(frames, position, frame, wanted);
+                    self.run.step(&frames)?;
+                    for (position, frame) in (position..).zip(&frames) {
+                        self.inspector.push(position, frame);
+                    }
+                }
+                Fetched::OnTheWay | Fetched::End => {}
+                Fetched::Gone => return Ok(Step::Gone),
+            }
+        }
+        for position in position..self.run.front() {
+            let Some((analysis, share)) = self.run.outline(position) else { break };
+            self.growing.push(analysis, share);
+        }
+        if self.is_through(frames) && !self.finished {
+            self.growing.finish(self.run.final_reading());
+            self.finished = true;
+        }
+        Ok(Step::On)
+    }
+
+    /// The next frame, and those after it that need not be waited for, as many as may be analysed together.
+    fn with_those_at_hand(
+        &self,
+        frames: &mut FrameCache,
+        position: u32,
+        frame: Arc<Frame>,
+        wanted: Option<u32>,
+    ) -> Vec<Arc<Frame>> {
+        let most = match wanted.and_then(|wanted| wanted.checked_sub(position)) {
+            Some(before_wanted) => self.run.most_frames().min(before_wanted as usize + 1),
+            None => self.run.most_frames(),
+        };
+        let mut passed = vec![frame];
+        while passed.len() < most {
+            let Some(frame) = frames.at_hand(position + passed.len() as u32) else { break };
+            passed.push(frame);
+        }
+        passed
+    }
+
+    /// A frame under these settings, from its pictures; `None` where it has not been analysed.
+    pub(super) fn shown(&mut self, position: u32, frame: Arc<Frame>, pictures: Pictures) -> Option<Shown> {
+        let analysis = self.run.analysis(position)?;
+        Some(Shown {
+            position,
+            settings: Arc::clone(self.settings()),
+            roi: self.run.roi().cloned(),
+            frame,
+            analysis: Arc::new(analysis),
+            background: pictures.background,
+            multi_mode: pictures.multi_mode,
+            background_count: pictures.background_count,
+            pixel: self.inspector.covering(position),
+            beside: None,
+        })
+    }
+
+    /// Scores the final reading, if there is one that has not been scored by this truth; whether it did.
+    pub(super) fn score(&mut self, truth: Option<&Arc<Boxes>>) -> bool {
+        let Some(truth) = truth.filter(|_| self.finished) else { return false };
+        if self.score.as_ref().is_some_and(|(by, _)| Arc::ptr_eq(by, truth)) {
+            return false;
+        }
+        let found = self.run.final_reading();
+        let score = summary::score(truth, &summary::boxes_of(&found));
+        self.score = Some((Arc::clone(truth), Arc::new(score)));
+        true
+    }
+
+    /// What is known of the sequence now; its score is by `truth`.
+    pub(super) fn timeline(&self, frames: &FrameCache, truth: Option<&Arc<Boxes>>) -> Timeline {
+        let score = self.score.as_ref().filter(|(by, _)| truth.is_some_and(|truth| Arc::ptr_eq(by, truth)));
+        Timeline {
+            decoded: frames.kept_ranges(),
+            score: score.map(|(_, score)| Arc::clone(score)),
+            ..self.growing.timeline(frames.numbers(), frames.is_complete())
+        }
+    }
+}

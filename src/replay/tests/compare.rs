@@ -1,0 +1,156 @@
+//! Two choices of settings on the same frames.
+
+use super::*;
+use crate::pipeline::final_reading;
+use crate::truth::boxes::Boxes;
+use crate::truth::summary;
+
+fn other() -> Settings {
+    Settings { k: 4, alpha: 0.06, match_sigmas: 1.8, ..settings() }
+}
+
+/// Both at a position.
+fn both(watched: &Watched, position: u32) -> (Arc<Shown>, Arc<Shown>) {
+    watched.session.show(position);
+    let shown = watched
+        .until(|state| shows(state, position) && state.shown.as_ref().unwrap().beside.is_some())
+        .shown
+        .unwrap();
+    let beside = shown.beside.clone().unwrap();
+    (shown, beside)
+}
+
+/// All analysed under both.
+fn until_both_done(watched: &Watched) -> State {
+    watched.until(|state| {
+        let beside = state.beside.as_ref().is_some_and(|beside| beside.timeline.analysed == FRAMES);
+        beside && state.timeline.complete && state.timeline.analysed == FRAMES && state.busy.is_none()
+    })
+}
+
+fn boxes(video: &Path, settings: &Settings) -> Boxes {
+    let mut source = source::open(&name(video)).unwrap();
+    let mut pipeline = Pipeline::new(settings, source.info().size, source.info().fps).unwrap();
+    let mut all = Vec::new();
+    while let Some(frame) = source.next_frame().unwrap() {
+        all.push(pipeline.step(&frame).unwrap());
+    }
+    summary::boxes_of(&final_reading(all.iter(), &pipeline))
+}
+
+#[test]
+fn both_are_what_each_is_alone() {
+    let folder = scene();
+    let (a, b) = (settings(), other());
+    let expected = [straight(folder.path(), &a), straight(folder.path(), &b)];
+    let differ = |(a, b): &(Shown, Shown)| a.analysis.mask != b.analysis.mask;
+    assert!(expected[0].iter().cloned().zip(expected[1].iter().cloned()).filter(differ).count() > 20);
+    let frame_bytes = (WIDTH * HEIGHT * 3) as usize;
+    for budget in [1 << 30, frame_bytes * 160, 0] {
+        let watched = Watched::open(folder.path(), a.clone(), Start::First, budget);
+        watched.session.compare(a.clone(), Some(b.clone()));
+        for (step, position) in walk().map(|position| position.min(FRAMES - 1)).take(30).enumerate() {
+            if step == 10 {
+                watched.session.inspect(Some(PIXEL));
+            }
+            let (shown, beside) = both(&watched, position);
+            assert_same(&shown, &expected[0][position as usize]);
+            assert_same(&beside, &expected[1][position as usize]);
+        }
+        let last = until_both_done(&watched);
+        let beside = last.beside.unwrap();
+        for (got, expected) in [(&*last.timeline, &expected[0]), (&beside.timeline, &expected[1])] {
+            let shares: Vec<_> =
+                expected.iter().map(|shown| shown.analysis.mask.foreground_share()).collect();
+            assert_eq!(got.foreground_share, shares);
+        }
+        let with_pixel = |state: &State| {
+            let shown = state.shown.as_ref().unwrap();
+            shown.pixel.is_some() && shown.beside.as_ref().unwrap().pixel.is_some()
+        };
+        let shown = watched.until(with_pixel).shown.unwrap();
+        for (shown, expected) in [(&shown, &expected[0]), (shown.beside.as_ref().unwrap(), &expected[1])] {
+            let (history, straight) = (shown.pixel.as_ref().unwrap(), &expected[shown.position as usize]);
+            let straight = straight.pixel.as_ref().unwrap();
+            assert_eq!(history.parameters, straight.parameters);
+            assert_eq!(history.states[..=shown.position as usize], straight.states[..]);
+        }
+        watched.session.inspect(Some((1, 1)));
+        watched.until(|state| {
+            with_pixel(state)
+                && state.shown.as_ref().unwrap().beside.as_ref().unwrap().pixel.as_ref().unwrap().at == (1, 1)
+        });
+        watched.session.compare(a.clone(), None);
+        watched.until(|state| state.shown.as_ref().unwrap().beside.is_none() && state.beside.is_none());
+    }
+}
+
+#[test]
+fn what_was_compared_comes_into_view_without_being_run_again() {
+    let folder = scene();
+    let (a, b) = (settings(), other());
+    let expected = [straight(folder.path(), &a), straight(folder.path(), &b)];
+    let watched = Watched::open(folder.path(), a.clone(), Start::First, 1 << 30);
+    watched.session.show(30);
+    watched.until_done();
+    // The first copy is the same run.
+    watched.session.compare(a.clone(), Some(a.clone()));
+    let equal = watched.until(|state| state.shown.as_ref().unwrap().beside.is_some());
+    assert_same(equal.shown.unwrap().beside.as_ref().unwrap(), &expected[0][30]);
+    assert!(equal.beside.is_none());
+    // Other settings in view: what was there is what they are compared with.
+    watched.session.compare(b.clone(), Some(a.clone()));
+    watched.until(|state| {
+        let shown = state.shown.as_ref().unwrap();
+        let kept = state.beside.as_ref().is_none_or(|beside| beside.timeline.analysed == FRAMES);
+        assert!(kept, "what was analysed stays");
+        *shown.settings == b && shown.beside.is_some()
+    });
+    until_both_done(&watched);
+    for (in_view, beside, at) in [(&a, &b, 0), (&b, &a, 1), (&a, &b, 0)] {
+        watched.session.compare(in_view.clone(), Some(beside.clone()));
+        let state = watched.until(|state| {
+            assert_eq!(state.timeline.analysed, FRAMES, "nothing is run again");
+            let shown = state.shown.as_ref().unwrap();
+            *shown.settings == *in_view
+                && shown.beside.as_ref().is_some_and(|shown| *shown.settings == *beside)
+                && state.beside.as_ref().is_some_and(|now| *now.settings == *beside)
+        });
+        let shown = state.shown.unwrap();
+        assert_same(&shown, &expected[at][30]);
+        assert_same(shown.beside.as_ref().unwrap(), &expected[1 - at][30]);
+    }
+    // Settings that touch neither mask nor regions, on either side.
+    let (late, area) = (Settings { gate: 0.9, ..a.clone() }, half(true));
+    watched.session.compare(a.clone(), Some(late.clone()));
+    watched.session.set_roi(Some(Arc::clone(&area)));
+    let [expected_a, expected_late] =
+        [&a, &late].map(|settings| straight_within(folder.path(), settings, Some(&area)));
+    until_both_done(&watched);
+    for position in [50, 20] {
+        let (shown, beside) = both(&watched, position);
+        assert_same(&shown, &expected_a[position as usize]);
+        assert_same(&beside, &expected_late[position as usize]);
+    }
+}
+
+#[test]
+fn both_are_scored_by_the_truth() {
+    let folder = scene();
+    let (a, b) = (settings(), other());
+    let truth = Arc::new(boxes(folder.path(), &a));
+    assert!(truth.len() > 30);
+    let expected = summary::score(&truth, &boxes(folder.path(), &b));
+    assert!(expected.strict.mota < 1.0);
+    let watched = Watched::open(folder.path(), a.clone(), Start::First, 1 << 30);
+    watched.session.compare(a, Some(b));
+    watched.session.set_truth(Some(truth));
+    let state = watched.until(|state| {
+        let beside = state.beside.as_ref();
+        state.timeline.score.is_some() && beside.is_some_and(|beside| beside.timeline.score.is_some())
+    });
+    assert_eq!(state.timeline.score.as_ref().unwrap().strict.mota, 1.0);
+    assert_eq!(**state.beside.unwrap().timeline.score.as_ref().unwrap(), expected);
+    watched.session.set_truth(None);
+    watched.until(|state| state.timeline.score.is_none());
+}

@@ -1,0 +1,50 @@
+//! All that boxes tell about tracks.
+
+use std::collections::BTreeMap;
+
+use serde::Serialize;
+
+use super::boxes::{Bounds, Boxes};
+use super::clear_mot::{self, ClearMot};
+use super::survival::{self, Survival};
+use crate::pipeline::Reading;
+
+/// How right tracks are.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct TrackScore {
+    /// Where a box is on an object from an IoU of 0.5 on.
+    #[serde(rename = "iou0.5")]
+    pub strict: ClearMot,
+    /// Where it is from 0.3 on.
+    #[serde(rename = "iou0.3")]
+    pub loose: ClearMot,
+    /// What became of the identities of those who met.
+    pub occlusion: Survival,
+}
+
+/// Scores `found` against `truth`.
+pub fn score(truth: &Boxes, found: &Boxes) -> TrackScore {
+    TrackScore {
+        strict: clear_mot::score(truth, found, 0.5),
+        loose: clear_mot::score(truth, found, 0.3),
+        occlusion: survival::score(truth, found),
+    }
+}
+
+/// The boxes of a reading, as its file of tracks holds them.
+pub fn boxes_of(reading: &Reading) -> Boxes {
+    let mut boxes = Boxes::new();
+    for (number, tracks) in &reading.tracks {
+        let of_frame: BTreeMap<_, _> = tracks
+            .iter()
+            .map(|track| {
+                let bbox = track.bbox;
+                (track.id, Bounds([bbox.x, bbox.y, bbox.w, bbox.h].map(f64::from)))
+            })
+            .collect();
+        if !of_frame.is_empty() {
+            boxes.insert(*number, of_frame);
+        }
+    }
+    boxes
+}
