@@ -5,6 +5,7 @@ use egui_material_icons::icons as m;
 
 use super::command::Action;
 use super::entry::{Entry, Menu, ctrl, ctrl_shift, entry, key, shift};
+use super::keys::FLIP;
 use super::overlays::Drawn;
 use super::slots::Slot;
 use super::views::{Layout, View};
@@ -175,6 +176,42 @@ pub(crate) static ACTIONS: &[Entry] = &[
     .within("Views"),
     entry(
         Menu::View,
+        Action::Open(View::Agreement),
+        m::ICON_VISIBILITY,
+        "A against B view",
+        &[],
+        "Open or close the view of where the masks of A and B agree; its place is kept",
+    )
+    .within("Views"),
+    entry(
+        Menu::View,
+        Action::Open(View::BesideForeground),
+        m::ICON_VISIBILITY,
+        "Other foreground view",
+        &[],
+        "Open or close the view of the mask under the settings that are not in view; its place is kept",
+    )
+    .within("Views"),
+    entry(
+        Menu::View,
+        Action::Open(View::BesideTracks),
+        m::ICON_VISIBILITY,
+        "Other tracks view",
+        &[],
+        "Open or close the view of the objects under the settings that are not in view; its place is kept",
+    )
+    .within("Views"),
+    entry(
+        Menu::View,
+        Action::Open(View::BesideBackground),
+        m::ICON_VISIBILITY,
+        "Other background view",
+        &[],
+        "Open or close the view of the background model under the settings that are not in view; its place is kept",
+    )
+    .within("Views"),
+    entry(
+        Menu::View,
         Action::Arrange(Layout::All),
         m::ICON_GRID_VIEW,
         "Everything",
@@ -275,6 +312,42 @@ pub(crate) static ACTIONS: &[Entry] = &[
         "Difference alone",
         &[key(Key::Num6)],
         "Show how far the input is from the background alone, or all views again",
+    )
+    .within("One view alone"),
+    entry(
+        Menu::View,
+        Action::Maximise(View::Agreement),
+        m::ICON_FULLSCREEN,
+        "A against B alone",
+        &[key(Key::Num8)],
+        "Show where the masks of A and B agree alone, or all views again",
+    )
+    .within("One view alone"),
+    entry(
+        Menu::View,
+        Action::Maximise(View::BesideForeground),
+        m::ICON_FULLSCREEN,
+        "Other foreground alone",
+        &[],
+        "Show the mask under the settings that are not in view alone, or all views again",
+    )
+    .within("One view alone"),
+    entry(
+        Menu::View,
+        Action::Maximise(View::BesideTracks),
+        m::ICON_FULLSCREEN,
+        "Other tracks alone",
+        &[],
+        "Show the objects under the settings that are not in view alone, or all views again",
+    )
+    .within("One view alone"),
+    entry(
+        Menu::View,
+        Action::Maximise(View::BesideBackground),
+        m::ICON_FULLSCREEN,
+        "Other background alone",
+        &[],
+        "Show the background model under the settings that are not in view alone, or all views again",
     )
     .within("One view alone"),
     entry(
@@ -619,6 +692,38 @@ pub(crate) static ACTIONS: &[Entry] = &[
         "Analyse under the second; it begins as a copy of A",
     )
     .always(),
+    entry(
+        Menu::Analysis,
+        Action::Flip,
+        m::ICON_SYNC_ALT,
+        "Flip A and B while held",
+        &[key(FLIP)],
+        "Hold the key to look at the other settings, let go to come back",
+    ),
+    entry(
+        Menu::Analysis,
+        Action::CopySettings,
+        m::ICON_CONTENT_COPY,
+        "Copy settings to the other slot",
+        &[],
+        "A and B become equal to what is in view",
+    ),
+    entry(
+        Menu::Analysis,
+        Action::SwapSettings,
+        m::ICON_SWAP_HORIZ,
+        "Swap A and B",
+        &[],
+        "What was A is B and the other way round; the slot in view stays",
+    ),
+    entry(
+        Menu::Analysis,
+        Action::KeepSettings,
+        m::ICON_DONE,
+        "Keep the settings in view alone",
+        &[],
+        "They become A; the others are given up",
+    ),
     entry(
         Menu::Analysis,
         Action::DrawArea(Purpose::Ignore),

@@ -7,9 +7,11 @@ use eframe::egui::{ColorImage, Context, Theme, ViewportCommand};
 use super::Window;
 use super::areas::{Areas, Change};
 use super::command::{Action, Command};
+use super::compared::Read;
 use super::export_frame::Picture;
 use super::history::Again;
 use super::overlays::Overlay;
+use super::slots::Slots;
 use super::state::{Camera, Origin, SPEEDS};
 use super::{sample, views};
 use crate::replay::Start;
@@ -60,6 +62,11 @@ impl Window {
             Command::Seen => model.looked_at = None,
             Command::HideHint => model.hint = false,
             Command::Read(event) => model.reading = event,
+            Command::LetGo(slot) => {
+                model.held = None;
+                model.show_slot(slot);
+            }
+            Command::List(listing) => model.listing = listing,
             Command::FilterEvents(place, listed) => {
                 if let Some(kind) = model.listed.get_mut(place) {
                     *kind = listed;
@@ -110,8 +117,30 @@ impl Window {
             }
             Action::Slot(slot) => {
                 if model.show_slot(slot) {
-                    self.toasts.done(ctx, "Settings B begin as a copy of A; the keys A and B flip");
+                    self.toasts.done(
+                        ctx,
+                        "Settings B begin as a copy of A. The keys A and B flip between them; View, Layout, \
+                         Compare shows both",
+                    );
                 }
+            }
+            Action::Flip => {
+                let other = model.slots.in_view.other();
+                model.held = Some(model.slots.in_view);
+                model.show_slot(other);
+            }
+            Action::CopySettings => {
+                model.change_slots(|slots, settings| slots.other = Some(settings.clone()))
+            }
+            Action::SwapSettings => model.change_slots(|slots, settings| {
+                if let Some(other) = &mut slots.other {
+                    std::mem::swap(other, settings);
+                }
+            }),
+            Action::KeepSettings => {
+                model.change_slots(|slots, _| *slots = Slots::new());
+                model.held = None;
+                self.toasts.done(ctx, "The settings in view are A; there is no B any more");
             }
             Action::DefaultSettings => model.settings = Settings::default(),
             Action::DrawArea(purpose) => {
@@ -153,7 +182,7 @@ impl Window {
             Action::NextEvent | Action::PreviousEvent => {
                 if let Some((event, position)) = model.event_beside(action == Action::NextEvent) {
                     model.playback.playing = false;
-                    model.reading = Some(event);
+                    model.reading = Some(Read::InView(event));
                     model.go_to(position);
                 }
             }
@@ -251,6 +280,7 @@ impl Window {
                 model.slots.show(slot, &mut model.settings);
                 model.settings = settings;
             }
+            Some(Again::Slots(slots, settings)) => (model.slots, model.settings) = (slots, settings),
             Some(Again::Areas(areas)) => {
                 model.areas = areas;
                 self.send_areas();

@@ -2,6 +2,7 @@
 
 pub(crate) use super::actions::ACTIONS;
 use super::areas::Change;
+use super::compared::{Listing, Read};
 pub(crate) use super::entry::{Entry, Menu};
 use super::inspector::Table;
 use super::overlays::Drawn;
@@ -43,6 +44,14 @@ pub(crate) enum Action {
     DefaultSettings,
     /// Analyse under the settings of this slot.
     Slot(Slot),
+    /// Analyse under the settings of the other slot while a key is held.
+    Flip,
+    /// The other slot gets a copy of the settings in view.
+    CopySettings,
+    /// The settings of the two slots change places.
+    SwapSettings,
+    /// Only the settings in view are left.
+    KeepSettings,
     /// Draw an area over the views.
     DrawArea(Purpose),
     /// The area that is being drawn is whole.
@@ -171,7 +180,11 @@ pub(crate) enum Command {
     /// The line on what to try first has been read.
     HideHint,
     /// Read an event's evidence.
-    Read(Option<usize>),
+    Read(Option<Read>),
+    /// The key that brought the other settings into view was let go: these are in view again.
+    LetGo(Slot),
+    /// List these events while settings are compared.
+    List(Listing),
     /// Show or hide a kind of events, by its place in [`crate::occlusion::EventKind::ALL`].
     FilterEvents(usize, bool),
 }

@@ -7,11 +7,14 @@ use eframe::egui::{
 use egui_material_icons::icons as m;
 
 use super::command::Command;
+use super::compared::{Compared, Listing, Read};
 use super::state::Model;
 use super::{icons, theme};
 use crate::occlusion::event::Comparison;
 use crate::occlusion::{Event, EventKind};
 use crate::palette::{event_colour, identity_colour};
+use crate::replay::Timeline;
+use crate::replay::compare::Pair;
 
 /// Shows them.
 pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
@@ -19,38 +22,45 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         ui.heading("Events");
         ui.weak(timeline.events.len().to_string());
+        if let Some(compared) = &model.compared {
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
+                listings(ui, model, compared, commands)
+            });
+        }
     });
     filter(ui, model, commands);
-    let listed: Vec<usize> = timeline
-        .events
-        .iter()
-        .enumerate()
-        .filter(|(_, (_, event))| model.lists(event.kind))
-        .map(|(index, _)| index)
-        .collect();
+    let listed = listed(model, timeline);
     if listed.is_empty() {
         ui.add_space(theme::SPACE);
-        let why = if timeline.events.is_empty() { "None so far." } else { "None of the kinds chosen above." };
+        let why = match model.listing {
+            _ if timeline.events.is_empty() && model.compared.is_none() => "None so far.",
+            Listing::OnlyInView | Listing::OnlyBeside | Listing::Moved if model.compared.is_some() => {
+                "None: A and B agree on these."
+            }
+            _ => "None of the kinds chosen above.",
+        };
         ui.weak(why);
         return;
     }
-    let read = model.reading.and_then(|index| Some((index, timeline.events.get(index)?)));
+    let read = model.reading.and_then(|read| Some((read, model.event(read)?)));
     let height = ui.available_height();
     let list = if read.is_some() { (height * 0.5).max(height - 230.0) } else { height };
     let here = model.shown().map(|shown| shown.position);
     let row_height = theme::ROW;
     let mut area = ScrollArea::vertical().id_salt("events").auto_shrink([false, true]).max_height(list);
-    if let Some(offset) = follow(ui, &listed, model, here, row_height, list) {
+    let positions = listed.iter().filter_map(|row| Some(model.event(row.read)?.0));
+    if let Some(offset) = follow(ui, positions, here, row_height, list) {
         area = area.vertical_scroll_offset(offset);
     }
     ui.scope(|ui| {
         ui.spacing_mut().item_spacing.y = 0.0;
         area.show_rows(ui, row_height, listed.len(), |ui, rows| {
-            for &index in &listed[rows] {
-                let (position, event) = &timeline.events[index];
+            for listed in &listed[rows] {
+                let Some((position, event)) = model.event(listed.read) else { continue };
                 let current = here == Some(*position);
-                if row(ui, event, current, model.reading == Some(index)) {
-                    commands.push(Command::Read(Some(index)));
+                let aside = aside(model, listed);
+                if row(ui, event, current, model.reading == Some(listed.read), aside) {
+                    commands.push(Command::Read(Some(listed.read)));
                     commands.push(Command::GoTo(*position));
                 }
             }
@@ -62,9 +72,80 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
 }
 
+/// A row of the list.
+struct Listed {
+    read: Read,
+    /// How the event stands to the other settings, while there are some.
+    pair: Option<Pair>,
+}
+
+/// The events to list, in order of time.
+fn listed(model: &Model, timeline: &Timeline) -> Vec<Listed> {
+    let shows = |listed: &Listed| model.event(listed.read).is_some_and(|(_, event)| model.lists(event.kind));
+    let Some(compared) = &model.compared else {
+        let all = (0..timeline.events.len()).map(|index| Listed { read: Read::InView(index), pair: None });
+        return all.filter(shows).collect();
+    };
+    let pairs = compared.pairs.iter().filter(|pair| compared.lists(model.listing, **pair));
+    let rows = pairs.map(|&pair| {
+        let read = match pair {
+            Pair::First(index) | Pair::Both(index, _) => Read::InView(index),
+            Pair::Second(index) => Read::Beside(index),
+        };
+        Listed { read, pair: Some(pair) }
+    });
+    rows.filter(shows).collect()
+}
+
+/// Which events are listed while two settings are compared, with how many there are of each.
+fn listings(ui: &mut Ui, model: &Model, compared: &Compared, commands: &mut Vec<Command>) {
+    let slot = model.slots.in_view;
+    ui.spacing_mut().item_spacing.x = theme::SPACE / 2.0;
+    ui.spacing_mut().button_padding = vec2(theme::SPACE, 1.0);
+    for listing in Listing::ALL.into_iter().rev() {
+        let (word, meaning) = match listing {
+            Listing::All => ("all".to_owned(), "Events under A or B".to_owned()),
+            Listing::OnlyInView => {
+                (format!("only {}", slot.name()), format!("Events under {} alone", slot.name()))
+            }
+            Listing::OnlyBeside => {
+                let other = slot.other().name();
+                (format!("only {other}"), format!("Events under {other} alone"))
+            }
+            Listing::Moved => ("moved".to_owned(), "Events of both at another frame".to_owned()),
+        };
+        let count = compared.pairs.iter().filter(|pair| compared.lists(listing, **pair)).count();
+        let text = RichText::new(format!("{word} {count}")).size(theme::SMALL);
+        let response = ui.add(Button::selectable(model.listing == listing, text));
+        if response.accessible_name(&meaning).on_hover_text(meaning).clicked() {
+            commands.push(Command::List(listing));
+        }
+    }
+}
+
+/// What stands beside an event while two settings are compared: whose it is alone, or by how much it moved.
+fn aside(model: &Model, listed: &Listed) -> Option<(String, [u8; 3])> {
+    let slot = model.slots.in_view;
+    match listed.pair? {
+        Pair::First(_) => Some((slot.name().to_owned(), slot.colour())),
+        Pair::Second(_) => Some((slot.other().name().to_owned(), slot.other().colour())),
+        pair @ Pair::Both(..) => {
+            let moved = model.compared.as_ref()?.moved(pair).filter(|moved| *moved != 0)?;
+            let text = format!("{moved:+} in {}", slot.other().name());
+            Some((text, slot.other().colour()))
+        }
+    }
+}
+
 /// Where the list has to stand so that the events nearest to the frame in view are seen, when that
 /// frame is another than before.
-fn follow(ui: &Ui, listed: &[usize], model: &Model, here: Option<u32>, row: f32, height: f32) -> Option<f32> {
+fn follow(
+    ui: &Ui,
+    mut positions: impl Iterator<Item = u32>,
+    here: Option<u32>,
+    row: f32,
+    height: f32,
+) -> Option<f32> {
     let id = ui.scope_id().with("followed");
     let before = ui.data(|data| data.get_temp::<u32>(id));
     let here = here?;
@@ -72,8 +153,7 @@ fn follow(ui: &Ui, listed: &[usize], model: &Model, here: Option<u32>, row: f32,
         return None;
     }
     ui.data_mut(|data| data.insert_temp(id, here));
-    let events = &model.timeline()?.events;
-    let first = listed.iter().position(|&index| events[index].0 >= here)?;
+    let first = positions.position(|position| position >= here)?;
     Some((first as f32 * row - height * 0.4).max(0.0))
 }
 
@@ -129,10 +209,13 @@ pub(crate) fn participants(event: &Event) -> String {
     }
 }
 
-fn row(ui: &mut Ui, event: &Event, current: bool, read: bool) -> bool {
+fn row(ui: &mut Ui, event: &Event, current: bool, read: bool, aside: Option<(String, [u8; 3])>) -> bool {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), theme::ROW), Sense::click());
     let who = participants(event);
-    let name = format!("{} {who}, frame {}", event.kind.name(), event.frame);
+    let mut name = format!("{} {who}, frame {}", event.kind.name(), event.frame);
+    if let Some((text, _)) = &aside {
+        name = format!("{name}, {text}");
+    }
     response.widget_info(|| WidgetInfo::selected(Role::Button, true, read, &name));
     let colours = theme::colours(ui.visuals());
     let painter = ui.painter();
@@ -180,6 +263,11 @@ fn row(ui: &mut Ui, event: &Event, current: bool, read: bool) -> bool {
         FontId::monospace(theme::MONO),
         colours.weak,
     );
+    if let Some((text, colour)) = aside {
+        let at = rect.right_center() - vec2(58.0, 0.0);
+        let font = FontId::proportional(theme::SMALL);
+        painter.text(at, Align2::RIGHT_CENTER, text, font, readable(ui, colour));
+    }
     let clicked = response.clicked();
     response.on_hover_ui(|ui| {
         ui.strong(&name);

@@ -1,7 +1,7 @@
 //! Undo and redo of settings and areas.
 
 use super::areas::Areas;
-use super::slots::Slot;
+use super::slots::{Slot, Slots};
 use crate::settings::Settings;
 
 /// How many changes can be taken back.
@@ -14,6 +14,8 @@ enum Change {
     Settings { slot: Slot, before: Settings, after: Settings },
     /// Of the areas.
     Areas { before: Areas, after: Areas },
+    /// Of both slots at once, with the settings in view.
+    Slots { before: (Slots, Settings), after: (Slots, Settings) },
 }
 
 /// What is to be as it was.
@@ -23,6 +25,8 @@ pub(crate) enum Again {
     Settings(Slot, Settings),
     /// The areas.
     Areas(Areas),
+    /// Both slots, and the settings in view.
+    Slots(Slots, Settings),
 }
 
 /// Changes that were made, and those that were taken back.
@@ -57,10 +61,16 @@ impl History {
         self.add(Change::Areas { before, after });
     }
 
+    /// Notes other slots, each with the settings that are in view.
+    pub(crate) fn note_slots(&mut self, before: (Slots, Settings), after: (Slots, Settings)) {
+        self.present = (after.0.in_view, after.1.clone());
+        self.add(Change::Slots { before, after });
+    }
+
     /// Areas belong to a video, and it is no longer there.
     pub(crate) fn forget_areas(&mut self) {
         for changes in [&mut self.past, &mut self.future] {
-            changes.retain(|change| matches!(change, Change::Settings { .. }));
+            changes.retain(|change| !matches!(change, Change::Areas { .. }));
         }
     }
 
@@ -83,6 +93,7 @@ impl History {
         let again = match &change {
             Change::Settings { slot, before, .. } => self.settings(*slot, before.clone()),
             Change::Areas { before, .. } => Again::Areas(before.clone()),
+            Change::Slots { before, .. } => self.slots(before.clone()),
         };
         self.future.push(change);
         Some(again)
@@ -94,6 +105,7 @@ impl History {
         let again = match &change {
             Change::Settings { slot, after, .. } => self.settings(*slot, after.clone()),
             Change::Areas { after, .. } => Again::Areas(after.clone()),
+            Change::Slots { after, .. } => self.slots(after.clone()),
         };
         self.past.push(change);
         Some(again)
@@ -102,6 +114,11 @@ impl History {
     fn settings(&mut self, slot: Slot, settings: Settings) -> Again {
         self.present = (slot, settings.clone());
         Again::Settings(slot, settings)
+    }
+
+    fn slots(&mut self, (slots, settings): (Slots, Settings)) -> Again {
+        self.present = (slots.in_view, settings.clone());
+        Again::Slots(slots, settings)
     }
 
     /// Whether there is something to take back, and to make again.
@@ -147,6 +164,19 @@ mod tests {
         assert_eq!(history.undo(), None);
         assert_eq!(history.redo(), Some(Again::Settings(Slot::B, five)));
         assert_eq!(history.redo(), Some(Again::Settings(Slot::A, two)));
+    }
+
+    #[test]
+    fn slots_that_changed_places_come_back_together() {
+        let start = Settings::default();
+        let five = Settings { k: 5, ..start.clone() };
+        let slots = |other: &Settings| Slots { in_view: Slot::A, other: Some(other.clone()) };
+        let mut history = History::new(start.clone());
+        history.note_slots((slots(&five), start.clone()), (slots(&start), five.clone()));
+        history.note(&five);
+        assert_eq!(history.undo(), Some(Again::Slots(slots(&five), start.clone())));
+        history.note(&start);
+        assert_eq!(history.redo(), Some(Again::Slots(slots(&start), five)));
     }
 
     #[test]

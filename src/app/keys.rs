@@ -6,11 +6,17 @@ use super::command::{ACTIONS, Command};
 use super::state::Model;
 use super::top_bar;
 
+/// While it is held, the other settings are in view.
+pub(crate) const FLIP: Key = Key::X;
+
 /// The actions that make sense now and whose keys were pressed. None while text is typed, and none of the keys that move
 /// or press a control while one has the focus.
 pub(crate) fn pressed(ctx: &Context, model: &Model, commands: &mut Vec<Command>) {
     if ctx.text_edit_focused() {
         return;
+    }
+    if let Some(slot) = model.held.filter(|_| !ctx.input(|input| input.key_down(FLIP))) {
+        commands.push(Command::LetGo(slot));
     }
     let focused = ctx.memory(|memory| memory.focused().is_some());
     let menu = Popup::is_any_open(ctx);

@@ -54,7 +54,9 @@ impl Player for Ready {
         self.state.borrow_mut().shown = Some(Arc::new(shown));
     }
 
-    fn set_settings(&self, _: Settings) {}
+    fn set_settings(&self, _: Settings, _: Option<Settings>) {}
+
+    fn set_truth(&self, _: Option<Arc<crate::truth::boxes::Boxes>>) {}
 
     fn set_roi(&self, _: Option<Arc<regions::Roi>>) {}
 
@@ -123,6 +125,7 @@ fn shown_at(position: u32, count: u32) -> Shown {
         multi_mode: Some(picture(0)),
         background_count: Some(Arc::new(vec![1; SIZE.pixels()])),
         pixel: None,
+        beside: None,
     }
 }
 
@@ -136,6 +139,7 @@ fn ready(frames: Rc<Vec<Shown>>) -> Ready {
         warnings: Arc::default(),
         shown: Some(Arc::new(frames[0].clone())),
         timeline: Arc::new(timeline),
+        beside: None,
         busy: None,
         pixel: None,
         tuning: None,

@@ -9,6 +9,7 @@ mod apply;
 mod area_panel;
 mod areas;
 mod command;
+mod compared;
 mod dialogs;
 mod drop_files;
 mod entry;
@@ -25,6 +26,7 @@ mod marks;
 mod messages;
 mod overlays;
 mod sample;
+mod score_panel;
 mod setting_control;
 mod setting_help;
 mod settings_file;
@@ -231,6 +233,9 @@ impl Window {
             Answer::Mask(Ok(mask)) => self.change_areas(ctx, Change::Load(mask)),
             Answer::Truth(Ok(boxes)) => {
                 let frames = boxes.len();
+                if let Some(player) = &self.model.player {
+                    player.set_truth(Some(Arc::clone(&boxes)));
+                }
                 self.model.truth = Some(boxes);
                 self.toasts.done(ctx, format!("Ground truth of {frames} frames, over the tracks"));
             }
@@ -255,7 +260,8 @@ impl Window {
         if !busy {
             self.model.history.note(&self.model.settings);
         }
-        if self.model.settings == self.model.sent {
+        let (settings, beside) = &self.model.sent;
+        if *settings == self.model.settings && *beside == self.model.slots.other {
             return;
         }
         let waited = self.sent_at.is_none_or(|at| at.elapsed() >= SETTLE);
@@ -264,11 +270,11 @@ impl Window {
             return;
         }
         self.sent_at = Some(Instant::now());
-        self.model.sent = self.model.settings.clone();
+        self.model.sent = (self.model.settings.clone(), self.model.slots.other.clone());
         // Under other settings, other events stand at its place.
         self.model.reading = None;
         if let Some(player) = &self.model.player {
-            player.set_settings(self.model.settings.clone());
+            player.set_settings(self.model.settings.clone(), self.model.slots.other.clone());
         }
     }
 

@@ -1,5 +1,6 @@
 //! Every setting, made from the table of settings, grouped by stage.
 
+use eframe::egui::containers::menu::MenuButton;
 use eframe::egui::{
     Align, Button, CollapsingHeader, ComboBox, InputState, Layout, RichText, ScrollArea, Stroke, StrokeKind,
     Ui, Vec2, vec2,
@@ -10,13 +11,14 @@ use super::command::{Action, Command};
 use super::setting_control;
 use super::slots::{self, Slot};
 use super::state::Model;
-use super::{area_panel, icons, theme};
+use super::{area_panel, icons, score_panel, theme, top_bar};
 use crate::settings::{Preset, SETTINGS, Setting, Settings, Stage};
 
 /// Shows them.
 pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let mut settings = model.settings.clone();
     head(ui, model, &mut settings, commands);
+    score_panel::ui(ui, model);
     ui.add_space(theme::SPACE);
     let fps = model.fps();
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
@@ -111,11 +113,30 @@ fn slots(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.spacing_mut().item_spacing.x = theme::SPACE;
     for slot in Slot::ALL {
         let here = slot == model.slots.in_view;
-        let response =
-            ui.selectable_label(here, slot.name()).accessible_name(format!("Settings {}", slot.name()));
-        let text = format!("{}; the keys A and B flip", slots::difference(&model.settings, other));
-        if response.on_hover_text(text).clicked() && !here {
+        let response = ui
+            .selectable_label(here, slot.name())
+            .accessible_name(format!("Settings {}", slot.name()))
+            .on_hover_text(format!("{}; the keys A and B flip", slots::difference(&model.settings, other)));
+        if response.clicked() && !here {
             commands.push(Command::Act(Action::Slot(slot)));
         }
+        let mark = eframe::egui::Rect::from_min_size(
+            response.rect.left_bottom() - vec2(0.0, 2.0),
+            vec2(response.rect.width(), 2.0),
+        );
+        ui.painter().rect_filled(mark, 0.0, theme::rgb(slot.colour()));
     }
+    let button = Button::new(icons::text(m::ICON_MORE_HORIZ)).frame_when_inactive(false);
+    let (response, _) = MenuButton::from_button(button).ui(ui, |ui| {
+        for action in [Action::Flip, Action::CopySettings, Action::SwapSettings, Action::KeepSettings] {
+            if let Some(entry) = action.entry() {
+                top_bar::item(ui, model, entry, commands);
+            }
+        }
+        ui.separator();
+        if let Some(entry) = Action::Arrange(super::views::Layout::Compare).entry() {
+            top_bar::item(ui, model, entry, commands);
+        }
+    });
+    response.accessible_name("A and B").on_hover_text("What can be done with the two");
 }

@@ -15,6 +15,22 @@ impl Slot {
     /// Both in order.
     pub(crate) const ALL: [Self; 2] = [Self::A, Self::B];
 
+    /// The one beside it.
+    pub(crate) const fn other(self) -> Self {
+        match self {
+            Self::A => Self::B,
+            Self::B => Self::A,
+        }
+    }
+
+    /// Its colour wherever the two are compared; apart for colour-blind eyes, too.
+    pub(crate) const fn colour(self) -> [u8; 3] {
+        match self {
+            Self::A => [230, 159, 0],
+            Self::B => [86, 180, 233],
+        }
+    }
+
     /// Its letter.
     pub(crate) const fn name(self) -> &'static str {
         match self {
@@ -25,7 +41,7 @@ impl Slot {
 }
 
 /// Which slot is in view, and what lies in the other. The settings in view are the model's own.
-#[derive(Clone, Debug)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) struct Slots {
     /// The slot in view.
     pub(crate) in_view: Slot,

@@ -6,6 +6,7 @@ use std::sync::Arc;
 use eframe::egui::Context;
 
 use super::areas::Areas;
+use super::compared::{Compared, Listing, Read};
 use super::history::History;
 use super::marks::Marks;
 use super::overlays::{Overlay, Overlays};
@@ -14,7 +15,7 @@ use super::views::{Background, View};
 use crate::frame::Size;
 use crate::mixture::PixelHistory;
 use crate::mixture::tuning::Knob;
-use crate::occlusion::EventKind;
+use crate::occlusion::{Event, EventKind};
 use crate::regions::Roi;
 use crate::replay::{Phase, Session, Shown, Start, State, Timeline, Tuning};
 use crate::settings::Settings;
@@ -27,8 +28,10 @@ pub(crate) trait Player {
     fn state(&self) -> State;
     /// Asks for a frame.
     fn show(&self, position: u32);
-    /// Asks for other settings.
-    fn set_settings(&self, settings: Settings);
+    /// Asks for settings in view, and for others to compare them with.
+    fn set_settings(&self, settings: Settings, beside: Option<Settings>);
+    /// Says where objects truly are.
+    fn set_truth(&self, truth: Option<Arc<Boxes>>);
     /// Asks for another part of the image to be analysed, the whole without one.
     fn set_roi(&self, roi: Option<Arc<Roi>>);
     /// Chooses a pixel.
@@ -46,8 +49,12 @@ impl Player for Session {
         Session::show(self, position);
     }
 
-    fn set_settings(&self, settings: Settings) {
-        Session::set_settings(self, settings);
+    fn set_settings(&self, settings: Settings, beside: Option<Settings>) {
+        self.compare(settings, beside);
+    }
+
+    fn set_truth(&self, truth: Option<Arc<Boxes>>) {
+        Session::set_truth(self, truth);
     }
 
     fn set_roi(&self, roi: Option<Arc<Roi>>) {
@@ -173,8 +180,8 @@ pub(crate) struct Model {
     pub(crate) settings: Settings,
     /// The slot in view, and what lies in the other.
     pub(crate) slots: Slots,
-    /// The settings that the worker was last given.
-    pub(crate) sent: Settings,
+    /// What the worker was last given: the settings in view, and those to compare them with.
+    pub(crate) sent: (Settings, Option<Settings>),
     /// The settings whose map the worker was last asked for.
     pub(crate) tuned: Option<[Knob; 2]>,
     /// Settings before and after, for undo.
@@ -213,8 +220,14 @@ pub(crate) struct Model {
     pub(crate) recent: Vec<String>,
     /// Which kinds of events are listed and jumped to, in the order of [`EventKind::ALL`].
     pub(crate) listed: [bool; EventKind::ALL.len()],
-    /// The event whose evidence is read, by its place in the timeline.
-    pub(crate) reading: Option<usize>,
+    /// The event whose evidence is read.
+    pub(crate) reading: Option<Read>,
+    /// Which events the settings in view and those compared with them have in common; `None` where nothing is compared.
+    pub(crate) compared: Option<Compared>,
+    /// Which of them are listed.
+    pub(crate) listing: Listing,
+    /// The slot that comes into view again when a key is let go.
+    pub(crate) held: Option<Slot>,
     /// The setting that is to be brought into sight.
     pub(crate) looked_at: Option<&'static str>,
     /// Whether the line on what to try first is still to be read.
@@ -236,7 +249,7 @@ impl Model {
             opened: None,
             origin: Origin::New,
             history: History::new(settings.clone()),
-            sent: settings.clone(),
+            sent: (settings.clone(), None),
             tuned: None,
             settings,
             slots: Slots::new(),
@@ -258,6 +271,9 @@ impl Model {
             recent: Vec::new(),
             listed: [true; EventKind::ALL.len()],
             reading: None,
+            compared: None,
+            listing: Listing::All,
+            held: None,
             looked_at: None,
             hint: true,
             settings_panel: true,
@@ -290,7 +306,9 @@ impl Model {
         self.span = None;
         self.opened = Some(name.to_owned());
         (self.origin, self.truth) = (Origin::New, None);
-        (self.sent, self.tuned) = (self.settings.clone(), None);
+        // A worker begins with the settings in view alone.
+        (self.sent, self.tuned) = ((self.settings.clone(), None), None);
+        self.compared = None;
         (self.wanted, self.chosen, self.hovered, self.reading) = (None, None, None, None);
         self.playback.playing = false;
         self.camera = Camera::FIT;
@@ -339,6 +357,14 @@ impl Model {
         first
     }
 
+    /// Changes both slots at once, so that it is taken back at once.
+    pub(crate) fn change_slots(&mut self, change: impl FnOnce(&mut Slots, &mut Settings)) {
+        self.history.note(&self.settings);
+        let before = (self.slots.clone(), self.settings.clone());
+        change(&mut self.slots, &mut self.settings);
+        self.history.note_slots(before, (self.slots.clone(), self.settings.clone()));
+    }
+
     /// What the chosen pixel would be under other settings, as far as that is known.
     pub(crate) fn tuning(&self) -> Option<&Tuning> {
         self.state.as_ref()?.tuning.as_deref()
@@ -380,6 +406,19 @@ impl Model {
     /// What is known of the sequence.
     pub(crate) fn timeline(&self) -> Option<&Timeline> {
         self.state.as_ref().map(|state| &*state.timeline)
+    }
+
+    /// What is known of the sequence under the settings of the slot that is not in view.
+    pub(crate) fn beside(&self) -> Option<&Timeline> {
+        self.state.as_ref()?.beside.as_ref().map(|beside| &beside.timeline)
+    }
+
+    /// An event of either timeline, with its position.
+    pub(crate) fn event(&self, read: Read) -> Option<&(u32, Event)> {
+        match read {
+            Read::InView(index) => self.timeline()?.events.get(index),
+            Read::Beside(index) => self.beside()?.events.get(index),
+        }
     }
 
     /// Whether there is something to look at.
@@ -454,6 +493,7 @@ impl Model {
             }
         }
         let is_open = state.info.is_some();
+        self.compared = Compared::of(&state, self.fps(), self.compared.take());
         self.state = Some(state);
         if is_open && self.origin == Origin::New {
             self.remember();

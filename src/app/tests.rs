@@ -28,9 +28,11 @@ use crate::replay::{LifeLine, Phase, Progress, Shown, Start, State, Timeline};
 use crate::settings::{SETTINGS, Settings};
 use crate::source::SourceInfo;
 use crate::tracking::{Track, TrackState};
+use crate::truth::boxes::Boxes;
 
 mod areas;
 mod around;
+mod compare;
 mod inspector;
 mod layout;
 mod pictures;
@@ -44,6 +46,8 @@ const FRAMES: u32 = 120;
 enum Asked {
     Show(u32),
     Settings(Box<Settings>),
+    Beside(Option<Box<Settings>>),
+    Truth(bool),
     Roi(Option<Arc<regions::Roi>>),
     Inspect(Option<(u32, u32)>),
     Tune(Option<[Knob; 2]>),
@@ -67,8 +71,14 @@ impl Player for Scene {
         self.state.borrow_mut().shown = Some(Arc::new(shown));
     }
 
-    fn set_settings(&self, settings: Settings) {
-        self.asked.borrow_mut().push(Asked::Settings(Box::new(settings)));
+    fn set_settings(&self, settings: Settings, beside: Option<Settings>) {
+        self.asked.borrow_mut().push(Asked::Settings(Box::new(settings.clone())));
+        self.asked.borrow_mut().push(Asked::Beside(beside.clone().map(Box::new)));
+        compare::answer(&mut self.state.borrow_mut(), &settings, beside);
+    }
+
+    fn set_truth(&self, truth: Option<Arc<Boxes>>) {
+        self.asked.borrow_mut().push(Asked::Truth(truth.is_some()));
     }
 
     fn set_roi(&self, roi: Option<Arc<regions::Roi>>) {
@@ -180,6 +190,7 @@ fn shown_at(position: u32) -> Shown {
             (0..SIZE.pixels()).map(|index| 1 + (index % 160 / 60) as u8).collect(),
         )),
         pixel: None,
+        beside: None,
     }
 }
 
@@ -230,6 +241,7 @@ fn timeline() -> Timeline {
             life(2, &crossing),
             life(3, &[(0, 39, Visible), (40, 89, Hidden), (90, 119, Visible)]),
         ],
+        score: None,
     }
 }
 
@@ -248,6 +260,7 @@ fn state(phase: Phase, shown: Option<u32>) -> State {
         warnings: Arc::default(),
         shown: shown.map(|position| Arc::new(shown_at(position))),
         timeline: if shown.is_some() { Arc::new(timeline()) } else { Arc::default() },
+        beside: None,
         busy: None,
         pixel: None,
         tuning: None,
@@ -581,11 +594,10 @@ fn a_and_b_keep_their_own_settings_and_undo_goes_where_the_change_was_made() {
         harness.key_press(key);
         harness.run_steps(8);
     };
-    let before = scene.asked.borrow().len();
     press(&mut harness, Key::A);
     press(&mut harness, Key::B);
     assert_eq!(harness.state().model.slots.in_view, Slot::B);
-    assert_eq!(scene.asked.borrow().len(), before, "a copy is no other settings");
+    assert_eq!(given(&scene).map(|settings| settings.t), Some(0.8), "a copy is no other settings");
     harness.get_by_label("t slider").set_value_accesskit(0.9);
     harness.run_steps(8);
     picture(&mut harness, "slot-b");

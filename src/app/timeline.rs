@@ -8,6 +8,7 @@ use eframe::egui::{
 };
 
 use super::command::Command;
+use super::compared::Read;
 use super::state::Model;
 use super::{events_panel, icons, theme};
 use crate::occlusion::EventKind;
@@ -98,7 +99,7 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     {
         let position = match near {
             Some(index) if response.clicked() => {
-                commands.push(Command::Read(Some(index)));
+                commands.push(Command::Read(Some(Read::InView(index))));
                 timeline.events[index].0
             }
             _ => axis.position(at.x),
@@ -335,7 +336,7 @@ fn event_marks(painter: &Painter, model: &Model, timeline: &Timeline, axis: &Axi
         if !model.lists(event.kind) {
             continue;
         }
-        let read = model.reading == Some(index);
+        let read = model.reading == Some(Read::InView(index));
         let colour = theme::rgb(event_colour(event.kind));
         mark(
             painter,

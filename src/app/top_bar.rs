@@ -92,7 +92,7 @@ pub(crate) fn item(ui: &mut Ui, model: &Model, entry: &'static Entry, commands: 
 /// Whether something that is on or off is on; `None` of what is neither.
 fn is_on(model: &Model, action: Action) -> Option<bool> {
     match action {
-        Action::Open(view) => Some(model.open[view.key() - 1]),
+        Action::Open(view) => Some(model.open[view.place()]),
         Action::Maximise(view) => Some(model.maximised == Some(view)),
         Action::Draw(what) => Some(model.drawn.has(what)),
         Action::Overlay => Some(model.overlay.on),
@@ -115,13 +115,18 @@ pub(crate) fn allowed(model: &Model, entry: &Entry) -> bool {
         Action::Undo => model.history.can().0,
         Action::Redo => model.history.can().1,
         Action::Slot(slot) => model.slots.in_view != slot,
+        Action::Flip => model.slots.other.is_some() && model.held.is_none(),
+        Action::CopySettings | Action::SwapSettings => {
+            model.slots.other.as_ref().is_some_and(|other| *other != model.settings)
+        }
+        Action::KeepSettings => model.slots.other.is_some(),
         Action::ClearPixel => model.chosen.is_some(),
         Action::Draw(Drawn::Truth) => model.truth.is_some(),
         Action::CloseVideo => model.player.is_some(),
         // The last view stays.
         Action::Open(view) => {
             let more = model.open.iter().filter(|open| **open).count() > 1;
-            model.shown().is_some() && (more || !model.open[view.key() - 1])
+            model.shown().is_some() && (more || !model.open[view.place()])
         }
         Action::CloseArea | Action::UndoCorner => model.areas.draft.is_some(),
         Action::CancelArea => model.areas.draft.is_some() || model.areas.chosen.is_some(),

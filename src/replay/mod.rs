@@ -3,6 +3,7 @@
 //! The window holds a [`Session`] and asks; the worker publishes a [`State`] whenever something
 //! changed. Neither waits for the other.
 
+pub mod compare;
 mod inspector;
 mod lane;
 mod memory;

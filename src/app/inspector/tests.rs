@@ -76,6 +76,7 @@ fn shown_of(settings: Settings, history: Option<PixelHistory>, position: u32) ->
         multi_mode: None,
         background_count: None,
         pixel: history.map(Arc::new),
+        beside: None,
     }
 }
 

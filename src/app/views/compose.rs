@@ -29,11 +29,17 @@ pub(crate) enum Compose {
     Regions,
     /// How far the input is from the mean.
     Difference,
+    /// The mean of component 1 under the other settings.
+    BesideMean,
+    /// Their mask.
+    BesideMask,
+    /// Both masks in two colours over a dark input.
+    Agreement,
 }
 
 impl Compose {
     /// All of it in order.
-    const ALL: [Self; 8] = [
+    const ALL: [Self; 11] = [
         Self::Input,
         Self::Masked,
         Self::Mean,
@@ -42,6 +48,9 @@ impl Compose {
         Self::Mask,
         Self::Regions,
         Self::Difference,
+        Self::BesideMean,
+        Self::BesideMask,
+        Self::Agreement,
     ];
 
     /// The layers that it is made from.
@@ -55,6 +64,9 @@ impl Compose {
             Self::Mask => &[Layer::Mask],
             Self::Regions => &[Layer::Input, Layer::Labels, Layer::Palette],
             Self::Difference => &[Layer::Input, Layer::Mean],
+            Self::BesideMean => &[Layer::BesideMean],
+            Self::BesideMask => &[Layer::BesideMask],
+            Self::Agreement => &[Layer::Input, Layer::Mask, Layer::BesideMask],
         }
     }
 }
@@ -66,21 +78,24 @@ pub(crate) struct Look {
     pub(crate) what: Compose,
     /// All colours are multiplied by this.
     pub(crate) tint: f32,
-    /// What lies over the foreground of [`Compose::Masked`]: red, green, blue and opacity, each 0..=1.
+    /// What lies over the foreground of [`Compose::Masked`], and the colour of what is foreground under the settings in
+    /// view alone in [`Compose::Agreement`]: red, green, blue and opacity, each 0..=1.
     pub(crate) overlay: [f32; 4],
+    /// The colour of what is foreground under the other settings alone.
+    pub(crate) beside: [f32; 4],
 }
 
 impl Look {
     /// Without tint or overlay.
     pub(crate) const fn plain(what: Compose) -> Self {
-        Self { what, tint: 1.0, overlay: [0.0; 4] }
+        Self { what, tint: 1.0, overlay: [0.0; 4], beside: [0.0; 4] }
     }
 }
 
 /// How many bytes apart the views' values lie: the largest alignment that a card may ask for.
 const SLOT: u64 = 256;
 /// How many bytes the shader's `View` takes.
-const VALUES: u64 = 64;
+const VALUES: u64 = 80;
 
 /// The shader and what belongs to it, for all views.
 pub(crate) struct Composer {
@@ -274,6 +289,7 @@ impl Composition {
         let [width, height] = screen.size_in_pixels.map(|side| side as f32);
         let texels = self.set.texels();
         let [r, g, b, a] = self.look.overlay;
+        let beside = self.look.beside;
         let values = [
             whole.left() * dense,
             whole.top() * dense,
@@ -291,6 +307,10 @@ impl Composition {
             self.look.tint,
             dense,
             0.0,
+            beside[0],
+            beside[1],
+            beside[2],
+            beside[3],
         ];
         let mut bytes = [0; VALUES as usize];
         for (four, value) in bytes.chunks_exact_mut(4).zip(values) {

@@ -18,6 +18,8 @@ struct View {
     // Pixels of the screen a point.
     dense: f32,
     unused: f32,
+    // The colour of what is foreground in the other mask alone.
+    beside: vec4<f32>,
 }
 
 @group(0) @binding(0) var<uniform> view: View;
@@ -31,6 +33,8 @@ struct View {
 @group(1) @binding(5) var labels: texture_2d<u32>;
 @group(1) @binding(6) var palette: texture_2d<f32>;
 @group(1) @binding(7) var ignored: texture_2d<f32>;
+@group(1) @binding(8) var beside_mean: texture_2d<f32>;
+@group(1) @binding(9) var beside_mask: texture_2d<f32>;
 
 // What is composed, in the order of `Compose`. Not a value of the view: software adapters go through all branches
 // of what they do not know when the shader is built.
@@ -43,6 +47,12 @@ const COUNTS: u32 = 4u;
 const MASK: u32 = 5u;
 const REGIONS: u32 = 6u;
 const DIFFERENCE: u32 = 7u;
+const BESIDE_MEAN: u32 = 8u;
+const BESIDE_MASK: u32 = 9u;
+const AGREEMENT: u32 = 10u;
+
+// Where both masks are foreground.
+const BOTH = vec3<f32>(228.0, 232.0, 238.0) / 255.0;
 
 // Of texels that are smaller than a pixel of the screen, at most so many are looked at in a row.
 const MOST_TEXELS: f32 = 64.0;
@@ -88,6 +98,16 @@ fn over_dark(region: vec4<f32>, input_here: vec3<f32>) -> vec3<f32> {
     return lit + ground * (1.0 - region.a);
 }
 
+// One mask, the other or both over a dark input; each is a share of foreground.
+fn agreed(mask_here: f32, beside_here: f32, input_here: vec3<f32>) -> vec3<f32> {
+    let both = mask_here * beside_here;
+    let first = mask_here - both;
+    let second = beside_here - both;
+    let gray = luma(input_here) / 255.0;
+    let named = BOTH * both + view.overlay.rgb * first + view.beside.rgb * second;
+    return named * (0.75 + 0.25 * gray) + 0.3 * gray * (1.0 - both - first - second);
+}
+
 fn texel(at: vec2<i32>) -> vec3<f32> {
     switch WHAT {
         case MASKED: { return masked(textureLoad(input, at, 0).rgb, textureLoad(mask, at, 0).r); }
@@ -97,6 +117,12 @@ fn texel(at: vec2<i32>) -> vec3<f32> {
         case MASK: { return vec3<f32>(textureLoad(mask, at, 0).r); }
         case REGIONS: { return over_dark(named(at), textureLoad(input, at, 0).rgb); }
         case DIFFERENCE: { return apart(textureLoad(input, at, 0).rgb, textureLoad(mean, at, 0).rgb); }
+        case BESIDE_MEAN: { return textureLoad(beside_mean, at, 0).rgb; }
+        case BESIDE_MASK: { return vec3<f32>(textureLoad(beside_mask, at, 0).r); }
+        case AGREEMENT: {
+            let beside_here = textureLoad(beside_mask, at, 0).r;
+            return agreed(textureLoad(mask, at, 0).r, beside_here, textureLoad(input, at, 0).rgb);
+        }
         default: { return textureLoad(input, at, 0).rgb; }
     }
 }
@@ -138,6 +164,13 @@ fn smooth_texels(at: vec2<f32>) -> vec3<f32> {
         case DIFFERENCE: {
             let mean_here = textureSampleLevel(mean, smooth_sampler, at, 0.0).rgb;
             return apart(textureSampleLevel(input, smooth_sampler, at, 0.0).rgb, mean_here);
+        }
+        case BESIDE_MEAN: { return textureSampleLevel(beside_mean, smooth_sampler, at, 0.0).rgb; }
+        case BESIDE_MASK: { return vec3<f32>(textureSampleLevel(beside_mask, smooth_sampler, at, 0.0).r); }
+        case AGREEMENT: {
+            let mask_here = textureSampleLevel(mask, smooth_sampler, at, 0.0).r;
+            let beside_here = textureSampleLevel(beside_mask, smooth_sampler, at, 0.0).r;
+            return agreed(mask_here, beside_here, textureSampleLevel(input, smooth_sampler, at, 0.0).rgb);
         }
         default: { return textureSampleLevel(input, smooth_sampler, at, 0.0).rgb; }
     }

@@ -28,6 +28,10 @@ pub(crate) enum Layer {
     Palette,
     /// Where nothing is analysed.
     Ignored,
+    /// The mean of component 1 under the settings that are compared with those in view.
+    BesideMean,
+    /// Their mask.
+    BesideMask,
 }
 
 /// How many texels a row of the palette has.
@@ -37,7 +41,7 @@ const LAST_LABEL: u32 = u16::MAX as u32;
 
 impl Layer {
     /// All layers, in the order of their bindings in the shader.
-    pub(crate) const ALL: [Self; 8] = [
+    pub(crate) const ALL: [Self; 10] = [
         Self::Input,
         Self::Mean,
         Self::Modes,
@@ -46,14 +50,18 @@ impl Layer {
         Self::Labels,
         Self::Palette,
         Self::Ignored,
+        Self::BesideMean,
+        Self::BesideMask,
     ];
 
     /// How a texel is kept.
     pub(crate) const fn format(self) -> TextureFormat {
         match self {
-            Self::Input | Self::Mean | Self::Modes | Self::Palette => TextureFormat::Rgba8Unorm,
+            Self::Input | Self::Mean | Self::Modes | Self::Palette | Self::BesideMean => {
+                TextureFormat::Rgba8Unorm
+            }
             Self::Counts => TextureFormat::R8Uint,
-            Self::Mask | Self::Ignored => TextureFormat::R8Unorm,
+            Self::Mask | Self::Ignored | Self::BesideMask => TextureFormat::R8Unorm,
             Self::Labels => TextureFormat::R16Uint,
         }
     }
@@ -61,8 +69,8 @@ impl Layer {
     /// How many bytes a texel takes.
     pub(crate) const fn texel_bytes(self) -> usize {
         match self {
-            Self::Input | Self::Mean | Self::Modes | Self::Palette => 4,
-            Self::Counts | Self::Mask | Self::Ignored => 1,
+            Self::Input | Self::Mean | Self::Modes | Self::Palette | Self::BesideMean => 4,
+            Self::Counts | Self::Mask | Self::Ignored | Self::BesideMask => 1,
             Self::Labels => 2,
         }
     }
@@ -73,6 +81,7 @@ impl Layer {
             Self::Modes => shown.multi_mode.is_some(),
             Self::Counts => shown.background_count.is_some(),
             Self::Ignored => shown.roi.is_some(),
+            Self::BesideMean | Self::BesideMask => shown.beside.is_some(),
             _ => true,
         }
     }
@@ -81,6 +90,9 @@ impl Layer {
     pub(crate) fn is_same(self, a: &Shown, b: &Shown) -> bool {
         fn both<T>(a: Option<&Arc<T>>, b: Option<&Arc<T>>) -> bool {
             a.zip(b).is_some_and(|(a, b)| Arc::ptr_eq(a, b))
+        }
+        fn beside<'a>(a: &'a Shown, b: &'a Shown) -> Option<(&'a Shown, &'a Shown)> {
+            a.beside.as_deref().zip(b.beside.as_deref())
         }
         match self {
             Self::Input => Arc::ptr_eq(&a.frame, &b.frame),
@@ -91,6 +103,8 @@ impl Layer {
             Self::Labels => Arc::ptr_eq(&a.analysis.labels, &b.analysis.labels),
             Self::Palette => Arc::ptr_eq(&a.analysis, &b.analysis),
             Self::Ignored => both(a.roi.as_ref(), b.roi.as_ref()),
+            Self::BesideMean => beside(a, b).is_some_and(|(a, b)| Self::Mean.is_same(a, b)),
+            Self::BesideMask => beside(a, b).is_some_and(|(a, b)| Self::Mask.is_same(a, b)),
         }
     }
 
@@ -124,6 +138,12 @@ impl Layer {
             Self::Ignored => {
                 if let Some(roi) = &shown.roi {
                     numbers(&roi.mask().data, width, every, |&value| [255 - value], put);
+                }
+            }
+            Self::BesideMean | Self::BesideMask => {
+                if let Some(beside) = &shown.beside {
+                    let like = if self == Self::BesideMean { Self::Mean } else { Self::Mask };
+                    like.write(beside, every as u32, put);
                 }
             }
             Self::Palette => {

@@ -33,26 +33,52 @@ impl Layout {
 
     /// The views in it. Each is there once, some behind another's tab.
     pub(crate) fn tree(self) -> Tree<View> {
-        use View::{Background, Difference, Foreground, Input, Regions, Tracks};
+        use View::{
+            Agreement, Background, BesideBackground, BesideForeground, BesideTracks, Difference, Foreground,
+            Input, Regions, Tracks,
+        };
         let rows: &[(f32, &[&[View]])] = match self {
             Self::All => &[
-                (1.0, &[&[Input], &[Background, Difference]]),
-                (1.0, &[&[Foreground], &[Regions]]),
-                (1.6, &[&[Tracks]]),
+                (1.0, &[&[Input], &[Background, Difference, BesideBackground]]),
+                (1.0, &[&[Foreground, BesideForeground], &[Regions, Agreement]]),
+                (1.6, &[&[Tracks, BesideTracks]]),
             ],
             Self::Figure => &[
-                (1.0, &[&[Input], &[Background], &[Difference]]),
-                (1.0, &[&[Foreground], &[Regions], &[Tracks]]),
+                (1.0, &[&[Input], &[Background, BesideBackground], &[Difference, Agreement]]),
+                (1.0, &[&[Foreground, BesideForeground], &[Regions], &[Tracks, BesideTracks]]),
             ],
-            Self::Tuning => {
-                &[(1.0, &[&[Input, Background, Difference], &[Foreground, Regions]]), (1.0, &[&[Tracks]])]
-            }
-            Self::Compare => {
-                &[(1.0, &[&[Foreground, Regions], &[Tracks]]), (1.0, &[&[Input], &[Background, Difference]])]
-            }
-            Self::Inspect => {
-                &[(1.6, &[&[Input, Tracks]]), (1.0, &[&[Background], &[Foreground, Regions], &[Difference]])]
-            }
+            Self::Tuning => &[
+                (
+                    1.0,
+                    &[
+                        &[Input, Background, Difference, BesideBackground],
+                        &[Foreground, Regions, BesideForeground, Agreement],
+                    ],
+                ),
+                (1.0, &[&[Tracks, BesideTracks]]),
+            ],
+            Self::Compare => &[
+                (
+                    1.0,
+                    &[
+                        &[Foreground, Background, Regions],
+                        &[Agreement, Input, Difference],
+                        &[BesideForeground, BesideBackground],
+                    ],
+                ),
+                (1.0, &[&[Tracks], &[BesideTracks]]),
+            ],
+            Self::Inspect => &[
+                (1.6, &[&[Input, Tracks, BesideTracks]]),
+                (
+                    1.0,
+                    &[
+                        &[Background, BesideBackground],
+                        &[Foreground, Regions, BesideForeground],
+                        &[Difference, Agreement],
+                    ],
+                ),
+            ],
         };
         let mut tiles = Tiles::default();
         let mut shares = Vec::new();
@@ -77,7 +103,12 @@ impl Layout {
             column.shares.set_share(row, share);
         }
         let root = tiles.insert_container(Container::Linear(column));
-        Tree::new(Id::unique("views"), root, tiles)
+        let mut tree = Tree::new(Id::unique("views"), root, tiles);
+        // Without a second set of settings there is nothing in them.
+        for view in View::ALL.into_iter().filter(|view| view.compares() && self != Self::Compare) {
+            set_open(&mut tree, view, false);
+        }
+        tree
     }
 }
 
@@ -107,7 +138,8 @@ mod tests {
             let tree = layout.tree();
             let panes = tree.tiles.tiles().filter(|tile| matches!(tile, Tile::Pane(_))).count();
             assert_eq!(panes, View::ALL.len(), "{layout:?}");
-            assert!(View::ALL.iter().all(|&view| is_open(&tree, view)), "{layout:?}");
+            let expected = |view: View| !view.compares() || layout == Layout::Compare;
+            assert!(View::ALL.iter().all(|&view| is_open(&tree, view) == expected(view)), "{layout:?}");
         }
     }
 

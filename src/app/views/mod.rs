@@ -1,7 +1,9 @@
 //! The linked views in the middle: one file each, and the tiles in which they stand.
 
+mod agreement;
 mod areas;
 mod background;
+mod beside;
 mod canvas;
 mod compose;
 mod difference;
@@ -30,6 +32,7 @@ use serde::{Deserialize, Serialize};
 use self::compose::{Compose, Composer, Composition, Look};
 use self::layer::Layer;
 use self::pictures::Set;
+use super::slots::Slot;
 use super::state::Model;
 use super::theme::Colours;
 use crate::replay::Shown;
@@ -49,12 +52,30 @@ pub(crate) enum View {
     Tracks,
     /// How far the input is from the background.
     Difference,
+    /// The background model under the settings that are compared with those in view.
+    BesideBackground,
+    /// Their foreground mask.
+    BesideForeground,
+    /// Their objects, groups, occlusions and events.
+    BesideTracks,
+    /// In what the two masks agree.
+    Agreement,
 }
 
 impl View {
     /// All views in the order of their keys, from 1.
-    pub(crate) const ALL: [Self; 6] =
-        [Self::Input, Self::Background, Self::Foreground, Self::Regions, Self::Tracks, Self::Difference];
+    pub(crate) const ALL: [Self; 10] = [
+        Self::Input,
+        Self::Background,
+        Self::Foreground,
+        Self::Regions,
+        Self::Tracks,
+        Self::Difference,
+        Self::BesideBackground,
+        Self::BesideForeground,
+        Self::BesideTracks,
+        Self::Agreement,
+    ];
 
     /// Its title.
     pub(crate) const fn title(self) -> &'static str {
@@ -65,7 +86,28 @@ impl View {
             Self::Regions => "Regions",
             Self::Tracks => "Tracks and occlusions",
             Self::Difference => "Difference",
+            Self::BesideBackground => "Background of the other",
+            Self::BesideForeground => "Foreground of the other",
+            Self::BesideTracks => "Tracks of the other",
+            Self::Agreement => "A against B",
         }
+    }
+
+    /// Its title while there are two sets of settings, of which this one is in view.
+    pub(crate) fn titled(self, in_view: Slot) -> String {
+        let (title, slot) = match self {
+            Self::Input | Self::Agreement => return self.title().to_owned(),
+            Self::BesideBackground => (Self::Background.title(), in_view.other()),
+            Self::BesideForeground => (Self::Foreground.title(), in_view.other()),
+            Self::BesideTracks => (Self::Tracks.title(), in_view.other()),
+            _ => (self.title(), in_view),
+        };
+        format!("{title} · {}", slot.name())
+    }
+
+    /// Whether it needs settings to compare with.
+    pub(crate) const fn compares(self) -> bool {
+        matches!(self, Self::BesideBackground | Self::BesideForeground | Self::BesideTracks | Self::Agreement)
     }
 
     /// What is seen in it.
@@ -85,12 +127,20 @@ impl View {
                  hidden). Dotted: the gate. Hatched: where one hides the other. Flags: this frame's events."
             }
             Self::Difference => "The greatest difference of a channel between input and background, doubled.",
+            Self::BesideBackground => {
+                "The background model after this frame, under the settings not in view."
+            }
+            Self::BesideForeground => "The mask of this frame under the settings that are not in view.",
+            Self::BesideTracks => "Objects, groups and events under the settings that are not in view.",
+            Self::Agreement => {
+                "Where only the mask of A is foreground, where only that of B, and where both are, over a dark input."
+            }
         }
     }
 
-    /// Its number on the keyboard.
-    pub(crate) fn key(self) -> usize {
-        Self::ALL.iter().position(|&view| view == self).unwrap_or(0) + 1
+    /// Its place among all.
+    pub(crate) fn place(self) -> usize {
+        Self::ALL.iter().position(|&view| view == self).unwrap_or(0)
     }
 
     /// The value of a pixel in it, in as many lines as it has parts.
@@ -101,6 +151,15 @@ impl View {
             Self::Foreground => foreground::value(shown, at),
             Self::Regions => regions::value(shown, at),
             Self::Difference => difference::value(shown, at),
+            Self::Agreement => agreement::value(shown, at),
+            Self::BesideBackground | Self::BesideForeground | Self::BesideTracks => {
+                let Some(beside) = &shown.beside else { return String::new() };
+                match self {
+                    Self::BesideBackground => background::value(beside, Background::Mean, at),
+                    Self::BesideForeground => foreground::value(beside, at),
+                    _ => input::value(beside, at),
+                }
+            }
         }
     }
 
@@ -114,6 +173,10 @@ impl View {
             Self::Regions => Compose::Regions.layers(),
             Self::Tracks => Compose::Input.layers(),
             Self::Difference => Compose::Difference.layers(),
+            Self::BesideBackground => Compose::BesideMean.layers(),
+            Self::BesideForeground => Compose::BesideMask.layers(),
+            Self::BesideTracks => Compose::Input.layers(),
+            Self::Agreement => Compose::Agreement.layers(),
         }
     }
 
@@ -125,6 +188,9 @@ impl View {
             Self::Regions => regions::paint(pane),
             Self::Tracks => tracks::paint(pane),
             Self::Difference => difference::paint(pane),
+            Self::BesideBackground | Self::BesideForeground | Self::BesideTracks | Self::Agreement => {
+                beside::paint(pane);
+            }
         }
     }
 }

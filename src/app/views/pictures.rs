@@ -12,6 +12,7 @@ use std::time::{Duration, Instant};
 use eframe::egui::Context;
 use eframe::egui_wgpu::{RenderState, wgpu};
 
+use super::agreement::Agreement;
 use super::compose::Composer;
 use super::layer::{self, Layer, Layers};
 use super::sender::{Sender, Sents};
@@ -26,6 +27,7 @@ pub(crate) struct Set {
     every: u32,
     sents: Sents,
     group: wgpu::BindGroup,
+    agreement: Option<Agreement>,
     took: Duration,
     bytes: u64,
 }
@@ -54,6 +56,11 @@ impl Set {
     /// The layers, bound for the shader.
     pub(crate) const fn group(&self) -> &wgpu::BindGroup {
         &self.group
+    }
+
+    /// How far its mask agrees with the one of the settings that are compared, where both are there.
+    pub(crate) const fn agreement(&self) -> Option<Agreement> {
+        self.agreement
     }
 
     /// How long it took to bring it onto the card.
@@ -232,7 +239,10 @@ impl Worker {
             };
             let Ok((sents, bytes)) = self.sender.send(shown, request.layers, every, known) else { return };
             let view = |layer: Layer| sents[layer as usize].as_ref().map(|sent| &sent.view);
+            let beside = shown.beside.as_ref().filter(|_| request.layers.has(Layer::BesideMask));
+            let agreement = beside.map(|beside| Agreement::of(&shown.analysis.mask, &beside.analysis.mask));
             let set = Set {
+                agreement,
                 group: self.composer.bind(&self.device, view),
                 moment: Arc::clone(&request.moment),
                 video: request.video,

@@ -202,7 +202,15 @@ impl Panes<'_> {
                 (m::ICON_FULLSCREEN, "Show alone")
             };
             let button = Button::new(icon.rich_text().size(theme::ICON)).frame_when_inactive(false);
-            let text = format!("{word} ({})", view.key());
+            let text = Action::Maximise(view).entry().map_or_else(
+                || word.to_owned(),
+                |entry| {
+                    entry
+                        .shortcuts
+                        .first()
+                        .map_or_else(|| word.to_owned(), |key| format!("{word} ({})", key.text()))
+                },
+            );
             let response = ui.add(button).accessible_name(format!("{word}: {}", view.title()));
             if response.on_hover_text(text).clicked() {
                 self.commands.push(Command::Act(Action::Maximise(view)));
@@ -293,7 +301,11 @@ impl Behavior<View> for Panes<'_> {
     }
 
     fn tab_title_for_pane(&mut self, view: &View) -> WidgetText {
-        RichText::new(view.title()).into()
+        let slots = &self.model.slots;
+        match slots.other {
+            Some(_) => RichText::new(view.titled(slots.in_view)).into(),
+            None => RichText::new(view.title()).into(),
+        }
     }
 
     fn on_tab_button(
@@ -303,7 +315,12 @@ impl Behavior<View> for Panes<'_> {
         response: eframe::egui::Response,
     ) -> eframe::egui::Response {
         match tiles.get_pane(&tile_id) {
-            Some(view) => response.on_hover_text(format!("{} Key {}.", view.meaning(), view.key())),
+            Some(view) => {
+                let entry = Action::Maximise(*view).entry();
+                let key = entry.and_then(|entry| entry.shortcuts.first());
+                let key = key.map_or_else(String::new, |key| format!(" Key {}.", key.text()));
+                response.on_hover_text(format!("{}{key}", view.meaning()))
+            }
             None => response,
         }
     }

@@ -17,7 +17,8 @@ use crate::truth::boxes::Bounds;
 pub(super) fn paint(pane: &Pane<'_>) {
     pane.compose(Look { tint: 205.0 / 255.0, ..Look::plain(Compose::Input) });
     let (tracks, drawn) = (&pane.shown.analysis.tracks, pane.model.drawn);
-    if drawn.has(Drawn::Trails) {
+    // Where objects have been is known of the settings in view alone.
+    if drawn.has(Drawn::Trails) && !pane.view.compares() {
         trails(pane);
     }
     for (index, track) in tracks.iter().enumerate().filter(|_| drawn.has(Drawn::Occlusions)) {
@@ -162,7 +163,8 @@ fn trails(pane: &Pane<'_>) {
 
 /// The events of the frame, beside what is `taken`.
 fn flags(pane: &Pane<'_>, mut taken: Taken) {
-    let Some(timeline) = pane.model.timeline() else { return };
+    let timeline = if pane.view.compares() { pane.model.beside() } else { pane.model.timeline() };
+    let Some(timeline) = timeline.or_else(|| pane.model.timeline()) else { return };
     for (_, event) in timeline.events.iter().filter(|(position, _)| *position == pane.shown.position) {
         let foot = pane.canvas.screen([event.x, event.y]);
         let colour = theme::rgb(event_colour(event.kind));

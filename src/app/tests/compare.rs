@@ -1,0 +1,218 @@
+//! A against B.
+
+use super::*;
+use crate::app::command::Action;
+use crate::app::compared::{Listing, Read};
+use crate::app::views::Layout;
+use crate::replay::Beside;
+use crate::truth::clear_mot::ClearMot;
+use crate::truth::summary::TrackScore;
+use crate::truth::survival::Survival;
+
+/// Under settings with another K than the default, the third object is not seen and events are others.
+fn under(mut shown: Shown, settings: &Settings) -> Shown {
+    shown.settings = Arc::new(settings.clone());
+    if settings.k == Settings::default().k {
+        return shown;
+    }
+    let mut analysis = Analysis::clone(&shown.analysis);
+    let (mask, labels) = (Arc::make_mut(&mut analysis.mask), &shown.analysis.labels);
+    for run in labels.runs.iter().filter(|run| run.label == 3) {
+        mask.data[run.pixels()].fill(Mask::BACKGROUND);
+    }
+    Arc::make_mut(&mut analysis.tracks).retain(|track| track.id != 3);
+    Shown { analysis: Arc::new(analysis), ..shown }
+}
+
+fn timeline_under(settings: &Settings) -> Timeline {
+    let mut timeline = timeline();
+    timeline.score = Some(Arc::new(score(if settings.k == Settings::default().k { 0.9 } else { 0.4 })));
+    if settings.k != Settings::default().k {
+        timeline.events.retain(|(_, event)| event.objects != [3]);
+        for (position, event) in &mut timeline.events {
+            if event.kind == EventKind::Merge {
+                (*position, event.frame) = (*position + 4, event.frame + 4);
+            }
+        }
+        timeline.events.push(super::event(EventKind::Exit, 110, &[1], (150.0, 60.0)));
+    }
+    timeline
+}
+
+fn score(mota: f64) -> TrackScore {
+    let of = ClearMot {
+        mota,
+        motp: 0.2,
+        idf1: mota,
+        precision: 1.0,
+        recall: 1.0,
+        num_switches: 2,
+        num_fragmentations: 0,
+        mostly_tracked: 3,
+        num_unique_objects: 3,
+    };
+    let occlusion = Survival { episodes: 2, identities: 4, survived: 3, survival: Some(0.75) };
+    TrackScore { strict: of.clone(), loose: of, occlusion }
+}
+
+/// What the worker publishes when it is given settings.
+pub(super) fn answer(state: &mut State, settings: &Settings, beside: Option<Settings>) {
+    let Some(position) = state.shown.as_ref().map(|shown| shown.position) else { return };
+    if beside.is_none() && state.beside.is_none() {
+        return;
+    }
+    let mut shown = under(shown_at(position), settings);
+    shown.beside = beside.as_ref().map(|other| Arc::new(under(shown_at(position), other)));
+    state.shown = Some(Arc::new(shown));
+    state.timeline = Arc::new(timeline_under(settings));
+    let other = beside.filter(|other| other != settings);
+    state.beside = other.map(|other| {
+        let timeline = timeline_under(&other);
+        Arc::new(Beside { settings: Arc::new(other), timeline })
+    });
+}
+
+/// The scene with K = 2 as B, which is in view, in the layout for it.
+fn comparing() -> (Harness<'static, Window>, Scene) {
+    let (mut harness, scene) = ready(30);
+    harness.key_press(Key::B);
+    harness.run_steps(3);
+    harness.state_mut().model.settings.k = 2;
+    harness.run_steps(3);
+    let ctx = harness.ctx.clone();
+    harness.state_mut().apply(&ctx, Command::Act(Action::Arrange(Layout::Compare)));
+    settle(&mut harness);
+    (harness, scene)
+}
+
+fn beside(scene: &Scene) -> Option<Settings> {
+    let asked = scene.asked.borrow();
+    let last = asked.iter().rev().find_map(|asked| match asked {
+        Asked::Beside(beside) => Some(beside.clone()),
+        _ => None,
+    });
+    last.flatten().map(|settings| *settings)
+}
+
+#[test]
+fn both_are_asked_for_and_seen_side_by_side() {
+    let (mut harness, scene) = comparing();
+    assert_eq!(given(&scene).unwrap().k, 2);
+    assert_eq!(beside(&scene), Some(Settings::default()));
+    picture(&mut harness, "compare");
+    // Where the third is: only A sees it; where the first is, both do.
+    let picture = harness.render().unwrap();
+    let at = |view: &str, pixel: (u32, u32)| {
+        let rect = harness.get_by_label(view).rect();
+        let canvas = super::super::views::Canvas::new(rect, SIZE, harness.state().model.camera);
+        let place = canvas.place_pixel(pixel).center();
+        picture.get_pixel(place.x as u32, place.y as u32).0
+    };
+    let third = (120, 36);
+    assert_eq!(at("Foreground view", third)[..3], [0, 0, 0]);
+    assert_eq!(at("Foreground of the other view", third)[..3], [255, 255, 255]);
+    let only_a = at("A against B view", third);
+    assert!(only_a[0] > 150 && only_a[2] < 60, "{only_a:?} is not the colour of A");
+    let both = at("A against B view", (50, 60));
+    assert!(both[0] > 150 && both[2] > 150, "{both:?} is not the colour of both");
+    harness.get_by_label("Foreground · B");
+    harness.get_by_label("Foreground · A");
+    harness.state_mut().model.camera.magnification = 30.0;
+    super::picture(&mut harness, "compare-near");
+}
+
+#[test]
+fn views_of_the_other_say_what_is_missing() {
+    let (mut harness, scene) = ready(30);
+    let ctx = harness.ctx.clone();
+    harness.state_mut().apply(&ctx, Command::Act(Action::Arrange(Layout::Compare)));
+    settle(&mut harness);
+    picture(&mut harness, "compare-one");
+    harness.key_press(Key::B);
+    harness.run_steps(3);
+    {
+        let mut state = scene.state.borrow_mut();
+        let alone = Shown { beside: None, ..Shown::clone(state.shown.as_ref().unwrap()) };
+        state.shown = Some(Arc::new(alone));
+    }
+    settle(&mut harness);
+    picture(&mut harness, "compare-waiting");
+}
+
+#[test]
+fn the_other_settings_are_in_view_while_a_key_is_held() {
+    let (mut harness, scene) = comparing();
+    harness.event(egui::Event::Key {
+        key: Key::X,
+        physical_key: None,
+        pressed: true,
+        repeat: false,
+        modifiers: Modifiers::NONE,
+    });
+    harness.run_steps(5);
+    assert_eq!(given(&scene).unwrap(), Settings::default());
+    assert_eq!(beside(&scene).unwrap().k, 2);
+    harness.event(egui::Event::Key {
+        key: Key::X,
+        physical_key: None,
+        pressed: false,
+        repeat: false,
+        modifiers: Modifiers::NONE,
+    });
+    harness.run_steps(5);
+    assert_eq!((given(&scene).unwrap().k, beside(&scene)), (2, Some(Settings::default())));
+}
+
+#[test]
+fn slots_are_copied_swapped_and_given_up_and_that_is_taken_back() {
+    let (mut harness, scene) = comparing();
+    let ctx = harness.ctx.clone();
+    let act = |harness: &mut Harness<'_, Window>, action| {
+        harness.state_mut().apply(&ctx, Command::Act(action));
+        harness.run_steps(3);
+        (given(&scene).unwrap().k, beside(&scene).map(|settings| settings.k))
+    };
+    let k = Settings::default().k;
+    assert_eq!(act(&mut harness, Action::SwapSettings), (k, Some(2)));
+    assert_eq!(act(&mut harness, Action::Undo), (2, Some(k)));
+    assert_eq!(act(&mut harness, Action::CopySettings), (2, Some(2)));
+    assert_eq!(act(&mut harness, Action::Undo), (2, Some(k)));
+    assert_eq!(act(&mut harness, Action::KeepSettings), (2, None));
+    assert_eq!(harness.state().model.slots.in_view, Slot::A);
+    assert_eq!(act(&mut harness, Action::Undo), (2, Some(k)));
+    assert_eq!(harness.state().model.slots.in_view, Slot::B);
+}
+
+#[test]
+fn events_are_listed_by_whose_they_are() {
+    let (mut harness, scene) = comparing();
+    let ctx = harness.ctx.clone();
+    harness.state_mut().apply(&ctx, Command::Act(Action::InspectorPanel));
+    harness.run_steps(4);
+    harness.get_by_label("Exit 1, frame 110, B".replace("Exit", "exit").as_str());
+    harness.get_by_label("disappear 3, frame 41, A");
+    harness.get_by_label("merge 1 + 2, frame 55, -4 in A");
+    picture(&mut harness, "compare-events");
+    harness.get_by_label("Events under A alone").click();
+    harness.run_steps(3);
+    assert_eq!(harness.state().model.listing, Listing::OnlyBeside);
+    assert!(harness.query_by_label_contains("exit 1").is_none());
+    // An event of the other settings is gone to and read like any.
+    harness.get_by_label("disappear 3, frame 41, A").click();
+    harness.run_steps(3);
+    assert_eq!(harness.state().model.reading, Some(Read::Beside(2)));
+    assert_eq!(shows(&scene).last(), Some(&40));
+    harness.get_by_label("Why disappear 3");
+}
+
+#[test]
+fn both_are_scored_by_the_truth_that_was_loaded() {
+    let (mut harness, scene) = comparing();
+    let ctx = harness.ctx.clone();
+    harness.state_mut().answered(&ctx, Answer::Truth(Ok(Arc::default())));
+    settle(&mut harness);
+    assert!(scene.asked.borrow().contains(&Asked::Truth(true)));
+    harness.get_all_by_label("0.900").next().unwrap();
+    harness.get_all_by_label("0.400").next().unwrap();
+    picture(&mut harness, "compare-scores");
+}

@@ -1,0 +1,127 @@
+//! Where two masks agree, and where only one of them is foreground.
+
+use eframe::egui::{Align2, Color32, FontId, Rect, pos2, vec2};
+
+use super::{Compose, Look, Pane, draw};
+use crate::app::slots::Slot;
+use crate::app::theme;
+use crate::frame::Mask;
+use crate::replay::Shown;
+
+/// Where both are foreground.
+pub(super) const BOTH: [u8; 3] = [228, 232, 238];
+
+/// How many pixels are foreground in which of two masks.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct Agreement {
+    /// In the first alone.
+    pub(crate) first: usize,
+    /// In the second alone.
+    pub(crate) second: usize,
+    /// In both.
+    pub(crate) both: usize,
+}
+
+impl Agreement {
+    /// Counts them in masks of one size.
+    pub(crate) fn of(first: &Mask, second: &Mask) -> Self {
+        let mut counts = Self::default();
+        // Rows of sums small enough that the compiler adds bytes side by side.
+        for (a, b) in first.data.chunks(128).zip(second.data.chunks(128)) {
+            let count = |of: fn(u8, u8) -> u8| {
+                a.iter().zip(b).map(|(&a, &b)| of(a, b) & 1).fold(0_u8, u8::wrapping_add)
+            };
+            counts.first += usize::from(count(|a, b| a & !b));
+            counts.second += usize::from(count(|a, b| b & !a));
+            counts.both += usize::from(count(|a, b| a & b));
+        }
+        counts
+    }
+}
+
+/// Paints it.
+pub(super) fn paint(pane: &Pane<'_>, beside: &Shown) {
+    let in_view = pane.model.slots.in_view;
+    let share = |[r, g, b]: [u8; 3]| [r, g, b, 255].map(|channel| f32::from(channel) / 255.0);
+    let look = Look {
+        overlay: share(in_view.colour()),
+        beside: share(in_view.other().colour()),
+        ..Look::plain(Compose::Agreement)
+    };
+    pane.compose(look);
+    let (first, second) = (&pane.shown.analysis.mask, &beside.analysis.mask);
+    let ground = |(x, y)| match (first.is_foreground(x, y), second.is_foreground(x, y)) {
+        (true, true) => theme::rgb(BOTH),
+        (true, false) => theme::rgb(in_view.colour()),
+        (false, true) => theme::rgb(in_view.other().colour()),
+        (false, false) => Color32::BLACK,
+    };
+    draw::values(pane.painter, &pane.canvas, |at| value(pane.shown, at), ground);
+    if let Some(agreement) = pane.set.agreement() {
+        legend(pane, in_view, agreement);
+    }
+}
+
+/// What the colours mean, with the number of pixels of each, in the lower left corner.
+fn legend(pane: &Pane<'_>, in_view: Slot, agreement: Agreement) {
+    let (a, b) = match in_view {
+        Slot::A => (agreement.first, agreement.second),
+        Slot::B => (agreement.second, agreement.first),
+    };
+    let rows =
+        [(Slot::A.colour(), "only A", a), (Slot::B.colour(), "only B", b), (BOTH, "both", agreement.both)];
+    let font = FontId::proportional(theme::SMALL);
+    let ink = Color32::from_rgb(228, 232, 238);
+    let texts: Vec<_> = rows
+        .iter()
+        .map(|(_, word, count)| pane.painter.layout_no_wrap(format!("{word}  {count} px"), font.clone(), ink))
+        .collect();
+    let wide = texts.iter().map(|text| text.size().x).fold(0.0, f32::max) + 30.0;
+    let size = vec2(wide, 16.0 * rows.len() as f32 + 8.0);
+    if size.x > pane.canvas.rect.width() * 0.8 || size.y > pane.canvas.rect.height() * 0.5 {
+        return;
+    }
+    let corner = pane.canvas.rect.left_bottom() + vec2(6.0, -6.0 - size.y);
+    pane.painter.rect_filled(Rect::from_min_size(corner, size), 4.0, Color32::from_black_alpha(190));
+    for (row, ((colour, _, _), text)) in rows.iter().zip(texts).enumerate() {
+        let middle = corner.y + 12.0 + 16.0 * row as f32;
+        let swatch = Rect::from_center_size(pos2(corner.x + 13.0, middle), vec2(10.0, 10.0));
+        pane.painter.rect_filled(swatch, 2.0, theme::rgb(*colour));
+        let at = Align2::LEFT_CENTER.anchor_size(pos2(corner.x + 24.0, middle), text.size()).min;
+        pane.painter.galley(at, text, ink);
+    }
+}
+
+/// 0 or 255 under the settings in view and under the others.
+pub(super) fn value(shown: &Shown, (x, y): (u32, u32)) -> String {
+    let Some(beside) = &shown.beside else { return String::new() };
+    let of = |shown: &Shown| if shown.analysis.mask.is_foreground(x, y) { 255 } else { 0 };
+    format!("{}\n{}", of(shown), of(beside))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::Size;
+
+    #[test]
+    fn every_pixel_counts_once() {
+        let size = Size::new(37, 29);
+        let mask = |step: usize| Mask {
+            size,
+            data: (0..size.pixels()).map(|at| if at % step < 2 { 255 } else { 0 }).collect(),
+        };
+        let (a, b) = (mask(3), mask(5));
+        let count = |of: fn(bool, bool) -> bool| {
+            (0..size.pixels()).filter(|&at| of(a.data[at] > 0, b.data[at] > 0)).count()
+        };
+        let expected = Agreement {
+            first: count(|a, b| a && !b),
+            second: count(|a, b| b && !a),
+            both: count(|a, b| a && b),
+        };
+        assert_eq!(Agreement::of(&a, &b), expected);
+        let all = Mask { size, data: vec![255; size.pixels()] };
+        assert_eq!(Agreement::of(&all, &all), Agreement { both: size.pixels(), ..Agreement::default() });
+    }
+}

@@ -1,0 +1,111 @@
+//! Which events two analyses of the same frames have in common.
+
+use crate::occlusion::Event;
+
+/// Events are the same when they are of one kind and no farther apart than this.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Reach {
+    /// In frames.
+    pub frames: u32,
+    /// In pixels.
+    pub pixels: f32,
+}
+
+/// An event of either or both, by its place in its list.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Pair {
+    /// Only the first analysis has it.
+    First(usize),
+    /// Only the second has it.
+    Second(usize),
+    /// Both have it.
+    Both(usize, usize),
+}
+
+/// Pairs the events of two timelines, nearest in time first; the pairs are in order of time.
+///
+/// Identities are not looked at: two analyses number the same people differently.
+pub fn pair(first: &[(u32, Event)], second: &[(u32, Event)], reach: Reach) -> Vec<Pair> {
+    let mut candidates = Vec::new();
+    for (i, (position, event)) in first.iter().enumerate() {
+        let near = second.partition_point(|(other, _)| other + reach.frames < *position);
+        let near = second.iter().enumerate().skip(near);
+        for (j, (other, beside)) in near.take_while(|(_, (other, _))| *other <= position + reach.frames) {
+            let distance = (event.x - beside.x).hypot(event.y - beside.y);
+            if event.kind == beside.kind && distance <= reach.pixels {
+                candidates.push((position.abs_diff(*other), distance, i, j));
+            }
+        }
+    }
+    candidates.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then((a.2, a.3).cmp(&(b.2, b.3))));
+    let (mut of_first, mut of_second) = (vec![None; first.len()], vec![false; second.len()]);
+    for (_, _, i, j) in candidates {
+        if of_first[i].is_none() && !of_second[j] {
+            (of_first[i], of_second[j]) = (Some(j), true);
+        }
+    }
+    let mut pairs: Vec<Pair> = of_first
+        .iter()
+        .enumerate()
+        .map(|(i, other)| other.map_or(Pair::First(i), |j| Pair::Both(i, j)))
+        .chain((0..second.len()).filter(|&j| !of_second[j]).map(Pair::Second))
+        .collect();
+    let place = |pair: &Pair| match *pair {
+        Pair::First(i) | Pair::Both(i, _) => first[i].0,
+        Pair::Second(j) => second[j].0,
+    };
+    pairs.sort_by_key(place);
+    pairs
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::occlusion::{EventKind, Evidence};
+
+    fn event(position: u32, kind: EventKind, x: f32) -> (u32, Event) {
+        let evidence = Evidence::default();
+        let event = Event {
+            frame: position + 1,
+            kind,
+            objects: vec![],
+            becomes: vec![],
+            x,
+            y: 0.0,
+            front: None,
+            evidence,
+        };
+        (position, event)
+    }
+
+    const REACH: Reach = Reach { frames: 10, pixels: 20.0 };
+
+    #[test]
+    fn each_event_has_at_most_one_other_the_nearest_in_time() {
+        use EventKind::{Demerge, Merge};
+        let first =
+            [event(5, Merge, 0.0), event(9, Merge, 0.0), event(30, Merge, 0.0), event(40, Demerge, 0.0)];
+        let second =
+            [event(10, Merge, 5.0), event(29, Merge, 50.0), event(41, Demerge, 0.0), event(42, Merge, 0.0)];
+        assert_eq!(
+            pair(&first, &second, REACH),
+            [
+                Pair::First(0),
+                Pair::Both(1, 0),
+                Pair::Second(1),
+                Pair::First(2),
+                Pair::Both(3, 2),
+                Pair::Second(3)
+            ]
+        );
+    }
+
+    #[test]
+    fn equal_lists_are_paired_through() {
+        let events: Vec<_> =
+            (0..50).map(|at| event(at / 2, EventKind::ALL[at as usize % 7], (at % 5) as f32)).collect();
+        let pairs = pair(&events, &events, REACH);
+        assert_eq!(pairs, (0..50).map(|at| Pair::Both(at, at)).collect::<Vec<_>>());
+        assert!(pair(&[], &[], REACH).is_empty());
+    }
+}
