@@ -467,6 +467,14 @@ pub(crate) static ACTIONS: &[Entry] = &[
     ),
     entry(
         Menu::View,
+        Action::ClearObject,
+        m::ICON_DESELECT,
+        "Choose no object",
+        &[],
+        "Close the panel about the chosen object",
+    ),
+    entry(
+        Menu::View,
         Action::SettingsPanel,
         m::ICON_TUNE,
         "Settings panel",

@@ -12,7 +12,7 @@ use super::export_frame::Picture;
 use super::history::Again;
 use super::overlays::Overlay;
 use super::slots::Slots;
-use super::state::{Camera, Origin, SPEEDS};
+use super::state::{Camera, Origin, SPEEDS, Subject};
 use super::{sample, views};
 use crate::replay::Start;
 use crate::settings::Settings;
@@ -46,6 +46,11 @@ impl Window {
                     player.inspect(pixel);
                 }
             }
+            Command::ChooseObject(object) => {
+                model.object = object;
+                model.subject = if object.is_some() { Subject::Object } else { Subject::Pixel };
+            }
+            Command::Explain(subject) => model.subject = subject,
             Command::Look(camera) => model.camera = camera,
             Command::Hover(hover) => {
                 model.hovered = hover;
@@ -130,7 +135,7 @@ impl Window {
                 model.show_slot(other);
             }
             Action::CopySettings => {
-                model.change_slots(|slots, settings| slots.other = Some(settings.clone()))
+                model.change_slots(|slots, settings| slots.other = Some(settings.clone()));
             }
             Action::SwapSettings => model.change_slots(|slots, settings| {
                 if let Some(other) = &mut slots.other {
@@ -227,6 +232,7 @@ impl Window {
                 model.overlay = Overlay { on: true, opacity: model.overlay.next() };
             }
             Action::ClearPixel => self.apply(ctx, Command::Choose(None)),
+            Action::ClearObject => self.apply(ctx, Command::ChooseObject(None)),
             Action::SettingsPanel => model.settings_panel = !model.settings_panel,
             Action::InspectorPanel => model.inspector_panel = !model.inspector_panel,
             Action::Theme => {

@@ -7,11 +7,12 @@ pub(crate) use super::entry::{Entry, Menu};
 use super::inspector::Table;
 use super::overlays::Drawn;
 use super::slots::Slot;
-use super::state::{Camera, Hover};
+use super::state::{Camera, Hover, Subject};
 use super::views::{Background, Layout, View};
 use crate::regions::roi::Purpose;
 use crate::replay::Start;
 use crate::settings::Settings;
+use crate::tracking::Identity;
 
 /// Something that a person can ask for by name or key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -120,6 +121,8 @@ pub(crate) enum Action {
     OverlayOpacity,
     /// No pixel chosen any more.
     ClearPixel,
+    /// No object chosen any more.
+    ClearObject,
     /// The panel with the settings.
     SettingsPanel,
     /// The panel with the inspector and the events.
@@ -163,6 +166,10 @@ pub(crate) enum Command {
     Set(Box<Settings>),
     /// Choose a pixel.
     Choose(Option<(u32, u32)>),
+    /// Choose an object by its identity.
+    ChooseObject(Option<Identity>),
+    /// Explain this in the panel on the right.
+    Explain(Subject),
     /// Look elsewhere in all views.
     Look(Camera),
     /// The pointer is on this pixel.

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::replay::compare::{self, Pair, Reach};
+use crate::occlusion::compare::{self, Pair, Reach};
 use crate::replay::{Beside, State, Timeline};
 
 /// An event whose evidence is read, by its place in its timeline.
@@ -51,12 +51,7 @@ impl Compared {
         if before.as_ref().is_some_and(same) {
             return before;
         }
-        // People walk some heights a second: what is a second or a tenth of the picture apart may be another event.
-        let size = state.info.as_ref()?.size;
-        let reach = Reach {
-            frames: fps.round().max(1.0) as u32,
-            pixels: 0.08 * (size.width as f32).hypot(size.height as f32),
-        };
+        let reach = Reach::of(state.info.as_ref()?.size, fps);
         let pairs = compare::pair(&state.timeline.events, &beside.timeline.events, reach);
         Some(Self { in_view: Arc::clone(&state.timeline), beside: Arc::clone(beside), pairs })
     }

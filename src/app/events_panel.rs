@@ -10,11 +10,12 @@ use super::command::Command;
 use super::compared::{Compared, Listing, Read};
 use super::state::Model;
 use super::{icons, theme};
+use crate::occlusion::compare::Pair;
 use crate::occlusion::event::Comparison;
 use crate::occlusion::{Event, EventKind};
 use crate::palette::{event_colour, identity_colour};
 use crate::replay::Timeline;
-use crate::replay::compare::Pair;
+use crate::settings::Setting;
 
 /// Shows them.
 pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
@@ -24,7 +25,7 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         ui.weak(timeline.events.len().to_string());
         if let Some(compared) = &model.compared {
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                listings(ui, model, compared, commands)
+                listings(ui, model, compared, commands);
             });
         }
     });
@@ -68,7 +69,7 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     });
     if let Some((_, (_, event))) = read {
         ui.separator();
-        evidence(ui, event, commands);
+        evidence(ui, model, event, commands);
     }
 }
 
@@ -276,7 +277,7 @@ fn row(ui: &mut Ui, event: &Event, current: bool, read: bool, aside: Option<(Str
     clicked
 }
 
-fn evidence(ui: &mut Ui, event: &Event, commands: &mut Vec<Command>) {
+fn evidence(ui: &mut Ui, model: &Model, event: &Event, commands: &mut Vec<Command>) {
     ui.horizontal(|ui| {
         let colour = readable(ui, event_colour(event.kind));
         ui.label(icons::coloured(icons::of_event(event.kind), colour));
@@ -301,7 +302,47 @@ fn evidence(ui: &mut Ui, event: &Event, commands: &mut Vec<Command>) {
         for comparison in &event.evidence.comparisons {
             compared(ui, comparison);
         }
+        if matches!(model.reading, Some(Read::InView(_))) {
+            prevented(ui, model, event, commands);
+        }
     });
+}
+
+/// What would have kept an event from happening, each to be taken with a click.
+fn prevented(ui: &mut Ui, model: &Model, event: &Event, commands: &mut Vec<Command>) {
+    let what_if = model.state.as_ref().and_then(|state| state.what_if.as_ref());
+    let Some(what_if) = what_if.filter(|what_if| what_if.event == *event) else { return };
+    ui.add_space(theme::SPACE);
+    ui.label(RichText::new("It would not have happened with").strong()).on_hover_text(
+        "Tracking and occlusion were run again over the frames before it with one other value at a time; these are \
+         the nearest values at which it does not happen",
+    );
+    if !what_if.happens {
+        ui.weak("Not known: it takes more than the seconds before it to make it happen.");
+        return;
+    }
+    ui.horizontal_wrapped(|ui| {
+        ui.spacing_mut().item_spacing = vec2(theme::SPACE, theme::SPACE);
+        for prevention in &what_if.preventions {
+            let words = prevention.words();
+            let button = Button::new(RichText::new(&words).size(theme::SMALL));
+            let response = ui.add(button).accessible_name(format!("Take {words}"));
+            if response.on_hover_text("Take this value; undo brings the present one back").clicked() {
+                let mut settings = model.settings.clone();
+                let setting = Setting::named(prevention.setting);
+                // What was tried lies within the range.
+                if setting.is_some_and(|setting| setting.set(&mut settings, prevention.value).is_ok()) {
+                    commands.push(Command::Set(Box::new(settings)));
+                }
+            }
+        }
+    });
+    let (tried, all) = what_if.tried;
+    if !what_if.done {
+        ui.weak(format!("… tried {tried} of {all}"));
+    } else if what_if.preventions.is_empty() {
+        ui.weak("no value of one tracking or occlusion setting alone");
+    }
 }
 
 /// What was compared to the left, the number and its limit to the right.

@@ -15,7 +15,7 @@ enum Change {
     /// Of the areas.
     Areas { before: Areas, after: Areas },
     /// Of both slots at once, with the settings in view.
-    Slots { before: (Slots, Settings), after: (Slots, Settings) },
+    Slots { before: Box<(Slots, Settings)>, after: Box<(Slots, Settings)> },
 }
 
 /// What is to be as it was.
@@ -64,7 +64,7 @@ impl History {
     /// Notes other slots, each with the settings that are in view.
     pub(crate) fn note_slots(&mut self, before: (Slots, Settings), after: (Slots, Settings)) {
         self.present = (after.0.in_view, after.1.clone());
-        self.add(Change::Slots { before, after });
+        self.add(Change::Slots { before: Box::new(before), after: Box::new(after) });
     }
 
     /// Areas belong to a video, and it is no longer there.
@@ -93,7 +93,7 @@ impl History {
         let again = match &change {
             Change::Settings { slot, before, .. } => self.settings(*slot, before.clone()),
             Change::Areas { before, .. } => Again::Areas(before.clone()),
-            Change::Slots { before, .. } => self.slots(before.clone()),
+            Change::Slots { before, .. } => self.slots((**before).clone()),
         };
         self.future.push(change);
         Some(again)
@@ -105,7 +105,7 @@ impl History {
         let again = match &change {
             Change::Settings { slot, after, .. } => self.settings(*slot, after.clone()),
             Change::Areas { after, .. } => Again::Areas(after.clone()),
-            Change::Slots { after, .. } => self.slots(after.clone()),
+            Change::Slots { after, .. } => self.slots((**after).clone()),
         };
         self.past.push(change);
         Some(again)

@@ -56,6 +56,8 @@ impl Player for Ready {
 
     fn set_settings(&self, _: Settings, _: Option<Settings>) {}
 
+    fn explain(&self, _: Option<crate::occlusion::Event>) {}
+
     fn set_truth(&self, _: Option<Arc<crate::truth::boxes::Boxes>>) {}
 
     fn set_roi(&self, _: Option<Arc<regions::Roi>>) {}
@@ -140,6 +142,7 @@ fn ready(frames: Rc<Vec<Shown>>) -> Ready {
         shown: Some(Arc::new(frames[0].clone())),
         timeline: Arc::new(timeline),
         beside: None,
+        what_if: None,
         busy: None,
         pixel: None,
         tuning: None,

@@ -24,6 +24,7 @@ mod kept;
 mod keys;
 mod marks;
 mod messages;
+mod object_panel;
 mod overlays;
 mod sample;
 mod score_panel;
@@ -63,7 +64,7 @@ use self::dialogs::{Answer, Dialogs};
 use self::finder::Finder;
 use self::inspector::{Inspector, InspectorAction};
 use self::kept::Kept;
-use self::state::{Model, Opener};
+use self::state::{Model, Opener, Subject};
 use self::status::Pace;
 use self::toasts::Toasts;
 use self::views::{Layout, Pictures, View};
@@ -272,7 +273,7 @@ impl Window {
         self.sent_at = Some(Instant::now());
         self.model.sent = (self.model.settings.clone(), self.model.slots.other.clone());
         // Under other settings, other events stand at its place.
-        self.model.reading = None;
+        (self.model.reading, self.model.explained) = (None, None);
         if let Some(player) = &self.model.player {
             player.set_settings(self.model.settings.clone(), self.model.slots.other.clone());
         }
@@ -333,6 +334,11 @@ impl Window {
                     // A panel is as large as what is in it: a short list must not shrink it.
                     ui.take_available_space();
                 });
+                object_panel::choice(ui, model, commands);
+                if model.subject == Subject::Object {
+                    object_panel::ui(ui, model, commands);
+                    return;
+                }
                 let action = inspector.ui(ui, model.shown(), model.pixel(), model.tuning(), model.fps());
                 match action {
                     Some(InspectorAction::GoTo(position)) => commands.push(Command::GoTo(position)),
@@ -397,6 +403,7 @@ impl Window {
         self.panels(ui, &mut commands);
         let looked_at = self.model.inspector_panel && self.model.shown().is_some();
         self.model.tune(self.inspector.asks_about().filter(|_| looked_at));
+        self.model.explain();
         // Views may have come into sight that need more of the frame.
         self.ask_for_pictures();
         help::ui(&ctx, &mut self.help);

@@ -19,7 +19,7 @@ use crate::occlusion::{Event, EventKind};
 use crate::regions::Roi;
 use crate::replay::{Phase, Session, Shown, Start, State, Timeline, Tuning};
 use crate::settings::Settings;
-use crate::tracking::Track;
+use crate::tracking::{Identity, Track};
 use crate::truth::boxes::Boxes;
 
 /// What the window asks of the worker behind it.
@@ -30,6 +30,8 @@ pub(crate) trait Player {
     fn show(&self, position: u32);
     /// Asks for settings in view, and for others to compare them with.
     fn set_settings(&self, settings: Settings, beside: Option<Settings>);
+    /// Asks what would have kept an event from happening.
+    fn explain(&self, event: Option<Event>);
     /// Says where objects truly are.
     fn set_truth(&self, truth: Option<Arc<Boxes>>);
     /// Asks for another part of the image to be analysed, the whole without one.
@@ -51,6 +53,10 @@ impl Player for Session {
 
     fn set_settings(&self, settings: Settings, beside: Option<Settings>) {
         self.compare(settings, beside);
+    }
+
+    fn explain(&self, event: Option<Event>) {
+        Session::explain(self, event);
     }
 
     fn set_truth(&self, truth: Option<Arc<Boxes>>) {
@@ -107,6 +113,15 @@ pub(crate) struct Camera {
 impl Camera {
     /// The whole image.
     pub(crate) const FIT: Self = Self { magnification: 1.0, centre: [0.5, 0.5] };
+}
+
+/// What the panel on the right can explain.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Subject {
+    /// The chosen pixel.
+    Pixel,
+    /// The chosen object.
+    Object,
 }
 
 /// What the pointer is on.
@@ -200,6 +215,10 @@ pub(crate) struct Model {
     pub(crate) span: Option<(f32, f32)>,
     /// The chosen pixel.
     pub(crate) chosen: Option<(u32, u32)>,
+    /// The chosen object.
+    pub(crate) object: Option<Identity>,
+    /// What the panel on the right explains.
+    pub(crate) subject: Subject,
     /// The pixel under the pointer.
     pub(crate) hovered: Option<Hover>,
     /// Where the views look.
@@ -224,6 +243,8 @@ pub(crate) struct Model {
     pub(crate) reading: Option<Read>,
     /// Which events the settings in view and those compared with them have in common; `None` where nothing is compared.
     pub(crate) compared: Option<Compared>,
+    /// The event of which the worker was last asked what would have kept it from happening.
+    pub(crate) explained: Option<Read>,
     /// Which of them are listed.
     pub(crate) listing: Listing,
     /// The slot that comes into view again when a key is let go.
@@ -260,6 +281,8 @@ impl Model {
             span: None,
             playback: Playback { playing: false, speed: NORMAL_SPEED, next_at: 0.0 },
             chosen: None,
+            object: None,
+            subject: Subject::Pixel,
             hovered: None,
             camera: Camera::FIT,
             maximised: None,
@@ -272,6 +295,7 @@ impl Model {
             listed: [true; EventKind::ALL.len()],
             reading: None,
             compared: None,
+            explained: None,
             listing: Listing::All,
             held: None,
             looked_at: None,
@@ -308,8 +332,9 @@ impl Model {
         (self.origin, self.truth) = (Origin::New, None);
         // A worker begins with the settings in view alone.
         (self.sent, self.tuned) = ((self.settings.clone(), None), None);
-        self.compared = None;
+        (self.compared, self.explained) = (None, None);
         (self.wanted, self.chosen, self.hovered, self.reading) = (None, None, None, None);
+        (self.object, self.subject) = (None, Subject::Pixel);
         self.playback.playing = false;
         self.camera = Camera::FIT;
     }
@@ -319,6 +344,7 @@ impl Model {
         self.put_marks_away();
         (self.player, self.state, self.newest, self.moment, self.opened) = (None, None, None, None, None);
         (self.wanted, self.chosen, self.hovered, self.reading) = (None, None, None, None);
+        (self.object, self.subject) = (None, Subject::Pixel);
         (self.marks, self.span, self.areas) = (Marks::default(), None, Areas::default());
         self.history.forget_areas();
         (self.origin, self.truth) = (Origin::New, None);
@@ -355,6 +381,15 @@ impl Model {
         self.slots.show(slot, &mut self.settings);
         self.history.look(slot, &self.settings);
         first
+    }
+
+    /// Asks the worker about the event that is read, if it has not been asked before.
+    pub(crate) fn explain(&mut self) {
+        let read = self.reading.filter(|read| matches!(read, Read::InView(_)));
+        if let Some(player) = self.player.as_ref().filter(|_| self.explained != read) {
+            player.explain(read.and_then(|read| Some(self.event(read)?.1.clone())));
+            self.explained = read;
+        }
     }
 
     /// Changes both slots at once, so that it is taken back at once.

@@ -27,7 +27,7 @@ use crate::regions::{self, LabelRun, Labels, Rect};
 use crate::replay::{LifeLine, Phase, Progress, Shown, Start, State, Timeline};
 use crate::settings::{SETTINGS, Settings};
 use crate::source::SourceInfo;
-use crate::tracking::{Track, TrackState};
+use crate::tracking::{Competing, Track, TrackState};
 use crate::truth::boxes::Boxes;
 
 mod areas;
@@ -35,6 +35,7 @@ mod around;
 mod compare;
 mod inspector;
 mod layout;
+mod object;
 mod pictures;
 mod timeline;
 
@@ -48,6 +49,7 @@ enum Asked {
     Settings(Box<Settings>),
     Beside(Option<Box<Settings>>),
     Truth(bool),
+    Explain(Option<Box<Event>>),
     Roi(Option<Arc<regions::Roi>>),
     Inspect(Option<(u32, u32)>),
     Tune(Option<[Knob; 2]>),
@@ -77,6 +79,10 @@ impl Player for Scene {
         compare::answer(&mut self.state.borrow_mut(), &settings, beside);
     }
 
+    fn explain(&self, event: Option<Event>) {
+        self.asked.borrow_mut().push(Asked::Explain(event.map(Box::new)));
+    }
+
     fn set_truth(&self, truth: Option<Arc<Boxes>>) {
         self.asked.borrow_mut().push(Asked::Truth(truth.is_some()));
     }
@@ -97,6 +103,21 @@ impl Player for Scene {
     }
 }
 
+/// What competes for an object that stands there: a match and a null match, none while it is hidden.
+fn competing([x, y]: [f32; 2], state: TrackState) -> Vec<Competing> {
+    let each = |centre, probability, matched| Competing {
+        centre,
+        gate: [16.0, 10.0, 0.3],
+        fitness: 0.4 * probability,
+        probability,
+        matched,
+    };
+    match state {
+        TrackState::Hidden => Vec::new(),
+        _ => vec![each([x, y], 0.8, true), each([x + 7.0, y - 3.0], 0.2, false)],
+    }
+}
+
 /// Two people walk towards each other and cross between frames 50 and 70; a third is hidden from 40 to 90.
 fn tracks_at(position: u32) -> Vec<Track> {
     let t = position as f32;
@@ -109,6 +130,7 @@ fn tracks_at(position: u32) -> Vec<Track> {
             bbox,
             centre: [x, y],
             gate: [16.0, 10.0, 0.3],
+            hypotheses: competing([x, y], state).into(),
             regions: if state == TrackState::Hidden { vec![] } else { vec![if merged { 1 } else { id }] },
             group: group.to_vec(),
             ..crate::export::tests::track(id, bbox.x, bbox.y)
@@ -161,7 +183,7 @@ fn shown_at(position: u32) -> Shown {
                 ..regions::Shape::default()
             },
             colour: [[200, 70, 60], [70, 90, 200], [80, 170, 90]][track.id as usize - 1],
-            histogram: regions::Histogram::default(),
+            histogram: regions::colour::tests::histogram(&[([200, 70, 60], 424), ([70, 90, 200], 141)]),
             mosaic: Arc::default(),
         })
         .collect();
@@ -261,6 +283,7 @@ fn state(phase: Phase, shown: Option<u32>) -> State {
         shown: shown.map(|position| Arc::new(shown_at(position))),
         timeline: if shown.is_some() { Arc::new(timeline()) } else { Arc::default() },
         beside: None,
+        what_if: None,
         busy: None,
         pixel: None,
         tuning: None,

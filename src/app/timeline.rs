@@ -88,7 +88,7 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     numbers(&painter, model, &axis, scale, colours.weak, colours.line);
     foreground(&painter, timeline, &axis, ground, colours.weak);
     analysed(&painter, timeline, &axis, ground, &colours);
-    life_lines(&painter, timeline, &axis, ground);
+    life_lines(&painter, model, timeline, &axis, ground);
     marked(&painter, model, &axis, ground, &colours);
     event_marks(&painter, model, timeline, &axis, marks);
     playhead(&painter, model, &axis, colours.accent, colours.on_accent);
@@ -294,7 +294,7 @@ fn lanes(lives: &[RangeInclusive<u32>]) -> (Vec<usize>, usize) {
     (taken, ends.len())
 }
 
-fn life_lines(painter: &Painter, timeline: &Timeline, axis: &Axis, ground: Rect) {
+fn life_lines(painter: &Painter, model: &Model, timeline: &Timeline, axis: &Axis, ground: Rect) {
     let mut lines: Vec<_> = timeline.life_lines.iter().filter(|line| !line.spans.is_empty()).collect();
     lines.sort_by_key(|line| (line.spans.first().map(|span| span.0), line.id));
     let lives: Vec<_> = lines
@@ -310,7 +310,9 @@ fn life_lines(painter: &Painter, timeline: &Timeline, axis: &Axis, ground: Rect)
     let pitch = (room / count.max(1) as f32).min(11.0);
     let thick = (pitch * 0.55).clamp(1.0, 5.0);
     for (line, lane) in lines.iter().zip(taken) {
-        let colour = theme::rgb(identity_colour(line.id));
+        // Beside a chosen object all others step back.
+        let strength = if model.object.is_none_or(|id| id == line.id) { 1.0 } else { 0.35 };
+        let colour = theme::rgb(identity_colour(line.id)).gamma_multiply(strength);
         let y = ground.top() + 4.0 + (lane as f32 + 0.5) * pitch;
         for &(first, last, state) in &line.spans {
             let (from, to) =

@@ -121,6 +121,7 @@ pub(crate) fn allowed(model: &Model, entry: &Entry) -> bool {
         }
         Action::KeepSettings => model.slots.other.is_some(),
         Action::ClearPixel => model.chosen.is_some(),
+        Action::ClearObject => model.object.is_some(),
         Action::Draw(Drawn::Truth) => model.truth.is_some(),
         Action::CloseVideo => model.player.is_some(),
         // The last view stays.

@@ -29,6 +29,8 @@ fn joined(identities: &[Identity]) -> String {
 
 #[cfg(test)]
 pub(crate) mod tests {
+    use std::sync::Arc;
+
     use crate::regions::Rect;
     use crate::tracking::{Identity, Track, TrackState};
 
@@ -45,7 +47,7 @@ pub(crate) mod tests {
             scale: 11.0,
             gate: [5.0, 5.0, 0.0],
             fitness: 1.0,
-            hypotheses: 1,
+            hypotheses: Arc::default(),
             visible_share: 1.0,
             colours: vec![[200, 10, 10]],
             regions: vec![1],

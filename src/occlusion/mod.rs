@@ -6,6 +6,7 @@
 
 mod abreast;
 pub mod assign;
+pub mod compare;
 pub mod event;
 mod hidden;
 pub mod lobes;
@@ -19,6 +20,7 @@ mod readout;
 pub mod reasoner;
 mod splits;
 pub mod template;
+pub mod what_if;
 
 pub use event::{Comparison, Counters, Episode, EpisodeKind, Event, EventKind, Evidence};
 pub use reasoner::{Reasoner, Seen};

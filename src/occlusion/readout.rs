@@ -1,5 +1,7 @@
 //! What the reasoner says of a frame.
 
+use std::sync::Arc;
+
 use super::object::Object;
 use super::reasoner::{Reasoner, Seen};
 use crate::regions::Rect;
@@ -77,7 +79,7 @@ impl Reasoner {
             scale: object.model.scale(),
             gate: object.model.gate_ellipse(self.pool.gate),
             fitness: shown.map_or(0.0, |shown| shown.fitness.value()),
-            hypotheses: blob.map_or(1, |blob| blob.hypotheses.len() as u32),
+            hypotheses: blob.map_or_else(Arc::default, |blob| blob.competing(self.pool.gate).into()),
             visible_share: share,
             colours: object.colours(&self.settings),
             regions: Vec::new(),

@@ -23,7 +23,8 @@ pub struct Bin {
 }
 
 impl Bin {
-    fn mean(&self) -> Rgb {
+    /// The mean of its colours.
+    pub fn mean(&self) -> Rgb {
         self.sum.map(|sum| (sum / self.count).round().clamp(0.0, 255.0) as u8)
     }
 }
@@ -163,10 +164,10 @@ impl Tally {
 }
 
 #[cfg(test)]
-mod tests {
+pub(crate) mod tests {
     use super::*;
 
-    fn histogram(colours: &[(Rgb, u32)]) -> Histogram {
+    pub(crate) fn histogram(colours: &[(Rgb, u32)]) -> Histogram {
         let mut histogram = Histogram::default();
         for &(colour, count) in colours {
             histogram.add_many(colour, count);

@@ -3,7 +3,6 @@
 //! The window holds a [`Session`] and asks; the worker publishes a [`State`] whenever something
 //! changed. Neither waits for the other.
 
-pub mod compare;
 mod inspector;
 mod lane;
 mod memory;
@@ -17,6 +16,7 @@ mod session;
 mod spaced;
 mod timeline;
 mod tuner;
+mod what_if;
 mod worker;
 
 #[cfg(test)]
@@ -28,6 +28,7 @@ use crate::frame::Frame;
 use crate::mixture::tuning::{Flip, Map};
 use crate::mixture::{Parameters, PixelHistory};
 use crate::occlusion::Event;
+use crate::occlusion::what_if::WhatIf;
 use crate::pipeline::Analysis;
 use crate::regions::Roi;
 use crate::settings::Settings;
@@ -79,6 +80,8 @@ pub struct State {
     /// What the chosen pixel would be under other settings, if [`Session::tune`] asked for it. It may
     /// be of another frame, pixel or choice of settings than the one in view: then the new one is on its way.
     pub tuning: Option<Arc<Tuning>>,
+    /// What would have kept an event from happening, if [`Session::explain`] asked for it, as far as that is known.
+    pub what_if: Option<Arc<WhatIf>>,
     /// What is known of the whole sequence so far under the settings of the frame in view, which it
     /// holds. It follows the work at most ten times a second.
     pub timeline: Arc<Timeline>,

@@ -6,7 +6,7 @@ use super::runs;
 use crate::frame::{Mask, Size};
 use crate::pipeline::Analysis;
 use crate::regions::{Labels, Region};
-use crate::tracking::Track;
+use crate::tracking::{Competing, Track};
 
 /// The analyses of a sequence from its first frame on.
 pub(super) struct Record {
@@ -32,7 +32,13 @@ impl Entry {
     fn bytes(&self) -> usize {
         let regions = self.analysis.regions.iter().map(Region::bytes).sum::<usize>();
         let tracks = self.analysis.tracks.len() + self.analysis.objects.len() + self.analysis.tentative.len();
-        size_of::<Self>() + self.labels.len() + self.raw.len() + regions + tracks * size_of::<Track>()
+        size_of::<Self>()
+            + self.labels.len()
+            + self.raw.len()
+            + regions
+            + tracks * size_of::<Track>()
+            + self.analysis.objects.iter().map(|track| track.hypotheses.len()).sum::<usize>()
+                * size_of::<Competing>()
     }
 }
 

@@ -38,12 +38,11 @@ impl Rival {
     /// Whether all that can be had of it is beside a frame in view.
     pub(super) fn is_beside(&self, shown: &Shown) -> bool {
         match (&self.settings, &self.lane) {
-            (None, _) => shown.beside.is_none(),
             (Some(_), None) => shown.beside.as_ref().is_some_and(|beside| beside.settings == shown.settings),
             (Some(_), Some(lane)) if lane.run.front() > shown.position => {
                 shown.beside.as_ref().is_some_and(|beside| of(beside, lane, shown.position))
             }
-            (Some(_), Some(_)) => shown.beside.is_none(),
+            _ => shown.beside.is_none(),
         }
     }
 

@@ -10,6 +10,7 @@ use std::time::Duration;
 use super::worker::Worker;
 use super::{Phase, Start, State, Timeline, memory};
 use crate::mixture::tuning::Knob;
+use crate::occlusion::Event;
 use crate::regions::Roi;
 use crate::settings::Settings;
 use crate::source::SourceError;
@@ -30,8 +31,9 @@ pub struct Session {
 pub(super) struct Requests {
     pub(super) show: Option<u32>,
     pub(super) settings: Option<Settings>,
-    pub(super) beside: Option<Option<Settings>>,
-    pub(super) truth: Option<Option<Arc<Boxes>>>,
+    pub(super) beside: Option<Rival>,
+    pub(super) truth: Option<Truth>,
+    pub(super) explain: Option<Explained>,
     pub(super) roi: Option<Analysed>,
     pub(super) inspect: Option<Pixel>,
     pub(super) tune: Option<Knobs>,
@@ -43,6 +45,15 @@ pub(super) struct Pixel(pub(super) Option<(u32, u32)>);
 
 /// What to change along the sides of a map, `None` for no map.
 pub(super) struct Knobs(pub(super) Option<[Knob; 2]>);
+
+/// What to compare with what is in view, `None` for nothing.
+pub(super) struct Rival(pub(super) Option<Settings>);
+
+/// Where objects truly are, `None` where that is not known.
+pub(super) struct Truth(pub(super) Option<Arc<Boxes>>);
+
+/// Which event to explain, `None` for none.
+pub(super) struct Explained(pub(super) Option<Event>);
 
 /// What is to be analysed, `None` for the whole image.
 pub(super) struct Analysed(pub(super) Option<Arc<Roi>>);
@@ -94,6 +105,7 @@ impl Session {
             tuning: None,
             timeline: Arc::new(Timeline::default()),
             beside: None,
+            what_if: None,
             busy: None,
             analysis_fps: 0.0,
         };
@@ -143,13 +155,18 @@ impl Session {
     pub fn compare(&self, settings: Settings, beside: Option<Settings>) {
         self.shared.ask(|requests| {
             requests.settings = Some(settings);
-            requests.beside = Some(beside);
+            requests.beside = Some(Rival(beside));
         });
     }
 
     /// Says where objects truly are, so that what was analysed is scored; `None` for no scores.
     pub fn set_truth(&self, truth: Option<Arc<Boxes>>) {
-        self.shared.ask(|requests| requests.truth = Some(truth));
+        self.shared.ask(|requests| requests.truth = Some(Truth(truth)));
+    }
+
+    /// Asks what would have kept an event from happening under the settings in view; `None` to ask no more.
+    pub fn explain(&self, event: Option<Event>) {
+        self.shared.ask(|requests| requests.explain = Some(Explained(event)));
     }
 
     /// Asks for another part of the image to be analysed, the whole without one; it must be as large as the frames.
@@ -219,6 +236,7 @@ impl Requests {
             || self.settings.is_some()
             || self.beside.is_some()
             || self.truth.is_some()
+            || self.explain.is_some()
             || self.roi.is_some()
             || self.inspect.is_some()
             || self.tune.is_some()

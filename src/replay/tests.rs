@@ -17,6 +17,7 @@ use crate::source::cache::FrameCache;
 use crate::source::{self, Source, SourceError};
 
 mod compare;
+mod what_if;
 
 const FRAMES: u32 = 60;
 const WIDTH: u32 = 96;

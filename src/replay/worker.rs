@@ -12,8 +12,9 @@ use std::time::{Duration, Instant};
 use super::lane::{Lane, Step};
 use super::rival::Rival;
 use super::run::Towards;
-use super::session::{Analysed, Knobs, Pixel, Requests, Shared};
+use super::session::{self, Analysed, Explained, Knobs, Pixel, Requests, Shared, Truth};
 use super::tuner::Tuner;
+use super::what_if::Asker;
 use super::{Beside, Phase, Progress, Shown, Start, Timeline};
 use crate::frame::Frame;
 use crate::mixture::PixelHistory;
@@ -67,6 +68,7 @@ pub(super) struct Worker<'a> {
     follow: bool,
     pixel: Option<(u32, u32)>,
     tuner: Tuner,
+    asker: Asker,
     /// The boxes by which results are scored.
     truth: Option<Arc<Boxes>>,
     stopped: bool,
@@ -82,8 +84,7 @@ struct Outbox {
     beside_grew: bool,
     pixel_grew: bool,
     warnings: Vec<String>,
-    told_of_gone: bool,
-    told_of_live: bool,
+    told_of: Told,
     /// As last published.
     pixel: Option<Arc<PixelHistory>>,
     /// How far the timeline reached that was last published.
@@ -92,6 +93,15 @@ struct Outbox {
     busy: Option<Progress>,
     published: Instant,
     publishing_took: Duration,
+}
+
+/// What is told once.
+#[derive(Default)]
+struct Told {
+    /// That frames are no longer kept.
+    gone: bool,
+    /// That a live source cannot be compared.
+    live: bool,
 }
 
 /// A frame to show that is not known yet.
@@ -146,6 +156,7 @@ impl<'a> Worker<'a> {
             },
             pixel: None,
             tuner: Tuner::default(),
+            asker: Asker::default(),
             truth: None,
             stopped: false,
             shown: None,
@@ -156,8 +167,7 @@ impl<'a> Worker<'a> {
                 beside_grew: false,
                 pixel_grew: false,
                 warnings: Vec::new(),
-                told_of_gone: false,
-                told_of_live: false,
+                told_of: Told::default(),
                 pixel: None,
                 analysed: 0,
                 busy: None,
@@ -197,7 +207,11 @@ impl<'a> Worker<'a> {
         if let Some(Knobs(knobs)) = requests.tune {
             self.tuner.choose(knobs);
         }
-        if let Some(truth) = requests.truth {
+        if let Some(Explained(event)) = requests.explain {
+            self.asker.ask(event);
+            self.publish_what_if();
+        }
+        if let Some(Truth(truth)) = requests.truth {
             self.truth = truth;
             (self.outbox.timeline_grew, self.outbox.beside_grew) = (true, true);
         }
@@ -206,7 +220,8 @@ impl<'a> Worker<'a> {
         }
         let settings = requests.settings.unwrap_or_else(|| Settings::clone(self.lane.settings()));
         let roi = requests.roi.map_or_else(|| self.lane.run.roi().cloned(), |Analysed(roi)| roi);
-        let beside = requests.beside.unwrap_or_else(|| self.rival.settings.clone());
+        let beside =
+            requests.beside.map_or_else(|| self.rival.settings.clone(), |session::Rival(beside)| beside);
         self.change(settings, roi, beside)
     }
 
@@ -225,6 +240,11 @@ impl<'a> Worker<'a> {
         if self.stopped {
             self.rival = Rival::default();
         }
+        if differs {
+            // Under other settings it may never have happened.
+            self.asker.ask(None);
+            self.publish_what_if();
+        }
         self.rival.settings = beside;
         if differs || self.stopped {
             self.change_view(settings, roi.clone())?;
@@ -235,7 +255,7 @@ impl<'a> Worker<'a> {
     /// A live source's frames come once, and only some are kept: two runs cannot both have them.
     fn comparable(&mut self, beside: Option<Settings>) -> Option<Settings> {
         let refused = beside.is_some() && self.info.live;
-        if refused && !std::mem::replace(&mut self.outbox.told_of_live, true) {
+        if refused && !std::mem::replace(&mut self.outbox.told_of.live, true) {
             self.outbox.warnings.push(format!(
                 "two settings cannot be compared on {}, whose frames come only once; record it first",
                 self.info.name
@@ -377,10 +397,30 @@ impl<'a> Worker<'a> {
             self.analyse(Which::InView)?;
         } else if self.rival.lane.as_ref().is_some_and(|lane| !lane.is_through(&self.frames)) {
             self.analyse(Which::Rival)?;
-        } else if !self.score() {
-            return Ok(false);
+        } else {
+            return Ok(self.score() || self.explain());
         }
         Ok(true)
+    }
+
+    /// Works on what would have kept an event from happening; whether there was anything to do.
+    fn explain(&mut self) -> bool {
+        let before = self.asker.latest();
+        let numbers = self.frames.numbers();
+        let worked = self.asker.piece(&self.lane.run, numbers, self.info.size, self.info.fps);
+        let same = match (&before, &self.asker.latest()) {
+            (Some(one), Some(other)) => Arc::ptr_eq(one, other),
+            (one, other) => one.is_none() && other.is_none(),
+        };
+        if !same {
+            self.publish_what_if();
+        }
+        worked
+    }
+
+    fn publish_what_if(&self) {
+        let what_if = self.asker.latest();
+        self.shared.publish(|state| state.what_if = what_if);
     }
 
     /// Takes the chosen pixel through the frames that are known; whether there was anything to do.
@@ -496,7 +536,7 @@ impl<'a> Worker<'a> {
             Fetched::Gone | Fetched::End => {
                 // Only a live source forgets: the oldest thing that surely is there is the newest.
                 self.wanted = self.lane.run.modelled().saturating_sub(1);
-                if !std::mem::replace(&mut self.outbox.told_of_gone, true) {
+                if !std::mem::replace(&mut self.outbox.told_of.gone, true) {
                     self.outbox.warnings.push(format!(
                         "earlier frames of {} are no longer kept: the newest is shown",
                         self.info.name

@@ -11,4 +11,4 @@ pub mod seeds;
 pub mod track;
 
 pub use naming::{Key, Naming};
-pub use track::{Identity, Track, TrackState};
+pub use track::{Competing, Identity, Track, TrackState};

@@ -4,6 +4,7 @@ use nalgebra::Vector3;
 use pathfinding::matrix::Matrix;
 use pathfinding::prelude::kuhn_munkres;
 
+use super::Competing;
 use super::kalman::{Measurement, Model, Noise, chi_squared_3};
 use crate::regions::Rect;
 use crate::settings::Settings;
@@ -93,6 +94,21 @@ impl Blob {
     /// The hypothesis that is shown.
     pub fn shown(&self) -> &Hypothesis {
         &self.hypotheses[0]
+    }
+
+    /// What competes, the shown hypothesis first; `gate` is χ² at the edge of the gate.
+    pub fn competing(&self, gate: f32) -> Vec<Competing> {
+        let most = self.hypotheses.iter().map(|each| each.score).fold(f32::NEG_INFINITY, f32::max);
+        let likelihood = |each: &Hypothesis| (each.score - most).exp();
+        let total: f32 = self.hypotheses.iter().map(likelihood).sum();
+        let competing = self.hypotheses.iter().map(|each| Competing {
+            centre: each.model.centre(),
+            gate: each.model.gate_ellipse(gate),
+            fitness: each.fitness.value(),
+            probability: likelihood(each) / total,
+            matched: each.matched.is_some(),
+        });
+        competing.collect()
     }
 
     /// Keeps the shown hypothesis alone and lets `change` correct its model: what follows an

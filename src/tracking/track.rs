@@ -1,5 +1,7 @@
 //! What is known of an object in one frame: the reading of the hypotheses that is shown.
 
+use std::sync::Arc;
+
 use serde::Serialize;
 
 use super::naming::Key;
@@ -31,6 +33,22 @@ impl TrackState {
     }
 }
 
+/// One of the hypotheses that compete for an object (§VIII).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Competing {
+    /// Its Kalman model's centre (x, y).
+    pub centre: [f32; 2],
+    /// Half axes and angle (radians) of the ellipse within which its next region may lie.
+    pub gate: [f32; 3],
+    /// Inverse of the variance of its prediction error.
+    pub fitness: f32,
+    /// Its share of the likelihood of all that compete, 0..=1. The one that is shown need not have the most: the reading
+    /// of all objects together is the likeliest.
+    pub probability: f32,
+    /// Whether it took a region in this frame, or none (a null match).
+    pub matched: bool,
+}
+
 /// An object in one frame.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Track {
@@ -53,8 +71,9 @@ pub struct Track {
     pub gate: [f32; 3],
     /// Inverse of the variance of the prediction error.
     pub fitness: f32,
-    /// How many hypotheses compete for it.
-    pub hypotheses: u32,
+    /// The hypotheses that compete for it, the one that is shown first; none while no region is followed for it.
+    #[serde(skip)]
+    pub hypotheses: Arc<[Competing]>,
     /// The share of its full size that is seen, 0..=1.
     pub visible_share: f32,
     /// Its dominant colours, the most frequent first.

@@ -171,11 +171,10 @@ impl View {
             Self::Background => background.compose().layers(),
             Self::Foreground => Compose::Mask.layers(),
             Self::Regions => Compose::Regions.layers(),
-            Self::Tracks => Compose::Input.layers(),
+            Self::Tracks | Self::BesideTracks => Compose::Input.layers(),
             Self::Difference => Compose::Difference.layers(),
             Self::BesideBackground => Compose::BesideMean.layers(),
             Self::BesideForeground => Compose::BesideMask.layers(),
-            Self::BesideTracks => Compose::Input.layers(),
             Self::Agreement => Compose::Agreement.layers(),
         }
     }

@@ -13,8 +13,9 @@ use super::{Background, Canvas, Pane, Pictures, View, areas, draw};
 use crate::app::areas::Change;
 use crate::app::command::{Action, Command};
 use crate::app::overlays::Drawn;
-use crate::app::state::{Camera, Hover, Model};
+use crate::app::state::{Camera, Hover, Model, Subject};
 use crate::app::{theme, top_bar};
+use crate::tracking::{Identity, Track};
 
 /// From this width of a title on, in points, all kinds of background stand in it to choose from.
 const CHOICES_FROM: f32 = 290.0;
@@ -181,10 +182,32 @@ impl Panes<'_> {
                         Some(_) => Command::Area(Change::Choose(area)),
                         None => Command::Choose(Some(pixel)),
                     });
+                    let object = self.object_at(view, pixel, canvas.image(at));
+                    match (area, object) {
+                        (None, Some(object)) => self.commands.push(Command::ChooseObject(Some(object))),
+                        _ => self.commands.push(Command::Explain(Subject::Pixel)),
+                    }
                 }
             }
         }
         camera
+    }
+
+    /// The object that a click means: in the tracks, the smallest box around it; in the regions, whose region it is.
+    fn object_at(&self, view: View, (x, y): (u32, u32), at: [f32; 2]) -> Option<Identity> {
+        let analysis = &self.model.shown()?.analysis;
+        let meant = |track: &&Track| match view {
+            View::Tracks => {
+                let bbox = &track.bbox;
+                (bbox.x..=bbox.right()).contains(&at[0]) && (bbox.y..=bbox.bottom()).contains(&at[1])
+            }
+            View::Regions => {
+                analysis.labels.at(x, y).is_some_and(|label| label > 0 && track.regions.contains(&label))
+            }
+            _ => false,
+        };
+        let tracks = analysis.tracks.iter().filter(meant);
+        tracks.min_by(|a, b| a.bbox.area().total_cmp(&b.bbox.area())).map(|track| track.id)
     }
 
     /// What stands at the right end of a title with so many tabs.

@@ -43,6 +43,9 @@ pub(super) fn paint(pane: &Pane<'_>) {
     for track in tracks.iter() {
         object(pane, track, &mut gates);
     }
+    if let Some(track) = tracks.iter().find(|track| pane.model.object == Some(track.id)) {
+        chosen(pane, track);
+    }
     if drawn.has(Drawn::Gates) {
         pane.painter.add(gates);
     }
@@ -100,6 +103,44 @@ fn object(pane: &Pane<'_>, track: &Track, gates: &mut Mesh) {
         // A gate grows while nothing is measured; large and strong it would hide the picture.
         let strength = if track.state == TrackState::Visible { 0.8 } else { 0.4 };
         draw::add_ellipse(gates, centre, gate, angle, Stroke::new(1.0, colour.gamma_multiply(strength)));
+    }
+}
+
+/// The chosen object: where it goes, and where the hypotheses that compete for it say that it is.
+fn chosen(pane: &Pane<'_>, track: &Track) {
+    let colour = theme::rgb(identity_colour(track.id));
+    let place = pane.canvas.place(&track.bbox).expand(3.0);
+    draw::outlined_rect(pane.painter, place, Stroke::new(2.0, Color32::WHITE));
+    let mut gates = Mesh::default();
+    for (rank, each) in track.hypotheses.iter().enumerate() {
+        let centre = pane.canvas.screen(each.centre);
+        if rank > 0 {
+            let [major, minor, angle] = each.gate;
+            let gate = vec2(major, minor) * pane.canvas.scale;
+            let faint = Stroke::new(1.0, Color32::WHITE.gamma_multiply(0.25 + 0.6 * each.probability));
+            if gate.x.is_finite() && gate.length() < 4.0 * pane.canvas.rect.width() {
+                draw::add_ellipse(&mut gates, centre, gate, angle, faint);
+            }
+        }
+        let size = 3.0 + 3.0 * each.probability;
+        let ring = Stroke::new(1.5, if rank == 0 { colour } else { Color32::WHITE });
+        pane.painter.circle(centre, size, Color32::from_black_alpha(120), ring);
+        let number = Align2::LEFT_CENTER;
+        let font = FontId::proportional(theme::SMALL);
+        if track.hypotheses.len() > 1 {
+            let at = centre + vec2(size + 3.0, 0.0);
+            let word = (rank + 1).to_string();
+            pane.painter.text(at + vec2(1.0, 1.0), number, &word, font.clone(), Color32::BLACK);
+            pane.painter.text(at, number, word, font, Color32::WHITE);
+        }
+    }
+    pane.painter.add(gates);
+    // Where it will be in half a second, at the speed that its model has.
+    let from = pane.canvas.screen(track.centre);
+    let way = vec2(track.velocity[0], track.velocity[1]) * 0.5 * pane.model.fps() * pane.canvas.scale;
+    if way.length() > 6.0 && way.length() < pane.canvas.rect.width() {
+        pane.painter.arrow(from, way, Stroke::new(3.5, Color32::from_black_alpha(140)));
+        pane.painter.arrow(from, way, Stroke::new(1.5, colour));
     }
 }
 

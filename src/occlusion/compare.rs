@@ -1,6 +1,7 @@
 //! Which events two analyses of the same frames have in common.
 
-use crate::occlusion::Event;
+use super::Event;
+use crate::frame::Size;
 
 /// Events are the same when they are of one kind and no farther apart than this.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -9,6 +10,23 @@ pub struct Reach {
     pub frames: u32,
     /// In pixels.
     pub pixels: f32,
+}
+
+impl Reach {
+    /// For a video: a second, and so much of the picture as people cross in less.
+    pub fn of(size: Size, fps: f32) -> Self {
+        Self {
+            frames: fps.round().max(1.0) as u32,
+            pixels: 0.08 * (size.width as f32).hypot(size.height as f32),
+        }
+    }
+
+    /// Whether two events may be the same.
+    pub fn covers(&self, event: &Event, other: &Event) -> bool {
+        event.kind == other.kind
+            && event.frame.abs_diff(other.frame) <= self.frames
+            && (event.x - other.x).hypot(event.y - other.y) <= self.pixels
+    }
 }
 
 /// An event of either or both, by its place in its list.

@@ -1,0 +1,139 @@
+//! The panel about an object.
+
+use super::*;
+use crate::app::command::Action;
+use crate::app::compared::Read;
+use crate::app::state::Subject;
+use crate::app::views::Canvas;
+
+/// Clicks on a place of the image in a view.
+fn click(harness: &mut Harness<'_, Window>, view: &str, at: [f32; 2]) {
+    let rect = harness.get_by_label(view).rect();
+    let canvas = Canvas::new(rect, SIZE, harness.state().model.camera);
+    click_at(harness, canvas.screen(at));
+    // Two clicks within a moment would be one double click.
+    harness.run_steps(40);
+}
+
+/// A window in which the whole panel is seen.
+fn tall() -> (Harness<'static, Window>, Scene) {
+    window(Some(state(Phase::Ready, Some(30))), (1600.0, 1700.0), Theme::Dark)
+}
+
+#[test]
+fn a_click_on_an_object_explains_it_with_its_numbers() {
+    let (mut harness, scene) = tall();
+    click(&mut harness, "Tracks and occlusions view", [50.5, 60.5]);
+    assert_eq!((harness.state().model.object, harness.state().model.subject), (Some(1), Subject::Object));
+    assert_eq!(harness.state().model.chosen, Some((50, 60)), "the pixel is chosen, too");
+    harness.get_by_label("It has region 1 to itself, where 100 % of its full size is seen.");
+    assert_eq!(harness.query_all_by_label("50.0, 60.0 px").count(), 2, "centre and centroid");
+    harness.get_by_label("+1.00, +0.00 px/frame");
+    // 25 frames a second.
+    harness.get_by_label("25.0 px/s");
+    harness.get_by_label("0.80");
+    harness.get_by_label("0.20");
+    harness.get_by_label("565 px");
+    harness.get_by_label_contains("dominant colour R 200 G 70 B 60, 75 %");
+    // Its own colour is 200, 10, 10.
+    let apart = regions::colour::delta_e([200, 10, 10], [200, 70, 60]);
+    harness.get_by_label_contains(&format!("ΔE {apart:.1} to the dominant one"));
+    harness.get_by_label("frames 1–120, 4.8 s: 100 seen alone, 20 merged, 0 hidden");
+    picture(&mut harness, "object");
+    harness.get_by_label("#51  merge 1 + 2").click();
+    settle(&mut harness);
+    assert_eq!(harness.state().model.reading, Some(Read::InView(3)));
+    assert_eq!(shows(&scene), [50]);
+    picture(&mut harness, "object-merged");
+    harness.get_by_label_contains("It shares region 1 with 2;");
+    harness.get_by_label("Explain pixel 50, 60").click();
+    harness.run_steps(3);
+    assert_eq!(harness.state().model.subject, Subject::Pixel);
+    harness.get_by_label("Explain object 1").click();
+    harness.run_steps(3);
+    assert_eq!(harness.state().model.subject, Subject::Object);
+    let ctx = harness.ctx.clone();
+    harness.state_mut().apply(&ctx, Command::Act(Action::ClearObject));
+    harness.run_steps(3);
+    assert!(harness.query_by_label("Explain object 1").is_none());
+}
+
+#[test]
+fn a_region_means_the_object_that_it_belongs_to_and_who_is_away_is_told() {
+    let (mut harness, scene) = tall();
+    // Where two boxes overlap, the region says whose pixel it is.
+    click(&mut harness, "Regions view", [110.0, 66.0]);
+    assert_eq!(harness.state().model.object, Some(2));
+    click(&mut harness, "Input view", [110.0, 66.0]);
+    assert_eq!((harness.state().model.object, harness.state().model.subject), (Some(2), Subject::Pixel));
+    click(&mut harness, "Tracks and occlusions view", [120.0, 30.0]);
+    assert_eq!(harness.state().model.object, Some(3));
+    let life = harness.get_by_label("A frame of its life").rect();
+    click_at(&mut harness, life.lerp_inside(vec2(0.5, 0.5)));
+    assert_eq!(shows(&scene).last(), Some(&60));
+    settle(&mut harness);
+    harness.get_by_label_contains("No region is its own.");
+    harness.get_by_label("None: no region is followed for it.");
+    picture(&mut harness, "object-hidden");
+    harness.state_mut().model.object = Some(9);
+    harness.run_steps(3);
+    harness.get_by_label("It has no box in this frame.");
+    picture(&mut harness, "object-away");
+}
+
+fn click_at(harness: &mut Harness<'_, Window>, at: egui::Pos2) {
+    harness.event(egui::Event::PointerMoved(at));
+    harness.step();
+    for pressed in [true, false] {
+        let (button, modifiers) = (egui::PointerButton::Primary, Modifiers::NONE);
+        harness.event(egui::Event::PointerButton { pos: at, button, pressed, modifiers });
+        harness.step();
+    }
+    harness.run_steps(3);
+}
+
+#[test]
+fn the_panel_can_be_drawn_small_and_light() {
+    for (size, theme, name) in
+        [((1024.0, 640.0), Theme::Dark, "object-small"), ((1600.0, 1000.0), Theme::Light, "object-light")]
+    {
+        let (mut harness, _) = window(Some(state(Phase::Ready, Some(30))), size, theme);
+        let ctx = harness.ctx.clone();
+        harness.state_mut().apply(&ctx, Command::ChooseObject(Some(1)));
+        picture(&mut harness, name);
+        harness.get_by_label("Object 1");
+    }
+}
+
+#[test]
+fn what_would_have_kept_an_event_from_happening_is_asked_told_and_taken() {
+    use crate::occlusion::what_if::{Prevention, WhatIf};
+    use crate::settings::Value;
+    let (mut harness, scene) = tall();
+    harness.get_by_label("merge 1 + 2, frame 51").click();
+    harness.run_steps(4);
+    let (_, merge) = timeline().events[3].clone();
+    assert!(scene.asked.borrow().contains(&Asked::Explain(Some(Box::new(merge.clone())))));
+    let prevention = |setting, value, above| Prevention { setting, value, above };
+    let preventions = vec![
+        prevention("size_step", Value::Real(0.42), Some(true)),
+        prevention("placing", Value::Choice("predicted"), None),
+    ];
+    let answer = |tried, done| {
+        let (event, preventions) = (merge.clone(), preventions.clone());
+        Some(Arc::new(WhatIf { event, preventions, tried, happens: true, done }))
+    };
+    scene.state.borrow_mut().what_if = answer((12, 40), false);
+    harness.run_steps(4);
+    harness.get_by_label("… tried 12 of 40");
+    picture(&mut harness, "prevented");
+    scene.state.borrow_mut().what_if = answer((40, 40), true);
+    harness.run_steps(4);
+    harness.get_by_label("Take placing = predicted");
+    harness.get_by_label("Take size_step ≥ 0.42").click();
+    harness.run_steps(8);
+    assert_eq!(given(&scene).unwrap().size_step, 0.42);
+    harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
+    harness.run_steps(8);
+    assert_eq!(given(&scene), Some(Settings::default()));
+}

@@ -1,0 +1,34 @@
+//! What would have kept an event from happening.
+
+use super::*;
+use crate::occlusion::EventKind;
+use crate::occlusion::compare::Reach;
+use crate::settings::Setting;
+
+#[test]
+fn what_is_told_to_prevent_an_event_prevents_it_in_the_whole_video() {
+    let folder = scene();
+    let watched = Watched::open(folder.path(), settings(), Start::First, 1 << 30);
+    let done = watched.until_done();
+    let merge = done.timeline.events.iter().find(|(_, event)| event.kind == EventKind::Merge);
+    let (_, merge) = merge.unwrap().clone();
+    watched.session.explain(Some(merge.clone()));
+    let answered = |state: &State| state.what_if.as_ref().is_some_and(|what_if| what_if.done);
+    let what_if = watched.until(answered).what_if.unwrap();
+    assert!(what_if.happens && what_if.event == merge);
+    assert!(!what_if.preventions.is_empty(), "{what_if:?}");
+    let reach = Reach::of(Size::new(WIDTH, HEIGHT), 25.0);
+    let happens = |settings: &Settings| {
+        let all = straight(folder.path(), settings);
+        all.iter().any(|shown| shown.analysis.events.iter().any(|event| reach.covers(&merge, event)))
+    };
+    assert!(happens(&settings()));
+    for prevention in what_if.preventions.iter().take(4) {
+        let mut other = settings();
+        Setting::named(prevention.setting).unwrap().set(&mut other, prevention.value).unwrap();
+        assert!(!happens(&other), "{}", prevention.words());
+    }
+    // Of other settings nothing is known.
+    watched.session.set_settings(Settings { gate: 0.95, ..settings() });
+    watched.until(|state| state.what_if.is_none());
+}
