@@ -13,7 +13,7 @@ use super::history::Again;
 use super::overlays::Overlay;
 use super::slots::Slots;
 use super::state::{Camera, Origin, SPEEDS};
-use super::{sample, views};
+use super::{sample, timeline, views};
 use crate::replay::Start;
 use crate::settings::Settings;
 
@@ -198,6 +198,8 @@ impl Window {
                 }
             }
             Action::WholeTimeline => model.span = None,
+            Action::ZoomTimeline(into) => model.span = timeline::zoomed(model, into),
+            Action::AnalyseAhead => model.stop_or_go_on(),
             Action::Slower => model.playback.speed = model.playback.speed.saturating_sub(1),
             Action::Faster => model.playback.speed = (model.playback.speed + 1).min(SPEEDS.len() - 1),
             Action::Maximise(view) => {
@@ -225,6 +227,10 @@ impl Window {
             Action::Overlay => model.overlay.on = !model.overlay.on,
             Action::OverlayOpacity => {
                 model.overlay = Overlay { on: true, opacity: model.overlay.next() };
+            }
+            Action::MovePixel(columns, rows) => {
+                let pixel = model.pixel_beside(columns, rows);
+                self.apply(ctx, Command::Choose(pixel));
             }
             Action::ClearPixel => self.apply(ctx, Command::Choose(None)),
             Action::SettingsPanel => model.settings_panel = !model.settings_panel,

@@ -70,10 +70,14 @@ pub(crate) enum Action {
     SaveMask,
     /// Take boxes that are known to be right from a file.
     LoadTruth,
+    /// Stop the analysis beyond the frame in view, or go on with it.
+    AnalyseAhead,
     /// Start or stop playing.
     Play,
     /// Go so many frames on, or back.
     Step(i32),
+    /// Show a shorter part of the timeline around the frame in view, or a longer one.
+    ZoomTimeline(bool),
     /// Go to the next event.
     NextEvent,
     /// Go to the event before.
@@ -118,6 +122,8 @@ pub(crate) enum Action {
     Overlay,
     /// Another opacity of the mask over the input.
     OverlayOpacity,
+    /// Choose the pixel so many columns and rows away.
+    MovePixel(i32, i32),
     /// No pixel chosen any more.
     ClearPixel,
     /// The panel with the settings.

@@ -51,6 +51,24 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, pace: Pace, commands: &mut Vec<Comm
     });
 }
 
+/// What ends the work that is told beside it, or goes on with it.
+fn stop_or_go_on(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    let action = Action::AnalyseAhead;
+    let (icon, name, text) = if model.is_busy() {
+        let text = "Stop here: only what is looked at is analysed from now on";
+        (m::ICON_STOP_CIRCLE, "Stop the analysis", text)
+    } else {
+        (m::ICON_PLAY_CIRCLE, "Go on with the analysis", "Analyse the rest of the video in the background")
+    };
+    let keys =
+        action.entry().and_then(|entry| entry.shortcuts.first()).map_or_else(String::new, |key| key.text());
+    let button = Button::new(icon.rich_text().size(theme::ICON)).frame_when_inactive(false);
+    let response = ui.add(button).accessible_name(name).on_hover_text(format!("{text} ({keys})"));
+    if response.clicked() {
+        commands.push(Command::Act(action));
+    }
+}
+
 fn right(ui: &mut Ui, model: &Model, pace: Pace, commands: &mut Vec<Command>) {
     let Some(state) = &model.state else { return };
     let colours = theme::colours(ui.visuals());
@@ -65,13 +83,20 @@ fn right(ui: &mut Ui, model: &Model, pace: Pace, commands: &mut Vec<Command>) {
             }
         });
     }
+    if state.busy.is_some() || (!model.ahead && !model.is_all_analysed()) {
+        stop_or_go_on(ui, model, commands);
+    }
     if let Some(busy) = &state.busy {
         if let Some(total) = busy.total.filter(|&total| total > 0) {
             let share = busy.done as f32 / total as f32;
-            ui.add(ProgressBar::new(share).desired_width(120.0).desired_height(6.0));
+            let bar = ProgressBar::new(share).desired_width(120.0).desired_height(6.0);
+            ui.add(bar).accessible_name(&*busy.what);
         }
         let count = busy.total.map_or_else(String::new, |total| format!("  {} / {total}", busy.done));
         ui.label(RichText::new(format!("{}{count}", busy.what)).size(theme::SMALL).color(colours.text));
+    } else if !model.ahead && !model.is_all_analysed() {
+        let text = format!("stopped  {} / {}", state.timeline.analysed, model.frames());
+        ui.label(RichText::new(text).size(theme::SMALL).color(colours.warn));
     }
     if !state.warnings.is_empty() {
         let warnings = &state.warnings;

@@ -51,6 +51,8 @@ enum Asked {
     Roi(Option<Arc<regions::Roi>>),
     Inspect(Option<(u32, u32)>),
     Tune(Option<[Knob; 2]>),
+    Ahead(bool),
+    Leave,
 }
 
 /// A worker that answers at once, and notes what it was asked.
@@ -94,6 +96,14 @@ impl Player for Scene {
 
     fn tune(&self, knobs: Option<[Knob; 2]>) {
         self.asked.borrow_mut().push(Asked::Tune(knobs));
+    }
+
+    fn analyse_ahead(&self, ahead: bool) {
+        self.asked.borrow_mut().push(Asked::Ahead(ahead));
+    }
+
+    fn leave(self: Box<Self>) {
+        self.asked.borrow_mut().push(Asked::Leave);
     }
 }
 

@@ -69,6 +69,20 @@ impl Axis {
     }
 }
 
+/// The positions that are seen after zooming by two around the frame in view, `None` for all.
+pub(crate) fn zoomed(model: &Model, into: bool) -> Option<(f32, f32)> {
+    let frames = model.frames().max(1);
+    let unit = Rect::from_min_size(Pos2::ZERO, Vec2::splat(1.0));
+    let axis = Axis { rect: unit, frames, span: seen(model, frames) };
+    let here = axis.x(model.position());
+    axis.moved(here, if into { 2.0 } else { 0.5 }, 0.0)
+}
+
+/// Which positions are seen, from and to.
+fn seen(model: &Model, frames: u32) -> (f32, f32) {
+    model.span.filter(|span| span.1 <= frames as f32).unwrap_or((0.0, frames as f32))
+}
+
 /// Shows it.
 pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let rect = ui.available_rect_before_wrap();
@@ -76,8 +90,7 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     response.widget_info(|| WidgetInfo::labeled(Role::Slider, true, "Timeline"));
     let Some(timeline) = model.timeline() else { return };
     let frames = model.frames().max(1);
-    let span = model.span.filter(|span| span.1 <= frames as f32).unwrap_or((0.0, frames as f32));
-    let axis = Axis { rect: rect.shrink2(vec2(8.0, 0.0)), frames, span };
+    let axis = Axis { rect: rect.shrink2(vec2(8.0, 0.0)), frames, span: seen(model, frames) };
     follow(model, &axis, commands);
     let painter = ui.painter().with_clip_rect(rect);
     let colours = theme::colours(ui.visuals());

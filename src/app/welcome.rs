@@ -1,6 +1,10 @@
 //! What stands in the middle while there is no frame to look at: nothing opened, opening, failed.
 
-use eframe::egui::{Align, Button, Frame, Label, Layout, Margin, Panel, RichText, Spinner, Ui, vec2};
+use std::time::Duration;
+
+use eframe::egui::{
+    Align, Button, Frame, Label, Layout, Margin, Panel, ProgressBar, RichText, Spinner, Ui, vec2,
+};
 use egui_material_icons::icons as m;
 
 use super::command::{Action, Command};
@@ -8,6 +12,9 @@ use super::icons::Icon;
 use super::state::{Model, Origin};
 use super::{theme, top_bar};
 use crate::replay::{Phase, Start};
+
+/// Opening takes longer than this only where something does not answer.
+const LONG: Duration = Duration::from_secs(3);
 
 /// Shows it.
 pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
@@ -27,21 +34,7 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
                 ui.add_space(5.0 * theme::SPACE);
                 choices(ui, commands);
             }
-            Some(_) => {
-                ui.add(Spinner::new().size(36.0).color(colours.accent));
-                ui.add_space(3.0 * theme::SPACE);
-                let name = model.opened.as_deref().unwrap_or_default();
-                ui.label(RichText::new("Opening").size(20.0).strong());
-                ui.label(name);
-                if let Some(busy) = model.state.as_ref().and_then(|state| state.busy.as_ref()) {
-                    let total = busy.total.map_or_else(String::new, |total| format!(" of {total}"));
-                    ui.weak(format!("{}: {}{total}", busy.what, busy.done));
-                }
-                ui.add_space(4.0 * theme::SPACE);
-                if ui.button("Cancel").clicked() {
-                    commands.push(Command::Act(Action::CloseVideo));
-                }
-            }
+            Some(_) => opening(ui, model, commands),
             None => {
                 ui.label(m::ICON_FRAME_INSPECT.rich_text().size(44.0).color(colours.accent));
                 ui.add_space(2.0 * theme::SPACE);
@@ -54,6 +47,37 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             }
         }
     });
+}
+
+/// How far the opening of a video has come, and the way out of it.
+fn opening(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    let colours = theme::colours(ui.visuals());
+    ui.add(Spinner::new().size(36.0).color(colours.accent));
+    ui.add_space(3.0 * theme::SPACE);
+    let name = model.opened.as_deref().unwrap_or_default();
+    ui.label(RichText::new("Opening").size(20.0).strong());
+    ui.label(top_bar::short(name)).on_hover_text(name);
+    ui.add_space(theme::SPACE);
+    if let Some(busy) = model.state.as_ref().and_then(|state| state.busy.as_ref()) {
+        let total = busy.total.filter(|&total| total > 0);
+        if let Some(total) = total {
+            let bar = ProgressBar::new(busy.done as f32 / total as f32).desired_height(6.0);
+            let bar = ui.add(bar.desired_width(ui.available_width().min(260.0)));
+            bar.accessible_name(format!("Opening {}", top_bar::short(name)));
+        }
+        let total = total.map_or_else(String::new, |total| format!(" of {total}"));
+        ui.weak(format!("{}: {}{total}", busy.what, busy.done));
+    }
+    // The spinner has every frame drawn anew, and the seconds with it.
+    let waited = model.opened_at.map(|at| at.elapsed()).unwrap_or_default();
+    if waited >= LONG {
+        let seconds = waited.as_secs();
+        ui.weak(format!("{seconds} s so far: a camera, or a drive on the network, may not answer"));
+    }
+    ui.add_space(4.0 * theme::SPACE);
+    if ui.button("Cancel").on_hover_text("Give up opening it").clicked() {
+        commands.push(Command::Act(Action::CloseVideo));
+    }
 }
 
 /// What was opened before.

@@ -65,6 +65,7 @@ pub(super) struct Worker<'a> {
     aim: Option<Aim>,
     /// A live source: the newest frame is what is wanted.
     follow: bool,
+    ahead: Ahead,
     pixel: Option<(u32, u32)>,
     tuner: Tuner,
     /// The boxes by which results are scored.
@@ -92,6 +93,13 @@ struct Outbox {
     busy: Option<Progress>,
     published: Instant,
     publishing_took: Duration,
+}
+
+/// What is analysed beyond what is asked for.
+#[derive(PartialEq)]
+enum Ahead {
+    All,
+    Nothing,
 }
 
 /// A frame to show that is not known yet.
@@ -134,6 +142,7 @@ impl<'a> Worker<'a> {
             shared,
             frames,
             follow: info.live,
+            ahead: Ahead::All,
             info,
             model_budget,
             lane,
@@ -181,6 +190,14 @@ impl<'a> Worker<'a> {
     }
 
     fn take(&mut self, requests: Requests) -> Result<(), Stopped> {
+        if let Some(ahead) = requests.analyse_ahead {
+            // Where nothing is left to stop, other settings are run through as ever.
+            let nothing = self.lane.is_through(&self.frames);
+            self.ahead = if ahead || nothing { Ahead::All } else { Ahead::Nothing };
+            if !ahead {
+                self.stay();
+            }
+        }
         if let Some(position) = requests.show {
             self.aim = None;
             self.wanted = position;
@@ -208,6 +225,14 @@ impl<'a> Worker<'a> {
         let roi = requests.roi.map_or_else(|| self.lane.run.roi().cloned(), |Analysed(roi)| roi);
         let beside = requests.beside.unwrap_or_else(|| self.rival.settings.clone());
         self.change(settings, roi, beside)
+    }
+
+    /// Gives up going anywhere: the frame in view stays, or the last that is analysed under new settings.
+    fn stay(&mut self) {
+        self.aim = None;
+        if let Some(shown) = &self.shown {
+            self.wanted = shown.position.min(self.lane.run.front().saturating_sub(1));
+        }
     }
 
     /// Takes other settings in view and beside it, or another part of the image, and runs again what they touch.
@@ -363,7 +388,7 @@ impl<'a> Worker<'a> {
             return Ok(false);
         }
         self.find_aim();
-        if self.follow {
+        if self.follow && self.ahead == Ahead::All {
             self.wanted = self.lane.run.front().saturating_sub(1);
         }
         if self.frames.is_complete() {
@@ -373,9 +398,11 @@ impl<'a> Worker<'a> {
             self.approach_view()?;
         } else if self.tune() || self.gather()? {
             // What came of it is published at once, or in time.
-        } else if !self.lane.is_through(&self.frames) {
+        } else if self.ahead == Ahead::All && !self.lane.is_through(&self.frames) {
             self.analyse(Which::InView)?;
-        } else if self.rival.lane.as_ref().is_some_and(|lane| !lane.is_through(&self.frames)) {
+        } else if self.ahead == Ahead::All
+            && self.rival.lane.as_ref().is_some_and(|lane| !lane.is_through(&self.frames))
+        {
             self.analyse(Which::Rival)?;
         } else if !self.score() {
             return Ok(false);
