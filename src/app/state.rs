@@ -110,6 +110,15 @@ pub(crate) struct Playback {
     pub(crate) next_at: f64,
 }
 
+/// What is asked of a worker as long as it is there.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Work {
+    /// When it was asked to open its video, if it ever was.
+    pub(crate) since: Option<Instant>,
+    /// Whether it analyses beyond what is looked at.
+    pub(crate) ahead: bool,
+}
+
 /// Where all views look: shared, so that they stay linked whatever their sizes.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Camera {
@@ -187,10 +196,8 @@ pub(crate) struct Model {
     pub(crate) newest: Option<Arc<Moment>>,
     /// The frame in view: the last whose pictures were ready.
     pub(crate) moment: Option<Arc<Moment>>,
-    /// Whether it is analysed beyond what is looked at.
-    pub(crate) ahead: bool,
-    /// When it was asked to be opened.
-    pub(crate) opened_at: Option<Instant>,
+    /// What the worker was asked to do besides.
+    pub(crate) work: Work,
     /// What was opened, as it was named.
     pub(crate) opened: Option<String>,
     /// What that is to the list of what was opened before.
@@ -273,8 +280,7 @@ impl Model {
             settings,
             slots: Slots::new(),
             wanted: None,
-            ahead: true,
-            opened_at: None,
+            work: Work { since: None, ahead: true },
             areas: Areas::default(),
             marks: Marks::default(),
             marks_of: BTreeMap::new(),
@@ -322,7 +328,7 @@ impl Model {
         self.state = Some(player.state());
         self.leave();
         self.player = Some(player);
-        (self.ahead, self.opened_at) = (true, Some(Instant::now()));
+        self.work = Work { since: Some(Instant::now()), ahead: true };
         (self.newest, self.moment) = (None, None);
         self.put_marks_away();
         self.marks = self.marks_of.get(name).cloned().unwrap_or_default();
@@ -358,9 +364,9 @@ impl Model {
     /// Stops what the worker is doing beyond the frame in view, or goes on with it.
     pub(crate) fn stop_or_go_on(&mut self) {
         let Some(player) = &self.player else { return };
-        self.ahead = !self.ahead && !self.is_busy();
-        player.analyse_ahead(self.ahead);
-        if !self.ahead {
+        self.work.ahead = !self.work.ahead && !self.is_busy();
+        player.analyse_ahead(self.work.ahead);
+        if !self.work.ahead {
             self.wanted = None;
         }
     }

@@ -83,7 +83,7 @@ fn right(ui: &mut Ui, model: &Model, pace: Pace, commands: &mut Vec<Command>) {
             }
         });
     }
-    if state.busy.is_some() || (!model.ahead && !model.is_all_analysed()) {
+    if state.busy.is_some() || (!model.work.ahead && !model.is_all_analysed()) {
         stop_or_go_on(ui, model, commands);
     }
     if let Some(busy) = &state.busy {
@@ -94,7 +94,7 @@ fn right(ui: &mut Ui, model: &Model, pace: Pace, commands: &mut Vec<Command>) {
         }
         let count = busy.total.map_or_else(String::new, |total| format!("  {} / {total}", busy.done));
         ui.label(RichText::new(format!("{}{count}", busy.what)).size(theme::SMALL).color(colours.text));
-    } else if !model.ahead && !model.is_all_analysed() {
+    } else if !model.work.ahead && !model.is_all_analysed() {
         let text = format!("stopped  {} / {}", state.timeline.analysed, model.frames());
         ui.label(RichText::new(text).size(theme::SMALL).color(colours.warn));
     }

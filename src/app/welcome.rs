@@ -69,7 +69,7 @@ fn opening(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         ui.weak(format!("{}: {}{total}", busy.what, busy.done));
     }
     // The spinner has every frame drawn anew, and the seconds with it.
-    let waited = model.opened_at.map(|at| at.elapsed()).unwrap_or_default();
+    let waited = model.work.since.map(|at| at.elapsed()).unwrap_or_default();
     if waited >= LONG {
         let seconds = waited.as_secs();
         ui.weak(format!("{seconds} s so far: a camera, or a drive on the network, may not answer"));

@@ -398,16 +398,20 @@ impl<'a> Worker<'a> {
             self.approach_view()?;
         } else if self.tune() || self.gather()? {
             // What came of it is published at once, or in time.
-        } else if self.ahead == Ahead::All && !self.lane.is_through(&self.frames) {
+        } else if self.is_due(&self.lane) {
             self.analyse(Which::InView)?;
-        } else if self.ahead == Ahead::All
-            && self.rival.lane.as_ref().is_some_and(|lane| !lane.is_through(&self.frames))
-        {
+        } else if self.rival.lane.as_ref().is_some_and(|lane| self.is_due(lane)) {
             self.analyse(Which::Rival)?;
         } else if !self.score() {
             return Ok(false);
         }
         Ok(true)
+    }
+
+    /// Whether there is more to analyse: all, or what is looked at.
+    fn is_due(&self, lane: &Lane) -> bool {
+        let asked = self.ahead == Ahead::All || lane.run.front() <= self.wanted;
+        asked && !lane.is_through(&self.frames)
     }
 
     /// Takes the chosen pixel through the frames that are known; whether there was anything to do.
