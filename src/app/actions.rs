@@ -3,7 +3,7 @@
 use eframe::egui::Key;
 use egui_material_icons::icons as m;
 
-use super::command::Action;
+use super::command::{Action, Scale};
 use super::entry::{Entry, Menu, alt, ctrl, ctrl_shift, entry, key, shift};
 use super::keys::FLIP;
 use super::overlays::Drawn;
@@ -524,6 +524,38 @@ pub(crate) static ACTIONS: &[Entry] = &[
         &[],
         "Show or hide the panel on the right",
     )
+    .always(),
+    entry(
+        Menu::View,
+        Action::Scale(Scale::Larger),
+        m::ICON_TEXT_INCREASE,
+        "Larger",
+        &[ctrl(Key::Plus), ctrl(Key::Equals)],
+        "All text and controls larger, for a fine screen or from afar",
+    )
+    .within("Text and controls")
+    .always()
+    .repeats(),
+    entry(
+        Menu::View,
+        Action::Scale(Scale::Smaller),
+        m::ICON_TEXT_DECREASE,
+        "Smaller",
+        &[ctrl(Key::Minus)],
+        "All text and controls smaller",
+    )
+    .within("Text and controls")
+    .always()
+    .repeats(),
+    entry(
+        Menu::View,
+        Action::Scale(Scale::Usual),
+        m::ICON_FORMAT_SIZE,
+        "Usual size",
+        &[ctrl(Key::Num0)],
+        "All text and controls as large as the system has them",
+    )
+    .within("Text and controls")
     .always(),
     entry(
         Menu::View,

@@ -6,7 +6,7 @@ use eframe::egui::{ColorImage, Context, Theme, ViewportCommand};
 
 use super::Window;
 use super::areas::{Areas, Change};
-use super::command::{Action, Command};
+use super::command::{Action, Command, Scale};
 use super::compared::Read;
 use super::export_frame::Picture;
 use super::history::Again;
@@ -235,6 +235,15 @@ impl Window {
             Action::ClearPixel => self.apply(ctx, Command::Choose(None)),
             Action::SettingsPanel => model.settings_panel = !model.settings_panel,
             Action::InspectorPanel => model.inspector_panel = !model.inspector_panel,
+            Action::Scale(scale) => {
+                let tenths = (ctx.zoom_factor() * 10.0).round();
+                let tenths = match scale {
+                    Scale::Larger => tenths + 1.0,
+                    Scale::Smaller => tenths - 1.0,
+                    Scale::Usual => 10.0,
+                };
+                ctx.set_zoom_factor(tenths.clamp(5.0, 30.0) / 10.0);
+            }
             Action::Theme => {
                 let other = if ctx.theme() == Theme::Dark { Theme::Light } else { Theme::Dark };
                 ctx.set_theme(other);

@@ -13,6 +13,17 @@ use crate::regions::roi::Purpose;
 use crate::replay::Start;
 use crate::settings::Settings;
 
+/// A change of the size of everything in the window.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Scale {
+    /// By a tenth up.
+    Larger,
+    /// By a tenth down.
+    Smaller,
+    /// As the system has it.
+    Usual,
+}
+
 /// Something that a person can ask for by name or key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Action {
@@ -132,6 +143,8 @@ pub(crate) enum Action {
     InspectorPanel,
     /// Something drawn over the tracks is there, or is not.
     Draw(Drawn),
+    /// Everything in the window larger, smaller, or as large as at first.
+    Scale(Scale),
     /// Dark or light.
     Theme,
     /// All that was told.

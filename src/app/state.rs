@@ -486,6 +486,14 @@ impl Model {
         }
     }
 
+    /// Why the worker cannot go on, if that is so.
+    pub(crate) fn failure(&self) -> Option<&str> {
+        match &self.state.as_ref()?.phase {
+            Phase::Failed(why) => Some(why),
+            Phase::Opening | Phase::Ready => None,
+        }
+    }
+
     /// Whether there is something to look at.
     pub(crate) fn is_ready(&self) -> bool {
         self.state.as_ref().is_some_and(|state| state.phase == Phase::Ready)
