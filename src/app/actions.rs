@@ -529,7 +529,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         Menu::View,
         Action::Scale(Scale::Larger),
         m::ICON_TEXT_INCREASE,
-        "Larger",
+        "Larger text",
         &[ctrl(Key::Plus), ctrl(Key::Equals)],
         "All text and controls larger, for a fine screen or from afar",
     )
@@ -540,7 +540,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         Menu::View,
         Action::Scale(Scale::Smaller),
         m::ICON_TEXT_DECREASE,
-        "Smaller",
+        "Smaller text",
         &[ctrl(Key::Minus)],
         "All text and controls smaller",
     )
@@ -551,7 +551,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         Menu::View,
         Action::Scale(Scale::Usual),
         m::ICON_FORMAT_SIZE,
-        "Usual size",
+        "Usual size of text",
         &[ctrl(Key::Num0)],
         "All text and controls as large as the system has them",
     )
