@@ -3,8 +3,8 @@
 use eframe::egui::Key;
 use egui_material_icons::icons as m;
 
-use super::command::Action;
-use super::entry::{Entry, Menu, ctrl, ctrl_shift, entry, key, shift};
+use super::command::{Action, Scale};
+use super::entry::{Entry, Menu, alt, ctrl, ctrl_shift, entry, key, shift};
 use super::keys::FLIP;
 use super::overlays::Drawn;
 use super::slots::Slot;
@@ -459,12 +459,53 @@ pub(crate) static ACTIONS: &[Entry] = &[
     .within("Over the tracks"),
     entry(
         Menu::View,
+        Action::MovePixel(-1, 0),
+        m::ICON_ARROW_BACK,
+        "Pixel to the left",
+        &[alt(Key::ArrowLeft)],
+        "The pixel to the left of the chosen one; the middle of the image where none is chosen",
+    )
+    .within("Choose a pixel")
+    .repeats(),
+    entry(
+        Menu::View,
+        Action::MovePixel(1, 0),
+        m::ICON_ARROW_FORWARD,
+        "Pixel to the right",
+        &[alt(Key::ArrowRight)],
+        "The pixel to the right of the chosen one",
+    )
+    .within("Choose a pixel")
+    .repeats(),
+    entry(
+        Menu::View,
+        Action::MovePixel(0, -1),
+        m::ICON_ARROW_UPWARD,
+        "Pixel above",
+        &[alt(Key::ArrowUp)],
+        "The pixel above the chosen one",
+    )
+    .within("Choose a pixel")
+    .repeats(),
+    entry(
+        Menu::View,
+        Action::MovePixel(0, 1),
+        m::ICON_ARROW_DOWNWARD,
+        "Pixel below",
+        &[alt(Key::ArrowDown)],
+        "The pixel below the chosen one",
+    )
+    .within("Choose a pixel")
+    .repeats(),
+    entry(
+        Menu::View,
         Action::ClearPixel,
         m::ICON_LOCATION_OFF,
         "Clear chosen pixel",
         &[],
         "Take the cross off the views",
-    ),
+    )
+    .within("Choose a pixel"),
     entry(
         Menu::View,
         Action::ClearObject,
@@ -491,6 +532,38 @@ pub(crate) static ACTIONS: &[Entry] = &[
         &[],
         "Show or hide the panel on the right",
     )
+    .always(),
+    entry(
+        Menu::View,
+        Action::Scale(Scale::Larger),
+        m::ICON_TEXT_INCREASE,
+        "Larger text",
+        &[ctrl(Key::Plus), ctrl(Key::Equals)],
+        "All text and controls larger, for a fine screen or from afar",
+    )
+    .within("Text and controls")
+    .always()
+    .repeats(),
+    entry(
+        Menu::View,
+        Action::Scale(Scale::Smaller),
+        m::ICON_TEXT_DECREASE,
+        "Smaller text",
+        &[ctrl(Key::Minus)],
+        "All text and controls smaller",
+    )
+    .within("Text and controls")
+    .always()
+    .repeats(),
+    entry(
+        Menu::View,
+        Action::Scale(Scale::Usual),
+        m::ICON_FORMAT_SIZE,
+        "Usual size of text",
+        &[ctrl(Key::Num0)],
+        "All text and controls as large as the system has them",
+    )
+    .within("Text and controls")
     .always(),
     entry(
         Menu::View,
@@ -651,6 +724,33 @@ pub(crate) static ACTIONS: &[Entry] = &[
         &[shift(Key::F)],
         "Show all frames in the timeline; the wheel over it zooms, Shift and the wheel pan",
     ),
+    entry(
+        Menu::Analysis,
+        Action::ZoomTimeline(true),
+        m::ICON_ZOOM_IN,
+        "Zoom into the timeline",
+        &[alt(Key::Plus), alt(Key::Equals)],
+        "Half as many frames, around the one in view",
+    )
+    .repeats(),
+    entry(
+        Menu::Analysis,
+        Action::ZoomTimeline(false),
+        m::ICON_ZOOM_OUT,
+        "Zoom out of the timeline",
+        &[alt(Key::Minus)],
+        "Twice as many frames",
+    )
+    .repeats(),
+    entry(
+        Menu::Analysis,
+        Action::AnalyseAhead,
+        m::ICON_STOP_CIRCLE,
+        "Stop the analysis, or go on",
+        &[shift(Key::Space)],
+        "Analyse the whole video in the background, or only what is looked at",
+    )
+    .after_line(),
     entry(
         Menu::Analysis,
         Action::Undo,
@@ -884,6 +984,7 @@ mod tests {
         assert_eq!(press(Key::ArrowRight, Modifiers::COMMAND | Modifiers::CTRL), [Action::NextEvent]);
         assert_eq!(press(Key::Questionmark, Modifiers::SHIFT), [Action::Help]);
         assert_eq!(press(Key::Z, Modifiers::COMMAND | Modifiers::SHIFT), [Action::Redo]);
+        assert_eq!(press(Key::ArrowRight, Modifiers::ALT), [Action::MovePixel(1, 0)]);
         assert!(press(Key::F, Modifiers::ALT).is_empty());
     }
 
@@ -896,6 +997,8 @@ mod tests {
             let name = match name {
                 "←" => "Left",
                 "→" => "Right",
+                "↑" => "Up",
+                "↓" => "Down",
                 name => name,
             };
             if after == "+" {

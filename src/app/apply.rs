@@ -6,14 +6,14 @@ use eframe::egui::{ColorImage, Context, Theme, ViewportCommand};
 
 use super::Window;
 use super::areas::{Areas, Change};
-use super::command::{Action, Command};
+use super::command::{Action, Command, Scale};
 use super::compared::Read;
 use super::export_frame::Picture;
 use super::history::Again;
 use super::overlays::Overlay;
 use super::slots::Slots;
 use super::state::{Camera, Origin, SPEEDS, Subject};
-use super::{sample, views};
+use super::{sample, timeline, views};
 use crate::replay::Start;
 use crate::settings::Settings;
 
@@ -203,6 +203,8 @@ impl Window {
                 }
             }
             Action::WholeTimeline => model.span = None,
+            Action::ZoomTimeline(into) => model.span = timeline::zoomed(model, into),
+            Action::AnalyseAhead => model.stop_or_go_on(),
             Action::Slower => model.playback.speed = model.playback.speed.saturating_sub(1),
             Action::Faster => model.playback.speed = (model.playback.speed + 1).min(SPEEDS.len() - 1),
             Action::Maximise(view) => {
@@ -231,10 +233,23 @@ impl Window {
             Action::OverlayOpacity => {
                 model.overlay = Overlay { on: true, opacity: model.overlay.next() };
             }
+            Action::MovePixel(columns, rows) => {
+                let pixel = model.pixel_beside(columns, rows);
+                self.apply(ctx, Command::Choose(pixel));
+            }
             Action::ClearPixel => self.apply(ctx, Command::Choose(None)),
             Action::ClearObject => self.apply(ctx, Command::ChooseObject(None)),
             Action::SettingsPanel => model.settings_panel = !model.settings_panel,
             Action::InspectorPanel => model.inspector_panel = !model.inspector_panel,
+            Action::Scale(scale) => {
+                let tenths = (ctx.zoom_factor() * 10.0).round();
+                let tenths = match scale {
+                    Scale::Larger => tenths + 1.0,
+                    Scale::Smaller => tenths - 1.0,
+                    Scale::Usual => 10.0,
+                };
+                ctx.set_zoom_factor(tenths.clamp(5.0, 30.0) / 10.0);
+            }
             Action::Theme => {
                 let other = if ctx.theme() == Theme::Dark { Theme::Light } else { Theme::Dark };
                 ctx.set_theme(other);

@@ -14,6 +14,17 @@ use crate::replay::Start;
 use crate::settings::Settings;
 use crate::tracking::Identity;
 
+/// A change of the size of everything in the window.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Scale {
+    /// By a tenth up.
+    Larger,
+    /// By a tenth down.
+    Smaller,
+    /// As the system has it.
+    Usual,
+}
+
 /// Something that a person can ask for by name or key.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Action {
@@ -71,10 +82,14 @@ pub(crate) enum Action {
     SaveMask,
     /// Take boxes that are known to be right from a file.
     LoadTruth,
+    /// Stop the analysis beyond the frame in view, or go on with it.
+    AnalyseAhead,
     /// Start or stop playing.
     Play,
     /// Go so many frames on, or back.
     Step(i32),
+    /// Show a shorter part of the timeline around the frame in view, or a longer one.
+    ZoomTimeline(bool),
     /// Go to the next event.
     NextEvent,
     /// Go to the event before.
@@ -119,6 +134,8 @@ pub(crate) enum Action {
     Overlay,
     /// Another opacity of the mask over the input.
     OverlayOpacity,
+    /// Choose the pixel so many columns and rows away.
+    MovePixel(i32, i32),
     /// No pixel chosen any more.
     ClearPixel,
     /// No object chosen any more.
@@ -129,6 +146,8 @@ pub(crate) enum Action {
     InspectorPanel,
     /// Something drawn over the tracks is there, or is not.
     Draw(Drawn),
+    /// Everything in the window larger, smaller, or as large as at first.
+    Scale(Scale),
     /// Dark or light.
     Theme,
     /// All that was told.

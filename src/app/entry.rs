@@ -40,6 +40,8 @@ pub(crate) struct Shortcut {
     pub(crate) ctrl: bool,
     /// Shift, where the key itself does not need it.
     pub(crate) shift: bool,
+    /// Alt (on a Mac, option).
+    pub(crate) alt: bool,
     /// The key.
     pub(crate) key: Key,
 }
@@ -50,7 +52,7 @@ impl Shortcut {
         let needs_shift = matches!(self.key, Key::Questionmark | Key::Plus);
         key == self.key
             && modifiers.command == self.ctrl
-            && !modifiers.alt
+            && modifiers.alt == self.alt
             && (needs_shift || modifiers.shift == self.shift)
     }
 
@@ -59,6 +61,8 @@ impl Shortcut {
         let key = match self.key {
             Key::ArrowLeft => "Left",
             Key::ArrowRight => "Right",
+            Key::ArrowUp => "Up",
+            Key::ArrowDown => "Down",
             Key::OpenBracket => "[",
             Key::CloseBracket => "]",
             Key::Comma => ",",
@@ -72,28 +76,34 @@ impl Shortcut {
         };
         let ctrl = if self.ctrl { "Ctrl+" } else { "" };
         let shift = if self.shift { "Shift+" } else { "" };
-        format!("{ctrl}{shift}{key}")
+        let alt = if self.alt { "Alt+" } else { "" };
+        format!("{ctrl}{shift}{alt}{key}")
     }
 }
 
 /// A key alone.
 pub(super) const fn key(key: Key) -> Shortcut {
-    Shortcut { ctrl: false, shift: false, key }
+    Shortcut { ctrl: false, shift: false, alt: false, key }
 }
 
 /// A key with Ctrl.
-pub(super) const fn ctrl(key: Key) -> Shortcut {
-    Shortcut { ctrl: true, shift: false, key }
+pub(super) const fn ctrl(k: Key) -> Shortcut {
+    Shortcut { ctrl: true, ..key(k) }
 }
 
 /// A key with Shift.
-pub(super) const fn shift(key: Key) -> Shortcut {
-    Shortcut { ctrl: false, shift: true, key }
+pub(super) const fn shift(k: Key) -> Shortcut {
+    Shortcut { shift: true, ..key(k) }
 }
 
 /// A key with both.
-pub(super) const fn ctrl_shift(key: Key) -> Shortcut {
-    Shortcut { ctrl: true, shift: true, key }
+pub(super) const fn ctrl_shift(k: Key) -> Shortcut {
+    Shortcut { ctrl: true, shift: true, ..key(k) }
+}
+
+/// A key with Alt.
+pub(super) const fn alt(k: Key) -> Shortcut {
+    Shortcut { alt: true, ..key(k) }
 }
 
 /// All that is said of an action anywhere.

@@ -269,6 +269,10 @@ fn row(ui: &mut Ui, event: &Event, current: bool, read: bool, aside: Option<(Str
         let font = FontId::proportional(theme::SMALL);
         painter.text(at, Align2::RIGHT_CENTER, text, font, readable(ui, colour));
     }
+    theme::focus(ui, &response);
+    if response.gained_focus() {
+        response.scroll_to_me(None);
+    }
     let clicked = response.clicked();
     response.on_hover_ui(|ui| {
         ui.strong(&name);

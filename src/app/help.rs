@@ -16,6 +16,16 @@ const POINTER: &[(&str, &str)] = &[
     ("Drop a file", "open a video or a folder of images"),
 ];
 
+/// What the keys do that belong to the control with the focus.
+const FOCUS: &[(&str, &str)] = &[
+    ("Tab", "to the next control"),
+    ("Shift+Tab", "to the one before"),
+    ("Space", "press it"),
+    ("Arrows in a view", "choose the pixel"),
+    ("Arrows in the timeline", "frame by frame"),
+    ("Esc", "leave it"),
+];
+
 /// Shows the sheet while `open`.
 pub(crate) fn ui(ctx: &Context, open: &mut bool) {
     if !*open {
@@ -40,7 +50,8 @@ pub(crate) fn ui(ctx: &Context, open: &mut bool) {
                         keys(right, Menu::View);
                         keys(right, Menu::File);
                         keys(right, Menu::Help);
-                        pointer(right);
+                        told(right, "Pointer", POINTER);
+                        told(right, "Focus", FOCUS);
                     }
                 });
             });
@@ -64,15 +75,16 @@ fn keys(ui: &mut Ui, menu: Menu) {
     ui.add_space(3.0 * theme::SPACE);
 }
 
-fn pointer(ui: &mut Ui) {
-    heading(ui, "Pointer");
-    Grid::new("pointer").num_columns(2).spacing(vec2(16.0, 5.0)).show(ui, |ui| {
-        for (what, does) in POINTER {
+fn told(ui: &mut Ui, title: &str, rows: &[(&str, &str)]) {
+    heading(ui, title);
+    Grid::new(title).num_columns(2).spacing(vec2(16.0, 5.0)).show(ui, |ui| {
+        for (what, does) in rows {
             ui.label(RichText::new(*what).monospace().color(theme::colours(ui.visuals()).accent));
             ui.label(*does);
             ui.end_row();
         }
     });
+    ui.add_space(3.0 * theme::SPACE);
 }
 
 fn heading(ui: &mut Ui, text: &str) {

@@ -65,6 +65,10 @@ impl Player for Ready {
     fn inspect(&self, _: Option<(u32, u32)>) {}
 
     fn tune(&self, _: Option<[Knob; 2]>) {}
+
+    fn analyse_ahead(&self, _: bool) {}
+
+    fn leave(self: Box<Self>) {}
 }
 
 /// `count` people who walk in rows over the whole picture.

@@ -54,7 +54,7 @@ use std::io;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use eframe::egui::{self, CentralPanel, Context, Frame, Margin, Panel, Ui, vec2};
+use eframe::egui::{self, CentralPanel, Context, Frame, Id, Margin, Memory, Panel, Ui, vec2};
 use eframe::egui_wgpu::RenderState;
 
 use self::about::About;
@@ -153,6 +153,10 @@ struct Window {
     light: bool,
     /// Whether it was told that the views cannot be drawn any more.
     lost: bool,
+    /// For so many frames more the focus is a sheet's.
+    under_sheet: u8,
+    /// What had the keyboard's focus before that.
+    focused: Option<Id>,
     /// How long this thread worked on the frame before, in seconds.
     worked: Option<f32>,
 }
@@ -176,6 +180,8 @@ impl Window {
             sent_at: None,
             light: false,
             lost: false,
+            under_sheet: 0,
+            focused: None,
             worked: None,
         })
     }
@@ -194,8 +200,12 @@ impl Window {
 
     /// Takes in what the worker, the dialogs and the clock have brought; draws nothing.
     fn advance(&mut self, ctx: &Context) {
+        let failed = self.model.failure().is_some();
         for warning in self.model.take() {
             self.toasts.warn(ctx, warning);
+        }
+        if let Some(why) = self.model.failure().filter(|_| !failed) {
+            self.toasts.note_failure(ctx, why);
         }
         self.ask_for_pictures();
         if self.pictures.turn() {
@@ -292,13 +302,14 @@ impl Window {
             .frame(bar)
             .exact_size(theme::ROW)
             .show(ui, |ui| status::ui(ui, model, pace, commands));
+        let screen = ui.ctx().content_rect().size();
         if model.shown().is_some() {
             let bar = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(10, 6));
             Panel::bottom("timeline")
                 .frame(bar)
                 .resizable(true)
-                .default_size(112.0)
-                .size_range(84.0..=320.0)
+                .default_size((screen.y * 0.09).clamp(100.0, 180.0))
+                .size_range((screen.y * 0.055).max(84.0)..=(screen.y * 0.32).max(84.0))
                 .show(ui, |ui| {
                     ui.horizontal_top(|ui| {
                         ui.vertical(|ui| {
@@ -311,25 +322,31 @@ impl Window {
                     });
                 });
         }
-        let wide = ui.ctx().content_rect().width();
+        let wide = screen.x;
         let side = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(10, 8));
         if model.settings_panel {
-            let size = (wide * 0.165).clamp(244.0, 320.0);
+            let size = (wide * 0.165).clamp(244.0, 360.0);
             let panel = Panel::left("settings").frame(side).resizable(true).default_size(size);
-            // Sizes outlive a larger window; the views must keep the better part of a smaller one.
+            // Sizes outlive the window that they were chosen in: the views must keep the better part of a smaller
+            // one, and nothing may be lost in a larger one.
             panel
-                .size_range(236.0..=(wide * 0.3).max(236.0))
+                .size_range((wide * 0.09).max(236.0)..=(wide * 0.3).max(236.0))
                 .show(ui, |ui| settings_panel::ui(ui, model, commands));
         }
         if model.inspector_panel && model.shown().is_some() {
-            let size = (wide * 0.235).clamp(232.0, 520.0);
+            let size = (wide * 0.235).clamp(232.0, 720.0);
             let panel = Panel::right("inspector").frame(side).resizable(true).default_size(size);
             let inspector = &mut self.inspector;
-            panel.size_range(220.0..=(wide * 0.36).max(220.0)).show(ui, |ui| {
+            panel.size_range((wide * 0.13).max(220.0)..=(wide * 0.36).max(220.0)).show(ui, |ui| {
                 let third = ui.available_height() * 0.36;
+                // The list outlives a taller window; a pixel's plots must keep room to be read in a lower one.
+                let most = (ui.available_height() - INSPECTED).clamp(EVENTS, 1.4 * third.max(EVENTS));
                 let below = Frame::NONE.inner_margin(Margin { top: 8, ..Margin::ZERO });
-                let list = Panel::bottom("events").frame(below).resizable(true).default_size(third);
-                list.size_range(120.0..=(1.4 * third).max(120.0)).show(ui, |ui| {
+                let list = Panel::bottom("events")
+                    .frame(below)
+                    .resizable(true)
+                    .default_size(third.clamp(EVENTS, most));
+                list.size_range((0.5 * third).clamp(EVENTS, most)..=most).show(ui, |ui| {
                     events_panel::ui(ui, model, commands);
                     // A panel is as large as what is in it: a short list must not shrink it.
                     ui.take_available_space();
@@ -370,6 +387,10 @@ impl Window {
 
 /// Width of the buttons left of the timeline.
 const TRANSPORT: f32 = 244.0;
+/// The least height of the events: heading, kinds, and two of them.
+const EVENTS: f32 = 112.0;
+/// So much height of a low window is left to the inspector.
+const INSPECTED: f32 = 330.0;
 /// Under which name the places of the views are kept from start to start.
 const LAYOUT: &str = "layout";
 
@@ -391,13 +412,37 @@ impl eframe::App for Window {
 }
 
 impl Window {
+    /// Whether a sheet lies over the window, which takes all keys.
+    const fn has_sheet(&self) -> bool {
+        self.help || self.about.open || self.finder.is_open()
+    }
+
+    /// When no sheet lies over the window any more, what had the focus before it has it again. What lies under a sheet
+    /// takes no focus for a frame longer than the sheet is there.
+    fn give_focus_back(&mut self, ctx: &Context) {
+        if self.has_sheet() {
+            self.under_sheet = 2;
+            return;
+        }
+        match self.under_sheet {
+            0 => self.focused = ctx.memory(Memory::focused),
+            1 => {
+                if let Some(id) = self.focused {
+                    ctx.memory_mut(|memory| memory.request_focus(id));
+                }
+            }
+            _ => ctx.request_repaint(),
+        }
+        self.under_sheet = self.under_sheet.saturating_sub(1);
+    }
+
     /// Draws everything, then does what was asked for meanwhile.
     fn show(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
         self.light = ctx.theme() == egui::Theme::Light;
         self.model.open = View::ALL.map(|view| views::is_open(&self.tree, view));
         let mut commands = Vec::new();
-        if !self.help && !self.about.open && !self.finder.is_open() {
+        if !self.has_sheet() {
             keys::pressed(&ctx, &self.model, &mut commands);
         }
         self.panels(ui, &mut commands);
@@ -414,6 +459,7 @@ impl Window {
         for command in commands {
             self.apply(&ctx, command);
         }
+        self.give_focus_back(&ctx);
         self.send_settings(&ctx);
     }
 }

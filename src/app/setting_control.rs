@@ -54,11 +54,9 @@ fn tooltip(ui: &mut Ui, setting: &Setting, defaults: &Settings) {
     ui.strong(format!("{}{symbol}", setting.name));
     ui.label(setting.meaning.trim());
     if let Some(help) = setting_help::help(setting.name) {
-        if !help.equation.is_empty() {
-            ui.add_space(theme::SPACE);
-            ui.monospace(help.equation);
-            ui.add_space(theme::SPACE);
-        }
+        ui.add_space(theme::SPACE);
+        ui.monospace(help.equation);
+        ui.add_space(theme::SPACE);
         if !matches!(setting.kind, Kind::Choice(_)) {
             ui.weak("When it is raised:");
         }

@@ -4,7 +4,7 @@
 pub(crate) struct Help {
     /// Its name in the table of settings.
     name: &'static str,
-    /// Its equation or rule, empty where it has none.
+    /// Its equation or rule.
     pub(crate) equation: &'static str,
     /// What raising it does, or what choosing otherwise does.
     pub(crate) raising: &'static str,
@@ -19,7 +19,14 @@ const fn of(name: &'static str, equation: &'static str, raising: &'static str) -
     Help { name, equation, raising }
 }
 
+/// In the order of the table of settings.
 static HELP: &[Help] = &[
+    of(
+        "background_model",
+        "mog2, knn: history = 1/α frames; mog2: K and T as here",
+        "mixture: the method's own, which can be looked into at every pixel. mog2, knn: OpenCV's models in its \
+         place: the stages after it stay, but there is no mixture to inspect.",
+    ),
     of(
         "k",
         "P(X) = Σ w_k · η(X; μ_k, σ_k²), k = 1..K",
@@ -46,13 +53,13 @@ static HELP: &[Help] = &[
     ),
     of(
         "initial_sigma",
-        "new component: (w₀, X, σ₀²)",
+        "nothing matched: the last component ← (w₀, X, σ₀²)",
         "New components are wider at first: they catch more of a noisy surface at once, and neighbours in colour \
          with it.",
     ),
     of(
         "initial_weight",
-        "new component: (w₀, X, σ₀²)",
+        "nothing matched: the last component ← (w₀, X, σ₀²), then w_k ← w_k / Σ w",
         "A new surface needs fewer frames to become background.",
     ),
     of(
@@ -69,7 +76,8 @@ static HELP: &[Help] = &[
     of(
         "space",
         "‖X − μ‖² = Σ (X_c − μ_c)², over the n channels",
-        "gray sees brightness alone: faster, and blind to colours of equal brightness.",
+        "rgb: n = 3, red, green and blue. gray: n = 1, brightness alone: faster, and blind to colours of equal \
+         brightness.",
     ),
     of(
         "warm_up",
@@ -89,25 +97,32 @@ static HELP: &[Help] = &[
          clothes that are like the surface is lost.",
     ),
     of(
-        "background_model",
-        "",
-        "mog2 and knn are OpenCV's models in the mixture's place: the stages after it stay, but there is no mixture \
-         to inspect.",
-    ),
-    of(
         "median",
         "foreground where more than half of the side × side pixels are",
         "Larger specks go and larger gaps close; thin things such as legs and poles go, too.",
     ),
     of(
         "opening",
-        "erosion, then dilation",
-        "Thicker bridges and specks go; regions that only touch come apart.",
+        "mask ← dilate(erode(mask, D), D), D a disc as wide as this",
+        "Thicker bridges and specks go; regions that only touch come apart. What is thinner than the disc goes.",
     ),
-    of("closing", "dilation, then erosion", "Wider gaps close; neighbours that are apart become one region."),
-    of("fill_holes", "", "Larger holes inside a region count as foreground."),
-    of("min_area", "", "More specks are dropped; small and far objects are, too."),
-    of("track_min_area", "", "Fewer small regions are tracked: less noise, and far objects appear later."),
+    of(
+        "closing",
+        "mask ← erode(dilate(mask, D), D), D a disc as wide as this",
+        "Wider gaps close; neighbours that are apart become one region.",
+    ),
+    of(
+        "fill_holes",
+        "hole: background that foreground encloses; filled: area ≤ fill_holes",
+        "Larger holes inside a region count as foreground: clothes of the background's colour, but also what is \
+         seen between an arm and the body.",
+    ),
+    of("min_area", "dropped: area < min_area", "More specks are dropped; small and far objects are, too."),
+    of(
+        "track_min_area",
+        "followed: area ≥ track_min_area / 100 · width · height",
+        "Fewer small regions are tracked: less noise, and far objects appear later.",
+    ),
     of(
         "gate",
         "d² = rᵀ · S⁻¹ · r ≤ χ²(gate, 3)",
@@ -116,7 +131,7 @@ static HELP: &[Help] = &[
     ),
     of(
         "process_noise",
-        "x ← F·x,  P ← F·P·Fᵀ + Q(q)",
+        "x ← F·x,  P ← F·P·Fᵀ + Q,  Q = diag(q², q², q², q²/4, q²/4, q²/4)",
         "Predictions trust steady motion less: turns are followed, and gates grow faster while nothing is measured.",
     ),
     of(
@@ -126,88 +141,133 @@ static HELP: &[Help] = &[
     ),
     of(
         "fitness_memory",
-        "fitness = 1 / mean d²",
-        "One bad frame counts less; a lost object is noticed later.",
+        "e ← e + (d² − e) / fitness_memory,  fitness = 1 / e",
+        "One bad frame counts less; a model that has begun to predict badly is noticed later.",
     ),
-    of("null_factor", "no match: fitness ← null_factor · fitness", "Unmatched models live longer."),
+    of(
+        "null_factor",
+        "no match: fitness ← null_factor · fitness",
+        "A model without its region loses less of its fitness in each frame, and is given up later. After a fifth \
+         of a second its object is lost all the same.",
+    ),
     of(
         "min_fitness",
         "removed: fitness < min_fitness",
-        "Bad models go sooner; objects break off more easily.",
+        "Hypotheses that predict badly go sooner, and an object whose region is gone counts as lost sooner.",
     ),
-    of("max_hypotheses", "", "More readings of a crowd are kept side by side; it costs time."),
-    of("min_track", "", "Short-lived noise gets no identity; objects seen briefly get none either."),
+    of(
+        "max_hypotheses",
+        "hypotheses of all objects together ≤ max_hypotheses, those of the least likelihood go first",
+        "More readings of a crowd are kept side by side; it costs time.",
+    ),
+    of(
+        "min_track",
+        "gets an identity: frames seen ≥ min_track",
+        "Short-lived noise gets no identity; objects seen briefly get none either.",
+    ),
     of(
         "max_hidden",
-        "",
+        "given up: frames without a region > max_hidden",
         "Hidden objects are waited for longer; a stranger who comes out there may be taken for them.",
     ),
-    of("same_episode", "", "Objects that part for a moment are still in one meeting."),
-    of("border", "", "More of the image's rim counts as a way in or out: less disappears, more exits."),
+    of(
+        "same_episode",
+        "the same meeting: frames apart ≤ same_episode",
+        "Objects that part for a moment are still in one meeting. That somebody parted or came back is told only \
+         after so long.",
+    ),
+    of(
+        "border",
+        "near: distance of the box to the edge ≤ border / 100 · min(width, height)",
+        "More of the image's rim counts as a way in or out: less appears and disappears, more enters and exits.",
+    ),
     of(
         "size_step",
-        "merge: Δsize / size ≥ size_step",
-        "A merge or split needs a clearer change of size to be believed.",
+        "grown: area ≥ (1 + size_step) · area before;  shrunk: area ≤ (1 − size_step) · Σ area of the members",
+        "A merge or split needs a clearer change of size to be believed where the place alone does not decide.",
     ),
     of(
         "same_colour",
         "ΔE = ‖Lab₁ − Lab₂‖ ≤ same_colour",
-        "More unlike colours count as the same: identities survive changes of light, and strangers are confused.",
+        "More unlike colours count as the same: identities survive changes of light, and strangers are confused. \
+         Where colours come from clear frames, whole histograms weigh more than this.",
     ),
     of(
         "colour_memory",
-        "",
-        "clear: an object's colours are averaged over the frames in which it is alone. frame: the last single frame, \
-         as in the paper.",
+        "clear: h ← h + max(0.1, 1/n) · (h_t − h), n clear frames;  frame: h = h_t",
+        "clear: an object's colours are averaged over the frames in which it is alone and whole. frame: those of the \
+         last single frame, as in the paper.",
+    ),
+    of(
+        "reappear_by",
+        "position: least distance / reach;  colour: most like, of those with distance ≤ reach",
+        "position: who was predicted nearest comes back, as in the paper. colour: where several were predicted near, \
+         colours decide between them.",
     ),
     of(
         "placing",
-        "",
+        "looks: c = argmax Σ ln p(colours | c) − ‖c − c_predicted‖² / 2u²",
         "looks: members of a group are laid over one another as they are remembered, place by place, and moved until \
          they explain the region's colours best. predicted: their motion alone, held inside the region.",
     ),
     of(
         "find_again",
-        "",
-        "Somebody hidden, or unseen in a group, joins the region in which their looks explain what its own objects \
-         do not.",
+        "joins a region: share of them seen in what its own objects do not explain ≥ 0.4",
+        "on: somebody hidden, or unseen in a group, joins the region in which they are seen beside its own objects. \
+         off: they come back only with a region of their own.",
     ),
     of(
         "count_heads",
-        "",
-        "Two heads with a gap between, each above feet, are two objects, though the region never parts.",
+        "two: a gap between heads ≥ 0.13 · height, each 0.24 to 0.8 times as wide as tall",
+        "on: two heads with a gap between, each above feet, for half a second are two objects, though the region \
+         never parts. off: a region is as many objects as came into it.",
     ),
     of(
         "perspective",
-        "ln h grows by a slope learnt from all, for each pixel that the feet stand lower",
-        "The remembered size follows the place; a camera that moves or tilts makes the slope wrong.",
+        "h = h₀ · exp(b · (y − y₀)), y of the feet, b learnt from all, ½ ≤ h / h₀ ≤ 2",
+        "on: the remembered size follows the place; a camera that moves or tilts makes b wrong. off: everybody stays \
+         as large as they were last seen.",
     ),
     of(
         "predict_for",
-        "",
+        "told: frames unseen ≤ predict_for",
         "Longer draws, and exports, where somebody unseen may be; most such places are wrong after a second.",
     ),
-    of("reappear_by", "", "colour: colours decide between several that fit. position: the prediction alone."),
 ];
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::settings::{SETTINGS, Setting, Stage};
+    use crate::settings::{Kind, SETTINGS};
 
     #[test]
-    fn the_help_is_on_settings_that_there_are_each_once() {
-        for (place, help) in HELP.iter().enumerate() {
-            assert!(Setting::named(help.name).is_some(), "{} is no setting", help.name);
-            assert!(HELP[place + 1..].iter().all(|other| other.name != help.name), "{} twice", help.name);
-            assert!(help.raising.ends_with('.'), "{}", help.raising);
+    fn every_setting_has_its_help_with_a_rule_and_what_a_change_does() {
+        let named: Vec<_> = HELP.iter().map(|help| help.name).collect();
+        let settings: Vec<_> = SETTINGS.iter().map(|setting| setting.name).collect();
+        assert_eq!(named, settings);
+        for help in HELP {
+            assert!(!help.equation.is_empty(), "{} has no rule", help.name);
+            assert!(
+                help.raising.len() > 20 && help.raising.ends_with('.'),
+                "{}: {}",
+                help.name,
+                help.raising
+            );
         }
     }
 
     #[test]
-    fn the_mixture_s_settings_all_have_their_help() {
-        for setting in SETTINGS.iter().filter(|setting| setting.stage == Stage::Mixture) {
-            assert!(help(setting.name).is_some(), "{}", setting.name);
+    fn each_choice_is_told_from_the_others() {
+        for setting in SETTINGS {
+            let (Kind::Choice(words), Some(help)) = (setting.kind, help(setting.name)) else { continue };
+            for word in words {
+                let told = help.raising.split(". ").any(|sentence| {
+                    sentence
+                        .split_once(':')
+                        .is_some_and(|(names, _)| names.split(", ").any(|name| name == *word))
+                });
+                assert!(told, "{}: what does {word} do?", setting.name);
+            }
         }
     }
 }

@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
+use std::time::Instant;
 
 use eframe::egui::Context;
 
@@ -40,6 +41,10 @@ pub(crate) trait Player {
     fn inspect(&self, at: Option<(u32, u32)>);
     /// Asks what the chosen pixel would be under other values of these two settings.
     fn tune(&self, knobs: Option<[Knob; 2]>);
+    /// Goes on analysing beyond the frame in view, or stops there.
+    fn analyse_ahead(&self, ahead: bool);
+    /// Ends it without waiting for that.
+    fn leave(self: Box<Self>);
 }
 
 impl Player for Session {
@@ -74,6 +79,16 @@ impl Player for Session {
     fn tune(&self, knobs: Option<[Knob; 2]>) {
         Session::tune(self, knobs);
     }
+
+    fn analyse_ahead(&self, ahead: bool) {
+        Session::analyse_ahead(self, ahead);
+    }
+
+    fn leave(self: Box<Self>) {
+        // Its worker may be inside a decoder, and gives gigabytes back. Without a thread it is waited for here.
+        let left = std::thread::Builder::new().name("leaving".into()).spawn(move || drop(self));
+        drop(left);
+    }
 }
 
 /// How a video's name becomes a worker.
@@ -99,6 +114,15 @@ pub(crate) struct Playback {
     pub(crate) speed: usize,
     /// When the next frame is due, in seconds of the window's clock.
     pub(crate) next_at: f64,
+}
+
+/// What is asked of a worker as long as it is there.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Work {
+    /// When it was asked to open its video, if it ever was.
+    pub(crate) since: Option<Instant>,
+    /// Whether it analyses beyond what is looked at.
+    pub(crate) ahead: bool,
 }
 
 /// Where all views look: shared, so that they stay linked whatever their sizes.
@@ -187,6 +211,8 @@ pub(crate) struct Model {
     pub(crate) newest: Option<Arc<Moment>>,
     /// The frame in view: the last whose pictures were ready.
     pub(crate) moment: Option<Arc<Moment>>,
+    /// What the worker was asked to do besides.
+    pub(crate) work: Work,
     /// What was opened, as it was named.
     pub(crate) opened: Option<String>,
     /// What that is to the list of what was opened before.
@@ -275,6 +301,7 @@ impl Model {
             settings,
             slots: Slots::new(),
             wanted: None,
+            work: Work { since: None, ahead: true },
             areas: Areas::default(),
             marks: Marks::default(),
             marks_of: BTreeMap::new(),
@@ -323,7 +350,9 @@ impl Model {
     /// Another video has been opened in place of what was there.
     pub(crate) fn opened(&mut self, name: &str, player: Box<dyn Player>) {
         self.state = Some(player.state());
+        self.leave();
         self.player = Some(player);
+        self.work = Work { since: Some(Instant::now()), ahead: true };
         (self.newest, self.moment) = (None, None);
         self.put_marks_away();
         self.marks = self.marks_of.get(name).cloned().unwrap_or_default();
@@ -342,13 +371,41 @@ impl Model {
     /// The video has been closed.
     pub(crate) fn closed(&mut self) {
         self.put_marks_away();
-        (self.player, self.state, self.newest, self.moment, self.opened) = (None, None, None, None, None);
+        self.leave();
+        (self.state, self.newest, self.moment, self.opened) = (None, None, None, None);
         (self.wanted, self.chosen, self.hovered, self.reading) = (None, None, None, None);
         (self.object, self.subject) = (None, Subject::Pixel);
         (self.marks, self.span, self.areas) = (Marks::default(), None, Areas::default());
         self.history.forget_areas();
         (self.origin, self.truth) = (Origin::New, None);
         self.playback.playing = false;
+    }
+
+    fn leave(&mut self) {
+        if let Some(player) = self.player.take() {
+            player.leave();
+        }
+    }
+
+    /// Stops what the worker is doing beyond the frame in view, or goes on with it.
+    pub(crate) fn stop_or_go_on(&mut self) {
+        let Some(player) = &self.player else { return };
+        self.work.ahead = !self.work.ahead && !self.is_busy();
+        player.analyse_ahead(self.work.ahead);
+        if !self.work.ahead {
+            self.wanted = None;
+        }
+    }
+
+    /// Whether the worker is doing anything.
+    pub(crate) fn is_busy(&self) -> bool {
+        self.state.as_ref().is_some_and(|state| state.busy.is_some())
+    }
+
+    /// Whether every frame has been analysed.
+    pub(crate) fn is_all_analysed(&self) -> bool {
+        self.timeline()
+            .is_some_and(|timeline| timeline.complete && timeline.analysed as usize >= timeline.numbers.len())
     }
 
     /// Video, frame, time and the chosen pixel, in a line.
@@ -428,6 +485,14 @@ impl Model {
         self.camera.magnification = magnification;
     }
 
+    /// The pixel so many columns and rows from the chosen one, within the image; its middle where none is chosen.
+    pub(crate) fn pixel_beside(&self, columns: i32, rows: i32) -> Option<(u32, u32)> {
+        let size = self.shown()?.frame.size;
+        let Some((x, y)) = self.chosen else { return Some((size.width / 2, size.height / 2)) };
+        let within = |at: u32, by: i32, all: u32| at.saturating_add_signed(by).min(all.saturating_sub(1));
+        Some((within(x, columns, size.width), within(y, rows, size.height)))
+    }
+
     /// The frame in view.
     pub(crate) fn shown(&self) -> Option<&Shown> {
         self.moment.as_ref().map(|moment| &*moment.shown)
@@ -453,6 +518,14 @@ impl Model {
         match read {
             Read::InView(index) => self.timeline()?.events.get(index),
             Read::Beside(index) => self.beside()?.events.get(index),
+        }
+    }
+
+    /// Why the worker cannot go on, if that is so.
+    pub(crate) fn failure(&self) -> Option<&str> {
+        match &self.state.as_ref()?.phase {
+            Phase::Failed(why) => Some(why),
+            Phase::Opening | Phase::Ready => None,
         }
     }
 

@@ -2,7 +2,7 @@
 
 use std::time::Duration;
 
-use eframe::egui::{Align, Button, Layout, ProgressBar, RichText, Ui};
+use eframe::egui::{Align, Button, Layout, RichText, Ui, vec2};
 use egui_material_icons::icons as m;
 
 use super::command::{Action, Command};
@@ -36,12 +36,8 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, pace: Pace, commands: &mut Vec<Comm
             let value = hover.view.value(shown, model.background, hover.pixel);
             ui.label(RichText::new(format!("{}  {value}", hover.view.title())).monospace());
             ui.label(RichText::new(format!("{:.0} %", hover.scale * 100.0)).monospace().color(colours.weak));
-        } else {
-            let hint = if model.is_ready() {
-                "Click a pixel to inspect it  ·  wheel zooms, drag pans, F fits  ·  ? shows all keys"
-            } else {
-                ""
-            };
+        } else if model.is_ready() {
+            let hint = "Click a pixel to inspect it  ·  wheel zooms, drag pans, F fits  ·  ? shows all keys";
             ui.label(RichText::new(hint).size(theme::SMALL).color(colours.weak));
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
@@ -49,6 +45,29 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, pace: Pace, commands: &mut Vec<Comm
             right(ui, model, pace, commands);
         });
     });
+}
+
+/// What ends the work that is told beside it, or goes on with it.
+fn stop_or_go_on(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    let action = Action::AnalyseAhead;
+    let (icon, name, text) = if model.is_busy() {
+        let text = "Stop here: only what is looked at is analysed from now on";
+        (m::ICON_STOP_CIRCLE, "Stop the analysis", text)
+    } else {
+        (m::ICON_PLAY_CIRCLE, "Go on with the analysis", "Analyse the rest of the video in the background")
+    };
+    let keys =
+        action.entry().and_then(|entry| entry.shortcuts.first()).map_or_else(String::new, |key| key.text());
+    let button = Button::new(icon.rich_text().size(theme::ICON)).frame_when_inactive(false);
+    let response = ui.scope(|ui| {
+        ui.spacing_mut().button_padding = vec2(2.0, 0.0);
+        ui.spacing_mut().interact_size.y = theme::ICON;
+        ui.add(button)
+    });
+    let response = response.inner.accessible_name(name).on_hover_text(format!("{text} ({keys})"));
+    if response.clicked() {
+        commands.push(Command::Act(action));
+    }
 }
 
 fn right(ui: &mut Ui, model: &Model, pace: Pace, commands: &mut Vec<Command>) {
@@ -65,13 +84,21 @@ fn right(ui: &mut Ui, model: &Model, pace: Pace, commands: &mut Vec<Command>) {
             }
         });
     }
+    let stopped = !model.work.ahead && !model.is_all_analysed();
+    // The opening has its own button, in the middle of the window.
+    if model.shown().is_some() && (state.busy.is_some() || stopped) {
+        stop_or_go_on(ui, model, commands);
+    }
     if let Some(busy) = &state.busy {
         if let Some(total) = busy.total.filter(|&total| total > 0) {
             let share = busy.done as f32 / total as f32;
-            ui.add(ProgressBar::new(share).desired_width(120.0).desired_height(6.0));
+            theme::progress(ui, share, 120.0).accessible_name(&*busy.what);
         }
         let count = busy.total.map_or_else(String::new, |total| format!("  {} / {total}", busy.done));
         ui.label(RichText::new(format!("{}{count}", busy.what)).size(theme::SMALL).color(colours.text));
+    } else if stopped {
+        let text = format!("stopped  {} / {}", state.timeline.analysed, model.frames());
+        ui.label(RichText::new(text).size(theme::SMALL).color(colours.warn));
     }
     if !state.warnings.is_empty() {
         let warnings = &state.warnings;

@@ -30,6 +30,7 @@ use crate::source::SourceInfo;
 use crate::tracking::{Competing, Track, TrackState};
 use crate::truth::boxes::Boxes;
 
+mod access;
 mod areas;
 mod around;
 mod compare;
@@ -37,6 +38,7 @@ mod inspector;
 mod layout;
 mod object;
 mod pictures;
+mod sizes;
 mod timeline;
 
 const SIZE: Size = Size::new(160, 120);
@@ -53,6 +55,8 @@ enum Asked {
     Roi(Option<Arc<regions::Roi>>),
     Inspect(Option<(u32, u32)>),
     Tune(Option<[Knob; 2]>),
+    Ahead(bool),
+    Leave,
 }
 
 /// A worker that answers at once, and notes what it was asked.
@@ -100,6 +104,14 @@ impl Player for Scene {
 
     fn tune(&self, knobs: Option<[Knob; 2]>) {
         self.asked.borrow_mut().push(Asked::Tune(knobs));
+    }
+
+    fn analyse_ahead(&self, ahead: bool) {
+        self.asked.borrow_mut().push(Asked::Ahead(ahead));
+    }
+
+    fn leave(self: Box<Self>) {
+        self.asked.borrow_mut().push(Asked::Leave);
     }
 }
 
@@ -293,12 +305,23 @@ fn state(phase: Phase, shown: Option<u32>) -> State {
 
 /// The window on a scene; none opens it empty.
 fn window(state: Option<State>, size: (f32, f32), theme: Theme) -> (Harness<'static, Window>, Scene) {
+    window_at(state, size, 1.0, theme)
+}
+
+/// The same on a screen with so many of its pixels a point.
+fn window_at(
+    state: Option<State>,
+    size: (f32, f32),
+    pixels_per_point: f32,
+    theme: Theme,
+) -> (Harness<'static, Window>, Scene) {
     let asked = Rc::<RefCell<Vec<Asked>>>::default();
     let first = state.clone().unwrap_or_else(|| self::state(Phase::Opening, None));
     let scene = Scene { state: Rc::new(RefCell::new(first)), asked };
     let player = scene.clone();
     let mut harness = Harness::builder()
         .with_size(vec2(size.0, size.1))
+        .with_pixels_per_point(pixels_per_point)
         .with_theme(theme)
         .with_max_steps(20)
         .wgpu()
@@ -364,52 +387,6 @@ fn picture(harness: &mut Harness<'_, Window>, name: &str) {
     if let Some(folder) = std::env::var_os("OCCLUSCOPE_PICTURES") {
         picture.save(Path::new(&folder).join(format!("{name}.png"))).unwrap();
     }
-}
-
-#[test]
-fn every_state_of_the_window_can_be_drawn_at_every_size_in_both_themes() {
-    for (theme, theme_name) in [(Theme::Dark, "dark"), (Theme::Light, "light")] {
-        for size in [(1024.0, 640.0), (1600.0, 1000.0), (3840.0, 2160.0)] {
-            if size.0 > 2000.0 && theme == Theme::Light {
-                continue;
-            }
-            let mut opening = state(Phase::Opening, None);
-            opening.busy = Some(Progress { what: "reading".into(), done: 3, total: Some(40) });
-            let mut working = state(Phase::Ready, Some(58));
-            working.busy = Some(Progress { what: "analysing".into(), done: 58, total: Some(120) });
-            working.analysis_fps = 84.0;
-            working.warnings = Arc::new(vec!["in000007.jpg cannot be read and was skipped".into()]);
-            let failed = Phase::Failed("clip.mp4 does not exist; check the path".into());
-            for (name, state) in [
-                ("empty", None),
-                ("opening", Some(opening)),
-                ("failed", Some(state(failed, None))),
-                ("ready", Some(working)),
-            ] {
-                let (mut harness, _) = window(state, size, theme);
-                harness.run_steps(4);
-                if name == "failed" {
-                    harness.get_by_label("clip.mp4 does not exist; check the path");
-                    harness.get_by_label("Open video…");
-                }
-                picture(&mut harness, &format!("{name}-{}-{theme_name}", size.0));
-            }
-        }
-    }
-}
-
-#[test]
-fn a_window_made_smaller_gives_every_panel_less() {
-    let (mut harness, _) = ready(58);
-    harness.run_steps(4);
-    let large = harness.get_by_label("Events").rect();
-    harness.set_size(vec2(1024.0, 640.0));
-    harness.run_steps(4);
-    let small = harness.get_by_label("Events").rect();
-    // What is under the heading and over the timeline: at most half of the column, as in the large one.
-    assert!(small.top() > 0.38 * 640.0, "{small} leaves the inspector no room");
-    assert!(small.left() > 1024.0 * 0.6, "{small} leaves the views no room");
-    assert!(large.top() > 0.38 * 1000.0, "{large}");
 }
 
 #[test]

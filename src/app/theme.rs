@@ -90,6 +90,26 @@ pub fn ink_on(background: Color32) -> Color32 {
     if 0.2126 * r + 0.7152 * g + 0.0722 * b > 0.18 { Color32::from_rgb(12, 14, 18) } else { Color32::WHITE }
 }
 
+/// A bar that is filled to `share`, on panels and on the canvas.
+pub fn progress(ui: &mut eframe::egui::Ui, share: f32, width: f32) -> eframe::egui::Response {
+    ui.scope(|ui| {
+        // The bar's ground is the canvas otherwise.
+        ui.visuals_mut().extreme_bg_color = colours(ui.visuals()).line;
+        ui.visuals_mut().selection.bg_fill = colours(ui.visuals()).accent;
+        ui.add(eframe::egui::ProgressBar::new(share).desired_width(width).desired_height(6.0))
+    })
+    .inner
+}
+
+/// The line around what has the keyboard's focus, where it is no control of egui's own.
+pub fn focus(ui: &eframe::egui::Ui, response: &eframe::egui::Response) {
+    if response.has_focus() {
+        let stroke = eframe::egui::Stroke::new(1.5, colours(ui.visuals()).accent);
+        let inside = eframe::egui::StrokeKind::Inside;
+        ui.painter().rect_stroke(response.rect, 3.0, stroke, inside);
+    }
+}
+
 /// The frame of a sheet that lies over the window.
 pub fn sheet(ctx: &eframe::egui::Context) -> Frame {
     Frame::popup(&ctx.global_style()).inner_margin(4.0 * SPACE)
@@ -98,6 +118,8 @@ pub fn sheet(ctx: &eframe::egui::Context) -> Frame {
 /// Puts fonts, sizes, distances and colours into `ctx`, for dark and light.
 pub fn install(ctx: &eframe::egui::Context) {
     egui_material_icons::initialize(ctx);
+    // That is an action of the table.
+    ctx.options_mut(|options| options.zoom_with_keyboard = false);
     ctx.style_mut_of(Theme::Dark, |style| apply(style, Visuals::dark(), &DARK));
     ctx.style_mut_of(Theme::Light, |style| apply(style, Visuals::light(), &LIGHT));
 }

@@ -3,11 +3,11 @@
 use std::ops::{Range, RangeInclusive};
 
 use eframe::egui::{
-    Align2, Color32, CursorIcon, FontId, Painter, Pos2, Rect, Sense, Shape, Stroke, Ui, Vec2, WidgetInfo,
-    accesskit::Role, pos2, vec2,
+    Align2, Color32, CursorIcon, EventFilter, FontId, Key, Modifiers, Painter, Pos2, Rect, Response, Sense,
+    Shape, Stroke, Ui, Vec2, WidgetInfo, accesskit::Role, pos2, vec2,
 };
 
-use super::command::Command;
+use super::command::{Action, Command};
 use super::compared::Read;
 use super::state::Model;
 use super::{events_panel, icons, theme};
@@ -69,6 +69,20 @@ impl Axis {
     }
 }
 
+/// The positions that are seen after zooming by two around the frame in view, `None` for all.
+pub(crate) fn zoomed(model: &Model, into: bool) -> Option<(f32, f32)> {
+    let frames = model.frames().max(1);
+    let unit = Rect::from_min_size(Pos2::ZERO, Vec2::splat(1.0));
+    let axis = Axis { rect: unit, frames, span: seen(model, frames) };
+    let here = axis.x(model.position());
+    axis.moved(here, if into { 2.0 } else { 0.5 }, 0.0)
+}
+
+/// Which positions are seen, from and to.
+fn seen(model: &Model, frames: u32) -> (f32, f32) {
+    model.span.filter(|span| span.1 <= frames as f32).unwrap_or((0.0, frames as f32))
+}
+
 /// Shows it.
 pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let rect = ui.available_rect_before_wrap();
@@ -76,8 +90,7 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     response.widget_info(|| WidgetInfo::labeled(Role::Slider, true, "Timeline"));
     let Some(timeline) = model.timeline() else { return };
     let frames = model.frames().max(1);
-    let span = model.span.filter(|span| span.1 <= frames as f32).unwrap_or((0.0, frames as f32));
-    let axis = Axis { rect: rect.shrink2(vec2(8.0, 0.0)), frames, span };
+    let axis = Axis { rect: rect.shrink2(vec2(8.0, 0.0)), frames, span: seen(model, frames) };
     follow(model, &axis, commands);
     let painter = ui.painter().with_clip_rect(rect);
     let colours = theme::colours(ui.visuals());
@@ -92,6 +105,8 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     marked(&painter, model, &axis, ground, &colours);
     event_marks(&painter, model, timeline, &axis, marks);
     playhead(&painter, model, &axis, colours.accent, colours.on_accent);
+    arrows(ui, &response, commands);
+    theme::focus(ui, &response);
 
     let near = response.hover_pos().and_then(|at| nearest_event(model, timeline, &axis, marks, at));
     if let Some(at) = response.interact_pointer_pos()
@@ -118,6 +133,20 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         let column = axis.position(at.x);
         painter.vline(at.x, ground.y_range(), Stroke::new(1.0, colours.weak.gamma_multiply(0.5)));
         response.on_hover_ui_at_pointer(|ui| hover(ui, model, timeline, near, column));
+    }
+}
+
+/// While it has the focus, the arrow keys go from frame to frame.
+fn arrows(ui: &Ui, response: &Response, commands: &mut Vec<Command>) {
+    if !response.has_focus() {
+        return;
+    }
+    let filter = EventFilter { horizontal_arrows: true, ..EventFilter::default() };
+    ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, filter));
+    for (key, by) in [(Key::ArrowLeft, -1), (Key::ArrowRight, 1)] {
+        for _ in 0..ui.input_mut(|input| input.count_and_consume_key(Modifiers::NONE, key)) {
+            commands.push(Command::Act(Action::Step(by)));
+        }
     }
 }
 

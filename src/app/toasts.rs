@@ -51,6 +51,11 @@ impl Toasts {
         self.add(ctx, text, m::ICON_ERROR, |colours| colours.bad, LONGER);
     }
 
+    /// Keeps a failure that the window itself tells at length.
+    pub(crate) fn note_failure(&mut self, ctx: &Context, why: &str) {
+        self.messages.add(ctx.input(|input| input.time), why, m::ICON_ERROR, |colours| colours.bad);
+    }
+
     /// Shows them.
     pub(crate) fn show(&mut self, ctx: &Context) {
         self.shown.show(ctx);

@@ -1,5 +1,7 @@
 //! What stands in the middle while there is no frame to look at: nothing opened, opening, failed.
 
+use std::time::Duration;
+
 use eframe::egui::{Align, Button, Frame, Label, Layout, Margin, Panel, RichText, Spinner, Ui, vec2};
 use egui_material_icons::icons as m;
 
@@ -9,51 +11,77 @@ use super::state::{Model, Origin};
 use super::{theme, top_bar};
 use crate::replay::{Phase, Start};
 
+/// Opening takes longer than this only where something does not answer.
+const LONG: Duration = Duration::from_secs(3);
+
 /// Shows it.
 pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let colours = theme::colours(ui.visuals());
     let rect = ui.available_rect_before_wrap();
     ui.painter().rect_filled(rect, 0.0, colours.canvas);
-    ui.add_space((rect.height() * 0.5 - 130.0).max(12.0));
+    // In the middle of a large screen, ordinary text would be lost.
+    let scale = (rect.height() / 1000.0).clamp(1.0, 1.8);
+    for font in ui.style_mut().text_styles.values_mut() {
+        font.size *= scale;
+    }
+    ui.add_space((rect.height() * 0.5 - 130.0 * scale).max(12.0));
     ui.with_layout(Layout::top_down(Align::Center), |ui| {
-        ui.set_max_width((rect.width() - 40.0).min(560.0));
+        ui.set_max_width((rect.width() - 40.0).min(560.0 * scale));
         match model.state.as_ref().map(|state| &state.phase) {
             Some(Phase::Failed(why)) => {
-                ui.label(m::ICON_ERROR.rich_text().size(44.0).color(colours.bad));
+                ui.label(m::ICON_ERROR.rich_text().size(44.0 * scale).color(colours.bad));
                 ui.add_space(2.0 * theme::SPACE);
-                ui.label(RichText::new("This cannot be opened").size(20.0).strong());
+                ui.label(RichText::new("This cannot be opened").size(20.0 * scale).strong());
                 ui.add_space(theme::SPACE);
                 ui.label(why);
                 ui.add_space(5.0 * theme::SPACE);
-                choices(ui, commands);
+                choices(ui, scale, commands);
             }
-            Some(_) => {
-                ui.add(Spinner::new().size(36.0).color(colours.accent));
-                ui.add_space(3.0 * theme::SPACE);
-                let name = model.opened.as_deref().unwrap_or_default();
-                ui.label(RichText::new("Opening").size(20.0).strong());
-                ui.label(name);
-                if let Some(busy) = model.state.as_ref().and_then(|state| state.busy.as_ref()) {
-                    let total = busy.total.map_or_else(String::new, |total| format!(" of {total}"));
-                    ui.weak(format!("{}: {}{total}", busy.what, busy.done));
-                }
-                ui.add_space(4.0 * theme::SPACE);
-                if ui.button("Cancel").clicked() {
-                    commands.push(Command::Act(Action::CloseVideo));
-                }
-            }
+            Some(_) => opening(ui, model, scale, commands),
             None => {
-                ui.label(m::ICON_FRAME_INSPECT.rich_text().size(44.0).color(colours.accent));
+                ui.label(m::ICON_FRAME_INSPECT.rich_text().size(44.0 * scale).color(colours.accent));
                 ui.add_space(2.0 * theme::SPACE);
-                ui.label(RichText::new("Open a video to look into").size(20.0).strong());
+                ui.label(RichText::new("Open a video to look into").size(20.0 * scale).strong());
                 ui.add_space(theme::SPACE);
                 ui.label("Drop a video or a folder of images anywhere in this window, or choose one here.");
                 ui.add_space(5.0 * theme::SPACE);
-                choices(ui, commands);
+                choices(ui, scale, commands);
                 recent(ui, model, commands);
             }
         }
     });
+}
+
+/// How far the opening of a video has come, and the way out of it.
+fn opening(ui: &mut Ui, model: &Model, scale: f32, commands: &mut Vec<Command>) {
+    let colours = theme::colours(ui.visuals());
+    ui.add(Spinner::new().size(36.0 * scale).color(colours.accent));
+    ui.add_space(3.0 * theme::SPACE);
+    let name = model.opened.as_deref().unwrap_or_default();
+    ui.label(RichText::new("Opening").size(20.0 * scale).strong());
+    ui.label(top_bar::short(name)).on_hover_text(name);
+    ui.add_space(theme::SPACE);
+    if let Some(busy) = model.state.as_ref().and_then(|state| state.busy.as_ref()) {
+        let total = busy.total.filter(|&total| total > 0);
+        if let Some(total) = total {
+            let share = busy.done as f32 / total as f32;
+            let bar = theme::progress(ui, share, ui.available_width().min(260.0 * scale));
+            bar.accessible_name(format!("Opening {}", top_bar::short(name)));
+            ui.add_space(theme::SPACE);
+        }
+        let total = total.map_or_else(String::new, |total| format!(" of {total}"));
+        ui.weak(format!("{}: {}{total}", busy.what, busy.done));
+    }
+    // The spinner has every frame drawn anew, and the seconds with it.
+    let waited = model.work.since.map(|at| at.elapsed()).unwrap_or_default();
+    if waited >= LONG {
+        let seconds = waited.as_secs();
+        ui.weak(format!("{seconds} s so far: a camera, or a drive on the network, may not answer"));
+    }
+    ui.add_space(4.0 * theme::SPACE);
+    if ui.button("Cancel").on_hover_text("Give up opening it").clicked() {
+        commands.push(Command::Act(Action::CloseVideo));
+    }
 }
 
 /// What was opened before.
@@ -114,7 +142,7 @@ pub(crate) fn stopped(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     });
 }
 
-fn choices(ui: &mut Ui, commands: &mut Vec<Command>) {
+fn choices(ui: &mut Ui, scale: f32, commands: &mut Vec<Command>) {
     let colours = theme::colours(ui.visuals());
     for (action, icon, text) in [
         (Action::OpenVideo, m::ICON_VIDEO_FILE, "Open video…"),
@@ -122,7 +150,7 @@ fn choices(ui: &mut Ui, commands: &mut Vec<Command>) {
         (Action::OpenSample, m::ICON_MOVIE, "Open sample"),
     ] {
         let main = action == Action::OpenVideo;
-        if choice(ui, icon, text, main.then_some((colours.accent, colours.on_accent))) {
+        if choice(ui, scale, icon, text, main.then_some((colours.accent, colours.on_accent))) {
             commands.push(Command::Act(action));
         }
     }
@@ -130,15 +158,16 @@ fn choices(ui: &mut Ui, commands: &mut Vec<Command>) {
 
 fn choice(
     ui: &mut Ui,
+    scale: f32,
     icon: Icon,
     text: &str,
     main: Option<(eframe::egui::Color32, eframe::egui::Color32)>,
 ) -> bool {
-    let (mut icon, mut label) = (icon.rich_text().size(18.0), RichText::new(text));
+    let (mut icon, mut label) = (icon.rich_text().size(18.0 * scale), RichText::new(text));
     if let Some((_, ink)) = main {
         (icon, label) = (icon.color(ink), label.color(ink));
     }
-    let mut button = Button::new((icon, label)).min_size(vec2(220.0, 32.0));
+    let mut button = Button::new((icon, label)).min_size(scale * vec2(220.0, 32.0));
     if let Some((fill, _)) = main {
         button = button.fill(fill);
     }

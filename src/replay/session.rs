@@ -37,6 +37,7 @@ pub(super) struct Requests {
     pub(super) roi: Option<Analysed>,
     pub(super) inspect: Option<Pixel>,
     pub(super) tune: Option<Knobs>,
+    pub(super) analyse_ahead: Option<bool>,
     stop: bool,
 }
 
@@ -185,6 +186,17 @@ impl Session {
     pub fn tune(&self, knobs: Option<[Knob; 2]>) {
         self.shared.ask(|requests| requests.tune = Some(Knobs(knobs)));
     }
+
+    /// Goes on analysing beyond the frame in view, as it does from the start, or stops that and gives up a frame that
+    /// is still on its way. What is asked for after that is analysed nevertheless.
+    pub fn analyse_ahead(&self, ahead: bool) {
+        self.shared.ask(|requests| {
+            requests.analyse_ahead = Some(ahead);
+            if !ahead {
+                requests.show = None;
+            }
+        });
+    }
 }
 
 impl Drop for Session {
@@ -240,6 +252,7 @@ impl Requests {
             || self.roi.is_some()
             || self.inspect.is_some()
             || self.tune.is_some()
+            || self.analyse_ahead.is_some()
             || self.stop
     }
 }

@@ -109,6 +109,11 @@ impl Watched {
         }
     }
 
+    fn until_after(&self, ask: impl FnOnce(&Session), look: impl FnMut(&State) -> bool) -> State {
+        ask(&self.session);
+        self.until(look)
+    }
+
     fn until_done(&self) -> State {
         self.until(|state| {
             state.timeline.complete && state.timeline.analysed == FRAMES && state.busy.is_none()
@@ -638,4 +643,49 @@ fn the_worker_says_what_the_pixel_would_be_under_other_settings() {
     }
     watched.session.tune(None);
     watched.until(|state| state.tuning.is_none());
+}
+
+#[test]
+fn stopped_it_analyses_what_is_looked_at_and_no_more() {
+    let folder = scene();
+    let (open, opened) = channel::<()>();
+    let path = name(folder.path());
+    let video = path.clone();
+    let opens = move || {
+        opened.recv().unwrap();
+        FrameCache::open(&path, 1 << 20)
+    };
+    let watched = Watched::start(&video, opens, 1 << 20, settings(), Start::FirstOcclusion);
+    watched.session.show(50);
+    watched.session.analyse_ahead(false);
+    open.send(()).unwrap();
+    watched.until(|state| shows(state, 0));
+    for position in [1, 2, 3, 20, 21, 10, 22] {
+        let state = watched.until_after(|session| session.show(position), |state| shows(state, position));
+        let most = if position == 10 { 22 } else { position + 1 };
+        assert_eq!(state.timeline.analysed, most, "no more than was asked for at {position}");
+    }
+    // Other settings: what is in view is made anew, and again no more.
+    let changed = Settings { t: 0.6, ..settings() };
+    let state = watched.until_after(
+        |session| session.set_settings(changed.clone()),
+        |state| state.shown.as_ref().is_some_and(|shown| *shown.settings == changed),
+    );
+    assert_eq!((state.shown.unwrap().position, state.timeline.analysed), (22, 23));
+    watched.session.analyse_ahead(true);
+    assert!(shows(&watched.until_done(), 22), "it stays in view");
+}
+
+#[test]
+fn with_all_analysed_there_is_nothing_to_stop() {
+    let folder = scene();
+    let watched = Watched::open(folder.path(), settings(), Start::First, 1 << 30);
+    watched.until_done();
+    watched.session.analyse_ahead(false);
+    // Taken in by the worker before the settings are asked for.
+    watched.shown(30);
+    let changed = Settings { t: 0.6, ..settings() };
+    watched.session.set_settings(changed.clone());
+    let of_changed = |state: &State| state.shown.as_ref().is_some_and(|shown| *shown.settings == changed);
+    watched.until(|state| of_changed(state) && state.timeline.analysed == FRAMES);
 }

@@ -66,6 +66,7 @@ pub(super) struct Worker<'a> {
     aim: Option<Aim>,
     /// A live source: the newest frame is what is wanted.
     follow: bool,
+    ahead: Ahead,
     pixel: Option<(u32, u32)>,
     tuner: Tuner,
     asker: Asker,
@@ -102,6 +103,13 @@ struct Told {
     gone: bool,
     /// That a live source cannot be compared.
     live: bool,
+}
+
+/// What is analysed beyond what is asked for.
+#[derive(PartialEq)]
+enum Ahead {
+    All,
+    Nothing,
 }
 
 /// A frame to show that is not known yet.
@@ -144,6 +152,7 @@ impl<'a> Worker<'a> {
             shared,
             frames,
             follow: info.live,
+            ahead: Ahead::All,
             info,
             model_budget,
             lane,
@@ -191,6 +200,14 @@ impl<'a> Worker<'a> {
     }
 
     fn take(&mut self, requests: Requests) -> Result<(), Stopped> {
+        if let Some(ahead) = requests.analyse_ahead {
+            // Where nothing is left to stop, other settings are run through as ever.
+            let nothing = self.lane.is_through(&self.frames);
+            self.ahead = if ahead || nothing { Ahead::All } else { Ahead::Nothing };
+            if !ahead {
+                self.stay();
+            }
+        }
         if let Some(position) = requests.show {
             self.aim = None;
             self.wanted = position;
@@ -223,6 +240,14 @@ impl<'a> Worker<'a> {
         let beside =
             requests.beside.map_or_else(|| self.rival.settings.clone(), |session::Rival(beside)| beside);
         self.change(settings, roi, beside)
+    }
+
+    /// Gives up going anywhere: the frame in view stays, or the last that is analysed under new settings.
+    fn stay(&mut self) {
+        self.aim = None;
+        if let Some(shown) = &self.shown {
+            self.wanted = shown.position.min(self.lane.run.front().saturating_sub(1));
+        }
     }
 
     /// Takes other settings in view and beside it, or another part of the image, and runs again what they touch.
@@ -383,7 +408,7 @@ impl<'a> Worker<'a> {
             return Ok(false);
         }
         self.find_aim();
-        if self.follow {
+        if self.follow && self.ahead == Ahead::All {
             self.wanted = self.lane.run.front().saturating_sub(1);
         }
         if self.frames.is_complete() {
@@ -393,9 +418,9 @@ impl<'a> Worker<'a> {
             self.approach_view()?;
         } else if self.tune() || self.gather()? {
             // What came of it is published at once, or in time.
-        } else if !self.lane.is_through(&self.frames) {
+        } else if self.is_due(&self.lane) {
             self.analyse(Which::InView)?;
-        } else if self.rival.lane.as_ref().is_some_and(|lane| !lane.is_through(&self.frames)) {
+        } else if self.rival.lane.as_ref().is_some_and(|lane| self.is_due(lane)) {
             self.analyse(Which::Rival)?;
         } else {
             return Ok(self.score() || self.explain());
@@ -421,6 +446,12 @@ impl<'a> Worker<'a> {
     fn publish_what_if(&self) {
         let what_if = self.asker.latest();
         self.shared.publish(|state| state.what_if = what_if);
+    }
+
+    /// Whether there is more to analyse: all, or what is looked at.
+    fn is_due(&self, lane: &Lane) -> bool {
+        let asked = self.ahead == Ahead::All || lane.run.front() <= self.wanted;
+        asked && !lane.is_through(&self.frames)
     }
 
     /// Takes the chosen pixel through the frames that are known; whether there was anything to do.

@@ -132,3 +132,85 @@ fn a_setting_is_found_by_its_name_and_brought_into_sight() {
     harness.run_steps(3);
     assert_eq!(harness.state().model.looked_at, None);
 }
+
+#[test]
+fn the_analysis_is_stopped_and_goes_on_beside_its_progress() {
+    let (mut harness, scene) = ready(58);
+    assert!(harness.query_by_label("Stop the analysis").is_none(), "nothing is under way");
+    let asked = |scene: &Scene| scene.asked.borrow().last().cloned();
+    {
+        let mut state = scene.state.borrow_mut();
+        state.busy = Some(Progress { what: "analysing".into(), done: 70, total: Some(FRAMES) });
+        Arc::make_mut(&mut state.timeline).analysed = 70;
+    }
+    harness.run_steps(3);
+    picture(&mut harness, "analysing");
+    harness.get_by_label("Stop the analysis").click();
+    harness.run_steps(3);
+    assert_eq!(asked(&scene), Some(Asked::Ahead(false)));
+    scene.state.borrow_mut().busy = None;
+    harness.run_steps(3);
+    harness.get_by_label("stopped  70 / 120");
+    picture(&mut harness, "stopped");
+    // A frame beyond is asked for: on the way there it can be stopped again, and it is given up.
+    harness.key_press(Key::End);
+    harness.step();
+    scene.state.borrow_mut().busy =
+        Some(Progress { what: "analysing".into(), done: 80, total: Some(FRAMES) });
+    harness.run_steps(3);
+    harness.key_press_modifiers(Modifiers::SHIFT, Key::Space);
+    harness.run_steps(3);
+    assert_eq!(asked(&scene), Some(Asked::Ahead(false)));
+    assert_eq!(harness.state().model.wanted, None);
+    scene.state.borrow_mut().busy = None;
+    harness.run_steps(3);
+    harness.get_by_label("Go on with the analysis").click();
+    harness.run_steps(3);
+    assert_eq!(asked(&scene), Some(Asked::Ahead(true)));
+    assert!(harness.query_by_label_contains("stopped").is_none());
+}
+
+#[test]
+fn a_video_that_is_left_is_not_waited_for() {
+    let (mut harness, scene) = ready(58);
+    let ctx = harness.ctx.clone();
+    let left = |scene: &Scene| scene.asked.borrow().iter().filter(|asked| **asked == Asked::Leave).count();
+    harness.state_mut().apply(&ctx, Command::Open("/videos/other.mp4".into(), Start::First));
+    assert_eq!(left(&scene), 1);
+    act(&mut harness, Action::CloseVideo);
+    assert_eq!(left(&scene), 2);
+}
+
+#[test]
+fn opening_tells_how_far_it_is() {
+    let mut opening = state(Phase::Opening, None);
+    opening.busy = Some(Progress { what: "reading".into(), done: 3, total: Some(40) });
+    let (harness, _) = window(Some(opening), (1600.0, 1000.0), Theme::Dark);
+    harness.get_by_role_and_label(egui::Role::ProgressIndicator, "Opening walk.mp4");
+    harness.get_by_label("reading: 3 of 40");
+}
+
+#[test]
+fn pixels_and_the_timeline_have_their_keys() {
+    let (mut harness, scene) = ready(58);
+    let chosen = |harness: &mut Harness<'_, Window>, modifiers, key| {
+        harness.key_press_modifiers(modifiers, key);
+        harness.run_steps(2);
+        harness.state().model.chosen
+    };
+    assert_eq!(chosen(&mut harness, Modifiers::ALT, Key::ArrowLeft), Some((80, 60)), "the middle at first");
+    assert_eq!(chosen(&mut harness, Modifiers::ALT, Key::ArrowLeft), Some((79, 60)));
+    assert_eq!(chosen(&mut harness, Modifiers::ALT, Key::ArrowDown), Some((79, 61)));
+    assert_eq!(scene.asked.borrow().last(), Some(&Asked::Inspect(Some((79, 61)))));
+    harness.state_mut().model.chosen = Some((159, 0));
+    assert_eq!(chosen(&mut harness, Modifiers::ALT, Key::ArrowRight), Some((159, 0)), "at the edge");
+    assert_eq!(chosen(&mut harness, Modifiers::ALT, Key::ArrowUp), Some((159, 0)));
+
+    harness.key_press_modifiers(Modifiers::ALT, Key::Plus);
+    harness.run_steps(2);
+    let (from, to) = harness.state().model.span.unwrap();
+    assert!((to - from - 60.0).abs() < 0.1 && (from..to).contains(&58.5), "{from} to {to}");
+    harness.key_press_modifiers(Modifiers::ALT, Key::Minus);
+    harness.run_steps(2);
+    assert_eq!(harness.state().model.span, None);
+}

@@ -8,7 +8,7 @@ use crate::replay::Tuning;
 const AT: (u32, u32) = (80, 60);
 
 /// The scene with a pixel that was chosen, and what it would be under other settings.
-fn inspected(position: u32) -> (Harness<'static, Window>, Scene) {
+pub(super) fn inspected_state(position: u32) -> State {
     let parameters = Parameters::new(&Settings::default());
     let colour = |n: u32| if n > position - 10 { [40, 50, 60] } else { [100 + (n % 5) as u8, 90, 110] };
     let history = PixelHistory::of_colours(AT, parameters, (1..=FRAMES).map(|n| (n, colour(n))));
@@ -22,13 +22,16 @@ fn inspected(position: u32) -> (Harness<'static, Window>, Scene) {
     };
     let history = Some(Arc::new(history));
     let shown = Shown { pixel: history.clone(), ..shown_at(position) };
-    let state = State {
+    State {
         shown: Some(Arc::new(shown)),
         pixel: history,
         tuning: Some(Arc::new(tuning)),
         ..state(Phase::Ready, Some(position))
-    };
-    window(Some(state), (1600.0, 1000.0), Theme::Dark)
+    }
+}
+
+fn inspected(position: u32) -> (Harness<'static, Window>, Scene) {
+    window(Some(inspected_state(position)), (1600.0, 1000.0), Theme::Dark)
 }
 
 fn tuned(scene: &Scene) -> Vec<Option<[Knob; 2]>> {

@@ -2,8 +2,8 @@
 
 use eframe::egui::containers::menu::MenuButton;
 use eframe::egui::{
-    Button, Color32, CursorIcon, DragValue, Painter, PointerButton, Pos2, Rect, Response, RichText, Sense,
-    Stroke, Ui, UiBuilder, Visuals, WidgetInfo, WidgetText, accesskit::Role, vec2,
+    Button, Color32, CursorIcon, DragValue, EventFilter, Key, Modifiers, Painter, PointerButton, Pos2, Rect,
+    Response, RichText, Sense, Stroke, Ui, UiBuilder, Visuals, WidgetInfo, WidgetText, accesskit::Role, vec2,
 };
 use egui_material_icons::icons as m;
 use egui_tiles::{Behavior, SimplificationOptions, TabState, Tabs, TileId, Tiles, Tree, UiResponse};
@@ -55,6 +55,8 @@ pub(crate) fn show(
         });
         ui.scope_builder(UiBuilder::new().max_rect(rest), |ui| panes.view(ui, view));
     } else {
+        // Where a fraction of a pixel is left between two views.
+        ui.painter().rect_filled(ui.available_rect_before_wrap(), 0.0, ui.visuals().panel_fill);
         tree.ui(&mut panes, ui);
     }
     let (hover, layers, fitted) = (panes.hover, panes.layers, panes.fitted);
@@ -113,6 +115,24 @@ impl Panes<'_> {
             draw::cross(&painter, &canvas, pixel, Color32::from_rgb(255, 255, 255));
         }
         self.areas(&painter, &canvas, view, &response);
+        self.arrows(ui, &response);
+        theme::focus(ui, &response);
+    }
+
+    /// In the view that has the focus, the arrow keys choose the pixel.
+    fn arrows(&mut self, ui: &Ui, response: &Response) {
+        if !response.has_focus() {
+            return;
+        }
+        let arrows = EventFilter { horizontal_arrows: true, vertical_arrows: true, ..EventFilter::default() };
+        ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrows));
+        for (key, columns, rows) in
+            [(Key::ArrowLeft, -1, 0), (Key::ArrowRight, 1, 0), (Key::ArrowUp, 0, -1), (Key::ArrowDown, 0, 1)]
+        {
+            for _ in 0..ui.input_mut(|input| input.count_and_consume_key(Modifiers::NONE, key)) {
+                self.commands.push(Command::Act(Action::MovePixel(columns, rows)));
+            }
+        }
     }
 
     /// The areas over a view, and what the pointer does to the one that is being drawn.
@@ -359,6 +379,12 @@ impl Behavior<View> for Panes<'_> {
         if let Some(&view) = tabs.active.and_then(|active| tiles.get_pane(&active)) {
             self.buttons(ui, view, tabs.children.len());
         }
+    }
+
+    /// A view is moved by its title. What is free of a row of titles would be a control without a name, in the way of
+    /// the Tab key.
+    fn is_tile_draggable(&self, tiles: &Tiles<View>, tile_id: TileId) -> bool {
+        tiles.get_pane(&tile_id).is_some()
     }
 
     fn tab_bar_height(&self, _style: &eframe::egui::Style) -> f32 {

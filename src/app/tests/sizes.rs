@@ -1,0 +1,131 @@
+//! The window at every size, scale and theme: nothing is lost, and nothing lies over another.
+
+use super::inspector::inspected_state;
+use super::*;
+
+/// Sizes in points with the pixels a point: small, usual, large, and what 3840×2160 pixels are at a scale of two.
+const SCREENS: [((f32, f32), f32); 7] = [
+    ((1024.0, 640.0), 1.0),
+    ((1024.0, 640.0), 1.5),
+    ((1024.0, 640.0), 2.0),
+    ((1600.0, 1000.0), 1.0),
+    ((1600.0, 1000.0), 1.5),
+    ((1920.0, 1080.0), 2.0),
+    ((3840.0, 2160.0), 1.0),
+];
+
+/// The states of the window, by name.
+fn states() -> [(&'static str, Option<State>); 4] {
+    let mut opening = state(Phase::Opening, None);
+    opening.busy = Some(Progress { what: "reading".into(), done: 3, total: Some(40) });
+    let mut working = inspected_state(58);
+    working.busy = Some(Progress { what: "analysing".into(), done: 58, total: Some(120) });
+    working.analysis_fps = 84.0;
+    working.warnings = Arc::new(vec!["in000007.jpg cannot be read and was skipped".into()]);
+    let failed = Phase::Failed("clip.mp4 does not exist; check the path".into());
+    [
+        ("empty", None),
+        ("opening", Some(opening)),
+        ("failed", Some(state(failed, None))),
+        ("ready", Some(working)),
+    ]
+}
+
+/// What is never scrolled away and has to be seen whole, by state.
+fn fixed(name: &str) -> &'static [&'static str] {
+    match name {
+        "empty" => &["Open video…", "Open folder of images…", "Open sample", "Settings"],
+        "opening" => &["Cancel", "Opening walk.mp4"],
+        "failed" => &["clip.mp4 does not exist; check the path", "Open video…", "Open sample"],
+        _ => &[
+            "First frame",
+            "Play",
+            "Last frame",
+            "Timeline",
+            "Speed",
+            "Warnings",
+            "Stop the analysis",
+            "Input view",
+            "Background view",
+            "Foreground view",
+            "Regions view",
+            "Tracks and occlusions view",
+            "Show alone: Input",
+            "Over the tracks",
+            "Now",
+            "History",
+            "Tuning",
+            "Statistics",
+            "Events",
+            "Show merge events",
+            "Redo",
+        ],
+    }
+}
+
+#[test]
+fn every_state_can_be_seen_whole_at_every_size_and_scale_in_both_themes() {
+    for (theme, theme_name) in [(Theme::Dark, "dark"), (Theme::Light, "light")] {
+        for ((width, height), scale) in SCREENS {
+            // A picture of the largest takes as long as all the others.
+            if width > 2000.0 && theme == Theme::Light {
+                continue;
+            }
+            for (name, state) in states() {
+                let (mut harness, _) = window_at(state, (width, height), scale, theme);
+                harness.run_steps(4);
+                let whole = egui::Rect::from_min_size(egui::Pos2::ZERO, vec2(width, height));
+                let mut seen: Vec<(&str, egui::Rect)> = Vec::new();
+                for &label in fixed(name) {
+                    let rect = harness.get_all_by_label(label).next().unwrap().rect();
+                    let at = format!("{label} at {width}×{height}, {name}");
+                    assert!(whole.contains_rect(rect) && rect.is_positive(), "{at}: {rect}");
+                    for (other, taken) in &seen {
+                        let common = taken.intersect(rect.shrink(0.5));
+                        assert!(!common.is_positive(), "{at} lies over {other}: {rect}, {taken}");
+                    }
+                    seen.push((label, rect));
+                }
+                picture(&mut harness, &format!("{name}-{width}-{scale}-{theme_name}"));
+            }
+        }
+    }
+}
+
+#[test]
+fn a_window_made_smaller_gives_every_panel_less() {
+    let (mut harness, _) = window(Some(inspected_state(58)), (1600.0, 1400.0), Theme::Dark);
+    harness.run_steps(4);
+    let large = harness.get_by_label("Events").rect();
+    harness.set_size(vec2(1024.0, 640.0));
+    harness.run_steps(4);
+    let small = harness.get_by_label("Events").rect();
+    // From the tabs down to the events a plot can be read, and the events are still a list.
+    let room = small.top() - harness.get_by_label("History").rect().bottom();
+    assert!(room > 120.0, "{room} points are left to the inspector's tab");
+    assert!(harness.get_by_label("Timeline").rect().top() - small.top() > 100.0, "{small} leaves no list");
+    assert!(small.left() > 1024.0 * 0.6, "{small} leaves the views no room");
+    assert!(large.top() > 0.38 * 1400.0, "{large}");
+    picture(&mut harness, "made-smaller");
+    harness.set_size(vec2(3840.0, 2160.0));
+    harness.run_steps(4);
+    let events = harness.get_by_label("Events").rect();
+    assert!(events.left() < 3840.0 * 0.9 && events.top() < 2160.0 * 0.9, "{events}");
+}
+
+#[test]
+fn text_and_controls_can_be_made_larger_and_smaller() {
+    let (mut harness, _) = ready(58);
+    for (key, factor) in
+        [(Key::Plus, 1.1), (Key::Plus, 1.2), (Key::Minus, 1.1), (Key::Num0, 1.0), (Key::Minus, 0.9)]
+    {
+        harness.key_press_modifiers(Modifiers::COMMAND, key);
+        harness.run_steps(3);
+        assert!((harness.ctx.zoom_factor() - factor).abs() < 0.01, "{key:?}: {}", harness.ctx.zoom_factor());
+    }
+    for _ in 0..40 {
+        harness.key_press_modifiers(Modifiers::COMMAND, Key::Minus);
+        harness.step();
+    }
+    assert!(harness.ctx.zoom_factor() > 0.4, "still to be read");
+}
