@@ -9,12 +9,15 @@ use eframe::egui::{
     WidgetInfo,
 };
 
-use super::bins::{Bin, FEW, STEP, bins};
 use super::chart::{self, Axis, Columns, TICKS};
+use super::menu;
+use super::plot::Plot;
 use super::style::{self, small};
-use super::table::{self, Table};
 use super::{Chosen, InspectorAction};
+use crate::export::figure::through_time::Choice;
 use crate::mixture::PixelHistory;
+use crate::mixture::bins::{Bin, FEW, STEP, bins, rate_range};
+use crate::mixture::follow::{Change, change};
 use crate::mixture::verdict::{number, verdict};
 
 /// The fewest frames that can be zoomed to.
@@ -24,6 +27,9 @@ const GAP: f32 = 5.0;
 const CHANNEL: f32 = 62.0;
 const WEIGHTS: f32 = 60.0;
 const COUNT: f32 = 26.0;
+const RATE: f32 = 34.0;
+/// One for each sort of change.
+const LANE: f32 = 9.0;
 const VERDICT: f32 = 10.0;
 
 /// Which frames are looked at, and the columns that were drawn last.
@@ -49,12 +55,12 @@ struct Cache {
 impl HistoryView {
     pub(super) fn ui(&mut self, ui: &mut Ui, chosen: &Chosen<'_>) -> Option<InspectorAction> {
         let total = chosen.history.states.len();
-        self.controls(ui, chosen);
+        let asked = self.controls(ui, chosen);
         legend(ui, chosen);
 
         let channels = chosen.channels().len() as f32;
-        let height =
-            (CAPTION + GAP) * (channels + 3.0) + CHANNEL * channels + WEIGHTS + COUNT + VERDICT + TICKS;
+        let rows = CHANNEL * channels + WEIGHTS + COUNT + RATE + 3.0 * LANE + VERDICT;
+        let height = (CAPTION + GAP) * (channels + 5.0) + rows + TICKS;
         let size = Vec2::new(ui.available_width(), height);
         let (area, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
         response.widget_info(|| {
@@ -80,40 +86,51 @@ impl HistoryView {
             ui.painter().with_clip_rect(area).vline(x, area.y_range(), style::faint(ui.visuals()));
             Tooltip::for_widget(&response).at_pointer().show(|ui| frame_words(ui, chosen, frame));
         }
-        let asked = ui.horizontal(|ui| {
-            table::buttons(ui, "the frames in view, values and mixture", || {
-                let frames = from.floor() as usize..(to.ceil() as usize).min(total);
-                Table::History(Arc::clone(chosen.history), frames)
-            })
-        });
         ui.add_space(8.0);
         let clicked = clicked.map(|pointer| InspectorAction::GoTo(frame_at(pointer.x) as u32));
-        clicked.or(asked.inner)
+        clicked.or(asked)
     }
 
     fn range(&self, total: usize) -> (f64, f64) {
         self.view.unwrap_or((0.0, total.max(1) as f64))
     }
 
-    fn controls(&mut self, ui: &mut Ui, chosen: &Chosen<'_>) {
+    /// What a figure of the frames in view shows.
+    fn choice(&self, chosen: &Chosen<'_>) -> Choice {
         let total = chosen.history.states.len();
-        ui.horizontal(|ui| {
-            ui.label(style::aside(ui, "Zoom"));
-            let centre = chosen.index as f64 + 0.5;
-            if ui.small_button("+").on_hover_text("Zoom in on the frame in view (or Ctrl + scroll)").clicked()
-            {
-                self.zoom(0.5, centre, total);
-            }
-            if ui.small_button("–").on_hover_text("Zoom out (or Ctrl + scroll)").clicked() {
-                self.zoom(2.0, centre, total);
-            }
-            if ui.small_button("All").on_hover_text("Show all frames").clicked() {
-                self.view = None;
-            }
-            ui.add_space(6.0);
-            ui.checkbox(&mut self.fit, small("fit values"))
-                .on_hover_text("Fit the value axes to the values in view, instead of 0 to 255");
-        });
+        let (from, to) = self.range(total);
+        let frames = from.floor() as usize..(to.ceil() as usize).min(total);
+        Choice { frames, index: chosen.index, fit: self.fit }
+    }
+
+    fn controls(&mut self, ui: &mut Ui, chosen: &Chosen<'_>) -> Option<InspectorAction> {
+        let total = chosen.history.states.len();
+        let choice = self.choice(chosen);
+        let plot = || Plot::History(chosen.followed(), choice.clone());
+        menu::row(
+            ui,
+            |ui| menu::of_plot(ui, "the frames in view", plot),
+            |ui| {
+                ui.spacing_mut().item_spacing.x = 5.0;
+                ui.label(style::aside(ui, "Zoom"));
+                let centre = chosen.index as f64 + 0.5;
+                if ui
+                    .small_button("+")
+                    .on_hover_text("Zoom in on the frame in view (or Ctrl + scroll)")
+                    .clicked()
+                {
+                    self.zoom(0.5, centre, total);
+                }
+                if ui.small_button("–").on_hover_text("Zoom out (or Ctrl + scroll)").clicked() {
+                    self.zoom(2.0, centre, total);
+                }
+                if ui.small_button("All").on_hover_text("Show all frames").clicked() {
+                    self.view = None;
+                }
+                ui.checkbox(&mut self.fit, small("fit values"))
+                    .on_hover_text("Fit the value axes to the values in view, instead of 0 to 255");
+            },
+        )
     }
 
     /// Widens (factor over 1) or narrows the part in view, `centre` staying where it is.
@@ -218,6 +235,12 @@ impl HistoryView {
         let rect = row("B, components that are background", COUNT);
         count_plot(&painter, visuals, bins, axis, rect, k);
 
+        let rect = row("ρ, how much was learned", RATE);
+        rates_plot(&painter, visuals, bins, axis, rect);
+
+        let rect = row("components born, replaced, risen in rank", 3.0 * LANE);
+        changes_plot(&painter, visuals, bins, axis, rect);
+
         let rect = row("verdict of the mixture", VERDICT);
         let mut columns = Columns::default();
         for bin in bins {
@@ -302,6 +325,14 @@ fn frame_words(ui: &mut Ui, chosen: &Chosen<'_>, frame: usize) {
     let values: Vec<_> = values.map(|(name, value)| format!("{name} {value}")).collect();
     ui.label(small(&format!("{}, B = {}", values.join("  "), state.outcome.background_count)));
     ui.label(small(&words.headline));
+    let rank = state.outcome.rank;
+    let changed = match change(chosen.history, frame) {
+        None => return,
+        Some(Change::Born) => format!("Component {rank} was born."),
+        Some(Change::Replaced) => format!("Component {rank} replaced the last."),
+        Some(Change::Rose { from, to }) => format!("It rose from rank {from} to {to}."),
+    };
+    ui.label(small(&changed));
 }
 
 /// The part of the axis that a bin takes.
@@ -410,6 +441,49 @@ fn weights_plot(painter: &Painter, visuals: &Visuals, bins: &[Bin], axis: Axis, 
     let mut labels = vec![(y, format!("T {}", number(t)))];
     let ends = [0.0, 1.0].map(|tick| (share.at(tick), format!("{tick}")));
     labels.extend(ends.into_iter().filter(|(end, _)| (end - y).abs() > 10.0));
+    chart::y_labels(painter, rect.left(), &labels, visuals);
+}
+
+/// ρ on a logarithmic scale where something matched.
+fn rates_plot(painter: &Painter, visuals: &Visuals, bins: &[Bin], axis: Axis, rect: Rect) {
+    let (low, high) = rate_range(bins);
+    let scale = Axis::y(low.log10(), high.log10(), rect);
+    let at = |rho: f32| scale.clamped(f64::from(rho).max(f64::MIN_POSITIVE).log10());
+    let clipped = painter.with_clip_rect(rect.intersect(painter.clip_rect()));
+    let colour = style::ink(visuals).gamma_multiply(0.8);
+    let mut columns = Columns::default();
+    for bin in bins {
+        if let Some((least, most)) = bin.rho {
+            columns.add(x_range(bin, axis), at(most) - 0.7, at(least) + 0.7, colour);
+        }
+    }
+    columns.paint(&clipped);
+    chart::frame(painter, rect, visuals);
+    let ends = [low, high].map(|value| (scale.at(value.log10()), number(value as f32)));
+    chart::y_labels(painter, rect.left(), &ends, visuals);
+}
+
+/// A stroke in the component's colour for each that was born, replaced another, or rose, in lanes of their own.
+fn changes_plot(painter: &Painter, visuals: &Visuals, bins: &[Bin], axis: Axis, rect: Rect) {
+    let clipped = painter.with_clip_rect(rect.intersect(painter.clip_rect()));
+    let mut labels = Vec::new();
+    for (lane, name) in ["born", "repl.", "rose"].into_iter().enumerate() {
+        let top = rect.top() + LANE * lane as f32;
+        for bin in bins {
+            let Some(slot) = bin.changes[lane] else { continue };
+            // One frame among a hundred thousand is still to be seen.
+            let x = x_range(bin, axis);
+            let half = (x.span() / 2.0).clamp(0.8, 2.5);
+            let stroke = Rangef::new(x.center() - half, x.center() + half);
+            let rect = Rect::from_x_y_ranges(stroke, Rangef::new(top + 1.0, top + LANE - 1.0));
+            clipped.rect_filled(rect, 0.0, style::component(visuals, slot));
+        }
+        if lane > 0 {
+            painter.hline(rect.x_range(), top, Stroke::new(0.5, style::faint(visuals).color));
+        }
+        labels.push((top + LANE / 2.0, name.to_owned()));
+    }
+    chart::frame(painter, rect, visuals);
     chart::y_labels(painter, rect.left(), &labels, visuals);
 }
 

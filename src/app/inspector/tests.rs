@@ -9,8 +9,9 @@ use eframe::egui::{self, Pos2, Theme, Vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 
-use super::{Inspector, InspectorAction, Table};
+use super::{Format, Inspector, InspectorAction, Table};
 use crate::frame::{Frame, Mask, Size};
+use crate::mixture::follow::{Change, change};
 use crate::mixture::statistics::Statistics;
 use crate::mixture::tuning::{Knob, flip, map};
 use crate::mixture::verdict::{number, sigmas, verdict};
@@ -138,6 +139,14 @@ fn open(harness: &mut Harness<'_>, tab: &str) {
     harness.run();
 }
 
+/// Opens the menu of a plot and chooses in it.
+fn choose(harness: &mut Harness<'_>, menu: &str, entry: &str) {
+    harness.get_by_label(menu).click();
+    harness.run();
+    harness.get_by_label(entry).click();
+    harness.run();
+}
+
 /// Everything that is written or named in the panel.
 fn texts(harness: &Harness<'_>) -> Vec<String> {
     let mut texts = Vec::new();
@@ -187,9 +196,9 @@ fn without_a_frame_a_pixel_a_mixture_or_a_state_it_says_what_is_missing() {
 #[test]
 fn every_tab_can_be_drawn_dark_and_light_narrow_and_wide() {
     for (theme, look) in [(Theme::Dark, "dark"), (Theme::Light, "light")] {
-        for (width, height) in [(340.0, 700.0), (480.0, 1000.0)] {
+        for (width, height) in [(240.0, 900.0), (340.0, 700.0), (500.0, 1000.0)] {
             let (mut harness, _) = harness(Some(shown(430)), Vec2::new(width, height), theme);
-            for tab in ["Now", "History", "Tuning", "Statistics", "Scatter"] {
+            for tab in ["Now", "both", "History", "Tuning", "Statistics", "Scatter", "3-D"] {
                 open(&mut harness, tab);
                 picture(&mut harness, &format!("{}-{look}-{width}", tab.to_lowercase()));
             }
@@ -324,6 +333,101 @@ fn the_mixture_before_the_update_is_the_one_of_the_frame_before() {
 }
 
 #[test]
+fn both_mixtures_stand_side_by_side_where_there_is_room() {
+    for (width, beside) in [(500.0, true), (240.0, false)] {
+        let shown = shown(430);
+        let history = Arc::clone(shown.pixel.as_ref().unwrap());
+        let (mut harness, _) = harness(Some(shown), Vec2::new(width, 1400.0), Theme::Light);
+        open(&mut harness, "both");
+        let all = texts(&harness);
+        for pixel in [history.before(430).unwrap(), &history.states[430].pixel] {
+            for component in pixel.components().iter().filter(|component| component.is_used()) {
+                assert!(all.contains(&format!("{:.3}", component.weight)));
+                assert!(all.contains(&format!("{:.4}", component.rank_value())));
+            }
+        }
+        let plots: Vec<_> =
+            harness.get_all_by_label_contains("Densities of").map(|node| node.rect()).collect();
+        assert_eq!(plots.len(), 2);
+        assert_eq!(plots[1].left() > plots[0].right(), beside);
+        assert_eq!(plots[1].top() > plots[0].bottom(), !beside);
+    }
+}
+
+#[test]
+fn a_cube_is_turned_by_dragging_by_keys_and_by_buttons() {
+    let (mut harness, _) = tall(Some(shown(430)));
+    open(&mut harness, "Scatter");
+    open(&mut harness, "3-D");
+    let turned = |harness: &Harness<'_>| {
+        let name = harness.get_by_label_contains("Scatter of R, G and B").accesskit_node().label().unwrap();
+        name.split_once("turned by ").unwrap().1.to_owned()
+    };
+    assert_eq!(turned(&harness), "34°, seen from 24° above");
+    harness.get_by_label("Turn to the right").click();
+    harness.run();
+    harness.get_by_label("Look from higher up").click();
+    harness.run();
+    assert_eq!(turned(&harness), "44°, seen from 34° above");
+    harness.get_by_label("Back").click();
+    harness.run();
+
+    // Half the view's width is a quarter of a turn.
+    let area = harness.get_by_label_contains("Scatter of R, G and B").rect();
+    let (start, end) = (area.center(), area.center() + Vec2::new(area.width() / 4.0, 0.0));
+    harness.hover_at(start);
+    harness.drag_at(start);
+    harness.step();
+    harness.hover_at(end);
+    harness.step();
+    harness.drop_at(end);
+    harness.run();
+    assert_eq!(turned(&harness), "79°, seen from 24° above");
+    picture(&mut harness, "cube-turned");
+
+    // It has the focus now.
+    for key in [egui::Key::ArrowLeft, egui::Key::ArrowLeft, egui::Key::ArrowDown] {
+        harness.key_press(key);
+        harness.run();
+    }
+    assert_eq!(turned(&harness), "59°, seen from 14° above");
+    for _ in 0..30 {
+        harness.key_press(egui::Key::ArrowUp);
+        harness.run();
+    }
+    assert_eq!(turned(&harness), "59°, seen from 90° above", "the pole is the end");
+    for by in ["verdict", "time"] {
+        open(&mut harness, by);
+        picture(&mut harness, &format!("cube-{by}"));
+    }
+    harness.get_by_label("fit values").click();
+    harness.get_by_label("Back").click();
+    harness.run();
+    picture(&mut harness, "cube-whole");
+}
+
+#[test]
+fn what_happened_to_components_is_told_where_the_history_marks_it() {
+    let shown = shown(430);
+    let history = Arc::clone(shown.pixel.as_ref().unwrap());
+    let (mut harness, _) = tall(Some(shown));
+    open(&mut harness, "History");
+    let mut told = Vec::new();
+    for index in (0..600).filter(|&index| change(&history, index).is_some()) {
+        harness.hover_at(on_history(&harness, (index as f32 + 0.5) / 600.0));
+        harness.run();
+        let words = match change(&history, index).unwrap() {
+            Change::Born => "was born",
+            Change::Replaced => "replaced the last",
+            Change::Rose { .. } => "It rose from rank",
+        };
+        assert!(says(&harness, words), "frame {index}: {words:?} in {:?}", texts(&harness));
+        told.push(words);
+    }
+    assert!(told.contains(&"was born") && told.contains(&"It rose from rank"), "a case in point: {told:?}");
+}
+
+#[test]
 fn a_verdict_that_cleaning_overruled_is_marked() {
     let mut shown = shown(425);
     let (harness, _) = tall(Some(shown.clone()));
@@ -357,10 +461,13 @@ fn new_settings_answer_before_the_frame_has_them() {
     let expected = verdict(&newest, 300).headline;
     assert_ne!(expected, verdict(shown.pixel.as_ref().unwrap(), 300).headline, "a case in point");
     let mut inspector = Inspector::default();
-    let harness = Harness::builder().with_size(Vec2::new(380.0, 1000.0)).build_ui(move |ui| {
-        egui::CentralPanel::default()
-            .show(ui, |ui| inspector.ui(ui, Some(&shown), Some(&newest), None, 10.0));
-    });
+    let harness = Harness::builder()
+        .with_size(Vec2::new(380.0, 1000.0))
+        .with_context_setup(crate::app::theme::install)
+        .build_ui(move |ui| {
+            egui::CentralPanel::default()
+                .show(ui, |ui| inspector.ui(ui, Some(&shown), Some(&newest), None, 10.0));
+        });
     assert!(texts(&harness).contains(&expected), "{expected}");
 }
 
@@ -506,12 +613,15 @@ fn a_map_of_other_settings_is_asked_for_and_waited_for() {
     assert_eq!(inspector.asks_about(), None, "nobody looks");
     let asked = Rc::new(RefCell::new(None));
     let (noted, tuning) = (Rc::clone(&asked), tuning_of(&shown, [Knob::Alpha, Knob::T]));
-    let mut harness = Harness::builder().with_size(Vec2::new(380.0, 900.0)).build_ui(move |ui| {
-        egui::CentralPanel::default().show(ui, |ui| {
-            inspector.ui(ui, Some(&shown), None, tuning.as_ref(), 10.0);
-            *noted.borrow_mut() = inspector.asks_about();
+    let mut harness = Harness::builder()
+        .with_size(Vec2::new(380.0, 900.0))
+        .with_context_setup(crate::app::theme::install)
+        .build_ui(move |ui| {
+            egui::CentralPanel::default().show(ui, |ui| {
+                inspector.ui(ui, Some(&shown), None, tuning.as_ref(), 10.0);
+                *noted.borrow_mut() = inspector.asks_about();
+            });
         });
-    });
     open(&mut harness, "Tuning");
     assert_eq!(*asked.borrow(), Some([Knob::Alpha, Knob::T]));
     // λ in the lower row of choices: up.
@@ -550,8 +660,7 @@ fn statistics_are_of_the_frames_that_are_chosen_and_can_be_taken_along() {
     harness.get_by_label("Up to here").click();
     harness.run();
     check(&harness, 0..431);
-    harness.get_by_label("Copy").click();
-    harness.run();
+    choose(&mut harness, "Copy or save the numbers", "Copy CSV of frames");
     let [InspectorAction::Copy(table)] = &actions.take()[..] else { panic!("one table is asked for") };
     assert_eq!(*table, Table::History(Arc::clone(&history), 0..431));
     let csv = table.csv().unwrap();
@@ -559,6 +668,8 @@ fn statistics_are_of_the_frames_that_are_chosen_and_can_be_taken_along() {
     let last = &history.states[430];
     let [r, g, b] = last.rgb;
     assert!(csv.lines().last().unwrap().starts_with(&format!("431,{r},{g},{b},{}", last.outcome.matched)));
+    choose(&mut harness, "Copy or save the numbers", "Save CSV of statistics…");
+    assert_eq!(actions.take(), [InspectorAction::Save(Table::Statistics(Arc::clone(&history), 0..431))]);
     harness.get_by_label("All").click();
     harness.run();
     check(&harness, 0..600);
@@ -570,11 +681,13 @@ fn the_frames_of_a_zoomed_history_are_what_is_copied() {
     open(&mut harness, "History");
     harness.get_by_label("+").click();
     harness.run();
-    harness.get_by_label("Save…").click();
-    harness.run();
+    choose(&mut harness, "Copy or save the frames in view", "Save CSV…");
     // From 215.25 on for 300 frames.
     let [InspectorAction::Save(Table::History(_, frames))] = &actions.take()[..] else { panic!("no table") };
     assert_eq!(*frames, 215..516);
+    choose(&mut harness, "Copy or save the frames in view", "Save SVG…");
+    let [InspectorAction::SavePicture(plot, Format::Svg)] = &actions.take()[..] else { panic!("no figure") };
+    assert_eq!(plot.figure().title, "pixel (5, 4), frames 216–516");
 }
 
 #[test]
@@ -583,8 +696,7 @@ fn a_map_is_saved_cell_by_cell() {
     let tuning = tuning_of(&shown, [Knob::Alpha, Knob::T]).unwrap();
     let (mut harness, actions) = tall(Some(shown));
     open(&mut harness, "Tuning");
-    harness.get_by_label("Save…").click();
-    harness.run();
+    choose(&mut harness, "Copy or save the map", "Save CSV…");
     let [InspectorAction::Save(table)] = &actions.take()[..] else { panic!("one table is asked for") };
     assert_eq!(table.name(), "tuning-5-4.csv");
     let folder = tempfile::tempdir().unwrap();
@@ -600,4 +712,47 @@ fn a_map_is_saved_cell_by_cell() {
     }
     let nowhere = folder.path().join("none").join("map.csv");
     assert!(table.save(nowhere).unwrap_err().contains("map.csv was not written"));
+}
+
+#[test]
+fn every_plot_can_be_taken_along_as_picture_drawing_and_table() {
+    let shown = shown(430);
+    let history = Arc::clone(shown.pixel.as_ref().unwrap());
+    let (mut harness, actions) = tall(Some(shown));
+    let folder = tempfile::tempdir().unwrap();
+    for (tab, menu, file, frames) in [
+        ("Now", "Copy or save the densities", "densities-5-4", 430..431),
+        ("Now", "Copy or save the weights", "weights-5-4", 430..431),
+        ("History", "Copy or save the frames in view", "history-5-4", 0..600),
+        ("Scatter", "Copy or save the scatter plot", "scatter-5-4", 0..431),
+        ("3-D", "Copy or save the scatter plot", "scatter-3d-5-4", 0..431),
+        ("Tuning", "Copy or save the map", "tuning-5-4", 0..0),
+    ] {
+        open(&mut harness, tab);
+        choose(&mut harness, menu, "Copy picture");
+        let [InspectorAction::CopyPicture(plot)] = &actions.take()[..] else { panic!("{tab}: no picture") };
+        let picture = plot.drawn().unwrap();
+        assert!(picture.size.width > 900 && picture.rgb[..3] == [255; 3], "{tab}: white ground");
+        for (entry, format, begins) in
+            [("Save PNG…", Format::Png, &b"\x89PNG"[..]), ("Save SVG…", Format::Svg, b"<svg")]
+        {
+            choose(&mut harness, menu, entry);
+            let [InspectorAction::SavePicture(same, asked)] = &actions.take()[..] else {
+                panic!("{tab}: no file")
+            };
+            assert_eq!((same, *asked), (plot, format));
+            assert_eq!(same.name(format), format!("{file}.{}", format.ending()));
+            let path = same.save(folder.path().join(same.name(format)), format).unwrap();
+            assert!(std::fs::read(path).unwrap().starts_with(begins), "{tab}");
+        }
+        choose(&mut harness, menu, "Copy CSV");
+        let [InspectorAction::Copy(table)] = &actions.take()[..] else { panic!("{tab}: no table") };
+        match table {
+            Table::History(of, range) => {
+                assert!(Arc::ptr_eq(of, &history) && *range == frames, "{tab} {range:?}");
+            }
+            other => assert_eq!(other.name(), "tuning-5-4.csv"),
+        }
+    }
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 12, "and nothing beside them");
 }
