@@ -124,6 +124,16 @@ fn bin(history: &PixelHistory, slots: &[[u8; MAX_K]], frames: Range<usize>) -> B
     bin
 }
 
+/// The values of these bins with some air, and the background that they are compared with.
+pub fn value_range(bins: &[Bin], channels: usize) -> (f64, f64) {
+    let values = bins.iter().flat_map(|bin| bin.value[..channels].iter().copied());
+    let bands = bins.iter().flat_map(|bin| bin.bands.iter().flatten()).filter(|band| band.background);
+    let (low, high) = values
+        .chain(bands.flat_map(|band| band.range[..channels].iter().copied()))
+        .fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), (from, to)| (low.min(from), high.max(to)));
+    if low > high { (0.0, 255.0) } else { (f64::from(low) - 3.0, f64::from(high) + 3.0) }
+}
+
 /// Powers of ten between which all ρ of these bins lie, the upper one 1.
 pub fn rate_range(bins: &[Bin]) -> (f64, f64) {
     let least = bins.iter().filter_map(|bin| bin.rho).map(|(low, _)| low).filter(|&rho| rho > 0.0);
@@ -213,6 +223,16 @@ mod tests {
                 }
             }
         }
+    }
+
+    #[test]
+    fn a_value_range_holds_values_and_background() {
+        let history = history(300);
+        let all = bins(&history, &slots(&history), 0..300, 50);
+        let (low, high) = value_range(&all, 3);
+        // The flashes to red, [250, 10, 10]; the background's widest band, 80 − λσ₀ = 30, is within.
+        assert_eq!((low, high), (7.0, 253.0));
+        assert_eq!(value_range(&[], 3), (0.0, 255.0));
     }
 
     #[test]

@@ -5,11 +5,13 @@
 //! [`crate::mixture`]. Each has a `menu` that takes its `plot` along as a [`crate::export::figure`], or its `table`.
 
 mod chart;
+mod components;
 mod cube;
 mod history;
 mod menu;
 mod now;
 mod plot;
+mod rows;
 mod scatter;
 mod statistics;
 mod style;

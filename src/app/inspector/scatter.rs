@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use eframe::egui;
 use eframe::egui::accesskit::Role;
-use eframe::egui::{Color32, Rangef, Ui, Visuals, WidgetInfo};
+use eframe::egui::{Color32, DragValue, Rangef, Ui, Visuals, WidgetInfo};
 use egui_plot::{
     AxisHints, GridInput, GridMark, HoverPosition, Line, LineStyle, MarkerShape, Plot, PlotPoint, PlotPoints,
     Points,
@@ -90,7 +90,15 @@ impl Scatter {
             ui.spacing_mut().item_spacing.x = 2.0;
             ui.spacing_mut().button_padding.x = 6.0;
             ui.label(style::aside(ui, "frames"));
-            for (last, name) in [(100, "last 100"), (500, "last 500"), (0, "all")] {
+            let total = chosen.history.states.len();
+            let mut last = if self.last == 0 { total } else { self.last };
+            let drag = DragValue::new(&mut last).range(2..=total.max(2)).prefix("last ");
+            let drag = ui.add(drag).accessible_name("Frames up to the one in view");
+            if drag.on_hover_text("How many frames up to the one in view; drag, or click to type").changed() {
+                self.last = last;
+            }
+            ui.add_space(4.0);
+            for (last, name) in [(100, "100"), (500, "500"), (0, "all")] {
                 ui.selectable_value(&mut self.last, last, small(name));
             }
         });

@@ -124,7 +124,7 @@ pub enum Frame {
 /// Something drawn within a panel, in the values of its axes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mark {
-    /// What it is, for who reads the file: `value r`, `weight of rank 1`.
+    /// What it is, for who reads the file: `value R`, `weight of rank 1`; empty where it only adorns another.
     pub name: String,
     /// Its form.
     pub shape: Shape,
@@ -299,7 +299,7 @@ fn component(slot: u8) -> Rgb {
     component_on_light(usize::from(slot))
 }
 
-/// The names of a value's channels, as many as it has, and a colour for the value's line in each.
+/// The names of a value's channels, as many as it has.
 fn channels(history: &PixelHistory) -> &'static [&'static str] {
     match history.parameters.channels() {
         3 => &["R", "G", "B"],

@@ -90,7 +90,8 @@ fn panel_group(panel: &Panel, at: usize) -> Group {
 }
 
 fn drawn(panel: &Panel, mark: &Mark) -> Group {
-    let group = Group::new().set("data-name", mark.name.as_str());
+    let group = Group::new();
+    let group = if mark.name.is_empty() { group } else { group.set("data-name", mark.name.as_str()) };
     let group = if mark.opacity < 1.0 { group.set("opacity", short(mark.opacity)) } else { group };
     let colour = hex(mark.colour);
     match &mark.shape {

@@ -44,7 +44,7 @@ struct Panel {
     place: [f64; 4],
     ends: [[f64; 2]; 2],
     logarithmic: bool,
-    /// Name, attribute with the places, text.
+    /// Each with its name and its corners as they stand in the file.
     marks: Vec<(String, String)>,
 }
 

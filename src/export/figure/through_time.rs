@@ -5,7 +5,7 @@ use std::ops::Range;
 use super::{
     Axis, Figure, GRAY, INK, Key, Panel, Shape, Sign, WIDE, channels, component, parameters, pixel_name,
 };
-use crate::mixture::bins::{Bin, bins, rate_range};
+use crate::mixture::bins::{Bin, bins, rate_range, value_range};
 use crate::mixture::standing::standings;
 use crate::mixture::verdict::number;
 use crate::mixture::{MAX_K, PixelHistory};
@@ -42,7 +42,7 @@ pub fn figure(history: &PixelHistory, slots: &[[u8; MAX_K]], choice: &Choice) ->
         let whole = super::axis::ticks(ends.0, ends.1, 8).into_iter().filter(|tick| tick.fract() == 0.0);
         Axis::new("frame", ends, 8).with_ticks(whole.map(|tick| (tick, super::axis::written(tick))).collect())
     };
-    let fitted = choice.fit.then(|| drawing.value_range());
+    let fitted = choice.fit.then(|| value_range(&bins, history.parameters.channels()));
     let (low, high) = fitted.unwrap_or((0.0, 255.0));
     let mut panels = Vec::new();
     for (channel, name) in channels(history).iter().enumerate() {
@@ -145,20 +145,6 @@ impl Drawing<'_> {
             (Some(first), Some(last)) => (self.edges(first).0, self.edges(last).1),
             _ => (0.5, 1.5),
         }
-    }
-
-    /// The values with some air, and the background that they are compared with.
-    fn value_range(&self) -> (f64, f64) {
-        let channels = self.history.parameters.channels();
-        let values = self.bins.iter().flat_map(|bin| bin.value[..channels].iter().copied());
-        let bands =
-            self.bins.iter().flat_map(|bin| bin.bands.iter().flatten()).filter(|band| band.background);
-        let bands = bands.flat_map(|band| band.range[..channels].iter().copied());
-        let (low, high) =
-            values.chain(bands).fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), (from, to)| {
-                (low.min(from), high.max(to))
-            });
-        if low > high { (0.0, 255.0) } else { (f64::from(low) - 3.0, f64::from(high) + 3.0) }
     }
 
     /// μ ± λσ of each component, broken where it becomes another or changes sides.
