@@ -45,6 +45,21 @@ pub fn component_colour(slot: usize) -> [u8; 3] {
     COMPONENTS[slot % COMPONENTS.len()]
 }
 
+/// The same on light ground, darker, where the palette's yellow would vanish.
+pub fn component_on_light(slot: usize) -> [u8; 3] {
+    component_colour(slot).map(|channel| (f32::from(channel) * 0.78) as u8)
+}
+
+/// Vermilion for foreground, bluish green for background: told apart with any kind of colour vision.
+pub const fn verdict_colour(foreground: bool, on_dark: bool) -> [u8; 3] {
+    match (foreground, on_dark) {
+        (true, true) => [232, 106, 23],
+        (true, false) => [201, 82, 0],
+        (false, true) => [0, 178, 128],
+        (false, false) => [0, 140, 100],
+    }
+}
+
 /// The colour of a kind of event: what comes warm, what returns green and blue, what merely starts or ends gray.
 pub const fn event_colour(kind: EventKind) -> [u8; 3] {
     match kind {

@@ -35,6 +35,8 @@ impl Window {
                 }
             },
             Command::SaveTable(table) => self.dialogs.save_table(ctx, table),
+            Command::CopyPlot(plot) => self.dialogs.draw_plot(ctx, plot),
+            Command::SavePlot(plot, format) => self.dialogs.save_plot(ctx, plot, format),
             Command::GoTo(position) => model.go_to(position),
             Command::GoToNumber(number) => model.go_to(model.position_of(number)),
             Command::Span(span) => model.span = span,

@@ -4,7 +4,7 @@ pub(crate) use super::actions::ACTIONS;
 use super::areas::Change;
 use super::compared::{Listing, Read};
 pub(crate) use super::entry::{Entry, Menu};
-use super::inspector::Table;
+use super::inspector::{Format, Plot, Table};
 use super::overlays::Drawn;
 use super::slots::Slot;
 use super::state::{Camera, Hover, Subject};
@@ -167,6 +167,10 @@ pub(crate) enum Command {
     CopyTable(Table),
     /// Choose a file for a table.
     SaveTable(Table),
+    /// Put a plot on the clipboard.
+    CopyPlot(Box<Plot>),
+    /// Choose a file for a plot.
+    SavePlot(Box<Plot>, Format),
     /// An action of the table.
     Act(Action),
     /// Open this video at this place.

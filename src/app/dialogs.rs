@@ -6,11 +6,11 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use crossbeam_channel::{Receiver, Sender};
-use eframe::egui::Context;
+use eframe::egui::{ColorImage, Context};
 use rfd::FileDialog;
 
 use super::export_frame::Picture;
-use super::inspector::Table;
+use super::inspector::{Format, Plot, Table};
 use super::{settings_file, whole_file};
 use crate::export::picture;
 use crate::regions::Roi;
@@ -26,6 +26,8 @@ pub(crate) enum Answer {
     Open(PathBuf),
     /// A file was written, or why not, in a sentence.
     Wrote(Result<PathBuf, String>),
+    /// A plot was drawn for the clipboard, or why not, in a sentence.
+    Drawn(Result<ColorImage, String>),
     /// Settings were read from a file, or why not, in a sentence.
     Settings(Result<(PathBuf, Box<Settings>), String>),
     /// A mask was read from a file, or why not, in a sentence.
@@ -134,10 +136,33 @@ impl Dialogs {
         });
     }
 
+    /// Asks where to write a plot, draws it and writes it there.
+    pub(crate) fn save_plot(&mut self, ctx: &Context, plot: Box<Plot>, format: Format) {
+        self.ask(ctx, move || {
+            let dialog = FileDialog::new().set_title("Save figure").set_file_name(plot.name(format));
+            let path = dialog.add_filter(format.name(), &[format.ending()]).save_file()?;
+            Some(Answer::Wrote(plot.save(path, format)))
+        });
+    }
+
+    /// Draws a plot for the clipboard: no dialog, but more work than the window should wait for.
+    pub(crate) fn draw_plot(&mut self, ctx: &Context, plot: Box<Plot>) {
+        let (sender, ctx) = (self.sender.clone(), ctx.clone());
+        std::thread::spawn(move || {
+            let drawn = plot.drawn().map(|picture| {
+                let size = [picture.size.width as usize, picture.size.height as usize];
+                ColorImage::from_rgb(size, &picture.rgb)
+            });
+            let _ = sender.send(Some(Answer::Drawn(drawn)));
+            ctx.request_repaint();
+        });
+    }
+
     /// What came back since this was last asked.
     pub(crate) fn answer(&mut self) -> Option<Answer> {
         let answer = self.receiver.try_recv().ok()?;
-        self.open = false;
+        // A drawn plot comes from no dialog; one may be open still.
+        self.open &= matches!(answer, Some(Answer::Drawn(_)));
         answer
     }
 

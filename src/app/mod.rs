@@ -236,6 +236,10 @@ impl Window {
             Answer::Open(path) => {
                 self.apply(ctx, Command::Open(path.to_string_lossy().into_owned(), Start::First));
             }
+            Answer::Drawn(Ok(picture)) => {
+                ctx.copy_image(picture);
+                self.toasts.done(ctx, "Copied the plot as a picture");
+            }
             Answer::Wrote(Ok(path)) => self.toasts.done(ctx, format!("Wrote {}", path.display())),
             Answer::Settings(Ok((path, settings))) => {
                 self.apply(ctx, Command::Set(settings));
@@ -255,7 +259,8 @@ impl Window {
                 "This system opens no file dialog; install xdg-desktop-portal or zenity, or drop a video on \
                  the window, or name it on the command line",
             ),
-            Answer::Wrote(Err(why))
+            Answer::Drawn(Err(why))
+            | Answer::Wrote(Err(why))
             | Answer::Settings(Err(why))
             | Answer::Mask(Err(why))
             | Answer::Truth(Err(why)) => {
@@ -368,6 +373,10 @@ impl Window {
                     }
                     Some(InspectorAction::Copy(table)) => commands.push(Command::CopyTable(table)),
                     Some(InspectorAction::Save(table)) => commands.push(Command::SaveTable(table)),
+                    Some(InspectorAction::CopyPicture(plot)) => commands.push(Command::CopyPlot(plot)),
+                    Some(InspectorAction::SavePicture(plot, format)) => {
+                        commands.push(Command::SavePlot(plot, format));
+                    }
                     None => {}
                 }
             });

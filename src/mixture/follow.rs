@@ -16,6 +16,33 @@ fn journey(state: &PixelState) -> (usize, usize) {
     (from, usize::from(state.outcome.rank).saturating_sub(1).min(from))
 }
 
+/// What an update did to the number and the order of a pixel's components.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Change {
+    /// One was made where there was room for it.
+    Born,
+    /// One was made in place of the last.
+    Replaced,
+    /// One passed others. Ranks from 1.
+    Rose {
+        /// Its rank before.
+        from: u8,
+        /// Its rank after.
+        to: u8,
+    },
+}
+
+/// What the update of the state at `index` did to the number and the order of the components;
+/// `None` where it only changed their numbers.
+pub fn change(history: &PixelHistory, index: usize) -> Option<Change> {
+    let outcome = history.states.get(index)?.outcome;
+    if outcome.matched == 0 {
+        let room = history.before(index).is_none_or(|before| before.used() < before.components().len());
+        return Some(if room { Change::Born } else { Change::Replaced });
+    }
+    (outcome.rank < outcome.matched).then_some(Change::Rose { from: outcome.matched, to: outcome.rank })
+}
+
 /// The rank (from 0) before the update of `state` of the component that has `rank` (from 0) after
 /// it; `None` for the component that is new in this frame.
 pub fn rank_before(state: &PixelState, rank: usize) -> Option<usize> {
@@ -95,6 +122,42 @@ mod tests {
             }
         }
         assert!(moved > 3 && replaced > 5, "the history tries it: {moved} moved, {replaced} new");
+    }
+
+    #[test]
+    fn a_change_is_what_became_of_the_components() {
+        let history = history();
+        let k = history.parameters.k;
+        let (mut born, mut replaced, mut rose) = (0, 0, 0);
+        for index in 1..history.states.len() {
+            let (before, after) = (history.before(index).unwrap(), history.states[index].pixel);
+            match change(&history, index) {
+                Some(Change::Born) => {
+                    born += 1;
+                    assert_eq!(after.used(), before.used() + 1);
+                }
+                Some(Change::Replaced) => {
+                    replaced += 1;
+                    assert_eq!((before.used(), after.used()), (k, k));
+                    let gone = before.components()[k - 1].mean;
+                    let lives_on = after.components().iter().any(|component| component.mean == gone);
+                    assert!(!lives_on || history.states[index].value == gone, "frame {index}");
+                }
+                Some(Change::Rose { from, to }) => {
+                    rose += 1;
+                    let passed = before.components()[usize::from(to) - 1];
+                    assert_eq!(after.components()[usize::from(to)].mean, passed.mean, "frame {index}");
+                    assert!(from > to);
+                }
+                None => assert_eq!(after.used(), before.used()),
+            }
+        }
+        assert!(
+            born == k - 1 && replaced > 3 && rose > 1,
+            "tried: {born} born, {replaced} replaced, {rose} rose"
+        );
+        assert_eq!(change(&history, 0), Some(Change::Born));
+        assert_eq!(change(&history, history.states.len()), None);
     }
 
     #[test]

@@ -3,16 +3,20 @@
 //! [`pixel`] is the definition, one pixel in plain words. [`image`] does the same to a whole
 //! image, bit for bit, fast: sixteen pixels of a `tile` side by side, many frames at a time. [`history`] follows one pixel through many frames, [`follow`] its
 //! components through their changes of rank, [`verdict`] says in words why it was decided so, and
-//! [`tuning`] what it would take to decide otherwise.
+//! [`tuning`] what it would take to decide otherwise. [`standing`], [`bins`] and [`places`] are what plots are drawn from:
+//! the mixture of one frame, many frames in few columns, and where the values lie.
 
 mod appearance;
+pub mod bins;
 pub mod exponential;
 pub mod follow;
 pub mod history;
 pub mod image;
 pub mod opencv;
 pub mod pixel;
+pub mod places;
 pub mod shadow;
+pub mod standing;
 pub mod statistics;
 mod tile;
 pub mod tuning;

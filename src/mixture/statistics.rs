@@ -2,6 +2,7 @@
 
 use std::ops::Range;
 
+use super::follow::{Change, change};
 use super::history::PixelHistory;
 use super::pixel::Value;
 
@@ -42,18 +43,15 @@ impl Statistics {
         let variance = std::array::from_fn(|channel| {
             mean(&|value| (f64::from(value[channel]) - means[channel]).powi(2)) as f32
         });
-        let made = range.filter(|&index| history.states[index].outcome.matched == 0);
-        let (births, replacements): (Vec<_>, Vec<_>) = made.partition(|&index| {
-            history.before(index).is_none_or(|before| before.used() < before.components().len())
-        });
+        let count_of = |kind| range.clone().filter(|&index| change(history, index) == Some(kind)).count();
         let modes = states.iter().map(|state| state.outcome.background_count);
         Self {
             frames: states.len(),
             mean: means.map(|mean| mean as f32),
             variance,
             foreground: states.iter().filter(|state| state.outcome.foreground).count(),
-            births: births.len(),
-            replacements: replacements.len(),
+            births: count_of(Change::Born),
+            replacements: count_of(Change::Replaced),
             mean_modes: (modes.clone().map(f64::from).sum::<f64>() / count) as f32,
             most_modes: modes.max().unwrap_or(0),
             used: last.pixel.used(),

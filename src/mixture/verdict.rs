@@ -467,6 +467,32 @@ mod tests {
     }
 
     #[test]
+    fn shadow_is_told_with_what_it_was_measured_by() {
+        let parameters = Parameters::new(&Settings {
+            shadow_floor: 0.6,
+            shadow_colour: 12.0,
+            ..Settings::preset(Preset::Plain)
+        });
+        let mut history = PixelHistory::new((0, 0), parameters);
+        (1..=50).for_each(|number| history.push_colour(number, [180, 160, 120]));
+        history.push_colour(51, [126, 112, 84]);
+        let words = verdict(&history, 50);
+        assert!(words.foreground && words.headline.starts_with("Foreground: nothing matched"), "{words:#?}");
+        let told = detail(&words, "taken for shadow");
+        assert!(
+            told.contains("component 1 at 0.7 of its brightness (at least 0.6, shadow_floor)")
+                && told.contains("levels off (at most 12, shadow_colour)"),
+            "{told}"
+        );
+        history.push_colour(52, [60, 20, 90]);
+        let other = verdict(&history, 51);
+        assert!(
+            other.foreground && !other.details.iter().any(|detail| detail.contains("shadow")),
+            "{other:#?}"
+        );
+    }
+
+    #[test]
     fn warm_up_shows_the_alpha_that_was_used() {
         let (words, _) = meets(&[gray(1.0, 100.0, 10.0)], 100, Parameters { warm_up: 100, ..parameters() });
         assert!(detail(&words, "learned").contains("α = 0.5 = 1/t (warm-up)"));

@@ -20,6 +20,8 @@ mod what_if;
 mod worker;
 
 #[cfg(test)]
+mod measure;
+#[cfg(test)]
 mod tests;
 
 use std::sync::Arc;

@@ -3,6 +3,7 @@
 use eframe::egui::{Align2, Color32, Mesh, Painter, Pos2, Rangef, Rect, Shape, Visuals};
 
 use super::style;
+pub(super) use crate::export::figure::axis::ticks;
 
 /// Room at the left of a plot for its labels.
 pub(super) const GUTTER: f32 = 30.0;
@@ -44,19 +45,6 @@ impl Axis {
         let share = f64::from((screen - self.screen.0) / (self.screen.1 - self.screen.0));
         self.min + share * (self.max - self.min)
     }
-}
-
-/// Round values within `min..=max`, at most about `most` of them.
-pub(super) fn ticks(min: f64, max: f64, most: usize) -> Vec<f64> {
-    let span = max - min;
-    if !(span > 0.0 && span.is_finite()) {
-        return vec![min];
-    }
-    let raw = span / most.max(1) as f64;
-    let power = 10_f64.powf(raw.log10().floor());
-    let step = [1.0, 2.0, 5.0, 10.0].map(|m| m * power).into_iter().find(|&step| step >= raw).unwrap_or(raw);
-    let (first, last) = ((min / step).ceil() as i64, (max / step + 1e-9).floor() as i64);
-    (first..=last).map(|n| n as f64 * step).collect()
 }
 
 /// The plot's part of a row: without the gutter and the space at the right.
@@ -132,12 +120,5 @@ mod tests {
         assert!((axis.value(axis.at(100.0)) - 100.0).abs() < 1e-3);
         assert_eq!(Axis::y(0.0, 1.0, rect).at(1.0), 10.0);
         assert_eq!(axis.clamped(400.0), 330.0);
-    }
-
-    #[test]
-    fn ticks_are_round_and_inside() {
-        assert_eq!(ticks(0.0, 795.0, 5), [0.0, 200.0, 400.0, 600.0]);
-        assert_eq!(ticks(3.2, 9.1, 6), [4.0, 5.0, 6.0, 7.0, 8.0, 9.0]);
-        assert_eq!(ticks(5.0, 5.0, 4), [5.0]);
     }
 }

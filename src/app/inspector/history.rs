@@ -5,16 +5,19 @@ use std::sync::Arc;
 
 use eframe::egui::accesskit::Role;
 use eframe::egui::{
-    Align2, Color32, Painter, Pos2, Rangef, Rect, Response, Sense, Shape, Stroke, Tooltip, Ui, Vec2, Visuals,
-    WidgetInfo,
+    Align2, Pos2, Rangef, Rect, Response, Sense, Shape, Stroke, Tooltip, Ui, Vec2, WidgetInfo,
 };
 
-use super::bins::{Bin, FEW, STEP, bins};
 use super::chart::{self, Axis, Columns, TICKS};
+use super::menu;
+use super::plot::Plot;
+use super::rows::{LANE, changes_plot, channel_plot, count_plot, rates_plot, weights_plot, x_range};
 use super::style::{self, small};
-use super::table::{self, Table};
 use super::{Chosen, InspectorAction};
+use crate::export::figure::through_time::Choice;
 use crate::mixture::PixelHistory;
+use crate::mixture::bins::{Bin, bins, value_range};
+use crate::mixture::follow::{Change, change};
 use crate::mixture::verdict::{number, verdict};
 
 /// The fewest frames that can be zoomed to.
@@ -24,6 +27,7 @@ const GAP: f32 = 5.0;
 const CHANNEL: f32 = 62.0;
 const WEIGHTS: f32 = 60.0;
 const COUNT: f32 = 26.0;
+const RATE: f32 = 34.0;
 const VERDICT: f32 = 10.0;
 
 /// Which frames are looked at, and the columns that were drawn last.
@@ -49,12 +53,12 @@ struct Cache {
 impl HistoryView {
     pub(super) fn ui(&mut self, ui: &mut Ui, chosen: &Chosen<'_>) -> Option<InspectorAction> {
         let total = chosen.history.states.len();
-        self.controls(ui, chosen);
+        let asked = self.controls(ui, chosen);
         legend(ui, chosen);
 
         let channels = chosen.channels().len() as f32;
-        let height =
-            (CAPTION + GAP) * (channels + 3.0) + CHANNEL * channels + WEIGHTS + COUNT + VERDICT + TICKS;
+        let rows = CHANNEL * channels + WEIGHTS + COUNT + RATE + 3.0 * LANE + VERDICT;
+        let height = (CAPTION + GAP) * (channels + 5.0) + rows + TICKS;
         let size = Vec2::new(ui.available_width(), height);
         let (area, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
         response.widget_info(|| {
@@ -80,40 +84,51 @@ impl HistoryView {
             ui.painter().with_clip_rect(area).vline(x, area.y_range(), style::faint(ui.visuals()));
             Tooltip::for_widget(&response).at_pointer().show(|ui| frame_words(ui, chosen, frame));
         }
-        let asked = ui.horizontal(|ui| {
-            table::buttons(ui, "the frames in view, values and mixture", || {
-                let frames = from.floor() as usize..(to.ceil() as usize).min(total);
-                Table::History(Arc::clone(chosen.history), frames)
-            })
-        });
         ui.add_space(8.0);
         let clicked = clicked.map(|pointer| InspectorAction::GoTo(frame_at(pointer.x) as u32));
-        clicked.or(asked.inner)
+        clicked.or(asked)
     }
 
     fn range(&self, total: usize) -> (f64, f64) {
         self.view.unwrap_or((0.0, total.max(1) as f64))
     }
 
-    fn controls(&mut self, ui: &mut Ui, chosen: &Chosen<'_>) {
+    /// What a figure of the frames in view shows.
+    fn choice(&self, chosen: &Chosen<'_>) -> Choice {
         let total = chosen.history.states.len();
-        ui.horizontal(|ui| {
-            ui.label(style::aside(ui, "Zoom"));
-            let centre = chosen.index as f64 + 0.5;
-            if ui.small_button("+").on_hover_text("Zoom in on the frame in view (or Ctrl + scroll)").clicked()
-            {
-                self.zoom(0.5, centre, total);
-            }
-            if ui.small_button("–").on_hover_text("Zoom out (or Ctrl + scroll)").clicked() {
-                self.zoom(2.0, centre, total);
-            }
-            if ui.small_button("All").on_hover_text("Show all frames").clicked() {
-                self.view = None;
-            }
-            ui.add_space(6.0);
-            ui.checkbox(&mut self.fit, small("fit values"))
-                .on_hover_text("Fit the value axes to the values in view, instead of 0 to 255");
-        });
+        let (from, to) = self.range(total);
+        let frames = from.floor() as usize..(to.ceil() as usize).min(total);
+        Choice { frames, index: chosen.index, fit: self.fit }
+    }
+
+    fn controls(&mut self, ui: &mut Ui, chosen: &Chosen<'_>) -> Option<InspectorAction> {
+        let total = chosen.history.states.len();
+        let choice = self.choice(chosen);
+        let plot = || Plot::History(chosen.followed(), choice.clone());
+        menu::row(
+            ui,
+            |ui| menu::of_plot(ui, "the frames in view", plot),
+            |ui| {
+                ui.spacing_mut().item_spacing.x = 5.0;
+                ui.label(style::aside(ui, "Zoom"));
+                let centre = chosen.index as f64 + 0.5;
+                if ui
+                    .small_button("+")
+                    .on_hover_text("Zoom in on the frame in view (or Ctrl + scroll)")
+                    .clicked()
+                {
+                    self.zoom(0.5, centre, total);
+                }
+                if ui.small_button("–").on_hover_text("Zoom out (or Ctrl + scroll)").clicked() {
+                    self.zoom(2.0, centre, total);
+                }
+                if ui.small_button("All").on_hover_text("Show all frames").clicked() {
+                    self.view = None;
+                }
+                ui.checkbox(&mut self.fit, small("fit values"))
+                    .on_hover_text("Fit the value axes to the values in view, instead of 0 to 255");
+            },
+        )
     }
 
     /// Widens (factor over 1) or narrows the part in view, `centre` staying where it is.
@@ -218,6 +233,12 @@ impl HistoryView {
         let rect = row("B, components that are background", COUNT);
         count_plot(&painter, visuals, bins, axis, rect, k);
 
+        let rect = row("ρ, how much was learned", RATE);
+        rates_plot(&painter, visuals, bins, axis, rect);
+
+        let rect = row("components born, replaced, risen in rank", 3.0 * LANE);
+        changes_plot(&painter, visuals, bins, axis, rect);
+
         let rect = row("verdict of the mixture", VERDICT);
         let mut columns = Columns::default();
         for bin in bins {
@@ -302,134 +323,14 @@ fn frame_words(ui: &mut Ui, chosen: &Chosen<'_>, frame: usize) {
     let values: Vec<_> = values.map(|(name, value)| format!("{name} {value}")).collect();
     ui.label(small(&format!("{}, B = {}", values.join("  "), state.outcome.background_count)));
     ui.label(small(&words.headline));
-}
-
-/// The part of the axis that a bin takes.
-fn x_range(bin: &Bin, axis: Axis) -> Rangef {
-    Rangef::new(axis.at(bin.frames.start as f64), axis.at(bin.frames.end as f64))
-}
-
-/// The values in view with some air, and the background that they are compared with.
-fn value_range(bins: &[Bin], channels: usize) -> (f64, f64) {
-    let (mut low, mut high) = (f32::INFINITY, f32::NEG_INFINITY);
-    for bin in bins {
-        for channel in 0..channels {
-            (low, high) = (low.min(bin.value[channel].0), high.max(bin.value[channel].1));
-            for band in bin.bands.iter().flatten().filter(|band| band.background) {
-                (low, high) = (low.min(band.range[channel].0), high.max(band.range[channel].1));
-            }
-        }
-    }
-    if low > high { (0.0, 255.0) } else { (f64::from(low) - 3.0, f64::from(high) + 3.0) }
-}
-
-fn channel_plot(
-    painter: &Painter,
-    visuals: &Visuals,
-    bins: &[Bin],
-    channel: usize,
-    axis: Axis,
-    values: Axis,
-) {
-    let (mut columns, mut means) = (Columns::default(), Columns::default());
-    for bin in bins {
-        let x = x_range(bin, axis);
-        for (slot, band) in bin.bands.iter().enumerate() {
-            let Some(band) = band else { continue };
-            let colour = style::component(visuals, slot as u8);
-            let (low, high) = band.range[channel];
-            let strength = if band.background { 0.32 } else { 0.12 };
-            let (low, high) = (values.clamped(f64::from(low)), values.clamped(f64::from(high)));
-            columns.add(x, low, high, colour.gamma_multiply(strength));
-            let mean = values.at(f64::from(band.mean[channel]));
-            let strength = if band.background { 1.0 } else { 0.45 };
-            means.add(x, mean - 0.6, mean + 0.6, colour.gamma_multiply(strength));
-        }
-    }
-    columns.paint(painter);
-    let ink = style::ink(visuals);
-    let mut levels = Columns::default();
-    for bin in bins {
-        for &(step, count) in &bin.levels[channel] {
-            // Even a single frame among a thousand leaves a trace.
-            let share = count as f32 / bin.frames.len() as f32;
-            let low = f64::from(step) * f64::from(STEP);
-            let (low, high) = (values.at(low), values.at(low + f64::from(STEP)));
-            levels.add(x_range(bin, axis), low, high, ink.gamma_multiply(0.12 + 0.88 * share.sqrt()));
-        }
-    }
-    levels.paint(painter);
-    means.paint(painter);
-    if bins.iter().any(|bin| bin.frames.len() > FEW) {
-        return;
-    }
-
-    let mut line = Vec::with_capacity(bins.len() * 2);
-    for bin in bins {
-        let (low, high) = bin.value[channel];
-        let x = x_range(bin, axis).center();
-        line.push(Pos2::new(x, values.at(f64::from(low))));
-        if high > low {
-            line.push(Pos2::new(x, values.at(f64::from(high))));
-        }
-    }
-    painter.add(Shape::line(line, Stroke::new(1.0, ink.gamma_multiply(0.9))));
-    // With room between frames each value is a point of its own.
-    for bin in bins.iter().filter(|bin| bin.frames.len() == 1) {
-        let x = x_range(bin, axis);
-        if x.span() >= 6.0 {
-            let colour: Color32 = if bin.foreground > 0 { style::verdict_colour(visuals, true) } else { ink };
-            painter.circle_filled(
-                Pos2::new(x.center(), values.at(f64::from(bin.value[channel].0))),
-                2.2,
-                colour,
-            );
-        }
-    }
-}
-
-fn weights_plot(painter: &Painter, visuals: &Visuals, bins: &[Bin], axis: Axis, rect: Rect, t: f32) {
-    let clipped = painter.with_clip_rect(rect.intersect(painter.clip_rect()));
-    let share = Axis::y(0.0, 1.0, rect);
-    let mut columns = Columns::default();
-    for bin in bins {
-        let mut sum = 0.0;
-        for (rank, (slot, weight)) in bin.weights.iter().enumerate() {
-            let strength = if rank < usize::from(bin.background_count) { 0.75 } else { 0.28 };
-            let colour = style::component(visuals, *slot).gamma_multiply(strength);
-            let next = sum + f64::from(*weight);
-            columns.add(x_range(bin, axis), share.clamped(sum), share.clamped(next), colour);
-            sum = next;
-        }
-    }
-    columns.paint(&clipped);
-    chart::frame(painter, rect, visuals);
-    let y = share.at(f64::from(t));
-    let ends = [Pos2::new(rect.left(), y), Pos2::new(rect.right(), y)];
-    painter.extend(Shape::dashed_line(&ends, Stroke::new(1.2, style::ink(visuals)), 4.0, 3.0));
-    let mut labels = vec![(y, format!("T {}", number(t)))];
-    let ends = [0.0, 1.0].map(|tick| (share.at(tick), format!("{tick}")));
-    labels.extend(ends.into_iter().filter(|(end, _)| (end - y).abs() > 10.0));
-    chart::y_labels(painter, rect.left(), &labels, visuals);
-}
-
-fn count_plot(painter: &Painter, visuals: &Visuals, bins: &[Bin], axis: Axis, rect: Rect, k: usize) {
-    let count = Axis::y(0.0, k as f64, rect);
-    let clipped = painter.with_clip_rect(rect.intersect(painter.clip_rect()));
-    let colour = visuals.text_color().gamma_multiply(0.45);
-    let mut columns = Columns::default();
-    for bin in bins {
-        let top = count.at(f64::from(bin.most_background));
-        columns.add(x_range(bin, axis), top, rect.bottom(), colour);
-    }
-    columns.paint(&clipped);
-    chart::frame(painter, rect, visuals);
-    chart::y_labels(
-        painter,
-        rect.left(),
-        &[(count.at(0.0), "0".to_owned()), (count.at(k as f64), k.to_string())],
-        visuals,
-    );
+    let rank = state.outcome.rank;
+    let changed = match change(chosen.history, frame) {
+        None => return,
+        Some(Change::Born) => format!("Component {rank} was born."),
+        Some(Change::Replaced) => format!("Component {rank} replaced the last."),
+        Some(Change::Rose { from, to }) => format!("It rose from rank {from} to {to}."),
+    };
+    ui.label(small(&changed));
 }
 
 #[cfg(test)]

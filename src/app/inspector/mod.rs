@@ -2,12 +2,16 @@
 //!
 //! `now` draws the mixture of the frame in view, `history` how it came about, `scatter`
 //! where the values lie among the channels, `tuning` what the pixel would be under other settings, `statistics` counts. They draw; what they show is worked out in
-//! [`crate::mixture`] and, for long histories, in `bins`.
+//! [`crate::mixture`]. Each has a `menu` that takes its `plot` along as a [`crate::export::figure`], or its `table`.
 
-mod bins;
 mod chart;
+mod components;
+mod cube;
 mod history;
+mod menu;
 mod now;
+mod plot;
+mod rows;
 mod scatter;
 mod statistics;
 mod style;
@@ -21,6 +25,7 @@ use std::sync::Arc;
 use eframe::egui;
 use eframe::egui::{RichText, ScrollArea, Ui};
 
+pub use self::plot::{Format, Plot};
 pub use self::table::Table;
 use crate::mixture::follow::slots;
 use crate::mixture::pixel::MAX_K;
@@ -41,6 +46,10 @@ pub enum InspectorAction {
     Copy(Table),
     /// Write them to a file.
     Save(Table),
+    /// Put a plot on the clipboard as a picture.
+    CopyPicture(Box<Plot>),
+    /// Write it to a file.
+    SavePicture(Box<Plot>, Format),
 }
 
 /// The panel's own state: which tab is open, and how its plots are looked at.
@@ -66,7 +75,8 @@ enum Tab {
 }
 
 /// A history with the slots of its components; worked out anew only when the history is another one.
-struct Followed {
+#[derive(Clone, Debug, PartialEq)]
+pub struct Followed {
     history: Arc<PixelHistory>,
     slots: Arc<Vec<[u8; MAX_K]>>,
 }
@@ -85,6 +95,11 @@ struct Chosen<'a> {
 }
 
 impl Chosen<'_> {
+    /// The history with its slots, to outlive the frame.
+    fn followed(&self) -> Followed {
+        Followed { history: Arc::clone(self.history), slots: Arc::clone(self.slots) }
+    }
+
     /// The names of the value's channels, as many as it has.
     fn channels(&self) -> &'static [&'static str] {
         match self.history.parameters.space {
@@ -184,15 +199,9 @@ impl Inspector {
             .min_scrolled_height(0.0);
         scrolled
             .show(ui, |ui| match tab {
-                Tab::Now => {
-                    self.now.ui(ui, &chosen, &words);
-                    None
-                }
+                Tab::Now => self.now.ui(ui, &chosen, &words),
                 Tab::History => self.history.ui(ui, &chosen),
-                Tab::Scatter => {
-                    self.scatter.ui(ui, &chosen);
-                    None
-                }
+                Tab::Scatter => self.scatter.ui(ui, &chosen),
                 Tab::Tuning => self.tuning.ui(ui, &chosen, tuning),
                 Tab::Statistics => self.statistics.ui(ui, &chosen),
             })

@@ -2,99 +2,143 @@
 
 use eframe::egui;
 use eframe::egui::accesskit::Role;
-use eframe::egui::{
-    Align, Align2, Layout, Painter, Pos2, Rangef, Rect, Sense, Shape, Stroke, Ui, UiBuilder, Vec2, WidgetInfo,
-};
+use eframe::egui::{Align2, Button, Painter, Pos2, Rangef, Rect, Sense, Shape, Stroke, Ui, Vec2, WidgetInfo};
 
-use super::Chosen;
 use super::chart::{self, Axis, Columns, TICKS};
-use super::style::{self, SMALL, small};
-use crate::mixture::follow::rank_before;
-use crate::mixture::verdict::{Verdict, number, sigmas};
-use crate::mixture::{Component, Pixel};
+use super::components::{numbers, table};
+use super::menu;
+use super::plot::Plot;
+use super::style::{self, small};
+use super::{Chosen, InspectorAction};
+use crate::export::figure::mixture::Moment;
+use crate::mixture::standing::{Standing, standings};
+use crate::mixture::verdict::{Verdict, number};
+
+/// From this width on, before and after stand side by side.
+const BESIDE: f32 = 330.0;
 
 /// Which mixture is shown.
 #[derive(Default)]
 pub(super) struct Now {
-    before: bool,
+    moment: Moment,
 }
 
-/// A component as the tab shows it.
-struct Row {
-    /// From 1.
-    rank: usize,
-    slot: u8,
-    component: Component,
-    background: bool,
-    /// How far the value is from it as it was before the update, in σ; `None` for a component that was not there.
-    distance: Option<f32>,
-    matched: bool,
-    new: bool,
+/// A mixture as it is shown.
+struct Side {
+    before: bool,
+    rows: Vec<Standing>,
+    /// B.
+    count: usize,
 }
 
 impl Now {
-    pub(super) fn ui(&mut self, ui: &mut Ui, chosen: &Chosen<'_>, words: &Verdict) {
+    pub(super) fn ui(
+        &mut self,
+        ui: &mut Ui,
+        chosen: &Chosen<'_>,
+        words: &Verdict,
+    ) -> Option<InspectorAction> {
         details(ui, words);
-        let first = chosen.index == 0;
-        self.before &= !first;
-        ui.horizontal(|ui| {
-            ui.label("Mixture");
-            ui.add_enabled_ui(!first, |ui| {
-                ui.selectable_value(&mut self.before, true, "before")
-                    .on_hover_text("The mixture that the value was compared with, from the frame before.");
-            });
-            ui.selectable_value(&mut self.before, false, "after")
-                .on_hover_text("The mixture with this frame's value learned, which decides B.");
-            ui.label(style::aside(ui, "this frame's update"));
-        });
+        let moment = self.moment(ui, chosen);
         ui.add_space(2.0);
-        let (rows, count) = self.rows(chosen);
-        densities(ui, chosen, &rows);
-        ui.add_space(6.0);
-        weights(ui, chosen, &rows, count);
-        ui.add_space(8.0);
-        table(ui, chosen, &rows);
-        ui.add_space(8.0);
-        numbers(ui, chosen);
-        ui.add_space(8.0);
-    }
-
-    /// The components in use, and B.
-    fn rows(&self, chosen: &Chosen<'_>) -> (Vec<Row>, usize) {
-        let (state, index) = (chosen.state, chosen.index);
-        let before = chosen.history.before(index);
-        let shows_before = self.before && before.is_some();
-        let pixel: &Pixel = if shows_before { before.unwrap_or(&state.pixel) } else { &state.pixel };
-        let slots = chosen.slots[if shows_before { index - 1 } else { index }];
-        let t = chosen.history.parameters.t;
-        let count = if shows_before {
-            pixel.background_count(t)
-        } else {
-            usize::from(state.outcome.background_count)
-        };
-        let rows = pixel
-            .components()
+        let sides: Vec<Side> = moment
+            .sides()
             .iter()
-            .take_while(|component| component.is_used())
-            .zip(slots)
-            .enumerate()
-            .map(|(rank, (&component, slot))| {
-                let old = if shows_before { Some(rank) } else { rank_before(state, rank) };
-                let compared = old.and_then(|old| before?.components().get(old)).filter(|old| old.is_used());
-                let matched = usize::from(state.outcome.matched);
-                Row {
-                    rank: rank + 1,
-                    slot,
-                    component,
-                    background: rank < count,
-                    distance: compared.map(|old| sigmas(old, state.value)),
-                    matched: matched > 0 && old == Some(matched - 1),
-                    new: !shows_before && old.is_none(),
-                }
+            .map(|&before| {
+                let (rows, count) = standings(chosen.history, chosen.slots, chosen.index, before);
+                Side { before, rows, count }
             })
             .collect();
-        (rows, count)
+
+        let lambda = number(chosen.history.parameters.lambda);
+        let caption = format!("Densities w·η, bars μ ± {lambda}σ");
+        let densities_asked = menu::caption(ui, &caption, DENSITIES, "the densities", || {
+            Plot::Densities(chosen.followed(), chosen.index, moment)
+        });
+        let peaks = sides.iter().flat_map(|side| side.rows.iter().map(Standing::peak));
+        let top = peaks.fold(f64::MIN_POSITIVE, f64::max) * 1.08;
+        beside(ui, &sides, |ui, side| densities(ui, chosen, side, top));
+        ui.add_space(6.0);
+
+        let counts: Vec<_> = sides.iter().map(|side| side.count.to_string()).collect();
+        let caption = format!("B = {}: weights, added up until they exceed T", counts.join(", then "));
+        let weights_asked = menu::caption(ui, &caption, WEIGHTS, "the weights", || {
+            Plot::Weights(chosen.followed(), chosen.index, moment)
+        });
+        beside(ui, &sides, |ui, side| weights(ui, chosen, side));
+        ui.add_space(8.0);
+
+        for side in &sides {
+            if sides.len() > 1 {
+                ui.label(style::aside(ui, name_of(side)));
+            }
+            table(ui, chosen, &side.rows);
+            ui.add_space(8.0);
+        }
+        numbers(ui, chosen);
+        ui.add_space(8.0);
+        densities_asked.or(weights_asked)
     }
+
+    /// Asks which mixture is to be shown. The first frame has none before it.
+    fn moment(&mut self, ui: &mut Ui, chosen: &Chosen<'_>) -> Moment {
+        let first = chosen.index == 0;
+        let shown = |moment| if first { Moment::After } else { moment };
+        ui.horizontal_wrapped(|ui| {
+            ui.spacing_mut().item_spacing.x = 3.0;
+            ui.spacing_mut().button_padding.x = 6.0;
+            ui.label("Mixture").on_hover_text("Which mixture of this frame's update is shown below.");
+            for (moment, name, meaning) in [
+                (
+                    Moment::Before,
+                    "before",
+                    "The mixture that the value was compared with, from the frame before.",
+                ),
+                (Moment::After, "after", "The mixture with this frame's value learned, which decides B."),
+                (
+                    Moment::Both,
+                    "both",
+                    "The mixtures before and after the update, side by side where there is room.",
+                ),
+            ] {
+                let button = Button::selectable(shown(self.moment) == moment, name);
+                let button = ui.add_enabled(!first || moment == Moment::After, button);
+                if button.on_hover_text(meaning).clicked() {
+                    self.moment = moment;
+                }
+            }
+        });
+        shown(self.moment)
+    }
+}
+
+const DENSITIES: &str = "Each curve is a component's marginal in one channel, with the component's variance σ². σ² follows the squared \
+     distance summed over the channels, so with three channels a curve is wider than the data of its channel alone. \
+     A value matches where its distance over all channels together is at most λσ; being inside the bar of one \
+     channel is necessary, not sufficient. Filled: background. Dashed: foreground.";
+
+const WEIGHTS: &str = "Each bar is a weight and starts where the sum of the weights above it ends, Σ. B is the first rank at which the \
+     sum exceeds T: the components down to it are background, those below it are foreground.";
+
+/// Draws each mixture, two of them side by side where there is room.
+fn beside(ui: &mut Ui, sides: &[Side], mut draw: impl FnMut(&mut Ui, &Side)) {
+    let named = |ui: &mut Ui, side: &Side, draw: &mut dyn FnMut(&mut Ui, &Side)| {
+        ui.label(style::aside(ui, name_of(side)));
+        draw(ui, side);
+    };
+    match sides {
+        [one] => draw(ui, one),
+        _ if ui.available_width() >= BESIDE => ui.columns(sides.len(), |columns| {
+            for (ui, side) in columns.iter_mut().zip(sides) {
+                named(ui, side, &mut draw);
+            }
+        }),
+        _ => sides.iter().for_each(|side| named(ui, side, &mut draw)),
+    }
+}
+
+const fn name_of(side: &Side) -> &'static str {
+    if side.before { "before the update" } else { "after the update" }
 }
 
 /// What the verdict's headline leaves out, a sentence a line.
@@ -111,27 +155,15 @@ fn details(ui: &mut Ui, words: &Verdict) {
     ui.spacing_mut().item_spacing.y = 3.0;
 }
 
-/// A plot's caption; what it takes more than a line to say stands in its tip, out of the plot's way.
-fn caption(ui: &mut Ui, text: &str, meaning: &str) {
-    ui.label(style::aside(ui, text)).on_hover_text(meaning);
-}
-
 /// A small plot for each channel, one under the other on the same 0..255.
-fn densities(ui: &mut Ui, chosen: &Chosen<'_>, rows: &[Row]) {
+fn densities(ui: &mut Ui, chosen: &Chosen<'_>, side: &Side, top: f64) {
     const CURVES: f32 = 50.0;
+    let rows = &side.rows;
     let lane = if rows.len() > 4 { 6.0 } else { 10.0 };
     let lanes = lane * rows.len() as f32;
     let channels = chosen.channels();
     let height = (CURVES + lanes + 8.0) * channels.len() as f32 + TICKS + 2.0;
     let lambda = chosen.history.parameters.lambda;
-    caption(
-        ui,
-        &format!("Densities w·η; the bars under them: μ ± {}σ", number(lambda)),
-        "Each curve is a component's marginal in one channel, with the component's variance σ². σ² follows the squared \
-         distance summed over the channels, so with three channels a curve is wider than the data of its channel alone. \
-         A value matches where its distance over all channels together is at most λσ; being inside the bar of one \
-         channel is necessary, not sufficient. Filled: background. Dashed: foreground.",
-    );
 
     let (area, response) = ui.allocate_exact_size(Vec2::new(ui.available_width(), height), Sense::hover());
     let summary = channels
@@ -147,10 +179,6 @@ fn densities(ui: &mut Ui, chosen: &Chosen<'_>, rows: &[Row]) {
         return;
     }
     let (painter, visuals) = (ui.painter_at(area), ui.visuals());
-    let peak = |row: &Row| {
-        f64::from(row.component.weight) / (f64::from(row.component.sigma()) * std::f64::consts::TAU.sqrt())
-    };
-    let top = rows.iter().map(peak).fold(f64::MIN_POSITIVE, f64::max) * 1.08;
     let mut y = area.top();
     let mut last = area;
     for (channel, name) in channels.iter().enumerate() {
@@ -212,20 +240,15 @@ fn curve(
     plot: Rect,
     x_axis: Axis,
     y_axis: Axis,
-    row: &Row,
+    row: &Standing,
     channel: usize,
     colour: egui::Color32,
 ) {
-    let (weight, mean) = (f64::from(row.component.weight), f64::from(row.component.mean[channel]));
-    let variance = f64::from(row.component.variance);
-    let height = |x: f64| {
-        weight * (-0.5 * (x - mean).powi(2) / variance).exp() / (std::f64::consts::TAU * variance).sqrt()
-    };
     let steps = (plot.width() * 1.5) as usize;
     let points: Vec<Pos2> = (0..=steps)
         .map(|step| {
             let x = plot.left() + plot.width() * step as f32 / steps.max(1) as f32;
-            Pos2::new(x, y_axis.at(height(x_axis.value(x))))
+            Pos2::new(x, y_axis.at(row.marginal(channel, x_axis.value(x))))
         })
         .collect();
     let fill = colour.gamma_multiply(if row.background { 0.38 } else { 0.10 });
@@ -252,15 +275,10 @@ fn curve(
 }
 
 /// The weights one after the other, each bar starting where the sum of those above it ends, with T and the B cut.
-fn weights(ui: &mut Ui, chosen: &Chosen<'_>, rows: &[Row], count: usize) {
+fn weights(ui: &mut Ui, chosen: &Chosen<'_>, side: &Side) {
     const BAR: f32 = 13.0;
+    let Side { rows, count, .. } = side;
     let t = chosen.history.parameters.t;
-    caption(
-        ui,
-        &format!("Weights, added up in rank order until they exceed T: B = {count}"),
-        "Each bar is a weight and starts where the sum of the weights above it ends. B is the first rank at which the \
-         sum exceeds T: the components down to it are background, those below it are foreground.",
-    );
     let height = 14.0 + BAR * rows.len() as f32 + 2.0 + TICKS;
     let (area, response) = ui.allocate_exact_size(Vec2::new(ui.available_width(), height), Sense::hover());
     let listed = rows.iter().map(|row| format!("{:.3}", row.component.weight)).collect::<Vec<_>>().join(", ");
@@ -273,7 +291,13 @@ fn weights(ui: &mut Ui, chosen: &Chosen<'_>, rows: &[Row], count: usize) {
         Vec2::new(area.width(), BAR * rows.len() as f32),
     );
     let mut plot = chart::inner(bars);
-    plot.max.x -= 26.0;
+    // Numbers stand in columns of their own, where neither a bar nor T is in the way.
+    let columns: &[f32] = if area.width() < 170.0 { &[26.0] } else { &[26.0, 58.0] };
+    plot.max.x -= columns.last().copied().unwrap_or(0.0);
+    for (name, right) in ["w", "Σ"].into_iter().zip(columns) {
+        let place = Pos2::new(plot.right() + 8.0 + right, plot.top() - 1.0);
+        painter.text(place, Align2::RIGHT_BOTTOM, name, style::font(), style::muted(visuals));
+    }
     let axis = Axis::x(0.0, 1.0, plot);
     chart::frame(&painter, plot, visuals);
     let mut sum = 0.0;
@@ -294,10 +318,11 @@ fn weights(ui: &mut Ui, chosen: &Chosen<'_>, rows: &[Row], count: usize) {
         let centre = y.center();
         let name = Pos2::new(plot.left() - 6.0, centre);
         painter.text(name, Align2::RIGHT_CENTER, row.rank.to_string(), style::font(), visuals.text_color());
-        // In a column of their own, where neither a bar nor T is in the way.
-        let place = Pos2::new(plot.right() + 8.0 + 26.0, centre);
-        let label = format!("{:.2}", row.component.weight);
-        painter.text(place, Align2::RIGHT_CENTER, label, style::font(), visuals.text_color());
+        for (value, right) in [f64::from(row.component.weight), sum].into_iter().zip(columns) {
+            let place = Pos2::new(plot.right() + 8.0 + right, centre);
+            let label = format!("{value:.3}");
+            painter.text(place, Align2::RIGHT_CENTER, label, style::font(), visuals.text_color());
+        }
     }
     let x = axis.at(f64::from(t));
     painter.extend(Shape::dashed_line(
@@ -311,8 +336,8 @@ fn weights(ui: &mut Ui, chosen: &Chosen<'_>, rows: &[Row], count: usize) {
     // In a plot that is narrower than the text there is no such place.
     let place = Pos2::new(x.min(plot.right() - half).max(plot.left() + half), plot.top() - 3.0);
     painter.text(place, Align2::CENTER_BOTTOM, text, style::font(), visuals.text_color());
-    if count < rows.len() {
-        let y = plot.top() + count as f32 * BAR;
+    if *count < rows.len() {
+        let y = plot.top() + *count as f32 * BAR;
         let stroke = Stroke::new(1.0, style::muted(visuals));
         painter.hline(Rangef::new(area.left(), plot.right()), y, stroke);
     }
@@ -332,163 +357,5 @@ fn hatch(painter: &Painter, bar: Rect, colour: egui::Color32) {
         let (foot, head) = (Pos2::new(x, bar.bottom()), Pos2::new(x + bar.height(), bar.top()));
         painter.line_segment([foot, head], Stroke::new(1.0, colour.gamma_multiply(0.8)));
         x += 5.0;
-    }
-}
-
-/// The least width of each column: together what a panel of 320 points has room for.
-const WIDTHS: [f32; 7] = [24.0, 33.0, 82.0, 29.0, 44.0, 40.0, 54.0];
-
-fn table(ui: &mut Ui, chosen: &Chosen<'_>, rows: &[Row]) {
-    let gray = chosen.channels().len() == 1;
-    let heads = [
-        (
-            "",
-            "Rank, and the component's colour in all plots. The colour stays with it through changes of rank.",
-        ),
-        ("w", "Weight: the share of the recent past that the component accounts for."),
-        ("μ", "Mean."),
-        ("σ", "Standard deviation; σ² follows the squared distance summed over the channels."),
-        ("w/σ", "What ranks the components."),
-        ("dist.", "Distance of the value from the component as it was before the update, in σ."),
-        ("", ""),
-    ];
-    line(ui, None, |ui, column| {
-        let (head, meaning) = heads[column];
-        if !head.is_empty() {
-            let label = ui.label(style::aside(ui, head));
-            label.on_hover_text(meaning);
-        }
-    });
-    let lambda = chosen.history.parameters.lambda;
-    for row in rows {
-        line(ui, Some(row.rank), |ui, column| match column {
-            0 => {
-                dot(ui, row);
-                ui.label(small(&row.rank.to_string()));
-            }
-            1 => {
-                ui.label(small(&format!("{:.3}", row.component.weight)));
-            }
-            2 => {
-                let [r, g, b] = row.component.mean;
-                let text = if gray { format!("{r:.1}") } else { format!("{r:.0}  {g:.0}  {b:.0}") };
-                let exact =
-                    if gray { format!("μ = {r:.2}") } else { format!("μ = ({r:.2}, {g:.2}, {b:.2})") };
-                let rgb = if gray { [r; 3] } else { [r, g, b] }.map(|channel| channel.round() as u8);
-                ui.add_space(5.0);
-                style::swatch(ui, rgb, 11.0, &format!("mean colour {text}"));
-                ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                    ui.label(small(&text)).on_hover_text(exact);
-                });
-            }
-            3 => {
-                ui.label(small(&format!("{:.1}", row.component.sigma())));
-            }
-            4 => {
-                ui.label(small(&format!("{:.4}", row.component.rank_value())));
-            }
-            5 => {
-                let text = row.distance.map_or_else(|| "–".to_owned(), |d| format!("{d:.1} σ"));
-                let near = row.distance.is_some_and(|d| d <= lambda);
-                let text = small(&text);
-                ui.label(if near { text.strong() } else { text.color(style::muted(ui.visuals())) });
-            }
-            _ => {
-                let background = style::verdict_colour(ui.visuals(), false);
-                let foreground = style::verdict_colour(ui.visuals(), true);
-                let (text, colour) = if row.background { ("bg", background) } else { ("fg", foreground) };
-                ui.label(small(text).color(colour)).on_hover_text(if row.background {
-                    "Background: its rank is at most B."
-                } else {
-                    "Foreground: its rank is greater than B."
-                });
-                if row.matched {
-                    ui.label(small("match").strong()).on_hover_text("The value matched this component.");
-                } else if row.new {
-                    ui.label(small("new").strong()).on_hover_text("Made in this frame from its value.");
-                }
-            }
-        });
-    }
-}
-
-/// A row of the table: columns of fixed places, numbers at their right end.
-fn line(ui: &mut Ui, rank: Option<usize>, mut cell: impl FnMut(&mut Ui, usize)) {
-    let height = SMALL + 6.0;
-    let (area, _) = ui.allocate_exact_size(Vec2::new(ui.available_width(), height), Sense::hover());
-    if rank.is_some_and(|rank| rank % 2 == 1) {
-        ui.painter().rect_filled(area, 2.0, ui.visuals().faint_bg_color);
-    }
-    let spare = (area.width() - WIDTHS.iter().sum::<f32>()).max(0.0) / (WIDTHS.len() - 1) as f32;
-    let mut x = area.left();
-    for (column, width) in WIDTHS.into_iter().enumerate() {
-        let width = if column == 0 { width } else { width + spare };
-        let place = Rect::from_min_size(Pos2::new(x, area.top()), Vec2::new(width, height));
-        x += width;
-        let layout = if column == 0 || (column == 2 && rank.is_some()) {
-            Layout::left_to_right(Align::Center)
-        } else {
-            Layout::right_to_left(Align::Center)
-        };
-        // A child of its own place: the row has been allocated as a whole.
-        let mut cell_ui =
-            ui.new_child(UiBuilder::new().max_rect(place).layout(layout).id_salt((rank, column)));
-        cell_ui.spacing_mut().item_spacing.x = 4.0;
-        cell(&mut cell_ui, column);
-    }
-}
-
-fn dot(ui: &mut Ui, row: &Row) {
-    let (rect, _) = ui.allocate_exact_size(Vec2::new(11.0, 11.0), Sense::hover());
-    let colour = style::component(ui.visuals(), row.slot);
-    if row.background {
-        ui.painter().circle_filled(rect.center(), 4.5, colour);
-    } else {
-        ui.painter().circle_stroke(rect.center(), 3.8, Stroke::new(1.6, colour));
-    }
-}
-
-/// The other numbers of the frame's update, in two columns.
-fn numbers(ui: &mut Ui, chosen: &Chosen<'_>) {
-    let (outcome, parameters) = (chosen.state.outcome, &chosen.history.parameters);
-    let alpha = parameters.alpha_at(chosen.state.t);
-    let cells = [
-        (
-            "P(X)",
-            number(outcome.p),
-            "The mixture's probability density of the value, from the state before the update.",
-        ),
-        (
-            "ρ",
-            number(outcome.rho),
-            "How much of the value the matched component's μ and σ² learned; 0 where nothing matched.",
-        ),
-        (
-            "α",
-            number(alpha),
-            "The learning rate of the weights in this frame (raised to 1/t during the warm-up).",
-        ),
-        ("B", outcome.background_count.to_string(), "How many components are background after the update."),
-        ("t", chosen.state.t.to_string(), "The frame's place since the model started, from 1."),
-        (
-            "λ, T",
-            format!("{}, {}", number(parameters.lambda), number(parameters.t)),
-            "The match threshold in σ, and the least share of the data that the background accounts for.",
-        ),
-    ];
-    ui.separator();
-    for pair in cells.chunks(3) {
-        let (area, _) = ui.allocate_exact_size(Vec2::new(ui.available_width(), SMALL + 7.0), Sense::hover());
-        let width = (area.width() / 3.0).min(130.0);
-        for (column, (name, value, meaning)) in pair.iter().enumerate() {
-            let left = area.left() + width * column as f32;
-            let place = Rect::from_min_size(Pos2::new(left, area.top()), Vec2::new(width, area.height()));
-            let layout = Layout::left_to_right(Align::Center);
-            let mut cell = ui.new_child(UiBuilder::new().max_rect(place).layout(layout).id_salt(name));
-            cell.spacing_mut().item_spacing.x = 5.0;
-            let label = cell.label(style::aside(&cell, name));
-            label.on_hover_text(*meaning);
-            cell.label(small(value)).on_hover_text(*meaning);
-        }
     }
 }

@@ -1,60 +1,51 @@
 //! Where a pixel's values lie in the space of its channels, with the reach of each component.
 
-use std::collections::BTreeMap;
 use std::ops::Range;
 use std::sync::Arc;
 
 use eframe::egui;
 use eframe::egui::accesskit::Role;
-use eframe::egui::{Color32, Rangef, Ui, Visuals, WidgetInfo};
+use eframe::egui::{Color32, DragValue, Rangef, Ui, Visuals, WidgetInfo};
 use egui_plot::{
     AxisHints, GridInput, GridMark, HoverPosition, Line, LineStyle, MarkerShape, Plot, PlotPoint, PlotPoints,
     Points,
 };
 
-use super::Chosen;
 use super::chart;
+use super::cube::CubeView;
+use super::menu;
+use super::plot;
 use super::style::{self, small};
+use super::{Chosen, InspectorAction};
+use crate::export::figure::{cube, scatter};
 use crate::mixture::PixelHistory;
+use crate::mixture::places::{AGES, By, Choice, Kind, Place, Space, place, places};
+use crate::mixture::standing::standings;
 use crate::mixture::verdict::number;
 
-/// What a point's colour says.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-enum By {
-    #[default]
-    Component,
-    Verdict,
-    Time,
-}
-
-/// Steps of age in which points are coloured by time.
-const AGES: u8 = 6;
-
-/// Which plane and which frames are shown.
+/// Which space and which frames are shown.
 pub(super) struct Scatter {
-    plane: (usize, usize),
+    /// Of a value of three channels.
+    space: Space,
     /// The last so many frames up to the one in view, 0 for all of the history.
     last: usize,
     by: By,
+    cube: CubeView,
     cache: Option<Cache>,
 }
 
 impl Default for Scatter {
     fn default() -> Self {
-        Self { plane: (0, 1), last: 500, by: By::Component, cache: None }
+        let (space, by) = (Space::Plane(0, 1), By::Component);
+        Self { space, last: 500, by, cube: CubeView::default(), cache: None }
     }
 }
 
-#[derive(Clone, PartialEq)]
-struct Choice {
-    plane: (usize, usize),
-    frames: Range<usize>,
-    by: By,
-}
-
+/// Places are only counted anew for another history or choice.
 struct Cache {
     history: Arc<PixelHistory>,
     choice: Choice,
+    places: Vec<Place>,
     groups: Vec<Group>,
 }
 
@@ -62,174 +53,215 @@ struct Cache {
 struct Group {
     kind: Kind,
     /// 0..=2: how many frames share the place, on a logarithmic scale.
-    density: u8,
+    density: usize,
     points: Vec<PlotPoint>,
 }
 
-#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
-enum Kind {
-    Component { slot: u8, foreground: bool },
-    Verdict { foreground: bool },
-    Age(u8),
-}
-
 impl Scatter {
-    pub(super) fn ui(&mut self, ui: &mut Ui, chosen: &Chosen<'_>) {
+    pub(super) fn ui(&mut self, ui: &mut Ui, chosen: &Chosen<'_>) -> Option<InspectorAction> {
         let gray = chosen.channels().len() == 1;
-        ui.horizontal(|ui| {
-            if gray {
-                ui.label(small("luma against the next frame's luma"));
-            } else {
-                for (plane, name) in [((0, 1), "R–G"), ((1, 2), "G–B"), ((0, 2), "R–B")] {
-                    ui.selectable_value(&mut self.plane, plane, name);
+        let choice = self.choice(chosen);
+        let look = self.cube.look;
+        let plot = || match choice.space {
+            Space::Cube => plot::Plot::Cube(chosen.followed(), choice.clone(), chosen.index, look),
+            _ => plot::Plot::Scatter(chosen.followed(), choice.clone(), chosen.index),
+        };
+        let asked = menu::row(
+            ui,
+            |ui| menu::of_plot(ui, "the scatter plot", plot),
+            |ui| {
+                if gray {
+                    ui.label(small("luma against the next frame's luma"));
+                    return;
                 }
-            }
-        });
+                ui.spacing_mut().item_spacing.x = 2.0;
+                ui.spacing_mut().button_padding.x = 6.0;
+                for (space, name, meaning) in [
+                    (Space::Plane(0, 1), "R–G", "Red across, green up"),
+                    (Space::Plane(1, 2), "G–B", "Green across, blue up"),
+                    (Space::Plane(0, 2), "R–B", "Red across, blue up"),
+                    (Space::Cube, "3-D", "All three channels, to be turned"),
+                ] {
+                    ui.selectable_value(&mut self.space, space, name).on_hover_text(meaning);
+                }
+            },
+        );
         ui.horizontal_wrapped(|ui| {
+            ui.spacing_mut().item_spacing.x = 2.0;
+            ui.spacing_mut().button_padding.x = 6.0;
             ui.label(style::aside(ui, "frames"));
-            for (last, name) in [(100, "last 100"), (500, "last 500"), (0, "all")] {
+            let total = chosen.history.states.len();
+            let mut last = if self.last == 0 { total } else { self.last };
+            let drag = DragValue::new(&mut last).range(2..=total.max(2)).prefix("last ");
+            let drag = ui.add(drag).accessible_name("Frames up to the one in view");
+            if drag.on_hover_text("How many frames up to the one in view; drag, or click to type").changed() {
+                self.last = last;
+            }
+            ui.add_space(4.0);
+            for (last, name) in [(100, "100"), (500, "500"), (0, "all")] {
                 ui.selectable_value(&mut self.last, last, small(name));
             }
         });
         ui.horizontal_wrapped(|ui| {
+            ui.spacing_mut().item_spacing.x = 2.0;
+            ui.spacing_mut().button_padding.x = 6.0;
             ui.label(style::aside(ui, "colour"));
             for (by, name) in [(By::Component, "component"), (By::Verdict, "verdict"), (By::Time, "time")] {
                 ui.selectable_value(&mut self.by, by, small(name));
             }
         });
-        self.plot(ui, chosen, gray);
-        ui.label(style::aside(ui, &self.caption(chosen, gray)));
+        let choice = self.choice(chosen);
+        let cube = choice.space == Space::Cube;
+        self.count(chosen, choice);
+        let cache = self.cache.as_ref();
+        if cube {
+            self.cube.ui(ui, chosen, cache.map_or(&[], |cache| &cache.places));
+        } else if let Some(cache) = cache {
+            plane(ui, chosen, &cache.choice, &cache.groups);
+        }
+        ui.label(style::aside(ui, &self.caption(chosen)));
         ui.add_space(8.0);
+        asked
     }
 
-    fn frames(&self, chosen: &Chosen<'_>) -> Range<usize> {
+    fn choice(&self, chosen: &Chosen<'_>) -> Choice {
         let end = chosen.index + 1;
-        if self.last == 0 { 0..chosen.history.states.len() } else { end.saturating_sub(self.last)..end }
+        let frames: Range<usize> =
+            if self.last == 0 { 0..chosen.history.states.len() } else { end.saturating_sub(self.last)..end };
+        let space = if chosen.channels().len() == 1 { Space::Next } else { self.space };
+        Choice { space, frames, by: self.by }
     }
 
-    fn caption(&self, chosen: &Chosen<'_>, gray: bool) -> String {
-        let lambda = number(chosen.history.parameters.lambda);
-        let reach = if gray { "Squares" } else { "Circles" };
-        let colours = match self.by {
-            By::Component => "filled dots are background, rings foreground",
-            By::Verdict => "green is background, orange foreground",
-            By::Time => "darker dots are later",
-        };
-        let colours = if self.by == By::Time && gray { "stronger dots are later" } else { colours };
-        format!(
-            "{reach} reach {lambda}σ around each component's mean, solid for background, dashed for foreground; {colours}; the cross is the value in view."
-        )
-    }
-
-    fn plot(&mut self, ui: &mut Ui, chosen: &Chosen<'_>, gray: bool) {
-        let (x, y) = if gray { (0, 0) } else { self.plane };
-        let choice = Choice { plane: (x, y), frames: self.frames(chosen), by: self.by };
+    fn count(&mut self, chosen: &Chosen<'_>, choice: Choice) {
         let fits = self
             .cache
             .as_ref()
             .is_some_and(|cache| Arc::ptr_eq(&cache.history, chosen.history) && cache.choice == choice);
-        if !fits {
-            let groups = groups(chosen, &choice, gray);
-            self.cache = Some(Cache { history: Arc::clone(chosen.history), choice, groups });
+        if fits {
+            return;
         }
-        let groups = self.cache.as_ref().map_or(&[][..], |cache| &cache.groups);
+        let cube = choice.space == Space::Cube;
+        let count = if cube { cube::spots } else { places };
+        let places = count(chosen.history, chosen.slots, &choice);
+        let groups = if cube { Vec::new() } else { groups(&places) };
+        self.cache = Some(Cache { history: Arc::clone(chosen.history), choice, places, groups });
+    }
 
-        let visuals = ui.visuals().clone();
-        let state = chosen.state;
-        let lambda = f64::from(chosen.history.parameters.lambda);
-        let slots = chosen.slots[chosen.index];
-        let names = if gray { ("luma", "next") } else { (chosen.channels()[x], chosen.channels()[y]) };
-        let side = (ui.available_width() - 4.0).min(440.0);
-        let next = chosen.history.states.get(chosen.index + 1).map_or(state.value[0], |next| next.value[0]);
-        let cross =
-            if gray { [state.value[0], next] } else { [state.value[x], state.value[y]] }.map(f64::from);
-
-        // A plane is looked at with its own pan and zoom.
-        let response = Plot::new(("scatter", x, y, gray))
-            .width(side)
-            .height(side)
-            .data_aspect(1.0)
-            .allow_scroll(false)
-            .allow_boxed_zoom(false)
-            .show_crosshair(false)
-            .show_background(false)
-            .x_grid_spacer(|input| marks(&input))
-            .y_grid_spacer(|input| marks(&input))
-            .grid_color(style::faint(&visuals).color)
-            .grid_fade(0.0)
-            .custom_x_axes(vec![axis(AxisHints::new_x(), names.0, &visuals)])
-            .custom_y_axes(vec![axis(AxisHints::new_y(), names.1, &visuals)])
-            .label_formatter(move |at| {
-                let (HoverPosition::NearDataPoint { position: at, .. }
-                | HoverPosition::Elsewhere { position: at }) = at;
-                Some(format!("{} {:.0}\n{} {:.0}", names.0, at.x, names.1, at.y))
-            })
-            .show(ui, |plot| {
-                for group in groups {
-                    // Rings have little ink, and foreground is rare and must be found.
-                    let hollow = matches!(group.kind, Kind::Component { foreground: true, .. });
-                    let strength =
-                        if hollow { 1.0 } else { [0.45, 0.65, 0.9][usize::from(group.density.min(2))] };
-                    let colour = colour(&visuals, group.kind).gamma_multiply(strength);
-                    plot.points(
-                        Points::new("", PlotPoints::Borrowed(&group.points))
-                            .color(colour)
-                            .filled(!hollow)
-                            .radius(if hollow { 2.4 } else { 1.9 })
-                            .allow_hover(false),
-                    );
-                }
-                let background = usize::from(state.outcome.background_count);
-                for (rank, component) in
-                    state.pixel.components().iter().enumerate().filter(|(_, c)| c.is_used())
-                {
-                    let (mx, my) = (f64::from(component.mean[x]), f64::from(component.mean[y]));
-                    let reach = lambda * f64::from(component.sigma());
-                    let outline: Vec<[f64; 2]> = if gray {
-                        [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0)]
-                            .map(|(dx, dy)| [mx + dx * reach, my + dy * reach])
-                            .to_vec()
-                    } else {
-                        (0..=72)
-                            .map(|step| f64::from(step) / 72.0 * std::f64::consts::TAU)
-                            .map(|angle| [mx + reach * angle.cos(), my + reach * angle.sin()])
-                            .collect()
-                    };
-                    let colour = style::component(&visuals, slots[rank]);
-                    let dashed = LineStyle::Dashed { length: 6.0 };
-                    let style = if rank < background { LineStyle::Solid } else { dashed };
-                    plot.line(
-                        Line::new("", outline).color(colour).width(1.5).style(style).allow_hover(false),
-                    );
-                    let name = egui::RichText::new((rank + 1).to_string()).size(12.0).strong();
-                    let top = PlotPoint::new(mx, my + reach);
-                    plot.text(
-                        egui_plot::Text::new("", top, name)
-                            .color(colour)
-                            .anchor(egui::Align2::CENTER_BOTTOM)
-                            .allow_hover(false),
-                    );
-                }
-                plot.points(
-                    Points::new("", cross)
-                        .shape(MarkerShape::Cross)
-                        .color(style::ink(&visuals))
-                        .radius(6.0)
-                        .allow_hover(false),
-                );
-            });
-        response.response.widget_info(|| {
-            let count: usize = groups.iter().map(|group| group.points.len()).sum();
-            WidgetInfo::labeled(
-                Role::Image,
-                true,
-                format!("Scatter of {} against {}, {count} places", names.1, names.0),
-            )
-        });
+    fn caption(&self, chosen: &Chosen<'_>) -> String {
+        let lambda = number(chosen.history.parameters.lambda);
+        let reach = match self.choice(chosen).space {
+            Space::Next => "Squares",
+            Space::Plane(..) => "Circles",
+            Space::Cube => "Spheres",
+        };
+        let colours = match self.by {
+            By::Component => "filled dots are background, rings foreground",
+            By::Verdict => "green is background, orange foreground",
+            By::Time => "stronger dots are later",
+        };
+        format!(
+            "{reach} reach {lambda}σ around each component's mean, solid for background, dashed for foreground; {colours}; the cross is the value in view."
+        )
     }
 }
 
-fn colour(visuals: &Visuals, kind: Kind) -> Color32 {
+/// A plane of two channels, or of a value and the next, to be panned and zoomed.
+fn plane(ui: &mut Ui, chosen: &Chosen<'_>, choice: &Choice, groups: &[Group]) {
+    let (x, y) = if let Space::Plane(x, y) = choice.space { (x, y) } else { (0, 0) };
+    let gray = choice.space == Space::Next;
+    let visuals = ui.visuals().clone();
+    let state = chosen.state;
+    let lambda = f64::from(chosen.history.parameters.lambda);
+    let (standings, _) = standings(chosen.history, chosen.slots, chosen.index, false);
+    let names = if gray { ("luma", "next") } else { (chosen.channels()[x], chosen.channels()[y]) };
+    let side = (ui.available_width() - 4.0).min(440.0);
+    // The last frame has no next: its value is drawn against itself.
+    let cross = place(chosen.history, chosen.index, choice.space)
+        .map_or([state.value[0]; 2].map(f64::from), |[x, y, _]| [x, y].map(f64::from));
+
+    // A plane is looked at with its own pan and zoom.
+    let response = Plot::new(("scatter", x, y, gray))
+        .width(side)
+        .height(side)
+        .data_aspect(1.0)
+        // The number over a circle stands inside.
+        .set_margin_fraction(egui::Vec2::splat(0.08))
+        .allow_scroll(false)
+        .allow_boxed_zoom(false)
+        .show_crosshair(false)
+        .show_background(false)
+        .x_grid_spacer(|input| marks(&input))
+        .y_grid_spacer(|input| marks(&input))
+        .grid_color(style::faint(&visuals).color)
+        .grid_fade(0.0)
+        .custom_x_axes(vec![axis(AxisHints::new_x(), names.0, &visuals)])
+        .custom_y_axes(vec![axis(AxisHints::new_y(), names.1, &visuals)])
+        .label_formatter(move |at| {
+            let (HoverPosition::NearDataPoint { position: at, .. }
+            | HoverPosition::Elsewhere { position: at }) = at;
+            Some(format!("{} {:.0}\n{} {:.0}", names.0, at.x, names.1, at.y))
+        })
+        .show(ui, |plot| {
+            for group in groups {
+                // Rings have little ink, and foreground is rare and must be found.
+                let hollow = matches!(group.kind, Kind::Component { foreground: true, .. });
+                let strength = if hollow { 1.0 } else { [0.45, 0.65, 0.9][group.density.min(2)] };
+                let colour = colour(&visuals, group.kind).gamma_multiply(strength);
+                plot.points(
+                    Points::new("", PlotPoints::Borrowed(&group.points))
+                        .color(colour)
+                        .filled(!hollow)
+                        .radius(if hollow { 2.4 } else { 1.9 })
+                        .allow_hover(false),
+                );
+            }
+            for standing in &standings {
+                let component = standing.component;
+                let (mx, my) = (f64::from(component.mean[x]), f64::from(component.mean[y]));
+                let reach = lambda * f64::from(component.sigma());
+                let outline: Vec<[f64; 2]> = if gray {
+                    [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0)]
+                        .map(|(dx, dy)| [mx + dx * reach, my + dy * reach])
+                        .to_vec()
+                } else {
+                    (0..=72)
+                        .map(|step| f64::from(step) / 72.0 * std::f64::consts::TAU)
+                        .map(|angle| [mx + reach * angle.cos(), my + reach * angle.sin()])
+                        .collect()
+                };
+                let colour = style::component(&visuals, standing.slot);
+                let dashed = LineStyle::Dashed { length: 6.0 };
+                let style = if standing.background { LineStyle::Solid } else { dashed };
+                plot.line(Line::new("", outline).color(colour).width(1.5).style(style).allow_hover(false));
+                let name = egui::RichText::new(standing.rank.to_string()).size(12.0).strong();
+                let top = PlotPoint::new(mx, my + reach);
+                plot.text(
+                    egui_plot::Text::new("", top, name)
+                        .color(colour)
+                        .anchor(egui::Align2::CENTER_BOTTOM)
+                        .allow_hover(false),
+                );
+            }
+            plot.points(
+                Points::new("", cross)
+                    .shape(MarkerShape::Cross)
+                    .color(style::ink(&visuals))
+                    .radius(6.0)
+                    .allow_hover(false),
+            );
+        });
+    response.response.widget_info(|| {
+        let count: usize = groups.iter().map(|group| group.points.len()).sum();
+        WidgetInfo::labeled(
+            Role::Image,
+            true,
+            format!("Scatter of {} against {}, {count} places", names.1, names.0),
+        )
+    });
+}
+
+/// The colour of a point.
+pub(super) fn colour(visuals: &Visuals, kind: Kind) -> Color32 {
     match kind {
         Kind::Component { slot, .. } => style::component(visuals, slot),
         Kind::Verdict { foreground } => style::verdict_colour(visuals, foreground),
@@ -256,41 +288,18 @@ fn marks(input: &GridInput) -> Vec<GridMark> {
     values.into_iter().map(|value| GridMark { value, step_size }).collect()
 }
 
-/// The points of `choice`, equal ones of a kind drawn once: values are whole numbers, so even a
-/// hundred thousand frames come to few places.
-fn groups(chosen: &Chosen<'_>, choice: &Choice, gray: bool) -> Vec<Group> {
-    let states = &chosen.history.states;
-    let mut counts: BTreeMap<(Kind, [u32; 2]), u32> = BTreeMap::new();
-    for index in choice.frames.clone() {
-        let Some(state) = states.get(index) else { break };
-        let place = if gray {
-            let Some(next) = states.get(index + 1) else { break };
-            [state.value[0], next.value[0]]
-        } else {
-            [state.value[choice.plane.0], state.value[choice.plane.1]]
-        };
-        let foreground = state.outcome.foreground;
-        let kind = match choice.by {
-            By::Component => {
-                let rank = usize::from(state.outcome.rank).saturating_sub(1);
-                Kind::Component { slot: chosen.slots[index][rank], foreground }
-            }
-            By::Verdict => Kind::Verdict { foreground },
-            By::Time => {
-                let age = (index - choice.frames.start) * usize::from(AGES) / choice.frames.len().max(1);
-                Kind::Age(age as u8)
-            }
-        };
-        *counts.entry((kind, place.map(|value| value as u32))).or_default() += 1;
+/// The places of one look together.
+fn groups(places: &[Place]) -> Vec<Group> {
+    let mut groups: Vec<Group> = Vec::new();
+    let mut sorted: Vec<_> =
+        places.iter().map(|place| (place.kind, scatter::density(place.count), place.at)).collect();
+    sorted.sort_unstable();
+    for (kind, density, [x, y, _]) in sorted {
+        let point = PlotPoint::new(x, y);
+        match groups.last_mut().filter(|group| (group.kind, group.density) == (kind, density)) {
+            Some(group) => group.points.push(point),
+            None => groups.push(Group { kind, density, points: vec![point] }),
+        }
     }
-    let mut groups: BTreeMap<(Kind, u8), Vec<PlotPoint>> = BTreeMap::new();
-    for ((kind, [x, y]), count) in counts {
-        let density = match count {
-            1 => 0,
-            2..=5 => 1,
-            _ => 2,
-        };
-        groups.entry((kind, density)).or_default().push(PlotPoint::new(x, y));
-    }
-    groups.into_iter().map(|((kind, density), points)| Group { kind, density, points }).collect()
+    groups
 }

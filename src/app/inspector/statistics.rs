@@ -3,10 +3,11 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use eframe::egui::{Align2, DragValue, Pos2, Rect, Sense, Ui, Vec2};
+use eframe::egui::{Align2, DragValue, Label, Pos2, Rect, Sense, Ui, Vec2};
 
+use super::menu;
 use super::style::{self, small};
-use super::table::{self, Table};
+use super::table::Table;
 use super::{Chosen, InspectorAction};
 use crate::mixture::PixelHistory;
 use crate::mixture::statistics::Statistics;
@@ -83,18 +84,20 @@ impl StatisticsView {
                 "The time constant with which weights change: after so long, 37 % of an old weight is left.",
             ),
         ];
-        ui.label(style::aside(ui, &format!("Value {channels} and mixture over these frames")));
+        let history = || Arc::clone(chosen.history);
+        let counted = || Table::Statistics(history(), range.clone());
+        let frames = || Table::History(history(), range.clone());
+        let tables = |ui: &mut Ui| {
+            menu::of_tables(ui, "the numbers", &[("statistics", &counted), ("frames", &frames)])
+        };
+        let asked = menu::row(ui, tables, |ui| {
+            ui.label(style::aside(ui, &format!("Value {channels} and mixture over these frames")));
+        });
         for (at, (name, value, meaning)) in rows.iter().enumerate() {
             row(ui, at, name, value, meaning);
         }
-        ui.add_space(6.0);
-        let asked = ui.horizontal(|ui| {
-            table::buttons(ui, "values and mixture of these frames", || {
-                Table::History(Arc::clone(chosen.history), range.clone())
-            })
-        });
         ui.add_space(8.0);
-        asked.inner
+        asked
     }
 
     fn range(&self, chosen: &Chosen<'_>) -> Range<usize> {
@@ -112,7 +115,8 @@ impl StatisticsView {
         let (Some(first), Some(last)) = (states.first(), states.last()) else { return };
         let number_at = |position: usize| states.get(position).map_or(last.number, |state| state.number);
         let (mut from, mut to) = (number_at(range.start), number_at(range.end.saturating_sub(1)));
-        ui.horizontal(|ui| {
+        ui.horizontal_wrapped(|ui| {
+            ui.spacing_mut().item_spacing.x = 5.0;
             let label = ui.label(style::aside(ui, "frames from"));
             let whole = first.number..=last.number;
             let drag = ui.add(DragValue::new(&mut from).range(whole.clone())).labelled_by(label.id);
@@ -156,8 +160,9 @@ fn row(ui: &mut Ui, at: usize, name: &str, value: &str, meaning: &str) {
     }
     let place = Pos2::new(area.left() + 6.0, area.center().y);
     ui.painter().text(place, Align2::LEFT_CENTER, name, style::font(), style::muted(ui.visuals()));
-    let place = Rect::from_min_max(Pos2::new(area.left() + 92.0, area.top()), area.right_bottom());
+    let left = if area.width() < 250.0 { 80.0 } else { 92.0 };
+    let place = Rect::from_min_max(Pos2::new(area.left() + left, area.top()), area.right_bottom());
     let layout = eframe::egui::Layout::left_to_right(eframe::egui::Align::Center);
     let builder = eframe::egui::UiBuilder::new().max_rect(place).layout(layout).id_salt(name);
-    ui.new_child(builder).label(small(value));
+    ui.new_child(builder).add(Label::new(small(value)).truncate());
 }

@@ -7,7 +7,7 @@ use eframe::egui::{
 
 use crate::app::theme;
 pub(super) use crate::app::theme::SMALL;
-use crate::palette::component_colour;
+use crate::palette::{self, component_colour, component_on_light};
 
 pub(super) fn small(text: &str) -> RichText {
     RichText::new(text).size(SMALL)
@@ -22,25 +22,15 @@ pub(super) fn tick_font() -> FontId {
     FontId::proportional(9.5)
 }
 
-/// The colour of the component in `slot`; darker on light ground, where the palette's yellow would vanish.
+/// The colour of the component in `slot`.
 pub(super) fn component(visuals: &Visuals, slot: u8) -> Color32 {
-    let [r, g, b] = component_colour(usize::from(slot));
-    if visuals.dark_mode {
-        Color32::from_rgb(r, g, b)
-    } else {
-        let darker = |channel: u8| (f32::from(channel) * 0.78) as u8;
-        Color32::from_rgb(darker(r), darker(g), darker(b))
-    }
+    let colour = if visuals.dark_mode { component_colour } else { component_on_light };
+    theme::rgb(colour(usize::from(slot)))
 }
 
-/// Vermilion for foreground, bluish green for background: told apart with any kind of colour vision.
+/// The colour of foreground or of background.
 pub(super) const fn verdict_colour(visuals: &Visuals, foreground: bool) -> Color32 {
-    match (foreground, visuals.dark_mode) {
-        (true, true) => Color32::from_rgb(232, 106, 23),
-        (true, false) => Color32::from_rgb(201, 82, 0),
-        (false, true) => Color32::from_rgb(0, 178, 128),
-        (false, false) => Color32::from_rgb(0, 140, 100),
-    }
+    theme::rgb(palette::verdict_colour(foreground, visuals.dark_mode))
 }
 
 /// Lines and marks that carry the data itself.

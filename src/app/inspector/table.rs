@@ -5,12 +5,8 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::{fs, io};
 
-use eframe::egui::Ui;
-
-use super::InspectorAction;
-use super::style::{self, small};
 use crate::app::whole_file;
-use crate::export::pixel_csv;
+use crate::export::{pixel_csv, statistics_csv};
 use crate::mixture::PixelHistory;
 use crate::replay::Tuning;
 
@@ -21,6 +17,8 @@ pub enum Table {
     History(Arc<PixelHistory>, Range<usize>),
     /// A tuning map, a cell a row.
     Map(Box<Tuning>),
+    /// What is counted over these states of a pixel, in one row.
+    Statistics(Arc<PixelHistory>, Range<usize>),
 }
 
 impl Table {
@@ -28,6 +26,7 @@ impl Table {
     pub fn rows(&self) -> usize {
         match self {
             Self::History(_, range) => range.len(),
+            Self::Statistics(..) => 1,
             Self::Map(tuning) => tuning.map.axes.iter().map(|axis| axis.values.len()).product(),
         }
     }
@@ -37,6 +36,7 @@ impl Table {
         match self {
             Self::History(history, _) => format!("pixel-{}-{}.csv", history.at.0, history.at.1),
             Self::Map(tuning) => format!("tuning-{}-{}.csv", tuning.at.0, tuning.at.1),
+            Self::Statistics(history, _) => format!("statistics-{}-{}.csv", history.at.0, history.at.1),
         }
     }
 
@@ -48,6 +48,7 @@ impl Table {
                 let states = history.states.iter().take(range.end).skip(range.start);
                 states.into_iter().try_for_each(|state| pixel_csv::write_row(out, &history.parameters, state))
             }
+            Self::Statistics(history, range) => statistics_csv::write(out, history, range.clone()),
             Self::Map(tuning) => {
                 let [x, y] = &tuning.map.axes;
                 writeln!(out, "{},{},foreground", x.knob.key(), y.knob.key())?;
@@ -76,17 +77,5 @@ impl Table {
             self.write(&mut out)?;
             io::Write::flush(&mut out)
         })
-    }
-}
-
-/// Buttons in a row to copy and to save `what`.
-pub(super) fn buttons(ui: &mut Ui, what: &str, table: impl Fn() -> Table) -> Option<InspectorAction> {
-    ui.label(style::aside(ui, "CSV"));
-    let copy = ui.small_button(small("Copy")).on_hover_text(format!("Copy as CSV: {what}"));
-    let save = ui.small_button(small("Save…")).on_hover_text(format!("Save as a CSV file: {what}"));
-    if copy.clicked() {
-        Some(InspectorAction::Copy(table()))
-    } else {
-        save.clicked().then(|| InspectorAction::Save(table()))
     }
 }

@@ -1,5 +1,8 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
+mod cube;
+mod export;
+
 use std::cell::RefCell;
 use std::path::Path;
 use std::rc::Rc;
@@ -9,8 +12,9 @@ use eframe::egui::{self, Pos2, Theme, Vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 
-use super::{Inspector, InspectorAction, Table};
+use super::{Format, Inspector, InspectorAction, Table};
 use crate::frame::{Frame, Mask, Size};
+use crate::mixture::follow::{Change, change};
 use crate::mixture::statistics::Statistics;
 use crate::mixture::tuning::{Knob, flip, map};
 use crate::mixture::verdict::{number, sigmas, verdict};
@@ -138,6 +142,14 @@ fn open(harness: &mut Harness<'_>, tab: &str) {
     harness.run();
 }
 
+/// Opens the menu of a plot and chooses in it.
+fn choose(harness: &mut Harness<'_>, menu: &str, entry: &str) {
+    harness.get_by_label(menu).click();
+    harness.run();
+    harness.get_by_label(entry).click();
+    harness.run();
+}
+
 /// Everything that is written or named in the panel.
 fn texts(harness: &Harness<'_>) -> Vec<String> {
     let mut texts = Vec::new();
@@ -187,9 +199,9 @@ fn without_a_frame_a_pixel_a_mixture_or_a_state_it_says_what_is_missing() {
 #[test]
 fn every_tab_can_be_drawn_dark_and_light_narrow_and_wide() {
     for (theme, look) in [(Theme::Dark, "dark"), (Theme::Light, "light")] {
-        for (width, height) in [(340.0, 700.0), (480.0, 1000.0)] {
+        for (width, height) in [(240.0, 900.0), (340.0, 700.0), (500.0, 1000.0)] {
             let (mut harness, _) = harness(Some(shown(430)), Vec2::new(width, height), theme);
-            for tab in ["Now", "History", "Tuning", "Statistics", "Scatter"] {
+            for tab in ["Now", "both", "History", "Tuning", "Statistics", "Scatter", "3-D"] {
                 open(&mut harness, tab);
                 picture(&mut harness, &format!("{}-{look}-{width}", tab.to_lowercase()));
             }
@@ -324,6 +336,49 @@ fn the_mixture_before_the_update_is_the_one_of_the_frame_before() {
 }
 
 #[test]
+fn both_mixtures_stand_side_by_side_where_there_is_room() {
+    for (width, beside) in [(500.0, true), (240.0, false)] {
+        let shown = shown(430);
+        let history = Arc::clone(shown.pixel.as_ref().unwrap());
+        let (mut harness, _) = harness(Some(shown), Vec2::new(width, 1400.0), Theme::Light);
+        open(&mut harness, "both");
+        let all = texts(&harness);
+        for pixel in [history.before(430).unwrap(), &history.states[430].pixel] {
+            for component in pixel.components().iter().filter(|component| component.is_used()) {
+                assert!(all.contains(&format!("{:.3}", component.weight)));
+                assert!(all.contains(&format!("{:.4}", component.rank_value())));
+            }
+        }
+        let plots: Vec<_> =
+            harness.get_all_by_label_contains("Densities of").map(|node| node.rect()).collect();
+        assert_eq!(plots.len(), 2);
+        assert_eq!(plots[1].left() > plots[0].right(), beside);
+        assert_eq!(plots[1].top() > plots[0].bottom(), !beside);
+    }
+}
+
+#[test]
+fn what_happened_to_components_is_told_where_the_history_marks_it() {
+    let shown = shown(430);
+    let history = Arc::clone(shown.pixel.as_ref().unwrap());
+    let (mut harness, _) = tall(Some(shown));
+    open(&mut harness, "History");
+    let mut told = Vec::new();
+    for index in (0..600).filter(|&index| change(&history, index).is_some()) {
+        harness.hover_at(on_history(&harness, (index as f32 + 0.5) / 600.0));
+        harness.run();
+        let words = match change(&history, index).unwrap() {
+            Change::Born => "was born",
+            Change::Replaced => "replaced the last",
+            Change::Rose { .. } => "It rose from rank",
+        };
+        assert!(says(&harness, words), "frame {index}: {words:?} in {:?}", texts(&harness));
+        told.push(words);
+    }
+    assert!(told.contains(&"was born") && told.contains(&"It rose from rank"), "a case in point: {told:?}");
+}
+
+#[test]
 fn a_verdict_that_cleaning_overruled_is_marked() {
     let mut shown = shown(425);
     let (harness, _) = tall(Some(shown.clone()));
@@ -357,10 +412,13 @@ fn new_settings_answer_before_the_frame_has_them() {
     let expected = verdict(&newest, 300).headline;
     assert_ne!(expected, verdict(shown.pixel.as_ref().unwrap(), 300).headline, "a case in point");
     let mut inspector = Inspector::default();
-    let harness = Harness::builder().with_size(Vec2::new(380.0, 1000.0)).build_ui(move |ui| {
-        egui::CentralPanel::default()
-            .show(ui, |ui| inspector.ui(ui, Some(&shown), Some(&newest), None, 10.0));
-    });
+    let harness = Harness::builder()
+        .with_size(Vec2::new(380.0, 1000.0))
+        .with_context_setup(crate::app::theme::install)
+        .build_ui(move |ui| {
+            egui::CentralPanel::default()
+                .show(ui, |ui| inspector.ui(ui, Some(&shown), Some(&newest), None, 10.0));
+        });
     assert!(texts(&harness).contains(&expected), "{expected}");
 }
 
@@ -506,12 +564,15 @@ fn a_map_of_other_settings_is_asked_for_and_waited_for() {
     assert_eq!(inspector.asks_about(), None, "nobody looks");
     let asked = Rc::new(RefCell::new(None));
     let (noted, tuning) = (Rc::clone(&asked), tuning_of(&shown, [Knob::Alpha, Knob::T]));
-    let mut harness = Harness::builder().with_size(Vec2::new(380.0, 900.0)).build_ui(move |ui| {
-        egui::CentralPanel::default().show(ui, |ui| {
-            inspector.ui(ui, Some(&shown), None, tuning.as_ref(), 10.0);
-            *noted.borrow_mut() = inspector.asks_about();
+    let mut harness = Harness::builder()
+        .with_size(Vec2::new(380.0, 900.0))
+        .with_context_setup(crate::app::theme::install)
+        .build_ui(move |ui| {
+            egui::CentralPanel::default().show(ui, |ui| {
+                inspector.ui(ui, Some(&shown), None, tuning.as_ref(), 10.0);
+                *noted.borrow_mut() = inspector.asks_about();
+            });
         });
-    });
     open(&mut harness, "Tuning");
     assert_eq!(*asked.borrow(), Some([Knob::Alpha, Knob::T]));
     // λ in the lower row of choices: up.
@@ -550,8 +611,7 @@ fn statistics_are_of_the_frames_that_are_chosen_and_can_be_taken_along() {
     harness.get_by_label("Up to here").click();
     harness.run();
     check(&harness, 0..431);
-    harness.get_by_label("Copy").click();
-    harness.run();
+    choose(&mut harness, "Copy or save the numbers", "Copy CSV of frames");
     let [InspectorAction::Copy(table)] = &actions.take()[..] else { panic!("one table is asked for") };
     assert_eq!(*table, Table::History(Arc::clone(&history), 0..431));
     let csv = table.csv().unwrap();
@@ -559,45 +619,9 @@ fn statistics_are_of_the_frames_that_are_chosen_and_can_be_taken_along() {
     let last = &history.states[430];
     let [r, g, b] = last.rgb;
     assert!(csv.lines().last().unwrap().starts_with(&format!("431,{r},{g},{b},{}", last.outcome.matched)));
+    choose(&mut harness, "Copy or save the numbers", "Save CSV of statistics…");
+    assert_eq!(actions.take(), [InspectorAction::Save(Table::Statistics(Arc::clone(&history), 0..431))]);
     harness.get_by_label("All").click();
     harness.run();
     check(&harness, 0..600);
-}
-
-#[test]
-fn the_frames_of_a_zoomed_history_are_what_is_copied() {
-    let (mut harness, actions) = tall(Some(shown(430)));
-    open(&mut harness, "History");
-    harness.get_by_label("+").click();
-    harness.run();
-    harness.get_by_label("Save…").click();
-    harness.run();
-    // From 215.25 on for 300 frames.
-    let [InspectorAction::Save(Table::History(_, frames))] = &actions.take()[..] else { panic!("no table") };
-    assert_eq!(*frames, 215..516);
-}
-
-#[test]
-fn a_map_is_saved_cell_by_cell() {
-    let shown = shown(430);
-    let tuning = tuning_of(&shown, [Knob::Alpha, Knob::T]).unwrap();
-    let (mut harness, actions) = tall(Some(shown));
-    open(&mut harness, "Tuning");
-    harness.get_by_label("Save…").click();
-    harness.run();
-    let [InspectorAction::Save(table)] = &actions.take()[..] else { panic!("one table is asked for") };
-    assert_eq!(table.name(), "tuning-5-4.csv");
-    let folder = tempfile::tempdir().unwrap();
-    let path = table.save(folder.path().join("map")).unwrap();
-    let text = std::fs::read_to_string(path).unwrap();
-    let lines: Vec<_> = text.lines().collect();
-    assert_eq!((lines.len(), lines[0]), (1 + 24 * 24, "alpha,t,foreground"));
-    for (column, row) in [(0, 0), (23, 0), (5, 17), (23, 23)] {
-        let [x, y] = &tuning.map.axes;
-        let foreground = u8::from(tuning.map.is_foreground(column, row));
-        let line = format!("{},{},{foreground}", x.values[column], y.values[row]);
-        assert_eq!(lines[1 + row * 24 + column], line);
-    }
-    let nowhere = folder.path().join("none").join("map.csv");
-    assert!(table.save(nowhere).unwrap_err().contains("map.csv was not written"));
 }

@@ -9,8 +9,9 @@ use eframe::egui::{
 };
 
 use super::chart::{self, Columns, TICKS};
+use super::menu;
+use super::plot::Plot;
 use super::style::{self, small};
-use super::table::{self, Table};
 use super::{Chosen, InspectorAction};
 use crate::mixture::tuning::{Axis, Flip, Knob, Map};
 use crate::mixture::verdict::number;
@@ -48,52 +49,57 @@ impl TuningView {
         chosen: &Chosen<'_>,
         tuning: Option<&Tuning>,
     ) -> Option<InspectorAction> {
-        self.controls(ui);
         let tuning = tuning.filter(|tuning| tuning.at == chosen.history.at);
         let of_knobs = tuning.filter(|tuning| tuning.map.axes.each_ref().map(|axis| axis.knob) == self.knobs);
         let current = tuning.filter(|tuning| {
             tuning.position as usize == chosen.index && tuning.parameters == chosen.history.parameters
         });
+        let asked = self.controls(ui, chosen, of_knobs.filter(|_| current.is_some()));
+        // What was just chosen has no map yet.
+        let of_knobs =
+            of_knobs.filter(|tuning| tuning.map.axes.each_ref().map(|axis| axis.knob) == self.knobs);
         let pale = self.is_late(ui, of_knobs.is_some() && current.is_none());
         let taken = map_ui(ui, chosen, self.knobs, of_knobs.map(|tuning| &tuning.map), pale);
         ui.horizontal_wrapped(legend);
         ui.add_space(6.0);
         let taken = flips_ui(ui, chosen, current.map(|tuning| &tuning.flips[..])).or(taken);
-        ui.add_space(6.0);
-        let copied = ui.horizontal(|ui| {
-            let tuning = of_knobs.filter(|_| current.is_some())?;
-            table::buttons(ui, "the map, a cell a row", || Table::Map(Box::new(tuning.clone())))
-        });
-        let taken = copied.inner.or(taken);
         ui.add_space(8.0);
-        taken
+        taken.or(asked)
     }
 
-    fn controls(&mut self, ui: &mut Ui) {
+    fn controls(
+        &mut self,
+        ui: &mut Ui,
+        chosen: &Chosen<'_>,
+        map: Option<&Tuning>,
+    ) -> Option<InspectorAction> {
+        let mut asked = None;
         for (side, name) in ["across", "up"].into_iter().enumerate() {
-            ui.horizontal(|ui| {
-                let (rect, _) = ui.allocate_exact_size(Vec2::new(38.0, 16.0), Sense::hover());
-                let (painter, visuals) = (ui.painter(), ui.visuals());
-                painter.text(
-                    rect.left_center(),
-                    Align2::LEFT_CENTER,
-                    name,
-                    style::font(),
-                    style::muted(visuals),
-                );
-                for knob in Knob::ALL {
-                    let label = ui.selectable_label(self.knobs[side] == knob, knob.symbol());
-                    let label = label.on_hover_text(format!("{}: {}, {name}", knob.symbol(), knob.name()));
-                    if label.clicked() && self.knobs[side] != knob {
-                        // The two sides change places rather than show the same.
-                        if self.knobs[1 - side] == knob {
-                            self.knobs.swap(0, 1);
-                        } else {
-                            self.knobs[side] = knob;
-                        }
-                    }
+            let menu = |ui: &mut Ui| {
+                let map = map.filter(|_| side == 0)?;
+                menu::of_plot(ui, "the map", || Plot::Map(chosen.followed(), Box::new(map.clone())))
+            };
+            asked = asked.or(menu::row(ui, menu, |ui| self.knobs(ui, side, name)));
+        }
+        asked
+    }
+
+    fn knobs(&mut self, ui: &mut Ui, side: usize, name: &str) {
+        ui.spacing_mut().item_spacing.x = 2.0;
+        let (rect, _) = ui.allocate_exact_size(Vec2::new(38.0, 16.0), Sense::hover());
+        let (painter, visuals) = (ui.painter(), ui.visuals());
+        painter.text(rect.left_center(), Align2::LEFT_CENTER, name, style::font(), style::muted(visuals));
+        for knob in Knob::ALL {
+            let label = ui.selectable_label(self.knobs[side] == knob, knob.symbol());
+            let label = label.on_hover_text(format!("{}: {}, {name}", knob.symbol(), knob.name()));
+            if label.clicked() && self.knobs[side] != knob {
+                // The two sides change places rather than show the same.
+                if self.knobs[1 - side] == knob {
+                    self.knobs.swap(0, 1);
+                } else {
+                    self.knobs[side] = knob;
                 }
-            });
+            }
         }
     }
 
@@ -278,10 +284,13 @@ fn flips_ui(ui: &mut Ui, chosen: &Chosen<'_>, flips: Option<&[Flip]>) -> Option<
             let place = Pos2::new(row.left() + x, row.center().y);
             ui.painter().text(place, Align2::LEFT_CENTER, text, style::font(), colour);
         };
+        // A narrow panel has no room for the name; it stands over the map, too.
+        let name = if row.width() < 270.0 { "" } else { knob.name() };
+        let left = if name.is_empty() { 26.0 } else { 124.0 };
         text(6.0, knob.symbol(), visuals.text_color());
-        text(26.0, knob.name(), style::muted(visuals));
-        text(124.0, &format!("now {}", number(present)), style::muted(visuals));
-        let place = Rect::from_min_max(Pos2::new(row.left() + 196.0, row.top()), row.right_bottom());
+        text(26.0, name, style::muted(visuals));
+        text(left, &format!("now {}", number(present)), style::muted(visuals));
+        let place = Rect::from_min_max(Pos2::new(row.left() + left + 72.0, row.top()), row.right_bottom());
         ui.scope_builder(eframe::egui::UiBuilder::new().max_rect(place), |ui| {
             ui.horizontal_centered(|ui| match flip {
                 None => {

@@ -76,7 +76,9 @@ fn a_copied_table_is_on_the_clipboard() {
     harness.get_by_label("Statistics").click();
     harness.run_steps(4);
     picture(&mut harness, "statistics");
-    harness.get_by_label("Copy").click();
+    harness.get_by_label("Copy or save the numbers").click();
+    harness.run_steps(4);
+    harness.get_by_label("Copy CSV of frames").click();
     let mut copied = Vec::new();
     for _ in 0..6 {
         harness.step();

@@ -3,54 +3,56 @@
 
 use std::ops::Range;
 
-use crate::mixture::PixelHistory;
-use crate::mixture::pixel::MAX_K;
+use super::follow::{Change, change};
+use super::history::PixelHistory;
+use super::pixel::MAX_K;
 
 /// Levels of a value that are counted together in [`Bin::levels`].
-pub(super) const STEP: u8 = 4;
+pub const STEP: u8 = 4;
 /// Bins of more frames than this count their levels.
-pub(super) const FEW: usize = 4;
+pub const FEW: usize = 4;
 
 /// Some consecutive frames of a history, drawn as one column.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct Bin {
+pub struct Bin {
     /// Positions of its frames.
-    pub(super) frames: Range<usize>,
+    pub frames: Range<usize>,
     /// Least and greatest value of each channel.
-    pub(super) value: [(f32, f32); 3],
+    pub value: [(f32, f32); 3],
     /// How many frames have a value in each [`STEP`] levels, for each channel; `(step, frames)`,
     /// only those that occur, and none for bins of few frames.
-    pub(super) levels: [Vec<(u8, u32)>; 3],
+    pub levels: [Vec<(u8, u32)>; 3],
     /// The matching range of each component, by slot.
-    pub(super) bands: [Option<Band>; MAX_K],
+    pub bands: [Option<Band>; MAX_K],
     /// Slot and weight in the bin's last frame, in rank order, used components only.
-    pub(super) weights: Vec<(u8, f32)>,
+    pub weights: Vec<(u8, f32)>,
     /// B in the last frame.
-    pub(super) background_count: u8,
+    pub background_count: u8,
     /// The greatest B.
-    pub(super) most_background: u8,
+    pub most_background: u8,
     /// How many of its frames are foreground.
-    pub(super) foreground: usize,
+    pub foreground: usize,
+    /// Least and greatest ρ of the frames in which a component learned, `None` if none did.
+    pub rho: Option<(f32, f32)>,
+    /// The slot of the last component that was born, that replaced one, and that rose in rank.
+    pub changes: [Option<u8>; 3],
+    /// Which slots got a new component.
+    pub made: [bool; MAX_K],
 }
 
 /// Where a component matched during a bin: μ ± λσ in each channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Band {
+pub struct Band {
     /// Least μ − λσ and greatest μ + λσ of each channel.
-    pub(super) range: [(f32, f32); 3],
+    pub range: [(f32, f32); 3],
     /// μ in the last frame.
-    pub(super) mean: [f32; 3],
+    pub mean: [f32; 3],
     /// Whether it was background in the last frame.
-    pub(super) background: bool,
+    pub background: bool,
 }
 
 /// `frames` of the history in at most `columns` bins of nearly equal length.
-pub(super) fn bins(
-    history: &PixelHistory,
-    slots: &[[u8; MAX_K]],
-    frames: Range<usize>,
-    columns: usize,
-) -> Vec<Bin> {
+pub fn bins(history: &PixelHistory, slots: &[[u8; MAX_K]], frames: Range<usize>, columns: usize) -> Vec<Bin> {
     let end = frames.end.min(history.states.len()).min(slots.len());
     let frames = frames.start.min(end)..end;
     let count = frames.len().min(columns.max(1));
@@ -69,7 +71,21 @@ fn bin(history: &PixelHistory, slots: &[[u8; MAX_K]], frames: Range<usize>) -> B
         background_count: 0,
         most_background: 0,
         foreground: 0,
+        rho: None,
+        changes: [None; 3],
+        made: [false; MAX_K],
     };
+    for index in frames.clone() {
+        let slot = slots[index][usize::from(history.states[index].outcome.rank).saturating_sub(1)];
+        let kind = match change(history, index) {
+            None => continue,
+            Some(Change::Born) => 0,
+            Some(Change::Replaced) => 1,
+            Some(Change::Rose { .. }) => 2,
+        };
+        bin.changes[kind] = Some(slot);
+        bin.made[usize::from(slot)] |= kind < 2;
+    }
     for (state, slots) in history.states[frames.clone()].iter().zip(&slots[frames]) {
         for ((low, high), value) in bin.value.iter_mut().zip(state.value) {
             (*low, *high) = (low.min(value), high.max(value));
@@ -92,6 +108,11 @@ fn bin(history: &PixelHistory, slots: &[[u8; MAX_K]], frames: Range<usize>) -> B
         bin.background_count = count;
         bin.most_background = bin.most_background.max(count);
         bin.foreground += usize::from(state.outcome.foreground);
+        if state.outcome.matched > 0 {
+            let rho = state.outcome.rho;
+            let (low, high) = bin.rho.unwrap_or((rho, rho));
+            bin.rho = Some((low.min(rho), high.max(rho)));
+        }
     }
     if bin.frames.len() > FEW {
         bin.levels = std::array::from_fn(|channel| levels(history, bin.frames.clone(), channel));
@@ -101,6 +122,25 @@ fn bin(history: &PixelHistory, slots: &[[u8; MAX_K]], frames: Range<usize>) -> B
         bin.weights = used.zip(slots[last]).map(|(component, slot)| (slot, component.weight)).collect();
     }
     bin
+}
+
+/// The values of these bins with some air, and the background that they are compared with.
+pub fn value_range(bins: &[Bin], channels: usize) -> (f64, f64) {
+    let values = bins.iter().flat_map(|bin| bin.value[..channels].iter().copied());
+    let bands = bins.iter().flat_map(|bin| bin.bands.iter().flatten()).filter(|band| band.background);
+    let (low, high) = values
+        .chain(bands.flat_map(|band| band.range[..channels].iter().copied()))
+        .fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), (from, to)| (low.min(from), high.max(to)));
+    if low > high { (0.0, 255.0) } else { (f64::from(low) - 3.0, f64::from(high) + 3.0) }
+}
+
+/// Powers of ten between which all ρ of these bins lie, the upper one 1.
+pub fn rate_range(bins: &[Bin]) -> (f64, f64) {
+    let least = bins.iter().filter_map(|bin| bin.rho).map(|(low, _)| low).filter(|&rho| rho > 0.0);
+    // Shown as decimal fractions, 0.01 is a little more than the f32 nearest to it.
+    let power = (f64::from(least.fold(0.1_f32, f32::min)).log10() + 1e-6).floor();
+    // The paper's ρ = α·η can be as good as nothing.
+    (10_f64.powf(power.max(-12.0)), 1.0)
 }
 
 fn levels(history: &PixelHistory, frames: Range<usize>, channel: usize) -> Vec<(u8, u32)> {
@@ -162,7 +202,50 @@ mod tests {
             assert_eq!(band.range[1].1, component.mean[1] + 2.5 * component.sigma());
             assert_eq!(bin.weights.len(), state.pixel.used());
             assert_eq!(bin.background_count, state.outcome.background_count);
+            let learned = state.outcome.matched > 0;
+            assert_eq!(bin.rho, learned.then_some((state.outcome.rho, state.outcome.rho)));
         }
+    }
+
+    #[test]
+    fn what_happened_to_components_is_never_lost() {
+        let history = history(1000);
+        let slots = slots(&history);
+        let made: Vec<_> = (0..1000).filter(|&n| history.states[n].outcome.matched == 0).collect();
+        assert!(made.len() > 1, "a case in point: {made:?}");
+        for columns in [1000, 64, 7] {
+            for bin in bins(&history, &slots, 0..1000, columns) {
+                let within: Vec<_> = made.iter().filter(|n| bin.frames.contains(n)).collect();
+                assert_eq!(bin.changes[0].or(bin.changes[1]).is_some(), !within.is_empty());
+                for &&n in &within {
+                    let rank = usize::from(history.states[n].outcome.rank) - 1;
+                    assert!(bin.made[usize::from(slots[n][rank])], "frame {n}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn a_value_range_holds_values_and_background() {
+        let history = history(300);
+        let all = bins(&history, &slots(&history), 0..300, 50);
+        let (low, high) = value_range(&all, 3);
+        // The flashes to red, [250, 10, 10]; the background's widest band, 80 − λσ₀ = 30, is within.
+        assert_eq!((low, high), (7.0, 253.0));
+        assert_eq!(value_range(&[], 3), (0.0, 255.0));
+    }
+
+    #[test]
+    fn rates_lie_between_powers_of_ten() {
+        let history = history(300);
+        let bins = bins(&history, &slots(&history), 0..300, 50);
+        let (low, high) = rate_range(&bins);
+        assert_eq!(high, 1.0);
+        assert!((low.log10() - low.log10().round()).abs() < 1e-9);
+        let learned = history.states.iter().filter(|state| state.outcome.matched > 0);
+        let least = learned.map(|state| f64::from(state.outcome.rho)).fold(1.0, f64::min);
+        assert!(low <= least * 1.001 && least < 10.0 * low, "{low} and {least}");
+        assert_eq!(rate_range(&[]), (0.1, 1.0));
     }
 
     #[test]

@@ -1,0 +1,121 @@
+//! What can be taken along as a picture.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::{fs, io};
+
+use super::Followed;
+use super::table::Table;
+use crate::app::whole_file;
+use crate::export::figure::cube::{self, Look};
+use crate::export::figure::mixture::{self, Moment};
+use crate::export::figure::{Figure, raster, scatter, svg, through_time, tuning};
+use crate::frame::Frame;
+use crate::mixture::places;
+use crate::replay::Tuning;
+
+/// A plot as it stands in the window. Its figure is only made when it is asked for, on a thread of its own.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Plot {
+    /// The densities at a position.
+    Densities(Followed, usize, Moment),
+    /// The weights at a position.
+    Weights(Followed, usize, Moment),
+    /// Values and mixture through time.
+    History(Followed, through_time::Choice),
+    /// A plane of the channels, with the frame in view.
+    Scatter(Followed, places::Choice, usize),
+    /// All three channels, with the frame in view.
+    Cube(Followed, places::Choice, usize, Look),
+    /// The tuning map.
+    Map(Followed, Box<Tuning>),
+}
+
+/// Which file is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Format {
+    /// A picture of pixels.
+    Png,
+    /// A drawing of lines.
+    Svg,
+}
+
+impl Format {
+    /// The ending of its files.
+    pub const fn ending(self) -> &'static str {
+        match self {
+            Self::Png => "png",
+            Self::Svg => "svg",
+        }
+    }
+
+    /// What it is called in dialogs.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Png => "PNG picture",
+            Self::Svg => "SVG drawing",
+        }
+    }
+}
+
+impl Plot {
+    /// The figure. May take a while.
+    pub fn figure(&self) -> Figure {
+        match self {
+            Self::Densities(of, index, moment) => mixture::densities(&of.history, &of.slots, *index, *moment),
+            Self::Weights(of, index, moment) => mixture::weights(&of.history, &of.slots, *index, *moment),
+            Self::History(of, choice) => through_time::figure(&of.history, &of.slots, choice),
+            Self::Scatter(of, choice, index) => scatter::figure(&of.history, &of.slots, choice, *index),
+            Self::Cube(of, choice, index, look) => {
+                cube::figure(&of.history, &of.slots, choice, *index, *look)
+            }
+            Self::Map(of, map) => tuning::figure(&of.history, &map.map, map.position as usize),
+        }
+    }
+
+    /// The numbers behind it.
+    pub fn table(&self) -> Table {
+        match self {
+            Self::Densities(of, index, moment) | Self::Weights(of, index, moment) => {
+                // The mixture before the update is the one after that of the frame before.
+                let sides = moment.sides().iter().map(|&before| index.saturating_sub(usize::from(before)));
+                let (from, to) = sides.fold((usize::MAX, 0), |(from, to), at| (from.min(at), to.max(at + 1)));
+                Table::History(Arc::clone(&of.history), from.min(to)..to)
+            }
+            Self::History(of, through_time::Choice { frames, .. })
+            | Self::Scatter(of, places::Choice { frames, .. }, _)
+            | Self::Cube(of, places::Choice { frames, .. }, ..) => {
+                Table::History(Arc::clone(&of.history), frames.clone())
+            }
+            Self::Map(_, tuning) => Table::Map(tuning.clone()),
+        }
+    }
+
+    /// A name for its file.
+    pub fn name(&self, format: Format) -> String {
+        let (what, of) = match self {
+            Self::Densities(of, ..) => ("densities", of),
+            Self::Weights(of, ..) => ("weights", of),
+            Self::History(of, _) => ("history", of),
+            Self::Scatter(of, ..) => ("scatter", of),
+            Self::Cube(of, ..) => ("scatter-3d", of),
+            Self::Map(of, _) => ("tuning", of),
+        };
+        let (x, y) = of.history.at;
+        format!("{what}-{x}-{y}.{}", format.ending())
+    }
+
+    /// Draws it, or says why it could not be.
+    pub(crate) fn drawn(&self) -> Result<Frame, String> {
+        let failed = |error| format!("the picture was not drawn: {error}; save it as SVG instead");
+        raster::picture(&self.figure()).map_err(failed)
+    }
+
+    /// Writes it to a file, or says why it could not be.
+    pub(crate) fn save(&self, path: PathBuf, format: Format) -> Result<PathBuf, String> {
+        whole_file::write(path, format.ending(), |at: &Path| match format {
+            Format::Svg => fs::write(at, svg::write(&self.figure())),
+            Format::Png => raster::write_png(at, &self.drawn().map_err(io::Error::other)?),
+        })
+    }
+}

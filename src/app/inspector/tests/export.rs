@@ -1,0 +1,103 @@
+//! What is taken along of plots.
+
+use super::*;
+
+#[test]
+fn the_frames_of_a_zoomed_history_are_what_is_copied() {
+    let (mut harness, actions) = tall(Some(shown(430)));
+    open(&mut harness, "History");
+    harness.get_by_label("+").click();
+    harness.run();
+    choose(&mut harness, "Copy or save the frames in view", "Save CSV…");
+    // From 215.25 on for 300 frames.
+    let [InspectorAction::Save(Table::History(_, frames))] = &actions.take()[..] else { panic!("no table") };
+    assert_eq!(*frames, 215..516);
+    choose(&mut harness, "Copy or save the frames in view", "Save SVG…");
+    let [InspectorAction::SavePicture(plot, Format::Svg)] = &actions.take()[..] else { panic!("no figure") };
+    assert_eq!(plot.figure().title, "pixel (5, 4), frames 216–516");
+}
+
+#[test]
+fn a_map_is_saved_cell_by_cell() {
+    let shown = shown(430);
+    let tuning = tuning_of(&shown, [Knob::Alpha, Knob::T]).unwrap();
+    let (mut harness, actions) = tall(Some(shown));
+    open(&mut harness, "Tuning");
+    choose(&mut harness, "Copy or save the map", "Save CSV…");
+    let [InspectorAction::Save(table)] = &actions.take()[..] else { panic!("one table is asked for") };
+    assert_eq!(table.name(), "tuning-5-4.csv");
+    let folder = tempfile::tempdir().unwrap();
+    let path = table.save(folder.path().join("map")).unwrap();
+    let text = std::fs::read_to_string(path).unwrap();
+    let lines: Vec<_> = text.lines().collect();
+    assert_eq!((lines.len(), lines[0]), (1 + 24 * 24, "alpha,t,foreground"));
+    for (column, row) in [(0, 0), (23, 0), (5, 17), (23, 23)] {
+        let [x, y] = &tuning.map.axes;
+        let foreground = u8::from(tuning.map.is_foreground(column, row));
+        let line = format!("{},{},{foreground}", x.values[column], y.values[row]);
+        assert_eq!(lines[1 + row * 24 + column], line);
+    }
+    let nowhere = folder.path().join("none").join("map.csv");
+    assert!(table.save(nowhere).unwrap_err().contains("map.csv was not written"));
+}
+
+#[test]
+fn every_plot_can_be_taken_along_as_picture_drawing_and_table() {
+    let shown = shown(430);
+    let history = Arc::clone(shown.pixel.as_ref().unwrap());
+    let (mut harness, actions) = tall(Some(shown));
+    let folder = tempfile::tempdir().unwrap();
+    for (tab, menu, file, frames) in [
+        ("Now", "Copy or save the densities", "densities-5-4", 430..431),
+        ("Now", "Copy or save the weights", "weights-5-4", 430..431),
+        ("History", "Copy or save the frames in view", "history-5-4", 0..600),
+        ("Scatter", "Copy or save the scatter plot", "scatter-5-4", 0..431),
+        ("3-D", "Copy or save the scatter plot", "scatter-3d-5-4", 0..431),
+        ("Tuning", "Copy or save the map", "tuning-5-4", 0..0),
+    ] {
+        open(&mut harness, tab);
+        harness.get_by_label(menu).click();
+        harness.run();
+        picture(&mut harness, &format!("menu-{}", tab.to_lowercase()));
+        harness.get_by_label("Copy picture").click();
+        harness.run();
+        let [InspectorAction::CopyPicture(plot)] = &actions.take()[..] else { panic!("{tab}: no picture") };
+        let picture = plot.drawn().unwrap();
+        assert!(picture.size.width > 900 && picture.rgb[..3] == [255; 3], "{tab}: white ground");
+        for (entry, format, begins) in
+            [("Save PNG…", Format::Png, &b"\x89PNG"[..]), ("Save SVG…", Format::Svg, b"<svg")]
+        {
+            choose(&mut harness, menu, entry);
+            let [InspectorAction::SavePicture(same, asked)] = &actions.take()[..] else {
+                panic!("{tab}: no file")
+            };
+            assert_eq!((same, *asked), (plot, format));
+            assert_eq!(same.name(format), format!("{file}.{}", format.ending()));
+            let path = same.save(folder.path().join(same.name(format)), format).unwrap();
+            assert!(std::fs::read(path).unwrap().starts_with(begins), "{tab}");
+        }
+        choose(&mut harness, menu, "Copy CSV");
+        let [InspectorAction::Copy(table)] = &actions.take()[..] else { panic!("{tab}: no table") };
+        match table {
+            Table::History(of, range) => {
+                assert!(Arc::ptr_eq(of, &history) && *range == frames, "{tab} {range:?}");
+            }
+            other => assert_eq!(other.name(), "tuning-5-4.csv"),
+        }
+    }
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 12, "and nothing beside them");
+}
+
+#[test]
+fn a_scatter_plot_takes_along_the_frames_that_it_shows() {
+    let (mut harness, actions) = tall(Some(shown(430)));
+    open(&mut harness, "Scatter");
+    for (choice, expected) in [("100", 331..431), ("all", 0..600)] {
+        open(&mut harness, choice);
+        choose(&mut harness, "Copy or save the scatter plot", "Copy CSV");
+        let [InspectorAction::Copy(Table::History(_, frames))] = &actions.take()[..] else {
+            panic!("no table")
+        };
+        assert_eq!(*frames, expected);
+    }
+}

@@ -1,0 +1,439 @@
+//! A pixel's values among all three channels: a cube of R, G and B that can be turned.
+//!
+//! The view is parallel. R and G lie in the plane that is turned by the yaw, B stands upright and is
+//! tilted towards the eye by the pitch. The window and the figure draw the same [`Scene`].
+
+use std::f64::consts::{FRAC_PI_2, PI, TAU};
+
+use super::scatter::{legend, look, title};
+use super::{
+    Anchor, Axis, Figure, Frame, GRAY, INK, NARROW, Panel, Shape, Sign, axis, component, parameters,
+};
+use crate::mixture::places::{Choice, Place, Space, place, places, thinned};
+use crate::mixture::standing::{Standing, standings};
+use crate::mixture::{MAX_K, PixelHistory};
+
+/// More places than this are put together: so many can neither be told apart nor turned smoothly.
+pub const MOST: usize = 6000;
+/// The names of the axes.
+pub const NAMES: [&str; 3] = ["R", "G", "B"];
+/// In each direction the cube takes up as much whatever its turn: half its diagonal.
+pub const EXTENT: f64 = 0.866_025_403_784_438_6;
+/// Room for words around a figure's cube, in points.
+const WORDS: f64 = 27.0;
+/// An axis that is seen shorter than this from its end has no numbers.
+const LEAST: f64 = 0.3;
+
+/// From where the cube is looked at, in radians.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Turn {
+    /// About the upright axis.
+    pub yaw: f64,
+    /// How far from above, −π/2..=π/2.
+    pub pitch: f64,
+}
+
+impl Default for Turn {
+    /// All three axes are seen, and none lies over another.
+    fn default() -> Self {
+        Self { yaw: 0.6, pitch: 0.42 }
+    }
+}
+
+impl Turn {
+    /// Turned further by so many radians.
+    pub fn by(self, yaw: f64, pitch: f64) -> Self {
+        let yaw = (self.yaw + yaw + PI).rem_euclid(TAU) - PI;
+        Self { yaw, pitch: (self.pitch + pitch).clamp(-FRAC_PI_2, FRAC_PI_2) }
+    }
+
+    /// Where something is on the picture, x to the right and y up, and how far behind its middle.
+    pub fn project(self, [x, y, z]: [f64; 3]) -> ([f64; 2], f64) {
+        let ((sin, cos), (rise, run)) = (self.yaw.sin_cos(), self.pitch.sin_cos());
+        let (across, behind) = (x * cos - y * sin, x * sin + y * cos);
+        ([across, z * run + behind * rise], behind * run - z * rise)
+    }
+}
+
+/// The part of the channels' space that is shown: a cube.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Span {
+    /// Its least level of each channel.
+    pub low: [f64; 3],
+    /// Its side, in levels.
+    pub side: f64,
+}
+
+impl Span {
+    /// All values that there can be.
+    pub const WHOLE: Self = Self { low: [0.0; 3], side: 255.0 };
+
+    /// As little as holds these places and components.
+    pub fn around(places: &[Place], standings: &[Standing], lambda: f32) -> Self {
+        let mut ends = [(f64::INFINITY, f64::NEG_INFINITY); 3];
+        let reaches = standings.iter().map(|standing| {
+            (standing.component.mean.map(f64::from), f64::from(lambda * standing.component.sigma()))
+        });
+        let values = places.iter().map(|place| (place.at.map(f64::from), 1.0));
+        for (at, reach) in values.chain(reaches) {
+            for ((low, high), level) in ends.iter_mut().zip(at) {
+                (*low, *high) = (low.min(level - reach), high.max(level + reach));
+            }
+        }
+        if ends[0].0 > ends[0].1 {
+            return Self::WHOLE;
+        }
+        let side = ends.iter().map(|(low, high)| high - low).fold(16.0, f64::max);
+        Self { low: ends.map(|(low, high)| f64::midpoint(low, high) - side / 2.0), side }
+    }
+
+    /// Levels in sides of the cube, from its middle.
+    fn within(&self, at: [f64; 3]) -> [f64; 3] {
+        [0, 1, 2].map(|axis| (at[axis] - self.low[axis]) / self.side - 0.5)
+    }
+}
+
+/// What a line of a scene is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Role {
+    /// On a face at the back, at a number of an axis.
+    Grid,
+    /// An edge of the cube.
+    Edge,
+    /// The outline of a component's sphere.
+    Reach {
+        /// The component's slot.
+        slot: u8,
+        /// Whether it is background.
+        background: bool,
+    },
+    /// A great circle of it in the plane of two channels.
+    Girdle {
+        /// The component's slot.
+        slot: u8,
+    },
+}
+
+/// A value of the scene.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Spot {
+    /// Where on the picture.
+    pub at: [f64; 2],
+    /// 0 at the back, 1 at the front.
+    pub nearness: f64,
+    /// What lies there.
+    pub place: Place,
+}
+
+/// Something to be read in a scene.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Label {
+    /// Where on the picture.
+    pub at: [f64; 2],
+    /// In which direction from there it stands, a direction of length 1.
+    pub out: [f64; 2],
+    /// The text.
+    pub text: String,
+    /// Of which component it is the rank, `None` for the axes.
+    pub slot: Option<u8>,
+    /// Whether it is the name of an axis.
+    pub name: bool,
+}
+
+/// A cube as it is seen, in sides of the cube from its middle, y up.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Scene {
+    /// Lines under the values.
+    pub below: Vec<(Role, Vec<[f64; 2]>)>,
+    /// The values, the farthest first.
+    pub spots: Vec<Spot>,
+    /// Lines over the values.
+    pub above: Vec<(Role, Vec<[f64; 2]>)>,
+    /// Words.
+    pub labels: Vec<Label>,
+    /// The value in view.
+    pub here: Option<[f64; 2]>,
+}
+
+/// The scene of these places and components.
+pub fn scene(
+    places: &[Place],
+    standings: &[Standing],
+    here: Option<[u8; 3]>,
+    lambda: f32,
+    span: Span,
+    turn: Turn,
+) -> Scene {
+    let mut scene = Scene::default();
+    let seen = |at: [f64; 3]| turn.project(span.within(at));
+    cube(&mut scene, span, turn);
+    let half = EXTENT;
+    scene.spots = places
+        .iter()
+        .map(|&place| {
+            let (at, behind) = seen(place.at.map(f64::from));
+            Spot { at, nearness: (0.5 - behind / half / 2.0).clamp(0.0, 1.0), place }
+        })
+        .collect();
+    scene.spots.sort_by(|a, b| a.nearness.total_cmp(&b.nearness));
+    for standing in standings {
+        let mean = standing.component.mean.map(f64::from);
+        let reach = f64::from(lambda * standing.component.sigma());
+        let angles = || (0..=60).map(|step| (f64::from(step) / 60.0 * TAU).sin_cos());
+        let (slot, background) = (standing.slot, standing.background);
+        for plane in [[0, 1], [1, 2], [0, 2]] {
+            let around = angles().map(|(sin, cos)| {
+                let mut at = mean;
+                at[plane[0]] += reach * cos;
+                at[plane[1]] += reach * sin;
+                seen(at).0
+            });
+            scene.above.push((Role::Girdle { slot }, around.collect()));
+        }
+        // A sphere seen in parallel is a circle.
+        let ([x, y], radius) = (seen(mean).0, reach / span.side);
+        let outline = angles().map(|(sin, cos)| [x + radius * cos, y + radius * sin]).collect();
+        scene.above.push((Role::Reach { slot, background }, outline));
+        let text = standing.rank.to_string();
+        scene.labels.push(Label {
+            at: [x, y + radius],
+            out: [0.0, 1.0],
+            text,
+            slot: Some(slot),
+            name: false,
+        });
+    }
+    scene.here = here.map(|here| seen(here.map(f64::from)).0);
+    scene
+}
+
+/// The cube's edges but the three in front, a grid on the faces behind, and words along three edges.
+fn cube(scene: &mut Scene, span: Span, turn: Turn) {
+    // Along each axis the side that lies further back.
+    let far: [f64; 3] = [0, 1, 2].map(|axis| {
+        let mut unit = [0.0; 3];
+        unit[axis] = 1.0;
+        if turn.project(unit).1 > 0.0 { 0.5 } else { -0.5 }
+    });
+    let corner = |axis: usize, along: f64, [j, k]: [usize; 2], [b, c]: [f64; 2]| {
+        let mut at = [0.0; 3];
+        (at[axis], at[j], at[k]) = (along, b, c);
+        turn.project(at).0
+    };
+    for (axis, name) in NAMES.into_iter().enumerate() {
+        let others = [(axis + 1) % 3, (axis + 2) % 3];
+        let back = others.map(|other| far[other]);
+        for (b, c) in [(back[0], back[1]), (back[0], -back[1]), (-back[0], back[1])] {
+            let edge = [-0.5, 0.5].map(|along| corner(axis, along, others, [b, c]));
+            scene.below.push((Role::Edge, edge.to_vec()));
+        }
+        // Of the two edges on the outline, the lower one, or the left one of those that stand.
+        let sides = [[back[0], -back[1]], [-back[0], back[1]]];
+        let middles = sides.map(|side| corner(axis, 0.0, others, side));
+        let key = |[x, y]: [f64; 2]| if axis == 2 { x } else { y };
+        let chosen = usize::from(key(middles[1]) < key(middles[0]));
+        let (side, [mx, my]) = (sides[chosen], middles[chosen]);
+        let length = mx.hypot(my).max(1e-9);
+        let out = [mx / length, my / length];
+        let [[x0, y0], [x1, y1]] = [-0.5, 0.5].map(|along| corner(axis, along, others, side));
+        let short = (x1 - x0).hypot(y1 - y0) < LEAST;
+        let ends = (span.low[axis], span.low[axis] + span.side);
+        for value in axis::ticks(ends.0, ends.1, 5) {
+            let along = (value - span.low[axis]) / span.side - 0.5;
+            let at = corner(axis, along, others, side);
+            if !short {
+                scene.labels.push(Label { at, out, text: axis::written(value), slot: None, name: false });
+            }
+            // Two lines that meet on the edge at the back.
+            let [j, k] = back;
+            let grid = [[j, -k], [j, k], [-j, k]].map(|side| corner(axis, along, others, side));
+            scene.below.push((Role::Grid, grid.to_vec()));
+        }
+        let text = name.to_owned();
+        scene.labels.push(Label { at: [mx, my], out, text, slot: None, name: true });
+    }
+    // Edges over the grid.
+    scene.below.sort_by_key(|(role, _)| *role == Role::Edge);
+}
+
+/// What the figure shows besides its [`Choice`].
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Look {
+    /// From where.
+    pub turn: Turn,
+    /// Whether the cube is as small as the values allow.
+    pub fit: bool,
+}
+
+/// The places of a choice, few enough to be turned.
+pub fn spots(history: &PixelHistory, slots: &[[u8; MAX_K]], choice: &Choice) -> Vec<Place> {
+    thinned(places(history, slots, &Choice { space: Space::Cube, ..choice.clone() }), MOST)
+}
+
+/// The figure: the cube as it is turned in the window.
+pub fn figure(
+    history: &PixelHistory,
+    slots: &[[u8; MAX_K]],
+    choice: &Choice,
+    index: usize,
+    look_at: Look,
+) -> Figure {
+    let places = spots(history, slots, choice);
+    let (standings, _) = standings(history, slots, index, false);
+    let lambda = history.parameters.lambda;
+    let span = if look_at.fit { Span::around(&places, &standings, lambda) } else { Span::WHOLE };
+    let here = place(history, index, Space::Cube);
+    let scene = scene(&places, &standings, here, lambda, span, look_at.turn);
+    let mut keys = legend(history, choice, &standings, false);
+    for key in &mut keys {
+        key.name = key.name.replace("circles", "spheres");
+    }
+    let Turn { yaw, pitch } = look_at.turn;
+    let description = format!(
+        "{}; turned by {:.0}° about B, seen from {:.0}° above",
+        parameters(history),
+        yaw.to_degrees(),
+        pitch.to_degrees()
+    );
+    let title = format!("{}, levels of R, G and B", title(history, choice));
+    let mut figure = Figure::new(NARROW, title, description, keys);
+    let width = figure.size[0] - 2.0 * super::RIGHT;
+    let ends = extent(&scene);
+    // In points a side of the cube.
+    let scale = (width - 2.0 * WORDS) / (ends[0].1 - ends[0].0);
+    let ends = ends.map(|(low, high)| (low - WORDS / scale, high + WORDS / scale));
+    let [across, up] = [0, 1].map(|side| Axis::new("", ends[side], 1));
+    let mut panel = Panel { frame: Frame::None, ..Panel::new(across, up) };
+    for (role, points) in scene.below {
+        let (name, colour, width) = match role {
+            Role::Grid => ("grid", [222, 226, 232], 0.4),
+            _ => ("edge", GRAY, 0.6),
+        };
+        panel.draw(name, Shape::Line { points, width, dashed: false }, colour, 1.0);
+    }
+    // Three sizes: what is nearer is larger.
+    let size = |spot: &Spot| (spot.nearness * 3.0).min(2.0) as usize;
+    for run in scene.spots.chunk_by(|a, b| look(&a.place) == look(&b.place) && size(a) == size(b)) {
+        let (colour, sign, opacity) = look(&run[0].place);
+        let radius = [0.95, 1.15, 1.4][size(&run[0])] + if sign == Sign::Ring { 0.3 } else { 0.0 };
+        let places = run.iter().map(|spot| spot.at).collect();
+        panel.draw("values", Shape::Dots { places, radius, sign }, colour, opacity);
+    }
+    for (role, points) in scene.above {
+        let (name, slot, width, dashed, opacity) = match role {
+            Role::Reach { slot, background } => ("reach", slot, 1.1, !background, 1.0),
+            Role::Girdle { slot } => ("girdle", slot, 0.5, false, 0.55),
+            Role::Grid | Role::Edge => continue,
+        };
+        panel.draw(name, Shape::Line { points, width, dashed }, component(slot), opacity);
+    }
+    if let Some(here) = scene.here {
+        panel.draw(
+            "value in view",
+            Shape::Dots { places: vec![here], radius: 4.0, sign: Sign::Cross },
+            INK,
+            1.0,
+        );
+    }
+    for label in scene.labels {
+        // So far out that neither the edge nor a number is touched.
+        let off = if label.name { 21.0 } else { 9.0 - 7.0 * f64::from(u8::from(label.slot.is_some())) };
+        let [x, y] = [0, 1].map(|side| label.at[side] + label.out[side] * off / scale);
+        // A word's place is its foot.
+        let at = [x, if label.slot.is_some() { y } else { y - 0.35 * super::SMALL / scale }];
+        let colour = label.slot.map_or(if label.name { INK } else { GRAY }, component);
+        panel.draw("", Shape::Words { at, text: label.text, anchor: Anchor::Middle }, colour, 1.0);
+    }
+    let [across, up] = ends.map(|(from, to)| to - from);
+    figure.stack(0, 1, vec![(panel, width * up / across)]);
+    if let Some(panel) = figure.panels.last_mut() {
+        (panel.place[0], panel.place[2]) = (super::RIGHT, width);
+    }
+    // There are no numbers below.
+    figure.size[1] -= super::BELOW - 6.0;
+    figure
+}
+
+/// What of a scene's plane is taken up by anything but words.
+fn extent(scene: &Scene) -> [(f64, f64); 2] {
+    let lines = scene.below.iter().chain(&scene.above).flat_map(|(_, points)| points);
+    let mut ends = [(-0.5_f64, 0.5_f64); 2];
+    for place in lines.chain(&scene.here) {
+        for ((low, high), at) in ends.iter_mut().zip(place) {
+            (*low, *high) = (low.min(*at), high.max(*at));
+        }
+    }
+    ends
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn seen_from_the_front_and_from_above_it_is_a_plane() {
+        let front = Turn { yaw: 0.0, pitch: 0.0 };
+        assert_eq!(front.project([0.3, 0.2, 0.1]), ([0.3, 0.1], 0.2), "R across, B up, G behind");
+        let ([x, y], behind) = Turn { yaw: 0.0, pitch: FRAC_PI_2 }.project([0.3, 0.2, 0.1]);
+        assert!((x - 0.3).abs() < 1e-12 && (y - 0.2).abs() < 1e-12 && (behind + 0.1).abs() < 1e-12);
+    }
+
+    #[test]
+    fn turning_keeps_lengths_and_stops_at_the_poles() {
+        let turn = Turn::default().by(2.5, -0.7);
+        let ([x, y], behind) = turn.project([1.0, 2.0, 2.0]);
+        assert!((x.hypot(y).hypot(behind) - 3.0).abs() < 1e-12);
+        let turned = turn.by(0.0, 9.0).by(TAU, 0.0);
+        assert!(turned.pitch == FRAC_PI_2 && (turned.yaw - turn.yaw).abs() < 1e-9);
+    }
+
+    #[test]
+    fn a_cube_has_nine_edges_behind_and_its_words_outside() {
+        for turn in [Turn::default(), Turn { yaw: -2.0, pitch: -0.5 }, Turn { yaw: 1.2, pitch: 0.1 }] {
+            let scene = scene(&[], &[], None, 2.5, Span::WHOLE, turn);
+            let edges: Vec<_> = scene.below.iter().filter(|(role, _)| *role == Role::Edge).collect();
+            assert_eq!(edges.len(), 9);
+            let names: Vec<_> = scene.labels.iter().filter(|label| label.name).collect();
+            assert_eq!(names.iter().map(|label| label.text.as_str()).collect::<String>(), "RGB");
+            for label in &scene.labels {
+                let [x, y] = label.at;
+                assert!(x.hypot(y) > 0.49 && x.hypot(y) <= EXTENT + 1e-9, "{turn:?}: {label:?}");
+                assert!(x * label.out[0] + y * label.out[1] > 0.0, "{turn:?}: {label:?} stands outside");
+            }
+        }
+        let above = scene(&[], &[], None, 2.5, Span::WHOLE, Turn { yaw: 0.3, pitch: FRAC_PI_2 });
+        let numbers = above.labels.iter().filter(|label| !label.name).count();
+        assert_eq!(numbers, 2 * 3, "B is seen from its end: only R and G have 0, 100 and 200");
+    }
+
+    #[test]
+    fn nearer_values_are_drawn_over_those_behind() {
+        use crate::mixture::places::Kind;
+        let place = |at| Place { kind: Kind::Verdict { foreground: false }, at, count: 1 };
+        let places = [place([10, 10, 10]), place([10, 250, 10]), place([10, 120, 10])];
+        let scene = scene(&places, &[], None, 2.5, Span::WHOLE, Turn { yaw: 0.0, pitch: 0.0 });
+        let order: Vec<_> = scene.spots.iter().map(|spot| spot.place.at[1]).collect();
+        assert_eq!(order, [250, 120, 10], "greater G is further back");
+        assert!(scene.spots[2].nearness > scene.spots[0].nearness);
+    }
+
+    #[test]
+    fn a_span_holds_all_values_and_reaches_and_is_a_cube() {
+        use crate::mixture::Component;
+        use crate::mixture::places::Kind;
+        let place = Place { kind: Kind::Age(0), at: [100, 90, 80], count: 1 };
+        let component = Component { weight: 1.0, mean: [110.0, 90.0, 80.0], variance: 16.0 };
+        let standing = Standing {
+            rank: 1,
+            slot: 0,
+            component,
+            background: true,
+            distance: None,
+            matched: false,
+            new: false,
+        };
+        let span = Span::around(&[place], &[standing], 2.5);
+        assert_eq!((span.side, span.low), (21.0, [99.0, 79.5, 69.5]));
+        assert_eq!(Span::around(&[], &[], 2.5), Span::WHOLE);
+    }
+}

@@ -1,0 +1,308 @@
+//! Figures for publications: described once as data, written as SVG, and from that as PNG.
+//!
+//! A [`Figure`] is panels with axes and marks on white ground, in points of 1/72 inch. What is to be
+//! seen of a pixel is made by [`mixture`], [`through_time`], [`scatter`], [`cube`] and [`tuning`]; [`svg`] and
+//! `raster` know nothing of pixels.
+
+pub mod axis;
+pub mod cube;
+pub mod mixture;
+#[cfg(feature = "gui")]
+pub mod raster;
+pub mod scatter;
+pub mod svg;
+#[cfg(test)]
+mod tests;
+pub mod through_time;
+pub mod tuning;
+pub mod words;
+
+pub use axis::Axis;
+
+use crate::mixture::PixelHistory;
+use crate::palette::component_on_light;
+use crate::regions::Rgb;
+use crate::settings::Rate;
+
+/// Width over a page's text, 180 mm.
+pub const WIDE: f64 = 510.0;
+/// Width of a column, 88 mm.
+pub const NARROW: f64 = 250.0;
+/// Size of axis names and of the legend.
+pub const TEXT: f64 = 8.0;
+/// Size of the numbers along axes.
+pub const SMALL: f64 = 7.0;
+/// Lines that carry data.
+pub const INK: Rgb = [20, 22, 26];
+/// Text beside the data, and axes.
+pub const GRAY: Rgb = [88, 92, 100];
+
+/// Room at the left of panels for tick labels and the axis' name.
+const LEFT: f64 = 40.0;
+/// Room at their right.
+const RIGHT: f64 = 10.0;
+/// Room under the lowest panel for tick labels and the axis' name.
+const BELOW: f64 = 27.0;
+/// Between panels one over the other.
+const GAP: f64 = 9.0;
+
+/// A figure.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Figure {
+    /// Width and height.
+    pub size: [f64; 2],
+    /// What is shown, in a line over it.
+    pub title: String,
+    /// Under which parameters it came about; not drawn, kept within the file.
+    pub description: String,
+    /// What stands for what.
+    pub legend: Vec<Key>,
+    /// Where it is drawn.
+    pub panels: Vec<Panel>,
+}
+
+/// An entry of the legend.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Key {
+    /// The sign.
+    pub sign: Sign,
+    /// Its colour.
+    pub colour: Rgb,
+    /// Its meaning.
+    pub name: String,
+}
+
+/// A sign in the legend.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Sign {
+    /// A plate as opaque as this.
+    Plate(f64),
+    /// A line on a pale plate.
+    Band,
+    /// A line.
+    Line,
+    /// A broken line.
+    Dashed,
+    /// A filled dot.
+    Dot,
+    /// A ring.
+    Ring,
+    /// A cross.
+    Cross,
+}
+
+/// A rectangle with two axes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Panel {
+    /// A line over it, may be empty.
+    pub caption: String,
+    /// Left, top, width, height within the figure.
+    pub place: [f64; 4],
+    /// Across.
+    pub x: Axis,
+    /// Up.
+    pub y: Axis,
+    /// What is drawn, the first at the bottom.
+    pub marks: Vec<Mark>,
+    /// What of the axes is drawn.
+    pub frame: Frame,
+    /// Whether faint lines go across at the numbers of the axis up.
+    pub grid: bool,
+}
+
+/// What of a panel's axes is drawn.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Frame {
+    /// Both axes with their numbers.
+    Axes,
+    /// The axis across has its numbers in a panel further down.
+    UpOnly,
+    /// Nothing.
+    None,
+}
+
+/// Something drawn within a panel, in the values of its axes.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Mark {
+    /// What it is, for who reads the file: `value R`, `weight of rank 1`; empty where it only adorns another.
+    pub name: String,
+    /// Its form.
+    pub shape: Shape,
+    /// Its colour.
+    pub colour: Rgb,
+    /// How much it covers, 0..=1.
+    pub opacity: f64,
+}
+
+/// The form of a mark.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Shape {
+    /// A line from point to point, of this width in points, may be broken.
+    Line {
+        /// From left to right.
+        points: Vec<[f64; 2]>,
+        /// In points.
+        width: f64,
+        /// Whether it is broken.
+        dashed: bool,
+    },
+    /// What the line around it holds.
+    Area(Vec<[f64; 2]>),
+    /// Rectangles: from x, from y, to x, to y.
+    Rects(Vec<[f64; 4]>),
+    /// Points of this radius in points.
+    Dots {
+        /// Where.
+        places: Vec<[f64; 2]>,
+        /// In points.
+        radius: f64,
+        /// Filled, a ring, or a cross.
+        sign: Sign,
+    },
+    /// A word, its anchor at the place.
+    Words {
+        /// Where.
+        at: [f64; 2],
+        /// The word.
+        text: String,
+        /// Which part of it is there.
+        anchor: Anchor,
+    },
+}
+
+/// Which part of a word is at its place.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Anchor {
+    /// Its left end.
+    Start,
+    /// Its middle.
+    Middle,
+    /// Its right end.
+    End,
+}
+
+impl Figure {
+    /// A figure of this width without panels.
+    pub fn new(width: f64, title: String, description: String, legend: Vec<Key>) -> Self {
+        let mut figure = Self { size: [width, 0.0], title, description, legend, panels: Vec::new() };
+        figure.size[1] = figure.top();
+        figure
+    }
+
+    /// Where panels begin: below the title and the legend.
+    pub fn top(&self) -> f64 {
+        let lines = self.legend_places().last().map_or(0, |&(_, line)| line + 1);
+        words::LEGEND + lines as f64 * words::LINE + 4.0
+    }
+
+    /// For each entry of the legend where it begins, and in which line.
+    pub fn legend_places(&self) -> Vec<(f64, usize)> {
+        let (mut x, mut line) = (words::MARGIN, 0);
+        let mut places = Vec::with_capacity(self.legend.len());
+        for key in &self.legend {
+            let width = words::SIGN + words::width(&key.name, SMALL);
+            if x > words::MARGIN && x + width > self.size[0] - words::MARGIN {
+                (x, line) = (words::MARGIN, line + 1);
+            }
+            places.push((x, line));
+            x += width + 10.0;
+        }
+        places
+    }
+
+    /// Adds panels one over the other that share the axis across, `(panel, height)`, in one column of `columns`.
+    pub fn stack(&mut self, column: usize, columns: usize, panels: Vec<(Panel, f64)>) {
+        let each = self.size[0] / columns.max(1) as f64;
+        let (left, width) = (each * column as f64 + LEFT, each - LEFT - RIGHT);
+        let mut y = self.top();
+        let last = panels.len().saturating_sub(1);
+        for (at, (mut panel, height)) in panels.into_iter().enumerate() {
+            if !panel.caption.is_empty() {
+                y += TEXT + 3.0;
+            }
+            panel.place = [left, y, width, height];
+            if at < last && panel.frame == Frame::Axes {
+                panel.frame = Frame::UpOnly;
+            }
+            y += height + if at < last { GAP } else { BELOW };
+            self.panels.push(panel);
+        }
+        self.size[1] = self.size[1].max(y);
+    }
+}
+
+impl Panel {
+    /// A panel with nothing in it, to be placed by [`Figure::stack`].
+    pub fn new(x: Axis, y: Axis) -> Self {
+        Self {
+            caption: String::new(),
+            place: [0.0; 4],
+            x,
+            y,
+            marks: Vec::new(),
+            frame: Frame::Axes,
+            grid: true,
+        }
+    }
+
+    /// Where a value of the axes is in the figure.
+    pub fn at(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let [left, top, width, height] = self.place;
+        [left + width * self.x.share(x), top + height * (1.0 - self.y.share(y))]
+    }
+
+    /// Draws something over what is there.
+    pub fn draw(&mut self, name: impl Into<String>, shape: Shape, colour: Rgb, opacity: f64) {
+        self.marks.push(Mark { name: name.into(), shape, colour, opacity });
+    }
+
+    /// A line across at a value, such as T.
+    pub fn across(&mut self, name: &str, y: f64, width: f64, dashed: bool) {
+        let (from, to) = self.x.ends;
+        self.draw(name, Shape::Line { points: vec![[from, y], [to, y]], width, dashed }, INK, 1.0);
+    }
+
+    /// A line from bottom to top at a value, such as the frame in view.
+    pub fn upright(&mut self, name: &str, x: f64, width: f64, dashed: bool) {
+        let (from, to) = self.y.ends;
+        self.draw(name, Shape::Line { points: vec![[x, from], [x, to]], width, dashed }, INK, 1.0);
+    }
+}
+
+/// `pixel (160, 137)`.
+fn pixel_name(history: &PixelHistory) -> String {
+    format!("pixel ({}, {})", history.at.0, history.at.1)
+}
+
+/// The parameters of a pixel's mixture in the paper's symbols, so that a figure can be made again.
+pub fn parameters(history: &PixelHistory) -> String {
+    let parameters = &history.parameters;
+    let rate = match parameters.rate {
+        Rate::Density => "ρ = α·η",
+        Rate::Weight => "ρ = α/w",
+        Rate::Constant => "ρ = α",
+    };
+    format!(
+        "K = {}, α = {}, T = {}, λ = {}, σ₀ = {}, w₀ = {}, σ_min = {}, {rate}",
+        parameters.k,
+        parameters.alpha,
+        parameters.t,
+        parameters.lambda,
+        parameters.initial_sigma,
+        parameters.initial_weight,
+        parameters.min_sigma
+    )
+}
+
+/// The colour of a component on white.
+fn component(slot: u8) -> Rgb {
+    component_on_light(usize::from(slot))
+}
+
+/// The names of a value's channels, as many as it has.
+fn channels(history: &PixelHistory) -> &'static [&'static str] {
+    match history.parameters.channels() {
+        3 => &["R", "G", "B"],
+        _ => &["Y"],
+    }
+}

@@ -1,0 +1,207 @@
+//! Where a pixel's values lie in a plane of its channels, as a figure.
+
+use super::{
+    Anchor, Axis, Figure, GRAY, INK, Key, NARROW, Panel, Shape, Sign, channels, component, parameters,
+    pixel_name,
+};
+use crate::mixture::places::{AGES, By, Choice, Kind, Place, Space, place, places};
+use crate::mixture::standing::{Standing, standings};
+use crate::mixture::verdict::number;
+use crate::mixture::{MAX_K, PixelHistory};
+use crate::palette::verdict_colour;
+use crate::regions::Rgb;
+
+/// The figure of a plane: the places, each component's reach λσ at the frame in view, and its value.
+pub fn figure(history: &PixelHistory, slots: &[[u8; MAX_K]], choice: &Choice, index: usize) -> Figure {
+    let (x, y) = match choice.space {
+        Space::Plane(x, y) => (x.min(2), y.min(2)),
+        Space::Cube | Space::Next => (0, 0),
+    };
+    let gray = x == y;
+    let mut places = places(history, slots, choice);
+    let (standings, _) = standings(history, slots, index, false);
+    let here = place(history, index, choice.space);
+
+    let mut range = Range::default();
+    for place in &places {
+        range.take([place.at[0].into(), place.at[1].into()], 2.0);
+    }
+    for standing in &standings {
+        let reach = f64::from(history.parameters.lambda * standing.component.sigma());
+        range.take([standing.component.mean[x].into(), standing.component.mean[y].into()], reach + 2.0);
+    }
+    let [across, up] = range.square();
+    let names = if gray {
+        ["Y of a frame (levels)".to_owned(), "Y of the next frame (levels)".to_owned()]
+    } else {
+        [x, y].map(|channel| format!("{} (levels)", channels(history)[channel]))
+    };
+    let mut figure = Figure::new(
+        NARROW,
+        title(history, choice),
+        parameters(history),
+        legend(history, choice, &standings, gray),
+    );
+    let [x_name, y_name] = names;
+    let mut panel = Panel::new(Axis::new(x_name, across, 6), Axis::new(y_name, up, 6));
+    for (name, run) in groups(&mut places) {
+        let (colour, sign, opacity) = look(&run[0]);
+        let places = run.iter().map(|place| [place.at[0].into(), place.at[1].into()]).collect();
+        let radius = if sign == Sign::Ring { 1.5 } else { 1.2 };
+        panel.draw(name, Shape::Dots { places, radius, sign }, colour, opacity);
+    }
+    for standing in &standings {
+        let reach = f64::from(history.parameters.lambda * standing.component.sigma());
+        let (mx, my) = (f64::from(standing.component.mean[x]), f64::from(standing.component.mean[y]));
+        let points = if gray { square([mx, my], reach) } else { circle([mx, my], reach) };
+        let (colour, dashed) = (component(standing.slot), !standing.background);
+        panel.draw(
+            format!("reach of rank {}", standing.rank),
+            Shape::Line { points, width: 1.1, dashed },
+            colour,
+            1.0,
+        );
+        let (text, anchor) = (standing.rank.to_string(), Anchor::Middle);
+        let lift = (up.1 - up.0) * 0.012;
+        panel.draw("", Shape::Words { at: [mx, my + reach + lift], text, anchor }, colour, 1.0);
+    }
+    if let Some(here) = here {
+        let places = vec![[here[0].into(), here[1].into()]];
+        panel.draw("value in view", Shape::Dots { places, radius: 4.0, sign: Sign::Cross }, INK, 1.0);
+    }
+    let side = figure.size[0] - super::LEFT - super::RIGHT;
+    figure.stack(0, 1, vec![(panel, side)]);
+    figure
+}
+
+/// `pixel (5, 4), frames 1–500`.
+pub(super) fn title(history: &PixelHistory, choice: &Choice) -> String {
+    let states = history.states.get(choice.frames.start..choice.frames.end.min(history.states.len()));
+    let numbers = states.and_then(|states| Some((states.first()?.number, states.last()?.number)));
+    let (from, to) = numbers.unwrap_or((0, 0));
+    format!("{}, frames {from}–{to}", pixel_name(history))
+}
+
+/// Places of one look together, in the order in which they are drawn.
+fn groups(places: &mut [Place]) -> impl Iterator<Item = (String, &[Place])> {
+    places.sort_by_key(|place| (place.kind, density(place.count)));
+    let runs = places.chunk_by(|a, b| a.kind == b.kind && density(a.count) == density(b.count));
+    runs.map(|run| (kind_name(run[0].kind), run))
+}
+
+fn kind_name(kind: Kind) -> String {
+    let verdict = |foreground| if foreground { "foreground" } else { "background" };
+    match kind {
+        Kind::Component { slot, foreground } => {
+            format!("values of component {}, {}", slot + 1, verdict(foreground))
+        }
+        Kind::Verdict { foreground } => format!("values, {}", verdict(foreground)),
+        Kind::Age(age) => format!("values of age {} of {AGES}", age + 1),
+    }
+}
+
+/// 0..=2: how many frames share a place, on a logarithmic scale.
+pub const fn density(count: u32) -> usize {
+    match count {
+        0 | 1 => 0,
+        2..=5 => 1,
+        _ => 2,
+    }
+}
+
+/// Colour, sign and opacity of a place.
+pub(super) fn look(place: &Place) -> (Rgb, Sign, f64) {
+    let strength = [0.5, 0.7, 0.95][density(place.count)];
+    match place.kind {
+        Kind::Component { slot, foreground: true } => (component(slot), Sign::Ring, 1.0),
+        Kind::Component { slot, .. } => (component(slot), Sign::Dot, strength),
+        Kind::Verdict { foreground } => (verdict_colour(foreground, false), Sign::Dot, strength),
+        Kind::Age(age) => (age_colour(age), Sign::Dot, strength.max(0.8)),
+    }
+}
+
+/// From pale to dark.
+fn age_colour(age: u8) -> Rgb {
+    let share = 1.0 - f64::from(age + 1) / f64::from(AGES);
+    INK.map(|ink| (f64::from(ink) + (215.0 - f64::from(ink)) * share) as u8)
+}
+
+/// What the signs of a scatter plot mean.
+pub(super) fn legend(
+    history: &PixelHistory,
+    choice: &Choice,
+    standings: &[Standing],
+    gray: bool,
+) -> Vec<Key> {
+    let key = |sign, colour, name: &str| Key { sign, colour, name: name.to_owned() };
+    let mut keys = Vec::new();
+    match choice.by {
+        By::Component => {
+            for standing in standings {
+                let name = if standing.rank == 1 {
+                    "component of rank 1".to_owned()
+                } else {
+                    standing.rank.to_string()
+                };
+                keys.push(key(Sign::Dot, component(standing.slot), &name));
+            }
+            keys.push(key(Sign::Ring, GRAY, "foreground"));
+        }
+        By::Verdict => {
+            keys.push(key(Sign::Dot, verdict_colour(false, false), "background"));
+            keys.push(key(Sign::Dot, verdict_colour(true, false), "foreground"));
+        }
+        By::Time => {
+            keys.push(key(Sign::Dot, age_colour(0), "first frames"));
+            keys.push(key(Sign::Dot, age_colour(AGES - 1), "last frames"));
+        }
+    }
+    let form = if gray { "squares" } else { "circles" };
+    keys.push(key(Sign::Line, GRAY, &format!("{form}: λσ, λ = {}", number(history.parameters.lambda))));
+    keys.push(key(Sign::Cross, INK, "value in view"));
+    keys
+}
+
+fn circle([x, y]: [f64; 2], radius: f64) -> Vec<[f64; 2]> {
+    let angles = (0..=72).map(|step| f64::from(step) / 72.0 * std::f64::consts::TAU);
+    angles.map(|angle| [x + radius * angle.cos(), y + radius * angle.sin()]).collect()
+}
+
+fn square([x, y]: [f64; 2], reach: f64) -> Vec<[f64; 2]> {
+    [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0)]
+        .map(|(dx, dy)| [x + dx * reach, y + dy * reach])
+        .to_vec()
+}
+
+/// What is to be in sight.
+struct Range {
+    low: [f64; 2],
+    high: [f64; 2],
+}
+
+impl Default for Range {
+    fn default() -> Self {
+        Self { low: [f64::INFINITY; 2], high: [f64::NEG_INFINITY; 2] }
+    }
+}
+
+impl Range {
+    fn take(&mut self, at: [f64; 2], reach: f64) {
+        for (side, value) in at.into_iter().enumerate() {
+            self.low[side] = self.low[side].min(value - reach);
+            self.high[side] = self.high[side].max(value + reach);
+        }
+    }
+
+    /// Both axes with the same span, so that circles are circles.
+    fn square(&self) -> [(f64, f64); 2] {
+        if self.low[0] > self.high[0] {
+            return [(0.0, 255.0); 2];
+        }
+        let span = (self.high[0] - self.low[0]).max(self.high[1] - self.low[1]).max(16.0);
+        [0, 1].map(|side| {
+            let middle = f64::midpoint(self.low[side], self.high[side]);
+            (middle - span / 2.0, middle + span / 2.0)
+        })
+    }
+}

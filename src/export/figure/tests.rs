@@ -1,0 +1,423 @@
+//! What is drawn is read back from the SVG and compared with the states.
+
+#![allow(clippy::unwrap_used, clippy::panic)]
+
+use std::collections::BTreeSet;
+
+use ::svg::parser::Event;
+
+use super::cube::{Look, Turn};
+use super::mixture::{Moment, densities, weights};
+use super::{Figure, cube, scatter, svg, through_time, tuning};
+use crate::export::pixel_csv;
+use crate::mixture::follow::slots;
+use crate::mixture::places::{By, Choice, Space};
+use crate::mixture::standing::standings;
+use crate::mixture::tuning::{Knob, map};
+use crate::mixture::{MAX_K, Parameters, PixelHistory};
+use crate::settings::{Preset, Settings, Space as Channels};
+
+/// Two surfaces in turn with noise, and for a while a third.
+fn history_of(settings: &Settings, frames: u32) -> PixelHistory {
+    let mut seed = 4711_u32;
+    let mut noise = move || {
+        seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        ((seed >> 16) % 9) as u8
+    };
+    let colours = (1..=frames).map(|n| {
+        let [r, g, b] = match n {
+            220..240 => [58 + (n % 20) as u8, 44, 70],
+            _ if n % 17 < 5 => [92, 128, 64],
+            _ => [168, 160, 150],
+        };
+        (n, [r + noise(), g + noise(), b + noise()])
+    });
+    PixelHistory::of_colours((5, 4), Parameters::new(settings), colours)
+}
+
+fn settings() -> Settings {
+    Settings { t: 0.8, k: 4, alpha: 0.01, ..Settings::preset(Preset::Plain) }
+}
+
+/// A panel as a reader of the file finds it.
+struct Panel {
+    place: [f64; 4],
+    ends: [[f64; 2]; 2],
+    logarithmic: bool,
+    /// Each with its name and its corners as they stand in the file.
+    marks: Vec<(String, String)>,
+}
+
+impl Panel {
+    /// The values at a place of the figure.
+    fn values(&self, [x, y]: [f64; 2]) -> [f64; 2] {
+        let [left, top, width, height] = self.place;
+        let [[x0, x1], [y0, y1]] = self.ends;
+        let up = 1.0 - (y - top) / height;
+        let y = if self.logarithmic { y0 * (y1 / y0).powf(up) } else { y0 + up * (y1 - y0) };
+        [x0 + (x - left) / width * (x1 - x0), y]
+    }
+
+    /// The corners of all marks of this name, mark by mark.
+    fn corners(&self, name: &str) -> Vec<Vec<[f64; 2]>> {
+        let found = self.marks.iter().filter(|(own, _)| own == name);
+        found
+            .map(|(_, points)| {
+                let numbers = numbers(points);
+                numbers.chunks_exact(2).map(|pair| self.values([pair[0], pair[1]])).collect()
+            })
+            .collect()
+    }
+}
+
+fn numbers(text: &str) -> Vec<f64> {
+    text.split([' ', ',']).filter(|part| !part.is_empty()).map(|part| part.parse().unwrap()).collect()
+}
+
+/// The panels of a file. Rectangles come as their lower left and upper right corners, dots as their middles.
+fn panels(text: &str) -> Vec<Panel> {
+    let (mut panels, mut name) = (Vec::<Panel>::new(), String::new());
+    for event in ::svg::read(text).unwrap() {
+        let Event::Tag(tag, _, attributes) = event else { continue };
+        let get = |key: &str| attributes.get(key).map_or("", |value| value);
+        if !get("data-place").is_empty() {
+            let ends = |key| numbers(get(key)).try_into().unwrap();
+            panels.push(Panel {
+                place: numbers(get("data-place")).try_into().unwrap(),
+                ends: [ends("data-x"), ends("data-y")],
+                logarithmic: get("data-log") == "y",
+                marks: Vec::new(),
+            });
+            name.clear();
+        } else if tag == "g" {
+            name = get("data-name").to_owned();
+        }
+        let Some(panel) = panels.last_mut().filter(|_| !name.is_empty()) else { continue };
+        let points = match tag {
+            "polyline" | "polygon" => get("points").to_owned(),
+            "circle" => format!("{},{}", get("cx"), get("cy")),
+            "path" => get("d").replace(['M', 'H', 'V', 'Z'], " "),
+            _ => continue,
+        };
+        let each: Vec<String> = if tag == "path" && !points.contains('h') {
+            // M left bottom H right V top H left Z.
+            let rects = numbers(&points);
+            rects.chunks_exact(5).map(|r| format!("{},{} {},{}", r[0], r[1], r[2], r[3])).collect()
+        } else {
+            vec![points]
+        };
+        panel.marks.extend(each.into_iter().map(|points| (name.clone(), points)));
+    }
+    panels
+}
+
+fn near(a: f64, b: f64, off: f64) {
+    assert!((a - b).abs() <= off, "{a} is not {b}");
+}
+
+/// The table that `occluscope pixel` writes, a map from column to values.
+fn csv(history: &PixelHistory) -> impl Fn(&str) -> Vec<f64> {
+    let mut text = Vec::new();
+    pixel_csv::write_header(&mut text, &history.parameters).unwrap();
+    history
+        .states
+        .iter()
+        .for_each(|state| pixel_csv::write_row(&mut text, &history.parameters, state).unwrap());
+    let mut reader = ::csv::Reader::from_reader(&text[..]);
+    let header = reader.headers().unwrap().clone();
+    let rows: Vec<_> = reader.records().map(Result::unwrap).collect();
+    move |name: &str| {
+        let column = header.iter().position(|head| head == name).unwrap();
+        rows.iter().map(|row| row[column].parse().unwrap()).collect()
+    }
+}
+
+#[test]
+fn a_history_drawn_and_the_table_of_the_command_line_have_the_same_numbers() {
+    let history = history_of(&settings(), 400);
+    let column = csv(&history);
+    let choice = through_time::Choice { frames: 0..400, index: 230, fit: false };
+    let panels = panels(&svg::write(&through_time::figure(&history, &slots(&history), &choice)));
+    assert_eq!(panels.len(), 8, "three channels, weights, B, ρ, changes, verdict");
+    let frames = column("frame");
+    for (panel, channel) in panels.iter().zip(["r", "g", "b"]) {
+        let line = &panel.corners(&format!("value {}", channel.to_uppercase()))[0];
+        assert_eq!(line.len(), 400);
+        for ((point, frame), value) in line.iter().zip(&frames).zip(column(&format!("value_{channel}"))) {
+            near(point[0], *frame, 1e-3);
+            near(point[1], value, 5e-3);
+        }
+    }
+    // The first mean is the component of rank 1, which it stays until another rises.
+    let mean = &panels[0].corners("mean of component 1")[0];
+    for (point, value) in mean[1..].iter().zip(column("mu1_r")).take(20) {
+        near(point[1], value, 5e-3);
+    }
+    let (w1, w2) = (column("w1"), column("w2"));
+    for (at, rank) in [(0, 1), (1, 2)] {
+        let areas = panels[3].corners(&format!("weight of rank {rank}"));
+        // Two corners a frame along the upper edge, and back along the lower one.
+        for area in areas {
+            let upper = &area[..area.len() / 2];
+            for step in upper.chunks_exact(2) {
+                let frame = f64::midpoint(step[0][0], step[1][0]).round() as usize - 1;
+                near(step[0][1], w1[frame] + f64::from(at) * w2[frame], 1e-4);
+            }
+        }
+    }
+    let counts = &panels[4].corners("B")[0];
+    for (step, count) in counts.chunks_exact(2).zip(column("background_count")) {
+        near(step[0][1], count, 1e-3);
+    }
+    let drawn: Vec<_> = panels[5].corners("ρ").into_iter().flatten().collect();
+    let learned: Vec<_> = column("rho").into_iter().filter(|&rho| rho > 0.0).collect();
+    assert_eq!(drawn.len(), 2 * learned.len());
+    for (step, rho) in drawn.chunks_exact(2).zip(learned) {
+        near(step[0][1] / rho, 1.0, 1e-3);
+    }
+    let foreground: BTreeSet<usize> = panels[7]
+        .corners("foreground")
+        .iter()
+        .flat_map(|rect| (rect[0][0] + 0.5).round() as usize..(rect[1][0] + 0.5).round() as usize)
+        .collect();
+    let expected = column("foreground").into_iter().enumerate().filter(|(_, foreground)| *foreground == 1.0);
+    assert_eq!(foreground, expected.map(|(at, _)| at + 1).collect());
+    near(panels[3].corners("T")[0][0][1], 0.8, 1e-4);
+    near(panels[2].corners("frame in view")[0][0][0], 231.0, 1e-3);
+    let born: Vec<_> = panels[6].corners("born").iter().map(|mark| mark[0][0].round() as usize).collect();
+    let made = column("matched").iter().filter(|&&matched| matched == 0.0).count();
+    let replaced = panels[6].corners("replaced").len();
+    assert_eq!((born[0], born.len() + replaced), (1, made));
+}
+
+#[test]
+fn a_part_of_a_history_has_its_own_frames_and_a_long_one_loses_nothing_brief() {
+    let history = history_of(&settings(), 400);
+    let choice = through_time::Choice { frames: 100..150, index: 10, fit: true };
+    let part = through_time::figure(&history, &slots(&history), &choice);
+    assert_eq!(part.title, "pixel (5, 4), frames 101–150");
+    let panels_of_part = panels(&svg::write(&part));
+    near(panels_of_part[0].ends[0][0], 100.5, 0.0);
+    assert_eq!(panels_of_part[1].corners("value G")[0].len(), 50);
+    assert!(panels_of_part[0].corners("frame in view").is_empty(), "it is not among them");
+
+    let colours = (1..=20_000).map(|n| (n, if n == 7777 { [250; 3] } else { [60 + (n % 4) as u8; 3] }));
+    let long = PixelHistory::of_colours((1, 1), Parameters::new(&settings()), colours);
+    let choice = through_time::Choice { frames: 0..20_000, index: 3, fit: false };
+    let text = svg::write(&through_time::figure(&long, &slots(&long), &choice));
+    assert!(text.len() < 2_000_000, "{}", text.len());
+    let line = panels(&text)[0].corners("value R").remove(0);
+    let highest = line.iter().max_by(|a, b| a[1].total_cmp(&b[1])).unwrap();
+    near(highest[1], 250.0, 5e-3);
+    near(highest[0], 7777.0, 20_000.0 / 1500.0);
+}
+
+#[test]
+fn densities_and_weights_are_those_of_the_mixture() {
+    let history = history_of(&settings(), 400);
+    let slots = slots(&history);
+    for (moment, index) in [(Moment::Before, 225), (Moment::After, 225), (Moment::Both, 300)] {
+        let text = svg::write(&densities(&history, &slots, index, moment));
+        let panels_of = panels(&text);
+        let weights = panels(&svg::write(&weights(&history, &slots, index, moment)));
+        for (column, &before) in moment.sides().iter().enumerate() {
+            let (standings, count) = standings(&history, &slots, index, before);
+            let mut sum = 0.0;
+            for standing in &standings {
+                for channel in 0..3 {
+                    let panel = &panels_of[3 * column + channel];
+                    for point in &panel.corners(&format!("density of rank {}", standing.rank))[0] {
+                        near(point[1], standing.marginal(channel, point[0]), 2e-5);
+                    }
+                    let band = &panel.corners(&format!("band of rank {}", standing.rank))[0];
+                    let reach = 2.5 * f64::from(standing.component.sigma());
+                    near(band[0][0], f64::from(standing.component.mean[channel]) - reach, 5e-3);
+                    near(band[1][0], f64::from(standing.component.mean[channel]) + reach, 5e-3);
+                    near(panel.corners("value")[0][0][0], history.states[index].value[channel].into(), 5e-3);
+                }
+                let bar = &weights[column].corners(&format!("weight of rank {}", standing.rank))[0];
+                near(bar[0][0], sum, 1e-4);
+                sum += f64::from(standing.component.weight);
+                near(bar[1][0], sum, 1e-4);
+            }
+            let cut = weights[column].corners("B")[0][0][1];
+            near(weights[column].ends[1][1] - cut, count as f64, 1e-3);
+            near(weights[column].corners("T")[0][0][0], 0.8, 1e-4);
+        }
+    }
+}
+
+fn everywhere(space: Space, by: By) -> Choice {
+    Choice { space, frames: 0..400, by }
+}
+
+/// All dots of a panel, as whole levels.
+fn dots(panel: &Panel) -> BTreeSet<[i32; 2]> {
+    let names: BTreeSet<_> = panel.marks.iter().map(|(name, _)| name.as_str()).collect();
+    let values = names.into_iter().filter(|name| name.starts_with("values"));
+    values.flat_map(|name| panel.corners(name)).map(|at| at[0].map(|level| level.round() as i32)).collect()
+}
+
+#[test]
+fn every_value_is_a_dot_of_a_scatter_plot() {
+    let history = history_of(&settings(), 400);
+    let slots = slots(&history);
+    let values: Vec<[i32; 3]> =
+        history.states.iter().map(|state| state.value.map(|level| level as i32)).collect();
+    for by in [By::Component, By::Verdict, By::Time] {
+        for (x, y) in [(0, 1), (1, 2), (0, 2)] {
+            let text =
+                svg::write(&scatter::figure(&history, &slots, &everywhere(Space::Plane(x, y), by), 230));
+            let expected = values.iter().map(|value| [value[x], value[y]]).collect();
+            let panel = &panels(&text)[0];
+            assert_eq!(dots(panel), expected, "{x} {y} {by:?}");
+            let circle = &panel.corners("reach of rank 1")[0];
+            let component = history.states[230].pixel.components()[0];
+            for point in circle {
+                let off =
+                    (point[0] - f64::from(component.mean[x])).hypot(point[1] - f64::from(component.mean[y]));
+                near(off, 2.5 * f64::from(component.sigma()), 0.01);
+            }
+        }
+    }
+    let gray = history_of(&Settings { space: Channels::Gray, ..settings() }, 400);
+    let slots = self::slots(&gray);
+    let text = svg::write(&scatter::figure(&gray, &slots, &everywhere(Space::Next, By::Verdict), 230));
+    let expected =
+        gray.states.windows(2).map(|pair| [pair[0].value[0] as i32, pair[1].value[0] as i32]).collect();
+    assert_eq!(dots(&panels(&text)[0]), expected);
+}
+
+#[test]
+fn a_cube_seen_from_the_front_is_the_plane_of_r_and_b() {
+    let history = history_of(&settings(), 400);
+    let slots = slots(&history);
+    let look = Look { turn: Turn { yaw: 0.0, pitch: 0.0 }, fit: false };
+    let figure = cube::figure(&history, &slots, &everywhere(Space::Cube, By::Verdict), 230, look);
+    let panel = &panels(&svg::write(&figure))[0];
+    let drawn: BTreeSet<[i32; 2]> = panel
+        .corners("values")
+        .iter()
+        .map(|at| at[0].map(|place| ((place + 0.5) * 255.0).round() as i32))
+        .collect();
+    let expected =
+        history.states.iter().map(|state| [state.value[0] as i32, state.value[2] as i32]).collect();
+    assert_eq!(drawn, expected);
+    assert!(figure.description.contains("turned by 0° about B"), "{}", figure.description);
+}
+
+#[test]
+fn every_cell_of_a_map_is_drawn_once_with_its_verdict() {
+    let history = history_of(&settings(), 230);
+    let values: Vec<_> = history.states.iter().map(|state| state.value).collect();
+    let map = map(&values, &history.parameters, [Knob::T, Knob::K]);
+    let panel = &panels(&svg::write(&tuning::figure(&history, &map, 229)))[0];
+    let mut seen = 0;
+    for (foreground, name) in [(false, "background"), (true, "foreground")] {
+        for cell in panel.corners(name) {
+            let [x, y] = [0, 1].map(|side| f64::midpoint(cell[0][side], cell[1][side]) as f32);
+            let [column, row] =
+                [(0, x), (1, y)].map(|(side, at)| map.axes[side].cell_at(map.axes[side].share_of(at)));
+            assert_eq!(map.is_foreground(column, row), foreground, "{column} {row}");
+            seen += 1;
+        }
+    }
+    assert_eq!(seen, 24 * MAX_K);
+    assert!(map.foreground_share() > 0.0 && map.foreground_share() < 1.0, "a case in point");
+}
+
+/// One figure of each sort, in colour and in gray.
+fn all() -> Vec<(&'static str, Figure)> {
+    let history = history_of(&settings(), 400);
+    let of = slots(&history);
+    let crowded = Settings { space: Channels::Gray, k: 8, initial_sigma: 4.0, min_sigma: 1.0, ..settings() };
+    let gray = history_of(&crowded, 300);
+    let of_gray = slots(&gray);
+    let values: Vec<_> = history.states[..=230].iter().map(|state| state.value).collect();
+    let maps = [[Knob::Alpha, Knob::T], [Knob::Lambda, Knob::K]]
+        .map(|knobs| map(&values, &history.parameters, knobs));
+    let look = Look { turn: Turn::default(), fit: true };
+    let part = |frames, fit| through_time::Choice { frames, index: 230, fit };
+    vec![
+        ("history", through_time::figure(&history, &of, &part(0..400, false))),
+        ("history-part", through_time::figure(&history, &of, &part(200..260, true))),
+        ("history-gray", through_time::figure(&gray, &of_gray, &part(0..300, false))),
+        ("densities", densities(&history, &of, 230, Moment::After)),
+        ("densities-both", densities(&history, &of, 230, Moment::Both)),
+        ("densities-gray", densities(&gray, &of_gray, 230, Moment::Before)),
+        ("weights", weights(&history, &of, 230, Moment::After)),
+        ("weights-both", weights(&history, &of, 230, Moment::Both)),
+        ("weights-gray", weights(&gray, &of_gray, 230, Moment::After)),
+        ("scatter", scatter::figure(&history, &of, &everywhere(Space::Plane(0, 1), By::Component), 230)),
+        ("scatter-time", scatter::figure(&history, &of, &everywhere(Space::Plane(1, 2), By::Time), 230)),
+        ("scatter-gray", scatter::figure(&gray, &of_gray, &everywhere(Space::Next, By::Verdict), 230)),
+        ("cube", cube::figure(&history, &of, &everywhere(Space::Cube, By::Component), 230, look)),
+        (
+            "cube-time",
+            cube::figure(&history, &of, &everywhere(Space::Cube, By::Time), 230, Look { fit: false, ..look }),
+        ),
+        ("tuning", tuning::figure(&history, &maps[0], 230)),
+        ("tuning-k", tuning::figure(&history, &maps[1], 230)),
+    ]
+}
+
+#[test]
+fn no_word_leaves_its_figure() {
+    for (name, figure) in all() {
+        let text = svg::write(&figure);
+        let [width, height] = figure.size;
+        let mut open: Option<(f64, f64, f64, String)> = None;
+        for event in ::svg::read(&text).unwrap() {
+            match event {
+                Event::Tag("text", _, attributes) if attributes.contains_key("x") => {
+                    let get = |key: &str| attributes[key].parse::<f64>().unwrap();
+                    let upright = attributes.contains_key("transform");
+                    let anchor = attributes["text-anchor"].to_string();
+                    open = (!upright).then(|| (get("x"), get("y"), get("font-size"), anchor));
+                }
+                Event::Text(words) => {
+                    let Some((x, y, size, anchor)) = open.take() else { continue };
+                    let wide = super::words::width(words, size);
+                    let left = x - wide
+                        * match anchor.as_str() {
+                            "start" => 0.0,
+                            "middle" => 0.5,
+                            _ => 1.0,
+                        };
+                    assert!(
+                        left >= 0.0 && left + wide <= width,
+                        "{name}: {words:?} from {left} to {}",
+                        left + wide
+                    );
+                    assert!(y - size >= 0.0 && y <= height, "{name}: {words:?} at {y} of {height}");
+                }
+                _ => {}
+            }
+        }
+    }
+}
+
+#[test]
+#[cfg(feature = "gui")]
+fn pictures_are_white_with_ink_and_know_their_size() {
+    use super::raster;
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("target/figures");
+    std::fs::create_dir_all(&folder).unwrap();
+    for (name, figure) in all() {
+        let picture = raster::picture(&figure).unwrap();
+        let [width, height] = figure.size.map(|length| (length / 72.0 * raster::RESOLUTION).round() as u32);
+        assert_eq!((picture.size.width, picture.size.height), (width, height), "{name}");
+        let dark = picture.rgb.chunks_exact(3).filter(|pixel| pixel.iter().all(|&level| level < 70)).count();
+        let white = picture.rgb.chunks_exact(3).filter(|pixel| *pixel == [255; 3]).count();
+        let all = picture.size.pixels();
+        assert!(dark > 500 && white > all / 4, "{name}: {dark} dark, {white} white of {all}");
+        std::fs::write(folder.join(format!("{name}.svg")), svg::write(&figure)).unwrap();
+        let path = folder.join(format!("{name}.png"));
+        raster::write_png(&path, &picture).unwrap();
+        assert_eq!(image::open(&path).unwrap().into_rgb8().into_raw(), picture.rgb);
+        let bytes = std::fs::read(&path).unwrap();
+        // 300 pixels an inch are 11 811 a metre.
+        let size = [&b"pHYs"[..], &11_811_u32.to_be_bytes(), &11_811_u32.to_be_bytes(), &[1]].concat();
+        assert!(bytes.windows(size.len()).any(|part| part == size), "{name}");
+    }
+}

@@ -1,0 +1,78 @@
+//! What is counted over some frames of a pixel, in one row.
+
+use std::io::{self, Write};
+use std::ops::Range;
+
+use super::number::significant;
+use crate::mixture::PixelHistory;
+use crate::mixture::statistics::Statistics;
+
+/// Writes header and row: the first and last frame's numbers, and the statistics over the states between.
+pub fn write(out: &mut impl Write, history: &PixelHistory, range: Range<usize>) -> io::Result<()> {
+    let statistics = Statistics::new(history, range.clone());
+    let end = range.end.min(history.states.len());
+    let ends =
+        [range.start, end.saturating_sub(1)].map(|at| history.states.get(at).map_or(0, |state| state.number));
+    let suffixes: &[&str] = if history.parameters.channels() == 3 { &["_r", "_g", "_b"] } else { &[""] };
+    let channels =
+        |name: &str| suffixes.iter().map(|suffix| format!(",{name}{suffix}")).collect::<Vec<_>>().concat();
+    writeln!(
+        out,
+        "from,to,frames{}{},foreground,births,replacements,mean_background_count,most_background_count,used,time_constant",
+        channels("mean"),
+        channels("variance")
+    )?;
+    write!(out, "{},{},{}", ends[0], ends[1], statistics.frames)?;
+    for values in [statistics.mean, statistics.variance] {
+        for value in &values[..suffixes.len()] {
+            write!(out, ",{}", significant((*value).into()))?;
+        }
+    }
+    writeln!(
+        out,
+        ",{},{},{},{},{},{},{}",
+        statistics.foreground,
+        statistics.births,
+        statistics.replacements,
+        significant(statistics.mean_modes.into()),
+        statistics.most_modes,
+        statistics.used,
+        significant(f64::from(1.0 / history.parameters.alpha))
+    )
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::mixture::Parameters;
+    use crate::settings::{Preset, Settings, Space};
+
+    fn table(settings: &Settings, range: Range<usize>) -> Vec<String> {
+        let colours = (1..=10).map(|n| (n + 100, if n == 10 { [200, 0, 0] } else { [20, 40, 60] }));
+        let history = PixelHistory::of_colours((1, 2), Parameters::new(settings), colours);
+        let mut text = Vec::new();
+        write(&mut text, &history, range).unwrap();
+        String::from_utf8(text).unwrap().lines().map(str::to_owned).collect()
+    }
+
+    #[test]
+    fn a_row_is_what_the_statistics_say() {
+        let rows = table(&Settings { alpha: 0.01, ..Settings::preset(Preset::Plain) }, 0..10);
+        assert_eq!(
+            rows[0],
+            "from,to,frames,mean_r,mean_g,mean_b,variance_r,variance_g,variance_b,foreground,births,replacements,\
+             mean_background_count,most_background_count,used,time_constant"
+        );
+        assert_eq!(rows[1], "101,110,10,38,36,54,2916,144,324,1,2,0,1,1,2,100");
+        assert_eq!(rows.len(), 2);
+    }
+
+    #[test]
+    fn gray_has_one_mean_and_a_part_its_own_frames() {
+        let gray = Settings { alpha: 0.01, space: Space::Gray, ..Settings::preset(Preset::Plain) };
+        let rows = table(&gray, 2..5);
+        assert!(rows[0].starts_with("from,to,frames,mean,variance,foreground"));
+        assert!(rows[1].starts_with("103,105,3,36,0,0,0,0,1,1,1,100"), "{}", rows[1]);
+    }
+}

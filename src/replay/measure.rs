@@ -1,0 +1,64 @@
+//! How long after a click a pixel's whole history is there: a measurement to run by hand, not a test.
+//!
+//! `cargo test --release --locked --lib -- --ignored --nocapture a_pixels_whole_history`
+
+#![allow(clippy::unwrap_used)]
+
+use std::sync::mpsc::channel;
+use std::time::Instant;
+
+use super::*;
+use crate::export::video::VideoFile;
+use crate::frame::Size;
+use crate::mixture::bins::bins;
+use crate::mixture::follow::slots;
+
+const SIZE: Size = Size::new(768, 576);
+const FRAMES: u32 = 800;
+/// As many as fit without any being decoded again.
+const MEMORY: usize = 4 << 30;
+/// What a wide panel draws.
+const COLUMNS: usize = 500;
+
+#[test]
+#[ignore = "a measurement"]
+fn a_pixels_whole_history() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("scene.mp4");
+    let mut video = VideoFile::create(&path, SIZE, 25.0).unwrap();
+    for number in 1..=FRAMES {
+        let level = |at: u32| (at % 97 + at / 768 % 89 + (at * 31 + number * 17) % 13 + 40) as u8;
+        let rgb = (0..SIZE.pixels() as u32).flat_map(|at| [level(at), level(at + 7), level(at + 11)]);
+        video.write(&Frame::new(number, SIZE, rgb.collect())).unwrap();
+    }
+    video.finish().unwrap();
+
+    let (wake, woken) = channel();
+    let name = path.to_str().unwrap();
+    let session = Session::open(name, Settings::default(), None, Start::First, Some(MEMORY), move || {
+        let _ = wake.send(());
+    });
+    let until = |done: &dyn Fn(&State) -> bool| loop {
+        let state = session.state();
+        if done(&state) {
+            return state;
+        }
+        woken.recv().unwrap();
+    };
+    until(&|state| state.timeline.complete && state.timeline.analysed == FRAMES && state.busy.is_none());
+    let mut times: Vec<f64> = (0..50)
+        .map(|click| {
+            let at = (click * 137 % SIZE.width, click * 89 % SIZE.height);
+            let clicked = Instant::now();
+            session.inspect(Some(at));
+            let whole =
+                |history: &Arc<PixelHistory>| history.at == at && history.states.len() as u32 == FRAMES;
+            let history = until(&|state| state.pixel.as_ref().is_some_and(whole)).pixel.unwrap();
+            assert_eq!(bins(&history, &slots(&history), 0..FRAMES as usize, COLUMNS).len(), COLUMNS);
+            clicked.elapsed().as_secs_f64() * 1000.0
+        })
+        .collect();
+    times.sort_by(f64::total_cmp);
+    println!("{FRAMES} frames of {SIZE}: ms from a click to all columns of the history");
+    println!("median {:.1}, longest {:.1}", times[times.len() / 2], times[times.len() - 1]);
+}
