@@ -361,6 +361,8 @@ impl Window {
                     object_panel::ui(ui, model, commands);
                     return;
                 }
+                let slot = model.slots.in_view;
+                inspector.names = [slot.name(), slot.other().name()];
                 let action = inspector.ui(ui, model.shown(), model.pixel(), model.tuning(), model.fps());
                 match action {
                     Some(InspectorAction::GoTo(position)) => commands.push(Command::GoTo(position)),

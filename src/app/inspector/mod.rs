@@ -62,6 +62,17 @@ pub struct Inspector {
     tuning: tuning::TuningView,
     statistics: statistics::StatisticsView,
     followed: Option<Followed>,
+    /// The same under the settings that are compared with those in view.
+    other: Other,
+    /// What the two are called: those in view first.
+    pub names: [&'static str; 2],
+}
+
+/// How the pixel under the other settings is looked at.
+#[derive(Default)]
+struct Other {
+    now: now::Now,
+    followed: Option<Followed>,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -164,7 +175,7 @@ impl Inspector {
             return None;
         };
 
-        let slots = self.follow(history);
+        let slots = follow(&mut self.followed, history);
         let chosen = Chosen { history, slots: &slots, index, state, fps };
         let mut words = verdict(history, index);
         let (x, y) = history.at;
@@ -173,10 +184,27 @@ impl Inspector {
         let ignored = ahead.is_none() && shown.roi.as_ref().is_some_and(|roi| !roi.contains(x, y));
         words.details.splice(0..0, overruled(words.foreground, mask, ignored, &shown.settings));
 
+        let beside = shown.beside.as_deref().filter(|_| ahead.is_none());
+        let other = beside.and_then(|beside| Some((beside, beside.pixel.as_ref()?)));
+        let other = other.and_then(|(beside, history)| Some((beside, history, history.states.get(index)?)));
+        let other_slots = other.map(|(_, history, _)| follow(&mut self.other.followed, history));
+        let other = other.zip(other_slots.as_ref()).map(|((beside, history, state), slots)| {
+            let mask = beside.analysis.mask.is_foreground(x, y);
+            let mut words = verdict(history, index);
+            let ignored = beside.roi.as_ref().is_some_and(|roi| !roi.contains(x, y));
+            words.details.splice(0..0, overruled(words.foreground, mask, ignored, &beside.settings));
+            (Chosen { history, slots, index, state, fps }, words, mask)
+        });
+
         header(ui, &chosen);
         ui.add_space(4.0);
-        verdict_ui(ui, &words, mask);
+        let names = self.names;
+        verdict_ui(ui, &words, mask, other.as_ref().map(|_| names[0]));
         ui.add_space(4.0);
+        if let Some((_, words, mask)) = &other {
+            verdict_ui(ui, words, *mask, Some(names[1]));
+            ui.add_space(4.0);
+        }
         ui.horizontal_wrapped(|ui| {
             // Five tabs have to stand in one line of a narrow panel.
             ui.spacing_mut().item_spacing.x = 2.0;
@@ -199,7 +227,15 @@ impl Inspector {
             .min_scrolled_height(0.0);
         scrolled
             .show(ui, |ui| match tab {
-                Tab::Now => self.now.ui(ui, &chosen, &words),
+                Tab::Now => {
+                    let asked = self.now.ui(ui, &chosen, &words);
+                    let Some((chosen, words, _)) = &other else { return asked };
+                    ui.add_space(8.0);
+                    ui.separator();
+                    ui.label(RichText::new(format!("Under {}", names[1])).size(15.0).strong());
+                    let now = &mut self.other.now;
+                    asked.or(ui.push_id("other", |ui| now.ui(ui, chosen, words)).inner)
+                }
                 Tab::History => self.history.ui(ui, &chosen),
                 Tab::Scatter => self.scatter.ui(ui, &chosen),
                 Tab::Tuning => self.tuning.ui(ui, &chosen, tuning),
@@ -212,16 +248,16 @@ impl Inspector {
     pub fn asks_about(&self) -> Option<[Knob; 2]> {
         (self.tab == Tab::Tuning).then_some(self.tuning.knobs)
     }
+}
 
-    fn follow(&mut self, history: &Arc<PixelHistory>) -> Arc<Vec<[u8; MAX_K]>> {
-        match &self.followed {
-            // The old history is kept alive, so that an equal address is the same history.
-            Some(followed) if Arc::ptr_eq(&followed.history, history) => Arc::clone(&followed.slots),
-            _ => {
-                let slots = Arc::new(slots(history));
-                self.followed = Some(Followed { history: Arc::clone(history), slots: Arc::clone(&slots) });
-                slots
-            }
+fn follow(followed: &mut Option<Followed>, history: &Arc<PixelHistory>) -> Arc<Vec<[u8; MAX_K]>> {
+    match followed {
+        // The old history is kept alive, so that an equal address is the same history.
+        Some(followed) if Arc::ptr_eq(&followed.history, history) => Arc::clone(&followed.slots),
+        _ => {
+            let slots = Arc::new(slots(history));
+            *followed = Some(Followed { history: Arc::clone(history), slots: Arc::clone(&slots) });
+            slots
         }
     }
 }
@@ -269,7 +305,8 @@ fn header(ui: &mut Ui, chosen: &Chosen<'_>) {
     });
 }
 
-fn verdict_ui(ui: &mut Ui, words: &Verdict, mask: bool) {
+/// Foreground or background, in a sentence; under which settings, where there are two.
+fn verdict_ui(ui: &mut Ui, words: &Verdict, mask: bool, name: Option<&str>) {
     let colour = style::verdict_colour(ui.visuals(), words.foreground);
     let frame = egui::Frame::new()
         .fill(colour.gamma_multiply(0.14))
@@ -279,7 +316,11 @@ fn verdict_ui(ui: &mut Ui, words: &Verdict, mask: bool) {
         .show(ui, |ui| {
             ui.set_width(ui.available_width());
             ui.spacing_mut().item_spacing.y = 2.0;
-            ui.label(RichText::new(&words.headline).color(ui.visuals().strong_text_color()));
+            let headline = match name {
+                Some(name) => format!("{name}: {}", words.headline),
+                None => words.headline.clone(),
+            };
+            ui.label(RichText::new(headline).color(ui.visuals().strong_text_color()));
             if mask != words.foreground {
                 let made = if mask { "foreground" } else { "background" };
                 ui.label(style::small(&format!("After cleaning it is {made}.")));

@@ -28,8 +28,8 @@ fn opening_can_be_given_up_and_a_video_closed() {
     harness.get_by_label("Open a video to look into");
     // It is there to be opened again.
     harness.get_by_label("walk.mp4").click();
-    settle(&mut harness);
     harness.run_steps(3);
+    settle(&mut harness);
     assert_eq!(harness.state().model.opened.as_deref(), Some("/videos/walk.mp4"));
     assert!(harness.state().model.shown().is_some());
 }

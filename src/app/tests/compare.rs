@@ -216,3 +216,31 @@ fn both_are_scored_by_the_truth_that_was_loaded() {
     harness.get_all_by_label("0.400").next().unwrap();
     picture(&mut harness, "compare-scores");
 }
+
+#[test]
+fn the_inspector_shows_the_mixtures_of_both() {
+    use crate::mixture::{Parameters, PixelHistory};
+    let (mut harness, scene) = comparing();
+    let ctx = harness.ctx.clone();
+    harness.state_mut().apply(&ctx, Command::Act(Action::InspectorPanel));
+    {
+        let mut state = scene.state.borrow_mut();
+        let shown = Shown::clone(state.shown.as_ref().unwrap());
+        let history = |settings: &Settings| {
+            let colours = (0..FRAMES)
+                .map(|n| (n + 1, if n == 30 { [180, 60, 60] } else { [90, 90 + (n % 3) as u8, 95] }));
+            Some(Arc::new(PixelHistory::of_colours((50, 60), Parameters::new(settings), colours)))
+        };
+        let other = shown.beside.as_ref().unwrap();
+        let tight = Settings { match_sigmas: 9.0, ..Settings::default() };
+        let other = Shown { pixel: history(&tight), ..Shown::clone(other) };
+        state.shown =
+            Some(Arc::new(Shown { pixel: history(&shown.settings), beside: Some(Arc::new(other)), ..shown }));
+    }
+    settle(&mut harness);
+    harness.run_steps(4);
+    harness.get_by_label_contains("B: foreground");
+    harness.get_by_label_contains("A: background");
+    harness.get_by_label("Under A");
+    picture(&mut harness, "compare-pixel");
+}
