@@ -25,15 +25,7 @@ impl Window {
             Command::Act(action) => self.act(ctx, action),
             Command::Open(name, start) => self.open(ctx, &name, start),
             Command::OpenSample => self.open_sample(ctx),
-            Command::CopyTable(table) => match table.csv() {
-                Ok(text) => {
-                    ctx.copy_text(text);
-                    self.toasts.done(ctx, format!("Copied {} rows as CSV", table.rows()));
-                }
-                Err(error) => {
-                    self.toasts.fail(ctx, format!("the table was not copied: {error}; save it instead"));
-                }
-            },
+            Command::CopyTable(table) => self.dialogs.write_table(ctx, table),
             Command::SaveTable(table) => self.dialogs.save_table(ctx, table),
             Command::CopyPlot(plot) => self.dialogs.draw_plot(ctx, plot),
             Command::SavePlot(plot, format) => self.dialogs.save_plot(ctx, plot, format),

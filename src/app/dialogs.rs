@@ -28,6 +28,8 @@ pub(crate) enum Answer {
     Wrote(Result<PathBuf, String>),
     /// A plot was drawn for the clipboard, or why not, in a sentence.
     Drawn(Result<ColorImage, String>),
+    /// A table was written for the clipboard, with how many rows, or why not, in a sentence.
+    Tabled(Result<(String, usize), String>),
     /// Settings were read from a file, or why not, in a sentence.
     Settings(Result<(PathBuf, Box<Settings>), String>),
     /// A mask was read from a file, or why not, in a sentence.
@@ -145,15 +147,29 @@ impl Dialogs {
         });
     }
 
-    /// Draws a plot for the clipboard: no dialog, but more work than the window should wait for.
+    /// Draws a plot for the clipboard.
     pub(crate) fn draw_plot(&mut self, ctx: &Context, plot: Box<Plot>) {
-        let (sender, ctx) = (self.sender.clone(), ctx.clone());
-        std::thread::spawn(move || {
-            let drawn = plot.drawn().map(|picture| {
+        self.make(ctx, move || {
+            Answer::Drawn(plot.drawn().map(|picture| {
                 let size = [picture.size.width as usize, picture.size.height as usize];
                 ColorImage::from_rgb(size, &picture.rgb)
-            });
-            let _ = sender.send(Some(Answer::Drawn(drawn)));
+            }))
+        });
+    }
+
+    /// Writes a table for the clipboard.
+    pub(crate) fn write_table(&mut self, ctx: &Context, table: Table) {
+        self.make(ctx, move || {
+            let failed = |error| format!("the table was not copied: {error}; save it instead");
+            Answer::Tabled(table.csv().map(|text| (text, table.rows())).map_err(failed))
+        });
+    }
+
+    /// No dialog, but more work than the window should wait for.
+    fn make(&mut self, ctx: &Context, make: impl FnOnce() -> Answer + Send + 'static) {
+        let (sender, ctx) = (self.sender.clone(), ctx.clone());
+        std::thread::spawn(move || {
+            let _ = sender.send(Some(make()));
             ctx.request_repaint();
         });
     }
@@ -161,8 +177,8 @@ impl Dialogs {
     /// What came back since this was last asked.
     pub(crate) fn answer(&mut self) -> Option<Answer> {
         let answer = self.receiver.try_recv().ok()?;
-        // A drawn plot comes from no dialog; one may be open still.
-        self.open &= matches!(answer, Some(Answer::Drawn(_)));
+        // What goes to the clipboard comes from no dialog; one may be open still.
+        self.open &= matches!(answer, Some(Answer::Drawn(_) | Answer::Tabled(_)));
         answer
     }
 
@@ -199,6 +215,16 @@ mod tests {
         let answer = dialogs.answer();
         assert!(!dialogs.open);
         answer
+    }
+
+    #[test]
+    fn what_is_made_for_the_clipboard_shuts_no_dialog() {
+        let (ctx, mut dialogs) = (Context::default(), Dialogs::default());
+        dialogs.open = true;
+        dialogs.make(&ctx, || Answer::Tabled(Ok(("a,b\n".to_owned(), 0))));
+        let answer = dialogs.receiver.recv().unwrap();
+        dialogs.sender.send(answer).unwrap();
+        assert!(matches!(dialogs.answer(), Some(Answer::Tabled(Ok(_)))) && dialogs.open);
     }
 
     #[test]

@@ -259,7 +259,12 @@ impl Window {
                 "This system opens no file dialog; install xdg-desktop-portal or zenity, or drop a video on \
                  the window, or name it on the command line",
             ),
+            Answer::Tabled(Ok((text, rows))) => {
+                ctx.copy_text(text);
+                self.toasts.done(ctx, format!("Copied {rows} rows as CSV"));
+            }
             Answer::Drawn(Err(why))
+            | Answer::Tabled(Err(why))
             | Answer::Wrote(Err(why))
             | Answer::Settings(Err(why))
             | Answer::Mask(Err(why))

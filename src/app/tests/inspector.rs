@@ -79,14 +79,40 @@ fn a_copied_table_is_on_the_clipboard() {
     harness.get_by_label("Copy or save the numbers").click();
     harness.run_steps(4);
     harness.get_by_label("Copy CSV of frames").click();
-    let mut copied = Vec::new();
-    for _ in 0..6 {
+    let copied = given_to_clipboard(&mut harness, |command| {
+        if let egui::OutputCommand::CopyText(text) = command { Some(text.clone()) } else { None }
+    });
+    assert_eq!(copied.lines().count() as u32, FRAMES + 1);
+    assert!(copied.starts_with("frame,value_r,value_g,value_b,matched,"));
+}
+
+/// Waits for the thread that makes what was asked for.
+fn given_to_clipboard<T>(
+    harness: &mut Harness<'_, Window>,
+    find: impl Fn(&egui::OutputCommand) -> Option<T>,
+) -> T {
+    for _ in 0..1000 {
         harness.step();
-        copied.extend(harness.output().platform_output.commands.iter().filter_map(|command| {
-            if let egui::OutputCommand::CopyText(text) = command { Some(text.clone()) } else { None }
-        }));
+        if let Some(found) = harness.output().platform_output.commands.iter().find_map(&find) {
+            return found;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(10));
     }
-    let [text] = &copied[..] else { panic!("{} texts were copied", copied.len()) };
-    assert_eq!(text.lines().count() as u32, FRAMES + 1);
-    assert!(text.starts_with("frame,value_r,value_g,value_b,matched,"));
+    panic!("nothing was copied")
+}
+
+#[test]
+fn a_copied_plot_is_on_the_clipboard_as_a_picture() {
+    let (mut harness, _) = inspected(60);
+    harness.get_by_label("Copy or save the densities").click();
+    harness.run_steps(4);
+    picture(&mut harness, "plot-menu");
+    harness.get_by_label("Copy picture").click();
+    let image = given_to_clipboard(&mut harness, |command| {
+        if let egui::OutputCommand::CopyImage(image) = command { Some(image.clone()) } else { None }
+    });
+    // 88 mm at 300 pixels an inch.
+    assert_eq!(image.size[0], 1042);
+    assert_eq!(image.pixels[0], egui::Color32::WHITE);
+    assert!(image.pixels.iter().any(|pixel| pixel.r() < 60 && pixel.g() < 60), "and ink");
 }
