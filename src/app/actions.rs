@@ -9,6 +9,7 @@ use super::keys::FLIP;
 use super::overlays::Drawn;
 use super::slots::Slot;
 use super::views::{Layout, View};
+use crate::mixture::Quantity;
 use crate::regions::roi::Purpose;
 
 /// Every action, in the order of the menus.
@@ -176,6 +177,15 @@ pub(crate) static ACTIONS: &[Entry] = &[
     .within("Views"),
     entry(
         Menu::View,
+        Action::Open(View::Map),
+        m::ICON_VISIBILITY,
+        "Map view",
+        &[],
+        "Open or close the view that maps a number of each pixel; its place is kept",
+    )
+    .within("Views"),
+    entry(
+        Menu::View,
         Action::Open(View::Agreement),
         m::ICON_VISIBILITY,
         "A against B view",
@@ -316,6 +326,15 @@ pub(crate) static ACTIONS: &[Entry] = &[
     .within("One view alone"),
     entry(
         Menu::View,
+        Action::Maximise(View::Map),
+        m::ICON_FULLSCREEN,
+        "Map alone",
+        &[key(Key::Num7)],
+        "Show the map of a number of each pixel alone, or all views again",
+    )
+    .within("One view alone"),
+    entry(
+        Menu::View,
         Action::Maximise(View::Agreement),
         m::ICON_FULLSCREEN,
         "A against B alone",
@@ -383,7 +402,69 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_LAYERS,
         "Next kind of background",
         &[key(Key::M)],
-        "The mean of component 1, the mean of all background components, or how many there are",
+        "The mean of component 1, or the mean of all background components",
+    ),
+    entry(
+        Menu::View,
+        Action::Map(Quantity::Sigma),
+        m::ICON_GRADIENT,
+        "σ of component 1",
+        &[],
+        "How far values lie around the mean of component 1 at each pixel: shaking leaves and water are wide",
+    )
+    .within("Map of"),
+    entry(
+        Menu::View,
+        Action::Map(Quantity::Weight),
+        m::ICON_GRADIENT,
+        "w of component 1",
+        &[],
+        "Which share of the recent frames component 1 stands for",
+    )
+    .within("Map of"),
+    entry(
+        Menu::View,
+        Action::Map(Quantity::Used),
+        m::ICON_GRADIENT,
+        "Components in use",
+        &[],
+        "How many of its K components each pixel has used",
+    )
+    .within("Map of"),
+    entry(
+        Menu::View,
+        Action::Map(Quantity::BackgroundCount),
+        m::ICON_GRADIENT,
+        "B",
+        &[],
+        "How many components are background at each pixel",
+    )
+    .within("Map of"),
+    entry(
+        Menu::View,
+        Action::Map(Quantity::Matched),
+        m::ICON_GRADIENT,
+        "Rank that matched",
+        &[],
+        "Which component the value of this frame matched at each pixel, or none",
+    )
+    .within("Map of"),
+    entry(
+        Menu::View,
+        Action::Map(Quantity::Since),
+        m::ICON_GRADIENT,
+        "Frames since foreground",
+        &[],
+        "How long ago each pixel was foreground, before cleaning: where people walk",
+    )
+    .within("Map of"),
+    entry(
+        Menu::View,
+        Action::NextMap,
+        m::ICON_GRADIENT,
+        "Next map",
+        &[shift(Key::M)],
+        "Map the next number of each pixel: σ, w, components in use, B, rank that matched, frames since foreground",
     ),
     entry(
         Menu::View,
@@ -400,6 +481,14 @@ pub(crate) static ACTIONS: &[Entry] = &[
         "Next opacity of the mask",
         &[shift(Key::O)],
         "Cover a quarter of the input, half, three quarters, or all",
+    ),
+    entry(
+        Menu::View,
+        Action::Loupe,
+        m::ICON_LOUPE,
+        "Loupe",
+        &[key(Key::L)],
+        "Enlarge what is around the pointer, with value and verdict; for a moment while Alt is held",
     ),
     entry(
         Menu::View,
@@ -513,6 +602,22 @@ pub(crate) static ACTIONS: &[Entry] = &[
         "Choose no object",
         &[],
         "Close the panel about the chosen object",
+    ),
+    entry(
+        Menu::View,
+        Action::Pin,
+        m::ICON_KEEP,
+        "Pin chosen pixel",
+        &[key(Key::D)],
+        "Pin the chosen pixel, or unpin it: up to eight, kept with the video and compared under Pixels",
+    ),
+    entry(
+        Menu::View,
+        Action::ClearPins,
+        m::ICON_KEEP_OFF,
+        "Unpin all pixels",
+        &[],
+        "Take all pins off the views",
     ),
     entry(
         Menu::View,

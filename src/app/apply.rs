@@ -13,7 +13,9 @@ use super::history::Again;
 use super::overlays::Overlay;
 use super::slots::Slots;
 use super::state::{Camera, Origin, SPEEDS, Subject};
+use super::views::View;
 use super::{sample, timeline, views};
+use crate::mixture::Quantity;
 use crate::replay::Start;
 use crate::settings::Settings;
 
@@ -45,6 +47,7 @@ impl Window {
                 model.subject = if object.is_some() { Subject::Object } else { Subject::Pixel };
             }
             Command::Explain(subject) => model.subject = subject,
+            Command::Unpin(number) => model.marks.pins.remove(number),
             Command::Look(camera) => model.camera = camera,
             Command::Hover(hover) => {
                 model.hovered = hover;
@@ -223,6 +226,15 @@ impl Window {
             Action::ZoomIn => model.zoom_by(1.25),
             Action::ZoomOut => model.zoom_by(0.8),
             Action::Background => model.background = model.background.next(),
+            Action::Map(quantity) => self.show_map(quantity),
+            Action::NextMap => {
+                let all = Quantity::ALL.iter().cycle();
+                let next = all.skip_while(|&&quantity| quantity != model.quantity).nth(1);
+                // The first time it shows what would be the first to go on from.
+                let next = next.filter(|_| model.mapped.is_some()).copied();
+                let next = next.unwrap_or(model.quantity);
+                self.show_map(next);
+            }
             Action::Overlay => model.overlay.on = !model.overlay.on,
             Action::OverlayOpacity => {
                 model.overlay = Overlay { on: true, opacity: model.overlay.next() };
@@ -233,6 +245,16 @@ impl Window {
             }
             Action::ClearPixel => self.apply(ctx, Command::Choose(None)),
             Action::ClearObject => self.apply(ctx, Command::ChooseObject(None)),
+            Action::Loupe => model.loupe = !model.loupe,
+            Action::Pin => {
+                if let Some(at) = model.chosen
+                    && !model.marks.pins.toggle(at)
+                {
+                    let text = format!("{} pixels are pinned already; unpin one first", super::pins::MOST);
+                    self.toasts.warn(ctx, text);
+                }
+            }
+            Action::ClearPins => model.marks.pins.clear(),
             Action::SettingsPanel => model.settings_panel = !model.settings_panel,
             Action::InspectorPanel => model.inspector_panel = !model.inspector_panel,
             Action::Scale(scale) => {
@@ -253,6 +275,15 @@ impl Window {
             Action::Help => self.help = !self.help,
             Action::Palette => self.finder.toggle(),
         }
+    }
+
+    /// Shows a number of each pixel, in front of what hides the map.
+    fn show_map(&mut self, quantity: Quantity) {
+        self.model.quantity = quantity;
+        if self.model.maximised.is_some() {
+            self.model.maximised = Some(View::Map);
+        }
+        views::set_open(&mut self.tree, View::Map, true);
     }
 
     fn open_sample(&mut self, ctx: &Context) {

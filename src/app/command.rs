@@ -9,6 +9,7 @@ use super::overlays::Drawn;
 use super::slots::Slot;
 use super::state::{Camera, Hover, Subject};
 use super::views::{Background, Layout, View};
+use crate::mixture::Quantity;
 use crate::regions::roi::Purpose;
 use crate::replay::Start;
 use crate::settings::Settings;
@@ -130,6 +131,10 @@ pub(crate) enum Action {
     ZoomOut,
     /// What the background view shows.
     Background,
+    /// The map shows this number.
+    Map(Quantity),
+    /// The map shows the next number.
+    NextMap,
     /// The mask over the input, or none.
     Overlay,
     /// Another opacity of the mask over the input.
@@ -140,6 +145,12 @@ pub(crate) enum Action {
     ClearPixel,
     /// No object chosen any more.
     ClearObject,
+    /// A loupe beside the pointer, or none.
+    Loupe,
+    /// The chosen pixel is pinned, or is not.
+    Pin,
+    /// No pixel is pinned any more.
+    ClearPins,
     /// The panel with the settings.
     SettingsPanel,
     /// The panel with the inspector and the events.
@@ -193,6 +204,8 @@ pub(crate) enum Command {
     ChooseObject(Option<Identity>),
     /// Explain this in the panel on the right.
     Explain(Subject),
+    /// Unpin the pixel of this number.
+    Unpin(u8),
     /// Look elsewhere in all views.
     Look(Camera),
     /// The pointer is on this pixel.

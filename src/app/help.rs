@@ -11,6 +11,7 @@ const POINTER: &[(&str, &str)] = &[
     ("Wheel", "zoom where the pointer is"),
     ("Drag", "pan all views"),
     ("Double click", "fit"),
+    ("Alt, held", "a loupe beside the pointer"),
     ("Click an outline", "choose that area"),
     ("Drag a title", "put a view elsewhere"),
     ("Drop a file", "open a video or a folder of images"),

@@ -10,6 +10,7 @@ use super::marks::Marks;
 use super::overlays::{Overlay, Overlays};
 use super::state::{Model, SPEEDS};
 use super::views::Background;
+use crate::mixture::Quantity;
 use crate::occlusion::EventKind;
 
 /// Under which name it is kept.
@@ -24,7 +25,9 @@ pub(crate) struct Kept {
     /// The settings, and the inspector with the events.
     panels: [bool; 2],
     background: Background,
+    quantity: Quantity,
     overlay: Overlay,
+    loupe: bool,
     drawn: Overlays,
     speed: usize,
     listed: Vec<bool>,
@@ -46,7 +49,9 @@ impl Kept {
             hint: model.hint,
             panels: [model.settings_panel, model.inspector_panel],
             background: model.background,
+            quantity: model.quantity,
             overlay: model.overlay,
+            loupe: model.loupe,
             drawn: model.drawn,
             speed: model.playback.speed,
             listed: model.listed.to_vec(),
@@ -69,9 +74,9 @@ impl Kept {
     pub(crate) fn restore(self, ctx: &Context, model: &mut Model) {
         ctx.set_theme(if self.light { Theme::Light } else { Theme::Dark });
         [model.settings_panel, model.inspector_panel] = self.panels;
-        model.background = self.background;
+        (model.background, model.quantity) = (self.background, self.quantity);
         model.overlay = Overlay { opacity: self.overlay.opacity.clamp(5, 100), ..self.overlay };
-        model.drawn = self.drawn;
+        (model.drawn, model.loupe) = (self.drawn, self.loupe);
         model.playback.speed = self.speed.min(SPEEDS.len() - 1);
         if let Ok(listed) = <[bool; EventKind::ALL.len()]>::try_from(self.listed) {
             model.listed = listed;

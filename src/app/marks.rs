@@ -1,10 +1,12 @@
-//! Places in a video that somebody marked: where playing begins and ends, and bookmarks.
+//! Places in a video that somebody marked: where playing begins and ends, bookmarks, and pinned pixels.
 
 use std::collections::BTreeSet;
 
 use serde::{Deserialize, Serialize};
 
-/// Positions from 0.
+use super::pins::Pins;
+
+/// Frames by their positions from 0, and pixels.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub(crate) struct Marks {
@@ -14,6 +16,8 @@ pub(crate) struct Marks {
     pub(crate) end: Option<u32>,
     /// Bookmarks.
     pub(crate) bookmarks: BTreeSet<u32>,
+    /// Pinned pixels.
+    pub(crate) pins: Pins,
 }
 
 impl Marks {

@@ -20,6 +20,7 @@ use super::command::{Action, Command};
 use super::state::Player;
 use crate::export::tests::track;
 use crate::frame::{Frame, Mask, Size};
+use crate::mixture::Quantity;
 use crate::mixture::tuning::Knob;
 use crate::occlusion::Counters;
 use crate::pipeline::Analysis;
@@ -69,6 +70,12 @@ impl Player for Ready {
     fn analyse_ahead(&self, _: bool) {}
 
     fn leave(self: Box<Self>) {}
+
+    fn map(&self, _: Option<Quantity>) {}
+
+    fn pin(&self, _: Vec<(u32, u32)>) {}
+
+    fn region(&self, _: Option<((u32, u32), u32)>) {}
 }
 
 /// `count` people who walk in rows over the whole picture.
@@ -129,7 +136,7 @@ fn shown_at(position: u32, count: u32) -> Shown {
         }),
         background: picture(0),
         multi_mode: Some(picture(0)),
-        background_count: Some(Arc::new(vec![1; SIZE.pixels()])),
+        map: None,
         pixel: None,
         beside: None,
     }
@@ -149,6 +156,8 @@ fn ready(frames: Rc<Vec<Shown>>) -> Ready {
         what_if: None,
         busy: None,
         pixel: None,
+        pins: Arc::default(),
+        region: None,
         tuning: None,
         analysis_fps: 0.0,
     };

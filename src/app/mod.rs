@@ -26,6 +26,7 @@ mod marks;
 mod messages;
 mod object_panel;
 mod overlays;
+mod pins;
 mod sample;
 mod score_panel;
 mod setting_control;
@@ -59,10 +60,10 @@ use eframe::egui_wgpu::RenderState;
 
 use self::about::About;
 use self::areas::{Areas, Change};
-use self::command::Command;
+use self::command::{Action, Command};
 use self::dialogs::{Answer, Dialogs};
 use self::finder::Finder;
-use self::inspector::{Inspector, InspectorAction};
+use self::inspector::{Beside, Inspector, InspectorAction};
 use self::kept::Kept;
 use self::state::{Model, Opener, Subject};
 use self::status::Pace;
@@ -368,7 +369,16 @@ impl Window {
                 }
                 let slot = model.slots.in_view;
                 inspector.names = [slot.name(), slot.other().name()];
-                let action = inspector.ui(ui, model.shown(), model.pixel(), model.tuning(), model.fps());
+                let pins: Vec<_> = model.marks.pins.iter().collect();
+                let state = model.state.as_ref();
+                let beside = Beside {
+                    chosen: model.chosen,
+                    pins: &pins,
+                    histories: state.map_or(&[], |state| &state.pins),
+                    region: model.region_shares(),
+                };
+                let (shown, newest, tuning) = (model.shown(), model.pixel(), model.tuning());
+                let action = inspector.ui(ui, shown, newest, tuning, model.fps(), &beside);
                 match action {
                     Some(InspectorAction::GoTo(position)) => commands.push(Command::GoTo(position)),
                     Some(InspectorAction::Take(values)) => {
@@ -378,6 +388,9 @@ impl Window {
                             commands.push(Command::Set(Box::new(settings)));
                         }
                     }
+                    Some(InspectorAction::Choose(at)) => commands.push(Command::Choose(Some(at))),
+                    Some(InspectorAction::Pin) => commands.push(Command::Act(Action::Pin)),
+                    Some(InspectorAction::Unpin(number)) => commands.push(Command::Unpin(number)),
                     Some(InspectorAction::Copy(table)) => commands.push(Command::CopyTable(table)),
                     Some(InspectorAction::Save(table)) => commands.push(Command::SaveTable(table)),
                     Some(InspectorAction::CopyPicture(plot)) => commands.push(Command::CopyPlot(plot)),
@@ -465,6 +478,10 @@ impl Window {
         let looked_at = self.model.inspector_panel && self.model.shown().is_some();
         self.model.tune(self.inspector.asks_about().filter(|_| looked_at));
         self.model.explain();
+        let around = self.inspector.asks_around().filter(|_| looked_at);
+        self.model.look_around(around);
+        self.model.pin();
+        self.model.map(self.pictures.shows_map().then_some(self.model.quantity));
         // Views may have come into sight that need more of the frame.
         self.ask_for_pictures();
         help::ui(&ctx, &mut self.help);

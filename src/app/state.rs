@@ -14,11 +14,11 @@ use super::overlays::{Overlay, Overlays};
 use super::slots::{Slot, Slots};
 use super::views::{Background, View};
 use crate::frame::Size;
-use crate::mixture::PixelHistory;
 use crate::mixture::tuning::Knob;
+use crate::mixture::{PixelHistory, Quantity};
 use crate::occlusion::{Event, EventKind};
 use crate::regions::Roi;
-use crate::replay::{Phase, Session, Shown, Start, State, Timeline, Tuning};
+use crate::replay::{Phase, RegionShares, Session, Shown, Start, State, Timeline, Tuning};
 use crate::settings::Settings;
 use crate::tracking::{Identity, Track};
 use crate::truth::boxes::Boxes;
@@ -45,6 +45,12 @@ pub(crate) trait Player {
     fn analyse_ahead(&self, ahead: bool);
     /// Ends it without waiting for that.
     fn leave(self: Box<Self>);
+    /// Asks for a map of a number of each pixel with every frame.
+    fn map(&self, quantity: Option<Quantity>);
+    /// Asks for the histories of these pixels.
+    fn pin(&self, pixels: Vec<(u32, u32)>);
+    /// Asks for the share of foreground around a pixel, with so many to a side.
+    fn region(&self, region: Option<((u32, u32), u32)>);
 }
 
 impl Player for Session {
@@ -88,6 +94,18 @@ impl Player for Session {
         // Its worker may be inside a decoder, and gives gigabytes back. Without a thread it is waited for here.
         let left = std::thread::Builder::new().name("leaving".into()).spawn(move || drop(self));
         drop(left);
+    }
+
+    fn map(&self, quantity: Option<Quantity>) {
+        Session::map(self, quantity);
+    }
+
+    fn pin(&self, pixels: Vec<(u32, u32)>) {
+        Session::pin(self, pixels);
+    }
+
+    fn region(&self, region: Option<((u32, u32), u32)>) {
+        Session::region(self, region);
     }
 }
 
@@ -202,6 +220,8 @@ pub(crate) enum Origin {
 }
 
 /// Everything that the window shows, and what has been asked for.
+// Each is a switch of its own, which a key turns.
+#[allow(clippy::struct_excessive_bools)]
 pub(crate) struct Model {
     /// The worker, once something was opened.
     pub(crate) player: Option<Box<dyn Player>>,
@@ -225,6 +245,12 @@ pub(crate) struct Model {
     pub(crate) sent: (Settings, Option<Settings>),
     /// The settings whose map the worker was last asked for.
     pub(crate) tuned: Option<[Knob; 2]>,
+    /// The pixels of which the worker was last asked for histories beside that of the chosen one.
+    pub(crate) pinned: Vec<(u32, u32)>,
+    /// The pixel, and how many to a side, around which the worker was last asked for the share of foreground.
+    pub(crate) region: Option<((u32, u32), u32)>,
+    /// The number of which the worker was last asked for maps.
+    pub(crate) mapped: Option<Quantity>,
     /// Settings before and after, for undo.
     pub(crate) history: History,
     /// The position that was asked for and has not arrived.
@@ -253,8 +279,12 @@ pub(crate) struct Model {
     pub(crate) maximised: Option<View>,
     /// What the background view shows.
     pub(crate) background: Background,
+    /// What the map shows.
+    pub(crate) quantity: Quantity,
     /// The mask over the input.
     pub(crate) overlay: Overlay,
+    /// Whether a loupe stands beside the pointer.
+    pub(crate) loupe: bool,
     /// The boxes that are known to be right, by frame number and identity.
     pub(crate) truth: Option<Arc<Boxes>>,
     /// What is drawn over the tracks.
@@ -298,6 +328,9 @@ impl Model {
             history: History::new(settings.clone()),
             sent: (settings.clone(), None),
             tuned: None,
+            mapped: None,
+            pinned: Vec::new(),
+            region: None,
             settings,
             slots: Slots::new(),
             wanted: None,
@@ -314,7 +347,9 @@ impl Model {
             camera: Camera::FIT,
             maximised: None,
             background: Background::Mean,
+            quantity: Quantity::Sigma,
             overlay: Overlay { on: false, opacity: 50 },
+            loupe: false,
             truth: None,
             drawn: Overlays::default(),
             open: [true; View::ALL.len()],
@@ -360,8 +395,9 @@ impl Model {
         self.opened = Some(name.to_owned());
         (self.origin, self.truth) = (Origin::New, None);
         // A worker begins with the settings in view alone.
-        (self.sent, self.tuned) = ((self.settings.clone(), None), None);
+        (self.sent, self.tuned, self.mapped) = ((self.settings.clone(), None), None, None);
         (self.compared, self.explained) = (None, None);
+        (self.pinned, self.region) = (Vec::new(), None);
         (self.wanted, self.chosen, self.hovered, self.reading) = (None, None, None, None);
         (self.object, self.subject) = (None, Subject::Pixel);
         self.playback.playing = false;
@@ -467,6 +503,39 @@ impl Model {
         if let Some(player) = self.player.as_ref().filter(|_| self.tuned != knobs) {
             player.tune(knobs);
             self.tuned = knobs;
+        }
+    }
+
+    /// Asks the worker for the histories of the pinned pixels, if it has not been asked before.
+    pub(crate) fn pin(&mut self) {
+        let pins: Vec<_> = self.marks.pins.iter().map(|(_, at)| at).collect();
+        if let Some(player) = self.player.as_ref().filter(|_| self.pinned != pins) {
+            player.pin(pins.clone());
+            self.pinned = pins;
+        }
+    }
+
+    /// Asks the worker for the share of foreground around the chosen pixel, so many to a `side`, if it has not been
+    /// asked before.
+    pub(crate) fn look_around(&mut self, side: Option<u32>) {
+        let region = self.chosen.zip(side);
+        if let Some(player) = self.player.as_ref().filter(|_| self.region != region) {
+            player.region(region);
+            self.region = region;
+        }
+    }
+
+    /// That share, if it is there.
+    pub(crate) fn region_shares(&self) -> Option<&RegionShares> {
+        let shares = self.state.as_ref()?.region.as_deref();
+        shares.filter(|shares| Some(shares.at) == self.chosen)
+    }
+
+    /// Asks the worker for maps of this number, if it has not been asked before.
+    pub(crate) fn map(&mut self, quantity: Option<Quantity>) {
+        if let Some(player) = self.player.as_ref().filter(|_| self.mapped != quantity) {
+            player.map(quantity);
+            self.mapped = quantity;
         }
     }
 

@@ -21,10 +21,11 @@ use super::state::Player;
 use super::views::View;
 use crate::frame::{Frame, Mask, Size};
 use crate::mixture::tuning::Knob;
+use crate::mixture::{Map, Parameters, PixelHistory, Quantity};
 use crate::occlusion::{Counters, Event, EventKind, Evidence};
 use crate::pipeline::Analysis;
 use crate::regions::{self, LabelRun, Labels, Rect};
-use crate::replay::{LifeLine, Phase, Progress, Shown, Start, State, Timeline};
+use crate::replay::{LifeLine, Phase, Progress, RegionShares, Shown, Start, State, Timeline};
 use crate::settings::{SETTINGS, Settings};
 use crate::source::SourceInfo;
 use crate::tracking::{Competing, Track, TrackState};
@@ -36,8 +37,11 @@ mod around;
 mod compare;
 mod inspector;
 mod layout;
+mod loupe;
+mod maps;
 mod object;
 mod pictures;
+mod pixels;
 mod sizes;
 mod timeline;
 
@@ -57,6 +61,9 @@ enum Asked {
     Tune(Option<[Knob; 2]>),
     Ahead(bool),
     Leave,
+    Map(Option<Quantity>),
+    Pin(Vec<(u32, u32)>),
+    Region(Option<((u32, u32), u32)>),
 }
 
 /// A worker that answers at once, and notes what it was asked.
@@ -74,6 +81,7 @@ impl Player for Scene {
     fn show(&self, position: u32) {
         self.asked.borrow_mut().push(Asked::Show(position));
         let shown = shown_at(position.min(FRAMES - 1));
+        let shown = Shown { map: self.asked_map().map(map_of), ..shown };
         self.state.borrow_mut().shown = Some(Arc::new(shown));
     }
 
@@ -113,6 +121,72 @@ impl Player for Scene {
     fn leave(self: Box<Self>) {
         self.asked.borrow_mut().push(Asked::Leave);
     }
+
+    fn map(&self, quantity: Option<Quantity>) {
+        self.asked.borrow_mut().push(Asked::Map(quantity));
+        let mut state = self.state.borrow_mut();
+        let shown = state.shown.as_deref().cloned();
+        state.shown = shown.map(|shown| Arc::new(Shown { map: quantity.map(map_of), ..shown }));
+    }
+
+    fn pin(&self, pixels: Vec<(u32, u32)>) {
+        self.state.borrow_mut().pins = Arc::new(pixels.iter().map(|&at| history_of(at)).collect());
+        self.asked.borrow_mut().push(Asked::Pin(pixels));
+    }
+
+    fn region(&self, region: Option<((u32, u32), u32)>) {
+        self.state.borrow_mut().region = region.map(|(at, side)| Arc::new(shares_of(at, side)));
+        self.asked.borrow_mut().push(Asked::Region(region));
+    }
+}
+
+impl Scene {
+    /// The number of which a map was last asked for.
+    fn asked_map(&self) -> Option<Quantity> {
+        let asked = self.asked.borrow();
+        let last =
+            asked.iter().rev().find_map(|asked| if let Asked::Map(q) = asked { Some(*q) } else { None });
+        last.flatten()
+    }
+}
+
+/// A wall that somebody passes by now and then, later the farther to the right.
+fn history_of(at: (u32, u32)) -> Arc<PixelHistory> {
+    let colour = |n: u32| {
+        let passed = (n + FRAMES - at.0 / 2) % 50 < 9;
+        let wall = 60 + (at.0 / 2) as u8 + (n * 37 % 7) as u8;
+        if passed { [200, 70, 60] } else { [wall, wall + (at.1 / 2) as u8, 110] }
+    };
+    let parameters = Parameters::new(&Settings { warm_up: 0, ..Settings::default() });
+    Arc::new(PixelHistory::of_colours(at, parameters, (0..FRAMES).map(|n| (n + 1, colour(n)))))
+}
+
+fn shares_of(at: (u32, u32), side: u32) -> RegionShares {
+    let share = |n: u32| (1.6 * (n as f32 / 14.0).sin() - 0.4).clamp(0.0, 1.0);
+    let model = (0..FRAMES).map(|n| (share(n) + if n % 7 == 0 { 0.12 } else { 0.0 }).min(1.0));
+    RegionShares {
+        at,
+        side,
+        pixels: side * side,
+        model: model.collect(),
+        cleaned: (0..FRAMES).map(share).collect(),
+    }
+}
+
+/// Numbers that grow from left to right, with some that are special.
+fn map_of(quantity: Quantity) -> Arc<Map> {
+    let value = |at: usize| {
+        let (x, y) = (at % 160, at / 160);
+        match quantity {
+            Quantity::Sigma => 4.0 + x as f32 / 4.0,
+            Quantity::Weight => x as f32 / 159.0,
+            Quantity::Used | Quantity::BackgroundCount => 1.0 + (x / 40) as f32,
+            Quantity::Matched => (x / 20) as f32,
+            Quantity::Since if y < 20 => f32::INFINITY,
+            Quantity::Since => (x * x / 20) as f32,
+        }
+    };
+    Arc::new(Map { quantity, values: (0..SIZE.pixels()).map(value).collect() })
 }
 
 /// What competes for an object that stands there: a match and a null match, none while it is hidden.
@@ -220,9 +294,7 @@ fn shown_at(position: u32) -> Shown {
         }),
         background: background.clone(),
         multi_mode: Some(background),
-        background_count: Some(Arc::new(
-            (0..SIZE.pixels()).map(|index| 1 + (index % 160 / 60) as u8).collect(),
-        )),
+        map: None,
         pixel: None,
         beside: None,
     }
@@ -298,6 +370,8 @@ fn state(phase: Phase, shown: Option<u32>) -> State {
         what_if: None,
         busy: None,
         pixel: None,
+        pins: Arc::default(),
+        region: None,
         tuning: None,
         analysis_fps: 0.0,
     }

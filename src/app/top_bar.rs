@@ -95,10 +95,13 @@ fn is_on(model: &Model, action: Action) -> Option<bool> {
         Action::Open(view) => Some(model.open[view.place()]),
         Action::Maximise(view) => Some(model.maximised == Some(view)),
         Action::Draw(what) => Some(model.drawn.has(what)),
+        Action::Map(quantity) => Some(model.mapped.is_some() && model.quantity == quantity),
         Action::Overlay => Some(model.overlay.on),
+        Action::Loupe => Some(model.loupe),
         Action::StartHere => Some(model.marks.start == Some(model.position())),
         Action::EndHere => Some(model.marks.end == Some(model.position())),
         Action::Bookmark => Some(model.marks.bookmarks.contains(&model.position())),
+        Action::Pin => Some(model.chosen.is_some_and(|at| model.marks.pins.number_of(at).is_some())),
         Action::SettingsPanel => Some(model.settings_panel),
         Action::InspectorPanel => Some(model.inspector_panel),
         Action::Slot(slot) => Some(model.slots.in_view == slot),
@@ -120,7 +123,8 @@ pub(crate) fn allowed(model: &Model, entry: &Entry) -> bool {
             model.slots.other.as_ref().is_some_and(|other| *other != model.settings)
         }
         Action::KeepSettings => model.slots.other.is_some(),
-        Action::ClearPixel => model.chosen.is_some(),
+        Action::ClearPixel | Action::Pin => model.chosen.is_some(),
+        Action::ClearPins => !model.marks.pins.is_empty(),
         Action::ClearObject => model.object.is_some(),
         Action::Draw(Drawn::Truth) => model.truth.is_some(),
         Action::CloseVideo => model.player.is_some(),

@@ -10,7 +10,7 @@ use crate::source::SourceError;
 use crate::source::cache::{Fetched, FrameCache, Keep};
 
 /// Work on a pixel goes on for so long before other work gets its turn.
-const TURN: Duration = Duration::from_millis(4);
+pub(super) const TURN: Duration = Duration::from_millis(4);
 
 /// Follows one pixel through all frames that are known, whether they are analysed or not.
 #[derive(Default)]

@@ -99,8 +99,13 @@ impl Lane {
     }
 
     /// Analyses the next frames that are there, or lets one be decoded on the way to them: not beyond the
-    /// position that is wanted in view, so that the model stops there.
-    pub(super) fn go_on(&mut self, frames: &mut FrameCache, wanted: Option<u32>) -> Result<Step, LaneError> {
+    /// position that is wanted in view, so that the model stops there. `passed` is given each frame with its position.
+    pub(super) fn go_on(
+        &mut self,
+        frames: &mut FrameCache,
+        wanted: Option<u32>,
+        mut passed: impl FnMut(u32, &Frame),
+    ) -> Result<Step, LaneError> {
         let position = self.run.front();
         if self.run.is_tracking_again() {
             self.run.track_next();
@@ -111,6 +116,7 @@ impl Lane {
                     self.run.step(&frames)?;
                     for (position, frame) in (position..).zip(&frames) {
                         self.inspector.push(position, frame);
+                        passed(position, frame);
                     }
                 }
                 Fetched::OnTheWay | Fetched::End => {}
@@ -159,7 +165,7 @@ impl Lane {
             analysis: Arc::new(analysis),
             background: pictures.background,
             multi_mode: pictures.multi_mode,
-            background_count: pictures.background_count,
+            map: pictures.map,
             pixel: self.inspector.covering(position),
             beside: None,
         })

@@ -8,11 +8,14 @@ mod lane;
 mod memory;
 mod near;
 mod pictures;
+mod pins;
 mod record;
+mod region;
 mod rival;
 mod run;
 mod runs;
 mod session;
+mod since;
 mod spaced;
 mod timeline;
 mod tuner;
@@ -27,8 +30,8 @@ mod tests;
 use std::sync::Arc;
 
 use crate::frame::Frame;
-use crate::mixture::tuning::{Flip, Map};
-use crate::mixture::{Parameters, PixelHistory};
+use crate::mixture::tuning::{self, Flip};
+use crate::mixture::{Map, Parameters, PixelHistory};
 use crate::occlusion::Event;
 use crate::occlusion::what_if::WhatIf;
 use crate::pipeline::Analysis;
@@ -39,6 +42,7 @@ use crate::tracking::{Identity, TrackState};
 use crate::truth::summary::TrackScore;
 
 pub use memory::memory;
+pub use region::{RegionShares, around};
 pub use session::Session;
 
 /// Which frame comes into view after opening. The first frame is shown until it is reached.
@@ -79,6 +83,11 @@ pub struct State {
     /// no pixel is chosen or the model has no mixture. After a change of settings it is there at
     /// once, before the frame in view.
     pub pixel: Option<Arc<PixelHistory>>,
+    /// The pinned pixels through all frames that are known, in the order in which [`Session::pin`] named them, under the
+    /// settings chosen last. Those that cannot be known are left out.
+    pub pins: Arc<Vec<Arc<PixelHistory>>>,
+    /// The share of foreground around the pixel that [`Session::region`] named, as far as it is counted.
+    pub region: Option<Arc<RegionShares>>,
     /// What the chosen pixel would be under other settings, if [`Session::tune`] asked for it. It may
     /// be of another frame, pixel or choice of settings than the one in view: then the new one is on its way.
     pub tuning: Option<Arc<Tuning>>,
@@ -115,7 +124,7 @@ pub struct Tuning {
     /// The parameters around which was looked.
     pub parameters: Parameters,
     /// Foreground or background over a grid of two settings.
-    pub map: Map,
+    pub map: tuning::Map,
     /// What flips the verdict, a setting each.
     pub flips: Vec<Flip>,
 }
@@ -150,8 +159,8 @@ pub struct Shown {
     pub background: Arc<Frame>,
     /// The weighted mean of the B background components; `None` where the model has no mixture.
     pub multi_mode: Option<Arc<Frame>>,
-    /// B at each pixel in row order; `None` where the model has no mixture.
-    pub background_count: Option<Arc<Vec<u8>>>,
+    /// A number of each pixel after this frame's update, if [`Session::map`] asks for one that the model has.
+    pub map: Option<Arc<Map>>,
     /// The chosen pixel through all frames up to the last that is known, under `settings`;
     /// `None` when no pixel is chosen or the model has no mixture. Its state of this frame is the
     /// one at index [`Shown::position`].

@@ -4,31 +4,54 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use crate::frame::Frame;
-use crate::mixture::Mixture;
+use crate::mixture::{Map, Mixture, Quantity};
 
 /// What a model shows of itself after a frame.
 #[derive(Clone)]
 pub(super) struct Pictures {
     pub(super) background: Arc<Frame>,
     pub(super) multi_mode: Option<Arc<Frame>>,
-    pub(super) background_count: Option<Arc<Vec<u8>>>,
+    /// What was asked for, where the model has it.
+    pub(super) map: Option<Arc<Map>>,
 }
 
 impl Pictures {
-    /// Those of a mixture whose last frame is `frame`.
-    pub(super) fn of_mixture(mixture: &Mixture, frame: &Frame) -> Self {
+    /// Those of a mixture whose last frame is `frame`, with a map of `quantity` as far as it can be told from the
+    /// mixture after the frame.
+    pub(super) fn of_mixture(mixture: &Mixture, frame: &Frame, quantity: Option<Quantity>) -> Self {
         let picture = |rgb| Arc::new(Frame::new(frame.number, frame.size, rgb));
         let appearance = mixture.appearance();
-        Self {
+        let values = match quantity {
+            Some(Quantity::Sigma) => Some(mixture.sigmas()),
+            Some(Quantity::Weight) => Some(mixture.weights()),
+            Some(Quantity::Used) => Some(mixture.used_counts()),
+            Some(Quantity::BackgroundCount) => {
+                Some(appearance.background_count.iter().map(|&count| f32::from(count)).collect())
+            }
+            Some(Quantity::Matched | Quantity::Since) | None => None,
+        };
+        let pictures = Self {
             background: picture(appearance.mean),
             multi_mode: Some(picture(appearance.multi_mode)),
-            background_count: Some(Arc::new(appearance.background_count)),
-        }
+            map: None,
+        };
+        pictures.with_map(quantity, values)
+    }
+
+    /// The same with these values of a quantity.
+    pub(super) fn with_map(self, quantity: Option<Quantity>, values: Option<Vec<f32>>) -> Self {
+        let map = quantity.zip(values).map(|(quantity, values)| Arc::new(Map { quantity, values }));
+        Self { map: map.or(self.map), ..self }
+    }
+
+    /// Whether there is a map of `quantity` among them.
+    pub(super) fn has(&self, quantity: Quantity) -> bool {
+        self.map.as_ref().is_some_and(|map| map.quantity == quantity)
     }
 
     /// That of a model which has a background image alone.
     pub(super) const fn of_background(background: Arc<Frame>) -> Self {
-        Self { background, multi_mode: None, background_count: None }
+        Self { background, multi_mode: None, map: None }
     }
 }
 

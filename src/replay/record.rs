@@ -1,5 +1,6 @@
 //! What is kept of every analysed frame: all but the pixels, and those as runs.
 
+use std::ops::Range;
 use std::sync::Arc;
 
 use super::runs;
@@ -90,6 +91,20 @@ impl Record {
     /// The model's mask of a frame, before cleaning.
     pub(super) fn raw(&self, position: u32) -> Option<Mask> {
         self.entries.get(position as usize).map(|entry| runs::mask(&entry.raw, self.size))
+    }
+
+    /// Gives `take` the pixels of each run of the model's mask of a frame, before cleaning.
+    pub(super) fn each_raw_run(&self, position: u32, take: impl FnMut(Range<usize>)) {
+        if let Some(entry) = self.entries.get(position as usize) {
+            runs::each_run(&entry.raw, take);
+        }
+    }
+
+    /// Gives `take` the pixels of each run of foreground of a frame, after cleaning.
+    pub(super) fn each_run(&self, position: u32, take: impl FnMut(Range<usize>)) {
+        if let Some(entry) = self.entries.get(position as usize) {
+            runs::each_labelled_run(&entry.labels, take);
+        }
     }
 
     /// Puts another reading in the place of one whose mask and regions stay.

@@ -10,9 +10,10 @@ use super::near::Near;
 use super::pictures::{Pictures, Recent};
 use super::record::Record;
 use super::runs;
+use super::since::Since;
 use super::spaced::Spaced;
 use crate::frame::{Frame, Mask, Size};
-use crate::mixture::{BATCH, Mixture, Parameters, Snapshot};
+use crate::mixture::{BATCH, Mixture, Parameters, Quantity, Snapshot};
 use crate::pipeline::{Analysis, Pipeline, PipelineError, Reading, final_reading};
 use crate::regions::Roi;
 use crate::settings::{Settings, Stage};
@@ -59,12 +60,15 @@ pub(super) struct Run {
     /// Where a replay puts masks that nobody needs.
     masks: Vec<Mask>,
     recent: Recent,
+    since: Since,
 }
 
 /// What replaying towards a frame gave.
 pub(super) enum Towards {
     /// The pictures of that frame.
     Pictures(Pictures),
+    /// They take another piece of work.
+    GoesOn,
     /// The frames at these positions have to be given to [`Run::replay_frames`] first, at least one.
     Needs(Range<u32>),
 }
@@ -94,6 +98,7 @@ impl Run {
             replay: None,
             masks: Vec::new(),
             recent: Recent::new(1),
+            since: Since::new(info.size),
         };
         run.set_budget(budget);
         Ok(run)
@@ -102,10 +107,11 @@ impl Run {
     /// Keeps within so much memory for going back in time, in bytes.
     pub(super) fn set_budget(&mut self, budget: usize) {
         let frame_bytes = (self.info.size.pixels() * 3).max(1);
-        let (for_pictures, for_near, for_models) = (budget / 8, budget / 8, budget / 8 * 6);
-        self.for_models = for_models;
+        let (for_pictures, for_near, for_since) = (budget / 8, budget / 8, budget / 16);
+        self.for_models = budget / 16 * 11;
+        self.since.set_room(for_since);
         self.near.set_room(for_near);
-        self.recent.set_room((for_pictures / (frame_bytes * 7 / 3).max(1)).clamp(1, 512));
+        self.recent.set_room((for_pictures / (frame_bytes * 10 / 3).max(1)).clamp(1, 512));
         self.give_room();
     }
 
@@ -217,6 +223,11 @@ impl Run {
         Ok(())
     }
 
+    /// What is kept of the frames.
+    pub(super) const fn record(&self) -> &Record {
+        &self.record
+    }
+
     /// The analysis of a frame, without mask and labels, and its share of foreground.
     pub(super) fn outline(&self, position: u32) -> Option<(&Analysis, f32)> {
         self.record.outline(position)
@@ -232,15 +243,55 @@ impl Run {
         final_reading(self.record.outlines(), &self.pipeline)
     }
 
-    /// One step towards the pictures at `position`, whose frame is `frame`.
-    pub(super) fn towards(&mut self, position: u32, frame: &Frame) -> Result<Towards, PipelineError> {
-        if let Some(pictures) = self.recent.get(position) {
+    /// One step towards the pictures at `position`, whose frame is `frame`, with a map of `quantity` where the model
+    /// has it.
+    pub(super) fn towards(
+        &mut self,
+        position: u32,
+        frame: &Frame,
+        quantity: Option<Quantity>,
+    ) -> Result<Towards, PipelineError> {
+        if quantity != Some(Quantity::Since) {
+            return self.towards_model(
+                position,
+                frame,
+                quantity.filter(|_| self.pipeline.mixture().is_some()),
+            );
+        }
+        let Some(since) = self.since.at(position, &self.record) else { return Ok(Towards::GoesOn) };
+        Ok(match self.towards_model(position, frame, None)? {
+            Towards::Pictures(pictures) => Towards::Pictures(pictures.with_map(quantity, Some(since))),
+            on_the_way => on_the_way,
+        })
+    }
+
+    /// Whether the model has such a number of each pixel.
+    pub(super) fn has(&self, quantity: Quantity) -> bool {
+        !quantity.is_of_mixture() || self.pipeline.mixture().is_some()
+    }
+
+    fn towards_model(
+        &mut self,
+        position: u32,
+        frame: &Frame,
+        quantity: Option<Quantity>,
+    ) -> Result<Towards, PipelineError> {
+        if let Some(pictures) = self.recent.get(position)
+            && quantity.is_none_or(|quantity| pictures.has(quantity))
+        {
             return Ok(Towards::Pictures(pictures));
         }
         let is_last = position + 1 == self.record.len();
+        // What matched is not to be seen in the mixture after the update.
+        let is_there = is_last && quantity != Some(Quantity::Matched);
         let pictures = match self.pipeline.mixture() {
-            Some(mixture) if is_last => Pictures::of_mixture(mixture, frame),
-            Some(_) => return Ok(self.towards_past(position, frame)),
+            Some(mixture) if is_there => Pictures::of_mixture(mixture, frame, quantity),
+            // What a camera gave a while ago may be gone: the next frame will have what this one cannot.
+            Some(mixture) if is_last && self.info.live && !self.is_close_behind(position) => {
+                self.replay = Some((self.record.len(), mixture.clone()));
+                Pictures::of_mixture(mixture, frame, None)
+            }
+            Some(_) => return Ok(self.towards_past(position, frame, quantity)),
             None if is_last => Pictures::of_background(self.background(frame.number, frame.size)?),
             None => {
                 let kept = self.backgrounds.at_or_before(position).map(|(_, kept)| Arc::clone(kept));
@@ -253,8 +304,16 @@ impl Run {
         Ok(Towards::Pictures(pictures))
     }
 
-    fn towards_past(&mut self, position: u32, frame: &Frame) -> Towards {
-        let wanted = position + 1;
+    /// Whether the replay is where few frames take it to `position`.
+    fn is_close_behind(&self, position: u32) -> bool {
+        let close = position.saturating_sub(CLOSEST)..=position;
+        self.replay.as_ref().is_some_and(|(taken, _)| close.contains(taken))
+    }
+
+    fn towards_past(&mut self, position: u32, frame: &Frame, quantity: Option<Quantity>) -> Towards {
+        // Which component a frame matched is told by the mixture before it.
+        let before = quantity == Some(Quantity::Matched);
+        let wanted = if before { position } else { position + 1 };
         let new = || (0, Mixture::new(self.info.size, Parameters::new(&self.settings)));
         let (taken, mixture) = self.replay.get_or_insert_with(new);
         let checkpoint =
@@ -273,7 +332,13 @@ impl Run {
             let most = (most_at_once(self.info.size) as u32).min(CLOSEST - *taken % CLOSEST);
             return Towards::Needs(*taken..wanted.min(*taken + most));
         }
-        let pictures = Pictures::of_mixture(mixture, frame);
+        let matches = before.then(|| mixture.matches(frame));
+        if before {
+            self.masks.resize_with(1, || Mask::empty(self.info.size));
+            mixture.replay(&[frame], &mut self.masks);
+            *taken += 1;
+        }
+        let pictures = Pictures::of_mixture(mixture, frame, quantity).with_map(quantity, matches);
         self.recent.insert(position, pictures.clone());
         Towards::Pictures(pictures)
     }

@@ -2,6 +2,8 @@
 //!
 //! Each number is 7 bits a byte, the low ones first.
 
+use std::ops::Range;
+
 use memchr::memchr;
 
 use crate::frame::{Mask, Size};
@@ -36,6 +38,17 @@ pub(super) fn labels(mut bytes: &[u8], size: Size) -> (Mask, Labels) {
     (mask, labels)
 }
 
+/// Gives `take` the pixels of each run of labels, in order.
+pub(super) fn each_labelled_run(mut bytes: &[u8], mut take: impl FnMut(Range<usize>)) {
+    let mut end = 0;
+    while !bytes.is_empty() {
+        let start = end + read(&mut bytes) as usize;
+        end = start + read(&mut bytes) as usize;
+        read(&mut bytes);
+        take(start..end);
+    }
+}
+
 /// A mask as the runs of foreground, each as the background pixels before it and its length.
 pub(super) fn of_mask(mask: &Mask) -> Box<[u8]> {
     let mut bytes = Vec::new();
@@ -50,15 +63,20 @@ pub(super) fn of_mask(mask: &Mask) -> Box<[u8]> {
 }
 
 /// The mask of these runs.
-pub(super) fn mask(mut bytes: &[u8], size: Size) -> Mask {
+pub(super) fn mask(bytes: &[u8], size: Size) -> Mask {
     let mut mask = Mask::empty(size);
+    each_run(bytes, |run| mask.data[run].fill(Mask::FOREGROUND));
+    mask
+}
+
+/// Gives `take` the pixels of each run of a mask, in order.
+pub(super) fn each_run(mut bytes: &[u8], mut take: impl FnMut(Range<usize>)) {
     let mut end = 0;
     while !bytes.is_empty() {
         let start = end + read(&mut bytes) as usize;
         end = start + read(&mut bytes) as usize;
-        mask.data[start..end].fill(Mask::FOREGROUND);
+        take(start..end);
     }
-    mask
 }
 
 fn write(bytes: &mut Vec<u8>, mut number: u32) {

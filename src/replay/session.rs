@@ -9,6 +9,7 @@ use std::time::Duration;
 
 use super::worker::Worker;
 use super::{Phase, Start, State, Timeline, memory};
+use crate::mixture::Quantity;
 use crate::mixture::tuning::Knob;
 use crate::occlusion::Event;
 use crate::regions::Roi;
@@ -38,6 +39,9 @@ pub(super) struct Requests {
     pub(super) inspect: Option<Pixel>,
     pub(super) tune: Option<Knobs>,
     pub(super) analyse_ahead: Option<bool>,
+    pub(super) map: Option<Mapped>,
+    pub(super) pins: Option<Vec<(u32, u32)>>,
+    pub(super) region: Option<Around>,
     stop: bool,
 }
 
@@ -55,6 +59,12 @@ pub(super) struct Truth(pub(super) Option<Arc<Boxes>>);
 
 /// Which event to explain, `None` for none.
 pub(super) struct Explained(pub(super) Option<Event>);
+
+/// Around which pixel to count foreground, and how many pixels to a side, `None` for none.
+pub(super) struct Around(pub(super) Option<((u32, u32), u32)>);
+
+/// What number of each pixel to map, `None` for none.
+pub(super) struct Mapped(pub(super) Option<Quantity>);
 
 /// What is to be analysed, `None` for the whole image.
 pub(super) struct Analysed(pub(super) Option<Arc<Roi>>);
@@ -103,6 +113,8 @@ impl Session {
             warnings: Arc::default(),
             shown: None,
             pixel: None,
+            pins: Arc::default(),
+            region: None,
             tuning: None,
             timeline: Arc::new(Timeline::default()),
             beside: None,
@@ -197,6 +209,22 @@ impl Session {
             }
         });
     }
+
+    /// Pins these pixels, in place of those before: their histories are gathered after that of the chosen pixel.
+    pub fn pin(&self, pixels: Vec<(u32, u32)>) {
+        self.shared.ask(|requests| requests.pins = Some(pixels));
+    }
+
+    /// Asks which share of the pixels around one is foreground in each frame, `side` of them along each side; `None` to
+    /// ask no more.
+    pub fn region(&self, region: Option<((u32, u32), u32)>) {
+        self.shared.ask(|requests| requests.region = Some(Around(region)));
+    }
+
+    /// Asks for a map of a number of each pixel with every frame that is shown; `None` to ask no more.
+    pub fn map(&self, quantity: Option<Quantity>) {
+        self.shared.ask(|requests| requests.map = Some(Mapped(quantity)));
+    }
 }
 
 impl Drop for Session {
@@ -253,6 +281,9 @@ impl Requests {
             || self.inspect.is_some()
             || self.tune.is_some()
             || self.analyse_ahead.is_some()
+            || self.map.is_some()
+            || self.pins.is_some()
+            || self.region.is_some()
             || self.stop
     }
 }

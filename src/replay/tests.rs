@@ -16,7 +16,9 @@ use crate::settings::{BackgroundModel, Preset};
 use crate::source::cache::FrameCache;
 use crate::source::{self, Source, SourceError};
 
+mod beside;
 mod compare;
+mod maps;
 mod what_if;
 
 const FRAMES: u32 = 60;
@@ -155,7 +157,7 @@ fn straight_within(video: &Path, settings: &Settings, roi: Option<&Arc<Roi>>) ->
             analysis: Arc::new(analysis),
             background: picture(pipeline.background_image().unwrap()),
             multi_mode: mixture.map(|mixture| picture(mixture.appearance().multi_mode)),
-            background_count: mixture.map(|mixture| Arc::new(mixture.appearance().background_count)),
+            map: None,
             pixel: mixture.is_some().then(|| Arc::new(history.clone())),
             frame: Arc::new(frame),
             beside: None,
@@ -178,7 +180,6 @@ fn assert_same(got: &Shown, expected: &Shown) {
     assert_eq!((&a.objects, &a.events), (&b.objects, &b.events), "events at {position}");
     assert_eq!(got.background, expected.background, "background at {position}");
     assert_eq!(got.multi_mode, expected.multi_mode, "multi-mode at {position}");
-    assert_eq!(got.background_count, expected.background_count, "B at {position}");
 }
 
 /// Any positions, those beyond the end among them, steps of one among the jumps.

@@ -1,7 +1,7 @@
 //! The worker's side: one small piece of work after another, the most urgent first.
 //!
 //! In this order: the frame that is wanted in view, what the chosen pixel would be in it under other
-//! settings, the pixel's history, the analysis ahead.
+//! settings, the pixel's history, those of the pinned pixels, the analysis ahead.
 //! Between two pieces it looks at what was asked meanwhile; no piece takes longer than a frame.
 
 use std::collections::VecDeque;
@@ -10,14 +10,16 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::lane::{Lane, Step};
+use super::pins::Pins;
+use super::region::Region;
 use super::rival::Rival;
 use super::run::Towards;
-use super::session::{self, Analysed, Explained, Knobs, Pixel, Requests, Shared, Truth};
+use super::session::{self, Analysed, Around, Explained, Knobs, Mapped, Pixel, Requests, Shared, Truth};
 use super::tuner::Tuner;
 use super::what_if::Asker;
 use super::{Beside, Phase, Progress, Shown, Start, Timeline};
 use crate::frame::Frame;
-use crate::mixture::PixelHistory;
+use crate::mixture::{PixelHistory, Quantity};
 use crate::occlusion::EventKind;
 use crate::regions::Roi;
 use crate::settings::{Settings, Stage};
@@ -68,8 +70,12 @@ pub(super) struct Worker<'a> {
     follow: bool,
     ahead: Ahead,
     pixel: Option<(u32, u32)>,
+    pins: Pins,
+    region: Region,
     tuner: Tuner,
     asker: Asker,
+    /// What is mapped of the frame in view.
+    map: Option<Quantity>,
     /// The boxes by which results are scored.
     truth: Option<Arc<Boxes>>,
     stopped: bool,
@@ -83,6 +89,7 @@ pub(super) struct Worker<'a> {
 struct Outbox {
     timeline_grew: bool,
     beside_grew: bool,
+    /// The chosen pixel, a pinned one, or the share of a region.
     pixel_grew: bool,
     warnings: Vec<String>,
     told_of: Told,
@@ -164,8 +171,11 @@ impl<'a> Worker<'a> {
                 Start::Frame(number) => Some(Aim::Number(number)),
             },
             pixel: None,
+            pins: Pins::default(),
+            region: Region::default(),
             tuner: Tuner::default(),
             asker: Asker::default(),
+            map: None,
             truth: None,
             stopped: false,
             shown: None,
@@ -223,6 +233,18 @@ impl<'a> Worker<'a> {
         }
         if let Some(Knobs(knobs)) = requests.tune {
             self.tuner.choose(knobs);
+        }
+        if let Some(Mapped(quantity)) = requests.map {
+            self.map = quantity;
+        }
+        if let Some(mut pins) = requests.pins {
+            pins.retain(|&(x, y)| self.info.size.index(x, y).is_some());
+            self.pins.choose(&pins, self.lane.settings());
+            self.outbox.pixel_grew = true;
+        }
+        if let Some(Around(region)) = requests.region {
+            self.region.choose(region, self.info.size);
+            self.outbox.pixel_grew = true;
         }
         if let Some(Explained(event)) = requests.explain {
             self.asker.ask(event);
@@ -294,6 +316,9 @@ impl<'a> Worker<'a> {
         // Before anything else: one pixel through all frames is a matter of a millisecond.
         self.lane.inspector.choose(self.pixel, &settings);
         self.publish_pixel();
+        self.pins.run_again(&settings);
+        self.region.forget();
+        self.outbox.pixel_grew = true;
         let budget = self.budget();
         let settings = Arc::new(settings);
         match self.lane.first_difference(&settings, roi.as_ref()) {
@@ -397,6 +422,8 @@ impl<'a> Worker<'a> {
         let (settings, roi) = (Arc::clone(self.lane.settings()), self.lane.run.roi().cloned());
         self.lane = Lane::new(settings, roi, &self.info, self.model_budget)?;
         self.lane.inspect(self.pixel);
+        self.pins.forget(self.lane.settings());
+        self.region.forget();
         self.tuner.forget();
         self.follow = true;
         Ok(())
@@ -416,7 +443,7 @@ impl<'a> Worker<'a> {
         }
         if !self.is_view_current() {
             self.approach_view()?;
-        } else if self.tune() || self.gather()? {
+        } else if self.tune() || self.gather()? || self.gather_beside()? {
             // What came of it is published at once, or in time.
         } else if self.is_due(&self.lane) {
             self.analyse(Which::InView)?;
@@ -473,6 +500,16 @@ impl<'a> Worker<'a> {
         Ok(worked)
     }
 
+    /// Takes the pinned pixels through the frames that are known, and counts the foreground around the chosen one;
+    /// whether there was anything to do.
+    fn gather_beside(&mut self) -> Result<bool, SourceError> {
+        let run = &self.lane.run;
+        let worked = self.pins.gather(&mut self.frames)?
+            || self.region.gather(run.record(), run.front(), self.info.size);
+        self.outbox.pixel_grew |= worked;
+        Ok(worked)
+    }
+
     /// Scores what has been analysed in full; whether there was anything to do.
     fn score(&mut self) -> bool {
         let truth = self.truth.as_ref();
@@ -505,7 +542,11 @@ impl<'a> Worker<'a> {
     }
 
     fn is_current(&self, shown: &Shown) -> bool {
-        shown.position == self.wanted && Arc::ptr_eq(&shown.settings, self.lane.settings())
+        let of_map = |quantity| shown.map.as_ref().is_some_and(|map| map.quantity == quantity);
+        let has_none = |quantity| self.info.live || !self.lane.run.has(quantity);
+        shown.position == self.wanted
+            && Arc::ptr_eq(&shown.settings, self.lane.settings())
+            && self.map.is_none_or(|quantity| of_map(quantity) || has_none(quantity))
     }
 
     fn lane(&mut self, which: Which) -> Option<&mut Lane> {
@@ -535,9 +576,11 @@ impl<'a> Worker<'a> {
     fn look(&mut self, which: Which) -> Result<Option<Shown>, Stopped> {
         let position = self.wanted;
         let Some(frame) = self.fetch(position)? else { return Ok(None) };
+        let quantity = self.map.filter(|_| which == Which::InView);
         let Some(lane) = self.lane(which) else { return Ok(None) };
-        match lane.run.towards(position, &frame)? {
+        match lane.run.towards(position, &frame, quantity)? {
             Towards::Pictures(pictures) => return Ok(lane.shown(position, frame, pictures)),
+            Towards::GoesOn => {}
             Towards::Needs(needed) => {
                 if let Some(passed) = self.fetch(needed.start)? {
                     let mut passed = vec![passed];
@@ -590,7 +633,8 @@ impl<'a> Worker<'a> {
             }
         };
         let position = lane.run.front();
-        let step = lane.go_on(&mut self.frames, wanted);
+        let pins = &mut self.pins;
+        let step = lane.go_on(&mut self.frames, wanted, |position, frame| pins.push(position, frame));
         let front = lane.run.front();
         self.outbox.warnings.extend(self.frames.take_warnings());
         // The end of the sequence may have been found.
@@ -775,7 +819,9 @@ impl<'a> Worker<'a> {
         let beside = self.outbox.beside_grew.then(|| self.beside());
         let new_warnings = std::mem::take(&mut self.outbox.warnings);
         self.show_pixel();
+        let around = (Arc::new(self.pins.latest()), self.region.latest());
         self.shared.publish(|state| {
+            (state.pins, state.region) = around;
             if let Some(timeline) = timeline {
                 state.timeline = timeline;
             }

@@ -1,7 +1,8 @@
 //! The pixel inspector: one pixel's mixture now and through time, and why it was decided so.
 //!
 //! `now` draws the mixture of the frame in view, `history` how it came about, `scatter`
-//! where the values lie among the channels, `tuning` what the pixel would be under other settings, `statistics` counts. They draw; what they show is worked out in
+//! where the values lie among the channels, `tuning` what the pixel would be under other settings, `statistics` counts,
+//! `pixels` has it beside others. They draw; what they show is worked out in
 //! [`crate::mixture`]. Each has a `menu` that takes its `plot` along as a [`crate::export::figure`], or its `table`.
 
 mod chart;
@@ -10,6 +11,7 @@ mod cube;
 mod history;
 mod menu;
 mod now;
+mod pixels;
 mod plot;
 mod rows;
 mod scatter;
@@ -24,15 +26,18 @@ use std::sync::Arc;
 
 use eframe::egui;
 use eframe::egui::{RichText, ScrollArea, Ui};
+use egui_material_icons::icons;
 
+use self::pixels::Here;
 pub use self::plot::{Format, Plot};
 pub use self::table::Table;
+use super::pins;
 use crate::mixture::follow::slots;
 use crate::mixture::pixel::MAX_K;
 use crate::mixture::tuning::Knob;
 use crate::mixture::verdict::{Verdict, overruled, verdict};
 use crate::mixture::{Parameters, PixelHistory, PixelState};
-use crate::replay::{Shown, Tuning};
+use crate::replay::{RegionShares, Shown, Tuning};
 use crate::settings::{BackgroundModel, Space};
 
 /// What the person asked for in the inspector.
@@ -42,6 +47,12 @@ pub enum InspectorAction {
     GoTo(u32),
     /// Take these values of these settings.
     Take([(Knob, f32); 2]),
+    /// Choose this pixel.
+    Choose((u32, u32)),
+    /// Pin the chosen pixel, or unpin it.
+    Pin,
+    /// Unpin the pixel of this number.
+    Unpin(u8),
     /// Put the numbers behind a plot on the clipboard.
     Copy(Table),
     /// Write them to a file.
@@ -61,6 +72,7 @@ pub struct Inspector {
     scatter: scatter::Scatter,
     tuning: tuning::TuningView,
     statistics: statistics::StatisticsView,
+    pixels: pixels::Pixels,
     followed: Option<Followed>,
     /// The same under the settings that are compared with those in view.
     other: Other,
@@ -83,6 +95,20 @@ enum Tab {
     Scatter,
     Tuning,
     Statistics,
+    Pixels,
+}
+
+/// What is shown beside the chosen pixel.
+#[derive(Clone, Copy, Default)]
+pub struct Beside<'a> {
+    /// The chosen pixel.
+    pub chosen: Option<(u32, u32)>,
+    /// The pinned pixels with their numbers.
+    pub pins: &'a [(u8, (u32, u32))],
+    /// Their histories, as far as they are known.
+    pub histories: &'a [Arc<PixelHistory>],
+    /// The share of foreground around the chosen one, if [`Inspector::asks_around`] asks for it.
+    pub region: Option<&'a RegionShares>,
 }
 
 /// A history with the slots of its components; worked out anew only when the history is another one.
@@ -125,7 +151,7 @@ impl Inspector {
     ///
     /// `newest` is the pixel under the settings chosen last: it is shown in place of the frame's own
     /// while the frame in view still waits for those. `fps` is the source's frame rate, to show
-    /// times in seconds beside frame numbers. `tuning` answers what [`Self::asks_about`].
+    /// times in seconds beside frame numbers. `tuning` answers what [`Self::asks_about`], and `beside` has other pixels.
     pub fn ui(
         &mut self,
         ui: &mut Ui,
@@ -133,6 +159,7 @@ impl Inspector {
         newest: Option<&Arc<PixelHistory>>,
         tuning: Option<&Tuning>,
         fps: f32,
+        beside: &Beside<'_>,
     ) -> Option<InspectorAction> {
         let Some(shown) = shown else {
             empty(ui, "No frame yet", "The inspector fills as soon as a frame is there.");
@@ -157,7 +184,11 @@ impl Inspector {
         let ahead = newest.filter(|newest| {
             newest.parameters != Parameters::new(&shown.settings) && newest.states.len() > index
         });
+        let here = Here { index, fps };
         let Some(history) = ahead.or(shown.pixel.as_ref()) else {
+            if !beside.pins.is_empty() {
+                return self.pins_alone(ui, here, beside);
+            }
             empty(
                 ui,
                 "No pixel chosen",
@@ -184,19 +215,20 @@ impl Inspector {
         let ignored = ahead.is_none() && shown.roi.as_ref().is_some_and(|roi| !roi.contains(x, y));
         words.details.splice(0..0, overruled(words.foreground, mask, ignored, &shown.settings));
 
-        let beside = shown.beside.as_deref().filter(|_| ahead.is_none());
-        let other = beside.and_then(|beside| Some((beside, beside.pixel.as_ref()?)));
-        let other = other.and_then(|(beside, history)| Some((beside, history, history.states.get(index)?)));
+        let other = shown.beside.as_deref().filter(|_| ahead.is_none());
+        let other = other.and_then(|other| Some((other, other.pixel.as_ref()?)));
+        let other = other.and_then(|(other, history)| Some((other, history, history.states.get(index)?)));
         let other_slots = other.map(|(_, history, _)| follow(&mut self.other.followed, history));
-        let other = other.zip(other_slots.as_ref()).map(|((beside, history, state), slots)| {
-            let mask = beside.analysis.mask.is_foreground(x, y);
+        let other = other.zip(other_slots.as_ref()).map(|((other, history, state), slots)| {
+            let mask = other.analysis.mask.is_foreground(x, y);
             let mut words = verdict(history, index);
-            let ignored = beside.roi.as_ref().is_some_and(|roi| !roi.contains(x, y));
-            words.details.splice(0..0, overruled(words.foreground, mask, ignored, &beside.settings));
+            let ignored = other.roi.as_ref().is_some_and(|roi| !roi.contains(x, y));
+            words.details.splice(0..0, overruled(words.foreground, mask, ignored, &other.settings));
             (Chosen { history, slots, index, state, fps }, words, mask)
         });
 
-        header(ui, &chosen);
+        let pinned = beside.pins.iter().find(|(_, at)| *at == history.at).map(|&(number, _)| number);
+        let pin = header(ui, &chosen, pinned);
         ui.add_space(4.0);
         let names = self.names;
         verdict_ui(ui, &words, mask, other.as_ref().map(|_| names[0]));
@@ -206,7 +238,7 @@ impl Inspector {
             ui.add_space(4.0);
         }
         ui.horizontal_wrapped(|ui| {
-            // Five tabs have to stand in one line of a narrow panel.
+            // All tabs have to stand in one line of a narrow panel.
             ui.spacing_mut().item_spacing.x = 2.0;
             ui.spacing_mut().button_padding.x = 6.0;
             for (tab, name) in [
@@ -215,6 +247,7 @@ impl Inspector {
                 (Tab::Scatter, "Scatter"),
                 (Tab::Tuning, "Tuning"),
                 (Tab::Statistics, "Statistics"),
+                (Tab::Pixels, "Pixels"),
             ] {
                 ui.selectable_value(&mut self.tab, tab, name);
             }
@@ -225,7 +258,7 @@ impl Inspector {
             .id_salt(("inspector", name_of(tab)))
             .auto_shrink(false)
             .min_scrolled_height(0.0);
-        scrolled
+        let asked = scrolled
             .show(ui, |ui| match tab {
                 Tab::Now => {
                     let asked = self.now.ui(ui, &chosen, &words);
@@ -240,8 +273,25 @@ impl Inspector {
                 Tab::Scatter => self.scatter.ui(ui, &chosen),
                 Tab::Tuning => self.tuning.ui(ui, &chosen, tuning),
                 Tab::Statistics => self.statistics.ui(ui, &chosen),
+                Tab::Pixels => self.pixels.ui(ui, here, beside),
             })
-            .inner
+            .inner;
+        pin.or(asked)
+    }
+
+    /// The pinned pixels where none is chosen.
+    fn pins_alone(&mut self, ui: &mut Ui, here: Here, beside: &Beside<'_>) -> Option<InspectorAction> {
+        ui.label(RichText::new("No pixel chosen").size(15.0).strong());
+        ui.label(style::aside(ui, "Click a pixel in any view, or one of these, to see its mixture."));
+        ui.add_space(8.0);
+        let scrolled =
+            ScrollArea::vertical().id_salt("pins alone").auto_shrink(false).min_scrolled_height(0.0);
+        scrolled.show(ui, |ui| self.pixels.pins_ui(ui, here, beside)).inner
+    }
+
+    /// How many pixels to a side the share of foreground is asked for, `None` while nobody looks.
+    pub fn asks_around(&self) -> Option<u32> {
+        (self.tab == Tab::Pixels).then_some(self.pixels.side)
     }
 
     /// The two settings whose map is looked at, `None` while none is.
@@ -269,6 +319,7 @@ const fn name_of(tab: Tab) -> &'static str {
         Tab::Scatter => "scatter",
         Tab::Tuning => "tuning",
         Tab::Statistics => "statistics",
+        Tab::Pixels => "pixels",
     }
 }
 
@@ -282,7 +333,9 @@ fn empty(ui: &mut Ui, title: &str, text: &str) {
     });
 }
 
-fn header(ui: &mut Ui, chosen: &Chosen<'_>) {
+/// Value and place of the chosen pixel, with what pins it; whether that was asked for.
+fn header(ui: &mut Ui, chosen: &Chosen<'_>, pinned: Option<u8>) -> Option<InspectorAction> {
+    let mut pin = None;
     let state = chosen.state;
     let [r, g, b] = state.rgb;
     ui.horizontal(|ui| {
@@ -292,6 +345,7 @@ fn header(ui: &mut Ui, chosen: &Chosen<'_>) {
             let (x, y) = chosen.history.at;
             ui.horizontal(|ui| {
                 ui.label(RichText::new(format!("Pixel {x}, {y}")).size(15.0).strong());
+                pin = pin_button(ui, pinned);
                 ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                     ui.label(style::aside(ui, &format!("{} s", style::seconds(chosen.index, chosen.fps))));
                     ui.label(format!("frame {}", state.number));
@@ -303,6 +357,20 @@ fn header(ui: &mut Ui, chosen: &Chosen<'_>) {
             });
         });
     });
+    pin
+}
+
+fn pin_button(ui: &mut Ui, pinned: Option<u8>) -> Option<InspectorAction> {
+    let icon = icons::ICON_KEEP.rich_text().size(16.0);
+    let icon = pinned.map_or_else(|| icon.clone(), |number| icon.clone().color(pins::colour(number)));
+    let (name, text) = match pinned {
+        Some(_) => ("Unpin this pixel", "Unpin this pixel (D)"),
+        None => ("Pin this pixel", "Pin this pixel, to compare it with others under Pixels (D)"),
+    };
+    let button =
+        egui::Button::new(icon).frame_when_inactive(pinned.is_some()).min_size(egui::vec2(20.0, 18.0));
+    let response = ui.add(button).accessible_name(name).on_hover_text(text);
+    response.clicked().then_some(InspectorAction::Pin)
 }
 
 /// Foreground or background, in a sentence; under which settings, where there are two.

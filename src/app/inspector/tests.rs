@@ -12,7 +12,7 @@ use eframe::egui::{self, Pos2, Theme, Vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 
-use super::{Format, Inspector, InspectorAction, Table};
+use super::{Beside, Format, Inspector, InspectorAction, Table};
 use crate::frame::{Frame, Mask, Size};
 use crate::mixture::follow::{Change, change};
 use crate::mixture::statistics::Statistics;
@@ -78,7 +78,7 @@ fn shown_of(settings: Settings, history: Option<PixelHistory>, position: u32) ->
         }),
         background: frame,
         multi_mode: None,
-        background_count: None,
+        map: None,
         pixel: history.map(Arc::new),
         beside: None,
     }
@@ -126,7 +126,14 @@ fn harness(
         .wgpu()
         .build_ui(move |ui| {
             egui::CentralPanel::default().show(ui, |ui| {
-                asked.borrow_mut().extend(inspector.ui(ui, shown.as_ref(), None, tuning.as_ref(), 10.0));
+                asked.borrow_mut().extend(inspector.ui(
+                    ui,
+                    shown.as_ref(),
+                    None,
+                    tuning.as_ref(),
+                    10.0,
+                    &Beside::default(),
+                ));
             });
         });
     harness.run();
@@ -417,7 +424,7 @@ fn new_settings_answer_before_the_frame_has_them() {
         .with_context_setup(crate::app::theme::install)
         .build_ui(move |ui| {
             egui::CentralPanel::default()
-                .show(ui, |ui| inspector.ui(ui, Some(&shown), Some(&newest), None, 10.0));
+                .show(ui, |ui| inspector.ui(ui, Some(&shown), Some(&newest), None, 10.0, &Beside::default()));
         });
     assert!(texts(&harness).contains(&expected), "{expected}");
 }
@@ -569,7 +576,7 @@ fn a_map_of_other_settings_is_asked_for_and_waited_for() {
         .with_context_setup(crate::app::theme::install)
         .build_ui(move |ui| {
             egui::CentralPanel::default().show(ui, |ui| {
-                inspector.ui(ui, Some(&shown), None, tuning.as_ref(), 10.0);
+                inspector.ui(ui, Some(&shown), None, tuning.as_ref(), 10.0, &Beside::default());
                 *noted.borrow_mut() = inspector.asks_about();
             });
         });

@@ -108,12 +108,7 @@ fn the_background_view_shows_the_kind_that_is_chosen() {
     scene.state.borrow_mut().shown = Some(Arc::new(shown));
     harness.state_mut().model.background = Background::MultiMode;
     compare(&mut harness, &canvas, |_, _| [40, 90, 200]);
-    harness.state_mut().model.background = Background::Count;
-    compare(&mut harness, &canvas, |shown, (x, y)| {
-        let count = shown.background_count.as_ref().unwrap()[SIZE.index(x, y).unwrap()];
-        [[0; 3], [38, 50, 72], [70, 140, 200], [240, 228, 66]][usize::from(count)]
-    });
-    let shown = Shown { multi_mode: None, background_count: None, ..shown_at(10) };
+    let shown = Shown { multi_mode: None, ..shown_at(10) };
     scene.state.borrow_mut().shown = Some(Arc::new(shown));
     settle(&mut harness);
     picture(&mut harness, "no-mixture");
@@ -174,7 +169,7 @@ fn only_layers_that_changed_and_that_a_view_needs_are_sent() {
     };
     // Rows are filled up to whole multiples of 256 bytes.
     let (colour, mask, labels) = (768 * 120, 256 * 120, 512 * 120);
-    let palette = 1024 * 2;
+    let palette = 1024 * 3;
     scene.show(11);
     assert_eq!(bytes(&mut harness), 2 * colour + mask + labels + palette);
     // The same frame with another history of its pixel.

@@ -39,16 +39,21 @@ impl Agreement {
     }
 }
 
-/// Paints it.
-pub(super) fn paint(pane: &Pane<'_>, beside: &Shown) {
+/// How it is composed.
+pub(super) fn look(pane: &Pane<'_>) -> Look {
     let in_view = pane.model.slots.in_view;
     let share = |[r, g, b]: [u8; 3]| [r, g, b, 255].map(|channel| f32::from(channel) / 255.0);
-    let look = Look {
+    Look {
         overlay: share(in_view.colour()),
         beside: share(in_view.other().colour()),
         ..Look::plain(Compose::Agreement)
-    };
-    pane.compose(look);
+    }
+}
+
+/// Paints it.
+pub(super) fn paint(pane: &Pane<'_>, beside: &Shown) {
+    let in_view = pane.model.slots.in_view;
+    pane.compose(look(pane));
     let (first, second) = (&pane.shown.analysis.mask, &beside.analysis.mask);
     let ground = |(x, y)| match (first.is_foreground(x, y), second.is_foreground(x, y)) {
         (true, true) => theme::rgb(BOTH),

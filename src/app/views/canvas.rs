@@ -37,6 +37,13 @@ impl Canvas {
         Self { rect, size, scale, origin: rect.center() - centre * scale, fitted, camera }
     }
 
+    /// An image of `size` in the view `rect` with one of its pixels in the middle, `scale` points large.
+    pub(crate) fn around(rect: Rect, size: Size, (x, y): (u32, u32), scale: f32) -> Self {
+        let centre = [x as f32 + 0.5, y as f32 + 0.5];
+        let whole = Self::new(rect, size, Camera::FIT);
+        Self { scale, origin: rect.center() - vec2(centre[0], centre[1]) * scale, ..whole }
+    }
+
     /// Points a pixel where the whole image fits.
     pub(crate) const fn fitted(&self) -> f32 {
         self.fitted
@@ -133,6 +140,15 @@ mod tests {
         let (a, b) = (before.image(at), after.image(at));
         assert!((a[0] - b[0]).abs() < 0.05 && (a[1] - b[1]).abs() < 0.05, "{a:?} {b:?}");
         assert!((after.scale / before.scale - 3.0).abs() < 1e-3);
+    }
+
+    #[test]
+    fn a_pixel_is_brought_into_the_middle() {
+        let rect = Rect::from_min_size(pos2(10.0, 20.0), vec2(90.0, 90.0));
+        let canvas = Canvas::around(rect, Size::new(200, 100), (3, 99), 12.0);
+        assert_eq!(canvas.pixel(rect.center()), Some((3, 99)));
+        assert!((canvas.place_pixel((3, 99)).center() - rect.center()).length() < 0.01);
+        assert_eq!(canvas.pixel(rect.center() + vec2(0.0, 12.0)), None, "there is no row below");
     }
 
     #[test]

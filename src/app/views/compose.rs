@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use eframe::egui::{PaintCallbackInfo, Rect};
+use eframe::egui::{PaintCallback, PaintCallbackInfo, Rect};
 use eframe::egui_wgpu::wgpu::{self, util::DeviceExt as _};
 use eframe::egui_wgpu::{Callback, CallbackResources, CallbackTrait, RenderState, ScreenDescriptor};
 
@@ -21,8 +21,8 @@ pub(crate) enum Compose {
     Mean,
     /// The mean of the background components.
     Modes,
-    /// B in its colours.
-    Counts,
+    /// A number of each pixel in its colours.
+    Map,
     /// The mask.
     Mask,
     /// The regions in their colours over a dark input.
@@ -44,7 +44,7 @@ impl Compose {
         Self::Masked,
         Self::Mean,
         Self::Modes,
-        Self::Counts,
+        Self::Map,
         Self::Mask,
         Self::Regions,
         Self::Difference,
@@ -60,7 +60,7 @@ impl Compose {
             Self::Masked => &[Layer::Input, Layer::Mask],
             Self::Mean => &[Layer::Mean],
             Self::Modes => &[Layer::Modes],
-            Self::Counts => &[Layer::Counts, Layer::Palette],
+            Self::Map => &[Layer::Map, Layer::Palette],
             Self::Mask => &[Layer::Mask],
             Self::Regions => &[Layer::Input, Layer::Labels, Layer::Palette],
             Self::Difference => &[Layer::Input, Layer::Mean],
@@ -83,19 +83,23 @@ pub(crate) struct Look {
     pub(crate) overlay: [f32; 4],
     /// The colour of what is foreground under the other settings alone.
     pub(crate) beside: [f32; 4],
+    /// How the numbers of [`Compose::Map`] become colours.
+    pub(crate) scale: [f32; 4],
 }
 
 impl Look {
-    /// Without tint or overlay.
+    /// Without tint, overlay or scale.
     pub(crate) const fn plain(what: Compose) -> Self {
-        Self { what, tint: 1.0, overlay: [0.0; 4], beside: [0.0; 4] }
+        Self { what, tint: 1.0, overlay: [0.0; 4], beside: [0.0; 4], scale: [0.0; 4] }
     }
 }
 
 /// How many bytes apart the views' values lie: the largest alignment that a card may ask for.
 const SLOT: u64 = 256;
+/// A view each, and the loupe.
+const SLOTS: u64 = View::ALL.len() as u64 + 1;
 /// How many bytes the shader's `View` takes.
-const VALUES: u64 = 80;
+const VALUES: u64 = 96;
 
 /// The shader and what belongs to it, for all views.
 pub(crate) struct Composer {
@@ -114,7 +118,7 @@ impl Composer {
         let module = device.create_shader_module(wgpu::include_wgsl!("compose.wgsl"));
         let values = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("views"),
-            size: SLOT * View::ALL.len() as u64,
+            size: SLOT * SLOTS,
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
@@ -255,7 +259,8 @@ pub(crate) struct Composition {
     composer: Arc<Composer>,
     /// Kept until it is painted, so that nothing is written into its layers before.
     set: Arc<Set>,
-    view: View,
+    /// Which of the places for values is its own.
+    slot: u64,
     look: Look,
     canvas: Canvas,
 }
@@ -268,18 +273,38 @@ impl Composition {
         view: View,
         look: Look,
         canvas: Canvas,
-    ) -> Option<eframe::egui::PaintCallback> {
+    ) -> Option<PaintCallback> {
+        Self::of_slot(composer, set, view as u64, look, canvas)
+    }
+
+    /// The same for the loupe.
+    pub(crate) fn loupe(
+        composer: &Arc<Composer>,
+        set: &Arc<Set>,
+        look: Look,
+        canvas: Canvas,
+    ) -> Option<PaintCallback> {
+        Self::of_slot(composer, set, SLOTS - 1, look, canvas)
+    }
+
+    fn of_slot(
+        composer: &Arc<Composer>,
+        set: &Arc<Set>,
+        slot: u64,
+        look: Look,
+        canvas: Canvas,
+    ) -> Option<PaintCallback> {
         let seen: Rect = canvas.whole().intersect(canvas.rect);
         let whole = look.what.layers().iter().all(|&layer| set.has(layer));
         (whole && seen.is_positive()).then(|| {
             let (composer, set) = (Arc::clone(composer), Arc::clone(set));
-            Callback::new_paint_callback(seen, Self { composer, set, view, look, canvas })
+            Callback::new_paint_callback(seen, Self { composer, set, slot, look, canvas })
         })
     }
 
-    /// Where this view's values lie among those of all.
+    /// Where its values lie among those of all.
     const fn offset(&self) -> u64 {
-        self.view as u64 * SLOT
+        self.slot * SLOT
     }
 
     /// The shader's `View`.
@@ -290,6 +315,7 @@ impl Composition {
         let texels = self.set.texels();
         let [r, g, b, a] = self.look.overlay;
         let beside = self.look.beside;
+        let [kind, offset, low, high] = self.look.scale;
         let values = [
             whole.left() * dense,
             whole.top() * dense,
@@ -303,6 +329,10 @@ impl Composition {
             g,
             b,
             a,
+            kind,
+            offset,
+            low,
+            high,
             self.canvas.scale * dense * self.set.every() as f32,
             self.look.tint,
             dense,

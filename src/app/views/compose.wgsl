@@ -11,6 +11,9 @@ struct View {
     texels: vec2<f32>,
     // What lies over foreground, and how strong, 0 to 1.
     overlay: vec4<f32>,
+    // How numbers become colours: 0 by steps, 1 along a line, 2 along a logarithm; what is added to them; what is
+    // darkest and what is brightest.
+    numbers: vec4<f32>,
     // Pixels of the screen a texel.
     scale: f32,
     // All colours are multiplied by this.
@@ -28,7 +31,7 @@ struct View {
 @group(1) @binding(0) var input: texture_2d<f32>;
 @group(1) @binding(1) var mean: texture_2d<f32>;
 @group(1) @binding(2) var modes: texture_2d<f32>;
-@group(1) @binding(3) var counts: texture_2d<u32>;
+@group(1) @binding(3) var map: texture_2d<f32>;
 @group(1) @binding(4) var mask: texture_2d<f32>;
 @group(1) @binding(5) var labels: texture_2d<u32>;
 @group(1) @binding(6) var palette: texture_2d<f32>;
@@ -43,7 +46,7 @@ const INPUT: u32 = 0u;
 const MASKED: u32 = 1u;
 const MEAN: u32 = 2u;
 const MODES: u32 = 3u;
-const COUNTS: u32 = 4u;
+const MAP: u32 = 4u;
 const MASK: u32 = 5u;
 const REGIONS: u32 = 6u;
 const DIFFERENCE: u32 = 7u;
@@ -53,6 +56,10 @@ const AGREEMENT: u32 = 10u;
 
 // Where both masks are foreground.
 const BOTH = vec3<f32>(228.0, 232.0, 238.0) / 255.0;
+
+// How many colours the ramp in the palette's first row has, and the steps in its second.
+const RAMP: u32 = 255u;
+const STEPS: u32 = 6u;
 
 // Of texels that are smaller than a pixel of the screen, at most so many are looked at in a row.
 const MOST_TEXELS: f32 = 64.0;
@@ -78,16 +85,32 @@ fn apart(input_here: vec3<f32>, mean_here: vec3<f32>) -> vec3<f32> {
     return vec3<f32>(min(2.0 * max(channels.r, max(channels.g, channels.b)), 1.0));
 }
 
-// The colour of B, or of a region, at a texel; its alpha is 0 where there is no region.
+// The colour of a number; less than 0 stands for what has none.
+fn of_number(value: f32) -> vec4<f32> {
+    if value < 0.0 {
+        return textureLoad(palette, vec2<u32>(RAMP, 0u), 0);
+    }
+    if view.numbers.x == 0.0 {
+        return textureLoad(palette, vec2<u32>(min(u32(value), STEPS - 1u), 1u), 0);
+    }
+    var along = value + view.numbers.y;
+    if view.numbers.x == 2.0 {
+        along = log2(along);
+    }
+    let share = clamp((along - view.numbers.z) / (view.numbers.w - view.numbers.z), 0.0, 1.0);
+    return textureLoad(palette, vec2<u32>(u32(share * f32(RAMP - 1u) + 0.5), 0u), 0);
+}
+
+// The colour of a number, or of a region, at a texel; its alpha is 0 where there is no region.
 fn named(at: vec2<i32>) -> vec4<f32> {
-    if WHAT == COUNTS {
-        return textureLoad(palette, vec2<u32>(min(textureLoad(counts, at, 0).r, 4u), 0u), 0);
+    if WHAT == MAP {
+        return of_number(textureLoad(map, at, 0).r);
     }
     let label = textureLoad(labels, at, 0).r;
     if label == 0u {
         return vec4<f32>(0.0);
     }
-    return textureLoad(palette, vec2<u32>(label & 255u, 1u + (label >> 8u)), 0);
+    return textureLoad(palette, vec2<u32>(label & 255u, 2u + (label >> 8u)), 0);
 }
 
 // Regions in their colours over a dark input. A little of the input's light keeps a region's inside readable.
@@ -113,7 +136,7 @@ fn texel(at: vec2<i32>) -> vec3<f32> {
         case MASKED: { return masked(textureLoad(input, at, 0).rgb, textureLoad(mask, at, 0).r); }
         case MEAN: { return textureLoad(mean, at, 0).rgb; }
         case MODES: { return textureLoad(modes, at, 0).rgb; }
-        case COUNTS: { return named(at).rgb; }
+        case MAP: { return named(at).rgb; }
         case MASK: { return vec3<f32>(textureLoad(mask, at, 0).r); }
         case REGIONS: { return over_dark(named(at), textureLoad(input, at, 0).rgb); }
         case DIFFERENCE: { return apart(textureLoad(input, at, 0).rgb, textureLoad(mean, at, 0).rgb); }
@@ -223,7 +246,7 @@ fn composed(position: vec2<f32>) -> vec3<f32> {
     }
     let what = under(middle);
     switch WHAT {
-        case COUNTS: { return mean_of_named(what).rgb; }
+        case MAP: { return mean_of_named(what).rgb; }
         case REGIONS: { return over_dark(mean_of_named(what), mean_of(what)); }
         default: { return mean_of(what); }
     }

@@ -7,13 +7,20 @@ use crate::replay::Shown;
 /// The colour that lies over foreground: rare in video, and nobody's identity.
 const OVERLAY: [u8; 3] = [255, 45, 149];
 
-/// Paints it.
-pub(super) fn paint(pane: &Pane<'_>) {
+/// How it is composed.
+pub(super) fn look(pane: &Pane<'_>) -> Look {
     let overlay = pane.model.overlay;
     let opacity = if overlay.on { f32::from(overlay.opacity) / 100.0 } else { 0.0 };
     let [r, g, b] = OVERLAY.map(|channel| f32::from(channel) / 255.0);
     let what = if overlay.on { Compose::Masked } else { Compose::Input };
-    pane.compose(Look { overlay: [r, g, b, opacity], ..Look::plain(what) });
+    Look { overlay: [r, g, b, opacity], ..Look::plain(what) }
+}
+
+/// Paints it.
+pub(super) fn paint(pane: &Pane<'_>) {
+    let look = look(pane);
+    let opacity = look.overlay[3];
+    pane.compose(look);
     let (frame, mask) = (&pane.shown.frame, &pane.shown.analysis.mask);
     let ground = |(x, y)| {
         let under = theme::rgb(frame.pixel(x, y).unwrap_or_default());

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use eframe::egui_wgpu::wgpu::TextureFormat;
 
-use super::{background, regions};
+use super::{ramp, regions};
 use crate::frame::{Frame, Size};
 use crate::regions::Labels;
 use crate::replay::Shown;
@@ -18,13 +18,13 @@ pub(crate) enum Layer {
     Mean,
     /// The weighted mean of the background components.
     Modes,
-    /// B.
-    Counts,
+    /// One number of each pixel.
+    Map,
     /// The mask.
     Mask,
     /// Each pixel's region.
     Labels,
-    /// The colours of the values of B in its first row, of the regions from its second row on.
+    /// The ramp of a map in its first row, its steps in the second, the colours of the regions from the third row on.
     Palette,
     /// Where nothing is analysed.
     Ignored,
@@ -36,6 +36,8 @@ pub(crate) enum Layer {
 
 /// How many texels a row of the palette has.
 const PALETTE_WIDTH: usize = 256;
+/// How many rows of it stand before those of the regions.
+const PALETTE_ROWS: u32 = 2;
 /// Labels share the last colour from here on.
 const LAST_LABEL: u32 = u16::MAX as u32;
 
@@ -45,7 +47,7 @@ impl Layer {
         Self::Input,
         Self::Mean,
         Self::Modes,
-        Self::Counts,
+        Self::Map,
         Self::Mask,
         Self::Labels,
         Self::Palette,
@@ -60,7 +62,7 @@ impl Layer {
             Self::Input | Self::Mean | Self::Modes | Self::Palette | Self::BesideMean => {
                 TextureFormat::Rgba8Unorm
             }
-            Self::Counts => TextureFormat::R8Uint,
+            Self::Map => TextureFormat::R32Float,
             Self::Mask | Self::Ignored | Self::BesideMask => TextureFormat::R8Unorm,
             Self::Labels => TextureFormat::R16Uint,
         }
@@ -69,17 +71,18 @@ impl Layer {
     /// How many bytes a texel takes.
     pub(crate) const fn texel_bytes(self) -> usize {
         match self {
-            Self::Input | Self::Mean | Self::Modes | Self::Palette | Self::BesideMean => 4,
-            Self::Counts | Self::Mask | Self::Ignored | Self::BesideMask => 1,
+            Self::Input | Self::Mean | Self::Modes | Self::Map | Self::Palette | Self::BesideMean => 4,
+            Self::Mask | Self::Ignored | Self::BesideMask => 1,
             Self::Labels => 2,
         }
     }
 
-    /// Whether the frame has it: a model without a mixture has no modes and no B, the whole image nothing ignored.
+    /// Whether the frame has it: a model without a mixture has no modes, a frame without a map none, the
+    /// whole image nothing ignored.
     pub(crate) const fn is_in(self, shown: &Shown) -> bool {
         match self {
             Self::Modes => shown.multi_mode.is_some(),
-            Self::Counts => shown.background_count.is_some(),
+            Self::Map => shown.map.is_some(),
             Self::Ignored => shown.roi.is_some(),
             Self::BesideMean | Self::BesideMask => shown.beside.is_some(),
             _ => true,
@@ -98,7 +101,7 @@ impl Layer {
             Self::Input => Arc::ptr_eq(&a.frame, &b.frame),
             Self::Mean => Arc::ptr_eq(&a.background, &b.background),
             Self::Modes => both(a.multi_mode.as_ref(), b.multi_mode.as_ref()),
-            Self::Counts => both(a.background_count.as_ref(), b.background_count.as_ref()),
+            Self::Map => both(a.map.as_ref(), b.map.as_ref()),
             Self::Mask => Arc::ptr_eq(&a.analysis.mask, &b.analysis.mask),
             Self::Labels => Arc::ptr_eq(&a.analysis.labels, &b.analysis.labels),
             Self::Palette => Arc::ptr_eq(&a.analysis, &b.analysis),
@@ -112,7 +115,7 @@ impl Layer {
     pub(crate) fn texels(self, shown: &Shown, every: u32) -> Size {
         if self == Self::Palette {
             let labels = regions::colours(&shown.analysis).len().min(LAST_LABEL as usize + 1);
-            return Size::new(PALETTE_WIDTH as u32, 1 + labels.div_ceil(PALETTE_WIDTH) as u32);
+            return Size::new(PALETTE_WIDTH as u32, PALETTE_ROWS + labels.div_ceil(PALETTE_WIDTH) as u32);
         }
         texels(shown.frame.size, every)
     }
@@ -128,9 +131,11 @@ impl Layer {
                     colours(modes, every, put);
                 }
             }
-            Self::Counts => {
-                if let Some(counts) = &shown.background_count {
-                    numbers(counts, width, every, |&count| [count], put);
+            Self::Map => {
+                if let Some(map) = &shown.map {
+                    // Shaders need not know what is infinite.
+                    let bytes = |&value: &f32| if value.is_finite() { value } else { -1.0 }.to_le_bytes();
+                    numbers(&map.values, width, every, bytes, put);
                 }
             }
             Self::Mask => numbers(&shown.analysis.mask.data, width, every, |&value| [value], put),
@@ -148,17 +153,22 @@ impl Layer {
             }
             Self::Palette => {
                 let mut row = vec![0; PALETTE_WIDTH * 4];
-                for (texel, colour) in row.chunks_exact_mut(4).zip(background::COUNTS) {
+                let ramp = (0..ramp::RAMP).map(ramp::ramp).chain([ramp::NEVER]);
+                for (texel, colour) in row.chunks_exact_mut(4).zip(ramp) {
                     texel.copy_from_slice(&colour.to_array());
                 }
                 put(0, &row);
+                for (texel, colour) in row.chunks_exact_mut(4).zip(ramp::STEPS) {
+                    texel.copy_from_slice(&colour.to_array());
+                }
+                put(1, &row);
                 let colours = regions::colours(&shown.analysis);
                 let kept = &colours[..colours.len().min(LAST_LABEL as usize + 1)];
                 for (y, colours) in kept.chunks(PALETTE_WIDTH).enumerate() {
                     for (texel, colour) in row.chunks_exact_mut(4).zip(colours) {
                         texel.copy_from_slice(&colour.to_array());
                     }
-                    put(y + 1, &row);
+                    put(y + PALETTE_ROWS as usize, &row);
                 }
             }
         }

@@ -35,23 +35,23 @@ impl Layout {
     pub(crate) fn tree(self) -> Tree<View> {
         use View::{
             Agreement, Background, BesideBackground, BesideForeground, BesideTracks, Difference, Foreground,
-            Input, Regions, Tracks,
+            Input, Map, Regions, Tracks,
         };
         let rows: &[(f32, &[&[View]])] = match self {
             Self::All => &[
-                (1.0, &[&[Input], &[Background, Difference, BesideBackground]]),
+                (1.0, &[&[Input], &[Background, Difference, Map, BesideBackground]]),
                 (1.0, &[&[Foreground, BesideForeground], &[Regions, Agreement]]),
                 (1.6, &[&[Tracks, BesideTracks]]),
             ],
             Self::Figure => &[
-                (1.0, &[&[Input], &[Background, BesideBackground], &[Difference, Agreement]]),
+                (1.0, &[&[Input], &[Background, BesideBackground], &[Difference, Map, Agreement]]),
                 (1.0, &[&[Foreground, BesideForeground], &[Regions], &[Tracks, BesideTracks]]),
             ],
             Self::Tuning => &[
                 (
                     1.0,
                     &[
-                        &[Input, Background, Difference, BesideBackground],
+                        &[Input, Background, Difference, Map, BesideBackground],
                         &[Foreground, Regions, BesideForeground, Agreement],
                     ],
                 ),
@@ -62,7 +62,7 @@ impl Layout {
                     1.0,
                     &[
                         &[Foreground, Background, Regions],
-                        &[Agreement, Input, Difference],
+                        &[Agreement, Input, Difference, Map],
                         &[BesideForeground, BesideBackground],
                     ],
                 ),
@@ -73,9 +73,9 @@ impl Layout {
                 (
                     1.0,
                     &[
-                        &[Background, BesideBackground],
+                        &[Background, Difference, BesideBackground],
                         &[Foreground, Regions, BesideForeground],
-                        &[Difference, Agreement],
+                        &[Map, Agreement],
                     ],
                 ),
             ],

@@ -12,7 +12,11 @@ mod foreground;
 mod input;
 mod layer;
 mod layouts;
+mod loupe;
+mod map;
 mod pictures;
+mod pins;
+mod ramp;
 mod regions;
 mod sender;
 mod tiles;
@@ -21,6 +25,8 @@ mod tracks;
 pub(crate) use areas::area_colour;
 pub(crate) use canvas::Canvas;
 pub(crate) use layouts::{Layout, is_open, set_open};
+#[cfg(test)]
+pub(crate) use loupe::{picture as loupe_picture, place as loupe_place};
 pub(crate) use pictures::Pictures;
 pub(crate) use tiles::show;
 
@@ -52,6 +58,8 @@ pub(crate) enum View {
     Tracks,
     /// How far the input is from the background.
     Difference,
+    /// One number of each pixel as a colour.
+    Map,
     /// The background model under the settings that are compared with those in view.
     BesideBackground,
     /// Their foreground mask.
@@ -64,13 +72,14 @@ pub(crate) enum View {
 
 impl View {
     /// All views in the order of their keys, from 1.
-    pub(crate) const ALL: [Self; 10] = [
+    pub(crate) const ALL: [Self; 11] = [
         Self::Input,
         Self::Background,
         Self::Foreground,
         Self::Regions,
         Self::Tracks,
         Self::Difference,
+        Self::Map,
         Self::BesideBackground,
         Self::BesideForeground,
         Self::BesideTracks,
@@ -86,6 +95,7 @@ impl View {
             Self::Regions => "Regions",
             Self::Tracks => "Tracks and occlusions",
             Self::Difference => "Difference",
+            Self::Map => "Map",
             Self::BesideBackground => "Background of the other",
             Self::BesideForeground => "Foreground of the other",
             Self::BesideTracks => "Tracks of the other",
@@ -127,6 +137,7 @@ impl View {
                  hidden). Dotted: the gate. Hatched: where one hides the other. Flags: this frame's events."
             }
             Self::Difference => "The greatest difference of a channel between input and background, doubled.",
+            Self::Map => "One number of each pixel's mixture as a colour: its title bar has which.",
             Self::BesideBackground => {
                 "The background model after this frame, under the settings not in view."
             }
@@ -151,6 +162,7 @@ impl View {
             Self::Foreground => foreground::value(shown, at),
             Self::Regions => regions::value(shown, at),
             Self::Difference => difference::value(shown, at),
+            Self::Map => map::value(shown, at),
             Self::Agreement => agreement::value(shown, at),
             Self::BesideBackground | Self::BesideForeground | Self::BesideTracks => {
                 let Some(beside) = &shown.beside else { return String::new() };
@@ -173,9 +185,27 @@ impl View {
             Self::Regions => Compose::Regions.layers(),
             Self::Tracks | Self::BesideTracks => Compose::Input.layers(),
             Self::Difference => Compose::Difference.layers(),
+            Self::Map => Compose::Map.layers(),
             Self::BesideBackground => Compose::BesideMean.layers(),
             Self::BesideForeground => Compose::BesideMask.layers(),
             Self::Agreement => Compose::Agreement.layers(),
+        }
+    }
+
+    /// How its picture is composed, without what is drawn over it.
+    fn look(self, pane: &Pane<'_>) -> Option<Look> {
+        match self {
+            Self::Input => Some(input::look(pane)),
+            Self::Background => Some(background::look(pane)),
+            Self::Foreground => Some(Look::plain(Compose::Mask)),
+            Self::Regions => Some(Look::plain(Compose::Regions)),
+            Self::Tracks => Some(tracks::look()),
+            Self::Difference => Some(Look::plain(Compose::Difference)),
+            Self::Map => map::look(pane),
+            Self::BesideBackground => Some(Look::plain(Compose::BesideMean)),
+            Self::BesideForeground => Some(Look::plain(Compose::BesideMask)),
+            Self::BesideTracks => Some(tracks::look()),
+            Self::Agreement => pane.shown.beside.as_ref().map(|_| agreement::look(pane)),
         }
     }
 
@@ -187,6 +217,7 @@ impl View {
             Self::Regions => regions::paint(pane),
             Self::Tracks => tracks::paint(pane),
             Self::Difference => difference::paint(pane),
+            Self::Map => map::paint(pane),
             Self::BesideBackground | Self::BesideForeground | Self::BesideTracks | Self::Agreement => {
                 beside::paint(pane);
             }
@@ -194,27 +225,28 @@ impl View {
     }
 }
 
+const NO_MIXTURE: &str = "This background model has no mixture";
+
 /// What the background view shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub(crate) enum Background {
     /// The mean of component 1.
+    // An earlier version kept B here, which has become a map.
+    #[serde(alias = "Count")]
     Mean,
     /// The weighted mean of the B background components.
     MultiMode,
-    /// B.
-    Count,
 }
 
 impl Background {
     /// All kinds in order.
-    pub(crate) const ALL: [Self; 3] = [Self::Mean, Self::MultiMode, Self::Count];
+    pub(crate) const ALL: [Self; 2] = [Self::Mean, Self::MultiMode];
 
     /// Its name on a button.
     pub(crate) const fn name(self) -> &'static str {
         match self {
             Self::Mean => "Mean",
             Self::MultiMode => "Modes",
-            Self::Count => "B",
         }
     }
 
@@ -223,7 +255,6 @@ impl Background {
         match self {
             Self::Mean => "The mean of component 1 at each pixel",
             Self::MultiMode => "The weighted mean of the B components that are background",
-            Self::Count => "How many components are background (B) at each pixel",
         }
     }
 
@@ -232,7 +263,6 @@ impl Background {
         match self {
             Self::Mean => Compose::Mean,
             Self::MultiMode => Compose::Modes,
-            Self::Count => Compose::Counts,
         }
     }
 
@@ -240,8 +270,7 @@ impl Background {
     pub(crate) const fn next(self) -> Self {
         match self {
             Self::Mean => Self::MultiMode,
-            Self::MultiMode => Self::Count,
-            Self::Count => Self::Mean,
+            Self::MultiMode => Self::Mean,
         }
     }
 }

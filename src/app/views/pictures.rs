@@ -139,6 +139,11 @@ impl Pictures {
         self.layers = layers;
     }
 
+    /// Whether a map is seen.
+    pub(crate) const fn shows_map(&self) -> bool {
+        self.layers.has(Layer::Map)
+    }
+
     /// Asks for a frame, unless it was asked for last.
     pub(crate) fn ask(&mut self, moment: &Arc<Moment>) {
         let (layers, video) = (self.layers, self.video);
@@ -196,7 +201,8 @@ impl Pictures {
 /// What the views need that are there at first, so that the first frame comes whole.
 fn first_layers() -> Layers {
     let mut layers = Layers::NONE;
-    for view in View::ALL {
+    // A map is worked out once somebody sees it.
+    for view in View::ALL.into_iter().filter(|&view| view != View::Map) {
         layers.add(view.layers(Background::Mean));
     }
     layers.add(&[Layer::Ignored]);

@@ -9,18 +9,22 @@ use egui_material_icons::icons as m;
 use egui_tiles::{Behavior, SimplificationOptions, TabState, Tabs, TileId, Tiles, Tree, UiResponse};
 
 use super::layer::{Layer, Layers};
-use super::{Background, Canvas, Pane, Pictures, View, areas, draw};
+use super::{Background, Canvas, Pane, Pictures, View, areas, draw, loupe, map, pins};
 use crate::app::areas::Change;
 use crate::app::command::{Action, Command};
 use crate::app::overlays::Drawn;
 use crate::app::state::{Camera, Hover, Model, Subject};
 use crate::app::{theme, top_bar};
+use crate::mixture::Quantity;
 use crate::tracking::{Identity, Track};
 
 /// From this width of a title on, in points, all kinds of background stand in it to choose from.
-const CHOICES_FROM: f32 = 290.0;
+const CHOICES_FROM: f32 = 330.0;
 /// From this width on, the one that is chosen; below, the tabs need all the room.
 const CHOICE_FROM: f32 = 230.0;
+
+/// From this width on, the number that is mapped has its whole name; below, its symbol.
+const NAME_FROM: f32 = 330.0;
 
 /// An area is chosen by a click within so many points of its outline.
 const OUTLINE: f32 = 4.0;
@@ -111,8 +115,16 @@ impl Panes<'_> {
             colours,
         };
         view.paint(&pane);
+        pins::paint(&painter, &canvas, self.model);
         if let Some(pixel) = self.model.chosen {
             draw::cross(&painter, &canvas, pixel, Color32::from_rgb(255, 255, 255));
+        }
+        let magnify = self.model.loupe || ui.input(|input| input.modifiers.alt);
+        if let Some((pointer, hover)) = response.hover_pos().zip(self.hover).filter(|_| magnify)
+            && hover.view == view
+            && !response.dragged()
+        {
+            loupe::paint(ui, &pane, pointer, hover.pixel);
         }
         self.areas(&painter, &canvas, view, &response);
         self.arrows(ui, &response);
@@ -264,6 +276,9 @@ impl Panes<'_> {
             if view == View::Tracks {
                 self.drawn(ui);
             }
+            if view == View::Map {
+                self.quantity(ui);
+            }
             if view != View::Background || ui.available_width() < CHOICE_FROM {
                 return;
             }
@@ -312,6 +327,27 @@ impl Panes<'_> {
             }
         });
         response.accessible_name("Over the tracks").on_hover_text("What is drawn over the tracks");
+    }
+
+    /// Which number a map shows.
+    fn quantity(&mut self, ui: &mut Ui) {
+        let chosen = self.model.quantity;
+        let narrow = ui.available_width() < NAME_FROM;
+        let name = if narrow { map::symbol(chosen) } else { map::name(chosen) };
+        let text = RichText::new(name).size(theme::SMALL);
+        let button = Button::new((text, m::ICON_ARROW_DROP_DOWN.rich_text().size(theme::ICON)));
+        let (response, _) = MenuButton::from_button(button.frame_when_inactive(false)).ui(ui, |ui| {
+            ui.set_min_width(230.0);
+            for quantity in Quantity::ALL {
+                if let Some(entry) = Action::Map(quantity).entry() {
+                    top_bar::item(ui, self.model, entry, self.commands);
+                }
+            }
+        });
+        let name = format!("Map of {}", map::name(chosen));
+        response
+            .accessible_name(name)
+            .on_hover_text("Which number of each pixel is mapped (Shift+M for the next)");
     }
 
     /// The mask over the input: whether it is there and, while it is, how strong.

@@ -13,9 +13,14 @@ use crate::regions;
 use crate::tracking::{Identity, Track, TrackState};
 use crate::truth::boxes::Bounds;
 
+/// How what lies under them is composed: a little darker, so that boxes stand out.
+pub(super) fn look() -> Look {
+    Look { tint: 205.0 / 255.0, ..Look::plain(Compose::Input) }
+}
+
 /// Paints them.
 pub(super) fn paint(pane: &Pane<'_>) {
-    pane.compose(Look { tint: 205.0 / 255.0, ..Look::plain(Compose::Input) });
+    pane.compose(look());
     let (tracks, drawn) = (&pane.shown.analysis.tracks, pane.model.drawn);
     // Where objects have been is known of the settings in view alone.
     if drawn.has(Drawn::Trails) && !pane.view.compares() {

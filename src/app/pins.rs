@@ -1,0 +1,87 @@
+//! Pinned pixels: up to eight, each with a number and a colour that it keeps.
+
+use std::collections::BTreeMap;
+
+use eframe::egui::Color32;
+use serde::{Deserialize, Serialize};
+
+use super::theme;
+use crate::palette::identity_colour;
+
+/// So many can be pinned.
+pub(crate) const MOST: u8 = 8;
+
+/// The pinned pixels by number, from 1.
+#[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub(crate) struct Pins(BTreeMap<u8, (u32, u32)>);
+
+impl Pins {
+    /// Numbers and pixels, in the order of the numbers.
+    pub(crate) fn iter(&self) -> impl Iterator<Item = (u8, (u32, u32))> + '_ {
+        self.0.iter().map(|(&number, &at)| (number, at))
+    }
+
+    /// Whether there are none.
+    pub(crate) fn is_empty(&self) -> bool {
+        self.0.is_empty()
+    }
+
+    /// The number of a pixel, if it is pinned.
+    pub(crate) fn number_of(&self, at: (u32, u32)) -> Option<u8> {
+        self.iter().find(|(_, pinned)| *pinned == at).map(|(number, _)| number)
+    }
+
+    /// Pins a pixel under the first number that is free, or unpins it. Returns whether there was room.
+    pub(crate) fn toggle(&mut self, at: (u32, u32)) -> bool {
+        if let Some(number) = self.number_of(at) {
+            self.remove(number);
+            return true;
+        }
+        let free = (1..=MOST).find(|number| !self.0.contains_key(number));
+        if let Some(number) = free {
+            self.0.insert(number, at);
+        }
+        free.is_some()
+    }
+
+    /// Unpins the pixel of a number.
+    pub(crate) fn remove(&mut self, number: u8) {
+        self.0.remove(&number);
+    }
+
+    /// Unpins all.
+    pub(crate) fn clear(&mut self) {
+        self.0.clear();
+    }
+}
+
+/// What is written on a pin: not a number alone, which would be an object's.
+pub(crate) fn name(number: u8) -> String {
+    format!("P{number}")
+}
+
+/// The colour of a pin, wherever it stands.
+pub(crate) fn colour(number: u8) -> Color32 {
+    theme::rgb(identity_colour(number.into()))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_pin_keeps_its_number_while_others_come_and_go() {
+        let mut pins = Pins::default();
+        for x in 0..8 {
+            assert!(pins.toggle((x, 5)));
+        }
+        assert!(!pins.toggle((9, 9)), "there is no room for a ninth");
+        assert!(pins.toggle((2, 5)), "the same again takes it away");
+        pins.remove(6);
+        assert_eq!((pins.number_of((2, 5)), pins.number_of((7, 5))), (None, Some(8)));
+        assert!(pins.toggle((9, 9)) && pins.number_of((9, 9)) == Some(3), "the first number that is free");
+        assert_eq!(pins.iter().count(), 7);
+        pins.clear();
+        assert!(pins.is_empty());
+    }
+}

@@ -1,0 +1,123 @@
+//! The map of a number of each pixel: what it shows, and when it is asked for.
+
+use super::*;
+use crate::app::command::Action;
+use crate::app::state::{Camera, Hover};
+
+fn act(harness: &mut Harness<'_, Window>, action: Action) {
+    let ctx = harness.ctx.clone();
+    harness.state_mut().apply(&ctx, Command::Act(action));
+    harness.run_steps(3);
+    settle(harness);
+}
+
+fn maps_asked(scene: &Scene) -> Vec<Option<Quantity>> {
+    let asked = scene.asked.borrow();
+    asked.iter().filter_map(|asked| if let Asked::Map(of) = asked { Some(*of) } else { None }).collect()
+}
+
+#[test]
+fn a_map_is_asked_for_only_while_it_is_seen() {
+    let (mut harness, scene) = ready(58);
+    assert!(maps_asked(&scene).is_empty(), "it stands behind another's tab");
+    act(&mut harness, Action::Map(Quantity::Used));
+    assert_eq!(maps_asked(&scene), [Some(Quantity::Used)]);
+    harness.get_by_label("Map view");
+    harness.get_by_label("Map of Components in use");
+    scene.show(59);
+    settle(&mut harness);
+    harness.key_press_modifiers(Modifiers::SHIFT, Key::M);
+    harness.run_steps(3);
+    harness.key_press(Key::Num1);
+    harness.run_steps(3);
+    harness.key_press(Key::Num1);
+    harness.run_steps(3);
+    let b = Some(Quantity::BackgroundCount);
+    assert_eq!(maps_asked(&scene), [Some(Quantity::Used), b, None, b]);
+    // What hides the map goes away for it.
+    harness.key_press(Key::Num1);
+    harness.run_steps(3);
+    act(&mut harness, Action::NextMap);
+    assert_eq!(harness.state().model.maximised, Some(View::Map));
+    assert_eq!(harness.state().model.quantity, Quantity::BackgroundCount, "the one that was hidden");
+    act(&mut harness, Action::NextMap);
+    assert_eq!(harness.state().model.quantity, Quantity::Matched);
+}
+
+#[test]
+fn each_number_has_its_colour_and_is_written_out() {
+    let (mut harness, _) = window(Some(state(Phase::Ready, Some(58))), (1600.0, 1000.0), Theme::Dark);
+    let view = "Map view";
+    for quantity in Quantity::ALL {
+        harness.state_mut().model.maximised = Some(View::Map);
+        act(&mut harness, Action::Map(quantity));
+        harness.state_mut().model.hovered = Some(Hover { view: View::Map, pixel: (100, 60), scale: 5.0 });
+        picture(&mut harness, &format!("map-{quantity:?}"));
+        let rect = harness.get_by_label(view).rect();
+        let canvas = crate::app::views::Canvas::new(rect, SIZE, harness.state().model.camera);
+        let picture = harness.render().unwrap();
+        let colour = |at: (u32, u32)| {
+            let middle = canvas.place_pixel(at).center();
+            picture.get_pixel(middle.x as u32, middle.y as u32).0
+        };
+        let light = |[r, g, b, _]: [u8; 4]| 2 * u32::from(r) + 5 * u32::from(g) + u32::from(b);
+        let row: Vec<_> = (0..8).map(|step| light(colour((step * 20 + 10, 60)))).collect();
+        match quantity {
+            Quantity::Sigma | Quantity::Weight => assert!(row.is_sorted() && row[7] > 2 * row[0], "{row:?}"),
+            Quantity::Since => {
+                assert!(row.is_sorted_by(|a, b| a > b), "{row:?}");
+                assert!(light(colour((10, 5))) < row[7] && colour((10, 5)) == colour((150, 5)));
+            }
+            Quantity::Used | Quantity::BackgroundCount => {
+                assert_eq!((row[0], row[2], row[4]), (row[1], row[3], row[5]));
+                assert!(row[0] < row[2] && row[2] < row[4]);
+            }
+            Quantity::Matched => {
+                assert_eq!(colour((10, 60)), [255; 4], "none");
+                assert!(row[1] < row[2] && row[5] == row[7], "{row:?}");
+            }
+        }
+    }
+    let value = |window: &Window, pixel| {
+        View::Map.value(window.model.shown().unwrap(), window.model.background, pixel)
+    };
+    assert_eq!(value(harness.state(), (10, 5)), "since=never");
+    assert_eq!(value(harness.state(), (100, 60)), "since=500");
+    act(&mut harness, Action::Map(Quantity::Sigma));
+    assert_eq!(value(harness.state(), (10, 5)), "σ=6.50");
+    harness.state_mut().model.camera = Camera { magnification: 24.0, centre: [0.5, 0.5] };
+    picture(&mut harness, "map-close-up");
+}
+
+#[test]
+fn a_map_can_be_read_in_small_windows_and_in_light() {
+    for (theme, name) in [(Theme::Dark, "dark"), (Theme::Light, "light")] {
+        for size in [(1024.0, 640.0), (1600.0, 1000.0)] {
+            let (mut harness, _) = window(Some(state(Phase::Ready, Some(58))), size, theme);
+            act(&mut harness, Action::Map(Quantity::Since));
+            picture(&mut harness, &format!("map-{}-{name}", size.0));
+            harness.get_by_label_contains("Map of").click();
+            harness.run_steps(4);
+            picture(&mut harness, &format!("map-menu-{}-{name}", size.0));
+        }
+    }
+}
+
+#[test]
+fn a_model_without_a_mixture_says_so() {
+    let (mut harness, scene) = ready(58);
+    harness.state_mut().model.maximised = Some(View::Map);
+    settle(&mut harness);
+    let settings =
+        Settings { background_model: crate::settings::BackgroundModel::Knn, ..Settings::default() };
+    let shown = Shown { settings: Arc::new(settings), map: None, ..shown_at(58) };
+    scene.state.borrow_mut().shown = Some(Arc::new(shown));
+    settle(&mut harness);
+    let empty = harness.render().unwrap();
+    harness.state_mut().model.quantity = Quantity::Since;
+    harness.step();
+    scene.state.borrow_mut().shown.as_mut().map(|shown| Arc::make_mut(shown).map.take());
+    settle(&mut harness);
+    assert!(harness.render().unwrap() != empty, "the sentence is about numbers of the mixture");
+    picture(&mut harness, "map-no-mixture");
+}

@@ -1,0 +1,141 @@
+//! Pinned pixels and the region around the chosen one, from the keys to what the worker is asked.
+
+use super::*;
+use crate::app::command::Action;
+use crate::app::state::Camera;
+
+const AT: (u32, u32) = (80, 60);
+const PINNED: [(u32, u32); 3] = [(80, 60), (30, 40), (120, 50)];
+
+fn act(harness: &mut Harness<'_, Window>, action: Action) {
+    apply(harness, Command::Act(action));
+}
+
+fn apply(harness: &mut Harness<'_, Window>, command: Command) {
+    let ctx = harness.ctx.clone();
+    harness.state_mut().apply(&ctx, command);
+    harness.run_steps(3);
+}
+
+/// The scene with a chosen pixel.
+fn inspected(size: (f32, f32), theme: Theme) -> (Harness<'static, Window>, Scene) {
+    let history = Some(history_of(AT));
+    let shown = Shown { pixel: history.clone(), ..shown_at(58) };
+    let state = State { shown: Some(Arc::new(shown)), pixel: history, ..state(Phase::Ready, Some(58)) };
+    let (mut harness, scene) = window(Some(state), size, theme);
+    apply(&mut harness, Command::Choose(Some(AT)));
+    (harness, scene)
+}
+
+fn pins_asked(scene: &Scene) -> Vec<Vec<(u32, u32)>> {
+    let asked = scene.asked.borrow();
+    asked
+        .iter()
+        .filter_map(|asked| if let Asked::Pin(pins) = asked { Some(pins.clone()) } else { None })
+        .collect()
+}
+
+fn regions_asked(scene: &Scene) -> Vec<Option<((u32, u32), u32)>> {
+    let asked = scene.asked.borrow();
+    asked
+        .iter()
+        .filter_map(|asked| if let Asked::Region(region) = asked { Some(*region) } else { None })
+        .collect()
+}
+
+#[test]
+fn pixels_are_pinned_listed_chosen_and_unpinned() {
+    let (mut harness, scene) = inspected((1600.0, 1000.0), Theme::Dark);
+    assert!(pins_asked(&scene).is_empty());
+    harness.get_by_label("Pin this pixel").click();
+    harness.run_steps(3);
+    for at in &PINNED[1..] {
+        apply(&mut harness, Command::Choose(Some(*at)));
+        harness.key_press(Key::D);
+        harness.run_steps(3);
+    }
+    assert_eq!(
+        pins_asked(&scene),
+        [PINNED[..1].to_vec(), PINNED[..2].to_vec(), PINNED.to_vec()],
+        "once each"
+    );
+    harness.get_by_label("Pixels").click();
+    harness.run_steps(4);
+    harness.get_by_label("30, 40").click();
+    harness.run_steps(3);
+    assert_eq!(harness.state().model.chosen, Some((30, 40)));
+    harness.get_by_label("Unpin 1").click();
+    harness.run_steps(3);
+    assert_eq!(pins_asked(&scene).last().unwrap()[..], PINNED[1..]);
+    // A click in the small multiple goes to the frame there.
+    let spark = harness.get_by_label_contains("Pinned pixel 3 at 120, 50");
+    let place = spark.rect();
+    assert!(place.height() < 60.0, "{place}");
+    spark.click();
+    harness.run_steps(3);
+    assert_eq!(shows(&scene).last(), Some(&60), "the middle of 120 frames");
+
+    act(&mut harness, Action::ClearPins);
+    assert_eq!(pins_asked(&scene).last().unwrap(), &[]);
+    for x in 0..9 {
+        apply(&mut harness, Command::Choose(Some((x, 1))));
+        act(&mut harness, Action::Pin);
+    }
+    assert_eq!(pins_asked(&scene).last().unwrap().len(), 8);
+    act(&mut harness, Action::Messages);
+    harness.get_by_label("8 pixels are pinned already; unpin one first");
+}
+
+#[test]
+fn pins_belong_to_their_video() {
+    let (mut harness, scene) = inspected((1600.0, 1000.0), Theme::Dark);
+    act(&mut harness, Action::Pin);
+    apply(&mut harness, Command::Open("/videos/other.mp4".into(), Start::First));
+    assert!(harness.state().model.marks.pins.is_empty());
+    apply(&mut harness, Command::Open("/videos/walk.mp4".into(), Start::First));
+    assert_eq!(pins_asked(&scene), [vec![AT], vec![AT]], "asked of the new worker too");
+    // Where no pixel is chosen, the pins are there to choose from.
+    scene.state.borrow_mut().pixel = None;
+    scene.state.borrow_mut().shown = Some(Arc::new(shown_at(58)));
+    settle(&mut harness);
+    harness.get_by_label("No pixel chosen");
+    harness.get_by_label("80, 60").click();
+    harness.run_steps(3);
+    assert_eq!(harness.state().model.chosen, Some(AT));
+}
+
+#[test]
+fn the_region_around_the_pixel_is_asked_for_while_it_is_looked_at() {
+    let (mut harness, scene) = inspected((1600.0, 1000.0), Theme::Dark);
+    assert!(regions_asked(&scene).is_empty());
+    harness.get_by_label("Pixels").click();
+    harness.run_steps(4);
+    harness.get_by_label("15×15").click();
+    harness.run_steps(4);
+    assert_eq!(regions_asked(&scene), [Some((AT, 5)), Some((AT, 15))]);
+    let curve = harness.get_by_label_contains("Share of foreground around the pixel");
+    curve.click();
+    harness.run_steps(3);
+    assert!((50..70).contains(shows(&scene).last().unwrap()), "about the middle");
+    harness.get_by_label("Now").click();
+    harness.run_steps(4);
+    assert_eq!(regions_asked(&scene).last(), Some(&None));
+}
+
+#[test]
+fn several_pixels_can_be_compared_dark_and_light_in_small_windows_and_large() {
+    for (theme, name) in [(Theme::Dark, "dark"), (Theme::Light, "light")] {
+        for size in [(1024.0, 640.0), (1600.0, 1000.0)] {
+            let (mut harness, _) = inspected(size, theme);
+            for at in PINNED.into_iter().rev() {
+                apply(&mut harness, Command::Choose(Some(at)));
+                act(&mut harness, Action::Pin);
+            }
+            harness.get_by_label("Pixels").click();
+            harness.run_steps(4);
+            picture(&mut harness, &format!("pixels-{}-{name}", size.0));
+            harness.state_mut().model.camera = Camera { magnification: 30.0, centre: [0.5, 0.5] };
+            picture(&mut harness, &format!("pixels-close-up-{}-{name}", size.0));
+        }
+    }
+}

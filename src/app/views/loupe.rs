@@ -1,0 +1,132 @@
+//! A loupe beside the pointer: what is around a pixel, enlarged, with its value and what was decided about it.
+
+use eframe::egui::{
+    Align2, Color32, FontId, Id, LayerId, Order, Pos2, Rect, Stroke, StrokeKind, Ui, Vec2, pos2, vec2,
+};
+
+use super::compose::Composition;
+use super::{Canvas, Pane};
+use crate::app::state::Model;
+use crate::app::theme;
+use crate::mixture::Quantity;
+use crate::replay::Shown;
+
+/// Its side, in points.
+const SIDE: f32 = 143.0;
+/// A pixel in it is so many times larger than in the view, within bounds.
+const LARGER: f32 = 3.0;
+const PIXEL: (f32, f32) = (13.0, 47.0);
+const LINE: f32 = 15.0;
+const LINES: f32 = 3.0;
+/// How far from the pointer it stands.
+const AWAY: f32 = 22.0;
+
+const INK: Color32 = Color32::from_rgb(236, 240, 246);
+const WEAK: Color32 = Color32::from_rgb(170, 178, 190);
+const FOREGROUND: Color32 = Color32::from_rgb(240, 120, 40);
+const BACKGROUND: Color32 = Color32::from_rgb(0, 190, 138);
+
+/// Where it stands: below and to the right of the pointer, or on the other side where there is no room.
+pub(crate) fn place(pointer: Pos2, window: Rect) -> Rect {
+    let size = vec2(SIDE + 8.0, SIDE + LINES * LINE + 12.0);
+    let along =
+        |at: f32, size: f32, end: f32| if at + AWAY + size > end { at - AWAY - size } else { at + AWAY };
+    let corner = pos2(
+        along(pointer.x, size.x, window.right()).max(window.left()),
+        along(pointer.y, size.y, window.bottom()).max(window.top()),
+    );
+    Rect::from_min_size(corner, size)
+}
+
+/// The part of it that shows the picture.
+pub(crate) fn picture(place: Rect) -> Rect {
+    Rect::from_min_size(place.min + Vec2::splat(4.0), Vec2::splat(SIDE))
+}
+
+/// Paints it over everything else.
+pub(super) fn paint(ui: &Ui, pane: &Pane<'_>, pointer: Pos2, pixel: (u32, u32)) {
+    let place = place(pointer, ui.ctx().content_rect());
+    let layer = LayerId::new(Order::Tooltip, Id::unique("loupe"));
+    let painter = ui.ctx().layer_painter(layer);
+    painter.rect(
+        place,
+        5.0,
+        Color32::from_rgb(14, 16, 20),
+        (1.0, Color32::from_white_alpha(70)),
+        StrokeKind::Inside,
+    );
+    let picture = picture(place);
+    let scale = (pane.canvas.scale * LARGER).clamp(PIXEL.0, PIXEL.1);
+    let canvas = Canvas::around(picture, pane.canvas.size, pixel, scale);
+    let inside = painter.with_clip_rect(picture);
+    if let Some(look) = pane.view.look(pane)
+        && let Some(shape) = Composition::loupe(pane.composer, pane.set, look, canvas)
+    {
+        inside.add(shape);
+    }
+    let middle = canvas.place_pixel(pixel);
+    inside.rect_stroke(
+        middle.expand(1.0),
+        0.0,
+        Stroke::new(3.0, Color32::from_black_alpha(170)),
+        StrokeKind::Middle,
+    );
+    inside.rect_stroke(middle.expand(1.0), 0.0, Stroke::new(1.5, Color32::WHITE), StrokeKind::Middle);
+
+    let (decided, colour) = decided(pane.shown, pixel);
+    let decided = match matched(pane.model, pane.shown, pixel) {
+        Some(0) => format!("{decided}, none matched"),
+        Some(rank) => format!("{decided}, rank {rank}"),
+        None => decided.to_owned(),
+    };
+    let (x, y) = pixel;
+    let value = pane.view.value(pane.shown, pane.model.background, pixel);
+    let mut at = pos2(picture.left() + 2.0, picture.bottom() + 3.0 + LINE / 2.0);
+    for (text, ink) in [(format!("{x}, {y}"), WEAK), (value, INK), (decided, colour)] {
+        painter.text(at, Align2::LEFT_CENTER, text, FontId::monospace(theme::SMALL), ink);
+        at.y += LINE;
+    }
+}
+
+/// What the pixel is in the mask of the frame.
+fn decided(shown: &Shown, (x, y): (u32, u32)) -> (&'static str, Color32) {
+    if shown.roi.as_ref().is_some_and(|roi| !roi.contains(x, y)) {
+        ("ignored", WEAK)
+    } else if shown.analysis.mask.is_foreground(x, y) {
+        ("foreground", FOREGROUND)
+    } else {
+        ("background", BACKGROUND)
+    }
+}
+
+/// The rank that the pixel's value matched, 0 for none, where it is known: of all pixels while they are mapped, else of
+/// the chosen and of the pinned ones.
+fn matched(model: &Model, shown: &Shown, pixel: (u32, u32)) -> Option<u8> {
+    if let Some(map) = shown.map.as_ref().filter(|map| map.quantity == Quantity::Matched) {
+        let index = shown.frame.size.index(pixel.0, pixel.1)?;
+        return map.values.get(index).map(|&rank| rank as u8);
+    }
+    let pins = model.state.as_ref().map_or(&[][..], |state| &state.pins);
+    let of_settings = crate::mixture::Parameters::new(&shown.settings);
+    let mut known = shown.pixel.iter().chain(pins);
+    let history = known.find(|history| history.at == pixel && history.parameters == of_settings)?;
+    history.states.get(shown.position as usize).map(|state| state.outcome.matched)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn it_never_covers_the_pointer_nor_leaves_the_window() {
+        let window = Rect::from_min_size(Pos2::ZERO, vec2(800.0, 560.0));
+        for x in (0..800).step_by(50) {
+            for y in (0..560).step_by(40) {
+                let pointer = pos2(x as f32, y as f32);
+                let place = place(pointer, window);
+                assert!(window.contains_rect(place), "{pointer:?} {place:?}");
+                assert!(!place.expand(AWAY - 1.0).contains(pointer), "{pointer:?} {place:?}");
+            }
+        }
+    }
+}

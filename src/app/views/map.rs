@@ -1,0 +1,247 @@
+//! One number of each pixel as a colour: of its mixture, or how long ago it was foreground.
+
+use eframe::egui::{
+    Align2, Color32, FontId, Mesh, Painter, Pos2, Rangef, Rect, Shape, Stroke, StrokeKind, pos2, vec2,
+};
+
+use super::ramp::{NEVER, RAMP, STEPS, Scale, ramp};
+use super::{Compose, Look, NO_MIXTURE, Pane, draw};
+use crate::app::theme;
+use crate::mixture::Quantity;
+use crate::replay::Shown;
+use crate::settings::{BackgroundModel, Settings};
+
+/// How many frames ago is as dark as any time before.
+const LONG_AGO: f32 = 1000.0;
+
+/// Its name in a menu.
+pub(crate) const fn name(quantity: Quantity) -> &'static str {
+    match quantity {
+        Quantity::Sigma => "σ of component 1",
+        Quantity::Weight => "w of component 1",
+        Quantity::Used => "Components in use",
+        Quantity::BackgroundCount => "B",
+        Quantity::Matched => "Rank that matched",
+        Quantity::Since => "Frames since foreground",
+    }
+}
+
+/// What stands before its number.
+pub(super) const fn symbol(quantity: Quantity) -> &'static str {
+    match quantity {
+        Quantity::Sigma => "σ",
+        Quantity::Weight => "w",
+        Quantity::Used => "used",
+        Quantity::BackgroundCount => "B",
+        Quantity::Matched => "matched",
+        Quantity::Since => "since",
+    }
+}
+
+/// What stands beside its colours: the symbol with the unit.
+const fn caption(quantity: Quantity) -> &'static str {
+    match quantity {
+        Quantity::Sigma => "σ₁, levels",
+        Quantity::Weight => "w₁",
+        Quantity::Used => "in use",
+        Quantity::BackgroundCount => "B",
+        Quantity::Matched => "matched",
+        Quantity::Since => "frames ago",
+    }
+}
+
+/// Its colours. They depend on settings and not on the frame, so that nothing flickers while a video plays.
+fn scale(quantity: Quantity, settings: &Settings) -> Scale {
+    match quantity {
+        Quantity::Sigma => {
+            let low = settings.min_sigma;
+            Scale::Log { offset: 0.0, low, high: (4.0 * settings.initial_sigma).max(2.0 * low) }
+        }
+        Quantity::Weight => Scale::Linear { low: 0.0, high: 1.0 },
+        // What was foreground a moment ago is brightest.
+        Quantity::Since => Scale::Log { offset: 1.0, low: LONG_AGO, high: 0.0 },
+        Quantity::Used | Quantity::BackgroundCount | Quantity::Matched => Scale::Steps,
+    }
+}
+
+/// A number as it is written.
+fn number(quantity: Quantity, value: f32) -> String {
+    match quantity {
+        Quantity::Sigma => format!("{value:.2}"),
+        Quantity::Weight => format!("{value:.3}"),
+        Quantity::Matched if value == 0.0 => "none".into(),
+        Quantity::Since if value.is_infinite() => "never".into(),
+        _ => format!("{value:.0}"),
+    }
+}
+
+/// How it is composed; not at all, where there is none.
+pub(super) fn look(pane: &Pane<'_>) -> Option<Look> {
+    let scale = scale(pane.shown.map.as_ref()?.quantity, &pane.shown.settings);
+    Some(Look { scale: scale.values(), ..Look::plain(Compose::Map) })
+}
+
+/// Paints it.
+pub(super) fn paint(pane: &Pane<'_>) {
+    let Some((map, look)) = pane.shown.map.as_ref().zip(look(pane)) else {
+        let other = pane.shown.settings.background_model != BackgroundModel::Mixture;
+        if other && pane.model.quantity.is_of_mixture() {
+            draw::message(pane.painter, &pane.canvas, NO_MIXTURE, pane.colours.weak);
+        }
+        return;
+    };
+    let scale = scale(map.quantity, &pane.shown.settings);
+    pane.compose(look);
+    let number = |at| at_pixel(pane.shown, at).map_or_else(String::new, |value| number(map.quantity, value));
+    let ground = |at| scale.colour(at_pixel(pane.shown, at).unwrap_or(0.0));
+    draw::values(pane.painter, &pane.canvas, number, ground);
+    legend(pane.painter, pane.canvas.rect, map.quantity, scale);
+}
+
+fn at_pixel(shown: &Shown, (x, y): (u32, u32)) -> Option<f32> {
+    let index = shown.frame.size.index(x, y)?;
+    shown.map.as_ref()?.values.get(index).copied()
+}
+
+/// The number with what it is.
+pub(super) fn value(shown: &Shown, at: (u32, u32)) -> String {
+    let quantity = shown.map.as_ref().map(|map| map.quantity);
+    let value = quantity.zip(at_pixel(shown, at));
+    value.map_or_else(String::new, |(of, value)| format!("{}={}", symbol(of), number(of, value)))
+}
+
+const INK: Color32 = Color32::from_rgb(236, 240, 246);
+/// The bar of the ramp is as long as there is room, between these.
+const BAR: Rangef = Rangef { min: 60.0, max: 132.0 };
+/// Height of a line of the legend.
+const LINE: f32 = 14.0;
+const MARGIN: f32 = 6.0;
+/// Views narrower than this do without the caption: the title bar has it.
+const CAPTION_FROM: f32 = 290.0;
+/// From one number under the bar to the next.
+const APART: f32 = 22.0;
+
+/// The colours with their numbers on a dark plate in the lower left corner, where it is small enough for the view.
+fn legend(painter: &Painter, view: Rect, quantity: Quantity, scale: Scale) {
+    let font = FontId::proportional(theme::SMALL);
+    let word = if view.width() < CAPTION_FROM { "" } else { caption(quantity) };
+    let caption = painter.layout_no_wrap(word.to_owned(), font, INK);
+    let before = if word.is_empty() { 0.0 } else { caption.size().x + 10.0 };
+    let swatches = swatches(quantity);
+    let beside = swatches.iter().map(|(_, word)| swatch_width(word)).sum::<f32>();
+    let steps = scale == Scale::Steps;
+    let room = view.width() - 24.0 - 2.0 * MARGIN - before - beside;
+    let bar = if steps { 0.0 } else { BAR.clamp(room - 18.0) };
+    let (ramp, lines) = if steps { (0.0, 1.0) } else { (bar + 18.0, 2.0) };
+    let size = vec2(before + ramp + beside + 2.0 * MARGIN, lines * LINE + 2.0 * MARGIN - 4.0);
+    let place = Rect::from_min_size(view.left_bottom() + vec2(8.0, -8.0 - size.y), size);
+    if !view.contains_rect(place.expand(4.0)) {
+        return;
+    }
+    painter.rect_filled(place, 3.0, Color32::from_black_alpha(200));
+    let corner = place.min + vec2(MARGIN, MARGIN - 2.0);
+    painter.galley(pos2(corner.x, corner.y + (LINE - caption.size().y) / 2.0), caption, INK);
+    let mut x = corner.x + before;
+    if !steps {
+        let bar = Rect::from_min_size(pos2(x + 6.0, corner.y + 3.0), vec2(bar, 8.0));
+        ramp_bar(painter, bar);
+        let mut free = f32::NEG_INFINITY;
+        for tick in ticks(quantity, scale) {
+            let at = bar.left() + scale.share(tick).unwrap_or(0.0) * bar.width();
+            if at >= free {
+                free = at + APART;
+                painter.vline(at, bar.bottom()..=bar.bottom() + 3.0, (1.0, INK));
+                text(painter, pos2(at, bar.bottom() + 9.0), Align2::CENTER_CENTER, &format!("{tick}"));
+            }
+        }
+        x = bar.right() + 12.0;
+    }
+    for (colour, word) in swatches {
+        let middle = corner.y + LINE / 2.0;
+        let swatch = Rect::from_min_size(pos2(x, middle - 5.0), vec2(10.0, 10.0));
+        let rim = Stroke::new(1.0, Color32::from_white_alpha(90));
+        painter.rect(swatch, 2.0, colour, rim, StrokeKind::Inside);
+        text(painter, pos2(x + 14.0, middle), Align2::LEFT_CENTER, &word);
+        x += swatch_width(&word);
+    }
+}
+
+fn swatch_width(word: &str) -> f32 {
+    20.0 + 6.0 * word.len() as f32
+}
+
+fn text(painter: &Painter, at: Pos2, anchor: Align2, text: &str) {
+    painter.text(at, anchor, text, FontId::proportional(theme::SMALL - 1.0), INK);
+}
+
+/// Colours that stand beside the ramp, or in its place.
+fn swatches(quantity: Quantity) -> Vec<(Color32, String)> {
+    let step = |count: usize| {
+        let more = if count + 1 == STEPS.len() { "+" } else { "" };
+        (STEPS[count], format!("{count}{more}"))
+    };
+    let counts = (1..STEPS.len()).map(step);
+    match quantity {
+        Quantity::Used | Quantity::BackgroundCount => counts.collect(),
+        Quantity::Matched => counts.chain([(STEPS[0], "none".to_owned())]).collect(),
+        Quantity::Since => vec![(NEVER, "never".to_owned())],
+        Quantity::Sigma | Quantity::Weight => Vec::new(),
+    }
+}
+
+/// The numbers that stand under the ramp.
+fn ticks(quantity: Quantity, scale: Scale) -> Vec<f32> {
+    match (quantity, scale) {
+        (Quantity::Since, _) => vec![1000.0, 100.0, 10.0, 0.0],
+        (Quantity::Weight, _) => vec![0.0, 0.5, 1.0],
+        (_, Scale::Log { low, high, .. }) => {
+            let decades = [0.1, 1.0, 10.0, 100.0].into_iter();
+            let round = decades.flat_map(|decade| [1.0, 2.0, 3.0, 5.0].map(|digit| digit * decade));
+            let mut ticks = vec![low];
+            for tick in round.filter(|tick| (low..=high).contains(tick)) {
+                let shares = ticks.last().and_then(|last| scale.share(tick).zip(scale.share(*last)));
+                if shares.is_some_and(|(share, before)| share - before > 0.15) {
+                    ticks.push(tick);
+                }
+            }
+            ticks
+        }
+        _ => Vec::new(),
+    }
+}
+
+fn ramp_bar(painter: &Painter, bar: Rect) {
+    let mut mesh = Mesh::default();
+    let columns = bar.width().max(2.0) as usize;
+    for column in 0..columns {
+        let at = |column: usize| bar.left() + bar.width() * column as f32 / columns as f32;
+        let colour = ramp(column * (RAMP - 1) / (columns - 1));
+        let place = Rect::from_x_y_ranges(at(column)..=at(column + 1), bar.y_range());
+        mesh.add_colored_rect(place, colour);
+    }
+    painter.add(Shape::mesh(mesh));
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_quantity_has_colours_and_numbers_to_read_them_by() {
+        let settings = Settings::default();
+        for quantity in Quantity::ALL {
+            let scale = scale(quantity, &settings);
+            let ticks = ticks(quantity, scale);
+            assert!(ticks.len() > 2 || swatches(quantity).len() > 4, "{quantity:?}");
+            let shares: Vec<_> = ticks.iter().filter_map(|&tick| scale.share(tick)).collect();
+            assert_eq!(shares.len(), ticks.len());
+            assert!(
+                shares.is_sorted() && shares.windows(2).all(|pair| pair[1] - pair[0] > 0.1),
+                "{shares:?}"
+            );
+        }
+        assert_eq!(number(Quantity::Matched, 0.0), "none");
+        assert_eq!(number(Quantity::Since, f32::INFINITY), "never");
+        assert_eq!(number(Quantity::Sigma, 5.3125), "5.31");
+    }
+}

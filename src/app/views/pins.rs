@@ -1,0 +1,46 @@
+//! Pinned pixels over a view, and the region around the chosen one.
+
+use eframe::egui::{Color32, Painter, Rect, Stroke, Vec2, vec2};
+
+use super::{Canvas, draw};
+use crate::app::pins::{self, Pins};
+use crate::app::state::Model;
+use crate::regions;
+use crate::replay::around;
+
+/// From this size on, in points, a pixel has room for a frame of its own.
+const FRAME_FROM: f32 = 8.0;
+/// The ring around a smaller one.
+const RING: f32 = 4.5;
+
+/// Paints them.
+pub(super) fn paint(painter: &Painter, canvas: &Canvas, model: &Model) {
+    if let Some((at, side)) = model.region.filter(|&(_, side)| side > 1) {
+        let (columns, rows) = around(at, side, canvas.size);
+        let (width, height) = (columns.len() as f32, rows.len() as f32);
+        let place = canvas.place(&regions::Rect::new(columns.start as f32, rows.start as f32, width, height));
+        draw::dashed_rect(painter, place, Stroke::new(3.0, Color32::from_black_alpha(90)), 4.0);
+        draw::dashed_rect(painter, place, Stroke::new(1.0, Color32::WHITE), 4.0);
+    }
+    pinned(painter, canvas, &model.marks.pins);
+}
+
+/// A ring around each, with its number.
+fn pinned(painter: &Painter, canvas: &Canvas, pins: &Pins) {
+    for (number, (x, y)) in pins.iter().filter(|(_, (x, y))| canvas.size.index(*x, *y).is_some()) {
+        let place = canvas.place_pixel((x, y));
+        let mark = Rect::from_center_size(place.center(), Vec2::splat(2.0 * RING));
+        let mark = if canvas.scale >= FRAME_FROM { place } else { mark };
+        if !canvas.rect.intersects(mark) {
+            continue;
+        }
+        let colour = pins::colour(number);
+        if canvas.scale >= FRAME_FROM {
+            draw::outlined_rect(painter, mark, Stroke::new(2.0, colour));
+        } else {
+            painter.circle_stroke(mark.center(), RING, Stroke::new(4.0, Color32::from_black_alpha(140)));
+            painter.circle_stroke(mark.center(), RING, Stroke::new(2.0, colour));
+        }
+        draw::tag(painter, mark.right_top() + vec2(1.0, -1.0), &pins::name(number), colour, canvas.rect);
+    }
+}

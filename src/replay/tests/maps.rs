@@ -1,0 +1,142 @@
+//! Maps over the whole image against the histories of single pixels.
+
+use super::*;
+use crate::mixture::Quantity;
+
+/// Pixels all over the image, those under the squares among them.
+fn pixels() -> Vec<(u32, u32)> {
+    let any = |n: u32| (n.wrapping_mul(2_654_435_761) >> 8) as usize;
+    let scattered = (1..60).map(|n| (any(n) as u32 % WIDTH, any(n * 7 + 3) as u32 % HEIGHT));
+    scattered.chain([PIXEL, (30, 30), (60, 35), (0, 0), (WIDTH - 1, HEIGHT - 1)]).collect()
+}
+
+fn histories(video: &Path, settings: &Settings) -> Vec<PixelHistory> {
+    let mut histories: Vec<_> =
+        pixels().into_iter().map(|at| PixelHistory::new(at, Parameters::new(settings))).collect();
+    let mut source = source::open(&name(video)).unwrap();
+    while let Some(frame) = source.next_frame().unwrap() {
+        for history in &mut histories {
+            history.push(&frame);
+        }
+    }
+    histories
+}
+
+/// The definition of each map.
+fn expected(quantity: Quantity, history: &PixelHistory, index: usize) -> f32 {
+    let state = &history.states[index];
+    let first = state.pixel.components()[0];
+    match quantity {
+        Quantity::Sigma => first.sigma(),
+        Quantity::Weight => first.weight,
+        Quantity::Used => state.pixel.used() as f32,
+        Quantity::BackgroundCount => f32::from(state.outcome.background_count),
+        Quantity::Matched => f32::from(state.outcome.matched),
+        Quantity::Since => {
+            let past = history.states[..=index].iter().rev();
+            past.into_iter()
+                .position(|state| state.outcome.foreground)
+                .map_or(f32::INFINITY, |ago| ago as f32)
+        }
+    }
+}
+
+fn of(state: &State, position: u32) -> Option<&Map> {
+    state.shown.as_ref().filter(|shown| shown.position == position)?.map.as_deref()
+}
+
+#[test]
+fn every_map_equals_the_histories_of_its_pixels_forwards_and_after_jumping_back() {
+    let folder = scene();
+    // Without shadows: the history knows none.
+    let settings = Settings { shadow_floor: 1.0, t: 0.8, ..settings() };
+    let histories = histories(folder.path(), &settings);
+    let frame_bytes = (WIDTH * HEIGHT * 3) as usize;
+    let mut seen = Vec::new();
+    for budget in [1 << 30, frame_bytes * 160, 0] {
+        let watched = Watched::open(folder.path(), settings.clone(), Start::First, budget);
+        for (step, position) in [0, 1, 2, 20, 21, 22, 40, 39, 38, 5, 59, 58, 0, 33].into_iter().enumerate() {
+            watched.session.show(position);
+            for turn in 0..Quantity::ALL.len() {
+                let quantity = Quantity::ALL[(step + turn) % Quantity::ALL.len()];
+                watched.session.map(Some(quantity));
+                let state =
+                    watched.until(|state| of(state, position).is_some_and(|map| map.quantity == quantity));
+                let map = of(&state, position).unwrap();
+                for history in &histories {
+                    let (x, y) = history.at;
+                    let value = map.values[(y * WIDTH + x) as usize];
+                    let expected = expected(quantity, history, position as usize);
+                    assert_eq!(value, expected, "{quantity:?} at {position}, pixel {x}, {y}");
+                    seen.push((quantity, value.to_bits()));
+                }
+            }
+        }
+        // One quantity from frame to frame, as when playing, forwards and back.
+        for quantity in [Quantity::Matched, Quantity::Since] {
+            watched.session.map(Some(quantity));
+            for position in (10..30).chain((10..30).rev()) {
+                watched.session.show(position);
+                let state =
+                    watched.until(|state| of(state, position).is_some_and(|map| map.quantity == quantity));
+                let map = of(&state, position).unwrap();
+                for history in &histories {
+                    let value = map.values[(history.at.1 * WIDTH + history.at.0) as usize];
+                    assert_eq!(
+                        value,
+                        expected(quantity, history, position as usize),
+                        "{quantity:?} at {position}"
+                    );
+                }
+            }
+        }
+    }
+    for quantity in Quantity::ALL {
+        let mut values: Vec<_> =
+            seen.iter().filter(|(of, _)| *of == quantity).map(|(_, bits)| bits).collect();
+        values.sort_unstable();
+        values.dedup();
+        assert!(values.len() > 1, "{quantity:?} is nearly the same everywhere: {}", values.len());
+    }
+}
+
+#[test]
+fn a_map_goes_with_other_settings_and_is_made_only_while_it_is_asked_for() {
+    let folder = scene();
+    let watched = Watched::open(folder.path(), settings(), Start::First, 1 << 30);
+    watched.session.map(Some(Quantity::Sigma));
+    watched.session.show(30);
+    watched.until(|state| of(state, 30).is_some());
+    let other = Settings { min_sigma: 11.0, ..settings() };
+    watched.session.set_settings(other.clone());
+    let state = watched.until(|state| {
+        state.shown.as_ref().is_some_and(|shown| *shown.settings == other && shown.map.is_some())
+    });
+    assert!(of(&state, 30).unwrap().values.iter().all(|&sigma| sigma >= 11.0));
+    watched.session.map(None);
+    watched.until_done();
+    assert!(watched.shown(31).map.is_none());
+}
+
+#[test]
+fn another_model_has_the_time_since_foreground_alone() {
+    let folder = scene();
+    let settings = Settings { background_model: BackgroundModel::Mog2, ..settings() };
+    let watched = Watched::open(folder.path(), settings, Start::First, 1 << 30);
+    watched.session.map(Some(Quantity::Used));
+    assert!(watched.shown(40).map.is_none());
+    watched.session.map(Some(Quantity::Since));
+    let state = watched.until(|state| of(state, 40).is_some());
+    let values = &of(&state, 40).unwrap().values;
+    assert!(values.contains(&0.0) && values.iter().any(|&since| since > 20.0));
+}
+
+#[test]
+fn a_camera_has_the_rank_that_matched_from_the_second_frame_on() {
+    let watched = camera(200, 40);
+    watched.until(|state| state.timeline.analysed > 80);
+    watched.session.map(Some(Quantity::Matched));
+    watched.until(|state| state.shown.as_ref().is_some_and(|shown| shown.map.is_some()));
+    let done = watched.until(|state| state.timeline.complete && state.busy.is_none());
+    assert_eq!(done.timeline.analysed, 200);
+}
