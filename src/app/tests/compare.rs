@@ -239,8 +239,8 @@ fn the_inspector_shows_the_mixtures_of_both() {
     }
     settle(&mut harness);
     harness.run_steps(4);
-    harness.get_by_label_contains("B: foreground");
-    harness.get_by_label_contains("A: background");
+    harness.get_by_label_contains("B: Foreground");
+    harness.get_by_label_contains("A: Background");
     harness.get_by_label("Under A");
     picture(&mut harness, "compare-pixel");
 }
