@@ -199,12 +199,11 @@ impl View {
             Self::Background => Some(background::look(pane)),
             Self::Foreground => Some(Look::plain(Compose::Mask)),
             Self::Regions => Some(Look::plain(Compose::Regions)),
-            Self::Tracks => Some(tracks::look()),
+            Self::Tracks | Self::BesideTracks => Some(tracks::look()),
             Self::Difference => Some(Look::plain(Compose::Difference)),
             Self::Map => map::look(pane),
             Self::BesideBackground => Some(Look::plain(Compose::BesideMean)),
             Self::BesideForeground => Some(Look::plain(Compose::BesideMask)),
-            Self::BesideTracks => Some(tracks::look()),
             Self::Agreement => pane.shown.beside.as_ref().map(|_| agreement::look(pane)),
         }
     }
