@@ -45,7 +45,7 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
     let read = model.reading.and_then(|read| Some((read, model.event(read)?)));
     let height = ui.available_height();
-    let list = if read.is_some() { (height * 0.5).max(height - 230.0) } else { height };
+    let list = if read.is_some() { (height * 0.38).max(height - 320.0) } else { height };
     let here = model.shown().map(|shown| shown.position);
     let row_height = theme::ROW;
     let mut area = ScrollArea::vertical().id_salt("events").auto_shrink([false, true]).max_height(list);
