@@ -357,3 +357,35 @@ fn opencv_s_models_go_through_the_same_stages() {
         assert_eq!(json(&out.join("summary.json"))["settings"]["background_model"], model);
     }
 }
+
+/// What the tutorial says of the bundled scene: with T = 0.95 a shirt becomes background, its walker falls apart and
+/// comes back as somebody new; with T = 0.88 both are the same throughout.
+#[test]
+fn the_tutorials_identity_is_lost_and_found_by_t() {
+    let place = Place::new();
+    let sample = Path::new(env!("CARGO_MANIFEST_DIR")).join("sample_videos/crossing.mp4");
+    let events = |t: &str| -> Vec<(String, u64)> {
+        let out = place.path(&format!("t{t}"));
+        works(&["run", text(&sample), "--out", text(&out), "--t", t]);
+        let events = read(&out.join("events.jsonl"));
+        let events = events.lines().map(|line| serde_json::from_str::<Value>(line).unwrap());
+        events
+            .map(|event| (event["kind"].as_str().unwrap().to_owned(), event["frame"].as_u64().unwrap()))
+            .collect()
+    };
+    let lost = events("0.95");
+    assert!(lost.len() > 15 && lost.iter().any(|(kind, _)| kind == "appear"), "{lost:?}");
+    let kinds: Vec<String> = events("0.88").into_iter().map(|(kind, _)| kind).collect();
+    assert_eq!(kinds, ["enter", "enter", "merge", "demerge", "exit", "exit"]);
+    // The pixel that the tutorial asks: background under the one, foreground under the other.
+    let foreground = |t: &str| {
+        let out = place.path(&format!("pixel{t}.csv"));
+        works(&["pixel", text(&sample), "--at", "160,137", "--t", t, "--out", text(&out)]);
+        let table = read(&out);
+        let names: Vec<&str> = table.lines().next().unwrap().split(',').collect();
+        let column = names.iter().position(|name| *name == "foreground").unwrap();
+        let row = table.lines().find(|line| line.starts_with("124,")).unwrap();
+        row.split(',').nth(column).unwrap() == "1"
+    };
+    assert_eq!((foreground("0.95"), foreground("0.88")), (false, true));
+}
