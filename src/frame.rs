@@ -1,8 +1,10 @@
 //! What every stage passes on: frames, their sizes, and masks.
 
 use std::fmt;
+use std::iter;
+use std::ops::Range;
 
-use memchr::memchr_iter;
+use memchr::{memchr, memchr_iter};
 
 /// Width and height of an image in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
@@ -67,6 +69,16 @@ impl Frame {
         let at = self.size.index(x, y)? * 3;
         Some([self.rgb[at], self.rgb[at + 1], self.rgb[at + 2]])
     }
+
+    /// The part within these columns and rows, which must lie within the image.
+    pub fn cut(&self, columns: &Range<u32>, rows: &Range<u32>) -> Self {
+        let size = Size::new(columns.len() as u32, rows.len() as u32);
+        let row = |row: u32| {
+            let start = (row as usize * self.size.width as usize + columns.start as usize) * 3;
+            &self.rgb[start..start + columns.len() * 3]
+        };
+        Self::new(self.number, size, rows.clone().flat_map(row).copied().collect())
+    }
 }
 
 impl fmt::Debug for Frame {
@@ -98,6 +110,17 @@ impl Mask {
     /// Whether (x, y) is foreground; outside the image nothing is.
     pub fn is_foreground(&self, x: u32, y: u32) -> bool {
         self.size.index(x, y).is_some_and(|at| self.data[at] != Self::BACKGROUND)
+    }
+
+    /// The runs of foreground in row order, which go on from one row to the next.
+    pub fn runs(&self) -> impl Iterator<Item = Range<usize>> {
+        let mut end = 0;
+        iter::from_fn(move || {
+            let start = end + memchr(Self::FOREGROUND, &self.data[end..])?;
+            end = memchr(Self::BACKGROUND, &self.data[start..])
+                .map_or(self.data.len(), |length| start + length);
+            Some(start..end)
+        })
     }
 
     /// How many pixels are foreground.

@@ -108,7 +108,15 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_FACT_CHECK,
         "Load ground truth…",
         &[],
-        "Lay the boxes of a MOTChallenge gt.txt over the tracks",
+        "Lay the boxes of a MOTChallenge gt.txt over the tracks, and score by them",
+    ),
+    entry(
+        Menu::File,
+        Action::LoadTruthFolder,
+        m::ICON_FACT_CHECK,
+        "Load ground truth folder…",
+        &[],
+        "Score by the masks of a CDnet folder, or by boxes and masks of a scene written by synth",
     ),
     entry(
         Menu::File,
@@ -182,6 +190,15 @@ pub(crate) static ACTIONS: &[Entry] = &[
         "Map view",
         &[],
         "Open or close the view that maps a number of each pixel; its place is kept",
+    )
+    .within("Views"),
+    entry(
+        Menu::View,
+        Action::Open(View::Right),
+        m::ICON_VISIBILITY,
+        "Right and wrong view",
+        &[],
+        "Open or close the view of where the mask is right by the ground truth; its place is kept",
     )
     .within("Views"),
     entry(
@@ -340,6 +357,15 @@ pub(crate) static ACTIONS: &[Entry] = &[
         "A against B alone",
         &[key(Key::Num8)],
         "Show where the masks of A and B agree alone, or all views again",
+    )
+    .within("One view alone"),
+    entry(
+        Menu::View,
+        Action::Maximise(View::Right),
+        m::ICON_FULLSCREEN,
+        "Right and wrong alone",
+        &[key(Key::Num9)],
+        "Show where the mask is right by the ground truth alone, or all views again",
     )
     .within("One view alone"),
     entry(

@@ -26,6 +26,7 @@ impl Window {
         match command {
             Command::Act(action) => self.act(ctx, action),
             Command::Open(name, start) => self.open(ctx, &name, start),
+            Command::ReadTruth(path) => self.dialogs.read_truth(ctx, path),
             Command::OpenSample => self.open_sample(ctx),
             Command::CopyTable(table) => self.dialogs.write_table(ctx, table),
             Command::SaveTable(table) => self.dialogs.save_table(ctx, table),
@@ -162,6 +163,7 @@ impl Window {
             }
             Action::ClearAreas => self.change_areas(ctx, Change::Clear),
             Action::LoadTruth => self.dialogs.load_truth(ctx),
+            Action::LoadTruthFolder => self.dialogs.load_truth_folder(ctx),
             Action::LoadMask => self.dialogs.load_mask(ctx),
             Action::SaveMask => {
                 if let Some(roi) = &model.areas.roi {

@@ -1,5 +1,7 @@
 //! What can be asked for: actions by name or key, and the commands that panels hand to [`super::apply`].
 
+use std::path::PathBuf;
+
 pub(crate) use super::actions::ACTIONS;
 use super::areas::Change;
 use super::compared::{Listing, Read};
@@ -83,6 +85,8 @@ pub(crate) enum Action {
     SaveMask,
     /// Take boxes that are known to be right from a file.
     LoadTruth,
+    /// Take masks, or boxes and masks, that are known to be right from a folder.
+    LoadTruthFolder,
     /// Stop the analysis beyond the frame in view, or go on with it.
     AnalyseAhead,
     /// Start or stop playing.
@@ -186,6 +190,8 @@ pub(crate) enum Command {
     Act(Action),
     /// Open this video at this place.
     Open(String, Start),
+    /// Take what is known to be right from this file or folder.
+    ReadTruth(PathBuf),
     /// Open the bundled scene at its first occlusion.
     OpenSample,
     /// Show the frame at a position from 0.

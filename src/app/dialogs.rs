@@ -1,7 +1,7 @@
 //! File dialogs, and the reading and writing that follows them, on threads of their own, so that
 //! the window never waits for either.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -15,7 +15,7 @@ use super::{settings_file, whole_file};
 use crate::export::picture;
 use crate::regions::Roi;
 use crate::settings::Settings;
-use crate::truth::boxes::{self, Boxes};
+use crate::truth::Truth;
 
 /// Nobody cancels a dialog sooner than this: it never came up.
 const TOO_SOON: Duration = Duration::from_millis(250);
@@ -34,16 +34,22 @@ pub(crate) enum Answer {
     Settings(Result<(PathBuf, Box<Settings>), String>),
     /// A mask was read from a file, or why not, in a sentence.
     Mask(Result<Arc<Roi>, String>),
-    /// Boxes were read from a file, or why not, in a sentence.
-    Truth(Result<Arc<Boxes>, String>),
+    /// Ground truth was read, or why not, in a sentence.
+    Truth(Result<Arc<Truth>, String>),
     /// This system has no file dialogs.
     NoDialog,
 }
 
+/// What was brought, if anything, and whether a dialog was shut with it.
+struct Brought {
+    answer: Option<Answer>,
+    from_dialog: bool,
+}
+
 /// The dialogs that are open.
 pub(crate) struct Dialogs {
-    sender: Sender<Option<Answer>>,
-    receiver: Receiver<Option<Answer>>,
+    sender: Sender<Brought>,
+    receiver: Receiver<Brought>,
     open: bool,
 }
 
@@ -115,9 +121,20 @@ impl Dialogs {
         self.ask(ctx, || {
             let dialog = FileDialog::new().set_title("Load ground truth");
             let dialog = dialog.add_filter("MOTChallenge", &["txt", "csv"]).add_filter("All files", &["*"]);
-            let read = boxes::read(&dialog.pick_file()?);
-            Some(Answer::Truth(read.map(Arc::new).map_err(|error| format!("{error}; choose another"))))
+            Some(truth(&dialog.pick_file()?))
         });
+    }
+
+    /// Asks for a folder of ground truth, and reads it.
+    pub(crate) fn load_truth_folder(&mut self, ctx: &Context) {
+        self.ask(ctx, || {
+            Some(truth(&FileDialog::new().set_title("Load ground truth folder").pick_folder()?))
+        });
+    }
+
+    /// Reads ground truth from a file or folder.
+    pub(crate) fn read_truth(&mut self, ctx: &Context, path: PathBuf) {
+        self.make(ctx, move || truth(&path));
     }
 
     /// Asks where to write a mask of what is analysed, and writes it there.
@@ -169,17 +186,17 @@ impl Dialogs {
     fn make(&mut self, ctx: &Context, make: impl FnOnce() -> Answer + Send + 'static) {
         let (sender, ctx) = (self.sender.clone(), ctx.clone());
         std::thread::spawn(move || {
-            let _ = sender.send(Some(make()));
+            let _ = sender.send(Brought { answer: Some(make()), from_dialog: false });
             ctx.request_repaint();
         });
     }
 
     /// What came back since this was last asked.
     pub(crate) fn answer(&mut self) -> Option<Answer> {
-        let answer = self.receiver.try_recv().ok()?;
+        let brought = self.receiver.try_recv().ok()?;
         // What goes to the clipboard comes from no dialog; one may be open still.
-        self.open &= matches!(answer, Some(Answer::Drawn(_) | Answer::Tabled(_)));
-        answer
+        self.open &= !brought.from_dialog;
+        brought.answer
     }
 
     fn ask(&mut self, ctx: &Context, dialog: impl FnOnce() -> Option<Answer> + Send + 'static) {
@@ -193,10 +210,15 @@ impl Dialogs {
             let asked = Instant::now();
             let answer = dialog().or_else(|| (asked.elapsed() < TOO_SOON).then_some(Answer::NoDialog));
             // The window may be gone by then; then nobody waits for the answer.
-            let _ = sender.send(answer);
+            let _ = sender.send(Brought { answer, from_dialog: true });
             ctx.request_repaint();
         });
     }
+}
+
+fn truth(path: &Path) -> Answer {
+    let read = Truth::read(path);
+    Answer::Truth(read.map(Arc::new).map_err(|error| format!("{error}; choose another")))
 }
 
 #[cfg(test)]

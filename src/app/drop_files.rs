@@ -1,19 +1,28 @@
 //! Opening by dropping a file or folder on the window.
 
+use std::path::Path;
+
 use eframe::egui::{Align2, Color32, Context, FontId, Id, LayerId, Order, Stroke, StrokeKind};
 
 use super::command::Command;
+use super::state::Model;
 use super::theme;
 use crate::replay::Start;
+use crate::truth::Place;
 
-/// Shows that what is held over the window can be dropped, and opens what was dropped.
-pub(crate) fn ui(ctx: &Context, commands: &mut Vec<Command>) {
+/// Shows that what is held over the window can be dropped, and opens what was dropped; ground truth is laid over the
+/// video that is there.
+pub(crate) fn ui(ctx: &Context, model: &Model, commands: &mut Vec<Command>) {
     let (hovered, dropped) = ctx.input(|input| {
         let path = input.raw.dropped_files.first().map(|file| file.path().to_string_lossy().into_owned());
         (!input.raw.hovered_files.is_empty(), path)
     });
     if let Some(path) = dropped.filter(|path| !path.is_empty()) {
-        commands.push(Command::Open(path, Start::First));
+        if model.shown().is_some() && is_truth(Path::new(&path)) {
+            commands.push(Command::ReadTruth(path.into()));
+        } else {
+            commands.push(Command::Open(path, Start::First));
+        }
     }
     if hovered {
         let rect = ctx.content_rect();
@@ -29,4 +38,10 @@ pub(crate) fn ui(ctx: &Context, commands: &mut Vec<Command>) {
             Color32::WHITE,
         );
     }
+}
+
+/// Whether it is no video but what is known to be right of one.
+fn is_truth(path: &Path) -> bool {
+    let of_boxes = ["txt", "csv"].map(|ending| path.extension().is_some_and(|other| other == ending));
+    if path.is_dir() { Place::of(path).is_ok() } else { of_boxes.contains(&true) }
 }

@@ -59,7 +59,7 @@ impl Player for Ready {
 
     fn explain(&self, _: Option<crate::occlusion::Event>) {}
 
-    fn set_truth(&self, _: Option<Arc<crate::truth::boxes::Boxes>>) {}
+    fn set_truth(&self, _: Option<Arc<crate::truth::Truth>>) {}
 
     fn set_roi(&self, _: Option<Arc<regions::Roi>>) {}
 
@@ -76,6 +76,7 @@ impl Player for Ready {
     fn pin(&self, _: Vec<(u32, u32)>) {}
 
     fn region(&self, _: Option<((u32, u32), u32)>) {}
+    fn tune_region(&self, _: Option<((u32, u32), u32)>) {}
 }
 
 /// `count` people who walk in rows over the whole picture.
@@ -138,6 +139,7 @@ fn shown_at(position: u32, count: u32) -> Shown {
         multi_mode: Some(picture(0)),
         map: None,
         pixel: None,
+        truth: None,
         beside: None,
     }
 }
@@ -152,6 +154,7 @@ fn ready(frames: Rc<Vec<Shown>>) -> Ready {
         warnings: Arc::default(),
         shown: Some(Arc::new(frames[0].clone())),
         timeline: Arc::new(timeline),
+        region_tuning: None,
         beside: None,
         what_if: None,
         busy: None,

@@ -52,6 +52,7 @@ mod measure;
 mod tests;
 
 use std::io;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -72,6 +73,7 @@ use self::views::{Layout, Pictures, View};
 use crate::regions::Roi;
 use crate::replay::{Session, Start};
 use crate::settings::Settings;
+use crate::truth::Truth;
 
 /// The picture that stands for the program.
 const ICON: &[u8] = include_bytes!("../../assets/occluscope.png");
@@ -79,16 +81,25 @@ const ICON: &[u8] = include_bytes!("../../assets/occluscope.png");
 /// While a slider is pulled, the worker gets new settings no oftener than this.
 const SETTLE: Duration = Duration::from_millis(60);
 
-/// Opens the window on a video, or on the bundled scene at its first occlusion, and returns when it is shut.
-/// Of the video, `roi` is analysed, the whole image without one.
-/// Videos take up to `memory` bytes, a quarter of the machine's where that is not said.
+/// On what the window is opened.
+#[derive(Clone, Debug, Default)]
+pub struct Opening {
+    /// The video; the bundled scene at its first occlusion without one.
+    pub video: Option<String>,
+    /// The settings under which it is analysed.
+    pub settings: Settings,
+    /// What of it is analysed, the whole image without one.
+    pub roi: Option<Arc<Roi>>,
+    /// Where ground truth lies.
+    pub truth: Option<PathBuf>,
+    /// How many bytes videos take, a quarter of the machine's memory where that is not said.
+    pub memory: Option<usize>,
+}
+
+/// Opens the window and returns when it is shut.
 /// Fails with a sentence when there is no display or no graphics adapter.
-pub fn run(
-    video: Option<String>,
-    settings: Settings,
-    roi: Option<Arc<Roi>>,
-    memory: Option<usize>,
-) -> anyhow::Result<()> {
+pub fn run(opening: Opening) -> anyhow::Result<()> {
+    let Opening { video, settings, roi, truth, memory } = opening;
     let viewport = egui::ViewportBuilder::default()
         .with_title("Occluscope")
         .with_app_id("occluscope")
@@ -106,6 +117,9 @@ pub fn run(
         window.restore(&creation.egui_ctx, creation.storage);
         window.model.areas = Areas::of_mask(roi);
         window.apply(&creation.egui_ctx, first);
+        if let Some(truth) = truth {
+            window.apply(&creation.egui_ctx, Command::ReadTruth(truth));
+        }
         Ok(Box::new(window))
     };
     eframe::run_native("occluscope", options, Box::new(create)).map_err(|error| explain(&error))
@@ -247,14 +261,7 @@ impl Window {
                 self.toasts.done(ctx, format!("Settings of {}", path.display()));
             }
             Answer::Mask(Ok(mask)) => self.change_areas(ctx, Change::Load(mask)),
-            Answer::Truth(Ok(boxes)) => {
-                let frames = boxes.len();
-                if let Some(player) = &self.model.player {
-                    player.set_truth(Some(Arc::clone(&boxes)));
-                }
-                self.model.truth = Some(boxes);
-                self.toasts.done(ctx, format!("Ground truth of {frames} frames, over the tracks"));
-            }
+            Answer::Truth(Ok(truth)) => self.take_truth(ctx, truth),
             Answer::NoDialog => self.toasts.fail(
                 ctx,
                 "This system opens no file dialog; install xdg-desktop-portal or zenity, or drop a video on \
@@ -273,6 +280,22 @@ impl Window {
                 self.toasts.fail(ctx, why);
             }
         }
+    }
+
+    /// Takes ground truth, tells where it is seen, and opens the view of what is right by its masks.
+    fn take_truth(&mut self, ctx: &Context, truth: Arc<Truth>) {
+        let boxes =
+            truth.boxes.as_ref().map(|boxes| format!("boxes of {} frames, over the tracks", boxes.len()));
+        let masks = truth
+            .masks
+            .as_ref()
+            .map(|masks| format!("masks of {} frames, under Right and wrong", masks.frames()));
+        let told: Vec<String> = boxes.into_iter().chain(masks).collect();
+        if truth.masks.is_some() {
+            views::set_open(&mut self.tree, View::Right, true);
+        }
+        self.model.take_truth(truth);
+        self.toasts.done(ctx, format!("Ground truth: {}", told.join("; ")));
     }
 
     /// Gives the worker the settings that are asked for, the newest only, and notes them for undo
@@ -487,7 +510,7 @@ impl Window {
         help::ui(&ctx, &mut self.help);
         self.about.ui(&ctx);
         self.finder.ui(&ctx, &self.model, &mut commands);
-        drop_files::ui(&ctx, &mut commands);
+        drop_files::ui(&ctx, &self.model, &mut commands);
         self.toasts.show(&ctx);
         for command in commands {
             self.apply(&ctx, command);

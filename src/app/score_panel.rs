@@ -1,15 +1,17 @@
-//! How right the tracks are, by the ground truth that was loaded.
+//! How right tracks and masks are, by the ground truth that was loaded.
 
-use eframe::egui::{Align, Grid, Layout, RichText, Ui};
+use eframe::egui::{Align, Grid, Layout, Response, RichText, Ui, vec2};
 
 use super::state::Model;
 use super::{slots::Slot, theme};
+use crate::replay::Timeline;
+use crate::truth::mask_score::MaskScore;
 use crate::truth::summary::TrackScore;
 
 /// What stands over a column, what it means, and its number of a score.
-type Column = (&'static str, &'static str, fn(&TrackScore) -> String);
+type Column<S> = (&'static str, &'static str, fn(&S) -> String);
 
-const COLUMNS: [Column; 4] = [
+const OF_TRACKS: [Column<TrackScore>; 4] = [
     (
         "MOTA",
         "1 − (missed + made up + switched) / true boxes, where a box is on an object from an IoU of 0.5 on",
@@ -28,42 +30,74 @@ const COLUMNS: [Column; 4] = [
     ),
 ];
 
+const OF_MASKS: [Column<MaskScore>; 4] = [
+    ("F", "2·precision·recall / (precision + recall) of all pixels that count, after cleaning", |score| {
+        format!("{:.3}", score.f_measure)
+    }),
+    ("precision", "The share of true foreground in the foreground that was found", |score| {
+        format!("{:.3}", score.precision)
+    }),
+    ("recall", "The share of true foreground that was found", |score| format!("{:.3}", score.recall)),
+    ("PWC", "Per cent of wrong decisions about all pixels that count", |score| format!("{:.2}", score.pwc)),
+];
+
+/// Width of the names of the rows, in points.
+const NAMES: f32 = 36.0;
+
 /// Shows the scores of the settings in view and of those that are compared, while there is truth.
 pub(crate) fn ui(ui: &mut Ui, model: &Model) {
-    if model.truth.is_none() {
-        return;
-    }
-    let of_view = model.timeline().and_then(|timeline| timeline.score.as_deref());
-    let of_other = model.beside().and_then(|timeline| timeline.score.as_deref());
-    let mut rows: Vec<(Option<Slot>, Option<&TrackScore>)> = vec![(None, of_view)];
-    if model.slots.other.is_some() {
+    let Some(truth) = &model.truth else { return };
+    let mut rows = vec![(None, model.timeline())];
+    if let Some(other) = &model.slots.other {
         let slot = model.slots.in_view;
         // Equal settings have one run.
-        let of_other = if model.compared.is_none() { of_view } else { of_other };
-        rows = vec![(Some(slot), of_view), (Some(slot.other()), of_other)];
+        let of_other = if *other == model.settings { model.timeline() } else { model.beside() };
+        rows = vec![(Some(slot), model.timeline()), (Some(slot.other()), of_other)];
         rows.sort_by_key(|(slot, _)| *slot == Some(Slot::B));
     }
-    ui.add_space(theme::SPACE);
-    Grid::new("scores").num_columns(COLUMNS.len() + 1).spacing([2.0 * theme::SPACE, 2.0]).show(ui, |ui| {
-        ui.label(RichText::new("truth").size(theme::SMALL).weak());
-        for (name, meaning, _) in COLUMNS {
-            right(ui, RichText::new(name).size(theme::SMALL).weak()).on_hover_text(meaning);
-        }
-        ui.end_row();
-        for (slot, score) in rows {
-            ui.label(RichText::new(slot.map_or("score", Slot::name)).size(theme::SMALL));
-            for (_, meaning, number) in COLUMNS {
-                let text = score.map_or_else(|| "…".to_owned(), number);
-                right(ui, RichText::new(text).monospace()).on_hover_text(match score {
-                    Some(_) => meaning,
-                    None => "Scored when all frames have been analysed",
-                });
-            }
-            ui.end_row();
-        }
-    });
+    let score = |timeline: Option<&Timeline>| timeline.and_then(|timeline| timeline.score.clone());
+    if truth.boxes.is_some() {
+        let rows = rows.iter().map(|&(slot, of)| (slot, score(of).and_then(|score| score.tracks.clone())));
+        grid(ui, "tracks", &OF_TRACKS, rows.collect());
+    }
+    if model.has_true_masks() {
+        let rows = rows.iter().map(|&(slot, of)| (slot, score(of).and_then(|score| score.masks)));
+        grid(ui, "masks", &OF_MASKS, rows.collect());
+    }
 }
 
-fn right(ui: &mut Ui, text: RichText) -> eframe::egui::Response {
-    ui.with_layout(Layout::right_to_left(Align::Center), |ui| ui.label(text)).inner
+fn grid<S>(ui: &mut Ui, name: &str, columns: &[Column<S>], rows: Vec<(Option<Slot>, Option<S>)>) {
+    ui.add_space(theme::SPACE);
+    let spacing = vec2(theme::SPACE, 2.0);
+    let width = ((ui.available_width() - NAMES) / columns.len() as f32 - spacing.x).max(0.0);
+    Grid::new(("scores", name)).num_columns(columns.len() + 1).spacing(spacing).min_col_width(NAMES).show(
+        ui,
+        |ui| {
+            ui.label(RichText::new(name).size(theme::SMALL).weak());
+            for (name, meaning, _) in columns {
+                right(ui, width, RichText::new(*name).size(theme::SMALL).weak()).on_hover_text(*meaning);
+            }
+            ui.end_row();
+            for (slot, score) in rows {
+                ui.label(RichText::new(slot.map_or("score", Slot::name)).size(theme::SMALL));
+                for (_, meaning, number) in columns {
+                    let text = score.as_ref().map_or_else(|| "…".to_owned(), number);
+                    right(ui, width, RichText::new(text).monospace()).on_hover_text(match score {
+                        Some(_) => meaning,
+                        None => "Scored when all frames have been analysed",
+                    });
+                }
+                ui.end_row();
+            }
+        },
+    );
+}
+
+fn right(ui: &mut Ui, width: f32, text: RichText) -> Response {
+    let layout = Layout::right_to_left(Align::Center);
+    ui.allocate_ui_with_layout(vec2(width, ui.spacing().interact_size.y), layout, |ui| {
+        ui.set_min_width(width);
+        ui.label(text)
+    })
+    .inner
 }

@@ -18,10 +18,10 @@ use crate::mixture::tuning::Knob;
 use crate::mixture::{PixelHistory, Quantity};
 use crate::occlusion::{Event, EventKind};
 use crate::regions::Roi;
-use crate::replay::{Phase, RegionShares, Session, Shown, Start, State, Timeline, Tuning};
+use crate::replay::{Phase, RegionShares, RegionTuning, Session, Shown, Start, State, Timeline, Tuning};
 use crate::settings::Settings;
 use crate::tracking::{Identity, Track};
-use crate::truth::boxes::Boxes;
+use crate::truth::Truth;
 
 /// What the window asks of the worker behind it.
 pub(crate) trait Player {
@@ -33,8 +33,8 @@ pub(crate) trait Player {
     fn set_settings(&self, settings: Settings, beside: Option<Settings>);
     /// Asks what would have kept an event from happening.
     fn explain(&self, event: Option<Event>);
-    /// Says where objects truly are.
-    fn set_truth(&self, truth: Option<Arc<Boxes>>);
+    /// Says what is known to be right.
+    fn set_truth(&self, truth: Option<Arc<Truth>>);
     /// Asks for another part of the image to be analysed, the whole without one.
     fn set_roi(&self, roi: Option<Arc<Roi>>);
     /// Chooses a pixel.
@@ -51,6 +51,8 @@ pub(crate) trait Player {
     fn pin(&self, pixels: Vec<(u32, u32)>);
     /// Asks for the share of foreground around a pixel, with so many to a side.
     fn region(&self, region: Option<((u32, u32), u32)>);
+    /// Asks how right the mixture would be around a pixel, with so many to a side, under other settings.
+    fn tune_region(&self, region: Option<((u32, u32), u32)>);
 }
 
 impl Player for Session {
@@ -70,7 +72,7 @@ impl Player for Session {
         Session::explain(self, event);
     }
 
-    fn set_truth(&self, truth: Option<Arc<Boxes>>) {
+    fn set_truth(&self, truth: Option<Arc<Truth>>) {
         Session::set_truth(self, truth);
     }
 
@@ -106,6 +108,10 @@ impl Player for Session {
 
     fn region(&self, region: Option<((u32, u32), u32)>) {
         Session::region(self, region);
+    }
+
+    fn tune_region(&self, region: Option<((u32, u32), u32)>) {
+        Session::tune_region(self, region);
     }
 }
 
@@ -249,6 +255,8 @@ pub(crate) struct Model {
     pub(crate) pinned: Vec<(u32, u32)>,
     /// The pixel, and how many to a side, around which the worker was last asked for the share of foreground.
     pub(crate) region: Option<((u32, u32), u32)>,
+    /// The pixel, and how many to a side, around which the worker was last asked for right decisions.
+    pub(crate) judged: Option<((u32, u32), u32)>,
     /// The number of which the worker was last asked for maps.
     pub(crate) mapped: Option<Quantity>,
     /// Settings before and after, for undo.
@@ -285,8 +293,8 @@ pub(crate) struct Model {
     pub(crate) overlay: Overlay,
     /// Whether a loupe stands beside the pointer.
     pub(crate) loupe: bool,
-    /// The boxes that are known to be right, by frame number and identity.
-    pub(crate) truth: Option<Arc<Boxes>>,
+    /// What is known to be right.
+    pub(crate) truth: Option<Arc<Truth>>,
     /// What is drawn over the tracks.
     pub(crate) drawn: Overlays,
     /// Which views are open, in the order of [`View::ALL`].
@@ -331,6 +339,7 @@ impl Model {
             mapped: None,
             pinned: Vec::new(),
             region: None,
+            judged: None,
             settings,
             slots: Slots::new(),
             wanted: None,
@@ -397,7 +406,7 @@ impl Model {
         // A worker begins with the settings in view alone.
         (self.sent, self.tuned, self.mapped) = ((self.settings.clone(), None), None, None);
         (self.compared, self.explained) = (None, None);
-        (self.pinned, self.region) = (Vec::new(), None);
+        (self.pinned, self.region, self.judged) = (Vec::new(), None, None);
         (self.wanted, self.chosen, self.hovered, self.reading) = (None, None, None, None);
         (self.object, self.subject) = (None, Subject::Pixel);
         self.playback.playing = false;
@@ -537,6 +546,36 @@ impl Model {
             player.map(quantity);
             self.mapped = quantity;
         }
+    }
+
+    /// Asks the worker how right the mixture would be around the chosen pixel, so many to a `side`, if it has not been
+    /// asked before.
+    pub(crate) fn judge(&mut self, side: Option<u32>) {
+        let region = self.chosen.zip(side);
+        if let Some(player) = self.player.as_ref().filter(|_| self.judged != region) {
+            player.tune_region(region);
+            self.judged = region;
+        }
+    }
+
+    /// How right it would be, if that is there.
+    pub(crate) fn region_tuning(&self) -> Option<&Arc<RegionTuning>> {
+        let tuning = self.state.as_ref()?.region_tuning.as_ref();
+        tuning.filter(|tuning| Some((tuning.at, tuning.side)) == self.judged)
+    }
+
+    /// Whether there are true masks of the video.
+    pub(crate) fn has_true_masks(&self) -> bool {
+        let masks = self.truth.as_ref().and_then(|truth| truth.masks.as_ref());
+        masks.is_some_and(|masks| Some(masks.size()) == self.size())
+    }
+
+    /// Takes what is known to be right.
+    pub(crate) fn take_truth(&mut self, truth: Arc<Truth>) {
+        if let Some(player) = &self.player {
+            player.set_truth(Some(Arc::clone(&truth)));
+        }
+        self.truth = Some(truth);
     }
 
     /// Zooms all views at the chosen pixel, or at the middle.

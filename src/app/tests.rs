@@ -29,7 +29,7 @@ use crate::replay::{LifeLine, Phase, Progress, RegionShares, Shown, Start, State
 use crate::settings::{SETTINGS, Settings};
 use crate::source::SourceInfo;
 use crate::tracking::{Competing, Track, TrackState};
-use crate::truth::boxes::Boxes;
+use crate::truth::Truth;
 
 mod access;
 mod areas;
@@ -64,6 +64,7 @@ enum Asked {
     Map(Option<Quantity>),
     Pin(Vec<(u32, u32)>),
     Region(Option<((u32, u32), u32)>),
+    TuneRegion(Option<((u32, u32), u32)>),
 }
 
 /// A worker that answers at once, and notes what it was asked.
@@ -95,7 +96,7 @@ impl Player for Scene {
         self.asked.borrow_mut().push(Asked::Explain(event.map(Box::new)));
     }
 
-    fn set_truth(&self, truth: Option<Arc<Boxes>>) {
+    fn set_truth(&self, truth: Option<Arc<Truth>>) {
         self.asked.borrow_mut().push(Asked::Truth(truth.is_some()));
     }
 
@@ -137,6 +138,10 @@ impl Player for Scene {
     fn region(&self, region: Option<((u32, u32), u32)>) {
         self.state.borrow_mut().region = region.map(|(at, side)| Arc::new(shares_of(at, side)));
         self.asked.borrow_mut().push(Asked::Region(region));
+    }
+
+    fn tune_region(&self, region: Option<((u32, u32), u32)>) {
+        self.asked.borrow_mut().push(Asked::TuneRegion(region));
     }
 }
 
@@ -296,6 +301,7 @@ fn shown_at(position: u32) -> Shown {
         multi_mode: Some(background),
         map: None,
         pixel: None,
+        truth: None,
         beside: None,
     }
 }
@@ -372,6 +378,7 @@ fn state(phase: Phase, shown: Option<u32>) -> State {
         pixel: None,
         pins: Arc::default(),
         region: None,
+        region_tuning: None,
         tuning: None,
         analysis_fps: 0.0,
     }

@@ -126,7 +126,7 @@ pub(crate) fn allowed(model: &Model, entry: &Entry) -> bool {
         Action::ClearPixel | Action::Pin => model.chosen.is_some(),
         Action::ClearPins => !model.marks.pins.is_empty(),
         Action::ClearObject => model.object.is_some(),
-        Action::Draw(Drawn::Truth) => model.truth.is_some(),
+        Action::Draw(Drawn::Truth) => model.truth.as_ref().is_some_and(|truth| truth.boxes.is_some()),
         Action::CloseVideo => model.player.is_some(),
         // The last view stays.
         Action::Open(view) => {

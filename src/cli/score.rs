@@ -11,9 +11,11 @@ use serde::Serialize;
 use super::flags;
 use crate::truth::boxes::{self, Boxes};
 use crate::truth::happenings::{self, Found, Happening};
-use crate::truth::masks::{self, MaskScore};
+use crate::truth::mask_score::{self, MaskScore};
+use crate::truth::masks::MaskFiles;
 use crate::truth::summary::{self, TrackScore};
 use crate::truth::survival::Survival;
+use crate::truth::{self, Place};
 
 /// Events and the ends of episodes may be so many frames off.
 const TOLERANCE: u32 = 8;
@@ -83,21 +85,13 @@ impl Scores {
         if !results.is_dir() {
             bail!("{} is no folder of results; name the one that `run --out` wrote", results.display());
         }
-        if truth.is_file() {
-            return Ok(Self::of_tracks(&boxes::read(truth)?, &tracks(results)?));
-        }
-        if truth.join("groundtruth").is_dir() {
-            let masks = masks::score_cdnet(&results.join("masks"), truth)?;
-            return Ok(Self { masks: Some(masks), ..Self::default() });
-        }
-        let scene = [truth.join("truth"), truth.to_owned()];
-        match scene.into_iter().find(|folder| folder.join("gt.txt").is_file()) {
-            Some(scene) => Self::of_scene(results, &scene),
-            None if !truth.exists() => bail!("{} does not exist; check the path", truth.display()),
-            None => bail!(
-                "{} is no ground truth that is known; it takes a MOTChallenge file, a CDnet folder with groundtruth/, or a scene written by `synth`",
-                truth.display()
-            ),
+        match Place::of(truth)? {
+            Place::Boxes(file) => Ok(Self::of_tracks(&boxes::read(&file)?, &tracks(results)?)),
+            Place::Cdnet(folder) => {
+                let masks = mask_score::score(&results.join("masks"), &MaskFiles::of_cdnet(&folder)?)?;
+                Ok(Self { masks: Some(masks), ..Self::default() })
+            }
+            Place::Scene(folder) => Self::of_scene(results, &folder),
         }
     }
 
@@ -106,19 +100,19 @@ impl Scores {
     }
 
     fn of_scene(results: &Path, scene: &Path) -> anyhow::Result<Self> {
-        let (truth, found) = (boxes::read(&scene.join("gt.txt"))?, tracks(results)?);
+        let (truth, found) = (truth::boxes_of_scene(scene)?, tracks(results)?);
         let people = happenings::people(&truth, &found);
         let compare = |truth: Vec<Happening>, found: Vec<Happening>| {
             happenings::compare(&truth, &found, &people, TOLERANCE)
         };
         let events = |folder: &Path| happenings::read_events(&folder.join("events.jsonl"));
         let episodes = |folder: &Path| happenings::read_episodes(&folder.join("episodes.csv"));
-        let (masks, identities) = (results.join("masks"), scene.join("identities"));
-        let masks = masks.is_dir() && identities.is_dir();
+        let masks = results.join("masks");
+        let files = if masks.is_dir() { truth::masks_of_scene(scene)? } else { None };
         Ok(Self {
             events: Some(compare(events(scene)?, events(results)?)),
             episodes: Some(compare(episodes(scene)?, episodes(results)?)),
-            masks: masks.then(|| masks::score_scene(&results.join("masks"), &identities)).transpose()?,
+            masks: files.map(|files| mask_score::score(&masks, &files)).transpose()?,
             ..Self::of_tracks(&truth, &found)
         })
     }

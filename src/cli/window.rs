@@ -1,5 +1,6 @@
 //! `occluscope [VIDEO]`: the window.
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use clap::{Arg, ArgMatches, Command, value_parser};
@@ -7,6 +8,7 @@ use clap::{Arg, ArgMatches, Command, value_parser};
 use super::flags;
 use crate::regions::Roi;
 use crate::settings::Settings;
+use crate::truth::Place;
 
 /// Adds what the window takes.
 pub(super) fn with_arguments(command: Command) -> Command {
@@ -19,16 +21,26 @@ pub(super) fn with_arguments(command: Command) -> Command {
         .value_name("MIB")
         .value_parser(value_parser!(u64).range(16..=1 << 30))
         .help("Memory for decoded frames and for going back in time, in MiB [default: a quarter of the machine's]");
-    flags::with_common(flags::with_settings(flags::with_roi(command.arg(video).arg(memory))))
+    let truth =
+        Arg::new("truth").long("truth").value_name("PATH").value_parser(value_parser!(PathBuf)).help(
+            "Ground truth to score by: a MOTChallenge file, a CDnet folder, or a scene written by `synth`",
+        );
+    let command = command.arg(video).arg(truth).arg(memory);
+    flags::with_common(flags::with_settings(flags::with_roi(command)))
 }
 
 /// Opens the window and returns when it is closed.
 pub(super) fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let settings = flags::settings(matches)?;
     let roi = flags::roi(matches)?;
+    let truth = matches.get_one::<PathBuf>("truth").cloned();
+    if let Some(truth) = &truth {
+        // What is in it is read beside the window.
+        Place::of(truth)?;
+    }
     flags::start_threads(matches)?;
     let memory = matches.get_one::<u64>("memory").map(|&mib| mib as usize * (1 << 20));
-    open(matches.get_one::<String>("video").cloned(), settings, roi, memory)
+    open(matches.get_one::<String>("video").cloned(), settings, roi, truth, memory)
 }
 
 #[cfg(feature = "gui")]
@@ -36,13 +48,20 @@ fn open(
     video: Option<String>,
     settings: Settings,
     roi: Option<Arc<Roi>>,
+    truth: Option<PathBuf>,
     memory: Option<usize>,
 ) -> anyhow::Result<()> {
-    crate::app::run(video, settings, roi, memory)
+    crate::app::run(crate::app::Opening { video, settings, roi, truth, memory })
 }
 
 #[cfg(not(feature = "gui"))]
-fn open(video: Option<String>, _: Settings, _: Option<Arc<Roi>>, _: Option<usize>) -> anyhow::Result<()> {
+fn open(
+    video: Option<String>,
+    _: Settings,
+    _: Option<Arc<Roi>>,
+    _: Option<PathBuf>,
+    _: Option<usize>,
+) -> anyhow::Result<()> {
     let video = video.unwrap_or_else(|| "VIDEO".to_owned());
     anyhow::bail!(
         "this build has no window; analyse with `occluscope run {video} --out DIR`, or build it without `--no-default-features`"

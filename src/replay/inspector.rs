@@ -1,16 +1,11 @@
 //! The chosen pixel through time.
 
 use std::sync::Arc;
-use std::time::{Duration, Instant};
 
+use super::gather::Follower;
 use crate::frame::Frame;
 use crate::mixture::{Parameters, PixelHistory};
 use crate::settings::{BackgroundModel, Settings};
-use crate::source::SourceError;
-use crate::source::cache::{Fetched, FrameCache, Keep};
-
-/// Work on a pixel goes on for so long before other work gets its turn.
-pub(super) const TURN: Duration = Duration::from_millis(4);
 
 /// Follows one pixel through all frames that are known, whether they are analysed or not.
 #[derive(Default)]
@@ -41,36 +36,6 @@ impl Inspector {
         self.history.as_ref().map(|_| self.colours.len() as u32)
     }
 
-    /// Takes in the frame at `position` if it is the next.
-    pub(super) fn push(&mut self, position: u32, frame: &Frame) {
-        if let Some(history) = &self.history
-            && self.frames() == Some(position)
-            && let Some(colour) = frame.pixel(history.at.0, history.at.1)
-        {
-            self.colours.push((frame.number, colour));
-        }
-    }
-
-    /// Takes in frames that were decoded before, for a short while; whether there was anything to do.
-    pub(super) fn gather(&mut self, frames: &mut FrameCache) -> Result<bool, SourceError> {
-        let started = Instant::now();
-        let mut worked = false;
-        let end = frames.numbers().len() as u32;
-        while let Some(next) = self.frames().filter(|&next| next < end) {
-            worked = true;
-            match frames.fetch(next, Keep::IfRoom)? {
-                Fetched::Frame(frame) => self.push(next, &frame),
-                Fetched::OnTheWay => {}
-                // A camera's first frames are no longer there, and the mixture depends on all of them.
-                Fetched::Gone | Fetched::End => *self = Self::default(),
-            }
-            if started.elapsed() > TURN {
-                break;
-            }
-        }
-        Ok(worked)
-    }
-
     /// The history, brought up to date if `position` is not in it yet; `None` while that is not known.
     pub(super) fn covering(&mut self, position: u32) -> Option<Arc<PixelHistory>> {
         if self.frames()? <= position {
@@ -93,5 +58,24 @@ impl Inspector {
             }
         }
         Some(Arc::clone(history))
+    }
+}
+
+impl Follower for Inspector {
+    fn next(&self) -> Option<u32> {
+        self.frames()
+    }
+
+    fn push(&mut self, position: u32, frame: &Frame) {
+        if let Some(history) = &self.history
+            && self.frames() == Some(position)
+            && let Some(colour) = frame.pixel(history.at.0, history.at.1)
+        {
+            self.colours.push((frame.number, colour));
+        }
+    }
+
+    fn lose(&mut self) {
+        *self = Self::default();
     }
 }

@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::gather::Follower as _;
 use super::inspector::Inspector;
 use super::run::Run;
 use super::timeline::Growing;
@@ -12,8 +13,11 @@ use crate::regions::Roi;
 use crate::settings::{Settings, Stage};
 use crate::source::cache::{Fetched, FrameCache, Keep};
 use crate::source::{SourceError, SourceInfo};
-use crate::truth::boxes::Boxes;
-use crate::truth::summary::{self, TrackScore};
+use crate::truth::Truth;
+use crate::truth::decisions::Decisions;
+use crate::truth::mask_score::MaskScore;
+use crate::truth::masks::TrueMasks;
+use crate::truth::summary::{self, Score};
 
 /// The sequence under one choice of settings.
 pub(super) struct Lane {
@@ -25,7 +29,7 @@ pub(super) struct Lane {
     /// Whether the final reading has taken the place of the causal one.
     finished: bool,
     /// By which truth it was scored, and what came out.
-    score: Option<(Arc<Boxes>, Arc<TrackScore>)>,
+    score: Option<(Arc<Truth>, Arc<Score>)>,
 }
 
 /// Why an analysis cannot go on.
@@ -167,24 +171,40 @@ impl Lane {
             multi_mode: pictures.multi_mode,
             map: pictures.map,
             pixel: self.inspector.covering(position),
+            truth: None,
             beside: None,
         })
     }
 
-    /// Scores the final reading, if there is one that has not been scored by this truth; whether it did.
-    pub(super) fn score(&mut self, truth: Option<&Arc<Boxes>>) -> bool {
+    /// Scores the final reading and the masks, if all is there and has not been scored by this truth; whether it did.
+    pub(super) fn score(&mut self, truth: Option<&Arc<Truth>>) -> bool {
         let Some(truth) = truth.filter(|_| self.finished) else { return false };
         if self.score.as_ref().is_some_and(|(by, _)| Arc::ptr_eq(by, truth)) {
             return false;
         }
-        let found = self.run.final_reading();
-        let score = summary::score(truth, &summary::boxes_of(&found));
+        let of_boxes = |boxes| summary::score(boxes, &summary::boxes_of(&self.run.final_reading()));
+        let score = Score {
+            tracks: truth.boxes.as_ref().map(of_boxes),
+            masks: truth.masks.as_deref().map(|masks| self.judge(masks)),
+        };
         self.score = Some((Arc::clone(truth), Arc::new(score)));
         true
     }
 
+    /// Judges the masks in which regions are found, where there are true ones.
+    fn judge(&self, truth: &TrueMasks) -> MaskScore {
+        let record = self.run.record();
+        let judged = record.outlines().zip(0..).filter_map(|(analysis, position)| {
+            let mut judge = truth.of(analysis.number)?.judge();
+            record.each_run(position, |run| judge.take(run));
+            Some(judge.decisions())
+        });
+        let decisions: Vec<Decisions> = judged.collect();
+        MaskScore::new(decisions.len(), decisions.into_iter().sum())
+    }
+
     /// What is known of the sequence now; its score is by `truth`.
-    pub(super) fn timeline(&self, frames: &FrameCache, truth: Option<&Arc<Boxes>>) -> Timeline {
+    pub(super) fn timeline(&self, frames: &FrameCache, truth: Option<&Arc<Truth>>) -> Timeline {
         let score = self.score.as_ref().filter(|(by, _)| truth.is_some_and(|truth| Arc::ptr_eq(by, truth)));
         Timeline {
             decoded: frames.kept_ranges(),

@@ -3,6 +3,7 @@
 //! The window holds a [`Session`] and asks; the worker publishes a [`State`] whenever something
 //! changed. Neither waits for the other.
 
+mod gather;
 mod inspector;
 mod lane;
 mod memory;
@@ -11,6 +12,7 @@ mod pictures;
 mod pins;
 mod record;
 mod region;
+mod region_tuner;
 mod rival;
 mod run;
 mod runs;
@@ -30,7 +32,7 @@ mod tests;
 use std::sync::Arc;
 
 use crate::frame::Frame;
-use crate::mixture::tuning::{self, Flip};
+use crate::mixture::tuning::{self, Axis, Flip};
 use crate::mixture::{Map, Parameters, PixelHistory};
 use crate::occlusion::Event;
 use crate::occlusion::what_if::WhatIf;
@@ -39,7 +41,9 @@ use crate::regions::Roi;
 use crate::settings::Settings;
 use crate::source::SourceInfo;
 use crate::tracking::{Identity, TrackState};
-use crate::truth::summary::TrackScore;
+use crate::truth::decisions::Decisions;
+use crate::truth::masks::TrueMask;
+use crate::truth::summary::Score;
 
 pub use memory::memory;
 pub use region::{RegionShares, around};
@@ -91,6 +95,9 @@ pub struct State {
     /// What the chosen pixel would be under other settings, if [`Session::tune`] asked for it. It may
     /// be of another frame, pixel or choice of settings than the one in view: then the new one is on its way.
     pub tuning: Option<Arc<Tuning>>,
+    /// How right the mixture would be around a pixel under other settings, if [`Session::tune_region`] asked for it and
+    /// there are true masks. It may be the answer to an earlier question, as [`Self::tuning`] may.
+    pub region_tuning: Option<Arc<RegionTuning>>,
     /// What would have kept an event from happening, if [`Session::explain`] asked for it, as far as that is known.
     pub what_if: Option<Arc<WhatIf>>,
     /// What is known of the whole sequence so far under the settings of the frame in view, which it
@@ -129,6 +136,25 @@ pub struct Tuning {
     pub flips: Vec<Flip>,
 }
 
+/// How right the mixture is about the pixels around one, by true masks and before any cleaning, under other settings.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RegionTuning {
+    /// The pixel in the middle: column and row.
+    pub at: (u32, u32),
+    /// Pixels along each side; at the image's edge there are fewer.
+    pub side: u32,
+    /// The parameters around which was looked.
+    pub parameters: Parameters,
+    /// How many frames were judged.
+    pub frames: usize,
+    /// What is decided under [`Self::parameters`].
+    pub present: Decisions,
+    /// What changes along a row, and from row to row.
+    pub axes: [Axis; 2],
+    /// What is decided in each cell, row by row.
+    pub cells: Vec<Decisions>,
+}
+
 /// Work under way.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Progress {
@@ -165,6 +191,8 @@ pub struct Shown {
     /// `None` when no pixel is chosen or the model has no mixture. Its state of this frame is the
     /// one at index [`Shown::position`].
     pub pixel: Option<Arc<PixelHistory>>,
+    /// What each pixel truly is, where [`Session::set_truth`] named a mask of this frame.
+    pub truth: Option<Arc<TrueMask>>,
     /// The same frame under the settings that are compared with `settings`; `None` while nothing is compared, or it
     /// has not been analysed under them.
     pub beside: Option<Arc<Shown>>,
@@ -189,7 +217,7 @@ pub struct Timeline {
     /// Each identity's life, by identity.
     pub life_lines: Vec<LifeLine>,
     /// How right it is by the truth that [`Session::set_truth`] named, once all has been analysed.
-    pub score: Option<Arc<TrackScore>>,
+    pub score: Option<Arc<Score>>,
 }
 
 /// When an object was seen, and how.

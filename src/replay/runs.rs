@@ -4,8 +4,6 @@
 
 use std::ops::Range;
 
-use memchr::memchr;
-
 use crate::frame::{Mask, Size};
 use crate::regions::{LabelRun, Labels};
 
@@ -53,11 +51,10 @@ pub(super) fn each_labelled_run(mut bytes: &[u8], mut take: impl FnMut(Range<usi
 pub(super) fn of_mask(mask: &Mask) -> Box<[u8]> {
     let mut bytes = Vec::new();
     let mut end = 0;
-    while let Some(background) = memchr(Mask::FOREGROUND, &mask.data[end..]) {
-        let start = end + background;
-        end = memchr(Mask::BACKGROUND, &mask.data[start..]).map_or(mask.data.len(), |length| start + length);
-        write(&mut bytes, background as u32);
-        write(&mut bytes, (end - start) as u32);
+    for run in mask.runs() {
+        write(&mut bytes, (run.start - end) as u32);
+        write(&mut bytes, run.len() as u32);
+        end = run.end;
     }
     bytes.into()
 }

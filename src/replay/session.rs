@@ -16,7 +16,7 @@ use crate::regions::Roi;
 use crate::settings::Settings;
 use crate::source::SourceError;
 use crate::source::cache::FrameCache;
-use crate::truth::boxes::Boxes;
+use crate::truth::Truth;
 
 /// A video under analysis. Dropping it ends its worker.
 ///
@@ -33,7 +33,7 @@ pub(super) struct Requests {
     pub(super) show: Option<u32>,
     pub(super) settings: Option<Settings>,
     pub(super) beside: Option<Rival>,
-    pub(super) truth: Option<Truth>,
+    pub(super) truth: Option<Known>,
     pub(super) explain: Option<Explained>,
     pub(super) roi: Option<Analysed>,
     pub(super) inspect: Option<Pixel>,
@@ -42,6 +42,7 @@ pub(super) struct Requests {
     pub(super) map: Option<Mapped>,
     pub(super) pins: Option<Vec<(u32, u32)>>,
     pub(super) region: Option<Around>,
+    pub(super) tune_region: Option<Around>,
     stop: bool,
 }
 
@@ -54,13 +55,13 @@ pub(super) struct Knobs(pub(super) Option<[Knob; 2]>);
 /// What to compare with what is in view, `None` for nothing.
 pub(super) struct Rival(pub(super) Option<Settings>);
 
-/// Where objects truly are, `None` where that is not known.
-pub(super) struct Truth(pub(super) Option<Arc<Boxes>>);
+/// What is known to be right, `None` for nothing.
+pub(super) struct Known(pub(super) Option<Arc<Truth>>);
 
 /// Which event to explain, `None` for none.
 pub(super) struct Explained(pub(super) Option<Event>);
 
-/// Around which pixel to count foreground, and how many pixels to a side, `None` for none.
+/// Around which pixel to count or to judge, and how many pixels to a side, `None` for none.
 pub(super) struct Around(pub(super) Option<((u32, u32), u32)>);
 
 /// What number of each pixel to map, `None` for none.
@@ -115,6 +116,7 @@ impl Session {
             pixel: None,
             pins: Arc::default(),
             region: None,
+            region_tuning: None,
             tuning: None,
             timeline: Arc::new(Timeline::default()),
             beside: None,
@@ -172,9 +174,10 @@ impl Session {
         });
     }
 
-    /// Says where objects truly are, so that what was analysed is scored; `None` for no scores.
-    pub fn set_truth(&self, truth: Option<Arc<Boxes>>) {
-        self.shared.ask(|requests| requests.truth = Some(Truth(truth)));
+    /// Says what is known to be right, so that what was analysed is scored; `None` for no scores. Masks of another size
+    /// than the frames' are left out, with a warning.
+    pub fn set_truth(&self, truth: Option<Arc<Truth>>) {
+        self.shared.ask(|requests| requests.truth = Some(Known(truth)));
     }
 
     /// Asks what would have kept an event from happening under the settings in view; `None` to ask no more.
@@ -219,6 +222,12 @@ impl Session {
     /// ask no more.
     pub fn region(&self, region: Option<((u32, u32), u32)>) {
         self.shared.ask(|requests| requests.region = Some(Around(region)));
+    }
+
+    /// Asks how right the mixture would be about the pixels around one, `side` of them along each side, over the same
+    /// grid as [`Self::tune`]; `None` to ask no more. It takes true masks, and is worked out when all else is done.
+    pub fn tune_region(&self, region: Option<((u32, u32), u32)>) {
+        self.shared.ask(|requests| requests.tune_region = Some(Around(region)));
     }
 
     /// Asks for a map of a number of each pixel with every frame that is shown; `None` to ask no more.
@@ -284,6 +293,7 @@ impl Requests {
             || self.map.is_some()
             || self.pins.is_some()
             || self.region.is_some()
+            || self.tune_region.is_some()
             || self.stop
     }
 }

@@ -7,6 +7,7 @@ use std::time::{Duration, Instant};
 
 use image::{Rgb, RgbImage};
 
+use super::gather::Follower as _;
 use super::*;
 use crate::frame::{Mask, Size};
 use crate::mixture::Parameters;
@@ -19,6 +20,7 @@ use crate::source::{self, Source, SourceError};
 mod beside;
 mod compare;
 mod maps;
+mod truth;
 mod what_if;
 
 const FRAMES: u32 = 60;
@@ -160,6 +162,7 @@ fn straight_within(video: &Path, settings: &Settings, roi: Option<&Arc<Roi>>) ->
             map: None,
             pixel: mixture.is_some().then(|| Arc::new(history.clone())),
             frame: Arc::new(frame),
+            truth: None,
             beside: None,
         });
     }

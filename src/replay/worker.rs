@@ -9,12 +9,14 @@ use std::ops::Range;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
+use super::gather::{self, Follower as _};
 use super::lane::{Lane, Step};
 use super::pins::Pins;
 use super::region::Region;
+use super::region_tuner::RegionTuner;
 use super::rival::Rival;
 use super::run::Towards;
-use super::session::{self, Analysed, Around, Explained, Knobs, Mapped, Pixel, Requests, Shared, Truth};
+use super::session::{self, Analysed, Around, Explained, Knobs, Known, Mapped, Pixel, Requests, Shared};
 use super::tuner::Tuner;
 use super::what_if::Asker;
 use super::{Beside, Phase, Progress, Shown, Start, Timeline};
@@ -26,7 +28,7 @@ use crate::settings::{Settings, Stage};
 use crate::source::cache::{Fetched, FrameCache, Keep};
 use crate::source::{SourceError, SourceInfo};
 use crate::tracking::{Identity, TrackState};
-use crate::truth::boxes::Boxes;
+use crate::truth::Truth;
 
 /// Growing things are published at most so often.
 const PACE: Duration = Duration::from_millis(100);
@@ -73,11 +75,12 @@ pub(super) struct Worker<'a> {
     pins: Pins,
     region: Region,
     tuner: Tuner,
+    region_tuner: RegionTuner,
     asker: Asker,
     /// What is mapped of the frame in view.
     map: Option<Quantity>,
-    /// The boxes by which results are scored.
-    truth: Option<Arc<Boxes>>,
+    /// By what results are scored.
+    truth: Option<Arc<Truth>>,
     stopped: bool,
     shown: Option<Arc<Shown>>,
     busy: Option<Progress>,
@@ -174,6 +177,7 @@ impl<'a> Worker<'a> {
             pins: Pins::default(),
             region: Region::default(),
             tuner: Tuner::default(),
+            region_tuner: RegionTuner::default(),
             asker: Asker::default(),
             map: None,
             truth: None,
@@ -233,6 +237,7 @@ impl<'a> Worker<'a> {
         }
         if let Some(Knobs(knobs)) = requests.tune {
             self.tuner.choose(knobs);
+            self.region_tuner.tune(knobs);
         }
         if let Some(Mapped(quantity)) = requests.map {
             self.map = quantity;
@@ -246,13 +251,15 @@ impl<'a> Worker<'a> {
             self.region.choose(region, self.info.size);
             self.outbox.pixel_grew = true;
         }
+        if let Some(Around(region)) = requests.tune_region {
+            self.region_tuner.choose(region, self.info.size);
+        }
         if let Some(Explained(event)) = requests.explain {
             self.asker.ask(event);
             self.publish_what_if();
         }
-        if let Some(Truth(truth)) = requests.truth {
-            self.truth = truth;
-            (self.outbox.timeline_grew, self.outbox.beside_grew) = (true, true);
+        if let Some(Known(truth)) = requests.truth {
+            self.take_truth(truth);
         }
         if requests.settings.is_none() && requests.roi.is_none() && requests.beside.is_none() {
             return Ok(());
@@ -262,6 +269,31 @@ impl<'a> Worker<'a> {
         let beside =
             requests.beside.map_or_else(|| self.rival.settings.clone(), |session::Rival(beside)| beside);
         self.change(settings, roi, beside)
+    }
+
+    /// Takes what is known to be right, as far as it is about frames of this size.
+    fn take_truth(&mut self, truth: Option<Arc<Truth>>) {
+        let size = self.info.size;
+        let (truth, masks) = match truth {
+            Some(truth) if truth.masks.as_ref().is_some_and(|masks| masks.size() != size) => {
+                let masks = truth.masks.as_ref().map(|masks| masks.size()).unwrap_or(size);
+                self.outbox.warnings.push(format!(
+                    "the true masks are {masks}, the frames of {} are {size}: they are not used; choose those of this video",
+                    self.info.name
+                ));
+                (Some(Arc::new(Truth { boxes: truth.boxes.clone(), masks: None })), None)
+            }
+            truth => {
+                let masks = truth.as_ref().and_then(|truth| truth.masks.clone());
+                (truth, masks)
+            }
+        };
+        self.truth = truth;
+        self.region_tuner.set_truth(masks);
+        (self.outbox.timeline_grew, self.outbox.beside_grew) = (true, true);
+        if let Some(shown) = self.shown.clone() {
+            self.show(Shown::clone(&shown));
+        }
     }
 
     /// Gives up going anywhere: the frame in view stays, or the last that is analysed under new settings.
@@ -425,6 +457,7 @@ impl<'a> Worker<'a> {
         self.pins.forget(self.lane.settings());
         self.region.forget();
         self.tuner.forget();
+        self.region_tuner.forget();
         self.follow = true;
         Ok(())
     }
@@ -450,7 +483,7 @@ impl<'a> Worker<'a> {
         } else if self.rival.lane.as_ref().is_some_and(|lane| self.is_due(lane)) {
             self.analyse(Which::Rival)?;
         } else {
-            return Ok(self.score() || self.explain());
+            return Ok(self.score() || self.explain() || self.tune_region());
         }
         Ok(true)
     }
@@ -483,7 +516,7 @@ impl<'a> Worker<'a> {
 
     /// Takes the chosen pixel through the frames that are known; whether there was anything to do.
     fn gather(&mut self) -> Result<bool, SourceError> {
-        if self.lane.inspector.gather(&mut self.frames)? {
+        if gather::gather(&mut self.lane.inspector, &mut self.frames)? {
             self.outbox.pixel_grew = true;
             if let Some(shown) = &self.shown
                 && shown.pixel.as_ref().map(|history| history.at) != self.pixel
@@ -493,21 +526,21 @@ impl<'a> Worker<'a> {
             return Ok(true);
         }
         let Some(lane) = &mut self.rival.lane else { return Ok(false) };
-        let worked = lane.inspector.gather(&mut self.frames)?;
+        let worked = gather::gather(&mut lane.inspector, &mut self.frames)?;
         if let Some(shown) = self.shown.clone().filter(|_| worked && self.rival.takes_pixel(self.pixel)) {
             self.show(Shown::clone(&shown));
         }
         Ok(worked)
     }
 
-    /// Takes the pinned pixels through the frames that are known, and counts the foreground around the chosen one;
-    /// whether there was anything to do.
+    /// Takes the pinned pixels through the frames that are known, counts the foreground around the chosen one, and
+    /// gathers the colours there; whether there was anything to do.
     fn gather_beside(&mut self) -> Result<bool, SourceError> {
         let run = &self.lane.run;
-        let worked = self.pins.gather(&mut self.frames)?
+        let worked = gather::gather(&mut self.pins, &mut self.frames)?
             || self.region.gather(run.record(), run.front(), self.info.size);
         self.outbox.pixel_grew |= worked;
-        Ok(worked)
+        Ok(worked || gather::gather(&mut self.region_tuner, &mut self.frames)?)
     }
 
     /// Scores what has been analysed in full; whether there was anything to do.
@@ -518,6 +551,17 @@ impl<'a> Worker<'a> {
         self.outbox.timeline_grew |= in_view;
         self.outbox.beside_grew |= beside;
         in_view || beside
+    }
+
+    /// Works on how right the mixture would be under other settings; whether there was anything to do.
+    fn tune_region(&mut self) -> bool {
+        let Some((done, total)) = self.region_tuner.piece(self.lane.settings()) else { return false };
+        self.busy = Some(Progress {
+            what: "trying other settings".to_owned(),
+            done: done as u32,
+            total: Some(total as u32),
+        });
+        true
     }
 
     /// Works on what the chosen pixel would be under other settings; whether there was anything to do.
@@ -633,8 +677,11 @@ impl<'a> Worker<'a> {
             }
         };
         let position = lane.run.front();
-        let pins = &mut self.pins;
-        let step = lane.go_on(&mut self.frames, wanted, |position, frame| pins.push(position, frame));
+        let (pins, region_tuner) = (&mut self.pins, &mut self.region_tuner);
+        let step = lane.go_on(&mut self.frames, wanted, |position, frame| {
+            pins.push(position, frame);
+            region_tuner.push(position, frame);
+        });
         let front = lane.run.front();
         self.outbox.warnings.extend(self.frames.take_warnings());
         // The end of the sequence may have been found.
@@ -733,7 +780,9 @@ impl<'a> Worker<'a> {
 
     /// Publishes a frame in view, and the timeline with it where that did not reach so far yet.
     fn show(&mut self, shown: Shown) {
-        let shown = Arc::new(Shown { beside: self.rival.beside(&shown), ..shown });
+        let truth =
+            self.truth.as_ref().and_then(|truth| truth.masks.as_ref()?.of(shown.frame.number).cloned());
+        let shown = Arc::new(Shown { beside: self.rival.beside(&shown), truth, ..shown });
         self.shown = Some(Arc::clone(&shown));
         let timeline = (shown.position >= self.outbox.analysed).then(|| self.timeline());
         if shown.pixel.is_some() || self.pixel.is_none() {
@@ -820,8 +869,10 @@ impl<'a> Worker<'a> {
         let new_warnings = std::mem::take(&mut self.outbox.warnings);
         self.show_pixel();
         let around = (Arc::new(self.pins.latest()), self.region.latest());
+        let region_tuning = self.region_tuner.latest();
         self.shared.publish(|state| {
             (state.pins, state.region) = around;
+            state.region_tuning = region_tuning;
             if let Some(timeline) = timeline {
                 state.timeline = timeline;
             }

@@ -1,157 +1,293 @@
-//! Masks against CDnet's ground truth: its seven measures, over the region and frames of interest.
+//! Masks that are known to be right: CDnet's ground truth, or who is seen at each pixel of a scene of `synth`.
 
+use std::collections::BTreeMap;
+use std::ops::Range;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use image::GrayImage;
 use rayon::prelude::*;
-use serde::Serialize;
 
 use super::TruthError;
+use super::decisions::Decisions;
+use crate::frame::Size;
 
 /// CDnet's grey levels of pixels that do not count.
 const OUTSIDE: u8 = 85;
 const UNKNOWN: u8 = 170;
-/// And of moving ones; shadow (50) and static (0) are negative.
+/// And of moving ones; shadow (50) and static (0) are background.
 const MOTION: u8 = 255;
 
-/// Counts of pixels, and what follows from them.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct MaskScore {
-    /// Frames that were scored.
-    pub frames: usize,
-    /// Foreground that was found.
-    pub tp: u64,
-    /// Background that was taken for foreground.
-    pub fp: u64,
-    /// Foreground that was missed.
-    #[serde(rename = "fn")]
-    pub fn_: u64,
-    /// Background that was left alone.
-    pub tn: u64,
-    /// tp / (tp + fn).
-    pub recall: f64,
-    /// tn / (tn + fp).
-    pub specificity: f64,
-    /// fp / (fp + tn).
-    pub fpr: f64,
-    /// fn / (tp + fn).
-    pub fnr: f64,
-    /// Per cent of wrong decisions.
-    pub pwc: f64,
-    /// 2·precision·recall / (precision + recall).
-    pub f_measure: f64,
-    /// tp / (tp + fp).
-    pub precision: f64,
+/// What a pixel truly is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Label {
+    /// Background.
+    Background,
+    /// Foreground.
+    Foreground,
+    /// Not known, or of no interest: no decision about it is right or wrong.
+    Uncounted,
 }
 
-impl MaskScore {
-    fn of_counts(frames: usize, [tp, fp, fn_, tn]: [u64; 4]) -> Self {
-        let share = |part: u64, whole: u64| part as f64 / whole.max(1) as f64;
-        Self {
-            frames,
-            tp,
-            fp,
-            fn_,
-            tn,
-            recall: share(tp, tp + fn_),
-            specificity: share(tn, tn + fp),
-            fpr: share(fp, fp + tn),
-            fnr: share(fn_, tp + fn_),
-            pwc: 100.0 * share(fn_ + fp, tp + fp + fn_ + tn),
-            f_measure: share(2 * tp, 2 * tp + fp + fn_),
-            precision: share(tp, tp + fp),
+/// What each pixel of a frame truly is.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct TrueMask {
+    size: Size,
+    /// All that is not background, in row order.
+    runs: Vec<Run>,
+}
+
+#[derive(Clone, Debug, PartialEq, Eq)]
+struct Run {
+    pixels: Range<u32>,
+    counts: bool,
+}
+
+impl TrueMask {
+    /// From what each pixel is, in row order.
+    pub fn new(size: Size, labels: impl IntoIterator<Item = Label>) -> Self {
+        let mut runs: Vec<Run> = Vec::new();
+        for (at, label) in (0..size.pixels() as u32).zip(labels) {
+            let counts = label == Label::Foreground;
+            match runs.last_mut() {
+                _ if label == Label::Background => {}
+                Some(run) if run.pixels.end == at && run.counts == counts => run.pixels.end = at + 1,
+                _ => runs.push(Run { pixels: at..at + 1, counts }),
+            }
+        }
+        Self { size, runs }
+    }
+
+    /// Of a scene: foreground is wherever an object is seen, whose number is not 0.
+    pub fn of_identities(size: Size, identities: &[u8]) -> Self {
+        Self::new(size, identities.iter().map(|&identity| label_of_identity(identity)))
+    }
+
+    /// Width and height.
+    pub const fn size(&self) -> Size {
+        self.size
+    }
+
+    /// What the pixel at (x, y) is, `None` outside the image.
+    pub fn at(&self, x: u32, y: u32) -> Option<Label> {
+        let at = self.size.index(x, y)? as u32;
+        let run = self.runs.get(self.runs.partition_point(|run| run.pixels.end <= at));
+        Some(match run {
+            Some(run) if run.pixels.start <= at && run.counts => Label::Foreground,
+            Some(run) if run.pixels.start <= at => Label::Uncounted,
+            _ => Label::Background,
+        })
+    }
+
+    /// What each pixel is, in row order.
+    pub fn labels(&self) -> Vec<Label> {
+        let mut labels = vec![Label::Background; self.size.pixels()];
+        for run in &self.runs {
+            let label = if run.counts { Label::Foreground } else { Label::Uncounted };
+            labels[run.pixels.start as usize..run.pixels.end as usize].fill(label);
+        }
+        labels
+    }
+
+    /// The part within these columns and rows, which must lie within the image.
+    pub fn cut(&self, columns: &Range<u32>, rows: &Range<u32>) -> Self {
+        let size = Size::new(columns.len() as u32, rows.len() as u32);
+        let mut runs = Vec::new();
+        for row in rows.clone() {
+            let start = row * self.size.width;
+            let (from, to) = (start + columns.start, start + columns.end);
+            let first = self.runs.partition_point(|run| run.pixels.end <= from);
+            let moved = |at: u32| (row - rows.start) * size.width + at.clamp(from, to) - from;
+            runs.extend(self.runs[first..].iter().take_while(|run| run.pixels.start < to).map(|run| Run {
+                pixels: moved(run.pixels.start)..moved(run.pixels.end),
+                counts: run.counts,
+            }));
+        }
+        Self { size, runs }
+    }
+
+    /// Starts to judge a mask of the same size.
+    pub fn judge(&self) -> Judge<'_> {
+        Judge { mask: self, at: 0, found: 0, right: 0, uncounted: 0 }
+    }
+
+    /// How many pixels are foreground, and how many do not count.
+    fn totals(&self) -> [u64; 2] {
+        let mut totals = [0; 2];
+        for run in &self.runs {
+            totals[usize::from(!run.counts)] += run.pixels.len() as u64;
+        }
+        totals
+    }
+}
+
+const fn label_of_identity(identity: u8) -> Label {
+    if identity > 0 { Label::Foreground } else { Label::Background }
+}
+
+/// Compares a mask, run by run, with the true one.
+pub struct Judge<'a> {
+    mask: &'a TrueMask,
+    /// The first run of truth that the next run may meet.
+    at: usize,
+    found: u64,
+    right: u64,
+    uncounted: u64,
+}
+
+impl Judge<'_> {
+    /// Takes in the next run of foreground; they come in row order.
+    pub fn take(&mut self, found: Range<usize>) {
+        let runs = &self.mask.runs;
+        self.found += found.len() as u64;
+        while runs.get(self.at).is_some_and(|run| run.pixels.end as usize <= found.start) {
+            self.at += 1;
+        }
+        for run in runs[self.at..].iter().take_while(|run| (run.pixels.start as usize) < found.end) {
+            let shared = found.end.min(run.pixels.end as usize) - found.start.max(run.pixels.start as usize);
+            *(if run.counts { &mut self.right } else { &mut self.uncounted }) += shared as u64;
+        }
+    }
+
+    /// What came of it when all runs have been taken in.
+    pub fn decisions(self) -> Decisions {
+        let [foreground, uncounted] = self.mask.totals();
+        let wrong = self.found - self.right - self.uncounted;
+        Decisions {
+            tp: self.right,
+            fp: wrong,
+            fn_: foreground - self.right,
+            tn: self.mask.size.pixels() as u64 - foreground - uncounted - wrong,
         }
     }
 }
 
-/// Scores `masks/bin000001.png` … of a run against a CDnet folder: `groundtruth/gt000001.png` …,
-/// and, where they are there, `ROI.bmp` or `ROI.jpg` and `temporalROI.txt`.
-pub fn score_cdnet(masks: &Path, truth: &Path) -> Result<MaskScore, TruthError> {
-    let roi = ["ROI.bmp", "ROI.jpg", "ROI.png"]
-        .map(|name| truth.join(name))
-        .into_iter()
-        .find(|path| path.is_file());
-    let roi = roi.map(|path| read(&path)).transpose()?;
-    let (first, last) = temporal_roi(&truth.join("temporalROI.txt"))?;
-    let folder = truth.join("groundtruth");
-    let numbers = numbers(&folder, "gt")?.into_iter().filter(|number| (first..=last).contains(number));
-    let decide = |level: u8| match level {
-        OUTSIDE | UNKNOWN => None,
-        level => Some(level == MOTION),
-    };
-    score(numbers.collect(), masks, |number| folder.join(format!("gt{number:06}.png")), decide, roi.as_ref())
+/// The true masks of a sequence, all of one size.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TrueMasks {
+    size: Size,
+    masks: BTreeMap<u32, Arc<TrueMask>>,
 }
 
-/// Scores masks against a scene of `synth`, whose truth tells who is seen at each pixel.
-pub fn score_scene(masks: &Path, identities: &Path) -> Result<MaskScore, TruthError> {
-    let numbers = numbers(identities, "")?;
-    score(numbers, masks, |number| identities.join(format!("{number:06}.png")), |level| Some(level > 0), None)
-}
-
-/// Adds up the frames of which there is a mask.
-fn score(
-    numbers: Vec<u32>,
-    masks: &Path,
-    truth: impl Fn(u32) -> PathBuf + Sync,
-    decide: impl Fn(u8) -> Option<bool> + Sync,
-    roi: Option<&GrayImage>,
-) -> Result<MaskScore, TruthError> {
-    let pairs: Vec<_> = numbers
-        .into_iter()
-        .map(|number| (truth(number), masks.join(format!("bin{number:06}.png"))))
-        .filter(|(_, mask)| mask.is_file())
-        .collect();
-    if pairs.is_empty() {
-        let why = "it has no mask of a frame that the truth has; analyse with --masks, and without a range that leaves them out";
-        return Err(TruthError::new(masks, why));
+impl TrueMasks {
+    /// By frame number; `None` where there are none, or their sizes differ.
+    pub fn new(masks: BTreeMap<u32, Arc<TrueMask>>) -> Option<Self> {
+        let size = masks.values().next()?.size;
+        masks.values().all(|mask| mask.size == size).then_some(Self { size, masks })
     }
-    let count = |(truth_path, mask_path): &(PathBuf, PathBuf)| {
-        let (truth, mask) = (read(truth_path)?, read(mask_path)?);
-        for (path, image) in [(mask_path, Some(&mask)), (truth_path, roi)] {
-            if image.is_some_and(|image| image.dimensions() != truth.dimensions()) {
-                let (width, height) = truth.dimensions();
-                return Err(TruthError::new(
-                    path,
-                    format!("its size is not that of the truth, {width}×{height}"),
-                ));
-            }
-        }
-        let mut counts = [0; 4];
-        for (index, (truth, mask)) in truth.iter().zip(mask.iter()).enumerate() {
-            if roi.is_some_and(|roi| roi.as_raw()[index] == 0) {
-                continue;
-            }
-            match (decide(*truth), *mask > 0) {
-                (None, _) => {}
-                (Some(true), true) => counts[0] += 1,
-                (Some(false), true) => counts[1] += 1,
-                (Some(true), false) => counts[2] += 1,
-                (Some(false), false) => counts[3] += 1,
-            }
-        }
-        Ok(counts)
-    };
-    let counts = pairs
-        .par_iter()
-        .map(count)
-        .try_reduce(|| [0; 4], |a, b| Ok(std::array::from_fn(|index| a[index] + b[index])))?;
-    Ok(MaskScore::of_counts(pairs.len(), counts))
+
+    /// Width and height of each.
+    pub const fn size(&self) -> Size {
+        self.size
+    }
+
+    /// Of how many frames there is one.
+    pub fn frames(&self) -> usize {
+        self.masks.len()
+    }
+
+    /// That of the frame of this number.
+    pub fn of(&self, number: u32) -> Option<&Arc<TrueMask>> {
+        self.masks.get(&number)
+    }
+
+    /// The number of the last frame of which there is one.
+    pub fn last(&self) -> u32 {
+        self.masks.last_key_value().map_or(0, |(&number, _)| number)
+    }
 }
 
-fn read(path: &Path) -> Result<GrayImage, TruthError> {
+/// True masks in files, one a frame.
+pub struct MaskFiles {
+    paths: BTreeMap<u32, PathBuf>,
+    label: fn(u8) -> Label,
+    /// Dark where nothing counts.
+    roi: Option<(PathBuf, GrayImage)>,
+}
+
+impl MaskFiles {
+    /// Of a CDnet folder: `groundtruth/gt000001.png` …, and, where they are there, `ROI.bmp` or `ROI.jpg` and
+    /// `temporalROI.txt`.
+    pub fn of_cdnet(folder: &Path) -> Result<Self, TruthError> {
+        let roi = ["ROI.bmp", "ROI.jpg", "ROI.png"].map(|name| folder.join(name));
+        let roi = roi.into_iter().find(|path| path.is_file());
+        let roi = roi.map(|path| read(&path).map(|image| (path, image))).transpose()?;
+        let (first, last) = temporal_roi(&folder.join("temporalROI.txt"))?;
+        let mut paths = numbered(&folder.join("groundtruth"), "gt")?;
+        paths.retain(|number, _| (first..=last).contains(number));
+        let label = |level| match level {
+            OUTSIDE | UNKNOWN => Label::Uncounted,
+            MOTION => Label::Foreground,
+            _ => Label::Background,
+        };
+        Ok(Self { paths, label, roi })
+    }
+
+    /// Of the folder in which `synth` writes who is seen at each pixel: `000001.png` ….
+    pub fn of_identities(folder: &Path) -> Result<Self, TruthError> {
+        Ok(Self { paths: numbered(folder, "")?, label: label_of_identity, roi: None })
+    }
+
+    /// The numbers of the frames, in order.
+    pub fn numbers(&self) -> impl Iterator<Item = u32> {
+        self.paths.keys().copied()
+    }
+
+    /// Reads that of a frame; `None` where there is none.
+    pub fn read(&self, number: u32) -> Result<Option<TrueMask>, TruthError> {
+        let Some(path) = self.paths.get(&number) else { return Ok(None) };
+        let image = read(path)?;
+        let (width, height) = image.dimensions();
+        let levels = image.iter();
+        let mask = match &self.roi {
+            None => TrueMask::new(Size::new(width, height), levels.map(|&level| (self.label)(level))),
+            Some((path, roi)) => {
+                if roi.dimensions() != (width, height) {
+                    let why = format!("its size is not that of the truth, {width}×{height}");
+                    return Err(TruthError::new(path, why));
+                }
+                let counted = |(&level, &inside): (&u8, &u8)| {
+                    if inside == 0 { Label::Uncounted } else { (self.label)(level) }
+                };
+                TrueMask::new(Size::new(width, height), levels.zip(roi.iter()).map(counted))
+            }
+        };
+        Ok(Some(mask))
+    }
+
+    /// Reads all of them; `None` where there is no file.
+    pub fn read_all(&self) -> Result<Option<TrueMasks>, TruthError> {
+        let numbers: Vec<u32> = self.numbers().collect();
+        let masks = numbers.par_iter().map(|&number| Ok((number, self.read(number)?)));
+        let masks: Vec<_> = masks.collect::<Result<_, TruthError>>()?;
+        let masks = masks.into_iter().filter_map(|(number, mask)| Some((number, Arc::new(mask?))));
+        let masks: BTreeMap<u32, Arc<TrueMask>> = masks.collect();
+        let Some(size) = masks.values().next().map(|mask| mask.size) else { return Ok(None) };
+        if let Some((number, mask)) = masks.iter().find(|(_, mask)| mask.size != size) {
+            let why = format!("it is {} and the first one {size}; all must be of one size", mask.size);
+            return Err(TruthError::new(&self.paths[number], why));
+        }
+        Ok(TrueMasks::new(masks))
+    }
+}
+
+/// Reads a picture as grey levels.
+pub(super) fn read(path: &Path) -> Result<GrayImage, TruthError> {
     image::open(path)
         .map(|image| image.to_luma8())
         .map_err(|error| TruthError::new(path, format!("{error}; check that it is whole")))
 }
 
-/// The numbers in names such as `gt000001.png`, in order.
-fn numbers(folder: &Path, prefix: &str) -> Result<Vec<u32>, TruthError> {
+/// The files with names such as `gt000001.png`, by their numbers.
+fn numbered(folder: &Path, prefix: &str) -> Result<BTreeMap<u32, PathBuf>, TruthError> {
     let entries = std::fs::read_dir(folder).map_err(|error| TruthError::new(folder, error))?;
-    let names = entries.filter_map(|entry| entry.ok()?.file_name().into_string().ok());
-    let mut numbers: Vec<u32> =
-        names.filter_map(|name| name.strip_prefix(prefix)?.strip_suffix(".png")?.parse().ok()).collect();
-    numbers.sort_unstable();
-    Ok(numbers)
+    let paths = entries.filter_map(|entry| {
+        let entry = entry.ok()?;
+        let name = entry.file_name().into_string().ok()?;
+        let number = name.strip_prefix(prefix)?.strip_suffix(".png")?.parse().ok()?;
+        Some((number, entry.path()))
+    });
+    Ok(paths.collect())
 }
 
 /// The first and last frame of interest; all where the file is not there.
@@ -170,35 +306,71 @@ fn temporal_roi(path: &Path) -> Result<(u32, u32), TruthError> {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use super::*;
 
-    #[test]
-    fn measures_follow_from_counts() {
-        let score = MaskScore::of_counts(1, [6, 2, 4, 88]);
-        assert_eq!((score.recall, score.precision, score.pwc), (0.6, 0.75, 6.0));
-        assert!((score.f_measure - 2.0 * 0.6 * 0.75 / 1.35).abs() < 1e-12);
-        assert!((score.specificity - 88.0 / 90.0).abs() < 1e-12 && (score.fnr - 0.4).abs() < 1e-12);
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::frame::Mask;
+
+    const SIZE: Size = Size::new(9, 7);
+
+    fn label(level: u8) -> Label {
+        [Label::Background, Label::Foreground, Label::Uncounted][usize::from(level) % 3]
+    }
+
+    proptest! {
+        #[test]
+        fn each_pixel_is_judged_once(
+            truth in prop::collection::vec(0_u8..3, SIZE.pixels()),
+            found in prop::collection::vec(prop::bool::weighted(0.4), SIZE.pixels()),
+            columns in 0_u32..8,
+            rows in 0_u32..6,
+        ) {
+            let labels: Vec<_> = truth.iter().copied().map(label).collect();
+            let mask = TrueMask::new(SIZE, labels.iter().copied());
+            prop_assert_eq!(&mask.labels(), &labels);
+            let found = Mask { size: SIZE, data: found.iter().map(|&found| if found { 255 } else { 0 }).collect() };
+            let (columns, rows) = (columns..columns + 2, rows..rows + 2);
+            let places = (0..SIZE.height).flat_map(|y| (0..SIZE.width).map(move |x| (x, y)));
+            let count = |places: &[(u32, u32)], found_one: bool, of: Label| {
+                let is = |&&(x, y): &&(u32, u32)| found.is_foreground(x, y) == found_one && mask.at(x, y) == Some(of);
+                places.iter().filter(is).count() as u64
+            };
+            let expected = |places: &[(u32, u32)]| Decisions {
+                tp: count(places, true, Label::Foreground),
+                fp: count(places, true, Label::Background),
+                fn_: count(places, false, Label::Foreground),
+                tn: count(places, false, Label::Background),
+            };
+            let all: Vec<_> = places.collect();
+            let mut judge = mask.judge();
+            found.runs().for_each(|run| judge.take(run));
+            prop_assert_eq!(judge.decisions(), expected(&all));
+
+            let part: Vec<_> =
+                all.iter().copied().filter(|(x, y)| columns.contains(x) && rows.contains(y)).collect();
+            let cut = mask.cut(&columns, &rows);
+            let of_part: Vec<_> = part.iter().map(|&(x, y)| mask.at(x, y).unwrap()).collect();
+            prop_assert_eq!(cut.labels(), of_part);
+            let data = part.iter().map(|&(x, y)| if found.is_foreground(x, y) { 255 } else { 0 }).collect();
+            let mut judge = cut.judge();
+            Mask { size: cut.size(), data }.runs().for_each(|run| judge.take(run));
+            prop_assert_eq!(judge.decisions(), expected(&part));
+        }
     }
 
     #[test]
-    fn unknown_pixels_and_those_outside_do_not_count_and_shadow_is_negative() {
+    fn a_mask_of_another_size_is_named() {
         let folder = tempfile::tempdir().unwrap();
-        let (masks, truth) = (folder.path().join("masks"), folder.path().join("truth"));
-        std::fs::create_dir_all(&masks).unwrap();
-        std::fs::create_dir_all(truth.join("groundtruth")).unwrap();
-        let write = |path: PathBuf, levels: [u8; 8]| {
-            GrayImage::from_raw(8, 1, levels.to_vec()).unwrap().save(path).unwrap();
-        };
-        for number in 1..=3 {
-            let levels = [255, 255, 0, 50, 50, 85, 170, 255];
-            write(truth.join(format!("groundtruth/gt{number:06}.png")), levels);
-            write(masks.join(format!("bin{number:06}.png")), [255, 0, 255, 255, 0, 255, 255, 0]);
-        }
-        write(truth.join("ROI.bmp"), [255, 255, 255, 255, 255, 255, 255, 0]);
-        std::fs::write(truth.join("temporalROI.txt"), "2 9\n").unwrap();
-        let score = score_cdnet(&masks, &truth).unwrap();
-        assert_eq!((score.frames, [score.tp, score.fp, score.fn_, score.tn]), (2, [2, 4, 2, 2]));
-        std::fs::write(truth.join("temporalROI.txt"), "8 9").unwrap();
-        assert!(score_cdnet(&masks, &truth).unwrap_err().to_string().contains("--masks"));
+        GrayImage::new(4, 3).save(folder.path().join("000001.png")).unwrap();
+        GrayImage::new(4, 3).save(folder.path().join("000002.png")).unwrap();
+        let files = MaskFiles::of_identities(folder.path()).unwrap();
+        let masks = files.read_all().unwrap().unwrap();
+        assert_eq!((masks.frames(), masks.size(), masks.last()), (2, Size::new(4, 3), 2));
+        GrayImage::new(5, 3).save(folder.path().join("000002.png")).unwrap();
+        let why = files.read_all().unwrap_err().to_string();
+        assert!(why.contains("000002.png") && why.contains("5×3"), "{why}");
+        std::fs::write(folder.path().join("000002.png"), b"no picture").unwrap();
+        assert!(files.read_all().unwrap_err().to_string().contains("000002.png"));
     }
 }

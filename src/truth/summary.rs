@@ -1,4 +1,4 @@
-//! All that boxes tell about tracks.
+//! All that truth tells about an analysis.
 
 use std::collections::BTreeMap;
 
@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::boxes::{Bounds, Boxes};
 use super::clear_mot::{self, ClearMot};
+use super::mask_score::MaskScore;
 use super::survival::{self, Survival};
 use crate::pipeline::Reading;
 
@@ -20,6 +21,15 @@ pub struct TrackScore {
     pub loose: ClearMot,
     /// What became of the identities of those who met.
     pub occlusion: Survival,
+}
+
+/// How right an analysis is, as far as there is truth.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Score {
+    /// By boxes.
+    pub tracks: Option<TrackScore>,
+    /// By masks: of all frames of which there is a true one.
+    pub masks: Option<MaskScore>,
 }
 
 /// Scores `found` against `truth`.

@@ -80,6 +80,7 @@ fn shown_of(settings: Settings, history: Option<PixelHistory>, position: u32) ->
         multi_mode: None,
         map: None,
         pixel: history.map(Arc::new),
+        truth: None,
         beside: None,
     }
 }

@@ -5,8 +5,10 @@ use crate::app::command::Action;
 use crate::app::compared::{Listing, Read};
 use crate::app::views::Layout;
 use crate::replay::Beside;
+use crate::truth::Truth;
+use crate::truth::boxes::Boxes;
 use crate::truth::clear_mot::ClearMot;
-use crate::truth::summary::TrackScore;
+use crate::truth::summary::{Score, TrackScore};
 use crate::truth::survival::Survival;
 
 /// Under settings with another K than the default, the third object is not seen and events are others.
@@ -26,7 +28,8 @@ fn under(mut shown: Shown, settings: &Settings) -> Shown {
 
 fn timeline_under(settings: &Settings) -> Timeline {
     let mut timeline = timeline();
-    timeline.score = Some(Arc::new(score(if settings.k == Settings::default().k { 0.9 } else { 0.4 })));
+    let tracks = score(if settings.k == Settings::default().k { 0.9 } else { 0.4 });
+    timeline.score = Some(Arc::new(Score { tracks: Some(tracks), masks: None }));
     if settings.k != Settings::default().k {
         timeline.events.retain(|(_, event)| event.objects != [3]);
         for (position, event) in &mut timeline.events {
@@ -209,7 +212,8 @@ fn events_are_listed_by_whose_they_are() {
 fn both_are_scored_by_the_truth_that_was_loaded() {
     let (mut harness, scene) = comparing();
     let ctx = harness.ctx.clone();
-    harness.state_mut().answered(&ctx, Answer::Truth(Ok(Arc::default())));
+    let boxes = Truth { boxes: Some(Boxes::new()), masks: None };
+    harness.state_mut().answered(&ctx, Answer::Truth(Ok(Arc::new(boxes))));
     settle(&mut harness);
     assert!(scene.asked.borrow().contains(&Asked::Truth(true)));
     harness.get_all_by_label("0.900").next().unwrap();

@@ -31,7 +31,7 @@ fn a_view_is_closed_and_brought_back_and_the_last_stays() {
     harness.get_by_label("Regions view").click();
     harness.run_steps(4);
     assert!(is_seen(&harness, View::Regions));
-    for view in View::ALL.into_iter().filter(|view| !view.compares()) {
+    for view in View::ALL.into_iter().filter(|view| view.is_there_at_first()) {
         act(&mut harness, Action::Open(view));
     }
     let open = View::ALL.into_iter().filter(|&view| is_seen(&harness, view)).count();
@@ -95,9 +95,9 @@ fn ground_truth_lies_over_the_tracks_of_its_frame() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("gt.txt");
     std::fs::write(&path, "59,1,20,20,30,50,1,1,1\n60,2,90,20,30,50,1,1,1\n").unwrap();
-    let boxes = crate::truth::boxes::read(&path).unwrap();
+    let truth = crate::truth::Truth::read(&path).unwrap();
     let ctx = harness.ctx.clone();
-    harness.state_mut().answered(&ctx, Answer::Truth(Ok(Arc::new(boxes))));
+    harness.state_mut().answered(&ctx, Answer::Truth(Ok(Arc::new(truth))));
     // The message about it comes and goes.
     harness.state_mut().toasts = crate::app::toasts::Toasts::default();
     harness.run_steps(2);
@@ -180,6 +180,6 @@ fn the_next_start_finds_the_window_as_it_was_left() {
     storage.0.insert("layout".into(), "nothing".into());
     let (mut fresh, _) = window(None, (1600.0, 1000.0), Theme::Dark);
     fresh.state_mut().restore(&ctx, Some(&storage));
-    assert_eq!(fresh.state().model.open, View::ALL.map(|view| !view.compares()));
+    assert_eq!(fresh.state().model.open, View::ALL.map(View::is_there_at_first));
     assert!(fresh.state().model.recent.is_empty());
 }

@@ -1,6 +1,6 @@
 //! Where two masks agree, and where only one of them is foreground.
 
-use eframe::egui::{Align2, Color32, FontId, Rect, pos2, vec2};
+use eframe::egui::Color32;
 
 use super::{Compose, Look, Pane, draw};
 use crate::app::slots::Slot;
@@ -67,7 +67,7 @@ pub(super) fn paint(pane: &Pane<'_>, beside: &Shown) {
     }
 }
 
-/// What the colours mean, with the number of pixels of each, in the lower left corner.
+/// What the colours mean, with the number of pixels of each.
 fn legend(pane: &Pane<'_>, in_view: Slot, agreement: Agreement) {
     let (a, b) = match in_view {
         Slot::A => (agreement.first, agreement.second),
@@ -75,26 +75,8 @@ fn legend(pane: &Pane<'_>, in_view: Slot, agreement: Agreement) {
     };
     let rows =
         [(Slot::A.colour(), "only A", a), (Slot::B.colour(), "only B", b), (BOTH, "both", agreement.both)];
-    let font = FontId::proportional(theme::SMALL);
-    let ink = Color32::from_rgb(228, 232, 238);
-    let texts: Vec<_> = rows
-        .iter()
-        .map(|(_, word, count)| pane.painter.layout_no_wrap(format!("{word}  {count} px"), font.clone(), ink))
-        .collect();
-    let wide = texts.iter().map(|text| text.size().x).fold(0.0, f32::max) + 30.0;
-    let size = vec2(wide, 16.0 * rows.len() as f32 + 8.0);
-    if size.x > pane.canvas.rect.width() * 0.8 || size.y > pane.canvas.rect.height() * 0.5 {
-        return;
-    }
-    let corner = pane.canvas.rect.left_bottom() + vec2(6.0, -6.0 - size.y);
-    pane.painter.rect_filled(Rect::from_min_size(corner, size), 4.0, Color32::from_black_alpha(190));
-    for (row, ((colour, _, _), text)) in rows.iter().zip(texts).enumerate() {
-        let middle = corner.y + 12.0 + 16.0 * row as f32;
-        let swatch = Rect::from_center_size(pos2(corner.x + 13.0, middle), vec2(10.0, 10.0));
-        pane.painter.rect_filled(swatch, 2.0, theme::rgb(*colour));
-        let at = Align2::LEFT_CENTER.anchor_size(pos2(corner.x + 24.0, middle), text.size()).min;
-        pane.painter.galley(at, text, ink);
-    }
+    let rows = rows.map(|(colour, word, count)| (colour, format!("{word}  {count} px")));
+    draw::legend(pane.painter, pane.canvas.rect, &rows);
 }
 
 /// 0 or 255 under the settings in view and under the others.

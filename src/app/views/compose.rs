@@ -35,11 +35,13 @@ pub(crate) enum Compose {
     BesideMask,
     /// Both masks in two colours over a dark input.
     Agreement,
+    /// Where the mask is wrong, in two colours over a dark input.
+    Right,
 }
 
 impl Compose {
     /// All of it in order.
-    const ALL: [Self; 11] = [
+    const ALL: [Self; 12] = [
         Self::Input,
         Self::Masked,
         Self::Mean,
@@ -51,6 +53,7 @@ impl Compose {
         Self::BesideMean,
         Self::BesideMask,
         Self::Agreement,
+        Self::Right,
     ];
 
     /// The layers that it is made from.
@@ -67,6 +70,7 @@ impl Compose {
             Self::BesideMean => &[Layer::BesideMean],
             Self::BesideMask => &[Layer::BesideMask],
             Self::Agreement => &[Layer::Input, Layer::Mask, Layer::BesideMask],
+            Self::Right => &[Layer::Input, Layer::Mask, Layer::Truth],
         }
     }
 }
@@ -78,10 +82,10 @@ pub(crate) struct Look {
     pub(crate) what: Compose,
     /// All colours are multiplied by this.
     pub(crate) tint: f32,
-    /// What lies over the foreground of [`Compose::Masked`], and the colour of what is foreground under the settings in
-    /// view alone in [`Compose::Agreement`]: red, green, blue and opacity, each 0..=1.
+    /// What lies over the foreground of [`Compose::Masked`], and the colour of what is foreground in the mask alone in
+    /// [`Compose::Agreement`] and [`Compose::Right`]: red, green, blue and opacity, each 0..=1.
     pub(crate) overlay: [f32; 4],
-    /// The colour of what is foreground under the other settings alone.
+    /// The colour of what is foreground in the other mask, or in truth, alone.
     pub(crate) beside: [f32; 4],
     /// How the numbers of [`Compose::Map`] become colours.
     pub(crate) scale: [f32; 4],

@@ -21,7 +21,7 @@ struct View {
     // Pixels of the screen a point.
     dense: f32,
     unused: f32,
-    // The colour of what is foreground in the other mask alone.
+    // The colour of what is foreground in the other mask, or in truth, alone.
     beside: vec4<f32>,
 }
 
@@ -38,6 +38,8 @@ struct View {
 @group(1) @binding(7) var ignored: texture_2d<f32>;
 @group(1) @binding(8) var beside_mean: texture_2d<f32>;
 @group(1) @binding(9) var beside_mask: texture_2d<f32>;
+// Whether it is foreground, and whether that is known.
+@group(1) @binding(10) var truth: texture_2d<f32>;
 
 // What is composed, in the order of `Compose`. Not a value of the view: software adapters go through all branches
 // of what they do not know when the shader is built.
@@ -53,6 +55,10 @@ const DIFFERENCE: u32 = 7u;
 const BESIDE_MEAN: u32 = 8u;
 const BESIDE_MASK: u32 = 9u;
 const AGREEMENT: u32 = 10u;
+const RIGHT: u32 = 11u;
+
+// Where it is not known what is right.
+const UNKNOWN = vec3<f32>(58.0, 52.0, 66.0) / 255.0;
 
 // Where both masks are foreground.
 const BOTH = vec3<f32>(228.0, 232.0, 238.0) / 255.0;
@@ -131,6 +137,11 @@ fn agreed(mask_here: f32, beside_here: f32, input_here: vec3<f32>) -> vec3<f32> 
     return named * (0.75 + 0.25 * gray) + 0.3 * gray * (1.0 - both - first - second);
 }
 
+// The mask against the truth; what is not known is of one dark colour.
+fn judged(mask_here: f32, truth_here: vec2<f32>, input_here: vec3<f32>) -> vec3<f32> {
+    return mix(UNKNOWN, agreed(min(mask_here, truth_here.y), truth_here.x, input_here), truth_here.y);
+}
+
 fn texel(at: vec2<i32>) -> vec3<f32> {
     switch WHAT {
         case MASKED: { return masked(textureLoad(input, at, 0).rgb, textureLoad(mask, at, 0).r); }
@@ -145,6 +156,10 @@ fn texel(at: vec2<i32>) -> vec3<f32> {
         case AGREEMENT: {
             let beside_here = textureLoad(beside_mask, at, 0).r;
             return agreed(textureLoad(mask, at, 0).r, beside_here, textureLoad(input, at, 0).rgb);
+        }
+        case RIGHT: {
+            let truth_here = textureLoad(truth, at, 0).rg;
+            return judged(textureLoad(mask, at, 0).r, truth_here, textureLoad(input, at, 0).rgb);
         }
         default: { return textureLoad(input, at, 0).rgb; }
     }
@@ -194,6 +209,11 @@ fn smooth_texels(at: vec2<f32>) -> vec3<f32> {
             let mask_here = textureSampleLevel(mask, smooth_sampler, at, 0.0).r;
             let beside_here = textureSampleLevel(beside_mask, smooth_sampler, at, 0.0).r;
             return agreed(mask_here, beside_here, textureSampleLevel(input, smooth_sampler, at, 0.0).rgb);
+        }
+        case RIGHT: {
+            let mask_here = textureSampleLevel(mask, smooth_sampler, at, 0.0).r;
+            let truth_here = textureSampleLevel(truth, smooth_sampler, at, 0.0).rg;
+            return judged(mask_here, truth_here, textureSampleLevel(input, smooth_sampler, at, 0.0).rgb);
         }
         default: { return textureSampleLevel(input, smooth_sampler, at, 0.0).rgb; }
     }

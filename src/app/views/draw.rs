@@ -23,6 +23,28 @@ pub(crate) fn dashed_rect(painter: &Painter, rect: Rect, stroke: Stroke, dash: f
     painter.extend(Shape::dashed_line(&corners, stroke, dash, dash * 0.7));
 }
 
+/// Colours with what they mean on a dark plate in the lower left corner of a view that has room for it.
+pub(crate) fn legend(painter: &Painter, view: Rect, rows: &[([u8; 3], String)]) {
+    let font = FontId::proportional(theme::SMALL);
+    let ink = Color32::from_rgb(228, 232, 238);
+    let texts: Vec<_> =
+        rows.iter().map(|(_, text)| painter.layout_no_wrap(text.clone(), font.clone(), ink)).collect();
+    let wide = texts.iter().map(|text| text.size().x).fold(0.0, f32::max) + 30.0;
+    let size = vec2(wide, 16.0 * rows.len() as f32 + 8.0);
+    if size.x > view.width() * 0.8 || size.y > view.height() * 0.5 {
+        return;
+    }
+    let corner = view.left_bottom() + vec2(6.0, -6.0 - size.y);
+    painter.rect_filled(Rect::from_min_size(corner, size), 4.0, Color32::from_black_alpha(190));
+    for (row, ((colour, _), text)) in rows.iter().zip(texts).enumerate() {
+        let middle = corner.y + 12.0 + 16.0 * row as f32;
+        let swatch = Rect::from_center_size(pos2(corner.x + 13.0, middle), vec2(10.0, 10.0));
+        painter.rect_filled(swatch, 2.0, theme::rgb(*colour));
+        let at = Align2::LEFT_CENTER.anchor_size(pos2(corner.x + 24.0, middle), text.size()).min;
+        painter.galley(at, text, ink);
+    }
+}
+
 /// An outline with a dark edge, to be seen on any picture.
 pub(crate) fn outlined_rect(painter: &Painter, rect: Rect, stroke: Stroke) {
     let edge = Stroke::new(stroke.width + 2.0, Color32::from_black_alpha(110));

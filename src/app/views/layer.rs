@@ -8,6 +8,7 @@ use super::{ramp, regions};
 use crate::frame::{Frame, Size};
 use crate::regions::Labels;
 use crate::replay::Shown;
+use crate::truth::masks::Label;
 
 /// One of them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -32,6 +33,8 @@ pub(crate) enum Layer {
     BesideMean,
     /// Their mask.
     BesideMask,
+    /// Where foreground truly is, and where truth is known.
+    Truth,
 }
 
 /// How many texels a row of the palette has.
@@ -43,7 +46,7 @@ const LAST_LABEL: u32 = u16::MAX as u32;
 
 impl Layer {
     /// All layers, in the order of their bindings in the shader.
-    pub(crate) const ALL: [Self; 10] = [
+    pub(crate) const ALL: [Self; 11] = [
         Self::Input,
         Self::Mean,
         Self::Modes,
@@ -54,6 +57,7 @@ impl Layer {
         Self::Ignored,
         Self::BesideMean,
         Self::BesideMask,
+        Self::Truth,
     ];
 
     /// How a texel is kept.
@@ -65,6 +69,7 @@ impl Layer {
             Self::Map => TextureFormat::R32Float,
             Self::Mask | Self::Ignored | Self::BesideMask => TextureFormat::R8Unorm,
             Self::Labels => TextureFormat::R16Uint,
+            Self::Truth => TextureFormat::Rg8Unorm,
         }
     }
 
@@ -73,11 +78,11 @@ impl Layer {
         match self {
             Self::Input | Self::Mean | Self::Modes | Self::Map | Self::Palette | Self::BesideMean => 4,
             Self::Mask | Self::Ignored | Self::BesideMask => 1,
-            Self::Labels => 2,
+            Self::Labels | Self::Truth => 2,
         }
     }
 
-    /// Whether the frame has it: a model without a mixture has no modes, a frame without a map none, the
+    /// Whether the frame has it: a model without a mixture has no modes, a frame without a map or truth none, the
     /// whole image nothing ignored.
     pub(crate) const fn is_in(self, shown: &Shown) -> bool {
         match self {
@@ -85,6 +90,7 @@ impl Layer {
             Self::Map => shown.map.is_some(),
             Self::Ignored => shown.roi.is_some(),
             Self::BesideMean | Self::BesideMask => shown.beside.is_some(),
+            Self::Truth => shown.truth.is_some(),
             _ => true,
         }
     }
@@ -108,6 +114,7 @@ impl Layer {
             Self::Ignored => both(a.roi.as_ref(), b.roi.as_ref()),
             Self::BesideMean => beside(a, b).is_some_and(|(a, b)| Self::Mean.is_same(a, b)),
             Self::BesideMask => beside(a, b).is_some_and(|(a, b)| Self::Mask.is_same(a, b)),
+            Self::Truth => both(a.truth.as_ref(), b.truth.as_ref()),
         }
     }
 
@@ -143,6 +150,16 @@ impl Layer {
             Self::Ignored => {
                 if let Some(roi) = &shown.roi {
                     numbers(&roi.mask().data, width, every, |&value| [255 - value], put);
+                }
+            }
+            Self::Truth => {
+                if let Some(truth) = &shown.truth {
+                    let bytes = |label: &Label| match label {
+                        Label::Background => [0, 255],
+                        Label::Foreground => [255, 255],
+                        Label::Uncounted => [0, 0],
+                    };
+                    numbers(&truth.labels(), width, every, bytes, put);
                 }
             }
             Self::BesideMean | Self::BesideMask => {

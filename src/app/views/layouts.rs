@@ -35,16 +35,16 @@ impl Layout {
     pub(crate) fn tree(self) -> Tree<View> {
         use View::{
             Agreement, Background, BesideBackground, BesideForeground, BesideTracks, Difference, Foreground,
-            Input, Map, Regions, Tracks,
+            Input, Map, Regions, Right, Tracks,
         };
         let rows: &[(f32, &[&[View]])] = match self {
             Self::All => &[
                 (1.0, &[&[Input], &[Background, Difference, Map, BesideBackground]]),
-                (1.0, &[&[Foreground, BesideForeground], &[Regions, Agreement]]),
+                (1.0, &[&[Foreground, BesideForeground], &[Regions, Right, Agreement]]),
                 (1.6, &[&[Tracks, BesideTracks]]),
             ],
             Self::Figure => &[
-                (1.0, &[&[Input], &[Background, BesideBackground], &[Difference, Map, Agreement]]),
+                (1.0, &[&[Input], &[Background, BesideBackground], &[Difference, Map, Right, Agreement]]),
                 (1.0, &[&[Foreground, BesideForeground], &[Regions], &[Tracks, BesideTracks]]),
             ],
             Self::Tuning => &[
@@ -52,7 +52,7 @@ impl Layout {
                     1.0,
                     &[
                         &[Input, Background, Difference, Map, BesideBackground],
-                        &[Foreground, Regions, BesideForeground, Agreement],
+                        &[Foreground, Right, Regions, BesideForeground, Agreement],
                     ],
                 ),
                 (1.0, &[&[Tracks, BesideTracks]]),
@@ -61,7 +61,7 @@ impl Layout {
                 (
                     1.0,
                     &[
-                        &[Foreground, Background, Regions],
+                        &[Foreground, Right, Background, Regions],
                         &[Agreement, Input, Difference, Map],
                         &[BesideForeground, BesideBackground],
                     ],
@@ -74,7 +74,7 @@ impl Layout {
                     1.0,
                     &[
                         &[Background, Difference, BesideBackground],
-                        &[Foreground, Regions, BesideForeground],
+                        &[Foreground, Right, Regions, BesideForeground],
                         &[Map, Agreement],
                     ],
                 ),
@@ -104,9 +104,11 @@ impl Layout {
         }
         let root = tiles.insert_container(Container::Linear(column));
         let mut tree = Tree::new(Id::unique("views"), root, tiles);
-        // Without a second set of settings there is nothing in them.
-        for view in View::ALL.into_iter().filter(|view| view.compares() && self != Self::Compare) {
-            set_open(&mut tree, view, false);
+        // Without a second set of settings, or ground truth, there is nothing in them.
+        for view in View::ALL {
+            if !view.is_there_at_first() && !(view.compares() && self == Self::Compare) {
+                set_open(&mut tree, view, false);
+            }
         }
         tree
     }
@@ -138,7 +140,8 @@ mod tests {
             let tree = layout.tree();
             let panes = tree.tiles.tiles().filter(|tile| matches!(tile, Tile::Pane(_))).count();
             assert_eq!(panes, View::ALL.len(), "{layout:?}");
-            let expected = |view: View| !view.compares() || layout == Layout::Compare;
+            let expected =
+                |view: View| view.is_there_at_first() || view.compares() && layout == Layout::Compare;
             assert!(View::ALL.iter().all(|&view| is_open(&tree, view) == expected(view)), "{layout:?}");
         }
     }

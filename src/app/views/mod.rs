@@ -18,6 +18,7 @@ mod pictures;
 mod pins;
 mod ramp;
 mod regions;
+mod right;
 mod sender;
 mod tiles;
 mod tracks;
@@ -68,11 +69,13 @@ pub(crate) enum View {
     BesideTracks,
     /// In what the two masks agree.
     Agreement,
+    /// Where the mask is right by the ground truth.
+    Right,
 }
 
 impl View {
     /// All views in the order of their keys, from 1.
-    pub(crate) const ALL: [Self; 11] = [
+    pub(crate) const ALL: [Self; 12] = [
         Self::Input,
         Self::Background,
         Self::Foreground,
@@ -84,6 +87,7 @@ impl View {
         Self::BesideForeground,
         Self::BesideTracks,
         Self::Agreement,
+        Self::Right,
     ];
 
     /// Its title.
@@ -100,6 +104,7 @@ impl View {
             Self::BesideForeground => "Foreground of the other",
             Self::BesideTracks => "Tracks of the other",
             Self::Agreement => "A against B",
+            Self::Right => "Right and wrong",
         }
     }
 
@@ -118,6 +123,11 @@ impl View {
     /// Whether it needs settings to compare with.
     pub(crate) const fn compares(self) -> bool {
         matches!(self, Self::BesideBackground | Self::BesideForeground | Self::BesideTracks | Self::Agreement)
+    }
+
+    /// Whether it is there from the start, without anything to compare with.
+    pub(crate) const fn is_there_at_first(self) -> bool {
+        !self.compares() && !matches!(self, Self::Right)
     }
 
     /// What is seen in it.
@@ -146,6 +156,9 @@ impl View {
             Self::Agreement => {
                 "Where only the mask of A is foreground, where only that of B, and where both are, over a dark input."
             }
+            Self::Right => {
+                "By the ground truth: which foreground was found, which was made up, and which was missed, after cleaning."
+            }
         }
     }
 
@@ -164,6 +177,7 @@ impl View {
             Self::Difference => difference::value(shown, at),
             Self::Map => map::value(shown, at),
             Self::Agreement => agreement::value(shown, at),
+            Self::Right => right::value(shown, at),
             Self::BesideBackground | Self::BesideForeground | Self::BesideTracks => {
                 let Some(beside) = &shown.beside else { return String::new() };
                 match self {
@@ -189,6 +203,7 @@ impl View {
             Self::BesideBackground => Compose::BesideMean.layers(),
             Self::BesideForeground => Compose::BesideMask.layers(),
             Self::Agreement => Compose::Agreement.layers(),
+            Self::Right => Compose::Right.layers(),
         }
     }
 
@@ -205,6 +220,7 @@ impl View {
             Self::BesideBackground => Some(Look::plain(Compose::BesideMean)),
             Self::BesideForeground => Some(Look::plain(Compose::BesideMask)),
             Self::Agreement => pane.shown.beside.as_ref().map(|_| agreement::look(pane)),
+            Self::Right => pane.shown.truth.as_ref().map(|_| right::look()),
         }
     }
 
@@ -217,6 +233,7 @@ impl View {
             Self::Tracks => tracks::paint(pane),
             Self::Difference => difference::paint(pane),
             Self::Map => map::paint(pane),
+            Self::Right => right::paint(pane),
             Self::BesideBackground | Self::BesideForeground | Self::BesideTracks | Self::Agreement => {
                 beside::paint(pane);
             }

@@ -15,10 +15,12 @@ use eframe::egui_wgpu::{RenderState, wgpu};
 use super::agreement::Agreement;
 use super::compose::Composer;
 use super::layer::{self, Layer, Layers};
+use super::right;
 use super::sender::{Sender, Sents};
 use super::{Background, View};
 use crate::app::state::Moment;
 use crate::frame::Size;
+use crate::truth::decisions::Decisions;
 
 /// A frame whose layers are on the card.
 pub(crate) struct Set {
@@ -28,6 +30,7 @@ pub(crate) struct Set {
     sents: Sents,
     group: wgpu::BindGroup,
     agreement: Option<Agreement>,
+    decisions: Option<Decisions>,
     took: Duration,
     bytes: u64,
 }
@@ -61,6 +64,11 @@ impl Set {
     /// How far its mask agrees with the one of the settings that are compared, where both are there.
     pub(crate) const fn agreement(&self) -> Option<Agreement> {
         self.agreement
+    }
+
+    /// What the mask decides about its pixels, where there is truth and somebody looks.
+    pub(crate) const fn decisions(&self) -> Option<Decisions> {
+        self.decisions
     }
 
     /// How long it took to bring it onto the card.
@@ -247,8 +255,11 @@ impl Worker {
             let view = |layer: Layer| sents[layer as usize].as_ref().map(|sent| &sent.view);
             let beside = shown.beside.as_ref().filter(|_| request.layers.has(Layer::BesideMask));
             let agreement = beside.map(|beside| Agreement::of(&shown.analysis.mask, &beside.analysis.mask));
+            let truth = shown.truth.as_ref().filter(|_| request.layers.has(Layer::Truth));
+            let decisions = truth.map(|truth| right::judge(&shown.analysis.mask, truth));
             let set = Set {
                 agreement,
+                decisions,
                 group: self.composer.bind(&self.device, view),
                 moment: Arc::clone(&request.moment),
                 video: request.video,

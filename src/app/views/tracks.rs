@@ -54,7 +54,8 @@ pub(super) fn paint(pane: &Pane<'_>) {
     if drawn.has(Drawn::Gates) {
         pane.painter.add(gates);
     }
-    let truth = pane.model.truth.as_ref().and_then(|truth| truth.get(&pane.shown.frame.number));
+    let truth =
+        pane.model.truth.as_ref().and_then(|truth| truth.boxes.as_ref()?.get(&pane.shown.frame.number));
     let truth = truth.filter(|_| drawn.has(Drawn::Truth));
     for &Bounds([x, y, w, h]) in truth.into_iter().flat_map(|boxes| boxes.values()) {
         let place = regions::Rect::new(x as f32, y as f32, w as f32, h as f32);

@@ -203,6 +203,16 @@ pub fn run(values: &[Value], parameters: &Parameters) -> Ending {
     Ending { pixel, outcome, frames: values.len() }
 }
 
+/// The axes of a grid of two settings around `parameters`, and the parameters of each cell, row by row.
+pub fn grid(parameters: &Parameters, knobs: [Knob; 2]) -> ([Axis; 2], Vec<Parameters>) {
+    let axes = Map::axes(parameters, knobs);
+    let [across, along] = &axes;
+    let rows = along.values.iter().map(|&y| along.knob.with(parameters, y));
+    let cells = rows.flat_map(|row| across.values.iter().map(move |&x| across.knob.with(&row, x)));
+    let cells = cells.collect();
+    (axes, cells)
+}
+
 /// Whether a pixel is foreground, over a grid of two settings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Map {

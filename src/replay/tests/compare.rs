@@ -2,10 +2,11 @@
 
 use super::*;
 use crate::pipeline::final_reading;
+use crate::truth::Truth;
 use crate::truth::boxes::Boxes;
 use crate::truth::summary;
 
-fn other() -> Settings {
+pub(super) fn other() -> Settings {
     Settings { k: 4, alpha: 0.06, match_sigmas: 1.8, ..settings() }
 }
 
@@ -138,10 +139,11 @@ fn what_was_compared_comes_into_view_without_being_run_again() {
 fn both_are_scored_by_the_truth() {
     let folder = scene();
     let (a, b) = (settings(), other());
-    let truth = Arc::new(boxes(folder.path(), &a));
-    assert!(truth.len() > 30);
-    let expected = summary::score(&truth, &boxes(folder.path(), &b));
+    let boxes_of_a = boxes(folder.path(), &a);
+    assert!(boxes_of_a.len() > 30);
+    let expected = summary::score(&boxes_of_a, &boxes(folder.path(), &b));
     assert!(expected.strict.mota < 1.0);
+    let truth = Arc::new(Truth { boxes: Some(boxes_of_a), masks: None });
     let watched = Watched::open(folder.path(), a.clone(), Start::First, 1 << 30);
     watched.session.compare(a, Some(b));
     watched.session.set_truth(Some(truth));
@@ -149,8 +151,9 @@ fn both_are_scored_by_the_truth() {
         let beside = state.beside.as_ref();
         state.timeline.score.is_some() && beside.is_some_and(|beside| beside.timeline.score.is_some())
     });
-    assert_eq!(state.timeline.score.as_ref().unwrap().strict.mota, 1.0);
-    assert_eq!(**state.beside.unwrap().timeline.score.as_ref().unwrap(), expected);
+    let score = |timeline: &Timeline| Score::clone(timeline.score.as_ref().unwrap());
+    assert_eq!(score(&state.timeline).tracks.unwrap().strict.mota, 1.0);
+    assert_eq!(score(&state.beside.unwrap().timeline), Score { tracks: Some(expected), masks: None });
     watched.session.set_truth(None);
     watched.until(|state| state.timeline.score.is_none());
 }

@@ -1,0 +1,81 @@
+//! Where the mask is right, and where it is wrong, by the ground truth.
+
+use eframe::egui::Color32;
+
+use super::{Compose, Look, Pane, draw};
+use crate::app::theme;
+use crate::frame::Mask;
+use crate::replay::Shown;
+use crate::truth::decisions::Decisions;
+use crate::truth::masks::{Label, TrueMask};
+
+/// Foreground that was found.
+const FOUND: [u8; 3] = super::agreement::BOTH;
+/// Background that was taken for foreground.
+const MADE_UP: [u8; 3] = [232, 92, 28];
+/// Foreground that was missed.
+const MISSED: [u8; 3] = [86, 180, 233];
+/// What does not count; on the card it is as dark.
+const UNCOUNTED: [u8; 3] = [58, 52, 66];
+
+/// Judges a mask of the frame.
+pub(super) fn judge(mask: &Mask, truth: &TrueMask) -> Decisions {
+    let mut judge = truth.judge();
+    mask.runs().for_each(|run| judge.take(run));
+    judge.decisions()
+}
+
+/// How it is composed.
+pub(super) fn look() -> Look {
+    let share = |[r, g, b]: [u8; 3]| [r, g, b, 255].map(|channel| f32::from(channel) / 255.0);
+    Look { overlay: share(MADE_UP), beside: share(MISSED), ..Look::plain(Compose::Right) }
+}
+
+/// Paints it, or why there is nothing to paint.
+pub(super) fn paint(pane: &Pane<'_>) {
+    let Some(truth) = &pane.shown.truth else {
+        let why = if pane.model.has_true_masks() {
+            "The ground truth has no mask of this frame."
+        } else {
+            "No ground-truth masks.\nFile, Load ground truth folder… takes a CDnet folder\nor a scene written by synth."
+        };
+        draw::message(pane.painter, &pane.canvas, why, pane.colours.weak);
+        return;
+    };
+    pane.compose(look());
+    let mask = &pane.shown.analysis.mask;
+    let ground = |(x, y)| match (truth.at(x, y), mask.is_foreground(x, y)) {
+        (Some(Label::Foreground), true) => theme::rgb(FOUND),
+        (Some(Label::Foreground), false) => theme::rgb(MISSED),
+        (Some(Label::Background), true) => theme::rgb(MADE_UP),
+        (Some(Label::Background), false) => Color32::BLACK,
+        (Some(Label::Uncounted) | None, _) => theme::rgb(UNCOUNTED),
+    };
+    draw::values(pane.painter, &pane.canvas, |at| value(pane.shown, at), ground);
+    if let Some(decisions) = pane.set.decisions() {
+        let uncounted = truth.size().pixels() as u64 - decisions.all();
+        let mut rows = vec![
+            (FOUND, format!("found  {} px", decisions.tp)),
+            (MADE_UP, format!("made up  {} px", decisions.fp)),
+            (MISSED, format!("missed  {} px", decisions.fn_)),
+        ];
+        if uncounted > 0 {
+            rows.push((UNCOUNTED, format!("not counted  {uncounted} px")));
+        }
+        draw::legend(pane.painter, pane.canvas.rect, &rows);
+    }
+}
+
+/// What was decided, and whether that is right.
+pub(super) fn value(shown: &Shown, (x, y): (u32, u32)) -> String {
+    let found = shown.analysis.mask.is_foreground(x, y);
+    match shown.truth.as_ref().and_then(|truth| truth.at(x, y)) {
+        None => "",
+        Some(Label::Uncounted) => "not counted",
+        Some(Label::Foreground) if found => "found",
+        Some(Label::Foreground) => "missed",
+        Some(Label::Background) if found => "made up",
+        Some(Label::Background) => "right",
+    }
+    .to_owned()
+}

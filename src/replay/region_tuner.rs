@@ -1,0 +1,235 @@
+//! How right the mixture would be under other settings about the pixels around one, worked out in small pieces.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::gather::Follower;
+use super::{RegionTuning, around};
+use crate::frame::{Frame, Size};
+use crate::mixture::Parameters;
+use crate::mixture::tuning::{Axis, Knob, grid};
+use crate::settings::{BackgroundModel, Settings};
+use crate::truth::decisions::{Decisions, of_mixture};
+use crate::truth::masks::{TrueMask, TrueMasks};
+
+/// So many values are a piece of some milliseconds.
+const PIECE: usize = 1_000_000;
+
+/// Works out a [`RegionTuning`], and keeps the last one.
+#[derive(Default)]
+pub(super) struct RegionTuner {
+    region: Option<Region>,
+    knobs: Option<[Knob; 2]>,
+    truth: Option<Arc<TrueMasks>>,
+    job: Option<Job>,
+    done: Option<(Question, Arc<RegionTuning>)>,
+}
+
+/// The pixels around one, in all frames that were seen.
+struct Region {
+    at: (u32, u32),
+    side: u32,
+    columns: Range<u32>,
+    rows: Range<u32>,
+    frames: Vec<Frame>,
+}
+
+/// What an answer is an answer to.
+#[derive(Clone, PartialEq)]
+struct Question {
+    at: (u32, u32),
+    side: u32,
+    knobs: [Knob; 2],
+    parameters: Parameters,
+    frames: usize,
+}
+
+/// A [`RegionTuning`] under way.
+struct Job {
+    question: Question,
+    axes: [Axis; 2],
+    truth: Vec<Option<TrueMask>>,
+    /// The present parameters, then those of each cell.
+    runs: Vec<Parameters>,
+    decisions: Vec<Decisions>,
+}
+
+impl RegionTuner {
+    /// Chooses a region of an image of `size`, by its middle and its side, or none.
+    pub(super) fn choose(&mut self, region: Option<((u32, u32), u32)>, size: Size) {
+        let region = region.filter(|&((x, y), _)| size.index(x, y).is_some());
+        if self.region.as_ref().map(|region| (region.at, region.side)) != region {
+            self.region = region.map(|(at, side)| {
+                let (columns, rows) = around(at, side, size);
+                Region { at, side, columns, rows, frames: Vec::new() }
+            });
+            (self.job, self.done) = (None, None);
+        }
+    }
+
+    /// Chooses what changes along the sides of the grid; `None` where nobody wants one.
+    pub(super) const fn tune(&mut self, knobs: Option<[Knob; 2]>) {
+        self.knobs = knobs;
+    }
+
+    /// Takes the masks that are right; they are as large as the frames.
+    pub(super) fn set_truth(&mut self, truth: Option<Arc<TrueMasks>>) {
+        self.truth = truth;
+        (self.job, self.done) = (None, None);
+    }
+
+    /// Forgets what was seen, as after another first frame.
+    pub(super) fn forget(&mut self) {
+        self.lose();
+        (self.job, self.done) = (None, None);
+    }
+
+    /// Does a piece of work on the frames that were seen; how many runs are done and how many there are, if there was
+    /// any to do.
+    pub(super) fn piece(&mut self, settings: &Settings) -> Option<(usize, usize)> {
+        let mixture = settings.background_model == BackgroundModel::Mixture;
+        let (Some(region), Some(knobs), Some(truth)) = (&self.region, self.knobs, &self.truth) else {
+            return None;
+        };
+        let parameters = Parameters::new(settings);
+        let (at, side, frames) = (region.at, region.side, region.frames.len());
+        let question = Question { at, side, knobs, parameters, frames };
+        let known = self.done.as_ref().is_some_and(|(done, _)| *done == question);
+        if known || frames == 0 || !mixture {
+            return None;
+        }
+        let job = match self.job.take() {
+            Some(job) if job.question == question => self.job.insert(job),
+            _ => self.job.insert(Job::new(question, region, truth)),
+        };
+        let progress = (job.decisions.len(), job.runs.len());
+        if let Some(tuning) = job.go_on(&region.frames) {
+            self.done = self.job.take().map(|job| (job.question, Arc::new(tuning)));
+        }
+        Some(progress)
+    }
+
+    /// The newest answer, which may be to an earlier question.
+    pub(super) fn latest(&self) -> Option<Arc<RegionTuning>> {
+        self.done.as_ref().map(|(_, tuning)| Arc::clone(tuning))
+    }
+}
+
+impl Follower for RegionTuner {
+    fn next(&self) -> Option<u32> {
+        let (region, truth) = self.region.as_ref().zip(self.truth.as_ref())?;
+        let more = region.frames.last().is_none_or(|frame| frame.number < truth.last());
+        more.then_some(region.frames.len() as u32)
+    }
+
+    fn push(&mut self, position: u32, frame: &Frame) {
+        if self.next() == Some(position)
+            && let Some(region) = &mut self.region
+        {
+            region.frames.push(frame.cut(&region.columns, &region.rows));
+        }
+    }
+
+    fn lose(&mut self) {
+        self.region = None;
+    }
+}
+
+impl Job {
+    fn new(question: Question, region: &Region, truth: &TrueMasks) -> Self {
+        let (axes, cells) = grid(&question.parameters, question.knobs);
+        let truth = region
+            .frames
+            .iter()
+            .map(|frame| truth.of(frame.number).map(|mask| mask.cut(&region.columns, &region.rows)));
+        let mut runs = vec![question.parameters];
+        runs.extend(cells);
+        Self { question, axes, truth: truth.collect(), runs, decisions: Vec::new() }
+    }
+
+    /// The answer, if this was the last piece.
+    fn go_on(&mut self, frames: &[Frame]) -> Option<RegionTuning> {
+        let values = frames.first().map_or(1, |frame| frame.size.pixels()) * frames.len();
+        // At least a run for each thread, however long they are.
+        let most = (PIECE / values.max(1)).max(rayon::current_num_threads());
+        let done = self.decisions.len();
+        let next = &self.runs[done..self.runs.len().min(done + most)];
+        let truth = &self.truth;
+        self.decisions.par_extend(next.par_iter().map(|run| of_mixture(frames, truth, *run)));
+        if self.decisions.len() < self.runs.len() {
+            return None;
+        }
+        let Question { at, side, parameters, .. } = self.question;
+        let mut decisions = std::mem::take(&mut self.decisions).into_iter();
+        Some(RegionTuning {
+            at,
+            side,
+            parameters,
+            frames: self.truth.iter().flatten().count(),
+            present: decisions.next().unwrap_or_default(),
+            axes: self.axes.clone(),
+            cells: decisions.collect(),
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use std::collections::BTreeMap;
+
+    use super::*;
+    use crate::settings::Preset;
+    use crate::synth::{self, Parameters as Scene};
+
+    #[test]
+    fn in_pieces_every_cell_is_what_its_settings_decide() {
+        let scene = Scene { size: Size::new(64, 48), ..Scene::default() };
+        let scene = synth::catalogue::scene("crossing", &scene).unwrap();
+        let (mut frames, mut masks) = (Vec::new(), BTreeMap::new());
+        for (frame, truth) in synth::render(&scene).take(90) {
+            let number = frame.number;
+            frames.push(frame);
+            if number % 4 == 0 && number < 80 {
+                masks.insert(number, Arc::new(TrueMask::of_identities(truth.size, &truth.identities)));
+            }
+        }
+        let truth = Arc::new(TrueMasks::new(masks).unwrap());
+        let settings = Settings::preset(Preset::Plain);
+        let mut tuner = RegionTuner::default();
+        tuner.choose(Some(((30, 30), 5)), frames[0].size);
+        assert!(tuner.next().is_none() && tuner.piece(&settings).is_none(), "nothing to judge by");
+        tuner.set_truth(Some(Arc::clone(&truth)));
+        while let Some(next) = tuner.next() {
+            tuner.push(next, &frames[next as usize]);
+        }
+        assert_eq!(tuner.region.as_ref().unwrap().frames.len(), 76, "no frame after the last that is judged");
+        assert!(tuner.piece(&settings).is_none(), "nobody asked");
+        for knobs in [[Knob::Alpha, Knob::T], [Knob::K, Knob::Lambda]] {
+            tuner.tune(Some(knobs));
+            let pieces = std::iter::from_fn(|| tuner.piece(&settings)).count();
+            assert!(pieces >= 1 + usize::from(knobs[0] == Knob::Alpha), "{pieces}");
+            let tuning = tuner.latest().unwrap();
+            let [across, up] = &tuning.axes;
+            assert_eq!(tuning.cells.len(), across.values.len() * up.values.len());
+            assert_eq!((tuning.frames, tuning.present.all()), (19, 19 * 25));
+            let part: Vec<_> = frames[..76].iter().map(|frame| frame.cut(&(28..33), &(28..33))).collect();
+            let labels: Vec<_> =
+                part.iter().map(|frame| Some(truth.of(frame.number)?.cut(&(28..33), &(28..33)))).collect();
+            for (column, row) in [(0, 0), (5, 2), (1, up.values.len() - 1)] {
+                let cell = knobs[1].with(&tuning.parameters, up.values[row]);
+                let cell = knobs[0].with(&cell, across.values[column]);
+                let expected = of_mixture(&part, &labels, cell);
+                assert_eq!(tuning.cells[row * across.values.len() + column], expected, "{column} {row}");
+            }
+            assert_eq!(tuning.present, of_mixture(&part, &labels, tuning.parameters));
+        }
+        let other = Settings { alpha: 0.2, ..settings };
+        assert!(tuner.piece(&other).is_some(), "another question");
+        tuner.forget();
+        assert!(tuner.latest().is_none() && tuner.piece(&other).is_none());
+    }
+}

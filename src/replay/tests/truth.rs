@@ -1,0 +1,111 @@
+//! What is known to be right of masks.
+
+use std::collections::BTreeMap;
+
+use super::*;
+use crate::truth::Truth;
+use crate::truth::decisions::{Decisions, of_mixture};
+use crate::truth::mask_score::MaskScore;
+use crate::truth::masks::{Label, TrueMask, TrueMasks};
+
+/// The masks of some frames as they came out, but for the first row, which does not count.
+fn masks_of(straight: &[Shown]) -> Arc<TrueMasks> {
+    let masks = straight.iter().step_by(3).map(|shown| {
+        let mask = &shown.analysis.mask;
+        let label = |(at, &level): (usize, &u8)| match level {
+            _ if at < WIDTH as usize => Label::Uncounted,
+            Mask::FOREGROUND => Label::Foreground,
+            _ => Label::Background,
+        };
+        (shown.frame.number, Arc::new(TrueMask::new(mask.size, mask.data.iter().enumerate().map(label))))
+    });
+    Arc::new(TrueMasks::new(masks.collect()).unwrap())
+}
+
+fn known(masks: &Arc<TrueMasks>) -> Option<Arc<Truth>> {
+    Some(Arc::new(Truth { boxes: None, masks: Some(Arc::clone(masks)) }))
+}
+
+#[test]
+fn masks_are_scored_and_come_with_their_frames() {
+    let folder = scene();
+    let (a, b) = (settings(), compare::other());
+    let [of_a, of_b] = [&a, &b].map(|settings| straight(folder.path(), settings));
+    let truth = masks_of(&of_a);
+    let decisions: Decisions = of_b
+        .iter()
+        .filter_map(|shown| {
+            let mut judge = truth.of(shown.frame.number)?.judge();
+            shown.analysis.mask.runs().for_each(|run| judge.take(run));
+            Some(judge.decisions())
+        })
+        .sum();
+    assert!(decisions.fn_ > 100 && decisions.tp > 100, "{decisions:?}");
+
+    let watched = Watched::open(folder.path(), a.clone(), Start::First, 1 << 30);
+    watched.until_done();
+    watched.session.compare(a, Some(b));
+    watched.session.set_truth(known(&truth));
+    let state = watched.until(|state| {
+        let beside = state.beside.as_ref().is_some_and(|beside| beside.timeline.score.is_some());
+        beside && state.timeline.score.is_some() && state.shown.as_ref().unwrap().truth.is_some()
+    });
+    let score = |timeline: &Timeline| timeline.score.as_ref().unwrap().masks.unwrap();
+    let of_view = score(&state.timeline);
+    assert_eq!((of_view.f_measure, of_view.pwc, of_view.frames), (1.0, 0.0, 20));
+    assert_eq!(score(&state.beside.unwrap().timeline), MaskScore::new(20, decisions));
+    assert_eq!(watched.shown(30).truth.as_ref(), truth.of(FIRST + 30));
+    assert_eq!(watched.shown(31).truth, None);
+    assert!(watched.shown(33).truth.is_some());
+    watched.session.set_truth(None);
+    watched.until(|state| state.shown.as_ref().unwrap().truth.is_none() && state.timeline.score.is_none());
+}
+
+#[test]
+fn a_region_is_judged_under_other_settings() {
+    let folder = scene();
+    let settings = settings();
+    let truth = masks_of(&straight(folder.path(), &settings));
+    let frames: Vec<_> = (0..FRAMES).filter(|position| FIRST + position <= truth.last()).collect();
+    let (columns, rows) = around(PIXEL, 9, Size::new(WIDTH, HEIGHT));
+    let mut source = source::open(&name(folder.path())).unwrap();
+    let part: Vec<_> =
+        frames.iter().map(|_| source.next_frame().unwrap().unwrap().cut(&columns, &rows)).collect();
+    let labels: Vec<_> =
+        part.iter().map(|frame| Some(truth.of(frame.number)?.cut(&columns, &rows))).collect();
+
+    let watched = Watched::open(folder.path(), settings.clone(), Start::First, 0);
+    watched.session.tune(Some([Knob::K, Knob::T]));
+    watched.session.tune_region(Some((PIXEL, 9)));
+    watched.session.set_truth(known(&truth));
+    let tuned = |settings: &Settings| {
+        let parameters = Parameters::new(settings);
+        let state = watched.until(|state| {
+            state.region_tuning.as_ref().is_some_and(|tuning| tuning.parameters == parameters)
+        });
+        let tuning = state.region_tuning.unwrap();
+        assert_eq!((tuning.at, tuning.side, tuning.frames), (PIXEL, 9, 20));
+        assert_eq!(tuning.present, of_mixture(&part, &labels, parameters));
+        tuning
+    };
+    let first = tuned(&settings);
+    assert!(first.present.all() == 20 * 81 && first.present.tp > 50, "{:?}", first.present);
+    watched.session.set_settings(compare::other());
+    assert_ne!(tuned(&compare::other()).present, first.present);
+    watched.session.tune_region(None);
+    watched.session.set_truth(None);
+    watched.until(|state| state.region_tuning.is_none());
+}
+
+#[test]
+fn masks_of_another_size_are_refused_with_a_warning() {
+    let folder = scene();
+    let watched = Watched::open(folder.path(), settings(), Start::First, 1 << 30);
+    let mask = TrueMask::of_identities(Size::new(4, 3), &[1; 12]);
+    let masks = Arc::new(TrueMasks::new(BTreeMap::from([(FIRST, Arc::new(mask))])).unwrap());
+    watched.session.set_truth(known(&masks));
+    let state = watched.until(|state| !state.warnings.is_empty());
+    assert!(state.warnings[0].contains("4×3") && state.warnings[0].contains("96×64"), "{:?}", state.warnings);
+    let state = watched.until_done();
+    assert_eq!(state.shown.unwrap().truth, None);
+}

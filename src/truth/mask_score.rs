@@ -1,0 +1,124 @@
+//! Masks against the truth: CDnet's seven measures.
+
+use std::path::{Path, PathBuf};
+
+use rayon::prelude::*;
+use serde::Serialize;
+
+use super::TruthError;
+use super::decisions::{Decisions, share};
+use super::masks::{self, MaskFiles};
+use crate::frame::{Mask, Size};
+
+/// Counts of pixels, and what follows from them.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct MaskScore {
+    /// Frames that were scored.
+    pub frames: usize,
+    /// What was decided about their pixels.
+    #[serde(flatten)]
+    pub decisions: Decisions,
+    /// tp / (tp + fn).
+    pub recall: f64,
+    /// tn / (tn + fp).
+    pub specificity: f64,
+    /// fp / (fp + tn).
+    pub fpr: f64,
+    /// fn / (tp + fn).
+    pub fnr: f64,
+    /// Per cent of wrong decisions.
+    pub pwc: f64,
+    /// 2·precision·recall / (precision + recall).
+    pub f_measure: f64,
+    /// tp / (tp + fp).
+    pub precision: f64,
+}
+
+impl MaskScore {
+    /// What follows from the decisions of so many frames.
+    pub fn new(frames: usize, decisions: Decisions) -> Self {
+        let Decisions { tp, fp, fn_, tn } = decisions;
+        Self {
+            frames,
+            decisions,
+            recall: share(tp, tp + fn_),
+            specificity: share(tn, tn + fp),
+            fpr: share(fp, fp + tn),
+            fnr: share(fn_, tp + fn_),
+            pwc: 100.0 * share(fn_ + fp, decisions.all()),
+            f_measure: decisions.f_measure(),
+            precision: share(tp, tp + fp),
+        }
+    }
+}
+
+/// Scores `masks/bin000001.png` … of a run, the frames of which there is truth.
+pub fn score(folder: &Path, truth: &MaskFiles) -> Result<MaskScore, TruthError> {
+    let pairs = truth.numbers().map(|number| (number, folder.join(format!("bin{number:06}.png"))));
+    let pairs: Vec<_> = pairs.filter(|(_, mask)| mask.is_file()).collect();
+    if pairs.is_empty() {
+        let why = "it has no mask of a frame that the truth has; analyse with --masks, and without a range that leaves them out";
+        return Err(TruthError::new(folder, why));
+    }
+    let decide = |(number, path): &(u32, PathBuf)| {
+        let (Some(truth), found) = (truth.read(*number)?, masks::read(path)?) else {
+            return Ok(Decisions::default());
+        };
+        let (width, height) = found.dimensions();
+        if Size::new(width, height) != truth.size() {
+            return Err(TruthError::new(
+                path,
+                format!("its size is not that of the truth, {}", truth.size()),
+            ));
+        }
+        let data = found.iter().map(|&level| if level > 0 { Mask::FOREGROUND } else { Mask::BACKGROUND });
+        let mut judge = truth.judge();
+        Mask { size: truth.size(), data: data.collect() }.runs().for_each(|run| judge.take(run));
+        Ok(judge.decisions())
+    };
+    let decisions: Vec<Decisions> = pairs.par_iter().map(decide).collect::<Result<_, TruthError>>()?;
+    Ok(MaskScore::new(pairs.len(), decisions.into_iter().sum()))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use image::GrayImage;
+
+    use super::*;
+
+    #[test]
+    fn measures_follow_from_counts() {
+        let score = MaskScore::new(1, Decisions { tp: 6, fp: 2, fn_: 4, tn: 88 });
+        assert_eq!((score.recall, score.precision, score.pwc), (0.6, 0.75, 6.0));
+        assert!((score.f_measure - 2.0 * 0.6 * 0.75 / 1.35).abs() < 1e-12);
+        assert!((score.specificity - 88.0 / 90.0).abs() < 1e-12 && (score.fnr - 0.4).abs() < 1e-12);
+    }
+
+    #[test]
+    fn unknown_pixels_and_those_outside_do_not_count_and_shadow_is_negative() {
+        let folder = tempfile::tempdir().unwrap();
+        let (masks, truth) = (folder.path().join("masks"), folder.path().join("truth"));
+        std::fs::create_dir_all(&masks).unwrap();
+        std::fs::create_dir_all(truth.join("groundtruth")).unwrap();
+        let write = |path: PathBuf, levels: [u8; 8]| {
+            GrayImage::from_raw(8, 1, levels.to_vec()).unwrap().save(path).unwrap();
+        };
+        for number in 1..=3 {
+            let levels = [255, 255, 0, 50, 50, 85, 170, 255];
+            write(truth.join(format!("groundtruth/gt{number:06}.png")), levels);
+            write(masks.join(format!("bin{number:06}.png")), [255, 0, 255, 255, 0, 255, 255, 0]);
+        }
+        write(truth.join("ROI.bmp"), [255, 255, 255, 255, 255, 255, 255, 0]);
+        std::fs::write(truth.join("temporalROI.txt"), "2 9\n").unwrap();
+        let score_all = || score(&masks, &MaskFiles::of_cdnet(&truth).unwrap());
+        let scored = score_all().unwrap();
+        let Decisions { tp, fp, fn_, tn } = scored.decisions;
+        assert_eq!((scored.frames, [tp, fp, fn_, tn]), (2, [2, 4, 2, 2]));
+        std::fs::write(truth.join("temporalROI.txt"), "8 9").unwrap();
+        assert!(score_all().unwrap_err().to_string().contains("--masks"));
+        std::fs::write(truth.join("temporalROI.txt"), "2 9\n").unwrap();
+        GrayImage::new(4, 2).save(truth.join("ROI.bmp")).unwrap();
+        assert!(score_all().unwrap_err().to_string().contains("ROI.bmp"));
+    }
+}
