@@ -73,6 +73,25 @@ pub const fn event_colour(kind: EventKind) -> [u8; 3] {
     }
 }
 
+/// The colour of a number that lies at a share of a scale, 0..=1, from dark to bright: a polynomial through viridis, whose
+/// steps look equally large, with any kind of colour vision and in gray.
+pub fn ramp(share: f32) -> [u8; 3] {
+    const POWERS: [[f32; 3]; 7] = [
+        [0.277_727, 0.005_407, 0.334_100],
+        [0.105_093, 1.404_614, 1.384_59],
+        [-0.330_862, 0.214_848, 0.095_095],
+        [-4.634_23, -5.799_101, -19.332_441],
+        [6.228_27, 14.179_933, 56.690_55],
+        [4.776_385, -13.745_145, -65.353_033],
+        [-5.435_456, 4.645_853, 26.312_435],
+    ];
+    let at = share.clamp(0.0, 1.0);
+    std::array::from_fn(|channel| {
+        let value = POWERS.iter().rev().fold(0.0, |sum, power| sum * at + power[channel]);
+        (value.clamp(0.0, 1.0) * 255.0).round() as u8
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

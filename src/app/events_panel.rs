@@ -1,5 +1,6 @@
 //! The list of events, and the evidence behind the one that is read.
 
+use eframe::egui::text::{LayoutJob, TextWrapping};
 use eframe::egui::{
     Align, Align2, Button, Color32, FontId, Label, Layout, RichText, ScrollArea, Sense, Ui, WidgetInfo,
     accesskit::Role, vec2,
@@ -256,19 +257,23 @@ fn row(ui: &mut Ui, event: &Event, current: bool, read: bool, aside: Option<(Str
         painter.circle_filled(middle + vec2(x, 0.0), 4.0, theme::rgb(identity_colour(*id)));
         x += 10.0;
     }
-    painter.text(middle + vec2(x + 2.0, 0.0), Align2::LEFT_CENTER, who, font, colours.text);
-    painter.text(
+    let number = painter.text(
         rect.right_center() - vec2(8.0, 0.0),
         Align2::RIGHT_CENTER,
         format!("#{}", event.frame),
         FontId::monospace(theme::MONO),
         colours.weak,
     );
+    let mut end = number.left();
     if let Some((text, colour)) = aside {
         let at = rect.right_center() - vec2(58.0, 0.0);
         let font = FontId::proportional(theme::SMALL);
-        painter.text(at, Align2::RIGHT_CENTER, text, font, readable(ui, colour));
+        end = painter.text(at, Align2::RIGHT_CENTER, text, font, readable(ui, colour)).left();
     }
+    let mut job = LayoutJob::simple_singleline(who.to_owned(), font, colours.text);
+    job.wrap = TextWrapping::truncate_at_width((end - rect.left() - x - 8.0).max(0.0));
+    let who = painter.layout_job(job);
+    painter.galley(middle + vec2(x + 2.0, -who.size().y / 2.0), who, colours.text);
     theme::focus(ui, &response);
     if response.gained_focus() {
         response.scroll_to_me(None);

@@ -64,7 +64,7 @@ use self::areas::{Areas, Change};
 use self::command::{Action, Command};
 use self::dialogs::{Answer, Dialogs};
 use self::finder::Finder;
-use self::inspector::{Beside, Inspector, InspectorAction};
+use self::inspector::{Beside, Inspector, InspectorAction, Judged};
 use self::kept::Kept;
 use self::state::{Model, Opener, Subject};
 use self::status::Pace;
@@ -399,6 +399,7 @@ impl Window {
                     pins: &pins,
                     histories: state.map_or(&[], |state| &state.pins),
                     region: model.region_shares(),
+                    judged: Judged { has_masks: model.has_true_masks(), tuning: model.region_tuning() },
                 };
                 let (shown, newest, tuning) = (model.shown(), model.pixel(), model.tuning());
                 let action = inspector.ui(ui, shown, newest, tuning, model.fps(), &beside);
@@ -413,6 +414,9 @@ impl Window {
                     }
                     Some(InspectorAction::Choose(at)) => commands.push(Command::Choose(Some(at))),
                     Some(InspectorAction::Pin) => commands.push(Command::Act(Action::Pin)),
+                    Some(InspectorAction::LoadTruth) => {
+                        commands.push(Command::Act(Action::LoadTruthFolder));
+                    }
                     Some(InspectorAction::Unpin(number)) => commands.push(Command::Unpin(number)),
                     Some(InspectorAction::Copy(table)) => commands.push(Command::CopyTable(table)),
                     Some(InspectorAction::Save(table)) => commands.push(Command::SaveTable(table)),
@@ -498,11 +502,11 @@ impl Window {
             keys::pressed(&ctx, &self.model, &mut commands);
         }
         self.panels(ui, &mut commands);
-        let looked_at = self.model.inspector_panel && self.model.shown().is_some();
-        self.model.tune(self.inspector.asks_about().filter(|_| looked_at));
+        let asks = self.inspector.asks();
+        self.model.tune(asks.tune);
+        self.model.judge(asks.judge);
+        self.model.look_around(asks.around);
         self.model.explain();
-        let around = self.inspector.asks_around().filter(|_| looked_at);
-        self.model.look_around(around);
         self.model.pin();
         self.model.map(self.pictures.shows_map().then_some(self.model.quantity));
         // Views may have come into sight that need more of the frame.

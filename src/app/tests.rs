@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::cell::RefCell;
+use std::collections::BTreeMap;
 use std::path::Path;
 use std::rc::Rc;
 use std::sync::Arc;
@@ -30,6 +31,7 @@ use crate::settings::{SETTINGS, Settings};
 use crate::source::SourceInfo;
 use crate::tracking::{Competing, Track, TrackState};
 use crate::truth::Truth;
+use crate::truth::masks::TrueMask;
 
 mod access;
 mod areas;
@@ -44,6 +46,7 @@ mod pictures;
 mod pixels;
 mod sizes;
 mod timeline;
+mod truth;
 
 const SIZE: Size = Size::new(160, 120);
 const FRAMES: u32 = 120;
@@ -72,6 +75,7 @@ enum Asked {
 struct Scene {
     state: Rc<RefCell<State>>,
     asked: Rc<RefCell<Vec<Asked>>>,
+    truth: Rc<RefCell<Option<Arc<Truth>>>>,
 }
 
 impl Player for Scene {
@@ -82,7 +86,7 @@ impl Player for Scene {
     fn show(&self, position: u32) {
         self.asked.borrow_mut().push(Asked::Show(position));
         let shown = shown_at(position.min(FRAMES - 1));
-        let shown = Shown { map: self.asked_map().map(map_of), ..shown };
+        let shown = Shown { map: self.asked_map().map(map_of), truth: self.truth_of(&shown), ..shown };
         self.state.borrow_mut().shown = Some(Arc::new(shown));
     }
 
@@ -98,6 +102,10 @@ impl Player for Scene {
 
     fn set_truth(&self, truth: Option<Arc<Truth>>) {
         self.asked.borrow_mut().push(Asked::Truth(truth.is_some()));
+        *self.truth.borrow_mut() = truth;
+        let shown = self.state.borrow().shown.clone();
+        self.state.borrow_mut().shown =
+            shown.map(|shown| Arc::new(Shown { truth: self.truth_of(&shown), ..Shown::clone(&shown) }));
     }
 
     fn set_roi(&self, roi: Option<Arc<regions::Roi>>) {
@@ -146,6 +154,11 @@ impl Player for Scene {
 }
 
 impl Scene {
+    /// The true mask of a frame, where there is one.
+    fn truth_of(&self, shown: &Shown) -> Option<Arc<TrueMask>> {
+        self.truth.borrow().as_ref()?.masks.as_ref()?.of(shown.frame.number).cloned()
+    }
+
     /// The number of which a map was last asked for.
     fn asked_map(&self) -> Option<Quantity> {
         let asked = self.asked.borrow();
@@ -398,7 +411,7 @@ fn window_at(
 ) -> (Harness<'static, Window>, Scene) {
     let asked = Rc::<RefCell<Vec<Asked>>>::default();
     let first = state.clone().unwrap_or_else(|| self::state(Phase::Opening, None));
-    let scene = Scene { state: Rc::new(RefCell::new(first)), asked };
+    let scene = Scene { state: Rc::new(RefCell::new(first)), asked, truth: Rc::default() };
     let player = scene.clone();
     let mut harness = Harness::builder()
         .with_size(vec2(size.0, size.1))

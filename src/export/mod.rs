@@ -18,6 +18,7 @@ pub mod statistics_csv;
 pub mod summary;
 pub mod tracks_csv;
 pub mod tracks_json;
+pub mod tuning_csv;
 pub mod video;
 
 pub use staging::Staging;

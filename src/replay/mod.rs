@@ -145,7 +145,9 @@ pub struct RegionTuning {
     pub side: u32,
     /// The parameters around which was looked.
     pub parameters: Parameters,
-    /// How many frames were judged.
+    /// How many columns and rows of pixels were judged.
+    pub extent: [u32; 2],
+    /// In how many frames.
     pub frames: usize,
     /// What is decided under [`Self::parameters`].
     pub present: Decisions,

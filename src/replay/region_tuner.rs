@@ -162,11 +162,13 @@ impl Job {
             return None;
         }
         let Question { at, side, parameters, .. } = self.question;
+        let extent = frames.first().map_or([0; 2], |frame| [frame.size.width, frame.size.height]);
         let mut decisions = std::mem::take(&mut self.decisions).into_iter();
         Some(RegionTuning {
             at,
             side,
             parameters,
+            extent,
             frames: self.truth.iter().flatten().count(),
             present: decisions.next().unwrap_or_default(),
             axes: self.axes.clone(),

@@ -40,6 +40,55 @@ impl Decisions {
     }
 }
 
+/// By what decisions are compared.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Measure {
+    /// The share of right ones.
+    Right,
+    /// The harmonic mean of precision and recall.
+    F,
+}
+
+impl Measure {
+    /// Both.
+    pub const ALL: [Self; 2] = [Self::Right, Self::F];
+
+    /// Its value, 0..=1.
+    pub fn of(self, decisions: Decisions) -> f64 {
+        match self {
+            Self::Right => decisions.right(),
+            Self::F => decisions.f_measure(),
+        }
+    }
+
+    /// What it is, in two words.
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Right => "right decisions",
+            Self::F => "F-measure",
+        }
+    }
+
+    /// What it is, in one.
+    pub const fn short(self) -> &'static str {
+        match self {
+            Self::Right => "right",
+            Self::F => "F",
+        }
+    }
+
+    /// What it is, in a sentence.
+    pub const fn meaning(self) -> &'static str {
+        match self {
+            Self::Right => "The share of right decisions, of background and of foreground",
+            Self::F => {
+                "The harmonic mean of precision and recall: what is right about background does not count, so that rare \
+                 foreground weighs as much as frequent"
+            }
+        }
+    }
+}
+
 /// A part of a whole, 0 of nothing.
 pub(super) fn share(part: u64, whole: u64) -> f64 {
     part as f64 / whole.max(1) as f64

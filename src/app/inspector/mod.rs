@@ -8,13 +8,16 @@
 mod chart;
 mod components;
 mod cube;
+mod grid;
 mod history;
+mod judged;
 mod menu;
 mod now;
 mod pixels;
 mod plot;
 mod rows;
 mod scatter;
+mod side;
 mod statistics;
 mod style;
 mod table;
@@ -37,7 +40,7 @@ use crate::mixture::pixel::MAX_K;
 use crate::mixture::tuning::Knob;
 use crate::mixture::verdict::{Verdict, overruled, verdict};
 use crate::mixture::{Parameters, PixelHistory, PixelState};
-use crate::replay::{RegionShares, Shown, Tuning};
+use crate::replay::{RegionShares, RegionTuning, Shown, Tuning};
 use crate::settings::{BackgroundModel, Space};
 
 /// What the person asked for in the inspector.
@@ -53,6 +56,8 @@ pub enum InspectorAction {
     Pin,
     /// Unpin the pixel of this number.
     Unpin(u8),
+    /// Choose a folder of ground truth.
+    LoadTruth,
     /// Put the numbers behind a plot on the clipboard.
     Copy(Table),
     /// Write them to a file.
@@ -73,6 +78,8 @@ pub struct Inspector {
     tuning: tuning::TuningView,
     statistics: statistics::StatisticsView,
     pixels: pixels::Pixels,
+    /// The tab that was drawn since it was last asked what it wants to know.
+    drawn: Option<Tab>,
     followed: Option<Followed>,
     /// The same under the settings that are compared with those in view.
     other: Other,
@@ -107,8 +114,30 @@ pub struct Beside<'a> {
     pub pins: &'a [(u8, (u32, u32))],
     /// Their histories, as far as they are known.
     pub histories: &'a [Arc<PixelHistory>],
-    /// The share of foreground around the chosen one, if [`Inspector::asks_around`] asks for it.
+    /// The share of foreground around the chosen one, if [`Asks::around`] asks for it.
     pub region: Option<&'a RegionShares>,
+    /// What is known by the ground truth.
+    pub judged: Judged<'a>,
+}
+
+/// What is known of the pixels around the chosen one by the ground truth.
+#[derive(Clone, Copy, Default)]
+pub struct Judged<'a> {
+    /// Whether there are true masks.
+    pub has_masks: bool,
+    /// How right they would be under other settings, if [`Asks::judge`] asks for it.
+    pub tuning: Option<&'a Arc<RegionTuning>>,
+}
+
+/// What the tab that is seen wants to know.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Asks {
+    /// The two settings whose map is looked at.
+    pub tune: Option<[Knob; 2]>,
+    /// How many pixels to a side are looked at for how right they would be.
+    pub judge: Option<u32>,
+    /// How many pixels to a side the share of foreground is counted of.
+    pub around: Option<u32>,
 }
 
 /// A history with the slots of its components; worked out anew only when the history is another one.
@@ -151,7 +180,7 @@ impl Inspector {
     ///
     /// `newest` is the pixel under the settings chosen last: it is shown in place of the frame's own
     /// while the frame in view still waits for those. `fps` is the source's frame rate, to show
-    /// times in seconds beside frame numbers. `tuning` answers what [`Self::asks_about`], and `beside` has other pixels.
+    /// times in seconds beside frame numbers. `tuning` answers what [`Self::asks`], and `beside` has other pixels.
     pub fn ui(
         &mut self,
         ui: &mut Ui,
@@ -254,6 +283,7 @@ impl Inspector {
         });
         ui.separator();
         let tab = self.tab;
+        self.drawn = Some(tab);
         let scrolled = ScrollArea::vertical()
             .id_salt(("inspector", name_of(tab)))
             .auto_shrink(false)
@@ -271,7 +301,7 @@ impl Inspector {
                 }
                 Tab::History => self.history.ui(ui, &chosen),
                 Tab::Scatter => self.scatter.ui(ui, &chosen),
-                Tab::Tuning => self.tuning.ui(ui, &chosen, tuning),
+                Tab::Tuning => self.tuning.ui(ui, &chosen, tuning, &beside.judged),
                 Tab::Statistics => self.statistics.ui(ui, &chosen),
                 Tab::Pixels => self.pixels.ui(ui, here, beside),
             })
@@ -289,14 +319,15 @@ impl Inspector {
         scrolled.show(ui, |ui| self.pixels.pins_ui(ui, here, beside)).inner
     }
 
-    /// How many pixels to a side the share of foreground is asked for, `None` while nobody looks.
-    pub fn asks_around(&self) -> Option<u32> {
-        (self.tab == Tab::Pixels).then_some(self.pixels.side)
-    }
-
-    /// The two settings whose map is looked at, `None` while none is.
-    pub fn asks_about(&self) -> Option<[Knob; 2]> {
-        (self.tab == Tab::Tuning).then_some(self.tuning.knobs)
+    /// What the tab wants to know that was drawn since this was last called; nothing where none was.
+    pub fn asks(&mut self) -> Asks {
+        match self.drawn.take() {
+            Some(Tab::Tuning) => {
+                Asks { tune: Some(self.tuning.knobs), judge: Some(self.tuning.judged.side), around: None }
+            }
+            Some(Tab::Pixels) => Asks { around: Some(self.pixels.side), ..Asks::default() },
+            _ => Asks::default(),
+        }
     }
 }
 
@@ -333,6 +364,9 @@ fn empty(ui: &mut Ui, title: &str, text: &str) {
     });
 }
 
+/// Beside the frame's number its time has room from this width on.
+const WITH_SECONDS: f32 = 104.0;
+
 /// Value and place of the chosen pixel, with what pins it; whether that was asked for.
 fn header(ui: &mut Ui, chosen: &Chosen<'_>, pinned: Option<u8>) -> Option<InspectorAction> {
     let mut pin = None;
@@ -347,7 +381,12 @@ fn header(ui: &mut Ui, chosen: &Chosen<'_>, pinned: Option<u8>) -> Option<Inspec
                 ui.label(RichText::new(format!("Pixel {x}, {y}")).size(15.0).strong());
                 pin = pin_button(ui, pinned);
                 ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
-                    ui.label(style::aside(ui, &format!("{} s", style::seconds(chosen.index, chosen.fps))));
+                    if ui.available_width() > WITH_SECONDS {
+                        ui.label(style::aside(
+                            ui,
+                            &format!("{} s", style::seconds(chosen.index, chosen.fps)),
+                        ));
+                    }
                     ui.label(format!("frame {}", state.number));
                 });
             });

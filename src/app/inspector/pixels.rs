@@ -13,15 +13,13 @@ use egui_material_icons::icons as m;
 
 use super::chart::{self, Axis, Columns, TICKS};
 use super::style::{self, small};
-use super::{Beside, InspectorAction};
+use super::{Beside, InspectorAction, side};
 use crate::app::{pins, theme};
 use crate::mixture::pixel::luma;
 use crate::mixture::{PixelHistory, PixelState};
 use crate::replay::RegionShares;
 use crate::settings::Space;
 
-/// The sides of the region that can be chosen, in pixels.
-const SIDES: [u32; 5] = [1, 3, 5, 9, 15];
 const SHARES: f32 = 64.0;
 const SPARK: f32 = 34.0;
 const STRIP: f32 = 5.0;
@@ -91,15 +89,7 @@ impl Pixels {
                  its neighbours tell whether something is there.",
             );
             ui.add_space(4.0);
-            for side in SIDES {
-                let text = format!("{side}×{side}");
-                let label = ui.selectable_label(self.side == side, small(&side.to_string()));
-                let label = label.accessible_name(&text);
-                if label.on_hover_text(format!("{text} pixels, the chosen one in the middle")).clicked() {
-                    self.side = side;
-                }
-            }
-            ui.label(style::aside(ui, "px"));
+            side::choice(ui, &mut self.side);
         });
         let shares = shares.filter(|shares| shares.side == self.side);
         let asked = shares_ui(ui, here, shares);

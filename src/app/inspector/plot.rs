@@ -12,7 +12,8 @@ use crate::export::figure::mixture::{self, Moment};
 use crate::export::figure::{Figure, raster, scatter, svg, through_time, tuning};
 use crate::frame::Frame;
 use crate::mixture::places;
-use crate::replay::Tuning;
+use crate::replay::{RegionTuning, Tuning};
+use crate::truth::decisions::Measure;
 
 /// A plot as it stands in the window. Its figure is only made when it is asked for, on a thread of its own.
 #[derive(Clone, Debug, PartialEq)]
@@ -29,6 +30,8 @@ pub enum Plot {
     Cube(Followed, places::Choice, usize, Look),
     /// The tuning map.
     Map(Followed, Box<Tuning>),
+    /// How right the pixels around it would be.
+    Judged(Followed, Arc<RegionTuning>, Measure),
 }
 
 /// Which file is written.
@@ -70,6 +73,11 @@ impl Plot {
                 cube::figure(&of.history, &of.slots, choice, *index, *look)
             }
             Self::Map(of, map) => tuning::figure(&of.history, &map.map, map.position as usize),
+            Self::Judged(of, judged, measure) => {
+                let [width, height] = judged.extent;
+                let about = format!("{width}×{height} pixels, {} frames", judged.frames);
+                tuning::of_decisions(&of.history, &about, (&judged.axes, &judged.cells), *measure)
+            }
         }
     }
 
@@ -88,6 +96,7 @@ impl Plot {
                 Table::History(Arc::clone(&of.history), frames.clone())
             }
             Self::Map(_, tuning) => Table::Map(tuning.clone()),
+            Self::Judged(_, judged, _) => Table::Judged(Arc::clone(judged)),
         }
     }
 
@@ -100,6 +109,7 @@ impl Plot {
             Self::Scatter(of, ..) => ("scatter", of),
             Self::Cube(of, ..) => ("scatter-3d", of),
             Self::Map(of, _) => ("tuning", of),
+            Self::Judged(of, ..) => ("right", of),
         };
         let (x, y) = of.history.at;
         format!("{what}-{x}-{y}.{}", format.ending())

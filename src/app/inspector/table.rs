@@ -6,9 +6,9 @@ use std::sync::Arc;
 use std::{fs, io};
 
 use crate::app::whole_file;
-use crate::export::{pixel_csv, statistics_csv};
+use crate::export::{pixel_csv, statistics_csv, tuning_csv};
 use crate::mixture::PixelHistory;
-use crate::replay::Tuning;
+use crate::replay::{RegionTuning, Tuning};
 
 /// What can be copied or saved. It is written only when it is asked for.
 #[derive(Clone, Debug, PartialEq)]
@@ -17,6 +17,8 @@ pub enum Table {
     History(Arc<PixelHistory>, Range<usize>),
     /// A tuning map, a cell a row.
     Map(Box<Tuning>),
+    /// How right the pixels around one would be, a cell a row.
+    Judged(Arc<RegionTuning>),
     /// What is counted over these states of a pixel, in one row.
     Statistics(Arc<PixelHistory>, Range<usize>),
 }
@@ -28,6 +30,7 @@ impl Table {
             Self::History(_, range) => range.len(),
             Self::Statistics(..) => 1,
             Self::Map(tuning) => tuning.map.axes.iter().map(|axis| axis.values.len()).product(),
+            Self::Judged(judged) => judged.cells.len(),
         }
     }
 
@@ -36,6 +39,7 @@ impl Table {
         match self {
             Self::History(history, _) => format!("pixel-{}-{}.csv", history.at.0, history.at.1),
             Self::Map(tuning) => format!("tuning-{}-{}.csv", tuning.at.0, tuning.at.1),
+            Self::Judged(judged) => format!("right-{}-{}.csv", judged.at.0, judged.at.1),
             Self::Statistics(history, _) => format!("statistics-{}-{}.csv", history.at.0, history.at.1),
         }
     }
@@ -49,17 +53,8 @@ impl Table {
                 states.into_iter().try_for_each(|state| pixel_csv::write_row(out, &history.parameters, state))
             }
             Self::Statistics(history, range) => statistics_csv::write(out, history, range.clone()),
-            Self::Map(tuning) => {
-                let [x, y] = &tuning.map.axes;
-                writeln!(out, "{},{},foreground", x.knob.key(), y.knob.key())?;
-                for (row, &up) in y.values.iter().enumerate() {
-                    for (column, &across) in x.values.iter().enumerate() {
-                        let foreground = u8::from(tuning.map.is_foreground(column, row));
-                        writeln!(out, "{across},{up},{foreground}")?;
-                    }
-                }
-                Ok(())
-            }
+            Self::Map(tuning) => tuning_csv::write_map(out, &tuning.map),
+            Self::Judged(judged) => tuning_csv::write_decisions(out, &judged.axes, &judged.cells),
         }
     }
 

@@ -569,7 +569,7 @@ fn what_flips_the_verdict_is_named_and_taken() {
 #[test]
 fn a_map_of_other_settings_is_asked_for_and_waited_for() {
     let (shown, mut inspector) = (shown(430), Inspector::default());
-    assert_eq!(inspector.asks_about(), None, "nobody looks");
+    assert_eq!(inspector.asks().tune, None, "nobody looks");
     let asked = Rc::new(RefCell::new(None));
     let (noted, tuning) = (Rc::clone(&asked), tuning_of(&shown, [Knob::Alpha, Knob::T]));
     let mut harness = Harness::builder()
@@ -578,7 +578,7 @@ fn a_map_of_other_settings_is_asked_for_and_waited_for() {
         .build_ui(move |ui| {
             egui::CentralPanel::default().show(ui, |ui| {
                 inspector.ui(ui, Some(&shown), None, tuning.as_ref(), 10.0, &Beside::default());
-                *noted.borrow_mut() = inspector.asks_about();
+                *noted.borrow_mut() = inspector.asks().tune;
             });
         });
     open(&mut harness, "Tuning");

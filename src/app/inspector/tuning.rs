@@ -1,28 +1,24 @@
-//! What the pixel would be under other settings: a map over two of them, and what flips the verdict.
+//! What the pixel would be under other settings: a map over two of them, what flips the verdict, and, with ground truth,
+//! what is right.
 
 use std::time::Duration;
 
-use eframe::egui::accesskit::Role;
-use eframe::egui::{
-    Align2, Painter, Pos2, Rangef, Rect, Response, RichText, Sense, Stroke, StrokeKind, Tooltip, Ui, Vec2,
-    WidgetInfo,
-};
+use eframe::egui::{Align2, Pos2, Rect, RichText, Sense, Ui, Vec2};
 
-use super::chart::{self, Columns, TICKS};
+use super::grid::{self, Grid};
+use super::judged::{FLAT, JudgedView};
 use super::menu;
 use super::plot::Plot;
 use super::style::{self, small};
-use super::{Chosen, InspectorAction};
-use crate::mixture::tuning::{Axis, Flip, Knob, Map};
+use super::{Chosen, InspectorAction, Judged};
+use crate::mixture::tuning::{Flip, Knob, Map};
 use crate::mixture::verdict::number;
 use crate::replay::Tuning;
 
-/// Room for the name of the axis across.
-const NAME: f32 = 15.0;
-/// The map's greatest side.
-const SIDE: f32 = 380.0;
-/// Its height as a share of its width: what flips the verdict should be in sight below it.
-const FLAT: f32 = 0.62;
+/// Height of the map as a share of its width where it is the only one: what flips the verdict should be in sight below.
+const ALONE: f32 = 0.62;
+/// From this width on, what is right stands beside the map; below, under it.
+const BESIDE: f32 = 560.0;
 /// An answer that is older than the question for so many seconds is drawn pale.
 const LATE: f64 = 0.15;
 
@@ -32,13 +28,14 @@ const STRENGTHS: [f32; 2] = [0.34, 0.72];
 /// Which settings the map is about.
 pub(super) struct TuningView {
     pub(super) knobs: [Knob; 2],
+    pub(super) judged: JudgedView,
     /// Since when the answer belongs to another question, in the window's seconds.
     late_since: Option<f64>,
 }
 
 impl Default for TuningView {
     fn default() -> Self {
-        Self { knobs: [Knob::Alpha, Knob::T], late_since: None }
+        Self { knobs: [Knob::Alpha, Knob::T], judged: JudgedView::default(), late_since: None }
     }
 }
 
@@ -48,6 +45,7 @@ impl TuningView {
         ui: &mut Ui,
         chosen: &Chosen<'_>,
         tuning: Option<&Tuning>,
+        judged: &Judged<'_>,
     ) -> Option<InspectorAction> {
         let tuning = tuning.filter(|tuning| tuning.at == chosen.history.at);
         let of_knobs = tuning.filter(|tuning| tuning.map.axes.each_ref().map(|axis| axis.knob) == self.knobs);
@@ -59,10 +57,33 @@ impl TuningView {
         let of_knobs =
             of_knobs.filter(|tuning| tuning.map.axes.each_ref().map(|axis| axis.knob) == self.knobs);
         let pale = self.is_late(ui, of_knobs.is_some() && current.is_none());
-        let taken = map_ui(ui, chosen, self.knobs, of_knobs.map(|tuning| &tuning.map), pale);
-        ui.horizontal_wrapped(legend);
-        ui.add_space(6.0);
-        let taken = flips_ui(ui, chosen, current.map(|tuning| &tuning.flips[..])).or(taken);
+        let flat = if judged.has_masks { FLAT } else { ALONE };
+        let map = |ui: &mut Ui| {
+            let taken = map_ui(ui, chosen, self.knobs, of_knobs.map(|tuning| &tuning.map), pale, flat);
+            ui.horizontal_wrapped(legend);
+            taken
+        };
+        let flips = |ui: &mut Ui| flips_ui(ui, chosen, current.map(|tuning| &tuning.flips[..]));
+        let mut of_truth = |ui: &mut Ui| self.judged.ui(ui, chosen, self.knobs, judged);
+        let taken = if ui.available_width() >= BESIDE {
+            let of_map = ui.columns(2, |columns| {
+                let heading = |ui: &mut Ui| {
+                    ui.label(RichText::new("This pixel in this frame").strong());
+                };
+                menu::row(&mut columns[0], |_| None, heading);
+                let of_map = map(&mut columns[0]);
+                of_map.or(of_truth(&mut columns[1]))
+            });
+            ui.add_space(6.0);
+            of_map.or(flips(ui))
+        } else {
+            // What there is stands before what there might be.
+            let of_map = map(ui);
+            ui.add_space(6.0);
+            let of_map = if judged.has_masks { of_map.or(of_truth(ui)) } else { of_map.or(flips(ui)) };
+            ui.add_space(8.0);
+            if judged.has_masks { of_map.or(flips(ui)) } else { of_map.or(of_truth(ui)) }
+        };
         ui.add_space(8.0);
         taken.or(asked)
     }
@@ -128,11 +149,7 @@ fn legend(ui: &mut Ui) {
         ui.painter().rect_filled(plate, 1.0, colour);
         ui.label(style::aside(ui, name));
     }
-    let (rect, _) = ui.allocate_exact_size(Vec2::splat(12.0), Sense::hover());
-    let (at, stroke) = (rect.center(), Stroke::new(2.0, style::ink(ui.visuals())));
-    ui.painter().hline(Rangef::new(at.x - 5.0, at.x + 5.0), at.y, stroke);
-    ui.painter().vline(at.x, Rangef::new(at.y - 5.0, at.y + 5.0), stroke);
-    ui.label(style::aside(ui, "now"));
+    grid::legend_of_cross(ui);
 }
 
 fn map_ui(
@@ -141,126 +158,25 @@ fn map_ui(
     knobs: [Knob; 2],
     map: Option<&Map>,
     pale: bool,
+    flat: f32,
 ) -> Option<InspectorAction> {
-    let side = (ui.available_width() - chart::GUTTER - chart::RIGHT).clamp(80.0, SIDE);
-    let size = Vec2::new(side + chart::GUTTER + chart::RIGHT, 6.0 + side * FLAT + TICKS + NAME);
-    let (area, response) = ui.allocate_exact_size(size, Sense::click());
     let [across, up] = knobs.map(Knob::symbol);
-    response.widget_info(|| {
-        let share = map.map_or("not known yet".to_owned(), |map| {
-            format!("foreground in {:.0} % of it", map.foreground_share() * 100.0)
-        });
-        WidgetInfo::labeled(Role::Image, true, format!("Tuning map of {across} across and {up} up, {share}"))
+    let share = map.map_or("not known yet".to_owned(), |map| {
+        format!("foreground in {:.0} % of it", map.foreground_share() * 100.0)
     });
-    let plot = Rect::from_min_size(
-        Pos2::new(area.left() + chart::GUTTER, area.top() + 6.0),
-        Vec2::new(side, side * FLAT),
-    );
-    let (painter, visuals) = (ui.painter_at(area), ui.visuals());
+    let name = format!("Tuning map of {across} across and {up} up, {share}");
+    let strength = if pale { 0.4 } else { 1.0 };
+    let colours = [false, true].map(|foreground| {
+        style::verdict_colour(ui.visuals(), foreground)
+            .gamma_multiply(STRENGTHS[usize::from(foreground)] * strength)
+    });
+    let Some(map) = map else { return grid::ui(ui, &name, flat, None) };
+    let colour = |column, row| colours[usize::from(map.is_foreground(column, row))];
+    let words =
+        |column, row| if map.is_foreground(column, row) { "Foreground." } else { "Background." }.to_owned();
     let parameters = &chosen.history.parameters;
-    let Some(map) = map else {
-        painter.rect_filled(plot, 0.0, visuals.faint_bg_color);
-        let text = "trying other settings …";
-        painter.text(plot.center(), Align2::CENTER_CENTER, text, style::font(), style::muted(visuals));
-        return None;
-    };
-    cells(&painter, ui, plot, map, if pale { 0.4 } else { 1.0 });
-    axes(&painter, ui, plot, &map.axes);
-    let [x, y] = &map.axes;
-    let here = Pos2::new(
-        plot.left() + plot.width() * x.share_of(x.knob.get(parameters)).clamp(0.0, 1.0),
-        plot.bottom() - plot.height() * y.share_of(y.knob.get(parameters)).clamp(0.0, 1.0),
-    );
-    cross(&painter, ui, here);
-    pick(ui, &response, &painter, plot, map)
-}
-
-fn cells(painter: &Painter, ui: &Ui, plot: Rect, map: &Map, strength: f32) {
-    let visuals = ui.visuals();
-    let colours = STRENGTHS.map(|share| share * strength);
-    let background = style::verdict_colour(visuals, false).gamma_multiply(colours[0]);
-    let foreground = style::verdict_colour(visuals, true).gamma_multiply(colours[1]);
-    let mut columns = Columns::default();
-    for row in 0..map.axes[1].values.len() {
-        for column in 0..map.axes[0].values.len() {
-            let cell = cell_rect(plot, map, column, row);
-            let colour = if map.is_foreground(column, row) { foreground } else { background };
-            columns.add(cell.x_range(), cell.top(), cell.bottom(), colour);
-        }
-    }
-    columns.paint(painter);
-}
-
-fn cell_rect(plot: Rect, map: &Map, column: usize, row: usize) -> Rect {
-    let [columns, rows] = map.axes.each_ref().map(|axis| axis.values.len().max(1) as f32);
-    let x = |column: usize| plot.left() + plot.width() * column as f32 / columns;
-    let y = |row: usize| plot.bottom() - plot.height() * row as f32 / rows;
-    Rect::from_x_y_ranges(Rangef::new(x(column), x(column + 1)), Rangef::new(y(row + 1), y(row)))
-}
-
-fn axes(painter: &Painter, ui: &Ui, plot: Rect, [x, y]: &[Axis; 2]) {
-    let visuals = ui.visuals();
-    chart::frame(painter, plot, visuals);
-    let labels: Vec<_> = ticks(x, (plot.width() / 50.0) as usize)
-        .into_iter()
-        .map(|value| (plot.left() + plot.width() * x.share_of(value), number(value)))
-        .collect();
-    chart::x_labels(painter, plot, &labels, visuals);
-    let name = format!("{}, {}", x.knob.symbol(), x.knob.name());
-    let place = Pos2::new(plot.center().x, plot.bottom() + TICKS + 2.0);
-    painter.text(place, Align2::CENTER_TOP, name, style::font(), visuals.text_color());
-
-    let labels: Vec<_> = ticks(y, (plot.height() / 30.0) as usize)
-        .into_iter()
-        .map(|value| (plot.bottom() - plot.height() * y.share_of(value), number(value)))
-        // The axis' own name stands at its upper end.
-        .filter(|(at, _)| *at > plot.top() + 16.0)
-        .collect();
-    chart::y_labels(painter, plot.left(), &labels, visuals);
-    let place = Pos2::new(plot.left() - 6.0, plot.top() - 2.0);
-    painter.text(place, Align2::RIGHT_TOP, y.knob.symbol(), style::font(), visuals.text_color());
-}
-
-/// Round values along an axis.
-fn ticks(axis: &Axis, most: usize) -> Vec<f32> {
-    let (low, high) = (axis.value_at(0.0), axis.value_at(1.0));
-    if !axis.knob.is_logarithmic() {
-        let round = chart::ticks(low.into(), high.into(), most).into_iter().map(|value| value as f32);
-        return round.collect();
-    }
-    let decades = low.log10().floor() as i32..=high.log10().ceil() as i32;
-    let round = decades.map(|power| 10_f64.powi(power) as f32);
-    round.filter(|value| (low..=high).contains(value)).collect()
-}
-
-/// The present settings: a cross with a rim, to be seen on both colours.
-fn cross(painter: &Painter, ui: &Ui, at: Pos2) {
-    let visuals = ui.visuals();
-    for (width, colour) in [(4.0, visuals.panel_fill), (2.0, style::ink(visuals))] {
-        let stroke = Stroke::new(width, colour);
-        let reach = 6.0 + width / 2.0;
-        painter.hline(Rangef::new(at.x - reach, at.x + reach), at.y, stroke);
-        painter.vline(at.x, Rangef::new(at.y - reach, at.y + reach), stroke);
-    }
-}
-
-/// The cell under the pointer: its values, and on a click they are asked for.
-fn pick(ui: &Ui, response: &Response, painter: &Painter, plot: Rect, map: &Map) -> Option<InspectorAction> {
-    let pointer = response.hover_pos().or(response.interact_pointer_pos()).filter(|at| plot.contains(*at))?;
-    let [x, y] = &map.axes;
-    let column = x.cell_at((pointer.x - plot.left()) / plot.width());
-    let row = y.cell_at((plot.bottom() - pointer.y) / plot.height());
-    let values = [(x.knob, x.values[column]), (y.knob, y.values[row])];
-    let cell = cell_rect(plot, map, column, row);
-    let stroke = Stroke::new(1.5, style::ink(ui.visuals()));
-    painter.rect_stroke(cell, 0.0, stroke, StrokeKind::Inside);
-    Tooltip::for_widget(response).at_pointer().show(|ui| {
-        let words = values.map(|(knob, value)| format!("{} = {}", knob.symbol(), number(value)));
-        ui.label(words.join(",  "));
-        let verdict = if map.is_foreground(column, row) { "Foreground" } else { "Background" };
-        ui.label(small(&format!("{verdict}. Click to take these settings.")));
-    });
-    response.clicked().then_some(InspectorAction::Take(values))
+    let grid = Grid { axes: &map.axes, parameters, colour: &colour, words: &words, marked: None };
+    grid::ui(ui, &name, flat, Some(&grid))
 }
 
 /// For each setting alone the nearest value that flips the verdict.

@@ -39,7 +39,8 @@ pub(crate) fn legend(painter: &Painter, view: Rect, rows: &[([u8; 3], String)]) 
     for (row, ((colour, _), text)) in rows.iter().zip(texts).enumerate() {
         let middle = corner.y + 12.0 + 16.0 * row as f32;
         let swatch = Rect::from_center_size(pos2(corner.x + 13.0, middle), vec2(10.0, 10.0));
-        painter.rect_filled(swatch, 2.0, theme::rgb(*colour));
+        let rim = Stroke::new(1.0, Color32::from_white_alpha(90));
+        painter.rect(swatch, 2.0, theme::rgb(*colour), rim, StrokeKind::Inside);
         let at = Align2::LEFT_CENTER.anchor_size(pos2(corner.x + 24.0, middle), text.size()).min;
         painter.galley(at, text, ink);
     }

@@ -15,7 +15,8 @@ const RING: f32 = 4.5;
 
 /// Paints them.
 pub(super) fn paint(painter: &Painter, canvas: &Canvas, model: &Model) {
-    if let Some((at, side)) = model.region.filter(|&(_, side)| side > 1) {
+    let judged = model.judged.filter(|_| model.has_true_masks());
+    if let Some((at, side)) = model.region.or(judged).filter(|&(_, side)| side > 1) {
         let (columns, rows) = around(at, side, canvas.size);
         let (width, height) = (columns.len() as f32, rows.len() as f32);
         let place = canvas.place(&regions::Rect::new(columns.start as f32, rows.start as f32, width, height));

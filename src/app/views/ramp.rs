@@ -4,6 +4,9 @@
 
 use eframe::egui::Color32;
 
+use crate::app::theme;
+use crate::palette;
+
 /// How many colours the ramp has.
 pub(super) const RAMP: usize = 255;
 
@@ -64,24 +67,9 @@ impl Scale {
     }
 }
 
-/// One of the ramp's colours, from dark to bright: a polynomial through viridis, whose steps look equally large, with
-/// any kind of colour vision and in gray.
+/// One of the ramp's colours, from dark to bright.
 pub(super) fn ramp(step: usize) -> Color32 {
-    const POWERS: [[f32; 3]; 7] = [
-        [0.277_727, 0.005_407, 0.334_100],
-        [0.105_093, 1.404_614, 1.384_59],
-        [-0.330_862, 0.214_848, 0.095_095],
-        [-4.634_23, -5.799_101, -19.332_441],
-        [6.228_27, 14.179_933, 56.690_55],
-        [4.776_385, -13.745_145, -65.353_033],
-        [-5.435_456, 4.645_853, 26.312_435],
-    ];
-    let at = step.min(RAMP - 1) as f32 / (RAMP - 1) as f32;
-    let channel = |channel: usize| {
-        let value = POWERS.iter().rev().fold(0.0, |sum, power| sum * at + power[channel]);
-        (value.clamp(0.0, 1.0) * 255.0).round() as u8
-    };
-    Color32::from_rgb(channel(0), channel(1), channel(2))
+    theme::rgb(palette::ramp(step.min(RAMP - 1) as f32 / (RAMP - 1) as f32))
 }
 
 #[cfg(test)]

@@ -1,12 +1,15 @@
-//! A tuning map as a figure.
+//! A tuning map as a figure, of one pixel's verdict or of how right those around it are.
 
 use super::{Axis, Figure, INK, Key, NARROW, Panel, Shape, Sign, parameters, pixel_name};
 use crate::mixture::PixelHistory;
 use crate::mixture::tuning::{Axis as Side, Map};
-use crate::palette::verdict_colour;
+use crate::palette::{ramp, verdict_colour};
+use crate::truth::decisions::{Decisions, Measure};
 
 /// How strongly background and foreground are drawn.
 const STRENGTHS: [f64; 2] = [0.34, 0.8];
+/// So many colours stand for the values of a measure.
+const STEPS: usize = 17;
 
 /// The figure of the map about `history` at the frame in view.
 pub fn figure(history: &PixelHistory, map: &Map, index: usize) -> Figure {
@@ -15,7 +18,7 @@ pub fn figure(history: &PixelHistory, map: &Map, index: usize) -> Figure {
     let legend = vec![
         Key { sign: Sign::Plate(STRENGTHS[1]), colour: colour(true), name: "foreground".to_owned() },
         Key { sign: Sign::Plate(STRENGTHS[0]), colour: colour(false), name: "background".to_owned() },
-        Key { sign: Sign::Cross, colour: INK, name: "present settings".to_owned() },
+        present(),
     ];
     let title = format!("{}, frame {frame}, under other settings", pixel_name(history));
     let mut figure = Figure::new(NARROW, title, parameters(history), legend);
@@ -26,22 +29,73 @@ pub fn figure(history: &PixelHistory, map: &Map, index: usize) -> Figure {
         for row in 0..up.values.len() {
             for column in 0..across.values.len() {
                 if map.is_foreground(column, row) == foreground {
-                    let ((left, right), (bottom, top)) = (edges(across, column), edges(up, row));
-                    cells.push([left, bottom, right, top]);
+                    cells.push(cell(&map.axes, column, row));
                 }
             }
         }
         panel.draw(name, Shape::Rects(cells), colour(foreground), STRENGTHS[usize::from(foreground)]);
     }
-    let here = [across, up].map(|side| f64::from(side.knob.get(&history.parameters)));
-    panel.draw(
-        "present settings",
-        Shape::Dots { places: vec![here], radius: 5.0, sign: Sign::Cross },
-        INK,
-        1.0,
-    );
+    draw_present(&mut panel, &map.axes, history);
     figure.stack(0, 1, vec![(panel, 160.0)]);
     figure
+}
+
+/// The figure of a measure of what is decided in each cell of a grid around `history`; `about` says of which pixels.
+pub fn of_decisions(
+    history: &PixelHistory,
+    about: &str,
+    (axes, cells): (&[Side; 2], &[Decisions]),
+    measure: Measure,
+) -> Figure {
+    let values: Vec<f64> = cells.iter().map(|&decisions| measure.of(decisions)).collect();
+    let low = values.iter().copied().fold(f64::INFINITY, f64::min);
+    let high = values.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let step = |value: f64| {
+        let share = (value - low) / (high - low).max(1e-9);
+        (share * (STEPS - 1) as f64).round() as usize
+    };
+    let colour = |step: usize| ramp(step as f32 / (STEPS - 1) as f32);
+    let mut legend: Vec<Key> = [0, STEPS / 2, STEPS - 1]
+        .map(|step| {
+            let value = low + (high - low) * step as f64 / (STEPS - 1) as f64;
+            Key { sign: Sign::Plate(1.0), colour: colour(step), name: format!("{value:.3}") }
+        })
+        .into();
+    legend.push(present());
+    let title = format!("{} around {}, {about}, under other settings", measure.name(), pixel_name(history));
+    let mut figure = Figure::new(NARROW, title, parameters(history), legend);
+    let [across, up] = axes;
+    let mut panel = Panel { grid: false, ..Panel::new(axis(across), axis(up)) };
+    for wanted in 0..STEPS {
+        let cells: Vec<_> = values
+            .iter()
+            .enumerate()
+            .filter(|(_, value)| step(**value) == wanted)
+            .map(|(index, _)| {
+                let (row, column) = (index / across.values.len().max(1), index % across.values.len().max(1));
+                cell(axes, column, row)
+            })
+            .collect();
+        panel.draw(measure.name(), Shape::Rects(cells), colour(wanted), 1.0);
+    }
+    draw_present(&mut panel, axes, history);
+    figure.stack(0, 1, vec![(panel, 160.0)]);
+    figure
+}
+
+fn present() -> Key {
+    Key { sign: Sign::Cross, colour: INK, name: "present settings".to_owned() }
+}
+
+fn draw_present(panel: &mut Panel, axes: &[Side; 2], history: &PixelHistory) {
+    let here = axes.each_ref().map(|side| f64::from(side.knob.get(&history.parameters)));
+    let cross = Shape::Dots { places: vec![here], radius: 5.0, sign: Sign::Cross };
+    panel.draw("present settings", cross, INK, 1.0);
+}
+
+fn cell([across, up]: &[Side; 2], column: usize, row: usize) -> [f64; 4] {
+    let ((left, right), (bottom, top)) = (edges(across, column), edges(up, row));
+    [left, bottom, right, top]
 }
 
 fn axis(side: &Side) -> Axis {

@@ -1,0 +1,180 @@
+//! A grid over two settings: its cells in their colours, a cross at the present settings, a click to take others.
+
+use eframe::egui::accesskit::Role;
+use eframe::egui::{
+    Align2, Color32, Painter, Pos2, Rangef, Rect, Response, Sense, Stroke, StrokeKind, Tooltip, Ui, Vec2,
+    WidgetInfo,
+};
+
+use super::InspectorAction;
+use super::chart::{self, Columns, TICKS};
+use super::style::{self, small};
+use crate::mixture::Parameters;
+use crate::mixture::tuning::{Axis, Knob};
+use crate::mixture::verdict::number;
+
+/// Room for the name of the axis across.
+const NAME: f32 = 15.0;
+/// The grid's greatest side.
+const SIDE: f32 = 380.0;
+
+/// A grid that is known.
+pub(super) struct Grid<'a> {
+    /// What changes across, and up.
+    pub(super) axes: &'a [Axis; 2],
+    /// The present settings.
+    pub(super) parameters: &'a Parameters,
+    /// The colour of a cell, by column and row.
+    pub(super) colour: &'a dyn Fn(usize, usize) -> Color32,
+    /// What is said of it.
+    pub(super) words: &'a dyn Fn(usize, usize) -> String,
+    /// A cell that stands out.
+    pub(super) marked: Option<(usize, usize)>,
+}
+
+/// Shows a grid that is called `name`, or that it is on its way; `flat` is its height as a share of its width.
+pub(super) fn ui(ui: &mut Ui, name: &str, flat: f32, grid: Option<&Grid<'_>>) -> Option<InspectorAction> {
+    let side = (ui.available_width() - chart::GUTTER - chart::RIGHT).clamp(80.0, SIDE);
+    let size = Vec2::new(side + chart::GUTTER + chart::RIGHT, 6.0 + side * flat + TICKS + NAME);
+    let (area, response) = ui.allocate_exact_size(size, Sense::click());
+    response.widget_info(|| WidgetInfo::labeled(Role::Image, true, name));
+    let plot = Rect::from_min_size(
+        Pos2::new(area.left() + chart::GUTTER, area.top() + 6.0),
+        Vec2::new(side, side * flat),
+    );
+    let (painter, visuals) = (ui.painter_at(area), ui.visuals());
+    let Some(grid) = grid else {
+        painter.rect_filled(plot, 0.0, visuals.faint_bg_color);
+        let text = "trying other settings …";
+        painter.text(plot.center(), Align2::CENTER_CENTER, text, style::font(), style::muted(visuals));
+        return None;
+    };
+    let [x, y] = grid.axes;
+    let mut columns = Columns::default();
+    for row in 0..y.values.len() {
+        for column in 0..x.values.len() {
+            let cell = cell_rect(plot, grid.axes, column, row);
+            columns.add(cell.x_range(), cell.top(), cell.bottom(), (grid.colour)(column, row));
+        }
+    }
+    columns.paint(&painter);
+    axes(&painter, ui, plot, grid.axes);
+    if let Some((column, row)) = grid.marked {
+        let at = cell_rect(plot, grid.axes, column, row).center();
+        for (width, colour) in rimmed(ui) {
+            painter.circle_stroke(at, 5.0, Stroke::new(width, colour));
+        }
+    }
+    let here = Pos2::new(
+        plot.left() + plot.width() * x.share_of(x.knob.get(grid.parameters)).clamp(0.0, 1.0),
+        plot.bottom() - plot.height() * y.share_of(y.knob.get(grid.parameters)).clamp(0.0, 1.0),
+    );
+    cross(&painter, ui, here);
+    pick(ui, &response, &painter, plot, grid)
+}
+
+/// What the cross stands for, to be shown in a line.
+pub(super) fn legend_of_cross(ui: &mut Ui) {
+    let (rect, _) = ui.allocate_exact_size(Vec2::splat(12.0), Sense::hover());
+    let (at, stroke) = (rect.center(), Stroke::new(2.0, style::ink(ui.visuals())));
+    ui.painter().hline(Rangef::new(at.x - 5.0, at.x + 5.0), at.y, stroke);
+    ui.painter().vline(at.x, Rangef::new(at.y - 5.0, at.y + 5.0), stroke);
+    ui.label(style::aside(ui, "now"));
+}
+
+/// What the ring stands for.
+pub(super) fn legend_of_ring(ui: &mut Ui) {
+    let (rect, _) = ui.allocate_exact_size(Vec2::splat(12.0), Sense::hover());
+    ui.painter().circle_stroke(rect.center(), 4.5, Stroke::new(2.0, style::ink(ui.visuals())));
+    ui.label(style::aside(ui, "best"));
+}
+
+fn cell_rect(plot: Rect, axes: &[Axis; 2], column: usize, row: usize) -> Rect {
+    let [columns, rows] = axes.each_ref().map(|axis| axis.values.len().max(1) as f32);
+    let x = |column: usize| plot.left() + plot.width() * column as f32 / columns;
+    let y = |row: usize| plot.bottom() - plot.height() * row as f32 / rows;
+    Rect::from_x_y_ranges(Rangef::new(x(column), x(column + 1)), Rangef::new(y(row + 1), y(row)))
+}
+
+fn axes(painter: &Painter, ui: &Ui, plot: Rect, [x, y]: &[Axis; 2]) {
+    let visuals = ui.visuals();
+    chart::frame(painter, plot, visuals);
+    let labels: Vec<_> = ticks(x, (plot.width() / 50.0) as usize)
+        .into_iter()
+        .map(|value| (plot.left() + plot.width() * x.share_of(value), number(value)))
+        .collect();
+    chart::x_labels(painter, plot, &labels, visuals);
+    let name = format!("{}, {}", x.knob.symbol(), x.knob.name());
+    let place = Pos2::new(plot.center().x, plot.bottom() + TICKS + 2.0);
+    painter.text(place, Align2::CENTER_TOP, name, style::font(), visuals.text_color());
+
+    let labels: Vec<_> = ticks(y, (plot.height() / 30.0) as usize)
+        .into_iter()
+        .map(|value| (plot.bottom() - plot.height() * y.share_of(value), number(value)))
+        // The axis' own name stands at its upper end.
+        .filter(|(at, _)| *at > plot.top() + 16.0)
+        .collect();
+    chart::y_labels(painter, plot.left(), &labels, visuals);
+    let place = Pos2::new(plot.left() - 6.0, plot.top() - 2.0);
+    painter.text(place, Align2::RIGHT_TOP, y.knob.symbol(), style::font(), visuals.text_color());
+}
+
+/// Round values along an axis.
+fn ticks(axis: &Axis, most: usize) -> Vec<f32> {
+    let (low, high) = (axis.value_at(0.0), axis.value_at(1.0));
+    if !axis.knob.is_logarithmic() {
+        let round = chart::ticks(low.into(), high.into(), most).into_iter().map(|value| value as f32);
+        return round.collect();
+    }
+    let decades = low.log10().floor() as i32..=high.log10().ceil() as i32;
+    let round = decades.map(|power| 10_f64.powi(power) as f32);
+    round.filter(|value| (low..=high).contains(value)).collect()
+}
+
+/// Widths and colours of a line with a rim, to be seen on all colours.
+fn rimmed(ui: &Ui) -> [(f32, Color32); 2] {
+    [(4.0, ui.visuals().panel_fill), (2.0, style::ink(ui.visuals()))]
+}
+
+/// The present settings.
+fn cross(painter: &Painter, ui: &Ui, at: Pos2) {
+    for (width, colour) in rimmed(ui) {
+        let stroke = Stroke::new(width, colour);
+        let reach = 6.0 + width / 2.0;
+        painter.hline(Rangef::new(at.x - reach, at.x + reach), at.y, stroke);
+        painter.vline(at.x, Rangef::new(at.y - reach, at.y + reach), stroke);
+    }
+}
+
+/// The values of a cell.
+pub(super) fn values([x, y]: &[Axis; 2], (column, row): (usize, usize)) -> Option<[(Knob, f32); 2]> {
+    Some([(x.knob, *x.values.get(column)?), (y.knob, *y.values.get(row)?)])
+}
+
+/// The same in words.
+pub(super) fn words(values: [(Knob, f32); 2]) -> String {
+    values.map(|(knob, value)| format!("{} = {}", knob.symbol(), number(value))).join(",  ")
+}
+
+/// The cell under the pointer: its values, and on a click they are asked for.
+fn pick(
+    ui: &Ui,
+    response: &Response,
+    painter: &Painter,
+    plot: Rect,
+    grid: &Grid<'_>,
+) -> Option<InspectorAction> {
+    let pointer = response.hover_pos().or(response.interact_pointer_pos()).filter(|at| plot.contains(*at))?;
+    let [x, y] = grid.axes;
+    let column = x.cell_at((pointer.x - plot.left()) / plot.width());
+    let row = y.cell_at((plot.bottom() - pointer.y) / plot.height());
+    let values = values(grid.axes, (column, row))?;
+    let cell = cell_rect(plot, grid.axes, column, row);
+    let stroke = Stroke::new(1.5, style::ink(ui.visuals()));
+    painter.rect_stroke(cell, 0.0, stroke, StrokeKind::Inside);
+    Tooltip::for_widget(response).at_pointer().show(|ui| {
+        ui.label(words(values));
+        ui.label(small(&format!("{} Click to take these settings.", (grid.words)(column, row))));
+    });
+    response.clicked().then_some(InspectorAction::Take(values))
+}

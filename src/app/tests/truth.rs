@@ -1,0 +1,250 @@
+//! Ground truth that is loaded: boxes, masks, and what is right by them.
+
+use super::inspector::inspected_state;
+use super::*;
+use crate::app::command::Action;
+use crate::mixture::tuning::grid;
+use crate::replay::RegionTuning;
+use crate::truth::decisions::Decisions;
+use crate::truth::masks::{Label, TrueMask, TrueMasks};
+
+const AT: (u32, u32) = (80, 60);
+
+/// The mask of a frame a little to the right, with a strip below that does not count.
+fn true_mask(position: u32) -> TrueMask {
+    let mask = shown_at(position).analysis.mask.clone();
+    let label = |at: usize| {
+        let (x, y) = (at as u32 % SIZE.width, at as u32 / SIZE.width);
+        match () {
+            () if y >= SIZE.height - 16 => Label::Uncounted,
+            () if x >= 4 && mask.is_foreground(x - 4, y) => Label::Foreground,
+            () => Label::Background,
+        }
+    };
+    TrueMask::new(SIZE, (0..SIZE.pixels()).map(label))
+}
+
+fn truth(position: u32) -> Arc<Truth> {
+    let masks = BTreeMap::from([(position + 1, Arc::new(true_mask(position)))]);
+    Arc::new(Truth { boxes: None, masks: TrueMasks::new(masks).map(Arc::new) })
+}
+
+/// As if the worker had found it: better to the right and in the middle.
+fn tuning_of(state: &State, side: u32) -> RegionTuning {
+    let parameters = state.pixel.as_ref().unwrap().parameters;
+    let (axes, cells) = grid(&parameters, [Knob::Alpha, Knob::T]);
+    let all = u64::from(side * side * 50);
+    let decide = |index: usize| {
+        let (column, row) = (index % 24, index / 24);
+        let missed = (row.abs_diff(11) * 9 + (23 - column) * 4) as u64;
+        Decisions { tp: 400 - missed, fn_: missed, fp: 60, tn: all - 460 }
+    };
+    let cells: Vec<_> = (0..cells.len()).map(decide).collect();
+    let present = Decisions { tp: 310, fn_: 90, fp: 80, tn: all - 480 };
+    RegionTuning { at: AT, side, parameters, extent: [side; 2], frames: 50, present, axes, cells }
+}
+
+/// The scene with its truth and a chosen pixel, whose tuning is looked at.
+fn judged(size: (f32, f32), theme: Theme) -> (Harness<'static, Window>, Scene) {
+    let state = inspected_state(58);
+    let (mut harness, scene) = window(Some(state), size, theme);
+    let ctx = harness.ctx.clone();
+    harness.state_mut().apply(&ctx, Command::Choose(Some(AT)));
+    harness.run_steps(3);
+    harness.get_by_label("Tuning").click();
+    harness.run_steps(4);
+    (harness, scene)
+}
+
+fn load(harness: &mut Harness<'_, Window>, truth: Arc<Truth>) {
+    let ctx = harness.ctx.clone();
+    harness.state_mut().answered(&ctx, Answer::Truth(Ok(truth)));
+    harness.state_mut().toasts = crate::app::toasts::Toasts::default();
+    settle(harness);
+}
+
+fn asked(scene: &Scene) -> Vec<Option<((u32, u32), u32)>> {
+    let asked = scene.asked.borrow();
+    asked
+        .iter()
+        .filter_map(|asked| if let Asked::TuneRegion(region) = asked { Some(*region) } else { None })
+        .collect()
+}
+
+#[test]
+fn masks_of_the_truth_show_what_is_right_and_what_is_wrong() {
+    let (mut harness, _) = ready(58);
+    let ctx = harness.ctx.clone();
+    let seen = |harness: &Harness<'_, Window>| harness.query_by_label("Right and wrong view").is_some();
+    assert!(!seen(&harness));
+    load(&mut harness, truth(58));
+    assert!(seen(&harness), "it opens with the masks");
+    picture(&mut harness, "right-all-views");
+    harness.key_press(Key::Num9);
+    settle(&mut harness);
+    assert_eq!(harness.state().model.maximised, Some(View::Right));
+    let (mask, truth) = (shown_at(58).analysis.mask.clone(), true_mask(58));
+    let mut judge = truth.judge();
+    mask.runs().for_each(|run| judge.take(run));
+    let expected = judge.decisions();
+    assert!(expected.tp > 100 && expected.fp > 50 && expected.fn_ > 50, "{expected:?}");
+    assert_eq!(harness.state().pictures.in_view().unwrap().decisions(), Some(expected));
+    let image = harness.render().unwrap();
+    let rect = harness.get_by_label("Right and wrong view").rect();
+    let canvas = crate::app::views::Canvas::new(rect, SIZE, harness.state().model.camera);
+    // A pixel of each kind has its colour on the screen.
+    for (label, found, colour) in [
+        (Label::Foreground, true, [228, 232, 238]),
+        (Label::Background, true, [232, 92, 28]),
+        (Label::Foreground, false, [86, 180, 233]),
+        (Label::Uncounted, false, [58, 52, 66]),
+    ] {
+        let places = (0..SIZE.height).flat_map(|y| (0..SIZE.width).map(move |x| (x, y)));
+        let mut places = places.filter(|&(x, y)| {
+            truth.at(x, y) == Some(label)
+                && mask.is_foreground(x, y) == found
+                && (y < 70 || label == Label::Uncounted)
+        });
+        let (x, y) = places.nth(20).unwrap();
+        let at = canvas.place_pixel((x, y)).center();
+        let pixel = image.get_pixel(at.x as u32, at.y as u32).0;
+        let near = (0..3).all(|channel| f32::from(pixel[channel]) > 0.6 * colour[channel] as f32);
+        let bound = (0..3).all(|channel| u32::from(pixel[channel]) <= colour[channel] + 2);
+        assert!(near && bound, "{label:?} {found}: {pixel:?} for {colour:?}");
+    }
+    picture(&mut harness, "right-alone");
+    // Another frame has no true mask.
+    harness.state_mut().apply(&ctx, Command::GoTo(40));
+    settle(&mut harness);
+    assert_eq!(harness.state().pictures.in_view().unwrap().decisions(), None);
+    picture(&mut harness, "right-none");
+}
+
+#[test]
+fn without_masks_the_views_say_how_to_come_by_them() {
+    let (mut harness, scene) = judged((1600.0, 1000.0), Theme::Dark);
+    harness.get_by_label("Load ground truth folder…");
+    picture(&mut harness, "judged-without-masks");
+    // What no mask can answer is not marked in the views either.
+    assert_eq!(asked(&scene), [Some((AT, 9))]);
+    assert!(!harness.state().model.has_true_masks());
+    let other =
+        TrueMasks::new(BTreeMap::from([(1, Arc::new(TrueMask::of_identities(Size::new(2, 2), &[0; 4])))]));
+    load(&mut harness, Arc::new(Truth { boxes: None, masks: other.map(Arc::new) }));
+    assert!(!harness.state().model.has_true_masks(), "those of another size are of another video");
+}
+
+#[test]
+fn how_right_other_settings_are_is_asked_for_shown_and_taken() {
+    let (mut harness, scene) = judged((1600.0, 1600.0), Theme::Dark);
+    load(&mut harness, truth(58));
+    harness.get_by_label_contains("Map of right decisions by the ground truth");
+    harness.get_by_label("15×15").click();
+    harness.run_steps(3);
+    assert_eq!(asked(&scene), [Some((AT, 9)), Some((AT, 15))], "once each");
+    let tuning = tuning_of(&scene.state.borrow(), 15);
+    scene.state.borrow_mut().region_tuning = Some(Arc::new(tuning.clone()));
+    settle(&mut harness);
+    harness.run_steps(3);
+    harness.get_by_label_contains("Now 98.49 % of 11250 right: 80 made up, 90 missed");
+    picture(&mut harness, "judged");
+    harness.get_by_label_contains("Best 99.47 % of 11250 right: 60 made up, 0 missed");
+    let [alpha, t] = [tuning.axes[0].values[23], tuning.axes[1].values[11]];
+    let number = crate::mixture::verdict::number;
+    harness.get_by_label(&format!("α = {},  T = {}", number(alpha), number(t))).click();
+    harness.run_steps(8);
+    let settings = given(&scene).expect("the best was taken");
+    assert_eq!((settings.alpha, settings.t), (alpha, t));
+    harness.get_all_by_label("F").last().unwrap().click();
+    harness.run_steps(4);
+    harness.get_by_label_contains("Map of F-measure by the ground truth");
+}
+
+#[test]
+fn nothing_is_asked_about_a_tab_that_is_not_seen() {
+    use crate::app::state::Subject;
+    let (mut harness, scene) = judged((1600.0, 1000.0), Theme::Dark);
+    let tuned = |scene: &Scene| {
+        let asked = scene.asked.borrow();
+        let last = asked
+            .iter()
+            .rev()
+            .find_map(|asked| if let Asked::Tune(knobs) = asked { Some(*knobs) } else { None });
+        last.flatten()
+    };
+    assert!(tuned(&scene).is_some());
+    let ctx = harness.ctx.clone();
+    harness.state_mut().apply(&ctx, Command::Explain(Subject::Object));
+    harness.run_steps(3);
+    assert_eq!((tuned(&scene), asked(&scene).last().copied()), (None, Some(None)), "an object is explained");
+    harness.state_mut().apply(&ctx, Command::Explain(Subject::Pixel));
+    harness.run_steps(3);
+    assert!(tuned(&scene).is_some());
+    harness.state_mut().apply(&ctx, Command::Act(Action::InspectorPanel));
+    harness.run_steps(3);
+    assert_eq!(tuned(&scene), None, "the panel is shut");
+}
+
+#[test]
+fn the_maps_stand_in_small_and_in_light_windows() {
+    for (size, theme, name) in
+        [((1024.0, 640.0), Theme::Dark, "small"), ((2560.0, 1440.0), Theme::Light, "large-light")]
+    {
+        let (mut harness, scene) = judged(size, theme);
+        load(&mut harness, truth(58));
+        let tuning = tuning_of(&scene.state.borrow(), 9);
+        scene.state.borrow_mut().region_tuning = Some(Arc::new(tuning));
+        settle(&mut harness);
+        harness.run_steps(3);
+        harness.get_by_label_contains("Map of right decisions by the ground truth");
+        picture(&mut harness, &format!("judged-{name}"));
+    }
+}
+
+#[test]
+fn masks_are_scored_beside_the_events() {
+    use crate::truth::mask_score::MaskScore;
+    use crate::truth::summary::Score;
+    let (mut harness, scene) = ready(58);
+    load(&mut harness, truth(58));
+    let masks = MaskScore::new(50, Decisions { tp: 900, fp: 100, fn_: 300, tn: 8700 });
+    let timeline =
+        Timeline { score: Some(Arc::new(Score { tracks: None, masks: Some(masks) })), ..timeline() };
+    scene.state.borrow_mut().timeline = Arc::new(timeline);
+    settle(&mut harness);
+    for number in ["0.818", "0.900", "0.750", "4.00"] {
+        harness.get_by_label(number);
+    }
+    picture(&mut harness, "scores-of-masks");
+}
+
+#[test]
+fn what_is_dropped_on_a_video_may_be_its_truth() {
+    let folder = tempfile::tempdir().unwrap();
+    let path = folder.path().join("gt.txt");
+    std::fs::write(&path, "59,1,20,20,30,50,1,1,1\n").unwrap();
+    let (mut harness, scene) = ready(58);
+    harness.input_mut().dropped_files.push(Arc::new(Dropped(path)));
+    for _ in 0..500 {
+        harness.step();
+        if harness.state().model.truth.is_some() {
+            break;
+        }
+        std::thread::sleep(std::time::Duration::from_millis(10));
+    }
+    assert!(harness.state().model.truth.as_ref().unwrap().boxes.is_some());
+    assert!(scene.asked.borrow().contains(&Asked::Truth(true)));
+}
+
+#[derive(Debug)]
+struct Dropped(std::path::PathBuf);
+
+impl egui::DroppedFile for Dropped {
+    fn path(&self) -> &Path {
+        &self.0
+    }
+
+    fn bytes(&self) -> Result<Vec<u8>, String> {
+        std::fs::read(&self.0).map_err(|error| error.to_string())
+    }
+}

@@ -1,0 +1,85 @@
+//! What a pixel, or those around it, would be under other settings, a cell of the grid a row.
+
+use std::io::{self, Write};
+
+use super::number::significant;
+use crate::mixture::tuning::{Axis, Map};
+use crate::truth::decisions::Decisions;
+
+/// Writes a map: 1 where the pixel is foreground, else 0.
+pub fn write_map(out: &mut impl Write, map: &Map) -> io::Result<()> {
+    header(out, &map.axes, "foreground")?;
+    each(&map.axes, |column, row, values| {
+        writeln!(out, "{values},{}", u8::from(map.is_foreground(column, row)))
+    })
+}
+
+/// Writes the decisions of each cell, row by row, with what follows from them.
+pub fn write_decisions(out: &mut impl Write, axes: &[Axis; 2], cells: &[Decisions]) -> io::Result<()> {
+    header(out, axes, "tp,fp,fn,tn,right,f_measure")?;
+    let mut cells = cells.iter();
+    each(axes, |_, _, values| {
+        let decisions = cells.next().copied().unwrap_or_default();
+        let Decisions { tp, fp, fn_, tn } = decisions;
+        let (right, f_measure) = (significant(decisions.right()), significant(decisions.f_measure()));
+        writeln!(out, "{values},{tp},{fp},{fn_},{tn},{right},{f_measure}")
+    })
+}
+
+fn header(out: &mut impl Write, [x, y]: &[Axis; 2], columns: &str) -> io::Result<()> {
+    writeln!(out, "{},{},{columns}", x.knob.key(), y.knob.key())
+}
+
+/// Gives `write` each cell with its column, its row, and the values of both settings.
+fn each([x, y]: &[Axis; 2], mut write: impl FnMut(usize, usize, String) -> io::Result<()>) -> io::Result<()> {
+    for (row, &up) in y.values.iter().enumerate() {
+        for (column, &across) in x.values.iter().enumerate() {
+            // The shortest number that comes back to the bit.
+            let values = format!("{across},{up}");
+            write(column, row, values)?;
+        }
+    }
+    Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+    use crate::mixture::Parameters;
+    use crate::mixture::tuning::{Knob, grid, map};
+    use crate::settings::Settings;
+
+    #[test]
+    fn a_row_each_cell_with_values_that_come_back_to_the_bit() {
+        let parameters = Parameters::new(&Settings::default());
+        let values: Vec<_> = (0..40).map(|n| [if n > 36 { 200.0 } else { 60.0 }; 3]).collect();
+        let map = map(&values, &parameters, [Knob::Alpha, Knob::K]);
+        let mut text = Vec::new();
+        write_map(&mut text, &map).unwrap();
+        let text = String::from_utf8(text).unwrap();
+        let mut lines = text.lines();
+        assert_eq!(lines.next(), Some("alpha,k,foreground"));
+        for (row, &k) in map.axes[1].values.iter().enumerate() {
+            for (column, alpha) in map.axes[0].values.iter().enumerate() {
+                let cells: Vec<&str> = lines.next().unwrap().split(',').collect();
+                assert_eq!(cells[0].parse::<f32>().unwrap().to_bits(), alpha.to_bits());
+                assert_eq!(
+                    (cells[1], cells[2]),
+                    (&*k.to_string(), if map.is_foreground(column, row) { "1" } else { "0" })
+                );
+            }
+        }
+        assert_eq!(lines.next(), None);
+
+        let (axes, cells) = grid(&parameters, [Knob::K, Knob::T]);
+        let decisions = vec![Decisions { tp: 1, fp: 1, fn_: 0, tn: 2 }; cells.len()];
+        let mut text = Vec::new();
+        write_decisions(&mut text, &axes, &decisions).unwrap();
+        let text = String::from_utf8(text).unwrap();
+        assert_eq!(text.lines().count(), 1 + cells.len());
+        assert!(text.starts_with("k,t,tp,fp,fn,tn,right,f_measure\n1,"));
+        assert!(text.lines().skip(1).all(|line| line.ends_with(",1,1,0,2,0.75,0.666666667")));
+    }
+}
