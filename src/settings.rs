@@ -548,7 +548,7 @@ settings! {
     reappear_by: ReappearBy = ReappearBy::Position, "", "", Occlusion, Kind::Choice(ReappearBy::WORDS);
     /// Where in a shared region an object is: where its motion predicts it, or where its looks are seen.
     placing: Placing = Placing::Predicted, "", "", Occlusion, Kind::Choice(Placing::WORDS);
-    /// Whether somebody unseen is looked for in the regions that others do not explain.
+    /// Whether somebody unseen is looked for in the regions that others do not explain; it takes `placing = looks`.
     find_again: Switch = Switch::Off, "", "", Occlusion, Kind::Choice(Switch::WORDS);
     /// Whether heads side by side in one region are counted, so that two who came in together are two.
     count_heads: Switch = Switch::Off, "", "", Occlusion, Kind::Choice(Switch::WORDS);

@@ -64,7 +64,7 @@ impl Window {
             }
             Command::Seen => model.looked_at = None,
             Command::HideHint => model.hint = false,
-            Command::Read(event) => model.reading = event,
+            Command::Read(event) => model.read(event),
             Command::LetGo(slot) => {
                 model.held = None;
                 model.show_slot(slot);
@@ -186,7 +186,7 @@ impl Window {
             Action::NextEvent | Action::PreviousEvent => {
                 if let Some((event, position)) = model.event_beside(action == Action::NextEvent) {
                     model.playback.playing = false;
-                    model.reading = Some(Read::InView(event));
+                    model.read(Some(Read::InView(event)));
                     model.go_to(position);
                 }
             }
@@ -340,7 +340,7 @@ impl Window {
     /// Gives the worker what is to be analysed.
     fn send_areas(&mut self) {
         // Other events stand at its place.
-        self.model.reading = None;
+        self.model.read(None);
         if let Some(player) = &self.model.player {
             player.set_roi(self.model.areas.roi.clone());
         }

@@ -317,7 +317,8 @@ impl Window {
         self.sent_at = Some(Instant::now());
         self.model.sent = (self.model.settings.clone(), self.model.slots.other.clone());
         // Under other settings, other events stand at its place.
-        (self.model.reading, self.model.explained) = (None, None);
+        self.model.read(None);
+        self.model.explained = None;
         if let Some(player) = &self.model.player {
             player.set_settings(self.model.settings.clone(), self.model.slots.other.clone());
         }

@@ -214,7 +214,7 @@ static HELP: &[Help] = &[
         "find_again",
         "joins a region: share of them seen in what its own objects do not explain ≥ 0.4",
         "on: somebody hidden, or unseen in a group, joins the region in which they are seen beside its own objects. \
-         off: they come back only with a region of their own.",
+         off: they come back only with a region of their own. It needs placing = looks, which keeps how they look.",
     ),
     of(
         "count_heads",

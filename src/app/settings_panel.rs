@@ -116,7 +116,9 @@ fn slots(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         let response = ui
             .selectable_label(here, slot.name())
             .accessible_name(format!("Settings {}", slot.name()))
-            .on_hover_text(format!("{}; the keys A and B flip", slots::difference(&model.settings, other)));
+            .on_hover_ui(|ui| {
+                ui.label(format!("{}; the keys A and B flip", slots::difference(&model.settings, other)));
+            });
         if response.clicked() && !here {
             commands.push(Command::Act(Action::Slot(slot)));
         }

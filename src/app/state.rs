@@ -126,6 +126,9 @@ pub(crate) const NORMAL_SPEED: usize = 4;
 /// So many videos are remembered.
 const RECENT: usize = 10;
 
+/// Two boxes with at least this IoU are of the same object.
+const SAME_PLACE: f32 = 0.3;
+
 /// Over how many frames back a trail goes.
 const TRAIL: u32 = 60;
 
@@ -303,12 +306,14 @@ pub(crate) struct Model {
     pub(crate) recent: Vec<String>,
     /// Which kinds of events are listed and jumped to, in the order of [`EventKind::ALL`].
     pub(crate) listed: [bool; EventKind::ALL.len()],
-    /// The event whose evidence is read.
+    /// The event whose evidence is read, by its present place.
     pub(crate) reading: Option<Read>,
+    /// That event, to find it again where others come to stand before it.
+    read: Option<Event>,
     /// Which events the settings in view and those compared with them have in common; `None` where nothing is compared.
     pub(crate) compared: Option<Compared>,
     /// The event of which the worker was last asked what would have kept it from happening.
-    pub(crate) explained: Option<Read>,
+    pub(crate) explained: Option<Event>,
     /// Which of them are listed.
     pub(crate) listing: Listing,
     /// The slot that comes into view again when a key is let go.
@@ -365,6 +370,7 @@ impl Model {
             recent: Vec::new(),
             listed: [true; EventKind::ALL.len()],
             reading: None,
+            read: None,
             compared: None,
             explained: None,
             listing: Listing::All,
@@ -407,7 +413,8 @@ impl Model {
         (self.sent, self.tuned, self.mapped) = ((self.settings.clone(), None), None, None);
         (self.compared, self.explained) = (None, None);
         (self.pinned, self.region, self.judged) = (Vec::new(), None, None);
-        (self.wanted, self.chosen, self.hovered, self.reading) = (None, None, None, None);
+        (self.wanted, self.chosen, self.hovered) = (None, None, None);
+        self.read(None);
         (self.object, self.subject) = (None, Subject::Pixel);
         self.playback.playing = false;
         self.camera = Camera::FIT;
@@ -418,7 +425,8 @@ impl Model {
         self.put_marks_away();
         self.leave();
         (self.state, self.newest, self.moment, self.opened) = (None, None, None, None);
-        (self.wanted, self.chosen, self.hovered, self.reading) = (None, None, None, None);
+        (self.wanted, self.chosen, self.hovered) = (None, None, None);
+        self.read(None);
         (self.object, self.subject) = (None, Subject::Pixel);
         (self.marks, self.span, self.areas) = (Marks::default(), None, Areas::default());
         self.history.forget_areas();
@@ -487,10 +495,14 @@ impl Model {
 
     /// Asks the worker about the event that is read, if it has not been asked before.
     pub(crate) fn explain(&mut self) {
-        let read = self.reading.filter(|read| matches!(read, Read::InView(_)));
-        if let Some(player) = self.player.as_ref().filter(|_| self.explained != read) {
-            player.explain(read.and_then(|read| Some(self.event(read)?.1.clone())));
-            self.explained = read;
+        let read = self.read.as_ref().filter(|_| matches!(self.reading, Some(Read::InView(_))));
+        let asked = match (read, &self.explained) {
+            (Some(read), Some(explained)) => read.is_same(explained),
+            (read, explained) => read.is_none() && explained.is_none(),
+        };
+        if let Some(player) = self.player.as_ref().filter(|_| !asked) {
+            player.explain(read.cloned());
+            self.explained = read.cloned();
         }
     }
 
@@ -621,6 +633,45 @@ impl Model {
         self.state.as_ref()?.beside.as_ref().map(|beside| &beside.timeline)
     }
 
+    /// Reads the evidence of an event, or of none any more.
+    pub(crate) fn read(&mut self, read: Option<Read>) {
+        self.reading = read;
+        self.read = read.and_then(|read| Some(self.event(read)?.1.clone()));
+    }
+
+    /// Late decisions come to stand before the event that is read, and some take others away.
+    fn find_read_again(&mut self) {
+        let (Some(reading), Some(event)) = (self.reading, &self.read) else { return };
+        if self.event(reading).is_some_and(|(_, other)| other.is_same(event)) {
+            return;
+        }
+        let (timeline, at): (_, fn(usize) -> Read) = match reading {
+            Read::InView(_) => (self.timeline(), Read::InView),
+            Read::Beside(_) => (self.beside(), Read::Beside),
+        };
+        let found = timeline
+            .and_then(|timeline| timeline.events.iter().position(|(_, other)| other.is_same(event)).map(at));
+        self.read(found);
+    }
+
+    /// Under other settings the number of the chosen object may be another's: it is whoever stands where it stood.
+    fn find_object_again(&mut self, now: &Shown) {
+        let Some((id, newest)) = self.object.zip(self.newest.as_ref()) else { return };
+        let before = &newest.shown;
+        if before.settings == now.settings {
+            return;
+        }
+        let place = before.analysis.tracks.iter().find(|track| track.id == id).map(|track| track.bbox);
+        let place = place.filter(|_| before.position == now.position);
+        self.object = place.and_then(|place| {
+            let nearest = now.analysis.tracks.iter().max_by(|a, b| {
+                let iou = |track: &Track| track.bbox.iou(&place);
+                iou(a).total_cmp(&iou(b))
+            });
+            nearest.filter(|track| track.bbox.iou(&place) >= SAME_PLACE).map(|track| track.id)
+        });
+    }
+
     /// An event of either timeline, with its position.
     pub(crate) fn event(&self, read: Read) -> Option<&(u32, Event)> {
         match read {
@@ -705,12 +756,14 @@ impl Model {
                 self.wanted = None;
             }
             if self.newest.as_ref().is_none_or(|newest| !Arc::ptr_eq(&newest.shown, shown)) {
+                self.find_object_again(shown);
                 self.newest = Some(Arc::new(Moment::after(self.newest.as_deref(), shown)));
             }
         }
         let is_open = state.info.is_some();
         self.compared = Compared::of(&state, self.fps(), self.compared.take());
         self.state = Some(state);
+        self.find_read_again();
         if is_open && self.origin == Origin::New {
             self.remember();
         }

@@ -104,6 +104,15 @@ pub struct Event {
     pub evidence: Evidence,
 }
 
+impl Event {
+    /// Whether both tell of the same happening. Who was in front may be found out only later.
+    pub fn is_same(&self, other: &Self) -> bool {
+        (self.frame, self.kind) == (other.frame, other.kind)
+            && self.objects == other.objects
+            && self.becomes == other.becomes
+    }
+}
+
 /// The two kinds of occlusion.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "kebab-case")]

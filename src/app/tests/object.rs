@@ -137,3 +137,69 @@ fn what_would_have_kept_an_event_from_happening_is_asked_told_and_taken() {
     harness.run_steps(8);
     assert_eq!(given(&scene), Some(Settings::default()));
 }
+
+#[test]
+fn the_event_that_is_read_stays_the_same_where_others_come_before_it() {
+    let (mut harness, scene) = tall();
+    let ctx = harness.ctx.clone();
+    harness.state_mut().apply(&ctx, Command::Read(Some(Read::InView(3))));
+    settle(&mut harness);
+    harness.get_by_label("Why merge 1 + 2");
+    let explained = |scene: &Scene| {
+        scene.asked.borrow().iter().filter(|asked| matches!(asked, Asked::Explain(Some(_)))).count()
+    };
+    assert_eq!(explained(&scene), 1);
+    // An event that was decided late, and who was in front.
+    let mut later = timeline();
+    later.events[3].1.front = Some(2);
+    later.events.insert(2, event(EventKind::Appear, 20, &[3], (120.0, 38.0)));
+    scene.state.borrow_mut().timeline = Arc::new(later.clone());
+    settle(&mut harness);
+    assert_eq!(harness.state().model.reading, Some(Read::InView(4)));
+    harness.get_by_label("Why merge 1 + 2");
+    harness.get_by_label("In front: 2");
+    assert_eq!(explained(&scene), 1, "it is the same question");
+    // What is known of it is shown, though it was asked before that was known.
+    let mut asked = timeline().events[3].1.clone();
+    asked.front = None;
+    scene.state.borrow_mut().what_if = Some(Arc::new(crate::occlusion::what_if::WhatIf {
+        event: asked,
+        happens: true,
+        preventions: Vec::new(),
+        tried: (3, 3),
+        done: true,
+    }));
+    settle(&mut harness);
+    harness.get_by_label("It would not have happened with");
+    later.events.remove(4);
+    scene.state.borrow_mut().timeline = Arc::new(later);
+    settle(&mut harness);
+    assert_eq!(harness.state().model.reading, None, "it did not happen after all");
+    harness.state_mut().apply(&ctx, Command::Read(Some(Read::InView(3))));
+    settle(&mut harness);
+    assert_eq!(explained(&scene), 2);
+}
+
+#[test]
+fn the_chosen_object_is_followed_by_its_place_into_other_settings() {
+    let (mut harness, scene) = tall();
+    click(&mut harness, "Tracks and occlusions view", [50.5, 60.5]);
+    assert_eq!(harness.state().model.object, Some(1));
+    let renamed = |names: [u32; 3], alpha: f32| {
+        let shown = shown_at(30);
+        let mut analysis = Analysis::clone(&shown.analysis);
+        for track in Arc::make_mut(&mut analysis.tracks) {
+            track.id = names[track.id as usize - 1];
+        }
+        let settings = Arc::new(Settings { alpha, ..Settings::default() });
+        Shown { analysis: Arc::new(analysis), settings, ..shown }
+    };
+    scene.state.borrow_mut().shown = Some(Arc::new(renamed([2, 7, 1], 0.01)));
+    settle(&mut harness);
+    assert_eq!(harness.state().model.object, Some(2), "1 is somebody else");
+    let mut gone = renamed([2, 7, 1], 0.02);
+    Arc::make_mut(&mut Arc::make_mut(&mut gone.analysis).tracks).retain(|track| track.id != 2);
+    scene.state.borrow_mut().shown = Some(Arc::new(gone));
+    settle(&mut harness);
+    assert_eq!(harness.state().model.object, None, "nobody stands there");
+}

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::ops::RangeInclusive;
 
 use eframe::egui::{
-    Align2, Color32, FontId, Mesh, Painter, Pos2, Rect, Shape, Stroke, StrokeKind, Vec2, pos2, vec2,
+    Align2, Color32, FontId, Mesh, Painter, Pos2, Rangef, Rect, Shape, Stroke, StrokeKind, Vec2, pos2, vec2,
 };
 
 use super::canvas::Canvas;
@@ -16,11 +16,27 @@ const FEATHER: f32 = 1.0;
 /// From this size on, in points, a pixel's value is written into it.
 const VALUES_FROM: f32 = 40.0;
 
-/// An outline of dashes.
+/// An outline of dashes. What is not seen of it is not made: an outline much larger than the view has very many.
 pub(crate) fn dashed_rect(painter: &Painter, rect: Rect, stroke: Stroke, dash: f32) {
-    let corners =
-        [rect.left_top(), rect.right_top(), rect.right_bottom(), rect.left_bottom(), rect.left_top()];
-    painter.extend(Shape::dashed_line(&corners, stroke, dash, dash * 0.7));
+    painter.extend(dashes(rect, painter.clip_rect().expand(stroke.width), stroke, dash));
+}
+
+fn dashes(rect: Rect, seen: Rect, stroke: Stroke, dash: f32) -> Vec<Shape> {
+    let gap = dash * 0.7;
+    // From the first dash that is seen to the last.
+    let part = |range: Rangef, seen: Rangef| {
+        let before = ((seen.min - range.min).max(0.0) / (dash + gap)).floor() * (dash + gap);
+        Rangef::new(range.min + before, range.max.min(seen.max))
+    };
+    let (across, up) = (part(rect.x_range(), seen.x_range()), part(rect.y_range(), seen.y_range()));
+    if !rect.is_finite() || across.span() < 0.0 || up.span() < 0.0 {
+        return Vec::new();
+    }
+    let rows = [rect.top(), rect.bottom()].into_iter().filter(|y| seen.y_range().contains(*y));
+    let columns = [rect.left(), rect.right()].into_iter().filter(|x| seen.x_range().contains(*x));
+    let rows = rows.map(|y| [pos2(across.min, y), pos2(across.max, y)]);
+    let columns = columns.map(|x| [pos2(x, up.min), pos2(x, up.max)]);
+    rows.chain(columns).flat_map(|side| Shape::dashed_line(&side, stroke, dash, gap)).collect()
 }
 
 /// Colours with what they mean on a dark plate in the lower left corner of a view that has room for it.
@@ -253,6 +269,35 @@ pub(crate) fn message(painter: &Painter, canvas: &Canvas, text: &str, colour: Co
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn of_dashes_only_those_are_made_that_are_seen() {
+        let seen = Rect::from_min_size(pos2(100.0, 50.0), vec2(800.0, 600.0));
+        let stroke = Stroke::new(1.5, Color32::WHITE);
+        let whole = |rect: Rect| dashes(rect, Rect::EVERYTHING, stroke, 4.0);
+        let inside = Rect::from_min_size(pos2(300.0, 200.0), vec2(90.0, 60.0));
+        assert_eq!(dashes(inside, seen, stroke, 4.0), whole(inside));
+        // A side that runs through the view has its dashes where they are in the whole outline.
+        let across = Rect::from_min_size(pos2(-500.0, 100.0), vec2(5000.0, 90.0));
+        let (some, all) = (dashes(across, seen, stroke, 4.0), whole(across));
+        assert!(some.len() < 260 && some.len() > 200, "{}", some.len());
+        let start = |dash: &Shape| match dash {
+            Shape::LineSegment { points, .. } => points[0],
+            _ => Pos2::ZERO,
+        };
+        let apart =
+            some.iter().filter(|dash| !all.iter().any(|other| start(other).distance(start(dash)) < 0.1));
+        assert_eq!(apart.count(), 0);
+        for huge in [
+            Rect::from_min_size(pos2(200.0, 100.0), vec2(1e9, 1e9)),
+            Rect::from_min_size(pos2(-1e9, -1e9), vec2(2e9, 2e9)),
+            Rect::from_min_size(pos2(0.0, 0.0), vec2(f32::INFINITY, f32::NAN)),
+        ] {
+            assert!(dashes(huge, seen, stroke, 4.0).len() < 300);
+        }
+        let beyond = Rect::from_min_size(pos2(2000.0, 100.0), vec2(50.0, 50.0));
+        assert_eq!(dashes(beyond, seen, stroke, 4.0), []);
+    }
 
     #[test]
     fn tags_move_up_or_down_until_they_cover_nothing() {

@@ -48,7 +48,9 @@ pub(super) fn paint(pane: &Pane<'_>) {
     for track in tracks.iter() {
         object(pane, track, &mut gates);
     }
-    if let Some(track) = tracks.iter().find(|track| pane.model.object == Some(track.id)) {
+    // Under other settings the same number may be somebody else's.
+    let object = pane.model.object.filter(|_| !pane.view.compares());
+    if let Some(track) = tracks.iter().find(|track| object == Some(track.id)) {
         chosen(pane, track);
     }
     if drawn.has(Drawn::Gates) {
@@ -212,7 +214,9 @@ fn trails(pane: &Pane<'_>) {
 fn flags(pane: &Pane<'_>, mut taken: Taken) {
     let timeline = if pane.view.compares() { pane.model.beside() } else { pane.model.timeline() };
     let Some(timeline) = timeline.or_else(|| pane.model.timeline()) else { return };
-    for (_, event) in timeline.events.iter().filter(|(position, _)| *position == pane.shown.position) {
+    let here = pane.shown.position;
+    let first = timeline.events.partition_point(|(position, _)| *position < here);
+    for (_, event) in timeline.events[first..].iter().take_while(|(position, _)| *position == here) {
         let foot = pane.canvas.screen([event.x, event.y]);
         let colour = theme::rgb(event_colour(event.kind));
         let ids: Vec<String> = event.objects.iter().map(ToString::to_string).collect();
