@@ -1,4 +1,4 @@
-//! How long after a click a pixel's whole history is there: a measurement to run by hand, not a test.
+//! How long after a click a pixel's whole history is there, and how right other settings are around it: a measurement to run by hand, not a test.
 //!
 //! `cargo test --release --locked --lib -- --ignored --nocapture a_pixels_whole_history`
 
@@ -12,6 +12,9 @@ use crate::export::video::VideoFile;
 use crate::frame::Size;
 use crate::mixture::bins::bins;
 use crate::mixture::follow::slots;
+use crate::mixture::tuning::Knob;
+use crate::truth::Truth;
+use crate::truth::masks::{Label, TrueMask, TrueMasks};
 
 const SIZE: Size = Size::new(768, 576);
 const FRAMES: u32 = 800;
@@ -61,4 +64,18 @@ fn a_pixels_whole_history() {
     times.sort_by(f64::total_cmp);
     println!("{FRAMES} frames of {SIZE}: ms from a click to all columns of the history");
     println!("median {:.1}, longest {:.1}", times[times.len() / 2], times[times.len() - 1]);
+
+    let labels = (0..SIZE.pixels()).map(|at| if at % 5 == 0 { Label::Foreground } else { Label::Background });
+    let mask = Arc::new(TrueMask::new(SIZE, labels));
+    let masks = TrueMasks::new((1..=FRAMES).map(|number| (number, Arc::clone(&mask))).collect());
+    session.set_truth(Some(Arc::new(Truth { boxes: None, masks: masks.map(Arc::new) })));
+    session.tune(Some([Knob::Alpha, Knob::T]));
+    for side in [1, 9, 15] {
+        let asked = Instant::now();
+        session.tune_region(Some(((300, 200), side)));
+        let tuning = until(&|state| state.region_tuning.as_ref().is_some_and(|tuning| tuning.side == side));
+        let cells = tuning.region_tuning.unwrap().cells.len();
+        let took = asked.elapsed().as_secs_f64() * 1000.0;
+        println!("{took:.0} ms until {side}×{side} pixels are judged under {cells} settings");
+    }
 }

@@ -273,9 +273,10 @@ impl MaskFiles {
 
 /// Reads a picture as grey levels.
 pub(super) fn read(path: &Path) -> Result<GrayImage, TruthError> {
-    image::open(path)
-        .map(|image| image.to_luma8())
-        .map_err(|error| TruthError::new(path, format!("{error}; check that it is whole")))
+    image::open(path).map(|image| image.to_luma8()).map_err(|error| {
+        let why = error.to_string();
+        TruthError::new(path, format!("{}; check that it is whole", why.trim_end_matches('.')))
+    })
 }
 
 /// The files with names such as `gt000001.png`, by their numbers.
