@@ -33,7 +33,7 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, pace: Pace, commands: &mut Vec<Comm
         if let Some((hover, shown)) = model.hovered.zip(model.shown()) {
             let (x, y) = hover.pixel;
             ui.label(RichText::new(format!("{x}, {y}")).monospace());
-            let value = hover.view.value(shown, model.background, hover.pixel);
+            let value = hover.view.value(model, shown, hover.pixel);
             ui.label(RichText::new(format!("{}  {value}", hover.view.title())).monospace());
             ui.label(RichText::new(format!("{:.0} %", hover.scale * 100.0)).monospace().color(colours.weak));
         } else if model.is_ready() {

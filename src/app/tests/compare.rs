@@ -3,7 +3,7 @@
 use super::*;
 use crate::app::command::Action;
 use crate::app::compared::{Listing, Read};
-use crate::app::views::Layout;
+use crate::app::views::{Canvas, Layout, loupe_words};
 use crate::replay::Beside;
 use crate::truth::Truth;
 use crate::truth::boxes::Boxes;
@@ -125,6 +125,61 @@ fn both_are_asked_for_and_seen_side_by_side() {
 }
 
 #[test]
+fn the_loupe_tells_of_the_settings_whose_picture_it_shows() {
+    let (mut harness, scene) = comparing();
+    let (third, first, wall) = ((120, 36), (50, 60), (10, 10));
+    // What B, which is in view, learned of it is not what A did.
+    {
+        let mut state = scene.state.borrow_mut();
+        let shown = state.shown.as_deref().unwrap();
+        let history = |level: u8, shown: &Shown| {
+            let colours = (1..=FRAMES).map(|n| (n, if n == 31 { [level; 3] } else { [90; 3] }));
+            Some(Arc::new(PixelHistory::of_colours(third, Parameters::new(&shown.settings), colours)))
+        };
+        let other = shown.beside.as_deref().unwrap();
+        let other = Shown { pixel: history(250, other), ..Shown::clone(other) };
+        let pixel = history(90, shown);
+        let shown = Shown { pixel, beside: Some(Arc::new(other)), ..Shown::clone(shown) };
+        state.shown = Some(Arc::new(shown));
+    }
+    settle(&mut harness);
+    let told = |harness: &Harness<'_, Window>, view, pixel| {
+        let model = &harness.state().model;
+        loupe_words(view, model, model.shown().unwrap(), pixel).map(|(text, _)| text)
+    };
+    let at = |(x, y): (u32, u32)| format!("{x}, {y}");
+    for (view, pixel, value, verdict) in [
+        (View::Foreground, third, "0", "background, rank 1"),
+        (View::BesideForeground, third, "255", "foreground, none matched"),
+        (View::Agreement, third, "255 0", "foreground in A alone"),
+        (View::Agreement, first, "255 255", "foreground in both"),
+        (View::Agreement, wall, "0 0", "foreground in neither"),
+    ] {
+        assert_eq!(
+            told(&harness, view, pixel),
+            [at(pixel), value.to_owned(), verdict.to_owned()],
+            "{view:?}"
+        );
+    }
+    for view in [View::BesideBackground, View::BesideTracks] {
+        assert_eq!(told(&harness, view, third)[2], "foreground, none matched", "{view:?}");
+    }
+    let rect = harness.get_by_label("A against B view").rect();
+    let pointer = Canvas::new(rect, SIZE, harness.state().model.camera).place_pixel(third).center();
+    harness.hover_at(pointer);
+    harness.run_steps(3);
+    harness.get_by_label("A against B  255 0");
+    harness.key_press(Key::L);
+    harness.run_steps(3);
+    picture(&mut harness, "compare-loupe");
+    // With A in view, A still stands first.
+    harness.key_press(Key::A);
+    harness.run_steps(5);
+    settle(&mut harness);
+    assert_eq!(told(&harness, View::Agreement, third)[1..], ["255 0", "foreground in A alone"]);
+}
+
+#[test]
 fn views_of_the_other_say_what_is_missing() {
     let (mut harness, scene) = ready(30);
     let ctx = harness.ctx.clone();
@@ -223,7 +278,6 @@ fn both_are_scored_by_the_truth_that_was_loaded() {
 
 #[test]
 fn the_inspector_shows_the_mixtures_of_both() {
-    use crate::mixture::{Parameters, PixelHistory};
     let (mut harness, scene) = comparing();
     let ctx = harness.ctx.clone();
     harness.state_mut().apply(&ctx, Command::Act(Action::InspectorPanel));

@@ -78,9 +78,7 @@ fn each_number_has_its_colour_and_is_written_out() {
             }
         }
     }
-    let value = |window: &Window, pixel| {
-        View::Map.value(window.model.shown().unwrap(), window.model.background, pixel)
-    };
+    let value = |window: &Window, pixel| View::Map.value(&window.model, window.model.shown().unwrap(), pixel);
     assert_eq!(value(harness.state(), (10, 5)), "since=never");
     assert_eq!(value(harness.state(), (100, 60)), "since=500");
     act(&mut harness, Action::Map(Quantity::Sigma));

@@ -61,7 +61,7 @@ pub(super) fn paint(pane: &Pane<'_>, beside: &Shown) {
         (false, true) => theme::rgb(in_view.other().colour()),
         (false, false) => Color32::BLACK,
     };
-    draw::values(pane.painter, &pane.canvas, |at| value(pane.shown, at), ground);
+    draw::values(pane.painter, &pane.canvas, |at| value(pane.shown, in_view, at), ground);
     if let Some(agreement) = pane.set.agreement() {
         legend(pane, in_view, agreement);
     }
@@ -79,11 +79,21 @@ fn legend(pane: &Pane<'_>, in_view: Slot, agreement: Agreement) {
     draw::legend(pane.painter, pane.canvas.rect, &rows);
 }
 
-/// 0 or 255 under the settings in view and under the others.
-pub(super) fn value(shown: &Shown, (x, y): (u32, u32)) -> String {
-    let Some(beside) = &shown.beside else { return String::new() };
-    let of = |shown: &Shown| if shown.analysis.mask.is_foreground(x, y) { 255 } else { 0 };
-    format!("{}\n{}", of(shown), of(beside))
+/// Whether a pixel is foreground in A and in B; `None` where nothing is compared.
+pub(super) fn of_pixel(shown: &Shown, in_view: Slot, (x, y): (u32, u32)) -> Option<[bool; 2]> {
+    let beside = shown.beside.as_ref()?;
+    let [seen, other] = [&shown.analysis, &beside.analysis].map(|of| of.mask.is_foreground(x, y));
+    Some(match in_view {
+        Slot::A => [seen, other],
+        Slot::B => [other, seen],
+    })
+}
+
+/// 0 or 255 in A and in B.
+pub(super) fn value(shown: &Shown, in_view: Slot, at: (u32, u32)) -> String {
+    let level = |foreground| if foreground { Mask::FOREGROUND } else { Mask::BACKGROUND };
+    let levels = of_pixel(shown, in_view, at).map(|both| both.map(level));
+    levels.map_or_else(String::new, |[a, b]| format!("{a} {b}"))
 }
 
 #[cfg(test)]

@@ -5,10 +5,11 @@ use eframe::egui::{
 };
 
 use super::compose::Composition;
-use super::{Canvas, Pane};
+use super::{Canvas, Pane, View, agreement};
 use crate::app::state::Model;
 use crate::app::theme;
 use crate::mixture::Quantity;
+use crate::palette::verdict_colour;
 use crate::replay::Shown;
 
 /// Its side, in points.
@@ -23,8 +24,6 @@ const AWAY: f32 = 22.0;
 
 const INK: Color32 = Color32::from_rgb(236, 240, 246);
 const WEAK: Color32 = Color32::from_rgb(170, 178, 190);
-const FOREGROUND: Color32 = Color32::from_rgb(240, 120, 40);
-const BACKGROUND: Color32 = Color32::from_rgb(0, 190, 138);
 
 /// Where it stands: below and to the right of the pointer, or on the other side where there is no room.
 pub(crate) fn place(pointer: Pos2, window: Rect) -> Rect {
@@ -73,30 +72,52 @@ pub(super) fn paint(ui: &Ui, pane: &Pane<'_>, pointer: Pos2, pixel: (u32, u32)) 
     );
     inside.rect_stroke(middle.expand(1.0), 0.0, Stroke::new(1.5, Color32::WHITE), StrokeKind::Middle);
 
-    let (decided, colour) = decided(pane.shown, pixel);
-    let decided = match matched(pane.model, pane.shown, pixel) {
-        Some(0) => format!("{decided}, none matched"),
-        Some(rank) => format!("{decided}, rank {rank}"),
-        None => decided.to_owned(),
-    };
-    let (x, y) = pixel;
-    let value = pane.view.value(pane.shown, pane.model.background, pixel);
     let mut at = pos2(picture.left() + 2.0, picture.bottom() + 3.0 + LINE / 2.0);
-    for (text, ink) in [(format!("{x}, {y}"), WEAK), (value, INK), (decided, colour)] {
+    for (text, ink) in words(pane.view, pane.model, pane.shown, pixel) {
         painter.text(at, Align2::LEFT_CENTER, text, FontId::monospace(theme::SMALL), ink);
         at.y += LINE;
     }
 }
 
-/// What the pixel is in the mask of the frame.
-fn decided(shown: &Shown, (x, y): (u32, u32)) -> (&'static str, Color32) {
+/// Its lines: where the pixel is, its value in the view, and what was decided about it under the settings of the view.
+pub(crate) fn words(view: View, model: &Model, shown: &Shown, pixel: (u32, u32)) -> [(String, Color32); 3] {
+    let (x, y) = pixel;
+    let value = view.value(model, shown, pixel);
+    [(format!("{x}, {y}"), WEAK), (value, INK), verdict(view, model, shown, pixel)]
+}
+
+fn verdict(view: View, model: &Model, shown: &Shown, pixel: (u32, u32)) -> (String, Color32) {
+    let (x, y) = pixel;
+    let colour = |foreground| theme::rgb(verdict_colour(foreground, true));
     if shown.roi.as_ref().is_some_and(|roi| !roi.contains(x, y)) {
-        ("ignored", WEAK)
-    } else if shown.analysis.mask.is_foreground(x, y) {
-        ("foreground", FOREGROUND)
-    } else {
-        ("background", BACKGROUND)
+        return ("ignored".to_owned(), WEAK);
     }
+    let shown = match (view, &shown.beside) {
+        (View::Agreement, _) => {
+            let both = agreement::of_pixel(shown, model.slots.in_view, pixel);
+            let where_it_is = both.map(|both| match both {
+                [true, true] => "in both",
+                [true, false] => "in A alone",
+                [false, true] => "in B alone",
+                [false, false] => "in neither",
+            });
+            let text = where_it_is.map_or_else(String::new, |words| format!("foreground {words}"));
+            return (text, colour(both.is_some_and(|both| both.contains(&true))));
+        }
+        (View::BesideBackground | View::BesideForeground | View::BesideTracks, Some(beside)) => beside,
+        (View::BesideBackground | View::BesideForeground | View::BesideTracks, None) => {
+            return (String::new(), WEAK);
+        }
+        _ => shown,
+    };
+    let foreground = shown.analysis.mask.is_foreground(x, y);
+    let decided = if foreground { "foreground" } else { "background" };
+    let text = match matched(model, shown, pixel) {
+        Some(0) => format!("{decided}, none matched"),
+        Some(rank) => format!("{decided}, rank {rank}"),
+        None => decided.to_owned(),
+    };
+    (text, colour(foreground))
 }
 
 /// The rank that the pixel's value matched, 0 for none, where it is known: of all pixels while they are mapped, else of

@@ -27,7 +27,7 @@ pub(crate) use areas::area_colour;
 pub(crate) use canvas::Canvas;
 pub(crate) use layouts::{Layout, is_open, set_open};
 #[cfg(test)]
-pub(crate) use loupe::{picture as loupe_picture, place as loupe_place};
+pub(crate) use loupe::{picture as loupe_picture, place as loupe_place, words as loupe_words};
 pub(crate) use pictures::Pictures;
 pub(crate) use tiles::show;
 
@@ -167,16 +167,16 @@ impl View {
         Self::ALL.iter().position(|&view| view == self).unwrap_or(0)
     }
 
-    /// The value of a pixel in it, in as many lines as it has parts.
-    pub(crate) fn value(self, shown: &Shown, background: Background, at: (u32, u32)) -> String {
+    /// The value of a pixel in it, its parts apart by a space.
+    pub(crate) fn value(self, model: &Model, shown: &Shown, at: (u32, u32)) -> String {
         match self {
             Self::Input | Self::Tracks => input::value(shown, at),
-            Self::Background => background::value(shown, background, at),
+            Self::Background => background::value(shown, model.background, at),
             Self::Foreground => foreground::value(shown, at),
             Self::Regions => regions::value(shown, at),
             Self::Difference => difference::value(shown, at),
             Self::Map => map::value(shown, at),
-            Self::Agreement => agreement::value(shown, at),
+            Self::Agreement => agreement::value(shown, model.slots.in_view, at),
             Self::Right => right::value(shown, at),
             Self::BesideBackground | Self::BesideForeground | Self::BesideTracks => {
                 let Some(beside) = &shown.beside else { return String::new() };
