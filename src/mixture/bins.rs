@@ -40,6 +40,13 @@ pub struct Bin {
     pub made: [bool; MAX_K],
 }
 
+impl Bin {
+    /// The share of its frames that are foreground, 0..=1.
+    pub fn foreground_share(&self) -> f32 {
+        self.foreground as f32 / self.frames.len().max(1) as f32
+    }
+}
+
 /// Where a component matched during a bin: μ ± λσ in each channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Band {
@@ -93,7 +100,7 @@ fn bin(history: &PixelHistory, slots: &[[u8; MAX_K]], frames: Range<usize>) -> B
         let count = state.outcome.background_count;
         let used = state.pixel.components().iter().take_while(|component| component.is_used());
         for ((rank, component), &slot) in used.enumerate().zip(slots) {
-            let reach = lambda * component.sigma();
+            let reach = component.reach(lambda);
             let band = bin.bands[usize::from(slot)].get_or_insert(Band {
                 range: [(f32::INFINITY, f32::NEG_INFINITY); 3],
                 mean: component.mean,

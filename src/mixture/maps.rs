@@ -4,7 +4,7 @@ use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
 
 use super::image::{Mixture, Planes, Tiles};
-use super::pixel::Component;
+use super::pixel::{Component, first_match};
 use super::tile::LANES;
 use crate::frame::Frame;
 
@@ -79,15 +79,11 @@ impl Mixture {
     pub fn matches(&self, frame: &Frame) -> Vec<f32> {
         assert_eq!(frame.size, self.size(), "a frame of the mixture's size");
         let parameters = *self.parameters();
-        let lambda_squared = parameters.lambda * parameters.lambda;
         self.of_components(|components, index| {
             let Some(rgb) = frame.rgb.get(3 * index..).and_then(|rest| rest.first_chunk()) else {
                 return 0.0;
             };
-            let x = parameters.value(*rgb);
-            let matched = components.iter().position(|component| {
-                component.is_used() && component.distance_squared(x) <= lambda_squared * component.variance
-            });
+            let matched = first_match(components, parameters.value(*rgb), parameters.lambda);
             matched.map_or(0.0, |at| at as f32 + 1.0)
         })
     }

@@ -69,6 +69,14 @@ impl Parameters {
         }
     }
 
+    /// The names of the value's channels, as many as it has.
+    pub const fn channel_names(&self) -> &'static [&'static str] {
+        match self.space {
+            Space::Rgb => &["R", "G", "B"],
+            Space::Gray => &["Y"],
+        }
+    }
+
     /// α of the t-th frame, t counting from 1.
     pub fn alpha_at(&self, t: u32) -> f32 {
         if t <= self.warm_up { self.alpha.max(1.0 / t as f32) } else { self.alpha }
@@ -106,6 +114,11 @@ impl Component {
         self.variance.sqrt()
     }
 
+    /// λσ: how far from μ a value may be to match.
+    pub fn reach(&self, lambda: f32) -> f32 {
+        lambda * self.sigma()
+    }
+
     /// w/σ, by which components are ranked; 0 for an unused one.
     pub fn rank_value(&self) -> f32 {
         if self.is_used() { self.weight / self.sigma() } else { 0.0 }
@@ -135,6 +148,14 @@ pub fn density(distance_squared: f32, variance: f32, channels: usize) -> f32 {
     let normaliser =
         if channels == 3 { two_pi_variance * two_pi_variance.sqrt() } else { two_pi_variance.sqrt() };
     exp_of_negative(-0.5 * distance_squared / variance) / normaliser
+}
+
+/// The first component in rank order within λ standard deviations of the value: ‖X − μ‖² ≤ λ²σ².
+pub(super) fn first_match(components: &[Component], x: Value, lambda: f32) -> Option<usize> {
+    let lambda_squared = lambda * lambda;
+    components.iter().position(|component| {
+        component.is_used() && component.distance_squared(x) <= lambda_squared * component.variance
+    })
 }
 
 /// What happened to a pixel in one frame.
@@ -232,7 +253,7 @@ impl Pixel {
         }
         let alpha = parameters.alpha_at(t);
 
-        let matched = self.find_match(x, parameters.lambda);
+        let matched = first_match(self.components(), x, parameters.lambda);
         self.update_weights(matched, alpha);
         let (changed, rho) = if let Some(index) = matched {
             (index, self.learn(index, x, alpha, parameters))
@@ -259,14 +280,6 @@ impl Pixel {
         self.components[0] =
             Component { weight: 1.0, mean: x, variance: parameters.initial_sigma * parameters.initial_sigma };
         Outcome { rank: 1, background_count: 1, ..Outcome::default() }
-    }
-
-    /// The first component in rank order within λ standard deviations of the value: ‖X − μ‖² ≤ λ²σ².
-    fn find_match(&self, x: Value, lambda: f32) -> Option<usize> {
-        let lambda_squared = lambda * lambda;
-        self.components().iter().position(|component| {
-            component.is_used() && component.distance_squared(x) <= lambda_squared * component.variance
-        })
     }
 
     /// w ← (1 − α)·w + α·M, M being 1 for the matched component and 0 for the others.

@@ -242,13 +242,7 @@ impl HistoryView {
         let rect = row("verdict of the mixture", VERDICT);
         let mut columns = Columns::default();
         for bin in bins {
-            let share = bin.foreground as f32 / bin.frames.len().max(1) as f32;
-            let colour = if bin.foreground > 0 {
-                // A single foreground frame among a hundred must still be seen.
-                style::verdict_colour(visuals, true).gamma_multiply(0.45 + 0.55 * share)
-            } else {
-                style::verdict_colour(visuals, false).gamma_multiply(0.30)
-            };
+            let colour = style::verdict_share(visuals, bin.foreground_share());
             columns.add(x_range(bin, axis), rect.top(), rect.bottom(), colour);
         }
         columns.paint(&painter.with_clip_rect(rect.intersect(painter.clip_rect())));

@@ -168,10 +168,7 @@ impl Chosen<'_> {
 
     /// The names of the value's channels, as many as it has.
     fn channels(&self) -> &'static [&'static str] {
-        match self.history.parameters.space {
-            Space::Rgb => &["R", "G", "B"],
-            Space::Gray => &["Y"],
-        }
+        self.history.parameters.channel_names()
     }
 }
 

@@ -202,7 +202,7 @@ fn densities(ui: &mut Ui, chosen: &Chosen<'_>, side: &Side, top: f64) {
         for (at, row) in rows.iter().enumerate() {
             let colour = style::component(visuals, row.slot);
             let mean = f64::from(row.component.mean[channel]);
-            let reach = f64::from(lambda * row.component.sigma());
+            let reach = f64::from(row.component.reach(lambda));
             let top = strip.top() + at as f32 * lane;
             let range = Rangef::new(x_axis.clamped(mean - reach), x_axis.clamped(mean + reach));
             let bar = Rect::from_x_y_ranges(range, Rangef::new(top + 1.0, top + lane - 1.0));

@@ -33,6 +33,15 @@ pub(super) const fn verdict_colour(visuals: &Visuals, foreground: bool) -> Color
     theme::rgb(palette::verdict_colour(foreground, visuals.dark_mode))
 }
 
+/// The colour of frames of which such a share is foreground: a single one among a hundred must still be seen.
+pub(super) fn verdict_share(visuals: &Visuals, share: f32) -> Color32 {
+    if share > 0.0 {
+        verdict_colour(visuals, true).gamma_multiply(0.45 + 0.55 * share)
+    } else {
+        verdict_colour(visuals, false).gamma_multiply(0.30)
+    }
+}
+
 /// Lines and marks that carry the data itself.
 pub(super) fn ink(visuals: &Visuals) -> Color32 {
     visuals.strong_text_color()

@@ -72,7 +72,7 @@ impl Span {
     pub fn around(places: &[Place], standings: &[Standing], lambda: f32) -> Self {
         let mut ends = [(f64::INFINITY, f64::NEG_INFINITY); 3];
         let reaches = standings.iter().map(|standing| {
-            (standing.component.mean.map(f64::from), f64::from(lambda * standing.component.sigma()))
+            (standing.component.mean.map(f64::from), f64::from(standing.component.reach(lambda)))
         });
         let values = places.iter().map(|place| (place.at.map(f64::from), 1.0));
         for (at, reach) in values.chain(reaches) {
@@ -178,7 +178,7 @@ pub fn scene(
     scene.spots.sort_by(|a, b| a.nearness.total_cmp(&b.nearness));
     for standing in standings {
         let mean = standing.component.mean.map(f64::from);
-        let reach = f64::from(lambda * standing.component.sigma());
+        let reach = f64::from(standing.component.reach(lambda));
         let angles = || (0..=60).map(|step| (f64::from(step) / 60.0 * TAU).sin_cos());
         let (slot, background) = (standing.slot, standing.background);
         for plane in [[0, 1], [1, 2], [0, 2]] {

@@ -1,8 +1,7 @@
 //! The mixture of one frame as figures: densities with the value, and weights with T and B.
 
 use super::{
-    Anchor, Axis, Figure, GRAY, INK, Key, NARROW, Panel, Shape, Sign, WIDE, channels, component, parameters,
-    pixel_name,
+    Anchor, Axis, Figure, GRAY, INK, Key, NARROW, Panel, Shape, Sign, WIDE, component, parameters, pixel_name,
 };
 use crate::mixture::standing::{Standing, standings};
 use crate::mixture::verdict::number;
@@ -46,7 +45,7 @@ pub fn densities(history: &PixelHistory, slots: &[[u8; MAX_K]], index: usize, mo
     let mut figure = start(history, index, moment, legend);
     for (column, (before, standings)) in sides.iter().enumerate() {
         let mut panels = Vec::new();
-        for (channel, name) in channels(history).iter().enumerate() {
+        for (channel, name) in history.parameters.channel_names().iter().enumerate() {
             let mut y = Axis::new(format!("w·η ({name})"), (0.0, top), 3);
             // Room for the bars under the curves.
             let lane = top * 0.07;
@@ -59,7 +58,7 @@ pub fn densities(history: &PixelHistory, slots: &[[u8; MAX_K]], index: usize, mo
             }
             for (at, standing) in standings.iter().enumerate() {
                 curve(&mut panel, standing, channel);
-                let reach = f64::from(history.parameters.lambda * standing.component.sigma());
+                let reach = f64::from(standing.component.reach(history.parameters.lambda));
                 let mean = f64::from(standing.component.mean[channel]);
                 let (low, high) = (-lane * (at as f64 + 1.2), -lane * (at as f64 + 0.4));
                 let colour = component(standing.slot);

@@ -1,8 +1,7 @@
 //! Where a pixel's values lie in a plane of its channels, as a figure.
 
 use super::{
-    Anchor, Axis, Figure, GRAY, INK, Key, NARROW, Panel, Shape, Sign, channels, component, parameters,
-    pixel_name,
+    Anchor, Axis, Figure, GRAY, INK, Key, NARROW, Panel, Shape, Sign, component, parameters, pixel_name,
 };
 use crate::mixture::places::{AGES, By, Choice, Kind, Place, Space, place, places};
 use crate::mixture::standing::{Standing, standings};
@@ -27,14 +26,14 @@ pub fn figure(history: &PixelHistory, slots: &[[u8; MAX_K]], choice: &Choice, in
         range.take([place.at[0].into(), place.at[1].into()], 2.0);
     }
     for standing in &standings {
-        let reach = f64::from(history.parameters.lambda * standing.component.sigma());
+        let reach = f64::from(standing.component.reach(history.parameters.lambda));
         range.take([standing.component.mean[x].into(), standing.component.mean[y].into()], reach + 2.0);
     }
     let [across, up] = range.square();
     let names = if gray {
         ["Y of a frame (levels)".to_owned(), "Y of the next frame (levels)".to_owned()]
     } else {
-        [x, y].map(|channel| format!("{} (levels)", channels(history)[channel]))
+        [x, y].map(|channel| format!("{} (levels)", history.parameters.channel_names()[channel]))
     };
     let mut figure = Figure::new(
         NARROW,
@@ -51,9 +50,9 @@ pub fn figure(history: &PixelHistory, slots: &[[u8; MAX_K]], choice: &Choice, in
         panel.draw(name, Shape::Dots { places, radius, sign }, colour, opacity);
     }
     for standing in &standings {
-        let reach = f64::from(history.parameters.lambda * standing.component.sigma());
+        let reach = f64::from(standing.component.reach(history.parameters.lambda));
         let (mx, my) = (f64::from(standing.component.mean[x]), f64::from(standing.component.mean[y]));
-        let points = if gray { square([mx, my], reach) } else { circle([mx, my], reach) };
+        let points = outline([mx, my], reach, gray);
         let (colour, dashed) = (component(standing.slot), !standing.background);
         panel.draw(
             format!("reach of rank {}", standing.rank),
@@ -160,6 +159,11 @@ pub(super) fn legend(
     keys.push(key(Sign::Line, GRAY, &format!("{form}: λσ, λ = {}", number(history.parameters.lambda))));
     keys.push(key(Sign::Cross, INK, "value in view"));
     keys
+}
+
+/// What a component reaches: a circle, or a square where a value is drawn against the next.
+pub fn outline(at: [f64; 2], reach: f64, gray: bool) -> Vec<[f64; 2]> {
+    if gray { square(at, reach) } else { circle(at, reach) }
 }
 
 fn circle([x, y]: [f64; 2], radius: f64) -> Vec<[f64; 2]> {
