@@ -92,7 +92,9 @@ impl Scatter {
             ui.label(style::aside(ui, "frames"));
             let total = chosen.history.states.len();
             let mut last = if self.last == 0 { total } else { self.last };
-            let drag = DragValue::new(&mut last).range(2..=total.max(2)).prefix("last ");
+            // What was chosen stays while fewer frames are known.
+            let drag = DragValue::new(&mut last).range(2..=total.max(2)).clamp_existing_to_range(false);
+            let drag = drag.prefix("last ");
             let drag = ui.add(drag).accessible_name("Frames up to the one in view");
             if drag.on_hover_text("How many frames up to the one in view; drag, or click to type").changed() {
                 self.last = last;
@@ -159,8 +161,12 @@ impl Scatter {
             By::Verdict => "green is background, orange foreground",
             By::Time => "stronger dots are later",
         };
+        let cross = match place(chosen.history, chosen.index, self.choice(chosen).space) {
+            Some(_) => "the cross is the value in view",
+            None => "the value in view has no next one yet, and no cross",
+        };
         format!(
-            "{reach} reach {lambda}σ around each component's mean, solid for background, dashed for foreground; {colours}; the cross is the value in view."
+            "{reach} reach {lambda}σ around each component's mean, solid for background, dashed for foreground; {colours}; {cross}."
         )
     }
 }
@@ -170,14 +176,11 @@ fn plane(ui: &mut Ui, chosen: &Chosen<'_>, choice: &Choice, groups: &[Group]) {
     let (x, y) = if let Space::Plane(x, y) = choice.space { (x, y) } else { (0, 0) };
     let gray = choice.space == Space::Next;
     let visuals = ui.visuals().clone();
-    let state = chosen.state;
-    let lambda = f64::from(chosen.history.parameters.lambda);
+    let lambda = chosen.history.parameters.lambda;
     let (standings, _) = standings(chosen.history, chosen.slots, chosen.index, false);
     let names = if gray { ("luma", "next") } else { (chosen.channels()[x], chosen.channels()[y]) };
     let side = (ui.available_width() - 4.0).min(440.0);
-    // The last frame has no next: its value is drawn against itself.
-    let cross = place(chosen.history, chosen.index, choice.space)
-        .map_or([state.value[0]; 2].map(f64::from), |[x, y, _]| [x, y].map(f64::from));
+    let cross = place(chosen.history, chosen.index, choice.space).map(|[x, y, _]| [x, y].map(f64::from));
 
     // A plane is looked at with its own pan and zoom.
     let response = Plot::new(("scatter", x, y, gray))
@@ -218,17 +221,8 @@ fn plane(ui: &mut Ui, chosen: &Chosen<'_>, choice: &Choice, groups: &[Group]) {
             for standing in &standings {
                 let component = standing.component;
                 let (mx, my) = (f64::from(component.mean[x]), f64::from(component.mean[y]));
-                let reach = lambda * f64::from(component.sigma());
-                let outline: Vec<[f64; 2]> = if gray {
-                    [(-1.0, -1.0), (1.0, -1.0), (1.0, 1.0), (-1.0, 1.0), (-1.0, -1.0)]
-                        .map(|(dx, dy)| [mx + dx * reach, my + dy * reach])
-                        .to_vec()
-                } else {
-                    (0..=72)
-                        .map(|step| f64::from(step) / 72.0 * std::f64::consts::TAU)
-                        .map(|angle| [mx + reach * angle.cos(), my + reach * angle.sin()])
-                        .collect()
-                };
+                let reach = f64::from(component.reach(lambda));
+                let outline = scatter::outline([mx, my], reach, gray);
                 let colour = style::component(&visuals, standing.slot);
                 let dashed = LineStyle::Dashed { length: 6.0 };
                 let style = if standing.background { LineStyle::Solid } else { dashed };
@@ -242,20 +236,23 @@ fn plane(ui: &mut Ui, chosen: &Chosen<'_>, choice: &Choice, groups: &[Group]) {
                         .allow_hover(false),
                 );
             }
-            plot.points(
-                Points::new("", cross)
-                    .shape(MarkerShape::Cross)
-                    .color(style::ink(&visuals))
-                    .radius(6.0)
-                    .allow_hover(false),
-            );
+            if let Some(cross) = cross {
+                plot.points(
+                    Points::new("", cross)
+                        .shape(MarkerShape::Cross)
+                        .color(style::ink(&visuals))
+                        .radius(6.0)
+                        .allow_hover(false),
+                );
+            }
         });
     response.response.widget_info(|| {
         let count: usize = groups.iter().map(|group| group.points.len()).sum();
+        let here = cross.map_or_else(String::new, |[x, y]| format!(", the value in view at {x}, {y}"));
         WidgetInfo::labeled(
             Role::Image,
             true,
-            format!("Scatter of {} against {}, {count} places", names.1, names.0),
+            format!("Scatter of {} against {}, {count} places{here}", names.1, names.0),
         )
     });
 }

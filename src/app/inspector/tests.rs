@@ -233,6 +233,47 @@ fn one_channel_can_be_drawn_too() {
 }
 
 #[test]
+fn the_last_value_of_one_channel_has_no_next_and_no_cross() {
+    let gray = Settings { space: Space::Gray, ..settings() };
+    let history = history_of(&gray, 600);
+    let [value, next] = [330, 331].map(|at| history.states[at].value[0]);
+    let cross = |position| {
+        let shown = shown_of(gray.clone(), Some(history.clone()), position);
+        let (mut harness, _) = harness(Some(shown), Vec2::new(340.0, 900.0), Theme::Dark);
+        open(&mut harness, "Scatter");
+        let name = harness.get_by_label_contains("Scatter of next against luma").accesskit_node().label();
+        picture(&mut harness, &format!("gray-scatter-{position}"));
+        (name.unwrap().split_once("in view at ").map(|(_, at)| at.to_owned()), harness)
+    };
+    assert_eq!(cross(330).0, Some(format!("{value}, {next}")));
+    let (at, harness) = cross(599);
+    assert_eq!(at, None);
+    assert!(says(&harness, "no next one yet, and no cross"));
+}
+
+#[test]
+fn a_choice_of_frames_outlives_a_short_history() {
+    let settings = settings();
+    let (short, long) = (history_of(&settings, 40), history_of(&settings, 600));
+    let shown = Rc::new(RefCell::new(shown_of(settings.clone(), Some(short), 39)));
+    let (seen, mut inspector) = (Rc::clone(&shown), Inspector::default());
+    let mut harness = Harness::builder()
+        .with_size(Vec2::new(380.0, 1000.0))
+        .with_context_setup(crate::app::theme::install)
+        .build_ui(move |ui| {
+            egui::CentralPanel::default()
+                .show(ui, |ui| inspector.ui(ui, Some(&seen.borrow()), None, None, 10.0, &Beside::default()));
+        });
+    open(&mut harness, "Scatter");
+    let last =
+        |harness: &Harness<'_>| harness.get_by_label("Frames up to the one in view").accesskit_node().value();
+    assert_eq!(last(&harness).as_deref(), Some("last 500"), "{:?}", texts(&harness));
+    *shown.borrow_mut() = shown_of(settings, Some(long), 599);
+    harness.run();
+    assert_eq!(last(&harness).as_deref(), Some("last 500"), "nobody touched it");
+}
+
+#[test]
 fn eight_components_where_nothing_matches_can_be_drawn() {
     let crowded = Settings { k: 8, t: 0.6, initial_sigma: 6.0, ..settings() };
     let colours = (0..400_u32).map(|n| {
