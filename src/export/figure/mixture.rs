@@ -39,7 +39,7 @@ pub fn densities(history: &PixelHistory, slots: &[[u8; MAX_K]], index: usize, mo
     let peaks = sides.iter().flat_map(|(_, standings)| standings.iter().map(Standing::peak));
     let top = peaks.fold(f64::MIN_POSITIVE, f64::max) * 1.08;
     let lambda = number(history.parameters.lambda);
-    let mut legend = legend(sides.iter().flat_map(|(_, standings)| standings));
+    let mut legend = legend(&sides.iter().map(|(_, standings)| &standings[..]).collect::<Vec<_>>());
     legend.push(Key { sign: Sign::Line, colour: INK, name: "value X".to_owned() });
     legend.push(Key { sign: Sign::Plate(0.5), colour: GRAY, name: format!("bars: μ ± {lambda}σ") });
     let mut figure = start(history, index, moment, legend);
@@ -84,7 +84,7 @@ pub fn weights(history: &PixelHistory, slots: &[[u8; MAX_K]], index: usize, mome
     let sides: Vec<_> =
         moment.sides().iter().map(|&before| (before, standings(history, slots, index, before))).collect();
     let t = f64::from(history.parameters.t);
-    let mut legend = legend(sides.iter().flat_map(|(_, (standings, _))| standings));
+    let mut legend = legend(&sides.iter().map(|(_, (standings, _))| &standings[..]).collect::<Vec<_>>());
     legend.push(Key {
         sign: Sign::Dashed,
         colour: INK,
@@ -141,20 +141,22 @@ fn caption(moment: Moment, before: bool) -> String {
     }
 }
 
-/// The components that are there, each once.
-fn legend<'a>(standings: impl Iterator<Item = &'a Standing>) -> Vec<Key> {
+/// The components of the last mixture by rank, each with its rank in the one before where that was another.
+fn legend(sides: &[&[Standing]]) -> Vec<Key> {
     let mut keys: Vec<Key> = Vec::new();
-    let mut slots = [false; MAX_K];
-    for standing in standings {
-        if !std::mem::replace(&mut slots[usize::from(standing.slot)], true) {
-            let name = if keys.is_empty() {
-                format!("component of rank {}", standing.rank)
-            } else {
-                standing.rank.to_string()
-            };
-            let sign = if standing.background { Sign::Band } else { Sign::Dashed };
-            keys.push(Key { sign, colour: component(standing.slot), name });
-        }
+    let Some((last, before)) = sides.split_last() else { return keys };
+    for standing in *last {
+        // A new component has the colour of the one that it replaced, not its place.
+        let same = |other: &&Standing| other.slot == standing.slot && !standing.new;
+        let ranked = before.iter().flat_map(|side| side.iter()).find(same).map(|other| other.rank);
+        let rank = match ranked {
+            Some(ranked) if ranked != standing.rank => format!("{} (was {ranked})", standing.rank),
+            None if standing.new && !before.is_empty() => format!("{} (new)", standing.rank),
+            _ => standing.rank.to_string(),
+        };
+        let name = if keys.is_empty() { format!("component of rank {rank}") } else { rank };
+        let sign = if standing.background { Sign::Band } else { Sign::Dashed };
+        keys.push(Key { sign, colour: component(standing.slot), name });
     }
     keys.push(Key { sign: Sign::Dashed, colour: GRAY, name: "foreground component".to_owned() });
     keys

@@ -15,6 +15,7 @@ pub mod svg;
 mod tests;
 pub mod through_time;
 pub mod tuning;
+mod verdicts;
 pub mod words;
 
 pub use axis::Axis;
@@ -22,7 +23,7 @@ pub use axis::Axis;
 use crate::mixture::PixelHistory;
 use crate::palette::component_on_light;
 use crate::regions::Rgb;
-use crate::settings::Rate;
+use crate::settings::{Rate, Space};
 
 /// Width over a page's text, 180 mm.
 pub const WIDE: f64 = 510.0;
@@ -282,15 +283,20 @@ pub fn parameters(history: &PixelHistory) -> String {
         Rate::Weight => "ρ = α/w",
         Rate::Constant => "ρ = α",
     };
+    let value = match parameters.space {
+        Space::Rgb => "X = (R, G, B)",
+        Space::Gray => "X = Y, luma",
+    };
     format!(
-        "K = {}, α = {}, T = {}, λ = {}, σ₀ = {}, w₀ = {}, σ_min = {}, {rate}",
+        "K = {}, α = {}, T = {}, λ = {}, σ₀ = {}, w₀ = {}, σ_min = {}, {rate}, α ≥ 1/t for t ≤ {}, {value}",
         parameters.k,
         parameters.alpha,
         parameters.t,
         parameters.lambda,
         parameters.initial_sigma,
         parameters.initial_weight,
-        parameters.min_sigma
+        parameters.min_sigma,
+        parameters.warm_up
     )
 }
 
@@ -299,10 +305,8 @@ fn component(slot: u8) -> Rgb {
     component_on_light(usize::from(slot))
 }
 
-/// The names of a value's channels, as many as it has.
-fn channels(history: &PixelHistory) -> &'static [&'static str] {
-    match history.parameters.channels() {
-        3 => &["R", "G", "B"],
-        _ => &["Y"],
-    }
+/// Frames along an axis that begins and ends there.
+fn frames_axis(ends: (f64, f64)) -> Axis {
+    let whole = axis::ticks(ends.0, ends.1, 8).into_iter().filter(|tick| tick.fract() == 0.0);
+    Axis::new("frame", ends, 8).with_ticks(whole.map(|tick| (tick, axis::written(tick))).collect())
 }

@@ -8,13 +8,14 @@ use ::svg::parser::Event;
 
 use super::cube::{Look, Turn};
 use super::mixture::{Moment, densities, weights};
-use super::{Figure, cube, scatter, svg, through_time, tuning};
+use super::{Figure, Sign, cube, scatter, svg, through_time, tuning};
 use crate::export::pixel_csv;
-use crate::mixture::follow::slots;
+use crate::mixture::follow::{Change, change, slots};
 use crate::mixture::places::{By, Choice, Space};
 use crate::mixture::standing::standings;
 use crate::mixture::tuning::{Knob, map};
 use crate::mixture::{MAX_K, Parameters, PixelHistory};
+use crate::palette::component_on_light;
 use crate::settings::{Preset, Settings, Space as Channels};
 
 /// Two surfaces in turn with noise, and for a while a third.
@@ -244,6 +245,97 @@ fn densities_and_weights_are_those_of_the_mixture() {
             near(weights[column].ends[1][1] - cut, count as f64, 1e-3);
             near(weights[column].corners("T")[0][0][0], 0.8, 1e-4);
         }
+    }
+}
+
+#[test]
+fn a_long_history_shows_how_much_of_a_column_is_foreground() {
+    let colour = |n| match n {
+        7777 => [250; 3],
+        10_000..10_040 => [200; 3],
+        _ => [60 + (n % 4) as u8; 3],
+    };
+    let parameters = Parameters::new(&settings());
+    let long = PixelHistory::of_colours((1, 1), parameters, (1..=20_000).map(|n| (n, colour(n))));
+    let of = |history: &PixelHistory, frames: usize| {
+        let choice = through_time::Choice { frames: 0..frames, index: 3, fit: false };
+        let figure = through_time::figure(history, &slots(history), &choice);
+        let strip = figure.panels.last().unwrap();
+        let strengths: Vec<_> = strip
+            .marks
+            .iter()
+            .filter(|mark| mark.name == "foreground")
+            .flat_map(|mark| {
+                let super::Shape::Rects(rects) = &mark.shape else { panic!("{mark:?}") };
+                rects.iter().map(|rect| (rect[0], rect[2], mark.opacity))
+            })
+            .collect();
+        let keys: Vec<_> = figure.legend.into_iter().map(|key| key.name).collect();
+        (strengths, keys)
+    };
+    let (strengths, keys) = of(&long, 20_000);
+    let at = |frame: f64| strengths.iter().find(|(from, to, _)| (*from..*to).contains(&frame)).unwrap().2;
+    assert!(at(7777.0) < 0.6, "one of thirteen frames: {strengths:?}");
+    assert_eq!(at(10_006.0), 1.0, "all of them: {strengths:?}");
+    assert!(keys.iter().any(|key| key == "some of a column's frames"), "{keys:?}");
+    // Where every frame has a column of its own, each is one or the other.
+    let short = PixelHistory { states: long.states[7000..8000].to_vec(), ..long };
+    let (strengths, keys) = of(&short, 1000);
+    assert!(!strengths.is_empty() && strengths.iter().all(|strength| strength.2 == 1.0), "{strengths:?}");
+    assert!(!keys.iter().any(|key| key.contains("some of")), "{keys:?}");
+}
+
+#[test]
+fn a_legend_of_both_mixtures_has_both_ranks() {
+    let history = history_of(&settings(), 400);
+    let slots = slots(&history);
+    let rose = |index: &usize| matches!(change(&history, *index), Some(Change::Rose { .. }));
+    let index = (1..400).find(rose).unwrap();
+    let (was, is) = match change(&history, index) {
+        Some(Change::Rose { from, to }) => (from, to),
+        other => panic!("{other:?}"),
+    };
+    for figure in [densities, weights].map(|of| of(&history, &slots, index, Moment::Both)) {
+        let names: Vec<_> = figure.legend.iter().map(|key| key.name.as_str()).collect();
+        assert!(names.iter().any(|name| name.ends_with(&format!("{is} (was {was})"))), "{names:?}");
+        for standing in standings(&history, &slots, index, false).0 {
+            let key = &figure.legend[standing.rank - 1];
+            assert_eq!(key.colour, component_on_light(standing.slot.into()), "{names:?}");
+            assert!(key.name.contains(&standing.rank.to_string()), "{names:?}");
+            assert_eq!(key.sign == Sign::Band, standing.background, "as after the update: {names:?}");
+        }
+    }
+    let made = (1..400).find(|&index| change(&history, index) == Some(Change::Replaced)).unwrap_or(1);
+    let new = usize::from(history.states[made].outcome.rank);
+    let names: Vec<_> =
+        weights(&history, &slots, made, Moment::Both).legend.into_iter().map(|key| key.name).collect();
+    let expected = history.states[made].outcome.matched == 0;
+    assert_eq!(names[new - 1].ends_with("(new)"), expected, "frame {made}: {names:?}");
+    // One mixture has one set of ranks.
+    for moment in [Moment::Before, Moment::After] {
+        let legend = densities(&history, &slots, index, moment).legend;
+        assert!(legend.iter().all(|key| !key.name.contains('(')), "{legend:?}");
+    }
+}
+
+#[test]
+fn a_figure_names_every_parameter_that_made_it() {
+    let description = |settings: &Settings| super::parameters(&history_of(settings, 3));
+    let first = description(&settings());
+    assert!(first.contains("α ≥ 1/t for t ≤ 0") && first.ends_with("X = (R, G, B)"), "{first}");
+    for other in [
+        Settings { warm_up: 100, ..settings() },
+        Settings { space: Channels::Gray, ..settings() },
+        Settings { k: 5, ..settings() },
+        Settings { alpha: 0.02, ..settings() },
+        Settings { t: 0.6, ..settings() },
+        Settings { match_sigmas: 3.0, ..settings() },
+        Settings { initial_sigma: 11.0, ..settings() },
+        Settings { initial_weight: 0.02, ..settings() },
+        Settings { min_sigma: 2.5, ..settings() },
+        Settings { rate: crate::settings::Rate::Density, ..settings() },
+    ] {
+        assert_ne!(description(&other), first, "{other:?}");
     }
 }
 

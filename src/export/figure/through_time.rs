@@ -3,20 +3,16 @@
 use std::ops::Range;
 
 use super::{
-    Axis, Figure, GRAY, INK, Key, Panel, Shape, Sign, WIDE, channels, component, parameters, pixel_name,
+    Axis, Figure, GRAY, INK, Key, Panel, Shape, Sign, WIDE, component, frames_axis, parameters, pixel_name,
+    verdicts,
 };
 use crate::mixture::bins::{Bin, bins, rate_range, value_range};
 use crate::mixture::standing::standings;
 use crate::mixture::verdict::number;
 use crate::mixture::{MAX_K, PixelHistory};
-use crate::palette::verdict_colour;
-use crate::regions::Rgb;
 
 /// At most so many columns: more would be finer than a printed page shows.
 pub const COLUMNS: usize = 1500;
-
-/// How strongly background and foreground are drawn.
-const STRENGTHS: [f64; 2] = [0.35, 1.0];
 
 /// What is drawn of a history.
 #[derive(Clone, Debug, PartialEq)]
@@ -37,15 +33,13 @@ pub fn figure(history: &PixelHistory, slots: &[[u8; MAX_K]], choice: &Choice) ->
     let title = format!("{}, frames {}–{}", pixel_name(history), number_at(history, choice.frames.start), {
         number_at(history, choice.frames.end.saturating_sub(1))
     });
-    let mut figure = Figure::new(WIDE, title, parameters(history), legend(history, slots, choice.index));
-    let x = || {
-        let whole = super::axis::ticks(ends.0, ends.1, 8).into_iter().filter(|tick| tick.fract() == 0.0);
-        Axis::new("frame", ends, 8).with_ticks(whole.map(|tick| (tick, super::axis::written(tick))).collect())
-    };
+    let mut figure =
+        Figure::new(WIDE, title, parameters(history), legend(history, slots, &bins, choice.index));
+    let x = || frames_axis(ends);
     let fitted = choice.fit.then(|| value_range(&bins, history.parameters.channels()));
     let (low, high) = fitted.unwrap_or((0.0, 255.0));
     let mut panels = Vec::new();
-    for (channel, name) in channels(history).iter().enumerate() {
+    for (channel, name) in history.parameters.channel_names().iter().enumerate() {
         let mut y = Axis::new(format!("{name} (levels)"), (low, high), 4);
         if fitted.is_none() {
             y = y.with_ticks([0, 128, 255].map(|tick| (f64::from(tick), tick.to_string())).to_vec());
@@ -98,7 +92,7 @@ fn number_at(history: &PixelHistory, index: usize) -> u32 {
     history.states.get(index).map_or(0, |state| state.number)
 }
 
-fn legend(history: &PixelHistory, slots: &[[u8; MAX_K]], index: usize) -> Vec<Key> {
+fn legend(history: &PixelHistory, slots: &[[u8; MAX_K]], bins: &[Bin], index: usize) -> Vec<Key> {
     let lambda = number(history.parameters.lambda);
     let key = |sign, colour, name: &str| Key { sign, colour, name: name.to_owned() };
     let mut keys = vec![key(Sign::Line, INK, "value X")];
@@ -112,13 +106,7 @@ fn legend(history: &PixelHistory, slots: &[[u8; MAX_K]], index: usize) -> Vec<Ke
         keys.push(key(Sign::Band, component(standing.slot), &name));
     }
     keys.push(key(Sign::Dashed, GRAY, "foreground component (pale)"));
-    for (foreground, name) in [(false, "background"), (true, "foreground")] {
-        keys.push(key(
-            Sign::Plate(STRENGTHS[usize::from(foreground)]),
-            verdict_colour(foreground, false),
-            name,
-        ));
-    }
+    keys.extend(verdicts::legend(bins.iter().map(Bin::foreground_share)));
     keys.push(key(Sign::Dashed, INK, "T; frame in view"));
     keys
 }
@@ -189,7 +177,7 @@ impl Drawing<'_> {
                 points.push([self.middle(bin), f64::from(high)]);
             }
         }
-        let name = format!("value {}", channels(self.history)[channel]);
+        let name = format!("value {}", self.history.parameters.channel_names()[channel]);
         panel.draw(name, Shape::Line { points, width: 0.6, dashed: false }, INK, 1.0);
     }
 
@@ -258,21 +246,7 @@ impl Drawing<'_> {
     }
 
     fn verdicts(&self, panel: &mut Panel) {
-        for (foreground, name) in [(false, "background"), (true, "foreground")] {
-            let mut rects = Vec::new();
-            for run in self.bins.chunk_by(|a, b| (a.foreground > 0) == (b.foreground > 0)) {
-                let (Some(first), Some(last)) = (run.first(), run.last()) else { continue };
-                if (first.foreground > 0) == foreground {
-                    rects.push([self.edges(first).0, 0.0, self.edges(last).1, 1.0]);
-                }
-            }
-            let colour: Rgb = verdict_colour(foreground, false);
-            panel.draw(name, Shape::Rects(rects), colour, STRENGTHS[usize::from(foreground)]);
-        }
-        // An edge of its own, so that pale background ends somewhere.
-        panel.across("ground", 0.0, 0.4, false);
-        if let Some(mark) = panel.marks.last_mut() {
-            mark.colour = GRAY;
-        }
+        let columns = self.bins.iter().map(|bin| (<[f64; 2]>::from(self.edges(bin)), bin.foreground_share()));
+        verdicts::draw(panel, columns);
     }
 }

@@ -1,0 +1,51 @@
+//! The strip of verdicts under what goes through time.
+
+use super::{GRAY, Key, Panel, Shape, Sign};
+use crate::palette::verdict_colour;
+
+/// How strongly background is drawn.
+const BACKGROUND: f64 = 0.35;
+/// Of a column's frames some may be foreground: a single one is seen, all of them are solid. Few steps, so that
+/// neighbours join to one rectangle.
+const FOREGROUND: [f64; 4] = [0.55, 0.7, 0.85, 1.0];
+
+/// The step of a column of which such a share is foreground; `None` for background.
+fn step(share: f32) -> Option<usize> {
+    let last = FOREGROUND.len() - 1;
+    (share > 0.0).then(|| ((share * FOREGROUND.len() as f32).ceil() as usize).saturating_sub(1).min(last))
+}
+
+/// Draws columns one after the other, each with where it begins and ends and the share of its frames that is foreground.
+pub(super) fn draw(panel: &mut Panel, columns: impl Iterator<Item = ([f64; 2], f32)>) {
+    let columns: Vec<_> = columns.map(|(edges, share)| (edges, step(share))).collect();
+    let looks = [(None, "background", BACKGROUND)].into_iter();
+    let steps = FOREGROUND.iter().enumerate().map(|(step, &strength)| (Some(step), "foreground", strength));
+    for (step, name, strength) in looks.chain(steps) {
+        let runs = columns.chunk_by(|a, b| a.1 == b.1).filter(|run| run[0].1 == step);
+        let rects: Vec<_> =
+            runs.filter_map(|run| Some([run.first()?.0[0], 0.0, run.last()?.0[1], 1.0])).collect();
+        if !rects.is_empty() {
+            panel.draw(name, Shape::Rects(rects), verdict_colour(step.is_some(), false), strength);
+        }
+    }
+    // An edge of its own, so that pale background ends somewhere.
+    panel.across("ground", 0.0, 0.4, false);
+    if let Some(mark) = panel.marks.last_mut() {
+        mark.colour = GRAY;
+    }
+}
+
+/// What the strengths mean of columns of which these shares are foreground.
+pub(super) fn legend(shares: impl Iterator<Item = f32>) -> Vec<Key> {
+    let key = |foreground, strength, name: &str| Key {
+        sign: Sign::Plate(strength),
+        colour: verdict_colour(foreground, false),
+        name: name.to_owned(),
+    };
+    let mut keys = vec![key(false, BACKGROUND, "background"), key(true, FOREGROUND[3], "foreground")];
+    let mut parted = shares.filter(|&share| share > 0.0 && share < 1.0);
+    if parted.next().is_some() {
+        keys.push(key(true, FOREGROUND[0], "some of a column's frames"));
+    }
+    keys
+}
