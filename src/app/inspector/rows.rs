@@ -4,6 +4,7 @@ use eframe::egui::{Color32, Painter, Pos2, Rangef, Rect, Shape, Stroke, Visuals}
 
 use super::chart::{self, Axis, Columns};
 use super::style;
+use crate::export::figure::axis::power_of_ten;
 use crate::mixture::bins::{Bin, FEW, STEP, rate_range};
 use crate::mixture::verdict::number;
 
@@ -129,8 +130,13 @@ pub(super) fn rates_plot(painter: &Painter, visuals: &Visuals, bins: &[Bin], axi
     }
     columns.paint(&clipped);
     chart::frame(painter, rect, visuals);
-    let ends = [low, high].map(|value| (scale.at(value.log10()), number(value as f32)));
+    let ends = [low, high].map(|rate| (scale.at(rate.log10()), rate_words(rate)));
     chart::y_labels(painter, rect.left(), &ends, visuals);
+}
+
+/// A power of ten beside its axis.
+fn rate_words(rate: f64) -> String {
+    power_of_ten(rate.log10().round() as i32)
 }
 
 /// A stroke in the component's colour for each that was born, replaced another, or rose, in lanes of their own.
@@ -182,4 +188,36 @@ pub(super) fn count_plot(
         &[(count.at(0.0), "0".to_owned()), (count.at(k as f64), k.to_string())],
         visuals,
     );
+}
+
+#[cfg(test)]
+mod tests {
+    use eframe::egui::{Color32, Context, RawInput};
+
+    use super::*;
+    use crate::mixture::bins::bins;
+    use crate::mixture::follow::slots;
+    use crate::mixture::{Parameters, PixelHistory};
+    use crate::settings::{Preset, Settings};
+
+    #[test]
+    fn every_rate_is_written_in_the_room_beside_its_axis() {
+        // What the paper's own rate comes to: a surface of which many values were learned, then far outliers.
+        let parameters = Parameters::new(&Settings::preset(Preset::Paper));
+        let colours = (1..=200).map(|n| (n, if n % 9 == 0 { [124, 131, 119] } else { [100; 3] }));
+        let history = PixelHistory::of_colours((0, 0), parameters, colours);
+        let (low, _) = rate_range(&bins(&history, &slots(&history), 0..200, 50));
+        assert!(low < 1e-4, "a case in point: {low}");
+        let rates = (-12..=0).map(|power| 10_f64.powi(power)).chain([low]);
+        let ctx = Context::default();
+        let mut output = ctx.run_ui(RawInput::default(), |ui| {
+            for rate in rates.clone() {
+                let words = rate_words(rate);
+                let width =
+                    ui.painter().layout_no_wrap(words.clone(), style::tick_font(), Color32::WHITE).size().x;
+                assert!(width <= chart::GUTTER - chart::APART, "{words} takes {width}");
+            }
+        });
+        output.textures_delta.clear();
+    }
 }

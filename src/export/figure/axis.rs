@@ -71,7 +71,7 @@ pub fn written(value: f64) -> String {
 }
 
 /// `0.001`, `1e−7`. The typeface has no raised minus.
-fn power_of_ten(power: i32) -> String {
+pub fn power_of_ten(power: i32) -> String {
     if power >= -4 { written(10_f64.powi(power)) } else { format!("1e−{}", -power) }
 }
 
