@@ -160,6 +160,7 @@ fn ready(frames: Rc<Vec<Shown>>) -> Ready {
         busy: None,
         pixel: None,
         pins: Arc::default(),
+        lost: Vec::new(),
         region: None,
         tuning: None,
         analysis_fps: 0.0,

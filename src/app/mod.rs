@@ -399,6 +399,7 @@ impl Window {
                     chosen: model.chosen,
                     pins: &pins,
                     histories: state.map_or(&[], |state| &state.pins),
+                    lost: state.map_or(&[], |state| &state.lost),
                     region: model.region_shares(),
                     judged: Judged { has_masks: model.has_true_masks(), tuning: model.region_tuning() },
                 };

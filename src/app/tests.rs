@@ -390,6 +390,7 @@ fn state(phase: Phase, shown: Option<u32>) -> State {
         busy: None,
         pixel: None,
         pins: Arc::default(),
+        lost: Vec::new(),
         region: None,
         region_tuning: None,
         tuning: None,

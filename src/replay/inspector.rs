@@ -14,6 +14,8 @@ pub(super) struct Inspector {
     /// The pixel's number and colour in each frame. `history` may be behind: it is extended when
     /// somebody wants to see it, as others hold the last one and it has to be copied then.
     colours: Vec<(u32, [u8; 3])>,
+    /// The pixel that cannot be followed.
+    lost: Option<(u32, u32)>,
 }
 
 impl Inspector {
@@ -21,6 +23,7 @@ impl Inspector {
     /// mixture anew where the parameters are others.
     pub(super) fn choose(&mut self, at: Option<(u32, u32)>, settings: &Settings) {
         let at = at.filter(|_| settings.background_model == BackgroundModel::Mixture);
+        self.lost = None;
         let parameters = Parameters::new(settings);
         if self.history.as_ref().map(|history| history.at) != at {
             self.colours.clear();
@@ -29,6 +32,11 @@ impl Inspector {
         if !self.history.as_ref().is_some_and(same) {
             self.history = at.map(|at| Arc::new(PixelHistory::new(at, parameters)));
         }
+    }
+
+    /// The pixel whose history cannot be known, as the first frames are gone.
+    pub(super) const fn lost(&self) -> Option<(u32, u32)> {
+        self.lost
     }
 
     /// How many frames are known, `None` when no pixel is chosen.
@@ -76,6 +84,7 @@ impl Follower for Inspector {
     }
 
     fn lose(&mut self) {
-        *self = Self::default();
+        let lost = self.history.as_ref().map(|history| history.at);
+        *self = Self { lost, ..Self::default() };
     }
 }

@@ -90,6 +90,9 @@ pub struct State {
     /// The pinned pixels through all frames that are known, in the order in which [`Session::pin`] named them, under the
     /// settings chosen last. Those that cannot be known are left out.
     pub pins: Arc<Vec<Arc<PixelHistory>>>,
+    /// Of the chosen pixel and the pinned ones those whose histories cannot be known, as they begin with first frames
+    /// that a live source no longer has.
+    pub lost: Vec<(u32, u32)>,
     /// The share of foreground around the pixel that [`Session::region`] named, as far as it is counted.
     pub region: Option<Arc<RegionShares>>,
     /// What the chosen pixel would be under other settings, if [`Session::tune`] asked for it. It may

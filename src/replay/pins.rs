@@ -39,6 +39,11 @@ impl Pins {
         self.run_again(settings);
     }
 
+    /// Those whose histories cannot be known.
+    pub(super) fn lost(&self) -> impl Iterator<Item = (u32, u32)> {
+        self.0.iter().filter_map(|(_, inspector)| inspector.lost())
+    }
+
     /// Their histories, brought up to date; those that cannot be known are left out.
     pub(super) fn latest(&mut self) -> Vec<Arc<PixelHistory>> {
         self.0.iter_mut().filter_map(|(_, inspector)| inspector.latest()).collect()

@@ -115,6 +115,7 @@ impl Session {
             shown: None,
             pixel: None,
             pins: Arc::default(),
+            lost: Vec::new(),
             region: None,
             region_tuning: None,
             tuning: None,

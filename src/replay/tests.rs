@@ -604,6 +604,21 @@ fn a_camera_forgets_what_has_no_room() {
 }
 
 #[test]
+fn a_camera_tells_of_which_pixels_it_has_forgotten_the_first_frames() {
+    let watched = camera(u32::MAX, 20);
+    watched.until(|state| state.timeline.analysed > 60);
+    watched.session.inspect(Some(PIXEL));
+    watched.session.pin(vec![(30, 30), PIXEL]);
+    let state = watched.until(|state| state.lost.len() == 3);
+    assert_eq!(state.lost, [PIXEL, (30, 30), PIXEL]);
+    assert!(state.pixel.is_none() && state.pins.is_empty());
+    // Other settings begin with a frame that is there.
+    watched.session.set_settings(Settings { alpha: 0.1, ..settings() });
+    let known = |state: &State| state.lost.is_empty() && state.pins.len() == 2 && state.pixel.is_some();
+    watched.until(known);
+}
+
+#[test]
 fn a_request_that_changes_nothing_wakes_nobody() {
     let folder = scene();
     let watched = Watched::open(folder.path(), settings(), Start::First, 1 << 30);

@@ -869,9 +869,11 @@ impl<'a> Worker<'a> {
         let new_warnings = std::mem::take(&mut self.outbox.warnings);
         self.show_pixel();
         let around = (Arc::new(self.pins.latest()), self.region.latest());
+        let lost = self.lane.inspector.lost().into_iter().chain(self.pins.lost()).collect();
         let region_tuning = self.region_tuner.latest();
         self.shared.publish(|state| {
             (state.pins, state.region) = around;
+            state.lost = lost;
             state.region_tuning = region_tuning;
             if let Some(timeline) = timeline {
                 state.timeline = timeline;

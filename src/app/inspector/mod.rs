@@ -114,6 +114,8 @@ pub struct Beside<'a> {
     pub pins: &'a [(u8, (u32, u32))],
     /// Their histories, as far as they are known.
     pub histories: &'a [Arc<PixelHistory>],
+    /// Those of which no history can be known.
+    pub lost: &'a [(u32, u32)],
     /// The share of foreground around the chosen one, if [`Asks::around`] asks for it.
     pub region: Option<&'a RegionShares>,
     /// What is known by the ground truth.
@@ -212,15 +214,7 @@ impl Inspector {
         });
         let here = Here { index, fps };
         let Some(history) = ahead.or(shown.pixel.as_ref()) else {
-            if !beside.pins.is_empty() {
-                return self.pins_alone(ui, here, beside);
-            }
-            empty(
-                ui,
-                "No pixel chosen",
-                "Click a pixel in any view to see its mixture, how it came about, and why it is foreground or background.",
-            );
-            return None;
+            return self.without_history(ui, here, beside);
         };
         let Some(state) = history.states.get(index) else {
             let (x, y) = history.at;
@@ -306,10 +300,20 @@ impl Inspector {
         pin.or(asked)
     }
 
-    /// The pinned pixels where none is chosen.
-    fn pins_alone(&mut self, ui: &mut Ui, here: Here, beside: &Beside<'_>) -> Option<InspectorAction> {
-        ui.label(RichText::new("No pixel chosen").size(15.0).strong());
-        ui.label(style::aside(ui, "Click a pixel in any view, or one of these, to see its mixture."));
+    /// Why there is no history of the chosen pixel, and the pinned ones.
+    fn without_history(&mut self, ui: &mut Ui, here: Here, beside: &Beside<'_>) -> Option<InspectorAction> {
+        let (title, text) = match beside.chosen {
+            Some((x, y)) if beside.lost.contains(&(x, y)) => (format!("Pixel {x}, {y}"), LOST),
+            Some((x, y)) => (format!("Pixel {x}, {y}"), ON_THE_WAY),
+            None if beside.pins.is_empty() => ("No pixel chosen".to_owned(), CLICK),
+            None => ("No pixel chosen".to_owned(), CLICK_OR_PIN),
+        };
+        if beside.pins.is_empty() {
+            empty(ui, &title, text);
+            return None;
+        }
+        ui.label(RichText::new(title).size(15.0).strong());
+        ui.label(style::aside(ui, text));
         ui.add_space(8.0);
         let scrolled =
             ScrollArea::vertical().id_salt("pins alone").auto_shrink(false).min_scrolled_height(0.0);
@@ -327,6 +331,12 @@ impl Inspector {
         }
     }
 }
+
+const CLICK: &str = "Click a pixel in any view to see its mixture, how it came about, and why it is foreground or background.";
+const CLICK_OR_PIN: &str = "Click a pixel in any view, or one of these, to see its mixture.";
+const ON_THE_WAY: &str = "Its history is on the way: it is gathered from the first frame on.";
+const LOST: &str = "Its mixture cannot be known: it begins with the first frames, which this live source no longer has. \
+     Another setting of the mixture begins anew with the next frame; a recording keeps them all.";
 
 fn follow(followed: &mut Option<Followed>, history: &Arc<PixelHistory>) -> Arc<Vec<[u8; MAX_K]>> {
     match followed {

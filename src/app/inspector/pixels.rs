@@ -6,8 +6,8 @@ use std::sync::Arc;
 
 use eframe::egui::accesskit::Role;
 use eframe::egui::{
-    Align, Align2, Button, Color32, Layout, Painter, Pos2, Rangef, Rect, Response, RichText, Sense, Shape,
-    Stroke, Tooltip, Ui, Visuals, WidgetInfo, vec2,
+    Align, Align2, Button, Color32, Label, Layout, Painter, Pos2, Rangef, Rect, Response, RichText, Sense, Shape,
+    Stroke, Tooltip, Ui, UiBuilder, Visuals, WidgetInfo, vec2,
 };
 use egui_material_icons::icons as m;
 
@@ -58,6 +58,9 @@ struct Spark {
     /// The share of its frames that are foreground.
     foreground: f32,
 }
+
+const ON_THE_WAY: &str = "Its first frames are on the way …";
+const LOST: &str = "It cannot be known: it begins with frames that this live source no longer has.";
 
 /// Where the frame in view is.
 #[derive(Clone, Copy)]
@@ -149,9 +152,9 @@ impl Pixels {
                 }
                 Some(_) => {}
                 None => {
-                    let text = "its first frames are on the way …";
-                    let (font, ink) = (style::font(), style::muted(ui.visuals()));
-                    ui.painter().text(area.left_center(), Align2::LEFT_CENTER, text, font, ink);
+                    let text = if beside.lost.contains(&at) { LOST } else { ON_THE_WAY };
+                    let text = Label::new(style::aside(ui, text)).wrap();
+                    ui.new_child(UiBuilder::new().max_rect(area)).add(text);
                 }
             }
             asked = go_to(ui, &response, axis, frames, |ui, frame| {

@@ -105,6 +105,42 @@ fn pins_belong_to_their_video() {
 }
 
 #[test]
+fn pixels_whose_first_frames_are_gone_are_said_to_be_unknowable() {
+    let (mut harness, scene) = inspected((1600.0, 1000.0), Theme::Dark);
+    for at in &PINNED[..2] {
+        apply(&mut harness, Command::Choose(Some(*at)));
+        act(&mut harness, Action::Pin);
+    }
+    // As a camera's that has been running for a while: neither is known, one not yet.
+    {
+        let mut state = scene.state.borrow_mut();
+        (state.pixel, state.pins, state.lost) = (None, Arc::default(), vec![AT]);
+        state.shown = Some(Arc::new(shown_at(58)));
+    }
+    apply(&mut harness, Command::Choose(Some(AT)));
+    settle(&mut harness);
+    harness.run_steps(2);
+    assert!(harness.query_by_label("No pixel chosen").is_none());
+    harness.get_by_label("Pixel 80, 60");
+    harness.get_by_label_contains("Its mixture cannot be known: it begins with the first frames");
+    harness.get_by_label_contains("It cannot be known");
+    harness.get_by_label("Its first frames are on the way …");
+    picture(&mut harness, "pixels-lost");
+    apply(&mut harness, Command::Choose(Some(PINNED[1])));
+    harness.run_steps(2);
+    harness.get_by_label("Pixel 30, 40");
+    harness.get_by_label_contains("Its history is on the way");
+    act(&mut harness, Action::ClearPins);
+    apply(&mut harness, Command::Choose(Some(AT)));
+    harness.run_steps(2);
+    harness.get_by_label_contains("Its mixture cannot be known");
+    picture(&mut harness, "pixel-lost");
+    apply(&mut harness, Command::Choose(None));
+    harness.run_steps(2);
+    harness.get_by_label("No pixel chosen");
+}
+
+#[test]
 fn the_region_around_the_pixel_is_asked_for_while_it_is_looked_at() {
     let (mut harness, scene) = inspected((1600.0, 1000.0), Theme::Dark);
     assert!(regions_asked(&scene).is_empty());
