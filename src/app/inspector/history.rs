@@ -1,4 +1,4 @@
-//! How the mixture came about: values and components through time, weights, B, the verdict.
+//! How the mixture came about: values and components through time, weights, B, ρ, the changes of components, the verdict.
 
 use std::ops::Range;
 use std::sync::Arc;

@@ -147,7 +147,10 @@ impl View {
                  hidden). Dotted: the gate. Hatched: where one hides the other. Flags: this frame's events."
             }
             Self::Difference => "The greatest difference of a channel between input and background, doubled.",
-            Self::Map => "One number of each pixel's mixture as a colour: its title bar has which.",
+            Self::Map => {
+                "One number of each pixel as a colour, of its mixture or how long ago it was foreground: its title bar has \
+                 which."
+            }
             Self::BesideBackground => {
                 "The background model after this frame, under the settings not in view."
             }
