@@ -40,6 +40,11 @@ pub fn identity_colour(id: Identity) -> [u8; 3] {
     IDENTITIES[(id.max(1) - 1) as usize % IDENTITIES.len()]
 }
 
+/// The same on light ground, darker.
+pub fn identity_on_light(id: Identity) -> [u8; 3] {
+    on_light(identity_colour(id))
+}
+
 /// The colour of a mixture's component by the slot that it stands in, from 0.
 pub fn component_colour(slot: usize) -> [u8; 3] {
     COMPONENTS[slot % COMPONENTS.len()]
@@ -47,7 +52,11 @@ pub fn component_colour(slot: usize) -> [u8; 3] {
 
 /// The same on light ground, darker, where the palette's yellow would vanish.
 pub fn component_on_light(slot: usize) -> [u8; 3] {
-    component_colour(slot).map(|channel| (f32::from(channel) * 0.78) as u8)
+    on_light(component_colour(slot))
+}
+
+fn on_light(colour: [u8; 3]) -> [u8; 3] {
+    colour.map(|channel| (f32::from(channel) * 0.78) as u8)
 }
 
 /// Vermilion for foreground, bluish green for background: told apart with any kind of colour vision.

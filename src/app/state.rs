@@ -547,8 +547,8 @@ impl Model {
     }
 
     /// That share, if it is there.
-    pub(crate) fn region_shares(&self) -> Option<&RegionShares> {
-        let shares = self.state.as_ref()?.region.as_deref();
+    pub(crate) fn region_shares(&self) -> Option<&Arc<RegionShares>> {
+        let shares = self.state.as_ref()?.region.as_ref();
         shares.filter(|shares| Some(shares.at) == self.chosen)
     }
 

@@ -13,6 +13,7 @@ pub mod picture;
 pub mod picture_queue;
 pub mod pixel_csv;
 pub mod regions_csv;
+pub mod shares_csv;
 pub mod staging;
 pub mod statistics_csv;
 pub mod summary;

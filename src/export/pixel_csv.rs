@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use super::number::significant;
-use crate::mixture::{Parameters, PixelState};
+use crate::mixture::{Parameters, PixelHistory, PixelState};
 
 /// Writes the header for these parameters.
 pub fn write_header(out: &mut impl Write, parameters: &Parameters) -> io::Result<()> {
@@ -46,11 +46,26 @@ pub fn write_row(out: &mut impl Write, parameters: &Parameters, state: &PixelSta
     writeln!(out)
 }
 
+/// Writes several pixels one after the other, each with its number and its place before every row. All are under the
+/// parameters of the first.
+pub fn write_pins(out: &mut impl Write, pins: &[(u8, &PixelHistory)]) -> io::Result<()> {
+    let Some((_, first)) = pins.first() else { return Ok(()) };
+    write!(out, "pin,x,y,")?;
+    write_header(out, &first.parameters)?;
+    for (pin, history) in pins {
+        let (x, y) = history.at;
+        for state in &history.states {
+            write!(out, "{pin},{x},{y},")?;
+            write_row(out, &first.parameters, state)?;
+        }
+    }
+    Ok(())
+}
+
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use crate::mixture::PixelHistory;
     use crate::settings::{Preset, Settings, Space};
 
     fn table(settings: &Settings, colours: &[[u8; 3]]) -> Vec<String> {
@@ -77,6 +92,25 @@ mod tests {
         // ρ = α / 1, σ² = 0.99·400; p = 1 / (2π·400)^(3/2).
         assert!(rows[2].starts_with("2,10,20,30,1,1,1,0,0.00999999978,7.9367"), "{}", rows[2]);
         assert!(rows[3].starts_with("3,200,20,30,0,2,1,1,0,"), "{}", rows[3]);
+    }
+
+    #[test]
+    fn pins_have_their_number_and_place_before_the_columns_of_one_pixel() {
+        let parameters = Parameters::new(&Settings { k: 1, ..Settings::preset(Preset::Plain) });
+        let of = |at, level| PixelHistory::of_colours(at, parameters, (1..=2).map(|n| (n, [level; 3])));
+        let (one, other) = (of((3, 4), 90), of((70, 8), 20));
+        let mut text = Vec::new();
+        write_pins(&mut text, &[(1, &one), (4, &other)]).unwrap();
+        let text = String::from_utf8(text).unwrap();
+        let rows: Vec<_> = text.lines().collect();
+        assert_eq!(rows.len(), 5);
+        assert!(rows[0].starts_with("pin,x,y,frame,value_r,value_g,value_b,matched"), "{}", rows[0]);
+        assert!(rows[2].starts_with("1,3,4,2,90,90,90,1,"), "{}", rows[2]);
+        assert!(rows[3].starts_with("4,70,8,1,20,20,20,0,"), "{}", rows[3]);
+        assert!(rows.iter().all(|row| row.matches(',').count() == rows[0].matches(',').count()));
+        let mut nothing = Vec::new();
+        write_pins(&mut nothing, &[]).unwrap();
+        assert!(nothing.is_empty());
     }
 
     #[test]

@@ -3,8 +3,8 @@
 //! [`pixel`] is the definition, one pixel in plain words. [`image`] does the same to a whole
 //! image, bit for bit, fast: sixteen pixels of a `tile` side by side, many frames at a time. [`history`] follows one pixel through many frames, [`follow`] its
 //! components through their changes of rank, [`verdict`] says in words why it was decided so, and
-//! [`tuning`] what it would take to decide otherwise. [`standing`], [`bins`] and [`places`] are what plots are drawn from:
-//! the mixture of one frame, many frames in few columns, and where the values lie.
+//! [`tuning`] what it would take to decide otherwise. [`standing`], [`bins`], [`sparks`] and [`places`] are what plots are
+//! drawn from: the mixture of one frame, many frames in few columns, the same for several pixels, and where the values lie.
 
 mod appearance;
 pub mod bins;
@@ -17,6 +17,7 @@ pub mod opencv;
 pub mod pixel;
 pub mod places;
 pub mod shadow;
+pub mod sparks;
 pub mod standing;
 pub mod statistics;
 mod tile;

@@ -3,7 +3,7 @@
 //! `now` draws the mixture of the frame in view, `history` how it came about, `scatter`
 //! where the values lie among the channels, `tuning` what the pixel would be under other settings, `statistics` counts,
 //! `pixels` has it beside others. They draw; what they show is worked out in
-//! [`crate::mixture`]. Each has a `menu` that takes its `plot` along as a [`crate::export::figure`], or its `table`.
+//! [`crate::mixture`]. Each plot has a `menu` that takes it along as a [`crate::export::figure`], or its `table`.
 
 mod chart;
 mod components;
@@ -117,7 +117,7 @@ pub struct Beside<'a> {
     /// Those of which no history can be known.
     pub lost: &'a [(u32, u32)],
     /// The share of foreground around the chosen one, if [`Asks::around`] asks for it.
-    pub region: Option<&'a RegionShares>,
+    pub region: Option<&'a Arc<RegionShares>>,
     /// What is known by the ground truth.
     pub judged: Judged<'a>,
 }
@@ -294,7 +294,7 @@ impl Inspector {
                 Tab::Scatter => self.scatter.ui(ui, &chosen),
                 Tab::Tuning => self.tuning.ui(ui, &chosen, tuning, &beside.judged),
                 Tab::Statistics => self.statistics.ui(ui, &chosen),
-                Tab::Pixels => self.pixels.ui(ui, here, beside),
+                Tab::Pixels => self.pixels.ui(ui, history, here, beside),
             })
             .inner;
         pin.or(asked)

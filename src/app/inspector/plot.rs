@@ -5,14 +5,14 @@ use std::sync::Arc;
 use std::{fs, io};
 
 use super::Followed;
-use super::table::Table;
+use super::table::{Table, borrowed};
 use crate::app::whole_file;
 use crate::export::figure::cube::{self, Look};
 use crate::export::figure::mixture::{self, Moment};
-use crate::export::figure::{Figure, raster, scatter, svg, through_time, tuning};
+use crate::export::figure::{Figure, pins, raster, region, scatter, svg, through_time, tuning};
 use crate::frame::Frame;
-use crate::mixture::places;
-use crate::replay::{RegionTuning, Tuning};
+use crate::mixture::{PixelHistory, places};
+use crate::replay::{RegionShares, RegionTuning, Tuning};
 use crate::truth::decisions::Measure;
 
 /// A plot as it stands in the window. Its figure is only made when it is asked for, on a thread of its own.
@@ -32,6 +32,10 @@ pub enum Plot {
     Map(Followed, Box<Tuning>),
     /// How right the pixels around it would be.
     Judged(Followed, Arc<RegionTuning>, Measure),
+    /// The share of foreground around a pixel, with the frame in view.
+    Region(Arc<PixelHistory>, Arc<RegionShares>, usize),
+    /// Pinned pixels with their numbers, with the frame in view.
+    Pins(Vec<(u8, Arc<PixelHistory>)>, usize),
 }
 
 /// Which file is written.
@@ -78,6 +82,8 @@ impl Plot {
                 let about = format!("{width}×{height} pixels, {} frames", judged.frames);
                 tuning::of_decisions(&of.history, &about, (&judged.axes, &judged.cells), *measure)
             }
+            Self::Region(of, shares, index) => region::figure(of, shares, *index),
+            Self::Pins(pins, index) => pins::figure(&borrowed(pins), *index),
         }
     }
 
@@ -97,21 +103,25 @@ impl Plot {
             }
             Self::Map(_, tuning) => Table::Map(tuning.clone()),
             Self::Judged(_, judged, _) => Table::Judged(Arc::clone(judged)),
+            Self::Region(of, shares, _) => Table::Region(Arc::clone(of), Arc::clone(shares)),
+            Self::Pins(pins, _) => Table::Pins(pins.clone()),
         }
     }
 
     /// A name for its file.
     pub fn name(&self, format: Format) -> String {
         let (what, of) = match self {
-            Self::Densities(of, ..) => ("densities", of),
-            Self::Weights(of, ..) => ("weights", of),
-            Self::History(of, _) => ("history", of),
-            Self::Scatter(of, ..) => ("scatter", of),
-            Self::Cube(of, ..) => ("scatter-3d", of),
-            Self::Map(of, _) => ("tuning", of),
-            Self::Judged(of, ..) => ("right", of),
+            Self::Densities(of, ..) => ("densities", &of.history),
+            Self::Weights(of, ..) => ("weights", &of.history),
+            Self::History(of, _) => ("history", &of.history),
+            Self::Scatter(of, ..) => ("scatter", &of.history),
+            Self::Cube(of, ..) => ("scatter-3d", &of.history),
+            Self::Map(of, _) => ("tuning", &of.history),
+            Self::Judged(of, ..) => ("right", &of.history),
+            Self::Region(of, ..) => ("region", of),
+            Self::Pins(..) => return format!("pins.{}", format.ending()),
         };
-        let (x, y) = of.history.at;
+        let (x, y) = of.at;
         format!("{what}-{x}-{y}.{}", format.ending())
     }
 

@@ -6,9 +6,9 @@ use std::sync::Arc;
 use std::{fs, io};
 
 use crate::app::whole_file;
-use crate::export::{pixel_csv, statistics_csv, tuning_csv};
+use crate::export::{pixel_csv, shares_csv, statistics_csv, tuning_csv};
 use crate::mixture::PixelHistory;
-use crate::replay::{RegionTuning, Tuning};
+use crate::replay::{RegionShares, RegionTuning, Tuning};
 
 /// What can be copied or saved. It is written only when it is asked for.
 #[derive(Clone, Debug, PartialEq)]
@@ -21,6 +21,10 @@ pub enum Table {
     Judged(Arc<RegionTuning>),
     /// What is counted over these states of a pixel, in one row.
     Statistics(Arc<PixelHistory>, Range<usize>),
+    /// The share of foreground around a pixel, a frame a row.
+    Region(Arc<PixelHistory>, Arc<RegionShares>),
+    /// Pinned pixels with their numbers, a frame of each a row.
+    Pins(Vec<(u8, Arc<PixelHistory>)>),
 }
 
 impl Table {
@@ -29,6 +33,8 @@ impl Table {
         match self {
             Self::History(_, range) => range.len(),
             Self::Statistics(..) => 1,
+            Self::Region(history, shares) => history.states.len().min(shares.cleaned.len()),
+            Self::Pins(pins) => pins.iter().map(|(_, history)| history.states.len()).sum(),
             Self::Map(tuning) => tuning.map.axes.iter().map(|axis| axis.values.len()).product(),
             Self::Judged(judged) => judged.cells.len(),
         }
@@ -41,6 +47,8 @@ impl Table {
             Self::Map(tuning) => format!("tuning-{}-{}.csv", tuning.at.0, tuning.at.1),
             Self::Judged(judged) => format!("right-{}-{}.csv", judged.at.0, judged.at.1),
             Self::Statistics(history, _) => format!("statistics-{}-{}.csv", history.at.0, history.at.1),
+            Self::Region(history, _) => format!("region-{}-{}.csv", history.at.0, history.at.1),
+            Self::Pins(_) => "pins.csv".to_owned(),
         }
     }
 
@@ -53,6 +61,8 @@ impl Table {
                 states.into_iter().try_for_each(|state| pixel_csv::write_row(out, &history.parameters, state))
             }
             Self::Statistics(history, range) => statistics_csv::write(out, history, range.clone()),
+            Self::Region(history, shares) => shares_csv::write(out, history, shares),
+            Self::Pins(pins) => pixel_csv::write_pins(out, &borrowed(pins)),
             Self::Map(tuning) => tuning_csv::write_map(out, &tuning.map),
             Self::Judged(judged) => tuning_csv::write_decisions(out, &judged.axes, &judged.cells),
         }
@@ -73,4 +83,9 @@ impl Table {
             io::Write::flush(&mut out)
         })
     }
+}
+
+/// Pinned pixels as writers take them.
+pub(super) fn borrowed(pins: &[(u8, Arc<PixelHistory>)]) -> Vec<(u8, &PixelHistory)> {
+    pins.iter().map(|(number, history)| (*number, &**history)).collect()
 }

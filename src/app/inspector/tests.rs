@@ -22,7 +22,7 @@ use crate::mixture::{Parameters, PixelHistory};
 use crate::occlusion::Counters;
 use crate::pipeline::Analysis;
 use crate::regions::Labels;
-use crate::replay::{Shown, Tuning};
+use crate::replay::{RegionShares, Shown, Tuning};
 use crate::settings::{BackgroundModel, Preset, Settings, Space};
 
 const SIZE: Size = Size::new(8, 6);

@@ -79,11 +79,16 @@ fn a_copied_table_is_on_the_clipboard() {
     harness.get_by_label("Copy or save the numbers").click();
     harness.run_steps(4);
     harness.get_by_label("Copy CSV of frames").click();
-    let copied = given_to_clipboard(&mut harness, |command| {
-        if let egui::OutputCommand::CopyText(text) = command { Some(text.clone()) } else { None }
-    });
+    let copied = copied_text(&mut harness);
     assert_eq!(copied.lines().count() as u32, FRAMES + 1);
     assert!(copied.starts_with("frame,value_r,value_g,value_b,matched,"));
+}
+
+/// Waits for a table.
+pub(super) fn copied_text(harness: &mut Harness<'_, Window>) -> String {
+    given_to_clipboard(harness, |command| {
+        if let egui::OutputCommand::CopyText(text) = command { Some(text.clone()) } else { None }
+    })
 }
 
 /// Waits for the thread that makes what was asked for.

@@ -1,5 +1,6 @@
 //! Pinned pixels and the region around the chosen one, from the keys to what the worker is asked.
 
+use super::inspector::copied_text;
 use super::*;
 use crate::app::command::Action;
 use crate::app::state::Camera;
@@ -138,6 +139,35 @@ fn pixels_whose_first_frames_are_gone_are_said_to_be_unknowable() {
     apply(&mut harness, Command::Choose(None));
     harness.run_steps(2);
     harness.get_by_label("No pixel chosen");
+}
+
+#[test]
+fn what_is_seen_of_several_pixels_can_be_taken_along() {
+    let (mut harness, scene) = inspected((1600.0, 1000.0), Theme::Dark);
+    for at in PINNED.into_iter().rev() {
+        apply(&mut harness, Command::Choose(Some(at)));
+        act(&mut harness, Action::Pin);
+    }
+    harness.get_by_label("Pixels").click();
+    harness.run_steps(4);
+    harness.get_by_label("Copy or save the share of foreground").click();
+    harness.run_steps(4);
+    picture(&mut harness, "pixels-menu");
+    harness.get_by_label("Copy CSV").click();
+    let copied = copied_text(&mut harness);
+    let shares = scene.state.borrow().region.clone().unwrap();
+    assert_eq!(copied.lines().count() as u32, FRAMES + 1);
+    let share = |share: f32| crate::export::number::significant(share.into());
+    let row = format!("50,{},{}", share(shares.model[49]), share(shares.cleaned[49]));
+    assert!(copied.starts_with("frame,model,cleaned\n") && copied.lines().nth(50) == Some(&row), "{copied}");
+
+    harness.get_by_label("Copy or save the pinned pixels").click();
+    harness.run_steps(4);
+    harness.get_by_label("Copy CSV").click();
+    let copied = copied_text(&mut harness);
+    assert_eq!(copied.lines().count() as u32, 3 * FRAMES + 1);
+    assert!(copied.starts_with("pin,x,y,frame,value_r,"));
+    assert!(copied.lines().nth(1).unwrap().starts_with("1,120,50,1,"), "the number under which it is pinned");
 }
 
 #[test]

@@ -1,14 +1,16 @@
 //! Figures for publications: described once as data, written as SVG, and from that as PNG.
 //!
 //! A [`Figure`] is panels with axes and marks on white ground, in points of 1/72 inch. What is to be
-//! seen of a pixel is made by [`mixture`], [`through_time`], [`scatter`], [`cube`] and [`tuning`]; [`svg`] and
-//! `raster` know nothing of pixels.
+//! seen of a pixel is made by [`mixture`], [`through_time`], [`scatter`], [`cube`] and [`tuning`], of several by
+//! [`pins`] and of those around one by [`region`]; [`svg`] and `raster` know nothing of pixels.
 
 pub mod axis;
 pub mod cube;
 pub mod mixture;
+pub mod pins;
 #[cfg(feature = "gui")]
 pub mod raster;
+pub mod region;
 pub mod scatter;
 pub mod svg;
 #[cfg(test)]

@@ -8,7 +8,7 @@ use ::svg::parser::Event;
 
 use super::cube::{Look, Turn};
 use super::mixture::{Moment, densities, weights};
-use super::{Figure, Sign, cube, scatter, svg, through_time, tuning};
+use super::{Figure, Sign, cube, pins, region, scatter, svg, through_time, tuning};
 use crate::export::pixel_csv;
 use crate::mixture::follow::{Change, change, slots};
 use crate::mixture::places::{By, Choice, Space};
@@ -16,6 +16,7 @@ use crate::mixture::standing::standings;
 use crate::mixture::tuning::{Knob, map};
 use crate::mixture::{MAX_K, Parameters, PixelHistory};
 use crate::palette::component_on_light;
+use crate::replay::RegionShares;
 use crate::settings::{Preset, Settings, Space as Channels};
 
 /// Two surfaces in turn with noise, and for a while a third.
@@ -339,6 +340,61 @@ fn a_figure_names_every_parameter_that_made_it() {
     }
 }
 
+/// A share that comes and goes, with what cleaning takes away.
+fn shares() -> RegionShares {
+    let share = |n: u32| (1.6 * (n as f32 / 44.0).sin() - 0.4).clamp(0.0, 1.0);
+    let model = (0..400).map(|n| (share(n) + if n % 7 == 0 { 0.12 } else { 0.0 }).min(1.0)).collect();
+    RegionShares { at: (5, 4), side: 5, pixels: 25, model, cleaned: (0..400).map(share).collect() }
+}
+
+#[test]
+fn the_shares_around_a_pixel_and_pinned_pixels_are_drawn_frame_by_frame() {
+    let history = history_of(&settings(), 400);
+    let shares = shares();
+    let panel = &panels(&svg::write(&region::figure(&history, &shares, 230)))[0];
+    let (area, line) =
+        (&panel.corners("share after cleaning")[0], &panel.corners("share before cleaning")[0]);
+    assert_eq!((area.len(), line.len()), (802, 800), "two corners a frame, and the ground");
+    for at in 0..400 {
+        for (corners, expected) in [(area, shares.cleaned[at]), (line, shares.model[at])] {
+            for (corner, frame) in
+                [(corners[2 * at], at as f64 + 0.5), (corners[2 * at + 1], at as f64 + 1.5)]
+            {
+                near(corner[0], frame, 1e-2);
+                near(corner[1], expected.into(), 1e-3);
+            }
+        }
+    }
+    near(panel.corners("frame in view")[0][0][0], 231.0, 1e-2);
+
+    let other = PixelHistory { at: (70, 8), ..history_of(&Settings { k: 2, ..settings() }, 400) };
+    let figure = pins::figure(&[(1, &history), (4, &other)], 230);
+    let captions: Vec<_> = figure
+        .panels
+        .iter()
+        .map(|panel| panel.caption.as_str())
+        .filter(|caption| !caption.is_empty())
+        .collect();
+    assert_eq!(captions, ["P1, pixel (5, 4)", "P4, pixel (70, 8)"]);
+    let panels = panels(&svg::write(&figure));
+    assert_eq!(panels.len(), 4, "each with its verdicts");
+    for (pair, history) in panels.chunks(2).zip([&history, &other]) {
+        let line = &pair[0].corners("brightness")[0];
+        assert_eq!(line.len(), 400);
+        for (point, state) in line.iter().zip(&history.states) {
+            near(point[0], state.number.into(), 1e-2);
+            near(point[1], crate::mixture::pixel::luma(state.rgb).into(), 1e-2);
+        }
+        let first = &pair[0].corners("band of rank 1");
+        assert_eq!(first.len(), 400);
+        let [r, g, b] = history.states[399].pixel.components()[0].mean.map(f64::from);
+        let middle = f64::midpoint(first[399][0][1], first[399][1][1]);
+        near(middle, 0.299 * r + 0.587 * g + 0.114 * b, 1e-2);
+        let frames = pair[1].corners("foreground").iter().map(|rect| rect[1][0] - rect[0][0]).sum::<f64>();
+        near(frames, history.states.iter().filter(|state| state.outcome.foreground).count() as f64, 0.5);
+    }
+}
+
 fn everywhere(space: Space, by: By) -> Choice {
     Choice { space, frames: 0..400, by }
 }
@@ -450,6 +506,9 @@ fn all() -> Vec<(&'static str, Figure)> {
         ),
         ("tuning", tuning::figure(&history, &maps[0], 230)),
         ("tuning-k", tuning::figure(&history, &maps[1], 230)),
+        ("region", region::figure(&history, &shares(), 230)),
+        ("pins", pins::figure(&[(1, &history), (2, &gray), (5, &history)], 230)),
+        ("pins-none", pins::figure(&[], 230)),
     ]
 }
 

@@ -88,7 +88,8 @@ pub fn figure(history: &PixelHistory, slots: &[[u8; MAX_K]], choice: &Choice) ->
     figure
 }
 
-fn number_at(history: &PixelHistory, index: usize) -> u32 {
+/// The number of the frame at a position.
+pub(super) fn number_at(history: &PixelHistory, index: usize) -> u32 {
     history.states.get(index).map_or(0, |state| state.number)
 }
 

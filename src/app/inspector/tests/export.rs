@@ -101,3 +101,60 @@ fn a_scatter_plot_takes_along_the_frames_that_it_shows() {
         assert_eq!(*frames, expected);
     }
 }
+
+#[test]
+fn the_region_and_the_pins_can_be_taken_along_as_picture_drawing_and_table() {
+    let shown = shown(430);
+    let history = Arc::clone(shown.pixel.as_ref().unwrap());
+    let other = Arc::new(PixelHistory { at: (1, 2), ..history_of(&settings(), 600) });
+    let histories = [Arc::clone(&other), Arc::clone(&history)];
+    let (model, cleaned) = (vec![0.5; 600], vec![0.25; 600]);
+    let region = Arc::new(RegionShares { at: AT, side: 5, pixels: 25, model, cleaned });
+    let actions = Rc::new(RefCell::new(Vec::new()));
+    let (asked, mut inspector, shares) = (Rc::clone(&actions), Inspector::default(), Arc::clone(&region));
+    let mut harness = Harness::builder()
+        .with_size(Vec2::new(380.0, 900.0))
+        .with_context_setup(crate::app::theme::install)
+        .wgpu()
+        .build_ui(move |ui| {
+            let beside = Beside {
+                chosen: Some(AT),
+                pins: &[(2, AT), (5, (1, 2)), (6, (3, 3))],
+                histories: &histories,
+                region: Some(&shares),
+                ..Beside::default()
+            };
+            egui::CentralPanel::default().show(ui, |ui| {
+                asked.borrow_mut().extend(inspector.ui(ui, Some(&shown), None, None, 10.0, &beside));
+            });
+        });
+    open(&mut harness, "Pixels");
+    picture(&mut harness, "pixels");
+    let folder = tempfile::tempdir().unwrap();
+    for (menu, file, rows) in [
+        ("Copy or save the share of foreground", "region-5-4", 600),
+        ("Copy or save the pinned pixels", "pins", 1200),
+    ] {
+        choose(&mut harness, menu, "Copy picture");
+        let [InspectorAction::CopyPicture(plot)] = &actions.take()[..] else { panic!("{file}: no picture") };
+        let picture = plot.drawn().unwrap();
+        assert!(picture.size.width > 2000 && picture.rgb[..3] == [255; 3], "{file}: a page wide, on white");
+        for (entry, format) in [("Save PNG…", Format::Png), ("Save SVG…", Format::Svg)] {
+            choose(&mut harness, menu, entry);
+            let [InspectorAction::SavePicture(same, asked)] = &actions.take()[..] else { panic!("no file") };
+            assert_eq!(
+                (same, *asked, same.name(format)),
+                (plot, format, format!("{file}.{}", format.ending()))
+            );
+            same.save(folder.path().join(same.name(format)), format).unwrap();
+        }
+        choose(&mut harness, menu, "Save CSV…");
+        let [InspectorAction::Save(table)] = &actions.take()[..] else { panic!("{file}: no table") };
+        assert_eq!((table.name(), table.rows()), (format!("{file}.csv"), rows));
+        assert_eq!(table.csv().unwrap().lines().count(), rows + 1);
+    }
+    // Of a pin that is not known there is nothing to take along.
+    choose(&mut harness, "Copy or save the pinned pixels", "Copy CSV");
+    let [InspectorAction::Copy(Table::Pins(pins))] = &actions.take()[..] else { panic!("no table") };
+    assert_eq!(pins.iter().map(|(number, of)| (*number, of.at)).collect::<Vec<_>>(), [(2, AT), (5, (1, 2))]);
+}

@@ -1,0 +1,82 @@
+//! Several pixels through time one over the other, as a figure.
+
+use super::through_time::{COLUMNS, number_at};
+use super::{Axis, Figure, GRAY, INK, Key, Panel, Shape, Sign, WIDE, frames_axis, parameters, verdicts};
+use crate::mixture::PixelHistory;
+use crate::mixture::sparks::{Spark, levels, sparks};
+use crate::palette::identity_on_light;
+
+/// How strongly the band of component 1, and those of the others, are drawn.
+const STRENGTHS: [f64; 2] = [0.42, 0.24];
+
+/// The figure: of each pixel, with its number, its brightness over the bands of its background components, and its
+/// verdict below. `index` is the position of the frame in view.
+pub fn figure(pins: &[(u8, &PixelHistory)], index: usize) -> Figure {
+    let frames = pins.iter().map(|(_, history)| history.states.len()).max().unwrap_or(0);
+    let longest = pins.iter().map(|(_, history)| *history).find(|history| history.states.len() == frames);
+    let number = |position| longest.map_or(0, |history| number_at(history, position));
+    let (first, last) = (number(0), number(frames.saturating_sub(1)));
+    let lambda = longest.map_or(0.0, |history| history.parameters.lambda);
+    let title = format!("pinned pixels, frames {first}–{last}");
+    let key = |sign, colour, name: &str| Key { sign, colour, name: name.to_owned() };
+    let band = format!("μ ± {}σ of background components", crate::mixture::verdict::number(lambda));
+    let mut legend = vec![
+        key(Sign::Line, INK, "brightness"),
+        key(Sign::Plate(STRENGTHS[0]), GRAY, &band),
+        key(Sign::Dashed, INK, "frame in view"),
+    ];
+    let columns: Vec<Vec<Spark>> = pins.iter().map(|(_, history)| sparks(history, COLUMNS, frames)).collect();
+    legend.extend(verdicts::legend(columns.iter().flatten().map(|spark| spark.foreground)));
+    let description = longest.map(parameters).unwrap_or_default();
+    let mut figure = Figure::new(WIDE, title, description, legend);
+    let ends = if frames == 0 { (0.5, 1.5) } else { (f64::from(first) - 0.5, f64::from(last) + 0.5) };
+    let mut panels = Vec::new();
+    for ((pin, history), sparks) in pins.iter().zip(&columns) {
+        let (low, high) = levels(sparks);
+        let mut panel = Panel::new(
+            frames_axis(ends),
+            Axis::new(format!("P{pin} (levels)"), (low.into(), high.into()), 3),
+        );
+        let (x, y) = history.at;
+        panel.caption = format!("P{pin}, pixel ({x}, {y})");
+        bands(&mut panel, history, sparks, identity_on_light((*pin).into()));
+        let brightness = sparks.iter().flat_map(|spark| {
+            let [from, to] = edges(history, spark);
+            let middle = f64::midpoint(from, to);
+            [[middle, f64::from(spark.values.0)], [middle, f64::from(spark.values.1)]]
+        });
+        let mut points: Vec<_> = brightness.collect();
+        points.dedup();
+        panel.draw("brightness", Shape::Line { points, width: 0.6, dashed: false }, INK, 1.0);
+        let mut below = Panel { grid: false, ..Panel::new(frames_axis(ends), Axis::new("", (0.0, 1.0), 1)) };
+        below.y.ticks.clear();
+        verdicts::draw(&mut below, sparks.iter().map(|spark| (edges(history, spark), spark.foreground)));
+        for panel in [&mut panel, &mut below] {
+            if index < frames {
+                panel.upright("frame in view", f64::from(number(index)), 0.6, true);
+            }
+        }
+        panels.extend([(panel, 46.0), (below, 6.0)]);
+    }
+    figure.stack(0, 1, panels);
+    figure
+}
+
+/// A frame takes from half before its number to half after it.
+fn edges(history: &PixelHistory, spark: &Spark) -> [f64; 2] {
+    let from = f64::from(number_at(history, spark.frames.start)) - 0.5;
+    [from, f64::from(number_at(history, spark.frames.end.saturating_sub(1))) + 0.5]
+}
+
+/// The reach of the background components, those of one rank as one thing.
+fn bands(panel: &mut Panel, history: &PixelHistory, sparks: &[Spark], colour: crate::regions::Rgb) {
+    let most = sparks.iter().map(|spark| spark.bands.len()).max().unwrap_or(0);
+    for rank in 0..most {
+        let rects = sparks.iter().filter_map(|spark| {
+            let (&(low, high), [from, to]) = (spark.bands.get(rank)?, edges(history, spark));
+            Some([from, f64::from(low), to, f64::from(high)])
+        });
+        let strength = STRENGTHS[rank.min(1)];
+        panel.draw(format!("band of rank {}", rank + 1), Shape::Rects(rects.collect()), colour, strength);
+    }
+}

@@ -1,0 +1,38 @@
+//! The share of foreground around a pixel, a frame a row.
+
+use std::io::{self, Write};
+
+use super::number::significant;
+use crate::mixture::PixelHistory;
+use crate::replay::RegionShares;
+
+/// Writes header and rows: each frame's number, and the shares before and after cleaning. `history` is that of the pixel
+/// in the middle, which has the numbers.
+pub fn write(out: &mut impl Write, history: &PixelHistory, shares: &RegionShares) -> io::Result<()> {
+    writeln!(out, "frame,model,cleaned")?;
+    let both = shares.model.iter().zip(&shares.cleaned);
+    history.states.iter().zip(both).try_for_each(|(state, (&model, &cleaned))| {
+        writeln!(out, "{},{},{}", state.number, significant(model.into()), significant(cleaned.into()))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use super::*;
+    use crate::mixture::Parameters;
+    use crate::settings::{Preset, Settings};
+
+    #[test]
+    fn a_row_is_a_frame_with_both_shares() {
+        let parameters = Parameters::new(&Settings::preset(Preset::Plain));
+        let history = PixelHistory::of_colours((4, 5), parameters, (11..=13).map(|n| (n, [90; 3])));
+        let (model, cleaned) = (vec![0.0, 1.0 / 3.0, 1.0], vec![0.0, 0.25]);
+        let shares = RegionShares { at: (4, 5), side: 3, pixels: 9, model, cleaned };
+        let mut text = Vec::new();
+        write(&mut text, &history, &shares).unwrap();
+        let text = String::from_utf8(text).unwrap();
+        let third = significant((1.0_f32 / 3.0).into());
+        assert_eq!(text, format!("frame,model,cleaned\n11,0,0\n12,{third},0.25\n"));
+    }
+}
