@@ -349,6 +349,7 @@ impl Window {
     /// Ends the work on the video that is there, or on opening it.
     fn close(&mut self, ctx: &Context) {
         self.pictures.clear();
+        self.inspector.forget();
         self.model.closed();
         ctx.send_viewport_cmd(ViewportCommand::Title("Occluscope".into()));
     }
@@ -358,6 +359,7 @@ impl Window {
         let roi = self.model.areas_for(name);
         let player = (self.opener)(name, self.model.settings.clone(), roi, start, ctx);
         self.pictures.clear();
+        self.inspector.forget();
         self.model.opened(name, player);
         let short = std::path::Path::new(name)
             .file_name()

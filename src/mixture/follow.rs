@@ -61,9 +61,15 @@ pub fn rank_before(state: &PixelState, rank: usize) -> Option<usize> {
 
 /// For every state of a history the slots of its components by rank; those beyond K mean nothing.
 pub fn slots(history: &PixelHistory) -> Vec<[u8; MAX_K]> {
-    let mut slots: [u8; MAX_K] = std::array::from_fn(|slot| slot as u8);
     let mut all = Vec::with_capacity(history.states.len());
-    for (index, state) in history.states.iter().enumerate() {
+    go_on(&mut all, history);
+    all
+}
+
+/// Adds to the slots of a history's first states those of the others.
+pub fn go_on(all: &mut Vec<[u8; MAX_K]>, history: &PixelHistory) {
+    let mut slots = all.last().copied().unwrap_or_else(|| std::array::from_fn(|slot| slot as u8));
+    for (index, state) in history.states.iter().enumerate().skip(all.len()) {
         if let Some(before) = history.before(index) {
             let (from, to) = journey(state);
             let used = before.used();
@@ -76,7 +82,6 @@ pub fn slots(history: &PixelHistory) -> Vec<[u8; MAX_K]> {
         }
         all.push(slots);
     }
-    all
 }
 
 #[cfg(test)]
@@ -175,6 +180,17 @@ mod tests {
                     assert_eq!(slots[index][rank], slots[index - 1][old], "frame {index} rank {rank}");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn slots_of_a_history_that_grew_go_on_from_those_before() {
+        let whole = history();
+        let mut grown = Vec::new();
+        for end in [0, 1, 2, 450, 451, 900] {
+            let part = PixelHistory { states: whole.states[..end].to_vec(), ..whole };
+            go_on(&mut grown, &part);
+            assert_eq!(grown, slots(&part), "{end} frames");
         }
     }
 

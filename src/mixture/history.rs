@@ -67,8 +67,41 @@ impl PixelHistory {
         self.states.push(PixelState { number, t, rgb, value, pixel, outcome });
     }
 
+    /// Whether it is a later `before` of the same pixel, under the same parameters and over the same frames.
+    ///
+    /// A state follows from all before it, so that the last one of `before` stands for them.
+    pub fn goes_on_from(&self, before: &Self) -> bool {
+        let last = before.states.len().checked_sub(1);
+        (self.at, self.parameters) == (before.at, before.parameters)
+            && last.is_none_or(|last| self.states.get(last) == before.states.last())
+    }
+
     /// The mixture before the update of the state at `index`; `None` in the first frame.
     pub fn before(&self, index: usize) -> Option<&Pixel> {
         index.checked_sub(1).and_then(|previous| self.states.get(previous)).map(|state| &state.pixel)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::settings::{Preset, Settings};
+
+    #[test]
+    fn a_history_goes_on_from_an_earlier_one_of_the_same_frames_alone() {
+        let of = |settings: &Settings, frames: std::ops::Range<u32>, level: u8| {
+            let colours = frames.map(|n| (n, [if n == 7 { level } else { 90 }; 3]));
+            PixelHistory::of_colours((3, 4), Parameters::new(settings), colours)
+        };
+        let settings = Settings::preset(Preset::Plain);
+        let before = of(&settings, 1..20, 200);
+        assert!(of(&settings, 1..50, 200).goes_on_from(&before));
+        assert!(of(&settings, 1..20, 200).goes_on_from(&before));
+        assert!(before.goes_on_from(&of(&settings, 1..1, 200)), "anything goes on from nothing");
+        assert!(!of(&settings, 1..19, 200).goes_on_from(&before), "it is shorter");
+        assert!(!of(&settings, 1..50, 210).goes_on_from(&before), "another value long ago");
+        assert!(!of(&settings, 2..50, 200).goes_on_from(&before), "begun later");
+        assert!(!of(&Settings { alpha: 0.2, ..settings.clone() }, 1..50, 200).goes_on_from(&before));
+        assert!(!PixelHistory { at: (4, 4), ..of(&settings, 1..50, 200) }.goes_on_from(&before));
     }
 }

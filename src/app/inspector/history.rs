@@ -272,9 +272,15 @@ impl HistoryView {
         }
     }
 
+    /// Lets go of what was drawn.
+    pub(super) fn forget(&mut self) {
+        self.cache = None;
+    }
+
     fn bins(&mut self, chosen: &Chosen<'_>, frames: Range<usize>, columns: usize) -> &[Bin] {
-        let fits = self.cache.as_ref().is_some_and(|cache| {
-            Arc::ptr_eq(&cache.history, chosen.history) && cache.frames == frames && cache.columns == columns
+        let fits = self.cache.as_mut().is_some_and(|cache| {
+            let same = (&cache.frames, cache.columns) == (&frames, columns);
+            same && chosen.shares(&mut cache.history, frames.end)
         });
         if !fits {
             let bins = bins(chosen.history, chosen.slots, frames.clone(), columns);
@@ -355,8 +361,14 @@ mod tests {
         assert_eq!(first, made(&Arc::clone(&one), 0..50, 20), "the same columns, not equal ones");
         assert_eq!(made(&one, 10..50, 5).1, 5);
         assert_eq!(made(&other, 10..50, 5).2, 200.0);
-        // Equal in content, but another: it may have grown by the next time.
+        // Another that has the same states, as when it has grown.
         assert_eq!(made(&of_level(10), 10..50, 5).2, 10.0);
+        let zoomed = made(&one, 10..40, 5);
+        let mut grown = PixelHistory::clone(&one);
+        (51..=60).for_each(|number| grown.push_colour(number, [77; 3]));
+        let grown = Arc::new(grown);
+        assert_eq!(made(&grown, 10..40, 5), zoomed, "what is zoomed to is not touched by frames that come");
+        assert_eq!(made(&grown, 0..60, 20).1, 20);
     }
 
     #[test]

@@ -35,7 +35,7 @@ use self::pixels::Here;
 pub use self::plot::{Format, Plot};
 pub use self::table::Table;
 use super::pins;
-use crate::mixture::follow::slots;
+use crate::mixture::follow;
 use crate::mixture::pixel::MAX_K;
 use crate::mixture::tuning::Knob;
 use crate::mixture::verdict::{Verdict, overruled, verdict};
@@ -168,6 +168,19 @@ impl Chosen<'_> {
         Followed { history: Arc::clone(self.history), slots: Arc::clone(self.slots) }
     }
 
+    /// Whether the states before `end` are those of a history that something was made of; it is taken in its place then.
+    fn shares(&self, made_of: &mut Arc<PixelHistory>, end: usize) -> bool {
+        if Arc::ptr_eq(made_of, self.history) {
+            return true;
+        }
+        // A history only grows, many times a second while frames are taken in.
+        let shares = end <= made_of.states.len() && self.history.goes_on_from(made_of);
+        if shares {
+            *made_of = Arc::clone(self.history);
+        }
+        shares
+    }
+
     /// The names of the value's channels, as many as it has.
     fn channels(&self) -> &'static [&'static str] {
         self.history.parameters.channel_names()
@@ -226,7 +239,7 @@ impl Inspector {
             return None;
         };
 
-        let slots = follow(&mut self.followed, history);
+        let slots = followed(&mut self.followed, history);
         let chosen = Chosen { history, slots: &slots, index, state, fps };
         let mut words = verdict(history, index);
         let (x, y) = history.at;
@@ -238,7 +251,7 @@ impl Inspector {
         let other = shown.beside.as_deref().filter(|_| ahead.is_none());
         let other = other.and_then(|other| Some((other, other.pixel.as_ref()?)));
         let other = other.and_then(|(other, history)| Some((other, history, history.states.get(index)?)));
-        let other_slots = other.map(|(_, history, _)| follow(&mut self.other.followed, history));
+        let other_slots = other.map(|(_, history, _)| followed(&mut self.other.followed, history));
         let other = other.zip(other_slots.as_ref()).map(|((other, history, state), slots)| {
             let mask = other.analysis.mask.is_foreground(x, y);
             let mut words = verdict(history, index);
@@ -320,6 +333,15 @@ impl Inspector {
         scrolled.show(ui, |ui| self.pixels.pins_ui(ui, here, beside)).inner
     }
 
+    /// Lets go of all that was drawn: it belongs to a video that is no longer there.
+    pub fn forget(&mut self) {
+        (self.followed, self.other.followed) = (None, None);
+        self.history.forget();
+        self.scatter.forget();
+        self.statistics.forget();
+        self.pixels.forget();
+    }
+
     /// What the tab wants to know that was drawn since this was last called; nothing where none was.
     pub fn asks(&mut self) -> Asks {
         match self.drawn.take() {
@@ -338,13 +360,18 @@ const ON_THE_WAY: &str = "Its history is on the way: it is gathered from the fir
 const LOST: &str = "Its mixture cannot be known: it begins with the first frames, which this live source no longer has. \
      Another setting of the mixture begins anew with the next frame; a recording keeps them all.";
 
-fn follow(followed: &mut Option<Followed>, history: &Arc<PixelHistory>) -> Arc<Vec<[u8; MAX_K]>> {
-    match followed {
+fn followed(known: &mut Option<Followed>, history: &Arc<PixelHistory>) -> Arc<Vec<[u8; MAX_K]>> {
+    match known {
         // The old history is kept alive, so that an equal address is the same history.
         Some(followed) if Arc::ptr_eq(&followed.history, history) => Arc::clone(&followed.slots),
+        Some(followed) if history.goes_on_from(&followed.history) => {
+            follow::go_on(Arc::make_mut(&mut followed.slots), history);
+            followed.history = Arc::clone(history);
+            Arc::clone(&followed.slots)
+        }
         _ => {
-            let slots = Arc::new(slots(history));
-            *followed = Some(Followed { history: Arc::clone(history), slots: Arc::clone(&slots) });
+            let slots = Arc::new(follow::slots(history));
+            *known = Some(Followed { history: Arc::clone(history), slots: Arc::clone(&slots) });
             slots
         }
     }

@@ -81,6 +81,12 @@ impl Pixels {
         self.pins_ui(ui, here, beside).or(region)
     }
 
+    /// Lets go of what was drawn.
+    pub(super) fn forget(&mut self) {
+        self.cache.clear();
+        self.curve = None;
+    }
+
     fn region_ui(
         &mut self,
         ui: &mut Ui,

@@ -134,11 +134,18 @@ impl Scatter {
         Choice { space, frames, by: self.by }
     }
 
+    /// Lets go of what was drawn.
+    pub(super) fn forget(&mut self) {
+        self.cache = None;
+    }
+
     fn count(&mut self, chosen: &Chosen<'_>, choice: Choice) {
+        // The next value belongs to a place, too.
+        let end = choice.frames.end + usize::from(choice.space == Space::Next);
         let fits = self
             .cache
-            .as_ref()
-            .is_some_and(|cache| Arc::ptr_eq(&cache.history, chosen.history) && cache.choice == choice);
+            .as_mut()
+            .is_some_and(|cache| cache.choice == choice && chosen.shares(&mut cache.history, end));
         if fits {
             return;
         }

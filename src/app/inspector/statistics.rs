@@ -26,7 +26,7 @@ impl StatisticsView {
         self.controls(ui, chosen);
         ui.add_space(4.0);
         let range = self.range(chosen);
-        let statistics = self.statistics(chosen.history, range.clone());
+        let statistics = self.statistics(chosen, range.clone());
         let gray = chosen.channels().len() == 1;
         let each = |values: [f32; 3]| {
             let values = values.map(|value| format!("{value:.1}"));
@@ -138,16 +138,22 @@ impl StatisticsView {
         });
     }
 
+    /// Lets go of what was counted.
+    pub(super) fn forget(&mut self) {
+        self.cache = None;
+    }
+
     /// Counted anew only for another history or other frames.
-    fn statistics(&mut self, history: &Arc<PixelHistory>, range: Range<usize>) -> Statistics {
-        match &self.cache {
-            Some((of, frames, statistics)) if Arc::ptr_eq(of, history) && *frames == range => *statistics,
-            _ => {
-                let statistics = Statistics::new(history, range.clone());
-                self.cache = Some((Arc::clone(history), range, statistics));
-                statistics
-            }
+    fn statistics(&mut self, chosen: &Chosen<'_>, range: Range<usize>) -> Statistics {
+        if let Some((of, frames, statistics)) = &mut self.cache
+            && *frames == range
+            && chosen.shares(of, range.end)
+        {
+            return *statistics;
         }
+        let statistics = Statistics::new(chosen.history, range.clone());
+        self.cache = Some((Arc::clone(chosen.history), range, statistics));
+        statistics
     }
 }
 

@@ -12,7 +12,7 @@ use eframe::egui::{self, Pos2, Theme, Vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 
-use super::{Beside, Format, Inspector, InspectorAction, Table};
+use super::{Beside, Followed, Format, Inspector, InspectorAction, Table};
 use crate::frame::{Frame, Mask, Size};
 use crate::mixture::follow::{Change, change};
 use crate::mixture::statistics::Statistics;
@@ -528,6 +528,23 @@ fn a_zoomed_history_shows_single_frames_and_fits_its_values() {
     harness.get_by_label("fit values").click();
     harness.run();
     picture(&mut harness, "history-zoomed");
+}
+
+#[test]
+fn components_are_followed_on_from_where_a_history_ended_before() {
+    let (settings, other) = (settings(), Settings { k: 3, ..settings() });
+    let [short, long] = [300, 600].map(|frames| Arc::new(history_of(&settings, frames)));
+    let expected = crate::mixture::follow::slots(&long);
+    let mut followed = None;
+    super::followed(&mut followed, &short);
+    assert_eq!(*super::followed(&mut followed, &long), expected);
+    // Slots that nobody would find again show what was kept.
+    let marked = Arc::new(vec![[7; crate::mixture::MAX_K]; 300]);
+    let mut followed = Some(Followed { history: Arc::clone(&short), slots: marked });
+    let slots = super::followed(&mut followed, &long);
+    assert_eq!((slots.len(), slots[0], slots[299]), (600, [7; 8], [7; 8]));
+    let another = Arc::new(history_of(&other, 600));
+    assert_eq!(*super::followed(&mut followed, &another), crate::mixture::follow::slots(&another));
 }
 
 #[test]

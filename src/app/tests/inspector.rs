@@ -1,6 +1,7 @@
 //! What is asked for in the inspector, and done by the window.
 
 use super::*;
+use crate::app::command::Action;
 use crate::mixture::tuning::{flip, map};
 use crate::mixture::{Parameters, PixelHistory};
 use crate::replay::Tuning;
@@ -89,6 +90,36 @@ pub(super) fn copied_text(harness: &mut Harness<'_, Window>) -> String {
     given_to_clipboard(harness, |command| {
         if let egui::OutputCommand::CopyText(text) = command { Some(text.clone()) } else { None }
     })
+}
+
+#[test]
+fn nothing_is_kept_of_a_video_that_was_closed() {
+    let (mut harness, scene) = inspected(60);
+    let act = |harness: &mut Harness<'_, Window>, command| {
+        let ctx = harness.ctx.clone();
+        harness.state_mut().apply(&ctx, command);
+        harness.run_steps(3);
+    };
+    act(&mut harness, Command::Choose(Some(AT)));
+    act(&mut harness, Command::Act(Action::Pin));
+    for tab in ["History", "Scatter", "Statistics", "Pixels"] {
+        harness.get_by_label(tab).click();
+        harness.run_steps(4);
+    }
+    let kept = {
+        let mut state = scene.state.borrow_mut();
+        let pixel = Arc::downgrade(&state.pixel.take().unwrap());
+        let (pin, shares) = (Arc::downgrade(&state.pins[0]), Arc::downgrade(&state.region.take().unwrap()));
+        state.pins = Arc::default();
+        state.shown = Some(Arc::new(shown_at(3)));
+        (pixel, pin, shares)
+    };
+    settle(&mut harness);
+    assert!(kept.0.upgrade().is_some(), "the plots would be drawn again at once");
+    act(&mut harness, Command::Act(Action::CloseVideo));
+    assert!(kept.0.upgrade().is_none(), "the chosen pixel's history");
+    assert!(kept.1.upgrade().is_none(), "a pinned one's");
+    assert!(kept.2.upgrade().is_none(), "the share around it");
 }
 
 /// Waits for the thread that makes what was asked for.
