@@ -170,6 +170,7 @@ impl Run {
             let analysis = self.pipeline.track_again(analysis);
             self.record.replace(self.front, analysis);
             self.front += 1;
+            self.give_room();
         }
     }
 
@@ -195,6 +196,7 @@ impl Run {
             for (position, analysis) in (position..).zip(self.pipeline.find_many(&borrowed, raw)?) {
                 self.record.find_again(position, analysis);
             }
+            self.give_room();
             return Ok(());
         }
         let raw = self.pipeline.masks(&borrowed)?;
@@ -363,5 +365,59 @@ impl Run {
 
     fn background(&self, number: u32, size: Size) -> Result<Arc<Frame>, PipelineError> {
         Ok(Arc::new(Frame::new(number, size, self.pipeline.background_image()?)))
+    }
+}
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+    use crate::replay::tests::{scene, settings, straight};
+
+    /// So many frames that the model is kept twice on the way.
+    const FRAMES: usize = 2 * CLOSEST as usize + 6;
+
+    #[test]
+    fn what_a_second_pass_finds_is_counted_and_models_make_room_for_it() {
+        let folder = scene();
+        let frames: Vec<_> =
+            straight(folder.path(), &settings()).into_iter().map(|shown| shown.frame).collect();
+        let size = frames[0].size;
+        let info = SourceInfo { name: "scene".into(), size, fps: 25.0, frames: None, live: false };
+        let few = Arc::new(Settings { median: 5, min_area: 2000, ..settings() });
+        let many = Arc::new(Settings { median: 0, min_area: 0, ..settings() });
+        let pass = |run: &mut Run| {
+            for frame in frames.iter().cycle().take(FRAMES) {
+                run.step(std::slice::from_ref(frame)).unwrap();
+            }
+        };
+        let run = |settings: &Arc<Settings>, budget| {
+            let mut run = Run::new(Arc::clone(settings), None, &Arc::new(info.clone()), budget).unwrap();
+            pass(&mut run);
+            run
+        };
+        let [first, second] = [&few, &many].map(|settings| run(settings, 1 << 30));
+        let (one_pass, two_passes) = (first.record.bytes(), second.record.bytes());
+        assert!(two_passes > one_pass + 10_000, "{one_pass} {two_passes}");
+        let models = [CLOSEST, 2 * CLOSEST].map(|at| first.checkpoints.at_or_before(at).unwrap().1.bytes());
+        let for_models = models.iter().sum::<usize>() + usize::midpoint(one_pass, two_passes);
+
+        let mut run = run(&few, for_models.div_ceil(11) * 16);
+        assert!(run.checkpoints.at_or_before(CLOSEST).is_some(), "there is room for both");
+        run.restart_at(Stage::Cleaning, Arc::clone(&many), None).unwrap();
+        pass(&mut run);
+        assert_eq!(run.record.bytes(), two_passes);
+        assert!(run.checkpoints.at_or_before(CLOSEST).is_none(), "one has to go");
+        let late = Settings { max_hypotheses: 1, ..settings() };
+        let late = Arc::new(Settings { median: 0, min_area: 0, ..late });
+        let fresh = self::Run::new(Arc::clone(&late), None, &Arc::new(info.clone()), 1 << 30);
+        let mut fresh = fresh.unwrap();
+        pass(&mut fresh);
+        run.restart_at(Stage::Tracking, late, None).unwrap();
+        while run.is_tracking_again() {
+            run.track_next();
+        }
+        assert_eq!(run.record.bytes(), fresh.record.bytes());
+        assert_ne!(fresh.record.bytes(), two_passes);
     }
 }
