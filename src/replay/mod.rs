@@ -16,6 +16,7 @@ mod region_tuner;
 mod rival;
 mod run;
 mod runs;
+mod scoring;
 mod session;
 mod since;
 mod spaced;

@@ -3,6 +3,8 @@
 //! In this order: the frame that is wanted in view, what the chosen pixel would be in it under other
 //! settings, the pixel's history, those of the pinned pixels, the analysis ahead.
 //! Between two pieces it looks at what was asked meanwhile; no piece takes longer than a frame.
+#[cfg(test)]
+mod tests;
 
 use std::collections::VecDeque;
 use std::ops::Range;
@@ -16,6 +18,7 @@ use super::region::Region;
 use super::region_tuner::RegionTuner;
 use super::rival::Rival;
 use super::run::Towards;
+use super::scoring::Scored;
 use super::session::{self, Analysed, Around, Explained, Knobs, Known, Mapped, Pixel, Requests, Shared};
 use super::tuner::Tuner;
 use super::what_if::Asker;
@@ -545,12 +548,15 @@ impl<'a> Worker<'a> {
 
     /// Scores what has been analysed in full; whether there was anything to do.
     fn score(&mut self) -> bool {
-        let truth = self.truth.as_ref();
+        let Some(truth) = &self.truth else { return false };
         let in_view = self.lane.score(truth);
-        let beside = !in_view && self.rival.lane.as_mut().is_some_and(|lane| lane.score(truth));
-        self.outbox.timeline_grew |= in_view;
-        self.outbox.beside_grew |= beside;
-        in_view || beside
+        self.outbox.timeline_grew |= in_view == Scored::Now;
+        let Some(lane) = self.rival.lane.as_mut().filter(|_| in_view == Scored::Already) else {
+            return in_view != Scored::Already;
+        };
+        let beside = lane.score(truth);
+        self.outbox.beside_grew |= beside == Scored::Now;
+        beside != Scored::Already
     }
 
     /// Works on how right the mixture would be under other settings; whether there was anything to do.

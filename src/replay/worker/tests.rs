@@ -1,0 +1,114 @@
+#![allow(clippy::unwrap_used)]
+
+use std::path::Path;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use super::*;
+use crate::replay::tests::{
+    FIRST, FRAMES, HEIGHT, PIXEL, WIDTH, assert_same, half, name, scene, settings, straight, straight_within,
+};
+use crate::settings::BackgroundModel;
+use crate::source::Source;
+use crate::truth::Truth;
+use crate::truth::boxes::{Bounds, Boxes};
+
+const ROOM: usize = 1 << 30;
+const FRAME_BYTES: usize = (WIDTH * HEIGHT * 3) as usize;
+
+/// Other settings of the mixture.
+fn other() -> Settings {
+    Settings { k: 4, alpha: 0.06, match_sigmas: 1.8, ..settings() }
+}
+
+fn shared() -> Shared {
+    Shared::new(|| {})
+}
+
+fn done<T>(result: Result<T, Stopped>) -> T {
+    result.map_err(|Stopped(why)| why).unwrap()
+}
+
+/// A worker that does a piece when a test says so.
+fn worker<'a>(shared: &'a Shared, video: &Path, settings: Settings) -> Worker<'a> {
+    let video = name(video);
+    done(Worker::open(shared, || FrameCache::open(&video, ROOM), (settings, None), Start::First, ROOM))
+}
+
+fn ask(worker: &mut Worker<'_>, change: impl FnOnce(&mut Requests)) {
+    let mut requests = Requests::default();
+    change(&mut requests);
+    done(worker.take(requests));
+}
+
+fn compare(worker: &mut Worker<'_>, settings: Settings, beside: Option<Settings>) {
+    ask(worker, |requests| {
+        requests.settings = Some(settings);
+        requests.beside = Some(session::Rival(beside));
+    });
+}
+
+fn show(worker: &mut Worker<'_>, position: u32) {
+    ask(worker, |requests| requests.show = Some(position));
+}
+
+/// Works until there is nothing left, or `enough`.
+fn work_until(worker: &mut Worker<'_>, mut enough: impl FnMut(&Worker<'_>) -> bool) {
+    while !enough(worker) && done(worker.piece()) {}
+}
+
+fn rest(worker: &mut Worker<'_>) {
+    work_until(worker, |_| false);
+    worker.publish_in_time(true);
+}
+
+fn rival<'a>(worker: &'a Worker<'_>) -> &'a Lane {
+    worker.rival.lane.as_ref().unwrap()
+}
+
+/// Both, and what they show of some frames, are what one pass forward gives.
+fn assert_both(worker: &mut Worker<'_>, expected: &[Vec<Shown>; 2]) {
+    rest(worker);
+    for (lane, expected) in [(&worker.lane, &expected[0]), (rival(worker), &expected[1])] {
+        assert_eq!(lane.run.front(), FRAMES);
+        for shown in expected {
+            let analysis = lane.run.analysis(shown.position).unwrap();
+            assert!(analysis.mask == shown.analysis.mask && analysis.tracks == shown.analysis.tracks);
+        }
+    }
+    for position in [59, 3, 40, 33, 58] {
+        show(worker, position);
+        rest(worker);
+        let shown = worker.shown.clone().unwrap();
+        assert_same(&shown, &expected[0][position as usize]);
+        assert_same(shown.beside.as_ref().unwrap(), &expected[1][position as usize]);
+    }
+}
+
+#[test]
+fn the_last_truth_is_what_is_scored_by() {
+    let (folder, shared) = (scene(), shared());
+    let mut worker = worker(&shared, folder.path(), settings());
+    rest(&mut worker);
+    let truths = [0, 1, 2].map(|count| {
+        let boxes = (0..count).map(|at| (FIRST + 20 + at, [(1, Bounds([34.0, 26.0, 9.0, 14.0]))].into()));
+        Some(Arc::new(Truth { boxes: Some(boxes.collect()), masks: None }))
+    });
+    let mut ask_for = |truth: &Option<Arc<Truth>>, pieces: bool| {
+        ask(&mut worker, |requests| requests.truth = Some(Known(truth.clone())));
+        if pieces {
+            done(worker.piece());
+        } else {
+            rest(&mut worker);
+        }
+        shared.state().timeline.score.clone()
+    };
+    let alone = truths.each_ref().map(|truth| ask_for(truth, false).unwrap());
+    assert!(alone[0] != alone[1] && alone[1] != alone[2] && alone[0] != alone[2]);
+    for last in [1, 0, 2, 1, 2] {
+        for at in 0..truths.len() {
+            // Another is asked for before the answer is there, or just then.
+            ask_for(&truths[(last + 1 + at) % truths.len()], true);
+        }
+        assert_eq!(ask_for(&truths[last], false).as_ref(), Some(&alone[last]));
+    }
+}
