@@ -219,7 +219,8 @@ impl<'a> Worker<'a> {
     fn take(&mut self, requests: Requests) -> Result<(), Stopped> {
         if let Some(ahead) = requests.analyse_ahead {
             // Where nothing is left to stop, other settings are run through as ever.
-            let nothing = self.lane.is_through(&self.frames);
+            let through = |lane: &Lane| lane.is_through(&self.frames);
+            let nothing = through(&self.lane) && self.rival.lane.as_ref().is_none_or(through);
             self.ahead = if ahead || nothing { Ahead::All } else { Ahead::Nothing };
             if !ahead {
                 self.stay();

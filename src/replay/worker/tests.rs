@@ -85,6 +85,21 @@ fn assert_both(worker: &mut Worker<'_>, expected: &[Vec<Shown>; 2]) {
 }
 
 #[test]
+fn what_is_compared_can_be_stopped() {
+    let (folder, shared) = (scene(), shared());
+    let mut worker = worker(&shared, folder.path(), settings());
+    rest(&mut worker);
+    compare(&mut worker, settings(), Some(other()));
+    work_until(&mut worker, |worker| rival(worker).run.front() > 0);
+    ask(&mut worker, |requests| requests.analyse_ahead = Some(false));
+    rest(&mut worker);
+    assert!(rival(&worker).run.front() < FRAMES / 2, "no more than what is in view");
+    ask(&mut worker, |requests| requests.analyse_ahead = Some(true));
+    rest(&mut worker);
+    assert_eq!(rival(&worker).run.front(), FRAMES);
+}
+
+#[test]
 fn the_last_truth_is_what_is_scored_by() {
     let (folder, shared) = (scene(), shared());
     let mut worker = worker(&shared, folder.path(), settings());
