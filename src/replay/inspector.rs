@@ -8,7 +8,7 @@ use crate::mixture::{Parameters, PixelHistory};
 use crate::settings::{BackgroundModel, Settings};
 
 /// Follows one pixel through all frames that are known, whether they are analysed or not.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Inspector {
     history: Option<Arc<PixelHistory>>,
     /// The pixel's number and colour in each frame. `history` may be behind: it is extended when

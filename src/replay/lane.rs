@@ -66,6 +66,32 @@ impl Lane {
         })
     }
 
+    /// Another lane that has come just as far, with its own `budget`; `None` where the model's state cannot be copied.
+    pub(super) fn fork(&self, budget: usize) -> Option<Self> {
+        Some(Self {
+            run: self.run.fork(budget)?,
+            inspector: self.inspector.clone(),
+            growing: self.growing.clone(),
+            finished: self.finished.clone(),
+            scoring: Scoring::default(),
+        })
+    }
+
+    /// A lane under other settings, with the masks of this one where the model's are the same.
+    pub(super) fn beside(
+        &self,
+        settings: Arc<Settings>,
+        roi: Option<Arc<Roi>>,
+        info: &Arc<SourceInfo>,
+        budget: usize,
+    ) -> Result<Self, PipelineError> {
+        let stage = self.first_difference(&settings, roi.as_ref()).filter(|&stage| stage > Stage::Mixture);
+        match stage.and_then(|stage| Some((stage, self.fork(budget)?))) {
+            Some((stage, mut fork)) => fork.restart_at(stage, settings, roi).map(|()| fork),
+            None => Self::new(settings, roi, info, budget),
+        }
+    }
+
     /// Its settings.
     pub(super) const fn settings(&self) -> &Arc<Settings> {
         self.run.settings()

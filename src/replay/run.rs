@@ -50,7 +50,7 @@ pub(super) struct Run {
     /// Memory for models and the record, in bytes.
     for_models: usize,
     /// Mixtures by the number of frames that they have taken in.
-    checkpoints: Spaced<Snapshot>,
+    checkpoints: Spaced<Arc<Snapshot>>,
     /// Mixtures on the way to frames that were looked at, by the number of frames taken in.
     near: Near<Snapshot>,
     /// Background images by position, of models that cannot be copied.
@@ -102,6 +102,28 @@ impl Run {
         };
         run.set_budget(budget);
         Ok(run)
+    }
+
+    /// Another run that has come just as far, with its own `budget`: what was analysed and the models on the way are
+    /// shared. `None` where the model's state cannot be copied.
+    pub(super) fn fork(&self, budget: usize) -> Option<Self> {
+        let mut fork = Self {
+            pipeline: self.pipeline.try_clone()?,
+            settings: Arc::clone(&self.settings),
+            roi: self.roi.clone(),
+            info: Arc::clone(&self.info),
+            record: self.record.clone(),
+            checkpoints: self.checkpoints.clone(),
+            near: Near::new(0),
+            backgrounds: self.backgrounds.clone(),
+            replay: None,
+            masks: Vec::new(),
+            recent: self.recent.clone(),
+            since: Since::new(self.info.size),
+            ..*self
+        };
+        fork.set_budget(budget);
+        Some(fork)
     }
 
     /// Keeps within so much memory for going back in time, in bytes.
@@ -215,7 +237,7 @@ impl Run {
             if self.checkpoints.wants(self.front) {
                 let snapshot = mixture.snapshot();
                 let bytes = snapshot.bytes();
-                self.checkpoints.insert(self.front, snapshot, bytes);
+                self.checkpoints.insert(self.front, Arc::new(snapshot), bytes);
             }
         } else if self.backgrounds.wants(position) {
             let background = self.background(last.number, last.size)?;
@@ -318,9 +340,7 @@ impl Run {
         let wanted = if before { position } else { position + 1 };
         let new = || (0, Mixture::new(self.info.size, Parameters::new(&self.settings)));
         let (taken, mixture) = self.replay.get_or_insert_with(new);
-        let checkpoint =
-            [self.checkpoints.at_or_before(wanted), self.near.at_or_before(wanted)].into_iter().flatten();
-        let checkpoint = checkpoint.max_by_key(|(kept, _)| *kept);
+        let checkpoint = checkpoint(&self.checkpoints, &self.near, wanted);
         // A replay that has come farther, yet not too far, is nearer.
         let nearest = checkpoint.map_or(0, |(kept, _)| kept);
         if !(nearest..=wanted).contains(taken) {
@@ -367,6 +387,17 @@ impl Run {
         Ok(Arc::new(Frame::new(number, size, self.pipeline.background_image()?)))
     }
 }
+
+/// The mixture that is kept nearest before so many frames.
+fn checkpoint<'a>(
+    checkpoints: &'a Spaced<Arc<Snapshot>>,
+    near: &'a Near<Snapshot>,
+    wanted: u32,
+) -> Option<(u32, &'a Snapshot)> {
+    let spaced = checkpoints.at_or_before(wanted).map(|(kept, snapshot)| (kept, &**snapshot));
+    [spaced, near.at_or_before(wanted)].into_iter().flatten().max_by_key(|(kept, _)| *kept)
+}
+
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]

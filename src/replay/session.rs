@@ -165,7 +165,7 @@ impl Session {
     }
 
     /// Asks for another part of the image to be analysed, the whole without one; it must be as large as the frames.
-    /// The model is not run again.
+    /// The model is not run again, whose masks are kept.
     pub fn set_roi(&self, roi: Option<Arc<Roi>>) {
         self.shared.ask(|requests| requests.roi = Some(Analysed(roi)));
     }

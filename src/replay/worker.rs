@@ -359,9 +359,14 @@ impl<'a> Worker<'a> {
         let settings = Arc::new(settings);
         match self.lane.first_difference(&settings, roi.as_ref()) {
             _ if self.take_from_rival(&settings, roi.as_ref()) => self.show_pixel(),
-            Some(stage)
-                if stage > Stage::Mixture && !self.stopped && !self.rival.is(self.lane.settings()) =>
-            {
+            Some(stage) if stage > Stage::Mixture && !self.stopped => {
+                if self.rival.is(self.lane.settings())
+                    && settings != *self.lane.settings()
+                    && let Some(fork) = self.lane.fork(budget)
+                {
+                    let given_up = self.rival.lane.replace(fork);
+                    rayon::spawn(move || drop(given_up));
+                }
                 self.lane.restart_at(stage, settings, roi)?;
             }
             _ => {
@@ -424,11 +429,12 @@ impl<'a> Worker<'a> {
                 None => {}
                 Some(stage) if stage > Stage::Mixture => lane.restart_at(stage, settings, roi)?,
                 Some(_) => {
-                    let old = std::mem::replace(lane, Lane::new(settings, roi, &self.info, budget)?);
+                    let other = self.lane.beside(settings, roi, &self.info, budget)?;
+                    let old = std::mem::replace(lane, other);
                     rayon::spawn(move || drop(old));
                 }
             },
-            none => *none = Some(Lane::new(settings, roi, &self.info, budget)?),
+            none => *none = Some(self.lane.beside(settings, roi, &self.info, budget)?),
         }
         if let Some(lane) = &mut self.rival.lane {
             lane.run.set_budget(budget);

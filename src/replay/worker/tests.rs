@@ -100,6 +100,69 @@ fn what_is_compared_can_be_stopped() {
 }
 
 #[test]
+fn an_area_drawn_while_both_are_equal_does_not_run_the_model_again() {
+    let (folder, shared) = (scene(), shared());
+    let mut worker = worker(&shared, folder.path(), settings());
+    compare(&mut worker, settings(), Some(settings()));
+    rest(&mut worker);
+    ask(&mut worker, |requests| requests.roi = Some(Analysed(Some(half(true)))));
+    assert_eq!((worker.lane.run.modelled(), worker.lane.run.front()), (FRAMES, 0));
+    assert!(worker.rival.lane.is_none());
+    rest(&mut worker);
+    let expected = straight_within(folder.path(), &settings(), Some(&half(true)));
+    for shown in &expected {
+        let analysis = worker.lane.run.analysis(shown.position).unwrap();
+        assert!(analysis.mask == shown.analysis.mask && analysis.tracks == shown.analysis.tracks);
+    }
+    assert_same(worker.shown.as_ref().unwrap(), &expected[0]);
+}
+
+#[test]
+fn a_late_setting_pulled_away_from_equal_ones_runs_no_model_again() {
+    let folder = scene();
+    for late in [Settings { gate: 0.9, ..settings() }, Settings { median: 0, min_area: 3, ..settings() }] {
+        let expected = [&late, &settings()].map(|settings| straight(folder.path(), settings));
+        // When half is analysed, and when all is.
+        for analysed in [20, FRAMES] {
+            let shared = shared();
+            let mut worker = worker(&shared, folder.path(), settings());
+            ask(&mut worker, |requests| requests.inspect = Some(Pixel(Some(PIXEL))));
+            work_until(&mut worker, |worker| worker.lane.run.front() >= analysed);
+            let modelled = worker.lane.run.modelled();
+            assert!(modelled >= analysed && (modelled < FRAMES) == (analysed < FRAMES));
+            compare(&mut worker, settings(), Some(settings()));
+            compare(&mut worker, late.clone(), Some(settings()));
+            assert_eq!((worker.lane.run.modelled(), worker.lane.run.front()), (modelled, 0));
+            let before = &rival(&worker).run;
+            assert_eq!((before.modelled(), before.front()), (modelled, modelled), "what was analysed stays");
+            assert_both(&mut worker, &expected);
+        }
+        // The same on the other side.
+        let shared = shared();
+        let mut worker = worker(&shared, folder.path(), settings());
+        work_until(&mut worker, |worker| worker.lane.run.front() >= 20);
+        let modelled = worker.lane.run.modelled();
+        compare(&mut worker, settings(), Some(late));
+        assert_eq!((rival(&worker).run.modelled(), rival(&worker).run.front()), (modelled, 0));
+        assert_both(&mut worker, &[expected[1].clone(), expected[0].clone()]);
+    }
+}
+
+#[test]
+fn a_model_that_cannot_be_copied_is_run_again_for_what_is_compared_and_not_for_the_view() {
+    let (folder, shared) = (scene(), shared());
+    let knn = Settings { background_model: BackgroundModel::Knn, ..settings() };
+    let late = Settings { gate: 0.9, ..knn.clone() };
+    let expected = [&late, &knn].map(|settings| straight(folder.path(), settings));
+    let mut worker = worker(&shared, folder.path(), knn.clone());
+    rest(&mut worker);
+    compare(&mut worker, knn.clone(), Some(knn.clone()));
+    compare(&mut worker, late, Some(knn));
+    assert_eq!((worker.lane.run.modelled(), rival(&worker).run.modelled()), (FRAMES, 0));
+    assert_both(&mut worker, &expected);
+}
+
+#[test]
 fn the_last_truth_is_what_is_scored_by() {
     let (folder, shared) = (scene(), shared());
     let mut worker = worker(&shared, folder.path(), settings());
