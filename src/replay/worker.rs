@@ -798,6 +798,8 @@ impl<'a> Worker<'a> {
         let shown = Arc::new(Shown { beside: self.rival.beside(&shown), truth, ..shown });
         self.shown = Some(Arc::clone(&shown));
         let timeline = (shown.position >= self.outbox.analysed).then(|| self.timeline());
+        // What it is compared with changes together with it.
+        let beside = (timeline.is_some() && self.outbox.beside_grew).then(|| self.beside());
         if shown.pixel.is_some() || self.pixel.is_none() {
             self.outbox.pixel.clone_from(&shown.pixel);
         }
@@ -808,6 +810,9 @@ impl<'a> Worker<'a> {
             state.analysis_fps = self.meter.frames_a_second();
             if let Some(timeline) = timeline {
                 state.timeline = timeline;
+            }
+            if let Some(beside) = beside {
+                state.beside = beside;
             }
         });
     }
@@ -878,7 +883,7 @@ impl<'a> Worker<'a> {
         let view_lags =
             self.shown.as_ref().is_some_and(|shown| !Arc::ptr_eq(&shown.settings, self.lane.settings()));
         let timeline = (self.outbox.timeline_grew && !view_lags).then(|| self.timeline());
-        let beside = self.outbox.beside_grew.then(|| self.beside());
+        let beside = (self.outbox.beside_grew && !view_lags).then(|| self.beside());
         let new_warnings = std::mem::take(&mut self.outbox.warnings);
         self.show_pixel();
         let around = (Arc::new(self.pins.latest()), self.region.latest());

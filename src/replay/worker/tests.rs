@@ -163,6 +163,31 @@ fn a_model_that_cannot_be_copied_is_run_again_for_what_is_compared_and_not_for_t
 }
 
 #[test]
+fn what_is_in_view_is_never_compared_with_itself() {
+    let (folder, shared) = (scene(), shared());
+    let mut worker = worker(&shared, folder.path(), settings());
+    compare(&mut worker, settings(), Some(other()));
+    show(&mut worker, 30);
+    rest(&mut worker);
+    for (in_view, beside) in [(other(), settings()), (settings(), other()), (other(), settings())] {
+        compare(&mut worker, in_view.clone(), Some(beside.clone()));
+        let mut pieces = 0;
+        loop {
+            worker.publish_in_time(true);
+            let state = shared.state();
+            let now = state.beside.unwrap();
+            assert_ne!(now.settings, state.shown.as_ref().unwrap().settings, "after {pieces} pieces");
+            pieces += 1;
+            if !done(worker.piece()) {
+                break;
+            }
+        }
+        let state = shared.state();
+        assert_eq!((&*state.shown.unwrap().settings, &*state.beside.unwrap().settings), (&in_view, &beside));
+    }
+}
+
+#[test]
 fn the_last_truth_is_what_is_scored_by() {
     let (folder, shared) = (scene(), shared());
     let mut worker = worker(&shared, folder.path(), settings());
