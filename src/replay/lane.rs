@@ -126,12 +126,17 @@ impl Lane {
         frames.is_complete() && self.run.front() as usize == frames.numbers().len()
     }
 
-    /// Analyses the next frames that are there, or lets one be decoded on the way to them: not beyond the
-    /// position that is wanted in view, so that the model stops there. `passed` is given each frame with its position.
+    /// Whether the final reading of all frames is there.
+    pub(super) const fn is_finished(&self) -> bool {
+        self.finished.is_some()
+    }
+
+    /// Analyses the next frames that are there, or lets one be decoded on the way to them: not beyond the position
+    /// `last`, where there is one before the end. `passed` is given each frame with its position.
     pub(super) fn go_on(
         &mut self,
         frames: &mut FrameCache,
-        wanted: Option<u32>,
+        last: Option<u32>,
         mut passed: impl FnMut(u32, &Frame),
     ) -> Result<Step, LaneError> {
         let position = self.run.front();
@@ -140,7 +145,7 @@ impl Lane {
         } else {
             match frames.fetch(position, Keep::IfRoom)? {
                 Fetched::Frame(frame) => {
-                    let frames = self.with_those_at_hand(frames, position, frame, wanted);
+                    let frames = self.with_those_at_hand(frames, position, frame, last);
                     self.run.step(&frames)?;
                     for (position, frame) in (position..).zip(&frames) {
                         self.inspector.push(position, frame);
@@ -169,10 +174,10 @@ impl Lane {
         frames: &mut FrameCache,
         position: u32,
         frame: Arc<Frame>,
-        wanted: Option<u32>,
+        last: Option<u32>,
     ) -> Vec<Arc<Frame>> {
-        let most = match wanted.and_then(|wanted| wanted.checked_sub(position)) {
-            Some(before_wanted) => self.run.most_frames().min(before_wanted as usize + 1),
+        let most = match last.and_then(|last| last.checked_sub(position)) {
+            Some(before_last) => self.run.most_frames().min(before_last as usize + 1),
             None => self.run.most_frames(),
         };
         let mut passed = vec![frame];

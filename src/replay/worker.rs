@@ -488,14 +488,22 @@ impl<'a> Worker<'a> {
             self.approach_view()?;
         } else if self.tune() || self.gather()? || self.gather_beside()? {
             // What came of it is published at once, or in time.
-        } else if self.is_due(&self.lane) {
-            self.analyse(Which::InView)?;
-        } else if self.rival.lane.as_ref().is_some_and(|lane| self.is_due(lane)) {
-            self.analyse(Which::Rival)?;
+        } else if let Some(which) = self.due() {
+            self.analyse(which)?;
         } else {
             return Ok(self.score() || self.explain() || self.tune_region());
         }
         Ok(true)
+    }
+
+    /// Which of both is to be analysed further. They keep abreast, so that a frame is there for both when it is decoded.
+    fn due(&self) -> Option<Which> {
+        let in_view = self.is_due(&self.lane);
+        let rival = self.rival.lane.as_ref().filter(|lane| self.is_due(lane));
+        match rival {
+            Some(rival) if !in_view || rival.run.front() < self.lane.run.front() => Some(Which::Rival),
+            _ => in_view.then_some(Which::InView),
+        }
     }
 
     /// Works on what would have kept an event from happening; whether there was anything to do.
@@ -520,8 +528,11 @@ impl<'a> Worker<'a> {
 
     /// Whether there is more to analyse: all, or what is looked at.
     fn is_due(&self, lane: &Lane) -> bool {
-        let asked = self.ahead == Ahead::All || lane.run.front() <= self.wanted;
-        asked && !lane.is_through(&self.frames)
+        if lane.is_through(&self.frames) {
+            // The end may have been found on the other's way.
+            return !lane.is_finished();
+        }
+        self.ahead == Ahead::All || lane.run.front() <= self.wanted
     }
 
     /// Takes the chosen pixel through the frames that are known; whether there was anything to do.
@@ -536,7 +547,8 @@ impl<'a> Worker<'a> {
             return Ok(true);
         }
         let Some(lane) = &mut self.rival.lane else { return Ok(false) };
-        let worked = gather::gather(&mut lane.inspector, &mut self.frames)?;
+        let worked = lane.inspector.catch_up(&self.lane.inspector)
+            || gather::gather(&mut lane.inspector, &mut self.frames)?;
         if let Some(shown) = self.shown.clone().filter(|_| worked && self.rival.takes_pixel(self.pixel)) {
             self.show(Shown::clone(&shown));
         }
@@ -681,7 +693,7 @@ impl<'a> Worker<'a> {
     /// Analyses the next frames that are there, or decodes one on the way to them.
     fn analyse(&mut self, which: Which) -> Result<(), Stopped> {
         let started = Instant::now();
-        let wanted = (!self.follow && which == Which::InView).then_some(self.wanted);
+        let (last, both) = (self.last_of(which), self.due_both());
         let lane = match which {
             Which::InView => &mut self.lane,
             Which::Rival => {
@@ -691,7 +703,7 @@ impl<'a> Worker<'a> {
         };
         let position = lane.run.front();
         let (pins, region_tuner) = (&mut self.pins, &mut self.region_tuner);
-        let step = lane.go_on(&mut self.frames, wanted, |position, frame| {
+        let step = lane.go_on(&mut self.frames, last, |position, frame| {
             pins.push(position, frame);
             region_tuner.push(position, frame);
         });
@@ -716,15 +728,36 @@ impl<'a> Worker<'a> {
                 self.info.frames.map(|frames| frames.max(front))
             };
             let what = match which {
-                Which::Rival => "analysing what is compared".to_owned(),
                 Which::InView if self.wanted >= front && !self.follow => {
                     format!("analysing up to frame {}", self.number_of(self.wanted))
                 }
+                _ if both => "analysing both".to_owned(),
+                Which::Rival => "analysing what is compared".to_owned(),
                 Which::InView => "analysing".to_owned(),
             };
             self.busy = Some(Progress { what, done: front, total });
         }
         Ok(())
+    }
+
+    /// The last position up to which one of both is to be analysed in one piece, if there is one.
+    fn last_of(&self, which: Which) -> Option<u32> {
+        let front = self.lane.run.front();
+        match (which, &self.rival.lane) {
+            // What is wanted in view comes first.
+            (Which::InView, _) if !self.follow && front <= self.wanted => Some(self.wanted),
+            // No farther than what it passes is still kept when the other comes by.
+            (Which::InView, Some(rival)) if rival.run.front() <= front => {
+                Some(front.saturating_add(self.frames.room().saturating_sub(2) as u32))
+            }
+            (Which::Rival, Some(rival)) if rival.run.front() < front => Some(front - 1),
+            _ => None,
+        }
+    }
+
+    /// Whether both are being analysed.
+    fn due_both(&self) -> bool {
+        self.is_due(&self.lane) && self.rival.lane.as_ref().is_some_and(|lane| self.is_due(lane))
     }
 
     /// Notes the first occlusion among frames that were just analysed, if that is aimed at.

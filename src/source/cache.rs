@@ -121,6 +121,11 @@ impl FrameCache {
         &self.info
     }
 
+    /// How many frames are kept at most.
+    pub fn room(&self) -> usize {
+        self.room
+    }
+
     /// The frame numbers of the positions that are known so far.
     pub fn numbers(&self) -> &[u32] {
         &self.numbers

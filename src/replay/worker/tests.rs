@@ -215,3 +215,62 @@ fn the_last_truth_is_what_is_scored_by() {
         assert_eq!(ask_for(&truths[last], false).as_ref(), Some(&alone[last]));
     }
 }
+
+/// The scene as it is decoded, each time counted.
+struct Counted {
+    info: SourceInfo,
+    frames: Arc<Vec<Arc<Frame>>>,
+    next: usize,
+    decoded: Arc<AtomicU32>,
+}
+
+impl Source for Counted {
+    fn info(&self) -> &SourceInfo {
+        &self.info
+    }
+
+    fn next_frame(&mut self) -> Result<Option<Frame>, SourceError> {
+        let frame = self.frames.get(self.next).map(|frame| Frame::clone(frame));
+        self.next += 1;
+        self.decoded.fetch_add(u32::from(frame.is_some()), Ordering::Relaxed);
+        Ok(frame)
+    }
+
+    fn take_warnings(&mut self) -> Vec<String> {
+        Vec::new()
+    }
+}
+
+#[test]
+fn frames_are_decoded_once_for_both() {
+    let folder = scene();
+    let expected = [&settings(), &other()].map(|settings| straight(folder.path(), settings));
+    let frames: Arc<Vec<_>> = Arc::new(expected[0].iter().map(|shown| Arc::clone(&shown.frame)).collect());
+    for room in [1000, 24, 0] {
+        let decoded = Arc::new(AtomicU32::new(0));
+        let (count, frames) = (Arc::clone(&decoded), Arc::clone(&frames));
+        let info =
+            SourceInfo { name: "counted".into(), size: frames[0].size, fps: 25.0, frames: None, live: false };
+        let open = move || -> Result<Box<dyn Source>, SourceError> {
+            let (info, frames, decoded) = (info.clone(), Arc::clone(&frames), Arc::clone(&count));
+            Ok(Box::new(Counted { info, frames, next: 0, decoded }))
+        };
+        let cache = || FrameCache::new(open, room * FRAME_BYTES);
+        let shared = shared();
+        let mut worker = done(Worker::open(&shared, cache, (settings(), None), Start::First, ROOM));
+        compare(&mut worker, settings(), Some(other()));
+        rest(&mut worker);
+        assert_eq!(decoded.swap(0, Ordering::Relaxed), FRAMES, "room for {room}");
+        // A pixel that is chosen afterwards takes one more pass at most.
+        ask(&mut worker, |requests| requests.inspect = Some(Pixel(Some(PIXEL))));
+        rest(&mut worker);
+        let again = decoded.load(Ordering::Relaxed);
+        assert!(again <= FRAMES, "room for {room}: {again}");
+        let shown = worker.shown.clone().unwrap();
+        for (shown, expected) in [&shown, shown.beside.as_ref().unwrap()].into_iter().zip(&expected) {
+            let (history, straight) = (shown.pixel.as_ref().unwrap(), expected.last().unwrap());
+            assert_eq!(Some(history), straight.pixel.as_ref());
+        }
+        assert_eq!(rival(&worker).run.front(), FRAMES);
+    }
+}
