@@ -22,7 +22,7 @@ use super::scoring::Scored;
 use super::session::{self, Analysed, Around, Explained, Knobs, Known, Mapped, Pixel, Requests, Shared};
 use super::tuner::Tuner;
 use super::what_if::Asker;
-use super::{Beside, Phase, Progress, Shown, Start, Timeline};
+use super::{Beside, Phase, Progress, Shown, Start, Timeline, same};
 use crate::frame::Frame;
 use crate::mixture::{PixelHistory, Quantity};
 use crate::occlusion::EventKind;
@@ -491,6 +491,8 @@ impl<'a> Worker<'a> {
         } else if let Some(which) = self.due() {
             self.analyse(which)?;
         } else {
+            // The way to the frame in view, or to the end, is behind it.
+            self.busy = None;
             return Ok(self.score() || self.explain() || self.tune_region());
         }
         Ok(true)
@@ -511,12 +513,17 @@ impl<'a> Worker<'a> {
         let before = self.asker.latest();
         let numbers = self.frames.numbers();
         let worked = self.asker.piece(&self.lane.run, numbers, self.info.size, self.info.fps);
-        let same = match (&before, &self.asker.latest()) {
-            (Some(one), Some(other)) => Arc::ptr_eq(one, other),
-            (one, other) => one.is_none() && other.is_none(),
-        };
-        if !same {
+        let answer = self.asker.latest();
+        if !same(before.as_ref(), answer.as_ref()) {
             self.publish_what_if();
+        }
+        if worked {
+            let (done, total) = answer.map_or((0, 0), |answer| answer.tried);
+            self.busy = Some(Progress {
+                what: "looking for what would have kept it from happening".to_owned(),
+                done: done as u32,
+                total: (total > 0).then_some(total as u32),
+            });
         }
         worked
     }
@@ -596,11 +603,7 @@ impl<'a> Worker<'a> {
         let before = self.tuner.latest();
         let worked = self.tuner.piece(history, shown.position);
         let tuning = self.tuner.latest();
-        let same = match (&tuning, &before) {
-            (Some(one), Some(other)) => Arc::ptr_eq(one, other),
-            (one, other) => one.is_none() && other.is_none(),
-        };
-        if !same {
+        if !same(tuning.as_ref(), before.as_ref()) {
             self.shared.publish(|state| state.tuning = tuning);
         }
         worked
@@ -870,20 +873,15 @@ impl<'a> Worker<'a> {
     /// the same settings.
     fn show_pixel(&mut self) {
         let pixel = self.lane.inspector.latest();
-        let same = |a: &Option<Arc<PixelHistory>>| match (a, &pixel) {
-            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
-            (None, None) => true,
-            _ => false,
-        };
         // A view that waits for new settings keeps the old ones' history.
         let shown = self.shown.as_ref().filter(|shown| {
             Arc::ptr_eq(&shown.settings, self.lane.settings())
-                && !same(&shown.pixel)
+                && !same(shown.pixel.as_ref(), pixel.as_ref())
                 && pixel.as_ref().is_none_or(|history| history.states.len() as u32 > shown.position)
         });
         if let Some(shown) = shown {
             self.show(Shown { pixel, ..Shown::clone(shown) });
-        } else if !same(&self.outbox.pixel) {
+        } else if !same(self.outbox.pixel.as_ref(), pixel.as_ref()) {
             self.publish_pixel();
         }
     }
@@ -905,9 +903,8 @@ impl<'a> Worker<'a> {
             self.busy = None;
         }
         // A request that changed nothing is no reason to wake anybody, who might ask again.
-        let grew = self.outbox.timeline_grew
-            || self.outbox.beside_grew
-            || std::mem::take(&mut self.outbox.pixel_grew);
+        let pixel_grew = std::mem::take(&mut self.outbox.pixel_grew);
+        let grew = self.outbox.timeline_grew || self.outbox.beside_grew || pixel_grew;
         if self.busy == self.outbox.busy && !grew && self.outbox.warnings.is_empty() {
             return;
         }

@@ -188,6 +188,45 @@ fn what_is_in_view_is_never_compared_with_itself() {
 }
 
 #[test]
+fn the_status_tells_of_the_work_under_way() {
+    let (folder, shared) = (scene(), shared());
+    let mut worker = worker(&shared, folder.path(), settings());
+    rest(&mut worker);
+    let timeline = shared.state().timeline;
+    let (_, merge) =
+        timeline.events.iter().find(|(_, event)| event.kind == EventKind::Merge).unwrap().clone();
+    let going_back = |worker: &Worker<'_>| {
+        worker.busy.as_ref().is_some_and(|busy| busy.what.starts_with("going back to frame"))
+    };
+    show(&mut worker, 20);
+    work_until(&mut worker, going_back);
+    assert!(going_back(&worker));
+    ask(&mut worker, |requests| requests.explain = Some(Explained(Some(merge))));
+    let mut told = Vec::new();
+    work_until(&mut worker, |worker| {
+        if worker.asker.latest().is_some_and(|answer| !answer.done) {
+            told.push(worker.busy.clone().unwrap());
+        }
+        false
+    });
+    assert!(!told.is_empty());
+    for busy in &told {
+        assert_eq!(busy.what, "looking for what would have kept it from happening");
+        assert!(busy.total.is_some_and(|total| busy.done <= total && total > 0), "{busy:?}");
+    }
+
+    show(&mut worker, 7);
+    work_until(&mut worker, going_back);
+    assert!(going_back(&worker));
+    let truth = Truth { boxes: Some(Boxes::new()), masks: None };
+    ask(&mut worker, |requests| requests.truth = Some(Known(Some(Arc::new(truth)))));
+    while !worker.is_view_current() {
+        assert!(done(worker.piece()));
+    }
+    assert!(done(worker.piece()) && worker.busy.is_none(), "scoring is no way back: {:?}", worker.busy);
+}
+
+#[test]
 fn the_last_truth_is_what_is_scored_by() {
     let (folder, shared) = (scene(), shared());
     let mut worker = worker(&shared, folder.path(), settings());
@@ -273,4 +312,21 @@ fn frames_are_decoded_once_for_both() {
         }
         assert_eq!(rival(&worker).run.front(), FRAMES);
     }
+}
+
+#[test]
+fn what_grew_is_published_once() {
+    let (folder, count) = (scene(), Arc::new(AtomicU32::new(0)));
+    let counted = Arc::clone(&count);
+    let shared = Shared::new(move || {
+        counted.fetch_add(1, Ordering::Relaxed);
+    });
+    let mut worker = worker(&shared, folder.path(), settings());
+    rest(&mut worker);
+    (worker.outbox.timeline_grew, worker.outbox.pixel_grew) = (true, true);
+    count.store(0, Ordering::Relaxed);
+    for _ in 0..3 {
+        worker.publish_in_time(true);
+    }
+    assert_eq!(count.load(Ordering::Relaxed), 1);
 }
