@@ -282,9 +282,14 @@ impl Run {
                 quantity.filter(|_| self.pipeline.mixture().is_some()),
             );
         }
-        let Some(since) = self.since.at(position, &self.record) else { return Ok(Towards::GoesOn) };
+        if !self.since.reach(position, &self.record) {
+            return Ok(Towards::GoesOn);
+        }
+        // The map is made when the pictures are there: on the way to them it would be thrown away.
         Ok(match self.towards_model(position, frame, None)? {
-            Towards::Pictures(pictures) => Towards::Pictures(pictures.with_map(quantity, Some(since))),
+            Towards::Pictures(pictures) => {
+                Towards::Pictures(pictures.with_map(quantity, Some(self.since.at(position))))
+            }
             on_the_way => on_the_way,
         })
     }
