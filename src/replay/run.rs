@@ -299,6 +299,31 @@ impl Run {
         !quantity.is_of_mixture() || self.pipeline.mixture().is_some()
     }
 
+    /// The positions whose frames it takes to come to the pictures at `position` with a map of `quantity`, its own the
+    /// last of them; `None` where the mixture before it is not to be had.
+    pub(super) fn way_to(&self, position: u32, quantity: Quantity) -> Option<Range<u32>> {
+        // The time since foreground needs masks alone, and the pictures have none of its numbers.
+        let quantity = Some(quantity).filter(|quantity| quantity.is_of_mixture());
+        let before = quantity == Some(Quantity::Matched);
+        let at_hand = self.recent.get(position);
+        let at_hand = at_hand.is_some_and(|pictures| quantity.is_none_or(|quantity| pictures.has(quantity)));
+        if at_hand || self.pipeline.mixture().is_none() {
+            return Some(position..position + 1);
+        }
+        let is_last = position + 1 == self.record.len();
+        if is_last && !before {
+            return Some(position..position + 1);
+        }
+        if is_last && !self.is_close_behind(position) {
+            return None;
+        }
+        let wanted = if before { position } else { position + 1 };
+        let kept = checkpoint(&self.checkpoints, &self.near, wanted).map_or(0, |(kept, _)| kept);
+        let come =
+            self.replay.as_ref().map(|(taken, _)| *taken).filter(|taken| (kept..=wanted).contains(taken));
+        Some(come.unwrap_or(kept).min(position)..position + 1)
+    }
+
     fn towards_model(
         &mut self,
         position: u32,

@@ -614,11 +614,31 @@ impl<'a> Worker<'a> {
     }
 
     fn is_current(&self, shown: &Shown) -> bool {
-        let of_map = |quantity| shown.map.as_ref().is_some_and(|map| map.quantity == quantity);
-        let has_none = |quantity| self.info.live || !self.lane.run.has(quantity);
-        shown.position == self.wanted
-            && Arc::ptr_eq(&shown.settings, self.lane.settings())
-            && self.map.is_none_or(|quantity| of_map(quantity) || has_none(quantity))
+        self.is_current_but_for_its_map(shown)
+            && self.map.is_none_or(|quantity| match &shown.map {
+                Some(map) => map.quantity == quantity,
+                None => !self.can_map(quantity),
+            })
+    }
+
+    fn is_current_but_for_its_map(&self, shown: &Shown) -> bool {
+        shown.position == self.wanted && Arc::ptr_eq(&shown.settings, self.lane.settings())
+    }
+
+    /// Whether the wanted frame can have a map of `quantity`: for a camera's, what came before it must still be kept.
+    fn can_map(&self, quantity: Quantity) -> bool {
+        let run = &self.lane.run;
+        let kept = |mut positions: Range<u32>| positions.all(|position| self.frames.has(position));
+        run.has(quantity) && (!self.info.live || run.way_to(self.wanted, quantity).is_some_and(kept))
+    }
+
+    /// The frame in view without its map, where that is of another quantity than is asked for and none can be made.
+    fn without_map(&self) -> Option<Shown> {
+        let shown = self.shown.as_ref().filter(|shown| self.is_current_but_for_its_map(shown))?;
+        let other =
+            shown.map.as_ref().is_some_and(|map| self.map.is_some_and(|quantity| map.quantity != quantity));
+        (other && !self.map.is_some_and(|quantity| self.can_map(quantity)))
+            .then(|| Shown { map: None, ..Shown::clone(shown) })
     }
 
     fn lane(&mut self, which: Which) -> Option<&mut Lane> {
@@ -636,6 +656,8 @@ impl<'a> Worker<'a> {
             }
         } else if let Some(shown) = self.shown.clone().filter(|shown| self.is_current(shown)) {
             self.show(Shown::clone(&shown));
+        } else if let Some(shown) = self.without_map() {
+            self.show(shown);
         } else if self.wanted >= self.lane.run.front() {
             self.analyse(Which::InView)?;
         } else if let Some(shown) = self.look(Which::InView)? {

@@ -159,6 +159,11 @@ impl FrameCache {
         }
     }
 
+    /// Whether the frame at `position` is kept.
+    pub fn has(&self, position: u32) -> bool {
+        self.kept.contains_key(&position)
+    }
+
     /// The frame at `position` if it is kept; it counts as used.
     pub fn kept(&mut self, position: u32) -> Option<Arc<Frame>> {
         let (frame, used) = self.kept.get_mut(&position)?;
