@@ -1,8 +1,12 @@
 //! The worker's side: one small piece of work after another, the most urgent first.
 //!
-//! In this order: the frame that is wanted in view, what the chosen pixel would be in it under other
-//! settings, the pixel's history, those of the pinned pixels, the analysis ahead.
-//! Between two pieces it looks at what was asked meanwhile; no piece takes longer than a frame.
+//! In this order: the frame that is wanted in view, under both settings where two are compared; what the chosen pixel
+//! would be in it under other settings; the pixel's history, those of the pinned pixels, and what is seen around the
+//! chosen one; the analysis ahead, of both abreast; and when all that is done, scores, what would have kept an event from
+//! happening, and how right other settings would be around a pixel.
+//! Between two pieces it looks at what was asked meanwhile. A piece takes some milliseconds, or as long as a frame
+//! takes to decode or to analyse where that is more.
+
 #[cfg(test)]
 mod tests;
 
