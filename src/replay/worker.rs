@@ -284,7 +284,7 @@ impl<'a> Worker<'a> {
         let size = self.info.size;
         let (truth, masks) = match truth {
             Some(truth) if truth.masks.as_ref().is_some_and(|masks| masks.size() != size) => {
-                let masks = truth.masks.as_ref().map(|masks| masks.size()).unwrap_or(size);
+                let masks = truth.masks.as_ref().map_or(size, |masks| masks.size());
                 self.outbox.warnings.push(format!(
                     "the true masks are {masks}, the frames of {} are {size}: they are not used; choose those of this video",
                     self.info.name
