@@ -270,7 +270,7 @@ fn row(ui: &mut Ui, event: &Event, current: bool, read: bool, aside: Option<(Str
         let font = FontId::proportional(theme::SMALL);
         end = painter.text(at, Align2::RIGHT_CENTER, text, font, readable(ui, colour)).left();
     }
-    let mut job = LayoutJob::simple_singleline(who.to_owned(), font, colours.text);
+    let mut job = LayoutJob::simple_singleline(who, font, colours.text);
     job.wrap = TextWrapping::truncate_at_width((end - rect.left() - x - 8.0).max(0.0));
     let who = painter.layout_job(job);
     painter.galley(middle + vec2(x + 2.0, -who.size().y / 2.0), who, colours.text);

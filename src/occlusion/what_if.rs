@@ -172,11 +172,6 @@ impl Search {
         Self { present: Trial::new(&question, &question.settings), question, ways, tried: 0 }
     }
 
-    /// The event that was asked about.
-    pub const fn event(&self) -> &Event {
-        &self.question.event
-    }
-
     /// Does some milliseconds of work; whether there was any left.
     pub fn go_on(&mut self) -> bool {
         let question = &self.question;

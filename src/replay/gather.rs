@@ -7,7 +7,7 @@ use crate::source::SourceError;
 use crate::source::cache::{Fetched, FrameCache, Keep};
 
 /// Work on it goes on for so long before other work gets its turn.
-const TURN: Duration = Duration::from_millis(4);
+pub(super) const TURN: Duration = Duration::from_millis(4);
 
 /// What takes in frames one after the other, from the first on.
 pub(super) trait Follower {

@@ -8,7 +8,7 @@ use crate::mixture::{Parameters, PixelHistory};
 use crate::settings::{BackgroundModel, Settings};
 
 /// Follows one pixel through all frames that are known, whether they are analysed or not.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Inspector {
     history: Option<Arc<PixelHistory>>,
     /// The pixel's number and colour in each frame. `history` may be behind: it is extended when
@@ -37,6 +37,17 @@ impl Inspector {
     /// The pixel whose history cannot be known, as the first frames are gone.
     pub(super) const fn lost(&self) -> Option<(u32, u32)> {
         self.lost
+    }
+
+    /// Takes in what another one has seen of the same pixel; whether that was more.
+    pub(super) fn catch_up(&mut self, other: &Self) -> bool {
+        let at = |inspector: &Self| inspector.history.as_ref().map(|history| history.at);
+        let known = self.colours.len();
+        if at(self).is_none() || at(self) != at(other) || other.colours.len() <= known {
+            return false;
+        }
+        self.colours.extend_from_slice(&other.colours[known..]);
+        true
     }
 
     /// How many frames are known, `None` when no pixel is chosen.

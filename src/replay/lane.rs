@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::gather::Follower as _;
 use super::inspector::Inspector;
 use super::run::Run;
+use super::scoring::{Scored, Scoring};
 use super::timeline::Growing;
 use super::{Shown, Timeline, pictures::Pictures};
 use crate::frame::Frame;
@@ -14,10 +15,8 @@ use crate::settings::{Settings, Stage};
 use crate::source::cache::{Fetched, FrameCache, Keep};
 use crate::source::{SourceError, SourceInfo};
 use crate::truth::Truth;
-use crate::truth::decisions::Decisions;
-use crate::truth::mask_score::MaskScore;
-use crate::truth::masks::TrueMasks;
-use crate::truth::summary::{self, Score};
+use crate::truth::boxes::Boxes;
+use crate::truth::summary;
 
 /// The sequence under one choice of settings.
 pub(super) struct Lane {
@@ -26,10 +25,9 @@ pub(super) struct Lane {
     /// The chosen pixel under the same settings.
     pub(super) inspector: Inspector,
     growing: Growing,
-    /// Whether the final reading has taken the place of the causal one.
-    finished: bool,
-    /// By which truth it was scored, and what came out.
-    score: Option<(Arc<Truth>, Arc<Score>)>,
+    /// The boxes of the final reading, once that has taken the place of the causal one.
+    finished: Option<Arc<Boxes>>,
+    scoring: Scoring,
 }
 
 /// Why an analysis cannot go on.
@@ -63,9 +61,35 @@ impl Lane {
             run: Run::new(settings, roi, info, budget)?,
             inspector: Inspector::default(),
             growing: Growing::default(),
-            finished: false,
-            score: None,
+            finished: None,
+            scoring: Scoring::default(),
         })
+    }
+
+    /// Another lane that has come just as far, with its own `budget`; `None` where the model's state cannot be copied.
+    pub(super) fn fork(&self, budget: usize) -> Option<Self> {
+        Some(Self {
+            run: self.run.fork(budget)?,
+            inspector: self.inspector.clone(),
+            growing: self.growing.clone(),
+            finished: self.finished.clone(),
+            scoring: Scoring::default(),
+        })
+    }
+
+    /// A lane under other settings, with the masks of this one where the model's are the same.
+    pub(super) fn beside(
+        &self,
+        settings: Arc<Settings>,
+        roi: Option<Arc<Roi>>,
+        info: &Arc<SourceInfo>,
+        budget: usize,
+    ) -> Result<Self, PipelineError> {
+        let stage = self.first_difference(&settings, roi.as_ref()).filter(|&stage| stage > Stage::Mixture);
+        match stage.and_then(|stage| Some((stage, self.fork(budget)?))) {
+            Some((stage, mut fork)) => fork.restart_at(stage, settings, roi).map(|()| fork),
+            None => Self::new(settings, roi, info, budget),
+        }
     }
 
     /// Its settings.
@@ -93,7 +117,7 @@ impl Lane {
         roi: Option<Arc<Roi>>,
     ) -> Result<(), PipelineError> {
         self.growing = Growing::default();
-        (self.finished, self.score) = (false, None);
+        (self.finished, self.scoring) = (None, Scoring::default());
         self.run.restart_at(stage, settings, roi)
     }
 
@@ -102,12 +126,17 @@ impl Lane {
         frames.is_complete() && self.run.front() as usize == frames.numbers().len()
     }
 
-    /// Analyses the next frames that are there, or lets one be decoded on the way to them: not beyond the
-    /// position that is wanted in view, so that the model stops there. `passed` is given each frame with its position.
+    /// Whether the final reading of all frames is there.
+    pub(super) const fn is_finished(&self) -> bool {
+        self.finished.is_some()
+    }
+
+    /// Analyses the next frames that are there, or lets one be decoded on the way to them: not beyond the position
+    /// `last`, where there is one before the end. `passed` is given each frame with its position.
     pub(super) fn go_on(
         &mut self,
         frames: &mut FrameCache,
-        wanted: Option<u32>,
+        last: Option<u32>,
         mut passed: impl FnMut(u32, &Frame),
     ) -> Result<Step, LaneError> {
         let position = self.run.front();
@@ -116,7 +145,7 @@ impl Lane {
         } else {
             match frames.fetch(position, Keep::IfRoom)? {
                 Fetched::Frame(frame) => {
-                    let frames = self.with_those_at_hand(frames, position, frame, wanted);
+                    let frames = self.with_those_at_hand(frames, position, frame, last);
                     self.run.step(&frames)?;
                     for (position, frame) in (position..).zip(&frames) {
                         self.inspector.push(position, frame);
@@ -131,9 +160,10 @@ impl Lane {
             let Some((analysis, share)) = self.run.outline(position) else { break };
             self.growing.push(analysis, share);
         }
-        if self.is_through(frames) && !self.finished {
-            self.growing.finish(self.run.final_reading());
-            self.finished = true;
+        if self.is_through(frames) && self.finished.is_none() {
+            let reading = self.run.final_reading();
+            self.finished = Some(Arc::new(summary::boxes_of(&reading)));
+            self.growing.finish(reading);
         }
         Ok(Step::On)
     }
@@ -144,10 +174,10 @@ impl Lane {
         frames: &mut FrameCache,
         position: u32,
         frame: Arc<Frame>,
-        wanted: Option<u32>,
+        last: Option<u32>,
     ) -> Vec<Arc<Frame>> {
-        let most = match wanted.and_then(|wanted| wanted.checked_sub(position)) {
-            Some(before_wanted) => self.run.most_frames().min(before_wanted as usize + 1),
+        let most = match last.and_then(|last| last.checked_sub(position)) {
+            Some(before_last) => self.run.most_frames().min(before_last as usize + 1),
             None => self.run.most_frames(),
         };
         let mut passed = vec![frame];
@@ -176,39 +206,17 @@ impl Lane {
         })
     }
 
-    /// Scores the final reading and the masks, if all is there and has not been scored by this truth; whether it did.
-    pub(super) fn score(&mut self, truth: Option<&Arc<Truth>>) -> bool {
-        let Some(truth) = truth.filter(|_| self.finished) else { return false };
-        if self.score.as_ref().is_some_and(|(by, _)| Arc::ptr_eq(by, truth)) {
-            return false;
-        }
-        let of_boxes = |boxes| summary::score(boxes, &summary::boxes_of(&self.run.final_reading()));
-        let score = Score {
-            tracks: truth.boxes.as_ref().map(of_boxes),
-            masks: truth.masks.as_deref().map(|masks| self.judge(masks)),
-        };
-        self.score = Some((Arc::clone(truth), Arc::new(score)));
-        true
-    }
-
-    /// Judges the masks in which regions are found, where there are true ones.
-    fn judge(&self, truth: &TrueMasks) -> MaskScore {
-        let record = self.run.record();
-        let judged = record.outlines().zip(0..).filter_map(|(analysis, position)| {
-            let mut judge = truth.of(analysis.number)?.judge();
-            record.each_run(position, |run| judge.take(run));
-            Some(judge.decisions())
-        });
-        let decisions: Vec<Decisions> = judged.collect();
-        MaskScore::new(decisions.len(), decisions.into_iter().sum())
+    /// Does a piece of work on the score of the final reading and the masks by `truth`, if all is there.
+    pub(super) fn score(&mut self, truth: &Arc<Truth>) -> Scored {
+        let Some(found) = &self.finished else { return Scored::Already };
+        self.scoring.piece(truth, found, self.run.record())
     }
 
     /// What is known of the sequence now; its score is by `truth`.
     pub(super) fn timeline(&self, frames: &FrameCache, truth: Option<&Arc<Truth>>) -> Timeline {
-        let score = self.score.as_ref().filter(|(by, _)| truth.is_some_and(|truth| Arc::ptr_eq(by, truth)));
         Timeline {
             decoded: frames.kept_ranges(),
-            score: score.map(|(_, score)| Arc::clone(score)),
+            score: truth.and_then(|truth| self.scoring.by(truth)),
             ..self.growing.timeline(frames.numbers(), frames.is_complete())
         }
     }

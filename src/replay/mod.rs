@@ -16,6 +16,7 @@ mod region_tuner;
 mod rival;
 mod run;
 mod runs;
+mod scoring;
 mod session;
 mod since;
 mod spaced;
@@ -165,9 +166,9 @@ pub struct RegionTuning {
 pub struct Progress {
     /// What: `analysing`, `going back to frame 203`.
     pub what: String,
-    /// Frames done.
+    /// Frames done, or trials of other settings.
     pub done: u32,
-    /// Frames to do, where that is known.
+    /// Frames or trials to do, where that is known.
     pub total: Option<u32>,
 }
 
@@ -232,4 +233,9 @@ pub struct LifeLine {
     pub id: Identity,
     /// Positions `first..=last` in which its state was the same, in order.
     pub spans: Vec<(u32, u32, TrackState)>,
+}
+
+/// Whether both are the same thing in memory, or both are none.
+fn same<T>(one: Option<&Arc<T>>, other: Option<&Arc<T>>) -> bool {
+    one.map(Arc::as_ptr) == other.map(Arc::as_ptr)
 }

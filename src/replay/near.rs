@@ -8,17 +8,20 @@ pub(super) struct Near<T> {
     kept: BTreeMap<u32, (T, usize)>,
     room: usize,
     taken: usize,
+    /// Where one was when something was last kept.
+    here: u32,
 }
 
 impl<T> Near<T> {
     /// Room for `room` bytes of things.
     pub(super) const fn new(room: usize) -> Self {
-        Self { kept: BTreeMap::new(), room, taken: 0 }
+        Self { kept: BTreeMap::new(), room, taken: 0, here: 0 }
     }
 
-    /// Less room, or more, for what is kept from now on.
-    pub(super) const fn set_room(&mut self, room: usize) {
+    /// Less room, as other things take it, or more.
+    pub(super) fn set_room(&mut self, room: usize) {
         self.room = room;
+        self.thin();
     }
 
     /// Whether something belongs to this position already.
@@ -32,9 +35,15 @@ impl<T> Near<T> {
         if let Some((_, before)) = self.kept.insert(position, (thing, bytes)) {
             self.taken -= before;
         }
+        self.here = here;
+        self.thin();
+    }
+
+    /// Drops what is farthest until the rest has room.
+    fn thin(&mut self) {
         while self.taken > self.room {
             let ends = [self.kept.keys().next(), self.kept.keys().next_back()];
-            let Some(farthest) = ends.into_iter().flatten().copied().max_by_key(|at| at.abs_diff(here))
+            let Some(farthest) = ends.into_iter().flatten().copied().max_by_key(|at| at.abs_diff(self.here))
             else {
                 break;
             };
@@ -69,5 +78,18 @@ mod tests {
         assert_eq!((near.at_or_before(9), near.taken), (Some((5, &6)), 30));
         near.insert(7, 7, 31, 7);
         assert!(near.kept.is_empty() && near.taken == 0, "too large for any room");
+    }
+
+    #[test]
+    fn with_less_room_what_is_far_goes_at_once() {
+        let mut near = Near::new(40);
+        for position in [10, 20, 30, 40] {
+            near.insert(position, position, 10, 25);
+        }
+        near.insert(20, 20, 10, 22);
+        near.set_room(25);
+        assert!(near.taken == 20 && near.has(20) && near.has(30), "{:?}", near.kept.keys());
+        near.set_room(0);
+        assert!(near.taken == 0 && near.at_or_before(50).is_none());
     }
 }

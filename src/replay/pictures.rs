@@ -57,6 +57,7 @@ impl Pictures {
 
 /// The last pictures that were made, by position: stepping back passes by frames that were
 /// replayed a moment ago.
+#[derive(Clone)]
 pub(super) struct Recent {
     pictures: VecDeque<(u32, Pictures)>,
     room: usize,

@@ -9,7 +9,8 @@ use crate::pipeline::Analysis;
 use crate::regions::{Labels, Region};
 use crate::tracking::{Competing, Track};
 
-/// The analyses of a sequence from its first frame on.
+/// The analyses of a sequence from its first frame on. A copy shares what takes much memory.
+#[derive(Clone)]
 pub(super) struct Record {
     size: Size,
     entries: Vec<Entry>,
@@ -19,13 +20,14 @@ pub(super) struct Record {
     no_labels: Arc<Labels>,
 }
 
+#[derive(Clone)]
 struct Entry {
     /// With an empty mask and empty labels.
     analysis: Analysis,
     /// Its mask and labels.
-    labels: Box<[u8]>,
+    labels: Arc<[u8]>,
     /// The model's mask, before cleaning.
-    raw: Box<[u8]>,
+    raw: Arc<[u8]>,
     foreground_share: f32,
 }
 
@@ -62,7 +64,7 @@ impl Record {
 
     /// Takes in the analysis of the next frame, and the model's mask before cleaning.
     pub(super) fn push(&mut self, analysis: Analysis, raw: Box<[u8]>) {
-        let entry = self.entry(analysis, raw);
+        let entry = self.entry(analysis, raw.into());
         self.bytes += entry.bytes();
         self.entries.push(entry);
     }
@@ -74,14 +76,24 @@ impl Record {
 
     /// Puts another analysis, of other regions, in the place of one whose raw mask stays.
     pub(super) fn find_again(&mut self, position: u32, analysis: Analysis) {
+        let Some(raw) = self.entries.get(position as usize).map(|entry| Arc::clone(&entry.raw)) else {
+            return;
+        };
+        let entry = self.entry(analysis, raw);
+        self.change(position, |before| *before = entry);
+    }
+
+    /// Changes an entry and counts what it takes afterwards.
+    fn change(&mut self, position: u32, change: impl FnOnce(&mut Entry)) {
         if let Some(entry) = self.entries.get_mut(position as usize) {
-            let raw = std::mem::take(&mut entry.raw);
-            self.entries[position as usize] = self.entry(analysis, raw);
+            self.bytes -= entry.bytes();
+            change(entry);
+            self.bytes += entry.bytes();
         }
     }
 
-    fn entry(&self, analysis: Analysis, raw: Box<[u8]>) -> Entry {
-        let labels = runs::of_labels(&analysis.labels);
+    fn entry(&self, analysis: Analysis, raw: Arc<[u8]>) -> Entry {
+        let labels = runs::of_labels(&analysis.labels).into();
         let foreground_share = analysis.mask.foreground_share();
         let analysis =
             Analysis { mask: Arc::clone(&self.no_mask), labels: Arc::clone(&self.no_labels), ..analysis };
@@ -109,9 +121,7 @@ impl Record {
 
     /// Puts another reading in the place of one whose mask and regions stay.
     pub(super) fn replace(&mut self, position: u32, analysis: Analysis) {
-        if let Some(entry) = self.entries.get_mut(position as usize) {
-            entry.analysis = analysis;
-        }
+        self.change(position, |entry| entry.analysis = analysis);
     }
 
     /// The analysis of a frame without its mask and labels, and its share of foreground.

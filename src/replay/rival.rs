@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use super::Shown;
 use super::lane::Lane;
+use super::{Shown, same};
 use crate::settings::Settings;
 
 /// Another choice of settings on the same frames.
@@ -54,12 +54,11 @@ impl Rival {
         };
         let mine = self.shown.take_if(|mine| of(mine, lane, shown.position))?;
         let pixel = lane.inspector.covering(shown.position);
-        let same = |a: &Shown| match (&a.pixel, &pixel) {
-            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
-            (None, None) => true,
-            _ => false,
+        let mine = if same(mine.pixel.as_ref(), pixel.as_ref()) {
+            mine
+        } else {
+            Arc::new(Shown { pixel, ..Shown::clone(&mine) })
         };
-        let mine = if same(&mine) { mine } else { Arc::new(Shown { pixel, ..Shown::clone(&mine) }) };
         self.shown = Some(Arc::clone(&mine));
         Some(mine)
     }

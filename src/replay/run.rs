@@ -50,7 +50,7 @@ pub(super) struct Run {
     /// Memory for models and the record, in bytes.
     for_models: usize,
     /// Mixtures by the number of frames that they have taken in.
-    checkpoints: Spaced<Snapshot>,
+    checkpoints: Spaced<Arc<Snapshot>>,
     /// Mixtures on the way to frames that were looked at, by the number of frames taken in.
     near: Near<Snapshot>,
     /// Background images by position, of models that cannot be copied.
@@ -102,6 +102,28 @@ impl Run {
         };
         run.set_budget(budget);
         Ok(run)
+    }
+
+    /// Another run that has come just as far, with its own `budget`: what was analysed and the models on the way are
+    /// shared. `None` where the model's state cannot be copied.
+    pub(super) fn fork(&self, budget: usize) -> Option<Self> {
+        let mut fork = Self {
+            pipeline: self.pipeline.try_clone()?,
+            settings: Arc::clone(&self.settings),
+            roi: self.roi.clone(),
+            info: Arc::clone(&self.info),
+            record: self.record.clone(),
+            checkpoints: self.checkpoints.clone(),
+            near: Near::new(0),
+            backgrounds: self.backgrounds.clone(),
+            replay: None,
+            masks: Vec::new(),
+            recent: self.recent.clone(),
+            since: Since::new(self.info.size),
+            ..*self
+        };
+        fork.set_budget(budget);
+        Some(fork)
     }
 
     /// Keeps within so much memory for going back in time, in bytes.
@@ -170,6 +192,7 @@ impl Run {
             let analysis = self.pipeline.track_again(analysis);
             self.record.replace(self.front, analysis);
             self.front += 1;
+            self.give_room();
         }
     }
 
@@ -195,6 +218,7 @@ impl Run {
             for (position, analysis) in (position..).zip(self.pipeline.find_many(&borrowed, raw)?) {
                 self.record.find_again(position, analysis);
             }
+            self.give_room();
             return Ok(());
         }
         let raw = self.pipeline.masks(&borrowed)?;
@@ -213,7 +237,7 @@ impl Run {
             if self.checkpoints.wants(self.front) {
                 let snapshot = mixture.snapshot();
                 let bytes = snapshot.bytes();
-                self.checkpoints.insert(self.front, snapshot, bytes);
+                self.checkpoints.insert(self.front, Arc::new(snapshot), bytes);
             }
         } else if self.backgrounds.wants(position) {
             let background = self.background(last.number, last.size)?;
@@ -258,9 +282,14 @@ impl Run {
                 quantity.filter(|_| self.pipeline.mixture().is_some()),
             );
         }
-        let Some(since) = self.since.at(position, &self.record) else { return Ok(Towards::GoesOn) };
+        if !self.since.reach(position, &self.record) {
+            return Ok(Towards::GoesOn);
+        }
+        // The map is made when the pictures are there: on the way to them it would be thrown away.
         Ok(match self.towards_model(position, frame, None)? {
-            Towards::Pictures(pictures) => Towards::Pictures(pictures.with_map(quantity, Some(since))),
+            Towards::Pictures(pictures) => {
+                Towards::Pictures(pictures.with_map(quantity, Some(self.since.at(position))))
+            }
             on_the_way => on_the_way,
         })
     }
@@ -268,6 +297,31 @@ impl Run {
     /// Whether the model has such a number of each pixel.
     pub(super) fn has(&self, quantity: Quantity) -> bool {
         !quantity.is_of_mixture() || self.pipeline.mixture().is_some()
+    }
+
+    /// The positions whose frames it takes to come to the pictures at `position` with a map of `quantity`, its own the
+    /// last of them; `None` where the mixture before it is not to be had.
+    pub(super) fn way_to(&self, position: u32, quantity: Quantity) -> Option<Range<u32>> {
+        // The time since foreground needs masks alone, and the pictures have none of its numbers.
+        let quantity = Some(quantity).filter(|quantity| quantity.is_of_mixture());
+        let before = quantity == Some(Quantity::Matched);
+        let at_hand = self.recent.get(position);
+        let at_hand = at_hand.is_some_and(|pictures| quantity.is_none_or(|quantity| pictures.has(quantity)));
+        if at_hand || self.pipeline.mixture().is_none() {
+            return Some(position..position + 1);
+        }
+        let is_last = position + 1 == self.record.len();
+        if is_last && !before {
+            return Some(position..position + 1);
+        }
+        if is_last && !self.is_close_behind(position) {
+            return None;
+        }
+        let wanted = if before { position } else { position + 1 };
+        let kept = checkpoint(&self.checkpoints, &self.near, wanted).map_or(0, |(kept, _)| kept);
+        let come =
+            self.replay.as_ref().map(|(taken, _)| *taken).filter(|taken| (kept..=wanted).contains(taken));
+        Some(come.unwrap_or(kept).min(position)..position + 1)
     }
 
     fn towards_model(
@@ -316,9 +370,7 @@ impl Run {
         let wanted = if before { position } else { position + 1 };
         let new = || (0, Mixture::new(self.info.size, Parameters::new(&self.settings)));
         let (taken, mixture) = self.replay.get_or_insert_with(new);
-        let checkpoint =
-            [self.checkpoints.at_or_before(wanted), self.near.at_or_before(wanted)].into_iter().flatten();
-        let checkpoint = checkpoint.max_by_key(|(kept, _)| *kept);
+        let checkpoint = checkpoint(&self.checkpoints, &self.near, wanted);
         // A replay that has come farther, yet not too far, is nearer.
         let nearest = checkpoint.map_or(0, |(kept, _)| kept);
         if !(nearest..=wanted).contains(taken) {
@@ -363,5 +415,70 @@ impl Run {
 
     fn background(&self, number: u32, size: Size) -> Result<Arc<Frame>, PipelineError> {
         Ok(Arc::new(Frame::new(number, size, self.pipeline.background_image()?)))
+    }
+}
+
+/// The mixture that is kept nearest before so many frames.
+fn checkpoint<'a>(
+    checkpoints: &'a Spaced<Arc<Snapshot>>,
+    near: &'a Near<Snapshot>,
+    wanted: u32,
+) -> Option<(u32, &'a Snapshot)> {
+    let spaced = checkpoints.at_or_before(wanted).map(|(kept, snapshot)| (kept, &**snapshot));
+    [spaced, near.at_or_before(wanted)].into_iter().flatten().max_by_key(|(kept, _)| *kept)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+    use crate::replay::tests::{scene, settings, straight};
+
+    /// So many frames that the model is kept twice on the way.
+    const FRAMES: usize = 2 * CLOSEST as usize + 6;
+
+    #[test]
+    fn what_a_second_pass_finds_is_counted_and_models_make_room_for_it() {
+        let folder = scene();
+        let frames: Vec<_> =
+            straight(folder.path(), &settings()).into_iter().map(|shown| shown.frame).collect();
+        let size = frames[0].size;
+        let info = SourceInfo { name: "scene".into(), size, fps: 25.0, frames: None, live: false };
+        let few = Arc::new(Settings { median: 5, min_area: 2000, ..settings() });
+        let many = Arc::new(Settings { median: 0, min_area: 0, ..settings() });
+        let pass = |run: &mut Run| {
+            for frame in frames.iter().cycle().take(FRAMES) {
+                run.step(std::slice::from_ref(frame)).unwrap();
+            }
+        };
+        let run = |settings: &Arc<Settings>, budget| {
+            let mut run = Run::new(Arc::clone(settings), None, &Arc::new(info.clone()), budget).unwrap();
+            pass(&mut run);
+            run
+        };
+        let [first, second] = [&few, &many].map(|settings| run(settings, 1 << 30));
+        let (one_pass, two_passes) = (first.record.bytes(), second.record.bytes());
+        assert!(two_passes > one_pass + 10_000, "{one_pass} {two_passes}");
+        let models = [CLOSEST, 2 * CLOSEST].map(|at| first.checkpoints.at_or_before(at).unwrap().1.bytes());
+        let for_models = models.iter().sum::<usize>() + usize::midpoint(one_pass, two_passes);
+
+        let mut run = run(&few, for_models.div_ceil(11) * 16);
+        assert!(run.checkpoints.at_or_before(CLOSEST).is_some(), "there is room for both");
+        run.restart_at(Stage::Cleaning, Arc::clone(&many), None).unwrap();
+        pass(&mut run);
+        assert_eq!(run.record.bytes(), two_passes);
+        assert!(run.checkpoints.at_or_before(CLOSEST).is_none(), "one has to go");
+        let late = Settings { max_hypotheses: 1, ..settings() };
+        let late = Arc::new(Settings { median: 0, min_area: 0, ..late });
+        let fresh = self::Run::new(Arc::clone(&late), None, &Arc::new(info.clone()), 1 << 30);
+        let mut fresh = fresh.unwrap();
+        pass(&mut fresh);
+        run.restart_at(Stage::Tracking, late, None).unwrap();
+        while run.is_tracking_again() {
+            run.track_next();
+        }
+        assert_eq!(run.record.bytes(), fresh.record.bytes());
+        assert_ne!(fresh.record.bytes(), two_passes);
     }
 }

@@ -108,29 +108,7 @@ impl Session {
         start: Start,
         wake: impl Fn() + Send + Sync + 'static,
     ) -> Self {
-        let state = State {
-            phase: Phase::Opening,
-            info: None,
-            warnings: Arc::default(),
-            shown: None,
-            pixel: None,
-            pins: Arc::default(),
-            lost: Vec::new(),
-            region: None,
-            region_tuning: None,
-            tuning: None,
-            timeline: Arc::new(Timeline::default()),
-            beside: None,
-            what_if: None,
-            busy: None,
-            analysis_fps: 0.0,
-        };
-        let shared = Arc::new(Shared {
-            requests: Mutex::default(),
-            asked: Condvar::new(),
-            state: Mutex::new(state),
-            wake: Box::new(wake),
-        });
+        let shared = Arc::new(Shared::new(wake));
         let (alive, ended) = channel();
         let (theirs, video) = (Arc::clone(&shared), video.to_owned());
         let started = thread::Builder::new().name("analysis".into()).spawn(move || {
@@ -151,7 +129,7 @@ impl Session {
 
     /// What was last published.
     pub fn state(&self) -> State {
-        lock(&self.shared.state).clone()
+        self.shared.state()
     }
 
     /// Asks for a frame by its position from 0; one beyond the end gives the last. What lies beyond
@@ -187,7 +165,7 @@ impl Session {
     }
 
     /// Asks for another part of the image to be analysed, the whole without one; it must be as large as the frames.
-    /// The model is not run again.
+    /// The model is not run again, whose masks are kept.
     pub fn set_roi(&self, roi: Option<Arc<Roi>>) {
         self.shared.ask(|requests| requests.roi = Some(Analysed(roi)));
     }
@@ -248,6 +226,38 @@ impl Drop for Session {
 }
 
 impl Shared {
+    /// Nothing asked and nothing known; `wake` is called after every change of the state.
+    pub(super) fn new(wake: impl Fn() + Send + Sync + 'static) -> Self {
+        let state = State {
+            phase: Phase::Opening,
+            info: None,
+            warnings: Arc::default(),
+            shown: None,
+            pixel: None,
+            pins: Arc::default(),
+            lost: Vec::new(),
+            region: None,
+            region_tuning: None,
+            tuning: None,
+            timeline: Arc::new(Timeline::default()),
+            beside: None,
+            what_if: None,
+            busy: None,
+            analysis_fps: 0.0,
+        };
+        Self {
+            requests: Mutex::default(),
+            asked: Condvar::new(),
+            state: Mutex::new(state),
+            wake: Box::new(wake),
+        }
+    }
+
+    /// What was last published.
+    pub(super) fn state(&self) -> State {
+        lock(&self.state).clone()
+    }
+
     fn ask(&self, change: impl FnOnce(&mut Requests)) {
         change(&mut lock(&self.requests));
         self.asked.notify_one();

@@ -31,10 +31,11 @@ impl Since {
         self.kept.set_room(room);
     }
 
-    /// How many frames before the one at `position` each pixel was last foreground, infinitely many where it never was;
-    /// `None` while that takes another piece of work, or where the frame is not on record.
-    pub(super) fn at(&mut self, position: u32, record: &Record) -> Option<Vec<f32>> {
-        let wanted = position.checked_add(1).filter(|&wanted| wanted <= record.len())?;
+    /// Goes on towards the frame at `position`; whether it is there. Where the frame is not on record, it never is.
+    pub(super) fn reach(&mut self, position: u32, record: &Record) -> bool {
+        let Some(wanted) = position.checked_add(1).filter(|&wanted| wanted <= record.len()) else {
+            return false;
+        };
         self.begin(wanted);
         let end = wanted.min(self.taken + PIECE - self.taken % PIECE);
         for position in self.taken..end {
@@ -48,8 +49,17 @@ impl Since {
         if self.kept.wants(end) {
             self.kept.insert(end, self.last.clone(), self.last.len() * size_of::<u32>());
         }
-        let ago = |&last: &u32| if last == NEVER { f32::INFINITY } else { (position - last) as f32 };
-        (end == wanted).then(|| self.last.iter().map(ago).collect())
+        end == wanted
+    }
+
+    /// How many frames before the one at `position`, which has been reached, each pixel was last foreground, infinitely
+    /// many where it never was.
+    pub(super) fn at(&self, position: u32) -> Vec<f32> {
+        let ago = |&last: &u32| match last {
+            NEVER => f32::INFINITY,
+            _ => position.saturating_sub(last) as f32,
+        };
+        self.last.iter().map(ago).collect()
     }
 
     /// Begins at the nearest place before `wanted` frames, which may be where it is.

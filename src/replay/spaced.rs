@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 /// Things by position, at multiples of a stride that doubles whenever there is no more room.
+#[derive(Clone)]
 pub(super) struct Spaced<T> {
     /// With the memory that each takes.
     kept: BTreeMap<u32, (T, usize)>,

@@ -23,13 +23,13 @@ mod maps;
 mod truth;
 mod what_if;
 
-const FRAMES: u32 = 60;
-const WIDTH: u32 = 96;
-const HEIGHT: u32 = 64;
+pub(super) const FRAMES: u32 = 60;
+pub(super) const WIDTH: u32 = 96;
+pub(super) const HEIGHT: u32 = 64;
 /// Frame numbers are positions plus this.
-const FIRST: u32 = 101;
+pub(super) const FIRST: u32 = 101;
 /// A pixel that both squares pass over.
-const PIXEL: (u32, u32) = (48, 32);
+pub(super) const PIXEL: (u32, u32) = (48, 32);
 
 /// Two squares that cross over a texture with noise.
 fn write_scene(folder: &Path) {
@@ -50,17 +50,17 @@ fn write_scene(folder: &Path) {
     }
 }
 
-fn scene() -> tempfile::TempDir {
+pub(super) fn scene() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     write_scene(folder.path());
     folder
 }
 
-fn name(path: &Path) -> String {
+pub(super) fn name(path: &Path) -> String {
     path.to_str().unwrap().to_owned()
 }
 
-fn settings() -> Settings {
+pub(super) fn settings() -> Settings {
     Settings { track_min_area: 0.3, warm_up: 0, alpha: 0.02, ..Settings::preset(Preset::Default) }
 }
 
@@ -135,12 +135,12 @@ fn shows(state: &State, position: u32) -> bool {
 }
 
 /// What one pass forward gives at each position, with nothing kept and nothing replayed.
-fn straight(video: &Path, settings: &Settings) -> Vec<Shown> {
+pub(super) fn straight(video: &Path, settings: &Settings) -> Vec<Shown> {
     straight_within(video, settings, None)
 }
 
 /// The same where only a part of the image is analysed.
-fn straight_within(video: &Path, settings: &Settings, roi: Option<&Arc<Roi>>) -> Vec<Shown> {
+pub(super) fn straight_within(video: &Path, settings: &Settings, roi: Option<&Arc<Roi>>) -> Vec<Shown> {
     let mut source = source::open(&name(video)).unwrap();
     let mut pipeline = Pipeline::new(settings, source.info().size, source.info().fps).unwrap();
     pipeline.set_roi(roi.cloned()).unwrap();
@@ -169,7 +169,7 @@ fn straight_within(video: &Path, settings: &Settings, roi: Option<&Arc<Roi>>) ->
     all
 }
 
-fn assert_same(got: &Shown, expected: &Shown) {
+pub(super) fn assert_same(got: &Shown, expected: &Shown) {
     let position = expected.position;
     assert_eq!(got.position, position);
     assert_eq!((&got.settings, &got.roi), (&expected.settings, &expected.roi));
@@ -291,7 +291,7 @@ fn a_change_of_settings_never_mixes_with_what_was() {
 }
 
 /// The left half alone, or the right one.
-fn half(left: bool) -> Arc<Roi> {
+pub(super) fn half(left: bool) -> Arc<Roi> {
     let size = Size::new(WIDTH, HEIGHT);
     let inside = |at: usize| (at as u32 % WIDTH < WIDTH / 2) == left;
     let data = (0..size.pixels()).map(|at| if inside(at) { 255 } else { 0 }).collect();

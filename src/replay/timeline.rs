@@ -8,7 +8,7 @@ use crate::pipeline::{Analysis, Reading};
 use crate::tracking::{Identity, Track, TrackState};
 
 /// A [`Timeline`] under way.
-#[derive(Default)]
+#[derive(Clone, Default)]
 pub(super) struct Growing {
     foreground_share: Vec<f32>,
     events: Vec<Event>,

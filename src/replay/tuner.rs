@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::Tuning;
 use crate::mixture::pixel::Value;
-use crate::mixture::tuning::{Axis, Ending, Flip, Knob, Map, flip, run};
+use crate::mixture::tuning::{Axis, Ending, Flip, Flips, Knob, Map, run};
 use crate::mixture::{Parameters, PixelHistory};
 
 /// So many frames of runs are a piece of some milliseconds.
@@ -27,7 +27,9 @@ struct Job {
     axes: [Axis; 2],
     runs: Vec<Parameters>,
     endings: Vec<Ending>,
-    flips: Vec<Flip>,
+    search: Flips,
+    /// What the search found.
+    flips: Option<Vec<Flip>>,
 }
 
 /// What an answer is an answer to.
@@ -90,14 +92,15 @@ impl Job {
     fn new(question: Question, values: Vec<Value>) -> Self {
         let axes = Map::axes(&question.parameters, question.knobs);
         let runs = Map::runs(&question.parameters, &axes);
-        Self { question, values, axes, runs, endings: Vec::new(), flips: Vec::new() }
+        let search = Flips::new(&question.parameters, &Knob::ALL);
+        Self { question, values, axes, runs, endings: Vec::new(), search, flips: None }
     }
 
     /// The answer, if this was the last piece.
     fn go_on(&mut self) -> Option<Tuning> {
         let Question { at, position, parameters, .. } = self.question;
-        if let Some(knob) = Knob::ALL.get(self.flips.len()) {
-            self.flips.push(flip(&self.values, &parameters, *knob));
+        if self.flips.is_none() {
+            self.flips = self.search.go_on(&self.values);
             return None;
         }
         let done = self.endings.len();
@@ -109,7 +112,7 @@ impl Job {
             return None;
         }
         let map = Map::of(&parameters, self.axes.clone(), &self.endings);
-        Some(Tuning { at, position, parameters, map, flips: std::mem::take(&mut self.flips) })
+        Some(Tuning { at, position, parameters, map, flips: self.flips.take().unwrap_or_default() })
     }
 }
 
@@ -118,7 +121,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
 
     use super::*;
-    use crate::mixture::tuning::map;
+    use crate::mixture::tuning::{flip, map};
     use crate::settings::{Preset, Settings};
 
     fn history(alpha: f32) -> PixelHistory {
@@ -138,7 +141,9 @@ mod tests {
         for knobs in [[Knob::Alpha, Knob::Lambda], [Knob::T, Knob::K], [Knob::InitialSigma, Knob::T]] {
             tuner.choose(Some(knobs));
             for position in [0, 145, 299] {
-                assert!(all_pieces(&mut tuner, &history, position) > Knob::ALL.len());
+                let pieces = all_pieces(&mut tuner, &history, position);
+                assert!(pieces > Knob::ALL.len());
+                assert!(pieces > 16, "no more than one run on either side of a value at a time: {pieces}");
                 let tuning = tuner.latest().unwrap();
                 let values: Vec<_> = history.states[..=position as usize].iter().map(|s| s.value).collect();
                 assert_eq!(tuning.map, map(&values, &history.parameters, knobs));

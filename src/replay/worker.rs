@@ -1,8 +1,14 @@
 //! The worker's side: one small piece of work after another, the most urgent first.
 //!
-//! In this order: the frame that is wanted in view, what the chosen pixel would be in it under other
-//! settings, the pixel's history, those of the pinned pixels, the analysis ahead.
-//! Between two pieces it looks at what was asked meanwhile; no piece takes longer than a frame.
+//! In this order: the frame that is wanted in view, under both settings where two are compared; what the chosen pixel
+//! would be in it under other settings; the pixel's history, those of the pinned pixels, and what is seen around the
+//! chosen one; the analysis ahead, of both abreast; and when all that is done, scores, what would have kept an event from
+//! happening, and how right other settings would be around a pixel.
+//! Between two pieces it looks at what was asked meanwhile. A piece takes some milliseconds, or as long as a frame
+//! takes to decode or to analyse where that is more.
+
+#[cfg(test)]
+mod tests;
 
 use std::collections::VecDeque;
 use std::ops::Range;
@@ -16,10 +22,11 @@ use super::region::Region;
 use super::region_tuner::RegionTuner;
 use super::rival::Rival;
 use super::run::Towards;
+use super::scoring::Scored;
 use super::session::{self, Analysed, Around, Explained, Knobs, Known, Mapped, Pixel, Requests, Shared};
 use super::tuner::Tuner;
 use super::what_if::Asker;
-use super::{Beside, Phase, Progress, Shown, Start, Timeline};
+use super::{Beside, Phase, Progress, Shown, Start, Timeline, same};
 use crate::frame::Frame;
 use crate::mixture::{PixelHistory, Quantity};
 use crate::occlusion::EventKind;
@@ -216,7 +223,8 @@ impl<'a> Worker<'a> {
     fn take(&mut self, requests: Requests) -> Result<(), Stopped> {
         if let Some(ahead) = requests.analyse_ahead {
             // Where nothing is left to stop, other settings are run through as ever.
-            let nothing = self.lane.is_through(&self.frames);
+            let through = |lane: &Lane| lane.is_through(&self.frames);
+            let nothing = through(&self.lane) && self.rival.lane.as_ref().is_none_or(through);
             self.ahead = if ahead || nothing { Ahead::All } else { Ahead::Nothing };
             if !ahead {
                 self.stay();
@@ -276,7 +284,7 @@ impl<'a> Worker<'a> {
         let size = self.info.size;
         let (truth, masks) = match truth {
             Some(truth) if truth.masks.as_ref().is_some_and(|masks| masks.size() != size) => {
-                let masks = truth.masks.as_ref().map(|masks| masks.size()).unwrap_or(size);
+                let masks = truth.masks.as_ref().map_or(size, |masks| masks.size());
                 self.outbox.warnings.push(format!(
                     "the true masks are {masks}, the frames of {} are {size}: they are not used; choose those of this video",
                     self.info.name
@@ -355,9 +363,14 @@ impl<'a> Worker<'a> {
         let settings = Arc::new(settings);
         match self.lane.first_difference(&settings, roi.as_ref()) {
             _ if self.take_from_rival(&settings, roi.as_ref()) => self.show_pixel(),
-            Some(stage)
-                if stage > Stage::Mixture && !self.stopped && !self.rival.is(self.lane.settings()) =>
-            {
+            Some(stage) if stage > Stage::Mixture && !self.stopped => {
+                if self.rival.is(self.lane.settings())
+                    && settings != *self.lane.settings()
+                    && let Some(fork) = self.lane.fork(budget)
+                {
+                    let given_up = self.rival.lane.replace(fork);
+                    rayon::spawn(move || drop(given_up));
+                }
                 self.lane.restart_at(stage, settings, roi)?;
             }
             _ => {
@@ -420,11 +433,12 @@ impl<'a> Worker<'a> {
                 None => {}
                 Some(stage) if stage > Stage::Mixture => lane.restart_at(stage, settings, roi)?,
                 Some(_) => {
-                    let old = std::mem::replace(lane, Lane::new(settings, roi, &self.info, budget)?);
+                    let other = self.lane.beside(settings, roi, &self.info, budget)?;
+                    let old = std::mem::replace(lane, other);
                     rayon::spawn(move || drop(old));
                 }
             },
-            none => *none = Some(Lane::new(settings, roi, &self.info, budget)?),
+            none => *none = Some(self.lane.beside(settings, roi, &self.info, budget)?),
         }
         if let Some(lane) = &mut self.rival.lane {
             lane.run.set_budget(budget);
@@ -478,14 +492,24 @@ impl<'a> Worker<'a> {
             self.approach_view()?;
         } else if self.tune() || self.gather()? || self.gather_beside()? {
             // What came of it is published at once, or in time.
-        } else if self.is_due(&self.lane) {
-            self.analyse(Which::InView)?;
-        } else if self.rival.lane.as_ref().is_some_and(|lane| self.is_due(lane)) {
-            self.analyse(Which::Rival)?;
+        } else if let Some(which) = self.due() {
+            self.analyse(which)?;
         } else {
+            // The way to the frame in view, or to the end, is behind it.
+            self.busy = None;
             return Ok(self.score() || self.explain() || self.tune_region());
         }
         Ok(true)
+    }
+
+    /// Which of both is to be analysed further. They keep abreast, so that a frame is there for both when it is decoded.
+    fn due(&self) -> Option<Which> {
+        let in_view = self.is_due(&self.lane);
+        let rival = self.rival.lane.as_ref().filter(|lane| self.is_due(lane));
+        match rival {
+            Some(rival) if !in_view || rival.run.front() < self.lane.run.front() => Some(Which::Rival),
+            _ => in_view.then_some(Which::InView),
+        }
     }
 
     /// Works on what would have kept an event from happening; whether there was anything to do.
@@ -493,12 +517,17 @@ impl<'a> Worker<'a> {
         let before = self.asker.latest();
         let numbers = self.frames.numbers();
         let worked = self.asker.piece(&self.lane.run, numbers, self.info.size, self.info.fps);
-        let same = match (&before, &self.asker.latest()) {
-            (Some(one), Some(other)) => Arc::ptr_eq(one, other),
-            (one, other) => one.is_none() && other.is_none(),
-        };
-        if !same {
+        let answer = self.asker.latest();
+        if !same(before.as_ref(), answer.as_ref()) {
             self.publish_what_if();
+        }
+        if worked {
+            let (done, total) = answer.map_or((0, 0), |answer| answer.tried);
+            self.busy = Some(Progress {
+                what: "looking for what would have kept it from happening".to_owned(),
+                done: done as u32,
+                total: (total > 0).then_some(total as u32),
+            });
         }
         worked
     }
@@ -510,8 +539,11 @@ impl<'a> Worker<'a> {
 
     /// Whether there is more to analyse: all, or what is looked at.
     fn is_due(&self, lane: &Lane) -> bool {
-        let asked = self.ahead == Ahead::All || lane.run.front() <= self.wanted;
-        asked && !lane.is_through(&self.frames)
+        if lane.is_through(&self.frames) {
+            // The end may have been found on the other's way.
+            return !lane.is_finished();
+        }
+        self.ahead == Ahead::All || lane.run.front() <= self.wanted
     }
 
     /// Takes the chosen pixel through the frames that are known; whether there was anything to do.
@@ -526,7 +558,8 @@ impl<'a> Worker<'a> {
             return Ok(true);
         }
         let Some(lane) = &mut self.rival.lane else { return Ok(false) };
-        let worked = gather::gather(&mut lane.inspector, &mut self.frames)?;
+        let worked = lane.inspector.catch_up(&self.lane.inspector)
+            || gather::gather(&mut lane.inspector, &mut self.frames)?;
         if let Some(shown) = self.shown.clone().filter(|_| worked && self.rival.takes_pixel(self.pixel)) {
             self.show(Shown::clone(&shown));
         }
@@ -545,12 +578,15 @@ impl<'a> Worker<'a> {
 
     /// Scores what has been analysed in full; whether there was anything to do.
     fn score(&mut self) -> bool {
-        let truth = self.truth.as_ref();
+        let Some(truth) = &self.truth else { return false };
         let in_view = self.lane.score(truth);
-        let beside = !in_view && self.rival.lane.as_mut().is_some_and(|lane| lane.score(truth));
-        self.outbox.timeline_grew |= in_view;
-        self.outbox.beside_grew |= beside;
-        in_view || beside
+        self.outbox.timeline_grew |= in_view == Scored::Now;
+        let Some(lane) = self.rival.lane.as_mut().filter(|_| in_view == Scored::Already) else {
+            return in_view != Scored::Already;
+        };
+        let beside = lane.score(truth);
+        self.outbox.beside_grew |= beside == Scored::Now;
+        beside != Scored::Already
     }
 
     /// Works on how right the mixture would be under other settings; whether there was anything to do.
@@ -571,11 +607,7 @@ impl<'a> Worker<'a> {
         let before = self.tuner.latest();
         let worked = self.tuner.piece(history, shown.position);
         let tuning = self.tuner.latest();
-        let same = match (&tuning, &before) {
-            (Some(one), Some(other)) => Arc::ptr_eq(one, other),
-            (one, other) => one.is_none() && other.is_none(),
-        };
-        if !same {
+        if !same(tuning.as_ref(), before.as_ref()) {
             self.shared.publish(|state| state.tuning = tuning);
         }
         worked
@@ -586,11 +618,31 @@ impl<'a> Worker<'a> {
     }
 
     fn is_current(&self, shown: &Shown) -> bool {
-        let of_map = |quantity| shown.map.as_ref().is_some_and(|map| map.quantity == quantity);
-        let has_none = |quantity| self.info.live || !self.lane.run.has(quantity);
-        shown.position == self.wanted
-            && Arc::ptr_eq(&shown.settings, self.lane.settings())
-            && self.map.is_none_or(|quantity| of_map(quantity) || has_none(quantity))
+        self.is_current_but_for_its_map(shown)
+            && self.map.is_none_or(|quantity| match &shown.map {
+                Some(map) => map.quantity == quantity,
+                None => !self.can_map(quantity),
+            })
+    }
+
+    fn is_current_but_for_its_map(&self, shown: &Shown) -> bool {
+        shown.position == self.wanted && Arc::ptr_eq(&shown.settings, self.lane.settings())
+    }
+
+    /// Whether the wanted frame can have a map of `quantity`: for a camera's, what came before it must still be kept.
+    fn can_map(&self, quantity: Quantity) -> bool {
+        let run = &self.lane.run;
+        let kept = |mut positions: Range<u32>| positions.all(|position| self.frames.has(position));
+        run.has(quantity) && (!self.info.live || run.way_to(self.wanted, quantity).is_some_and(kept))
+    }
+
+    /// The frame in view without its map, where that is of another quantity than is asked for and none can be made.
+    fn without_map(&self) -> Option<Shown> {
+        let shown = self.shown.as_ref().filter(|shown| self.is_current_but_for_its_map(shown))?;
+        let other =
+            shown.map.as_ref().is_some_and(|map| self.map.is_some_and(|quantity| map.quantity != quantity));
+        (other && !self.map.is_some_and(|quantity| self.can_map(quantity)))
+            .then(|| Shown { map: None, ..Shown::clone(shown) })
     }
 
     fn lane(&mut self, which: Which) -> Option<&mut Lane> {
@@ -608,6 +660,8 @@ impl<'a> Worker<'a> {
             }
         } else if let Some(shown) = self.shown.clone().filter(|shown| self.is_current(shown)) {
             self.show(Shown::clone(&shown));
+        } else if let Some(shown) = self.without_map() {
+            self.show(shown);
         } else if self.wanted >= self.lane.run.front() {
             self.analyse(Which::InView)?;
         } else if let Some(shown) = self.look(Which::InView)? {
@@ -668,7 +722,7 @@ impl<'a> Worker<'a> {
     /// Analyses the next frames that are there, or decodes one on the way to them.
     fn analyse(&mut self, which: Which) -> Result<(), Stopped> {
         let started = Instant::now();
-        let wanted = (!self.follow && which == Which::InView).then_some(self.wanted);
+        let (last, both) = (self.last_of(which), self.due_both());
         let lane = match which {
             Which::InView => &mut self.lane,
             Which::Rival => {
@@ -678,7 +732,7 @@ impl<'a> Worker<'a> {
         };
         let position = lane.run.front();
         let (pins, region_tuner) = (&mut self.pins, &mut self.region_tuner);
-        let step = lane.go_on(&mut self.frames, wanted, |position, frame| {
+        let step = lane.go_on(&mut self.frames, last, |position, frame| {
             pins.push(position, frame);
             region_tuner.push(position, frame);
         });
@@ -703,15 +757,36 @@ impl<'a> Worker<'a> {
                 self.info.frames.map(|frames| frames.max(front))
             };
             let what = match which {
-                Which::Rival => "analysing what is compared".to_owned(),
                 Which::InView if self.wanted >= front && !self.follow => {
                     format!("analysing up to frame {}", self.number_of(self.wanted))
                 }
+                _ if both => "analysing both".to_owned(),
+                Which::Rival => "analysing what is compared".to_owned(),
                 Which::InView => "analysing".to_owned(),
             };
             self.busy = Some(Progress { what, done: front, total });
         }
         Ok(())
+    }
+
+    /// The last position up to which one of both is to be analysed in one piece, if there is one.
+    fn last_of(&self, which: Which) -> Option<u32> {
+        let front = self.lane.run.front();
+        match (which, &self.rival.lane) {
+            // What is wanted in view comes first.
+            (Which::InView, _) if !self.follow && front <= self.wanted => Some(self.wanted),
+            // No farther than what it passes is still kept when the other comes by.
+            (Which::InView, Some(rival)) if rival.run.front() <= front => {
+                Some(front.saturating_add(self.frames.room().saturating_sub(2) as u32))
+            }
+            (Which::Rival, Some(rival)) if rival.run.front() < front => Some(front - 1),
+            _ => None,
+        }
+    }
+
+    /// Whether both are being analysed.
+    fn due_both(&self) -> bool {
+        self.is_due(&self.lane) && self.rival.lane.as_ref().is_some_and(|lane| self.is_due(lane))
     }
 
     /// Notes the first occlusion among frames that were just analysed, if that is aimed at.
@@ -785,6 +860,8 @@ impl<'a> Worker<'a> {
         let shown = Arc::new(Shown { beside: self.rival.beside(&shown), truth, ..shown });
         self.shown = Some(Arc::clone(&shown));
         let timeline = (shown.position >= self.outbox.analysed).then(|| self.timeline());
+        // What it is compared with changes together with it.
+        let beside = (timeline.is_some() && self.outbox.beside_grew).then(|| self.beside());
         if shown.pixel.is_some() || self.pixel.is_none() {
             self.outbox.pixel.clone_from(&shown.pixel);
         }
@@ -795,6 +872,9 @@ impl<'a> Worker<'a> {
             state.analysis_fps = self.meter.frames_a_second();
             if let Some(timeline) = timeline {
                 state.timeline = timeline;
+            }
+            if let Some(beside) = beside {
+                state.beside = beside;
             }
         });
     }
@@ -819,20 +899,15 @@ impl<'a> Worker<'a> {
     /// the same settings.
     fn show_pixel(&mut self) {
         let pixel = self.lane.inspector.latest();
-        let same = |a: &Option<Arc<PixelHistory>>| match (a, &pixel) {
-            (Some(a), Some(b)) => Arc::ptr_eq(a, b),
-            (None, None) => true,
-            _ => false,
-        };
         // A view that waits for new settings keeps the old ones' history.
         let shown = self.shown.as_ref().filter(|shown| {
             Arc::ptr_eq(&shown.settings, self.lane.settings())
-                && !same(&shown.pixel)
+                && !same(shown.pixel.as_ref(), pixel.as_ref())
                 && pixel.as_ref().is_none_or(|history| history.states.len() as u32 > shown.position)
         });
         if let Some(shown) = shown {
             self.show(Shown { pixel, ..Shown::clone(shown) });
-        } else if !same(&self.outbox.pixel) {
+        } else if !same(self.outbox.pixel.as_ref(), pixel.as_ref()) {
             self.publish_pixel();
         }
     }
@@ -854,9 +929,8 @@ impl<'a> Worker<'a> {
             self.busy = None;
         }
         // A request that changed nothing is no reason to wake anybody, who might ask again.
-        let grew = self.outbox.timeline_grew
-            || self.outbox.beside_grew
-            || std::mem::take(&mut self.outbox.pixel_grew);
+        let pixel_grew = std::mem::take(&mut self.outbox.pixel_grew);
+        let grew = self.outbox.timeline_grew || self.outbox.beside_grew || pixel_grew;
         if self.busy == self.outbox.busy && !grew && self.outbox.warnings.is_empty() {
             return;
         }
@@ -865,7 +939,7 @@ impl<'a> Worker<'a> {
         let view_lags =
             self.shown.as_ref().is_some_and(|shown| !Arc::ptr_eq(&shown.settings, self.lane.settings()));
         let timeline = (self.outbox.timeline_grew && !view_lags).then(|| self.timeline());
-        let beside = self.outbox.beside_grew.then(|| self.beside());
+        let beside = (self.outbox.beside_grew && !view_lags).then(|| self.beside());
         let new_warnings = std::mem::take(&mut self.outbox.warnings);
         self.show_pixel();
         let around = (Arc::new(self.pins.latest()), self.region.latest());

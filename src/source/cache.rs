@@ -121,6 +121,11 @@ impl FrameCache {
         &self.info
     }
 
+    /// How many frames are kept at most.
+    pub fn room(&self) -> usize {
+        self.room
+    }
+
     /// The frame numbers of the positions that are known so far.
     pub fn numbers(&self) -> &[u32] {
         &self.numbers
@@ -152,6 +157,11 @@ impl FrameCache {
             self.kept.clear();
             self.by_use.clear();
         }
+    }
+
+    /// Whether the frame at `position` is kept.
+    pub fn has(&self, position: u32) -> bool {
+        self.kept.contains_key(&position)
     }
 
     /// The frame at `position` if it is kept; it counts as used.

@@ -101,12 +101,13 @@ impl Blob {
         let most = self.hypotheses.iter().map(|each| each.score).fold(f32::NEG_INFINITY, f32::max);
         let likelihood = |each: &Hypothesis| (each.score - most).exp();
         let total: f32 = self.hypotheses.iter().map(likelihood).sum();
-        let competing = self.hypotheses.iter().map(|each| Competing {
+        let competing = self.hypotheses.iter().enumerate().map(|(rank, each)| Competing {
             centre: each.model.centre(),
             gate: each.model.gate_ellipse(gate),
             fitness: each.fitness.value(),
             probability: likelihood(each) / total,
-            matched: each.matched.is_some(),
+            // The one that is shown may have been given its region from outside, in place of its own match.
+            matched: if rank == 0 { self.lost == 0 } else { each.matched.is_some() },
         });
         competing.collect()
     }
@@ -320,6 +321,19 @@ mod tests {
         assert!((blobs[0].shown().fitness.value() / fit - 0.8).abs() < 1e-4);
         assert_eq!(step(&mut blobs, &[at(106.0, 50.0)]), [Some(0)], "it regains the region");
         assert_eq!(blobs[0].lost, 0);
+    }
+
+    #[test]
+    fn what_was_given_a_region_has_taken_one() {
+        let took = |blob: &Blob| blob.competing(12.0).iter().map(|each| each.matched).collect::<Vec<_>>();
+        let mut blobs = [blob(100.0, 50.0, 3.0)];
+        assert_eq!(took(&blobs[0]), [true], "it stands at one");
+        step(&mut blobs, &[]);
+        assert_eq!(took(&blobs[0]), [false], "a null match");
+        blobs[0].settle(&at(106.0, 50.0), |_| {});
+        assert_eq!(took(&blobs[0]), [true]);
+        step(&mut blobs, &[at(109.0, 50.0)]);
+        assert_eq!(took(&blobs[0])[..2], [true, false], "the region, or none");
     }
 
     #[test]

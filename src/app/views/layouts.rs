@@ -106,7 +106,7 @@ impl Layout {
         let mut tree = Tree::new(Id::unique("views"), root, tiles);
         // Without a second set of settings, or ground truth, there is nothing in them.
         for view in View::ALL {
-            if !view.is_there_at_first() && !(view.compares() && self == Self::Compare) {
+            if !(view.is_there_at_first() || view.compares() && self == Self::Compare) {
                 set_open(&mut tree, view, false);
             }
         }

@@ -11,6 +11,9 @@ use crate::mixture::Quantity;
 use crate::replay::Shown;
 use crate::settings::{BackgroundModel, Settings};
 
+/// Why a frame of a camera, which gives each only once, may have no map.
+const NOT_AT_HAND: &str = "What came before this frame is not at hand";
+
 /// How many frames ago is as dark as any time before.
 const LONG_AGO: f32 = 1000.0;
 
@@ -87,6 +90,14 @@ pub(super) fn paint(pane: &Pane<'_>) {
         let other = pane.shown.settings.background_model != BackgroundModel::Mixture;
         if other && pane.model.quantity.is_of_mixture() {
             draw::message(pane.painter, &pane.canvas, NO_MIXTURE, pane.colours.weak);
+        } else if pane
+            .model
+            .state
+            .as_ref()
+            .and_then(|state| state.info.as_ref())
+            .is_some_and(|info| info.live)
+        {
+            draw::message(pane.painter, &pane.canvas, NOT_AT_HAND, pane.colours.weak);
         }
         return;
     };

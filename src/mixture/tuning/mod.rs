@@ -5,6 +5,7 @@
 //! Only T needs none: it decides what is background and changes nothing of the mixture, so one run
 //! answers for all of its values.
 
+mod flips;
 #[cfg(test)]
 mod tests;
 
@@ -13,12 +14,10 @@ use rayon::prelude::*;
 use super::pixel::{MAX_K, Outcome, Parameters, Pixel, Value};
 use crate::settings::{Setting, SettingError, Settings, Value as SettingValue};
 
+pub use flips::{Flip, Flips, flip};
+
 /// Cells along one axis of a map, of settings that are no whole numbers.
 pub const CELLS: usize = 24;
-/// In so many steps the nearest flip is looked for on each side of the present value.
-const STEPS: usize = 24;
-/// How often the step with the flip is halved.
-const HALVINGS: usize = 14;
 
 /// A setting that is tuned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -275,87 +274,6 @@ pub fn map(values: &[Value], parameters: &Parameters, knobs: [Knob; 2]) -> Map {
     let endings: Vec<_> =
         Map::runs(parameters, &axes).par_iter().map(|parameters| run(values, parameters)).collect();
     Map::of(parameters, axes, &endings)
-}
-
-/// What it takes of one setting alone to flip a verdict.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Flip {
-    /// The setting.
-    pub knob: Knob,
-    /// The value nearest to the present one at which the verdict is the other one; by ratio where
-    /// the setting is logarithmic. `None` if none was found.
-    pub value: Option<f32>,
-    /// Whether that is greater than the present one.
-    pub above: bool,
-}
-
-impl Flip {
-    /// In a few signs: `α ≥ 0.013`, `no T does`.
-    pub fn words(&self) -> String {
-        let symbol = self.knob.symbol();
-        match self.value {
-            None => format!("no {symbol} does"),
-            Some(value) => format!("{symbol} {} {value}", if self.above { '≥' } else { '≤' }),
-        }
-    }
-}
-
-/// The nearest value of `knob` at which the verdict after `values` is not what it is under `parameters`.
-///
-/// Each side of the present value is looked through in steps, and the first step whose end flips is
-/// halved down; a flip and a flip back within one step are not seen. The value that is given
-/// flips the verdict for certain: it has been tried.
-pub fn flip(values: &[Value], parameters: &Parameters, knob: Knob) -> Flip {
-    let present = run(values, parameters);
-    let now = present.is_foreground(parameters.t);
-    let flips = |value: f32| {
-        let foreground = if knob == Knob::T {
-            present.is_foreground(value)
-        } else {
-            run(values, &knob.with(parameters, value)).is_foreground(parameters.t)
-        };
-        foreground != now
-    };
-    let from = knob.get(parameters);
-    let sides: Vec<Option<f32>> =
-        [false, true].par_iter().map(|&above| nearest_on_side(knob, from, above, &flips)).collect();
-    let distance = |value: f32| (knob.scaled(value) - knob.scaled(from)).abs();
-    let found = sides.into_iter().flatten().min_by(|a, b| distance(*a).total_cmp(&distance(*b)));
-    Flip { knob, value: found, above: found.is_some_and(|value| value > from) }
-}
-
-fn nearest_on_side(knob: Knob, from: f32, above: bool, flips: &(impl Fn(f32) -> bool + Sync)) -> Option<f32> {
-    let (low, high) = knob.range();
-    let end = if above { high } else { low };
-    if (above && from >= end) || (!above && from <= end) {
-        return None;
-    }
-    if knob == Knob::K {
-        let distance = (end - from).abs() as usize;
-        let at = |step: usize| if above { from + step as f32 } else { from - step as f32 };
-        return (1..=distance).map(at).find(|&k| flips(k));
-    }
-    let (start, width) = (knob.scaled(from), knob.scaled(end) - knob.scaled(from));
-    let at = |step: usize| match step {
-        0 => from,
-        STEPS => end,
-        _ => knob.unscaled(start + width * step as f64 / STEPS as f64),
-    };
-    let step = (0..STEPS).into_par_iter().find_first(|&step| flips(at(step + 1)))?;
-    let (mut inner, mut outer) = (at(step), at(step + 1));
-    for _ in 0..HALVINGS {
-        let middle = knob.unscaled(f64::midpoint(knob.scaled(inner), knob.scaled(outer)));
-        if flips(middle) {
-            outer = middle;
-        } else {
-            inner = middle;
-        }
-    }
-    let away = if above { Round::Up } else { Round::Down };
-    let short = (3..=5).map(|digits| rounded(outer, digits, away));
-    // Away from the present value, and still not beyond what the setting takes.
-    let inside = |value: &f32| (low..=high).contains(value);
-    Some(short.into_iter().filter(inside).find(|&value| flips(value)).unwrap_or(outer))
 }
 
 #[derive(Clone, Copy, PartialEq)]

@@ -108,6 +108,63 @@ fn a_flip_is_tried_and_nothing_nearer_flips() {
     assert!(found > 12, "{found}");
 }
 
+/// The nearest flip on one side, value after value.
+fn plain_nearest(values: &[Value], parameters: &Parameters, knob: Knob, above: bool) -> Option<f32> {
+    let now = plainly(values, parameters);
+    let flips = |value: f32| plainly(values, &knob.with(parameters, value)) != now;
+    let (from, (low, high)) = (knob.get(parameters), knob.range());
+    let end = if above { high } else { low };
+    if knob == Knob::K {
+        let one = if above { 1.0 } else { -1.0 };
+        let mut all = (1..=(end - from).abs() as usize).map(|step| from + one * step as f32);
+        return all.find(|&k| flips(k)).filter(|_| above == (end > from));
+    }
+    if above == (from >= end) {
+        return None;
+    }
+    let (start, width) = (knob.scaled(from), knob.scaled(end) - knob.scaled(from));
+    let steps = (0..=24).map(|step| match step {
+        0 => from,
+        24 => end,
+        _ => knob.unscaled(start + width * f64::from(step) / 24.0),
+    });
+    let steps: Vec<f32> = steps.collect();
+    let step = (1..=24).find(|&step| flips(steps[step]))?;
+    let (mut inner, mut outer) = (steps[step - 1], steps[step]);
+    for _ in 0..14 {
+        let middle = knob.unscaled(f64::midpoint(knob.scaled(inner), knob.scaled(outer)));
+        *(if flips(middle) { &mut outer } else { &mut inner }) = middle;
+    }
+    let how = if above { Round::Up } else { Round::Down };
+    let mut short = (3..=5).map(|digits| rounded(outer, digits, how));
+    short.find(|&value| (low..=high).contains(&value) && flips(value)).or(Some(outer))
+}
+
+#[test]
+fn in_trials_a_flip_is_what_a_plain_search_finds() {
+    let gray = Parameters { space: Space::Gray, ..parameters() };
+    let at_the_end = Parameters { t: 0.999, k: 1, ..parameters() };
+    let mut found = 0;
+    for (parameters, frames) in
+        [(parameters(), 301), (parameters(), 325), (parameters(), 345), (gray, 204), (at_the_end, 310)]
+    {
+        let values = values(frames, &parameters);
+        for knob in Knob::ALL {
+            let flip = flip(&values, &parameters, knob);
+            let [below, above] = [false, true].map(|above| plain_nearest(&values, &parameters, knob, above));
+            let from = knob.scaled(knob.get(&parameters));
+            let distance = |value: f32| (knob.scaled(value) - from).abs();
+            let expected = match (below, above) {
+                (Some(below), Some(above)) if distance(above) < distance(below) => Some(above),
+                (below, above) => below.or(above),
+            };
+            assert_eq!(flip.value.map(f32::to_bits), expected.map(f32::to_bits), "{knob:?} {frames}");
+            found += usize::from(expected.is_some());
+        }
+    }
+    assert!(found > 6, "{found}");
+}
+
 #[test]
 fn the_flip_of_lambda_is_the_distance_of_the_nearest_background_component() {
     // Forty steady frames, then one step away: λ has to reach as far as the value lies.

@@ -140,3 +140,38 @@ fn a_camera_has_the_rank_that_matched_from_the_second_frame_on() {
     let done = watched.until(|state| state.timeline.complete && state.busy.is_none());
     assert_eq!(done.timeline.analysed, 200);
 }
+
+#[test]
+fn a_camera_frame_that_stands_still_is_mapped_while_its_frames_are_kept() {
+    let watched = camera(u32::MAX, 4000);
+    watched.until(|state| state.timeline.analysed > 60);
+    watched.shown(40);
+    // Nothing but the rank that matched needs more than the next frame does.
+    for quantity in Quantity::ALL {
+        watched.session.map(Some(quantity));
+        let state = watched.until(|state| of(state, 40).is_some_and(|map| map.quantity == quantity));
+        assert!(state.warnings.is_empty(), "{:?}", state.warnings);
+    }
+}
+
+#[test]
+fn a_camera_frame_whose_past_is_gone_stays_in_view_without_a_map() {
+    let watched = camera(u32::MAX, 300);
+    watched.session.map(Some(Quantity::Sigma));
+    let seen = watched.until(|state| state.shown.as_ref().is_some_and(|shown| shown.map.is_some()));
+    let position = seen.shown.unwrap().position;
+    let stays = |state: &State| {
+        assert!(!shows(state, position) || state.warnings.is_empty());
+        shows(state, position)
+    };
+    // Who asks for the newest frame goes on following.
+    watched.until(|state| state.timeline.analysed > position + 20);
+    watched.session.show(position);
+    let stands = watched.until(|state| stays(state) && state.timeline.analysed > position + 400);
+    assert_eq!(of(&stands, position).unwrap().quantity, Quantity::Sigma);
+    watched.session.map(Some(Quantity::Weight));
+    watched.until(|state| {
+        assert!(stays(state), "{:?}", state.warnings);
+        of(state, position).is_none()
+    });
+}

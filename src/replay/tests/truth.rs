@@ -22,8 +22,8 @@ fn masks_of(straight: &[Shown]) -> Arc<TrueMasks> {
     Arc::new(TrueMasks::new(masks.collect()).unwrap())
 }
 
-fn known(masks: &Arc<TrueMasks>) -> Option<Arc<Truth>> {
-    Some(Arc::new(Truth { boxes: None, masks: Some(Arc::clone(masks)) }))
+fn known(masks: &Arc<TrueMasks>) -> Arc<Truth> {
+    Arc::new(Truth { boxes: None, masks: Some(Arc::clone(masks)) })
 }
 
 #[test]
@@ -45,7 +45,7 @@ fn masks_are_scored_and_come_with_their_frames() {
     let watched = Watched::open(folder.path(), a.clone(), Start::First, 1 << 30);
     watched.until_done();
     watched.session.compare(a, Some(b));
-    watched.session.set_truth(known(&truth));
+    watched.session.set_truth(Some(known(&truth)));
     let state = watched.until(|state| {
         let beside = state.beside.as_ref().is_some_and(|beside| beside.timeline.score.is_some());
         beside && state.timeline.score.is_some() && state.shown.as_ref().unwrap().truth.is_some()
@@ -77,7 +77,7 @@ fn a_region_is_judged_under_other_settings() {
     let watched = Watched::open(folder.path(), settings.clone(), Start::First, 0);
     watched.session.tune(Some([Knob::K, Knob::T]));
     watched.session.tune_region(Some((PIXEL, 9)));
-    watched.session.set_truth(known(&truth));
+    watched.session.set_truth(Some(known(&truth)));
     let tuned = |settings: &Settings| {
         let parameters = Parameters::new(settings);
         let state = watched.until(|state| {
@@ -103,7 +103,7 @@ fn masks_of_another_size_are_refused_with_a_warning() {
     let watched = Watched::open(folder.path(), settings(), Start::First, 1 << 30);
     let mask = TrueMask::of_identities(Size::new(4, 3), &[1; 12]);
     let masks = Arc::new(TrueMasks::new(BTreeMap::from([(FIRST, Arc::new(mask))])).unwrap());
-    watched.session.set_truth(known(&masks));
+    watched.session.set_truth(Some(known(&masks)));
     let state = watched.until(|state| !state.warnings.is_empty());
     assert!(state.warnings[0].contains("4×3") && state.warnings[0].contains("96×64"), "{:?}", state.warnings);
     let state = watched.until_done();

@@ -1,0 +1,332 @@
+#![allow(clippy::unwrap_used)]
+
+use std::path::Path;
+use std::sync::atomic::{AtomicU32, Ordering};
+
+use super::*;
+use crate::replay::tests::{
+    FIRST, FRAMES, HEIGHT, PIXEL, WIDTH, assert_same, half, name, scene, settings, straight, straight_within,
+};
+use crate::settings::BackgroundModel;
+use crate::source::Source;
+use crate::truth::Truth;
+use crate::truth::boxes::{Bounds, Boxes};
+
+const ROOM: usize = 1 << 30;
+const FRAME_BYTES: usize = (WIDTH * HEIGHT * 3) as usize;
+
+/// Other settings of the mixture.
+fn other() -> Settings {
+    Settings { k: 4, alpha: 0.06, match_sigmas: 1.8, ..settings() }
+}
+
+fn shared() -> Shared {
+    Shared::new(|| {})
+}
+
+fn done<T>(result: Result<T, Stopped>) -> T {
+    result.map_err(|Stopped(why)| why).unwrap()
+}
+
+/// A worker that does a piece when a test says so.
+fn worker<'a>(shared: &'a Shared, video: &Path, settings: Settings) -> Worker<'a> {
+    let video = name(video);
+    done(Worker::open(shared, || FrameCache::open(&video, ROOM), (settings, None), Start::First, ROOM))
+}
+
+fn ask(worker: &mut Worker<'_>, change: impl FnOnce(&mut Requests)) {
+    let mut requests = Requests::default();
+    change(&mut requests);
+    done(worker.take(requests));
+}
+
+fn compare(worker: &mut Worker<'_>, settings: Settings, beside: Option<Settings>) {
+    ask(worker, |requests| {
+        requests.settings = Some(settings);
+        requests.beside = Some(session::Rival(beside));
+    });
+}
+
+fn show(worker: &mut Worker<'_>, position: u32) {
+    ask(worker, |requests| requests.show = Some(position));
+}
+
+/// Works until there is nothing left, or `enough`.
+fn work_until(worker: &mut Worker<'_>, mut enough: impl FnMut(&Worker<'_>) -> bool) {
+    while !enough(worker) && done(worker.piece()) {}
+}
+
+fn rest(worker: &mut Worker<'_>) {
+    work_until(worker, |_| false);
+    worker.publish_in_time(true);
+}
+
+fn rival<'a>(worker: &'a Worker<'_>) -> &'a Lane {
+    worker.rival.lane.as_ref().unwrap()
+}
+
+/// Both, and what they show of some frames, are what one pass forward gives.
+fn assert_both(worker: &mut Worker<'_>, expected: &[Vec<Shown>; 2]) {
+    rest(worker);
+    for (lane, expected) in [(&worker.lane, &expected[0]), (rival(worker), &expected[1])] {
+        assert_eq!(lane.run.front(), FRAMES);
+        for shown in expected {
+            let analysis = lane.run.analysis(shown.position).unwrap();
+            assert!(analysis.mask == shown.analysis.mask && analysis.tracks == shown.analysis.tracks);
+        }
+    }
+    for position in [59, 3, 40, 33, 58] {
+        show(worker, position);
+        rest(worker);
+        let shown = worker.shown.clone().unwrap();
+        assert_same(&shown, &expected[0][position as usize]);
+        assert_same(shown.beside.as_ref().unwrap(), &expected[1][position as usize]);
+    }
+}
+
+#[test]
+fn what_is_compared_can_be_stopped() {
+    let (folder, shared) = (scene(), shared());
+    let mut worker = worker(&shared, folder.path(), settings());
+    rest(&mut worker);
+    compare(&mut worker, settings(), Some(other()));
+    work_until(&mut worker, |worker| rival(worker).run.front() > 0);
+    ask(&mut worker, |requests| requests.analyse_ahead = Some(false));
+    rest(&mut worker);
+    assert!(rival(&worker).run.front() < FRAMES / 2, "no more than what is in view");
+    ask(&mut worker, |requests| requests.analyse_ahead = Some(true));
+    rest(&mut worker);
+    assert_eq!(rival(&worker).run.front(), FRAMES);
+}
+
+#[test]
+fn an_area_drawn_while_both_are_equal_does_not_run_the_model_again() {
+    let (folder, shared) = (scene(), shared());
+    let mut worker = worker(&shared, folder.path(), settings());
+    compare(&mut worker, settings(), Some(settings()));
+    rest(&mut worker);
+    ask(&mut worker, |requests| requests.roi = Some(Analysed(Some(half(true)))));
+    assert_eq!((worker.lane.run.modelled(), worker.lane.run.front()), (FRAMES, 0));
+    assert!(worker.rival.lane.is_none());
+    rest(&mut worker);
+    let expected = straight_within(folder.path(), &settings(), Some(&half(true)));
+    for shown in &expected {
+        let analysis = worker.lane.run.analysis(shown.position).unwrap();
+        assert!(analysis.mask == shown.analysis.mask && analysis.tracks == shown.analysis.tracks);
+    }
+    assert_same(worker.shown.as_ref().unwrap(), &expected[0]);
+}
+
+#[test]
+fn a_late_setting_pulled_away_from_equal_ones_runs_no_model_again() {
+    let folder = scene();
+    for late in [Settings { gate: 0.9, ..settings() }, Settings { median: 0, min_area: 3, ..settings() }] {
+        let expected = [&late, &settings()].map(|settings| straight(folder.path(), settings));
+        // When half is analysed, and when all is.
+        for analysed in [20, FRAMES] {
+            let shared = shared();
+            let mut worker = worker(&shared, folder.path(), settings());
+            ask(&mut worker, |requests| requests.inspect = Some(Pixel(Some(PIXEL))));
+            work_until(&mut worker, |worker| worker.lane.run.front() >= analysed);
+            let modelled = worker.lane.run.modelled();
+            assert!(modelled >= analysed && (modelled < FRAMES) == (analysed < FRAMES));
+            compare(&mut worker, settings(), Some(settings()));
+            compare(&mut worker, late.clone(), Some(settings()));
+            assert_eq!((worker.lane.run.modelled(), worker.lane.run.front()), (modelled, 0));
+            let before = &rival(&worker).run;
+            assert_eq!((before.modelled(), before.front()), (modelled, modelled), "what was analysed stays");
+            assert_both(&mut worker, &expected);
+        }
+        // The same on the other side.
+        let shared = shared();
+        let mut worker = worker(&shared, folder.path(), settings());
+        work_until(&mut worker, |worker| worker.lane.run.front() >= 20);
+        let modelled = worker.lane.run.modelled();
+        compare(&mut worker, settings(), Some(late));
+        assert_eq!((rival(&worker).run.modelled(), rival(&worker).run.front()), (modelled, 0));
+        assert_both(&mut worker, &[expected[1].clone(), expected[0].clone()]);
+    }
+}
+
+#[test]
+fn a_model_that_cannot_be_copied_is_run_again_for_what_is_compared_and_not_for_the_view() {
+    let (folder, shared) = (scene(), shared());
+    let knn = Settings { background_model: BackgroundModel::Knn, ..settings() };
+    let late = Settings { gate: 0.9, ..knn.clone() };
+    let expected = [&late, &knn].map(|settings| straight(folder.path(), settings));
+    let mut worker = worker(&shared, folder.path(), knn.clone());
+    rest(&mut worker);
+    compare(&mut worker, knn.clone(), Some(knn.clone()));
+    compare(&mut worker, late, Some(knn));
+    assert_eq!((worker.lane.run.modelled(), rival(&worker).run.modelled()), (FRAMES, 0));
+    assert_both(&mut worker, &expected);
+}
+
+#[test]
+fn what_is_in_view_is_never_compared_with_itself() {
+    let (folder, shared) = (scene(), shared());
+    let mut worker = worker(&shared, folder.path(), settings());
+    compare(&mut worker, settings(), Some(other()));
+    show(&mut worker, 30);
+    rest(&mut worker);
+    for (in_view, beside) in [(other(), settings()), (settings(), other()), (other(), settings())] {
+        compare(&mut worker, in_view.clone(), Some(beside.clone()));
+        let mut pieces = 0;
+        loop {
+            worker.publish_in_time(true);
+            let state = shared.state();
+            let now = state.beside.unwrap();
+            assert_ne!(now.settings, state.shown.as_ref().unwrap().settings, "after {pieces} pieces");
+            pieces += 1;
+            if !done(worker.piece()) {
+                break;
+            }
+        }
+        let state = shared.state();
+        assert_eq!((&*state.shown.unwrap().settings, &*state.beside.unwrap().settings), (&in_view, &beside));
+    }
+}
+
+#[test]
+fn the_status_tells_of_the_work_under_way() {
+    let (folder, shared) = (scene(), shared());
+    let mut worker = worker(&shared, folder.path(), settings());
+    rest(&mut worker);
+    let timeline = shared.state().timeline;
+    let (_, merge) =
+        timeline.events.iter().find(|(_, event)| event.kind == EventKind::Merge).unwrap().clone();
+    let going_back = |worker: &Worker<'_>| {
+        worker.busy.as_ref().is_some_and(|busy| busy.what.starts_with("going back to frame"))
+    };
+    show(&mut worker, 20);
+    work_until(&mut worker, going_back);
+    assert!(going_back(&worker));
+    ask(&mut worker, |requests| requests.explain = Some(Explained(Some(merge))));
+    let mut told = Vec::new();
+    work_until(&mut worker, |worker| {
+        if worker.asker.latest().is_some_and(|answer| !answer.done) {
+            told.push(worker.busy.clone().unwrap());
+        }
+        false
+    });
+    assert!(!told.is_empty());
+    for busy in &told {
+        assert_eq!(busy.what, "looking for what would have kept it from happening");
+        assert!(busy.total.is_some_and(|total| busy.done <= total && total > 0), "{busy:?}");
+    }
+
+    show(&mut worker, 7);
+    work_until(&mut worker, going_back);
+    assert!(going_back(&worker));
+    let truth = Truth { boxes: Some(Boxes::new()), masks: None };
+    ask(&mut worker, |requests| requests.truth = Some(Known(Some(Arc::new(truth)))));
+    while !worker.is_view_current() {
+        assert!(done(worker.piece()));
+    }
+    assert!(done(worker.piece()) && worker.busy.is_none(), "scoring is no way back: {:?}", worker.busy);
+}
+
+#[test]
+fn the_last_truth_is_what_is_scored_by() {
+    let (folder, shared) = (scene(), shared());
+    let mut worker = worker(&shared, folder.path(), settings());
+    rest(&mut worker);
+    let truths = [0, 1, 2].map(|count| {
+        let boxes = (0..count).map(|at| (FIRST + 20 + at, [(1, Bounds([34.0, 26.0, 9.0, 14.0]))].into()));
+        Some(Arc::new(Truth { boxes: Some(boxes.collect()), masks: None }))
+    });
+    let mut ask_for = |truth: &Option<Arc<Truth>>, pieces: bool| {
+        ask(&mut worker, |requests| requests.truth = Some(Known(truth.clone())));
+        if pieces {
+            done(worker.piece());
+        } else {
+            rest(&mut worker);
+        }
+        shared.state().timeline.score.clone()
+    };
+    let alone = truths.each_ref().map(|truth| ask_for(truth, false).unwrap());
+    assert!(alone[0] != alone[1] && alone[1] != alone[2] && alone[0] != alone[2]);
+    for last in [1, 0, 2, 1, 2] {
+        for at in 0..truths.len() {
+            // Another is asked for before the answer is there, or just then.
+            ask_for(&truths[(last + 1 + at) % truths.len()], true);
+        }
+        assert_eq!(ask_for(&truths[last], false).as_ref(), Some(&alone[last]));
+    }
+}
+
+/// The scene as it is decoded, each time counted.
+struct Counted {
+    info: SourceInfo,
+    frames: Arc<Vec<Arc<Frame>>>,
+    next: usize,
+    decoded: Arc<AtomicU32>,
+}
+
+impl Source for Counted {
+    fn info(&self) -> &SourceInfo {
+        &self.info
+    }
+
+    fn next_frame(&mut self) -> Result<Option<Frame>, SourceError> {
+        let frame = self.frames.get(self.next).map(|frame| Frame::clone(frame));
+        self.next += 1;
+        self.decoded.fetch_add(u32::from(frame.is_some()), Ordering::Relaxed);
+        Ok(frame)
+    }
+
+    fn take_warnings(&mut self) -> Vec<String> {
+        Vec::new()
+    }
+}
+
+#[test]
+fn frames_are_decoded_once_for_both() {
+    let folder = scene();
+    let expected = [&settings(), &other()].map(|settings| straight(folder.path(), settings));
+    let frames: Arc<Vec<_>> = Arc::new(expected[0].iter().map(|shown| Arc::clone(&shown.frame)).collect());
+    for room in [1000, 24, 0] {
+        let decoded = Arc::new(AtomicU32::new(0));
+        let (count, frames) = (Arc::clone(&decoded), Arc::clone(&frames));
+        let info =
+            SourceInfo { name: "counted".into(), size: frames[0].size, fps: 25.0, frames: None, live: false };
+        let open = move || -> Result<Box<dyn Source>, SourceError> {
+            let (info, frames, decoded) = (info.clone(), Arc::clone(&frames), Arc::clone(&count));
+            Ok(Box::new(Counted { info, frames, next: 0, decoded }))
+        };
+        let cache = || FrameCache::new(open, room * FRAME_BYTES);
+        let shared = shared();
+        let mut worker = done(Worker::open(&shared, cache, (settings(), None), Start::First, ROOM));
+        compare(&mut worker, settings(), Some(other()));
+        rest(&mut worker);
+        assert_eq!(decoded.swap(0, Ordering::Relaxed), FRAMES, "room for {room}");
+        // A pixel that is chosen afterwards takes one more pass at most.
+        ask(&mut worker, |requests| requests.inspect = Some(Pixel(Some(PIXEL))));
+        rest(&mut worker);
+        let again = decoded.load(Ordering::Relaxed);
+        assert!(again <= FRAMES, "room for {room}: {again}");
+        let shown = worker.shown.clone().unwrap();
+        for (shown, expected) in [&shown, shown.beside.as_ref().unwrap()].into_iter().zip(&expected) {
+            let (history, straight) = (shown.pixel.as_ref().unwrap(), expected.last().unwrap());
+            assert_eq!(Some(history), straight.pixel.as_ref());
+        }
+        assert_eq!(rival(&worker).run.front(), FRAMES);
+    }
+}
+
+#[test]
+fn what_grew_is_published_once() {
+    let (folder, count) = (scene(), Arc::new(AtomicU32::new(0)));
+    let counted = Arc::clone(&count);
+    let shared = Shared::new(move || {
+        counted.fetch_add(1, Ordering::Relaxed);
+    });
+    let mut worker = worker(&shared, folder.path(), settings());
+    rest(&mut worker);
+    (worker.outbox.timeline_grew, worker.outbox.pixel_grew) = (true, true);
+    count.store(0, Ordering::Relaxed);
+    for _ in 0..3 {
+        worker.publish_in_time(true);
+    }
+    assert_eq!(count.load(Ordering::Relaxed), 1);
+}
