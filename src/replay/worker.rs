@@ -261,6 +261,7 @@ impl<'a> Worker<'a> {
         }
         if let Some(Around(region)) = requests.tune_region {
             self.region_tuner.choose(region, self.info.size);
+            self.publish_region_tuning();
         }
         if let Some(Explained(event)) = requests.explain {
             self.asker.ask(event);
@@ -298,6 +299,7 @@ impl<'a> Worker<'a> {
         };
         self.truth = truth;
         self.region_tuner.set_truth(masks);
+        self.publish_region_tuning();
         (self.outbox.timeline_grew, self.outbox.beside_grew) = (true, true);
         if let Some(shown) = self.shown.clone() {
             self.show(Shown::clone(&shown));
@@ -591,13 +593,22 @@ impl<'a> Worker<'a> {
 
     /// Works on how right the mixture would be under other settings; whether there was anything to do.
     fn tune_region(&mut self) -> bool {
+        let before = self.region_tuner.latest();
         let Some((done, total)) = self.region_tuner.piece(self.lane.settings()) else { return false };
+        if !same(before.as_ref(), self.region_tuner.latest().as_ref()) {
+            self.publish_region_tuning();
+        }
         self.busy = Some(Progress {
             what: "trying other settings".to_owned(),
             done: done as u32,
             total: Some(total as u32),
         });
         true
+    }
+
+    fn publish_region_tuning(&self) {
+        let tuning = self.region_tuner.latest();
+        self.shared.publish(|state| state.region_tuning = tuning);
     }
 
     /// Works on what the chosen pixel would be under other settings; whether there was anything to do.
@@ -944,11 +955,9 @@ impl<'a> Worker<'a> {
         self.show_pixel();
         let around = (Arc::new(self.pins.latest()), self.region.latest());
         let lost = self.lane.inspector.lost().into_iter().chain(self.pins.lost()).collect();
-        let region_tuning = self.region_tuner.latest();
         self.shared.publish(|state| {
             (state.pins, state.region) = around;
             state.lost = lost;
-            state.region_tuning = region_tuning;
             if let Some(timeline) = timeline {
                 state.timeline = timeline;
             }

@@ -92,6 +92,11 @@ fn a_region_is_judged_under_other_settings() {
     assert!(first.present.all() == 20 * 81 && first.present.tp > 50, "{:?}", first.present);
     watched.session.set_settings(compare::other());
     assert_ne!(tuned(&compare::other()).present, first.present);
+    // One after the other, each as soon as the one before is there.
+    for side in [1, 3, 5, 1, 3] {
+        watched.session.tune_region(Some((PIXEL, side)));
+        watched.until(|state| state.region_tuning.as_ref().is_some_and(|tuning| tuning.side == side));
+    }
     watched.session.tune_region(None);
     watched.session.set_truth(None);
     watched.until(|state| state.region_tuning.is_none());
