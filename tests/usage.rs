@@ -217,3 +217,15 @@ fn a_build_without_a_window_says_so() {
     assert!(fails(&["video.avi"], 1).contains("no window"));
     assert!(fails(&[], 1).contains("occluscope run"));
 }
+
+#[test]
+fn truth_that_is_not_there_is_told_before_any_window() {
+    let why = fails(&["video.avi", "--truth", "no/such/truth"], 1);
+    assert!(why.contains("no/such/truth") && why.contains("does not exist"), "{why}");
+    let place = Place::new();
+    fs::create_dir(place.path("empty")).unwrap();
+    assert!(
+        fails(&["video.avi", "--truth", text(&place.path("empty"))], 1)
+            .contains("no ground truth that is known")
+    );
+}

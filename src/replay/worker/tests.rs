@@ -4,6 +4,8 @@ use std::path::Path;
 use std::sync::atomic::{AtomicU32, Ordering};
 
 use super::*;
+use crate::frame::Frame;
+use crate::occlusion::EventKind;
 use crate::replay::tests::{
     FIRST, FRAMES, HEIGHT, PIXEL, WIDTH, assert_same, half, name, scene, settings, straight, straight_within,
 };
