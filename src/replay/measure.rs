@@ -69,13 +69,20 @@ fn a_pixels_whole_history() {
     let mask = Arc::new(TrueMask::new(SIZE, labels));
     let masks = TrueMasks::new((1..=FRAMES).map(|number| (number, Arc::clone(&mask))).collect());
     session.set_truth(Some(Arc::new(Truth { boxes: None, masks: masks.map(Arc::new) })));
-    session.tune(Some([Knob::Alpha, Knob::T]));
-    for side in [1, 9, 15] {
-        let asked = Instant::now();
-        session.tune_region(Some(((300, 200), side)));
-        let tuning = until(&|state| state.region_tuning.as_ref().is_some_and(|tuning| tuning.side == side));
-        let cells = tuning.region_tuning.unwrap().cells.len();
-        let took = asked.elapsed().as_secs_f64() * 1000.0;
-        println!("{took:.0} ms until {side}×{side} pixels are judged under {cells} settings");
+    for knobs in [[Knob::Alpha, Knob::T], [Knob::Alpha, Knob::Lambda]] {
+        session.tune(Some(knobs));
+        for side in [1, 9, 15] {
+            let asked = Instant::now();
+            session.tune_region(Some(((300, 200), side)));
+            let whole = |tuning: &Arc<RegionTuning>| {
+                tuning.side == side
+                    && tuning.frames as u32 == FRAMES
+                    && tuning.axes.each_ref().map(|axis| axis.knob) == knobs
+            };
+            let tuning = until(&|state| state.region_tuning.as_ref().is_some_and(whole));
+            let cells = tuning.region_tuning.unwrap().cells.len();
+            let took = asked.elapsed().as_secs_f64() * 1000.0;
+            println!("{knobs:?}: {took:.0} ms until {side}×{side} pixels are judged under {cells} settings");
+        }
     }
 }
