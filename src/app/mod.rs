@@ -47,6 +47,8 @@ mod whole_file;
 pub mod theme;
 
 #[cfg(test)]
+mod golden;
+#[cfg(test)]
 mod measure;
 #[cfg(test)]
 mod tests;

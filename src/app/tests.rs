@@ -16,6 +16,7 @@ use egui_kittest::kittest::Queryable;
 use super::Window;
 use super::command::Command;
 use super::dialogs::Answer;
+use super::golden::looks_as_before;
 use super::settings_file;
 use super::slots::Slot;
 use super::state::Player;
@@ -482,6 +483,17 @@ fn picture(harness: &mut Harness<'_, Window>, name: &str) {
     if let Some(folder) = std::env::var_os("OCCLUSCOPE_PICTURES") {
         picture.save(Path::new(&folder).join(format!("{name}.png"))).unwrap();
     }
+}
+
+/// Sees that what is right of the views looks as it did when it was last looked at.
+fn right_panel_looks_as_before(harness: &mut Harness<'_, Window>, name: &str) {
+    picture(harness, name);
+    let view =
+        |view: &View| harness.query_by_label(&format!("{} view", view.title())).map(|found| found.rect());
+    let views = View::ALL.iter().filter_map(view).reduce(egui::Rect::union).unwrap();
+    let corner = egui::pos2(harness.ctx.content_rect().right(), views.bottom());
+    let panel = egui::Rect::from_two_pos(views.right_top(), corner);
+    looks_as_before(&harness.render().unwrap(), Some(panel), name);
 }
 
 #[test]

@@ -12,6 +12,7 @@ use eframe::egui::{self, Pos2, Theme, Vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 
+use super::super::golden::looks_as_before;
 use super::{Beside, Followed, Format, Inspector, InspectorAction, Table};
 use crate::frame::{Frame, Mask, Size};
 use crate::mixture::follow::{Change, change};
@@ -213,6 +214,18 @@ fn every_tab_can_be_drawn_dark_and_light_narrow_and_wide() {
                 open(&mut harness, tab);
                 picture(&mut harness, &format!("{}-{look}-{width}", tab.to_lowercase()));
             }
+        }
+    }
+}
+
+#[test]
+fn every_tab_looks_as_it_did_when_it_was_last_looked_at() {
+    for (theme, look) in [(Theme::Dark, "dark"), (Theme::Light, "light")] {
+        let (mut harness, _) = harness(Some(shown(430)), Vec2::new(340.0, 900.0), theme);
+        for tab in ["Now", "both", "History", "Tuning", "Statistics", "Scatter", "3-D"] {
+            open(&mut harness, tab);
+            let picture = harness.render().unwrap();
+            looks_as_before(&picture, None, &format!("{}-{look}", tab.to_lowercase()));
         }
     }
 }

@@ -250,7 +250,7 @@ fn events_are_listed_by_whose_they_are() {
     harness.get_by_label("Exit 1, frame 110, B".replace("Exit", "exit").as_str());
     harness.get_by_label("disappear 3, frame 41, A");
     harness.get_by_label("merge 1 + 2, frame 55, -4 in A");
-    picture(&mut harness, "compare-events");
+    right_panel_looks_as_before(&mut harness, "compare-events");
     harness.get_by_label("Events under A alone").click();
     harness.run_steps(3);
     assert_eq!(harness.state().model.listing, Listing::OnlyBeside);
@@ -300,5 +300,5 @@ fn the_inspector_shows_the_mixtures_of_both() {
     harness.get_by_label_contains("B: Foreground");
     harness.get_by_label_contains("A: Background");
     harness.get_by_label("Under A");
-    picture(&mut harness, "compare-pixel");
+    right_panel_looks_as_before(&mut harness, "compare-pixel");
 }

@@ -39,12 +39,12 @@ fn a_click_on_an_object_explains_it_with_its_numbers() {
     let apart = regions::colour::delta_e([200, 10, 10], [200, 70, 60]);
     harness.get_by_label_contains(&format!("ΔE {apart:.1} to the dominant one"));
     harness.get_by_label("frames 1–120, 4.8 s: 100 seen alone, 20 merged, 0 hidden");
-    picture(&mut harness, "object");
+    right_panel_looks_as_before(&mut harness, "object");
     harness.get_by_label("#51  merge 1 + 2").click();
     settle(&mut harness);
     assert_eq!(harness.state().model.reading, Some(Read::InView(3)));
     assert_eq!(shows(&scene), [50]);
-    picture(&mut harness, "object-merged");
+    right_panel_looks_as_before(&mut harness, "object-merged");
     harness.get_by_label_contains("It shares region 1 with 2;");
     harness.get_by_label("Explain pixel 50, 60").click();
     harness.run_steps(3);
@@ -126,7 +126,7 @@ fn what_would_have_kept_an_event_from_happening_is_asked_told_and_taken() {
     scene.state.borrow_mut().what_if = answer((12, 40), false);
     harness.run_steps(4);
     harness.get_by_label("… tried 12 of 40");
-    picture(&mut harness, "prevented");
+    right_panel_looks_as_before(&mut harness, "prevented");
     scene.state.borrow_mut().what_if = answer((40, 40), true);
     harness.run_steps(4);
     harness.get_by_label("Take placing = predicted");

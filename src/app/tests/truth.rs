@@ -147,7 +147,7 @@ fn how_right_other_settings_are_is_asked_for_shown_and_taken() {
     settle(&mut harness);
     harness.run_steps(3);
     harness.get_by_label_contains("Now 98.49 % of 11250 right: 80 made up, 90 missed");
-    picture(&mut harness, "judged");
+    right_panel_looks_as_before(&mut harness, "judged");
     harness.get_by_label_contains("Best 99.47 % of 11250 right: 60 made up, 0 missed");
     let [alpha, t] = [tuning.axes[0].values[23], tuning.axes[1].values[11]];
     let number = crate::mixture::verdict::number;

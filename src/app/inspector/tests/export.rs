@@ -130,6 +130,7 @@ fn the_region_and_the_pins_can_be_taken_along_as_picture_drawing_and_table() {
         });
     open(&mut harness, "Pixels");
     picture(&mut harness, "pixels");
+    looks_as_before(&harness.render().unwrap(), None, "pixels");
     let folder = tempfile::tempdir().unwrap();
     for (menu, file, rows) in [
         ("Copy or save the share of foreground", "region-5-4", 600),
