@@ -129,7 +129,11 @@ impl Others {
     fn likelihood(&self, cell: FieldCell, cover: f32, colour: f32) -> f32 {
         let seen = self.front + self.free_front * (cover * colour + (1.0 - cover) * self.behind);
         let free = self.free_front * (1.0 - cover) * self.free_behind;
-        cell.cover * (seen + STRAY).ln() + (1.0 - cell.cover) * (free + STRAY).ln()
+        // Most cells are full or empty, and a logarithm is what this costs.
+        let weighed = |share: f32, likelihood: f32| {
+            if share > 0.0 { share * (likelihood + STRAY).ln() } else { 0.0 }
+        };
+        weighed(cell.cover, seen) + weighed(1.0 - cell.cover, free)
     }
 }
 
@@ -191,12 +195,12 @@ pub fn unexplained(objects: &[Placed], field: &Field) -> Option<[f32; 2]> {
 
 /// Says how much of one object is seen.
 fn look(objects: &mut [Placed], index: usize, field: &Field) {
-    let others = others(objects, index, field);
+    let without = without(objects, index, field);
     let full: f32 = field
         .within(&objects[index].bbox())
         .map(|(_, x, y)| element(&objects[index], objects[index].centre, x, y).cover)
         .sum();
-    let gain = gain(&objects[index], objects[index].centre, &others, field);
+    let gain = gain(&objects[index], objects[index].centre, &without, field);
     objects[index].seen = (gain / (CELL_WEIGHT * CELL_NATS * full.max(1.0))).clamp(0.0, 1.0);
 }
 
@@ -221,8 +225,16 @@ fn element(object: &Placed, [cx, cy]: [f32; 2], x: f32, y: f32) -> super::templa
     object.template.at(((x - cx) / w + 0.5).max(0.0), ((y - cy) / h + 0.5).max(0.0))
 }
 
+/// A cell, and how it is explained without one of the objects.
+#[derive(Clone, Copy)]
+struct Without {
+    others: Others,
+    /// Its log-likelihood without the one.
+    likelihood: f32,
+}
+
 /// What all objects but one say of the field's cells.
-fn others(objects: &[Placed], but: usize, field: &Field) -> Vec<Others> {
+fn without(objects: &[Placed], but: usize, field: &Field) -> Vec<Without> {
     let mut cells = vec![Others::NONE; field.cells.len()];
     for (index, object) in objects.iter().enumerate().filter(|(index, _)| *index != but) {
         for (at, x, y) in field.within(&object.bbox()) {
@@ -238,26 +250,30 @@ fn others(objects: &[Placed], but: usize, field: &Field) -> Vec<Others> {
             }
         }
     }
-    cells
+    let likelihood = |(others, &cell): (Others, &FieldCell)| {
+        let likelihood = others.likelihood(cell, 0.0, 0.0);
+        Without { others, likelihood }
+    };
+    cells.into_iter().zip(&field.cells).map(likelihood).collect()
 }
 
 /// How much better the field is explained with the object there than without it, in nats.
-fn gain(object: &Placed, centre: [f32; 2], others: &[Others], field: &Field) -> f32 {
+fn gain(object: &Placed, centre: [f32; 2], without: &[Without], field: &Field) -> f32 {
     let (w, h) = object.size;
     let gained = field.within(&Rect::around(centre, w, h)).map(|(at, x, y)| {
         let element = element(object, centre, x, y);
         let cell = field.cells[at];
         let colour = colour_likelihood(cell.colour, element.colour);
-        others[at].likelihood(cell, element.cover, colour) - others[at].likelihood(cell, 0.0, 0.0)
+        without[at].others.likelihood(cell, element.cover, colour) - without[at].likelihood
     });
     CELL_WEIGHT * gained.sum::<f32>()
 }
 
 /// Moves one object uphill, in steps that grow shorter; whether it moved.
 fn climb(objects: &mut [Placed], index: usize, field: &Field) -> bool {
-    let others = others(objects, index, field);
+    let without = without(objects, index, field);
     let object = &objects[index];
-    let value = |centre| gain(object, centre, &others, field) + object.prior(centre);
+    let value = |centre| gain(object, centre, &without, field) + object.prior(centre);
     let start = object.centre;
     let mut best = (value(start), start);
     let mut step = 2.0 * field.side;
