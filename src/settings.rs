@@ -416,7 +416,7 @@ words! {
     ReappearBy {
         /// The predicted position alone, as Algorithm 3 has it.
         Position = "position",
-        /// The predicted position, colours deciding between several.
+        /// The predicted position, colours deciding between several, and elsewhere on the way by the colours.
         Colour = "colour",
     }
 }

@@ -200,9 +200,9 @@ static HELP: &[Help] = &[
     ),
     of(
         "reappear_by",
-        "position: least distance / reach;  colour: most like, of those with distance ≤ reach",
+        "position: least distance / reach;  colour: most like, of those with distance ≤ reach, or on their way and alike",
         "position: who was predicted nearest comes back, as in the paper. colour: where several were predicted near, \
-         colours decide between them.",
+         colours decide between them; and who stopped or turned while hidden comes back if their colours agree.",
     ),
     of(
         "placing",

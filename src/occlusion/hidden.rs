@@ -7,12 +7,37 @@ use super::reasoner::{ObjectId, Reasoner};
 use crate::regions::Rect;
 use crate::settings::ReappearBy;
 
+/// How well the colours must agree of somebody hidden and somebody who comes from where they are not predicted. In
+/// rendered scenes the same person's do to .95 and more, and other people's to .7 at most.
+const ALIKE: f32 = 0.8;
+/// At so many places, from where it was last seen to where it is predicted, a hidden object may have stopped.
+const STOPS: u8 = 8;
+
 /// An object that the scene hides: the paper's past object.
 #[derive(Clone, Debug)]
 pub(super) struct Hidden {
     pub(super) id: ObjectId,
     /// The frame's number and t from which on it had no region.
     pub(super) since: (u32, u32),
+}
+
+/// Where somebody came from, with respect to somebody hidden.
+#[derive(Clone, Copy, Debug)]
+struct Place {
+    /// How far from there, in pixels, and how far it may be.
+    distance: f32,
+    reach: f32,
+    /// Whether it is where they were predicted, or else on the way there.
+    predicted: bool,
+    /// Whether it is so near to the predicted place that a first glimpse says enough.
+    near: bool,
+}
+
+impl Place {
+    /// Of how far it may be.
+    fn share(&self) -> f32 {
+        self.distance / self.reach
+    }
 }
 
 /// An object that came back, not told yet: it may be gone again in the next moment.
@@ -181,35 +206,81 @@ impl Reasoner {
         if new.birthplace.distance_to_edge(self.size) <= self.limits.border {
             return false;
         }
-        let mut candidates: Vec<(f32, f32, f32, usize)> = Vec::new();
+        let mut candidates: Vec<(Place, f32, usize)> = Vec::new();
         for (index, hidden) in self.hidden.iter().enumerate() {
             let past = &self.objects[&hidden.id];
-            let reach = reach(past, self.t - hidden.since.1);
-            let distance = assign::outside(&past.predicted_box(), &new.last.bbox);
-            if distance <= reach {
-                let (agreement, _) = past.agreement(&new.last.histogram, &self.settings);
-                candidates.push((distance, reach, agreement, index));
-            }
+            let (agreement, _) = past.agreement(&new.last.histogram, &self.settings);
+            let place = self.place_of_return(past, hidden, &new.last.bbox);
+            let fits = |place: &Place| place.predicted || agreement >= ALIKE;
+            candidates.extend(place.filter(fits).map(|place| (place, agreement, index)));
         }
         let by_colour = self.settings.reappear_by == ReappearBy::Colour && candidates.len() > 1;
         let chosen = if by_colour {
-            candidates.iter().max_by(|a, b| a.2.total_cmp(&b.2))
+            candidates.iter().max_by(|a, b| a.1.total_cmp(&b.1))
         } else {
-            candidates.iter().min_by(|a, b| (a.0 / a.1).total_cmp(&(b.0 / b.1)))
+            candidates.iter().min_by(|a, b| a.0.share().total_cmp(&b.0.share()))
         };
-        let Some(&(distance, reach, agreement, index)) = chosen else { return false };
+        let Some(&(Place { distance, reach, predicted, .. }, agreement, index)) = chosen else {
+            return false;
+        };
         let hidden = self.hidden.remove(index);
-        let branch = if by_colour {
-            "a region without an object where several hidden ones were predicted; its colours decided"
-        } else {
-            "a region without an object where a hidden one was predicted"
+        let branch = match (by_colour, predicted) {
+            (true, _) => "a region without an object where several hidden ones may be; its colours decided",
+            (false, true) => "a region without an object where a hidden one was predicted",
+            (false, false) => {
+                "a region without an object where a hidden one may have stopped or turned; its colours agree"
+            }
         };
         let mut evidence = self.evidence(branch);
-        evidence.compare("distance in pixels from the predicted place", distance, reach, true);
-        evidence.compare("agreement of colours", agreement, 1.2, true);
+        let from = if predicted { "the predicted place" } else { "the way there" };
+        evidence.compare(format!("distance in pixels from {from}"), distance, reach, true);
+        if predicted {
+            evidence.note("agreement of colours, up to 1.2", agreement);
+        } else {
+            evidence.compare("agreement of colours", agreement, ALIKE, true);
+        }
         evidence.note("frames hidden", (self.t - hidden.since.1) as f32);
         self.take_back(id, &hidden, evidence);
         true
+    }
+
+    /// Whether more must be seen of a new object before its colours can tell whether somebody hidden came back.
+    pub(super) fn must_be_seen_better(&self, id: ObjectId) -> bool {
+        let new = &self.objects[&id];
+        let by_colours = |hidden: &Hidden| {
+            let past = &self.objects[&hidden.id];
+            let place = self.place_of_return(past, hidden, &new.last.bbox);
+            place.is_some_and(|place| !place.near) && !past.is_nearly_whole(&new.last)
+        };
+        self.settings.reappear_by == ReappearBy::Colour
+            && new.seen < self.limits.at_edge
+            && new.birthplace.distance_to_edge(self.size) > self.limits.border
+            && self.hidden.iter().any(by_colours)
+    }
+
+    /// Where a box is, if it may be of somebody hidden: where they are predicted, or else somewhere between where they
+    /// were last seen and there, as they may have stopped or turned.
+    fn place_of_return(&self, past: &Object, hidden: &Hidden, bbox: &Rect) -> Option<Place> {
+        let frames = self.t - hidden.since.1;
+        let (at_rest, wide) = (reach_at_rest(past, frames), reach(past, frames));
+        let predicted_box = past.predicted_box();
+        let distance = assign::outside(&predicted_box, bbox);
+        let inside = !self.is_outside(&predicted_box);
+        if inside && distance <= wide {
+            return Some(Place { distance, reach: wide, predicted: true, near: distance <= at_rest });
+        }
+        if self.settings.reappear_by == ReappearBy::Position {
+            return None;
+        }
+        let (from, to) = (past.last.bbox.centre(), past.model.centre());
+        let (w, h) = past.size();
+        let outside = |step: u8| {
+            let share = f32::from(step) / f32::from(STOPS);
+            let at = [0, 1].map(|axis| from[axis] + share * (to[axis] - from[axis]));
+            assign::outside(&Rect::around(at, w, h), bbox)
+        };
+        let distance = (0..=STOPS).map(outside).fold(f32::INFINITY, f32::min);
+        (distance <= at_rest).then_some(Place { distance, reach: at_rest, predicted: false, near: false })
     }
 
     fn take_back(&mut self, new: ObjectId, hidden: &Hidden, evidence: Evidence) {
@@ -248,7 +319,11 @@ impl Reasoner {
     pub(super) fn judge_hidden(&mut self) {
         for index in (0..self.hidden.len()).rev() {
             let Hidden { id, since } = self.hidden[index];
-            let gone = self.objects.get(&id).is_none_or(|object| self.is_outside(&object.predicted_box()));
+            // By place alone nobody comes back from outside.
+            let lost = |object: &Object| {
+                self.settings.reappear_by == ReappearBy::Position && self.is_outside(&object.predicted_box())
+            };
+            let gone = self.objects.get(&id).is_none_or(lost);
             if gone || self.t - since.1 > self.limits.max_hidden {
                 self.hidden.remove(index);
                 self.objects.remove(&id);
@@ -285,8 +360,12 @@ impl Reasoner {
 /// stopped or turned behind what hides it.
 pub(super) fn reach(object: &Object, frames: u32) -> f32 {
     let velocity = object.model.velocity();
-    let (_, height) = object.size();
-    0.6 * height + 0.5 * velocity.x.hypot(velocity.y) * frames as f32 + (frames as f32).sqrt()
+    reach_at_rest(object, frames) + 0.5 * velocity.x.hypot(velocity.y) * frames as f32
+}
+
+/// The same, from any place where it may have stopped.
+fn reach_at_rest(object: &Object, frames: u32) -> f32 {
+    0.6 * object.size().1 + (frames as f32).sqrt()
 }
 
 /// How fast a box near an edge moves towards it, in pixels a frame.

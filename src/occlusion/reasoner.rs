@@ -780,7 +780,7 @@ impl Reasoner {
             .map(|(&id, _)| id)
             .collect();
         for id in due {
-            if !self.objects.contains_key(&id) {
+            if !self.objects.contains_key(&id) || self.must_be_seen_better(id) {
                 continue;
             }
             if self.reappears(id) || self.comes_out(id) {

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use occluscope::occlusion::EventKind;
 use occluscope::pipeline::{Pipeline, Reading, final_reading};
 use occluscope::settings::Settings;
-use occluscope::synth::{Parameters, Recorder, Truth, catalogue, render};
+use occluscope::synth::{Parameters, Recorder, Scene, Truth, catalogue, render};
 use occluscope::tracking::Identity;
 
 /// An event or the ends of an episode may be so many frames off at a normal walk, and as much
@@ -17,10 +17,15 @@ const CLEAR: f32 = 0.9;
 /// Everything in which the analysis of a scene differs from the truth, a line each.
 pub(crate) fn differences(scene: &str, parameters: &Parameters, settings: &Settings) -> Vec<String> {
     let scene = catalogue::scene(scene, parameters).expect("a scene of the catalogue");
+    differences_in(&scene, parameters.speed, settings)
+}
+
+/// The same of a scene in which people walk at `speed` times their usual one.
+pub(crate) fn differences_in(scene: &Scene, speed: f32, settings: &Settings) -> Vec<String> {
     let mut recorder = Recorder::new(scene.fps);
     let mut pipeline = Pipeline::new(settings, scene.size, scene.fps).expect("settings in range");
     let mut analyses = Vec::new();
-    for (frame, truth) in render(&scene) {
+    for (frame, truth) in render(scene) {
         recorder.push(&truth);
         analyses.push(pipeline.step(&frame).expect("a frame of the scene's size"));
     }
@@ -43,7 +48,7 @@ pub(crate) fn differences(scene: &str, parameters: &Parameters, settings: &Setti
         people.sort_unstable();
         people
     };
-    let tolerance = (TOLERANCE / parameters.speed.min(1.0)).round() as u32;
+    let tolerance = (TOLERANCE / speed.min(1.0)).round() as u32;
     differences.extend(unmatched(
         tolerance,
         truth.events.iter().map(|event| (event.kind.name(), event.objects.clone(), [event.frame; 2])),

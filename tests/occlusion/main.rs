@@ -4,11 +4,12 @@
 #![allow(clippy::expect_used, missing_docs)]
 
 mod judge;
+mod sweep;
 
 use occluscope::frame::Size;
 use occluscope::settings::Settings;
-use occluscope::synth::Parameters;
 use occluscope::synth::noise::Noise;
+use occluscope::synth::{Parameters, catalogue};
 
 fn parameters(seed: u64, (width, height): (u32, u32), speed: f32, sigma: f32) -> Parameters {
     Parameters {
@@ -67,6 +68,29 @@ fn two_in_like_clothes_who_cross_at_different_paces_keep_their_identities() {
 #[test]
 fn a_walker_behind_a_tree_disappears_and_reappears_as_the_same() {
     is_right("tree", &variations());
+}
+
+#[test]
+fn who_waits_behind_a_wall_at_the_edge_comes_back_as_the_same() {
+    is_right("wall-edge", &variations()[..2]);
+}
+
+#[test]
+fn somebody_else_who_comes_out_from_behind_a_wall_is_not_taken_for_who_left_there() {
+    for parameters in variations() {
+        let scene = |name| catalogue::scene(name, &parameters).expect("a scene of the catalogue");
+        let (mut changed, others) = (scene("wall-edge"), scene("crossing"));
+        let mut second = changed.actors[0].clone();
+        second.clothes = others.actors[1].clothes;
+        // The first one goes on and out; the second one has been behind the wall all the time.
+        changed.actors[0].path.turns.clear();
+        second.path.turns.remove(0);
+        second.path.velocity = [0.0; 2];
+        changed.actors.push(second);
+        let differences = judge::differences_in(&changed, parameters.speed, &Settings::default());
+        let confused: Vec<_> = differences.iter().filter(|what| what.starts_with("identity")).collect();
+        assert!(confused.is_empty(), "{parameters:?}: {differences:#?}");
+    }
 }
 
 #[test]
