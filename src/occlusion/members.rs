@@ -1,7 +1,5 @@
 //! The members of a group in its region, and those of whom nothing was seen, in the regions of others.
 
-use nalgebra::Vector3;
-
 use super::assign;
 use super::event::{Event, EventKind};
 use super::hidden::{Return, reach};
@@ -51,9 +49,7 @@ impl Reasoner {
             object.unseen += 1;
             return;
         }
-        object.unseen = 0;
-        let scale = object.model.scale();
-        object.model.update(&Vector3::new(centre[0], centre[1], scale), 1.0 / seen.max(0.2));
+        object.sight(centre, seen);
     }
 
     /// Some members of a region with their templates, who stands lowest in the image first: usually

@@ -120,6 +120,8 @@ pub struct Object {
     pub partial_from: [f32; 2],
     /// For how many frames it has been seen as two who stand side by side.
     pub beside: u32,
+    /// Where its own motion put it in this frame, if it was held inside a region from there.
+    pub held_from: Option<[f32; 2]>,
 }
 
 impl Object {
@@ -133,6 +135,7 @@ impl Object {
             seen: 1,
             named: false,
             partial_from: model.centre(),
+            held_from: None,
             model,
             clear: None,
             scale: 1.0,
@@ -170,6 +173,18 @@ impl Object {
         Rect::around(self.model.centre(), w, h)
     }
 
+    /// Goes on by its own motion for a frame.
+    pub fn go_on(&mut self) {
+        self.held_from = None;
+        self.model.predict();
+    }
+
+    /// Moves as a blob does that is its own.
+    pub fn follow(&mut self, model: &Model) {
+        self.held_from = None;
+        self.model = model.clone();
+    }
+
     /// Goes on with the velocity that it had when it was last seen clearly.
     pub fn keep_pace(&mut self) {
         if let Some(Appearance { velocity: [x, y], .. }) = self.clear {
@@ -203,10 +218,27 @@ impl Object {
         let (w, h) = self.size();
         let [x, y] = self.model.centre();
         let [middle_x, middle_y] = view.bbox.centre();
-        self.model.set_centre([
+        self.hold_at([
             close_to(middle_x, (w - view.bbox.w) / 2.0, x),
             close_to(middle_y, (h - view.bbox.h) / 2.0, y),
         ]);
+    }
+
+    /// Is held at a place that its own motion did not put it at.
+    pub fn hold_at(&mut self, centre: [f32; 2]) {
+        self.held_from.get_or_insert(self.model.centre());
+        self.model.set_centre(centre);
+    }
+
+    /// Takes in where its looks show it, and how much of it is seen there, above 0 to 1. Its own motion is held
+    /// against that: against where it was held, whatever holds it back would speed it up frame by frame.
+    pub fn sight(&mut self, [x, y]: [f32; 2], seen: f32) {
+        self.unseen = 0;
+        if let Some(predicted) = self.held_from.take() {
+            self.model.set_centre(predicted);
+        }
+        let scale = self.model.scale();
+        self.model.update(&Vector3::new(x, y, scale), 1.0 / seen);
     }
 
     /// Takes in whether it is seen as two side by side. When that lasts it was two from the start,
@@ -313,5 +345,30 @@ fn dominant_colours(histogram: &Histogram, settings: &Settings) -> Vec<Rgb> {
     match settings.colour_memory {
         ColourMemory::Frame => histogram.dominant().into_iter().collect(),
         ColourMemory::Clear => histogram.dominant_at_least(0.5),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tracking::kalman::Noise;
+
+    #[test]
+    fn who_is_held_back_frame_by_frame_does_not_gather_speed() {
+        let bbox = Rect::around([100.0, 100.0], 40.0, 100.0);
+        let (histogram, mosaic) = (Histogram::default(), Arc::default());
+        let view = View { bbox, area: 2500.0, histogram, labels: vec![1], mosaic };
+        let noise = Noise { process: 0.5, measurement: 2.0 };
+        let model = Model::new(Vector3::new(100.0, 100.0, 50.0), Vector3::zeros(), 1.0, noise);
+        let mut object = Object::new(1, (1, bbox), model, view);
+        // Its region is smaller than itself, and each frame its looks are found a little beside the region's middle.
+        for _ in 0..100 {
+            object.go_on();
+            object.hold_at([100.0, 100.0]);
+            object.sight([106.0, 112.0], 0.5);
+        }
+        let ([x, y], velocity) = (object.model.centre(), object.model.velocity());
+        assert!(velocity.norm() < 0.1, "it stands still: {velocity}");
+        assert!((x - 106.0).abs() < 0.5 && (y - 112.0).abs() < 0.5, "where it is seen: {x} {y}");
     }
 }

@@ -246,7 +246,7 @@ impl Reasoner {
             .collect();
         for id in shared {
             if let Some(object) = self.objects.get_mut(&id) {
-                object.model.predict();
+                object.go_on();
             }
         }
         for carried in &self.carried {
@@ -254,9 +254,9 @@ impl Reasoner {
                 && let Some(object) = self.objects.get_mut(&alone)
             {
                 if object.partial > 0 {
-                    object.model.predict();
+                    object.go_on();
                 } else {
-                    object.model = carried.blob.shown().model.clone();
+                    object.follow(&carried.blob.shown().model);
                 }
             }
         }
@@ -739,7 +739,7 @@ impl Reasoner {
             if spread && Some(id) == rightmost {
                 centre[0] = f32::midpoint(centre[0], region.right() - w / 2.0);
             }
-            object.model.set_centre(centre);
+            object.hold_at(centre);
         }
     }
 
