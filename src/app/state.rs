@@ -361,7 +361,8 @@ impl Model {
             camera: Camera::FIT,
             maximised: None,
             background: Background::Mean,
-            quantity: Quantity::Sigma,
+            // σ is at its floor nearly everywhere under the defaults: a map of one colour tells a newcomer nothing.
+            quantity: Quantity::Weight,
             overlay: Overlay { on: false, opacity: 50 },
             loupe: false,
             truth: None,
