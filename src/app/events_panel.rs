@@ -49,7 +49,9 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let list = if read.is_some() { (height * 0.38).max(height - 320.0) } else { height };
     let here = model.shown().map(|shown| shown.position);
     let row_height = theme::ROW;
-    let mut area = ScrollArea::vertical().id_salt("events").auto_shrink([false, true]).max_height(list);
+    // Without a least height of its own: in a low panel the list would lie over the evidence.
+    let mut area = ScrollArea::vertical().id_salt("events").auto_shrink([false, true]);
+    area = area.min_scrolled_height(0.0).max_height(list);
     let positions = listed.iter().filter_map(|row| Some(model.event(row.read)?.0));
     if let Some(offset) = follow(ui, positions, here, row_height, list) {
         area = area.vertical_scroll_offset(offset);

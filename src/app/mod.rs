@@ -377,13 +377,14 @@ impl Window {
             panel.size_range((wide * 0.13).max(220.0)..=(wide * 0.36).max(220.0)).show(ui, |ui| {
                 let third = ui.available_height() * 0.36;
                 // The list outlives a taller window; a pixel's plots must keep room to be read in a lower one.
-                let most = (ui.available_height() - INSPECTED).clamp(EVENTS, 1.4 * third.max(EVENTS));
+                let least = if model.reading.is_some() { EVIDENCE } else { EVENTS };
+                let most = (ui.available_height() - INSPECTED).clamp(least, 1.4 * third.max(least));
                 let below = Frame::NONE.inner_margin(Margin { top: 8, ..Margin::ZERO });
                 let list = Panel::bottom("events")
                     .frame(below)
                     .resizable(true)
-                    .default_size(third.clamp(EVENTS, most));
-                list.size_range((0.5 * third).clamp(EVENTS, most)..=most).show(ui, |ui| {
+                    .default_size(third.clamp(least, most));
+                list.size_range((0.5 * third).clamp(least, most)..=most).show(ui, |ui| {
                     events_panel::ui(ui, model, commands);
                     // A panel is as large as what is in it: a short list must not shrink it.
                     ui.take_available_space();
@@ -449,6 +450,8 @@ impl Window {
 const TRANSPORT: f32 = 244.0;
 /// The least height of the events: heading, kinds, and two of them.
 const EVENTS: f32 = 112.0;
+/// The same while one of them is read: besides, its evidence down to the first numbers.
+const EVIDENCE: f32 = 236.0;
 /// So much height of a low window is left to the inspector.
 const INSPECTED: f32 = 330.0;
 /// Under which name the places of the views are kept from start to start.

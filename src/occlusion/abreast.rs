@@ -57,7 +57,7 @@ impl Reasoner {
         let unseen = members.iter().copied().filter(|id| self.objects[id].unseen > 0);
         if let Some(id) = unseen.max_by_key(|id| self.objects[id].unseen) {
             if let Some(object) = self.objects.get_mut(&id) {
-                object.model.set_centre(centre);
+                object.stand_at(centre);
                 object.unseen = 0;
             }
             return;

@@ -209,10 +209,11 @@ impl Reasoner {
         let mut candidates: Vec<(Place, f32, usize)> = Vec::new();
         for (index, hidden) in self.hidden.iter().enumerate() {
             let past = &self.objects[&hidden.id];
+            let Some(place) = self.place_of_return(past, hidden, &new.last.bbox) else { continue };
             let (agreement, _) = past.agreement(&new.last.histogram, &self.settings);
-            let place = self.place_of_return(past, hidden, &new.last.bbox);
-            let fits = |place: &Place| place.predicted || agreement >= ALIKE;
-            candidates.extend(place.filter(fits).map(|place| (place, agreement, index)));
+            if place.predicted || agreement >= ALIKE {
+                candidates.push((place, agreement, index));
+            }
         }
         let by_colour = self.settings.reappear_by == ReappearBy::Colour && candidates.len() > 1;
         let chosen = if by_colour {
@@ -232,8 +233,8 @@ impl Reasoner {
             }
         };
         let mut evidence = self.evidence(branch);
-        let from = if predicted { "the predicted place" } else { "the way there" };
-        evidence.compare(format!("distance in pixels from {from}"), distance, reach, true);
+        let from = if predicted { "the predicted place" } else { "its way" };
+        evidence.compare(format!("pixels from {from}"), distance, reach, true);
         if predicted {
             evidence.note("agreement of colours, up to 1.2", agreement);
         } else {

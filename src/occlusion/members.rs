@@ -140,7 +140,7 @@ impl Reasoner {
         carried.members.push(id);
         carried.members.sort_unstable();
         let Some(object) = self.objects.get_mut(&id) else { return };
-        object.model.set_centre(centre);
+        object.stand_at(centre);
         object.unseen = 0;
         object.partial = 0;
         let Some(at) = self.hidden.iter().position(|hidden| hidden.id == id) else { return };

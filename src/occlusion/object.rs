@@ -224,6 +224,12 @@ impl Object {
         ]);
     }
 
+    /// Is found at a place, whatever its own motion says.
+    pub fn stand_at(&mut self, centre: [f32; 2]) {
+        self.held_from = None;
+        self.model.set_centre(centre);
+    }
+
     /// Is held at a place that its own motion did not put it at.
     pub fn hold_at(&mut self, centre: [f32; 2]) {
         self.held_from.get_or_insert(self.model.centre());

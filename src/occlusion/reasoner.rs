@@ -683,7 +683,7 @@ impl Reasoner {
                             part = Some(view);
                         }
                         Some(view) => {
-                            object.model = model;
+                            object.follow(&model);
                             if object.partial >= relearn {
                                 object.relearn(&view, &self.settings);
                             } else if let Some(clear) = &object.clear

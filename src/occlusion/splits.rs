@@ -140,7 +140,7 @@ impl Reasoner {
         let step = self.settings.size_step;
         evidence.compare("the group's pixels over those its members should have", filled, 1.0 - step, true);
         evidence.note("agreement of colours, up to 1.2", fit.colour);
-        evidence.note("distance in pixels from the member's prediction", fit.distance);
+        evidence.note("pixels from the member's prediction", fit.distance);
         self.carried[index].members.retain(|&other| other != member);
         let (frame, [x, y]) = (self.objects[&id].born, piece.bbox.centre());
         self.take_place(id, member);

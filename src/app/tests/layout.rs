@@ -183,3 +183,19 @@ fn the_next_start_finds_the_window_as_it_was_left() {
     assert_eq!(fresh.state().model.open, View::ALL.map(View::is_there_at_first));
     assert!(fresh.state().model.recent.is_empty());
 }
+
+#[test]
+fn an_events_evidence_can_be_read_in_a_small_window() {
+    let (mut harness, _) = window(Some(state(Phase::Ready, Some(50))), (1600.0, 1000.0), Theme::Dark);
+    harness.get_by_label("merge 1 + 2, frame 51").click();
+    harness.run_steps(3);
+    harness.set_size(vec2(1024.0, 640.0));
+    settle(&mut harness);
+    harness.run_steps(4);
+    picture(&mut harness, "evidence-small");
+    let [row, why, because] = ["enter 2, frame 1", "Why merge 1 + 2", "merge because region 4 grew"]
+        .map(|label| harness.get_by_label(label).rect());
+    assert!(row.bottom() <= why.top(), "the list lies over the evidence: {row} {why}");
+    let below = harness.get_by_label("Tracks and occlusions view").rect().bottom();
+    assert!(because.bottom() + 30.0 < below, "there is room for numbers below {because}, above {below}");
+}
