@@ -298,12 +298,16 @@ impl Pipeline {
 /// The final reading of all `analyses`, in order, after `pipeline` has seen the last of them:
 /// objects named from their first frame on, short tracks gone.
 pub fn final_reading<'a>(analyses: impl IntoIterator<Item = &'a Analysis>, pipeline: &Pipeline) -> Reading {
-    let naming = pipeline.naming();
-    let mut reading = Reading { episodes: pipeline.episodes(), ..Reading::default() };
+    // What was open at the last frame is decided in a copy: the pipeline may go on.
+    let mut reasoner = pipeline.reasoner.clone();
+    let late = reasoner.finish();
+    let naming = reasoner.naming();
+    let mut reading = Reading { episodes: reasoner.episodes(), ..Reading::default() };
     for analysis in analyses {
         reading.tracks.push((analysis.number, naming.apply(analysis.objects.iter())));
         reading.events.extend(analysis.events.iter().cloned());
     }
+    reading.events.extend(late);
     reading.events.sort_by(|a, b| (a.frame, a.kind, &a.objects).cmp(&(b.frame, b.kind, &b.objects)));
     for event in &mut reading.events {
         reading.counters.count(event.kind);

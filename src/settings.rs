@@ -515,6 +515,8 @@ settings! {
 
     /// Regions below this share of the image area are not tracked.
     track_min_area: f32 = 0.03, "", "% of image", Tracking, log(0.001, 10.0);
+    /// Regions one above the other with a gap of at most this share of their longer side, or a small one as near to a large one, are fragments of one object; 0 is off.
+    fragment_gap: f32 = 0.0, "", "", Tracking, real(0.0, 1.0);
     /// Probability inside the χ² gate (3 degrees of freedom) within which a region can belong to a model.
     gate: f32 = 0.99, "", "", Tracking, Kind::Real { min: 0.5, max: 0.9999, open: false, logarithmic: false };
     /// Standard deviation of how a model's position and size wander from constant velocity in a frame.
@@ -620,6 +622,7 @@ impl Settings {
                 shadow_colour: 15.0,
                 median: 5,
                 min_area: 20,
+                fragment_gap: 0.15,
                 colour_memory: ColourMemory::Clear,
                 reappear_by: ReappearBy::Colour,
                 placing: Placing::Looks,

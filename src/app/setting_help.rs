@@ -124,6 +124,12 @@ static HELP: &[Help] = &[
         "Fewer small regions are tracked: less noise, and far objects appear later.",
     ),
     of(
+        "fragment_gap",
+        "joined: gap ≤ fragment_gap · longer side, one above the other; or gap ≤ fragment_gap · √area, a small region beside a large one",
+        "Wider gaps in the mask of one object are bridged, so that it stays one detection; objects close to each other \
+         may become one.",
+    ),
+    of(
         "gate",
         "d² = rᵀ · S⁻¹ · r ≤ χ²(gate, 3)",
         "A region may lie farther from where an object was predicted and still belong to it; in a crowd it may then \

@@ -3,6 +3,7 @@
 use super::assign;
 use super::event::{Episode, EpisodeKind, Event, EventKind, Evidence};
 use super::object::Object;
+use super::partition::held_share;
 use super::reasoner::{ObjectId, Reasoner};
 use crate::regions::Rect;
 use crate::settings::ReappearBy;
@@ -12,6 +13,9 @@ use crate::settings::ReappearBy;
 const ALIKE: f32 = 0.8;
 /// At so many places, from where it was last seen to where it is predicted, a hidden object may have stopped.
 const STOPS: u8 = 8;
+
+/// Places of occlusion by the scene that are remembered; the oldest go first.
+const MAX_OCCLUDERS: usize = 64;
 
 /// An object that the scene hides: the paper's past object.
 #[derive(Clone, Debug)]
@@ -47,6 +51,8 @@ pub(super) struct Return {
     pub(super) since: (u32, u32),
     pub(super) t: u32,
     pub(super) event: Event,
+    /// The box in which it was last seen.
+    pub(super) from: Rect,
 }
 
 impl Reasoner {
@@ -146,7 +152,7 @@ impl Reasoner {
     fn tell_exit(&mut self, id: ObjectId, frame: u32, evidence: Evidence) {
         self.tell_return_of(id);
         let Some(identity) = self.identity(id) else { return };
-        let Some(object) = self.objects.remove(&id) else { return };
+        let Some(object) = self.end_object(id) else { return };
         let [x, y] = object.last.bbox.centre();
         self.events.push(Event {
             frame,
@@ -161,9 +167,9 @@ impl Reasoner {
     }
 
     /// An object lost its region inside the image: it is kept as a past object.
-    fn hide(&mut self, id: ObjectId, since: (u32, u32)) {
+    pub(super) fn hide(&mut self, id: ObjectId, since: (u32, u32)) {
         let Some(identity) = self.identity(id) else {
-            self.objects.remove(&id);
+            self.end_object(id);
             return;
         };
         if let Some(index) = self.returns.iter().position(|returned| returned.id == id) {
@@ -285,13 +291,14 @@ impl Reasoner {
     }
 
     fn take_back(&mut self, new: ObjectId, hidden: &Hidden, evidence: Evidence) {
+        let Some(from) = self.objects.get(&hidden.id).map(|object| object.last.bbox) else { return };
         let Some(seen) = self.objects.get(&new) else { return };
         let (frame, [x, y]) = (seen.born, seen.birthplace.centre());
         self.take_place(new, hidden.id);
         let Some(identity) = self.identity(hidden.id) else { return };
         let (objects, becomes) = (vec![identity], vec![identity]);
         let event = Event { frame, kind: EventKind::Reappear, objects, becomes, x, y, front: None, evidence };
-        self.returns.push(Return { id: hidden.id, since: hidden.since, t: self.t, event });
+        self.returns.push(Return { id: hidden.id, since: hidden.since, t: self.t, event, from });
     }
 
     /// What was taken for a new object is one that is known.
@@ -341,9 +348,23 @@ impl Reasoner {
         }
     }
 
-    fn tell_return_of(&mut self, id: ObjectId) {
+    /// Whether an object without a region is where the scene is known to hide objects: where one disappeared and came
+    /// back before.
+    pub(super) fn may_be_occluded(&self, object: &Object) -> bool {
+        let bbox = object.predicted_box();
+        self.occluders.iter().any(|occluder| held_share(&bbox, occluder) >= 0.5)
+    }
+
+    pub(super) fn tell_return_of(&mut self, id: ObjectId) {
         let Some(index) = self.returns.iter().position(|returned| returned.id == id) else { return };
         let returned = self.returns.remove(index);
+        if let Some(object) = self.objects.get(&id) {
+            if self.occluders.len() >= MAX_OCCLUDERS {
+                self.occluders.remove(0);
+            }
+            let back = Rect::around([returned.event.x, returned.event.y], object.size().0, object.size().1);
+            self.occluders.push(returned.from.union(&back));
+        }
         self.scene_episodes.push(Episode {
             kind: EpisodeKind::Scene,
             objects: returned.event.objects.clone(),

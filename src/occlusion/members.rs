@@ -4,6 +4,7 @@ use super::assign;
 use super::event::{Event, EventKind};
 use super::hidden::{Return, reach};
 use super::object::{Object, View};
+use super::partition::held_share;
 use super::placing::{self, Field, Placed};
 use super::reasoner::{ObjectId, Reasoner};
 use crate::settings::Switch;
@@ -15,7 +16,66 @@ const CLEARLY_IN_FRONT: f32 = 1.0;
 /// Somebody unseen is found again in a region where at least this share of them is seen.
 const FOUND_AGAIN: f32 = 0.4;
 
+/// Existence, in nats of log odds: an object that is seen is believed in up to this.
+const MAX_EXISTENCE: f32 = 4.0;
+/// Nats a second that sight adds.
+const EXISTENCE_GAIN: f32 = 20.0;
+/// Nats a second lost while nothing is seen of an object where others can hide it.
+const COVERED_LOSS: f32 = 3.0;
+/// Nats a second lost while nothing is seen of it and nothing can hide it.
+const UNCOVERED_LOSS: f32 = 12.0;
+/// A region with fewer pixels than this multiple of its largest member shows one object only.
+const ROOM_FOR_ONE: f32 = 1.15;
+
 impl Reasoner {
+    /// Takes in how far each member of a group is supported by its region. A member whose existence falls below even
+    /// odds leaves the group and becomes a past object.
+    pub(super) fn judge_members(&mut self) {
+        let second = self.limits.second;
+        let mut leaving: Vec<ObjectId> = Vec::new();
+        for carried in &self.carried {
+            let Some(view) = &carried.view else { continue };
+            if let [only] = carried.members[..] {
+                if let Some(object) = self.objects.get_mut(&only) {
+                    object.existence = (object.existence + EXISTENCE_GAIN / second).min(MAX_EXISTENCE);
+                }
+                continue;
+            }
+            let area = |id: &ObjectId| self.objects.get(id).map_or(0.0, Object::area);
+            let largest = carried.members.iter().map(area).fold(0.0, f32::max);
+            let one = view.area < ROOM_FOR_ONE * largest;
+            let share = |id: &ObjectId| self.share_in_group(*id, carried);
+            let best = carried.members.iter().copied().max_by(|a, b| {
+                let seen = |id: &ObjectId| self.objects.get(id).map_or(0.0, |object| object.seen_share);
+                seen(a).total_cmp(&seen(b)).then(share(a).total_cmp(&share(b))).then(b.cmp(a))
+            });
+            let mut left = carried.members.len();
+            for &id in &carried.members {
+                let Some(object) = self.objects.get_mut(&id) else { continue };
+                let seen = if one { Some(id) == best } else { object.unseen == 0 };
+                let covered = held_share(&object.predicted_box(), &view.bbox) >= 0.5;
+                let rate = match (seen, covered) {
+                    (true, _) => EXISTENCE_GAIN,
+                    (false, true) => -COVERED_LOSS,
+                    (false, false) => -UNCOVERED_LOSS,
+                };
+                object.existence = (object.existence + rate / second).min(MAX_EXISTENCE);
+                if object.existence < 0.0 && left > 1 && Some(id) != best {
+                    left -= 1;
+                    leaving.push(id);
+                }
+            }
+        }
+        for id in leaving {
+            for carried in &mut self.carried {
+                carried.members.retain(|member| *member != id);
+            }
+            self.settle_splits_of(id);
+            self.meetings.lose(id);
+            self.hide(id, (self.number, self.t));
+        }
+    }
+
     /// Moves the members of a group to where its region shows them.
     pub(super) fn place_members(&mut self, members: &[ObjectId], view: &View) {
         let Some((ids, mut placed, field)) = self.laid_out(members, view) else { return };
@@ -45,6 +105,7 @@ impl Reasoner {
 
     fn sight(&mut self, id: ObjectId, centre: [f32; 2], seen: f32) {
         let Some(object) = self.objects.get_mut(&id) else { return };
+        object.seen_share = seen;
         if seen < UNSEEN {
             object.unseen += 1;
             return;
@@ -140,6 +201,7 @@ impl Reasoner {
         carried.members.push(id);
         carried.members.sort_unstable();
         let Some(object) = self.objects.get_mut(&id) else { return };
+        let from = object.last.bbox;
         object.stand_at(centre);
         object.unseen = 0;
         object.partial = 0;
@@ -161,7 +223,7 @@ impl Reasoner {
             front: None,
             evidence,
         };
-        self.returns.push(Return { id, since: hidden.since, t: self.t, event });
+        self.returns.push(Return { id, since: hidden.since, t: self.t, event, from });
     }
 }
 

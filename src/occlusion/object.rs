@@ -110,6 +110,10 @@ pub struct Object {
     pub template: Option<Template>,
     /// For how many frames its region has shown more heads than it has members.
     pub crowded: u32,
+    /// How much of it was last seen in the region that it shares, 0..=1.
+    pub seen_share: f32,
+    /// Log odds that it exists where it is believed to be, in nats.
+    pub existence: f32,
     /// For how many frames nothing was seen of it in the region that it shares.
     pub unseen: u32,
     /// How it was last seen alone.
@@ -142,6 +146,8 @@ impl Object {
             template: None,
             crowded: 0,
             unseen: 0,
+            seen_share: 1.0,
+            existence: 0.0,
             last,
             partial: 0,
             beside: 0,

@@ -8,6 +8,9 @@ use crate::regions::Rect;
 use crate::tracking::pool::Blob;
 use crate::tracking::{Track, TrackState};
 
+/// The box of an object seen in part is extended to where the rest is predicted, but not beyond this multiple of its size.
+const MAX_EXTENSION: f32 = 1.2;
+
 impl Reasoner {
     /// All objects as they stand after this frame.
     pub(super) fn tell(&mut self) -> Seen {
@@ -20,14 +23,17 @@ impl Reasoner {
             };
             for id in &carried.members {
                 let object = &self.objects[id];
-                if !group.is_empty() && object.unseen > self.limits.told {
+                if carried.view.is_none() && !self.may_be_occluded(object) {
                     continue;
                 }
                 let (state, bbox, share) = match (&carried.view, group.is_empty()) {
                     (Some(view), true) => {
                         let cut_off = view.bbox.distance_to_edge(self.size) <= 1.0;
                         let whole = object.partial == 0 || cut_off;
-                        let bbox = if whole { view.bbox } else { object.predicted_box().union(&view.bbox) };
+                        let extended = object.predicted_box().union(&view.bbox);
+                        let (w, h) = object.size();
+                        let fits = extended.w <= MAX_EXTENSION * w && extended.h <= MAX_EXTENSION * h;
+                        let bbox = if whole || !fits { view.bbox } else { extended };
                         (TrackState::Visible, bbox, object.visible_share(view.area))
                     }
                     (Some(_), false) => {
@@ -44,6 +50,7 @@ impl Reasoner {
         for hidden in &self.hidden {
             if let Some(object) = self.objects.get(&hidden.id)
                 && self.t - hidden.since.1 <= self.limits.told
+                && self.may_be_occluded(object)
             {
                 objects.push(self.track(object, None, TrackState::Hidden, object.predicted_box(), 0.0));
             }

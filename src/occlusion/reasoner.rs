@@ -20,6 +20,7 @@ use super::splits::Split;
 use crate::frame::Size;
 use crate::regions::{Histogram, Mosaic, Rect, Region};
 use crate::settings::{Settings, Switch};
+use crate::tracking::fragments::group_fragments;
 use crate::tracking::kalman::Model;
 use crate::tracking::pool::{Blob, Observation, PoolSettings};
 use crate::tracking::seeds::Seeds;
@@ -27,6 +28,9 @@ use crate::tracking::{Naming, Track};
 
 /// A member of which nothing was seen for more frames than this need not be in its group's region.
 const COASTS: u32 = 2;
+
+/// Regions down to this share of `track_min_area` can be fragments of a detection.
+const MIN_FRAGMENT_SHARE: f32 = 0.3;
 
 /// An object's number, from its first region on; never used again.
 pub type ObjectId = u32;
@@ -61,6 +65,8 @@ pub(super) struct Limits {
     pub(super) at_edge: u32,
     /// Frames for which an object of which nothing is seen is told where it is predicted.
     pub(super) told: u32,
+    /// Frames a second.
+    pub(super) second: f32,
 }
 
 /// What is said of one frame.
@@ -90,6 +96,8 @@ pub struct Reasoner {
     pub(super) objects: BTreeMap<ObjectId, Object>,
     pub(super) hidden: Vec<Hidden>,
     pub(super) returns: Vec<Return>,
+    /// Where the scene has hidden objects that came back.
+    pub(super) occluders: Vec<Rect>,
     pub(super) splits: Vec<Split>,
     pub(super) meetings: Meetings,
     pub(super) scene_episodes: Vec<Episode>,
@@ -118,8 +126,9 @@ impl Reasoner {
             same_episode: settings.same_episode.frames(fps),
             patience: ((0.2 * fps).round() as u32).max(3),
             heads: ((0.5 * fps).round() as u32).max(3),
-            relearn: ((2.0 * fps).round() as u32).max(10),
+            relearn: ((1.5 * fps).round() as u32).max(10),
             told: settings.predict_for.frames(fps),
+            second: fps.max(1.0),
             at_edge: (fps.round() as u32).max(settings.min_track.frames(fps)),
         };
         Self {
@@ -133,6 +142,7 @@ impl Reasoner {
             objects: BTreeMap::new(),
             hidden: Vec::new(),
             returns: Vec::new(),
+            occluders: Vec::new(),
             splits: Vec::new(),
             meetings: Meetings::default(),
             scene_episodes: Vec::new(),
@@ -153,13 +163,8 @@ impl Reasoner {
         self.t += 1;
         self.number = number;
         self.recent = [self.recent[1], self.recent[2], number];
-        let views: Vec<View> = regions
-            .iter()
-            .filter(|region| region.shape.area as f32 >= self.limits.least_area)
-            .map(view)
-            .collect();
-
         self.predict();
+        let views = self.detections(regions);
         let matched = self.match_blobs(&views);
         let (clusters, observed) = self.cluster(&views, &matched);
         let mut unexplained = Vec::new();
@@ -176,12 +181,28 @@ impl Reasoner {
         if self.settings.find_again == Switch::On {
             self.find_again();
         }
+        self.judge_members();
         self.judge_lost();
         self.name_objects();
         self.judge_hidden();
         self.follow_splits();
         self.follow_meetings();
         self.tell()
+    }
+
+    /// Decides what is still open after the last frame: groups that split and objects that came back a moment before the
+    /// end. Gives the events of it, by frame and kind.
+    pub fn finish(&mut self) -> Vec<Event> {
+        while let Some(members) = self.splits.first().map(|split| split.members.clone()) {
+            for id in members {
+                self.settle_splits_of(id);
+            }
+        }
+        let returned: Vec<ObjectId> = self.returns.iter().map(|returned| returned.id).collect();
+        for id in returned {
+            self.tell_return_of(id);
+        }
+        self.count_told()
     }
 
     /// Events so far, by kind.
@@ -230,6 +251,16 @@ impl Reasoner {
         self.last_id
     }
 
+    /// Ends an object: nothing that is followed, merged or occluded refers to it any more. Blobs always hold objects that
+    /// exist, as this is the only way in which one that is followed is removed.
+    pub(super) fn end_object(&mut self, id: ObjectId) -> Option<Object> {
+        for carried in &mut self.carried {
+            carried.members.retain(|member| *member != id);
+        }
+        self.hidden.retain(|hidden| hidden.id != id);
+        self.objects.remove(&id)
+    }
+
     fn predict(&mut self) {
         for carried in &mut self.carried {
             carried.view = None;
@@ -265,6 +296,32 @@ impl Reasoner {
                 object.rescale(&self.perspective);
             }
         }
+    }
+
+    /// The frame's detections: its regions, fragments of one object taken together.
+    fn detections(&self, regions: &[Region]) -> Vec<View> {
+        let fragments: Vec<View> = regions
+            .iter()
+            .filter(|region| region.shape.area as f32 >= MIN_FRAGMENT_SHARE * self.limits.least_area)
+            .map(view)
+            .collect();
+        let observed: Vec<(Rect, f32)> = fragments.iter().map(|view| (view.bbox, view.area)).collect();
+        let predicted: Vec<Rect> = self
+            .carried
+            .iter()
+            .map(|carried| {
+                let boxes = carried.members.iter().map(|id| self.objects[id].predicted_box());
+                boxes.reduce(|a, b| a.union(&b)).unwrap_or(carried.blob.bbox)
+            })
+            .collect();
+        let owner = |(bbox, _): &(Rect, f32)| {
+            let held = predicted.iter().map(|expected| partition::held_share(bbox, expected)).enumerate();
+            held.filter(|(_, share)| *share >= 0.5).max_by(|a, b| a.1.total_cmp(&b.1)).map(|(at, _)| at)
+        };
+        let owners: Vec<Option<usize>> = observed.iter().map(owner).collect();
+        let groups = group_fragments(&observed, &owners, self.settings.fragment_gap);
+        let joined = groups.iter().map(|group| join(&fragments, group));
+        joined.filter(|view| view.area >= self.limits.least_area).collect()
     }
 
     /// The tracker's own matches: for each blob the view in its gate that the best reading gives it.
@@ -391,11 +448,8 @@ impl Reasoner {
         }
         let members = self.members_of(&cluster.blobs);
         let keep = self.known_of(&members);
-        for id in members.iter().filter(|id| !keep.contains(id)) {
-            self.objects.remove(id);
-        }
-        for &blob in &cluster.blobs {
-            self.carried[blob].members.retain(|member| keep.contains(member));
+        for &id in members.iter().filter(|id| !keep.contains(id)) {
+            self.end_object(id);
         }
         cluster.blobs.retain(|&blob| !self.carried[blob].members.is_empty());
         cluster
@@ -586,8 +640,8 @@ impl Reasoner {
                 continue;
             }
             let known = self.known_of(&here);
-            for id in here.iter().filter(|id| !known.contains(id)) {
-                self.objects.remove(id);
+            for &id in here.iter().filter(|id| !known.contains(id)) {
+                self.end_object(id);
             }
             let here = known;
             let observed = observation(&view);

@@ -17,7 +17,7 @@ pub(super) struct Split {
     /// The frame's number and t of the parting.
     frame: u32,
     t: u32,
-    members: Vec<ObjectId>,
+    pub(super) members: Vec<ObjectId>,
     /// For each member the piece that it is in.
     piece_of: Vec<usize>,
     pieces: Vec<Piece>,

@@ -4,6 +4,7 @@
 //! matched, [`seeds`] where new ones come from. The tracker follows regions; who is in them is for
 //! [`crate::occlusion`] to say.
 
+pub mod fragments;
 pub mod kalman;
 pub mod naming;
 pub mod pool;

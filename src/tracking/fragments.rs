@@ -1,0 +1,121 @@
+//! Fragments: regions of one frame that are parts of one thing, taken together as one detection.
+//!
+//! Where a part of an object has the colour of the background, its mask breaks. The fragments lie
+//! close to each other against their own size: one above the other with a small gap (a belt, a rail,
+//! a bench in front), or a small one (a hand, a foot) beside a large one. Two objects beside each
+//! other are neither.
+
+use crate::regions::Rect;
+
+/// Two regions are one above the other when they share at least this part of the narrower one's columns.
+const MIN_SHARED_COLUMNS: f32 = 0.5;
+/// A region of at most this share of another's pixels may be a small part of it.
+const MAX_SMALL_SHARE: f32 = 0.3;
+
+/// Groups regions `(box, pixels)` into detections, each as rising indices of its regions.
+///
+/// `owners` holds for each region the object that already accounts for it, if one does: fragments
+/// of two different objects are never joined. `max_gap` is the largest gap over the longer side of
+/// the larger region, one above the other; for a small region beside a large one it is over √pixels
+/// of the large one.
+pub fn group_fragments(regions: &[(Rect, f32)], owners: &[Option<usize>], max_gap: f32) -> Vec<Vec<usize>> {
+    let mut groups: Vec<(Vec<usize>, Option<usize>)> =
+        (0..regions.len()).map(|index| (vec![index], owners.get(index).copied().flatten())).collect();
+    if max_gap <= 0.0 {
+        return groups.into_iter().map(|(group, _)| group).collect();
+    }
+    // The nearest pairs first, so that a fragment between two objects goes to the nearer one.
+    let mut pairs: Vec<(f32, usize, usize)> = Vec::new();
+    for (first, a) in regions.iter().enumerate() {
+        for (second, b) in regions.iter().enumerate().skip(first + 1) {
+            if let Some(gap) = fragment_gap(a, b).filter(|gap| *gap <= max_gap) {
+                pairs.push((gap, first, second));
+            }
+        }
+    }
+    pairs.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
+    let mut group_of: Vec<usize> = (0..regions.len()).collect();
+    for (_, first, second) in pairs {
+        let (Some(&a), Some(&b)) = (group_of.get(first), group_of.get(second)) else { continue };
+        let (low, high) = (a.min(b), a.max(b));
+        let owner_of = |group: usize| groups.get(group).and_then(|(_, owner)| *owner);
+        let conflict = matches!((owner_of(low), owner_of(high)), (Some(a), Some(b)) if a != b);
+        if low == high || conflict {
+            continue;
+        }
+        let Some((moved, owner)) = groups.get_mut(high).map(std::mem::take) else { continue };
+        for &index in &moved {
+            if let Some(group) = group_of.get_mut(index) {
+                *group = low;
+            }
+        }
+        if let Some((members, kept)) = groups.get_mut(low) {
+            members.extend(moved);
+            members.sort_unstable();
+            *kept = kept.or(owner);
+        }
+    }
+    groups.into_iter().map(|(group, _)| group).filter(|group| !group.is_empty()).collect()
+}
+
+/// The gap between two regions over their size, `None` where their arrangement is not that of fragments.
+fn fragment_gap((a, a_area): &(Rect, f32), (b, b_area): &(Rect, f32)) -> Option<f32> {
+    let across = (a.x.max(b.x) - a.right().min(b.right())).max(0.0);
+    let down = (a.y.max(b.y) - a.bottom().min(b.bottom())).max(0.0);
+    let shared_columns = a.right().min(b.right()) - a.x.max(b.x);
+    let stacked = shared_columns >= MIN_SHARED_COLUMNS * a.w.min(b.w);
+    let small = a_area.min(*b_area) <= MAX_SMALL_SHARE * a_area.max(*b_area);
+    let stacked_gap = down / a.w.max(a.h).max(b.w).max(b.h).max(1.0);
+    let small_gap = across.hypot(down) / a_area.max(*b_area).max(1.0).sqrt();
+    match (stacked, small) {
+        (true, true) => Some(stacked_gap.min(small_gap)),
+        (true, false) => Some(stacked_gap),
+        (false, true) => Some(small_gap),
+        (false, false) => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn region(x: f32, y: f32, w: f32, h: f32) -> (Rect, f32) {
+        (Rect::new(x, y, w, h), 0.7 * w * h)
+    }
+
+    fn group(regions: &[(Rect, f32)]) -> Vec<Vec<usize>> {
+        group_fragments(regions, &vec![None; regions.len()], 0.15)
+    }
+
+    #[test]
+    fn a_walker_cut_at_the_belt_is_one_detection() {
+        let (torso, legs) = (region(100.0, 50.0, 20.0, 28.0), region(101.0, 81.0, 18.0, 30.0));
+        assert_eq!(group(&[torso, legs]), [[0, 1]]);
+        assert_eq!(group(&[torso, region(101.0, 95.0, 18.0, 30.0)]).len(), 2, "too far below");
+    }
+
+    #[test]
+    fn two_side_by_side_are_two_and_a_hand_belongs_to_the_nearer() {
+        let (left, right) = (region(100.0, 50.0, 20.0, 60.0), region(124.0, 50.0, 20.0, 60.0));
+        assert_eq!(group(&[left, right]).len(), 2);
+        let hand = region(147.0, 80.0, 4.0, 5.0);
+        assert_eq!(group(&[left, right, hand]), [vec![0], vec![1, 2]]);
+    }
+
+    #[test]
+    fn fragments_of_two_known_objects_stay_apart_also_by_way_of_a_third() {
+        let (upper, lower) = (region(100.0, 20.0, 20.0, 40.0), region(100.0, 70.0, 20.0, 40.0));
+        let between = region(105.0, 62.0, 10.0, 6.0);
+        let regions = [upper, lower, between];
+        assert_eq!(group(&regions), [[0, 1, 2]]);
+        let apart = group_fragments(&regions, &[Some(4), Some(7), None], 0.15);
+        assert_eq!(apart.len(), 2);
+        assert!(apart.iter().all(|group| !(group.contains(&0) && group.contains(&1))));
+    }
+
+    #[test]
+    fn without_a_gap_every_region_is_a_detection() {
+        let regions = [region(100.0, 50.0, 20.0, 28.0), region(100.0, 78.0, 20.0, 28.0)];
+        assert_eq!(group_fragments(&regions, &[None, None], 0.0), [[0], [1]]);
+    }
+}
