@@ -511,7 +511,11 @@ settings! {
 
     /// Foreground is shadow, not an object, where it has the colour of component 1 darkened to no less than this share; 1 is off.
     shadow_floor: f32 = 1.0, "τ", "", Mixture, real(0.2, 1.0);
-    /// How far the value may be from that darkened colour.
+    /// It is light, too, where it has that colour brightened to no more than this many times; 1 is off.
+    light_ceiling: f32 = 1.0, "", "", Mixture, real(1.0, 4.0);
+    /// Side of the square in which as much shadow and light as other foreground has to be found, or else it is an object; 0 is off.
+    shadow_window: u32 = 0, "", "pixels", Mixture, Kind::OddSize { max: 31 };
+    /// How far the value may be from that darkened or brightened colour.
     shadow_colour: f32 = 12.0, "", "levels", Mixture, real(0.0, 100.0);
 
     /// Side of the median filter over the mask, which removes specks and closes gaps; 0 is off.
@@ -630,7 +634,7 @@ impl Settings {
                 warm_up: 25,
                 min_sigma: 16.0,
                 hold: 0.05,
-                restless_learning: 4.0,
+                restless_learning: 2.0,
                 restless_t: 0.85,
                 shadow_floor: 0.65,
                 shadow_colour: 15.0,

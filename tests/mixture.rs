@@ -14,8 +14,9 @@ fn parameters() -> impl Strategy<Value = Parameters> {
     let rates = prop_oneof![Just(Rate::Density), Just(Rate::Weight), Just(Rate::Constant)];
     let spaces = prop_oneof![Just(Space::Rgb), Just(Space::Gray)];
     let shadow = prop_oneof![
-        Just(Shadow { floor: 1.0, colour: 0.0 }),
-        (0.2_f32..1.0, 0.0_f32..100.0).prop_map(|(floor, colour)| Shadow { floor, colour }),
+        Just(Shadow { floor: 1.0, ceiling: 1.0, colour: 0.0, window: 0 }),
+        (0.2_f32..1.0, 1.0_f32..2.0, 0.0_f32..100.0, prop_oneof![Just(0), Just(3), Just(7)])
+            .prop_map(|(floor, ceiling, colour, window)| Shadow { floor, ceiling, colour, window }),
     ];
     let feedback = prop_oneof![
         Just((1.0, 1.0, 0.0)),
@@ -121,14 +122,32 @@ proptest! {
                 pool.install(|| image.replay(&batch.iter().collect::<Vec<_>>(), &mut masks));
             }
             for (frame, mask) in batch.iter().zip(&masks) {
-                for (index, pixel) in plain.iter_mut().enumerate() {
-                    let (x, y) = (index as u32 % width, index as u32 / width);
-                    let value = parameters.value(frame.pixel(x, y).unwrap());
-                    let outcome = pixel.update(value, frame.number, &parameters);
-                    let channels = if parameters.space == Space::Gray { 1 } else { 3 };
-                    let surface = pixel.components()[0].mean;
-                    let shadow = parameters.shadow.covers(&value[..channels], &surface[..channels]);
-                    let expected = if outcome.foreground && !shadow { Mask::FOREGROUND } else { Mask::BACKGROUND };
+                // What each pixel is by itself: background 0, shadow or light 1, other foreground -1.
+                let alone: Vec<i32> = plain
+                    .iter_mut()
+                    .enumerate()
+                    .map(|(index, pixel)| {
+                        let (x, y) = (index as u32 % width, index as u32 / width);
+                        let value = parameters.value(frame.pixel(x, y).unwrap());
+                        let outcome = pixel.update(value, frame.number, &parameters);
+                        let channels = if parameters.space == Space::Gray { 1 } else { 3 };
+                        let surface = pixel.components()[0].mean;
+                        let light = parameters.shadow.covers(&value[..channels], &surface[..channels]);
+                        match (outcome.foreground, light) {
+                            (false, _) => 0,
+                            (true, true) => 1,
+                            (true, false) => -1,
+                        }
+                    })
+                    .collect();
+                for (index, &own) in alone.iter().enumerate() {
+                    let (x, y) = (index as i32 % width as i32, index as i32 / width as i32);
+                    let reach = parameters.shadow.window as i32 / 2;
+                    let around = (-reach..=reach).flat_map(|down| (-reach..=reach).map(move |right| (x + right, y + down)));
+                    let inside = around.filter(|&(x, y)| (0..width as i32).contains(&x) && (0..height as i32).contains(&y));
+                    let sum: i32 = inside.map(|(x, y)| alone[(y * width as i32 + x) as usize]).sum();
+                    let foreground = own == -1 || own == 1 && sum < 0;
+                    let expected = if foreground { Mask::FOREGROUND } else { Mask::BACKGROUND };
                     prop_assert_eq!(mask.data[index], expected, "pixel {} {} in frame {}", x, y, frame.number);
                 }
             }

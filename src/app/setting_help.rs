@@ -125,6 +125,18 @@ static HELP: &[Help] = &[
          surface of the same hue. 1 takes none.",
     ),
     of(
+        "light_ceiling",
+        "s = X·μ₁ / ‖μ₁‖²; light: 1 < s ≤ light_ceiling",
+        "Stronger light is taken out of the foreground: lamps, a camera that adapts; and clothes that are brighter than \
+         a surface of the same hue. 1 takes none.",
+    ),
+    of(
+        "shadow_window",
+        "shadow and light leave the mask: their pixels in the square ≥ other foreground in it",
+        "Neighbours are counted over a wider area: small shadows beside an object stay foreground, and so do larger \
+         patches of an object that look like one. 0: each pixel is decided alone.",
+    ),
+    of(
         "shadow_colour",
         "shadow: ‖X − s·μ₁‖ ≤ shadow_colour",
         "Shadow may be of another hue than the surface: noise and coloured light are allowed for, and more of the \

@@ -1,7 +1,7 @@
 //! Feedback: what was decided about a pixel changes how fast it learns and what is background to it.
 //!
 //! Leaves, water and the edges of a shaken picture flicker: they are foreground for a few frames, again and
-//! again. Whoever stands still is foreground without a break. So a pixel remembers for how long it has been
+//! again. A person who stands still is foreground without a break. So a pixel remembers for how long it has been
 //! foreground, and how often the verdict changed lately. Foreground that lasts is learned slowly, and is not
 //! taken for background within seconds; the first frames of a foreground that comes and goes are learned fast,
 //! and more of what a restless pixel shows counts as background.

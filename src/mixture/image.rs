@@ -1,6 +1,6 @@
 //! The whole image's mixtures, fast: equal to [`Pixel::update`] bit for bit.
 //!
-//! Pixels are independent. So they are kept sixteen to a `tile`, and a tile is taken
+//! Pixels are independent, but for the count of neighbours that decides about shadow, which comes last. So they are kept sixteen to a `tile`, and a tile is taken
 //! through many frames while its mixtures are in the nearest cache: [`Mixture::replay`] moves the
 //! state of a pixel once for all of them, [`Mixture::step`] once a frame.
 
@@ -154,6 +154,7 @@ impl Mixture {
                 dispatch!(level, simd => run::<_, 1>(simd, job, &constants, &moments));
             }),
         }
+        self.parameters.shadow.settle(masks);
     }
 
     /// The mixture of pixel (x, y), or `None` outside the image.

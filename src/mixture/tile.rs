@@ -333,7 +333,8 @@ impl<const N: usize> Tile<'_, N> {
         )
     }
 
-    /// Takes the lanes out of the foreground that are shadow on component 1.
+    /// Takes the lanes out of the foreground that are shadow or light on component 1, or marks them for their neighbours
+    /// to decide.
     fn drop_shadows<S: Simd>(&self, foreground: &mut [u8; LANES], simd: S, rgb: &Rgb, constants: &Constants) {
         if *foreground == [0; LANES] {
             return;
@@ -346,7 +347,7 @@ impl<const N: usize> Tile<'_, N> {
             let value = x.map(|channel| channel[lane]);
             let mean = self.first.lane(lane).mean;
             if constants.parameters.shadow.covers(&value, &mean[..N]) {
-                *byte = 0;
+                *byte = constants.parameters.shadow.mark();
             }
         }
     }

@@ -2,6 +2,7 @@
 
 use super::history::{PixelHistory, PixelState};
 use super::pixel::{Component, Parameters, Pixel, Value};
+use super::shadow::Shadow;
 use crate::settings::{Rate, SETTINGS, Setting, Settings, Stage, Value as SettingValue};
 
 /// The mixture's verdict about one pixel in one frame, before any later step.
@@ -42,21 +43,35 @@ pub fn verdict(history: &PixelHistory, index: usize) -> Verdict {
     verdict
 }
 
-/// Whether the foreground pixel is taken for shadow, in words.
+/// Whether the foreground pixel has the colour of a shadow, or of more light, in words.
 fn shadow(state: &PixelState, parameters: &Parameters) -> Option<String> {
     let channels = parameters.channels();
     let surface = state.pixel.components().first()?;
     let (value, mean) = (&state.value[..channels], &surface.mean[..channels]);
-    let covers = state.outcome.foreground && parameters.shadow.covers(value, mean);
+    let rule = parameters.shadow;
+    let covers = state.outcome.foreground && rule.covers(value, mean);
     covers.then(|| {
-        let (share, off) = parameters.shadow.of(value, mean);
+        let (share, off) = rule.of(value, mean);
+        let (what, limit) = if share < 1.0 {
+            ("shadow", format!("at least {}, shadow_floor", number(rule.floor)))
+        } else {
+            ("light", format!("at most {}, light_ceiling", number(rule.ceiling)))
+        };
+        let then = if rule.window > 0 {
+            format!(
+                "leaves the mask if of the {0} × {0} pixels around no fewer are so than are other foreground \
+                 (shadow_window)",
+                rule.window
+            )
+        } else {
+            "leaves the mask".to_owned()
+        };
         format!(
-            "It is taken for shadow and leaves the mask: the colour of component 1 at {} of its brightness \
-             (at least {}, shadow_floor), {} levels off (at most {}, shadow_colour).",
+            "It is taken for {what} and {then}: the colour of component 1 at {} of its brightness ({limit}), {} levels \
+             off (at most {}, shadow_colour).",
             number(share),
-            number(parameters.shadow.floor),
             number(off),
-            number(parameters.shadow.colour)
+            number(rule.colour)
         )
     })
 }
@@ -72,16 +87,16 @@ pub fn overruled(mixture: bool, mask: bool, ignored: bool, settings: &Settings) 
     }
     // An opening only takes foreground away, a closing and the filling of holes only add to it.
     let powerless = if mixture { ["closing", "fill_holes"] } else { ["opening", ""] };
-    let shadow = mixture && settings.shadow_floor < 1.0;
+    let shadow = mixture && Shadow::new(settings).is_on();
     let changes_masks = |setting: &Setting| {
         setting.stage == Stage::Cleaning && !powerless.contains(&setting.name)
-            || shadow && setting.name == "shadow_floor"
+            || shadow && ["shadow_floor", "light_ceiling", "shadow_window"].contains(&setting.name)
     };
     let steps: Vec<String> = SETTINGS
         .iter()
         .filter(|setting| changes_masks(setting))
         .filter_map(|setting| match setting.get(settings) {
-            SettingValue::Integer(0) | SettingValue::Choice("off" | "none") => None,
+            SettingValue::Integer(0) | SettingValue::Real(1.0) | SettingValue::Choice("off" | "none") => None,
             value => Some(format!("{} {value}", setting.name.replace('_', " "))),
         })
         .collect();
@@ -536,6 +551,12 @@ mod tests {
                 && told.contains("levels off (at most 12, shadow_colour)"),
             "{told}"
         );
+        let window = PixelHistory {
+            parameters: Parameters { shadow: Shadow { window: 7, ..parameters.shadow }, ..parameters },
+            ..history.clone()
+        };
+        let words = verdict(&window, 50);
+        assert!(detail(&words, "taken for shadow").contains("if of the 7 × 7 pixels around"), "{words:#?}");
         history.push_colour(52, [60, 20, 90]);
         let other = verdict(&history, 51);
         assert!(
