@@ -22,7 +22,7 @@ pub const BATCH: usize = 16;
 
 /// One mixture for every pixel of an image.
 ///
-/// Memory: K·(n + 2) numbers of 4 bytes a pixel, 60 bytes for K = 3 in colour, and 2 more with feedback. Of them a frame moves
+/// Memory: K·(n + 2) numbers of 4 bytes a pixel, 60 bytes for K = 3 in colour, and 12 bytes with feedback. Of them a frame moves
 /// those of component 1, 20 bytes there and back, wherever all of a tile matches it.
 #[derive(Clone)]
 pub struct Mixture {
