@@ -496,9 +496,26 @@ settings! {
     /// For so many frames α is at least 1/t, so that the first frame does not weigh more than the others; 0 is off.
     warm_up: u32 = 0, "", "frames", Mixture, Kind::Integer { min: 0, max: 10_000 };
 
+    /// Share of α with which foreground is learned that has lasted, so that who stands still stays foreground; 1 is off.
+    hold: f32 = 1.0, "", "", Mixture, log(0.001, 1.0);
+    /// Foreground has lasted once it was there for more frames than this without a break.
+    hold_after: u32 = 8, "", "frames", Mixture, Kind::Integer { min: 1, max: 1000 };
+    /// How many times α a restless pixel learns foreground with that has not lasted; 1 is off.
+    restless_learning: f32 = 1.0, "", "", Mixture, log(1.0, 50.0);
+    /// T of a restless pixel, where that is more than T; 0 is off.
+    restless_t: f32 = 0.0, "", "", Mixture, real(0.0, 0.99);
+    /// Frames over which the changes of a pixel's verdict are averaged.
+    unrest_memory: u32 = 300, "", "frames", Mixture, Kind::Integer { min: 1, max: 10_000 };
+    /// The share of those frames with a change from which on a pixel is restless in full.
+    unrest_full: f32 = 0.15, "", "", Mixture, log(0.01, 1.0);
+
     /// Foreground is shadow, not an object, where it has the colour of component 1 darkened to no less than this share; 1 is off.
     shadow_floor: f32 = 1.0, "τ", "", Mixture, real(0.2, 1.0);
-    /// How far the value may be from that darkened colour.
+    /// It is light, too, where it has that colour brightened to no more than this many times; 1 is off.
+    light_ceiling: f32 = 1.0, "", "", Mixture, real(1.0, 4.0);
+    /// Side of the square in which as much shadow and light as other foreground has to be found, or else it is an object; 0 is off.
+    shadow_window: u32 = 0, "", "pixels", Mixture, Kind::OddSize { max: 31 };
+    /// How far the value may be from that darkened or brightened colour.
     shadow_colour: f32 = 12.0, "", "levels", Mixture, real(0.0, 100.0);
 
     /// Side of the median filter over the mask, which removes specks and closes gaps; 0 is off.
@@ -618,6 +635,9 @@ impl Settings {
                 alpha: 0.002,
                 warm_up: 25,
                 min_sigma: 16.0,
+                hold: 0.05,
+                restless_learning: 2.0,
+                restless_t: 0.85,
                 shadow_floor: 0.65,
                 shadow_colour: 15.0,
                 median: 5,

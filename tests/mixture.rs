@@ -4,7 +4,7 @@
 
 use occluscope::frame::{Frame, Mask, Size};
 use occluscope::mixture::shadow::Shadow;
-use occluscope::mixture::{Component, Mixture, Parameters, Pixel};
+use occluscope::mixture::{Component, Feedback, Mixture, Parameters, Pixel};
 use occluscope::settings::{Rate, Space};
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
@@ -14,19 +14,35 @@ fn parameters() -> impl Strategy<Value = Parameters> {
     let rates = prop_oneof![Just(Rate::Density), Just(Rate::Weight), Just(Rate::Constant)];
     let spaces = prop_oneof![Just(Space::Rgb), Just(Space::Gray)];
     let shadow = prop_oneof![
-        Just(Shadow { floor: 1.0, colour: 0.0 }),
-        (0.2_f32..1.0, 0.0_f32..100.0).prop_map(|(floor, colour)| Shadow { floor, colour }),
+        Just(Shadow { floor: 1.0, ceiling: 1.0, colour: 0.0, window: 0 }),
+        (0.2_f32..1.0, 1.0_f32..2.0, 0.0_f32..100.0, prop_oneof![Just(0), Just(3), Just(7)])
+            .prop_map(|(floor, ceiling, colour, window)| Shadow { floor, ceiling, colour, window }),
     ];
+    let feedback = prop_oneof![
+        Just((1.0, 1.0, 0.0)),
+        (0.001_f32..1.0, 1.0_f32..20.0, 0.0_f32..0.99),
+        (Just(1.0), Just(1.0), 0.5_f32..0.99),
+    ];
+    let feedback = (feedback, 1_u16..12, 0.002_f32..0.3, 0.01_f32..0.5).prop_map(
+        |((hold, learning, t), hold_after, gain, full)| Feedback {
+            hold,
+            hold_after: f32::from(hold_after),
+            learning,
+            t,
+            gain,
+            full,
+        },
+    );
     (
         (1_usize..=8, 0.001_f32..0.5, 0.05_f32..0.99, 0.5_f32..6.0),
         (1.0_f32..60.0, 0.005_f32..0.5, 0.1_f32..20.0, rates, spaces, 0_u32..30),
-        shadow,
+        (shadow, feedback),
     )
         .prop_map(
             |(
                 (k, alpha, t, lambda),
                 (initial_sigma, initial_weight, min_sigma, rate, space, warm_up),
-                shadow,
+                (shadow, feedback),
             )| {
                 Parameters {
                     k,
@@ -40,6 +56,7 @@ fn parameters() -> impl Strategy<Value = Parameters> {
                     space,
                     warm_up,
                     shadow,
+                    feedback,
                 }
             },
         )
@@ -73,7 +90,9 @@ fn bits(pixel: &Pixel) -> Vec<[u32; 5]> {
         let [r, g, b] = component.mean;
         [component.weight, component.variance, r, g, b].map(f32::to_bits)
     };
-    pixel.components().iter().map(numbers).collect()
+    let past = pixel.past();
+    let past = [past.run, past.unrest, f32::from(u8::from(past.strict)), 0.0, 0.0].map(f32::to_bits);
+    pixel.components().iter().map(numbers).chain([past]).collect()
 }
 
 proptest! {
@@ -103,14 +122,32 @@ proptest! {
                 pool.install(|| image.replay(&batch.iter().collect::<Vec<_>>(), &mut masks));
             }
             for (frame, mask) in batch.iter().zip(&masks) {
-                for (index, pixel) in plain.iter_mut().enumerate() {
-                    let (x, y) = (index as u32 % width, index as u32 / width);
-                    let value = parameters.value(frame.pixel(x, y).unwrap());
-                    let outcome = pixel.update(value, frame.number, &parameters);
-                    let channels = if parameters.space == Space::Gray { 1 } else { 3 };
-                    let surface = pixel.components()[0].mean;
-                    let shadow = parameters.shadow.covers(&value[..channels], &surface[..channels]);
-                    let expected = if outcome.foreground && !shadow { Mask::FOREGROUND } else { Mask::BACKGROUND };
+                // What each pixel is by itself: background 0, shadow or light 1, other foreground -1.
+                let alone: Vec<i32> = plain
+                    .iter_mut()
+                    .enumerate()
+                    .map(|(index, pixel)| {
+                        let (x, y) = (index as u32 % width, index as u32 / width);
+                        let value = parameters.value(frame.pixel(x, y).unwrap());
+                        let outcome = pixel.update(value, frame.number, &parameters);
+                        let channels = if parameters.space == Space::Gray { 1 } else { 3 };
+                        let surface = pixel.components()[0].mean;
+                        let light = parameters.shadow.covers(&value[..channels], &surface[..channels]);
+                        match (outcome.foreground, light) {
+                            (false, _) => 0,
+                            (true, true) => 1,
+                            (true, false) => -1,
+                        }
+                    })
+                    .collect();
+                for (index, &own) in alone.iter().enumerate() {
+                    let (x, y) = (index as i32 % width as i32, index as i32 / width as i32);
+                    let reach = parameters.shadow.window as i32 / 2;
+                    let around = (-reach..=reach).flat_map(|down| (-reach..=reach).map(move |right| (x + right, y + down)));
+                    let inside = around.filter(|&(x, y)| (0..width as i32).contains(&x) && (0..height as i32).contains(&y));
+                    let sum: i32 = inside.map(|(x, y)| alone[(y * width as i32 + x) as usize]).sum();
+                    let foreground = own == -1 || own == 1 && sum < 0;
+                    let expected = if foreground { Mask::FOREGROUND } else { Mask::BACKGROUND };
                     prop_assert_eq!(mask.data[index], expected, "pixel {} {} in frame {}", x, y, frame.number);
                 }
             }
@@ -121,13 +158,14 @@ proptest! {
             let appearance = image.appearance();
             prop_assert_eq!(&appearance.mean, &image.mean_image());
             for (index, pixel) in plain.iter().enumerate() {
+                let t = parameters.t_of(pixel.past());
                 let rgb = |mean: [f32; 3]| {
                     let gray = parameters.space == Space::Gray;
                     [0, 1, 2].map(|channel| mean[if gray { 0 } else { channel }].round() as u8)
                 };
                 prop_assert_eq!(&appearance.mean[3 * index..][..3], rgb(pixel.components()[0].mean));
-                prop_assert_eq!(&appearance.multi_mode[3 * index..][..3], rgb(pixel.background_mean(parameters.t)));
-                prop_assert_eq!(usize::from(appearance.background_count[index]), pixel.background_count(parameters.t));
+                prop_assert_eq!(&appearance.multi_mode[3 * index..][..3], rgb(pixel.background_mean(t)));
+                prop_assert_eq!(usize::from(appearance.background_count[index]), pixel.background_count(t));
             }
             rest = later;
             if rest.is_empty() {
@@ -144,6 +182,8 @@ proptest! {
             let before = pixel;
             let outcome = pixel.update(parameters.value(frame.pixel(0, 0).unwrap()), t, &parameters);
             let components = pixel.components();
+            let past = pixel.past();
+            prop_assert!((0.0..=1.0).contains(&past.unrest) && (past.run > 0.0) <= outcome.foreground);
             let sum: f32 = components.iter().map(|component| component.weight).sum();
             prop_assert!((sum - 1.0).abs() < 1e-4, "weights sum to {}", sum);
             prop_assert!((1..=parameters.k as u8).contains(&outcome.rank));
@@ -258,6 +298,35 @@ fn what_stood_before_a_stopped_object_is_still_there_when_it_leaves() {
     assert_eq!((kept.mean, kept.variance), (road.mean, road.variance), "absorbed after {absorbed} frames");
     let back = (1..100).find(|_| !show(&mut pixel, 60.0).foreground).expect("the road is background again");
     assert!(back * 4 < absorbed, "{back} frames against {absorbed} for a new surface");
+}
+
+/// A pixel of a calm place under the settings of `default`, for a minute at 25 frames a second.
+#[test]
+fn foreground_that_stays_is_held_and_what_flickers_is_absorbed() {
+    let parameters = |hold: f32, learning: f32, restless_t: f32| {
+        let settings = occluscope::settings::Settings::default();
+        Parameters::new(&occluscope::settings::Settings {
+            hold,
+            restless_learning: learning,
+            restless_t,
+            ..settings
+        })
+    };
+    // How many of the last `count` frames are foreground.
+    let late = |parameters: Parameters, frames: u32, count: u32, other: fn(u32) -> bool| {
+        let mut pixel = Pixel::unseen(parameters.k);
+        let verdicts = (1..=frames).map(|t| {
+            let level = if other(t) { 200.0 } else { 60.0 };
+            pixel.update([level; 3], t, &parameters).foreground
+        });
+        verdicts.skip((frames - count) as usize).filter(|&foreground| foreground).count()
+    };
+    let stands: fn(u32) -> bool = |t| t > 500;
+    assert_eq!(late(parameters(0.05, 1.0, 0.0), 2000, 1000, stands), 1000);
+    assert_eq!(late(parameters(1.0, 1.0, 0.0), 2000, 1000, stands), 0, "absorbed without");
+    let sways: fn(u32) -> bool = |t| t % 9 < 2;
+    assert_eq!(late(parameters(0.05, 4.0, 0.85), 400, 100, sways), 0);
+    assert!(late(parameters(1.0, 1.0, 0.0), 400, 100, sways) > 15, "foreground in each wave without");
 }
 
 #[test]

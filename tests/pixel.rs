@@ -50,11 +50,15 @@ struct Reference<'a> {
     settings: &'a Settings,
     mixture: Vec<Gaussian>,
     t: u32,
+    /// For how many frames it has been foreground, the share of frames with a change, and the last verdict under T.
+    run: u32,
+    unrest: f32,
+    strict: bool,
 }
 
 impl<'a> Reference<'a> {
     fn new(settings: &'a Settings) -> Self {
-        Self { settings, mixture: Vec::new(), t: 0 }
+        Self { settings, mixture: Vec::new(), t: 0, run: 0, unrest: 0.0, strict: false }
     }
 
     fn value(&self, rgb: [u8; 3]) -> Vec<f32> {
@@ -84,7 +88,15 @@ impl<'a> Reference<'a> {
             self.mixture[0] = Gaussian { w: 1.0, mu: x, var: first_variance };
             return self.row(0, 1, 1, false, 0.0, 0.0);
         }
-        let alpha = if self.t <= s.warm_up { f32::max(s.alpha, 1.0 / self.t as f32) } else { s.alpha };
+        let pace = match self.run {
+            0 => 1.0,
+            run if run <= s.hold_after => {
+                1.0 + (s.restless_learning - 1.0) * f32::min(self.unrest / s.unrest_full, 1.0)
+            }
+            _ => s.hold,
+        };
+        let alpha =
+            if self.t <= s.warm_up { s.alpha.max(1.0 / self.t as f32) } else { (s.alpha * pace).min(1.0) };
         let p: f64 =
             self.mixture.iter().filter(|g| g.w > 0.0).map(|g| f64::from(g.w) * Self::density(&x, g)).sum();
 
@@ -117,17 +129,31 @@ impl<'a> Reference<'a> {
             self.mixture.swap(place, place - 1);
             place -= 1;
         }
+        let is_foreground = |background: usize| matched.is_none() || place + 1 > background;
+        let strict = is_foreground(self.background(s.t));
+        let memory = s.unrest_memory as f32;
+        self.unrest *= 1.0 - 1.0 / memory;
+        if strict != self.strict {
+            self.unrest += 1.0 / memory;
+        }
+        self.strict = strict;
+        let restless = f32::min(self.unrest / s.unrest_full, 1.0);
+        let background = self.background(s.t + (s.restless_t.max(s.t) - s.t) * restless);
+        let foreground = is_foreground(background);
+        self.run = if foreground { self.run + 1 } else { 0 };
+        self.row(matched.map_or(0, |index| index + 1), place + 1, background, foreground, rho, p)
+    }
+
+    /// B under `t`.
+    fn background(&self, t: f32) -> usize {
         let mut sum = 0.0;
-        let mut background = self.mixture.iter().filter(|g| g.w > 0.0).count();
         for (index, g) in self.mixture.iter().enumerate() {
             sum += g.w;
-            if sum > s.t {
-                background = index + 1;
-                break;
+            if sum > t {
+                return index + 1;
             }
         }
-        let foreground = matched.is_none() || place + 1 > background;
-        self.row(matched.map_or(0, |index| index + 1), place + 1, background, foreground, rho, p)
+        self.mixture.iter().filter(|g| g.w > 0.0).count()
     }
 
     fn row(

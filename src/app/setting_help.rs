@@ -85,10 +85,56 @@ static HELP: &[Help] = &[
         "The first frames are averaged for longer, so that somebody who walks in the first one does not stay.",
     ),
     of(
+        "hold",
+        "foreground for more than hold_after frames: α ← hold · α",
+        "Foreground that stays is learned faster: a parked car, or the ghost that one leaves, is background sooner, \
+         and so is a person who stands still. 1 makes no difference.",
+    ),
+    of(
+        "hold_after",
+        "foreground for more than hold_after frames: α ← hold · α",
+        "Foreground has to last for longer until it is learned slowly: more of what sways is absorbed, and more of \
+         what passes is learned on the way.",
+    ),
+    of(
+        "restless_learning",
+        "foreground for 1 to hold_after frames: α ← (1 + (restless_learning − 1) · q) · α",
+        "Where the verdict flickers, what is seen for a few frames at a time becomes background sooner: leaves, \
+         water, a lamp. 1 makes no difference.",
+    ),
+    of(
+        "restless_t",
+        "T ← T + (max(restless_t, T) − T) · q,  q = min(1, u / unrest_full)",
+        "Where the verdict flickers, more components count as background: less of what sways is foreground, and \
+         objects in front of it lose more. 0 makes no difference.",
+    ),
+    of(
+        "unrest_memory",
+        "u ← (1 − 1/unrest_memory) · u, + 1/unrest_memory where the verdict under T changed",
+        "A pixel stays restless for longer after it has flickered, and takes longer to be called so.",
+    ),
+    of(
+        "unrest_full",
+        "q = min(1, u / unrest_full)",
+        "A pixel has to flicker more until feedback acts on it in full.",
+    ),
+    of(
         "shadow_floor",
         "s = X·μ₁ / ‖μ₁‖²; shadow: τ ≤ s < 1",
         "Only light shadows are taken out of the foreground; lower takes darker ones, and dark clothes before a \
          surface of the same hue. 1 takes none.",
+    ),
+    of(
+        "light_ceiling",
+        "s = X·μ₁ / ‖μ₁‖²; light: 1 < s ≤ light_ceiling",
+        "Stronger light is taken out of the foreground: lamps, a camera that adapts; and clothes that are brighter than \
+         a surface of the same hue. 1 takes none.",
+    ),
+    of(
+        "shadow_window",
+        "shadow and light leave the mask: their pixels in the square ≥ other foreground in it",
+        "Neighbours are counted over a wider area: small shadows beside an object stay foreground, and so do larger \
+         patches of an object that look like one. 0: each pixel is decided alone.",
     ),
     of(
         "shadow_colour",

@@ -4,7 +4,8 @@ use fearless_simd::{Simd, dispatch, f32x16, prelude::*};
 use rayon::prelude::*;
 
 use super::image::{Mixture, Planes, Tiles};
-use super::tile::{Gaussians, LANES, Vectors};
+use super::pixel::Parameters;
+use super::tile::{Gaussians, LANES, Pasts, Vectors, raised};
 use crate::settings::Space;
 
 /// The background at each pixel, in row order.
@@ -30,7 +31,7 @@ const TILES_A_JOB: usize = 256;
 
 impl Mixture {
     /// What its background looks like now: at each pixel what [`Pixel::background_mean`] and
-    /// [`Pixel::background_count`] say.
+    /// [`Pixel::background_count`] say under the pixel's own T.
     ///
     /// [`Pixel::background_mean`]: super::Pixel::background_mean
     /// [`Pixel::background_count`]: super::Pixel::background_count
@@ -92,11 +93,25 @@ fn look<S: Simd, const N: usize>(
         let others = &tiles.others[tile * others..][..used.saturating_sub(1)];
         // Weights as they are now, of which the image keeps some as they were a few frames ago.
         let keep = tiles.keep(tile, mixture);
-        let seen = look_at(simd, &tiles.first[tile], others, &keep, mixture.parameters().t);
+        let t = raised_t(simd, tiles.pasts.get(tile), keep.len(), mixture.parameters());
+        let seen = look_at(simd, &tiles.first[tile], others, &keep, t);
         mean.copy_from_slice(&seen.mean[..mean.len()]);
         multi_mode.copy_from_slice(&seen.multi_mode[..multi_mode.len()]);
         count.copy_from_slice(&seen.background_count[..count.len()]);
     }
+}
+
+/// T of each lane, `frames` after its past was settled.
+#[inline(always)]
+fn raised_t<S: Simd>(simd: S, pasts: Option<&Pasts>, frames: usize, parameters: &Parameters) -> f32x16<S> {
+    let t = f32x16::splat(simd, parameters.t);
+    pasts.map_or(t, |pasts| {
+        let mut unrest = pasts.unrest(simd);
+        for _ in 0..frames {
+            unrest *= parameters.feedback.keep();
+        }
+        raised(t, unrest, &parameters.feedback)
+    })
 }
 
 #[inline(always)]
@@ -105,7 +120,7 @@ fn look_at<S: Simd, const N: usize>(
     first: &Gaussians<N>,
     others: &[Gaussians<N>],
     keep: &[f32],
-    t: f32,
+    t: f32x16<S>,
 ) -> TileAppearance {
     let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
     let first = Vectors::load(simd, first);

@@ -1,6 +1,6 @@
 //! The whole image's mixtures, fast: equal to [`Pixel::update`] bit for bit.
 //!
-//! Pixels are independent. So they are kept sixteen to a `tile`, and a tile is taken
+//! Pixels are independent, but for the count of neighbours that decides about shadow, which comes last. So they are kept sixteen to a `tile`, and a tile is taken
 //! through many frames while its mixtures are in the nearest cache: [`Mixture::replay`] moves the
 //! state of a pixel once for all of them, [`Mixture::step`] once a frame.
 
@@ -10,7 +10,7 @@ use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
 
 use super::pixel::{Parameters, Pixel};
-use super::tile::{self, Constants, Gaussians, LANES, Moment, Rgb, Tile};
+use super::tile::{self, Constants, Gaussians, LANES, Moment, Pasts, Rgb, Tile};
 use crate::frame::{Frame, Mask, Size};
 use crate::settings::{Rate, Space};
 
@@ -22,7 +22,7 @@ pub const BATCH: usize = 16;
 
 /// One mixture for every pixel of an image.
 ///
-/// Memory: K·(n + 2) numbers of 4 bytes a pixel, 60 bytes for K = 3 in colour. Of them a frame moves
+/// Memory: K·(n + 2) numbers of 4 bytes a pixel, 60 bytes for K = 3 in colour, and 12 bytes with feedback. Of them a frame moves
 /// those of component 1, 20 bytes there and back, wherever all of a tile matches it.
 #[derive(Clone)]
 pub struct Mixture {
@@ -50,6 +50,8 @@ pub(super) struct Tiles<const N: usize> {
     pub(super) used: Vec<u8>,
     /// For each tile the frame up to which the weights of `others` are brought.
     settled: Vec<u32>,
+    /// For each tile what its pixels remember; empty where feedback is off.
+    pub(super) pasts: Vec<Pasts>,
 }
 
 impl Mixture {
@@ -57,8 +59,8 @@ impl Mixture {
     pub fn new(size: Size, parameters: Parameters) -> Self {
         let tiles = size.pixels().div_ceil(LANES);
         let planes = match parameters.space {
-            Space::Rgb => Planes::Rgb(Tiles::new(tiles, parameters.k)),
-            Space::Gray => Planes::Gray(Tiles::new(tiles, parameters.k)),
+            Space::Rgb => Planes::Rgb(Tiles::new(tiles, &parameters)),
+            Space::Gray => Planes::Gray(Tiles::new(tiles, &parameters)),
         };
         Self { size, parameters, t: 0, planes }
     }
@@ -152,6 +154,7 @@ impl Mixture {
                 dispatch!(level, simd => run::<_, 1>(simd, job, &constants, &moments));
             }),
         }
+        self.parameters.shadow.settle(masks);
     }
 
     /// The mixture of pixel (x, y), or `None` outside the image.
@@ -185,6 +188,7 @@ struct Packed<const N: usize> {
     others: Vec<Gaussians<N>>,
     used: Vec<u8>,
     settled: Vec<u32>,
+    pasts: Vec<Pasts>,
 }
 
 impl Snapshot {
@@ -204,7 +208,9 @@ impl Snapshot {
 
 impl<const N: usize> Packed<N> {
     const fn bytes(&self) -> usize {
-        (self.first.len() + self.others.len()) * size_of::<Gaussians<N>>() + self.used.len() * 5
+        (self.first.len() + self.others.len()) * size_of::<Gaussians<N>>()
+            + self.used.len() * 5
+            + self.pasts.len() * size_of::<Pasts>()
     }
 }
 
@@ -214,6 +220,8 @@ struct Job<'a, const N: usize> {
     others: &'a mut [Gaussians<N>],
     used: &'a mut [u8],
     settled: &'a mut [u32],
+    /// Empty where feedback is off.
+    pasts: &'a mut [Pasts],
     /// Of each frame.
     rgb: Vec<&'a [u8]>,
     /// Of each mask.
@@ -221,17 +229,20 @@ struct Job<'a, const N: usize> {
 }
 
 impl<const N: usize> Tiles<N> {
-    fn new(tiles: usize, k: usize) -> Self {
+    fn new(tiles: usize, parameters: &Parameters) -> Self {
         Self {
             first: vec![Gaussians::UNUSED; tiles],
-            others: vec![Gaussians::UNUSED; tiles * (k - 1)],
+            others: vec![Gaussians::UNUSED; tiles * (parameters.k - 1)],
             used: vec![0; tiles],
             settled: vec![0; tiles],
+            pasts: vec![Pasts::NONE; if parameters.feedback.is_on() { tiles } else { 0 }],
         }
     }
 
     const fn bytes(&self) -> usize {
-        (self.first.len() + self.others.len()) * size_of::<Gaussians<N>>() + self.used.len() * 5
+        (self.first.len() + self.others.len()) * size_of::<Gaussians<N>>()
+            + self.used.len() * 5
+            + self.pasts.len() * size_of::<Pasts>()
     }
 
     fn pack(&self, k: usize) -> Packed<N> {
@@ -240,11 +251,18 @@ impl<const N: usize> Tiles<N> {
         for (tile, &used) in self.others.chunks((k - 1).max(1)).zip(&self.used) {
             others.extend_from_slice(&tile[..in_use(used)]);
         }
-        Packed { first: self.first.clone(), others, used: self.used.clone(), settled: self.settled.clone() }
+        Packed {
+            first: self.first.clone(),
+            others,
+            used: self.used.clone(),
+            settled: self.settled.clone(),
+            pasts: self.pasts.clone(),
+        }
     }
 
     fn unpack(&mut self, k: usize, packed: &Packed<N>) -> bool {
-        if packed.first.len() != self.first.len() || packed.used.iter().any(|&used| usize::from(used) > k) {
+        let alike = packed.first.len() == self.first.len() && packed.pasts.len() == self.pasts.len();
+        if !alike || packed.used.iter().any(|&used| usize::from(used) > k) {
             return false;
         }
         let mut others = &packed.others[..];
@@ -260,6 +278,7 @@ impl<const N: usize> Tiles<N> {
         self.first.copy_from_slice(&packed.first);
         self.used.copy_from_slice(&packed.used);
         self.settled.copy_from_slice(&packed.settled);
+        self.pasts.copy_from_slice(&packed.pasts);
         true
     }
 
@@ -271,7 +290,8 @@ impl<const N: usize> Tiles<N> {
     fn pixel(&self, index: usize, parameters: &Parameters, t: u32) -> Pixel {
         let (tile, others) = (index / LANES, parameters.k - 1);
         let others = &self.others[tile * others..(tile + 1) * others];
-        tile::read((&self.first[tile], others), self.settled[tile], index % LANES, (parameters, t))
+        let past = (self.settled[tile], self.pasts.get(tile));
+        tile::read((&self.first[tile], others), past, index % LANES, (parameters, t))
     }
 
     /// Divides the image among the threads.
@@ -287,6 +307,7 @@ impl<const N: usize> Tiles<N> {
         let mut others = self.others.chunks_mut(((k - 1) * TILES_A_JOB).max(1));
         let parts = self.first.chunks_mut(TILES_A_JOB).zip(self.used.chunks_mut(TILES_A_JOB));
         let parts = parts.zip(self.settled.chunks_mut(TILES_A_JOB));
+        let mut pasts = self.pasts.chunks_mut(TILES_A_JOB);
         let jobs: Vec<_> = parts
             .enumerate()
             .map(|(part, ((first, used), settled))| {
@@ -297,6 +318,7 @@ impl<const N: usize> Tiles<N> {
                     others: others.next().unwrap_or_default(),
                     used,
                     settled,
+                    pasts: pasts.next().unwrap_or_default(),
                     rgb: frames.iter().map(|frame| &frame.rgb[3 * pixels.start..3 * pixels.end]).collect(),
                     masks: masks.iter_mut().filter_map(Iterator::next).collect(),
                 }
@@ -337,6 +359,7 @@ fn run_tile<S: Simd, const N: usize>(
         others: &mut job.others[index * others..(index + 1) * others],
         used: &mut job.used[index],
         settled: &mut job.settled[index],
+        pasts: job.pasts.get_mut(index),
         place: index as u32,
     };
     let (rgb, masks) = (&job.rgb[frames.clone()], &mut job.masks[frames]);
@@ -411,10 +434,13 @@ mod tests {
             })
             .collect();
         let frames: Vec<_> = frames.iter().collect();
-        for (rate, space) in
-            [(Rate::Density, Space::Rgb), (Rate::Weight, Space::Rgb), (Rate::Density, Space::Gray)]
-        {
-            let settings = Settings { rate, space, alpha: 0.05, ..Settings::preset(Preset::Plain) };
+        for (rate, space, preset) in [
+            (Rate::Density, Space::Rgb, Preset::Plain),
+            (Rate::Weight, Space::Rgb, Preset::Plain),
+            (Rate::Density, Space::Gray, Preset::Plain),
+            (Rate::Weight, Space::Rgb, Preset::Default),
+        ] {
+            let settings = Settings { rate, space, alpha: 0.05, ..Settings::preset(preset) };
             let run = |level| {
                 let mut mixture = Mixture::new(size, Parameters::new(&settings));
                 let mut masks = vec![Mask::empty(size); frames.len()];

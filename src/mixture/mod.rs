@@ -9,6 +9,7 @@
 mod appearance;
 pub mod bins;
 pub mod exponential;
+pub mod feedback;
 pub mod follow;
 pub mod history;
 pub mod image;
@@ -25,6 +26,7 @@ pub mod tuning;
 pub mod verdict;
 
 pub use appearance::Appearance;
+pub use feedback::{Feedback, Past};
 pub use history::{PixelHistory, PixelState};
 pub use image::{BATCH, Mixture, Snapshot};
 pub use maps::{Map, Quantity};

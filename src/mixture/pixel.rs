@@ -7,6 +7,7 @@
 use std::f32::consts::PI;
 
 use super::exponential::exp_of_negative;
+use super::feedback::{Feedback, Past};
 use super::shadow::Shadow;
 use crate::settings::{Rate, Settings, Space};
 
@@ -41,6 +42,8 @@ pub struct Parameters {
     pub warm_up: u32,
     /// What foreground is shadow.
     pub shadow: Shadow,
+    /// How a pixel's past acts on its mixture.
+    pub feedback: Feedback,
 }
 
 impl Parameters {
@@ -58,6 +61,7 @@ impl Parameters {
             space: settings.space,
             warm_up: settings.warm_up,
             shadow: Shadow::new(settings),
+            feedback: Feedback::new(settings),
         }
     }
 
@@ -80,6 +84,17 @@ impl Parameters {
     /// α of the t-th frame, t counting from 1.
     pub fn alpha_at(&self, t: u32) -> f32 {
         if t <= self.warm_up { self.alpha.max(1.0 / t as f32) } else { self.alpha }
+    }
+
+    /// α of the t-th frame for a pixel of this past. The warm-up is the same for all.
+    pub fn alpha_of(&self, past: &Past, t: u32) -> f32 {
+        let alpha = self.alpha_at(t);
+        if t <= self.warm_up { alpha } else { (alpha * self.feedback.factor(past)).min(1.0) }
+    }
+
+    /// T for a pixel of this past.
+    pub fn t_of(&self, past: &Past) -> f32 {
+        self.feedback.raised(self.t, past)
     }
 
     /// X of an RGB pixel.
@@ -180,12 +195,13 @@ pub struct Outcome {
 pub struct Pixel {
     components: [Component; MAX_K],
     k: usize,
+    past: Past,
 }
 
 impl Pixel {
     /// A pixel that has seen nothing, with room for `k` components.
     pub fn unseen(k: usize) -> Self {
-        Self { components: [Component::default(); MAX_K], k: k.clamp(1, MAX_K) }
+        Self { components: [Component::default(); MAX_K], k: k.clamp(1, MAX_K), past: Past::default() }
     }
 
     /// A pixel with these components, in rank order, unused ones last; at most [`MAX_K`].
@@ -198,6 +214,15 @@ impl Pixel {
     /// The K components in rank order.
     pub fn components(&self) -> &[Component] {
         &self.components[..self.k]
+    }
+
+    /// What it remembers of the decisions about it; nothing while feedback is off.
+    pub const fn past(&self) -> &Past {
+        &self.past
+    }
+
+    pub(super) const fn past_mut(&mut self) -> &mut Past {
+        &mut self.past
     }
 
     pub(super) fn components_mut(&mut self) -> &mut [Component] {
@@ -251,7 +276,7 @@ impl Pixel {
         if t <= 1 {
             return self.first_frame(x, parameters);
         }
-        let alpha = parameters.alpha_at(t);
+        let alpha = parameters.alpha_of(&self.past, t);
 
         let matched = first_match(self.components(), x, parameters.lambda);
         self.update_weights(matched, alpha);
@@ -263,12 +288,22 @@ impl Pixel {
             (self.k - 1, 0.0)
         };
         let rank = self.sort_upwards(changed) + 1;
-        let background_count = self.background_count(parameters.t);
+        let is_foreground = |background_count: usize| matched.is_none() || rank > background_count;
+        let on = parameters.feedback.is_on();
+        if on {
+            let strict = is_foreground(self.background_count(parameters.t));
+            self.past.judge(strict, &parameters.feedback);
+        }
+        let background_count = self.background_count(parameters.t_of(&self.past));
+        let foreground = is_foreground(background_count);
+        if on {
+            self.past.close(foreground);
+        }
         Outcome {
             matched: matched.map_or(0, |index| index as u8 + 1),
             rank: rank as u8,
             background_count: background_count as u8,
-            foreground: matched.is_none() || rank > background_count,
+            foreground,
             rho,
             p: 0.0,
         }

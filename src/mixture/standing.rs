@@ -40,6 +40,13 @@ impl Standing {
     }
 }
 
+/// T of the pixel at the state at `index`, after its update or `before` it.
+pub fn t_at(history: &PixelHistory, index: usize, before: bool) -> f32 {
+    let after = history.states.get(index).map(|state| &state.pixel);
+    let pixel = if before { history.before(index) } else { after };
+    pixel.map_or(history.parameters.t, |pixel| history.parameters.t_of(pixel.past()))
+}
+
 /// The components in use at the state at `index`, in rank order, and B.
 ///
 /// They are those after the update, or `before` it: the ones that the value was compared with. Before
@@ -58,7 +65,7 @@ pub fn standings(
         let Some((old, slots)) = old.zip(index.checked_sub(1).and_then(|index| slots.get(index))) else {
             return (Vec::new(), 0);
         };
-        (old, slots, old.background_count(history.parameters.t))
+        (old, slots, old.background_count(history.parameters.t_of(old.past())))
     } else {
         (&state.pixel, here, usize::from(state.outcome.background_count))
     };

@@ -7,6 +7,7 @@
 
 use fearless_simd::{Simd, f32x16, i32x16, mask32x16, prelude::*, u8x16, u8x64, u32x16};
 
+use super::feedback::{Feedback, Past};
 use super::pixel::{Component, MAX_K, Parameters, Pixel};
 use crate::settings::Rate;
 
@@ -44,6 +45,34 @@ impl<const N: usize> Gaussians<N> {
     }
 }
 
+/// What each pixel of a tile remembers of the decisions about it.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Pasts {
+    run: Plane,
+    unrest: Plane,
+    /// A bit for each lane.
+    strict: u16,
+    /// Whether any lane was foreground, in the end or under T itself.
+    busy: bool,
+}
+
+impl Pasts {
+    /// Of pixels that have seen nothing.
+    pub(super) const NONE: Self =
+        Self { run: Plane([0.0; LANES]), unrest: Plane([0.0; LANES]), strict: 0, busy: false };
+
+    /// u of each lane, as it was when the tile was settled.
+    #[inline(always)]
+    pub(super) fn unrest<S: Simd>(&self, simd: S) -> f32x16<S> {
+        f32x16::load_array_ref(simd, &self.unrest.0)
+    }
+
+    /// The past of one lane, as it was when the tile was settled.
+    pub(super) fn lane(&self, lane: usize) -> Past {
+        Past { run: self.run.0[lane], unrest: self.unrest.0[lane], strict: self.strict >> lane & 1 > 0 }
+    }
+}
+
 /// A tile's mixtures, as they lie in the image's.
 pub(super) struct Tile<'a, const N: usize> {
     /// Component 1.
@@ -54,6 +83,8 @@ pub(super) struct Tile<'a, const N: usize> {
     pub(super) used: &'a mut u8,
     /// The frame up to which the weights of `others` are brought.
     pub(super) settled: &'a mut u32,
+    /// What its pixels remember, unrest brought to the same frame; `None` where feedback is off.
+    pub(super) pasts: Option<&'a mut Pasts>,
     /// The tile's place: not all settle in the same frame.
     pub(super) place: u32,
 }
@@ -61,7 +92,7 @@ pub(super) struct Tile<'a, const N: usize> {
 /// The pixel of one lane after frame `t`, its components 2 to K as they were after frame `settled`.
 pub(super) fn read<const N: usize>(
     (first, others): (&Gaussians<N>, &[Gaussians<N>]),
-    settled: u32,
+    (settled, pasts): (u32, Option<&Pasts>),
     lane: usize,
     (parameters, t): (&Parameters, u32),
 ) -> Pixel {
@@ -73,6 +104,13 @@ pub(super) fn read<const N: usize>(
     for component in pixel.components_mut().iter_mut().skip(1).filter(|component| component.is_used()) {
         for t in settled + 1..=t {
             component.weight *= 1.0 - parameters.alpha_at(t);
+        }
+    }
+    if let Some(pasts) = pasts {
+        let past = pixel.past_mut();
+        *past = pasts.lane(lane);
+        for _ in settled + 1..=t {
+            past.unrest *= parameters.feedback.keep();
         }
     }
     pixel
@@ -87,6 +125,8 @@ const SETTLE: u32 = 32;
 pub(super) struct Moment {
     t: u32,
     alpha: f32,
+    /// Whether it is within the warm-up, in which all pixels learn alike.
+    warming: bool,
 }
 
 /// What is the same for all tiles in all frames.
@@ -116,23 +156,22 @@ impl Constants {
     }
 
     pub(super) fn moment(&self, t: u32) -> Moment {
-        Moment { t, alpha: self.parameters.alpha_at(t) }
+        Moment { t, alpha: self.parameters.alpha_at(t), warming: t <= self.parameters.warm_up }
     }
 
     /// ρ, from w after the update and the rest before it (§V).
     #[inline(always)]
     fn rho<S: Simd, const N: usize>(
         &self,
-        alpha: f32,
+        alpha: f32x16<S>,
         weight: f32x16<S>,
         distance_squared: impl FnOnce() -> f32x16<S>,
         variance: f32x16<S>,
     ) -> f32x16<S> {
-        let simd = weight.token();
         let rho = match self.parameters.rate {
             Rate::Density => density::<S, N>(distance_squared(), variance) * alpha,
-            Rate::Weight => f32x16::splat(simd, alpha) / weight,
-            Rate::Constant => f32x16::splat(simd, alpha),
+            Rate::Weight => alpha / weight,
+            Rate::Constant => alpha,
         };
         rho.min(1.0)
     }
@@ -230,11 +269,12 @@ impl<const N: usize> Tile<'_, N> {
         for (frame, &moment) in moments.iter().enumerate() {
             let x = values::<S, N>(simd, rgb(frame));
             let distance = first.distance_squared(&x);
-            if first.matches(distance, constants).all_true() {
+            let calm = self.pasts.as_ref().is_none_or(|pasts| !pasts.busy);
+            if calm && first.matches(distance, constants).all_true() {
                 first.weight = first.weight * (1.0 - moment.alpha) + moment.alpha;
                 // Of the distance only the paper's own rate makes use, and only there it stays in a register.
                 let rho = constants.rho::<S, N>(
-                    moment.alpha,
+                    f32x16::splat(simd, moment.alpha),
                     first.weight,
                     #[inline(always)]
                     || distance,
@@ -293,7 +333,8 @@ impl<const N: usize> Tile<'_, N> {
         )
     }
 
-    /// Takes the lanes out of the foreground that are shadow on component 1.
+    /// Takes the lanes out of the foreground that are shadow or light on component 1, or marks them for their neighbours
+    /// to decide.
     fn drop_shadows<S: Simd>(&self, foreground: &mut [u8; LANES], simd: S, rgb: &Rgb, constants: &Constants) {
         if *foreground == [0; LANES] {
             return;
@@ -306,7 +347,7 @@ impl<const N: usize> Tile<'_, N> {
             let value = x.map(|channel| channel[lane]);
             let mean = self.first.lane(lane).mean;
             if constants.parameters.shadow.covers(&value, &mean[..N]) {
-                *byte = 0;
+                *byte = constants.parameters.shadow.mark();
             }
         }
     }
@@ -323,6 +364,9 @@ impl<const N: usize> Tile<'_, N> {
         first.store(self.first);
         *self.used = 1;
         *self.settled = 1;
+        if let Some(pasts) = &mut self.pasts {
+            **pasts = Pasts::NONE;
+        }
     }
 
     /// Brings the weights of components 2 to K to frame `t`, in which none of them matched.
@@ -341,6 +385,13 @@ impl<const N: usize> Tile<'_, N> {
         }
         for (weight, other) in weights.iter().zip(others) {
             weight.store_array(&mut other.weight.0);
+        }
+        if let Some(pasts) = &mut self.pasts {
+            let mut unrest = pasts.unrest(simd);
+            for _ in *self.settled + 1..=t {
+                unrest *= constants.parameters.feedback.keep();
+            }
+            unrest.store_array(&mut pasts.unrest.0);
         }
         *self.settled = t;
     }
@@ -361,6 +412,15 @@ impl<const N: usize> Tile<'_, N> {
             |k| Vectors::load(simd, if k == 0 { &*self.first } else { &self.others[k - 1] }),
         );
 
+        let alpha = match &self.pasts {
+            Some(pasts) if !moment.warming => {
+                let factor = factor(simd, pasts, &constants.parameters.feedback);
+                (factor * moment.alpha).min(1.0)
+            }
+            _ => f32x16::splat(simd, moment.alpha),
+        };
+        let keep = f32x16::splat(simd, 1.0) - alpha;
+
         // The matched component of each lane, with its weight after and the rest before the update.
         let mut changed = components[0];
         let mut distance = f32x16::splat(simd, 0.0);
@@ -371,8 +431,8 @@ impl<const N: usize> Tile<'_, N> {
             let d = component.distance_squared(x);
             *at = component.matches(d, constants) & !matched;
             matched |= *at;
-            component.weight *= 1.0 - moment.alpha;
-            component.weight = at.select(component.weight + moment.alpha, component.weight);
+            component.weight *= keep;
+            component.weight = at.select(component.weight + alpha, component.weight);
             distance = at.select(d, distance);
             changed.take(*at, component);
         }
@@ -380,7 +440,7 @@ impl<const N: usize> Tile<'_, N> {
         let any_missed = missed.any_true();
 
         let rho = constants.rho::<S, N>(
-            moment.alpha,
+            alpha,
             changed.weight,
             #[inline(always)]
             || distance,
@@ -409,12 +469,64 @@ impl<const N: usize> Tile<'_, N> {
             }
         }
         sort_upwards(&mut components, &mut at);
-        let foreground = missed | beyond_background(&components, &at, constants.parameters.t);
+        let t = f32x16::splat(simd, constants.parameters.t);
+        let mut foreground = missed | beyond_background(&components, &at, t);
+        if let Some(pasts) = &mut self.pasts {
+            let feedback = &constants.parameters.feedback;
+            let unrest = judge(pasts, foreground, feedback);
+            let t = raised(t, unrest, feedback);
+            foreground = missed | beyond_background(&components, &at, t);
+            close(pasts, foreground);
+        }
         for (k, component) in components.iter().enumerate() {
             component.store(if k == 0 { &mut *self.first } else { &mut self.others[k - 1] });
         }
         (foreground, any_missed)
     }
+}
+
+/// [`Feedback::restlessness`].
+#[inline(always)]
+fn restlessness<S: Simd>(unrest: f32x16<S>, feedback: &Feedback) -> f32x16<S> {
+    (unrest / feedback.full).min(1.0)
+}
+
+/// [`Feedback::factor`].
+#[inline(always)]
+fn factor<S: Simd>(simd: S, pasts: &Pasts, feedback: &Feedback) -> f32x16<S> {
+    let (one, run) = (f32x16::splat(simd, 1.0), f32x16::load_array_ref(simd, &pasts.run.0));
+    let restless = restlessness(pasts.unrest(simd), feedback);
+    let young = restless * (feedback.learning - 1.0) + 1.0;
+    let lasting = f32x16::splat(simd, feedback.hold);
+    run.simd_le(0.0).select(one, run.simd_le(feedback.hold_after).select(young, lasting))
+}
+
+/// [`Past::judge`]. Gives the unrest.
+#[inline(always)]
+fn judge<S: Simd>(pasts: &mut Pasts, strict: mask32x16<S>, feedback: &Feedback) -> f32x16<S> {
+    let simd = strict.token();
+    let bits = strict.to_bitmask() as u16;
+    let changed = mask32x16::from_bitmask(simd, u64::from(bits ^ pasts.strict));
+    let unrest = pasts.unrest(simd) * feedback.keep();
+    let unrest = changed.select(unrest + feedback.gain, unrest);
+    unrest.store_array(&mut pasts.unrest.0);
+    pasts.strict = bits;
+    unrest
+}
+
+/// [`Past::close`].
+#[inline(always)]
+fn close<S: Simd>(pasts: &mut Pasts, foreground: mask32x16<S>) {
+    let simd = foreground.token();
+    let longer = (f32x16::load_array_ref(simd, &pasts.run.0) + 1.0).min(Past::LONGEST);
+    foreground.select(longer, f32x16::splat(simd, 0.0)).store_array(&mut pasts.run.0);
+    pasts.busy = pasts.strict != 0 || foreground.any_true();
+}
+
+/// [`Feedback::raised`].
+#[inline(always)]
+pub(super) fn raised<S: Simd>(t: f32x16<S>, unrest: f32x16<S>, feedback: &Feedback) -> f32x16<S> {
+    t + (t.max(feedback.t) - t) * restlessness(unrest, feedback)
 }
 
 /// Moves the component that changed up while its w/σ is greater than its upper neighbour's.
@@ -449,7 +561,7 @@ fn sort_upwards<S: Simd, const N: usize, const W: usize>(
 fn beyond_background<S: Simd, const N: usize, const W: usize>(
     components: &[Vectors<S, N>; W],
     at: &[mask32x16<S>; W],
-    t: f32,
+    t: f32x16<S>,
 ) -> mask32x16<S> {
     let simd = components[0].weight.token();
     let mut sum = f32x16::splat(simd, 0.0);

@@ -2,6 +2,7 @@
 
 use super::history::{PixelHistory, PixelState};
 use super::pixel::{Component, Parameters, Pixel, Value};
+use super::shadow::Shadow;
 use crate::settings::{Rate, SETTINGS, Setting, Settings, Stage, Value as SettingValue};
 
 /// The mixture's verdict about one pixel in one frame, before any later step.
@@ -42,21 +43,35 @@ pub fn verdict(history: &PixelHistory, index: usize) -> Verdict {
     verdict
 }
 
-/// Whether the foreground pixel is taken for shadow, in words.
+/// Whether the foreground pixel has the colour of a shadow, or of more light, in words.
 fn shadow(state: &PixelState, parameters: &Parameters) -> Option<String> {
     let channels = parameters.channels();
     let surface = state.pixel.components().first()?;
     let (value, mean) = (&state.value[..channels], &surface.mean[..channels]);
-    let covers = state.outcome.foreground && parameters.shadow.covers(value, mean);
+    let rule = parameters.shadow;
+    let covers = state.outcome.foreground && rule.covers(value, mean);
     covers.then(|| {
-        let (share, off) = parameters.shadow.of(value, mean);
+        let (share, off) = rule.of(value, mean);
+        let (what, limit) = if share < 1.0 {
+            ("shadow", format!("at least {}, shadow_floor", number(rule.floor)))
+        } else {
+            ("light", format!("at most {}, light_ceiling", number(rule.ceiling)))
+        };
+        let then = if rule.window > 0 {
+            format!(
+                "leaves the mask if of the {0} × {0} pixels around no fewer are so than are other foreground \
+                 (shadow_window)",
+                rule.window
+            )
+        } else {
+            "leaves the mask".to_owned()
+        };
         format!(
-            "It is taken for shadow and leaves the mask: the colour of component 1 at {} of its brightness \
-             (at least {}, shadow_floor), {} levels off (at most {}, shadow_colour).",
+            "It is taken for {what} and {then}: the colour of component 1 at {} of its brightness ({limit}), {} levels \
+             off (at most {}, shadow_colour).",
             number(share),
-            number(parameters.shadow.floor),
             number(off),
-            number(parameters.shadow.colour)
+            number(rule.colour)
         )
     })
 }
@@ -72,16 +87,16 @@ pub fn overruled(mixture: bool, mask: bool, ignored: bool, settings: &Settings) 
     }
     // An opening only takes foreground away, a closing and the filling of holes only add to it.
     let powerless = if mixture { ["closing", "fill_holes"] } else { ["opening", ""] };
-    let shadow = mixture && settings.shadow_floor < 1.0;
+    let shadow = mixture && Shadow::new(settings).is_on();
     let changes_masks = |setting: &Setting| {
         setting.stage == Stage::Cleaning && !powerless.contains(&setting.name)
-            || shadow && setting.name == "shadow_floor"
+            || shadow && ["shadow_floor", "light_ceiling", "shadow_window"].contains(&setting.name)
     };
     let steps: Vec<String> = SETTINGS
         .iter()
         .filter(|setting| changes_masks(setting))
         .filter_map(|setting| match setting.get(settings) {
-            SettingValue::Integer(0) | SettingValue::Choice("off" | "none") => None,
+            SettingValue::Integer(0) | SettingValue::Real(1.0) | SettingValue::Choice("off" | "none") => None,
             value => Some(format!("{} {value}", setting.name.replace('_', " "))),
         })
         .collect();
@@ -106,7 +121,8 @@ fn matched(state: &PixelState, before: &Pixel, parameters: &Parameters) -> Verdi
     let old = before.components()[from - 1];
     let distance = apart(sigmas(&old, state.value), parameters.lambda, 1);
     let limit = number(parameters.lambda);
-    let background = background_words(&state.pixel, state.outcome.background_count, parameters.t);
+    let t = parameters.t_of(state.pixel.past());
+    let background = background_words(&state.pixel, state.outcome.background_count, t);
     let headline = if state.outcome.foreground {
         let only = background.headline;
         format!("Foreground: matched component {rank} at {distance} σ (limit {limit}), but {only}")
@@ -123,8 +139,10 @@ fn matched(state: &PixelState, before: &Pixel, parameters: &Parameters) -> Verdi
         let (now, others) = pair(moved.rank_value(), passed.rank_value(), 4);
         details.push(format!("It went up from rank {from} to {rank}: its w/σ is now {now}, above {others}."));
     }
+    details.extend(raised(state, parameters));
     details.extend(nearer(state, before, from));
-    details.push(learning(state, parameters));
+    details.push(learning(state, before, parameters));
+    details.extend(paced(before, state.t, parameters));
     let new = &state.pixel.components()[rank - 1];
     let learned =
         (1.0 - state.outcome.rho) * old.variance + state.outcome.rho * new.distance_squared(state.value);
@@ -190,7 +208,10 @@ fn unmatched(state: &PixelState, before: &Pixel, parameters: &Parameters) -> Ver
             "It has rank {rank} and B is {count}, but a value that matched nothing is foreground."
         ));
     }
-    details.push(background_words(&state.pixel, state.outcome.background_count, parameters.t).sentence);
+    let t = parameters.t_of(state.pixel.past());
+    details.push(background_words(&state.pixel, state.outcome.background_count, t).sentence);
+    details.extend(raised(state, parameters));
+    details.extend(paced(before, state.t, parameters));
     details.extend(changed_count(state, before, parameters));
     Verdict {
         headline: format!("Foreground: nothing matched{nearest}"),
@@ -248,21 +269,67 @@ fn nearer(state: &PixelState, before: &Pixel, from: usize) -> Option<String> {
         })
 }
 
-fn learning(state: &PixelState, parameters: &Parameters) -> String {
-    let alpha = parameters.alpha_at(state.t);
+/// Says that T is another one for this pixel, where it is.
+fn raised(state: &PixelState, parameters: &Parameters) -> Option<String> {
+    let past = state.pixel.past();
+    let t = parameters.t_of(past);
+    (t > parameters.t).then(|| {
+        let (raised, plain) = pair(t, parameters.t, 2);
+        format!(
+            "T is raised from {plain} to {raised} as this pixel is restless: its verdict changed in {} % of the \
+             recent frames (in full from {} %, unrest_full).",
+            number(100.0 * past.unrest),
+            number(100.0 * parameters.feedback.full)
+        )
+    })
+}
+
+/// Says why α is another one for this pixel, where it is.
+fn paced(before: &Pixel, t: u32, parameters: &Parameters) -> Option<String> {
+    let past = before.past();
+    let (alpha, plain) = (parameters.alpha_of(past, t), parameters.alpha_at(t));
+    if alpha == plain {
+        return None;
+    }
+    let run = number(past.run);
+    Some(if past.run > parameters.feedback.hold_after {
+        format!(
+            "α is {} of {}: it had been foreground for {run} frames without a break (more than {}, hold_after), and \
+             such foreground is learned slowly (hold).",
+            number(alpha / plain),
+            number(plain),
+            number(parameters.feedback.hold_after),
+        )
+    } else {
+        format!(
+            "α is {} times {}: this pixel is restless, and had been foreground for {run} frames only (at most {}, \
+             hold_after).",
+            number(alpha / plain),
+            number(plain),
+            number(parameters.feedback.hold_after),
+        )
+    })
+}
+
+fn learning(state: &PixelState, before: &Pixel, parameters: &Parameters) -> String {
+    let alpha = parameters.alpha_of(before.past(), state.t);
     let how = match parameters.rate {
         Rate::Density => "α·η, rate = density",
         Rate::Weight => "α/w, rate = weight",
         Rate::Constant => "α, rate = constant",
     };
-    let warming = if alpha > parameters.alpha { " = 1/t (warm-up)" } else { "" };
+    let warming =
+        if state.t <= parameters.warm_up && alpha > parameters.alpha { " = 1/t (warm-up)" } else { "" };
     // α·η has no bound of its own: where σ is small η exceeds 1/α.
     let limited = if state.outcome.rho >= 1.0 { "limited to 1" } else { how };
     format!("It learned with ρ = {} ({limited}), α = {}{warming}.", number(state.outcome.rho), number(alpha))
 }
 
 fn changed_count(state: &PixelState, before: &Pixel, parameters: &Parameters) -> Option<String> {
-    let (old, new) = (before.background_count(parameters.t), usize::from(state.outcome.background_count));
+    let (old, new) = (
+        before.background_count(parameters.t_of(before.past())),
+        usize::from(state.outcome.background_count),
+    );
     (old != new).then(|| format!("B went from {old} to {new} in this frame."))
 }
 
@@ -484,12 +551,57 @@ mod tests {
                 && told.contains("levels off (at most 12, shadow_colour)"),
             "{told}"
         );
+        let window = PixelHistory {
+            parameters: Parameters { shadow: Shadow { window: 7, ..parameters.shadow }, ..parameters },
+            ..history.clone()
+        };
+        let words = verdict(&window, 50);
+        assert!(detail(&words, "taken for shadow").contains("if of the 7 × 7 pixels around"), "{words:#?}");
         history.push_colour(52, [60, 20, 90]);
         let other = verdict(&history, 51);
         assert!(
             other.foreground && !other.details.iter().any(|detail| detail.contains("shadow")),
             "{other:#?}"
         );
+    }
+
+    #[test]
+    fn what_the_past_changes_is_told() {
+        let settings = Settings {
+            hold: 0.1,
+            restless_learning: 3.0,
+            restless_t: 0.9,
+            ..Settings::preset(Preset::Plain)
+        };
+        let parameters = Parameters::new(&settings);
+        let colour = |number: u32, other: bool| (number, [if other { 200 } else { 60 }; 3]);
+        let steady = (1..=50).map(|number| colour(number, number > 35));
+        let history = PixelHistory::of_colours((0, 0), parameters, steady);
+        let words = verdict(&history, 49);
+        let told = detail(&words, "without a break");
+        assert!(
+            words.foreground && told.contains("α is 0.1 of 0.01") && told.contains("for 14 frames"),
+            "{told}"
+        );
+        assert!(detail(&words, "learned with").contains("α = 0.001."), "{words:#?}");
+        assert!(
+            !verdict(&history, 30)
+                .details
+                .iter()
+                .any(|told| told.contains("restless") || told.contains("α is"))
+        );
+
+        let flicker = (1..=200).map(|number| colour(number, number % 7 == 0));
+        let history = PixelHistory::of_colours((0, 0), parameters, flicker);
+        let words = verdict(&history, 199);
+        let told = detail(&words, "T is raised from 0.70 to 0.");
+        assert!(told.contains("its verdict changed in") && !words.foreground, "{words:#?}");
+        let told: Vec<_> = (20..60).flat_map(|index| verdict(&history, index).details).collect();
+        let count = told
+            .iter()
+            .filter(|told| told.contains("this pixel is restless, and had been foreground for 1 "))
+            .count();
+        assert!(count > 0, "{told:#?}");
     }
 
     #[test]

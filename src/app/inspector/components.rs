@@ -139,8 +139,10 @@ fn dot(ui: &mut Ui, row: &Standing) {
 /// The other numbers of the frame's update, in columns.
 pub(super) fn numbers(ui: &mut Ui, chosen: &Chosen<'_>) {
     let (outcome, parameters) = (chosen.state.outcome, &chosen.history.parameters);
-    let alpha = parameters.alpha_at(chosen.state.t);
-    let cells = [
+    let before = chosen.history.before(chosen.index).map(|before| *before.past()).unwrap_or_default();
+    let alpha = parameters.alpha_of(&before, chosen.state.t);
+    let past = chosen.state.pixel.past();
+    let mut cells = vec![
         (
             "P(X)",
             number(outcome.p),
@@ -154,16 +156,24 @@ pub(super) fn numbers(ui: &mut Ui, chosen: &Chosen<'_>) {
         (
             "α",
             number(alpha),
-            "The learning rate of the weights in this frame (raised to 1/t during the warm-up).",
+            "The learning rate of the weights in this frame (raised to 1/t during the warm-up, other where feedback is on).",
         ),
         ("B", outcome.background_count.to_string(), "How many components are background after the update."),
         ("t", chosen.state.t.to_string(), "The frame's place since the model started, from 1."),
         (
             "λ, T",
-            format!("{}, {}", number(parameters.lambda), number(parameters.t)),
+            format!("{}, {}", number(parameters.lambda), number(parameters.t_of(past))),
             "The match threshold in σ, and the least share of the data that the background accounts for.",
         ),
     ];
+    if parameters.feedback.is_on() {
+        cells.push(("run", number(past.run), "For how many frames it has been foreground without a break."));
+        cells.push((
+            "u",
+            number(past.unrest),
+            "Unrest: the share of recent frames in which the verdict under T changed.",
+        ));
+    }
     ui.separator();
     let across = if ui.available_width() < 270.0 { 2 } else { 3 };
     for pair in cells.chunks(across) {

@@ -11,7 +11,7 @@ use super::plot::Plot;
 use super::style::{self, small};
 use super::{Chosen, InspectorAction};
 use crate::export::figure::mixture::Moment;
-use crate::mixture::standing::{Standing, standings};
+use crate::mixture::standing::{Standing, standings, t_at};
 use crate::mixture::verdict::{Verdict, number};
 
 /// From this width on, before and after stand side by side.
@@ -277,8 +277,8 @@ fn curve(
 /// The weights one after the other, each bar starting where the sum of those above it ends, with T and the B cut.
 fn weights(ui: &mut Ui, chosen: &Chosen<'_>, side: &Side) {
     const BAR: f32 = 13.0;
-    let Side { rows, count, .. } = side;
-    let t = chosen.history.parameters.t;
+    let Side { before, rows, count } = side;
+    let t = t_at(chosen.history, chosen.index, *before);
     let height = 14.0 + BAR * rows.len() as f32 + 2.0 + TICKS;
     let (area, response) = ui.allocate_exact_size(Vec2::new(ui.available_width(), height), Sense::hover());
     let listed = rows.iter().map(|row| format!("{:.3}", row.component.weight)).collect::<Vec<_>>().join(", ");

@@ -3,7 +3,7 @@
 use super::{
     Anchor, Axis, Figure, GRAY, INK, Key, NARROW, Panel, Shape, Sign, WIDE, component, parameters, pixel_name,
 };
-use crate::mixture::standing::{Standing, standings};
+use crate::mixture::standing::{Standing, standings, t_at};
 use crate::mixture::verdict::number;
 use crate::mixture::{MAX_K, PixelHistory};
 
@@ -83,12 +83,11 @@ pub fn weights(history: &PixelHistory, slots: &[[u8; MAX_K]], index: usize, mome
     const BAR: f64 = 15.0;
     let sides: Vec<_> =
         moment.sides().iter().map(|&before| (before, standings(history, slots, index, before))).collect();
-    let t = f64::from(history.parameters.t);
     let mut legend = legend(&sides.iter().map(|(_, (standings, _))| &standings[..]).collect::<Vec<_>>());
     legend.push(Key {
         sign: Sign::Dashed,
         colour: INK,
-        name: format!("T = {}", number(history.parameters.t)),
+        name: format!("T = {}", number(t_at(history, index, moment == Moment::Before))),
     });
     let mut figure = start(history, index, moment, legend);
     let most = sides.iter().map(|(_, (standings, _))| standings.len()).max().unwrap_or(0).max(1);
@@ -112,7 +111,7 @@ pub fn weights(history: &PixelHistory, slots: &[[u8; MAX_K]], index: usize, mome
             let text = format!("{:.3}", standing.component.weight);
             panel.draw("", Shape::Words { at: [at, top - 0.66], text, anchor }, INK, 1.0);
         }
-        panel.upright("T", t, 1.0, true);
+        panel.upright("T", t_at(history, index, *before).into(), 1.0, true);
         let cut = (most - (*count).min(most)) as f64;
         panel.across("B", cut, 0.6, false);
         let text = format!("B = {count}");

@@ -74,7 +74,7 @@ impl Flips {
         let now = present.is_foreground(parameters.t);
         self.sides.as_flattened_mut().par_iter_mut().for_each(|side| {
             if let Some(value) = side.next() {
-                let foreground = if side.knob == Knob::T {
+                let foreground = if side.knob.is_free(&parameters) {
                     present.is_foreground(value)
                 } else {
                     run(values, &side.knob.with(&parameters, value)).is_foreground(parameters.t)

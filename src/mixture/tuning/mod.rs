@@ -3,7 +3,7 @@
 //!
 //! Every answer is a re-run of the one pixel over its values, from the model's start up to a frame.
 //! Only T needs none: it decides what is background and changes nothing of the mixture, so one run
-//! answers for all of its values.
+//! answers for all of its values. With feedback it does change the mixture, and is run as the others are.
 
 mod flips;
 #[cfg(test)]
@@ -74,6 +74,11 @@ impl Knob {
     /// Whether ratios count, not differences.
     pub const fn is_logarithmic(self) -> bool {
         matches!(self, Self::Alpha)
+    }
+
+    /// Whether it changes nothing of the mixture, so that one run answers for all of its values.
+    fn is_free(self, parameters: &Parameters) -> bool {
+        self == Self::T && !parameters.feedback.is_on()
     }
 
     /// Its value in `parameters`.
@@ -179,13 +184,18 @@ impl Axis {
 pub struct Ending {
     pixel: Pixel,
     outcome: Outcome,
+    /// Whether T was at work in the run, and only its own T can be asked for.
+    bound: bool,
     /// How many values there were.
     frames: usize,
 }
 
 impl Ending {
-    /// Whether the pixel is foreground for this T.
+    /// Whether the pixel is foreground for this T, which must be that of the run where feedback is on.
     pub fn is_foreground(&self, t: f32) -> bool {
+        if self.bound {
+            return self.outcome.foreground;
+        }
         // The first frame is background without a comparison.
         self.frames > 1
             && (self.outcome.matched == 0 || usize::from(self.outcome.rank) > self.pixel.background_count(t))
@@ -199,7 +209,7 @@ pub fn run(values: &[Value], parameters: &Parameters) -> Ending {
     for (t, &value) in (1..).zip(values) {
         outcome = pixel.step(value, t, parameters);
     }
-    Ending { pixel, outcome, frames: values.len() }
+    Ending { pixel, outcome, bound: parameters.feedback.is_on(), frames: values.len() }
 }
 
 /// The axes of a grid of two settings around `parameters`, and the parameters of each cell, row by row.
@@ -227,10 +237,12 @@ impl Map {
         knobs.map(|knob| Axis::new(knob, knob.get(parameters)))
     }
 
-    /// The runs that a map takes: one a cell, or one a row or column where the other setting is T.
+    /// The runs that a map takes: one a cell, or one a row or column where the other setting is T and changes nothing
+    /// of the mixture.
     pub fn runs(parameters: &Parameters, axes: &[Axis; 2]) -> Vec<Parameters> {
-        let values =
-            |axis: &Axis| if axis.knob == Knob::T { vec![parameters.t] } else { axis.values.clone() };
+        let values = |axis: &Axis| {
+            if axis.knob.is_free(parameters) { vec![parameters.t] } else { axis.values.clone() }
+        };
         let (across, along) = (values(&axes[0]), values(&axes[1]));
         let rows = along.iter().map(|&y| axes[1].knob.with(parameters, y));
         rows.flat_map(|row| across.iter().map(move |&x| (row, x)))
@@ -244,10 +256,12 @@ impl Map {
         let mut foreground = Vec::with_capacity(across.values.len() * along.values.len());
         for (row, &y) in along.values.iter().enumerate() {
             for (column, &x) in across.values.iter().enumerate() {
-                let at = match (across.knob, along.knob) {
-                    (Knob::T, _) => row,
-                    (_, Knob::T) => column,
-                    _ => row * across.values.len() + column,
+                let at = if across.knob.is_free(parameters) {
+                    row
+                } else if along.knob.is_free(parameters) {
+                    column
+                } else {
+                    row * across.values.len() + column
                 };
                 let cell = along.knob.with(&across.knob.with(parameters, x), y);
                 foreground.push(endings.get(at).is_some_and(|ending| ending.is_foreground(cell.t)));

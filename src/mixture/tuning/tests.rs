@@ -37,8 +37,10 @@ fn plainly(values: &[Value], parameters: &Parameters) -> bool {
 #[test]
 fn every_cell_of_every_map_is_what_a_plain_run_says() {
     let gray = Parameters { space: Space::Gray, ..parameters() };
+    let feedback =
+        Parameters::new(&Settings { hold: 0.2, restless_t: 0.9, ..Settings::preset(Preset::Plain) });
     let (mut foreground, mut background) = (0, 0);
-    for (parameters, frames) in [(parameters(), 312), (gray, 204)] {
+    for (parameters, frames) in [(parameters(), 312), (gray, 204), (feedback, 204)] {
         let values = values(frames, &parameters);
         for (at, x) in Knob::ALL.into_iter().enumerate() {
             for y in Knob::ALL.into_iter().skip(at + 1).chain(Knob::ALL.into_iter().take(at.min(1))) {
