@@ -50,11 +50,12 @@ struct Reference<'a> {
     settings: &'a Settings,
     mixture: Vec<Gaussian>,
     t: u32,
+    learnt: u32,
 }
 
 impl<'a> Reference<'a> {
     fn new(settings: &'a Settings) -> Self {
-        Self { settings, mixture: Vec::new(), t: 0 }
+        Self { settings, mixture: Vec::new(), t: 0, learnt: 0 }
     }
 
     fn value(&self, rgb: [u8; 3]) -> Vec<f32> {
@@ -72,6 +73,19 @@ impl<'a> Reference<'a> {
             / (std::f64::consts::TAU * var).powf(n / 2.0)
     }
 
+    /// The first frames are learnt from: what each pixel was most is where the first one that is judged begins.
+    fn learn(&mut self, colours: impl IntoIterator<Item = [u8; 3]>) {
+        for rgb in colours {
+            self.learnt = self.t + 1;
+            self.step(rgb);
+        }
+        if self.learnt > 0 {
+            let empty = Gaussian { w: 0.0, mu: vec![0.0; self.mixture[0].mu.len()], var: 0.0 };
+            self.mixture[1..].fill(empty);
+            self.mixture[0].w = 1.0;
+        }
+    }
+
     /// One frame; gives the row of the table from `matched` on.
     fn step(&mut self, rgb: [u8; 3]) -> Vec<f32> {
         let s = self.settings;
@@ -84,7 +98,11 @@ impl<'a> Reference<'a> {
             self.mixture[0] = Gaussian { w: 1.0, mu: x, var: first_variance };
             return self.row(0, 1, 1, false, 0.0, 0.0);
         }
-        let alpha = if self.t <= s.warm_up { f32::max(s.alpha, 1.0 / self.t as f32) } else { s.alpha };
+        let alpha = if self.t <= s.warm_up.max(self.learnt) {
+            f32::max(s.alpha, 1.0 / self.t as f32)
+        } else {
+            s.alpha
+        };
         let p: f64 =
             self.mixture.iter().filter(|g| g.w > 0.0).map(|g| f64::from(g.w) * Self::density(&x, g)).sum();
 
@@ -176,6 +194,11 @@ fn the_table_is_the_method_s_pixel_process() {
         (&["--preset", "opencv-mog"], (8, 8)),
         (&["--preset", "paper", "--k", "3"], (1, 10)),
         (&["--preset", "default"], (6, 6)),
+        (&["--preset", "plain", "--bootstrap", "30", "--warm-up", "50"], (3, 4)),
+        (&["--preset", "default", "--bootstrap", "1.2s", "--space", "gray"], (9, 2)),
+        (&["--preset", "paper", "--bootstrap", "1"], (5, 5)),
+        // All of a short clip.
+        (&["--preset", "plain", "--bootstrap", "9s"], (2, 2)),
     ] {
         let out = place.path("pixel.csv");
         let at_text = format!("{},{}", at.0, at.1);
@@ -187,6 +210,8 @@ fn the_table_is_the_method_s_pixel_process() {
         let settings = settings_of(flags);
         let approximate = settings.rate.word() == "density";
         let mut reference = Reference::new(&settings);
+        let to_learn = settings.bootstrap.frames(25.0).min(FRAMES);
+        reference.learn((1..=to_learn).map(|t| colour(at.0, at.1, t)));
         for (row, t) in rows.iter().zip(1..) {
             let x = reference.value(colour(at.0, at.1, t));
             assert_eq!(row[0], t as f32, "{flags:?}");
@@ -227,8 +252,13 @@ fn the_table_is_the_library_s_pixel_bit_for_bit() {
         let rows = table(&works(&["pixel", text(&images), "--at", "4,7", "--preset", preset.word()]));
         let parameters = Parameters::new(&Settings::preset(preset));
         let mut pixel = Pixel::unseen(parameters.k);
+        let learnt = Settings::preset(preset).bootstrap.frames(25.0).min(FRAMES);
+        let parameters = Parameters { learnt, ..parameters };
+        for t in 1..=learnt {
+            pixel.update(parameters.value(colour(4, 7, t)), t, &parameters);
+        }
         for (row, t) in rows.iter().zip(1..) {
-            let outcome = pixel.update(parameters.value(colour(4, 7, t)), t, &parameters);
+            let outcome = pixel.update(parameters.value(colour(4, 7, t)), learnt + t, &parameters);
             assert_eq!((row[8], row[9]), (outcome.rho, outcome.p));
             for (cells, component) in row[10..].chunks(5).zip(pixel.components()) {
                 assert_eq!(cells[0], component.weight);
@@ -244,12 +274,32 @@ fn a_range_starts_the_model_there_and_keeps_the_numbers() {
     let place = Place::new();
     let images = place.path("images");
     write_images(&images);
-    let all = works(&["pixel", text(&images), "--at", "4,7"]);
-    let some = works(&["pixel", text(&images), "--at", "4,7", "--range", "21..30"]);
+    let all = works(&["pixel", text(&images), "--at", "4,7", "--bootstrap", "0"]);
+    let some = works(&["pixel", text(&images), "--at", "4,7", "--bootstrap", "0", "--range", "21..30"]);
     assert_eq!(some.lines().count(), 11);
     assert!(some.lines().nth(1).unwrap().starts_with("21,"));
     assert!(some.lines().last().unwrap().starts_with("30,"));
     assert!(some.lines().nth(1).unwrap().contains(",0,1,1,0,0,0,1,"), "the first frame of the model");
     assert_eq!(some.lines().next(), all.lines().next());
     assert_ne!(some.lines().last(), all.lines().nth(30));
+}
+
+#[test]
+fn with_a_range_what_is_learnt_begins_there_too() {
+    let place = Place::new();
+    let images = place.path("images");
+    write_images(&images);
+    let of = |folder: &Path, more: &[&str]| {
+        let rows = works(&[&["pixel", text(folder), "--at", "4,7", "--bootstrap", "12"], more].concat());
+        rows.lines().skip(1).map(|row| row.split_once(',').unwrap().1.to_owned()).collect::<Vec<_>>()
+    };
+    let some = of(&images, &["--range", "21..50"]);
+    let part = place.path("part");
+    fs::create_dir(&part).unwrap();
+    for t in 21..=50 {
+        fs::copy(images.join(format!("{t:04}.png")), part.join(format!("{t:04}.png"))).unwrap();
+    }
+    assert_eq!(some, of(&part, &[]));
+    assert_eq!(some.len(), 30);
+    assert!(!some[0].contains(",0,1,1,0,0,0,1,"), "frame 21 is like any other: {}", some[0]);
 }

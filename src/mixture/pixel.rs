@@ -8,7 +8,7 @@ use std::f32::consts::PI;
 
 use super::exponential::exp_of_negative;
 use super::shadow::Shadow;
-use crate::settings::{Rate, Settings, Space};
+use crate::settings::{Rate, Settings, Space, Span};
 
 /// The largest K.
 pub const MAX_K: usize = 8;
@@ -39,12 +39,17 @@ pub struct Parameters {
     pub space: Space,
     /// While t ≤ `warm_up`, α is max(α, 1/t).
     pub warm_up: u32,
+    /// How much of a file is to be learnt from before its first frame is judged.
+    pub bootstrap: Span,
+    /// How many frames were: all that there are of a shorter file, and none of a camera. t counts them, and in them,
+    /// too, α is max(α, 1/t), so that each weighs as much as any other.
+    pub learnt: u32,
     /// What foreground is shadow.
     pub shadow: Shadow,
 }
 
 impl Parameters {
-    /// The parameters within `settings`.
+    /// The parameters within `settings`, before anything is learnt.
     pub fn new(settings: &Settings) -> Self {
         Self {
             k: settings.k as usize,
@@ -57,8 +62,15 @@ impl Parameters {
             rate: settings.rate,
             space: settings.space,
             warm_up: settings.warm_up,
+            bootstrap: settings.bootstrap,
+            learnt: 0,
             shadow: Shadow::new(settings),
         }
+    }
+
+    /// Whether they are those within `settings`, whatever was learnt.
+    pub fn are_of(&self, settings: &Settings) -> bool {
+        Self { learnt: 0, ..*self } == Self::new(settings)
     }
 
     /// n, the number of channels.
@@ -79,7 +91,12 @@ impl Parameters {
 
     /// α of the t-th frame, t counting from 1.
     pub fn alpha_at(&self, t: u32) -> f32 {
-        if t <= self.warm_up { self.alpha.max(1.0 / t as f32) } else { self.alpha }
+        if t <= self.warm_up.max(self.learnt) { self.alpha.max(1.0 / t as f32) } else { self.alpha }
+    }
+
+    /// Whether the t-th frame is the first that is judged, after others that were learnt from.
+    pub const fn begins_at(&self, t: u32) -> bool {
+        self.learnt > 0 && t == self.learnt + 1
     }
 
     /// X of an RGB pixel.
@@ -240,8 +257,19 @@ impl Pixel {
         mean
     }
 
-    /// Takes the value of the `t`-th frame (from 1) into the mixture and decides about it.
+    /// What was learnt becomes the beginning: component 1 alone, and certain, as in a first frame.
+    pub fn begin(&mut self) {
+        let components = self.components_mut();
+        components[1..].fill(Component::default());
+        components[0].weight = 1.0;
+    }
+
+    /// Takes the value of the `t`-th frame (from 1) into the mixture and decides about it. The first after those that
+    /// were learnt from meets what [`Self::begin`] leaves.
     pub fn update(&mut self, x: Value, t: u32, parameters: &Parameters) -> Outcome {
+        if parameters.begins_at(t) {
+            self.begin();
+        }
         let p = self.probability(x, parameters.channels());
         Outcome { p, ..self.step(x, t, parameters) }
     }
@@ -250,6 +278,9 @@ impl Pixel {
     pub(super) fn step(&mut self, x: Value, t: u32, parameters: &Parameters) -> Outcome {
         if t <= 1 {
             return self.first_frame(x, parameters);
+        }
+        if parameters.begins_at(t) {
+            self.begin();
         }
         let alpha = parameters.alpha_at(t);
 

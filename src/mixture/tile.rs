@@ -34,6 +34,11 @@ impl<const N: usize> Gaussians<N> {
     pub(super) const UNUSED: Self =
         Self { weight: Plane([0.0; LANES]), variance: Plane([0.0; LANES]), mean: [Plane([0.0; LANES]); N] };
 
+    /// w ← 1.
+    pub(super) fn make_certain(&mut self) {
+        self.weight = Plane([1.0; LANES]);
+    }
+
     /// The component of one lane.
     pub(super) fn lane(&self, lane: usize) -> Component {
         let mut mean = [0.0; 3];
