@@ -20,7 +20,7 @@ const SIZES: [Size; 3] = [Size::new(768, 576), Size::new(1920, 1080), Size::new(
 /// The first frames of a bundled sample at another size; enough for the models to settle.
 fn frames(size: Size, count: usize) -> Vec<Frame> {
     let path = concat!(env!("CARGO_MANIFEST_DIR"), "/sample_videos/crossing.mp4");
-    let mut source = source::open(path).expect("the bundled sample");
+    let mut source = source::open(path, source::Options::default()).expect("the bundled sample");
     let small: Vec<_> = std::iter::from_fn(|| source.next_frame().unwrap()).take(count).collect();
     let enlarge = |frame: &Frame| {
         let mut rgb = Vec::with_capacity(size.pixels() * 3);

@@ -44,7 +44,7 @@ pub enum PipelineError {
 pub struct Analysis {
     /// The frame's number in its source.
     pub number: u32,
-    /// The frame's place since the model started, from 1.
+    /// The frame's place among those that were judged, from 1.
     pub t: u32,
     /// The foreground in which regions were found: after cleaning, before `min_area`.
     pub mask: Arc<Mask>,
@@ -83,6 +83,19 @@ enum Model {
 }
 
 impl Model {
+    /// Takes frames in before the first that is judged.
+    fn learn(&mut self, frames: &[&Frame]) -> Result<(), PipelineError> {
+        match self {
+            Self::Mixture(mixture) => {
+                mixture.learn(frames);
+                Ok(())
+            }
+            Self::Opencv(model) => frames.iter().try_for_each(|frame| {
+                model.learn(frame).map_err(|source| PipelineError::Opencv { frame: frame.number, source })
+            }),
+        }
+    }
+
     /// Takes the next frames in and says of each which pixels are foreground.
     fn masks(&mut self, frames: &[&Frame]) -> Result<Vec<Mask>, PipelineError> {
         match self {
@@ -171,6 +184,28 @@ impl Pipeline {
         Ok(())
     }
 
+    /// Gives the model alone frames to learn from before the first step: those of [`Settings::bootstrap`], which come
+    /// again afterwards.
+    pub fn learn(&mut self, frames: &[&Frame]) -> Result<(), PipelineError> {
+        self.check_sizes(frames)?;
+        self.model.learn(frames)
+    }
+
+    /// After the last frame to learn from, what was learnt becomes the beginning, for who looks at the model before the
+    /// first step, which does it otherwise.
+    pub fn begin(&mut self) {
+        if let Model::Mixture(mixture) = &mut self.model {
+            mixture.begin();
+        }
+    }
+
+    fn check_sizes(&self, frames: &[&Frame]) -> Result<(), PipelineError> {
+        frames.iter().find(|frame| frame.size != self.size).map_or(Ok(()), |other| {
+            let (found, expected) = (other.size, self.size);
+            Err(PipelineError::Size { frame: other.number, found, expected })
+        })
+    }
+
     /// Takes the next frame through all stages.
     pub fn step(&mut self, frame: &Frame) -> Result<Analysis, PipelineError> {
         let mut analyses = self.step_many(&[frame])?;
@@ -188,10 +223,7 @@ impl Pipeline {
     /// The model's masks of the next frames, before cleaning: the first stage alone. Each has to be
     /// given to [`Self::find_many`].
     pub fn masks(&mut self, frames: &[&Frame]) -> Result<Vec<Mask>, PipelineError> {
-        if let Some(other) = frames.iter().find(|frame| frame.size != self.size) {
-            let (found, expected) = (other.size, self.size);
-            return Err(PipelineError::Size { frame: other.number, found, expected });
-        }
+        self.check_sizes(frames)?;
         self.model.masks(frames)
     }
 

@@ -495,6 +495,8 @@ settings! {
     space: Space = Space::Rgb, "", "", Mixture, Kind::Choice(Space::WORDS);
     /// For so many frames α is at least 1/t, so that the first frame does not weigh more than the others; 0 is off.
     warm_up: u32 = 0, "", "frames", Mixture, Kind::Integer { min: 0, max: 10_000 };
+    /// The model learns from so much of the beginning of a file, all of a shorter one, before its first frame is judged; 0 is off.
+    bootstrap: Span = Span::Frames(0), "", "time", Mixture, span(100_000, 3600.0);
 
     /// Share of α with which foreground is learned that has lasted, so that who stands still stays foreground; 1 is off.
     hold: f32 = 1.0, "", "", Mixture, log(0.001, 1.0);
@@ -634,6 +636,8 @@ impl Settings {
                 k: 3,
                 alpha: 0.002,
                 warm_up: 25,
+                // Of 5, 10, 20 and 60 seconds: people in the street who stood for ten seconds became background.
+                bootstrap: Span::Seconds(20.0),
                 min_sigma: 16.0,
                 hold: 0.05,
                 restless_learning: 2.0,

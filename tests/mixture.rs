@@ -5,7 +5,7 @@
 use occluscope::frame::{Frame, Mask, Size};
 use occluscope::mixture::shadow::Shadow;
 use occluscope::mixture::{Component, Feedback, Mixture, Parameters, Pixel};
-use occluscope::settings::{Rate, Space};
+use occluscope::settings::{Rate, Space, Span};
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
@@ -55,6 +55,8 @@ fn parameters() -> impl Strategy<Value = Parameters> {
                     rate,
                     space,
                     warm_up,
+                    bootstrap: Span::Frames(0),
+                    learnt: 0,
                     shadow,
                     feedback,
                 }
@@ -93,6 +95,63 @@ fn bits(pixel: &Pixel) -> Vec<[u32; 5]> {
     let past = pixel.past();
     let past = [past.run, past.unrest, f32::from(u8::from(past.strict)), 0.0, 0.0].map(f32::to_bits);
     pixel.components().iter().map(numbers).chain([past]).collect()
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig { cases: 48, ..ProptestConfig::default() })]
+
+    #[test]
+    fn what_was_learnt_begins_in_the_image_as_in_the_plain_pixel(
+        parameters in parameters(),
+        seed in any::<u64>(),
+        (width, height) in (1_u32..40, 1_u32..5),
+        to_learn in 1_usize..60,
+        batches in prop::collection::vec(1_usize..40, 1..20),
+        stop in 0_usize..60,
+    ) {
+        let size = Size::new(width, height);
+        let frames = frames(seed, size, 60);
+        let mut image = Mixture::new(size, parameters);
+        let mut rest = &frames[..to_learn];
+        for length in batches.into_iter().cycle() {
+            let (batch, later) = rest.split_at(length.min(rest.len()));
+            image.learn(&batch.iter().collect::<Vec<_>>());
+            rest = later;
+            if rest.is_empty() {
+                break;
+            }
+        }
+        let parameters = Parameters { learnt: to_learn as u32, ..parameters };
+        prop_assert_eq!(image.parameters(), &parameters);
+        let mut plain = vec![Pixel::unseen(parameters.k); size.pixels()];
+        let value = |frame: &Frame, index: usize| {
+            parameters.value(frame.pixel(index as u32 % width, index as u32 / width).unwrap())
+        };
+        for (t, frame) in (1..).zip(&frames[..to_learn]) {
+            for (index, pixel) in plain.iter_mut().enumerate() {
+                pixel.update(value(frame, index), t, &parameters);
+            }
+        }
+        // A copy goes back to where it begins, and to anywhere after.
+        let mut copy = image.clone();
+        copy.begin();
+        let start = copy.snapshot();
+        let mut masks = vec![Mask::empty(size); 60];
+        copy.replay(&frames.iter().collect::<Vec<_>>(), &mut masks);
+        prop_assert!(copy.restore(&start));
+        for (t, (frame, mask)) in (to_learn as u32 + 1..).zip(frames.iter().zip(&masks)) {
+            prop_assert_eq!(&image.step(frame), mask);
+            if t as usize <= to_learn + stop {
+                prop_assert_eq!(&copy.step(frame), mask);
+            }
+            for (index, pixel) in plain.iter_mut().enumerate() {
+                let outcome = pixel.update(value(frame, index), t, &parameters);
+                let (x, y) = (index as u32 % width, index as u32 / width);
+                prop_assert_eq!(bits(&image.pixel(x, y).unwrap()), bits(pixel), "pixel {} {} at {}", x, y, t);
+                prop_assert!(outcome.foreground || mask.data[index] == Mask::BACKGROUND);
+            }
+        }
+    }
 }
 
 proptest! {

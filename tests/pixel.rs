@@ -54,11 +54,12 @@ struct Reference<'a> {
     run: u32,
     unrest: f32,
     strict: bool,
+    learnt: u32,
 }
 
 impl<'a> Reference<'a> {
     fn new(settings: &'a Settings) -> Self {
-        Self { settings, mixture: Vec::new(), t: 0, run: 0, unrest: 0.0, strict: false }
+        Self { settings, mixture: Vec::new(), t: 0, run: 0, unrest: 0.0, strict: false, learnt: 0 }
     }
 
     fn value(&self, rgb: [u8; 3]) -> Vec<f32> {
@@ -74,6 +75,20 @@ impl<'a> Reference<'a> {
         let var = f64::from(gaussian.var);
         (-0.5 * f64::from(distance(x, &gaussian.mu)) / var).exp()
             / (std::f64::consts::TAU * var).powf(n / 2.0)
+    }
+
+    /// The first frames are learnt from: what each pixel was most is where the first one that is judged begins.
+    fn learn(&mut self, colours: impl IntoIterator<Item = [u8; 3]>) {
+        for rgb in colours {
+            self.learnt = self.t + 1;
+            self.step(rgb);
+        }
+        if self.learnt > 0 {
+            let empty = Gaussian { w: 0.0, mu: vec![0.0; self.mixture[0].mu.len()], var: 0.0 };
+            self.mixture[1..].fill(empty);
+            self.mixture[0].w = 1.0;
+            (self.run, self.unrest, self.strict) = (0, 0.0, false);
+        }
     }
 
     /// One frame; gives the row of the table from `matched` on.
@@ -95,8 +110,11 @@ impl<'a> Reference<'a> {
             }
             _ => s.hold,
         };
-        let alpha =
-            if self.t <= s.warm_up { s.alpha.max(1.0 / self.t as f32) } else { (s.alpha * pace).min(1.0) };
+        let alpha = if self.t <= s.warm_up.max(self.learnt) {
+            f32::max(s.alpha, 1.0 / self.t as f32)
+        } else {
+            (s.alpha * pace).min(1.0)
+        };
         let p: f64 =
             self.mixture.iter().filter(|g| g.w > 0.0).map(|g| f64::from(g.w) * Self::density(&x, g)).sum();
 
@@ -202,6 +220,11 @@ fn the_table_is_the_method_s_pixel_process() {
         (&["--preset", "opencv-mog"], (8, 8)),
         (&["--preset", "paper", "--k", "3"], (1, 10)),
         (&["--preset", "default"], (6, 6)),
+        (&["--preset", "plain", "--bootstrap", "30", "--warm-up", "50"], (3, 4)),
+        (&["--preset", "default", "--bootstrap", "1.2s", "--space", "gray"], (9, 2)),
+        (&["--preset", "paper", "--bootstrap", "1"], (5, 5)),
+        // All of a short clip.
+        (&["--preset", "plain", "--bootstrap", "9s"], (2, 2)),
     ] {
         let out = place.path("pixel.csv");
         let at_text = format!("{},{}", at.0, at.1);
@@ -213,6 +236,8 @@ fn the_table_is_the_method_s_pixel_process() {
         let settings = settings_of(flags);
         let approximate = settings.rate.word() == "density";
         let mut reference = Reference::new(&settings);
+        let to_learn = settings.bootstrap.frames(25.0).min(FRAMES);
+        reference.learn((1..=to_learn).map(|t| colour(at.0, at.1, t)));
         for (row, t) in rows.iter().zip(1..) {
             let x = reference.value(colour(at.0, at.1, t));
             assert_eq!(row[0], t as f32, "{flags:?}");
@@ -253,8 +278,13 @@ fn the_table_is_the_library_s_pixel_bit_for_bit() {
         let rows = table(&works(&["pixel", text(&images), "--at", "4,7", "--preset", preset.word()]));
         let parameters = Parameters::new(&Settings::preset(preset));
         let mut pixel = Pixel::unseen(parameters.k);
+        let learnt = Settings::preset(preset).bootstrap.frames(25.0).min(FRAMES);
+        let parameters = Parameters { learnt, ..parameters };
+        for t in 1..=learnt {
+            pixel.update(parameters.value(colour(4, 7, t)), t, &parameters);
+        }
         for (row, t) in rows.iter().zip(1..) {
-            let outcome = pixel.update(parameters.value(colour(4, 7, t)), t, &parameters);
+            let outcome = pixel.update(parameters.value(colour(4, 7, t)), learnt + t, &parameters);
             assert_eq!((row[8], row[9]), (outcome.rho, outcome.p));
             for (cells, component) in row[10..].chunks(5).zip(pixel.components()) {
                 assert_eq!(cells[0], component.weight);
@@ -270,12 +300,32 @@ fn a_range_starts_the_model_there_and_keeps_the_numbers() {
     let place = Place::new();
     let images = place.path("images");
     write_images(&images);
-    let all = works(&["pixel", text(&images), "--at", "4,7"]);
-    let some = works(&["pixel", text(&images), "--at", "4,7", "--range", "21..30"]);
+    let all = works(&["pixel", text(&images), "--at", "4,7", "--bootstrap", "0"]);
+    let some = works(&["pixel", text(&images), "--at", "4,7", "--bootstrap", "0", "--range", "21..30"]);
     assert_eq!(some.lines().count(), 11);
     assert!(some.lines().nth(1).unwrap().starts_with("21,"));
     assert!(some.lines().last().unwrap().starts_with("30,"));
     assert!(some.lines().nth(1).unwrap().contains(",0,1,1,0,0,0,1,"), "the first frame of the model");
     assert_eq!(some.lines().next(), all.lines().next());
     assert_ne!(some.lines().last(), all.lines().nth(30));
+}
+
+#[test]
+fn with_a_range_what_is_learnt_begins_there_too() {
+    let place = Place::new();
+    let images = place.path("images");
+    write_images(&images);
+    let of = |folder: &Path, more: &[&str]| {
+        let rows = works(&[&["pixel", text(folder), "--at", "4,7", "--bootstrap", "12"], more].concat());
+        rows.lines().skip(1).map(|row| row.split_once(',').unwrap().1.to_owned()).collect::<Vec<_>>()
+    };
+    let some = of(&images, &["--range", "21..50"]);
+    let part = place.path("part");
+    fs::create_dir(&part).unwrap();
+    for t in 21..=50 {
+        fs::copy(images.join(format!("{t:04}.png")), part.join(format!("{t:04}.png"))).unwrap();
+    }
+    assert_eq!(some, of(&part, &[]));
+    assert_eq!(some.len(), 30);
+    assert!(!some[0].contains(",0,1,1,0,0,0,1,"), "frame 21 is like any other: {}", some[0]);
 }

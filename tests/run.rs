@@ -66,8 +66,11 @@ fn every_file_has_its_form() {
     let place = Place::new();
     let (images, out) = (place.path("images"), place.path("results/deep"));
     write_images(&images, 60, 1);
-    let stdout =
-        run(&images, &out, &["--masks", "--frames", "--annotated", "--background", "--plain-frames"]);
+    let stdout = run(
+        &images,
+        &out,
+        &["--masks", "--frames", "--annotated", "--background", "--plain-frames", "--bootstrap", "0"],
+    );
     assert!(stdout.is_empty());
     let mut expected: Vec<_> = TABLES.to_vec();
     expected.extend(["annotated.mp4", "background", "frames", "masks", "plain-frames"]);
@@ -388,4 +391,142 @@ fn the_tutorials_identity_is_lost_and_found_by_t() {
         row.split(',').nth(column).unwrap() == "1"
     };
     assert_eq!((foreground("0.95"), foreground("0.88")), (false, true));
+}
+
+/// How much of the block's place in the next test is foreground in a frame.
+fn share_at_the_block(out: &Path, number: u32) -> f64 {
+    let mask = image::open(out.join("masks").join(format!("bin{number:06}.png"))).unwrap().into_luma8();
+    let at = (30..40).flat_map(|x| (25..50).map(move |y| (x, y)));
+    at.filter(|&(x, y)| mask.get_pixel(x, y).0 == [255]).count() as f64 / 250.0
+}
+
+#[test]
+fn who_stands_in_the_first_frame_is_foreground_in_it_and_leaves_no_ghost() {
+    let place = Place::new();
+    let images = place.path("images");
+    fs::create_dir(&images).unwrap();
+    for t in 1..=80 {
+        // It stands for twenty frames and walks away to the right.
+        let left = 30 + 4 * 20_u32.max(t) - 80;
+        let wall = scene(1);
+        let picture = image::RgbImage::from_fn(WIDTH, HEIGHT, |x, y| {
+            let inside = (left..left + 10).contains(&x) && (25..50).contains(&y);
+            let colour = if inside { [200, 30, 30] } else { wall.get_pixel(x, y).0 };
+            image::Rgb(colour.map(|level| level + common::noise(x, y, t) / 64))
+        });
+        picture.save(images.join(format!("in{t:06}.png"))).unwrap();
+    }
+    let of = |name: &str, bootstrap: &str, more: &[&str]| {
+        let out = place.path(name);
+        run(&images, &out, &[&["--masks", "--bootstrap", bootstrap], more].concat());
+        out
+    };
+    let without = of("without", "0", &[]);
+    assert_eq!(share_at_the_block(&without, 1), 0.0);
+    assert!(share_at_the_block(&without, 40) > 0.9, "where it stood, a ghost stays");
+    for (name, bootstrap) in [("frames", "60"), ("seconds", "2.4s"), ("all", "20s")] {
+        let out = of(name, bootstrap, &[]);
+        for t in [1, 2, 10, 20] {
+            let share = share_at_the_block(&out, t);
+            assert!(share > 0.95, "{name}, frame {t}: {share}");
+        }
+        for t in [30, 31, 50, 80] {
+            let share = share_at_the_block(&out, t);
+            assert!(share < 0.02, "{name}, frame {t}: {share}");
+        }
+        let tracks = read(&out.join("tracks.csv"));
+        assert!(
+            tracks.starts_with("1,1,30,25,10,25,1,"),
+            "{name}: it is an object from the first frame on: {tracks}"
+        );
+    }
+    let (frames, seconds) = (contents(&place.path("frames")), contents(&place.path("seconds")));
+    for (file, bytes) in &frames {
+        let says_how = file == "summary.json" || file == "settings.toml";
+        assert!(says_how || seconds[file] == *bytes, "{file}");
+    }
+    // Threads change nothing, and pictures of the model do not either, for which frames go one at a time.
+    let one = contents(&of("one", "60", &["--threads", "1", "--background", "--frames"]));
+    for (file, bytes) in &frames {
+        assert!(one[file] == *bytes, "{file}");
+    }
+}
+
+#[test]
+fn pictures_with_the_videos_rate_are_analysed_as_the_video() {
+    let place = Place::new();
+    let (video, out) = (place.path("video.avi"), place.path("out"));
+    write_video(&video, 60);
+    // As many frames as the block is seen in, if there are 12.5 a second.
+    let flags = ["--min-track", "1.8s", "--max-hidden", "1s"];
+    run(&video, &out, &[&flags[..], &["--plain-frames"]].concat());
+    assert_eq!(json(&out.join("summary.json"))["input"]["fps_from"], "video");
+    let images = place.path("sequence/img1");
+    fs::create_dir_all(&images).unwrap();
+    for name in common::names(&out.join("plain-frames")) {
+        fs::copy(out.join("plain-frames").join(&name), images.join(&name)).unwrap();
+    }
+    let expected = contents(&out);
+    assert!(!expected["tracks.csv"].is_empty());
+    let analysed = |more: &[&str]| {
+        let again = place.path("again");
+        let arguments =
+            [&["run", text(&images), "--out", text(&again)], &SMALL[..], &flags[..], more].concat();
+        let output = occluscope(&arguments).output().unwrap();
+        assert!(output.status.success());
+        let told = String::from_utf8(output.stderr).unwrap();
+        let input = json(&again.join("summary.json"))["input"].clone();
+        (
+            contents(&again),
+            (input["fps"].as_f64().unwrap(), input["fps_from"].as_str().unwrap().to_owned()),
+            told,
+        )
+    };
+    let same = |files: &BTreeMap<String, Vec<u8>>| {
+        TABLES.iter().filter(|name| **name != "summary.json").all(|name| files[*name] == expected[*name])
+    };
+    let (files, rate, told) = analysed(&[]);
+    assert!(!same(&files) && files["tracks.csv"].is_empty(), "it is seen for too few seconds");
+    assert_eq!(rate, (25.0, "assumed".to_owned()));
+    assert!(told.contains("25 are assumed"), "{told}");
+    let (files, rate, told) = analysed(&["--fps", "12.5"]);
+    assert!(same(&files) && !told.contains("assumed"), "{told}");
+    assert_eq!(rate, (12.5, "--fps".to_owned()));
+
+    let ini = place.path("sequence/seqinfo.ini");
+    fs::write(&ini, "\u{feff}[Sequence]\r\nname=block\r\nframeRate = 12.5\r\nseqLength=60\r\n").unwrap();
+    let (files, rate, told) = analysed(&[]);
+    assert!(same(&files) && !told.contains("assumed"), "{told}");
+    assert_eq!(rate, (12.5, "seqinfo.ini".to_owned()));
+    // A video's own rate gives way, too.
+    let slow = place.path("slow");
+    run(&video, &slow, &["--fps", "5"]);
+    assert_eq!(json(&slow.join("summary.json"))["input"]["fps"], 5.0);
+
+    for content in ["frameRate=none\n", "[Sequence]\nname=block\n", "frameRate=0\n"] {
+        fs::write(&ini, content).unwrap();
+        let (_, rate, told) = analysed(&[]);
+        assert_eq!(rate, (25.0, "assumed".to_owned()), "{content}");
+        assert!(told.contains("warning: ") && told.contains("seqinfo.ini is not used"), "{content}: {told}");
+        assert_eq!(analysed(&["--fps", "12.5"]).1, (12.5, "--fps".to_owned()));
+    }
+}
+
+#[test]
+fn a_rate_that_cannot_be_is_refused() {
+    let place = Place::new();
+    let images = place.path("images");
+    write_images(&images, 3, 1);
+    for fps in ["0", "-25", "NaN", "inf", "1e9", "0.001", "fast", ""] {
+        for command in [
+            &["run", text(&images), "--out", text(&place.path("out"))][..],
+            &["pixel", text(&images), "--at", "1,1"],
+            &["bench", text(&images)],
+            &[text(&images)],
+        ] {
+            let refused = fails(&[command, &["--fps", fps]].concat(), 2);
+            assert!(refused.contains("--fps") && refused.contains("0.05..=1000"), "{refused}");
+        }
+    }
+    assert!(!place.path("out").exists());
 }

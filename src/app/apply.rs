@@ -18,6 +18,7 @@ use super::{sample, timeline, views};
 use crate::mixture::Quantity;
 use crate::replay::Start;
 use crate::settings::Settings;
+use crate::source::Options;
 
 impl Window {
     /// Does what was asked for.
@@ -26,6 +27,7 @@ impl Window {
         match command {
             Command::Act(action) => self.act(ctx, action),
             Command::Open(name, start) => self.open(ctx, &name, start),
+            Command::Rate(fps) => self.set_rate(ctx, fps),
             Command::ReadTruth(path) => self.dialogs.read_truth(ctx, path),
             Command::OpenSample => self.open_sample(ctx),
             Command::CopyTable(table) => self.dialogs.write_table(ctx, table),
@@ -354,10 +356,29 @@ impl Window {
         ctx.send_viewport_cmd(ViewportCommand::Title("Occluscope".into()));
     }
 
+    /// Says how many frames a second the video has, and starts on it anew where that is another number: all that is given
+    /// in seconds is.
+    fn set_rate(&mut self, ctx: &Context, fps: f32) {
+        let model = &mut self.model;
+        let Some(name) = model.opened.clone() else { return };
+        if model.rates.insert(name.clone(), fps) == Some(fps) {
+            return;
+        }
+        let (chosen, truth, camera) = (model.chosen, model.truth.clone(), model.camera);
+        let start = Start::Frame(model.number(model.position()));
+        self.open(ctx, &name, start);
+        self.model.camera = camera;
+        self.apply(ctx, Command::Choose(chosen));
+        if let Some(truth) = truth {
+            self.model.take_truth(truth);
+        }
+    }
+
     /// Starts a worker on a video in place of the one that is there.
     fn open(&mut self, ctx: &Context, name: &str, start: Start) {
         let roi = self.model.areas_for(name);
-        let player = (self.opener)(name, self.model.settings.clone(), roi, start, ctx);
+        let options = Options { fps: self.model.rates.get(name).copied() };
+        let player = (self.opener)(name, options, (self.model.settings.clone(), roi), start, ctx);
         self.pictures.clear();
         self.inspector.forget();
         self.model.opened(name, player);

@@ -190,6 +190,8 @@ pub(crate) enum Command {
     Act(Action),
     /// Open this video at this place.
     Open(String, Start),
+    /// The video has so many frames a second.
+    Rate(f32),
     /// Take what is known to be right from this file or folder.
     ReadTruth(PathBuf),
     /// Open the bundled scene at its first occlusion.

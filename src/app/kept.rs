@@ -12,6 +12,7 @@ use super::state::{Model, SPEEDS};
 use super::views::Background;
 use crate::mixture::Quantity;
 use crate::occlusion::EventKind;
+use crate::source::FPS_RANGE;
 
 /// Under which name it is kept.
 const NAME: &str = "window";
@@ -33,6 +34,7 @@ pub(crate) struct Kept {
     listed: Vec<bool>,
     recent: Vec<String>,
     marks: BTreeMap<String, Marks>,
+    rates: BTreeMap<String, f32>,
 }
 
 impl Default for Kept {
@@ -57,6 +59,7 @@ impl Kept {
             listed: model.listed.to_vec(),
             recent: model.recent.clone(),
             marks: model.marks_of.clone(),
+            rates: model.rates.clone(),
         }
     }
 
@@ -83,5 +86,7 @@ impl Kept {
         }
         (model.recent, model.hint) = (self.recent, self.hint);
         model.marks_of = self.marks;
+        let (least, greatest) = FPS_RANGE;
+        model.rates = self.rates.into_iter().filter(|(_, fps)| (least..=greatest).contains(fps)).collect();
     }
 }

@@ -145,8 +145,14 @@ fn shown_at(position: u32, count: u32) -> Shown {
 }
 
 fn ready(frames: Rc<Vec<Shown>>) -> Ready {
-    let info =
-        SourceInfo { name: "crowd.mp4".into(), size: SIZE, fps: 30.0, frames: Some(FRAMES), live: false };
+    let info = SourceInfo {
+        name: "crowd.mp4".into(),
+        size: SIZE,
+        fps: 30.0,
+        fps_from: crate::source::FpsFrom::Video,
+        frames: Some(FRAMES),
+        live: false,
+    };
     let timeline = Timeline { numbers: (1..=FRAMES).collect(), complete: true, ..Timeline::default() };
     let state = State {
         phase: Phase::Ready,
@@ -204,8 +210,8 @@ fn measure(count: u32) {
     let ctx = egui::Context::default();
     ctx.set_theme(Theme::Dark);
     let opener = move |_: &str,
-                       _: Settings,
-                       _: Option<Arc<regions::Roi>>,
+                       _: crate::source::Options,
+                       _: (Settings, Option<Arc<regions::Roi>>),
                        _: Start,
                        _: &egui::Context|
           -> Box<dyn Player> { Box::new(ready(frames.clone())) };

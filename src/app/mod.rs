@@ -75,6 +75,7 @@ use self::views::{Layout, Pictures, View};
 use crate::regions::Roi;
 use crate::replay::{Session, Start};
 use crate::settings::Settings;
+use crate::source::Options;
 use crate::truth::Truth;
 
 /// The picture that stands for the program.
@@ -88,6 +89,8 @@ const SETTLE: Duration = Duration::from_millis(60);
 pub struct Opening {
     /// The video; the bundled scene at its first occlusion without one.
     pub video: Option<String>,
+    /// What is chosen of that video besides its name.
+    pub options: Options,
     /// The settings under which it is analysed.
     pub settings: Settings,
     /// What of it is analysed, the whole image without one.
@@ -101,7 +104,7 @@ pub struct Opening {
 /// Opens the window and returns when it is shut.
 /// Fails with a sentence when there is no display or no graphics adapter.
 pub fn run(opening: Opening) -> anyhow::Result<()> {
-    let Opening { video, settings, roi, truth, memory } = opening;
+    let Opening { video, options: of_video, settings, roi, truth, memory } = opening;
     let viewport = egui::ViewportBuilder::default()
         .with_title("Occluscope")
         .with_app_id("occluscope")
@@ -118,6 +121,9 @@ pub fn run(opening: Opening) -> anyhow::Result<()> {
         let mut window = Window::new(&creation.egui_ctx, gpu, settings, open_sessions(memory))?;
         window.restore(&creation.egui_ctx, creation.storage);
         window.model.areas = Areas::of_mask(roi);
+        if let (Command::Open(name, _), Some(fps)) = (&first, of_video.fps) {
+            window.model.rates.insert(name.clone(), fps);
+        }
         window.apply(&creation.egui_ctx, first);
         if let Some(truth) = truth {
             window.apply(&creation.egui_ctx, Command::ReadTruth(truth));
@@ -129,9 +135,9 @@ pub fn run(opening: Opening) -> anyhow::Result<()> {
 
 /// Opens sessions that keep within so many bytes.
 fn open_sessions(memory: Option<usize>) -> Opener {
-    Box::new(move |name, settings, roi, start, ctx| {
+    Box::new(move |name, options, under, start, ctx| {
         let ctx = ctx.clone();
-        Box::new(Session::open(name, settings, roi, start, memory, move || ctx.request_repaint()))
+        Box::new(Session::open(name, options, under, start, memory, move || ctx.request_repaint()))
     })
 }
 

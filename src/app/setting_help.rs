@@ -85,6 +85,12 @@ static HELP: &[Help] = &[
         "The first frames are averaged for longer, so that somebody who walks in the first one does not stay.",
     ),
     of(
+        "bootstrap",
+        "frames 1..N first, α ← max(α, 1/t); then w₁ ← 1, component 1 alone, and frame 1 again at t = N + 1",
+        "More is known of the background when frame 1 is judged: who stands in it is foreground and leaves no ghost, \
+         if he does not stay for most of this time. Other settings of the mixture take longer to show. A camera has none.",
+    ),
+    of(
         "hold",
         "foreground for more than hold_after frames: α ← hold · α",
         "Foreground that stays is learned faster: a parked car, or the ghost that one leaves, is background sooner, \

@@ -20,6 +20,7 @@ use crate::occlusion::{Event, EventKind};
 use crate::regions::Roi;
 use crate::replay::{Phase, RegionShares, RegionTuning, Session, Shown, Start, State, Timeline, Tuning};
 use crate::settings::Settings;
+use crate::source::Options;
 use crate::tracking::{Identity, Track};
 use crate::truth::Truth;
 
@@ -116,7 +117,8 @@ impl Player for Session {
 }
 
 /// How a video's name becomes a worker.
-pub(crate) type Opener = Box<dyn Fn(&str, Settings, Option<Arc<Roi>>, Start, &Context) -> Box<dyn Player>>;
+pub(crate) type Opener =
+    Box<dyn Fn(&str, Options, (Settings, Option<Arc<Roi>>), Start, &Context) -> Box<dyn Player>>;
 
 /// The speeds at which can be played.
 pub(crate) const SPEEDS: [f32; 8] = [0.0625, 0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0];
@@ -274,6 +276,8 @@ pub(crate) struct Model {
     pub(crate) marks: Marks,
     /// What was marked in others, by their names.
     pub(crate) marks_of: BTreeMap<String, Marks>,
+    /// How many frames a second videos have, by their names, where the user said so.
+    pub(crate) rates: BTreeMap<String, f32>,
     /// Which positions the timeline shows, from and to; all of them where it is not said.
     pub(crate) span: Option<(f32, f32)>,
     /// The chosen pixel.
@@ -352,6 +356,7 @@ impl Model {
             areas: Areas::default(),
             marks: Marks::default(),
             marks_of: BTreeMap::new(),
+            rates: BTreeMap::new(),
             span: None,
             playback: Playback { playing: false, speed: NORMAL_SPEED, next_at: 0.0 },
             chosen: None,

@@ -29,7 +29,7 @@ use crate::pipeline::Analysis;
 use crate::regions::{self, LabelRun, Labels, Rect};
 use crate::replay::{LifeLine, Phase, Progress, RegionShares, Shown, Start, State, Timeline};
 use crate::settings::{SETTINGS, Settings};
-use crate::source::SourceInfo;
+use crate::source::{FpsFrom, SourceInfo};
 use crate::tracking::{Competing, Track, TrackState};
 use crate::truth::Truth;
 use crate::truth::masks::TrueMask;
@@ -379,6 +379,7 @@ fn state(phase: Phase, shown: Option<u32>) -> State {
                 name: "walk.mp4".into(),
                 size: SIZE,
                 fps: 25.0,
+                fps_from: FpsFrom::Video,
                 frames: Some(FRAMES),
                 live: false,
             })
@@ -424,8 +425,8 @@ fn window_at(
         .build_eframe(move |creation| {
             creation.egui_ctx.set_theme(theme);
             let opener = move |_: &str,
-                               _: Settings,
-                               _: Option<Arc<regions::Roi>>,
+                               _: crate::source::Options,
+                               _: (Settings, Option<Arc<regions::Roi>>),
                                _: Start,
                                _: &egui::Context|
                   -> Box<dyn Player> { Box::new(player.clone()) };

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use eframe::egui::{Align, Button, Layout, MenuBar, RichText, Ui};
+use eframe::egui::{Align, Button, DragValue, Layout, MenuBar, RichText, Ui};
 use egui_material_icons::icons as m;
 
 use super::command::{ACTIONS, Action, Command, Entry, Menu};
@@ -10,6 +10,7 @@ use super::overlays::Drawn;
 use super::state::Model;
 use super::{icons, theme};
 use crate::replay::Start;
+use crate::source::{FPS_RANGE, FpsFrom};
 
 /// Shows it.
 pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
@@ -25,7 +26,7 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             ui.add_space(theme::SPACE);
-            opened(ui, model);
+            opened(ui, model, commands);
         });
     });
 }
@@ -146,8 +147,26 @@ pub(crate) fn allowed(model: &Model, entry: &Entry) -> bool {
     }
 }
 
+/// Frames a second, to be typed where the source itself does not say.
+fn rate(ui: &mut Ui, rounded: f32, from: FpsFrom, commands: &mut Vec<Command>) {
+    let label = ui.weak(if from == FpsFrom::Assumed { "fps, assumed" } else { "fps" });
+    let mut fps = f64::from(rounded);
+    let (least, greatest) = FPS_RANGE;
+    // Another rate begins the analysis anew: it is typed, not dragged to.
+    let typed = DragValue::new(&mut fps)
+        .range(f64::from(least)..=f64::from(greatest))
+        .speed(0.0)
+        .max_decimals(2)
+        .update_while_editing(false);
+    let hover = "How many frames a second there are. What is given in seconds depends on it. Click to type; the video \
+                 is then analysed anew.";
+    if ui.add(typed).labelled_by(label.id).on_hover_text(hover).changed() {
+        commands.push(Command::Rate(fps as f32));
+    }
+}
+
 /// Name, size, frames a second and number of frames, from right to left.
-fn opened(ui: &mut Ui, model: &Model) {
+fn opened(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let Some(name) = &model.opened else { return };
     if let Some(info) = model.state.as_ref().and_then(|state| state.info.as_ref()) {
         let complete = model.timeline().is_some_and(|timeline| timeline.complete);
@@ -157,8 +176,17 @@ fn opened(ui: &mut Ui, model: &Model) {
             (0, _) => "frames unknown".to_owned(),
             (frames, _) => format!("{about}{frames} frames"),
         };
-        let rate = (info.fps * 100.0).round() / 100.0;
-        ui.weak(format!("·  {}  ·  {rate} fps  ·  {frames}", info.size));
+        let rounded = (info.fps * 100.0).round() / 100.0;
+        match info.fps_from {
+            FpsFrom::Video | FpsFrom::SeqInfo => {
+                ui.weak(format!("·  {}  ·  {rounded} fps  ·  {frames}", info.size));
+            }
+            FpsFrom::Given | FpsFrom::Assumed => {
+                ui.weak(format!("·  {frames}"));
+                rate(ui, rounded, info.fps_from, commands);
+                ui.weak(format!("·  {}  ·", info.size));
+            }
+        }
     }
     ui.label(RichText::new(short(name)).strong()).on_hover_text(name);
 }

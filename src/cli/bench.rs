@@ -23,7 +23,7 @@ use crate::mixture::{BATCH, Mixture, Parameters};
 use crate::pipeline::Pipeline;
 use crate::replay::memory;
 use crate::settings::{BackgroundModel, Settings};
-use crate::source;
+use crate::source::{self, Options, SourceInfo};
 
 /// Frames that are kept decoded where the flags do not say, if they are no larger than this.
 const FRAMES: u32 = 320;
@@ -42,7 +42,8 @@ pub fn command() -> Command {
         .after_help(
             "The contenders take the same decoded frames in turn, a batch each; medians of megapixels a second are told. \
              `stream` gives the mixture one frame at a time, `replay` a batch at a time, with the same results. MOG2 and \
-             KNN run without shadow detection, with the same α, threads and, where they have one, K.\n\n\
+             KNN run without shadow detection, with the same α, threads and, where they have one, K. What `bootstrap` says \
+             is learnt beforehand, by all alike, and not timed.\n\n\
              Examples:\n  occluscope bench street.mp4\n  occluscope bench street.mp4 --k 5 --threads 2 --frames 200 --json",
         )
         .arg(flags::video().required(true))
@@ -65,7 +66,7 @@ pub fn command() -> Command {
                 .action(ArgAction::SetTrue)
                 .help("Print one JSON object instead of a table"),
         );
-    flags::with_settings(flags::with_common(command))
+    flags::with_settings(flags::with_common(flags::with_source(command)))
 }
 
 /// Measures and prints.
@@ -76,7 +77,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let console = Console::new(matches);
     let video = matches.get_one::<String>("video").map_or("", String::as_str);
     let asked = matches.get_one::<u32>("frames").copied();
-    let sequence = Sequence::open(video, asked, scale, console)?;
+    let sequence = Sequence::open(video, flags::source_options(matches)?, asked, scale, console)?;
     let figures = Figures::measure(video, &sequence, scale.is_some(), &settings, console)?;
     let mut out = io::stdout().lock();
     if matches.get_flag("json") {
@@ -104,15 +105,21 @@ fn scale(matches: &ArgMatches) -> Result<Option<Size>, flags::UsageError> {
 
 /// Decoded frames, and how long each batch of them took to decode.
 struct Sequence {
-    fps: f32,
+    info: SourceInfo,
     frames: Vec<Frame>,
     decoding: Meter,
 }
 
 impl Sequence {
-    fn open(video: &str, asked: Option<u32>, scale: Option<Size>, console: Console) -> anyhow::Result<Self> {
+    fn open(
+        video: &str,
+        options: Options,
+        asked: Option<u32>,
+        scale: Option<Size>,
+        console: Console,
+    ) -> anyhow::Result<Self> {
         interrupt::watch();
-        let mut source = source::open(video)?;
+        let mut source = source::open(video, options)?;
         let size = scale.unwrap_or(source.info().size);
         let fitting = (FRAMES_BYTES / (size.pixels() * 3).max(1)) as u32;
         let wanted = asked.unwrap_or_else(|| FRAMES.min(fitting).max(LEAST_FRAMES));
@@ -123,7 +130,8 @@ impl Sequence {
                 bytes >> 20
             );
         }
-        let mut sequence = Self { fps: source.info().fps, frames: Vec::new(), decoding: Meter::default() };
+        let mut sequence =
+            Self { info: source.info().clone(), frames: Vec::new(), decoding: Meter::default() };
         let progress = console.progress("decoding", Some(wanted));
         let mut ended = false;
         while !ended && sequence.frames.len() < wanted as usize {
@@ -210,6 +218,11 @@ impl Figures {
         let (mut streamed, mut replayed) = (Mixture::new(size, parameters), Mixture::new(size, parameters));
         let mut mog2 = opencv_model(settings, size, BackgroundModel::Mog2)?;
         let mut knn = opencv_model(settings, size, BackgroundModel::Knn)?;
+        // All begin with what they learnt, as in an analysis; learning itself is not timed.
+        let first: Vec<&Frame> = frames.iter().take(sequence.info.bootstrap(settings) as usize).collect();
+        streamed.learn(&first);
+        replayed.learn(&first);
+        first.iter().try_for_each(|frame| mog2.learn(frame).and_then(|()| knn.learn(frame)))?;
         let mut masks = vec![Mask::empty(size); BATCH];
         let mut meters: [Meter; 4] = Default::default();
         let [stream, replay, mog2_meter, knn_meter] = &mut meters;
@@ -230,11 +243,13 @@ impl Figures {
         let progress = console.progress("analysing", Some((2 * PASSES * frames.len()) as u32));
         for _ in 0..PASSES {
             let mut alone = Mixture::new(size, parameters);
+            alone.learn(&first);
             mixture.pass(video, sequence, scaled, &progress, |batch| {
                 alone.replay(batch, &mut masks[..batch.len()]);
                 Ok(())
             })?;
-            let mut whole = Pipeline::new(settings, size, sequence.fps)?;
+            let mut whole = Pipeline::new(settings, size, sequence.info.fps)?;
+            whole.learn(&first)?;
             pipeline.pass(video, sequence, scaled, &progress, |batch| {
                 black_box(whole.step_many(batch)?);
                 Ok(())
@@ -315,7 +330,7 @@ impl Meter {
         } else {
             let last = sequence.frames.last().map_or(0, |frame| frame.number);
             let first = sequence.frames.first().map_or(0, |frame| frame.number);
-            let frames = Frames::open(video, Some(Range { first, last }))?;
+            let mut frames = Frames::open(video, Options::default(), Some(Range { first, last }))?;
             loop {
                 stop_if_asked(video)?;
                 let (batch, after) = frames.batch(BATCH);

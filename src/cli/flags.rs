@@ -7,8 +7,10 @@ use std::sync::Arc;
 use anyhow::{Context as _, anyhow};
 use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 
+use super::console::Console;
 use crate::regions::Roi;
 use crate::settings::{Kind, Preset, SETTINGS, Settings};
+use crate::source::{FPS_RANGE, FpsFrom, Options, SourceInfo, parse_fps};
 
 /// The user asked for what makes no sense, whatever the files hold: exit status 2.
 #[derive(Debug, thiserror::Error)]
@@ -122,6 +124,34 @@ pub(super) fn start_threads(matches: &ArgMatches) -> anyhow::Result<()> {
         .build_global()
         .with_context(|| format!("{threads} threads cannot be started; ask for fewer"))?;
     opencv::core::set_num_threads(i32::from(threads)).map_err(|error| anyhow!("OpenCV: {error}"))
+}
+
+/// Adds what is chosen of the source besides its name: `--fps`.
+pub(super) fn with_source(command: Command) -> Command {
+    command.arg(Arg::new("fps").long("fps").value_name("N").allow_hyphen_values(true).help(
+        "Frames a second, where the source does not say or is wrong [default: what the video says, or \
+         `frameRate` in seqinfo.ini in the folder of images or above it, else 25]",
+    ))
+}
+
+/// What was chosen of the source besides its name.
+pub(super) fn source_options(matches: &ArgMatches) -> Result<Options, UsageError> {
+    let Some(text) = matches.get_one::<String>("fps") else { return Ok(Options::default()) };
+    let (least, greatest) = FPS_RANGE;
+    let fps = parse_fps(text).ok_or_else(|| {
+        UsageError(format!("--fps cannot be `{text}`: it takes frames a second, {least}..={greatest}"))
+    })?;
+    Ok(Options { fps: Some(fps) })
+}
+
+/// Says that nothing says how many frames a second there are, if so.
+pub(super) fn note_assumed_fps(info: &SourceInfo, console: Console) {
+    if info.fps_from == FpsFrom::Assumed {
+        console.note(&format!(
+            "note: {} does not say how many frames a second it has: {} are assumed; --fps N says how many",
+            info.name, info.fps
+        ));
+    }
 }
 
 /// Adds `--range`.

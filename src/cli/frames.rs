@@ -1,15 +1,18 @@
 //! Frames decoded on a thread of their own, ahead of whoever takes them.
 
+use std::collections::VecDeque;
 use std::{iter, thread};
 
-use anyhow::anyhow;
+use anyhow::{anyhow, bail};
 use crossbeam_channel::{Receiver, Sender, TryRecvError, bounded};
 
+use super::console::Console;
 use super::flags::Range;
 use super::interrupt;
 use crate::frame::Frame;
 use crate::mixture::BATCH;
-use crate::source::{self, Source, SourceInfo};
+use crate::settings::Settings;
+use crate::source::{self, Options, Source, SourceInfo};
 
 /// How many frames are decoded ahead, at most and at least, and how much memory they may take in between.
 const MOST_AHEAD: usize = 2 * BATCH;
@@ -28,20 +31,28 @@ pub(super) enum Item {
     End,
 }
 
+/// So much memory may frames take that are learnt from and kept for when they are judged; where they take more, they
+/// are decoded again.
+const KEPT_BYTES: usize = 512 << 20;
+
 /// The frames of a source, or of a range of it.
 pub(super) struct Frames {
     /// What is known of the source.
     pub info: SourceInfo,
     /// How many frames there will be, as far as it is known.
     pub total: Option<u32>,
+    options: Options,
+    range: Option<Range>,
+    /// What was taken ahead and comes before `items`.
+    held: VecDeque<Item>,
     items: Receiver<Item>,
 }
 
 impl Frames {
     /// Opens `video` and starts to decode it.
-    pub(super) fn open(video: &str, range: Option<Range>) -> anyhow::Result<Self> {
+    pub(super) fn open(video: &str, options: Options, range: Option<Range>) -> anyhow::Result<Self> {
         interrupt::watch();
-        let source = source::open(video)?;
+        let source = source::open(video, options)?;
         let info = source.info().clone();
         let total = match (range, info.frames) {
             (Some(range), Some(frames)) => Some(frames.min(range.last - range.first + 1)),
@@ -51,15 +62,75 @@ impl Frames {
         let ahead = AHEAD_BYTES / (info.size.pixels() * 3).max(1);
         let (sender, items) = bounded(ahead.clamp(LEAST_AHEAD, MOST_AHEAD));
         thread::Builder::new().name("decode".to_owned()).spawn(move || decode(source, range, &sender))?;
-        Ok(Self { info, total, items })
+        Ok(Self { info, total, options, range, held: VecDeque::new(), items })
+    }
+
+    /// Gives `learn` the first frames, as many as `settings` have for the model to learn from, some at a time and in
+    /// order. They come again afterwards, the first one next.
+    pub(super) fn learn(
+        &mut self,
+        settings: &Settings,
+        console: Console,
+        mut learn: impl FnMut(&[&Frame]) -> anyhow::Result<()>,
+    ) -> anyhow::Result<()> {
+        let most = self.info.bootstrap(settings);
+        if self.info.live && settings.bootstrap.frames(self.info.fps) > 0 {
+            console.note(&format!(
+                "note: {} gives its frames once: bootstrap is left out, and the model starts with the first frame",
+                self.info.name
+            ));
+        }
+        if most == 0 {
+            return Ok(());
+        }
+        let progress = console.progress("learning", Some(self.total.map_or(most, |total| total.min(most))));
+        self.learn_within(KEPT_BYTES, most, |frames| {
+            progress.advance(frames.len());
+            learn(frames)
+        })
+    }
+
+    /// Gives `learn` the first frames, up to `most`. They come again, from up to `bytes` of memory, or decoded again.
+    fn learn_within(
+        &mut self,
+        bytes: usize,
+        most: u32,
+        mut learn: impl FnMut(&[&Frame]) -> anyhow::Result<()>,
+    ) -> anyhow::Result<()> {
+        let room = bytes / (self.info.size.pixels() * 3).max(1);
+        let expected = self.total.map_or(most, |total| total.min(most)) as usize;
+        let mut held = (expected <= room).then(VecDeque::new);
+        let (mut left, mut over) = (most as usize, false);
+        while left > 0 && !over {
+            if interrupt::asked() {
+                bail!("stopped before the beginning of {} was learnt from", self.info.name);
+            }
+            let (frames, after) = self.batch(left.min(BATCH));
+            learn(&frames.iter().collect::<Vec<_>>())?;
+            left -= frames.len();
+            over = matches!(after, Some(Item::End | Item::Failed(_)));
+            if let Some(held) = &mut held {
+                held.extend(frames.into_iter().map(Item::Frame).chain(after));
+            }
+            // A video may have more frames than it says.
+            held = held.filter(|held| held.len() <= room + BATCH);
+        }
+        match held {
+            Some(held) => self.held = held,
+            // Where its frames were not kept, the decoder is beyond them.
+            None => *self = Self::open(&self.info.name, self.options, self.range)?,
+        }
+        Ok(())
     }
 
     /// The frames that are there, at least one and up to `most`, or none where something else comes
     /// first; and what comes after them, if it is there and no frame.
-    pub(super) fn batch(&self, most: usize) -> (Vec<Frame>, Option<Item>) {
+    pub(super) fn batch(&mut self, most: usize) -> (Vec<Frame>, Option<Item>) {
         let mut frames = Vec::new();
         while frames.len() < most {
-            let received = if frames.is_empty() {
+            let received = if let Some(item) = self.held.pop_front() {
+                Ok(item)
+            } else if frames.is_empty() {
                 self.items.recv().map_err(|_| TryRecvError::Disconnected)
             } else {
                 self.items.try_recv()
@@ -82,13 +153,13 @@ impl Frames {
     }
 
     /// The frames and what else comes, in order, to the end.
-    pub(super) fn items(&self) -> impl Iterator<Item = Item> {
+    pub(super) fn items(&mut self) -> impl Iterator<Item = Item> {
         let mut over = false;
         iter::from_fn(move || {
             if over {
                 return None;
             }
-            match self.items.recv() {
+            match self.held.pop_front().map_or_else(|| self.items.recv(), Ok) {
                 Ok(Item::End) => None,
                 Ok(item) => Some(item),
                 Err(_) => {
@@ -161,5 +232,74 @@ fn at_the_end(info: &SourceInfo, range: Option<Range>, last_number: Option<u32>,
             Some(Item::Warning(format!("the range {range} is cut at {last}, the last frame of {name}")))
         }
         _ => None,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+
+    const PICTURES: u32 = 40;
+
+    /// Numbers of frames, and W for a warning.
+    fn told(item: &Item) -> String {
+        match item {
+            Item::Frame(frame) => frame.number.to_string(),
+            Item::Warning(_) => "W".to_owned(),
+            Item::Failed(error) => error.to_string(),
+            Item::End => "end".to_owned(),
+        }
+    }
+
+    #[test]
+    fn what_was_learnt_from_comes_again_from_memory_or_decoded_again() {
+        let folder = tempfile::tempdir().unwrap();
+        for number in 1..=PICTURES {
+            let path = folder.path().join(format!("{number:03}.png"));
+            if number == 7 || number == 30 {
+                std::fs::write(path, "broken").unwrap();
+            } else {
+                image::RgbImage::from_pixel(6, 4, image::Rgb([number as u8; 3])).save(path).unwrap();
+            }
+        }
+        let video = folder.path().to_str().unwrap();
+        let readable = |number: &u32| ![7, 30].contains(number);
+        for range in [None, Some(Range { first: 5, last: 20 }), Some(Range { first: 35, last: 90 })] {
+            let expected: Vec<_> = Frames::open(video, Options::default(), range)
+                .unwrap()
+                .items()
+                .map(|item| told(&item))
+                .collect();
+            let first = range.map_or(1, |range| range.first);
+            let numbers: Vec<_> =
+                (first..=range.map_or(PICTURES, |range| range.last.min(PICTURES))).filter(readable).collect();
+            for (bytes, most) in
+                [(1 << 20, 0), (1 << 20, 11), (0, 11), (1 << 20, 500), (0, 500), (10 * 72, 11)]
+            {
+                let mut frames = Frames::open(video, Options::default(), range).unwrap();
+                let mut learnt = Vec::new();
+                let learn = |frames: &[&Frame]| {
+                    learnt.extend(frames.iter().map(|frame| frame.number));
+                    Ok(())
+                };
+                frames.learn_within(bytes, most, learn).unwrap();
+                assert_eq!(learnt, numbers[..numbers.len().min(most as usize)], "{range:?} {bytes} {most}");
+                let (batch, after) = frames.batch(3);
+                let first: Vec<_> = batch.into_iter().map(Item::Frame).chain(after).collect();
+                let rest: Vec<_> = frames.items().collect();
+                let again: Vec<_> = first.iter().chain(&rest).map(told).collect();
+                assert_eq!(again, expected, "{range:?} {bytes} {most}");
+            }
+        }
+        let beyond = Some(Range { first: 90, last: 95 });
+        let mut frames = Frames::open(video, Options::default(), beyond).unwrap();
+        let learn = |frames: &[&Frame]| {
+            assert!(frames.is_empty());
+            Ok(())
+        };
+        frames.learn_within(1 << 20, 10, learn).unwrap();
+        assert!(frames.items().any(|item| told(&item).contains("starts beyond the end")));
     }
 }

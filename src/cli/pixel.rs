@@ -16,6 +16,7 @@ use crate::export::{Staging, pixel_csv};
 use crate::mixture::{Parameters, PixelHistory};
 use crate::regions::Roi;
 use crate::settings::{BackgroundModel, Settings};
+use crate::source::Options;
 
 /// The subcommand.
 pub fn command() -> Command {
@@ -24,7 +25,8 @@ pub fn command() -> Command {
         .after_help(
             "Columns: frame, the value, matched (rank before the update, 0: none), rank (after it), background_count (B), \
              foreground (0 or 1), rho, p, and for each component in rank order w, mu, var. They speak of the mixture \
-             alone: with --roi it is told where the area overrules it.\n\n\
+             alone: with --roi it is told where the area overrules it. The rows are those of the frames that are judged: \
+             with `bootstrap` the first one is like any other, as the model has learnt before.\n\n\
              Examples:\n  occluscope pixel street.mp4 --at 320,240 --out pixel.csv\n  occluscope pixel street.mp4 --at 320,240 --k 3 --range 100..200 | head",
         )
         .arg(flags::video().required(true))
@@ -43,7 +45,7 @@ pub fn command() -> Command {
                 .value_parser(value_parser!(PathBuf))
                 .help("Where to write; stdout without it"),
         );
-    flags::with_settings(flags::with_common(flags::with_roi(flags::with_range(command))))
+    flags::with_settings(flags::with_common(flags::with_roi(flags::with_range(flags::with_source(command)))))
 }
 
 /// Follows the pixel through the video.
@@ -65,13 +67,14 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
         settings: &settings,
         roi: flags::roi(matches)?,
         range,
+        options: flags::source_options(matches)?,
         console: Console::new(matches),
     };
     if let Some(path) = matches.get_one::<PathBuf>("out") {
         return to_file(path, &follow);
     }
     let mut out = BufWriter::new(io::stdout().lock());
-    follow.write_frames(&follow.open()?, &mut out)?;
+    follow.write_frames(&mut follow.open()?, &mut out)?;
     Ok(out.flush()?)
 }
 
@@ -89,18 +92,18 @@ fn at(matches: &ArgMatches) -> Result<(u32, u32), UsageError> {
 /// Writes beside `path` and moves the whole there; a device or a pipe is written to as it is.
 fn to_file(path: &Path, follow: &Follow<'_>) -> anyhow::Result<()> {
     let fail = || format!("{} cannot be written", path.display());
-    let frames = follow.open()?;
+    let mut frames = follow.open()?;
     let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
     if target.exists() && !target.is_file() {
         let mut out = BufWriter::new(File::create(&target).with_context(fail)?);
-        follow.write_frames(&frames, &mut out)?;
+        follow.write_frames(&mut frames, &mut out)?;
         return out.flush().with_context(fail);
     }
     let name = target.file_name().with_context(fail)?;
     let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let staging = Staging::new(folder).with_context(fail)?;
     let mut out = BufWriter::new(File::create(staging.path(name)).with_context(fail)?);
-    follow.write_frames(&frames, &mut out)?;
+    follow.write_frames(&mut frames, &mut out)?;
     out.flush().with_context(fail)?;
     staging.publish(name).with_context(fail)
 }
@@ -111,12 +114,13 @@ struct Follow<'a> {
     settings: &'a Settings,
     roi: Option<Arc<Roi>>,
     range: Option<Range>,
+    options: Options,
     console: Console,
 }
 
 impl Follow<'_> {
     fn open(&self) -> anyhow::Result<Frames> {
-        let frames = Frames::open(self.video, self.range)?;
+        let frames = Frames::open(self.video, self.options, self.range)?;
         let (x, y) = self.at;
         let size = frames.info.size;
         if size.index(x, y).is_none() {
@@ -139,12 +143,19 @@ impl Follow<'_> {
         Ok(frames)
     }
 
-    fn write_frames(&self, frames: &Frames, out: &mut impl Write) -> anyhow::Result<()> {
-        let progress = self.console.progress("following", frames.total);
+    fn write_frames(&self, frames: &mut Frames, out: &mut impl Write) -> anyhow::Result<()> {
         let parameters = Parameters::new(self.settings);
         let mut history = PixelHistory::new(self.at, parameters);
+        frames.learn(self.settings, self.console, |frames| {
+            for frame in frames {
+                history.learn(frame);
+            }
+            Ok(())
+        })?;
+        let progress = self.console.progress("following", frames.total);
+        let live = frames.info.live;
         for item in frames.items() {
-            if interrupt::asked() && !frames.info.live {
+            if interrupt::asked() && !live {
                 bail!("stopped before the end of {}", self.video);
             }
             match item {

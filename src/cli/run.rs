@@ -33,7 +33,7 @@ use crate::occlusion::{Event, EventKind};
 use crate::pipeline::{Analysis, Pipeline, Reading, final_reading};
 use crate::regions::{Labels, Roi};
 use crate::settings::Settings;
-use crate::source::SourceInfo;
+use crate::source::{Options, SourceInfo};
 use crate::tracking::Track;
 
 const SUMMARY: &str = "summary.json";
@@ -91,7 +91,7 @@ pub fn command() -> Command {
         command
             .arg(Arg::new(flag).long(flag).action(ArgAction::SetTrue).help(help).help_heading("Bulky files"))
     });
-    flags::with_settings(flags::with_common(flags::with_roi(flags::with_range(command))))
+    flags::with_settings(flags::with_common(flags::with_roi(flags::with_range(flags::with_source(command)))))
 }
 
 /// Analyses and writes.
@@ -99,10 +99,11 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let job = Job::new(matches)?;
     flags::start_threads(matches)?;
     let started = Instant::now();
-    let frames = Frames::open(&job.video, job.range)?;
+    let mut frames = Frames::open(&job.video, job.options, job.range)?;
     if let Some(roi) = &job.roi {
         roi.check(frames.info.size)?;
     }
+    flags::note_assumed_fps(&frames.info, job.console);
     let hash = hash_of_file(&job.video);
     job.console.detail(&format!(
         "{}: {}, {} frames/s{}; {} threads",
@@ -114,7 +115,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     ));
 
     let staging = Staging::new(&job.out).with_context(|| job.out_failure())?;
-    let record = analyse(&job, &frames, &staging)?;
+    let record = analyse(&job, &mut frames, &staging)?;
     if job.draws() && !frames.info.live {
         draw(&job, &record, &staging)?;
     }
@@ -139,6 +140,7 @@ struct Job {
     settings: Settings,
     roi: Option<Arc<Roi>>,
     range: Option<Range>,
+    options: Options,
     console: Console,
     /// The flags of the bulky files that were asked for.
     bulky: Vec<&'static str>,
@@ -152,6 +154,7 @@ impl Job {
             settings: flags::settings(matches)?,
             roi: flags::roi(matches)?,
             range: flags::range(matches)?,
+            options: flags::source_options(matches)?,
             console: Console::new(matches),
             bulky: ALL_BULKY.iter().map(|bulky| bulky.flag).filter(|flag| matches.get_flag(flag)).collect(),
         })
@@ -182,10 +185,13 @@ struct Record {
 }
 
 /// The first pass: every frame through all stages. Pictures that need no later knowledge are written on the way.
-fn analyse(job: &Job, frames: &Frames, staging: &Staging) -> anyhow::Result<Record> {
-    let info = &frames.info;
+fn analyse(job: &Job, frames: &mut Frames, staging: &Staging) -> anyhow::Result<Record> {
+    let info = &frames.info.clone();
     let mut pipeline = Pipeline::new(&job.settings, info.size, info.fps)?;
     pipeline.set_roi(job.roi.clone())?;
+    frames.learn(&job.settings, job.console, |frames| {
+        pipeline.learn(frames).with_context(|| job.video.clone())
+    })?;
     let mut pictures = Pictures::new(job, staging).with_context(|| job.out_failure())?;
     let mut live = None;
     if info.live && job.draws() {
@@ -368,7 +374,7 @@ impl LiveDrawing {
 
 /// The second pass: the final reading drawn onto the frames, decoded once more.
 fn draw(job: &Job, record: &Record, staging: &Staging) -> anyhow::Result<()> {
-    let frames = Frames::open(&job.video, job.range)?;
+    let mut frames = Frames::open(&job.video, job.options, job.range)?;
     let fps = frames.info.fps;
     let Reading { tracks, events, .. } = &record.reading;
     let mut drawing = Drawing::new(job, &frames.info, staging)?;
@@ -483,6 +489,7 @@ fn summarise(job: &Job, info: &SourceInfo, record: &Record, sha256: Option<Strin
             path: job.video.clone(),
             size: info.size,
             fps: info.fps,
+            fps_from: info.fps_from.word(),
             frames,
             first_frame: number(reading.tracks.first()),
             last_frame: number(reading.tracks.last()),

@@ -8,6 +8,7 @@ use clap::{Arg, ArgMatches, Command, value_parser};
 use super::flags;
 use crate::regions::Roi;
 use crate::settings::Settings;
+use crate::source::Options;
 use crate::truth::Place;
 
 /// Adds what the window takes.
@@ -26,7 +27,7 @@ pub(super) fn with_arguments(command: Command) -> Command {
             "Ground truth to score by: a MOTChallenge file, a CDnet folder, or a scene written by `synth`",
         );
     let command = command.arg(video).arg(truth).arg(memory);
-    flags::with_common(flags::with_settings(flags::with_roi(command)))
+    flags::with_common(flags::with_settings(flags::with_roi(flags::with_source(command))))
 }
 
 /// Opens the window and returns when it is closed.
@@ -40,25 +41,26 @@ pub(super) fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     }
     flags::start_threads(matches)?;
     let memory = matches.get_one::<u64>("memory").map(|&mib| mib as usize * (1 << 20));
-    open(matches.get_one::<String>("video").cloned(), settings, roi, truth, memory)
+    let options = flags::source_options(matches)?;
+    open(matches.get_one::<String>("video").cloned(), options, (settings, roi), truth, memory)
 }
 
 #[cfg(feature = "gui")]
 fn open(
     video: Option<String>,
-    settings: Settings,
-    roi: Option<Arc<Roi>>,
+    options: Options,
+    (settings, roi): (Settings, Option<Arc<Roi>>),
     truth: Option<PathBuf>,
     memory: Option<usize>,
 ) -> anyhow::Result<()> {
-    crate::app::run(crate::app::Opening { video, settings, roi, truth, memory })
+    crate::app::run(crate::app::Opening { video, options, settings, roi, truth, memory })
 }
 
 #[cfg(not(feature = "gui"))]
 fn open(
     video: Option<String>,
-    _: Settings,
-    _: Option<Arc<Roi>>,
+    _: Options,
+    _: (Settings, Option<Arc<Roi>>),
     _: Option<PathBuf>,
     _: Option<usize>,
 ) -> anyhow::Result<()> {

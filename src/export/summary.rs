@@ -43,6 +43,8 @@ pub struct Input {
     pub size: Size,
     /// Frames a second.
     pub fps: f32,
+    /// What says so: `--fps`, `video`, `seqinfo.ini`, or `assumed` where nothing does.
+    pub fps_from: &'static str,
     /// How many frames were analysed.
     pub frames: u32,
     /// The number of the first of them.

@@ -59,6 +59,9 @@ pub fn rank_before(state: &PixelState, rank: usize) -> Option<usize> {
     }
 }
 
+/// The slots by rank before the first frame.
+pub(super) const FIRST_SLOTS: [u8; MAX_K] = [0, 1, 2, 3, 4, 5, 6, 7];
+
 /// For every state of a history the slots of its components by rank; those beyond K mean nothing.
 pub fn slots(history: &PixelHistory) -> Vec<[u8; MAX_K]> {
     let mut all = Vec::with_capacity(history.states.len());
@@ -68,7 +71,7 @@ pub fn slots(history: &PixelHistory) -> Vec<[u8; MAX_K]> {
 
 /// Adds to the slots of a history's first states those of the others.
 pub fn go_on(all: &mut Vec<[u8; MAX_K]>, history: &PixelHistory) {
-    let mut slots = all.last().copied().unwrap_or_else(|| std::array::from_fn(|slot| slot as u8));
+    let mut slots = all.last().copied().unwrap_or(FIRST_SLOTS);
     for (index, state) in history.states.iter().enumerate().skip(all.len()) {
         if let Some(before) = history.before(index) {
             let (from, to) = journey(state);
@@ -188,7 +191,7 @@ mod tests {
         let whole = history();
         let mut grown = Vec::new();
         for end in [0, 1, 2, 450, 451, 900] {
-            let part = PixelHistory { states: whole.states[..end].to_vec(), ..whole };
+            let part = PixelHistory { states: whole.states[..end].to_vec(), ..whole.clone() };
             go_on(&mut grown, &part);
             assert_eq!(grown, slots(&part), "{end} frames");
         }

@@ -1,5 +1,7 @@
 //! One pixel through many frames: what the inspector plots and `occluscope pixel` writes.
 
+use std::sync::Arc;
+
 use super::pixel::{Outcome, Parameters, Pixel, Value};
 use crate::frame::Frame;
 
@@ -8,7 +10,7 @@ use crate::frame::Frame;
 pub struct PixelState {
     /// The frame's number in its source.
     pub number: u32,
-    /// t, the frame's place since the model started, from 1.
+    /// t, how many frames the model has seen, this one and those that were learnt from before the first included.
     pub t: u32,
     /// The pixel's colour in the frame.
     pub rgb: [u8; 3],
@@ -20,13 +22,25 @@ pub struct PixelState {
     pub outcome: Outcome,
 }
 
-/// The states of one pixel, a state a frame from the model's start.
+/// What one pixel learnt before the first frame that is judged.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Learnt {
+    values: Vec<Value>,
+    /// The mixture after the last of them.
+    pixel: Pixel,
+    /// The mixture as it begins with that.
+    start: Pixel,
+}
+
+/// The states of one pixel, a state a frame that is judged.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PixelHistory {
     /// The pixel: column and row.
     pub at: (u32, u32),
     /// The parameters under which the states came about.
     pub parameters: Parameters,
+    /// What was learnt before the first state; `None` where that is of an unseen pixel.
+    pub learnt: Option<Arc<Learnt>>,
     /// One state a frame, in order.
     pub states: Vec<PixelState>,
 }
@@ -34,7 +48,37 @@ pub struct PixelHistory {
 impl PixelHistory {
     /// A history that starts with the next frame.
     pub fn new(at: (u32, u32), parameters: Parameters) -> Self {
-        Self { at, parameters, states: Vec::new() }
+        Self { at, parameters, learnt: None, states: Vec::new() }
+    }
+
+    /// Learns from one more frame before the first that is judged. A frame that does not hold the pixel is passed over.
+    pub fn learn(&mut self, frame: &Frame) {
+        if let Some(rgb) = frame.pixel(self.at.0, self.at.1) {
+            self.learn_colours([rgb]);
+        }
+    }
+
+    /// Learns from more colours before the first that is judged.
+    pub fn learn_colours(&mut self, colours: impl IntoIterator<Item = [u8; 3]>) {
+        let unseen = Pixel::unseen(self.parameters.k);
+        let unseen = || Learnt { values: Vec::new(), pixel: unseen, start: unseen };
+        let mut learnt = self.learnt.take().map_or_else(unseen, Arc::unwrap_or_clone);
+        for rgb in colours {
+            let value = self.parameters.value(rgb);
+            learnt.values.push(value);
+            self.parameters.learnt = learnt.values.len() as u32;
+            learnt.pixel.step(value, self.parameters.learnt, &self.parameters);
+        }
+        learnt.start = learnt.pixel;
+        learnt.start.begin();
+        self.learnt = (!learnt.values.is_empty()).then(|| Arc::new(learnt));
+    }
+
+    /// The values that were learnt from, and those of the first states up to the one at `index`: all that the mixture
+    /// after that one has seen; `None` where there is no such state.
+    pub fn values_until(&self, index: usize) -> Option<Vec<Value>> {
+        let judged = self.states.get(..=index)?.iter().map(|state| state.value);
+        Some(self.learnt.iter().flat_map(|learnt| learnt.values.iter().copied()).chain(judged).collect())
     }
 
     /// The history of pixel `at` from its colours, `(frame number, colour)` in order.
@@ -59,10 +103,10 @@ impl PixelHistory {
 
     /// Takes one more colour in, that of frame `number`.
     pub fn push_colour(&mut self, number: u32, rgb: [u8; 3]) {
-        let t = self.states.len() as u32 + 1;
+        let t = self.parameters.learnt + self.states.len() as u32 + 1;
         let value = self.parameters.value(rgb);
-        let mut pixel =
-            self.states.last().map_or_else(|| Pixel::unseen(self.parameters.k), |state| state.pixel);
+        let before = self.before(self.states.len());
+        let mut pixel = before.copied().unwrap_or_else(|| Pixel::unseen(self.parameters.k));
         let outcome = pixel.update(value, t, &self.parameters);
         self.states.push(PixelState { number, t, rgb, value, pixel, outcome });
     }
@@ -73,19 +117,57 @@ impl PixelHistory {
     pub fn goes_on_from(&self, before: &Self) -> bool {
         let last = before.states.len().checked_sub(1);
         (self.at, self.parameters) == (before.at, before.parameters)
+            && self.before(0) == before.before(0)
             && last.is_none_or(|last| self.states.get(last) == before.states.last())
     }
 
-    /// The mixture before the update of the state at `index`; `None` in the first frame.
+    /// The mixture before the update of the state at `index`; `None` where that is the first frame it sees.
     pub fn before(&self, index: usize) -> Option<&Pixel> {
-        index.checked_sub(1).and_then(|previous| self.states.get(previous)).map(|state| &state.pixel)
+        match index.checked_sub(1) {
+            Some(previous) => self.states.get(previous).map(|state| &state.pixel),
+            None => self.learnt.as_ref().map(|learnt| &learnt.start),
+        }
     }
 }
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
+
     use super::*;
     use crate::settings::{Preset, Settings};
+
+    #[test]
+    fn what_was_learnt_is_before_the_first_state_and_not_among_the_states() {
+        let parameters = Parameters::new(&Settings::preset(Preset::Plain));
+        let colour = |n: u32| [if n < 30 { 90 } else { 180 } + (n % 3) as u8; 3];
+        let mut history = PixelHistory::new((3, 4), parameters);
+        assert_eq!((history.before(0), history.values_until(0)), (None, None));
+        // In parts or at once.
+        history.learn_colours((1..=7).map(colour));
+        history.learn_colours((8..=40).map(colour));
+        let mut at_once = PixelHistory::new((3, 4), parameters);
+        at_once.learn_colours((1..=40).map(colour));
+        assert_eq!(history, at_once);
+        let mut pixel = Pixel::unseen(parameters.k);
+        let parameters = Parameters { learnt: 40, ..parameters };
+        for t in 1..=40 {
+            pixel.update(parameters.value(colour(t)), t, &parameters);
+        }
+        assert!(pixel.used() > 1);
+        pixel.begin();
+        assert_eq!((history.before(0), history.parameters), (Some(&pixel), parameters));
+        for n in 1..=5 {
+            history.push_colour(n, colour(n));
+            let outcome = pixel.update(parameters.value(colour(n)), 40 + n, &parameters);
+            let state = history.states.last().unwrap();
+            assert_eq!((state.number, state.t, state.pixel, state.outcome), (n, 40 + n, pixel, outcome));
+        }
+        let values: Vec<_> = (1..=40).chain(1..=2).map(|n| parameters.value(colour(n))).collect();
+        assert_eq!(history.values_until(1), Some(values));
+        assert!(history.goes_on_from(&PixelHistory { states: Vec::new(), ..history.clone() }));
+        assert!(!history.goes_on_from(&PixelHistory::new((3, 4), history.parameters)));
+    }
 
     #[test]
     fn a_history_goes_on_from_an_earlier_one_of_the_same_frames_alone() {

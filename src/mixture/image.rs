@@ -118,6 +118,7 @@ impl Mixture {
     /// When the frame has another size than the mixture.
     pub fn step(&mut self, frame: &Frame) -> Mask {
         let mut mask = Mask::empty(self.size);
+        self.begin();
         self.take(Level::new(), &[frame], std::slice::from_mut(&mut mask));
         mask
     }
@@ -129,8 +130,33 @@ impl Mixture {
     /// When a frame has another size than the mixture, or there are not as many masks as frames.
     pub fn replay(&mut self, frames: &[&Frame], masks: &mut [Mask]) {
         assert_eq!(frames.len(), masks.len(), "a mask for each frame");
+        self.begin();
         for (frames, masks) in frames.chunks(BATCH).zip(masks.chunks_mut(BATCH)) {
             self.take(Level::new(), frames, masks);
+        }
+    }
+
+    /// Takes frames in before the first that is judged: a file's first ones, which come again afterwards.
+    ///
+    /// # Panics
+    /// When a frame has another size than the mixture.
+    pub fn learn(&mut self, frames: &[&Frame]) {
+        let mut masks = vec![Mask::empty(self.size); frames.len().min(BATCH)];
+        for frames in frames.chunks(BATCH) {
+            self.parameters.learnt = self.t + frames.len() as u32;
+            self.take(Level::new(), frames, &mut masks[..frames.len()]);
+        }
+    }
+
+    /// After the last frame to learn from, what was learnt becomes the beginning, for who looks before the next frame
+    /// is taken in, which does it otherwise.
+    pub fn begin(&mut self) {
+        if !self.parameters.begins_at(self.t + 1) {
+            return;
+        }
+        match &mut self.planes {
+            Planes::Rgb(tiles) => tiles.begin(self.t),
+            Planes::Gray(tiles) => tiles.begin(self.t),
         }
     }
 
@@ -285,6 +311,15 @@ impl<const N: usize> Tiles<N> {
     /// By what the weights of a tile's components 2 to K are still to be multiplied, in order.
     pub(super) fn keep(&self, tile: usize, mixture: &Mixture) -> Vec<f32> {
         (self.settled[tile] + 1..=mixture.t).map(|t| 1.0 - mixture.parameters.alpha_at(t)).collect()
+    }
+
+    /// Leaves component 1 alone, and certain, after the frame `t`.
+    fn begin(&mut self, t: u32) {
+        self.first.iter_mut().for_each(Gaussians::make_certain);
+        self.others.fill(Gaussians::UNUSED);
+        self.used.fill(1);
+        self.settled.fill(t);
+        self.pasts.fill(Pasts::NONE);
     }
 
     fn pixel(&self, index: usize, parameters: &Parameters, t: u32) -> Pixel {

@@ -42,20 +42,29 @@ impl OpencvModel {
         Ok(Some(Self { subtractor, size, alpha: f64::from(settings.alpha), t: 0 }))
     }
 
+    /// Takes a frame in before the first that is judged, with the learning rate that the mixture has in it.
+    pub fn learn(&mut self, frame: &Frame) -> opencv::Result<()> {
+        self.take(frame, self.alpha.max(1.0 / (self.t + 1) as f64)).map(drop)
+    }
+
     /// Takes the next frame in and says which pixels are foreground.
     pub fn step(&mut self, frame: &Frame) -> opencv::Result<Mask> {
+        self.take(frame, self.alpha)
+    }
+
+    fn take(&mut self, frame: &Frame, alpha: f64) -> opencv::Result<Mask> {
         self.t += 1;
         // The first frame has nothing before it: OpenCV takes it whole at any learning rate.
         let rgb = rgb_mat(frame)?;
         let mut mask = Mat::default();
         match &mut self.subtractor {
             Subtractor::Mog2(mog2) => {
-                BackgroundSubtractorMOG2Trait::apply(mog2, &rgb, &mut mask, self.alpha)?;
+                BackgroundSubtractorMOG2Trait::apply(mog2, &rgb, &mut mask, alpha)?;
             }
             Subtractor::Knn(knn) => {
                 // KNN draws which samples to replace: seeded by the frame, two runs agree.
                 set_rng_seed(self.t as i32)?;
-                BackgroundSubtractorTrait::apply(knn, &rgb, &mut mask, self.alpha)?;
+                BackgroundSubtractorTrait::apply(knn, &rgb, &mut mask, alpha)?;
             }
         }
         Ok(Mask { size: self.size, data: mask.data_bytes()?.to_vec() })

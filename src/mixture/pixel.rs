@@ -9,7 +9,7 @@ use std::f32::consts::PI;
 use super::exponential::exp_of_negative;
 use super::feedback::{Feedback, Past};
 use super::shadow::Shadow;
-use crate::settings::{Rate, Settings, Space};
+use crate::settings::{Rate, Settings, Space, Span};
 
 /// The largest K.
 pub const MAX_K: usize = 8;
@@ -40,6 +40,11 @@ pub struct Parameters {
     pub space: Space,
     /// While t ≤ `warm_up`, α is max(α, 1/t).
     pub warm_up: u32,
+    /// How much of a file is to be learnt from before its first frame is judged.
+    pub bootstrap: Span,
+    /// How many frames were: all that there are of a shorter file, and none of a camera. t counts them, and in them,
+    /// too, α is max(α, 1/t), so that each weighs as much as any other.
+    pub learnt: u32,
     /// What foreground is shadow.
     pub shadow: Shadow,
     /// How a pixel's past acts on its mixture.
@@ -47,7 +52,7 @@ pub struct Parameters {
 }
 
 impl Parameters {
-    /// The parameters within `settings`.
+    /// The parameters within `settings`, before anything is learnt.
     pub fn new(settings: &Settings) -> Self {
         Self {
             k: settings.k as usize,
@@ -60,9 +65,16 @@ impl Parameters {
             rate: settings.rate,
             space: settings.space,
             warm_up: settings.warm_up,
+            bootstrap: settings.bootstrap,
+            learnt: 0,
             shadow: Shadow::new(settings),
             feedback: Feedback::new(settings),
         }
+    }
+
+    /// Whether they are those within `settings`, whatever was learnt.
+    pub fn are_of(&self, settings: &Settings) -> bool {
+        Self { learnt: 0, ..*self } == Self::new(settings)
     }
 
     /// n, the number of channels.
@@ -83,13 +95,18 @@ impl Parameters {
 
     /// α of the t-th frame, t counting from 1.
     pub fn alpha_at(&self, t: u32) -> f32 {
-        if t <= self.warm_up { self.alpha.max(1.0 / t as f32) } else { self.alpha }
+        if t <= self.warm_up.max(self.learnt) { self.alpha.max(1.0 / t as f32) } else { self.alpha }
+    }
+
+    /// Whether the t-th frame is the first that is judged, after others that were learnt from.
+    pub const fn begins_at(&self, t: u32) -> bool {
+        self.learnt > 0 && t == self.learnt + 1
     }
 
     /// α of the t-th frame for a pixel of this past. The warm-up is the same for all.
     pub fn alpha_of(&self, past: &Past, t: u32) -> f32 {
         let alpha = self.alpha_at(t);
-        if t <= self.warm_up { alpha } else { (alpha * self.feedback.factor(past)).min(1.0) }
+        if t <= self.warm_up.max(self.learnt) { alpha } else { (alpha * self.feedback.factor(past)).min(1.0) }
     }
 
     /// T for a pixel of this past.
@@ -265,8 +282,20 @@ impl Pixel {
         mean
     }
 
-    /// Takes the value of the `t`-th frame (from 1) into the mixture and decides about it.
+    /// What was learnt becomes the beginning: component 1 alone, and certain, as in a first frame.
+    pub fn begin(&mut self) {
+        let components = self.components_mut();
+        components[1..].fill(Component::default());
+        components[0].weight = 1.0;
+        self.past = Past::default();
+    }
+
+    /// Takes the value of the `t`-th frame (from 1) into the mixture and decides about it. The first after those that
+    /// were learnt from meets what [`Self::begin`] leaves.
     pub fn update(&mut self, x: Value, t: u32, parameters: &Parameters) -> Outcome {
+        if parameters.begins_at(t) {
+            self.begin();
+        }
         let p = self.probability(x, parameters.channels());
         Outcome { p, ..self.step(x, t, parameters) }
     }
@@ -275,6 +304,9 @@ impl Pixel {
     pub(super) fn step(&mut self, x: Value, t: u32, parameters: &Parameters) -> Outcome {
         if t <= 1 {
             return self.first_frame(x, parameters);
+        }
+        if parameters.begins_at(t) {
+            self.begin();
         }
         let alpha = parameters.alpha_of(&self.past, t);
 

@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::follow::rank_before;
+use super::follow::{FIRST_SLOTS, rank_before};
 use super::history::PixelHistory;
 use super::pixel::{Component, MAX_K};
 use super::verdict::sigmas;
@@ -62,9 +62,11 @@ pub fn standings(
     };
     let old = history.before(index);
     let (pixel, slots, count) = if before {
-        let Some((old, slots)) = old.zip(index.checked_sub(1).and_then(|index| slots.get(index))) else {
-            return (Vec::new(), 0);
+        let of_before = match index.checked_sub(1) {
+            Some(index) => slots.get(index),
+            None => Some(&FIRST_SLOTS),
         };
+        let Some((old, slots)) = old.zip(of_before) else { return (Vec::new(), 0) };
         (old, slots, old.background_count(history.parameters.t_of(old.past())))
     } else {
         (&state.pixel, here, usize::from(state.outcome.background_count))

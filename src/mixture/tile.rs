@@ -35,6 +35,11 @@ impl<const N: usize> Gaussians<N> {
     pub(super) const UNUSED: Self =
         Self { weight: Plane([0.0; LANES]), variance: Plane([0.0; LANES]), mean: [Plane([0.0; LANES]); N] };
 
+    /// w ← 1.
+    pub(super) fn make_certain(&mut self) {
+        self.weight = Plane([1.0; LANES]);
+    }
+
     /// The component of one lane.
     pub(super) fn lane(&self, lane: usize) -> Component {
         let mut mean = [0.0; 3];
@@ -156,7 +161,8 @@ impl Constants {
     }
 
     pub(super) fn moment(&self, t: u32) -> Moment {
-        Moment { t, alpha: self.parameters.alpha_at(t), warming: t <= self.parameters.warm_up }
+        let warming = t <= self.parameters.warm_up.max(self.parameters.learnt);
+        Moment { t, alpha: self.parameters.alpha_at(t), warming }
     }
 
     /// ρ, from w after the update and the rest before it (§V).

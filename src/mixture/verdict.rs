@@ -40,6 +40,13 @@ pub fn verdict(history: &PixelHistory, index: usize) -> Verdict {
         Some(before) => matched(state, before, parameters),
     };
     verdict.details.extend(shadow(state, parameters));
+    if parameters.begins_at(state.t) {
+        verdict.details.push(format!(
+            "It is the first frame that is judged: the model begins with component 1 of what it learnt from {} frames \
+             (bootstrap), w = 1.",
+            parameters.learnt
+        ));
+    }
     verdict
 }
 
@@ -408,6 +415,21 @@ mod tests {
         verdict.details.iter().find(|detail| detail.contains(part)).unwrap_or_else(|| {
             unreachable!("no detail has {part:?}: {verdict:#?}");
         })
+    }
+
+    #[test]
+    fn the_first_frame_after_learning_is_judged_like_any_other() {
+        let mut history = PixelHistory::new((0, 0), parameters());
+        history.learn_colours((1..=40).map(|n| if n < 9 { [200; 3] } else { [50; 3] }));
+        history.push_colour(1, [200; 3]);
+        let words = verdict(&history, 0);
+        assert!(words.foreground && !words.headline.contains("first frame"), "{}", words.headline);
+        assert!(words.headline.starts_with("Foreground: nothing matched"), "{}", words.headline);
+        let begins = words.details.iter().find(|detail| detail.contains("learnt from 40 frames"));
+        assert!(begins.is_some(), "{:?}", words.details);
+        history.push_colour(2, [50; 3]);
+        let words = verdict(&history, 1);
+        assert!(!words.foreground && !words.details.iter().any(|detail| detail.contains("learnt from")));
     }
 
     #[test]

@@ -15,6 +15,10 @@ pub(super) trait Follower {
     fn next(&self) -> Option<u32>;
     /// Takes in the frame at a position, if it is the next.
     fn push(&mut self, position: u32, frame: &Frame);
+    /// There are no frames but those that it took in; whether that tells it anything new.
+    fn end(&mut self) -> bool {
+        false
+    }
     /// The next frame is not to be had any more, as the first ones of a camera, and all that comes depends on it.
     fn lose(&mut self);
 }
@@ -24,6 +28,9 @@ pub(super) fn gather(follower: &mut impl Follower, frames: &mut FrameCache) -> R
     let started = Instant::now();
     let mut worked = false;
     let end = frames.numbers().len() as u32;
+    if frames.is_complete() && follower.next() == Some(end) {
+        worked = follower.end();
+    }
     while let Some(next) = follower.next().filter(|&next| next < end) {
         worked = true;
         match frames.fetch(next, Keep::IfRoom)? {

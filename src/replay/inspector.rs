@@ -6,6 +6,7 @@ use super::gather::Follower;
 use crate::frame::Frame;
 use crate::mixture::{Parameters, PixelHistory};
 use crate::settings::{BackgroundModel, Settings};
+use crate::source::SourceInfo;
 
 /// Follows one pixel through all frames that are known, whether they are analysed or not.
 #[derive(Clone, Default)]
@@ -14,6 +15,10 @@ pub(super) struct Inspector {
     /// The pixel's number and colour in each frame. `history` may be behind: it is extended when
     /// somebody wants to see it, as others hold the last one and it has to be copied then.
     colours: Vec<(u32, [u8; 3])>,
+    /// So many of the first frames are learnt from before the first is judged.
+    to_learn: u32,
+    /// Whether `colours` are those of all frames that there are.
+    complete: bool,
     /// The pixel that cannot be followed.
     lost: Option<(u32, u32)>,
 }
@@ -21,16 +26,18 @@ pub(super) struct Inspector {
 impl Inspector {
     /// Chooses a pixel, or none; of the same pixel what was seen stays, and is taken through the
     /// mixture anew where the parameters are others.
-    pub(super) fn choose(&mut self, at: Option<(u32, u32)>, settings: &Settings) {
+    pub(super) fn choose(&mut self, at: Option<(u32, u32)>, settings: &Settings, info: &SourceInfo) {
         let at = at.filter(|_| settings.background_model == BackgroundModel::Mixture);
         self.lost = None;
-        let parameters = Parameters::new(settings);
         if self.history.as_ref().map(|history| history.at) != at {
             self.colours.clear();
+            self.complete = false;
         }
-        let same = |history: &Arc<PixelHistory>| Some(history.at) == at && history.parameters == parameters;
+        self.to_learn = info.bootstrap(settings);
+        let same =
+            |history: &Arc<PixelHistory>| Some(history.at) == at && history.parameters.are_of(settings);
         if !self.history.as_ref().is_some_and(same) {
-            self.history = at.map(|at| Arc::new(PixelHistory::new(at, parameters)));
+            self.history = at.map(|at| Arc::new(PixelHistory::new(at, Parameters::new(settings))));
         }
     }
 
@@ -47,6 +54,7 @@ impl Inspector {
             return false;
         }
         self.colours.extend_from_slice(&other.colours[known..]);
+        self.complete = other.complete;
         true
     }
 
@@ -57,7 +65,7 @@ impl Inspector {
 
     /// The history, brought up to date if `position` is not in it yet; `None` while that is not known.
     pub(super) fn covering(&mut self, position: u32) -> Option<Arc<PixelHistory>> {
-        if self.frames()? <= position {
+        if self.frames()? <= position || !self.has_learnt() {
             return None;
         }
         if self.history.as_ref()?.states.len() as u32 <= position {
@@ -67,11 +75,21 @@ impl Inspector {
         }
     }
 
+    /// Whether all is known that comes before the first frame that is judged.
+    const fn has_learnt(&self) -> bool {
+        self.complete || self.colours.len() >= self.to_learn as usize
+    }
+
     /// The history brought up to date.
     pub(super) fn latest(&mut self) -> Option<Arc<PixelHistory>> {
+        let has_learnt = self.has_learnt();
         let history = self.history.as_mut()?;
-        if history.states.len() < self.colours.len() {
+        if has_learnt && history.states.len() < self.colours.len() {
             let history = Arc::make_mut(history);
+            if history.states.is_empty() && history.parameters.learnt == 0 {
+                let first = self.colours.iter().take(self.to_learn as usize);
+                history.learn_colours(first.map(|&(_, colour)| colour));
+            }
             for &(number, colour) in &self.colours[history.states.len()..] {
                 history.push_colour(number, colour);
             }
@@ -92,6 +110,12 @@ impl Follower for Inspector {
         {
             self.colours.push((frame.number, colour));
         }
+    }
+
+    fn end(&mut self) -> bool {
+        let waits = self.history.is_some() && !self.has_learnt();
+        self.complete |= self.history.is_some();
+        waits
     }
 
     fn lose(&mut self) {

@@ -99,7 +99,7 @@ impl Lane {
 
     /// Follows a pixel, or none.
     pub(super) fn inspect(&mut self, at: Option<(u32, u32)>) {
-        self.inspector.choose(at, self.run.settings());
+        self.inspector.choose(at, self.run.settings(), self.run.info());
     }
 
     /// The first stage that other settings or another part of the image touch; `None` where they are the same.
@@ -131,19 +131,42 @@ impl Lane {
         self.finished.is_some()
     }
 
-    /// Analyses the next frames that are there, or lets one be decoded on the way to them: not beyond the position
-    /// `last`, where there is one before the end. `passed` is given each frame with its position.
+    /// Where it is on its way: how often it has passed all that it learns from, and the position of the next frame.
+    pub(super) fn next(&self) -> (u32, u32) {
+        self.run.learns().map_or_else(|| (1, self.run.front()), |position| (0, position))
+    }
+
+    /// Learns from or analyses the next frames that are there, or lets one be decoded on the way to them: not beyond
+    /// the position `last`, where there is one before the end. What has to be decoded again is kept as `keep` says;
+    /// `passed` is given each frame with its position.
     pub(super) fn go_on(
         &mut self,
         frames: &mut FrameCache,
         last: Option<u32>,
+        keep: Keep,
         mut passed: impl FnMut(u32, &Frame),
     ) -> Result<Step, LaneError> {
+        if let Some(position) = self.run.learns() {
+            match frames.fetch(position, keep)? {
+                Fetched::Frame(frame) => {
+                    let frames = self.with_those_at_hand(frames, position, frame, last);
+                    self.run.learn(&frames)?;
+                    for (position, frame) in (position..).zip(&frames) {
+                        self.inspector.push(position, frame);
+                        passed(position, frame);
+                    }
+                }
+                Fetched::OnTheWay => {}
+                Fetched::End => self.run.begin(),
+                Fetched::Gone => return Ok(Step::Gone),
+            }
+            return Ok(Step::On);
+        }
         let position = self.run.front();
         if self.run.is_tracking_again() {
             self.run.track_next();
         } else {
-            match frames.fetch(position, Keep::IfRoom)? {
+            match frames.fetch(position, keep)? {
                 Fetched::Frame(frame) => {
                     let frames = self.with_those_at_hand(frames, position, frame, last);
                     self.run.step(&frames)?;

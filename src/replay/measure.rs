@@ -38,9 +38,16 @@ fn a_pixels_whole_history() {
 
     let (wake, woken) = channel();
     let name = path.to_str().unwrap();
-    let session = Session::open(name, Settings::default(), None, Start::First, Some(MEMORY), move || {
-        let _ = wake.send(());
-    });
+    let session = Session::open(
+        name,
+        crate::source::Options::default(),
+        (Settings::default(), None),
+        Start::First,
+        Some(MEMORY),
+        move || {
+            let _ = wake.send(());
+        },
+    );
     let until = |done: &dyn Fn(&State) -> bool| loop {
         let state = session.state();
         if done(&state) {

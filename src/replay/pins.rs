@@ -7,6 +7,7 @@ use super::inspector::Inspector;
 use crate::frame::Frame;
 use crate::mixture::PixelHistory;
 use crate::settings::Settings;
+use crate::source::SourceInfo;
 
 /// Follows several pixels. They go through the frames together, so that each frame is decoded once for all of them.
 #[derive(Default)]
@@ -14,29 +15,29 @@ pub(super) struct Pins(Vec<((u32, u32), Inspector)>);
 
 impl Pins {
     /// Follows these pixels and no others. Of those that were followed before, what was seen stays.
-    pub(super) fn choose(&mut self, pixels: &[(u32, u32)], settings: &Settings) {
+    pub(super) fn choose(&mut self, pixels: &[(u32, u32)], settings: &Settings, info: &SourceInfo) {
         let mut before = std::mem::take(&mut self.0);
         for &at in pixels {
             let known = before.iter().position(|(pixel, _)| *pixel == at);
             let inspector = known.map(|known| before.swap_remove(known).1).unwrap_or_default();
             self.0.push((at, inspector));
         }
-        self.run_again(settings);
+        self.run_again(settings, info);
     }
 
     /// Takes what was seen through the mixture anew where its parameters are others.
-    pub(super) fn run_again(&mut self, settings: &Settings) {
+    pub(super) fn run_again(&mut self, settings: &Settings, info: &SourceInfo) {
         for (at, inspector) in &mut self.0 {
-            inspector.choose(Some(*at), settings);
+            inspector.choose(Some(*at), settings, info);
         }
     }
 
     /// Forgets what was seen, as after another first frame.
-    pub(super) fn forget(&mut self, settings: &Settings) {
+    pub(super) fn forget(&mut self, settings: &Settings, info: &SourceInfo) {
         for (_, inspector) in &mut self.0 {
             *inspector = Inspector::default();
         }
-        self.run_again(settings);
+        self.run_again(settings, info);
     }
 
     /// Those whose histories cannot be known.
@@ -60,6 +61,10 @@ impl Follower for Pins {
         for (_, inspector) in &mut self.0 {
             inspector.push(position, frame);
         }
+    }
+
+    fn end(&mut self) -> bool {
+        self.0.iter_mut().fold(false, |news, (_, inspector)| inspector.end() || news)
     }
 
     fn lose(&mut self) {

@@ -21,6 +21,8 @@ const PIECE: usize = 1_000_000;
 #[derive(Default)]
 pub(super) struct RegionTuner {
     region: Option<Region>,
+    /// So many of the first frames are learnt from before the first is judged.
+    to_learn: u32,
     knobs: Option<[Knob; 2]>,
     truth: Option<Arc<TrueMasks>>,
     job: Option<Job>,
@@ -74,6 +76,11 @@ impl RegionTuner {
         self.knobs = knobs;
     }
 
+    /// So many of the first frames are learnt from under the settings in view.
+    pub(super) const fn set_to_learn(&mut self, to_learn: u32) {
+        self.to_learn = to_learn;
+    }
+
     /// Takes the masks that are right; they are as large as the frames.
     pub(super) fn set_truth(&mut self, truth: Option<Arc<TrueMasks>>) {
         self.truth = truth;
@@ -93,8 +100,9 @@ impl RegionTuner {
         let (Some(region), Some(knobs), Some(truth)) = (&self.region, self.knobs, &self.truth) else {
             return None;
         };
-        let parameters = Parameters::new(settings);
         let (at, side, frames) = (region.at, region.side, region.frames.len());
+        let learnt = self.to_learn.min(frames as u32);
+        let parameters = Parameters { learnt, ..Parameters::new(settings) };
         let question = Question { at, side, knobs, parameters, frames };
         let known = self.done.as_ref().is_some_and(|(done, _)| *done == question);
         if known || frames == 0 || !mixture {
@@ -120,7 +128,8 @@ impl RegionTuner {
 impl Follower for RegionTuner {
     fn next(&self) -> Option<u32> {
         let (region, truth) = self.region.as_ref().zip(self.truth.as_ref())?;
-        let more = region.frames.last().is_none_or(|frame| frame.number < truth.last());
+        let more = region.frames.len() < self.to_learn as usize
+            || region.frames.last().is_none_or(|frame| frame.number < truth.last());
         more.then_some(region.frames.len() as u32)
     }
 

@@ -43,6 +43,12 @@ pub(super) struct Run {
     info: Arc<SourceInfo>,
     pipeline: Pipeline,
     record: Record,
+    /// How many of the first frames the model is to learn from before it begins; less where there are fewer.
+    to_learn: u32,
+    /// How many it has learnt from.
+    learnt: u32,
+    /// The mixture as it begins, where it learnt from anything.
+    start: Option<Arc<Snapshot>>,
     /// Frames analysed in full; less than on record while what follows the model is being redone.
     front: u32,
     /// Whether what is redone begins with the regions, and not with tracking.
@@ -83,6 +89,7 @@ impl Run {
     ) -> Result<Self, PipelineError> {
         let mut pipeline = Pipeline::new(&settings, info.size, info.fps)?;
         pipeline.set_roi(roi.clone())?;
+        let to_learn = info.bootstrap(&settings);
         let mut run = Self {
             for_models: 0,
             checkpoints: Spaced::new(CLOSEST, 0),
@@ -93,6 +100,9 @@ impl Run {
             settings,
             roi,
             pipeline,
+            to_learn,
+            learnt: 0,
+            start: None,
             front: 0,
             finding_again: false,
             replay: None,
@@ -112,6 +122,7 @@ impl Run {
             settings: Arc::clone(&self.settings),
             roi: self.roi.clone(),
             info: Arc::clone(&self.info),
+            start: self.start.clone(),
             record: self.record.clone(),
             checkpoints: self.checkpoints.clone(),
             near: Near::new(0),
@@ -139,13 +150,18 @@ impl Run {
 
     /// Every frame's record is kept: what it takes, models go without.
     fn give_room(&mut self) {
-        let room = self.for_models.saturating_sub(self.record.bytes());
+        let start = self.start.as_ref().map_or(0, |start| start.bytes());
+        let room = self.for_models.saturating_sub(self.record.bytes() + start);
         self.checkpoints.set_room(room);
         self.backgrounds.set_room(room);
     }
 
     pub(super) const fn settings(&self) -> &Arc<Settings> {
         &self.settings
+    }
+
+    pub(super) const fn info(&self) -> &Arc<SourceInfo> {
+        &self.info
     }
 
     pub(super) const fn roi(&self) -> Option<&Arc<Roi>> {
@@ -157,7 +173,37 @@ impl Run {
         self.front
     }
 
-    /// How many frames the model has seen.
+    /// The position of the first frame that the model still has to learn from before it begins; `None` when it has
+    /// begun.
+    pub(super) fn learns(&self) -> Option<u32> {
+        (self.learnt < self.to_learn).then_some(self.learnt)
+    }
+
+    /// How many of the first frames the model is to learn from, as far as that is known.
+    pub(super) const fn to_learn(&self) -> u32 {
+        self.to_learn
+    }
+
+    /// Learns from the next frames, from that at [`Self::learns`] on: no more than [`Self::most_frames`].
+    pub(super) fn learn(&mut self, frames: &[Arc<Frame>]) -> Result<(), PipelineError> {
+        let borrowed: Vec<_> = frames.iter().map(Arc::as_ref).collect();
+        self.pipeline.learn(&borrowed)?;
+        self.learnt += frames.len() as u32;
+        if self.learnt == self.to_learn {
+            self.begin();
+        }
+        Ok(())
+    }
+
+    /// Begins with what is learnt: there are no more frames to learn from.
+    pub(super) fn begin(&mut self) {
+        self.to_learn = self.learnt;
+        self.pipeline.begin();
+        self.start = self.pipeline.mixture().map(|mixture| Arc::new(mixture.snapshot()));
+        self.give_room();
+    }
+
+    /// How many frames have been judged under the model.
     pub(super) fn modelled(&self) -> u32 {
         self.record.len()
     }
@@ -196,10 +242,11 @@ impl Run {
         }
     }
 
-    /// How many of the next frames [`Self::step`] may take at a time: after the last of them the
+    /// How many of the next frames [`Self::learn`] or [`Self::step`] may take at a time: after the last of them the
     /// model may have to be kept.
     pub(super) fn most_frames(&self) -> usize {
         let until_kept = match self.pipeline.mixture() {
+            _ if self.learnt < self.to_learn => self.to_learn - self.learnt,
             _ if self.front < self.record.len() => self.record.len() - self.front,
             Some(_) => self.checkpoints.until_next(self.front),
             None => 1,
@@ -368,7 +415,17 @@ impl Run {
         // Which component a frame matched is told by the mixture before it.
         let before = quantity == Some(Quantity::Matched);
         let wanted = if before { position } else { position + 1 };
-        let new = || (0, Mixture::new(self.info.size, Parameters::new(&self.settings)));
+        let parameters = self
+            .pipeline
+            .mixture()
+            .map_or_else(|| Parameters::new(&self.settings), |mixture| *mixture.parameters());
+        let new = || {
+            let mut mixture = Mixture::new(self.info.size, parameters);
+            if let Some(start) = &self.start {
+                mixture.restore(start);
+            }
+            (0, mixture)
+        };
         let (taken, mixture) = self.replay.get_or_insert_with(new);
         let checkpoint = checkpoint(&self.checkpoints, &self.near, wanted);
         // A replay that has come farther, yet not too far, is nearer.
@@ -444,7 +501,14 @@ mod tests {
         let frames: Vec<_> =
             straight(folder.path(), &settings()).into_iter().map(|shown| shown.frame).collect();
         let size = frames[0].size;
-        let info = SourceInfo { name: "scene".into(), size, fps: 25.0, frames: None, live: false };
+        let info = SourceInfo {
+            name: "scene".into(),
+            size,
+            fps: 25.0,
+            fps_from: crate::source::FpsFrom::Video,
+            frames: None,
+            live: false,
+        };
         let few = Arc::new(Settings { median: 5, min_area: 2000, ..settings() });
         let many = Arc::new(Settings { median: 0, min_area: 0, ..settings() });
         let pass = |run: &mut Run| {

@@ -14,8 +14,8 @@ use crate::mixture::tuning::Knob;
 use crate::occlusion::Event;
 use crate::regions::Roi;
 use crate::settings::Settings;
-use crate::source::SourceError;
 use crate::source::cache::FrameCache;
+use crate::source::{Options, SourceError};
 use crate::truth::Truth;
 
 /// A video under analysis. Dropping it ends its worker.
@@ -85,17 +85,17 @@ impl Session {
     /// fails. It calls `wake` after every change of [`Self::state`], from its own thread. It keeps up to `memory` bytes of frames and models, or a quarter of the machine's memory.
     pub fn open(
         video: &str,
-        settings: Settings,
-        roi: Option<Arc<Roi>>,
+        options: Options,
+        (settings, roi): (Settings, Option<Arc<Roi>>),
         start: Start,
         memory: Option<usize>,
         wake: impl Fn() + Send + Sync + 'static,
     ) -> Self {
-        let name = video.to_owned();
+        let (name, options) = (video.to_owned(), options);
         // A frame that was dropped costs decoding from the start, a checkpoint replaying from the
         // one before: half for each.
         let budget = memory.unwrap_or_else(memory::quarter) / 2;
-        let open = move || FrameCache::open(&name, budget);
+        let open = move || FrameCache::open(&name, options, budget);
         Self::start(video, open, budget, (settings, roi), start, wake)
     }
 

@@ -13,9 +13,9 @@ use crate::frame::{Mask, Size};
 use crate::mixture::Parameters;
 use crate::mixture::tuning::{self, Knob};
 use crate::pipeline::Pipeline;
-use crate::settings::{BackgroundModel, Preset};
+use crate::settings::{BackgroundModel, Preset, Span};
 use crate::source::cache::FrameCache;
-use crate::source::{self, Source, SourceError};
+use crate::source::{self, Options, Source, SourceError};
 
 mod beside;
 mod compare;
@@ -28,6 +28,8 @@ pub(super) const WIDTH: u32 = 96;
 pub(super) const HEIGHT: u32 = 64;
 /// Frame numbers are positions plus this.
 pub(super) const FIRST: u32 = 101;
+/// So many of the first frames are learnt from before they are judged.
+pub(super) const LEARNT: u32 = 25;
 /// A pixel that both squares pass over.
 pub(super) const PIXEL: (u32, u32) = (48, 32);
 
@@ -61,7 +63,8 @@ pub(super) fn name(path: &Path) -> String {
 }
 
 pub(super) fn settings() -> Settings {
-    Settings { track_min_area: 0.3, warm_up: 0, alpha: 0.02, ..Settings::preset(Preset::Default) }
+    let bootstrap = Span::Frames(LEARNT);
+    Settings { track_min_area: 0.3, warm_up: 0, alpha: 0.02, bootstrap, ..Settings::preset(Preset::Default) }
 }
 
 /// A session that tells when its state changed.
@@ -74,7 +77,13 @@ impl Watched {
     fn open(video: &Path, settings: Settings, start: Start, budget: usize) -> Self {
         let video = name(video);
         let path = video.clone();
-        Self::start(&video, move || FrameCache::open(&path, budget / 2), budget / 2, settings, start)
+        Self::start(
+            &video,
+            move || FrameCache::open(&path, Options::default(), budget / 2),
+            budget / 2,
+            settings,
+            start,
+        )
     }
 
     fn start(
@@ -139,15 +148,42 @@ pub(super) fn straight(video: &Path, settings: &Settings) -> Vec<Shown> {
     straight_within(video, settings, None)
 }
 
+/// All frames of a video, and how many of the first ones are learnt from before they are judged.
+pub(super) fn decoded(video: &Path, settings: &Settings) -> (SourceInfo, Vec<Frame>, usize) {
+    let mut source = source::open(&name(video), Options::default()).unwrap();
+    let info = source.info().clone();
+    let frames: Vec<_> = std::iter::from_fn(|| source.next_frame().unwrap()).collect();
+    let learnt = frames.len().min(info.bootstrap(settings) as usize);
+    (info, frames, learnt)
+}
+
+/// The stages after what they learn, which is all of `first`.
+pub(super) fn begun(settings: &Settings, info: &SourceInfo, first: &[Frame]) -> Pipeline {
+    let mut pipeline = Pipeline::new(settings, info.size, info.fps).unwrap();
+    for frame in first {
+        pipeline.learn(&[frame]).unwrap();
+    }
+    pipeline
+}
+
+/// The history of a pixel before the first frame that is judged.
+pub(super) fn learnt(at: (u32, u32), settings: &Settings, first: &[Frame]) -> PixelHistory {
+    let mut history = PixelHistory::new(at, Parameters::new(settings));
+    for frame in first {
+        history.learn(frame);
+    }
+    history
+}
+
 /// The same where only a part of the image is analysed.
 pub(super) fn straight_within(video: &Path, settings: &Settings, roi: Option<&Arc<Roi>>) -> Vec<Shown> {
-    let mut source = source::open(&name(video)).unwrap();
-    let mut pipeline = Pipeline::new(settings, source.info().size, source.info().fps).unwrap();
+    let (info, frames, first) = decoded(video, settings);
+    let mut pipeline = begun(settings, &info, &frames[..first]);
     pipeline.set_roi(roi.cloned()).unwrap();
     let shared = Arc::new(settings.clone());
-    let mut history = PixelHistory::new(PIXEL, Parameters::new(settings));
+    let mut history = learnt(PIXEL, settings, &frames[..first]);
     let mut all = Vec::new();
-    while let Some(frame) = source.next_frame().unwrap() {
+    for frame in frames {
         let analysis = pipeline.step(&frame).unwrap();
         history.push(&frame);
         let picture = |rgb| Arc::new(Frame::new(frame.number, frame.size, rgb));
@@ -201,12 +237,14 @@ fn walk() -> impl Iterator<Item = u32> {
 #[test]
 fn any_walk_shows_what_one_pass_forward_gives() {
     let folder = scene();
-    let expected = straight(folder.path(), &settings());
-    assert!(expected.iter().any(|shown| shown.analysis.regions.len() >= 2));
     let frame_bytes = (WIDTH * HEIGHT * 3) as usize;
-    // Room for everything; for few frames and checkpoints; for next to nothing.
-    for budget in [1 << 30, frame_bytes * 160, 0] {
-        let watched = Watched::open(folder.path(), settings(), Start::First, budget);
+    // Room for everything; for few frames and checkpoints; for next to nothing. All of the clip is learnt from, a part
+    // of it, nothing.
+    for (budget, learnt) in [(1 << 30, LEARNT), (frame_bytes * 160, 1000), (0, 0), (0, LEARNT)] {
+        let settings = Settings { bootstrap: Span::Frames(learnt), ..settings() };
+        let expected = straight(folder.path(), &settings);
+        assert!(expected.iter().any(|shown| shown.analysis.regions.len() >= 2));
+        let watched = Watched::open(folder.path(), settings, Start::First, budget);
         watched.session.inspect(Some(PIXEL));
         for position in walk() {
             watched.session.show(position);
@@ -241,7 +279,7 @@ fn any_walk_shows_what_one_pass_forward_gives() {
 #[test]
 fn a_change_of_settings_never_mixes_with_what_was() {
     let folder = scene();
-    let mixture = Settings { k: 4, alpha: 0.05, ..settings() };
+    let mixture = Settings { k: 4, alpha: 0.05, bootstrap: Span::Frames(7), ..settings() };
     let cleaning = Settings { median: 0, min_area: 3, ..mixture.clone() };
     let tracking = Settings { gate: 0.9, process_noise: 3.0, ..cleaning.clone() };
     let choices = [settings(), mixture, cleaning, tracking];
@@ -255,7 +293,7 @@ fn a_change_of_settings_never_mixes_with_what_was() {
         let choice = choices.iter().position(|settings| *settings == *shown.settings).unwrap();
         assert_same(shown, &expected[choice][shown.position as usize]);
         if let Some(history) = &shown.pixel {
-            assert_eq!(history.parameters, Parameters::new(&shown.settings));
+            assert!(history.parameters.are_of(&shown.settings));
         }
         let shares = expected[choice].iter().map(|shown| shown.analysis.mask.foreground_share());
         let analysed = state.timeline.foreground_share.len();
@@ -263,7 +301,7 @@ fn a_change_of_settings_never_mixes_with_what_was() {
         assert!(state.timeline.foreground_share.iter().copied().eq(shares.take(analysed)));
         // The pixel may be ahead of the view.
         if let Some(history) = &state.pixel {
-            let settings = |settings: &&Settings| Parameters::new(settings) == history.parameters;
+            let settings = |settings: &&Settings| history.parameters.are_of(settings);
             let choice = choices.iter().position(|choice| settings(&choice)).unwrap();
             let straight = expected[choice].last().unwrap().pixel.as_ref().unwrap();
             assert_eq!(history.states[..], straight.states[..history.states.len()]);
@@ -349,19 +387,20 @@ fn an_area_of_another_size_ends_the_work_in_a_sentence_and_another_one_goes_on()
 fn the_chosen_pixel_answers_new_settings_without_the_frames() {
     let folder = scene();
     let expected = straight(folder.path(), &settings());
-    let other = Settings { k: 2, alpha: 0.2, ..settings() };
+    let other = Settings { k: 2, alpha: 0.2, bootstrap: Span::Frames(40), ..settings() };
     let mut inspector = super::inspector::Inspector::default();
-    inspector.choose(Some(PIXEL), &settings());
+    let (info, ..) = decoded(folder.path(), &settings());
+    inspector.choose(Some(PIXEL), &settings(), &info);
     for shown in &expected {
         inspector.push(shown.position, &shown.frame);
     }
     assert_eq!(inspector.latest(), expected.last().unwrap().pixel);
-    inspector.choose(Some(PIXEL), &other);
+    inspector.choose(Some(PIXEL), &other, &info);
     let straight = straight(folder.path(), &other);
     assert_eq!(inspector.latest(), straight.last().unwrap().pixel);
-    inspector.choose(Some((3, 4)), &other);
+    inspector.choose(Some((3, 4)), &other, &info);
     assert_eq!(inspector.frames(), Some(0));
-    inspector.choose(None, &other);
+    inspector.choose(None, &other, &info);
     assert_eq!((inspector.frames(), inspector.latest()), (None, None));
 }
 
@@ -474,10 +513,17 @@ fn a_panic_in_the_worker_becomes_a_failure() {
     let folder = scene();
     let once = AtomicBool::new(true);
     let (wake, woken) = channel();
-    let session = Session::open(&name(folder.path()), settings(), None, Start::First, None, move || {
-        assert!(!once.swap(false, Ordering::Relaxed), "as this test wants it");
-        let _ = wake.send(());
-    });
+    let session = Session::open(
+        &name(folder.path()),
+        Options::default(),
+        (settings(), None),
+        Start::First,
+        None,
+        move || {
+            assert!(!once.swap(false, Ordering::Relaxed), "as this test wants it");
+            let _ = wake.send(());
+        },
+    );
     woken.recv_timeout(Duration::from_secs(20)).unwrap();
     let Phase::Failed(why) = session.state().phase else { panic!("{:?}", session.state().phase) };
     assert!(why.contains("as this test wants it") && !why.contains('\n'), "{why}");
@@ -487,9 +533,16 @@ fn a_panic_in_the_worker_becomes_a_failure() {
 fn dropping_a_session_ends_its_worker_at_once() {
     let folder = scene();
     let (wake, woken) = channel::<()>();
-    let session = Session::open(&name(folder.path()), settings(), None, Start::First, None, move || {
-        let _ = wake.send(());
-    });
+    let session = Session::open(
+        &name(folder.path()),
+        Options::default(),
+        (settings(), None),
+        Start::First,
+        None,
+        move || {
+            let _ = wake.send(());
+        },
+    );
     woken.recv_timeout(Duration::from_secs(20)).unwrap();
     let started = Instant::now();
     drop(session);
@@ -552,8 +605,14 @@ fn camera(length: u32, frames_kept: usize) -> Watched {
     let folder = scene();
     let scene: Vec<_> = straight(folder.path(), &settings()).into_iter().map(|shown| shown.frame).collect();
     let frame_bytes = scene[0].rgb.len();
-    let info =
-        SourceInfo { name: "camera:7".into(), size: scene[0].size, fps: 25.0, frames: None, live: true };
+    let info = SourceInfo {
+        name: "camera:7".into(),
+        size: scene[0].size,
+        fps: 25.0,
+        fps_from: crate::source::FpsFrom::Video,
+        frames: None,
+        live: true,
+    };
     let open = move || -> Result<Box<dyn Source>, SourceError> {
         Ok(Box::new(Camera { info: info.clone(), scene: scene.clone(), next: 0, length }))
     };
@@ -648,12 +707,14 @@ fn the_worker_says_what_the_pixel_would_be_under_other_settings() {
             let tuning = state.tuning.as_ref().filter(|tuning| tuning.position == position);
             tuning.is_some_and(|tuning| {
                 let of = tuning.map.axes.each_ref().map(|axis| axis.knob);
-                of == knobs && tuning.parameters == Parameters::new(&settings)
+                of == knobs && tuning.parameters.are_of(&settings)
             })
         });
         let tuning = state.tuning.unwrap();
         let history = state.pixel.unwrap();
-        let values: Vec<_> = history.states[..=position as usize].iter().map(|state| state.value).collect();
+        let seen = LEARNT as usize + position as usize + 1;
+        let colours = (0..LEARNT).chain(0..FRAMES).map(|at| history.states[at as usize].value);
+        let values: Vec<_> = colours.take(seen).collect();
         assert_eq!(tuning.at, PIXEL);
         assert_eq!(tuning.map, tuning::map(&values, &tuning.parameters, knobs));
         for flip in &tuning.flips {
@@ -672,7 +733,7 @@ fn stopped_it_analyses_what_is_looked_at_and_no_more() {
     let video = path.clone();
     let opens = move || {
         opened.recv().unwrap();
-        FrameCache::open(&path, 1 << 20)
+        FrameCache::open(&path, Options::default(), 1 << 20)
     };
     let watched = Watched::start(&video, opens, 1 << 20, settings(), Start::FirstOcclusion);
     watched.session.show(50);

@@ -65,8 +65,8 @@ impl Tuner {
         let job = match self.job.take() {
             Some(job) if job.question == question => self.job.insert(job),
             _ => {
-                let Some(states) = history.states.get(..=position as usize) else { return false };
-                self.job.insert(Job::new(question, states.iter().map(|state| state.value).collect()))
+                let Some(values) = history.values_until(position as usize) else { return false };
+                self.job.insert(Job::new(question, values))
             }
         };
         if let Some(tuning) = job.go_on() {

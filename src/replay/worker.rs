@@ -34,7 +34,7 @@ use super::{Phase, Progress, Shown, Start, same};
 use crate::mixture::Quantity;
 use crate::regions::Roi;
 use crate::settings::Settings;
-use crate::source::cache::FrameCache;
+use crate::source::cache::{FrameCache, Keep};
 use crate::source::{SourceError, SourceInfo};
 use crate::tracking::Identity;
 use crate::truth::Truth;
@@ -210,7 +210,7 @@ impl<'a> Worker<'a> {
         }
         if let Some(mut pins) = requests.pins {
             pins.retain(|&(x, y)| self.info.size.index(x, y).is_some());
-            self.pins.choose(&pins, self.lane.settings());
+            self.pins.choose(&pins, self.lane.settings(), &self.info);
             self.outbox.pixel_grew = true;
         }
         if let Some(Around(region)) = requests.region {
@@ -269,7 +269,7 @@ impl<'a> Worker<'a> {
         let in_view = self.is_due(&self.lane);
         let rival = self.rival.lane.as_ref().filter(|lane| self.is_due(lane));
         match rival {
-            Some(rival) if !in_view || rival.run.front() < self.lane.run.front() => Some(Which::Rival),
+            Some(rival) if !in_view || rival.next() < self.lane.next() => Some(Which::Rival),
             _ => in_view.then_some(Which::InView),
         }
     }
@@ -326,6 +326,7 @@ impl<'a> Worker<'a> {
     /// Takes the pinned pixels through the frames that are known, counts the foreground around the chosen one, and
     /// gathers the colours there; whether there was anything to do.
     fn gather_beside(&mut self) -> Result<bool, SourceError> {
+        self.region_tuner.set_to_learn(self.info.bootstrap(self.lane.settings()));
         let run = &self.lane.run;
         let worked = gather::gather(&mut self.pins, &mut self.frames)?
             || self.region.gather(run.record(), run.front(), self.info.size);
@@ -385,6 +386,8 @@ impl<'a> Worker<'a> {
     fn analyse(&mut self, which: Which) -> Result<(), Stopped> {
         let started = Instant::now();
         let (last, both) = (self.last_of(which), self.due_both());
+        // The other one comes by soon, and is to find it there.
+        let keep = if both { Keep::Yes } else { Keep::IfRoom };
         let lane = match which {
             Which::InView => &mut self.lane,
             Which::Rival => {
@@ -392,13 +395,14 @@ impl<'a> Worker<'a> {
                 lane
             }
         };
-        let position = lane.run.front();
+        let (position, learnt) = (lane.run.front(), lane.run.learns());
         let (pins, region_tuner) = (&mut self.pins, &mut self.region_tuner);
-        let step = lane.go_on(&mut self.frames, last, |position, frame| {
+        let step = lane.go_on(&mut self.frames, last, keep, |position, frame| {
             pins.push(position, frame);
             region_tuner.push(position, frame);
         });
         let front = lane.run.front();
+        let to_learn = lane.run.to_learn();
         self.outbox.warnings.extend(self.frames.take_warnings());
         // The end of the sequence may have been found.
         self.outbox.timeline_grew = true;
@@ -410,6 +414,13 @@ impl<'a> Worker<'a> {
         match which {
             Which::InView => self.find_occlusion(position..front),
             Which::Rival => self.outbox.beside_grew = true,
+        }
+        if let Some(learnt) = learnt {
+            self.busy = Some(Progress {
+                what: "learning the background".to_owned(),
+                done: learnt,
+                total: Some(to_learn),
+            });
         }
         if front > position {
             self.meter.add(started.elapsed(), front - position);
@@ -433,15 +444,15 @@ impl<'a> Worker<'a> {
 
     /// The last position up to which one of both is to be analysed in one piece, if there is one.
     fn last_of(&self, which: Which) -> Option<u32> {
-        let front = self.lane.run.front();
+        let (pass, next) = self.lane.next();
         match (which, &self.rival.lane) {
             // What is wanted in view comes first.
-            (Which::InView, _) if !self.follow && front <= self.wanted => Some(self.wanted),
+            (Which::InView, _) if !self.follow && pass > 0 && next <= self.wanted => Some(self.wanted),
             // No farther than what it passes is still kept when the other comes by.
-            (Which::InView, Some(rival)) if rival.run.front() <= front => {
-                Some(front.saturating_add(self.frames.room().saturating_sub(2) as u32))
+            (Which::InView, Some(rival)) if rival.next() <= (pass, next) => {
+                Some(next.saturating_add(self.frames.room().saturating_sub(2) as u32))
             }
-            (Which::Rival, Some(rival)) if rival.run.front() < front => Some(front - 1),
+            (Which::Rival, Some(rival)) if rival.next().0 == pass && rival.next().1 < next => Some(next - 1),
             _ => None,
         }
     }

@@ -10,7 +10,7 @@ use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
 
 use super::ahead::{Ahead, Fingerprint, Item, fingerprint};
-use super::{Source, SourceError, SourceInfo};
+use super::{Options, Source, SourceError, SourceInfo};
 use crate::frame::Frame;
 
 type Opener = Box<dyn FnMut() -> Result<Box<dyn Source>, SourceError> + Send>;
@@ -79,9 +79,9 @@ pub struct FrameCache {
 
 impl FrameCache {
     /// Opens the source of this name and keeps up to `budget` bytes of its frames, at least two frames.
-    pub fn open(name: &str, budget: usize) -> Result<Self, SourceError> {
-        let name = name.to_owned();
-        Self::new(move || super::open(&name), budget)
+    pub fn open(name: &str, options: Options, budget: usize) -> Result<Self, SourceError> {
+        let (name, options) = (name.to_owned(), options);
+        Self::new(move || super::open(&name, options), budget)
     }
 
     /// Keeps up to `budget` bytes of the frames of the source that `open` gives; it is called again
@@ -342,7 +342,14 @@ mod tests {
 
     impl Counting {
         fn boxed(length: u32, live: bool) -> Box<dyn Source> {
-            let info = SourceInfo { name: "counting".into(), size: SIZE, fps: 25.0, frames: None, live };
+            let info = SourceInfo {
+                name: "counting".into(),
+                size: SIZE,
+                fps: 25.0,
+                fps_from: crate::source::FpsFrom::Video,
+                frames: None,
+                live,
+            };
             Box::new(Self { info, next: 0, length })
         }
     }
@@ -497,8 +504,14 @@ mod tests {
             let decoded = Arc::new(AtomicU32::new(0));
             let count = Arc::clone(&decoded);
             let open = move || {
-                let info =
-                    SourceInfo { name: "jumping".into(), size: SIZE, fps: 25.0, frames: None, live: false };
+                let info = SourceInfo {
+                    name: "jumping".into(),
+                    size: SIZE,
+                    fps: 25.0,
+                    fps_from: crate::source::FpsFrom::Video,
+                    frames: None,
+                    live: false,
+                };
                 Ok(Box::new(Jumping { info, next: 0, off, still, decoded: Arc::clone(&count) })
                     as Box<dyn Source>)
             };

@@ -6,11 +6,8 @@ use std::path::{Path, PathBuf};
 
 use super::numbering::frame_numbers;
 use super::pattern::Pattern;
-use super::{Source, SourceError, SourceInfo, image_file};
+use super::{FpsFrom, Options, Source, SourceError, SourceInfo, image_file, rate};
 use crate::frame::{Frame, Size};
-
-/// Images say nothing about time.
-const FPS: f32 = 25.0;
 
 /// Images in order, all of one size.
 pub(super) struct ImageSequence {
@@ -30,7 +27,7 @@ struct File {
 
 impl ImageSequence {
     /// The images of a folder in the natural order of their names; other files are passed over.
-    pub(super) fn of_folder(name: &str) -> Result<Self, SourceError> {
+    pub(super) fn of_folder(name: &str, options: Options) -> Result<Self, SourceError> {
         let mut files = list(name, Path::new(name))?;
         let anything = !files.is_empty();
         files.retain(|path| image_file::has_image_name(path) && path.is_file());
@@ -46,11 +43,11 @@ impl ImageSequence {
             natord::compare(&a, &b).then_with(|| a.cmp(&b))
         });
         let numbers = frame_numbers(&files);
-        Self::new(name, files.into_iter().zip(numbers))
+        Self::new(name, Path::new(name), options, files.into_iter().zip(numbers))
     }
 
     /// The images whose names a pattern such as `in%06d.png` would print, by number.
-    pub(super) fn of_pattern(name: &str) -> Result<Self, SourceError> {
+    pub(super) fn of_pattern(name: &str, options: Options) -> Result<Self, SourceError> {
         let path = Path::new(name);
         let folder = path.parent().unwrap_or(Path::new(""));
         let pattern = path
@@ -80,10 +77,15 @@ impl ImageSequence {
             ));
         }
         files.sort_by_key(|&(_, number)| number);
-        Self::new(name, files.into_iter())
+        Self::new(name, folder, options, files.into_iter())
     }
 
-    fn new(name: &str, files: impl Iterator<Item = (PathBuf, u32)>) -> Result<Self, SourceError> {
+    fn new(
+        name: &str,
+        folder: &Path,
+        options: Options,
+        files: impl Iterator<Item = (PathBuf, u32)>,
+    ) -> Result<Self, SourceError> {
         let mut first: Option<(Size, PathBuf)> = None;
         let mut listed = Vec::new();
         for (path, number) in files {
@@ -104,8 +106,16 @@ impl ImageSequence {
             || SourceError::unusable(name, "none of its images can be read; check that they are whole");
         let (size, _) = first.ok_or_else(none)?;
         let frames = listed.iter().filter(|file| file.unreadable.is_none()).count() as u32;
-        let info = SourceInfo { name: name.to_owned(), size, fps: FPS, frames: Some(frames), live: false };
-        let mut sequence = Self { info, files: listed.into_iter(), first: None, warnings: Vec::new() };
+        // Images themselves say nothing about time.
+        let (said, warning) = match options.fps {
+            Some(fps) => (Some((fps, FpsFrom::Given)), None),
+            None => rate::of_images(folder),
+        };
+        let (fps, fps_from) = said.unwrap_or((rate::ASSUMED, FpsFrom::Assumed));
+        let frames = Some(frames);
+        let info = SourceInfo { name: name.to_owned(), size, fps, fps_from, frames, live: false };
+        let warnings = warning.into_iter().collect();
+        let mut sequence = Self { info, files: listed.into_iter(), first: None, warnings };
         sequence.first = sequence.decode_next();
         if sequence.first.is_some() { Ok(sequence) } else { Err(none()) }
     }

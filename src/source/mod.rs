@@ -9,6 +9,7 @@ mod images;
 mod numbering;
 mod pattern;
 mod quiet;
+mod rate;
 mod video;
 
 #[cfg(test)]
@@ -18,8 +19,10 @@ use std::fs;
 use std::io::ErrorKind;
 
 use crate::frame::{Frame, Size};
+use crate::settings::Settings;
 
 pub use quiet::silence_libraries;
+pub use rate::{FPS_RANGE, FpsFrom, parse_fps};
 
 /// What is known of a source before its frames are read.
 #[derive(Clone, Debug, PartialEq)]
@@ -28,12 +31,29 @@ pub struct SourceInfo {
     pub name: String,
     /// Width and height of every frame.
     pub size: Size,
-    /// Frames a second; 25 where the source does not say.
+    /// Frames a second; 25 where nothing says how many.
     pub fps: f32,
+    /// What says how many.
+    pub fps_from: FpsFrom,
     /// How many frames it says it has: exact for images, an estimate for videos, none for cameras.
     pub frames: Option<u32>,
     /// Whether frames come as time passes and never again.
     pub live: bool,
+}
+
+impl SourceInfo {
+    /// How many of the first frames are learnt from before they are judged, where there are so many: none of a camera,
+    /// whose frames come once.
+    pub fn bootstrap(&self, settings: &Settings) -> u32 {
+        if self.live { 0 } else { settings.bootstrap.frames(self.fps) }
+    }
+}
+
+/// What is chosen of a source besides its name. None of it is a setting: it is as much a part of the input as the file.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Options {
+    /// How many frames a second there are, where that is not for the source to say.
+    pub fps: Option<f32>,
 }
 
 /// A sequence of frames, read once from the first to the last.
@@ -85,16 +105,16 @@ impl SourceError {
 ///
 /// The first frame is decoded already, so that what cannot be read fails here. A folder's images
 /// are all measured here: when they differ in size, it fails before any is analysed.
-pub fn open(name: &str) -> Result<Box<dyn Source>, SourceError> {
+pub fn open(name: &str, options: Options) -> Result<Box<dyn Source>, SourceError> {
     silence_libraries();
     if let Some(index) = name.strip_prefix("camera:") {
-        return Ok(Box::new(video::open_camera(name, index)?));
+        return Ok(Box::new(video::open_camera(name, index, options)?));
     }
     let metadata = match fs::metadata(name) {
         Ok(metadata) => metadata,
         Err(error) if matches!(error.kind(), ErrorKind::NotFound | ErrorKind::NotADirectory) => {
             return if name.contains('%') {
-                Ok(Box::new(images::ImageSequence::of_pattern(name)?))
+                Ok(Box::new(images::ImageSequence::of_pattern(name, options)?))
             } else {
                 Err(SourceError::Missing(name.to_owned()))
             };
@@ -102,9 +122,9 @@ pub fn open(name: &str) -> Result<Box<dyn Source>, SourceError> {
         Err(error) => return Err(SourceError::unusable(name, format!("{error}; check its permissions"))),
     };
     if metadata.is_dir() {
-        Ok(Box::new(images::ImageSequence::of_folder(name)?))
+        Ok(Box::new(images::ImageSequence::of_folder(name, options)?))
     } else if metadata.is_file() {
-        Ok(Box::new(video::open_file(name)?))
+        Ok(Box::new(video::open_file(name, options)?))
     } else {
         Err(SourceError::unusable(
             name,

@@ -20,13 +20,13 @@ fn name(path: impl AsRef<Path>) -> String {
 }
 
 fn open_error(path: impl AsRef<Path>) -> String {
-    let error = open(&name(&path)).map(|_| ()).unwrap_err().to_string();
+    let error = open(&name(&path), Options::default()).map(|_| ()).unwrap_err().to_string();
     assert!(!error.contains('\n'), "{error}");
     error
 }
 
 fn read_all(path: impl AsRef<Path>) -> (Vec<Frame>, Vec<String>) {
-    let mut source = open(&name(path)).unwrap();
+    let mut source = open(&name(path), Options::default()).unwrap();
     let size = source.info().size;
     let mut frames = Vec::new();
     while let Some(frame) = source.next_frame().unwrap() {
@@ -95,7 +95,7 @@ fn videos_are_read_in_order_and_counted() {
     ] {
         let path = folder.path().join(file);
         write_video(&path, fourcc, 12.5, size, 23);
-        let info = open(&name(&path)).unwrap().info().clone();
+        let info = open(&name(&path), Options::default()).unwrap().info().clone();
         assert_eq!((info.fps, info.live), (12.5, false), "{file}");
         assert_eq!(info.size, Size::new(size.0 as u32, size.1 as u32));
         assert!(info.frames.is_some_and(|frames| frames.abs_diff(23) <= 1), "{info:?}");
@@ -188,7 +188,7 @@ fn folders_are_read_in_natural_order_with_the_numbers_of_the_names() {
     fs::write(folder.path().join("readme.txt"), "not an image").unwrap();
     fs::write(folder.path().join(".in5.png"), "hidden").unwrap();
     fs::create_dir(folder.path().join("in7.png")).unwrap();
-    let source = open(&name(folder.path())).unwrap();
+    let source = open(&name(folder.path()), Options::default()).unwrap();
     let info = source.info();
     assert_eq!((info.fps, info.frames, info.live), (25.0, Some(4), false));
     let (frames, warnings) = read_all(folder.path());

@@ -15,15 +15,14 @@ use opencv::videoio::{
     VideoCapture,
 };
 
-use super::{Source, SourceError, SourceInfo, image_file};
+use super::{FpsFrom, Options, Source, SourceError, SourceInfo, image_file, rate};
 use crate::frame::{Frame, Size};
-
-/// Where a source does not say, or says what cannot be.
-const DEFAULT_FPS: f32 = 25.0;
 
 /// A video or a camera, read frame by frame.
 pub(super) struct Video {
     info: SourceInfo,
+    /// What the file says, by which its times count: a rate that the user names is another.
+    said_fps: f64,
     capture: VideoCapture,
     picture: Mat,
     /// Decoded while opening: a source's size is that of its first frame.
@@ -36,7 +35,7 @@ pub(super) struct Video {
 }
 
 /// Opens a video file.
-pub(super) fn open_file(name: &str) -> Result<Video, SourceError> {
+pub(super) fn open_file(name: &str, options: Options) -> Result<Video, SourceError> {
     let mut start = [0; 4096];
     let length = File::open(name)
         .and_then(|mut file| file.read(&mut start))
@@ -67,7 +66,7 @@ pub(super) fn open_file(name: &str) -> Result<Video, SourceError> {
         .ok()
         .filter(|capture| capture.is_opened().unwrap_or(false))
         .ok_or_else(no_video)?;
-    Video::new(name, capture, false)?.ok_or_else(|| {
+    Video::new(name, capture, false, options)?.ok_or_else(|| {
         SourceError::unusable(
             name,
             "none of its frames can be decoded; check that it is whole and plays elsewhere, or convert it",
@@ -76,7 +75,7 @@ pub(super) fn open_file(name: &str) -> Result<Video, SourceError> {
 }
 
 /// Opens a camera by its number, given as text.
-pub(super) fn open_camera(name: &str, index: &str) -> Result<Video, SourceError> {
+pub(super) fn open_camera(name: &str, index: &str, options: Options) -> Result<Video, SourceError> {
     let index: i32 = index.parse().ok().filter(|&index| (0..1000).contains(&index)).ok_or_else(|| {
         SourceError::unusable(name, "a camera is named by its number: camera:0, camera:1, …")
     })?;
@@ -89,21 +88,31 @@ pub(super) fn open_camera(name: &str, index: &str) -> Result<Video, SourceError>
                 "there is no such camera, or another program uses it; check that it is connected and free",
             )
         })?;
-    Video::new(name, capture, true)?
+    Video::new(name, capture, true, options)?
         .ok_or_else(|| SourceError::unusable(name, "the camera gives no picture; check that it is free"))
 }
 
 impl Video {
     /// `None` when not one frame can be decoded.
-    fn new(name: &str, capture: VideoCapture, live: bool) -> Result<Option<Self>, SourceError> {
+    fn new(
+        name: &str,
+        capture: VideoCapture,
+        live: bool,
+        options: Options,
+    ) -> Result<Option<Self>, SourceError> {
         let property = |property| capture.get(property).unwrap_or(0.0);
         let said_fps = property(CAP_PROP_FPS);
-        let fps = if is_plausible(said_fps) { said_fps as f32 } else { DEFAULT_FPS };
+        let (fps, fps_from) = match options.fps {
+            Some(fps) => (fps, FpsFrom::Given),
+            None if is_plausible(said_fps) => (said_fps as f32, FpsFrom::Video),
+            None => (rate::ASSUMED, FpsFrom::Assumed),
+        };
         let count = property(CAP_PROP_FRAME_COUNT);
         let frames = (!live && is_plausible(said_fps) && (1.0..1e8).contains(&count)).then_some(count as u32);
-        let info = SourceInfo { name: name.to_owned(), size: Size::new(0, 0), fps, frames, live };
+        let info = SourceInfo { name: name.to_owned(), size: Size::new(0, 0), fps, fps_from, frames, live };
         let mut video = Self {
             info,
+            said_fps,
             capture,
             picture: Mat::default(),
             first: None,
@@ -140,7 +149,7 @@ impl Video {
                 info.name
             ));
         } else if let Some(expected) = info.frames
-            && is_clearly_short(*decoded, expected, self.last_seconds, f64::from(info.fps))
+            && is_clearly_short(*decoded, expected, self.last_seconds, self.said_fps)
         {
             self.warnings.push(format!(
                 "{} breaks off after frame {decoded}, where its header promises about {expected}; what was read is used",

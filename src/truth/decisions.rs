@@ -113,12 +113,15 @@ impl Sum for Decisions {
 }
 
 /// What a mixture under `parameters` decides in all of `frames`, from an unseen one on, judged where there is truth.
+/// It learns from the first of them before, as many as [`Parameters::learnt`] says.
 ///
 /// # Panics
 /// When the frames are not all of one size.
 pub fn of_mixture(frames: &[Frame], truth: &[Option<TrueMask>], parameters: Parameters) -> Decisions {
     let Some(size) = frames.first().map(|frame| frame.size) else { return Decisions::default() };
     let mut mixture = Mixture::new(size, parameters);
+    let first = &frames[..frames.len().min(parameters.learnt as usize)];
+    mixture.learn(&first.iter().collect::<Vec<_>>());
     let mut masks = vec![Mask::empty(size); BATCH];
     let mut decisions = Decisions::default();
     for (frames, truth) in frames.chunks(BATCH).zip(truth.chunks(BATCH)) {

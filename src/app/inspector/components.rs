@@ -159,7 +159,11 @@ pub(super) fn numbers(ui: &mut Ui, chosen: &Chosen<'_>) {
             "The learning rate of the weights in this frame (raised to 1/t during the warm-up, other where feedback is on).",
         ),
         ("B", outcome.background_count.to_string(), "How many components are background after the update."),
-        ("t", chosen.state.t.to_string(), "The frame's place since the model started, from 1."),
+        (
+            "t",
+            chosen.state.t.to_string(),
+            "How many frames the model has seen, this one and those of bootstrap included.",
+        ),
         (
             "λ, T",
             format!("{}, {}", number(parameters.lambda), number(parameters.t_of(past))),

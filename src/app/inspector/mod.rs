@@ -222,9 +222,8 @@ impl Inspector {
             return None;
         }
         let index = shown.position as usize;
-        let ahead = newest.filter(|newest| {
-            newest.parameters != Parameters::new(&shown.settings) && newest.states.len() > index
-        });
+        let ahead =
+            newest.filter(|newest| !newest.parameters.are_of(&shown.settings) && newest.states.len() > index);
         let here = Here { index, fps };
         let Some(history) = ahead.or(shown.pixel.as_ref()) else {
             return self.without_history(ui, here, beside);

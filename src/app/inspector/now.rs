@@ -80,9 +80,9 @@ impl Now {
         densities_asked.or(weights_asked)
     }
 
-    /// Asks which mixture is to be shown. The first frame has none before it.
+    /// Asks which mixture is to be shown. The first frame that the model sees has none before it.
     fn moment(&mut self, ui: &mut Ui, chosen: &Chosen<'_>) -> Moment {
-        let first = chosen.index == 0;
+        let first = chosen.history.before(chosen.index).is_none();
         let shown = |moment| if first { Moment::After } else { moment };
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing.x = 3.0;

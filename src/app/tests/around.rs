@@ -214,3 +214,28 @@ fn pixels_and_the_timeline_have_their_keys() {
     harness.run_steps(2);
     assert_eq!(harness.state().model.span, None);
 }
+
+#[test]
+fn a_rate_that_nothing_says_is_said_to_be_assumed_and_can_be_typed() {
+    let (harness, _) = ready(10);
+    assert!(harness.query_by_label_contains("assumed").is_none(), "the video says how many there are");
+    let mut unsaid = state(Phase::Ready, Some(10));
+    let info = SourceInfo { fps_from: FpsFrom::Assumed, ..SourceInfo::clone(unsaid.info.as_ref().unwrap()) };
+    unsaid.info = Some(Arc::new(info));
+    let (mut harness, scene) = window(Some(unsaid), (1600.0, 1000.0), Theme::Dark);
+    let ctx = harness.ctx.clone();
+    harness.state_mut().apply(&ctx, Command::Choose(Some((30, 60))));
+    let field = (egui::Role::SpinButton, "fps, assumed");
+    harness.get_by_role_and_label(field.0, field.1).focus();
+    harness.run_steps(2);
+    harness.get_by_role_and_label(field.0, field.1).type_text("12.5");
+    harness.run_steps(2);
+    assert!(harness.state().model.rates.is_empty(), "not digit by digit");
+    let said = scene.asked.borrow().len();
+    harness.key_press(Key::Enter);
+    harness.run_steps(3);
+    let model = &harness.state().model;
+    assert_eq!(model.rates.get("/videos/walk.mp4"), Some(&12.5));
+    assert_eq!(model.chosen, Some((30, 60)), "what was chosen stays");
+    assert!(scene.asked.borrow()[said..].iter().any(|asked| matches!(asked, Asked::Inspect(Some((30, 60))))));
+}

@@ -128,9 +128,8 @@ fn matched(model: &Model, shown: &Shown, pixel: (u32, u32)) -> Option<u8> {
         return map.values.get(index).map(|&rank| rank as u8);
     }
     let pins = model.state.as_ref().map_or(&[][..], |state| &state.pins);
-    let of_settings = crate::mixture::Parameters::new(&shown.settings);
     let mut known = shown.pixel.iter().chain(pins);
-    let history = known.find(|history| history.at == pixel && history.parameters == of_settings)?;
+    let history = known.find(|history| history.at == pixel && history.parameters.are_of(&shown.settings))?;
     history.states.get(shown.position as usize).map(|state| state.outcome.matched)
 }
 

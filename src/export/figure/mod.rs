@@ -289,8 +289,12 @@ pub fn parameters(history: &PixelHistory) -> String {
         Space::Rgb => "X = (R, G, B)",
         Space::Gray => "X = Y, luma",
     };
+    let learnt = match parameters.learnt {
+        0 => String::new(),
+        frames => format!(", begun with what the first {frames} frames taught"),
+    };
     format!(
-        "K = {}, α = {}, T = {}, λ = {}, σ₀ = {}, w₀ = {}, σ_min = {}, {rate}, α ≥ 1/t for t ≤ {}, {value}",
+        "K = {}, α = {}, T = {}, λ = {}, σ₀ = {}, w₀ = {}, σ_min = {}, {rate}, α ≥ 1/t for t ≤ {}, {value}{learnt}",
         parameters.k,
         parameters.alpha,
         parameters.t,

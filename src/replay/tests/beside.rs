@@ -6,16 +6,18 @@ const PINS: [(u32, u32); 3] = [(30, 30), PIXEL, (0, 63)];
 
 /// The histories of pixels and the masks before and after cleaning, in one pass forward.
 fn straight_pins(video: &Path, settings: &Settings) -> (Vec<PixelHistory>, Vec<Mask>, Vec<Arc<Mask>>) {
-    let mut source = source::open(&name(video)).unwrap();
-    let mut pipeline = Pipeline::new(settings, source.info().size, source.info().fps).unwrap();
-    let mut model = crate::mixture::Mixture::new(source.info().size, Parameters::new(settings));
-    let mut histories = PINS.map(|at| PixelHistory::new(at, Parameters::new(settings)));
+    let (info, frames, first) = decoded(video, settings);
+    let first = &frames[..first];
+    let mut pipeline = begun(settings, &info, first);
+    let mut model = crate::mixture::Mixture::new(info.size, Parameters::new(settings));
+    model.learn(&first.iter().collect::<Vec<_>>());
+    let mut histories = PINS.map(|at| learnt(at, settings, first));
     let (mut raw, mut cleaned) = (Vec::new(), Vec::new());
-    while let Some(frame) = source.next_frame().unwrap() {
-        raw.push(model.step(&frame));
-        cleaned.push(pipeline.step(&frame).unwrap().mask);
+    for frame in &frames {
+        raw.push(model.step(frame));
+        cleaned.push(pipeline.step(frame).unwrap().mask);
         for history in &mut histories {
-            history.push(&frame);
+            history.push(frame);
         }
     }
     (histories.into(), raw, cleaned)
@@ -43,9 +45,8 @@ fn pinned_pixels_have_the_histories_that_they_would_have_if_chosen() {
 
         let other = Settings { alpha: 0.1, ..settings.clone() };
         watched.session.set_settings(other.clone());
-        let of_other = |state: &State| {
-            complete(state) && state.pins.iter().all(|pin| pin.parameters == Parameters::new(&other))
-        };
+        let of_other =
+            |state: &State| complete(state) && state.pins.iter().all(|pin| pin.parameters.are_of(&other));
         let state = watched.until(of_other);
         assert_eq!(*state.pins[0], straight_pins(folder.path(), &other).0[1]);
         watched.session.pin(Vec::new());

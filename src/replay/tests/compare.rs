@@ -7,7 +7,7 @@ use crate::truth::boxes::Boxes;
 use crate::truth::summary;
 
 pub(super) fn other() -> Settings {
-    Settings { k: 4, alpha: 0.06, match_sigmas: 1.8, ..settings() }
+    Settings { k: 4, alpha: 0.06, match_sigmas: 1.8, bootstrap: Span::Frames(12), ..settings() }
 }
 
 /// Both at a position.
@@ -30,12 +30,9 @@ fn until_both_done(watched: &Watched) -> State {
 }
 
 fn boxes(video: &Path, settings: &Settings) -> Boxes {
-    let mut source = source::open(&name(video)).unwrap();
-    let mut pipeline = Pipeline::new(settings, source.info().size, source.info().fps).unwrap();
-    let mut all = Vec::new();
-    while let Some(frame) = source.next_frame().unwrap() {
-        all.push(pipeline.step(&frame).unwrap());
-    }
+    let (info, frames, first) = decoded(video, settings);
+    let mut pipeline = begun(settings, &info, &frames[..first]);
+    let all: Vec<_> = frames.iter().map(|frame| pipeline.step(frame).unwrap()).collect();
     summary::boxes_of(&final_reading(all.iter(), &pipeline))
 }
 

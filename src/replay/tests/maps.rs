@@ -11,12 +11,12 @@ fn pixels() -> Vec<(u32, u32)> {
 }
 
 fn histories(video: &Path, settings: &Settings) -> Vec<PixelHistory> {
+    let (_, frames, first) = decoded(video, settings);
     let mut histories: Vec<_> =
-        pixels().into_iter().map(|at| PixelHistory::new(at, Parameters::new(settings))).collect();
-    let mut source = source::open(&name(video)).unwrap();
-    while let Some(frame) = source.next_frame().unwrap() {
+        pixels().into_iter().map(|at| learnt(at, settings, &frames[..first])).collect();
+    for frame in &frames {
         for history in &mut histories {
-            history.push(&frame);
+            history.push(frame);
         }
     }
     histories
@@ -49,7 +49,7 @@ fn of(state: &State, position: u32) -> Option<&Map> {
 fn every_map_equals_the_histories_of_its_pixels_forwards_and_after_jumping_back() {
     let folder = scene();
     // Without shadows and light: the history knows none.
-    let settings = Settings { shadow_floor: 1.0, light_ceiling: 1.0, t: 0.8, ..settings() };
+    let settings = Settings { shadow_floor: 1.0, light_ceiling: 1.0, t: 0.8, min_sigma: 4.0, ..settings() };
     let histories = histories(folder.path(), &settings);
     let frame_bytes = (WIDTH * HEIGHT * 3) as usize;
     let mut seen = Vec::new();

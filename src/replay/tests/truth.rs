@@ -68,7 +68,7 @@ fn a_region_is_judged_under_other_settings() {
     let truth = masks_of(&straight(folder.path(), &settings));
     let frames: Vec<_> = (0..FRAMES).filter(|position| FIRST + position <= truth.last()).collect();
     let (columns, rows) = around(PIXEL, 9, Size::new(WIDTH, HEIGHT));
-    let mut source = source::open(&name(folder.path())).unwrap();
+    let mut source = source::open(&name(folder.path()), Options::default()).unwrap();
     let part: Vec<_> =
         frames.iter().map(|_| source.next_frame().unwrap().unwrap().cut(&columns, &rows)).collect();
     let labels: Vec<_> =
@@ -79,7 +79,8 @@ fn a_region_is_judged_under_other_settings() {
     watched.session.tune_region(Some((PIXEL, 9)));
     watched.session.set_truth(Some(known(&truth)));
     let tuned = |settings: &Settings| {
-        let parameters = Parameters::new(settings);
+        let learnt = FRAMES.min(decoded(folder.path(), settings).2 as u32);
+        let parameters = Parameters { learnt, ..Parameters::new(settings) };
         let state = watched.until(|state| {
             state.region_tuning.as_ref().is_some_and(|tuning| tuning.parameters == parameters)
         });

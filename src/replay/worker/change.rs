@@ -87,9 +87,9 @@ impl Worker<'_> {
     /// Brings other settings into view.
     pub(super) fn change_view(&mut self, settings: Settings, roi: Option<Arc<Roi>>) -> Result<(), Stopped> {
         // Before anything else: one pixel through all frames is a matter of a millisecond.
-        self.lane.inspector.choose(self.pixel, &settings);
+        self.lane.inspector.choose(self.pixel, &settings, &self.info);
         self.publish_pixel();
-        self.pins.run_again(&settings);
+        self.pins.run_again(&settings, &self.info);
         self.region.forget();
         self.outbox.pixel_grew = true;
         let budget = self.budget();
@@ -201,7 +201,7 @@ impl Worker<'_> {
         let (settings, roi) = (Arc::clone(self.lane.settings()), self.lane.run.roi().cloned());
         self.lane = Lane::new(settings, roi, &self.info, self.model_budget)?;
         self.lane.inspect(self.pixel);
-        self.pins.forget(self.lane.settings());
+        self.pins.forget(self.lane.settings(), &self.info);
         self.region.forget();
         self.tuner.forget();
         self.region_tuner.forget();

@@ -7,10 +7,11 @@ use super::*;
 use crate::frame::Frame;
 use crate::occlusion::EventKind;
 use crate::replay::tests::{
-    FIRST, FRAMES, HEIGHT, PIXEL, WIDTH, assert_same, half, name, scene, settings, straight, straight_within,
+    FIRST, FRAMES, HEIGHT, LEARNT, PIXEL, WIDTH, assert_same, half, name, scene, settings, straight,
+    straight_within,
 };
-use crate::settings::BackgroundModel;
-use crate::source::Source;
+use crate::settings::{BackgroundModel, Span};
+use crate::source::{Options, Source};
 use crate::truth::Truth;
 use crate::truth::boxes::{Bounds, Boxes};
 
@@ -19,7 +20,7 @@ const FRAME_BYTES: usize = (WIDTH * HEIGHT * 3) as usize;
 
 /// Other settings of the mixture.
 fn other() -> Settings {
-    Settings { k: 4, alpha: 0.06, match_sigmas: 1.8, ..settings() }
+    Settings { k: 4, alpha: 0.06, match_sigmas: 1.8, bootstrap: Span::Frames(12), ..settings() }
 }
 
 fn shared() -> Shared {
@@ -33,7 +34,13 @@ fn done<T>(result: Result<T, Stopped>) -> T {
 /// A worker that does a piece when a test says so.
 fn worker<'a>(shared: &'a Shared, video: &Path, settings: Settings) -> Worker<'a> {
     let video = name(video);
-    done(Worker::open(shared, || FrameCache::open(&video, ROOM), (settings, None), Start::First, ROOM))
+    done(Worker::open(
+        shared,
+        || FrameCache::open(&video, Options::default(), ROOM),
+        (settings, None),
+        Start::First,
+        ROOM,
+    ))
 }
 
 fn ask(worker: &mut Worker<'_>, change: impl FnOnce(&mut Requests)) {
@@ -290,8 +297,14 @@ fn frames_are_decoded_once_for_both() {
     for room in [1000, 24, 0] {
         let decoded = Arc::new(AtomicU32::new(0));
         let (count, frames) = (Arc::clone(&decoded), Arc::clone(&frames));
-        let info =
-            SourceInfo { name: "counted".into(), size: frames[0].size, fps: 25.0, frames: None, live: false };
+        let info = SourceInfo {
+            name: "counted".into(),
+            size: frames[0].size,
+            fps: 25.0,
+            fps_from: crate::source::FpsFrom::Video,
+            frames: None,
+            live: false,
+        };
         let open = move || -> Result<Box<dyn Source>, SourceError> {
             let (info, frames, decoded) = (info.clone(), Arc::clone(&frames), Arc::clone(&count));
             Ok(Box::new(Counted { info, frames, next: 0, decoded }))
@@ -301,7 +314,9 @@ fn frames_are_decoded_once_for_both() {
         let mut worker = done(Worker::open(&shared, cache, (settings(), None), Start::First, ROOM));
         compare(&mut worker, settings(), Some(other()));
         rest(&mut worker);
-        assert_eq!(decoded.swap(0, Ordering::Relaxed), FRAMES, "room for {room}");
+        // What was learnt from is decoded again where it had no room.
+        let again = decoded.swap(0, Ordering::Relaxed) - FRAMES;
+        assert!(again <= if room == 1000 { 0 } else { LEARNT }, "room for {room}: {again}");
         // A pixel that is chosen afterwards takes one more pass at most.
         ask(&mut worker, |requests| requests.inspect = Some(Pixel(Some(PIXEL))));
         rest(&mut worker);

@@ -1,0 +1,148 @@
+//! How many frames a second: from the user, the video, or MOTChallenge's `seqinfo.ini` beside images.
+
+use std::fs::{self, File};
+use std::io::Read as _;
+use std::path::{Path, PathBuf};
+
+/// Frames a second where nothing says how many.
+pub(super) const ASSUMED: f32 = 25.0;
+
+/// The least and the greatest rate that can be meant.
+pub const FPS_RANGE: (f32, f32) = (0.05, 1000.0);
+
+/// What a sequence of images says of itself, beside them or in the folder above.
+const SEQINFO: &str = "seqinfo.ini";
+/// More than this of it is not read.
+const MOST_BYTES: u64 = 1 << 16;
+
+/// Where a frame rate comes from.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FpsFrom {
+    /// The user named it.
+    Given,
+    /// The video or the camera says so.
+    Video,
+    /// `seqinfo.ini` says so.
+    SeqInfo,
+    /// Nothing says how many: 25.
+    Assumed,
+}
+
+impl FpsFrom {
+    /// In a word, for files.
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Given => "--fps",
+            Self::Video => "video",
+            Self::SeqInfo => SEQINFO,
+            Self::Assumed => "assumed",
+        }
+    }
+}
+
+/// Reads a frame rate; `None` where the text is no number within [`FPS_RANGE`].
+pub fn parse_fps(text: &str) -> Option<f32> {
+    let (least, greatest) = FPS_RANGE;
+    text.trim().parse().ok().filter(|fps| (least..=greatest).contains(fps))
+}
+
+/// What `seqinfo.ini` in the folder of some images, or in the one above, says of their rate; a warning where there is
+/// such a file and it does not.
+pub(super) fn of_images(folder: &Path) -> (Option<(f32, FpsFrom)>, Option<String>) {
+    let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
+    let Some(path) = seqinfo(folder) else { return (None, None) };
+    match rate_in(&path) {
+        Ok(fps) => (Some((fps, FpsFrom::SeqInfo)), None),
+        Err(why) => {
+            let text = format!(
+                "{} is not used: {why}; {ASSUMED} frames a second are assumed, say with --fps how many there are",
+                path.display()
+            );
+            (None, Some(text.split_whitespace().collect::<Vec<_>>().join(" ")))
+        }
+    }
+}
+
+fn seqinfo(folder: &Path) -> Option<PathBuf> {
+    let beside = folder.join(SEQINFO);
+    if beside.is_file() {
+        return Some(beside);
+    }
+    // The folder may be named by a link or by dots.
+    let whole = fs::canonicalize(folder).ok()?;
+    let above = whole.parent()?.join(SEQINFO);
+    above.is_file().then_some(above)
+}
+
+fn rate_in(path: &Path) -> Result<f32, String> {
+    let mut bytes = Vec::new();
+    File::open(path)
+        .and_then(|file| file.take(MOST_BYTES).read_to_end(&mut bytes))
+        .map_err(|error| format!("it cannot be read ({error})"))?;
+    rate_of(&String::from_utf8_lossy(&bytes))
+}
+
+/// The rate in the text of a `seqinfo.ini`, or why it cannot be told.
+fn rate_of(text: &str) -> Result<f32, String> {
+    let entries = text.trim_start_matches('\u{feff}').lines().filter_map(|line| line.split_once('='));
+    let rate = entries.into_iter().find(|(key, _)| key.trim().eq_ignore_ascii_case("frameRate"));
+    let (_, value) = rate.ok_or("it has no frameRate")?;
+    let (least, greatest) = FPS_RANGE;
+    // What follows a semicolon is a comment.
+    let value = value.split(';').next().unwrap_or_default().trim();
+    let short: String = value.chars().take(40).collect();
+    parse_fps(value).ok_or_else(|| format!("its frameRate `{short}` is no number in {least}..={greatest}"))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+
+    #[test]
+    fn a_rate_is_read_however_the_file_is_written() {
+        for (text, fps) in [
+            ("[Sequence]\nname=KITTI-17\nframeRate=10\nseqLength=145\n", 10.0),
+            ("\u{feff}[Sequence]\r\nname=a\r\n  FrameRate = 29.97 \r\n", 29.97),
+            ("framerate=7 ; as it was filmed", 7.0),
+            ("; a comment\n\n[Sequence]\nnoise\nframeRate\t=\t50", 50.0),
+        ] {
+            assert_eq!(rate_of(text), Ok(fps), "{text:?}");
+        }
+        for (text, why) in [
+            ("", "no frameRate"),
+            ("[Sequence]\nname=a\nframeRates=3\n", "no frameRate"),
+            ("frameRate=", "frameRate ``"),
+            ("frameRate=fast", "`fast`"),
+            ("frameRate=0", "`0`"),
+            ("frameRate=-25", "`-25`"),
+            ("frameRate=NaN", "`NaN`"),
+            ("frameRate=inf", "`inf`"),
+            ("frameRate=1e9", "`1e9`"),
+        ] {
+            let refused = rate_of(text).unwrap_err();
+            assert!(refused.contains(why), "{text:?}: {refused}");
+        }
+    }
+
+    #[test]
+    fn the_file_beside_the_images_comes_before_the_one_above() {
+        let folder = tempfile::tempdir().unwrap();
+        let images = folder.path().join("img1");
+        fs::create_dir(&images).unwrap();
+        assert_eq!(of_images(&images), (None, None));
+        fs::write(folder.path().join(SEQINFO), "frameRate=14").unwrap();
+        assert_eq!(of_images(&images), (Some((14.0, FpsFrom::SeqInfo)), None));
+        fs::write(images.join(SEQINFO), [0xff, 0xfe, 0, b'=', b'\n']).unwrap();
+        let (rate, warning) = of_images(&images);
+        let warning = warning.unwrap();
+        assert!(
+            rate.is_none() && warning.contains("seqinfo.ini is not used: it has no frameRate"),
+            "{warning}"
+        );
+        assert!(warning.contains("25 frames a second are assumed") && !warning.contains('\n'), "{warning}");
+        fs::write(images.join(SEQINFO), "frameRate=12.5").unwrap();
+        assert_eq!(of_images(&images), (Some((12.5, FpsFrom::SeqInfo)), None));
+    }
+}
