@@ -111,7 +111,7 @@ impl<'a> Reference<'a> {
             _ => s.hold,
         };
         let alpha = if self.t <= s.warm_up.max(self.learnt) {
-            f32::max(s.alpha, 1.0 / self.t as f32)
+            s.alpha.max(1.0 / self.t as f32)
         } else {
             (s.alpha * pace).min(1.0)
         };

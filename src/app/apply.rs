@@ -18,7 +18,6 @@ use super::{sample, timeline, views};
 use crate::mixture::Quantity;
 use crate::replay::Start;
 use crate::settings::Settings;
-use crate::source::Options;
 
 impl Window {
     /// Does what was asked for.
@@ -361,9 +360,11 @@ impl Window {
     fn set_rate(&mut self, ctx: &Context, fps: f32) {
         let model = &mut self.model;
         let Some(name) = model.opened.clone() else { return };
-        if model.rates.insert(name.clone(), fps) == Some(fps) {
+        if model.options_of(&name).fps == Some(fps) {
             return;
         }
+        model.told_rate = None;
+        model.rates.insert(name.clone(), fps);
         let (chosen, truth, camera) = (model.chosen, model.truth.clone(), model.camera);
         let start = Start::Frame(model.number(model.position()));
         self.open(ctx, &name, start);
@@ -377,7 +378,7 @@ impl Window {
     /// Starts a worker on a video in place of the one that is there.
     fn open(&mut self, ctx: &Context, name: &str, start: Start) {
         let roi = self.model.areas_for(name);
-        let options = Options { fps: self.model.rates.get(name).copied() };
+        let options = self.model.options_of(name);
         let player = (self.opener)(name, options, (self.model.settings.clone(), roi), start, ctx);
         self.pictures.clear();
         self.inspector.forget();

@@ -122,7 +122,7 @@ pub fn run(opening: Opening) -> anyhow::Result<()> {
         window.restore(&creation.egui_ctx, creation.storage);
         window.model.areas = Areas::of_mask(roi);
         if let (Command::Open(name, _), Some(fps)) = (&first, of_video.fps) {
-            window.model.rates.insert(name.clone(), fps);
+            window.model.told_rate = Some((name.clone(), fps));
         }
         window.apply(&creation.egui_ctx, first);
         if let Some(truth) = truth {

@@ -276,8 +276,10 @@ pub(crate) struct Model {
     pub(crate) marks: Marks,
     /// What was marked in others, by their names.
     pub(crate) marks_of: BTreeMap<String, Marks>,
-    /// How many frames a second videos have, by their names, where the user said so.
+    /// How many frames a second videos have, by their names, where that was typed.
     pub(crate) rates: BTreeMap<String, f32>,
+    /// The video that the command line told the rate of: it holds for this time alone.
+    pub(crate) told_rate: Option<(String, f32)>,
     /// Which positions the timeline shows, from and to; all of them where it is not said.
     pub(crate) span: Option<(f32, f32)>,
     /// The chosen pixel.
@@ -357,6 +359,7 @@ impl Model {
             marks: Marks::default(),
             marks_of: BTreeMap::new(),
             rates: BTreeMap::new(),
+            told_rate: None,
             span: None,
             playback: Playback { playing: false, speed: NORMAL_SPEED, next_at: 0.0 },
             chosen: None,
@@ -396,6 +399,12 @@ impl Model {
             self.history.forget_areas();
         }
         self.areas.roi.clone()
+    }
+
+    /// What was said of a video besides its name.
+    pub(crate) fn options_of(&self, name: &str) -> Options {
+        let told = self.told_rate.as_ref().filter(|(of, _)| of == name).map(|(_, fps)| *fps);
+        Options { fps: told.or_else(|| self.rates.get(name).copied()) }
     }
 
     /// The size of the frames, once it is known.

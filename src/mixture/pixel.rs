@@ -95,7 +95,12 @@ impl Parameters {
 
     /// α of the t-th frame, t counting from 1.
     pub fn alpha_at(&self, t: u32) -> f32 {
-        if t <= self.warm_up.max(self.learnt) { self.alpha.max(1.0 / t as f32) } else { self.alpha }
+        if self.is_warming(t) { self.alpha.max(1.0 / t as f32) } else { self.alpha }
+    }
+
+    /// Whether the t-th frame is of the warm-up, or learnt from before the first that is judged.
+    pub fn is_warming(&self, t: u32) -> bool {
+        t <= self.warm_up.max(self.learnt)
     }
 
     /// Whether the t-th frame is the first that is judged, after others that were learnt from.
@@ -106,7 +111,7 @@ impl Parameters {
     /// α of the t-th frame for a pixel of this past. The warm-up is the same for all.
     pub fn alpha_of(&self, past: &Past, t: u32) -> f32 {
         let alpha = self.alpha_at(t);
-        if t <= self.warm_up.max(self.learnt) { alpha } else { (alpha * self.feedback.factor(past)).min(1.0) }
+        if self.is_warming(t) { alpha } else { (alpha * self.feedback.factor(past)).min(1.0) }
     }
 
     /// T for a pixel of this past.
@@ -282,7 +287,7 @@ impl Pixel {
         mean
     }
 
-    /// What was learnt becomes the beginning: component 1 alone, and certain, as in a first frame.
+    /// What was learnt becomes the beginning: component 1 alone, and certain, as in a first frame; nothing was decided yet.
     pub fn begin(&mut self) {
         let components = self.components_mut();
         components[1..].fill(Component::default());

@@ -161,8 +161,7 @@ impl Constants {
     }
 
     pub(super) fn moment(&self, t: u32) -> Moment {
-        let warming = t <= self.parameters.warm_up.max(self.parameters.learnt);
-        Moment { t, alpha: self.parameters.alpha_at(t), warming }
+        Moment { t, alpha: self.parameters.alpha_at(t), warming: self.parameters.is_warming(t) }
     }
 
     /// ρ, from w after the update and the rest before it (§V).

@@ -39,7 +39,7 @@ use crate::mixture::follow;
 use crate::mixture::pixel::MAX_K;
 use crate::mixture::tuning::Knob;
 use crate::mixture::verdict::{Verdict, overruled, verdict};
-use crate::mixture::{Parameters, PixelHistory, PixelState};
+use crate::mixture::{PixelHistory, PixelState};
 use crate::replay::{RegionShares, RegionTuning, Shown, Tuning};
 use crate::settings::{BackgroundModel, Space};
 
