@@ -267,7 +267,8 @@ proptest! {
                 prop_assert!(components[rank - 1].rank_value() > components[rank].rank_value());
             }
             if t > 1 && outcome.matched > 0 && rank == usize::from(outcome.matched) && parameters.k > 1 {
-                prop_assert_eq!(before.used(), pixel.used());
+                // Nothing is added; at an α near 1 others fade to nothing.
+                prop_assert!(pixel.used() <= before.used());
             }
         }
     }

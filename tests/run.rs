@@ -436,8 +436,8 @@ fn who_stands_in_the_first_frame_is_foreground_in_it_and_leaves_no_ghost() {
         }
         let tracks = read(&out.join("tracks.csv"));
         assert!(
-            tracks.starts_with("1,1,30,25,10,25,1,"),
-            "{name}: it is an object from the first frame on: {tracks}"
+            tracks.starts_with("3,1,30,25,10,25,1,"),
+            "{name}: it is an object as soon as three frames show it: {tracks}"
         );
     }
     let (frames, seconds) = (contents(&place.path("frames")), contents(&place.path("seconds")));

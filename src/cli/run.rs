@@ -103,7 +103,6 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     if let Some(roi) = &job.roi {
         roi.check(frames.info.size)?;
     }
-    flags::note_assumed_fps(&frames.info, job.console);
     let hash = hash_of_file(&job.video);
     job.console.detail(&format!(
         "{}: {}, {} frames/s{}; {} threads",
@@ -130,6 +129,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     staging.publish(SUMMARY).with_context(|| job.out_failure())?;
 
     tell(&job, &summary);
+    flags::note_assumed_fps(&frames.info, job.console);
     Ok(())
 }
 

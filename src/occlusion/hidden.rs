@@ -149,7 +149,7 @@ impl Reasoner {
         })
     }
 
-    fn tell_exit(&mut self, id: ObjectId, frame: u32, evidence: Evidence) {
+    pub(super) fn tell_exit(&mut self, id: ObjectId, frame: u32, evidence: Evidence) {
         self.tell_return_of(id);
         let Some(identity) = self.identity(id) else { return };
         let Some(object) = self.end_object(id) else { return };

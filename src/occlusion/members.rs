@@ -72,7 +72,16 @@ impl Reasoner {
             }
             self.settle_splits_of(id);
             self.meetings.lose(id);
-            self.hide(id, (self.number, self.t));
+            let Some(bbox) = self.objects.get(&id).map(Object::predicted_box) else { continue };
+            if self.near_border(&bbox) {
+                let mut evidence =
+                    self.evidence("nothing is seen of it in its group's region, at the image edge");
+                let distance = bbox.distance_to_edge(self.size);
+                evidence.compare("distance to the image edge", distance, self.limits.border, true);
+                self.tell_exit(id, self.number, evidence);
+            } else {
+                self.hide(id, (self.number, self.t));
+            }
         }
     }
 

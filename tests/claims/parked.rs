@@ -43,7 +43,9 @@ fn a_parked_car_is_absorbed_and_the_old_background_is_there_when_it_leaves() {
     let stops = stop.next().expect("it parks").frame.ceil() as u32;
     let starts = stops + 200;
     let mut spots: Vec<Spot> = Vec::new();
-    watch(&scene, &Settings::default(), |truth, mask, pipeline| {
+    // Held foreground (`hold`) would be absorbed twenty times as slowly.
+    let settings = Settings { hold: 1.0, ..Settings::default() };
+    watch(&scene, &settings, |truth, mask, pipeline| {
         let mixture = pipeline.mixture().expect("it is the mixture");
         let pixel = |at: u32| mixture.pixel(at % width, at / width).expect("inside");
         let covered = |at: u32| truth.identities[at as usize] > 0;
