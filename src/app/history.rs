@@ -11,7 +11,7 @@ const DEPTH: usize = 200;
 #[derive(Clone, Debug)]
 enum Change {
     /// Of the settings in a slot.
-    Settings { slot: Slot, before: Settings, after: Settings },
+    Settings { slot: Slot, before: Box<Settings>, after: Box<Settings> },
     /// Of the areas.
     Areas { before: Areas, after: Areas },
     /// Of both slots at once, with the settings in view.
@@ -51,9 +51,9 @@ impl History {
         if settings == present {
             return;
         }
-        let before = std::mem::replace(present, settings.clone());
+        let before = Box::new(std::mem::replace(present, settings.clone()));
         let slot = *slot;
-        self.add(Change::Settings { slot, before, after: settings.clone() });
+        self.add(Change::Settings { slot, before, after: Box::new(settings.clone()) });
     }
 
     /// Notes other areas.
@@ -91,7 +91,7 @@ impl History {
     pub(crate) fn undo(&mut self) -> Option<Again> {
         let change = self.past.pop()?;
         let again = match &change {
-            Change::Settings { slot, before, .. } => self.settings(*slot, before.clone()),
+            Change::Settings { slot, before, .. } => self.settings(*slot, Settings::clone(before)),
             Change::Areas { before, .. } => Again::Areas(before.clone()),
             Change::Slots { before, .. } => self.slots((**before).clone()),
         };
@@ -103,7 +103,7 @@ impl History {
     pub(crate) fn redo(&mut self) -> Option<Again> {
         let change = self.future.pop()?;
         let again = match &change {
-            Change::Settings { slot, after, .. } => self.settings(*slot, after.clone()),
+            Change::Settings { slot, after, .. } => self.settings(*slot, Settings::clone(after)),
             Change::Areas { after, .. } => Again::Areas(after.clone()),
             Change::Slots { after, .. } => self.slots((**after).clone()),
         };
