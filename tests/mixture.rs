@@ -181,8 +181,9 @@ proptest! {
                 pool.install(|| image.replay(&batch.iter().collect::<Vec<_>>(), &mut masks));
             }
             for (frame, mask) in batch.iter().zip(&masks) {
-                // What each pixel is by itself: background 0, shadow or light 1, other foreground -1.
-                let alone: Vec<i32> = plain
+                // What each pixel is by itself: `None` background, the share of brightness of shadow or light in levels, 0
+                // other foreground.
+                let alone: Vec<Option<u32>> = plain
                     .iter_mut()
                     .enumerate()
                     .map(|(index, pixel)| {
@@ -191,22 +192,40 @@ proptest! {
                         let outcome = pixel.update(value, frame.number, &parameters);
                         let channels = if parameters.space == Space::Gray { 1 } else { 3 };
                         let surface = pixel.components()[0].mean;
-                        let light = parameters.shadow.covers(&value[..channels], &surface[..channels]);
-                        match (outcome.foreground, light) {
-                            (false, _) => 0,
-                            (true, true) => 1,
-                            (true, false) => -1,
-                        }
+                        let (value, surface) = (&value[..channels], &surface[..channels]);
+                        outcome.foreground.then(|| match parameters.shadow.covers(value, surface) {
+                            true => 1 + (60.0 * parameters.shadow.of(value, surface).0) as u32,
+                            false => 0,
+                        })
                     })
                     .collect();
-                for (index, &own) in alone.iter().enumerate() {
+                let square = |index: usize, reach: i32| {
                     let (x, y) = (index as i32 % width as i32, index as i32 / width as i32);
-                    let reach = parameters.shadow.window as i32 / 2;
                     let around = (-reach..=reach).flat_map(|down| (-reach..=reach).map(move |right| (x + right, y + down)));
                     let inside = around.filter(|&(x, y)| (0..width as i32).contains(&x) && (0..height as i32).contains(&y));
-                    let sum: i32 = inside.map(|(x, y)| alone[(y * width as i32 + x) as usize]).sum();
-                    let foreground = own == -1 || own == 1 && sum < 0;
+                    inside.map(|(x, y)| (y * width as i32 + x) as usize).collect::<Vec<_>>()
+                };
+                let is_even = |index: usize| {
+                    let around = square(index, 1);
+                    let levels: Vec<u32> = around.iter().filter_map(|&at| alone[at]).filter(|&level| level > 0).collect();
+                    let (n, sum) = (levels.len() as u32, levels.iter().sum::<u32>());
+                    let squares: u32 = levels.iter().map(|level| level * level).sum();
+                    let most = (n as f32 * parameters.shadow.spread * 60.0).powi(2);
+                    2 * levels.len() >= around.len() && (n * squares - sum * sum) as f32 <= most
+                };
+                for (index, &own) in alone.iter().enumerate() {
+                    let votes = square(index, parameters.shadow.window as i32 / 2).into_iter().map(|at| match alone[at] {
+                        None => 0,
+                        Some(0) => -1,
+                        Some(_) => i32::from(is_even(at)),
+                    });
+                    let foreground = match own {
+                        None => false,
+                        Some(0) => true,
+                        Some(_) => parameters.shadow.window > 0 && votes.sum::<i32>() < 0,
+                    };
                     let expected = if foreground { Mask::FOREGROUND } else { Mask::BACKGROUND };
+                    let (x, y) = (index as u32 % width, index as u32 / width);
                     prop_assert_eq!(mask.data[index], expected, "pixel {} {} in frame {}", x, y, frame.number);
                 }
             }

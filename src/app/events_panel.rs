@@ -12,7 +12,7 @@ use super::compared::{Compared, Listing, Read};
 use super::state::Model;
 use super::{icons, theme};
 use crate::occlusion::compare::Pair;
-use crate::occlusion::event::Comparison;
+use crate::occlusion::event::{Comparison, Relation};
 use crate::occlusion::{Event, EventKind};
 use crate::palette::{event_colour, identity_colour};
 use crate::replay::Timeline;
@@ -306,7 +306,7 @@ fn evidence(ui: &mut Ui, model: &Model, event: &Event, commands: &mut Vec<Comman
             ui.label(format!("In front: {front}"));
         }
         ui.weak(format!(
-            "Objects with a region: {} before, {} now",
+            "Regions that stand for objects: {} before, {} now",
             event.evidence.objects_before, event.evidence.objects_now
         ));
         ui.add_space(theme::SPACE);
@@ -361,14 +361,24 @@ fn compared(ui: &mut Ui, comparison: &Comparison) {
     let colours = theme::colours(ui.visuals());
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = theme::SPACE;
-        let (icon, colour, word) = match (comparison.threshold, comparison.holds) {
-            (None, _) => (m::ICON_REMOVE, colours.weak, "noted"),
-            (_, true) => (m::ICON_CHECK, colours.good, "speaks for it"),
-            (_, false) => (m::ICON_CLOSE, colours.bad, "speaks against it"),
+        let (icon, colour, word) = match (comparison.chosen, comparison.threshold, comparison.holds) {
+            (Some(true), ..) => {
+                (m::ICON_RADIO_BUTTON_CHECKED, colours.good, "of the alternative that was chosen")
+            }
+            (Some(false), ..) => {
+                (m::ICON_RADIO_BUTTON_UNCHECKED, colours.weak, "of an alternative that was not chosen")
+            }
+            (None, None, _) => (m::ICON_REMOVE, colours.weak, "noted"),
+            (None, _, true) => (m::ICON_CHECK, colours.good, "speaks for it"),
+            (None, _, false) => (m::ICON_CLOSE, colours.bad, "speaks against it"),
         };
         ui.label(icon.rich_text().size(14.0).color(colour)).on_hover_text(word);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-            let limit = comparison.threshold.map_or_else(String::new, |limit| format!("limit {limit:.2}"));
+            let limit = match (comparison.threshold, comparison.relation) {
+                (Some(limit), Some(Relation::AtMost)) => format!("≤ {limit:.2}"),
+                (Some(limit), _) => format!("≥ {limit:.2}"),
+                (None, _) => String::new(),
+            };
             ui.add_sized(
                 vec2(84.0, 16.0),
                 Label::new(RichText::new(limit).monospace().color(colours.weak)).halign(Align::RIGHT),

@@ -138,9 +138,15 @@ static HELP: &[Help] = &[
     ),
     of(
         "shadow_window",
-        "shadow and light leave the mask: their pixels in the square ≥ other foreground in it",
+        "shadow and light leave the mask: their even pixels in the square ≥ other foreground in it",
         "Neighbours are counted over a wider area: small shadows beside an object stay foreground, and so do larger \
          patches of an object that look like one. 0: each pixel is decided alone.",
+    ),
+    of(
+        "shadow_spread",
+        "even: σ(s) over 3 × 3 pixels ≤ shadow_spread",
+        "Objects with a pattern of their own are taken for shadow, too; lower keeps more of them, and leaves more of \
+         shadows on rough ground and of their soft edges. 1: everything is even.",
     ),
     of(
         "shadow_colour",

@@ -12,10 +12,11 @@ use crate::settings::Settings;
 /// whose s is the brightness distortion, and ‖X − s·μ‖ the chromaticity distortion). A lamp, or a camera that opens
 /// its iris, gives s > 1.
 ///
-/// An object may by chance have the colour of the surface in another light, but seldom all over: a dark car has windows
-/// and wheels. Light falls on whole areas. So such a pixel leaves the mask only where there are at least as many of
-/// its kind around it as there is other foreground; the decision of one pixel then hangs on its neighbours in
-/// the same frame, and on nothing before.
+/// An object may by chance have such a colour here and there: a dark car on a road, the blurred outline of a fish. But a
+/// shadow darkens a surface evenly: s is about the same in neighbouring pixels, whatever the surface's pattern is,
+/// while an object's s has its own pattern. So such a pixel leaves the mask only where, in the square around it, there
+/// are at least as many *even* pixels of its kind as there is other foreground; a shadow's soft edge lies beside its
+/// even inside. The decision of one pixel then hangs on its neighbours in the same frame, and on nothing before.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shadow {
     /// τ, the darkest shadow as a share of the surface's brightness; 1 where there is none.
@@ -26,11 +27,14 @@ pub struct Shadow {
     pub colour: f32,
     /// Side of the square of neighbours that are counted, in pixels; 0 where none are.
     pub window: u32,
+    /// The largest standard deviation of s in 3 × 3 pixels that are even.
+    pub spread: f32,
 }
 
 impl Shadow {
-    /// What a mask holds where a pixel is light by its colour, until its neighbours are counted.
-    pub(super) const CANDIDATE: u8 = 1;
+    /// While neighbours are not counted yet, a mask holds 1 and so many levels for each unit of s where a pixel is
+    /// light by its colour. s is at most 4: this stays below `Mask::FOREGROUND`.
+    pub const LEVELS: f32 = 60.0;
 
     /// The part of `settings` about shadow and light.
     pub const fn new(settings: &Settings) -> Self {
@@ -39,6 +43,7 @@ impl Shadow {
             ceiling: settings.light_ceiling,
             colour: settings.shadow_colour,
             window: settings.shadow_window,
+            spread: settings.shadow_spread,
         }
     }
 
@@ -64,58 +69,92 @@ impl Shadow {
         (share, (dot(value, value) - share * along).max(0.0).sqrt())
     }
 
-    /// What the tile writes for such a pixel.
-    pub(super) const fn mark(self) -> u8 {
-        if self.window > 0 { Self::CANDIDATE } else { Mask::BACKGROUND }
+    /// What a mask holds of a foreground pixel of this value on a surface of the colour `mean`, until neighbours are
+    /// counted.
+    pub fn mark(self, value: &[f32], mean: &[f32]) -> u8 {
+        match self.covers(value, mean) {
+            true if self.window > 0 => 1 + (Self::LEVELS * self.of(value, mean).0) as u8,
+            true => Mask::BACKGROUND,
+            false => Mask::FOREGROUND,
+        }
     }
 
     /// Lets the neighbours decide about the candidates in each mask.
     pub(super) fn settle(self, masks: &mut [Mask]) {
         if self.is_on() && self.window > 0 {
-            let radius = self.window as usize / 2;
-            masks.par_iter_mut().for_each(|mask| settle(mask, radius));
+            masks.par_iter_mut().for_each(|mask| self.settle_mask(mask));
         }
+    }
+
+    /// A candidate becomes background where no fewer even candidates than other foreground lie in the square around it,
+    /// itself among them, and foreground elsewhere.
+    fn settle_mask(self, mask: &mut Mask) {
+        let (width, height) = (mask.size.width as usize, mask.size.height as usize);
+        let Some(first) = mask.data.iter().position(|&byte| is_candidate(byte)) else { return };
+        let radius = self.window as usize / 2;
+        // Even candidates are 1, other foreground is -1, all else 0: their sum over the square decides.
+        let mut votes = vec![0_i8; mask.data.len()];
+        for (index, vote) in votes.iter_mut().enumerate().skip(first) {
+            *vote = match mask.data[index] {
+                byte if is_candidate(byte) => i8::from(self.is_even(mask, index % width, index / width)),
+                byte => byte.cast_signed(),
+            };
+        }
+        // What lies above the first candidate counts, too.
+        for (vote, &byte) in votes.iter_mut().zip(&mask.data[..first]) {
+            *vote = byte.cast_signed();
+        }
+        let row = |y: usize| &votes[y * width..][..width];
+        let first = first / width;
+        let mut columns = vec![0_i16; width];
+        let top = first.saturating_sub(radius);
+        for y in top..(first + radius).min(height) {
+            columns.iter_mut().zip(row(y)).for_each(|(sum, &vote)| *sum += i16::from(vote));
+        }
+        for (y, row_of_mask) in mask.data.chunks_exact_mut(width).enumerate().skip(first) {
+            if y + radius < height {
+                columns.iter_mut().zip(row(y + radius)).for_each(|(sum, &vote)| *sum += i16::from(vote));
+            }
+            if let Some(left) = y.checked_sub(radius + 1).filter(|&left| left >= top) {
+                columns.iter_mut().zip(row(left)).for_each(|(sum, &vote)| *sum -= i16::from(vote));
+            }
+            // The sum over the columns from `start` up to, but not, `to`.
+            let (mut start, mut to, mut sum) = (0, 0, 0_i32);
+            for (x, byte) in row_of_mask.iter_mut().enumerate().filter(|(_, byte)| is_candidate(**byte)) {
+                let (low, high) = (x.saturating_sub(radius), (x + radius + 1).min(width));
+                if low >= to {
+                    (start, to, sum) = (low, low, 0);
+                }
+                sum += columns[to..high].iter().map(|&column| i32::from(column)).sum::<i32>();
+                sum -= columns[start..low].iter().map(|&column| i32::from(column)).sum::<i32>();
+                (start, to) = (low, high);
+                *byte = if sum >= 0 { Mask::BACKGROUND } else { Mask::FOREGROUND };
+            }
+        }
+    }
+
+    /// Whether the surface is darkened, or brightened, evenly in the 3 × 3 pixels around a candidate: at least half of
+    /// them are candidates, and their s is about the same.
+    fn is_even(self, mask: &Mask, x: usize, y: usize) -> bool {
+        let (width, height) = (mask.size.width as usize, mask.size.height as usize);
+        let (columns, rows) =
+            (x.saturating_sub(1)..(x + 2).min(width), y.saturating_sub(1)..(y + 2).min(height));
+        let pixels = columns.len() * rows.len();
+        let (mut count, mut sum, mut squares) = (0_u32, 0_u32, 0_u32);
+        for y in rows {
+            for &byte in mask.data[y * width..][columns.clone()].iter().filter(|byte| is_candidate(**byte)) {
+                let level = u32::from(byte);
+                (count, sum, squares) = (count + 1, sum + level, squares + level * level);
+            }
+        }
+        let deviation = (count * squares - sum * sum) as f32;
+        2 * count as usize >= pixels && deviation <= (count as f32 * self.spread * Self::LEVELS).powi(2)
     }
 }
 
-/// A candidate becomes background where no fewer candidates than other foreground lie in the square around it, itself
-/// among them, and foreground elsewhere.
-fn settle(mask: &mut Mask, radius: usize) {
-    let (width, height) = (mask.size.width as usize, mask.size.height as usize);
-    let Some(first) = memchr::memchr(Shadow::CANDIDATE, &mask.data) else { return };
-    // As signed numbers candidates are 1, other foreground is -1, and background 0: their sum over the square decides.
-    let before = mask.data.clone();
-    let row = |y: usize| &before[y * width..][..width];
-    let first = first / width;
-    let mut columns = vec![0_i16; width];
-    for y in first.saturating_sub(radius)..(first + radius).min(height) {
-        columns.iter_mut().zip(row(y)).for_each(|(sum, &value)| *sum += i16::from(value.cast_signed()));
-    }
-    for (y, row_of_mask) in mask.data.chunks_exact_mut(width).enumerate().skip(first) {
-        if y + radius < height {
-            let entering = row(y + radius);
-            columns.iter_mut().zip(entering).for_each(|(sum, &value)| *sum += i16::from(value.cast_signed()));
-        }
-        if let Some(left) = y.checked_sub(radius + 1).filter(|&left| left >= first.saturating_sub(radius)) {
-            let leaving = row(left);
-            columns.iter_mut().zip(leaving).for_each(|(sum, &value)| *sum -= i16::from(value.cast_signed()));
-        }
-        let mut from = 0;
-        // The sum over the columns left of `to`, and of those from `start` on.
-        let (mut start, mut to, mut sum) = (0, 0, 0_i32);
-        while let Some(next) = memchr::memchr(Shadow::CANDIDATE, &row_of_mask[from..]) {
-            let x = from + next;
-            let (low, high) = (x.saturating_sub(radius), (x + radius + 1).min(width));
-            if low >= to {
-                (start, to, sum) = (low, low, 0);
-            }
-            sum += columns[to..high].iter().map(|&column| i32::from(column)).sum::<i32>();
-            sum -= columns[start..low].iter().map(|&column| i32::from(column)).sum::<i32>();
-            (start, to) = (low, high);
-            row_of_mask[x] = if sum >= 0 { Mask::BACKGROUND } else { Mask::FOREGROUND };
-            from = x + 1;
-        }
-    }
+/// Whether a pixel waits for its neighbours to decide.
+const fn is_candidate(byte: u8) -> bool {
+    byte != Mask::BACKGROUND && byte != Mask::FOREGROUND
 }
 
 #[cfg(test)]
@@ -125,7 +164,7 @@ mod tests {
     use super::*;
     use crate::frame::Size;
 
-    const SHADOW: Shadow = Shadow { floor: 0.6, ceiling: 1.0, colour: 12.0, window: 0 };
+    const SHADOW: Shadow = Shadow { floor: 0.6, ceiling: 1.0, colour: 12.0, window: 0, spread: 0.08 };
 
     #[test]
     fn a_surface_darkened_is_shadow_until_it_is_too_dark() {
@@ -153,22 +192,51 @@ mod tests {
         assert!(!off.covers(&[90.0; 3], &[100.0; 3]));
     }
 
+    /// The mask's value of a candidate with this s.
+    fn candidate(share: f32) -> u8 {
+        Shadow { window: 7, ..SHADOW }.mark(&[share * 200.0], &[200.0])
+    }
+
+    /// A block of 10 × 8 pixels whose s is `share`, alone.
+    fn block(share: impl Fn(u32, u32) -> f32) -> Mask {
+        let mut mask = Mask::empty(Size::new(30, 12));
+        for (x, y) in (2..10).flat_map(|y| (2..12).map(move |x| (x, y))) {
+            mask.data[(y * 30 + x) as usize] = candidate(share(x, y));
+        }
+        mask
+    }
+
+    fn settled(mut mask: Mask) -> Mask {
+        Shadow { window: 7, ..SHADOW }.settle(std::slice::from_mut(&mut mask));
+        mask
+    }
+
     #[test]
     fn an_area_of_light_goes_and_a_patch_on_an_object_stays() {
-        let size = Size::new(30, 12);
-        let mut mask = Mask::empty(size);
-        for y in 2..10 {
-            for x in 2..12 {
-                mask.data[y * 30 + x] = Shadow::CANDIDATE;
-            }
-            for x in 16..28 {
-                let patch = (4..7).contains(&y) && (20..23).contains(&x);
-                mask.data[y * 30 + x] = if patch { Shadow::CANDIDATE } else { Mask::FOREGROUND };
-            }
+        let mut mask = block(|_, _| 0.7);
+        for (x, y) in (2..10).flat_map(|y| (16..28).map(move |x| (x, y))) {
+            let patch = (4..7).contains(&y) && (20..23).contains(&x);
+            mask.data[y * 30 + x] = if patch { candidate(0.7) } else { Mask::FOREGROUND };
         }
-        Shadow { window: 7, ..SHADOW }.settle(std::slice::from_mut(&mut mask));
+        let mask = settled(mask);
         assert!((0..15).all(|x| (0..12).all(|y| !mask.is_foreground(x, y))));
         assert!((16..28).all(|x| (2..10).all(|y| mask.data[y * 30 + x] == Mask::FOREGROUND)));
+    }
+
+    #[test]
+    fn what_darkens_evenly_is_shadow_and_what_has_a_pattern_is_an_object() {
+        let bare = Mask::empty(Size::new(30, 12));
+        assert_eq!(settled(block(|_, _| 0.7)), bare);
+        assert_eq!(
+            settled(block(|x, _| if x < 4 { 0.98 - 0.07 * x as f32 } else { 0.7 })),
+            bare,
+            "with a soft edge"
+        );
+        // Uneven candidates have no voice: beside other foreground they are part of it.
+        let patterned = |x: u32, y: u32| if (x + y).is_multiple_of(2) { 0.65 } else { 0.95 };
+        let mut car = block(patterned);
+        car.data[5 * 30 + 12] = Mask::FOREGROUND;
+        assert!(settled(car).is_foreground(10, 5));
     }
 
     proptest! {
@@ -176,26 +244,41 @@ mod tests {
         fn neighbours_are_counted_in_the_square(
             (width, height) in (1_u32..40, 1_u32..30),
             radius in 1_u32..8,
-            values in prop::collection::vec(0_usize..7, 40 * 30),
+            values in prop::collection::vec(0_usize..9, 40 * 30),
         ) {
             let size = Size::new(width, height);
-            let data: Vec<u8> = values[..size.pixels()].iter().map(|&at| [0, 0, 0, 0, 1, 1, 255][at]).collect();
+            let choice = [0, 0, 0, 0, 40, 41, 43, 50, 255];
+            let data: Vec<u8> = values[..size.pixels()].iter().map(|&at| choice[at]).collect();
             let mut mask = Mask { size, data: data.clone() };
-            Shadow { window: 2 * radius + 1, ..SHADOW }.settle(std::slice::from_mut(&mut mask));
-            for y in 0..height {
-                for x in 0..width {
-                    let at = |x: u32, y: u32| data[(y * width + x) as usize];
-                    let rows = y.saturating_sub(radius)..=(y + radius).min(height - 1);
-                    let columns = x.saturating_sub(radius)..=(x + radius).min(width - 1);
-                    let around: Vec<_> = rows.flat_map(|y| columns.clone().map(move |x| at(x, y))).collect();
-                    let count = |value: u8| around.iter().map(|&other| usize::from(other == value)).sum::<usize>();
-                    let expected = match at(x, y) {
-                        1 if count(1) >= count(255) => 0,
-                        1 => 255,
-                        other => other,
-                    };
-                    prop_assert_eq!(mask.data[(y * width + x) as usize], expected, "{} {}", x, y);
-                }
+            let shadow = Shadow { window: 2 * radius + 1, spread: 0.077, ..SHADOW };
+            shadow.settle(std::slice::from_mut(&mut mask));
+            let at = |x: u32, y: u32| data[(y * width + x) as usize];
+            let around = |x: u32, y: u32, radius: u32| {
+                let rows = y.saturating_sub(radius)..=(y + radius).min(height - 1);
+                let columns = x.saturating_sub(radius)..=(x + radius).min(width - 1);
+                rows.flat_map(|y| columns.clone().map(move |x| (x, y))).collect::<Vec<_>>()
+            };
+            let is_candidate = |byte: u8| byte > 0 && byte < 255;
+            let is_even = |x: u32, y: u32| {
+                let square: Vec<u8> = around(x, y, 1).into_iter().map(|(x, y)| at(x, y)).collect();
+                let shares: Vec<f64> =
+                    square.iter().filter(|byte| is_candidate(**byte)).map(|&byte| f64::from(byte) / 60.0).collect();
+                let mean = shares.iter().sum::<f64>() / shares.len() as f64;
+                let variance = shares.iter().map(|share| (share - mean).powi(2)).sum::<f64>() / shares.len() as f64;
+                2 * shares.len() >= square.len() && variance.sqrt() <= 0.077
+            };
+            for (x, y) in (0..height).flat_map(|y| (0..width).map(move |x| (x, y))) {
+                let votes = around(x, y, radius).into_iter().map(|(x, y)| match at(x, y) {
+                    0 => 0,
+                    255 => -1,
+                    _ => i32::from(is_even(x, y)),
+                });
+                let expected = match at(x, y) {
+                    byte if !is_candidate(byte) => byte,
+                    _ if votes.sum::<i32>() >= 0 => 0,
+                    _ => 255,
+                };
+                prop_assert_eq!(mask.data[(y * width + x) as usize], expected, "{} {}", x, y);
             }
         }
     }

@@ -351,9 +351,7 @@ impl<const N: usize> Tile<'_, N> {
         for (lane, byte) in foreground.iter_mut().enumerate().filter(|(_, byte)| **byte > 0) {
             let value = x.map(|channel| channel[lane]);
             let mean = self.first.lane(lane).mean;
-            if constants.parameters.shadow.covers(&value, &mean[..N]) {
-                *byte = constants.parameters.shadow.mark();
-            }
+            *byte = constants.parameters.shadow.mark(&value, &mean[..N]);
         }
     }
 

@@ -66,8 +66,8 @@ fn shadow(state: &PixelState, parameters: &Parameters) -> Option<String> {
         };
         let then = if rule.window > 0 {
             format!(
-                "leaves the mask if of the {0} × {0} pixels around no fewer are so than are other foreground \
-                 (shadow_window)",
+                "leaves the mask if of the {0} × {0} pixels around no fewer are so, and evenly, than are other \
+                 foreground (shadow_window, shadow_spread)",
                 rule.window
             )
         } else {
@@ -97,7 +97,8 @@ pub fn overruled(mixture: bool, mask: bool, ignored: bool, settings: &Settings) 
     let shadow = mixture && Shadow::new(settings).is_on();
     let changes_masks = |setting: &Setting| {
         setting.stage == Stage::Cleaning && !powerless.contains(&setting.name)
-            || shadow && ["shadow_floor", "light_ceiling", "shadow_window"].contains(&setting.name)
+            || shadow
+                && ["shadow_floor", "light_ceiling", "shadow_window", "shadow_spread"].contains(&setting.name)
     };
     let steps: Vec<String> = SETTINGS
         .iter()

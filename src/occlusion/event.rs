@@ -48,12 +48,23 @@ impl EventKind {
 pub struct Evidence {
     /// The branch of the algorithm in words, a sentence with its numbers.
     pub branch: String,
-    /// Objects that had a region in the frame before and in this frame (the paper's object counters).
+    /// Regions that stood for objects in the frame before the event's and in it (the paper's object counters): a merge
+    /// lowers them, a demerge raises them.
     pub objects_before: u32,
     /// See `objects_before`.
     pub objects_now: u32,
-    /// Each number that was compared, with what it was compared to.
+    /// Each number that was looked at, with what it was compared to.
     pub comparisons: Vec<Comparison>,
+}
+
+/// On which side of its threshold a number speaks for a decision.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Relation {
+    /// The number is no larger.
+    AtMost,
+    /// The number is no smaller.
+    AtLeast,
 }
 
 /// One number that a decision looked at.
@@ -66,19 +77,63 @@ pub struct Comparison {
     /// The threshold, where there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub threshold: Option<f32>,
-    /// Whether the number spoke for the decision.
+    /// How the number has to stand to the threshold, where there is one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub relation: Option<Relation>,
+    /// Whether it stands so, which speaks for the decision; true of a number without a threshold.
     pub holds: bool,
+    /// Of several alternatives, whether this one was chosen; the choice is by all of their numbers together.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub chosen: Option<bool>,
+}
+
+impl Comparison {
+    /// A number without a threshold.
+    pub fn note(what: impl Into<String>, value: f32) -> Self {
+        Self { what: what.into(), value, threshold: None, relation: None, holds: true, chosen: None }
+    }
+
+    /// A number that speaks for the decision when it is at most `threshold`.
+    pub fn at_most(what: impl Into<String>, value: f32, threshold: f32) -> Self {
+        let (threshold, relation) = (Some(threshold), Some(Relation::AtMost));
+        Self { threshold, relation, ..Self::note(what, value) }.judged()
+    }
+
+    /// A number that speaks for the decision when it is at least `threshold`.
+    pub fn at_least(what: impl Into<String>, value: f32, threshold: f32) -> Self {
+        let (threshold, relation) = (Some(threshold), Some(Relation::AtLeast));
+        Self { threshold, relation, ..Self::note(what, value) }.judged()
+    }
+
+    /// The same number as one of several alternatives.
+    pub fn of_alternative(self, chosen: bool) -> Self {
+        Self { chosen: Some(chosen), ..self }
+    }
+
+    fn judged(self) -> Self {
+        let holds = match (self.threshold, self.relation) {
+            (Some(threshold), Some(Relation::AtMost)) => self.value <= threshold,
+            (Some(threshold), Some(Relation::AtLeast)) => self.value >= threshold,
+            _ => true,
+        };
+        Self { holds, ..self }
+    }
 }
 
 impl Evidence {
     /// Notes a number without a threshold.
     pub fn note(&mut self, what: impl Into<String>, value: f32) {
-        self.comparisons.push(Comparison { what: what.into(), value, threshold: None, holds: true });
+        self.comparisons.push(Comparison::note(what, value));
     }
 
-    /// Notes a number, the threshold it met, and whether it spoke for the decision.
-    pub fn compare(&mut self, what: impl Into<String>, value: f32, threshold: f32, holds: bool) {
-        self.comparisons.push(Comparison { what: what.into(), value, threshold: Some(threshold), holds });
+    /// Notes a number that speaks for the decision when it is at most `threshold`.
+    pub fn at_most(&mut self, what: impl Into<String>, value: f32, threshold: f32) {
+        self.comparisons.push(Comparison::at_most(what, value, threshold));
+    }
+
+    /// Notes a number that speaks for the decision when it is at least `threshold`.
+    pub fn at_least(&mut self, what: impl Into<String>, value: f32, threshold: f32) {
+        self.comparisons.push(Comparison::at_least(what, value, threshold));
     }
 }
 

@@ -14,6 +14,8 @@ const ALIKE: f32 = 0.8;
 /// At so many places, from where it was last seen to where it is predicted, a hidden object may have stopped.
 const STOPS: u8 = 8;
 
+/// Who leaves moves outward, or hardly inward, as far as a mask's flicker goes: in pixels a frame.
+const LEAST_OUTWARD: f32 = -0.2;
 /// Places of occlusion by the scene that are remembered; the oldest go first.
 const MAX_OCCLUDERS: usize = 64;
 
@@ -138,13 +140,13 @@ impl Reasoner {
         let outward =
             outward_speed(&last, [velocity.x, velocity.y], self.size.width as f32, self.size.height as f32);
         let near = distance <= self.limits.border;
-        let leaves = near && outward > -0.2;
+        let leaves = near && outward >= LEAST_OUTWARD;
         leaves.then(|| {
             let mut evidence = self.evidence(format!(
-                "no region from frame {lost_from} on; the box was near the image edge and moved outward"
+                "no region from frame {lost_from} on; the box was near the image edge and did not move inward"
             ));
-            evidence.compare("distance to the image edge", distance, self.limits.border, near);
-            evidence.compare("speed outward in pixels a frame", outward, -0.2, outward > -0.2);
+            evidence.at_most("distance to the image edge", distance, self.limits.border);
+            evidence.at_least("speed outward in pixels a frame", outward, LEAST_OUTWARD);
             evidence
         })
     }
@@ -181,17 +183,12 @@ impl Reasoner {
         let Some(object) = self.objects.get_mut(&id) else { return };
         object.keep_pace();
         let last = object.last.bbox;
-        let mut evidence = self.evidence(format!(
-            "no region from frame {} on, away from the image edge, and no region grew to hold it",
-            since.0
-        ));
         let distance = last.distance_to_edge(self.size);
-        evidence.compare(
-            "distance to the image edge",
-            distance,
-            self.limits.border,
-            distance > self.limits.border,
-        );
+        let away = distance > self.limits.border;
+        let place = if away { "away from the image edge" } else { "moving inward at the image edge" };
+        let mut evidence = self
+            .evidence(format!("no region from frame {} on, {place}, and no region grew to hold it", since.0));
+        evidence.at_least("distance to the image edge", distance, self.limits.border);
         let [x, y] = last.centre();
         self.hidden.push(Hidden { id, since });
         self.events.push(Event {
@@ -240,11 +237,11 @@ impl Reasoner {
         };
         let mut evidence = self.evidence(branch);
         let from = if predicted { "the predicted place" } else { "its way" };
-        evidence.compare(format!("pixels from {from}"), distance, reach, true);
+        evidence.at_most(format!("pixels from {from}"), distance, reach);
         if predicted {
             evidence.note("agreement of colours, up to 1.2", agreement);
         } else {
-            evidence.compare("agreement of colours", agreement, ALIKE, true);
+            evidence.at_least("agreement of colours", agreement, ALIKE);
         }
         evidence.note("frames hidden", (self.t - hidden.since.1) as f32);
         self.take_back(id, &hidden, evidence);

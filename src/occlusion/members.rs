@@ -6,7 +6,7 @@ use super::hidden::{Return, reach};
 use super::object::{Object, View};
 use super::partition::held_share;
 use super::placing::{self, Field, Placed};
-use super::reasoner::{ObjectId, Reasoner};
+use super::reasoner::{Carried, ObjectId, Reasoner};
 use crate::settings::Switch;
 
 /// An object of which a smaller share than this is seen in a group may not be there at all.
@@ -41,9 +41,7 @@ impl Reasoner {
                 }
                 continue;
             }
-            let area = |id: &ObjectId| self.objects.get(id).map_or(0.0, Object::area);
-            let largest = carried.members.iter().map(area).fold(0.0, f32::max);
-            let one = view.area < ROOM_FOR_ONE * largest;
+            let one = self.has_room_for_one(carried, view);
             let share = |id: &ObjectId| self.share_in_group(*id, carried);
             let best = carried.members.iter().copied().max_by(|a, b| {
                 let seen = |id: &ObjectId| self.objects.get(id).map_or(0.0, |object| object.seen_share);
@@ -77,12 +75,18 @@ impl Reasoner {
                 let mut evidence =
                     self.evidence("nothing is seen of it in its group's region, at the image edge");
                 let distance = bbox.distance_to_edge(self.size);
-                evidence.compare("distance to the image edge", distance, self.limits.border, true);
+                evidence.at_most("distance to the image edge", distance, self.limits.border);
                 self.tell_exit(id, self.number, evidence);
             } else {
                 self.hide(id, (self.number, self.t));
             }
         }
+    }
+
+    /// Whether a region is too small to show more than one of the objects it stands for.
+    fn has_room_for_one(&self, carried: &Carried, view: &View) -> bool {
+        let area = |id: &ObjectId| self.objects.get(id).map_or(0.0, Object::area);
+        view.area < ROOM_FOR_ONE * carried.members.iter().map(area).fold(0.0, f32::max)
     }
 
     /// Moves the members of a group to where its region shows them.
@@ -180,6 +184,9 @@ impl Reasoner {
                 continue;
             }
             if assign::outside(&object.predicted_box(), &view.bbox) > wide {
+                continue;
+            }
+            if self.has_room_for_one(carried, view) {
                 continue;
             }
             let Some((_, mut placed, field)) = self.laid_out(&carried.members, view) else { continue };

@@ -22,5 +22,5 @@ mod splits;
 pub mod template;
 pub mod what_if;
 
-pub use event::{Comparison, Counters, Episode, EpisodeKind, Event, EventKind, Evidence};
+pub use event::{Comparison, Counters, Episode, EpisodeKind, Event, EventKind, Evidence, Relation};
 pub use reasoner::{Reasoner, Seen};

@@ -290,9 +290,10 @@ impl Object {
     }
 
     /// Whether it went far while a part of it was seen: past anything that could hide the rest.
-    pub fn went_far(&self) -> bool {
+    pub fn went_far(&self, view: &View) -> bool {
         let [x, y] = self.model.centre();
-        (x - self.partial_from[0]).hypot(y - self.partial_from[1]) > self.size().0
+        (x - self.partial_from[0]).hypot(y - self.partial_from[1])
+            > self.size().0.min(view.bbox.w.max(0.5 * self.size().0))
     }
 
     /// What seemed a part of it has been the whole for long: what it looked like before is forgotten.

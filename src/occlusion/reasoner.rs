@@ -4,14 +4,14 @@
 //! identity; a blob carries one object, or several while they share its region. Events come from
 //! how this partition changes from frame to frame.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, VecDeque};
 use std::sync::Arc;
 
 use nalgebra::Vector3;
 
 use super::assign::{self, Piece};
-use super::event::{Counters, Episode, Event, EventKind, Evidence};
-use super::hidden::{Hidden, Return};
+use super::event::{Comparison, Counters, Episode, Event, EventKind, Evidence};
+use super::hidden::{self, Hidden, Return};
 use super::meetings::Meetings;
 use super::object::{Object, View, close_to};
 use super::partition::{self, Cluster, Expected, Extent};
@@ -28,6 +28,9 @@ use crate::tracking::{Naming, Track};
 
 /// A member of which nothing was seen for more frames than this need not be in its group's region.
 const COASTS: u32 = 2;
+
+/// A new object tells of at most so many hidden ones that it was not taken for.
+const MOST_REFUSED: usize = 3;
 
 /// Regions down to this share of `track_min_area` can be fragments of a detection.
 const MIN_FRAGMENT_SHARE: f32 = 0.3;
@@ -109,8 +112,8 @@ pub struct Reasoner {
     seeds: Seeds,
     counters: Counters,
     last_id: u32,
-    /// Objects that had a region in the frame before and in this one: the paper's counters.
-    pub(super) with_region: (u32, u32),
+    /// Of the last frames, the number and how many regions stood for objects: the paper's counters.
+    with_region: VecDeque<(u32, u32)>,
     /// Frame numbers of the last three frames.
     recent: [u32; 3],
 }
@@ -153,7 +156,7 @@ impl Reasoner {
             seeds: Seeds::default(),
             counters: Counters::default(),
             last_id: 0,
-            with_region: (0, 0),
+            with_region: VecDeque::new(),
             recent: [0; 3],
         }
     }
@@ -172,6 +175,7 @@ impl Reasoner {
             self.resolve(&cluster, &views, &observed, &matched, &mut unexplained);
         }
         self.carried.retain(|carried| !carried.members.is_empty());
+        self.follow_manoeuvres(&views, &mut unexplained);
         self.seed(&views, &unexplained);
         self.count_objects();
         self.follow_objects();
@@ -242,8 +246,7 @@ impl Reasoner {
     }
 
     pub(super) fn evidence(&self, branch: impl Into<String>) -> Evidence {
-        let (objects_before, objects_now) = self.with_region;
-        Evidence { branch: branch.into(), objects_before, objects_now, comparisons: Vec::new() }
+        Evidence { branch: branch.into(), ..Evidence::default() }
     }
 
     pub(super) const fn new_key(&mut self) -> u32 {
@@ -578,18 +581,11 @@ impl Reasoner {
             view.area,
             100.0 * grown,
         ));
-        evidence.compare("growth of the region", grown, step, grown >= step);
+        evidence.at_least("growth of the region", grown, step);
         for &id in members {
             let held = partition::held_share(&self.objects[&id].predicted_box(), &view.bbox);
-            evidence.compare(
-                format!(
-                    "share of {}'s predicted box inside the region",
-                    self.identity(id).unwrap_or_default()
-                ),
-                held,
-                0.5,
-                held >= 0.5,
-            );
+            let whose = self.identity(id).unwrap_or_default();
+            evidence.at_least(format!("share of {whose}'s predicted box inside the region"), held, 0.5);
         }
         let identities = self.identities(members);
         let [x, y] = view.bbox.centre();
@@ -689,6 +685,25 @@ impl Reasoner {
         0.15 * height + 0.25 * velocity.x.hypot(velocity.y) * apart
     }
 
+    /// Gives objects that are lost in this frame the regions that nothing explains, where a manoeuvre can have taken
+    /// them there.
+    fn follow_manoeuvres(&mut self, views: &[View], unexplained: &mut Vec<usize>) {
+        let lost: Vec<usize> = (0..self.carried.len())
+            .filter(|&index| self.carried[index].view.is_none() && self.carried[index].members.len() == 1)
+            .collect();
+        let blobs: Vec<&Blob> = lost.iter().map(|&index| &self.carried[index].blob).collect();
+        let free: Vec<Observation> = unexplained.iter().map(|&index| observation(&views[index])).collect();
+        let observations: Vec<&Observation> = free.iter().collect();
+        let pairs = self.pool.match_manoeuvres(&blobs, &observations);
+        let taken: Vec<usize> = pairs.iter().map(|&(_, column)| unexplained[column]).collect();
+        for (row, column) in pairs {
+            let carried = &mut self.carried[lost[row]];
+            PoolSettings::manoeuvre(&mut carried.blob, &free[column]);
+            carried.view = Some(views[unexplained[column]].clone());
+        }
+        unexplained.retain(|index| !taken.contains(index));
+    }
+
     /// New models for what nothing explains.
     fn seed(&mut self, views: &[View], unexplained: &[usize]) {
         let observations = unexplained.iter().map(|&index| (index, observation(&views[index]))).collect();
@@ -706,13 +721,23 @@ impl Reasoner {
     }
 
     fn count_objects(&mut self) {
-        let now: usize = self
-            .carried
-            .iter()
-            .filter(|carried| carried.view.is_some())
-            .map(|carried| carried.members.iter().filter(|id| self.objects[id].named).count())
-            .sum();
-        self.with_region = (self.with_region.1, now as u32);
+        let stands_for_objects = |carried: &&Carried| {
+            carried.view.is_some() && carried.members.iter().any(|id| self.objects[id].named)
+        };
+        let now = self.carried.iter().filter(stands_for_objects).count();
+        // An event is told at most as long after its frame as who is hidden is waited for.
+        if self.with_region.len() > self.limits.max_hidden as usize + 1 {
+            self.with_region.pop_front();
+        }
+        self.with_region.push_back((self.number, now as u32));
+    }
+
+    /// How many regions stood for objects in the frame before the frame with this number, and in it.
+    fn counted_at(&self, number: u32) -> (u32, u32) {
+        let at = self.with_region.partition_point(|(counted, _)| *counted < number);
+        let count =
+            |at: Option<usize>| at.and_then(|at| self.with_region.get(at)).map_or(0, |(_, count)| *count);
+        (count(at.checked_sub(1)), count(Some(at)))
     }
 
     /// Each object's own motion and looks, from how its blob is seen.
@@ -731,7 +756,7 @@ impl Reasoner {
                         Some(view)
                             if !object.is_nearly_whole(&view)
                                 && (object.partial < relearn
-                                    || !object.went_far() && object.partial < at_last) =>
+                                    || !object.went_far(&view) && object.partial < at_last) =>
                         {
                             object.see_part(&view);
                             part = Some(view);
@@ -855,10 +880,37 @@ impl Reasoner {
                 "a new object away from the image edge; no hidden object fits and no group shrank"
             };
             let mut evidence = self.evidence(branch);
-            evidence.compare("distance to the image edge", distance, self.limits.border, near);
+            if near {
+                evidence.at_most("distance to the image edge", distance, self.limits.border);
+            } else {
+                evidence.at_least("distance to the image edge", distance, self.limits.border);
+                self.note_refused(&birthplace, &mut evidence);
+            }
             let [x, y] = birthplace.centre();
             let (objects, becomes) = (vec![identity], vec![identity]);
             self.events.push(Event { frame: born, kind, objects, becomes, x, y, front: None, evidence });
+        }
+    }
+
+    /// Notes which hidden objects a new one was not taken for, the nearest first: how far from where each may be.
+    fn note_refused(&self, birthplace: &Rect, evidence: &mut Evidence) {
+        let mut refused: Vec<(f32, f32, u32)> = self
+            .hidden
+            .iter()
+            .filter_map(|hidden| {
+                let past = self.objects.get(&hidden.id)?;
+                let distance = assign::outside(&past.predicted_box(), birthplace);
+                Some((distance, hidden::reach(past, self.t - hidden.since.1), self.identity(hidden.id)?))
+            })
+            .collect();
+        refused.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for (distance, reach, identity) in refused.into_iter().take(MOST_REFUSED) {
+            let place = Comparison::at_least(
+                format!("pixels from where hidden {identity} was predicted"),
+                distance,
+                reach,
+            );
+            evidence.comparisons.push(place.of_alternative(false));
         }
     }
 
@@ -903,8 +955,9 @@ impl Reasoner {
     pub(super) fn count_told(&mut self) -> Vec<Event> {
         let mut events = std::mem::take(&mut self.events);
         events.sort_by(|a, b| (a.frame, a.kind, &a.objects).cmp(&(b.frame, b.kind, &b.objects)));
-        for event in &events {
+        for event in &mut events {
             self.counters.count(event.kind);
+            (event.evidence.objects_before, event.evidence.objects_now) = self.counted_at(event.frame);
         }
         events
     }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::assign::{self, Fit, Piece};
-use super::event::{Event, EventKind};
+use super::event::{Comparison, Event, EventKind};
 use super::object::Object;
 use super::reasoner::{Carried, ObjectId, Reasoner};
 use crate::regions::{Histogram, Rect};
@@ -133,12 +133,13 @@ impl Reasoner {
         }
         let Some((_, index, member, fit, filled)) = best else { return false };
         let objects = self.identities(&self.carried[index].members);
+        let step = self.settings.size_step;
+        let why = if filled <= 1.0 - step { "that had shrunk" } else { "in which it was not seen" };
         let mut evidence = self.evidence(format!(
-            "a region without an object beside one that {} objects shared and that had shrunk; it is the member who fits best",
+            "a region without an object beside one that {} objects shared and {why}; it is the member who fits best",
             objects.len(),
         ));
-        let step = self.settings.size_step;
-        evidence.compare("the group's pixels over those its members should have", filled, 1.0 - step, true);
+        evidence.at_most("the group's pixels over those its members should have", filled, 1.0 - step);
         evidence.note("agreement of colours, up to 1.2", fit.colour);
         evidence.note("pixels from the member's prediction", fit.distance);
         self.carried[index].members.retain(|&other| other != member);
@@ -283,34 +284,33 @@ impl Reasoner {
         let becomes = if singles.is_empty() { objects.clone() } else { self.identities(&singles) };
         let area: f32 = split.pieces.iter().map(|piece| piece.area).sum();
         let mut evidence = self.evidence(format!(
-            "a region that {} objects shared fell into {} pieces of {area:.0} pixels together, and they stayed apart for more than {} frames",
+            "a region that {} objects shared fell into {} pieces of {area:.0} pixels together, apart for {} frames when it was decided",
             objects.len(),
             split.pieces.len(),
-            self.limits.same_episode,
+            self.t - split.t,
         ));
         for (member, (row, &chosen)) in split.members.iter().zip(split.fits.iter().zip(&split.piece_of)) {
             let identity = self.identity(*member).unwrap_or_default();
             for (piece, fit) in row.iter().enumerate() {
                 let name = piece + 1;
                 let taken = piece == chosen;
-                evidence.compare(
-                    format!("ΔE of {identity} and piece {name}"),
-                    if fit.delta_e.is_finite() { fit.delta_e } else { 999.0 },
-                    self.settings.same_colour,
-                    taken,
-                );
-                evidence.compare(
-                    format!("agreement of colours of {identity} and piece {name}"),
-                    fit.colour,
-                    1.2,
-                    taken,
-                );
-                evidence.compare(
-                    format!("distance in pixels of {identity}'s prediction from piece {name}"),
-                    fit.distance,
-                    0.0,
-                    taken,
-                );
+                let delta_e = if fit.delta_e.is_finite() { fit.delta_e } else { 999.0 };
+                let alternatives = [
+                    Comparison::at_most(
+                        format!("ΔE of {identity} and piece {name}"),
+                        delta_e,
+                        self.settings.same_colour,
+                    ),
+                    Comparison::note(
+                        format!("agreement of colours, up to 1.2, of {identity} and piece {name}"),
+                        fit.colour,
+                    ),
+                    Comparison::note(
+                        format!("distance in pixels of {identity}'s prediction from piece {name}"),
+                        fit.distance,
+                    ),
+                ];
+                evidence.comparisons.extend(alternatives.map(|it| it.of_alternative(taken)));
             }
         }
         let around =
