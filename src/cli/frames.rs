@@ -11,6 +11,7 @@ use super::flags::Range;
 use super::interrupt;
 use crate::frame::Frame;
 use crate::mixture::BATCH;
+use crate::registration::Estimator;
 use crate::settings::Settings;
 use crate::source::{self, Options, Source, SourceInfo};
 
@@ -49,8 +50,17 @@ pub(super) struct Frames {
 }
 
 impl Frames {
-    /// Opens `video` and starts to decode it.
+    /// Opens `video` and starts to decode it; each frame is measured against those before it.
     pub(super) fn open(video: &str, options: Options, range: Option<Range>) -> anyhow::Result<Self> {
+        Self::open_to(video, options, range, true)
+    }
+
+    /// Opens `video` once more, for its pictures alone: nothing is measured.
+    pub(super) fn open_again(video: &str, options: Options, range: Option<Range>) -> anyhow::Result<Self> {
+        Self::open_to(video, options, range, false)
+    }
+
+    fn open_to(video: &str, options: Options, range: Option<Range>, measure: bool) -> anyhow::Result<Self> {
         interrupt::watch();
         let source = source::open(video, options)?;
         let info = source.info().clone();
@@ -61,7 +71,10 @@ impl Frames {
         };
         let ahead = AHEAD_BYTES / (info.size.pixels() * 3).max(1);
         let (sender, items) = bounded(ahead.clamp(LEAST_AHEAD, MOST_AHEAD));
-        thread::Builder::new().name("decode".to_owned()).spawn(move || decode(source, range, &sender))?;
+        thread::Builder::new().name("decode".to_owned()).spawn(move || {
+            let estimator = measure.then(|| Estimator::new(source.info().size));
+            decode(source, range, estimator, &sender);
+        })?;
         Ok(Self { info, total, options, range, held: VecDeque::new(), items })
     }
 
@@ -173,7 +186,12 @@ impl Frames {
 }
 
 /// Sends everything within `range`; returns early when nobody takes it any more.
-fn decode(mut source: Box<dyn Source>, range: Option<Range>, items: &Sender<Item>) {
+fn decode(
+    mut source: Box<dyn Source>,
+    range: Option<Range>,
+    mut estimator: Option<Estimator>,
+    items: &Sender<Item>,
+) {
     let mut last_number = None;
     let mut sent = false;
     // Whether the source ended before the range did.
@@ -189,7 +207,7 @@ fn decode(mut source: Box<dyn Source>, range: Option<Range>, items: &Sender<Item
         if source.info().live && interrupt::asked() {
             break;
         }
-        let frame = match next {
+        let mut frame = match next {
             Ok(Some(frame)) => frame,
             Ok(None) => break,
             Err(error) => {
@@ -204,6 +222,14 @@ fn decode(mut source: Box<dyn Source>, range: Option<Range>, items: &Sender<Item
         last_number = Some(frame.number);
         if range.is_none_or(|range| frame.number >= range.first) {
             sent = true;
+            if let Some(estimator) = &mut estimator {
+                frame.alignment = estimator.step(&frame);
+            }
+            if let Some(text) = frame.alignment.warning()
+                && items.send(Item::Warning(text)).is_err()
+            {
+                return;
+            }
             if items.send(Item::Frame(frame)).is_err() {
                 return;
             }

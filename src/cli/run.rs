@@ -374,7 +374,7 @@ impl LiveDrawing {
 
 /// The second pass: the final reading drawn onto the frames, decoded once more.
 fn draw(job: &Job, record: &Record, staging: &Staging) -> anyhow::Result<()> {
-    let mut frames = Frames::open(&job.video, job.options, job.range)?;
+    let mut frames = Frames::open_again(&job.video, job.options, job.range)?;
     let fps = frames.info.fps;
     let Reading { tracks, events, .. } = &record.reading;
     let mut drawing = Drawing::new(job, &frames.info, staging)?;
