@@ -11,7 +11,7 @@ use super::flags::Range;
 use super::interrupt;
 use crate::frame::Frame;
 use crate::mixture::BATCH;
-use crate::registration::Estimator;
+use crate::registration::{Choice, Estimator, Registered};
 use crate::settings::Settings;
 use crate::source::{self, Options, Source, SourceInfo};
 
@@ -44,23 +44,21 @@ pub(super) struct Frames {
     pub total: Option<u32>,
     options: Options,
     range: Option<Range>,
+    /// What is done to them before the mixture, if they are measured for that.
+    choice: Option<Choice>,
     /// What was taken ahead and comes before `items`.
     held: VecDeque<Item>,
     items: Receiver<Item>,
 }
 
 impl Frames {
-    /// Opens `video` and starts to decode it; each frame is measured against those before it.
-    pub(super) fn open(video: &str, options: Options, range: Option<Range>) -> anyhow::Result<Self> {
-        Self::open_to(video, options, range, true)
-    }
-
-    /// Opens `video` once more, for its pictures alone: nothing is measured.
-    pub(super) fn open_again(video: &str, options: Options, range: Option<Range>) -> anyhow::Result<Self> {
-        Self::open_to(video, options, range, false)
-    }
-
-    fn open_to(video: &str, options: Options, range: Option<Range>, measure: bool) -> anyhow::Result<Self> {
+    /// Opens `video` and starts to decode it; where `choice` is given, frames are measured for what it takes out of them.
+    pub(super) fn open(
+        video: &str,
+        options: Options,
+        range: Option<Range>,
+        choice: Option<Choice>,
+    ) -> anyhow::Result<Self> {
         interrupt::watch();
         let source = source::open(video, options)?;
         let info = source.info().clone();
@@ -71,11 +69,15 @@ impl Frames {
         };
         let ahead = AHEAD_BYTES / (info.size.pixels() * 3).max(1);
         let (sender, items) = bounded(ahead.clamp(LEAST_AHEAD, MOST_AHEAD));
-        thread::Builder::new().name("decode".to_owned()).spawn(move || {
-            let estimator = measure.then(|| Estimator::new(source.info().size));
-            decode(source, range, estimator, &sender);
-        })?;
-        Ok(Self { info, total, options, range, held: VecDeque::new(), items })
+        let source: Box<dyn Source> = match choice {
+            None => source,
+            Some(choice) => {
+                let first = range.map_or(0, |range| range.first);
+                Box::new(Registered::by(source, Estimator::of(info.size, choice), first))
+            }
+        };
+        thread::Builder::new().name("decode".to_owned()).spawn(move || decode(source, range, &sender))?;
+        Ok(Self { info, total, options, range, choice, held: VecDeque::new(), items })
     }
 
     /// Gives `learn` the first frames, as many as `settings` have for the model to learn from, some at a time and in
@@ -131,7 +133,7 @@ impl Frames {
         match held {
             Some(held) => self.held = held,
             // Where its frames were not kept, the decoder is beyond them.
-            None => *self = Self::open(&self.info.name, self.options, self.range)?,
+            None => *self = Self::open(&self.info.name, self.options, self.range, self.choice)?,
         }
         Ok(())
     }
@@ -186,12 +188,7 @@ impl Frames {
 }
 
 /// Sends everything within `range`; returns early when nobody takes it any more.
-fn decode(
-    mut source: Box<dyn Source>,
-    range: Option<Range>,
-    mut estimator: Option<Estimator>,
-    items: &Sender<Item>,
-) {
+fn decode(mut source: Box<dyn Source>, range: Option<Range>, items: &Sender<Item>) {
     let mut last_number = None;
     let mut sent = false;
     // Whether the source ended before the range did.
@@ -207,7 +204,7 @@ fn decode(
         if source.info().live && interrupt::asked() {
             break;
         }
-        let mut frame = match next {
+        let frame = match next {
             Ok(Some(frame)) => frame,
             Ok(None) => break,
             Err(error) => {
@@ -222,14 +219,6 @@ fn decode(
         last_number = Some(frame.number);
         if range.is_none_or(|range| frame.number >= range.first) {
             sent = true;
-            if let Some(estimator) = &mut estimator {
-                frame.alignment = estimator.step(&frame);
-            }
-            if let Some(text) = frame.alignment.warning()
-                && items.send(Item::Warning(text)).is_err()
-            {
-                return;
-            }
             if items.send(Item::Frame(frame)).is_err() {
                 return;
             }
@@ -293,7 +282,7 @@ mod tests {
         let video = folder.path().to_str().unwrap();
         let readable = |number: &u32| ![7, 30].contains(number);
         for range in [None, Some(Range { first: 5, last: 20 }), Some(Range { first: 35, last: 90 })] {
-            let expected: Vec<_> = Frames::open(video, Options::default(), range)
+            let expected: Vec<_> = Frames::open(video, Options::default(), range, None)
                 .unwrap()
                 .items()
                 .map(|item| told(&item))
@@ -304,7 +293,7 @@ mod tests {
             for (bytes, most) in
                 [(1 << 20, 0), (1 << 20, 11), (0, 11), (1 << 20, 500), (0, 500), (10 * 72, 11)]
             {
-                let mut frames = Frames::open(video, Options::default(), range).unwrap();
+                let mut frames = Frames::open(video, Options::default(), range, None).unwrap();
                 let mut learnt = Vec::new();
                 let learn = |frames: &[&Frame]| {
                     learnt.extend(frames.iter().map(|frame| frame.number));
@@ -320,7 +309,7 @@ mod tests {
             }
         }
         let beyond = Some(Range { first: 90, last: 95 });
-        let mut frames = Frames::open(video, Options::default(), beyond).unwrap();
+        let mut frames = Frames::open(video, Options::default(), beyond, None).unwrap();
         let learn = |frames: &[&Frame]| {
             assert!(frames.is_empty());
             Ok(())

@@ -77,7 +77,21 @@ impl Light {
 
     /// The gain of the luma.
     pub fn luma_gain(&self) -> f32 {
-        (0.299 * self.gain[0] + 0.587 * self.gain[1]) + 0.114 * self.gain[2]
+        self.luma().0
+    }
+
+    /// Gain and offset of the luma.
+    pub(super) fn luma(&self) -> (f32, f32) {
+        let luma = |[r, g, b]: [f32; 3]| (0.299 * r + 0.587 * g) + 0.114 * b;
+        (luma(self.gain), luma(self.offset))
+    }
+
+    /// This light as one sees it who takes `usual` for no change.
+    pub(super) fn against(&self, usual: &Self) -> Self {
+        let gain: [f32; 3] = std::array::from_fn(|channel| self.gain[channel] / usual.gain[channel]);
+        let offset =
+            std::array::from_fn(|channel| self.offset[channel] - gain[channel] * usual.offset[channel]);
+        Self { gain, offset }
     }
 }
 
@@ -105,7 +119,7 @@ impl Alignment {
     pub fn warning(&self) -> Option<String> {
         self.moved_since.map(|frame| {
             format!(
-                "the camera moved at frame {frame} and stays there: the background has to be learnt anew where it shows \
+                "the camera moved at about frame {frame} and stays there: the background has to be learnt anew where it shows \
                  something else; analyse the frames from there on by themselves"
             )
         })

@@ -8,8 +8,8 @@ use rayon::prelude::*;
 /// What of a frame's alignment is taken out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Choice {
-    stabilise: Stabilise,
-    light: LightCorrection,
+    pub(super) stabilise: Stabilise,
+    pub(super) light: LightCorrection,
 }
 
 impl Default for Choice {
@@ -137,13 +137,17 @@ impl Correction {
 
     /// The colour that the mixture sees at (x, y), `None` where the frame does not show it.
     pub fn pixel(&self, frame: &Frame, x: u32, y: u32) -> Option<[u8; 3]> {
-        let (dx, dy) = self.moved(x as f32, y as f32);
-        self.sample(frame, x, y, dx, dy)
+        let rgb = if self.motion == Motion::NONE {
+            frame.pixel(x, y)
+        } else {
+            between(frame, self.row(y as f32)(x as f32))
+        };
+        rgb.and_then(|rgb| self.relit_pixel(rgb))
     }
 
     fn applied(&self, x: u32, y: u32) -> Applied {
         let (x, y) = (x as f32, y as f32);
-        let (moved_x, moved_y) = self.moved(x, y);
+        let (moved_x, moved_y) = self.row(y)(x);
         let shift = if self.motion == Motion::NONE { [0.0; 2] } else { [moved_x - x, moved_y - y] };
         Applied { shift, gain: if self.levels.is_some() { self.light.luma_gain() } else { 1.0 } }
     }
@@ -152,32 +156,38 @@ impl Correction {
         (0.5 * (self.size.width as f32 - 1.0), 0.5 * (self.size.height as f32 - 1.0))
     }
 
+    /// Where the pixels of a row are in the frame.
     #[inline(always)]
-    fn moved(&self, x: f32, y: f32) -> (f32, f32) {
-        let (centre_x, centre_y) = self.centre();
-        let (x, y) = self.motion.apply(x - centre_x, y - centre_y);
-        (x + centre_x, y + centre_y)
+    fn row(&self, y: f32) -> impl Fn(f32) -> (f32, f32) + use<> {
+        let ((centre_x, centre_y), motion) = (self.centre(), self.motion);
+        let y = y - centre_y;
+        move |x| {
+            let (x, y) = motion.apply(x - centre_x, y);
+            (x + centre_x, y + centre_y)
+        }
     }
 
+    /// A colour of the frame in the reference's light, `None` where too much light has cut it off.
     #[inline(always)]
-    fn sample(&self, frame: &Frame, x: u32, y: u32, at_x: f32, at_y: f32) -> Option<[u8; 3]> {
-        let rgb = if self.motion == Motion::NONE { frame.pixel(x, y)? } else { between(frame, at_x, at_y)? };
+    fn relit_pixel(&self, rgb: [u8; 3]) -> Option<[u8; 3]> {
         let Some(levels) = &self.levels else { return Some(rgb) };
-        let cut_off = rgb.iter().zip(self.cut_off).any(|(level, cut_off)| *level >= cut_off && cut_off < 255);
-        (!cut_off).then(|| std::array::from_fn(|channel| levels[channel][usize::from(rgb[channel])]))
+        (!self.is_cut(rgb)).then(|| std::array::from_fn(|channel| levels[channel][usize::from(rgb[channel])]))
     }
 
     /// The whole frame.
     pub fn apply(&self, frame: &Frame) -> Corrected {
         let width = self.size.width as usize;
+        if let (true, Some(levels)) = (self.motion == Motion::NONE, &self.levels) {
+            return self.relit(frame, levels);
+        }
         let mut rgb = frame.rgb.clone();
         let mut unknown = vec![false; self.size.pixels()];
         let rows =
             rgb.par_chunks_exact_mut((3 * width).max(1)).zip(unknown.par_chunks_exact_mut(width.max(1)));
         rows.with_min_len(16).enumerate().for_each(|(y, (row, unknown))| {
+            let moved = self.row(y as f32);
             for ((x, to), unknown) in row.as_chunks_mut::<3>().0.iter_mut().enumerate().zip(unknown) {
-                let (at_x, at_y) = self.moved(x as f32, y as f32);
-                match self.sample(frame, x as u32, y as u32, at_x, at_y) {
+                match between(frame, moved(x as f32)).and_then(|rgb| self.relit_pixel(rgb)) {
                     Some(rgb) => *to = rgb,
                     None => *unknown = true,
                 }
@@ -185,6 +195,30 @@ impl Correction {
         });
         let unknown = unknown.contains(&true).then_some(unknown);
         Corrected { frame: Frame::new(frame.number, frame.size, rgb), unknown }
+    }
+
+    /// The whole frame where the camera stands still.
+    fn relit(&self, frame: &Frame, levels: &[[u8; 256]; 3]) -> Corrected {
+        let mut rgb = frame.rgb.clone();
+        let mut unknown = vec![false; self.size.pixels()];
+        let may_be_cut = self.cut_off != [u8::MAX; 3];
+        rgb.par_chunks_mut(3 << 13).zip(unknown.par_chunks_mut(1 << 13)).for_each(|(rgb, unknown)| {
+            for (rgb, unknown) in rgb.as_chunks_mut::<3>().0.iter_mut().zip(unknown) {
+                if may_be_cut && self.is_cut(*rgb) {
+                    *unknown = true;
+                } else {
+                    *rgb = std::array::from_fn(|channel| levels[channel][usize::from(rgb[channel])]);
+                }
+            }
+        });
+        let unknown = unknown.contains(&true).then_some(unknown);
+        Corrected { frame: Frame::new(frame.number, frame.size, rgb), unknown }
+    }
+
+    /// Whether so much light fell on a pixel that its colour is lost.
+    #[inline(always)]
+    fn is_cut(&self, rgb: [u8; 3]) -> bool {
+        rgb.iter().zip(self.cut_off).any(|(level, cut_off)| *level >= cut_off && cut_off < u8::MAX)
     }
 
     /// A mask at the reference's place, brought back to the frame's.
@@ -195,13 +229,28 @@ impl Correction {
         let back = self.motion.inverse();
         let (centre_x, centre_y) = self.centre();
         let mut moved = Mask::empty(self.size);
-        let width = self.size.width as usize;
+        let (width, height) = (self.size.width as usize, self.size.height as usize);
+        let has_any: Vec<bool> =
+            mask.data.chunks_exact(width.max(1)).map(|row| has_foreground(row)).collect();
         moved.data.par_chunks_exact_mut(width.max(1)).with_min_len(16).enumerate().for_each(|(y, row)| {
+            let place = |x: f32| {
+                let (x, y) = back.apply(x - centre_x, y as f32 - centre_y);
+                (x + centre_x + 0.5, y + centre_y + 0.5)
+            };
+            // All that the row shows comes from the rows between those of its ends.
+            let (one, other) = (place(0.0).1, place(width as f32).1);
+            let first = (one.min(other) - 1.0).max(0.0) as usize;
+            let last = ((one.max(other) + 2.0).max(0.0) as usize).min(height);
+            if !has_any.get(first..last).is_some_and(|rows| rows.contains(&true)) {
+                return;
+            }
             for (x, to) in row.iter_mut().enumerate() {
-                let (x, y) = back.apply(x as f32 - centre_x, y as f32 - centre_y);
-                let (x, y) = (x + centre_x + 0.5, y + centre_y + 0.5);
-                if x >= 0.0 && y >= 0.0 && mask.is_foreground(x as u32, y as u32) {
-                    *to = Mask::FOREGROUND;
+                let (x, y) = place(x as f32);
+                if x >= 0.0 && y >= 0.0 {
+                    let (x, y) = (x as usize, y as usize);
+                    if x < width && y < height {
+                        *to = mask.data[y * width + x];
+                    }
                 }
             }
         });
@@ -209,30 +258,29 @@ impl Correction {
     }
 }
 
-/// The colour between pixels, `None` outside the outermost pixels' centres.
+fn has_foreground(row: &[u8]) -> bool {
+    memchr::memchr(Mask::FOREGROUND, row).is_some()
+}
+
+/// The colour between pixels, to 1/256 of one, `None` outside the outermost pixels' centres.
 #[inline(always)]
-fn between(frame: &Frame, x: f32, y: f32) -> Option<[u8; 3]> {
-    // A hundredth of a pixel outside is the outermost pixel's own.
-    let (x, y) = (x.max(-0.01), y.max(-0.01));
-    if x < -0.005 || y < -0.005 {
+fn between(frame: &Frame, (x, y): (f32, f32)) -> Option<[u8; 3]> {
+    let (x, y) = ((x * 256.0 + 0.5) as i32, (y * 256.0 + 0.5) as i32);
+    if x < 0 || y < 0 {
         return None;
     }
-    let (x, y) = (x.max(0.0), y.max(0.0));
-    let (column, row) = (x as usize, y as usize);
+    let (column, row) = (x as usize >> 8, y as usize >> 8);
     let (width, height) = (frame.size.width as usize, frame.size.height as usize);
     if column + 1 >= width || row + 1 >= height {
         return None;
     }
-    let (right, down) = (x - column as f32, y - row as f32);
+    let (right, down) = (x as u32 & 255, y as u32 & 255);
     let start = 3 * (row * width + column);
-    let upper = frame.rgb.get(start..start + 6)?;
-    let lower = frame.rgb.get(start + 3 * width..start + 3 * width + 6)?;
+    let upper: &[u8; 6] = frame.rgb[start..].first_chunk()?;
+    let lower: &[u8; 6] = frame.rgb[start + 3 * width..].first_chunk()?;
     Some(std::array::from_fn(|channel| {
-        let mix = |pair: &[u8]| {
-            let (one, other) = (f32::from(pair[channel]), f32::from(pair[channel + 3]));
-            one + right * (other - one)
-        };
-        let (upper, lower) = (mix(upper), mix(lower));
-        (upper + down * (lower - upper) + 0.5) as u8
+        let mix =
+            |pair: &[u8; 6]| u32::from(pair[channel]) * (256 - right) + u32::from(pair[channel + 3]) * right;
+        ((mix(upper) * (256 - down) + mix(lower) * down + (1 << 15)) >> 16) as u8
     }))
 }

@@ -80,6 +80,14 @@ pub(super) struct Found {
     pub(super) cost: f32,
     /// Whether the motion explains far more than none does, in all quarters of the image but one.
     pub(super) is_clear: bool,
+    /// Gain and offset of the luma that go with it.
+    pub(super) light: (f32, f32),
+}
+
+impl Found {
+    /// What is said where there is nothing to be found.
+    pub(super) const NOTHING: Self =
+        Self { motion: Motion::NONE, correlation: 1.0, cost: f32::MAX, is_clear: false, light: (1.0, 0.0) };
 }
 
 impl Reference {
@@ -110,6 +118,7 @@ impl Reference {
             correlation: correlation(seen()),
             cost,
             is_clear: false,
+            light: (still.gain, still.offset),
         })
     }
 
@@ -142,7 +151,7 @@ impl Reference {
         let fit = best;
         let is_clear = cost < CLEAR * cost_still && self.is_clear(&fit, &still, plane);
         let correlation = correlation(fit.seen(plane, points));
-        Found { motion: fit.motion, correlation, cost, is_clear }
+        Found { motion: fit.motion, correlation, cost, is_clear, light: (fit.gain, fit.offset) }
     }
 
     /// Whether `fit` explains the quarters of the image better than `still` does, all but one.

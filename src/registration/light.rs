@@ -5,9 +5,8 @@ use crate::frame::{Frame, Size};
 
 /// About so many places of the image are compared.
 const PLACES: usize = 1600;
-/// Frames over which the reference follows the light: longer than the mixture takes to learn a new level.
+/// Frames over which the colours of the places are averaged, and so many are averaged alike at first.
 const MEMORY: f32 = 1000.0;
-/// So many frames are averaged alike at first.
 const FIRST: u32 = 50;
 /// Parts of the image that have to agree on a change, across and down.
 const PARTS: (usize, usize) = (6, 4);
@@ -17,22 +16,39 @@ const AGREEING: f32 = 0.75;
 const CLOSE: f32 = 5.0;
 /// Fewer places do not judge.
 const LEAST_PLACES: usize = 8;
-/// Where nearly all places have changed by less, nothing has.
-const ALIKE: f32 = 5.0;
+/// The light is as it was where the median of one place in [`GLANCE`] is off by no more levels; it is measured anew in
+/// any case in each of so many frames.
+const ALIKE: f32 = 2.0;
+const GLANCE: usize = 5;
+const EVERY: u32 = 10;
 /// Levels that are cut off, or nearly, tell nothing.
 const DARKEST: f32 = 6.0;
 const BRIGHTEST: f32 = 249.0;
-/// Smaller changes are left to the mixture, whose band is wider.
-const LEAST_GAIN: f32 = 0.1;
-const LEAST_OFFSET: f32 = 10.0;
+/// A fit is done when a step moves the middle level by less.
+const SETTLED: f32 = 0.1;
+/// Changes are told as a share of this level.
+const MIDDLE: f32 = 128.0;
+/// A change is followed by no more than this share a frame, which a mixture keeps up with that learns with α = .002 and
+/// whose band is 20 levels: what changes slower is left to it.
+const FOLLOWED: f32 = 0.0003;
+/// A change is taken out from this share on, until less is left of it.
+const STARTS: f32 = 0.04;
+const ENDS: f32 = 0.01;
 
-/// The light of the recent past at some places of the image.
+/// Column, row and part of the image.
+type Place = (u32, u32, usize);
+
+/// The colours of some places of the image, and the light in which they were last seen.
 pub(super) struct Reference {
     size: Size,
-    /// Column and row of each place, part of the image.
-    places: Vec<(u32, u32, usize)>,
+    places: Vec<Place>,
+    /// As they were in the light of the beginning.
     colours: Vec<[f32; 3]>,
+    /// The light against that of the beginning: as it is, and as it was in the recent past.
     light: Light,
+    past: Light,
+    /// Whether the light differs from that of the recent past.
+    differs: bool,
     frames: u32,
 }
 
@@ -63,26 +79,31 @@ impl Reference {
                 places.push((x, y, row * across + column));
             }
         }
-        Self { size, places, colours: Vec::new(), light: Light::SAME, frames: 0 }
+        Self {
+            size,
+            places,
+            colours: Vec::new(),
+            light: Light::SAME,
+            past: Light::SAME,
+            differs: false,
+            frames: 0,
+        }
     }
 
     /// Begins anew with the next frame.
     pub(super) fn restart(&mut self) {
-        (self.colours, self.light, self.frames) = (Vec::new(), Light::SAME, 0);
+        (self.colours, self.light, self.past) = (Vec::new(), Light::SAME, Light::SAME);
+        (self.differs, self.frames) = (false, 0);
     }
 
-    /// How the light of the frame, moved by `motion`, differs from the reference, which then follows it.
+    /// How the light of the frame, moved by `motion`, differs from that of the recent past, which then follows it.
     pub(super) fn step(&mut self, frame: &Frame, motion: &Motion) -> Light {
-        let (centre_x, centre_y) =
-            (0.5 * (self.size.width as f32 - 1.0), 0.5 * (self.size.height as f32 - 1.0));
-        let colour = |&(x, y, _): &(u32, u32, usize)| {
-            let (x, y) = motion.apply(x as f32 - centre_x, y as f32 - centre_y);
-            let (x, y) = ((x + centre_x).round(), (y + centre_y).round());
-            let inside = x >= 0.0 && y >= 0.0;
-            inside.then(|| frame.pixel(x as u32, y as u32)).flatten().map(|rgb| rgb.map(f32::from))
-        };
-        let now: Vec<_> = self.places.iter().map(colour).collect();
         self.frames += 1;
+        let is_due = self.frames <= FIRST || self.frames.is_multiple_of(EVERY);
+        if !is_due && !self.differs && self.is_alike(frame, motion) {
+            return self.follow();
+        }
+        let now: Vec<_> = self.places.iter().map(|place| self.colour(frame, motion, place)).collect();
         if self.colours.is_empty() {
             self.colours = now.into_iter().map(|colour| colour.unwrap_or([0.0; 3])).collect();
             return Light::SAME;
@@ -96,14 +117,58 @@ impl Reference {
             })
             .collect();
         self.light = self.measure(&pairs);
-        let rate = if self.frames <= FIRST { 1.0 / self.frames as f32 } else { 1.0 / MEMORY };
+        if is_due {
+            self.learn(&now);
+        }
+        self.follow()
+    }
+
+    /// The colour that the frame, moved by `motion`, shows at a place.
+    fn colour(&self, frame: &Frame, motion: &Motion, &(x, y, _): &Place) -> Option<[f32; 3]> {
+        let (centre_x, centre_y) =
+            (0.5 * (self.size.width as f32 - 1.0), 0.5 * (self.size.height as f32 - 1.0));
+        let (x, y) = motion.apply(x as f32 - centre_x, y as f32 - centre_y);
+        let (x, y) = ((x + centre_x).round(), (y + centre_y).round());
+        let inside = x >= 0.0 && y >= 0.0;
+        inside.then(|| frame.pixel(x as u32, y as u32)).flatten().map(|rgb| rgb.map(f32::from))
+    }
+
+    /// Whether the light is at a glance what it was in the frame before.
+    fn is_alike(&self, frame: &Frame, motion: &Motion) -> bool {
+        let (gain, offset) = self.light.luma();
+        let pairs = self.places.iter().zip(&self.colours).step_by(GLANCE);
+        let off = pairs.filter_map(|(place, &before)| {
+            let (before, now) = Pair { part: 0, before, now: self.colour(frame, motion, place)? }.luma();
+            Some(now - (gain * before + offset))
+        });
+        median(off.collect()).abs() < ALIKE
+    }
+
+    /// Takes the places into the average, in the light of the beginning.
+    fn learn(&mut self, now: &[Option<[f32; 3]>]) {
+        let rate = if self.frames <= FIRST { 1.0 / self.frames as f32 } else { EVERY as f32 / MEMORY };
         for (colour, now) in self.colours.iter_mut().zip(now) {
             let Some(now) = now else { continue };
-            for (level, now) in colour.iter_mut().zip(now) {
-                *level += rate * (now - *level);
+            for (channel, (level, now)) in colour.iter_mut().zip(now).enumerate() {
+                let at_first = (now - self.light.offset[channel]) / self.light.gain[channel];
+                *level += rate * (at_first - *level);
             }
         }
-        if is_slight(&self.light) { Light::SAME } else { self.light }
+    }
+
+    /// Lets the recent past follow the light, and gives the difference between them.
+    fn follow(&mut self) -> Light {
+        let away = away(&self.light, &self.past);
+        self.differs = away > if self.differs { ENDS } else { STARTS };
+        let difference = if self.differs { self.light.against(&self.past) } else { Light::SAME };
+        if away > 0.0 {
+            let share = (FOLLOWED / away).min(1.0);
+            for channel in 0..3 {
+                self.past.gain[channel] += share * (self.light.gain[channel] - self.past.gain[channel]);
+                self.past.offset[channel] += share * (self.light.offset[channel] - self.past.offset[channel]);
+            }
+        }
+        difference
     }
 
     /// The new light where the parts of the image agree on it; else that of the frame before.
@@ -112,11 +177,7 @@ impl Reference {
             return self.light;
         }
         let levels: Vec<_> = pairs.iter().map(Pair::luma).collect();
-        // In most frames nothing has changed, and that is known for little.
-        let alike = levels.iter().filter(|(before, now)| (now - before).abs() < ALIKE).count();
-        if alike as f32 > 0.9 * levels.len() as f32 {
-            return Light::SAME;
-        }
+        let (was_gain, was_offset) = self.light.luma();
         let Some((gain, offset)) = fit(&levels) else { return self.light };
         let mut parts = vec![Vec::new(); PARTS.0 * PARTS.1];
         for (pair, level) in pairs.iter().zip(&levels) {
@@ -130,11 +191,8 @@ impl Reference {
             };
             judged.iter().filter(agree).count()
         };
-        let (changed, same) = (agreeing(gain, offset), agreeing(1.0, 0.0));
-        if same >= changed {
-            return Light::SAME;
-        }
-        if (changed as f32) < AGREEING * judged.len() as f32 {
+        let (changed, same) = (agreeing(gain, offset), agreeing(was_gain, was_offset));
+        if changed < same || (changed as f32) < AGREEING * judged.len() as f32 {
             return self.light;
         }
         let mut light = Light::SAME;
@@ -147,13 +205,10 @@ impl Reference {
     }
 }
 
-fn is_slight(light: &Light) -> bool {
-    let slight = |(gain, offset): (&f32, &f32)| {
-        (gain - 1.0).abs() < LEAST_GAIN
-            && offset.abs() < LEAST_OFFSET
-            && (gain * 128.0 + offset - 128.0).abs() < 128.0 * LEAST_GAIN
-    };
-    light.gain.iter().zip(&light.offset).all(slight)
+/// How far a middle level is from one light to another, as a share of it: that of the channel where it is farthest.
+fn away(one: &Light, other: &Light) -> f32 {
+    let lit = |light: &Light, channel: usize| light.gain[channel] * MIDDLE + light.offset[channel];
+    (0..3).map(|channel| (lit(one, channel) - lit(other, channel)).abs() / MIDDLE).fold(0.0, f32::max)
 }
 
 fn median(mut numbers: Vec<f32>) -> f32 {
@@ -196,8 +251,12 @@ fn fit(levels: &[(f32, f32)]) -> Option<(f32, f32)> {
         if determinant <= f64::EPSILON {
             return None;
         }
+        let before = gain * MIDDLE + offset;
         gain = ((n * bf - b * f) / determinant) as f32;
         offset = ((bb * f - b * bf) / determinant) as f32;
+        if (gain * MIDDLE + offset - before).abs() < SETTLED {
+            break;
+        }
     }
     let sound = (0.2..=5.0).contains(&gain) && offset.abs() < 64.0;
     sound.then_some((gain, offset))

@@ -19,4 +19,4 @@ mod tests;
 pub use alignment::{Alignment, Light, Motion};
 pub use correction::{Applied, Choice, Corrected, Correction, Seen, corrected};
 pub use estimator::Estimator;
-pub use registered::Registered;
+pub use registered::{Registered, measure_all};

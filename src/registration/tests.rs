@@ -55,6 +55,8 @@ fn frame(number: u32, motion: &Motion, (gain, offset): (f32, f32), object: Optio
     Frame::new(number, SIZE, rgb)
 }
 
+const EVERYTHING: Choice = Choice { stabilise: Stabilise::Similarity, light: LightCorrection::Gain };
+
 fn still(number: u32) -> Frame {
     frame(number, &Motion::NONE, (1.0, 0.0), None)
 }
@@ -170,7 +172,8 @@ fn a_shake_is_noticed_and_a_camera_that_turns_for_good_is_reported_once() {
             frame(number, if number < 100 { &Motion::NONE } else { &after }, (1.0, 0.0), None)
         }));
         let reported: Vec<_> = moving.iter().filter_map(|frame| frame.alignment.moved_since).collect();
-        assert_eq!(reported, [100], "{after:?}");
+        // Told by the first sample that shows it.
+        assert!(reported.len() == 1 && (100..106).contains(&reported[0]), "{after:?}: {reported:?}");
     }
 }
 
@@ -218,7 +221,8 @@ fn in_batches_of_any_length_the_mixture_equals_single_pixels() {
             let last = history.states.last().unwrap();
             assert_eq!(together.pixel(at.0, at.1).unwrap(), last.pixel, "{at:?} {settings:?}");
             assert_eq!(one_by_one.pixel(at.0, at.1).unwrap(), last.pixel, "{at:?} {settings:?}");
-            assert!((0..history.states.len()).all(|index| history.place(index).0.abs_diff(at.0) < 8));
+            let far = (0..history.states.len()).find(|&index| history.place(index).0.abs_diff(at.0) > 8);
+            assert_eq!(far.map(|index| frames[index].alignment), None, "{at:?} {settings:?}");
             for (state, mask) in history.states.iter().zip(&masks) {
                 let shadow = parameters.shadow.is_on();
                 assert!(shadow || mask.is_foreground(at.0, at.1) == state.outcome.foreground);
@@ -278,11 +282,27 @@ fn what_a_shake_moves_is_no_foreground_once_it_is_taken_out() {
     let shaking = share(Stabilise::Off, LightCorrection::Gain);
     let lit = share(Stabilise::Similarity, LightCorrection::Off);
     let both = share(Stabilise::Similarity, LightCorrection::Gain);
-    assert!(shaking > 0.02 && lit > 0.05 && both < 0.005, "{shaking} {lit} {both}");
+    assert!(shaking > 0.004 && lit > 0.05 && both < 0.0005, "{shaking} {lit} {both}");
 }
 
-/// The same frames as a source that measures nothing.
+/// The same frames as a source that measures nothing, the last one first.
 struct Recorded(SourceInfo, Vec<Frame>);
+
+fn recorded(mut frames: Vec<Frame>, live: bool) -> Recorded {
+    for frame in &mut frames {
+        frame.alignment = Alignment::default();
+    }
+    frames.reverse();
+    let info = SourceInfo {
+        name: "restless".into(),
+        size: SIZE,
+        fps: 25.0,
+        fps_from: FpsFrom::Assumed,
+        frames: None,
+        live,
+    };
+    Recorded(info, frames)
+}
 
 impl Source for Recorded {
     fn info(&self) -> &SourceInfo {
@@ -300,22 +320,10 @@ impl Source for Recorded {
 
 #[test]
 fn a_frame_that_is_decoded_again_has_the_alignment_that_it_had() {
-    let expected: Vec<_> = restless().into_iter().take(60).collect();
-    let mut raw: Vec<_> = expected.clone();
-    for frame in &mut raw {
-        frame.alignment = Alignment::default();
-    }
-    raw.reverse();
-    let info = SourceInfo {
-        name: "restless".into(),
-        size: SIZE,
-        fps: 25.0,
-        fps_from: FpsFrom::Assumed,
-        frames: Some(60),
-        live: false,
-    };
-    let open =
-        move || -> Result<Box<dyn Source>, SourceError> { Ok(Box::new(Recorded(info.clone(), raw.clone()))) };
+    let mut expected: Vec<_> = restless().into_iter().take(60).collect();
+    measure_all(&mut expected, EVERYTHING);
+    let raw = expected.clone();
+    let open = move || -> Result<Box<dyn Source>, SourceError> { Ok(Box::new(recorded(raw.clone(), false))) };
     let mut cache = FrameCache::new(open, 4 * SIZE.pixels() * 3).unwrap();
     for position in [0, 59, 3, 4, 40, 39, 12, 58, 1] {
         let frame = cache.get(position).unwrap().unwrap();
@@ -324,4 +332,64 @@ fn a_frame_that_is_decoded_again_has_the_alignment_that_it_had() {
     let known: Vec<_> = expected.iter().map(|frame| frame.alignment).collect();
     assert_eq!(cache.alignments(), known);
     assert!(known.iter().any(|alignment| alignment.motion != Motion::NONE));
+}
+
+#[test]
+fn the_beginning_of_a_file_is_told_of_the_shake_that_shows_in_it_and_that_of_a_camera_later() {
+    let frames = restless();
+    let read = |live, first| {
+        let source = Box::new(recorded(frames.clone(), live));
+        let mut source = Registered::by(source, Estimator::of(SIZE, EVERYTHING), first);
+        std::iter::from_fn(|| source.next_frame().unwrap()).collect::<Vec<_>>()
+    };
+    let rests = |frames: &[Frame]| frames.iter().map(|frame| frame.alignment.rest).collect::<Vec<_>>();
+    let (file, camera) = (read(false, 0), read(true, 0));
+    assert!(file == frames && camera == frames, "all frames, in order");
+    let rest = frames.last().unwrap().alignment.rest;
+    assert!(rest.is_some() && rests(&file).iter().all(|found| *found == rest));
+    assert_eq!(rests(&camera), rests(&frames));
+    assert!(rests(&camera)[..20].iter().all(Option::is_none));
+    let later = read(false, 31);
+    assert!(later[..30].iter().all(|frame| frame.alignment == Alignment::default()));
+    assert!(later[30..].iter().all(|frame| frame.alignment.rest.is_some()));
+}
+
+#[test]
+fn what_is_not_taken_out_is_not_measured_and_changes_nothing_of_what_is() {
+    let calm: Vec<_> = (1..=120).map(still).collect();
+    for frames in [restless(), calm] {
+        let measured = |choice| {
+            let mut frames = frames.clone();
+            measure_all(&mut frames, choice);
+            frames.iter().map(|frame| frame.alignment).collect::<Vec<_>>()
+        };
+        let all = measured(EVERYTHING);
+        for settings in choices() {
+            let choice = Choice::new(&settings);
+            for (number, (alignment, all)) in measured(choice).iter().zip(&all).enumerate() {
+                assert_eq!((alignment.rest, alignment.moved_since), (all.rest, all.moved_since), "{number}");
+                let lit = choice.light == LightCorrection::Gain;
+                assert_eq!(alignment.light, if lit { all.light } else { Light::SAME }, "{number}");
+                let correction = |alignment| choice.correction(alignment, SIZE).map(|it| *it.motion());
+                assert_eq!(correction(alignment), correction(all), "{number}");
+                let off = choice == Choice::NOTHING && number >= 50 && (number + 1) % 6 != 0;
+                assert!(!off || alignment.motion == Motion::NONE, "{number}");
+            }
+        }
+    }
+}
+
+#[test]
+fn slow_changes_of_light_are_left_to_the_mixture_and_sudden_ones_fade_away() {
+    let gains = |light: fn(u32) -> f32, last| {
+        let frames = (1..=last).map(|number| frame(number, &Motion::NONE, (light(number), 0.0), None));
+        let frames = registered(frames);
+        frames.iter().map(|frame| frame.alignment.light.luma_gain()).collect::<Vec<_>>()
+    };
+    let slow = gains(|number| 1.0 + 0.0002 * number as f32, 400);
+    assert!(slow.iter().all(|gain| *gain == 1.0), "{slow:?}");
+    let sudden = gains(|number| if number > 60 { 0.9 } else { 1.0 }, 420);
+    assert!((sudden[60] - 0.9).abs() < 0.02, "{}", sudden[60]);
+    assert!(sudden.windows(2).skip(60).all(|pair| (pair[1] - pair[0]).abs() < 0.015), "{sudden:?}");
+    assert_eq!(sudden.last(), Some(&1.0));
 }

@@ -244,7 +244,6 @@ impl FrameCache {
         self.numbers.push(frame.number);
         self.fingerprints.push(fingerprint);
         self.alignments.push(frame.alignment);
-        self.warnings.extend(frame.alignment.warning());
         let frame = Arc::new(frame);
         self.insert(here, Arc::clone(&frame));
         Ok(if here == position { Fetched::Frame(frame) } else { Fetched::OnTheWay })
