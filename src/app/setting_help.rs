@@ -31,8 +31,8 @@ static HELP: &[Help] = &[
     of(
         "light",
         "X = (I − o) / g, g and o of each channel",
-        "gain: a cloud or a camera's own exposure is no foreground, where most of the image changes alike. Changes of less \
-         than a tenth are left to the mixture.",
+        "gain: a cloud or a camera's own exposure is no foreground, where most of the image changes alike. Slow changes \
+         and those of less than 4 % are left to the mixture.",
     ),
     of(
         "background_model",

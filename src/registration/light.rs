@@ -14,8 +14,9 @@ const PARTS: (usize, usize) = (6, 4);
 const AGREEING: f32 = 0.75;
 /// A part agrees where the median of its places is off by no more levels.
 const CLOSE: f32 = 5.0;
-/// Fewer places do not judge.
+/// Fewer places do not judge, nor do fewer parts.
 const LEAST_PLACES: usize = 8;
+const LEAST_PARTS: usize = 12;
 /// The light is as it was where the median of one place in [`GLANCE`] is off by no more levels; it is measured anew in
 /// any case in each of so many frames.
 const ALIKE: f32 = 2.0;
@@ -184,6 +185,9 @@ impl Reference {
             parts[pair.part].push(*level);
         }
         let judged: Vec<_> = parts.iter().filter(|levels| levels.len() >= LEAST_PLACES).collect();
+        if judged.len() < LEAST_PARTS {
+            return self.light;
+        }
         let agreeing = |gain: f32, offset: f32| {
             let agree = |levels: &&&Vec<(f32, f32)>| {
                 let off = levels.iter().map(|(before, now)| now - (gain * before + offset));
