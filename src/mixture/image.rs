@@ -417,10 +417,10 @@ fn run_tile<S: Simd, const N: usize>(
     moments: &[Moment],
 ) {
     let start = index * LANES;
-    let hidden = |unknown: &Option<&[bool]>| {
+    let hidden = |unknown: Option<&[bool]>| {
         unknown.is_some_and(|all| all[start..all.len().min(start + LANES)].contains(&true))
     };
-    if job.unknown.get(frames.clone()).is_some_and(|unknown| unknown.iter().any(hidden)) {
+    if job.unknown.get(frames.clone()).is_some_and(|unknown| unknown.iter().copied().any(hidden)) {
         run_partly_known(simd, job, index, frames, constants, moments);
         return;
     }

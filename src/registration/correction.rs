@@ -230,8 +230,7 @@ impl Correction {
         let (centre_x, centre_y) = self.centre();
         let mut moved = Mask::empty(self.size);
         let (width, height) = (self.size.width as usize, self.size.height as usize);
-        let has_any: Vec<bool> =
-            mask.data.chunks_exact(width.max(1)).map(|row| has_foreground(row)).collect();
+        let has_any: Vec<bool> = mask.data.chunks_exact(width.max(1)).map(has_foreground).collect();
         moved.data.par_chunks_exact_mut(width.max(1)).with_min_len(16).enumerate().for_each(|(y, row)| {
             let place = |x: f32| {
                 let (x, y) = back.apply(x - centre_x, y as f32 - centre_y);

@@ -15,7 +15,7 @@ pub(super) struct Plane {
 
 /// By what whole number an image's sides are divided for the estimate.
 pub(super) fn reduction(width: usize, height: usize) -> usize {
-    (1..).find(|factor| (width / factor) * (height / factor) <= PIXELS).unwrap_or(1)
+    (1..=width.max(height)).find(|factor| (width / factor) * (height / factor) <= PIXELS).unwrap_or(1)
 }
 
 /// The luma of one square of `factor` pixels, the same number as [`Plane::luma`] gives.
