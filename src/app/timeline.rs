@@ -298,7 +298,8 @@ const LEAST_LIGHT: f32 = 0.3;
 /// How far the camera was from rest, and how the light differed from the recent past: a line each, where there is
 /// anything to show.
 fn alignments(painter: &Painter, timeline: &Timeline, axis: &Axis, ground: Rect, colours: &theme::Colours) {
-    let lines: [(fn(&Alignment) -> f32, f32, Color32); 2] =
+    type Number = fn(&Alignment) -> f32;
+    let lines: [(Number, f32, Color32); 2] =
         [(motion_of, LEAST_MOTION, colours.accent), (light_of, LEAST_LIGHT, colours.warn)];
     for (number, least, colour) in lines {
         let most = timeline.alignments.iter().map(number).fold(0.0, f32::max);

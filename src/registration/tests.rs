@@ -217,7 +217,9 @@ fn in_batches_of_any_length_the_mixture_equals_single_pixels() {
         assert!(masks == replayed, "{settings:?}");
         for at in [(0, 0), (2, 60), (80, 119), (159, 3), (90, 50), (157, 117)] {
             let mut history = PixelHistory::new(at, parameters);
-            all.iter().for_each(|frame| history.push(frame));
+            for frame in &all {
+                history.push(frame);
+            }
             let last = history.states.last().unwrap();
             assert_eq!(together.pixel(at.0, at.1).unwrap(), last.pixel, "{at:?} {settings:?}");
             assert_eq!(one_by_one.pixel(at.0, at.1).unwrap(), last.pixel, "{at:?} {settings:?}");
@@ -238,7 +240,9 @@ fn pixels_that_a_frame_does_not_show_are_background_and_teach_nothing() {
     let frames = restless();
     let settings = Settings { stabilise: Stabilise::Similarity, ..Settings::preset(Preset::Plain) };
     let mut history = PixelHistory::new((1, 60), Parameters::new(&settings));
-    frames.iter().for_each(|frame| history.push(frame));
+    for frame in &frames {
+        history.push(frame);
+    }
     let mut unknown = 0;
     for (index, state) in history.states.iter().enumerate().filter(|(_, state)| !state.known) {
         assert_eq!(history.before(index), Some(&state.pixel));
