@@ -6,6 +6,8 @@ use std::ops::Range;
 
 use memchr::{memchr, memchr_iter};
 
+use crate::registration::Alignment;
+
 /// Width and height of an image in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 pub struct Size {
@@ -43,8 +45,9 @@ impl fmt::Display for Size {
     }
 }
 
-/// One 8-bit RGB image of a sequence, and the number that the source gives it.
-#[derive(Clone, PartialEq, Eq)]
+/// One 8-bit RGB image of a sequence, and the number that the source gives it. Equal frames show the same: how they were
+/// aligned does not count.
+#[derive(Clone)]
 pub struct Frame {
     /// The frame's number as a person and a file see it: from 1, or the number in an image's file name.
     pub number: u32,
@@ -52,6 +55,8 @@ pub struct Frame {
     pub size: Size,
     /// Row after row, three bytes a pixel: red, green, blue.
     pub rgb: Vec<u8>,
+    /// How it lies against the frames before it, where that was measured.
+    pub alignment: Alignment,
 }
 
 impl Frame {
@@ -61,7 +66,7 @@ impl Frame {
     /// When the bytes do not fill the size exactly: a source that decodes wrongly is a bug.
     pub fn new(number: u32, size: Size, rgb: Vec<u8>) -> Self {
         assert_eq!(rgb.len(), size.pixels() * 3, "three bytes for each pixel");
-        Self { number, size, rgb }
+        Self { number, size, rgb, alignment: Alignment::default() }
     }
 
     /// The colour at (x, y), or `None` outside the image.
@@ -80,6 +85,14 @@ impl Frame {
         Self::new(self.number, size, rows.clone().flat_map(row).copied().collect())
     }
 }
+
+impl PartialEq for Frame {
+    fn eq(&self, other: &Self) -> bool {
+        (self.number, self.size) == (other.number, other.size) && self.rgb == other.rgb
+    }
+}
+
+impl Eq for Frame {}
 
 impl fmt::Debug for Frame {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

@@ -23,6 +23,7 @@ pub mod occlusion;
 pub mod palette;
 pub mod pipeline;
 pub mod regions;
+pub mod registration;
 pub mod replay;
 pub mod settings;
 pub mod source;

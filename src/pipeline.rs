@@ -10,6 +10,7 @@ use crate::mixture::{Mixture, Parameters};
 use crate::occlusion::{Counters, Episode, Event, EventKind, Reasoner};
 use crate::regions::roi::RoiError;
 use crate::regions::{Cleaning, Labels, Region, Roi, find_regions};
+use crate::registration::{Choice, Correction, corrected};
 use crate::settings::Settings;
 use crate::tracking::{Naming, Track};
 
@@ -84,33 +85,53 @@ enum Model {
 
 impl Model {
     /// Takes frames in before the first that is judged.
-    fn learn(&mut self, frames: &[&Frame]) -> Result<(), PipelineError> {
+    fn learn(&mut self, frames: &[&Frame], choice: Choice) -> Result<(), PipelineError> {
         match self {
             Self::Mixture(mixture) => {
                 mixture.learn(frames);
                 Ok(())
             }
             Self::Opencv(model) => frames.iter().try_for_each(|frame| {
-                model.learn(frame).map_err(|source| PipelineError::Opencv { frame: frame.number, source })
+                let corrected = corrected(frame, choice);
+                let seen = corrected.as_ref().map_or(*frame, |corrected| &corrected.frame);
+                model.learn(seen).map_err(|source| PipelineError::Opencv { frame: frame.number, source })
             }),
         }
     }
 
-    /// Takes the next frames in and says of each which pixels are foreground.
-    fn masks(&mut self, frames: &[&Frame]) -> Result<Vec<Mask>, PipelineError> {
-        match self {
+    /// Takes the next frames in and says of each which pixels are foreground, where the frame shows them.
+    fn masks(&mut self, frames: &[&Frame], choice: Choice) -> Result<Vec<Mask>, PipelineError> {
+        let corrections: Vec<_> =
+            frames.iter().map(|frame| choice.correction(&frame.alignment, frame.size)).collect();
+        let masks = match self {
             Self::Mixture(mixture) => {
                 let mut masks = vec![Mask::empty(mixture.size()); frames.len()];
                 mixture.replay(frames, &mut masks);
-                Ok(masks)
+                masks
             }
             Self::Opencv(model) => {
-                let step = |frame: &&Frame| {
-                    model.step(frame).map_err(|source| PipelineError::Opencv { frame: frame.number, source })
+                let step = |(frame, correction): (&&Frame, &Option<Correction>)| {
+                    let corrected = correction.as_ref().map(|correction| correction.apply(frame));
+                    let seen = corrected.as_ref().map_or(*frame, |corrected| &corrected.frame);
+                    let failed = |source| PipelineError::Opencv { frame: frame.number, source };
+                    let mut mask = model.step(seen).map_err(failed)?;
+                    if let Some(unknown) = corrected.and_then(|corrected| corrected.unknown) {
+                        for (pixel, _) in mask.data.iter_mut().zip(unknown).filter(|(_, unknown)| *unknown) {
+                            *pixel = Mask::BACKGROUND;
+                        }
+                    }
+                    Ok(mask)
                 };
-                frames.iter().map(step).collect()
+                frames.iter().zip(&corrections).map(step).collect::<Result<_, PipelineError>>()?
             }
-        }
+        };
+        let masks = masks.into_par_iter().zip(&corrections);
+        Ok(masks
+            .map(|(mask, correction)| match correction {
+                Some(correction) => correction.mask_of_frame(mask),
+                None => mask,
+            })
+            .collect())
     }
 }
 
@@ -155,6 +176,8 @@ struct Found {
 pub struct Pipeline {
     size: Size,
     t: u32,
+    /// What is done to a frame before the model.
+    registration: Choice,
     model: Model,
     finder: Finder,
     reasoner: Reasoner,
@@ -170,6 +193,7 @@ impl Pipeline {
         Ok(Self {
             size,
             t: 0,
+            registration: Choice::new(settings),
             model,
             finder: Finder::new(settings, None),
             reasoner: Reasoner::new(settings, size, fps),
@@ -188,7 +212,7 @@ impl Pipeline {
     /// again afterwards.
     pub fn learn(&mut self, frames: &[&Frame]) -> Result<(), PipelineError> {
         self.check_sizes(frames)?;
-        self.model.learn(frames)
+        self.model.learn(frames, self.registration)
     }
 
     /// After the last frame to learn from, what was learnt becomes the beginning, for who looks at the model before the
@@ -224,7 +248,7 @@ impl Pipeline {
     /// given to [`Self::find_many`].
     pub fn masks(&mut self, frames: &[&Frame]) -> Result<Vec<Mask>, PipelineError> {
         self.check_sizes(frames)?;
-        self.model.masks(frames)
+        self.model.masks(frames, self.registration)
     }
 
     /// Takes frames through all stages after the model, whose masks of them are `raw`.

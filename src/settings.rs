@@ -11,6 +11,8 @@ use serde::{Deserialize, Serialize};
 /// The first stage of the way of a frame that a setting touches: it and all after it must run again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Stage {
+    /// What is done to the frame before the mixture: a shake of the camera and a change of light are taken out.
+    Registration,
     /// The pixel process and the choice of background (§V–VI).
     Mixture,
     /// What is done to the mask before regions are found in it.
@@ -25,12 +27,13 @@ pub enum Stage {
 
 impl Stage {
     /// All stages in the order a frame meets them.
-    pub const ALL: [Self; 5] =
-        [Self::Mixture, Self::Cleaning, Self::Regions, Self::Tracking, Self::Occlusion];
+    pub const ALL: [Self; 6] =
+        [Self::Registration, Self::Mixture, Self::Cleaning, Self::Regions, Self::Tracking, Self::Occlusion];
 
     /// The stage's name for a heading.
     pub const fn name(self) -> &'static str {
         match self {
+            Self::Registration => "Registration",
             Self::Mixture => "Mixture",
             Self::Cleaning => "Cleaning",
             Self::Regions => "Regions",
@@ -360,6 +363,30 @@ words! {
 }
 
 words! {
+    /// Which motion of the camera is taken out of each frame.
+    Stabilise {
+        /// None.
+        Off = "off",
+        /// Shift, turn and zoom, from when the camera was seen to shake.
+        Auto = "auto",
+        /// The shift.
+        Shift = "shift",
+        /// Shift, turn and zoom.
+        Similarity = "similarity",
+    }
+}
+
+words! {
+    /// Which change of light is taken out of each frame.
+    LightCorrection {
+        /// None.
+        Off = "off",
+        /// A gain and an offset of each channel, the same for the whole image.
+        Gain = "gain",
+    }
+}
+
+words! {
     /// How fast a matched component learns: ρ of §V.
     Rate {
         /// ρ = α·η(X; μ, σ²I), the paper's equation.
@@ -473,6 +500,11 @@ const fn span(max_frames: u32, max_seconds: f32) -> Kind {
 }
 
 settings! {
+    /// Which motion of the camera is taken out of each frame before the mixture: none, a shift, or shift, turn and zoom (`similarity`); `auto` takes the latter out once the camera was seen to shake.
+    stabilise: Stabilise = Stabilise::Off, "", "", Registration, Kind::Choice(Stabilise::WORDS);
+    /// Which change of light is taken out of each frame before the mixture: none, or a gain and an offset of the whole image against the recent past.
+    light: LightCorrection = LightCorrection::Off, "", "", Registration, Kind::Choice(LightCorrection::WORDS);
+
     /// Which model decides what is background: the mixture, or OpenCV's MOG2 or KNN in its place.
     background_model: BackgroundModel = BackgroundModel::Mixture, "", "", Mixture, Kind::Choice(BackgroundModel::WORDS);
     /// Components a pixel's mixture has room for.
@@ -635,6 +667,8 @@ impl Settings {
                 ..plain
             },
             Preset::Default => Self {
+                stabilise: Stabilise::Auto,
+                light: LightCorrection::Gain,
                 k: 3,
                 alpha: 0.002,
                 warm_up: 25,

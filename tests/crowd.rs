@@ -80,7 +80,7 @@ fn draw(number: u32, blocks: &[Block], random: &mut Pcg32) -> (Frame, Mask) {
             rgb[3 * index..3 * index + 3].copy_from_slice(&block.colour);
         }
     }
-    (Frame { number, size: SIZE, rgb }, Mask { size: SIZE, data: mask })
+    (Frame::new(number, SIZE, rgb), Mask { size: SIZE, data: mask })
 }
 
 proptest! {

@@ -5,6 +5,7 @@
 use occluscope::frame::{Frame, Mask, Size};
 use occluscope::mixture::shadow::Shadow;
 use occluscope::mixture::{Component, Feedback, Mixture, Parameters, Pixel};
+use occluscope::registration::Choice;
 use occluscope::settings::{Rate, Space, Span};
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
@@ -59,6 +60,7 @@ fn parameters() -> impl Strategy<Value = Parameters> {
                     learnt: 0,
                     shadow,
                     feedback,
+                    registration: Choice::NOTHING,
                 }
             },
         )

@@ -22,6 +22,19 @@ const fn of(name: &'static str, equation: &'static str, raising: &'static str) -
 /// In the order of the table of settings.
 static HELP: &[Help] = &[
     of(
+        "stabilise",
+        "X(p) = I(A·p + d), A and d from points of strong contrast",
+        "shift, similarity: what the camera's shake moves comes back to its place, and edges are foreground no more; what \
+         comes in from outside the frame is background and is not learnt. auto: similarity, once a shake was seen. It costs \
+         time where the camera shakes, and nothing where it stands still.",
+    ),
+    of(
+        "light",
+        "X = (I − o) / g, g and o of each channel",
+        "gain: a cloud or a camera's own exposure is no foreground, where most of the image changes alike. Slow changes \
+         and those of less than 4 % are left to the mixture.",
+    ),
+    of(
         "background_model",
         "mog2, knn: history = 1/α frames; mog2: K and T as here",
         "mixture: the method's own, which can be looked into at every pixel. mog2, knn: OpenCV's models in its \

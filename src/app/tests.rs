@@ -353,6 +353,7 @@ fn timeline() -> Timeline {
         complete: true,
         analysed: FRAMES,
         decoded: vec![(0, 30), (50, FRAMES - 1)],
+        alignments: Vec::new(),
         foreground_share: (0..FRAMES).map(|n| 0.05 + 0.03 * (n as f32 / 9.0).sin()).collect(),
         events: vec![
             event(Enter, 1, &[1], (20.0, 60.0)),

@@ -13,6 +13,7 @@ use super::state::Model;
 use super::{events_panel, icons, theme};
 use crate::occlusion::EventKind;
 use crate::palette::{event_colour, identity_colour};
+use crate::registration::{Alignment, Motion};
 use crate::replay::Timeline;
 use crate::tracking::TrackState;
 
@@ -100,6 +101,7 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     painter.rect_filled(ground.expand2(vec2(8.0, 0.0)), 4.0, colours.canvas);
     numbers(&painter, model, &axis, scale, colours.weak, colours.line);
     foreground(&painter, timeline, &axis, ground, colours.weak);
+    alignments(&painter, timeline, &axis, ground, &colours);
     analysed(&painter, timeline, &axis, ground, &colours);
     life_lines(&painter, model, timeline, &axis, ground);
     marked(&painter, model, &axis, ground, &colours);
@@ -211,6 +213,9 @@ fn hover(ui: &mut Ui, model: &Model, timeline: &Timeline, near: Option<usize>, c
         Some(share) => ui.label(format!("foreground {:.2} %", share * 100.0)),
         None => ui.weak("not analysed yet"),
     };
+    if let Some(words) = timeline.alignments.get(column as usize).and_then(alignment_words) {
+        ui.weak(words);
+    }
     let alive: Vec<String> = timeline
         .life_lines
         .iter()
@@ -284,6 +289,58 @@ fn foreground(painter: &Painter, timeline: &Timeline, axis: &Axis, ground: Rect,
     }
     painter.add(Shape::mesh(area));
     painter.add(Shape::line(points, Stroke::new(1.0, colour.gamma_multiply(0.7))));
+}
+
+/// Least motion that fills the plot, in pixels, and least change of light, as a share.
+const LEAST_MOTION: f32 = 3.0;
+const LEAST_LIGHT: f32 = 0.3;
+
+/// How far the camera was from rest, and how the light differed from the recent past: a line each, where there is
+/// anything to show.
+fn alignments(painter: &Painter, timeline: &Timeline, axis: &Axis, ground: Rect, colours: &theme::Colours) {
+    type Number = fn(&Alignment) -> f32;
+    let lines: [(Number, f32, Color32); 2] =
+        [(motion_of, LEAST_MOTION, colours.accent), (light_of, LEAST_LIGHT, colours.warn)];
+    for (number, least, colour) in lines {
+        let most = timeline.alignments.iter().map(number).fold(0.0, f32::max);
+        if most == 0.0 {
+            continue;
+        }
+        let seen = axis.seen();
+        let columns = ground.width().max(1.0) as u32;
+        let step = (seen.len() as u32 / columns).max(1);
+        let mut points = Vec::new();
+        for first in seen.step_by(step as usize) {
+            let last = (first + step) as usize;
+            let last = last.min(timeline.alignments.len());
+            let Some(part) = timeline.alignments.get(first as usize..last).filter(|part| !part.is_empty())
+            else {
+                break;
+            };
+            let value = part.iter().map(number).fold(0.0, f32::max);
+            points.push(pos2(axis.x(first), height_of(value, most.max(least), ground)));
+        }
+        painter.add(Shape::line(points, Stroke::new(1.0, colour)));
+    }
+}
+
+fn motion_of(alignment: &Alignment) -> f32 {
+    let rest = alignment.rest.unwrap_or_default();
+    Motion { dx: alignment.motion.dx - rest.dx, dy: alignment.motion.dy - rest.dy, ..Motion::NONE }.length()
+}
+
+fn light_of(alignment: &Alignment) -> f32 {
+    (alignment.light.luma_gain() - 1.0).abs()
+}
+
+/// What is to be said of a frame's motion and light, if anything.
+fn alignment_words(alignment: &Alignment) -> Option<String> {
+    let rest = alignment.rest.unwrap_or_default();
+    let (dx, dy) = (alignment.motion.dx - rest.dx, alignment.motion.dy - rest.dy);
+    let moved = (motion_of(alignment) > 0.0).then(|| format!("camera {dx:+.1}, {dy:+.1} px"));
+    let light = (light_of(alignment) > 0.0).then(|| format!("light {:.2}", alignment.light.luma_gain()));
+    let words: Vec<_> = [moved, light].into_iter().flatten().collect();
+    (!words.is_empty()).then(|| words.join(", "))
 }
 
 fn height_of(share: f32, most: f32, ground: Rect) -> f32 {

@@ -21,6 +21,7 @@ use crate::frame::{Frame, Mask, Size};
 use crate::mixture::opencv::OpencvModel;
 use crate::mixture::{BATCH, Mixture, Parameters};
 use crate::pipeline::Pipeline;
+use crate::registration::{Choice, measure_all};
 use crate::replay::memory;
 use crate::settings::{BackgroundModel, Settings};
 use crate::source::{self, Options, SourceInfo};
@@ -77,7 +78,14 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let console = Console::new(matches);
     let video = matches.get_one::<String>("video").map_or("", String::as_str);
     let asked = matches.get_one::<u32>("frames").copied();
-    let sequence = Sequence::open(video, flags::source_options(matches)?, asked, scale, console)?;
+    let sequence = Sequence::open(
+        video,
+        flags::source_options(matches)?,
+        asked,
+        scale,
+        Choice::new(&settings),
+        console,
+    )?;
     let figures = Figures::measure(video, &sequence, scale.is_some(), &settings, console)?;
     let mut out = io::stdout().lock();
     if matches.get_flag("json") {
@@ -116,6 +124,7 @@ impl Sequence {
         options: Options,
         asked: Option<u32>,
         scale: Option<Size>,
+        choice: Choice,
         console: Console,
     ) -> anyhow::Result<Self> {
         interrupt::watch();
@@ -160,6 +169,7 @@ impl Sequence {
                 });
             }
         }
+        measure_all(&mut sequence.frames, choice);
         let found = sequence.frames.len();
         if found < LEAST_FRAMES as usize {
             bail!(
@@ -244,13 +254,13 @@ impl Figures {
         for _ in 0..PASSES {
             let mut alone = Mixture::new(size, parameters);
             alone.learn(&first);
-            mixture.pass(video, sequence, scaled, &progress, |batch| {
+            mixture.pass(video, sequence, scaled, None, &progress, |batch| {
                 alone.replay(batch, &mut masks[..batch.len()]);
                 Ok(())
             })?;
             let mut whole = Pipeline::new(settings, size, sequence.info.fps)?;
             whole.learn(&first)?;
-            pipeline.pass(video, sequence, scaled, &progress, |batch| {
+            pipeline.pass(video, sequence, scaled, Some(Choice::new(settings)), &progress, |batch| {
                 black_box(whole.step_many(batch)?);
                 Ok(())
             })?;
@@ -316,6 +326,7 @@ impl Meter {
         video: &str,
         sequence: &Sequence,
         scaled: bool,
+        choice: Option<Choice>,
         progress: &Progress,
         mut work: impl FnMut(&[&Frame]) -> anyhow::Result<()>,
     ) -> anyhow::Result<()> {
@@ -330,7 +341,7 @@ impl Meter {
         } else {
             let last = sequence.frames.last().map_or(0, |frame| frame.number);
             let first = sequence.frames.first().map_or(0, |frame| frame.number);
-            let mut frames = Frames::open(video, Options::default(), Some(Range { first, last }))?;
+            let mut frames = Frames::open(video, Options::default(), Some(Range { first, last }), choice)?;
             loop {
                 stop_if_asked(video)?;
                 let (batch, after) = frames.batch(BATCH);

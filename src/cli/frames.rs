@@ -11,6 +11,7 @@ use super::flags::Range;
 use super::interrupt;
 use crate::frame::Frame;
 use crate::mixture::BATCH;
+use crate::registration::{Choice, Estimator, Registered};
 use crate::settings::Settings;
 use crate::source::{self, Options, Source, SourceInfo};
 
@@ -43,14 +44,21 @@ pub(super) struct Frames {
     pub total: Option<u32>,
     options: Options,
     range: Option<Range>,
+    /// What is done to them before the mixture, if they are measured for that.
+    choice: Option<Choice>,
     /// What was taken ahead and comes before `items`.
     held: VecDeque<Item>,
     items: Receiver<Item>,
 }
 
 impl Frames {
-    /// Opens `video` and starts to decode it.
-    pub(super) fn open(video: &str, options: Options, range: Option<Range>) -> anyhow::Result<Self> {
+    /// Opens `video` and starts to decode it; where `choice` is given, frames are measured for what it takes out of them.
+    pub(super) fn open(
+        video: &str,
+        options: Options,
+        range: Option<Range>,
+        choice: Option<Choice>,
+    ) -> anyhow::Result<Self> {
         interrupt::watch();
         let source = source::open(video, options)?;
         let info = source.info().clone();
@@ -61,8 +69,15 @@ impl Frames {
         };
         let ahead = AHEAD_BYTES / (info.size.pixels() * 3).max(1);
         let (sender, items) = bounded(ahead.clamp(LEAST_AHEAD, MOST_AHEAD));
+        let source: Box<dyn Source> = match choice {
+            None => source,
+            Some(choice) => {
+                let first = range.map_or(0, |range| range.first);
+                Box::new(Registered::by(source, Estimator::of(info.size, choice), first))
+            }
+        };
         thread::Builder::new().name("decode".to_owned()).spawn(move || decode(source, range, &sender))?;
-        Ok(Self { info, total, options, range, held: VecDeque::new(), items })
+        Ok(Self { info, total, options, range, choice, held: VecDeque::new(), items })
     }
 
     /// Gives `learn` the first frames, as many as `settings` have for the model to learn from, some at a time and in
@@ -118,7 +133,7 @@ impl Frames {
         match held {
             Some(held) => self.held = held,
             // Where its frames were not kept, the decoder is beyond them.
-            None => *self = Self::open(&self.info.name, self.options, self.range)?,
+            None => *self = Self::open(&self.info.name, self.options, self.range, self.choice)?,
         }
         Ok(())
     }
@@ -267,7 +282,7 @@ mod tests {
         let video = folder.path().to_str().unwrap();
         let readable = |number: &u32| ![7, 30].contains(number);
         for range in [None, Some(Range { first: 5, last: 20 }), Some(Range { first: 35, last: 90 })] {
-            let expected: Vec<_> = Frames::open(video, Options::default(), range)
+            let expected: Vec<_> = Frames::open(video, Options::default(), range, None)
                 .unwrap()
                 .items()
                 .map(|item| told(&item))
@@ -278,7 +293,7 @@ mod tests {
             for (bytes, most) in
                 [(1 << 20, 0), (1 << 20, 11), (0, 11), (1 << 20, 500), (0, 500), (10 * 72, 11)]
             {
-                let mut frames = Frames::open(video, Options::default(), range).unwrap();
+                let mut frames = Frames::open(video, Options::default(), range, None).unwrap();
                 let mut learnt = Vec::new();
                 let learn = |frames: &[&Frame]| {
                     learnt.extend(frames.iter().map(|frame| frame.number));
@@ -294,7 +309,7 @@ mod tests {
             }
         }
         let beyond = Some(Range { first: 90, last: 95 });
-        let mut frames = Frames::open(video, Options::default(), beyond).unwrap();
+        let mut frames = Frames::open(video, Options::default(), beyond, None).unwrap();
         let learn = |frames: &[&Frame]| {
             assert!(frames.is_empty());
             Ok(())

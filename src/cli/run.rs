@@ -32,6 +32,7 @@ use crate::mixture::BATCH;
 use crate::occlusion::{Event, EventKind};
 use crate::pipeline::{Analysis, Pipeline, Reading, final_reading};
 use crate::regions::{Labels, Roi};
+use crate::registration::Choice;
 use crate::settings::Settings;
 use crate::source::{Options, SourceInfo};
 use crate::tracking::Track;
@@ -99,7 +100,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let job = Job::new(matches)?;
     flags::start_threads(matches)?;
     let started = Instant::now();
-    let mut frames = Frames::open(&job.video, job.options, job.range)?;
+    let mut frames = Frames::open(&job.video, job.options, job.range, Some(Choice::new(&job.settings)))?;
     if let Some(roi) = &job.roi {
         roi.check(frames.info.size)?;
     }
@@ -374,7 +375,7 @@ impl LiveDrawing {
 
 /// The second pass: the final reading drawn onto the frames, decoded once more.
 fn draw(job: &Job, record: &Record, staging: &Staging) -> anyhow::Result<()> {
-    let mut frames = Frames::open(&job.video, job.options, job.range)?;
+    let mut frames = Frames::open(&job.video, job.options, job.range, None)?;
     let fps = frames.info.fps;
     let Reading { tracks, events, .. } = &record.reading;
     let mut drawing = Drawing::new(job, &frames.info, staging)?;

@@ -4,6 +4,8 @@ use std::sync::Arc;
 
 use super::pixel::{Outcome, Parameters, Pixel, Value};
 use crate::frame::Frame;
+use crate::registration::{Applied, Seen};
+use crate::settings::Space;
 
 /// A pixel's mixture after one frame's update, and what the update did.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -20,6 +22,11 @@ pub struct PixelState {
     pub pixel: Pixel,
     /// What the update did.
     pub outcome: Outcome,
+    /// Whether the frame shows the pixel: false where it came in from outside as a shake was taken out, or is cut off by
+    /// too much light. Then nothing is learnt, and colour and value are those of component 1.
+    pub known: bool,
+    /// What was taken out of the frame here before the mixture saw it.
+    pub applied: Applied,
 }
 
 /// What one pixel learnt before the first frame that is judged.
@@ -53,20 +60,29 @@ impl PixelHistory {
 
     /// Learns from one more frame before the first that is judged. A frame that does not hold the pixel is passed over.
     pub fn learn(&mut self, frame: &Frame) {
-        if let Some(rgb) = frame.pixel(self.at.0, self.at.1) {
-            self.learn_colours([rgb]);
+        if let Some(seen) = self.parameters.registration.pixel(frame, self.at) {
+            self.learn_seen([seen]);
         }
     }
 
     /// Learns from more colours before the first that is judged.
     pub fn learn_colours(&mut self, colours: impl IntoIterator<Item = [u8; 3]>) {
+        self.learn_seen(colours.into_iter().map(|rgb| Seen { colour: Some(rgb), applied: Applied::NOTHING }));
+    }
+
+    /// Learns from what more frames show of the pixel before the first that is judged, which may be nothing.
+    pub fn learn_seen(&mut self, all: impl IntoIterator<Item = Seen>) {
         let unseen = Pixel::unseen(self.parameters.k);
         let unseen = || Learnt { values: Vec::new(), pixel: unseen, start: unseen };
         let mut learnt = self.learnt.take().map_or_else(unseen, Arc::unwrap_or_clone);
-        for rgb in colours {
-            let value = self.parameters.value(rgb);
+        for seen in all {
+            let mean = learnt.pixel.components()[0].mean;
+            let value = seen.colour.map_or(mean, |rgb| self.parameters.value(rgb));
             learnt.values.push(value);
             self.parameters.learnt = learnt.values.len() as u32;
+            if seen.colour.is_none() {
+                continue;
+            }
             learnt.pixel.step(value, self.parameters.learnt, &self.parameters);
         }
         learnt.start = learnt.pixel;
@@ -96,8 +112,32 @@ impl PixelHistory {
 
     /// Takes one more frame in. A frame that does not hold the pixel is passed over.
     pub fn push(&mut self, frame: &Frame) {
-        if let Some(rgb) = frame.pixel(self.at.0, self.at.1) {
-            self.push_colour(frame.number, rgb);
+        if let Some(seen) = self.parameters.registration.pixel(frame, self.at) {
+            self.push_seen(frame.number, seen);
+        }
+    }
+
+    /// Takes in what frame `number` shows of the pixel, which may be nothing.
+    pub fn push_seen(&mut self, number: u32, Seen { colour, applied }: Seen) {
+        match (colour, self.states.last()) {
+            (Some(rgb), _) => self.push_colour(number, rgb),
+            (None, Some(last)) => {
+                let pixel = last.pixel;
+                let mean = pixel.components()[0].mean;
+                let rgb = match self.parameters.space {
+                    Space::Rgb => mean.map(|level| level.round() as u8),
+                    Space::Gray => [mean[0].round() as u8; 3],
+                };
+                let outcome = pixel.skip(&self.parameters);
+                let value = self.parameters.value(rgb);
+                let t = self.parameters.learnt + self.states.len() as u32 + 1;
+                self.states.push(PixelState { number, t, rgb, value, pixel, outcome, known: false, applied });
+            }
+            // No frame before it that it could have moved against.
+            (None, None) => self.push_colour(number, [0; 3]),
+        }
+        if let Some(state) = self.states.last_mut() {
+            state.applied = applied;
         }
     }
 
@@ -108,7 +148,17 @@ impl PixelHistory {
         let before = self.before(self.states.len());
         let mut pixel = before.copied().unwrap_or_else(|| Pixel::unseen(self.parameters.k));
         let outcome = pixel.update(value, t, &self.parameters);
-        self.states.push(PixelState { number, t, rgb, value, pixel, outcome });
+        let applied = Applied::NOTHING;
+        self.states.push(PixelState { number, t, rgb, value, pixel, outcome, known: true, applied });
+    }
+
+    /// Where the pixel is in the frame of the state at `index`: elsewhere than in the reference where the camera moved and
+    /// that was taken out.
+    pub fn place(&self, index: usize) -> (u32, u32) {
+        let (x, y) = self.at;
+        let [dx, dy] = self.states.get(index).map_or([0.0; 2], |state| state.applied.shift);
+        let moved = |at: u32, by: f32| (at as f32 + by).round().max(0.0) as u32;
+        (moved(x, dx), moved(y, dy))
     }
 
     /// Whether it is a later `before` of the same pixel, under the same parameters and over the same frames.

@@ -12,6 +12,7 @@ use rayon::prelude::*;
 use super::pixel::{Parameters, Pixel};
 use super::tile::{self, Constants, Gaussians, LANES, Moment, Pasts, Rgb, Tile};
 use crate::frame::{Frame, Mask, Size};
+use crate::registration::Corrected;
 use crate::settings::{Rate, Space};
 
 /// Tiles a piece of work for a thread: its values of a batch of frames stay in the nearest caches.
@@ -112,14 +113,13 @@ impl Mixture {
         restored
     }
 
-    /// Takes the next frame in and says which pixels are foreground.
+    /// Takes the next frame in and says which pixels are foreground, at the reference's place where a shake is taken out.
     ///
     /// # Panics
     /// When the frame has another size than the mixture.
     pub fn step(&mut self, frame: &Frame) -> Mask {
         let mut mask = Mask::empty(self.size);
-        self.begin();
-        self.take(Level::new(), &[frame], std::slice::from_mut(&mut mask));
+        self.replay(&[frame], std::slice::from_mut(&mut mask));
         mask
     }
 
@@ -132,7 +132,7 @@ impl Mixture {
         assert_eq!(frames.len(), masks.len(), "a mask for each frame");
         self.begin();
         for (frames, masks) in frames.chunks(BATCH).zip(masks.chunks_mut(BATCH)) {
-            self.take(Level::new(), frames, masks);
+            self.take_corrected(frames, masks);
         }
     }
 
@@ -144,7 +144,7 @@ impl Mixture {
         let mut masks = vec![Mask::empty(self.size); frames.len().min(BATCH)];
         for frames in frames.chunks(BATCH) {
             self.parameters.learnt = self.t + frames.len() as u32;
-            self.take(Level::new(), frames, &mut masks[..frames.len()]);
+            self.take_corrected(frames, &mut masks[..frames.len()]);
         }
     }
 
@@ -160,8 +160,33 @@ impl Mixture {
         }
     }
 
-    /// `level` is the instruction set to use; all give the same bits.
-    fn take(&mut self, level: Level, frames: &[&Frame], masks: &mut [Mask]) {
+    /// Takes frames in as they are after registration.
+    fn take_corrected(&mut self, frames: &[&Frame], masks: &mut [Mask]) {
+        let choice = self.parameters.registration;
+        let corrections: Vec<_> =
+            frames.iter().map(|frame| choice.correction(&frame.alignment, frame.size)).collect();
+        if corrections.iter().all(Option::is_none) {
+            self.take(Level::new(), frames, &[], masks);
+            return;
+        }
+        let corrected: Vec<Option<Corrected>> = corrections
+            .par_iter()
+            .zip(frames)
+            .map(|(correction, frame)| Some(correction.as_ref()?.apply(frame)))
+            .collect();
+        let pairs = corrected.iter().zip(frames);
+        let seen: Vec<_> =
+            pairs.map(|(corrected, frame)| corrected.as_ref().map_or(*frame, |seen| &seen.frame)).collect();
+        let unknown: Vec<_> = corrected
+            .iter()
+            .map(|corrected| corrected.as_ref().and_then(|seen| seen.unknown.as_deref()))
+            .collect();
+        self.take(Level::new(), &seen, &unknown, masks);
+    }
+
+    /// `level` is the instruction set to use; all give the same bits. `unknown` is empty, or has of each frame the pixels
+    /// that it does not show, if any: they stay as they are.
+    fn take(&mut self, level: Level, frames: &[&Frame], unknown: &[Option<&[bool]>], masks: &mut [Mask]) {
         for (frame, mask) in frames.iter().zip(&*masks) {
             assert!(
                 frame.size == self.size && mask.size == self.size,
@@ -173,10 +198,10 @@ impl Mixture {
         self.t += frames.len() as u32;
         let k = self.parameters.k;
         match &mut self.planes {
-            Planes::Rgb(tiles) => tiles.take(k, frames, masks, |job| {
+            Planes::Rgb(tiles) => tiles.take(k, (frames, unknown), masks, |job| {
                 dispatch!(level, simd => run::<_, 3>(simd, job, &constants, &moments));
             }),
-            Planes::Gray(tiles) => tiles.take(k, frames, masks, |job| {
+            Planes::Gray(tiles) => tiles.take(k, (frames, unknown), masks, |job| {
                 dispatch!(level, simd => run::<_, 1>(simd, job, &constants, &moments));
             }),
         }
@@ -250,6 +275,8 @@ struct Job<'a, const N: usize> {
     pasts: &'a mut [Pasts],
     /// Of each frame.
     rgb: Vec<&'a [u8]>,
+    /// Of each frame the pixels that it does not show; empty where all frames show all.
+    unknown: Vec<Option<&'a [bool]>>,
     /// Of each mask.
     masks: Vec<&'a mut [u8]>,
 }
@@ -333,7 +360,7 @@ impl<const N: usize> Tiles<N> {
     fn take(
         &mut self,
         k: usize,
-        frames: &[&Frame],
+        (frames, unknown): (&[&Frame], &[Option<&[bool]>]),
         masks: &mut [Mask],
         run: impl Fn(Job<'_, N>) + Send + Sync,
     ) {
@@ -355,6 +382,7 @@ impl<const N: usize> Tiles<N> {
                     settled,
                     pasts: pasts.next().unwrap_or_default(),
                     rgb: frames.iter().map(|frame| &frame.rgb[3 * pixels.start..3 * pixels.end]).collect(),
+                    unknown: unknown.iter().map(|unknown| unknown.map(|all| &all[pixels.clone()])).collect(),
                     masks: masks.iter_mut().filter_map(Iterator::next).collect(),
                 }
             })
@@ -381,6 +409,84 @@ fn run<S: Simd, const N: usize>(simd: S, mut job: Job<'_, N>, constants: &Consta
 /// and nobody reads them.
 #[inline(always)]
 fn run_tile<S: Simd, const N: usize>(
+    simd: S,
+    job: &mut Job<'_, N>,
+    index: usize,
+    frames: Range<usize>,
+    constants: &Constants,
+    moments: &[Moment],
+) {
+    let start = index * LANES;
+    let hidden = |unknown: Option<&[bool]>| {
+        unknown.is_some_and(|all| all[start..all.len().min(start + LANES)].contains(&true))
+    };
+    if job.unknown.get(frames.clone()).is_some_and(|unknown| unknown.iter().copied().any(hidden)) {
+        run_partly_known(simd, job, index, frames, constants, moments);
+        return;
+    }
+    run_known(simd, job, index, frames, constants, moments);
+}
+
+/// Takes a tile of which some frame does not show all pixels through the frames one by one: what such a frame does to
+/// those pixels is undone.
+#[cold]
+#[inline(never)]
+fn run_partly_known<S: Simd, const N: usize>(
+    simd: S,
+    job: &mut Job<'_, N>,
+    index: usize,
+    frames: Range<usize>,
+    constants: &Constants,
+    moments: &[Moment],
+) {
+    let (start, others) = (index * LANES, constants.k() - 1);
+    for (frame, moment) in frames.zip(moments) {
+        let unknown = job.unknown[frame].map(|all| &all[start..all.len().min(start + LANES)]);
+        let Some(unknown) = unknown.filter(|unknown| unknown.contains(&true)) else {
+            run_known(simd, job, index, frame..frame + 1, constants, std::slice::from_ref(moment));
+            continue;
+        };
+        settle(simd, job, index, moment.t() - 1, constants);
+        let range = index * others..(index + 1) * others;
+        let before = (job.first[index], job.others[range.clone()].to_vec(), job.pasts.get(index).copied());
+        run_known(simd, job, index, frame..frame + 1, constants, std::slice::from_ref(moment));
+        settle(simd, job, index, moment.t(), constants);
+        for (lane, _) in unknown.iter().enumerate().filter(|(_, unknown)| **unknown) {
+            job.first[index].take_lane(lane, &before.0);
+            for (other, before) in job.others[range.clone()].iter_mut().zip(&before.1) {
+                other.take_lane(lane, before);
+            }
+            if let Some((pasts, before)) = job.pasts.get_mut(index).zip(before.2.as_ref()) {
+                pasts.take_lane(lane, before);
+            }
+            job.masks[frame][start + lane] = Mask::BACKGROUND;
+        }
+    }
+}
+
+/// Brings a tile's weights to frame `t`.
+fn settle<S: Simd, const N: usize>(
+    simd: S,
+    job: &mut Job<'_, N>,
+    index: usize,
+    t: u32,
+    constants: &Constants,
+) {
+    let others = constants.k() - 1;
+    let used = usize::from(job.used[index]);
+    let mut tile = Tile {
+        first: &mut job.first[index],
+        others: &mut job.others[index * others..(index + 1) * others],
+        used: &mut job.used[index],
+        settled: &mut job.settled[index],
+        pasts: job.pasts.get_mut(index),
+        place: index as u32,
+    };
+    tile.settle(simd, used, t, constants);
+}
+
+#[inline(always)]
+fn run_known<S: Simd, const N: usize>(
     simd: S,
     job: &mut Job<'_, N>,
     index: usize,
@@ -479,7 +585,7 @@ mod tests {
             let run = |level| {
                 let mut mixture = Mixture::new(size, Parameters::new(&settings));
                 let mut masks = vec![Mask::empty(size); frames.len()];
-                mixture.take(level, &frames, &mut masks);
+                mixture.take(level, &frames, &[], &mut masks);
                 let pixels: Vec<_> = (0..size.pixels()).map(|index| mixture.pixel_at(index)).collect();
                 (masks, format!("{pixels:?}"))
             };

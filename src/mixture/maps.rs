@@ -7,6 +7,7 @@ use super::image::{Mixture, Planes, Tiles};
 use super::pixel::{Component, first_match};
 use super::tile::LANES;
 use crate::frame::Frame;
+use crate::registration::corrected;
 
 /// What a [`Map`] holds of each pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -79,7 +80,14 @@ impl Mixture {
     pub fn matches(&self, frame: &Frame) -> Vec<f32> {
         assert_eq!(frame.size, self.size(), "a frame of the mixture's size");
         let parameters = *self.parameters();
+        let corrected = corrected(frame, parameters.registration);
+        let frame = corrected.as_ref().map_or(frame, |corrected| &corrected.frame);
+        let unknown = corrected.as_ref().and_then(|corrected| corrected.unknown.as_deref());
         self.of_components(|components, index| {
+            // As [`super::Pixel::skip`] has it.
+            if unknown.is_some_and(|unknown| unknown[index]) {
+                return 1.0;
+            }
             let Some(rgb) = frame.rgb.get(3 * index..).and_then(|rest| rest.first_chunk()) else {
                 return 0.0;
             };

@@ -9,6 +9,7 @@ use std::f32::consts::PI;
 use super::exponential::exp_of_negative;
 use super::feedback::{Feedback, Past};
 use super::shadow::Shadow;
+use crate::registration;
 use crate::settings::{Rate, Settings, Space, Span};
 
 /// The largest K.
@@ -49,6 +50,8 @@ pub struct Parameters {
     pub shadow: Shadow,
     /// How a pixel's past acts on its mixture.
     pub feedback: Feedback,
+    /// What of a frame's alignment is taken out before X is read.
+    pub registration: registration::Choice,
 }
 
 impl Parameters {
@@ -69,6 +72,7 @@ impl Parameters {
             learnt: 0,
             shadow: Shadow::new(settings),
             feedback: Feedback::new(settings),
+            registration: registration::Choice::new(settings),
         }
     }
 
@@ -303,6 +307,12 @@ impl Pixel {
         }
         let p = self.probability(x, parameters.channels());
         Outcome { p, ..self.step(x, t, parameters) }
+    }
+
+    /// What a frame does that does not show the pixel: nothing is learnt, and it is background.
+    pub fn skip(&self, parameters: &Parameters) -> Outcome {
+        let background_count = self.background_count(parameters.t_of(&self.past)) as u8;
+        Outcome { matched: 1, rank: 1, background_count, ..Outcome::default() }
     }
 
     /// [`Pixel::update`] without P(X), which costs K exponentials and changes nothing.

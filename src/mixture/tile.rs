@@ -40,6 +40,15 @@ impl<const N: usize> Gaussians<N> {
         self.weight = Plane([1.0; LANES]);
     }
 
+    /// Takes over the component of one lane of another.
+    pub(super) fn take_lane(&mut self, lane: usize, other: &Self) {
+        self.weight.0[lane] = other.weight.0[lane];
+        self.variance.0[lane] = other.variance.0[lane];
+        for (mean, other) in self.mean.iter_mut().zip(&other.mean) {
+            mean.0[lane] = other.0[lane];
+        }
+    }
+
     /// The component of one lane.
     pub(super) fn lane(&self, lane: usize) -> Component {
         let mut mean = [0.0; 3];
@@ -70,6 +79,14 @@ impl Pasts {
     #[inline(always)]
     pub(super) fn unrest<S: Simd>(&self, simd: S) -> f32x16<S> {
         f32x16::load_array_ref(simd, &self.unrest.0)
+    }
+
+    /// Takes over the past of one lane of another.
+    pub(super) fn take_lane(&mut self, lane: usize, other: &Self) {
+        (self.run.0[lane], self.unrest.0[lane]) = (other.run.0[lane], other.unrest.0[lane]);
+        let bit = 1 << lane;
+        self.strict = self.strict & !bit | other.strict & bit;
+        self.busy |= other.busy;
     }
 
     /// The past of one lane, as it was when the tile was settled.
@@ -132,6 +149,13 @@ pub(super) struct Moment {
     alpha: f32,
     /// Whether it is within the warm-up, in which all pixels learn alike.
     warming: bool,
+}
+
+impl Moment {
+    /// The frame's place since the model started, from 1.
+    pub(super) const fn t(&self) -> u32 {
+        self.t
+    }
 }
 
 /// What is the same for all tiles in all frames.
@@ -374,7 +398,7 @@ impl<const N: usize> Tile<'_, N> {
 
     /// Brings the weights of components 2 to K to frame `t`, in which none of them matched.
     #[inline(always)]
-    fn settle<S: Simd>(&mut self, simd: S, used: usize, t: u32, constants: &Constants) {
+    pub(super) fn settle<S: Simd>(&mut self, simd: S, used: usize, t: u32, constants: &Constants) {
         let mut weights: [f32x16<S>; MAX_K] = [f32x16::splat(simd, 0.0); MAX_K];
         let others = self.others.get_mut(..used.saturating_sub(1)).unwrap_or_default();
         for (weight, other) in weights.iter_mut().zip(&*others) {

@@ -36,10 +36,12 @@ pub fn verdict(history: &PixelHistory, index: usize) -> Verdict {
     let parameters = &history.parameters;
     let mut verdict = match history.before(index) {
         None => first_frame(state, parameters),
+        Some(_) if !state.known => not_shown(state),
         Some(before) if state.outcome.matched == 0 => unmatched(state, before, parameters),
         Some(before) => matched(state, before, parameters),
     };
     verdict.details.extend(shadow(state, parameters));
+    verdict.details.extend(taken_out(state));
     if parameters.begins_at(state.t) {
         verdict.details.push(format!(
             "It is the first frame that is judged: the model begins with component 1 of what it learnt from {} frames \
@@ -48,6 +50,35 @@ pub fn verdict(history: &PixelHistory, index: usize) -> Verdict {
         ));
     }
     verdict
+}
+
+/// About a pixel that the frame does not show.
+fn not_shown(state: &PixelState) -> Verdict {
+    Verdict {
+        headline: "Background: the frame does not show this pixel, and nothing is learnt".to_owned(),
+        details: vec![
+            "It came in from outside the frame as the camera's motion was taken out (stabilise), or it is cut off by too \
+             much light (light). The value shown is the mean of component 1."
+                .to_owned(),
+        ],
+        foreground: state.outcome.foreground,
+    }
+}
+
+/// What was taken out of the frame before the mixture saw the value.
+fn taken_out(state: &PixelState) -> Vec<String> {
+    let [dx, dy] = state.applied.shift;
+    let mut sentences = Vec::new();
+    if state.applied.gain != 1.0 {
+        let gain = number_with(state.applied.gain, 2);
+        sentences.push(format!("The frame's light was {gain} of the reference; it is taken out (light)."));
+    }
+    if dx != 0.0 || dy != 0.0 {
+        sentences.push(format!(
+            "The camera's motion put this place {dx:.1} pixels to the right and {dy:.1} down; it is taken out (stabilise)."
+        ));
+    }
+    sentences
 }
 
 /// Whether the foreground pixel has the colour of a shadow, or of more light, in words.

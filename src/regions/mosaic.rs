@@ -196,7 +196,7 @@ mod tests {
                 data: pixels().map(|(x, y)| if at(x, y) > 128 { Mask::FOREGROUND } else { 0 }).collect(),
             };
             let rgb = pixels().flat_map(|(x, y)| [x as u8 * 3, y as u8 * 5, at(x, y)]).collect();
-            let frame = Frame { number: 1, size, rgb };
+            let frame = Frame::new(1, size, rgb);
             let (labels, regions) = find_regions(&frame, &mask, 1);
             for region in &regions {
                 let mosaic = &region.mosaic;

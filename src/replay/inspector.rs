@@ -5,6 +5,7 @@ use std::sync::Arc;
 use super::gather::Follower;
 use crate::frame::Frame;
 use crate::mixture::{Parameters, PixelHistory};
+use crate::registration::{Choice, Seen};
 use crate::settings::{BackgroundModel, Settings};
 use crate::source::SourceInfo;
 
@@ -12,9 +13,9 @@ use crate::source::SourceInfo;
 #[derive(Clone, Default)]
 pub(super) struct Inspector {
     history: Option<Arc<PixelHistory>>,
-    /// The pixel's number and colour in each frame. `history` may be behind: it is extended when
+    /// The pixel's number and colour in each frame, as the mixture sees it. `history` may be behind: it is extended when
     /// somebody wants to see it, as others hold the last one and it has to be copied then.
-    colours: Vec<(u32, [u8; 3])>,
+    colours: Vec<(u32, Seen)>,
     /// So many of the first frames are learnt from before the first is judged.
     to_learn: u32,
     /// Whether `colours` are those of all frames that there are.
@@ -29,7 +30,9 @@ impl Inspector {
     pub(super) fn choose(&mut self, at: Option<(u32, u32)>, settings: &Settings, info: &SourceInfo) {
         let at = at.filter(|_| settings.background_model == BackgroundModel::Mixture);
         self.lost = None;
-        if self.history.as_ref().map(|history| history.at) != at {
+        let registration = Choice::new(settings);
+        let seen = |history: &Arc<PixelHistory>| (history.at, history.parameters.registration);
+        if self.history.as_ref().map(seen) != at.map(|at| (at, registration)) {
             self.colours.clear();
             self.complete = false;
         }
@@ -48,7 +51,8 @@ impl Inspector {
 
     /// Takes in what another one has seen of the same pixel; whether that was more.
     pub(super) fn catch_up(&mut self, other: &Self) -> bool {
-        let at = |inspector: &Self| inspector.history.as_ref().map(|history| history.at);
+        let seen = |history: &Arc<PixelHistory>| (history.at, history.parameters.registration);
+        let at = |inspector: &Self| inspector.history.as_ref().map(seen);
         let known = self.colours.len();
         if at(self).is_none() || at(self) != at(other) || other.colours.len() <= known {
             return false;
@@ -88,10 +92,10 @@ impl Inspector {
             let history = Arc::make_mut(history);
             if history.states.is_empty() && history.parameters.learnt == 0 {
                 let first = self.colours.iter().take(self.to_learn as usize);
-                history.learn_colours(first.map(|&(_, colour)| colour));
+                history.learn_seen(first.map(|&(_, seen)| seen));
             }
-            for &(number, colour) in &self.colours[history.states.len()..] {
-                history.push_colour(number, colour);
+            for &(number, seen) in &self.colours[history.states.len()..] {
+                history.push_seen(number, seen);
             }
         }
         Some(Arc::clone(history))
@@ -106,9 +110,9 @@ impl Follower for Inspector {
     fn push(&mut self, position: u32, frame: &Frame) {
         if let Some(history) = &self.history
             && self.frames() == Some(position)
-            && let Some(colour) = frame.pixel(history.at.0, history.at.1)
+            && let Some(seen) = history.parameters.registration.pixel(frame, history.at)
         {
-            self.colours.push((frame.number, colour));
+            self.colours.push((frame.number, seen));
         }
     }
 

@@ -239,6 +239,7 @@ impl Lane {
     pub(super) fn timeline(&self, frames: &FrameCache, truth: Option<&Arc<Truth>>) -> Timeline {
         Timeline {
             decoded: frames.kept_ranges(),
+            alignments: frames.alignments().to_vec(),
             score: truth.and_then(|truth| self.scoring.by(truth)),
             ..self.growing.timeline(frames.numbers(), frames.is_complete())
         }

@@ -39,6 +39,7 @@ use crate::occlusion::Event;
 use crate::occlusion::what_if::WhatIf;
 use crate::pipeline::Analysis;
 use crate::regions::Roi;
+use crate::registration::Alignment;
 use crate::settings::Settings;
 use crate::source::SourceInfo;
 use crate::tracking::{Identity, TrackState};
@@ -218,6 +219,8 @@ pub struct Timeline {
     pub decoded: Vec<(u32, u32)>,
     /// Share of foreground of each analysed position, 0..=1.
     pub foreground_share: Vec<f32>,
+    /// How each known position's frame lies against those before it, whether that is taken out or not.
+    pub alignments: Vec<Alignment>,
     /// All events so far, by frame and kind, with the position at which each happened.
     pub events: Vec<(u32, Event)>,
     /// Each identity's life, by identity.

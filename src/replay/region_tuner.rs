@@ -10,6 +10,7 @@ use super::{RegionTuning, around};
 use crate::frame::{Frame, Size};
 use crate::mixture::Parameters;
 use crate::mixture::tuning::{Axis, Knob, grid};
+use crate::registration::{Choice, corrected};
 use crate::settings::{BackgroundModel, Settings};
 use crate::truth::decisions::{Decisions, of_mixture};
 use crate::truth::masks::{TrueMask, TrueMasks};
@@ -23,6 +24,8 @@ pub(super) struct RegionTuner {
     region: Option<Region>,
     /// So many of the first frames are learnt from before the first is judged.
     to_learn: u32,
+    /// What is done to the frames that are gathered.
+    registration: Choice,
     knobs: Option<[Knob; 2]>,
     truth: Option<Arc<TrueMasks>>,
     job: Option<Job>,
@@ -67,6 +70,18 @@ impl RegionTuner {
                 let (columns, rows) = around(at, side, size);
                 Region { at, side, columns, rows, frames: Vec::new() }
             });
+            (self.job, self.done) = (None, None);
+        }
+    }
+
+    /// Sees frames from now on as the settings have it; those that were seen otherwise are forgotten.
+    pub(super) fn register(&mut self, settings: &Settings) {
+        let registration = Choice::new(settings);
+        if registration != self.registration {
+            self.registration = registration;
+            if let Some(region) = &mut self.region {
+                region.frames.clear();
+            }
             (self.job, self.done) = (None, None);
         }
     }
@@ -137,7 +152,10 @@ impl Follower for RegionTuner {
         if self.next() == Some(position)
             && let Some(region) = &mut self.region
         {
-            region.frames.push(frame.cut(&region.columns, &region.rows));
+            region.frames.push(match corrected(frame, self.registration) {
+                Some(corrected) => corrected.frame.cut(&region.columns, &region.rows),
+                None => frame.cut(&region.columns, &region.rows),
+            });
         }
     }
 

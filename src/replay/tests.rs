@@ -13,6 +13,7 @@ use crate::frame::{Mask, Size};
 use crate::mixture::Parameters;
 use crate::mixture::tuning::{self, Knob};
 use crate::pipeline::Pipeline;
+use crate::registration::{Choice, Registered, corrected};
 use crate::settings::{BackgroundModel, Preset, Span};
 use crate::source::cache::FrameCache;
 use crate::source::{self, Options, Source, SourceError};
@@ -33,20 +34,28 @@ pub(super) const LEARNT: u32 = 25;
 /// A pixel that both squares pass over.
 pub(super) const PIXEL: (u32, u32) = (48, 32);
 
-/// Two squares that cross over a texture with noise.
+/// Two squares that cross over a texture with noise, by a camera at rest.
 fn write_scene(folder: &Path) {
+    write_scene_from(folder, |_| (0, 0), |_| 1.0);
+}
+
+/// The same from where the camera is in each frame, and in other light.
+fn write_scene_from(folder: &Path, camera: impl Fn(u32) -> (u32, u32), light: impl Fn(u32) -> f32) {
     for index in 0..FRAMES {
         let (red, blue) = (4 + index * 3 / 2, 84_u32.saturating_sub(index * 3 / 2));
+        let (right, down) = camera(index);
         let image = RgbImage::from_fn(WIDTH, HEIGHT, |x, y| {
+            let (x, y) = (x + right, y + down);
+            let lit = |rgb: [u32; 3]| Rgb(rgb.map(|level| (level as f32 * light(index)) as u8));
             let inside = |left: u32, top: u32| (left..left + 9).contains(&x) && (top..top + 14).contains(&y);
             if inside(red, 26) && index > 4 {
-                return Rgb([220, 40, 30]);
+                return lit([220, 40, 30]);
             }
             if inside(blue, 28) && index > 4 {
-                return Rgb([30, 40, 220]);
+                return lit([30, 40, 220]);
             }
             let noise = (x * 7919 + y * 104_729 + index * 1_299_709) % 1009 % 9;
-            Rgb([x * 2 % 60 + 60, y * 3 % 50 + 80, (x + y) % 40 + 70].map(|level| (level + noise) as u8))
+            lit([x * 2 % 60 + 60, y * 3 % 50 + 80, (x + y) % 40 + 70].map(|level| level + noise))
         });
         image.save(folder.join(format!("in{:06}.png", FIRST + index))).unwrap();
     }
@@ -150,7 +159,7 @@ pub(super) fn straight(video: &Path, settings: &Settings) -> Vec<Shown> {
 
 /// All frames of a video, and how many of the first ones are learnt from before they are judged.
 pub(super) fn decoded(video: &Path, settings: &Settings) -> (SourceInfo, Vec<Frame>, usize) {
-    let mut source = source::open(&name(video), Options::default()).unwrap();
+    let mut source = Registered::new(source::open(&name(video), Options::default()).unwrap());
     let info = source.info().clone();
     let frames: Vec<_> = std::iter::from_fn(|| source.next_frame().unwrap()).collect();
     let learnt = frames.len().min(info.bootstrap(settings) as usize);
@@ -244,36 +253,58 @@ fn any_walk_shows_what_one_pass_forward_gives() {
         let settings = Settings { bootstrap: Span::Frames(learnt), ..settings() };
         let expected = straight(folder.path(), &settings);
         assert!(expected.iter().any(|shown| shown.analysis.regions.len() >= 2));
-        let watched = Watched::open(folder.path(), settings, Start::First, budget);
-        watched.session.inspect(Some(PIXEL));
-        for position in walk() {
-            watched.session.show(position);
-            let position = position.min(FRAMES - 1);
-            let shown = watched
-                .until(|state| {
-                    let shown = state.shown.as_ref().filter(|shown| shown.position == position);
-                    shown.is_some_and(|shown| shown.pixel.is_some())
-                })
-                .shown
-                .unwrap();
-            let expected = &expected[position as usize];
-            assert_same(&shown, expected);
-            let (history, straight) = (shown.pixel.as_ref().unwrap(), expected.pixel.as_ref().unwrap());
-            assert_eq!(history.at, PIXEL);
-            assert_eq!(history.states[..=position as usize], straight.states[..], "history at {position}");
-        }
-        let done = watched.until_done();
-        let history = done.shown.as_ref().unwrap().pixel.clone().unwrap();
-        assert_eq!(history, expected.last().unwrap().pixel.clone().unwrap());
-        let timeline = &done.timeline;
-        assert_eq!(timeline.numbers, (FIRST..FIRST + FRAMES).collect::<Vec<_>>());
-        let shares: Vec<_> = expected.iter().map(|shown| shown.analysis.mask.foreground_share()).collect();
-        assert_eq!(timeline.foreground_share, shares);
-        assert_eq!((&done.phase, done.warnings.len()), (&Phase::Ready, 0));
-        assert!(done.analysis_fps > 0.0);
-        watched.session.inspect(None);
-        watched.until(|state| state.shown.as_ref().unwrap().pixel.is_none());
+        any_walk_shows(folder.path(), &settings, &expected, budget);
     }
+}
+
+#[test]
+fn any_walk_shows_what_one_pass_forward_gives_where_camera_and_light_are_restless() {
+    let folder = tempfile::tempdir().unwrap();
+    let camera = |index: u32| (2 + index * 7 % 5, 2 + index * 11 % 3);
+    write_scene_from(folder.path(), camera, |index| if index > 30 { 0.7 } else { 1.0 });
+    let settings = Settings {
+        stabilise: crate::settings::Stabilise::Similarity,
+        light: crate::settings::LightCorrection::Gain,
+        ..settings()
+    };
+    let expected = straight(folder.path(), &settings);
+    let corrected = |shown: &&Shown| corrected(&shown.frame, Choice::new(&settings)).is_some();
+    assert!(expected.iter().filter(corrected).count() > 20, "there is something to take out");
+    for budget in [1 << 30, 0] {
+        any_walk_shows(folder.path(), &settings, &expected, budget);
+    }
+}
+
+fn any_walk_shows(folder: &Path, settings: &Settings, expected: &[Shown], budget: usize) {
+    let watched = Watched::open(folder, settings.clone(), Start::First, budget);
+    watched.session.inspect(Some(PIXEL));
+    for position in walk() {
+        watched.session.show(position);
+        let position = position.min(FRAMES - 1);
+        let shown = watched
+            .until(|state| {
+                let shown = state.shown.as_ref().filter(|shown| shown.position == position);
+                shown.is_some_and(|shown| shown.pixel.is_some())
+            })
+            .shown
+            .unwrap();
+        let expected = &expected[position as usize];
+        assert_same(&shown, expected);
+        let (history, straight) = (shown.pixel.as_ref().unwrap(), expected.pixel.as_ref().unwrap());
+        assert_eq!(history.at, PIXEL);
+        assert_eq!(history.states[..=position as usize], straight.states[..], "history at {position}");
+    }
+    let done = watched.until_done();
+    let history = done.shown.as_ref().unwrap().pixel.clone().unwrap();
+    assert_eq!(history, expected.last().unwrap().pixel.clone().unwrap());
+    let timeline = &done.timeline;
+    assert_eq!(timeline.numbers, (FIRST..FIRST + FRAMES).collect::<Vec<_>>());
+    let shares: Vec<_> = expected.iter().map(|shown| shown.analysis.mask.foreground_share()).collect();
+    assert_eq!(timeline.foreground_share, shares);
+    assert_eq!((&done.phase, done.warnings.len()), (&Phase::Ready, 0));
+    assert!(done.analysis_fps > 0.0);
+    watched.session.inspect(None);
+    watched.until(|state| state.shown.as_ref().unwrap().pixel.is_none());
 }
 
 #[test]

@@ -45,6 +45,7 @@ impl Growing {
             complete,
             analysed: self.foreground_share.len() as u32,
             decoded: Vec::new(),
+            alignments: Vec::new(),
             foreground_share: self.foreground_share.clone(),
             events,
             life_lines: self.lives.iter().map(|(&id, spans)| LifeLine { id, spans: spans.clone() }).collect(),

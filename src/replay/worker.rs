@@ -219,6 +219,7 @@ impl<'a> Worker<'a> {
         }
         if let Some(Around(region)) = requests.tune_region {
             self.region_tuner.choose(region, self.info.size);
+            self.region_tuner.register(self.lane.settings());
             self.publish_region_tuning();
         }
         if let Some(Explained(event)) = requests.explain {

@@ -12,6 +12,7 @@ use std::sync::Arc;
 use super::ahead::{Ahead, Fingerprint, Item, fingerprint};
 use super::{Options, Source, SourceError, SourceInfo};
 use crate::frame::Frame;
+use crate::registration::{Alignment, Registered};
 
 type Opener = Box<dyn FnMut() -> Result<Box<dyn Source>, SourceError> + Send>;
 
@@ -63,6 +64,8 @@ pub struct FrameCache {
     front: Ahead,
     numbers: Vec<u32>,
     fingerprints: Vec<Fingerprint>,
+    /// How each lies against those before it.
+    alignments: Vec<Alignment>,
     complete: bool,
     /// Why there are no more frames, for who asks for one next.
     failed: Option<SourceError>,
@@ -90,7 +93,7 @@ impl FrameCache {
         mut open: impl FnMut() -> Result<Box<dyn Source>, SourceError> + Send + 'static,
         budget: usize,
     ) -> Result<Self, SourceError> {
-        let front = open()?;
+        let front: Box<dyn Source> = Box::new(Registered::new(open()?));
         let info = Arc::new(front.info().clone());
         let frame_bytes = (info.size.pixels() * 3).max(1);
         let room = budget / frame_bytes;
@@ -104,6 +107,7 @@ impl FrameCache {
             front,
             numbers: Vec::new(),
             fingerprints: Vec::new(),
+            alignments: Vec::new(),
             complete: false,
             failed: None,
             again: None,
@@ -131,6 +135,11 @@ impl FrameCache {
         &self.numbers
     }
 
+    /// How the frames of the positions that are known lie against those before them.
+    pub fn alignments(&self) -> &[Alignment] {
+        &self.alignments
+    }
+
     /// The positions whose frames are kept decoded, as ranges with both ends in them, in order.
     pub fn kept_ranges(&self) -> Vec<(u32, u32)> {
         let mut positions: Vec<u32> = self.kept.keys().copied().collect();
@@ -154,6 +163,7 @@ impl FrameCache {
         if self.info.live {
             self.numbers.clear();
             self.fingerprints.clear();
+            self.alignments.clear();
             self.kept.clear();
             self.by_use.clear();
         }
@@ -233,6 +243,7 @@ impl FrameCache {
         let here = self.numbers.len() as u32;
         self.numbers.push(frame.number);
         self.fingerprints.push(fingerprint);
+        self.alignments.push(frame.alignment);
         let frame = Arc::new(frame);
         self.insert(here, Arc::clone(&frame));
         Ok(if here == position { Fetched::Frame(frame) } else { Fetched::OnTheWay })
@@ -269,6 +280,8 @@ impl FrameCache {
         };
         // After a jump a reader counts from elsewhere.
         frame.number = self.numbers[here as usize];
+        // It was measured when all before it had been seen.
+        frame.alignment = self.alignments[here as usize];
         again.next = here + 1;
         self.again = Some(again);
         let frame = Arc::new(frame);

@@ -1,12 +1,17 @@
 //! "Deals with slow lighting changes by slowly adapting the values of the Gaussians."
 
-use occluscope::settings::{Preset, Settings};
+use occluscope::settings::{LightCorrection, Preset, Settings};
 
 use crate::measure::{Counts, counts, deserted, scene, watch};
 
+/// What works best, but no change of light is taken out before the mixture.
+fn by_the_mixture_alone() -> Settings {
+    Settings { light: LightCorrection::Off, ..Settings::default() }
+}
+
 #[test]
 fn a_slow_change_of_light_is_absorbed() {
-    for settings in [Settings::default(), Settings::preset(Preset::Plain)] {
+    for settings in [by_the_mixture_alone(), Settings::preset(Preset::Plain)] {
         let walkers = counts(&scene("slow-light"), &settings, 60, 400);
         assert!(walkers.f() > 0.85 && walkers.false_share() < 0.005, "{walkers:?}");
         let at_the_end = counts(&deserted("slow-light", 351), &settings, 330, 351);
@@ -22,7 +27,7 @@ fn a_slow_change_of_light_is_absorbed() {
 #[test]
 fn a_sudden_change_of_light_is_seen_and_in_the_end_absorbed() {
     // Held foreground (`hold`) is absorbed twenty times as slowly, whatever it is.
-    for settings in [Settings { hold: 1.0, ..Settings::default() }, Settings::preset(Preset::Plain)] {
+    for settings in [Settings { hold: 1.0, ..by_the_mixture_alone() }, Settings::preset(Preset::Plain)] {
         let mut shares = Vec::new();
         watch(&deserted("sudden-light", 310), &settings, |truth, mask, _| {
             let mut counts = Counts::default();
@@ -32,5 +37,21 @@ fn a_sudden_change_of_light_is_seen_and_in_the_end_absorbed() {
         // Frame n is at n − 1; the light is another from frame 120 on.
         assert!(shares[118] < 0.001 && shares[119] > 0.9, "{} {}", shares[118], shares[119]);
         assert!(shares[309] < 0.001, "{}", shares[309]);
+    }
+}
+
+#[test]
+fn by_default_neither_change_of_light_is_foreground_and_walkers_are() {
+    let settings = Settings::default();
+    let sudden = counts(&scene("sudden-light"), &settings, 119, 200);
+    let raw = counts(&scene("sudden-light"), &by_the_mixture_alone(), 119, 200);
+    assert!(sudden.f() > 0.8 && sudden.false_share() < 0.005, "{sudden:?}");
+    assert!(raw.f() < 0.3, "there is something to take out: {raw:?}");
+    let slow = counts(&scene("slow-light"), &settings, 60, 400);
+    assert!(slow.f() > 0.85 && slow.false_share() < 0.005, "{slow:?}");
+    // The light of the recent past follows, and the mixture learns it on the way.
+    for name in ["sudden-light", "slow-light"] {
+        let later = counts(&deserted(name, 1500), &settings, 400, 1500);
+        assert!(later.false_share() < 0.001, "{name}: {later:?}");
     }
 }

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use occluscope::occlusion::EventKind;
 use occluscope::pipeline::{Pipeline, Reading, final_reading};
+use occluscope::registration::{Choice, Estimator};
 use occluscope::settings::Settings;
 use occluscope::synth::{Parameters, Recorder, Scene, Truth, catalogue, render};
 use occluscope::tracking::Identity;
@@ -25,7 +26,9 @@ pub(crate) fn differences_in(scene: &Scene, speed: f32, settings: &Settings) -> 
     let mut recorder = Recorder::new(scene.fps);
     let mut pipeline = Pipeline::new(settings, scene.size, scene.fps).expect("settings in range");
     let mut analyses = Vec::new();
-    for (frame, truth) in render(scene) {
+    let mut estimator = Estimator::of(scene.size, Choice::new(settings));
+    for (mut frame, truth) in render(scene) {
+        frame.alignment = estimator.step(&frame);
         recorder.push(&truth);
         analyses.push(pipeline.step(&frame).expect("a frame of the scene's size"));
     }

@@ -114,6 +114,12 @@ fn noise_alone_is_nobody() {
 }
 
 #[test]
+fn light_that_changes_slowly_or_suddenly_is_nobody() {
+    is_right("slow-light", &variations()[..2]);
+    is_right("sudden-light", &variations()[..2]);
+}
+
+#[test]
 fn shadows_do_not_make_people() {
     let with_shadows = variations().map(|parameters| Parameters { shadows: true, ..parameters });
     is_right("crossing", &with_shadows[..2]);

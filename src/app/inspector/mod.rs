@@ -241,7 +241,7 @@ impl Inspector {
         let slots = followed(&mut self.followed, history);
         let chosen = Chosen { history, slots: &slots, index, state, fps };
         let mut words = verdict(history, index);
-        let (x, y) = history.at;
+        let (x, y) = history.place(index);
         // Of settings that the frame waits for, no mask is known yet.
         let mask = if ahead.is_some() { words.foreground } else { shown.analysis.mask.is_foreground(x, y) };
         let ignored = ahead.is_none() && shown.roi.as_ref().is_some_and(|roi| !roi.contains(x, y));
@@ -252,6 +252,7 @@ impl Inspector {
         let other = other.and_then(|(other, history)| Some((other, history, history.states.get(index)?)));
         let other_slots = other.map(|(_, history, _)| followed(&mut self.other.followed, history));
         let other = other.zip(other_slots.as_ref()).map(|((other, history, state), slots)| {
+            let (x, y) = history.place(index);
             let mask = other.analysis.mask.is_foreground(x, y);
             let mut words = verdict(history, index);
             let ignored = other.roi.as_ref().is_some_and(|roi| !roi.contains(x, y));

@@ -90,6 +90,7 @@ impl Worker<'_> {
         self.lane.inspector.choose(self.pixel, &settings, &self.info);
         self.publish_pixel();
         self.pins.run_again(&settings, &self.info);
+        self.region_tuner.register(&settings);
         self.region.forget();
         self.outbox.pixel_grew = true;
         let budget = self.budget();

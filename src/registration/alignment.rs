@@ -1,0 +1,127 @@
+//! What was measured of a frame.
+
+/// How the camera has moved: where a point of the reference is in the frame.
+///
+/// A point at (x, y) from the image's centre is at ((1 + zoom)·x − turn·y + dx, turn·x + (1 + zoom)·y + dy).
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Motion {
+    /// To the right, in pixels.
+    pub dx: f32,
+    /// Downwards, in pixels.
+    pub dy: f32,
+    /// The turn, clockwise as seen, in radians (small angles).
+    pub turn: f32,
+    /// Growth of the image as a share.
+    pub zoom: f32,
+}
+
+impl Motion {
+    /// No motion.
+    pub const NONE: Self = Self { dx: 0.0, dy: 0.0, turn: 0.0, zoom: 0.0 };
+
+    /// The shift of the image's centre, in pixels.
+    pub fn length(&self) -> f32 {
+        (self.dx * self.dx + self.dy * self.dy).sqrt()
+    }
+
+    /// The motion without turn and zoom.
+    pub const fn shift(&self) -> Self {
+        Self { dx: self.dx, dy: self.dy, ..Self::NONE }
+    }
+
+    /// Where a point of the reference, given from the image's centre, is in the frame.
+    #[inline(always)]
+    pub fn apply(&self, x: f32, y: f32) -> (f32, f32) {
+        let scale = 1.0 + self.zoom;
+        ((scale * x - self.turn * y) + self.dx, (self.turn * x + scale * y) + self.dy)
+    }
+
+    /// The motion from the frame back to the reference.
+    pub fn inverse(&self) -> Self {
+        let scale = 1.0 + self.zoom;
+        let determinant = scale * scale + self.turn * self.turn;
+        let (cos, sin) = (scale / determinant, -self.turn / determinant);
+        Self {
+            dx: -(cos * self.dx - sin * self.dy),
+            dy: -(sin * self.dx + cos * self.dy),
+            turn: sin,
+            zoom: cos - 1.0,
+        }
+    }
+
+    /// First `first`, then this motion.
+    pub fn after(&self, first: &Self) -> Self {
+        let (scale, other) = (1.0 + self.zoom, 1.0 + first.zoom);
+        let (dx, dy) = self.apply(first.dx, first.dy);
+        Self {
+            dx,
+            dy,
+            turn: scale * first.turn + self.turn * other,
+            zoom: scale * other - self.turn * first.turn - 1.0,
+        }
+    }
+}
+
+/// How the light has changed: a level v of the reference, 0..=255, is gain·v + offset in the frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Light {
+    /// Of red, green and blue.
+    pub gain: [f32; 3],
+    /// In levels.
+    pub offset: [f32; 3],
+}
+
+impl Light {
+    /// No change.
+    pub const SAME: Self = Self { gain: [1.0; 3], offset: [0.0; 3] };
+
+    /// The gain of the luma.
+    pub fn luma_gain(&self) -> f32 {
+        self.luma().0
+    }
+
+    /// Gain and offset of the luma.
+    pub(super) fn luma(&self) -> (f32, f32) {
+        let luma = |[r, g, b]: [f32; 3]| (0.299 * r + 0.587 * g) + 0.114 * b;
+        (luma(self.gain), luma(self.offset))
+    }
+
+    /// This light as one sees it who takes `usual` for no change.
+    pub(super) fn against(&self, usual: &Self) -> Self {
+        let gain: [f32; 3] = std::array::from_fn(|channel| self.gain[channel] / usual.gain[channel]);
+        let offset =
+            std::array::from_fn(|channel| self.offset[channel] - gain[channel] * usual.offset[channel]);
+        Self { gain, offset }
+    }
+}
+
+impl Default for Light {
+    fn default() -> Self {
+        Self::SAME
+    }
+}
+
+/// What was measured of a frame against the reference.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Alignment {
+    /// How the camera has moved since the first frame.
+    pub motion: Motion,
+    /// How the light has changed against the recent past.
+    pub light: Light,
+    /// Once the camera was seen to shake, the motion around which it does.
+    pub rest: Option<Motion>,
+    /// The number of the frame since which the camera looks elsewhere, given once, in the frame in which it is certain.
+    pub moved_since: Option<u32>,
+}
+
+impl Alignment {
+    /// What a user has to know about the frame, a sentence.
+    pub fn warning(&self) -> Option<String> {
+        self.moved_since.map(|frame| {
+            format!(
+                "the camera moved at about frame {frame} and stays there: the background has to be learnt anew where it shows \
+                 something else; analyse the frames from there on by themselves"
+            )
+        })
+    }
+}

@@ -1,0 +1,285 @@
+//! What is done to a frame before the mixture sees it.
+
+use super::{Alignment, Light, Motion};
+use crate::frame::{Frame, Mask, Size};
+use crate::settings::{LightCorrection, Settings, Stabilise};
+use rayon::prelude::*;
+
+/// What of a frame's alignment is taken out.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Choice {
+    pub(super) stabilise: Stabilise,
+    pub(super) light: LightCorrection,
+}
+
+impl Default for Choice {
+    fn default() -> Self {
+        Self::NOTHING
+    }
+}
+
+impl Choice {
+    /// Nothing is.
+    pub const NOTHING: Self = Self { stabilise: Stabilise::Off, light: LightCorrection::Off };
+
+    /// As the settings have it.
+    pub const fn new(settings: &Settings) -> Self {
+        Self { stabilise: settings.stabilise, light: settings.light }
+    }
+
+    /// What has to be done to a frame of this size and alignment; `None` where it is to stay as it is.
+    pub fn correction(self, alignment: &Alignment, size: Size) -> Option<Correction> {
+        let motion = self.motion(alignment);
+        let light = if self.light == LightCorrection::Off { Light::SAME } else { alignment.light };
+        // What moves nothing by a tenth of a pixel would only blur.
+        let edge = 0.5 * size.width.max(size.height) as f32;
+        let still = motion.length() + edge * (motion.turn.abs() + motion.zoom.abs()) < 0.1;
+        let motion = if still { Motion::NONE } else { motion };
+        (motion != Motion::NONE || light != Light::SAME).then(|| Correction::new(motion, light, size))
+    }
+
+    /// What the mixture sees at a pixel; `None` outside the image.
+    pub fn pixel(self, frame: &Frame, (x, y): (u32, u32)) -> Option<Seen> {
+        let rgb = frame.pixel(x, y)?;
+        Some(match self.correction(&frame.alignment, frame.size) {
+            None => Seen { colour: Some(rgb), applied: Applied::NOTHING },
+            Some(correction) => {
+                Seen { colour: correction.pixel(frame, x, y), applied: correction.applied(x, y) }
+            }
+        })
+    }
+
+    fn motion(self, alignment: &Alignment) -> Motion {
+        match self.stabilise {
+            Stabilise::Off => Motion::NONE,
+            Stabilise::Shift => alignment.motion.shift(),
+            Stabilise::Similarity => alignment.motion,
+            // Before the shake was seen, the mixture learnt what lay around the rest.
+            Stabilise::Auto => {
+                alignment.rest.map_or(Motion::NONE, |rest| alignment.motion.after(&rest.inverse()))
+            }
+        }
+    }
+}
+
+/// One pixel of a frame as the mixture sees it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Seen {
+    /// Its colour, `None` where the frame does not show it.
+    pub colour: Option<[u8; 3]>,
+    /// What was taken out.
+    pub applied: Applied,
+}
+
+/// What was taken out of a frame at one pixel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Applied {
+    /// How far to the right and down the pixel was, in pixels.
+    pub shift: [f32; 2],
+    /// By what its luma was multiplied.
+    pub gain: f32,
+}
+
+impl Applied {
+    /// Nothing.
+    pub const NOTHING: Self = Self { shift: [0.0; 2], gain: 1.0 };
+}
+
+/// Takes motion and a change of light out of a frame, each pixel by itself.
+pub struct Correction {
+    size: Size,
+    motion: Motion,
+    light: Light,
+    /// What each level of each channel becomes.
+    levels: Option<Box<[[u8; 256]; 3]>>,
+    /// From this level on a channel is cut off by too much light.
+    cut_off: [u8; 3],
+}
+
+/// A frame as the mixture sees it.
+pub struct Corrected {
+    /// The frame at the reference's place and in its light.
+    pub frame: Frame,
+    /// The pixels of which nothing is known, in row order; none where all are.
+    pub unknown: Option<Vec<bool>>,
+}
+
+/// The frame as the mixture is to see it, `None` where that is as it is.
+pub fn corrected(frame: &Frame, choice: Choice) -> Option<Corrected> {
+    choice.correction(&frame.alignment, frame.size).map(|correction| correction.apply(frame))
+}
+
+impl Correction {
+    fn new(motion: Motion, light: Light, size: Size) -> Self {
+        let levels = (light != Light::SAME).then(|| {
+            let mut levels = Box::new([[0; 256]; 3]);
+            for ((table, gain), offset) in levels.iter_mut().zip(light.gain).zip(light.offset) {
+                for (level, to) in table.iter_mut().enumerate() {
+                    *to = ((level as f32 - offset) / gain + 0.5).clamp(0.0, 255.0) as u8;
+                }
+            }
+            levels
+        });
+        let cut_off = light.gain.map(|gain| if gain > 1.0 { 253 } else { u8::MAX });
+        let cut_off = if levels.is_some() { cut_off } else { [u8::MAX; 3] };
+        Self { size, motion, light, levels, cut_off }
+    }
+
+    /// The motion that is taken out.
+    pub const fn motion(&self) -> &Motion {
+        &self.motion
+    }
+
+    /// The change of light that is taken out.
+    pub const fn light(&self) -> &Light {
+        &self.light
+    }
+
+    /// The colour that the mixture sees at (x, y), `None` where the frame does not show it.
+    pub fn pixel(&self, frame: &Frame, x: u32, y: u32) -> Option<[u8; 3]> {
+        let rgb = if self.motion == Motion::NONE {
+            frame.pixel(x, y)
+        } else {
+            between(frame, self.row(y as f32)(x as f32))
+        };
+        rgb.and_then(|rgb| self.relit_pixel(rgb))
+    }
+
+    fn applied(&self, x: u32, y: u32) -> Applied {
+        let (x, y) = (x as f32, y as f32);
+        let (moved_x, moved_y) = self.row(y)(x);
+        let shift = if self.motion == Motion::NONE { [0.0; 2] } else { [moved_x - x, moved_y - y] };
+        Applied { shift, gain: if self.levels.is_some() { self.light.luma_gain() } else { 1.0 } }
+    }
+
+    fn centre(&self) -> (f32, f32) {
+        (0.5 * (self.size.width as f32 - 1.0), 0.5 * (self.size.height as f32 - 1.0))
+    }
+
+    /// Where the pixels of a row are in the frame.
+    #[inline(always)]
+    fn row(&self, y: f32) -> impl Fn(f32) -> (f32, f32) + use<> {
+        let ((centre_x, centre_y), motion) = (self.centre(), self.motion);
+        let y = y - centre_y;
+        move |x| {
+            let (x, y) = motion.apply(x - centre_x, y);
+            (x + centre_x, y + centre_y)
+        }
+    }
+
+    /// A colour of the frame in the reference's light, `None` where too much light has cut it off.
+    #[inline(always)]
+    fn relit_pixel(&self, rgb: [u8; 3]) -> Option<[u8; 3]> {
+        let Some(levels) = &self.levels else { return Some(rgb) };
+        (!self.is_cut(rgb)).then(|| std::array::from_fn(|channel| levels[channel][usize::from(rgb[channel])]))
+    }
+
+    /// The whole frame.
+    pub fn apply(&self, frame: &Frame) -> Corrected {
+        let width = self.size.width as usize;
+        if let (true, Some(levels)) = (self.motion == Motion::NONE, &self.levels) {
+            return self.relit(frame, levels);
+        }
+        let mut rgb = frame.rgb.clone();
+        let mut unknown = vec![false; self.size.pixels()];
+        let rows =
+            rgb.par_chunks_exact_mut((3 * width).max(1)).zip(unknown.par_chunks_exact_mut(width.max(1)));
+        rows.with_min_len(16).enumerate().for_each(|(y, (row, unknown))| {
+            let moved = self.row(y as f32);
+            for ((x, to), unknown) in row.as_chunks_mut::<3>().0.iter_mut().enumerate().zip(unknown) {
+                match between(frame, moved(x as f32)).and_then(|rgb| self.relit_pixel(rgb)) {
+                    Some(rgb) => *to = rgb,
+                    None => *unknown = true,
+                }
+            }
+        });
+        let unknown = unknown.contains(&true).then_some(unknown);
+        Corrected { frame: Frame::new(frame.number, frame.size, rgb), unknown }
+    }
+
+    /// The whole frame where the camera stands still.
+    fn relit(&self, frame: &Frame, levels: &[[u8; 256]; 3]) -> Corrected {
+        let mut rgb = frame.rgb.clone();
+        let mut unknown = vec![false; self.size.pixels()];
+        let may_be_cut = self.cut_off != [u8::MAX; 3];
+        rgb.par_chunks_mut(3 << 13).zip(unknown.par_chunks_mut(1 << 13)).for_each(|(rgb, unknown)| {
+            for (rgb, unknown) in rgb.as_chunks_mut::<3>().0.iter_mut().zip(unknown) {
+                if may_be_cut && self.is_cut(*rgb) {
+                    *unknown = true;
+                } else {
+                    *rgb = std::array::from_fn(|channel| levels[channel][usize::from(rgb[channel])]);
+                }
+            }
+        });
+        let unknown = unknown.contains(&true).then_some(unknown);
+        Corrected { frame: Frame::new(frame.number, frame.size, rgb), unknown }
+    }
+
+    /// Whether so much light fell on a pixel that its colour is lost.
+    #[inline(always)]
+    fn is_cut(&self, rgb: [u8; 3]) -> bool {
+        rgb.iter().zip(self.cut_off).any(|(level, cut_off)| *level >= cut_off && cut_off < u8::MAX)
+    }
+
+    /// A mask at the reference's place, brought back to the frame's.
+    pub fn mask_of_frame(&self, mask: Mask) -> Mask {
+        if self.motion == Motion::NONE {
+            return mask;
+        }
+        let back = self.motion.inverse();
+        let (centre_x, centre_y) = self.centre();
+        let mut moved = Mask::empty(self.size);
+        let (width, height) = (self.size.width as usize, self.size.height as usize);
+        let has_any: Vec<bool> = mask.data.chunks_exact(width.max(1)).map(has_foreground).collect();
+        moved.data.par_chunks_exact_mut(width.max(1)).with_min_len(16).enumerate().for_each(|(y, row)| {
+            let place = |x: f32| {
+                let (x, y) = back.apply(x - centre_x, y as f32 - centre_y);
+                (x + centre_x + 0.5, y + centre_y + 0.5)
+            };
+            // All that the row shows comes from the rows between those of its ends.
+            let (one, other) = (place(0.0).1, place(width as f32).1);
+            let first = (one.min(other) - 1.0).max(0.0) as usize;
+            let last = ((one.max(other) + 2.0).max(0.0) as usize).min(height);
+            if !has_any.get(first..last).is_some_and(|rows| rows.contains(&true)) {
+                return;
+            }
+            for (x, to) in row.iter_mut().enumerate() {
+                let (x, y) = place(x as f32);
+                if x >= 0.0 && y >= 0.0 {
+                    let (x, y) = (x as usize, y as usize);
+                    if x < width && y < height {
+                        *to = mask.data[y * width + x];
+                    }
+                }
+            }
+        });
+        moved
+    }
+}
+
+fn has_foreground(row: &[u8]) -> bool {
+    memchr::memchr(Mask::FOREGROUND, row).is_some()
+}
+
+/// The colour between pixels, to 1/256 of one, `None` outside the outermost pixels' centres.
+#[inline(always)]
+fn between(frame: &Frame, (x, y): (f32, f32)) -> Option<[u8; 3]> {
+    let (x, y) = ((x * 256.0 + 0.5) as i32, (y * 256.0 + 0.5) as i32);
+    if x < 0 || y < 0 {
+        return None;
+    }
+    let (column, row) = (x as usize >> 8, y as usize >> 8);
+    let (width, height) = (frame.size.width as usize, frame.size.height as usize);
+    if column + 1 >= width || row + 1 >= height {
+        return None;
+    }
+    let (right, down) = (x as u32 & 255, y as u32 & 255);
+    let start = 3 * (row * width + column);
+    let upper: &[u8; 6] = frame.rgb[start..].first_chunk()?;
+    let lower: &[u8; 6] = frame.rgb[start + 3 * width..].first_chunk()?;
+    Some(std::array::from_fn(|channel| {
+        let mix =
+            |pair: &[u8; 6]| u32::from(pair[channel]) * (256 - right) + u32::from(pair[channel + 3]) * right;
+        ((mix(upper) * (256 - down) + mix(lower) * down + (1 << 15)) >> 16) as u8
+    }))
+}

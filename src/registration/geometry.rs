@@ -1,0 +1,417 @@
+//! How the camera has moved: a coarse search, then least squares on points of strong contrast.
+
+use nalgebra::{SMatrix, SVector};
+
+use super::Motion;
+use super::plane::{Plane, square};
+use crate::frame::Frame;
+
+/// The coarse search goes so many pixels of a quarter of the size to each side, and no more than a quarter of the image.
+const REACH: usize = 8;
+/// What a pixel farther has to bring in the coarse search, as a share.
+const FARTHER: f32 = 0.01;
+/// Radius of the mean that is taken away for the coarse search.
+const AROUND: usize = 5;
+/// Beyond so many levels a difference says "something else", and how large it is does not matter.
+const CAP: f32 = 20.0;
+/// One point in each square of so many pixels.
+const CELL: usize = 8;
+/// Least contrast of a point, in levels a pixel.
+const CONTRAST: f32 = 3.0;
+/// Fewer points give no motion.
+const LEAST_POINTS: usize = 24;
+/// The camera of a fixed place turns and zooms by no more, in radians and as a share.
+const TILT: f32 = 0.1;
+/// The numbers of a fit.
+const DX: usize = 0;
+const DY: usize = 1;
+const TURN: usize = 2;
+const ZOOM: usize = 3;
+const GAIN: usize = 4;
+const OFFSET: usize = 5;
+/// A motion is clear where it leaves no more than this share of what none leaves unexplained, in the whole image and in its
+/// quarters: leaves and water that move pull at the estimate, too, but explain little of the image, or one side of it.
+const CLEAR: f32 = 0.8;
+const CLEAR_PART: f32 = 0.95;
+/// Steps of least squares on each size.
+const STEPS: usize = 6;
+/// A motion has to explain the image better than none does by this factor, as long as the camera is not known to shake.
+const BETTER: f32 = 0.93;
+/// The camera stands still where that explains the image as well as it usually is, up to this factor.
+const USUAL: f32 = 1.25;
+
+/// A point of the reference on one size of it: from the image's centre, its value and gradient.
+#[derive(Clone, Copy)]
+struct Point {
+    x: f32,
+    y: f32,
+    value: f32,
+    across: f32,
+    down: f32,
+}
+
+/// The reference, ready to be found in frames.
+pub(super) struct Reference {
+    coarse: Plane,
+    /// On a quarter, a half, and the whole of the size.
+    points: [Vec<Point>; 3],
+    /// Of the last of them, column and row.
+    places: Vec<(usize, usize)>,
+}
+
+/// A frame on all sizes.
+pub(super) struct Pyramid(pub(super) [Plane; 3]);
+
+impl Pyramid {
+    /// Of a plane, which becomes the largest.
+    pub(super) fn new(plane: Plane) -> Self {
+        let half = plane.halved();
+        Self([half.halved(), half, plane])
+    }
+}
+
+/// Where the frame was found in the reference, and how well.
+#[derive(Clone, Copy)]
+pub(super) struct Found {
+    pub(super) motion: Motion,
+    /// Correlation of the points of strong contrast, −1..=1.
+    pub(super) correlation: f32,
+    /// How much is left unexplained, as a mean difference in levels.
+    pub(super) cost: f32,
+    /// Whether the motion explains far more than none does, in all quarters of the image but one.
+    pub(super) is_clear: bool,
+    /// Gain and offset of the luma that go with it.
+    pub(super) light: (f32, f32),
+}
+
+impl Found {
+    /// What is said where there is nothing to be found.
+    pub(super) const NOTHING: Self =
+        Self { motion: Motion::NONE, correlation: 1.0, cost: f32::MAX, is_clear: false, light: (1.0, 0.0) };
+}
+
+impl Reference {
+    /// Of a plane.
+    pub(super) fn new(plane: &Plane) -> Self {
+        let half = plane.halved();
+        let quarter = half.halved();
+        let places = places(plane);
+        let points =
+            [(&quarter, 4), (&half, 2), (plane, 1)].map(|(plane, part)| points(plane, &places, part));
+        Self { coarse: quarter.contrast(AROUND), points, places }
+    }
+
+    /// Whether there is contrast enough to find anything.
+    pub(super) fn is_usable(&self) -> bool {
+        self.points.iter().all(|points| points.len() >= LEAST_POINTS)
+    }
+
+    /// What is found where the camera stands still and the image differs no more than it does by `usual`.
+    pub(super) fn find_still(&self, frame: &Frame, factor: usize, usual: f32) -> Option<Found> {
+        let values: Vec<_> = self.places.iter().map(|&(x, y)| square(frame, factor, x, y)).collect();
+        let seen = || self.points[2].iter().copied().zip(values.iter().copied());
+        let mut still = Fit::of(Motion::NONE);
+        still.relight(seen());
+        let cost = still.cost(seen());
+        (cost <= USUAL * usual).then(|| Found {
+            motion: Motion::NONE,
+            correlation: correlation(seen()),
+            cost,
+            is_clear: false,
+            light: (still.gain, still.offset),
+        })
+    }
+
+    /// Finds how the frame has moved against the reference; where the camera is known to shake, with less reserve.
+    pub(super) fn find(&self, frame: &Pyramid, shakes: bool) -> Found {
+        let (dx, dy) = self.search(&frame.0[0].contrast(AROUND));
+        let mut fit = Fit::of(Motion { dx: dx as f32, dy: dy as f32, ..Motion::NONE });
+        for (level, (plane, points)) in frame.0.iter().zip(&self.points).enumerate() {
+            if level > 0 {
+                fit.motion.dx *= 2.0;
+                fit.motion.dy *= 2.0;
+            }
+            fit.improve(plane, points, &[DX, DY, GAIN, OFFSET]);
+        }
+        let mut turned = fit;
+        turned.improve(&frame.0[2], &self.points[2], &[DX, DY, TURN, ZOOM, GAIN, OFFSET]);
+        let (plane, points) = (&frame.0[2], &self.points[2]);
+        let mut still = Fit::of(Motion::NONE);
+        still.relight(still.seen(plane, points));
+        let cost_still = still.cost(still.seen(plane, points));
+        let (mut best, mut cost) = (still, cost_still);
+        let better = if shakes { 1.0 } else { BETTER };
+        for mut fit in [fit, turned] {
+            fit.relight(fit.seen(plane, points));
+            let left = fit.cost(fit.seen(plane, points));
+            if left < cost.min(better * cost_still) {
+                (best, cost) = (fit, left);
+            }
+        }
+        let fit = best;
+        let is_clear = cost < CLEAR * cost_still && self.is_clear(&fit, &still, plane);
+        let correlation = correlation(fit.seen(plane, points));
+        Found { motion: fit.motion, correlation, cost, is_clear, light: (fit.gain, fit.offset) }
+    }
+
+    /// Whether `fit` explains the quarters of the image better than `still` does, all but one.
+    fn is_clear(&self, fit: &Fit, still: &Fit, plane: &Plane) -> bool {
+        let (mut judged, mut better) = (0, 0);
+        for quarter in [(true, true), (true, false), (false, true), (false, false)] {
+            let points: Vec<_> = self.points[2]
+                .iter()
+                .copied()
+                .filter(|point| (point.x < 0.0, point.y < 0.0) == quarter)
+                .collect();
+            let [with, without] = [fit, still].map(|fit| fit.cost(fit.seen(plane, &points)));
+            if with < f32::MAX && without < f32::MAX {
+                judged += 1;
+                better += usize::from(with < CLEAR_PART * without);
+            }
+        }
+        better + 1 >= judged.max(2)
+    }
+
+    /// The shift in pixels of a quarter of the size under which the contrasts agree best.
+    fn search(&self, frame: &Plane) -> (i32, i32) {
+        let (width, height) = (self.coarse.width, self.coarse.height);
+        let (reach_x, reach_y) = (REACH.min(width / 4), REACH.min(height / 4));
+        let columns = reach_x..width - reach_x;
+        let cost = |dx: usize, dy: usize| {
+            let mut sum = 0.0;
+            for y in (reach_y..height - reach_y).step_by(2) {
+                let reference = &self.coarse.data[y * width + columns.start..y * width + columns.end];
+                let start = (y + dy - reach_y) * width + dx;
+                let row = &frame.data[start..start + columns.len()];
+                sum += row_cost(reference, row);
+            }
+            sum
+        };
+        // Of places that look alike, as along a fence, the nearer one.
+        let cost = |dx: usize, dy: usize| {
+            let away = dx.abs_diff(reach_x) + dy.abs_diff(reach_y);
+            cost(dx, dy) * (1.0 + FARTHER * away as f32)
+        };
+        let mut best = (cost(reach_x, reach_y), (reach_x, reach_y));
+        let try_at = |best: &mut (f32, (usize, usize)), dx: usize, dy: usize| {
+            let cost = cost(dx, dy);
+            if cost < best.0 {
+                *best = (cost, (dx, dy));
+            }
+        };
+        // Every second shift, then those around the best of them.
+        for dy in (0..=2 * reach_y).step_by(2) {
+            for dx in (0..=2 * reach_x).step_by(2) {
+                try_at(&mut best, dx, dy);
+            }
+        }
+        let (near_x, near_y) = best.1;
+        for dy in near_y.saturating_sub(1)..=(near_y + 1).min(2 * reach_y) {
+            for dx in near_x.saturating_sub(1)..=(near_x + 1).min(2 * reach_x) {
+                try_at(&mut best, dx, dy);
+            }
+        }
+        let (dx, dy) = best.1;
+        (dx as i32 - reach_x as i32, dy as i32 - reach_y as i32)
+    }
+}
+
+/// The sum of differences, in eight parts whose order does not depend on the machine.
+fn row_cost(one: &[f32], other: &[f32]) -> f32 {
+    let mut sums = [0.0_f32; 8];
+    let (one, one_rest) = one.as_chunks::<8>();
+    let (other, other_rest) = other.as_chunks::<8>();
+    for (a, b) in one.iter().zip(other) {
+        for ((sum, a), b) in sums.iter_mut().zip(a).zip(b) {
+            *sum += (a - b).abs().min(CAP);
+        }
+    }
+    for ((sum, a), b) in sums.iter_mut().zip(one_rest).zip(other_rest) {
+        *sum += (a - b).abs().min(CAP);
+    }
+    sums.iter().sum()
+}
+
+/// In each cell the pixel of the strongest contrast.
+fn places(plane: &Plane) -> Vec<(usize, usize)> {
+    let mut places = Vec::new();
+    for top in (2..plane.height.saturating_sub(CELL + 2)).step_by(CELL) {
+        for left in (2..plane.width.saturating_sub(CELL + 2)).step_by(CELL) {
+            let mut best = (CONTRAST * CONTRAST, None);
+            for y in top..top + CELL {
+                for x in left..left + CELL {
+                    let (across, down) = gradient(plane, x, y);
+                    let strength = across * across + down * down;
+                    if strength > best.0 {
+                        best = (strength, Some((x, y)));
+                    }
+                }
+            }
+            places.extend(best.1);
+        }
+    }
+    places
+}
+
+fn gradient(plane: &Plane, x: usize, y: usize) -> (f32, f32) {
+    let at = y * plane.width + x;
+    let data = &plane.data;
+    (0.5 * (data[at + 1] - data[at - 1]), 0.5 * (data[at + plane.width] - data[at - plane.width]))
+}
+
+/// The places on a plane of a whole, a half or a quarter (`part` 1, 2 or 4) of the size.
+fn points(plane: &Plane, places: &[(usize, usize)], part: usize) -> Vec<Point> {
+    let (centre_x, centre_y) = centre(plane);
+    let inside = |x: usize, y: usize| x > 0 && y > 0 && x + 1 < plane.width && y + 1 < plane.height;
+    let all = places.iter().map(|&(x, y)| (x / part, y / part)).filter(|&(x, y)| inside(x, y));
+    all.map(|(x, y)| {
+        let (across, down) = gradient(plane, x, y);
+        let value = plane.data[y * plane.width + x];
+        Point { x: x as f32 - centre_x, y: y as f32 - centre_y, value, across, down }
+    })
+    .collect()
+}
+
+fn centre(plane: &Plane) -> (f32, f32) {
+    (0.5 * (plane.width as f32 - 1.0), 0.5 * (plane.height as f32 - 1.0))
+}
+
+/// A motion, and the light that goes with it.
+#[derive(Clone, Copy)]
+struct Fit {
+    motion: Motion,
+    gain: f32,
+    offset: f32,
+}
+
+impl Fit {
+    const fn of(motion: Motion) -> Self {
+        Self { motion, gain: 1.0, offset: 0.0 }
+    }
+
+    /// The frame's value at each point, where that is within it.
+    fn seen<'a>(&self, plane: &'a Plane, points: &'a [Point]) -> impl Iterator<Item = (Point, f32)> + 'a {
+        let (centre_x, centre_y) = centre(plane);
+        let motion = self.motion;
+        points.iter().filter_map(move |point| {
+            let (x, y) = motion.apply(point.x, point.y);
+            Some((*point, plane.at(x + centre_x, y + centre_y)?))
+        })
+    }
+
+    fn residual(&self, point: &Point, value: f32) -> f32 {
+        value - (self.gain * point.value + self.offset)
+    }
+
+    /// Steps of robust least squares, over these numbers alone, until they are short.
+    fn improve<const N: usize>(&mut self, plane: &Plane, points: &[Point], numbers: &[usize; N]) {
+        for _ in 0..STEPS {
+            match self.improved(plane, points, numbers) {
+                Some((better, length)) => {
+                    *self = better;
+                    if length < 0.01 {
+                        break;
+                    }
+                }
+                None => break,
+            }
+        }
+    }
+
+    /// One step of robust least squares, and how far it went in pixels.
+    fn improved<const N: usize>(
+        &self,
+        plane: &Plane,
+        points: &[Point],
+        numbers: &[usize; N],
+    ) -> Option<(Self, f32)> {
+        let seen: Vec<_> = self.seen(plane, points).collect();
+        if seen.len() < LEAST_POINTS {
+            return None;
+        }
+        let mut sizes: Vec<f32> =
+            seen.iter().map(|(point, value)| self.residual(point, *value).abs()).collect();
+        let middle = sizes.len() / 2;
+        let median = *sizes.select_nth_unstable_by(middle, f32::total_cmp).1;
+        // Tukey's biweight, whose constant is that for Gaussian noise.
+        let reach = (4.685 * 1.4826 * median).clamp(8.0, 40.0);
+        let mut normal = SMatrix::<f64, N, N>::zeros();
+        let mut right = SVector::<f64, N>::zeros();
+        for (point, value) in &seen {
+            let residual = self.residual(point, *value);
+            let share = residual / reach;
+            if share.abs() >= 1.0 {
+                continue;
+            }
+            let weight = f64::from((1.0 - share * share) * (1.0 - share * share));
+            let (across, down) = (self.gain * point.across, self.gain * point.down);
+            let all = [
+                across,
+                down,
+                down * point.x - across * point.y,
+                across * point.x + down * point.y,
+                -point.value,
+                -1.0,
+            ];
+            let row = SVector::from(numbers.map(|number| f64::from(all[number])));
+            // The lower triangle, which is all that is read.
+            normal.syger(weight, &row, &row, 1.0);
+            right.axpy(-weight * f64::from(residual), &row, 1.0);
+        }
+        let step = normal.cholesky()?.solve(&right);
+        let mut steps = [0.0; 6];
+        for (number, step) in numbers.iter().zip(step.iter()) {
+            steps[*number] = *step as f32;
+        }
+        let [dx, dy, turn, zoom, gain, offset] = steps;
+        let better = Self {
+            motion: Motion {
+                dx: self.motion.dx + dx,
+                dy: self.motion.dy + dy,
+                turn: self.motion.turn + turn,
+                zoom: self.motion.zoom + zoom,
+            },
+            gain: (self.gain + gain).clamp(0.2, 5.0),
+            offset: self.offset + offset,
+        };
+        let corner = 0.5 * plane.width as f32;
+        let length = dx.abs() + dy.abs() + corner * (turn.abs() + zoom.abs());
+        let tilt = better.motion.turn.abs().max(better.motion.zoom.abs());
+        let sound = steps.iter().all(|number| number.is_finite()) && tilt < TILT && length < corner;
+        sound.then_some((better, length))
+    }
+
+    /// The gain that explains most of these points.
+    fn relight(&mut self, seen: impl Iterator<Item = (Point, f32)>) {
+        let mut ratios: Vec<f32> =
+            seen.filter(|(point, _)| point.value > 8.0).map(|(point, value)| value / point.value).collect();
+        if !ratios.is_empty() {
+            let middle = ratios.len() / 2;
+            self.gain = ratios.select_nth_unstable_by(middle, f32::total_cmp).1.clamp(0.2, 5.0);
+            self.offset = 0.0;
+        }
+    }
+
+    /// The mean difference, limited.
+    fn cost(&self, seen: impl Iterator<Item = (Point, f32)>) -> f32 {
+        let (mut sum, mut count) = (0.0, 0.0);
+        for (point, value) in seen {
+            sum += self.residual(&point, value).abs().min(CAP);
+            count += 1.0;
+        }
+        if count < LEAST_POINTS as f32 { f32::MAX } else { sum / count }
+    }
+}
+
+fn correlation(seen: impl Iterator<Item = (Point, f32)>) -> f32 {
+    let mut sums = [0.0_f64; 6];
+    for (point, value) in seen {
+        let (a, b) = (f64::from(point.value), f64::from(value));
+        for (sum, term) in sums.iter_mut().zip([1.0, a, b, a * a, b * b, a * b]) {
+            *sum += term;
+        }
+    }
+    let [n, a, b, aa, bb, ab] = sums;
+    let spread = (aa - a * a / n.max(1.0)).max(0.0) * (bb - b * b / n.max(1.0)).max(0.0);
+    if spread > 0.0 { ((ab - a * b / n) / spread.sqrt()) as f32 } else { 0.0 }
+}

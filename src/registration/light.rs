@@ -1,0 +1,267 @@
+//! How the light has changed: a gain and an offset of the whole image, by consensus of all its parts.
+
+use super::{Light, Motion};
+use crate::frame::{Frame, Size};
+
+/// About so many places of the image are compared.
+const PLACES: usize = 1600;
+/// Frames over which the colours of the places are averaged, and so many are averaged alike at first.
+const MEMORY: f32 = 1000.0;
+const FIRST: u32 = 50;
+/// Parts of the image that have to agree on a change, across and down.
+const PARTS: (usize, usize) = (6, 4);
+/// Of the parts that can be judged, so many have to agree.
+const AGREEING: f32 = 0.75;
+/// A part agrees where the median of its places is off by no more levels.
+const CLOSE: f32 = 5.0;
+/// Fewer places do not judge, nor do fewer parts.
+const LEAST_PLACES: usize = 8;
+const LEAST_PARTS: usize = 12;
+/// The light is as it was where the median of one place in [`GLANCE`] is off by no more levels; it is measured anew in
+/// any case in each of so many frames.
+const ALIKE: f32 = 2.0;
+const GLANCE: usize = 5;
+const EVERY: u32 = 10;
+/// Levels that are cut off, or nearly, tell nothing.
+const DARKEST: f32 = 6.0;
+const BRIGHTEST: f32 = 249.0;
+/// A fit is done when a step moves the middle level by less.
+const SETTLED: f32 = 0.1;
+/// Changes are told as a share of this level.
+const MIDDLE: f32 = 128.0;
+/// A change is followed by no more than this share a frame, which a mixture keeps up with that learns with α = .002 and
+/// whose band is 20 levels: what changes slower is left to it.
+const FOLLOWED: f32 = 0.0003;
+/// A change is taken out from this share on, until less is left of it.
+const STARTS: f32 = 0.04;
+const ENDS: f32 = 0.01;
+
+/// Column, row and part of the image.
+type Place = (u32, u32, usize);
+
+/// The colours of some places of the image, and the light in which they were last seen.
+pub(super) struct Reference {
+    size: Size,
+    places: Vec<Place>,
+    /// As they were in the light of the beginning.
+    colours: Vec<[f32; 3]>,
+    /// The light against that of the beginning: as it is, and as it was in the recent past.
+    light: Light,
+    past: Light,
+    /// Whether the light differs from that of the recent past.
+    differs: bool,
+    frames: u32,
+}
+
+/// A place of the reference as the frame shows it.
+#[derive(Clone, Copy)]
+struct Pair {
+    part: usize,
+    before: [f32; 3],
+    now: [f32; 3],
+}
+
+impl Pair {
+    fn luma(&self) -> (f32, f32) {
+        let luma = |[r, g, b]: [f32; 3]| (0.299 * r + 0.587 * g) + 0.114 * b;
+        (luma(self.before), luma(self.now))
+    }
+}
+
+impl Reference {
+    pub(super) fn new(size: Size) -> Self {
+        let step = ((size.pixels() as f32 / PLACES as f32).sqrt() as u32).max(1);
+        let (across, down) = PARTS;
+        let mut places = Vec::new();
+        for y in (step / 2..size.height).step_by(step as usize) {
+            for x in (step / 2..size.width).step_by(step as usize) {
+                let column = x as usize * across / size.width as usize;
+                let row = y as usize * down / size.height as usize;
+                places.push((x, y, row * across + column));
+            }
+        }
+        Self {
+            size,
+            places,
+            colours: Vec::new(),
+            light: Light::SAME,
+            past: Light::SAME,
+            differs: false,
+            frames: 0,
+        }
+    }
+
+    /// Begins anew with the next frame.
+    pub(super) fn restart(&mut self) {
+        (self.colours, self.light, self.past) = (Vec::new(), Light::SAME, Light::SAME);
+        (self.differs, self.frames) = (false, 0);
+    }
+
+    /// How the light of the frame, moved by `motion`, differs from that of the recent past, which then follows it.
+    pub(super) fn step(&mut self, frame: &Frame, motion: &Motion) -> Light {
+        self.frames += 1;
+        let is_due = self.frames <= FIRST || self.frames.is_multiple_of(EVERY);
+        if !is_due && !self.differs && self.is_alike(frame, motion) {
+            return self.follow();
+        }
+        let now: Vec<_> = self.places.iter().map(|place| self.colour(frame, motion, place)).collect();
+        if self.colours.is_empty() {
+            self.colours = now.into_iter().map(|colour| colour.unwrap_or([0.0; 3])).collect();
+            return Light::SAME;
+        }
+        let seen = self.places.iter().zip(&self.colours).zip(&now);
+        let pairs: Vec<_> = seen
+            .filter_map(|((&(_, _, part), &before), now)| Some(Pair { part, before, now: (*now)? }))
+            .filter(|pair| {
+                let (before, now) = pair.luma();
+                [before, now].iter().all(|level| (DARKEST..BRIGHTEST).contains(level))
+            })
+            .collect();
+        self.light = self.measure(&pairs);
+        if is_due {
+            self.learn(&now);
+        }
+        self.follow()
+    }
+
+    /// The colour that the frame, moved by `motion`, shows at a place.
+    fn colour(&self, frame: &Frame, motion: &Motion, &(x, y, _): &Place) -> Option<[f32; 3]> {
+        let (centre_x, centre_y) =
+            (0.5 * (self.size.width as f32 - 1.0), 0.5 * (self.size.height as f32 - 1.0));
+        let (x, y) = motion.apply(x as f32 - centre_x, y as f32 - centre_y);
+        let (x, y) = ((x + centre_x).round(), (y + centre_y).round());
+        let inside = x >= 0.0 && y >= 0.0;
+        inside.then(|| frame.pixel(x as u32, y as u32)).flatten().map(|rgb| rgb.map(f32::from))
+    }
+
+    /// Whether the light is at a glance what it was in the frame before.
+    fn is_alike(&self, frame: &Frame, motion: &Motion) -> bool {
+        let (gain, offset) = self.light.luma();
+        let pairs = self.places.iter().zip(&self.colours).step_by(GLANCE);
+        let off = pairs.filter_map(|(place, &before)| {
+            let (before, now) = Pair { part: 0, before, now: self.colour(frame, motion, place)? }.luma();
+            Some(now - (gain * before + offset))
+        });
+        median(off.collect()).abs() < ALIKE
+    }
+
+    /// Takes the places into the average, in the light of the beginning.
+    fn learn(&mut self, now: &[Option<[f32; 3]>]) {
+        let rate = if self.frames <= FIRST { 1.0 / self.frames as f32 } else { EVERY as f32 / MEMORY };
+        for (colour, now) in self.colours.iter_mut().zip(now) {
+            let Some(now) = now else { continue };
+            for (channel, (level, now)) in colour.iter_mut().zip(now).enumerate() {
+                let at_first = (now - self.light.offset[channel]) / self.light.gain[channel];
+                *level += rate * (at_first - *level);
+            }
+        }
+    }
+
+    /// Lets the recent past follow the light, and gives the difference between them.
+    fn follow(&mut self) -> Light {
+        let away = away(&self.light, &self.past);
+        self.differs = away > if self.differs { ENDS } else { STARTS };
+        let difference = if self.differs { self.light.against(&self.past) } else { Light::SAME };
+        if away > 0.0 {
+            let share = (FOLLOWED / away).min(1.0);
+            for channel in 0..3 {
+                self.past.gain[channel] += share * (self.light.gain[channel] - self.past.gain[channel]);
+                self.past.offset[channel] += share * (self.light.offset[channel] - self.past.offset[channel]);
+            }
+        }
+        difference
+    }
+
+    /// The new light where the parts of the image agree on it; else that of the frame before.
+    fn measure(&self, pairs: &[Pair]) -> Light {
+        if pairs.len() < self.places.len() / 4 {
+            return self.light;
+        }
+        let levels: Vec<_> = pairs.iter().map(Pair::luma).collect();
+        let (was_gain, was_offset) = self.light.luma();
+        let Some((gain, offset)) = fit(&levels) else { return self.light };
+        let mut parts = vec![Vec::new(); PARTS.0 * PARTS.1];
+        for (pair, level) in pairs.iter().zip(&levels) {
+            parts[pair.part].push(*level);
+        }
+        let judged: Vec<_> = parts.iter().filter(|levels| levels.len() >= LEAST_PLACES).collect();
+        if judged.len() < LEAST_PARTS {
+            return self.light;
+        }
+        let agreeing = |gain: f32, offset: f32| {
+            let agree = |levels: &&&Vec<(f32, f32)>| {
+                let off = levels.iter().map(|(before, now)| now - (gain * before + offset));
+                median(off.collect()).abs() < CLOSE
+            };
+            judged.iter().filter(agree).count()
+        };
+        let (changed, same) = (agreeing(gain, offset), agreeing(was_gain, was_offset));
+        if changed < same || (changed as f32) < AGREEING * judged.len() as f32 {
+            return self.light;
+        }
+        let mut light = Light::SAME;
+        for channel in 0..3 {
+            let levels: Vec<_> = pairs.iter().map(|pair| (pair.before[channel], pair.now[channel])).collect();
+            let (gain, offset) = fit(&levels).unwrap_or((gain, offset));
+            (light.gain[channel], light.offset[channel]) = (gain, offset);
+        }
+        light
+    }
+}
+
+/// How far a middle level is from one light to another, as a share of it: that of the channel where it is farthest.
+fn away(one: &Light, other: &Light) -> f32 {
+    let lit = |light: &Light, channel: usize| light.gain[channel] * MIDDLE + light.offset[channel];
+    (0..3).map(|channel| (lit(one, channel) - lit(other, channel)).abs() / MIDDLE).fold(0.0, f32::max)
+}
+
+fn median(mut numbers: Vec<f32>) -> f32 {
+    let middle = numbers.len() / 2;
+    if numbers.is_empty() { 0.0 } else { *numbers.select_nth_unstable_by(middle, f32::total_cmp).1 }
+}
+
+/// Gain and offset from levels before and now, by robust least squares.
+fn fit(levels: &[(f32, f32)]) -> Option<(f32, f32)> {
+    let mut ratios: Vec<f32> =
+        levels.iter().filter(|(before, _)| *before > 12.0).map(|(before, now)| now / before).collect();
+    if ratios.len() < 32 {
+        return None;
+    }
+    let middle = ratios.len() / 2;
+    let (mut gain, mut offset) = (*ratios.select_nth_unstable_by(middle, f32::total_cmp).1, 0.0);
+    let mut sizes = Vec::with_capacity(levels.len());
+    for _ in 0..6 {
+        sizes.clear();
+        sizes.extend(levels.iter().map(|(before, now)| (now - (gain * before + offset)).abs()));
+        let middle = sizes.len() / 2;
+        let median = *sizes.select_nth_unstable_by(middle, f32::total_cmp).1;
+        let reach = (4.685 * 1.4826 * median).clamp(6.0, 30.0);
+        let mut sums = [0.0_f64; 5];
+        for &(before, now) in levels {
+            let share = (now - (gain * before + offset)) / reach;
+            if share.abs() < 1.0 {
+                let weight = f64::from((1.0 - share * share) * (1.0 - share * share));
+                let (before, now) = (f64::from(before), f64::from(now));
+                let terms = [1.0, before, now, before * before, before * now];
+                for (sum, term) in sums.iter_mut().zip(terms) {
+                    *sum += weight * term;
+                }
+            }
+        }
+        let [n, b, f, bb, bf] = sums;
+        // An image of one level tells gain and offset apart no more: then the offset stays small.
+        let n = 1.25 * n;
+        let determinant = n * bb - b * b;
+        if determinant <= f64::EPSILON {
+            return None;
+        }
+        let before = gain * MIDDLE + offset;
+        gain = ((n * bf - b * f) / determinant) as f32;
+        offset = ((bb * f - b * bf) / determinant) as f32;
+        if (gain * MIDDLE + offset - before).abs() < SETTLED {
+            break;
+        }
+    }
+    let sound = (0.2..=5.0).contains(&gain) && offset.abs() < 64.0;
+    sound.then_some((gain, offset))
+}
