@@ -1,9 +1,9 @@
 //! The occlusion reasoning on drawn frames: flat figures on a flat ground, without a background model.
 
-#![allow(clippy::expect_used, missing_docs)]
+#![allow(clippy::expect_used, clippy::panic, missing_docs)]
 
 use occluscope::frame::{Frame, Mask, Size};
-use occluscope::occlusion::{Event, EventKind, Reasoner, Seen};
+use occluscope::occlusion::{Event, EventKind, Reasoner, Relation, Seen};
 use occluscope::regions::find_regions;
 use occluscope::settings::Settings;
 
@@ -126,4 +126,81 @@ fn a_detection_is_no_larger_than_its_object() {
         }
     }
     assert!(widest < 60.0, "a box spans figures that are far apart: {widest} pixels");
+}
+
+/// All events of two figures that cross, to the end.
+fn events_of_crossing(last: u32) -> Vec<Event> {
+    let mut reasoner = Reasoner::new(&Settings::default(), SIZE, 25.0);
+    let mut events: Vec<Event> =
+        (1..=last).flat_map(|number| step(&mut reasoner, number, &crossing(number)).events).collect();
+    events.extend(reasoner.finish());
+    events
+}
+
+#[test]
+fn counters_fall_where_objects_merge_and_rise_where_they_part() {
+    let events = events_of_crossing(100);
+    let counted = |kind: EventKind| {
+        let event = events.iter().find(|event| event.kind == kind).expect("they cross");
+        (event.evidence.objects_before, event.evidence.objects_now)
+    };
+    assert_eq!(counted(EventKind::Merge), (2, 1));
+    assert_eq!(counted(EventKind::Demerge), (1, 2));
+}
+
+#[test]
+fn what_evidence_says_follows_from_its_numbers() {
+    let events = events_of_crossing(100);
+    let numbers = || events.iter().flat_map(|event| &event.evidence.comparisons);
+    for number in numbers() {
+        let holds = match (number.relation, number.threshold) {
+            (Some(Relation::AtMost), Some(threshold)) => number.value <= threshold,
+            (Some(Relation::AtLeast), Some(threshold)) => number.value >= threshold,
+            (None, None) => true,
+            _ => panic!("a threshold without a relation: {number:?}"),
+        };
+        assert_eq!(number.holds, holds, "{number:?}");
+    }
+    // Of the pieces of the group that parted, each member has one, whose colours agree best with its own.
+    let demerge = events.iter().find(|event| event.kind == EventKind::Demerge).expect("they cross");
+    for id in &demerge.objects {
+        let mine =
+            |what: &str| what.starts_with("agreement") && what.contains(&format!(" of {id} and piece"));
+        let colours: Vec<_> =
+            demerge.evidence.comparisons.iter().filter(|number| mine(&number.what)).collect();
+        let best = colours.iter().max_by(|a, b| a.value.total_cmp(&b.value)).expect("two pieces");
+        assert_eq!(colours.iter().filter(|number| number.chosen == Some(true)).count(), 1);
+        assert_eq!(best.chosen, Some(true), "{colours:?}");
+    }
+}
+
+#[test]
+fn a_new_object_tells_which_hidden_one_it_was_not_taken_for() {
+    let mut reasoner = Reasoner::new(&Settings::default(), SIZE, 25.0);
+    let mut events = Vec::new();
+    for number in 1..=90 {
+        let figures: &[Figure] = match number {
+            1..=30 => &[(80, 100, RED)],
+            31..=50 => &[],
+            _ => &[(240, 100, GREEN)],
+        };
+        events.extend(step(&mut reasoner, number, figures).events);
+    }
+    let new = events.iter().rfind(|event| event.kind == EventKind::Appear).expect("the second figure");
+    let refused =
+        new.evidence.comparisons.iter().find(|number| number.chosen == Some(false)).expect("the first");
+    assert!(refused.what.contains("hidden 1") && refused.holds, "{refused:?}");
+}
+
+#[test]
+fn a_figure_in_a_region_with_room_for_one_is_not_found_again() {
+    // The second figure is gone; the first one turns, so that its remembered looks do not explain its region.
+    let mut reasoner = Reasoner::new(&Settings::default(), SIZE, 25.0);
+    let mut seen = Seen::default();
+    for number in 1..=80 {
+        let figures: &[Figure] =
+            if number <= 30 { &[(120, 100, RED), (150, 100, RED)] } else { &[(126, 100, RED)] };
+        seen = step(&mut reasoner, number, figures);
+    }
+    assert_eq!(seen.tracks.iter().filter(|track| !track.group.is_empty()).count(), 0, "{:?}", seen.tracks);
 }

@@ -15,9 +15,10 @@ fn parameters() -> impl Strategy<Value = Parameters> {
     let rates = prop_oneof![Just(Rate::Density), Just(Rate::Weight), Just(Rate::Constant)];
     let spaces = prop_oneof![Just(Space::Rgb), Just(Space::Gray)];
     let shadow = prop_oneof![
-        Just(Shadow { floor: 1.0, ceiling: 1.0, colour: 0.0, window: 0 }),
-        (0.2_f32..1.0, 1.0_f32..2.0, 0.0_f32..100.0, prop_oneof![Just(0), Just(3), Just(7)])
-            .prop_map(|(floor, ceiling, colour, window)| Shadow { floor, ceiling, colour, window }),
+        Just(Shadow { floor: 1.0, ceiling: 1.0, colour: 0.0, window: 0, spread: 0.07 }),
+        (0.2_f32..1.0, 1.0_f32..2.0, 0.0_f32..100.0, prop_oneof![Just(0), Just(3), Just(7)]).prop_map(
+            |(floor, ceiling, colour, window)| Shadow { floor, ceiling, colour, window, spread: 0.07 }
+        ),
     ];
     let feedback = prop_oneof![
         Just((1.0, 1.0, 0.0)),

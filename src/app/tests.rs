@@ -335,7 +335,7 @@ fn within(shown: Shown, roi: Option<Arc<regions::Roi>>) -> Shown {
 fn event(kind: EventKind, frame: u32, objects: &[u32], at: (f32, f32)) -> (u32, Event) {
     let mut evidence =
         Evidence { branch: format!("{} because region 4 grew", kind.name()), ..Evidence::default() };
-    evidence.compare("size change", 0.41, 0.2, true);
+    evidence.at_least("size change", 0.41, 0.2);
     evidence.note("ΔE of 1 with piece 2", 12.5);
     let becomes = if kind == EventKind::Demerge { vec![1, 4] } else { objects.to_vec() };
     let event =

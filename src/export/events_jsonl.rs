@@ -22,7 +22,7 @@ mod tests {
     #[test]
     fn a_line_has_the_agreed_keys() {
         let mut evidence = Evidence { branch: "the region grew".into(), ..Evidence::default() };
-        evidence.compare("size change", 0.5, 0.2, true);
+        evidence.at_least("size change", 0.5, 0.2);
         let event = Event {
             frame: 203,
             kind: EventKind::Merge,

@@ -17,6 +17,8 @@ const STRAY: f32 = 0.03;
 const CELL_WEIGHT: f32 = 0.1;
 /// What the sight of a cell is worth at most, in nats.
 const CELL_NATS: f32 = 5.5;
+/// A field has at most so many cells: those of a larger one are taken together, as templates are no finer.
+const MOST_CELLS: u32 = 8000;
 /// How often each is moved in turn.
 const ROUNDS: usize = 3;
 
@@ -61,6 +63,8 @@ pub struct Field {
     columns: u32,
     rows: u32,
     cells: Vec<FieldCell>,
+    /// The weight of a full cell.
+    weight: f32,
 }
 
 #[derive(Clone, Copy, Default)]
@@ -80,14 +84,25 @@ impl Field {
         let right = (cell(reach.right(), size.width) + 1).max(mosaic.left + mosaic.columns);
         let bottom = (cell(reach.bottom(), size.height) + 1).max(mosaic.top + mosaic.rows());
         let (columns, rows) = (right.checked_sub(left)?, bottom.checked_sub(top)?);
+        let coarseness = ((columns * rows) as f32 / MOST_CELLS as f32).sqrt().ceil().max(1.0) as u32;
+        let (left, top) = (left / coarseness, top / coarseness);
+        let (columns, rows) = (right.div_ceil(coarseness) - left, bottom.div_ceil(coarseness) - top);
         let mut cells = vec![FieldCell::default(); (columns * rows) as usize];
-        let full = (side * side) as f32;
+        let full = (side * side * coarseness * coarseness) as f32;
         for (column, row, cell) in mosaic.filled() {
+            let (column, row) = (column / coarseness, row / coarseness);
             let here = &mut cells[((row - top) * columns + column - left) as usize];
-            here.cover = (cell.pixels as f32 / full).min(1.0);
-            here.colour = cell.colour.map(f32::from);
+            let share = cell.pixels as f32 / full;
+            here.cover += share;
+            for (mean, colour) in here.colour.iter_mut().zip(cell.colour) {
+                *mean += share / here.cover * (f32::from(colour) - *mean);
+            }
         }
-        Some(Self { side: side as f32, left, top, columns, rows, cells })
+        for cell in &mut cells {
+            cell.cover = cell.cover.min(1.0);
+        }
+        let weight = CELL_WEIGHT * (coarseness * coarseness) as f32;
+        Some(Self { side: (side * coarseness) as f32, left, top, columns, rows, cells, weight })
     }
 
     /// The cells whose middle lies in a box: their indices and middles.
@@ -201,7 +216,7 @@ fn look(objects: &mut [Placed], index: usize, field: &Field) {
         .map(|(_, x, y)| element(&objects[index], objects[index].centre, x, y).cover)
         .sum();
     let gain = gain(&objects[index], objects[index].centre, &without, field);
-    objects[index].seen = (gain / (CELL_WEIGHT * CELL_NATS * full.max(1.0))).clamp(0.0, 1.0);
+    objects[index].seen = (gain / (field.weight * CELL_NATS * full.max(1.0))).clamp(0.0, 1.0);
 }
 
 /// How well all objects together explain the field, in nats; comparable between orders of the same objects.
@@ -217,7 +232,7 @@ pub fn total(objects: &[Placed], field: &Field) -> f32 {
     }
     let likelihood = |(others, &cell): (&Others, &FieldCell)| others.likelihood(cell, 0.0, 0.0);
     let seen: f32 = cells.iter().zip(&field.cells).map(likelihood).sum();
-    CELL_WEIGHT * seen + objects.iter().map(|object| object.prior(object.centre)).sum::<f32>()
+    field.weight * seen + objects.iter().map(|object| object.prior(object.centre)).sum::<f32>()
 }
 
 fn element(object: &Placed, [cx, cy]: [f32; 2], x: f32, y: f32) -> super::template::Element {
@@ -266,7 +281,7 @@ fn gain(object: &Placed, centre: [f32; 2], without: &[Without], field: &Field) -
         let colour = colour_likelihood(cell.colour, element.colour);
         without[at].others.likelihood(cell, element.cover, colour) - without[at].likelihood
     });
-    CELL_WEIGHT * gained.sum::<f32>()
+    field.weight * gained.sum::<f32>()
 }
 
 /// Moves one object uphill, in steps that grow shorter; whether it moved.
@@ -377,5 +392,26 @@ mod tests {
         let [x, y] = unexplained(&[at(&bright, [56.0, 160.0])], &field).unwrap();
         assert!((x - 256.0).abs() < 3.0 && (y - 160.0).abs() < 3.0, "{x} {y}");
         assert_eq!(unexplained(&[], &self::field(&blank())), None);
+    }
+
+    #[test]
+    fn large_ones_are_found_too_with_no_more_cells() {
+        let (bright, dark) = (template(220, 160), template(60, 20));
+        let mut small = blank();
+        paint(&mut small, 44, 30, 60, 20);
+        paint(&mut small, 40, 30, 220, 160);
+        // The same picture, eight times as large.
+        let cells = (0..600 * 800).map(|at| small.cells[at / 800 / 8 * 100 + at % 800 / 8]).collect();
+        let large = Mosaic { side: 4, left: 0, top: 0, columns: 800, cells };
+        let size = Size { width: 3200, height: 2400 };
+        let field = Field::new(&large, &Rect::new(0.0, 0.0, 3200.0, 2400.0), size).unwrap();
+        assert!(field.cells.len() <= MOST_CELLS as usize, "{}", field.cells.len());
+        let start = |template, centre| Placed { size: (256.0, 640.0), unsure: 80.0, ..at(template, centre) };
+        let mut placed = [start(&bright, [1360.0, 1328.0]), start(&dark, [1592.0, 1232.0])];
+        place(&mut placed, &field);
+        for (placed, x) in placed.iter().zip([1408.0, 1536.0]) {
+            let [found_x, found_y] = placed.centre;
+            assert!((found_x - x).abs() <= 32.0 && (found_y - 1280.0).abs() <= 32.0, "{:?}", placed.centre);
+        }
     }
 }
