@@ -87,49 +87,70 @@ impl Shadow {
     }
 
     /// A candidate becomes background where no fewer even candidates than other foreground lie in the square around it,
-    /// itself among them, and foreground elsewhere.
+    /// itself among them, and foreground elsewhere. Only rows near candidates are looked at.
     fn settle_mask(self, mask: &mut Mask) {
         let (width, height) = (mask.size.width as usize, mask.size.height as usize);
-        let Some(first) = mask.data.iter().position(|&byte| is_candidate(byte)) else { return };
         let radius = self.window as usize / 2;
+        let holds_candidate = |row: &[u8]| row.iter().fold(false, |found, &byte| found | is_candidate(byte));
+        let rows: Vec<usize> = mask
+            .data
+            .chunks_exact(width.max(1))
+            .enumerate()
+            .filter(|(_, row)| holds_candidate(row))
+            .map(|(y, _)| y)
+            .collect();
         // Even candidates are 1, other foreground is -1, all else 0: their sum over the square decides.
-        let mut votes = vec![0_i8; mask.data.len()];
-        for (index, vote) in votes.iter_mut().enumerate().skip(first) {
-            *vote = match mask.data[index] {
-                byte if is_candidate(byte) => i8::from(self.is_even(mask, index % width, index / width)),
+        let kept = 2 * radius + 1;
+        let mut votes = vec![vec![0_i8; width]; kept];
+        let mut columns = vec![0_i16; width];
+        let (mut top, mut bottom) = (0, 0);
+        let mut decided = Vec::new();
+        for y in rows {
+            let (from, to) = (y.saturating_sub(radius), (y + radius + 1).min(height));
+            if from >= bottom {
+                columns.fill(0);
+                (top, bottom) = (from, from);
+            }
+            for leaving in top..from {
+                columns
+                    .iter_mut()
+                    .zip(&votes[leaving % kept])
+                    .for_each(|(sum, &vote)| *sum -= i16::from(vote));
+            }
+            for entering in bottom..to {
+                let votes = &mut votes[entering % kept];
+                self.vote(mask, entering, votes);
+                columns.iter_mut().zip(&*votes).for_each(|(sum, &vote)| *sum += i16::from(vote));
+            }
+            (top, bottom) = (from, to);
+            let row = &mask.data[y * width..][..width];
+            // The sum over the columns from `start` up to, but not, `end`.
+            let (mut start, mut end, mut sum) = (0, 0, 0_i32);
+            for (x, _) in row.iter().enumerate().filter(|(_, byte)| is_candidate(**byte)) {
+                let (low, high) = (x.saturating_sub(radius), (x + radius + 1).min(width));
+                if low >= end {
+                    (start, end, sum) = (low, low, 0);
+                }
+                sum += columns[end..high].iter().map(|&column| i32::from(column)).sum::<i32>();
+                sum -= columns[start..low].iter().map(|&column| i32::from(column)).sum::<i32>();
+                (start, end) = (low, high);
+                decided.push((y * width + x, if sum >= 0 { Mask::BACKGROUND } else { Mask::FOREGROUND }));
+            }
+        }
+        // Votes of a row look at the rows beside it as they were: the mask changes only now.
+        for (index, value) in decided {
+            mask.data[index] = value;
+        }
+    }
+
+    /// The votes of the pixels of row y.
+    fn vote(self, mask: &Mask, y: usize, votes: &mut [i8]) {
+        let row = &mask.data[y * votes.len()..][..votes.len()];
+        for (x, (vote, &byte)) in votes.iter_mut().zip(row).enumerate() {
+            *vote = match byte {
+                byte if is_candidate(byte) => i8::from(self.is_even(mask, x, y)),
                 byte => byte.cast_signed(),
             };
-        }
-        // What lies above the first candidate counts, too.
-        for (vote, &byte) in votes.iter_mut().zip(&mask.data[..first]) {
-            *vote = byte.cast_signed();
-        }
-        let row = |y: usize| &votes[y * width..][..width];
-        let first = first / width;
-        let mut columns = vec![0_i16; width];
-        let top = first.saturating_sub(radius);
-        for y in top..(first + radius).min(height) {
-            columns.iter_mut().zip(row(y)).for_each(|(sum, &vote)| *sum += i16::from(vote));
-        }
-        for (y, row_of_mask) in mask.data.chunks_exact_mut(width).enumerate().skip(first) {
-            if y + radius < height {
-                columns.iter_mut().zip(row(y + radius)).for_each(|(sum, &vote)| *sum += i16::from(vote));
-            }
-            if let Some(left) = y.checked_sub(radius + 1).filter(|&left| left >= top) {
-                columns.iter_mut().zip(row(left)).for_each(|(sum, &vote)| *sum -= i16::from(vote));
-            }
-            // The sum over the columns from `start` up to, but not, `to`.
-            let (mut start, mut to, mut sum) = (0, 0, 0_i32);
-            for (x, byte) in row_of_mask.iter_mut().enumerate().filter(|(_, byte)| is_candidate(**byte)) {
-                let (low, high) = (x.saturating_sub(radius), (x + radius + 1).min(width));
-                if low >= to {
-                    (start, to, sum) = (low, low, 0);
-                }
-                sum += columns[to..high].iter().map(|&column| i32::from(column)).sum::<i32>();
-                sum -= columns[start..low].iter().map(|&column| i32::from(column)).sum::<i32>();
-                (start, to) = (low, high);
-                *byte = if sum >= 0 { Mask::BACKGROUND } else { Mask::FOREGROUND };
-            }
         }
     }
 
