@@ -196,9 +196,9 @@ proptest! {
                         let channels = if parameters.space == Space::Gray { 1 } else { 3 };
                         let surface = pixel.components()[0].mean;
                         let (value, surface) = (&value[..channels], &surface[..channels]);
-                        outcome.foreground.then(|| match parameters.shadow.covers(value, surface) {
-                            true => 1 + (60.0 * parameters.shadow.of(value, surface).0) as u32,
-                            false => 0,
+                        outcome.foreground.then(|| {
+                            let covers = parameters.shadow.covers(value, surface);
+                            if covers { 1 + (60.0 * parameters.shadow.of(value, surface).0) as u32 } else { 0 }
                         })
                     })
                     .collect();

@@ -24,15 +24,15 @@ static HELP: &[Help] = &[
     of(
         "stabilise",
         "X(p) = I(A·p + d), A and d from points of strong contrast",
-        "shift, similarity: what the camera's shake moves comes back to its place, and edges are foreground no more; what \
-         comes in from outside the frame is background and is not learnt. auto: similarity, once a shake was seen. It costs \
-         time where the camera shakes, and nothing where it stands still.",
+        "off: frames stay as they are. shift, similarity: what the camera's shake moves comes back to its place, and edges \
+         are foreground no more; what comes in from outside the frame is background and is not learnt. auto: similarity, \
+         once a shake was seen. It costs time where the camera shakes, and nothing where it stands still.",
     ),
     of(
         "light",
         "X = (I − o) / g, g and o of each channel",
-        "gain: a cloud or a camera's own exposure is no foreground, where most of the image changes alike. Slow changes \
-         and those of less than 4 % are left to the mixture.",
+        "off: all light is left to the mixture. gain: a cloud or a camera's own exposure is no foreground, where most of \
+         the image changes alike. Slow changes and those of less than 4 % are left to the mixture.",
     ),
     of(
         "background_model",

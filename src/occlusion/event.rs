@@ -121,6 +121,11 @@ impl Comparison {
 }
 
 impl Evidence {
+    /// Of a branch, without a number yet.
+    pub fn of_branch(branch: impl Into<String>) -> Self {
+        Self { branch: branch.into(), ..Self::default() }
+    }
+
     /// Notes a number without a threshold.
     pub fn note(&mut self, what: impl Into<String>, value: f32) {
         self.comparisons.push(Comparison::note(what, value));

@@ -142,7 +142,7 @@ impl Reasoner {
         let near = distance <= self.limits.border;
         let leaves = near && outward >= LEAST_OUTWARD;
         leaves.then(|| {
-            let mut evidence = self.evidence(format!(
+            let mut evidence = Evidence::of_branch(format!(
                 "no region from frame {lost_from} on; the box was near the image edge and did not move inward"
             ));
             evidence.at_most("distance to the image edge", distance, self.limits.border);
@@ -186,8 +186,10 @@ impl Reasoner {
         let distance = last.distance_to_edge(self.size);
         let away = distance > self.limits.border;
         let place = if away { "away from the image edge" } else { "moving inward at the image edge" };
-        let mut evidence = self
-            .evidence(format!("no region from frame {} on, {place}, and no region grew to hold it", since.0));
+        let mut evidence = Evidence::of_branch(format!(
+            "no region from frame {} on, {place}, and no region grew to hold it",
+            since.0
+        ));
         evidence.at_least("distance to the image edge", distance, self.limits.border);
         let [x, y] = last.centre();
         self.hidden.push(Hidden { id, since });
@@ -235,7 +237,7 @@ impl Reasoner {
                 "a region without an object where a hidden one may have stopped or turned; its colours agree"
             }
         };
-        let mut evidence = self.evidence(branch);
+        let mut evidence = Evidence::of_branch(branch);
         let from = if predicted { "the predicted place" } else { "its way" };
         evidence.at_most(format!("pixels from {from}"), distance, reach);
         if predicted {

@@ -1,7 +1,7 @@
 //! The members of a group in its region, and those of whom nothing was seen, in the regions of others.
 
 use super::assign;
-use super::event::{Event, EventKind};
+use super::event::{Event, EventKind, Evidence};
 use super::hidden::{Return, reach};
 use super::object::{Object, View};
 use super::partition::held_share;
@@ -65,15 +65,20 @@ impl Reasoner {
             }
         }
         for id in leaving {
+            let place = self.objects.get(&id).map(|object| object.key);
+            self.settle_splits_of(id);
+            if self.objects.get(&id).map(|object| object.key) != place {
+                // It changed places with another one, which is judged in the next frame.
+                continue;
+            }
             for carried in &mut self.carried {
                 carried.members.retain(|member| *member != id);
             }
-            self.settle_splits_of(id);
             self.meetings.lose(id);
             let Some(bbox) = self.objects.get(&id).map(Object::predicted_box) else { continue };
             if self.near_border(&bbox) {
                 let mut evidence =
-                    self.evidence("nothing is seen of it in its group's region, at the image edge");
+                    Evidence::of_branch("nothing is seen of it in its group's region, at the image edge");
                 let distance = bbox.distance_to_edge(self.size);
                 evidence.at_most("distance to the image edge", distance, self.limits.border);
                 self.tell_exit(id, self.number, evidence);
@@ -225,7 +230,7 @@ impl Reasoner {
         let hidden = self.hidden.remove(at);
         let Some(identity) = self.identity(id) else { return };
         let mut evidence =
-            self.evidence("a hidden object is seen in a region that others alone do not explain");
+            Evidence::of_branch("a hidden object is seen in a region that others alone do not explain");
         evidence.note("frames hidden", (self.t - hidden.since.1) as f32);
         let (objects, becomes) = (vec![identity], vec![identity]);
         let [x, y] = centre;

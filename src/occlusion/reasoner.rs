@@ -245,10 +245,6 @@ impl Reasoner {
         bbox.distance_to_edge(self.size) <= self.limits.border
     }
 
-    pub(super) fn evidence(&self, branch: impl Into<String>) -> Evidence {
-        Evidence { branch: branch.into(), ..Evidence::default() }
-    }
-
     pub(super) const fn new_key(&mut self) -> u32 {
         self.last_id += 1;
         self.last_id
@@ -575,7 +571,7 @@ impl Reasoner {
             .fold(0.0, f32::max);
         let grown = view.area / before.max(1.0) - 1.0;
         let step = self.settings.size_step;
-        let mut evidence = self.evidence(format!(
+        let mut evidence = Evidence::of_branch(format!(
             "{} objects had regions of their own and now share one of {:.0} pixels, {:+.0} % against the largest of them",
             cluster.blobs.len(),
             view.area,
@@ -879,7 +875,7 @@ impl Reasoner {
             } else {
                 "a new object away from the image edge; no hidden object fits and no group shrank"
             };
-            let mut evidence = self.evidence(branch);
+            let mut evidence = Evidence::of_branch(branch);
             if near {
                 evidence.at_most("distance to the image edge", distance, self.limits.border);
             } else {

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::assign::{self, Fit, Piece};
-use super::event::{Comparison, Event, EventKind};
+use super::event::{Comparison, Event, EventKind, Evidence};
 use super::object::Object;
 use super::reasoner::{Carried, ObjectId, Reasoner};
 use crate::regions::{Histogram, Rect};
@@ -135,7 +135,7 @@ impl Reasoner {
         let objects = self.identities(&self.carried[index].members);
         let step = self.settings.size_step;
         let why = if filled <= 1.0 - step { "that had shrunk" } else { "in which it was not seen" };
-        let mut evidence = self.evidence(format!(
+        let mut evidence = Evidence::of_branch(format!(
             "a region without an object beside one that {} objects shared and {why}; it is the member who fits best",
             objects.len(),
         ));
@@ -283,7 +283,7 @@ impl Reasoner {
             .collect();
         let becomes = if singles.is_empty() { objects.clone() } else { self.identities(&singles) };
         let area: f32 = split.pieces.iter().map(|piece| piece.area).sum();
-        let mut evidence = self.evidence(format!(
+        let mut evidence = Evidence::of_branch(format!(
             "a region that {} objects shared fell into {} pieces of {area:.0} pixels together, apart for {} frames when it was decided",
             objects.len(),
             split.pieces.len(),
