@@ -320,7 +320,8 @@ fn alignments(painter: &Painter, timeline: &Timeline, axis: &Axis, ground: Rect,
             let value = part.iter().map(number).fold(0.0, f32::max);
             points.push(pos2(axis.x(first), height_of(value, most.max(least), ground)));
         }
-        painter.add(Shape::line(points, Stroke::new(1.0, colour)));
+        // Quieter than the tracks, over which it may lie.
+        painter.add(Shape::line(points, Stroke::new(1.0, colour.gamma_multiply(0.4))));
     }
 }
 

@@ -267,18 +267,39 @@ impl<const N: usize> Packed<N> {
 
 /// Some consecutive tiles, and their part of a few consecutive frames and masks.
 struct Job<'a, const N: usize> {
-    first: &'a mut [Gaussians<N>],
-    others: &'a mut [Gaussians<N>],
-    used: &'a mut [u8],
-    settled: &'a mut [u32],
-    /// Empty where feedback is off.
-    pasts: &'a mut [Pasts],
+    state: State<'a, N>,
     /// Of each frame.
     rgb: Vec<&'a [u8]>,
     /// Of each frame the pixels that it does not show; empty where all frames show all.
     unknown: Vec<Option<&'a [bool]>>,
     /// Of each mask.
     masks: Vec<&'a mut [u8]>,
+}
+
+/// What a job's tiles hold.
+struct State<'a, const N: usize> {
+    first: &'a mut [Gaussians<N>],
+    others: &'a mut [Gaussians<N>],
+    used: &'a mut [u8],
+    settled: &'a mut [u32],
+    /// Empty where feedback is off.
+    pasts: &'a mut [Pasts],
+}
+
+impl<const N: usize> State<'_, N> {
+    /// One tile, of K components.
+    #[inline(always)]
+    fn tile(&mut self, index: usize, k: usize) -> Tile<'_, N> {
+        let others = k - 1;
+        Tile {
+            first: &mut self.first[index],
+            others: &mut self.others[index * others..(index + 1) * others],
+            used: &mut self.used[index],
+            settled: &mut self.settled[index],
+            pasts: self.pasts.get_mut(index),
+            place: index as u32,
+        }
+    }
 }
 
 impl<const N: usize> Tiles<N> {
@@ -375,12 +396,10 @@ impl<const N: usize> Tiles<N> {
             .map(|(part, ((first, used), settled))| {
                 let pixels = part * PIXELS
                     ..((part + 1) * PIXELS).min(frames.first().map_or(0, |frame| frame.size.pixels()));
+                let others = others.next().unwrap_or_default();
+                let pasts = pasts.next().unwrap_or_default();
                 Job {
-                    first,
-                    others: others.next().unwrap_or_default(),
-                    used,
-                    settled,
-                    pasts: pasts.next().unwrap_or_default(),
+                    state: State { first, others, used, settled, pasts },
                     rgb: frames.iter().map(|frame| &frame.rgb[3 * pixels.start..3 * pixels.end]).collect(),
                     unknown: unknown.iter().map(|unknown| unknown.map(|all| &all[pixels.clone()])).collect(),
                     masks: masks.iter_mut().filter_map(Iterator::next).collect(),
@@ -399,7 +418,7 @@ fn run<S: Simd, const N: usize>(simd: S, mut job: Job<'_, N>, constants: &Consta
     let frames_a_turn = if constants.rate() == Rate::Density { 1 } else { moments.len() };
     for start in (0..moments.len()).step_by(frames_a_turn.max(1)) {
         let frames = start..moments.len().min(start + frames_a_turn);
-        for index in 0..job.first.len() {
+        for index in 0..job.state.first.len() {
             run_tile(simd, &mut job, index, frames.clone(), constants, &moments[frames.clone()]);
         }
     }
@@ -448,15 +467,19 @@ fn run_partly_known<S: Simd, const N: usize>(
         };
         settle(simd, job, index, moment.t() - 1, constants);
         let range = index * others..(index + 1) * others;
-        let before = (job.first[index], job.others[range.clone()].to_vec(), job.pasts.get(index).copied());
+        let before = (
+            job.state.first[index],
+            job.state.others[range.clone()].to_vec(),
+            job.state.pasts.get(index).copied(),
+        );
         run_known(simd, job, index, frame..frame + 1, constants, std::slice::from_ref(moment));
         settle(simd, job, index, moment.t(), constants);
         for (lane, _) in unknown.iter().enumerate().filter(|(_, unknown)| **unknown) {
-            job.first[index].take_lane(lane, &before.0);
-            for (other, before) in job.others[range.clone()].iter_mut().zip(&before.1) {
+            job.state.first[index].take_lane(lane, &before.0);
+            for (other, before) in job.state.others[range.clone()].iter_mut().zip(&before.1) {
                 other.take_lane(lane, before);
             }
-            if let Some((pasts, before)) = job.pasts.get_mut(index).zip(before.2.as_ref()) {
+            if let Some((pasts, before)) = job.state.pasts.get_mut(index).zip(before.2.as_ref()) {
                 pasts.take_lane(lane, before);
             }
             job.masks[frame][start + lane] = Mask::BACKGROUND;
@@ -472,17 +495,8 @@ fn settle<S: Simd, const N: usize>(
     t: u32,
     constants: &Constants,
 ) {
-    let others = constants.k() - 1;
-    let used = usize::from(job.used[index]);
-    let mut tile = Tile {
-        first: &mut job.first[index],
-        others: &mut job.others[index * others..(index + 1) * others],
-        used: &mut job.used[index],
-        settled: &mut job.settled[index],
-        pasts: job.pasts.get_mut(index),
-        place: index as u32,
-    };
-    tile.settle(simd, used, t, constants);
+    let used = usize::from(job.state.used[index]);
+    job.state.tile(index, constants.k()).settle(simd, used, t, constants);
 }
 
 #[inline(always)]
@@ -494,15 +508,7 @@ fn run_known<S: Simd, const N: usize>(
     constants: &Constants,
     moments: &[Moment],
 ) {
-    let others = constants.k() - 1;
-    let tile = Tile {
-        first: &mut job.first[index],
-        others: &mut job.others[index * others..(index + 1) * others],
-        used: &mut job.used[index],
-        settled: &mut job.settled[index],
-        pasts: job.pasts.get_mut(index),
-        place: index as u32,
-    };
+    let tile = job.state.tile(index, constants.k());
     let (rgb, masks) = (&job.rgb[frames.clone()], &mut job.masks[frames]);
     let start = index * LANES;
     if masks.first().is_some_and(|mask| mask.len() >= start + LANES) {

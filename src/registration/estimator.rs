@@ -4,6 +4,7 @@ use std::collections::VecDeque;
 
 use super::geometry::{self, Pyramid};
 use super::plane::{Plane, reduction};
+use super::robust;
 use super::{Alignment, Choice, Light, Motion, light};
 use crate::frame::{Frame, Size};
 use crate::settings::{LightCorrection, Stabilise};
@@ -225,8 +226,7 @@ impl Estimator {
     fn middle(&self) -> Motion {
         let median = |number: fn(&Motion) -> f32| {
             let mut all: Vec<f32> = self.window.iter().map(|seen| number(&seen.motion)).collect();
-            let middle = all.len() / 2;
-            if all.is_empty() { 0.0 } else { *all.select_nth_unstable_by(middle, f32::total_cmp).1 }
+            robust::median(&mut all)
         };
         Motion {
             dx: median(|motion| motion.dx),

@@ -4,6 +4,7 @@ use nalgebra::{SMatrix, SVector};
 
 use super::Motion;
 use super::plane::{Plane, square};
+use super::robust;
 use crate::frame::Frame;
 
 /// The coarse search goes so many pixels of a quarter of the size to each side, and no more than a quarter of the image.
@@ -331,10 +332,7 @@ impl Fit {
         }
         let mut sizes: Vec<f32> =
             seen.iter().map(|(point, value)| self.residual(point, *value).abs()).collect();
-        let middle = sizes.len() / 2;
-        let median = *sizes.select_nth_unstable_by(middle, f32::total_cmp).1;
-        // Tukey's biweight, whose constant is that for Gaussian noise.
-        let reach = (4.685 * 1.4826 * median).clamp(8.0, 40.0);
+        let reach = robust::reach(&mut sizes).clamp(8.0, 40.0);
         let mut normal = SMatrix::<f64, N, N>::zeros();
         let mut right = SVector::<f64, N>::zeros();
         for (point, value) in &seen {
@@ -386,8 +384,7 @@ impl Fit {
         let mut ratios: Vec<f32> =
             seen.filter(|(point, _)| point.value > 8.0).map(|(point, value)| value / point.value).collect();
         if !ratios.is_empty() {
-            let middle = ratios.len() / 2;
-            self.gain = ratios.select_nth_unstable_by(middle, f32::total_cmp).1.clamp(0.2, 5.0);
+            self.gain = robust::median(&mut ratios).clamp(0.2, 5.0);
             self.offset = 0.0;
         }
     }

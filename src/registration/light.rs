@@ -1,5 +1,6 @@
 //! How the light has changed: a gain and an offset of the whole image, by consensus of all its parts.
 
+use super::robust;
 use super::{Light, Motion};
 use crate::frame::{Frame, Size};
 
@@ -142,7 +143,7 @@ impl Reference {
             let (before, now) = Pair { part: 0, before, now: self.colour(frame, motion, place)? }.luma();
             Some(now - (gain * before + offset))
         });
-        median(off.collect()).abs() < ALIKE
+        robust::median(&mut off.collect::<Vec<_>>()).abs() < ALIKE
     }
 
     /// Takes the places into the average, in the light of the beginning.
@@ -191,7 +192,7 @@ impl Reference {
         let agreeing = |gain: f32, offset: f32| {
             let agree = |levels: &&&Vec<(f32, f32)>| {
                 let off = levels.iter().map(|(before, now)| now - (gain * before + offset));
-                median(off.collect()).abs() < CLOSE
+                robust::median(&mut off.collect::<Vec<_>>()).abs() < CLOSE
             };
             judged.iter().filter(agree).count()
         };
@@ -215,11 +216,6 @@ fn away(one: &Light, other: &Light) -> f32 {
     (0..3).map(|channel| (lit(one, channel) - lit(other, channel)).abs() / MIDDLE).fold(0.0, f32::max)
 }
 
-fn median(mut numbers: Vec<f32>) -> f32 {
-    let middle = numbers.len() / 2;
-    if numbers.is_empty() { 0.0 } else { *numbers.select_nth_unstable_by(middle, f32::total_cmp).1 }
-}
-
 /// Gain and offset from levels before and now, by robust least squares.
 fn fit(levels: &[(f32, f32)]) -> Option<(f32, f32)> {
     let mut ratios: Vec<f32> =
@@ -227,15 +223,12 @@ fn fit(levels: &[(f32, f32)]) -> Option<(f32, f32)> {
     if ratios.len() < 32 {
         return None;
     }
-    let middle = ratios.len() / 2;
-    let (mut gain, mut offset) = (*ratios.select_nth_unstable_by(middle, f32::total_cmp).1, 0.0);
+    let (mut gain, mut offset) = (robust::median(&mut ratios), 0.0);
     let mut sizes = Vec::with_capacity(levels.len());
     for _ in 0..6 {
         sizes.clear();
         sizes.extend(levels.iter().map(|(before, now)| (now - (gain * before + offset)).abs()));
-        let middle = sizes.len() / 2;
-        let median = *sizes.select_nth_unstable_by(middle, f32::total_cmp).1;
-        let reach = (4.685 * 1.4826 * median).clamp(6.0, 30.0);
+        let reach = robust::reach(&mut sizes).clamp(6.0, 30.0);
         let mut sums = [0.0_f64; 5];
         for &(before, now) in levels {
             let share = (now - (gain * before + offset)) / reach;

@@ -12,6 +12,7 @@ mod geometry;
 mod light;
 mod plane;
 mod registered;
+mod robust;
 
 #[cfg(test)]
 mod tests;
