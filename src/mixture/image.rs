@@ -198,14 +198,14 @@ impl Mixture {
         self.t += frames.len() as u32;
         let k = self.parameters.k;
         match &mut self.planes {
-            Planes::Rgb(tiles) => tiles.take(k, (frames, unknown), masks, |job| {
-                dispatch!(level, simd => run::<_, 3>(simd, job, &constants, &moments));
+            Planes::Rgb(tiles) => tiles.take(k, (frames, unknown), masks, |near, job| {
+                dispatch!(level, simd => run::<_, 3>(simd, near, job, &constants, &moments));
             }),
-            Planes::Gray(tiles) => tiles.take(k, (frames, unknown), masks, |job| {
-                dispatch!(level, simd => run::<_, 1>(simd, job, &constants, &moments));
+            Planes::Gray(tiles) => tiles.take(k, (frames, unknown), masks, |near, job| {
+                dispatch!(level, simd => run::<_, 1>(simd, near, job, &constants, &moments));
             }),
         }
-        self.parameters.shadow.settle(masks);
+        self.parameters.shadow.settle(level, masks);
     }
 
     /// The mixture of pixel (x, y), or `None` outside the image.
@@ -383,7 +383,7 @@ impl<const N: usize> Tiles<N> {
         k: usize,
         (frames, unknown): (&[&Frame], &[Option<&[bool]>]),
         masks: &mut [Mask],
-        run: impl Fn(Job<'_, N>) + Send + Sync,
+        run: impl Fn(&mut Near, Job<'_, N>) + Send + Sync,
     ) {
         const PIXELS: usize = LANES * TILES_A_JOB;
         let mut masks: Vec<_> = masks.iter_mut().map(|mask| mask.data.chunks_mut(PIXELS)).collect();
@@ -406,7 +406,46 @@ impl<const N: usize> Tiles<N> {
                 }
             })
             .collect();
-        jobs.into_par_iter().for_each(run);
+        jobs.into_par_iter().for_each_init(Near::default, run);
+    }
+}
+
+/// Room for a job's part of its frames and masks, tile after tile and frame after frame: memory gives what lies in a row
+/// the fastest, and a tile needs little of each frame.
+#[derive(Default)]
+struct Near {
+    rgb: Vec<Rgb>,
+    marks: Vec<[u8; LANES]>,
+}
+
+impl Near {
+    /// Brings the frames near. The last tile of an image may have fewer pixels than lanes; its spare lanes run along on
+    /// zeros and nobody reads them.
+    #[inline(always)]
+    fn take(&mut self, frames: &[&[u8]], tiles: usize) {
+        self.rgb.resize(tiles * frames.len(), [0; 3 * LANES]);
+        self.marks.resize(tiles * frames.len(), [Mask::BACKGROUND; LANES]);
+        for (place, rgb) in frames.iter().enumerate() {
+            let (whole, rest) = rgb.as_chunks();
+            let mut to = self.rgb[place..].iter_mut().step_by(frames.len());
+            to.by_ref().zip(whole).for_each(|(to, from)| *to = *from);
+            if let Some(to) = to.next() {
+                *to = [0; 3 * LANES];
+                to[..rest.len()].copy_from_slice(rest);
+            }
+        }
+    }
+
+    /// Brings what was found to the masks.
+    #[inline(always)]
+    fn give(&self, masks: &mut [&mut [u8]]) {
+        let frames = masks.len();
+        for (place, mask) in masks.iter_mut().enumerate() {
+            let (whole, rest) = mask.as_chunks_mut();
+            let mut from = self.marks[place..].iter().step_by(frames);
+            whole.iter_mut().zip(from.by_ref()).for_each(|(to, from)| *to = *from);
+            rest.iter_mut().zip(from.flatten()).for_each(|(to, from)| *to = *from);
+        }
     }
 }
 
@@ -414,21 +453,29 @@ impl<const N: usize> Tiles<N> {
 /// takes long to compute and the next one needs it, one frame after the other, so that the tiles
 /// fill one another's waiting times.
 #[inline(always)]
-fn run<S: Simd, const N: usize>(simd: S, mut job: Job<'_, N>, constants: &Constants, moments: &[Moment]) {
+fn run<S: Simd, const N: usize>(
+    simd: S,
+    near: &mut Near,
+    mut job: Job<'_, N>,
+    constants: &Constants,
+    moments: &[Moment],
+) {
+    near.take(&job.rgb, job.state.first.len());
     let frames_a_turn = if constants.rate() == Rate::Density { 1 } else { moments.len() };
     for start in (0..moments.len()).step_by(frames_a_turn.max(1)) {
         let frames = start..moments.len().min(start + frames_a_turn);
         for index in 0..job.state.first.len() {
-            run_tile(simd, &mut job, index, frames.clone(), constants, &moments[frames.clone()]);
+            run_tile(simd, near, &mut job, index, frames.clone(), constants, moments);
         }
     }
+    near.give(&mut job.masks);
 }
 
-/// The last tile of an image may have fewer pixels than lanes; its spare lanes run along on zeros
-/// and nobody reads them.
+/// Takes a tile through some of the frames, of which `moments` has all.
 #[inline(always)]
 fn run_tile<S: Simd, const N: usize>(
     simd: S,
+    near: &mut Near,
     job: &mut Job<'_, N>,
     index: usize,
     frames: Range<usize>,
@@ -440,10 +487,10 @@ fn run_tile<S: Simd, const N: usize>(
         unknown.is_some_and(|all| all[start..all.len().min(start + LANES)].contains(&true))
     };
     if job.unknown.get(frames.clone()).is_some_and(|unknown| unknown.iter().copied().any(hidden)) {
-        run_partly_known(simd, job, index, frames, constants, moments);
+        run_partly_known(simd, near, job, index, frames, constants, moments);
         return;
     }
-    run_known(simd, job, index, frames, constants, moments);
+    run_known(simd, near, job, index, frames, constants, moments);
 }
 
 /// Takes a tile of which some frame does not show all pixels through the frames one by one: what such a frame does to
@@ -452,6 +499,7 @@ fn run_tile<S: Simd, const N: usize>(
 #[inline(never)]
 fn run_partly_known<S: Simd, const N: usize>(
     simd: S,
+    near: &mut Near,
     job: &mut Job<'_, N>,
     index: usize,
     frames: Range<usize>,
@@ -459,21 +507,22 @@ fn run_partly_known<S: Simd, const N: usize>(
     moments: &[Moment],
 ) {
     let (start, others) = (index * LANES, constants.k() - 1);
-    for (frame, moment) in frames.zip(moments) {
+    for frame in frames {
         let unknown = job.unknown[frame].map(|all| &all[start..all.len().min(start + LANES)]);
         let Some(unknown) = unknown.filter(|unknown| unknown.contains(&true)) else {
-            run_known(simd, job, index, frame..frame + 1, constants, std::slice::from_ref(moment));
+            run_known(simd, near, job, index, frame..frame + 1, constants, moments);
             continue;
         };
-        settle(simd, job, index, moment.t() - 1, constants);
+        let t = moments[frame].t();
+        settle(simd, job, index, t - 1, constants);
         let range = index * others..(index + 1) * others;
         let before = (
             job.state.first[index],
             job.state.others[range.clone()].to_vec(),
             job.state.pasts.get(index).copied(),
         );
-        run_known(simd, job, index, frame..frame + 1, constants, std::slice::from_ref(moment));
-        settle(simd, job, index, moment.t(), constants);
+        run_known(simd, near, job, index, frame..frame + 1, constants, moments);
+        settle(simd, job, index, t, constants);
         for (lane, _) in unknown.iter().enumerate().filter(|(_, unknown)| **unknown) {
             job.state.first[index].take_lane(lane, &before.0);
             for (other, before) in job.state.others[range.clone()].iter_mut().zip(&before.1) {
@@ -482,7 +531,7 @@ fn run_partly_known<S: Simd, const N: usize>(
             if let Some((pasts, before)) = job.state.pasts.get_mut(index).zip(before.2.as_ref()) {
                 pasts.take_lane(lane, before);
             }
-            job.masks[frame][start + lane] = Mask::BACKGROUND;
+            near.marks[index * moments.len() + frame][lane] = Mask::BACKGROUND;
         }
     }
 }
@@ -495,50 +544,22 @@ fn settle<S: Simd, const N: usize>(
     t: u32,
     constants: &Constants,
 ) {
-    let used = usize::from(job.state.used[index]);
-    job.state.tile(index, constants.k()).settle(simd, used, t, constants);
+    job.state.tile(index, constants.k()).settle(simd, t, constants);
 }
 
 #[inline(always)]
 fn run_known<S: Simd, const N: usize>(
     simd: S,
+    near: &mut Near,
     job: &mut Job<'_, N>,
     index: usize,
     frames: Range<usize>,
     constants: &Constants,
     moments: &[Moment],
 ) {
-    let tile = job.state.tile(index, constants.k());
-    let (rgb, masks) = (&job.rgb[frames.clone()], &mut job.masks[frames]);
-    let start = index * LANES;
-    if masks.first().is_some_and(|mask| mask.len() >= start + LANES) {
-        tile.run(
-            simd,
-            constants,
-            moments,
-            #[inline(always)]
-            |frame| rgb[frame][3 * start..].first_chunk().unwrap_or(&[0; 3 * LANES]),
-            #[inline(always)]
-            |frame, tile| masks[frame][start..start + LANES].copy_from_slice(&tile),
-        );
-    } else {
-        let padded: Vec<Rgb> = rgb.iter().map(|rgb| padded(&rgb[3 * start..])).collect();
-        tile.run(
-            simd,
-            constants,
-            moments,
-            #[inline(always)]
-            |frame| &padded[frame],
-            #[inline(always)]
-            |frame, tile| masks[frame][start..].iter_mut().zip(tile).for_each(|(to, from)| *to = from),
-        );
-    }
-}
-
-fn padded(rgb: &[u8]) -> Rgb {
-    let mut padded = [0; 3 * LANES];
-    padded[..rgb.len()].copy_from_slice(rgb);
-    padded
+    let places = index * moments.len() + frames.start..index * moments.len() + frames.end;
+    let (rgb, marks) = (&near.rgb[places.clone()], &mut near.marks[places]);
+    job.state.tile(index, constants.k()).run(simd, constants, &moments[frames], rgb, marks);
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! Foreground that is light: the surface behind it, darkened by a shadow or brightened.
 
+use fearless_simd::{Level, Simd as _, dispatch};
 use rayon::prelude::*;
 
 use crate::frame::Mask;
@@ -79,101 +80,132 @@ impl Shadow {
         }
     }
 
-    /// Lets the neighbours decide about the candidates in each mask.
-    pub(super) fn settle(self, masks: &mut [Mask]) {
+    /// Lets the neighbours decide about the candidates in each mask. All instruction sets give the same.
+    pub(super) fn settle(self, level: Level, masks: &mut [Mask]) {
         if self.is_on() && self.window > 0 {
-            masks.par_iter_mut().for_each(|mask| self.settle_mask(mask));
+            masks.par_iter_mut().for_each(|mask| dispatch!(level, _simd => self.settle_mask(mask)));
         }
     }
 
     /// A candidate becomes background where no fewer even candidates than other foreground lie in the square around it,
     /// itself among them, and foreground elsewhere. Only rows near candidates are looked at.
+    #[inline(always)]
     fn settle_mask(self, mask: &mut Mask) {
         let (width, height) = (mask.size.width as usize, mask.size.height as usize);
         let radius = self.window as usize / 2;
-        let holds_candidate = |row: &[u8]| row.iter().fold(false, |found, &byte| found | is_candidate(byte));
-        let rows: Vec<usize> = mask
-            .data
-            .chunks_exact(width.max(1))
-            .enumerate()
-            .filter(|(_, row)| holds_candidate(row))
-            .map(|(y, _)| y)
-            .collect();
+        let rows = mask.data.chunks_exact(width.max(1)).enumerate();
+        let rows: Vec<usize> = rows.filter(|(_, row)| holds_candidate(row)).map(|(y, _)| y).collect();
         // Even candidates are 1, other foreground is -1, all else 0: their sum over the square decides.
         let kept = 2 * radius + 1;
-        let mut votes = vec![vec![0_i8; width]; kept];
-        let mut columns = vec![0_i16; width];
+        let mut votes = vec![0_i8; kept * width];
+        // The votes of the rows from `top` up to, but not, `bottom`; nobody votes outside the image.
+        let mut columns = vec![0_i16; width + 2 * radius + BLOCK];
         let (mut top, mut bottom) = (0, 0);
-        let mut decided = Vec::new();
         for y in rows {
             let (from, to) = (y.saturating_sub(radius), (y + radius + 1).min(height));
             if from >= bottom {
                 columns.fill(0);
                 (top, bottom) = (from, from);
             }
+            let sums = &mut columns[radius..radius + width];
             for leaving in top..from {
-                columns
-                    .iter_mut()
-                    .zip(&votes[leaving % kept])
-                    .for_each(|(sum, &vote)| *sum -= i16::from(vote));
+                let votes = &votes[leaving % kept * width..][..width];
+                sums.iter_mut().zip(votes).for_each(|(sum, &vote)| *sum -= i16::from(vote));
             }
             for entering in bottom..to {
-                let votes = &mut votes[entering % kept];
+                let votes = &mut votes[entering % kept * width..][..width];
                 self.vote(mask, entering, votes);
-                columns.iter_mut().zip(&*votes).for_each(|(sum, &vote)| *sum += i16::from(vote));
+                sums.iter_mut().zip(&*votes).for_each(|(sum, &vote)| *sum += i16::from(vote));
             }
             (top, bottom) = (from, to);
-            let row = &mask.data[y * width..][..width];
-            // The sum over the columns from `start` up to, but not, `end`.
-            let (mut start, mut end, mut sum) = (0, 0, 0_i32);
-            for (x, _) in row.iter().enumerate().filter(|(_, byte)| is_candidate(**byte)) {
-                let (low, high) = (x.saturating_sub(radius), (x + radius + 1).min(width));
-                if low >= end {
-                    (start, end, sum) = (low, low, 0);
+            // Rows that have yet to vote look no further back than the row after this one.
+            let row = &mut mask.data[y * width..][..width];
+            for (block, bytes) in row.chunks_mut(BLOCK).enumerate() {
+                if !holds_candidate(bytes) {
+                    continue;
                 }
-                sum += columns[end..high].iter().map(|&column| i32::from(column)).sum::<i32>();
-                sum -= columns[start..low].iter().map(|&column| i32::from(column)).sum::<i32>();
-                (start, end) = (low, high);
-                decided.push((y * width + x, if sum >= 0 { Mask::BACKGROUND } else { Mask::FOREGROUND }));
+                let mut sums = [0; BLOCK];
+                for columns in columns[block * BLOCK..].windows(BLOCK).take(kept) {
+                    sums.iter_mut().zip(columns).for_each(|(sum, column)| *sum += column);
+                }
+                for (byte, sum) in bytes.iter_mut().zip(sums).filter(|(byte, _)| is_candidate(**byte)) {
+                    *byte = if sum >= 0 { Mask::BACKGROUND } else { Mask::FOREGROUND };
+                }
             }
-        }
-        // Votes of a row look at the rows beside it as they were: the mask changes only now.
-        for (index, value) in decided {
-            mask.data[index] = value;
         }
     }
 
     /// The votes of the pixels of row y.
+    #[inline(always)]
     fn vote(self, mask: &Mask, y: usize, votes: &mut [i8]) {
         let row = &mask.data[y * votes.len()..][..votes.len()];
-        for (x, (vote, &byte)) in votes.iter_mut().zip(row).enumerate() {
-            *vote = match byte {
-                byte if is_candidate(byte) => i8::from(self.is_even(mask, x, y)),
-                byte => byte.cast_signed(),
-            };
+        for (block, (votes, bytes)) in votes.chunks_mut(BLOCK).zip(row.chunks(BLOCK)).enumerate() {
+            if holds_candidate(bytes) {
+                let even = self.even(mask, block * BLOCK, y);
+                for ((vote, &byte), even) in votes.iter_mut().zip(bytes).zip(even) {
+                    *vote = if is_candidate(byte) { i8::from(even) } else { byte.cast_signed() };
+                }
+            } else {
+                votes.iter_mut().zip(bytes).for_each(|(vote, byte)| *vote = byte.cast_signed());
+            }
         }
     }
 
-    /// Whether the surface is darkened, or brightened, evenly in the 3 × 3 pixels around a candidate: at least half of
-    /// them are candidates, and their s is about the same.
-    fn is_even(self, mask: &Mask, x: usize, y: usize) -> bool {
+    /// Whether the surface is darkened, or brightened, evenly in the 3 × 3 pixels around each of those from (x, y) on: at
+    /// least half of them are candidates, and their s is about the same.
+    #[inline(always)]
+    fn even(self, mask: &Mask, x: usize, y: usize) -> [bool; BLOCK] {
         let (width, height) = (mask.size.width as usize, mask.size.height as usize);
-        let (columns, rows) =
-            (x.saturating_sub(1)..(x + 2).min(width), y.saturating_sub(1)..(y + 2).min(height));
-        let pixels = columns.len() * rows.len();
-        let (mut count, mut sum, mut squares) = (0_u32, 0_u32, 0_u32);
-        for y in rows {
-            for &byte in mask.data[y * width..][columns.clone()].iter().filter(|byte| is_candidate(**byte)) {
-                let level = u32::from(byte);
-                (count, sum, squares) = (count + 1, sum + level, squares + level * level);
+        let rows = y.saturating_sub(1)..(y + 2).min(height);
+        let (mut count, mut sum, mut squares) = ([0_u32; WIDE], [0_u32; WIDE], [0_u32; WIDE]);
+        for y in rows.clone() {
+            let bytes = from_before(&mask.data[y * width..][..width], x);
+            for (at, byte) in bytes.into_iter().enumerate() {
+                let level = if is_candidate(byte) { u32::from(byte) } else { 0 };
+                count[at] += u32::from(is_candidate(byte));
+                sum[at] += level;
+                squares[at] += level * level;
             }
         }
-        let deviation = (count * squares - sum * sum) as f32;
-        2 * count as usize >= pixels && deviation <= (count as f32 * self.spread * Self::LEVELS).powi(2)
+        let mut even = [false; BLOCK];
+        for (at, even) in even.iter_mut().enumerate() {
+            let three = |columns: &[u32; WIDE]| columns[at] + columns[at + 1] + columns[at + 2];
+            let (count, sum, squares) = (three(&count), three(&sum), three(&squares));
+            let outside = u32::from(x + at == 0) + u32::from(x + at + 1 >= width);
+            let pixels = (3 - outside) * rows.len() as u32;
+            let deviation = (count * squares - sum * sum) as f32;
+            let most = count as f32 * self.spread * Self::LEVELS;
+            *even = (2 * count >= pixels) & (deviation <= most * most);
+        }
+        even
     }
 }
 
+/// Pixels of a row that are looked at together.
+const BLOCK: usize = 32;
+/// They, those beside them, and as many more as vectors have room for.
+const WIDE: usize = BLOCK + 16;
+
+/// The pixels of a row from the one before x on, 0 where there are none.
+#[inline(always)]
+fn from_before(row: &[u8], x: usize) -> [u8; WIDE] {
+    if let Some(inside) = x.checked_sub(1).and_then(|before| row[before..].first_chunk()) {
+        return *inside;
+    }
+    let mut bytes = [Mask::BACKGROUND; WIDE];
+    for (byte, &pixel) in bytes[usize::from(x == 0)..].iter_mut().zip(&row[x.saturating_sub(1)..]) {
+        *byte = pixel;
+    }
+    bytes
+}
+
+#[inline(always)]
+fn holds_candidate(pixels: &[u8]) -> bool {
+    pixels.iter().fold(false, |found, &byte| found | is_candidate(byte))
+}
+
 /// Whether a pixel waits for its neighbours to decide.
+#[inline(always)]
 const fn is_candidate(byte: u8) -> bool {
     byte != Mask::BACKGROUND && byte != Mask::FOREGROUND
 }
@@ -228,7 +260,7 @@ mod tests {
     }
 
     fn settled(mut mask: Mask) -> Mask {
-        Shadow { window: 7, ..SHADOW }.settle(std::slice::from_mut(&mut mask));
+        Shadow { window: 7, ..SHADOW }.settle(Level::new(), std::slice::from_mut(&mut mask));
         mask
     }
 
@@ -272,7 +304,7 @@ mod tests {
             let data: Vec<u8> = values[..size.pixels()].iter().map(|&at| choice[at]).collect();
             let mut mask = Mask { size, data: data.clone() };
             let shadow = Shadow { window: 2 * radius + 1, spread: 0.077, ..SHADOW };
-            shadow.settle(std::slice::from_mut(&mut mask));
+            shadow.settle(Level::new(), std::slice::from_mut(&mut mask));
             let at = |x: u32, y: u32| data[(y * width + x) as usize];
             let around = |x: u32, y: u32, radius: u32| {
                 let rows = y.saturating_sub(radius)..=(y + radius).min(height - 1);

@@ -9,6 +9,8 @@ use fearless_simd::{Simd, f32x16, i32x16, mask32x16, prelude::*, u8x16, u8x64, u
 
 use super::feedback::{Feedback, Past};
 use super::pixel::{Component, MAX_K, Parameters, Pixel};
+use super::shadow::Shadow;
+use crate::frame::Mask;
 use crate::settings::Rate;
 
 /// Pixels a tile.
@@ -283,20 +285,20 @@ impl<S: Simd, const N: usize> Vectors<S, N> {
 }
 
 impl<const N: usize> Tile<'_, N> {
-    /// Takes the tile through consecutive frames: `rgb` gives its bytes in each, and `mask` takes a
-    /// byte for each of its pixels.
+    /// Takes the tile through consecutive frames: `rgb` has its bytes in each, and `marks` takes a byte for each of its
+    /// pixels.
     #[inline(always)]
-    pub(super) fn run<'f, S: Simd>(
+    pub(super) fn run<S: Simd>(
         mut self,
         simd: S,
         constants: &Constants,
         moments: &[Moment],
-        mut rgb: impl FnMut(usize) -> &'f Rgb,
-        mut mask: impl FnMut(usize, [u8; LANES]),
+        rgb: &[Rgb],
+        marks: &mut [[u8; LANES]],
     ) {
         let mut first = Vectors::load(simd, self.first);
-        for (frame, &moment) in moments.iter().enumerate() {
-            let x = values::<S, N>(simd, rgb(frame));
+        for ((&moment, rgb), marks) in moments.iter().zip(rgb).zip(marks) {
+            let x = values::<S, N>(simd, rgb);
             let distance = first.distance_squared(&x);
             let calm = self.pasts.as_ref().is_none_or(|pasts| !pasts.busy);
             if calm && first.matches(distance, constants).all_true() {
@@ -310,18 +312,14 @@ impl<const N: usize> Tile<'_, N> {
                     first.variance,
                 );
                 first.learn(&x, rho, constants);
-                mask(frame, [0; LANES]);
+                *marks = [Mask::BACKGROUND; LANES];
                 if (moment.t + self.place).is_multiple_of(SETTLE) {
-                    self.settle(simd, usize::from(*self.used), moment.t, constants);
+                    self.settle(simd, moment.t, constants);
                 }
             } else {
                 first.store(self.first);
-                let mut foreground = self.step(simd, rgb(frame), moment, constants);
-                if constants.parameters.shadow.is_on() {
-                    self.drop_shadows(&mut foreground, simd, rgb(frame), constants);
-                }
+                *marks = self.step(simd, rgb, moment, constants);
                 first = Vectors::load(simd, self.first);
-                mask(frame, foreground);
             }
         }
         first.store(self.first);
@@ -338,11 +336,10 @@ impl<const N: usize> Tile<'_, N> {
                     self.begin(&x, constants);
                     return [0; LANES];
                 }
-                let used = usize::from(*self.used);
-                self.settle(simd, used, moment.t - 1, constants);
+                self.settle(simd, moment.t - 1, constants);
                 // Room for the component that replaces another or, while there is any, is new. A number
                 // that the compiler knows lets it unroll what runs over them.
-                let open = (used + 1).min(constants.parameters.k);
+                let open = (usize::from(*self.used) + 1).min(constants.parameters.k);
                 let (foreground, missed) = match open {
                     1 => self.step_open::<S, 1>(&x, moment, constants),
                     2 => self.step_open::<S, 2>(&x, moment, constants),
@@ -357,26 +354,13 @@ impl<const N: usize> Tile<'_, N> {
                 if missed {
                     *self.used = open as u8;
                 }
+                let shadow = &constants.parameters.shadow;
+                if shadow.is_on() && foreground.any_true() {
+                    return marks(foreground, &x, &Vectors::load(simd, self.first), shadow);
+                }
                 mask_bytes(foreground)
             },
         )
-    }
-
-    /// Takes the lanes out of the foreground that are shadow or light on component 1, or marks them for their neighbours
-    /// to decide.
-    fn drop_shadows<S: Simd>(&self, foreground: &mut [u8; LANES], simd: S, rgb: &Rgb, constants: &Constants) {
-        if *foreground == [0; LANES] {
-            return;
-        }
-        let mut x = [[0.0; LANES]; N];
-        for (plane, channel) in values::<S, N>(simd, rgb).into_iter().zip(&mut x) {
-            plane.store_array(channel);
-        }
-        for (lane, byte) in foreground.iter_mut().enumerate().filter(|(_, byte)| **byte > 0) {
-            let value = x.map(|channel| channel[lane]);
-            let mean = self.first.lane(lane).mean;
-            *byte = constants.parameters.shadow.mark(&value, &mean[..N]);
-        }
     }
 
     /// One certain component around the first value; every pixel starts as background.
@@ -398,24 +382,19 @@ impl<const N: usize> Tile<'_, N> {
 
     /// Brings the weights of components 2 to K to frame `t`, in which none of them matched.
     #[inline(always)]
-    pub(super) fn settle<S: Simd>(&mut self, simd: S, used: usize, t: u32, constants: &Constants) {
-        let mut weights: [f32x16<S>; MAX_K] = [f32x16::splat(simd, 0.0); MAX_K];
-        let others = self.others.get_mut(..used.saturating_sub(1)).unwrap_or_default();
-        for (weight, other) in weights.iter_mut().zip(&*others) {
-            *weight = f32x16::load_array_ref(simd, &other.weight.0);
-        }
-        for t in *self.settled + 1..=t {
-            let keep = 1.0 - constants.parameters.alpha_at(t);
-            for weight in &mut weights[..others.len()] {
-                *weight *= keep;
+    pub(super) fn settle<S: Simd>(&mut self, simd: S, t: u32, constants: &Constants) {
+        let used = usize::from(*self.used);
+        let missed = *self.settled + 1..=t;
+        for other in self.others.get_mut(..used.saturating_sub(1)).unwrap_or_default() {
+            let mut weight = f32x16::load_array_ref(simd, &other.weight.0);
+            for t in missed.clone() {
+                weight *= 1.0 - constants.parameters.alpha_at(t);
             }
-        }
-        for (weight, other) in weights.iter().zip(others) {
             weight.store_array(&mut other.weight.0);
         }
         if let Some(pasts) = &mut self.pasts {
             let mut unrest = pasts.unrest(simd);
-            for _ in *self.settled + 1..=t {
+            for _ in missed {
                 unrest *= constants.parameters.feedback.keep();
             }
             unrest.store_array(&mut pasts.unrest.0);
@@ -613,6 +592,35 @@ fn mask_bytes<S: Simd>(lanes: mask32x16<S>) -> [u8; LANES] {
         #[inline(always)]
         |lane| 0_u8.wrapping_sub((bits >> lane & 1) as u8),
     )
+}
+
+/// [`Shadow::mark`] in each lane of the foreground, 0 in the others.
+#[inline(always)]
+fn marks<S: Simd, const N: usize>(
+    foreground: mask32x16<S>,
+    x: &[f32x16<S>; N],
+    surface: &Vectors<S, N>,
+    shadow: &Shadow,
+) -> [u8; LANES] {
+    let simd = foreground.token();
+    let dot = |a: &[f32x16<S>; N], b: &[f32x16<S>; N]| {
+        a.iter().zip(b).fold(f32x16::splat(simd, 0.0), |sum, (a, b)| sum + *a * *b)
+    };
+    let along = dot(x, &surface.mean);
+    let share = along / dot(&surface.mean, &surface.mean);
+    let off = (dot(x, x) - share * along).max(0.0).sqrt();
+    let darker = share.simd_ge(shadow.floor) & share.simd_lt(1.0);
+    let brighter = share.simd_gt(1.0) & share.simd_le(shadow.ceiling);
+    let covers = (darker | brighter) & off.simd_le(shadow.colour);
+    let covered = if shadow.window > 0 {
+        (share * Shadow::LEVELS).to_int::<u32x16<S>>() + 1
+    } else {
+        u32x16::splat(simd, Mask::BACKGROUND.into())
+    };
+    let marks = covers.select(covered, u32x16::splat(simd, Mask::FOREGROUND.into()));
+    let mut all = [0; LANES];
+    foreground.select(marks, u32x16::splat(simd, Mask::BACKGROUND.into())).store_array(&mut all);
+    all.map(|mark| mark as u8)
 }
 
 /// X of each pixel: three channels, or BT.601 luma in 8 bits as [`super::pixel::luma`] gives it.
