@@ -1,6 +1,6 @@
 //! Foreground that is light: the surface behind it, darkened by a shadow or brightened.
 
-use fearless_simd::{Level, Simd as _, dispatch};
+use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 
 use crate::frame::Mask;

@@ -1,6 +1,8 @@
 //! Where in the region that objects share each of them is: their templates, laid over one another,
 //! are moved until they explain the region's cells best.
 
+use std::cell::OnceCell;
+
 use super::template::Template;
 use crate::frame::Size;
 use crate::regions::{Mosaic, Rect};
@@ -241,11 +243,10 @@ fn element(object: &Placed, [cx, cy]: [f32; 2], x: f32, y: f32) -> super::templa
 }
 
 /// A cell, and how it is explained without one of the objects.
-#[derive(Clone, Copy)]
 struct Without {
     others: Others,
-    /// Its log-likelihood without the one.
-    likelihood: f32,
+    /// Its log-likelihood without the one, once somebody asked.
+    likelihood: OnceCell<f32>,
 }
 
 /// What all objects but one say of the field's cells.
@@ -265,11 +266,7 @@ fn without(objects: &[Placed], but: usize, field: &Field) -> Vec<Without> {
             }
         }
     }
-    let likelihood = |(others, &cell): (Others, &FieldCell)| {
-        let likelihood = others.likelihood(cell, 0.0, 0.0);
-        Without { others, likelihood }
-    };
-    cells.into_iter().zip(&field.cells).map(likelihood).collect()
+    cells.into_iter().map(|others| Without { others, likelihood: OnceCell::new() }).collect()
 }
 
 /// How much better the field is explained with the object there than without it, in nats.
@@ -279,7 +276,9 @@ fn gain(object: &Placed, centre: [f32; 2], without: &[Without], field: &Field) -
         let element = element(object, centre, x, y);
         let cell = field.cells[at];
         let colour = colour_likelihood(cell.colour, element.colour);
-        without[at].others.likelihood(cell, element.cover, colour) - without[at].likelihood
+        let Without { others, likelihood } = &without[at];
+        let alone = likelihood.get_or_init(|| others.likelihood(cell, 0.0, 0.0));
+        others.likelihood(cell, element.cover, colour) - alone
     });
     field.weight * gained.sum::<f32>()
 }
@@ -288,7 +287,16 @@ fn gain(object: &Placed, centre: [f32; 2], without: &[Without], field: &Field) -
 fn climb(objects: &mut [Placed], index: usize, field: &Field) -> bool {
     let without = without(objects, index, field);
     let object = &objects[index];
-    let value = |centre| gain(object, centre, &without, field) + object.prior(centre);
+    // A step leads to where one of four next steps came from.
+    let mut known: Vec<([f32; 2], f32)> = Vec::new();
+    let mut value = |centre| {
+        if let Some((_, value)) = known.iter().find(|(place, _)| *place == centre) {
+            return *value;
+        }
+        let value = gain(object, centre, &without, field) + object.prior(centre);
+        known.push((centre, value));
+        value
+    };
     let start = object.centre;
     let mut best = (value(start), start);
     let mut step = 2.0 * field.side;

@@ -1,11 +1,11 @@
 //! What is done to the mask before regions are found in it: filters against specks, gaps and holes.
 
+use fearless_simd::{Level, dispatch};
 use opencv::boxed_ref::{BoxedRef, BoxedRefMut};
-use opencv::core::{BORDER_CONSTANT, BORDER_REPLICATE, CV_32S, Mat, Point, Size as CvSize};
+use opencv::core::{BORDER_CONSTANT, CV_32S, Mat, Point, Size as CvSize};
 use opencv::imgproc::{
-    CCL_SPAGHETTI, MORPH_CLOSE, MORPH_ELLIPSE, MORPH_OPEN, THRESH_BINARY, box_filter,
-    connected_components_with_algorithm, get_structuring_element, morphology_default_border_value,
-    morphology_ex, threshold,
+    CCL_SPAGHETTI, MORPH_CLOSE, MORPH_ELLIPSE, MORPH_OPEN, connected_components_with_algorithm,
+    get_structuring_element, morphology_default_border_value, morphology_ex,
 };
 use opencv::prelude::*;
 
@@ -40,7 +40,7 @@ impl Cleaning {
     pub fn apply(&self, mask: Mask) -> opencv::Result<Mask> {
         let mut mask = mask;
         if self.median > 0 {
-            mask = filtered(&mask, |from, to| majority(from, to, self.median as i32))?;
+            mask = majority(&mask, self.median as usize);
         }
         if self.opening > 0 {
             mask = morphed(&mask, MORPH_OPEN, self.opening)?;
@@ -55,13 +55,55 @@ impl Cleaning {
     }
 }
 
-/// The median of a mask: foreground where more than half of the pixels around are. A mean says that,
-/// too, at the same price for any size: with an odd number of pixels none is half-way.
-fn majority(from: &BoxedRef<'_, Mat>, to: &mut BoxedRefMut<'_, Mat>, side: i32) -> opencv::Result<()> {
-    let mut mean = Mat::default();
-    box_filter(from, &mut mean, -1, CvSize::new(side, side), Point::new(-1, -1), true, BORDER_REPLICATE)?;
-    threshold(&mean, to, 127.0, 255.0, THRESH_BINARY)?;
-    Ok(())
+/// Pixels of a row that are counted around together.
+const BLOCK: usize = 32;
+
+/// The median of a mask: foreground where more than half of the pixels around are; those outside the image are as the
+/// nearest inside.
+fn majority(mask: &Mask, side: usize) -> Mask {
+    let mut result = Mask::empty(mask.size);
+    dispatch!(Level::new(), _simd => majority_into(mask, side, &mut result));
+    result
+}
+
+#[inline(always)]
+fn majority_into(mask: &Mask, side: usize, result: &mut Mask) {
+    let (width, height, radius) = (mask.size.width as usize, mask.size.height as usize, side / 2);
+    if result.data.is_empty() {
+        return;
+    }
+    let half = (side * side / 2) as u16;
+    let (outside, inside) = (vec![Mask::BACKGROUND; width], radius..radius + width);
+    let row = |y: usize| &mask.data[y.saturating_sub(radius).min(height - 1) * width..][..width];
+    // How many of the rows around are foreground in each column, those beside the image as the nearest inside.
+    let mut counts = vec![0_u16; width + 2 * radius + BLOCK];
+    for y in 0..side - 1 {
+        change(&mut counts[inside.clone()], &outside, row(y));
+    }
+    for (y, to) in result.data.chunks_exact_mut(width).enumerate() {
+        let leaving = if y == 0 { &outside[..] } else { row(y - 1) };
+        change(&mut counts[inside.clone()], leaving, row(y + side - 1));
+        let (first, last) = (counts[radius], counts[radius + width - 1]);
+        counts[..radius].fill(first);
+        counts[radius + width..][..radius].fill(last);
+        for (block, to) in to.chunks_mut(BLOCK).enumerate() {
+            let mut sums = [0; BLOCK];
+            for counts in counts[block * BLOCK..].windows(BLOCK).take(side) {
+                sums.iter_mut().zip(counts).for_each(|(sum, count)| *sum += count);
+            }
+            for (to, sum) in to.iter_mut().zip(sums) {
+                *to = if sum > half { Mask::FOREGROUND } else { Mask::BACKGROUND };
+            }
+        }
+    }
+}
+
+/// Counts the foreground of one row in place of another's.
+#[inline(always)]
+fn change(counts: &mut [u16], leaving: &[u8], entering: &[u8]) {
+    for ((count, leaving), entering) in counts.iter_mut().zip(leaving).zip(entering) {
+        *count = *count + u16::from(entering >> 7) - u16::from(leaving >> 7);
+    }
 }
 
 /// What a filter that keeps size and type makes of a mask.
