@@ -6,7 +6,7 @@ use occluscope::frame::{Frame, Mask, Size};
 use occluscope::mixture::shadow::Shadow;
 use occluscope::mixture::{Component, Feedback, Mixture, Parameters, Pixel};
 use occluscope::registration::Choice;
-use occluscope::settings::{Rate, Space, Span};
+use occluscope::settings::{Rate, Settings, Space, Span};
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
@@ -424,4 +424,30 @@ fn two_alternating_surfaces_are_background_at_a_higher_t_only() {
         }
         assert_eq!(foreground, expected, "at T {t}");
     }
+}
+
+#[test]
+fn what_was_learnt_again_and_again_is_background_from_the_first_frame_and_who_stood_there_is_not() {
+    let noise = |t: u32| (t * 7 % 5) as u8;
+    let lamp = |t: u32| if t / 18 % 2 == 0 { [90 + noise(t); 3] } else { [220 - noise(t), 190, 120] };
+    let somebody =
+        |t: u32| if (100..215).contains(&t) { [30, 40 + noise(t), 90] } else { [130 + noise(t); 3] };
+    let parameters = Parameters { learnt: 300, ..Parameters::new(&Settings::default()) };
+    let learn = |colour: &dyn Fn(u32) -> [u8; 3]| {
+        let mut pixel = Pixel::unseen(parameters.k);
+        for t in 1..=300 {
+            pixel.update(parameters.value(colour(t)), t, &parameters);
+        }
+        pixel
+    };
+    let judge =
+        |mut pixel: Pixel, rgb: [u8; 3]| pixel.update(parameters.value(rgb), 301, &parameters).foreground;
+    let (flashes, stood) = (learn(&lamp), learn(&somebody));
+    assert_eq!([judge(flashes, lamp(0)), judge(flashes, lamp(18))], [false; 2]);
+    assert!(judge(flashes, [30, 40, 90]), "somebody before the lamp");
+    assert_eq!([judge(stood, somebody(1)), judge(stood, somebody(150))], [false, true]);
+    let mut begun = flashes;
+    begun.begin(&parameters);
+    assert_eq!(begun.used(), 2);
+    assert!((begun.components().iter().map(|it| it.weight).sum::<f32>() - 1.0).abs() < 1e-6);
 }

@@ -8,7 +8,15 @@
 
 use crate::settings::Settings;
 
+/// A pixel whose background recurs shows the same for at most this share of the frames that are learnt from. Of .06 to
+/// .25: at .06 a lamp is too slow, at .15 people in the street who stand and fidget recur.
+const LONGEST_STAY: f32 = 0.1;
+
 /// What a pixel remembers of the decisions about it.
+///
+/// While frames are only learnt from, nothing is decided: `run` is then the frame in which it last changed between
+/// component 1 and anything else, `unrest` the longest time in frames between two changes, and `strict` whether it last
+/// showed anything else.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Past {
     /// For how many frames it has been foreground without a break, at most [`Past::LONGEST`].
@@ -22,6 +30,21 @@ pub struct Past {
 impl Past {
     /// Longer runs are not told apart.
     pub const LONGEST: f32 = 1000.0;
+
+    /// Takes in, of the `t`-th frame that is only learnt from, whether it shows anything but component 1.
+    pub(super) fn note_change(&mut self, other: bool, t: u32) {
+        if other != self.strict {
+            self.unrest = self.unrest.max(t as f32 - self.run);
+            self.run = t as f32;
+        }
+        self.strict = other;
+    }
+
+    /// Whether in the `learnt` frames that were learnt from, the pixel came back to component 1 and left it again and
+    /// again, never staying with either for long.
+    pub(super) fn recurs(&self, learnt: u32) -> bool {
+        self.unrest.max(learnt as f32 - self.run) <= LONGEST_STAY * learnt as f32
+    }
 
     /// Takes in whether the pixel is foreground under T.
     pub(super) fn judge(&mut self, strict: bool, feedback: &Feedback) {

@@ -86,7 +86,7 @@ impl PixelHistory {
             learnt.pixel.step(value, self.parameters.learnt, &self.parameters);
         }
         learnt.start = learnt.pixel;
-        learnt.start.begin();
+        learnt.start.begin(&self.parameters);
         self.learnt = (!learnt.values.is_empty()).then(|| Arc::new(learnt));
     }
 
@@ -205,7 +205,7 @@ mod tests {
             pixel.update(parameters.value(colour(t)), t, &parameters);
         }
         assert!(pixel.used() > 1);
-        pixel.begin();
+        pixel.begin(&parameters);
         assert_eq!((history.before(0), history.parameters), (Some(&pixel), parameters));
         for n in 1..=5 {
             history.push_colour(n, colour(n));

@@ -155,8 +155,8 @@ impl Mixture {
             return;
         }
         match &mut self.planes {
-            Planes::Rgb(tiles) => tiles.begin(self.t),
-            Planes::Gray(tiles) => tiles.begin(self.t),
+            Planes::Rgb(tiles) => tiles.begin(&self.parameters, self.t),
+            Planes::Gray(tiles) => tiles.begin(&self.parameters, self.t),
         }
     }
 
@@ -361,12 +361,32 @@ impl<const N: usize> Tiles<N> {
         (self.settled[tile] + 1..=mixture.t).map(|t| 1.0 - mixture.parameters.alpha_at(t)).collect()
     }
 
-    /// Leaves component 1 alone, and certain, after the frame `t`.
-    fn begin(&mut self, t: u32) {
-        self.first.iter_mut().for_each(Gaussians::make_certain);
-        self.others.fill(Gaussians::UNUSED);
-        self.used.fill(1);
-        self.settled.fill(t);
+    /// [`Pixel::begin`] after the frame `t`.
+    fn begin(&mut self, parameters: &Parameters, t: u32) {
+        let others = parameters.k - 1;
+        for tile in 0..self.first.len() {
+            if self.used[tile] <= 1 {
+                self.used[tile] = 1;
+                self.first[tile].make_certain();
+                self.settled[tile] = t;
+                continue;
+            }
+            let mut used = 1;
+            for lane in 0..LANES {
+                let mut pixel = self.pixel(tile * LANES + lane, parameters, t);
+                pixel.begin(parameters);
+                used = used.max(pixel.used());
+                let mut gaussians =
+                    std::iter::once(&mut self.first[tile]).chain(&mut self.others[tile * others..]);
+                for component in pixel.components() {
+                    if let Some(gaussians) = gaussians.next() {
+                        gaussians.set_lane(lane, component);
+                    }
+                }
+            }
+            self.used[tile] = used as u8;
+            self.settled[tile] = t;
+        }
         self.pasts.fill(Pasts::NONE);
     }
 

@@ -107,6 +107,11 @@ impl Parameters {
         t <= self.warm_up.max(self.learnt)
     }
 
+    /// Whether the t-th frame is only learnt from.
+    pub const fn is_learning(&self, t: u32) -> bool {
+        t <= self.learnt
+    }
+
     /// Whether the t-th frame is the first that is judged, after others that were learnt from.
     pub const fn begins_at(&self, t: u32) -> bool {
         self.learnt > 0 && t == self.learnt + 1
@@ -291,11 +296,22 @@ impl Pixel {
         mean
     }
 
-    /// What was learnt becomes the beginning: component 1 alone, and certain, as in a first frame; nothing was decided yet.
-    pub fn begin(&mut self) {
-        let components = self.components_mut();
-        components[1..].fill(Component::default());
-        components[0].weight = 1.0;
+    /// What was learnt becomes the beginning: component 1 alone, and certain, as in a first frame; of a pixel that showed
+    /// something else again and again (a lamp, a flag), all B components of the background. Nothing was decided yet.
+    pub fn begin(&mut self, parameters: &Parameters) {
+        let on = parameters.feedback.is_on();
+        if on && self.past == Past::default() && self.used() > 1 {
+            // It has begun: who shows anything but component 1 while it learns remembers when.
+            return;
+        }
+        let recurs = on && self.past.recurs(parameters.learnt);
+        let kept = if recurs { self.background_count(parameters.t).max(1) } else { 1 };
+        self.components_mut()[kept..].fill(Component::default());
+        if kept == 1 {
+            self.components[0].weight = 1.0;
+        } else {
+            self.renormalise();
+        }
         self.past = Past::default();
     }
 
@@ -303,7 +319,7 @@ impl Pixel {
     /// were learnt from meets what [`Self::begin`] leaves.
     pub fn update(&mut self, x: Value, t: u32, parameters: &Parameters) -> Outcome {
         if parameters.begins_at(t) {
-            self.begin();
+            self.begin(parameters);
         }
         let p = self.probability(x, parameters.channels());
         Outcome { p, ..self.step(x, t, parameters) }
@@ -321,7 +337,7 @@ impl Pixel {
             return self.first_frame(x, parameters);
         }
         if parameters.begins_at(t) {
-            self.begin();
+            self.begin(parameters);
         }
         let alpha = parameters.alpha_of(&self.past, t);
 
@@ -336,14 +352,17 @@ impl Pixel {
         };
         let rank = self.sort_upwards(changed) + 1;
         let is_foreground = |background_count: usize| matched.is_none() || rank > background_count;
-        let on = parameters.feedback.is_on();
-        if on {
+        let (on, learning) = (parameters.feedback.is_on(), parameters.is_learning(t));
+        if on && learning {
+            self.past.note_change(matched != Some(0), t);
+        } else if on {
             let strict = is_foreground(self.background_count(parameters.t));
             self.past.judge(strict, &parameters.feedback);
         }
-        let background_count = self.background_count(parameters.t_of(&self.past));
+        let raised = if learning { parameters.t } else { parameters.t_of(&self.past) };
+        let background_count = self.background_count(raised);
         let foreground = is_foreground(background_count);
-        if on {
+        if on && !learning {
             self.past.close(foreground);
         }
         Outcome {

@@ -42,6 +42,15 @@ impl<const N: usize> Gaussians<N> {
         self.weight = Plane([1.0; LANES]);
     }
 
+    /// Puts a component into one lane.
+    pub(super) fn set_lane(&mut self, lane: usize, component: &Component) {
+        self.weight.0[lane] = component.weight;
+        self.variance.0[lane] = component.variance;
+        for (plane, channel) in self.mean.iter_mut().zip(component.mean) {
+            plane.0[lane] = channel;
+        }
+    }
+
     /// Takes over the component of one lane of another.
     pub(super) fn take_lane(&mut self, lane: usize, other: &Self) {
         self.weight.0[lane] = other.weight.0[lane];
@@ -133,7 +142,7 @@ pub(super) fn read<const N: usize>(
     if let Some(pasts) = pasts {
         let past = pixel.past_mut();
         *past = pasts.lane(lane);
-        for _ in settled + 1..=t {
+        for _ in (settled + 1..=t).filter(|&t| !parameters.is_learning(t)) {
             past.unrest *= parameters.feedback.keep();
         }
     }
@@ -394,7 +403,7 @@ impl<const N: usize> Tile<'_, N> {
         }
         if let Some(pasts) = &mut self.pasts {
             let mut unrest = pasts.unrest(simd);
-            for _ in missed {
+            for _ in missed.filter(|&t| !constants.parameters.is_learning(t)) {
                 unrest *= constants.parameters.feedback.keep();
             }
             unrest.store_array(&mut pasts.unrest.0);
@@ -442,6 +451,7 @@ impl<const N: usize> Tile<'_, N> {
             distance = at.select(d, distance);
             changed.take(*at, component);
         }
+        let other = !at[0];
         let missed = !matched;
         let any_missed = missed.any_true();
 
@@ -477,7 +487,11 @@ impl<const N: usize> Tile<'_, N> {
         sort_upwards(&mut components, &mut at);
         let t = f32x16::splat(simd, constants.parameters.t);
         let mut foreground = missed | beyond_background(&components, &at, t);
-        if let Some(pasts) = &mut self.pasts {
+        if constants.parameters.is_learning(moment.t) {
+            if let Some(pasts) = &mut self.pasts {
+                note_change(pasts, other, moment.t);
+            }
+        } else if let Some(pasts) = &mut self.pasts {
             let feedback = &constants.parameters.feedback;
             let unrest = judge(pasts, foreground, feedback);
             let t = raised(t, unrest, feedback);
@@ -505,6 +519,20 @@ fn factor<S: Simd>(simd: S, pasts: &Pasts, feedback: &Feedback) -> f32x16<S> {
     let young = restless * (feedback.learning - 1.0) + 1.0;
     let lasting = f32x16::splat(simd, feedback.hold);
     run.simd_le(0.0).select(one, run.simd_le(feedback.hold_after).select(young, lasting))
+}
+
+/// [`Past::note_change`].
+#[inline(always)]
+fn note_change<S: Simd>(pasts: &mut Pasts, other: mask32x16<S>, t: u32) {
+    let simd = other.token();
+    let bits = other.to_bitmask() as u16;
+    let changed = mask32x16::from_bitmask(simd, u64::from(bits ^ pasts.strict));
+    let (now, last) = (f32x16::splat(simd, t as f32), f32x16::load_array_ref(simd, &pasts.run.0));
+    let longest = pasts.unrest(simd);
+    changed.select(longest.max(now - last), longest).store_array(&mut pasts.unrest.0);
+    changed.select(now, last).store_array(&mut pasts.run.0);
+    pasts.strict = bits;
+    pasts.busy = bits != 0;
 }
 
 /// [`Past::judge`]. Gives the unrest.

@@ -44,8 +44,8 @@ pub fn verdict(history: &PixelHistory, index: usize) -> Verdict {
     verdict.details.extend(taken_out(state));
     if parameters.begins_at(state.t) {
         verdict.details.push(format!(
-            "It is the first frame that is judged: the model begins with component 1 of what it learnt from {} frames \
-             (bootstrap), w = 1.",
+            "It is the first frame that is judged: the model begins with what it learnt from {} frames (bootstrap): \
+             component 1, and others of the background where it showed them again and again.",
             parameters.learnt
         ));
     }

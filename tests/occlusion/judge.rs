@@ -1,19 +1,113 @@
 //! What the whole analysis makes of a scene, against what truly happened there.
 
 use std::collections::{BTreeMap, BTreeSet};
+use std::sync::Arc;
 
+use occluscope::frame::{Frame, Mask, Size};
+use occluscope::mixture::BATCH;
 use occluscope::occlusion::EventKind;
-use occluscope::pipeline::{Pipeline, Reading, final_reading};
-use occluscope::registration::{Choice, Estimator};
+use occluscope::pipeline::{Analysis, Pipeline, Reading, final_reading};
+use occluscope::regions::Rect;
+use occluscope::registration::{Choice, measure_all};
 use occluscope::settings::Settings;
 use occluscope::synth::{Parameters, Recorder, Scene, Truth, catalogue, render};
 use occluscope::tracking::Identity;
+use occluscope::truth::boxes::{Bounds, Boxes};
+use occluscope::truth::clear_mot::{self, ClearMot};
+use occluscope::truth::summary::boxes_of;
 
 /// An event or the ends of an episode may be so many frames off at a normal walk, and as much
 /// further as people are slower: what counts as the first or last of somebody is a matter of pixels.
 const TOLERANCE: f32 = 8.0;
 /// A person of whom less is seen may be anywhere for the tracks.
 const CLEAR: f32 = 0.9;
+
+/// A scene through the whole analysis, as `run` takes a file through it.
+pub(crate) struct Run {
+    truth: Truth,
+    analyses: Vec<Analysis>,
+    pipeline: Pipeline,
+    /// Usual walking speed over frame rate: how many frames something takes, against 25 a second at a normal walk.
+    slowness: f32,
+}
+
+impl Run {
+    /// The analysis of a scene in which people walk at `speed` times their usual one in each frame.
+    pub(crate) fn new(scene: &Scene, speed: f32, settings: &Settings) -> Self {
+        let mut recorder = Recorder::new(scene.fps);
+        let mut frames = Vec::new();
+        for (frame, truth) in render(scene) {
+            recorder.push(&truth);
+            frames.push(frame);
+        }
+        measure_all(&mut frames, Choice::new(settings));
+        let frames: Vec<&Frame> = frames.iter().collect();
+        let mut pipeline = Pipeline::new(settings, scene.size, scene.fps).expect("settings in range");
+        let learnt = frames.len().min(settings.bootstrap.frames(scene.fps) as usize);
+        pipeline.learn(&frames[..learnt]).expect("frames of the scene's size");
+        let mut analyses = Vec::new();
+        for batch in frames.chunks(BATCH) {
+            for analysis in pipeline.step_many(batch).expect("frames of the scene's size") {
+                // Tracking reads the regions alone.
+                analyses.push(Analysis { mask: Arc::new(Mask::empty(Size::new(1, 1))), ..analysis });
+            }
+        }
+        Self { truth: recorder.finish(), analyses, pipeline, slowness: 1.0 / speed.min(1.0) }
+    }
+
+    /// The same regions through tracking and occlusion under other settings, told another frame rate.
+    pub(crate) fn track_again(&mut self, settings: &Settings, fps: f32) {
+        self.pipeline.restart_tracking(settings, fps);
+        for analysis in &mut self.analyses {
+            *analysis = self.pipeline.track_again(analysis);
+        }
+    }
+
+    /// Everything in which the final reading differs from the truth, a line each.
+    pub(crate) fn differences(&self) -> Vec<String> {
+        let (truth, found) = (&self.truth, &final_reading(&self.analyses, &self.pipeline));
+        let (mut differences, person_of) = confusions(truth, found);
+        let people = |ids: &[Identity]| -> Vec<Identity> {
+            let mut people: Vec<_> = ids.iter().map(|id| person_of.get(id).copied().unwrap_or(0)).collect();
+            people.sort_unstable();
+            people
+        };
+        let tolerance = (TOLERANCE * self.slowness).round() as u32;
+        differences.extend(unmatched(
+            tolerance,
+            truth.events.iter().map(|event| (event.kind.name(), event.objects.clone(), [event.frame; 2])),
+            found.events.iter().map(|event| (event.kind.name(), people(&event.objects), [event.frame; 2])),
+        ));
+        differences.extend(unmatched(
+            tolerance,
+            truth.episodes.iter().map(|it| (it.kind.name(), it.objects.clone(), [it.start, it.end])),
+            found.episodes.iter().map(|it| (it.kind.name(), people(&it.objects), [it.start, it.end])),
+        ));
+        for event in found.events.iter().filter(|event| event.kind == EventKind::Demerge) {
+            let members = people(&event.objects);
+            if !people(&event.becomes).iter().all(|person| members.contains(person)) {
+                differences
+                    .push(format!("demerge {}: {:?} became {:?}", event.frame, event.objects, event.becomes));
+            }
+        }
+        differences
+    }
+
+    /// Whom the final reading takes for somebody else, a line each.
+    pub(crate) fn confusions(&self) -> Vec<String> {
+        confusions(&self.truth, &final_reading(&self.analyses, &self.pipeline)).0
+    }
+
+    /// The tracks of the final reading against the true boxes, at an IoU of .5.
+    pub(crate) fn score(&self) -> ClearMot {
+        let mut truth = Boxes::new();
+        for (frame, person) in self.truth.boxes.iter().filter(|(_, person)| !person.is_hidden()) {
+            let Rect { x, y, w, h } = person.bbox;
+            truth.entry(*frame).or_default().insert(person.id, Bounds([x, y, w, h].map(f64::from)));
+        }
+        clear_mot::score(&truth, &boxes_of(&final_reading(&self.analyses, &self.pipeline)), 0.5)
+    }
+}
 
 /// Everything in which the analysis of a scene differs from the truth, a line each.
 pub(crate) fn differences(scene: &str, parameters: &Parameters, settings: &Settings) -> Vec<String> {
@@ -23,20 +117,14 @@ pub(crate) fn differences(scene: &str, parameters: &Parameters, settings: &Setti
 
 /// The same of a scene in which people walk at `speed` times their usual one.
 pub(crate) fn differences_in(scene: &Scene, speed: f32, settings: &Settings) -> Vec<String> {
-    let mut recorder = Recorder::new(scene.fps);
-    let mut pipeline = Pipeline::new(settings, scene.size, scene.fps).expect("settings in range");
-    let mut analyses = Vec::new();
-    let mut estimator = Estimator::of(scene.size, Choice::new(settings));
-    for (mut frame, truth) in render(scene) {
-        frame.alignment = estimator.step(&frame);
-        recorder.push(&truth);
-        analyses.push(pipeline.step(&frame).expect("a frame of the scene's size"));
-    }
-    let (truth, found) = (recorder.finish(), final_reading(&analyses, &pipeline));
-    let held = identities(&truth, &found);
+    Run::new(scene, speed, settings).differences()
+}
+
+/// Who was called by another's identity or by several, a line each, and which person each identity is.
+fn confusions(truth: &Truth, found: &Reading) -> (Vec<String>, BTreeMap<Identity, Identity>) {
     let mut differences = Vec::new();
     let mut person_of = BTreeMap::new();
-    for (person, ids) in &held {
+    for (person, ids) in &identities(truth, found) {
         if ids.len() != 1 {
             differences.push(format!("person {person} was called {ids:?}"));
         }
@@ -46,30 +134,7 @@ pub(crate) fn differences_in(scene: &Scene, speed: f32, settings: &Settings) -> 
             }
         }
     }
-    let people = |ids: &[Identity]| -> Vec<Identity> {
-        let mut people: Vec<_> = ids.iter().map(|id| person_of.get(id).copied().unwrap_or(0)).collect();
-        people.sort_unstable();
-        people
-    };
-    let tolerance = (TOLERANCE / speed.min(1.0)).round() as u32;
-    differences.extend(unmatched(
-        tolerance,
-        truth.events.iter().map(|event| (event.kind.name(), event.objects.clone(), [event.frame; 2])),
-        found.events.iter().map(|event| (event.kind.name(), people(&event.objects), [event.frame; 2])),
-    ));
-    differences.extend(unmatched(
-        tolerance,
-        truth.episodes.iter().map(|it| (it.kind.name(), it.objects.clone(), [it.start, it.end])),
-        found.episodes.iter().map(|it| (it.kind.name(), people(&it.objects), [it.start, it.end])),
-    ));
-    for event in found.events.iter().filter(|event| event.kind == EventKind::Demerge) {
-        let members = people(&event.objects);
-        if !people(&event.becomes).iter().all(|person| members.contains(person)) {
-            differences
-                .push(format!("demerge {}: {:?} became {:?}", event.frame, event.objects, event.becomes));
-        }
-    }
-    differences
+    (differences, person_of)
 }
 
 type What = (&'static str, Vec<Identity>, [u32; 2]);
