@@ -3,6 +3,7 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use occluscope::frame::{Frame, Mask, Size};
+use occluscope::mixture::hysteresis::Hysteresis;
 use occluscope::mixture::shadow::Shadow;
 use occluscope::mixture::{Component, Feedback, Mixture, Parameters, Pixel};
 use occluscope::registration::Choice;
@@ -19,6 +20,11 @@ fn parameters() -> impl Strategy<Value = Parameters> {
         (0.2_f32..1.0, 1.0_f32..2.0, 0.0_f32..100.0, prop_oneof![Just(0), Just(3), Just(7)]).prop_map(
             |(floor, ceiling, colour, window)| Shadow { floor, ceiling, colour, window, spread: 0.07 }
         ),
+    ];
+    let hysteresis = prop_oneof![
+        Just(Hysteresis { distance: 0.0, window: 7, share: 0.35 }),
+        (0.5_f32..40.0, prop_oneof![Just(3), Just(5), Just(7)], 0.01_f32..0.6)
+            .prop_map(|(distance, window, share)| Hysteresis { distance, window, share }),
     ];
     let feedback = prop_oneof![
         Just((1.0, 1.0, 0.0)),
@@ -38,13 +44,13 @@ fn parameters() -> impl Strategy<Value = Parameters> {
     (
         (1_usize..=8, 0.001_f32..0.5, 0.05_f32..0.99, 0.5_f32..6.0),
         (1.0_f32..60.0, 0.005_f32..0.5, 0.1_f32..20.0, rates, spaces, 0_u32..30),
-        (shadow, feedback),
+        (shadow, hysteresis, feedback),
     )
         .prop_map(
             |(
                 (k, alpha, t, lambda),
                 (initial_sigma, initial_weight, min_sigma, rate, space, warm_up),
-                (shadow, feedback),
+                (shadow, hysteresis, feedback),
             )| {
                 Parameters {
                     k,
@@ -60,6 +66,7 @@ fn parameters() -> impl Strategy<Value = Parameters> {
                     bootstrap: Span::Frames(0),
                     learnt: 0,
                     shadow,
+                    hysteresis,
                     feedback,
                     registration: Choice::NOTHING,
                 }
@@ -151,7 +158,7 @@ proptest! {
                 let outcome = pixel.update(value(frame, index), t, &parameters);
                 let (x, y) = (index as u32 % width, index as u32 / width);
                 prop_assert_eq!(bits(&image.pixel(x, y).unwrap()), bits(pixel), "pixel {} {} at {}", x, y, t);
-                prop_assert!(outcome.foreground || mask.data[index] == Mask::BACKGROUND);
+                prop_assert!(outcome.foreground || outcome.doubtful || mask.data[index] == Mask::BACKGROUND);
             }
         }
     }
@@ -185,7 +192,8 @@ proptest! {
             }
             for (frame, mask) in batch.iter().zip(&masks) {
                 // What each pixel is by itself: `None` background, the share of brightness of shadow or light in levels, 0
-                // other foreground.
+                // other foreground. And which are doubtful.
+                let mut doubtful = Vec::new();
                 let alone: Vec<Option<u32>> = plain
                     .iter_mut()
                     .enumerate()
@@ -196,8 +204,9 @@ proptest! {
                         let channels = if parameters.space == Space::Gray { 1 } else { 3 };
                         let surface = pixel.components()[0].mean;
                         let (value, surface) = (&value[..channels], &surface[..channels]);
+                        let covers = parameters.shadow.covers(value, surface);
+                        doubtful.push(outcome.doubtful && !covers);
                         outcome.foreground.then(|| {
-                            let covers = parameters.shadow.covers(value, surface);
                             if covers { 1 + (60.0 * parameters.shadow.of(value, surface).0) as u32 } else { 0 }
                         })
                     })
@@ -216,18 +225,25 @@ proptest! {
                     let most = (n as f32 * parameters.shadow.spread * 60.0).powi(2);
                     2 * levels.len() >= around.len() && (n * squares - sum * sum) as f32 <= most
                 };
-                for (index, &own) in alone.iter().enumerate() {
-                    let votes = square(index, parameters.shadow.window as i32 / 2).into_iter().map(|at| match alone[at] {
-                        None => 0,
-                        Some(0) => -1,
-                        Some(_) => i32::from(is_even(at)),
-                    });
-                    let foreground = match own {
-                        None => false,
-                        Some(0) => true,
-                        Some(_) => parameters.shadow.window > 0 && votes.sum::<i32>() < 0,
-                    };
-                    let expected = if foreground { Mask::FOREGROUND } else { Mask::BACKGROUND };
+                let sure: Vec<bool> = (0..alone.len())
+                    .map(|index| {
+                        let votes = square(index, parameters.shadow.window as i32 / 2).into_iter().map(|at| match alone[at] {
+                            None => 0,
+                            Some(0) => -1,
+                            Some(_) => i32::from(is_even(at)),
+                        });
+                        match alone[index] {
+                            None => false,
+                            Some(0) => true,
+                            Some(_) => parameters.shadow.window > 0 && votes.sum::<i32>() < 0,
+                        }
+                    })
+                    .collect();
+                for index in 0..alone.len() {
+                    let around = square(index, parameters.hysteresis.window as i32 / 2);
+                    let near = around.iter().filter(|&&at| sure[at]).count() as f32;
+                    let joins = doubtful[index] && near >= parameters.hysteresis.share * around.len() as f32;
+                    let expected = if sure[index] || joins { Mask::FOREGROUND } else { Mask::BACKGROUND };
                     let (x, y) = (index as u32 % width, index as u32 / width);
                     prop_assert_eq!(mask.data[index], expected, "pixel {} {} in frame {}", x, y, frame.number);
                 }

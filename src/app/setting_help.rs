@@ -168,6 +168,23 @@ static HELP: &[Help] = &[
          clothes that are like the surface is lost.",
     ),
     of(
+        "hysteresis",
+        "doubtful: matched, not foreground, ‖X − μ‖ > hysteresis",
+        "Fewer pixels are doubtful: holes and edges of objects that resemble the background stay background; lower fills \
+         them, and objects grow into noise beside them. 0: the mixture alone decides.",
+    ),
+    of(
+        "hysteresis_window",
+        "foreground: doubtful, and foreground in the square ≥ hysteresis_share",
+        "Neighbours are counted over a wider area: larger holes are filled, thin parts are not. 0 is off.",
+    ),
+    of(
+        "hysteresis_share",
+        "foreground in the square / pixels of the square ≥ hysteresis_share",
+        "More foreground has to be around a doubtful pixel: above .5 holes alone are filled; below .43 straight edges \
+         move outward by a pixel where they are doubtful.",
+    ),
+    of(
         "median",
         "foreground where more than half of the side × side pixels are",
         "Larger specks go and larger gaps close; thin things such as legs and poles go, too.",

@@ -1,6 +1,6 @@
 //! The whole image's mixtures, fast: equal to [`Pixel::update`] bit for bit.
 //!
-//! Pixels are independent, but for the count of neighbours that decides about shadow, which comes last. So they are kept sixteen to a `tile`, and a tile is taken
+//! Pixels are independent, but for the counts of neighbours that decide about shadow and doubt, which come last. So they are kept sixteen to a `tile`, and a tile is taken
 //! through many frames while its mixtures are in the nearest cache: [`Mixture::replay`] moves the
 //! state of a pixel once for all of them, [`Mixture::step`] once a frame.
 
@@ -206,6 +206,7 @@ impl Mixture {
             }),
         }
         self.parameters.shadow.settle(level, masks);
+        self.parameters.hysteresis.settle(level, masks);
     }
 
     /// The mixture of pixel (x, y), or `None` outside the image.

@@ -8,6 +8,7 @@ use std::f32::consts::PI;
 
 use super::exponential::exp_of_negative;
 use super::feedback::{Feedback, Past};
+use super::hysteresis::Hysteresis;
 use super::shadow::Shadow;
 use crate::registration;
 use crate::settings::{Rate, Settings, Space, Span};
@@ -48,6 +49,8 @@ pub struct Parameters {
     pub learnt: u32,
     /// What foreground is shadow.
     pub shadow: Shadow,
+    /// What background is foreground beside foreground.
+    pub hysteresis: Hysteresis,
     /// How a pixel's past acts on its mixture.
     pub feedback: Feedback,
     /// What of a frame's alignment is taken out before X is read.
@@ -71,6 +74,7 @@ impl Parameters {
             bootstrap: settings.bootstrap,
             learnt: 0,
             shadow: Shadow::new(settings),
+            hysteresis: Hysteresis::new(settings),
             feedback: Feedback::new(settings),
             registration: registration::Choice::new(settings),
         }
@@ -215,6 +219,9 @@ pub struct Outcome {
     pub background_count: u8,
     /// Whether the pixel is foreground.
     pub foreground: bool,
+    /// Whether it is background, but farther from its component's mean, as it was before the update, than hysteresis
+    /// allows beside foreground.
+    pub doubtful: bool,
     /// ρ, 0 where nothing matched.
     pub rho: f32,
     /// P(X), the mixture's density at the value, from the state before the update; 0 in the first frame.
@@ -342,6 +349,9 @@ impl Pixel {
         let alpha = parameters.alpha_of(&self.past, t);
 
         let matched = first_match(self.components(), x, parameters.lambda);
+        let far = matched.is_some_and(|index| {
+            self.components[index].distance_squared(x) > parameters.hysteresis.distance_squared()
+        });
         self.update_weights(matched, alpha);
         let (changed, rho) = if let Some(index) = matched {
             (index, self.learn(index, x, alpha, parameters))
@@ -370,6 +380,7 @@ impl Pixel {
             rank: rank as u8,
             background_count: background_count as u8,
             foreground,
+            doubtful: far && !foreground,
             rho,
             p: 0.0,
         }

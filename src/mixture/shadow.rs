@@ -3,6 +3,8 @@
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
 
+use super::hysteresis::Hysteresis;
+use super::neighbours::{self, BLOCK};
 use crate::frame::Mask;
 use crate::settings::Settings;
 
@@ -34,7 +36,7 @@ pub struct Shadow {
 
 impl Shadow {
     /// While neighbours are not counted yet, a mask holds 1 and so many levels for each unit of s where a pixel is
-    /// light by its colour. s is at most 4: this stays below `Mask::FOREGROUND`.
+    /// light by its colour. s is at most 4: this stays below `Hysteresis::DOUBTFUL`.
     pub const LEVELS: f32 = 60.0;
 
     /// The part of `settings` about shadow and light.
@@ -91,48 +93,16 @@ impl Shadow {
     /// itself among them, and foreground elsewhere. Only rows near candidates are looked at.
     #[inline(always)]
     fn settle_mask(self, mask: &mut Mask) {
-        let (width, height) = (mask.size.width as usize, mask.size.height as usize);
-        let radius = self.window as usize / 2;
-        let rows = mask.data.chunks_exact(width.max(1)).enumerate();
-        let rows: Vec<usize> = rows.filter(|(_, row)| holds_candidate(row)).map(|(y, _)| y).collect();
         // Even candidates are 1, other foreground is -1, all else 0: their sum over the square decides.
-        let kept = 2 * radius + 1;
-        let mut votes = vec![0_i8; kept * width];
-        // The votes of the rows from `top` up to, but not, `bottom`; nobody votes outside the image.
-        let mut columns = vec![0_i16; width + 2 * radius + BLOCK];
-        let (mut top, mut bottom) = (0, 0);
-        for y in rows {
-            let (from, to) = (y.saturating_sub(radius), (y + radius + 1).min(height));
-            if from >= bottom {
-                columns.fill(0);
-                (top, bottom) = (from, from);
-            }
-            let sums = &mut columns[radius..radius + width];
-            for leaving in top..from {
-                let votes = &votes[leaving % kept * width..][..width];
-                sums.iter_mut().zip(votes).for_each(|(sum, &vote)| *sum -= i16::from(vote));
-            }
-            for entering in bottom..to {
-                let votes = &mut votes[entering % kept * width..][..width];
-                self.vote(mask, entering, votes);
-                sums.iter_mut().zip(&*votes).for_each(|(sum, &vote)| *sum += i16::from(vote));
-            }
-            (top, bottom) = (from, to);
-            // Rows that have yet to vote look no further back than the row after this one.
-            let row = &mut mask.data[y * width..][..width];
-            for (block, bytes) in row.chunks_mut(BLOCK).enumerate() {
-                if !holds_candidate(bytes) {
-                    continue;
-                }
-                let mut sums = [0; BLOCK];
-                for columns in columns[block * BLOCK..].windows(BLOCK).take(kept) {
-                    sums.iter_mut().zip(columns).for_each(|(sum, column)| *sum += column);
-                }
-                for (byte, sum) in bytes.iter_mut().zip(sums).filter(|(byte, _)| is_candidate(**byte)) {
-                    *byte = if sum >= 0 { Mask::BACKGROUND } else { Mask::FOREGROUND };
-                }
-            }
-        }
+        neighbours::settle(
+            mask,
+            self.window as usize / 2,
+            is_candidate,
+            #[inline(always)]
+            |mask, y, votes| self.vote(mask, y, votes),
+            #[inline(always)]
+            |sum, _, _| if sum >= 0 { Mask::BACKGROUND } else { Mask::FOREGROUND },
+        );
     }
 
     /// The votes of the pixels of row y.
@@ -143,10 +113,14 @@ impl Shadow {
             if holds_candidate(bytes) {
                 let even = self.even(mask, block * BLOCK, y);
                 for ((vote, &byte), even) in votes.iter_mut().zip(bytes).zip(even) {
-                    *vote = if is_candidate(byte) { i8::from(even) } else { byte.cast_signed() };
+                    *vote =
+                        if is_candidate(byte) { i8::from(even) } else { -i8::from(byte == Mask::FOREGROUND) };
                 }
             } else {
-                votes.iter_mut().zip(bytes).for_each(|(vote, byte)| *vote = byte.cast_signed());
+                votes
+                    .iter_mut()
+                    .zip(bytes)
+                    .for_each(|(vote, &byte)| *vote = -i8::from(byte == Mask::FOREGROUND));
             }
         }
     }
@@ -181,9 +155,7 @@ impl Shadow {
     }
 }
 
-/// Pixels of a row that are looked at together.
-const BLOCK: usize = 32;
-/// They, those beside them, and as many more as vectors have room for.
+/// [`BLOCK`] pixels, those beside them, and as many more as vectors have room for.
 const WIDE: usize = BLOCK + 16;
 
 /// The pixels of a row from the one before x on, 0 where there are none.
@@ -207,7 +179,7 @@ fn holds_candidate(pixels: &[u8]) -> bool {
 /// Whether a pixel waits for its neighbours to decide.
 #[inline(always)]
 const fn is_candidate(byte: u8) -> bool {
-    byte != Mask::BACKGROUND && byte != Mask::FOREGROUND
+    byte != Mask::BACKGROUND && byte < Hysteresis::DOUBTFUL
 }
 
 #[cfg(test)]

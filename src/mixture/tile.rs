@@ -8,6 +8,7 @@
 use fearless_simd::{Simd, f32x16, i32x16, mask32x16, prelude::*, u8x16, u8x64, u32x16};
 
 use super::feedback::{Feedback, Past};
+use super::hysteresis::Hysteresis;
 use super::pixel::{Component, MAX_K, Parameters, Pixel};
 use super::shadow::Shadow;
 use crate::frame::Mask;
@@ -175,6 +176,8 @@ pub(super) struct Constants {
     lambda_squared: f32,
     initial_variance: f32,
     least_variance: f32,
+    /// The squared distance from its component above which background is doubtful.
+    doubtful: f32,
 }
 
 impl Constants {
@@ -184,6 +187,7 @@ impl Constants {
             lambda_squared: parameters.lambda * parameters.lambda,
             initial_variance: parameters.initial_sigma * parameters.initial_sigma,
             least_variance: parameters.min_sigma * parameters.min_sigma,
+            doubtful: parameters.hysteresis.distance_squared(),
         }
     }
 
@@ -321,7 +325,12 @@ impl<const N: usize> Tile<'_, N> {
                     first.variance,
                 );
                 first.learn(&x, rho, constants);
-                *marks = [Mask::BACKGROUND; LANES];
+                let doubtful = distance.simd_gt(constants.doubtful);
+                *marks = if doubtful.any_true() {
+                    marks_of(!doubtful & doubtful, doubtful, &x, &first, &constants.parameters.shadow)
+                } else {
+                    [Mask::BACKGROUND; LANES]
+                };
                 if (moment.t + self.place).is_multiple_of(SETTLE) {
                     self.settle(simd, moment.t, constants);
                 }
@@ -349,7 +358,7 @@ impl<const N: usize> Tile<'_, N> {
                 // Room for the component that replaces another or, while there is any, is new. A number
                 // that the compiler knows lets it unroll what runs over them.
                 let open = (usize::from(*self.used) + 1).min(constants.parameters.k);
-                let (foreground, missed) = match open {
+                let (foreground, doubtful, missed) = match open {
                     1 => self.step_open::<S, 1>(&x, moment, constants),
                     2 => self.step_open::<S, 2>(&x, moment, constants),
                     3 => self.step_open::<S, 3>(&x, moment, constants),
@@ -364,10 +373,11 @@ impl<const N: usize> Tile<'_, N> {
                     *self.used = open as u8;
                 }
                 let shadow = &constants.parameters.shadow;
-                if shadow.is_on() && foreground.any_true() {
-                    return marks(foreground, &x, &Vectors::load(simd, self.first), shadow);
+                if (foreground | doubtful).any_true() {
+                    marks_of(foreground, doubtful, &x, &Vectors::load(simd, self.first), shadow)
+                } else {
+                    [Mask::BACKGROUND; LANES]
                 }
-                mask_bytes(foreground)
             },
         )
     }
@@ -412,14 +422,14 @@ impl<const N: usize> Tile<'_, N> {
     }
 
     /// All of §V–VI on the first `W` components, of which the last is unused or may be replaced.
-    /// Gives which pixels are foreground, and whether any of them matched nothing.
+    /// Gives which pixels are foreground, which are doubtful, and whether any of them matched nothing.
     #[inline(always)]
     fn step_open<S: Simd, const W: usize>(
         &mut self,
         x: &[f32x16<S>; N],
         moment: Moment,
         constants: &Constants,
-    ) -> (mask32x16<S>, bool) {
+    ) -> (mask32x16<S>, mask32x16<S>, bool) {
         let simd = x[0].token();
         let no_lane = mask32x16::splat(simd, false);
         let mut components: [Vectors<S, N>; W] = std::array::from_fn(
@@ -501,7 +511,7 @@ impl<const N: usize> Tile<'_, N> {
         for (k, component) in components.iter().enumerate() {
             component.store(if k == 0 { &mut *self.first } else { &mut self.others[k - 1] });
         }
-        (foreground, any_missed)
+        (foreground, matched & !foreground & distance.simd_gt(constants.doubtful), any_missed)
     }
 }
 
@@ -612,20 +622,12 @@ fn beyond_background<S: Simd, const N: usize, const W: usize>(
     beyond | (!reached & rank.simd_gt(used))
 }
 
-/// 255 in each lane that is set, 0 in the others.
+/// [`Shadow::mark`] in each lane of the foreground, [`Hysteresis::DOUBTFUL`] in doubtful ones that are no shadow, 0 in
+/// the others.
 #[inline(always)]
-fn mask_bytes<S: Simd>(lanes: mask32x16<S>) -> [u8; LANES] {
-    let bits = lanes.to_bitmask();
-    std::array::from_fn(
-        #[inline(always)]
-        |lane| 0_u8.wrapping_sub((bits >> lane & 1) as u8),
-    )
-}
-
-/// [`Shadow::mark`] in each lane of the foreground, 0 in the others.
-#[inline(always)]
-fn marks<S: Simd, const N: usize>(
+fn marks_of<S: Simd, const N: usize>(
     foreground: mask32x16<S>,
+    doubtful: mask32x16<S>,
     x: &[f32x16<S>; N],
     surface: &Vectors<S, N>,
     shadow: &Shadow,
@@ -639,7 +641,8 @@ fn marks<S: Simd, const N: usize>(
     let off = (dot(x, x) - share * along).max(0.0).sqrt();
     let darker = share.simd_ge(shadow.floor) & share.simd_lt(1.0);
     let brighter = share.simd_gt(1.0) & share.simd_le(shadow.ceiling);
-    let covers = (darker | brighter) & off.simd_le(shadow.colour);
+    let is_on = mask32x16::splat(simd, shadow.is_on());
+    let covers = (darker | brighter) & off.simd_le(shadow.colour) & is_on;
     let covered = if shadow.window > 0 {
         (share * Shadow::LEVELS).to_int::<u32x16<S>>() + 1
     } else {
@@ -647,7 +650,9 @@ fn marks<S: Simd, const N: usize>(
     };
     let marks = covers.select(covered, u32x16::splat(simd, Mask::FOREGROUND.into()));
     let mut all = [0; LANES];
-    foreground.select(marks, u32x16::splat(simd, Mask::BACKGROUND.into())).store_array(&mut all);
+    let mark = |mark: u8| u32x16::splat(simd, mark.into());
+    let others = (doubtful & !covers).select(mark(Hysteresis::DOUBTFUL), mark(Mask::BACKGROUND));
+    foreground.select(marks, others).store_array(&mut all);
     all.map(|mark| mark as u8)
 }
 

@@ -1,6 +1,7 @@
 //! Why a pixel is what it is at one frame, in words with the numbers that were compared.
 
 use super::history::{PixelHistory, PixelState};
+use super::hysteresis::Hysteresis;
 use super::pixel::{Component, Parameters, Pixel, Value};
 use super::shadow::Shadow;
 use crate::settings::{Rate, SETTINGS, Setting, Settings, Stage, Value as SettingValue};
@@ -41,6 +42,7 @@ pub fn verdict(history: &PixelHistory, index: usize) -> Verdict {
         Some(before) => matched(state, before, parameters),
     };
     verdict.details.extend(shadow(state, parameters));
+    verdict.details.extend(history.before(index).and_then(|before| doubt(state, before, parameters)));
     verdict.details.extend(taken_out(state));
     if parameters.begins_at(state.t) {
         verdict.details.push(format!(
@@ -114,6 +116,26 @@ fn shadow(state: &PixelState, parameters: &Parameters) -> Option<String> {
     })
 }
 
+/// Whether the pixel is background only as long as few of its neighbours are foreground, in words.
+fn doubt(state: &PixelState, before: &Pixel, parameters: &Parameters) -> Option<String> {
+    let channels = parameters.channels();
+    let surface = state.pixel.components().first()?;
+    let is_shadow = parameters.shadow.covers(&state.value[..channels], &surface.mean[..channels]);
+    if !state.outcome.doubtful || is_shadow {
+        return None;
+    }
+    let component = before.components().get(usize::from(state.outcome.matched).checked_sub(1)?)?;
+    let rule = parameters.hysteresis;
+    Some(format!(
+        "It is doubtful: {} levels from its component's mean (limit {}, hysteresis). It becomes foreground if of the \
+         {2} × {2} pixels around at least {3} are (hysteresis_window, hysteresis_share).",
+        number(component.distance_squared(state.value).sqrt()),
+        number(rule.distance),
+        rule.window,
+        number(rule.share)
+    ))
+}
+
 /// What a later step made of the mixture's verdict, where it decided otherwise; `None` where it did not.
 ///
 /// `mixture` and `mask` say whether each has the pixel as foreground, `ignored` whether it lies outside what is
@@ -126,8 +148,10 @@ pub fn overruled(mixture: bool, mask: bool, ignored: bool, settings: &Settings) 
     // An opening only takes foreground away, a closing and the filling of holes only add to it.
     let powerless = if mixture { ["closing", "fill_holes"] } else { ["opening", ""] };
     let shadow = mixture && Shadow::new(settings).is_on();
+    let hysteresis = !mixture && Hysteresis::new(settings).is_on();
     let changes_masks = |setting: &Setting| {
         setting.stage == Stage::Cleaning && !powerless.contains(&setting.name)
+            || hysteresis && setting.name.starts_with("hysteresis")
             || shadow
                 && ["shadow_floor", "light_ceiling", "shadow_window", "shadow_spread"].contains(&setting.name)
     };

@@ -1,0 +1,143 @@
+//! Hysteresis: a second, narrower band around the background, which counts where there is foreground already.
+
+use fearless_simd::{Level, dispatch};
+use rayon::prelude::*;
+
+use super::neighbours;
+use crate::frame::{Mask, Size};
+use crate::settings::Settings;
+
+/// When a pixel that is background by its mixture is foreground all the same.
+///
+/// The band of λσ has to be wide enough that noise stays background everywhere. Beside foreground a pixel is more
+/// likely foreground, too: clothes of nearly the background's colour, a hole in a body, an edge. As in Canny's edges,
+/// a second threshold is used there: a *doubtful* pixel is one that matches the background but lies farther from its
+/// component's mean. It becomes foreground where enough of the square around it is foreground. The threshold is in
+/// levels, not in σ: where σ is large (water), the background says little about what is seen.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Hysteresis {
+    /// How far, in levels, a value may be from the mean of the component that it matches and not be doubtful; 0 is off.
+    pub distance: f32,
+    /// Side of the square, in pixels.
+    pub window: u32,
+    /// The share of the square's pixels inside the image that has to be foreground.
+    pub share: f32,
+}
+
+impl Hysteresis {
+    /// What a mask holds of a doubtful pixel until its neighbours are counted. Marks of shadow stay below it.
+    pub const DOUBTFUL: u8 = 254;
+
+    /// The part of `settings` about hysteresis.
+    pub const fn new(settings: &Settings) -> Self {
+        Self {
+            distance: settings.hysteresis,
+            window: settings.hysteresis_window,
+            share: settings.hysteresis_share,
+        }
+    }
+
+    /// Whether any pixel can be doubtful.
+    pub fn is_on(self) -> bool {
+        self.distance > 0.0 && self.window > 0
+    }
+
+    /// ‖X − μ‖² above which a pixel is doubtful.
+    pub fn distance_squared(self) -> f32 {
+        if self.is_on() { self.distance * self.distance } else { f32::INFINITY }
+    }
+
+    /// Lets the neighbours decide about the doubtful pixels in each mask. All instruction sets give the same.
+    pub(super) fn settle(self, level: Level, masks: &mut [Mask]) {
+        if self.is_on() {
+            masks.par_iter_mut().for_each(|mask| dispatch!(level, _simd => self.settle_mask(mask)));
+        }
+    }
+
+    #[inline(always)]
+    fn settle_mask(self, mask: &mut Mask) {
+        let (size, radius) = (mask.size, self.window as usize / 2);
+        neighbours::settle(
+            mask,
+            radius,
+            #[inline(always)]
+            |byte| byte == Self::DOUBTFUL,
+            #[inline(always)]
+            |mask, y, votes| {
+                let row = &mask.data[y * votes.len()..][..votes.len()];
+                votes
+                    .iter_mut()
+                    .zip(row)
+                    .for_each(|(vote, &byte)| *vote = i8::from(byte == Mask::FOREGROUND));
+            },
+            #[inline(always)]
+            |foreground, x, y| {
+                let enough =
+                    f32::from(foreground) >= self.share * pixels_of_square(size, radius, x, y) as f32;
+                if enough { Mask::FOREGROUND } else { Mask::BACKGROUND }
+            },
+        );
+    }
+}
+
+/// How many pixels of the square around (x, y) lie inside the image.
+fn pixels_of_square(size: Size, radius: usize, x: usize, y: usize) -> usize {
+    let side = |at: usize, length: u32| (at + radius + 1).min(length as usize) - at.saturating_sub(radius);
+    side(x, size.width) * side(y, size.height)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const HYSTERESIS: Hysteresis = Hysteresis { distance: 24.0, window: 7, share: 0.35 };
+
+    fn settled(rows: [&str; 8]) -> Vec<String> {
+        let size = Size::new(rows[0].len() as u32, 8);
+        let byte = |mark: u8| match mark {
+            b'#' => Mask::FOREGROUND,
+            b'?' => Hysteresis::DOUBTFUL,
+            _ => Mask::BACKGROUND,
+        };
+        let mut mask = Mask { size, data: rows.iter().flat_map(|row| row.bytes().map(byte)).collect() };
+        HYSTERESIS.settle(Level::new(), std::slice::from_mut(&mut mask));
+        let mark = |&byte: &u8| if byte == Mask::FOREGROUND { '#' } else { '.' };
+        mask.data.chunks(rows[0].len()).map(|row| row.iter().map(mark).collect()).collect()
+    }
+
+    #[test]
+    fn a_hole_is_filled_and_doubt_alone_is_background() {
+        let filled = settled([
+            "..............????",
+            "..######......????",
+            "..##??##.....?????",
+            "..##??##......????",
+            "..##..##......????",
+            "..######..........",
+            "..######?.........",
+            "..................",
+        ]);
+        assert_eq!(
+            filled,
+            [
+                "..................",
+                "..######..........",
+                "..######..........",
+                "..######..........",
+                "..##..##..........",
+                "..######..........",
+                "..######..........",
+                "..................",
+            ]
+        );
+    }
+
+    #[test]
+    fn off_is_off() {
+        let off = |hysteresis: Hysteresis| hysteresis.distance_squared() == f32::INFINITY;
+        assert!(
+            off(Hysteresis { distance: 0.0, ..HYSTERESIS }) && off(Hysteresis { window: 0, ..HYSTERESIS })
+        );
+        assert_eq!(HYSTERESIS.distance_squared(), 576.0);
+    }
+}
