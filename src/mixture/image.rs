@@ -504,8 +504,10 @@ fn run_tile<S: Simd, const N: usize>(
     moments: &[Moment],
 ) {
     let start = index * LANES;
-    let hidden = |unknown: Option<&[bool]>| {
-        unknown.is_some_and(|all| all[start..all.len().min(start + LANES)].contains(&true))
+    let hidden = |unknown: Option<&[bool]>| match unknown.map(|all| &all[start..]) {
+        // Of a number of pixels that the compiler knows it makes one comparison.
+        Some(all) => all.first_chunk().map_or_else(|| all.contains(&true), |lanes| *lanes != [false; LANES]),
+        None => false,
     };
     if job.unknown.get(frames.clone()).is_some_and(|unknown| unknown.iter().copied().any(hidden)) {
         run_partly_known(simd, near, job, index, frames, constants, moments);

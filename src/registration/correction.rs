@@ -3,6 +3,7 @@
 use super::{Alignment, Light, Motion};
 use crate::frame::{Frame, Mask, Size};
 use crate::settings::{LightCorrection, Settings, Stabilise};
+use fearless_simd::{Level, Simd, dispatch, f32x16, i32x16, prelude::*};
 use rayon::prelude::*;
 
 /// What of a frame's alignment is taken out.
@@ -140,7 +141,7 @@ impl Correction {
         let rgb = if self.motion == Motion::NONE {
             frame.pixel(x, y)
         } else {
-            between(frame, self.row(y as f32)(x as f32))
+            between(frame, fixed(self.row(y as f32)(x as f32)))
         };
         rgb.and_then(|rgb| self.relit_pixel(rgb))
     }
@@ -184,17 +185,35 @@ impl Correction {
         let mut unknown = vec![false; self.size.pixels()];
         let rows =
             rgb.par_chunks_exact_mut((3 * width).max(1)).zip(unknown.par_chunks_exact_mut(width.max(1)));
+        let level = Level::new();
         rows.with_min_len(16).enumerate().for_each(|(y, (row, unknown))| {
-            let moved = self.row(y as f32);
-            for ((x, to), unknown) in row.as_chunks_mut::<3>().0.iter_mut().enumerate().zip(unknown) {
-                match between(frame, moved(x as f32)).and_then(|rgb| self.relit_pixel(rgb)) {
+            dispatch!(level, simd => self.move_row(simd, frame, y, row, unknown));
+        });
+        let unknown = holds_true(&unknown).then_some(unknown);
+        Corrected { frame: Frame::new(frame.number, frame.size, rgb), unknown }
+    }
+
+    /// One row of it.
+    #[inline(always)]
+    fn move_row<S: Simd>(&self, simd: S, frame: &Frame, y: usize, row: &mut [u8], unknown: &mut [bool]) {
+        let moved = self.row(y as f32);
+        let blocks = row.chunks_mut(3 * BLOCK).zip(unknown.chunks_mut(BLOCK));
+        for (x, (row, unknown)) in (0..).step_by(BLOCK).zip(blocks) {
+            let together = match row.as_mut_array() {
+                Some(to) => block_between(simd, frame, &moved, x, to),
+                None => false,
+            };
+            if together && self.levels.is_none() {
+                continue;
+            }
+            for ((x, to), unknown) in (x..).zip(row.as_chunks_mut::<3>().0).zip(unknown) {
+                let rgb = if together { Some(*to) } else { between(frame, fixed(moved(x as f32))) };
+                match rgb.and_then(|rgb| self.relit_pixel(rgb)) {
                     Some(rgb) => *to = rgb,
                     None => *unknown = true,
                 }
             }
-        });
-        let unknown = unknown.contains(&true).then_some(unknown);
-        Corrected { frame: Frame::new(frame.number, frame.size, rgb), unknown }
+        }
     }
 
     /// The whole frame where the camera stands still.
@@ -211,7 +230,7 @@ impl Correction {
                 }
             }
         });
-        let unknown = unknown.contains(&true).then_some(unknown);
+        let unknown = holds_true(&unknown).then_some(unknown);
         Corrected { frame: Frame::new(frame.number, frame.size, rgb), unknown }
     }
 
@@ -229,6 +248,7 @@ impl Correction {
         let back = self.motion.inverse();
         let (centre_x, centre_y) = self.centre();
         let mut moved = Mask::empty(self.size);
+        let level = Level::new();
         let (width, height) = (self.size.width as usize, self.size.height as usize);
         let has_any: Vec<bool> = mask.data.chunks_exact(width.max(1)).map(has_foreground).collect();
         moved.data.par_chunks_exact_mut(width.max(1)).with_min_len(16).enumerate().for_each(|(y, row)| {
@@ -243,28 +263,119 @@ impl Correction {
             if !has_any.get(first..last).is_some_and(|rows| rows.contains(&true)) {
                 return;
             }
-            for (x, to) in row.iter_mut().enumerate() {
-                let (x, y) = place(x as f32);
-                if x >= 0.0 && y >= 0.0 {
-                    let (x, y) = (x as usize, y as usize);
-                    if x < width && y < height {
-                        *to = mask.data[y * width + x];
-                    }
-                }
-            }
+            dispatch!(level, simd => nearest(simd, &mask, place, row));
         });
         moved
     }
+}
+
+/// What the mask has at the places of a row's pixels, nothing outside.
+#[inline(always)]
+fn nearest<S: Simd>(simd: S, mask: &Mask, place: impl Fn(f32) -> (f32, f32), row: &mut [u8]) {
+    let (width, height) = (mask.size.width as usize, mask.size.height as usize);
+    for (start, row) in (0..).step_by(BLOCK).zip(row.chunks_mut(BLOCK)) {
+        let (mut xs, mut ys) = ([0.0_f32; BLOCK], [0.0_f32; BLOCK]);
+        for (at, (x, y)) in xs.iter_mut().zip(&mut ys).enumerate() {
+            (*x, *y) = place((start + at) as f32);
+        }
+        let (columns, lines) = (whole(simd, &xs), whole(simd, &ys));
+        let (column, line) = (columns[0], lines[0]);
+        let mut beside = xs[0] >= 0.0;
+        for (at, (x, y)) in columns.iter().zip(&lines).enumerate() {
+            beside &= (*x == column + at as i32) & (*y == line) & (ys[at] >= 0.0);
+        }
+        let (column, line) = (column as usize, line as usize);
+        if beside && column + BLOCK <= width && line < height {
+            row.copy_from_slice(&mask.data[line * width + column..][..row.len()]);
+            continue;
+        }
+        for ((&x, &y), to) in xs.iter().zip(&ys).zip(row) {
+            if x >= 0.0 && y >= 0.0 && (x as usize) < width && (y as usize) < height {
+                *to = mask.data[y as usize * width + x as usize];
+            }
+        }
+    }
+}
+
+fn holds_true(all: &[bool]) -> bool {
+    all.chunks(64).any(|some| some.iter().fold(false, |found, one| found | one))
 }
 
 fn has_foreground(row: &[u8]) -> bool {
     memchr::memchr(Mask::FOREGROUND, row).is_some()
 }
 
-/// The colour between pixels, to 1/256 of one, `None` outside the outermost pixels' centres.
+/// Pixels of a row that are moved together where they lie as close in the frame.
+const BLOCK: usize = 32;
+
+/// To which of them each of their bytes belongs.
+const PIXEL: [i32; 3 * BLOCK] = {
+    let mut pixel = [0; 3 * BLOCK];
+    let mut at = 0;
+    while at < pixel.len() {
+        pixel[at] = at as i32 / 3;
+        at += 1;
+    }
+    pixel
+};
+
+/// A place in 1/256 of a pixel, what is over that to be cut off.
+#[inline(always)]
+fn fixed((x, y): (f32, f32)) -> (f32, f32) {
+    (x * 256.0 + 0.5, y * 256.0 + 0.5)
+}
+
+/// Cuts off what is over whole numbers.
+#[inline(always)]
+fn whole<S: Simd, const COUNT: usize>(simd: S, numbers: &[f32; COUNT]) -> [i32; COUNT] {
+    let mut all = [0; COUNT];
+    for (to, from) in all.as_chunks_mut().0.iter_mut().zip(numbers.as_chunks().0) {
+        f32x16::load_array_ref(simd, from).to_int::<i32x16<S>>().store_array(to);
+    }
+    all
+}
+
+/// [`between`] of the pixels of a row from x on, byte by byte; `false` where they lie outside or not in one row, beside
+/// one another. What was in `to` is then still there.
+#[inline(always)]
+fn block_between<S: Simd>(
+    simd: S,
+    frame: &Frame,
+    moved: &impl Fn(f32) -> (f32, f32),
+    x: usize,
+    to: &mut [u8; 3 * BLOCK],
+) -> bool {
+    let (mut xs, mut ys) = ([0.0; 3 * BLOCK], [0.0; 3 * BLOCK]);
+    for ((to_x, to_y), pixel) in xs.iter_mut().zip(&mut ys).zip(PIXEL) {
+        (*to_x, *to_y) = fixed(moved((x as i32 + pixel) as f32));
+    }
+    let (xs, ys) = (whole(simd, &xs), whole(simd, &ys));
+    let (column, row) = (xs[0] >> 8, ys[0] >> 8);
+    let mut beside = column >= 0 && row >= 0;
+    for ((x, y), pixel) in xs.iter().zip(&ys).zip(PIXEL) {
+        beside &= (x >> 8 == column + pixel) & (y >> 8 == row);
+    }
+    let (width, height) = (frame.size.width as usize, frame.size.height as usize);
+    let (column, row) = (column as usize, row as usize);
+    if !beside || column + BLOCK >= width || row + 1 >= height {
+        return false;
+    }
+    let start = 3 * (row * width + column);
+    let (upper, lower) = (&frame.rgb[start..], &frame.rgb[start + 3 * width..]);
+    let (Some(upper), Some(lower)) = (upper.first_chunk(), lower.first_chunk()) else { return false };
+    for (at, to) in to.iter_mut().enumerate() {
+        let (right, down) = (xs[at] as u32 & 255, ys[at] as u32 & 255);
+        let mix =
+            |row: &[u8; 3 * BLOCK + 3]| u32::from(row[at]) * (256 - right) + u32::from(row[at + 3]) * right;
+        *to = ((mix(upper) * (256 - down) + mix(lower) * down + (1 << 15)) >> 16) as u8;
+    }
+    true
+}
+
+/// The colour between pixels, at a place in 1/256 of one, `None` outside the outermost pixels' centres.
 #[inline(always)]
 fn between(frame: &Frame, (x, y): (f32, f32)) -> Option<[u8; 3]> {
-    let (x, y) = ((x * 256.0 + 0.5) as i32, (y * 256.0 + 0.5) as i32);
+    let (x, y) = (x as i32, y as i32);
     if x < 0 || y < 0 {
         return None;
     }
