@@ -1,0 +1,83 @@
+//! What each part of the reasoning is for: scenes that come out right, and wrong as soon as the part is taken away.
+
+use occluscope::settings::Settings;
+use occluscope::synth::Scene;
+
+use super::judge::Run;
+use super::mill::Mill;
+use super::parameters;
+
+/// What has to go wrong.
+#[derive(Clone, Copy, Debug)]
+enum Loss {
+    /// At least so many differences from the truth more, in events, episodes and identities.
+    Differences(usize),
+    /// IDF1 at an IoU of .5 falls by at least this.
+    Idf1(f64),
+}
+
+struct Row {
+    scene: fn() -> Scene,
+    /// Setting and value, and what it costs.
+    changes: &'static [(&'static str, &'static str, Loss)],
+}
+
+fn catalogued(name: &str, seed: u64, speed: f32) -> Scene {
+    let parameters = parameters(seed, (320, 240), speed, 4.0);
+    occluscope::synth::catalogue::scene(name, &parameters).expect("a scene of the catalogue")
+}
+
+const ROWS: &[Row] = &[
+    // One of two goes away from the camera behind the other, and comes out small.
+    Row {
+        scene: || Mill::Deep.scene(1007),
+        changes: &[
+            ("placing", "predicted", Loss::Idf1(0.1)),
+            ("find_again", "off", Loss::Idf1(0.1)),
+            ("perspective", "off", Loss::Differences(6)),
+        ],
+    },
+    Row { scene: || Mill::Mixed.scene(9), changes: &[("placing", "predicted", Loss::Idf1(0.1))] },
+    Row { scene: || Mill::Mixed.scene(3), changes: &[("size_step", "2", Loss::Differences(3))] },
+    Row {
+        scene: || Mill::Mixed.scene(69),
+        changes: &[("border", "0.5", Loss::Differences(3)), ("border", "6", Loss::Differences(3))],
+    },
+    Row { scene: || catalogued("crossing-steep", 3, 0.7), changes: &[("border", "6", Loss::Differences(6))] },
+];
+
+#[test]
+fn every_part_taken_away_makes_a_scene_wrong() {
+    let wrong: Vec<String> = std::thread::scope(|scope| {
+        let rows: Vec<_> = ROWS.iter().map(|row| scope.spawn(|| failures(row))).collect();
+        rows.into_iter().flat_map(|row| row.join().expect("the analysis must not panic")).collect()
+    });
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+fn failures(row: &Row) -> Vec<String> {
+    let scene = (row.scene)();
+    let name = format!("{} {}", scene.name, scene.seed);
+    let mut run = Run::new(&scene, 1.0, &Settings::default());
+    let (differences, idf1) = (run.differences(), run.score().idf1);
+    let mut wrong = Vec::new();
+    if differences.len() > 1 || !run.confusions().is_empty() || idf1 < 0.85 {
+        wrong.push(format!("{name} by default, IDF1 {idf1}: {differences:?}"));
+    }
+    for (setting, value, loss) in row.changes {
+        let mut settings = Settings::default();
+        settings.set(setting, value).expect("a setting in its range");
+        run.track_again(&settings, scene.fps);
+        let (more, lost) =
+            (run.differences().len().saturating_sub(differences.len()), idf1 - run.score().idf1);
+        let fails = match *loss {
+            Loss::Differences(least) => more >= least,
+            Loss::Idf1(least) => lost >= least,
+        };
+        if !fails {
+            wrong
+                .push(format!("{name} with {setting} {value}: {more} differences more, IDF1 {lost:.3} less"));
+        }
+    }
+    wrong
+}

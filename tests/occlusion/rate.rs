@@ -1,0 +1,38 @@
+//! The frame rate: the same walk at few and at many frames a second, and told wrong.
+
+use occluscope::frame::Size;
+use occluscope::settings::Settings;
+use occluscope::synth::{Parameters, catalogue};
+
+use super::judge::Run;
+
+#[test]
+fn identities_hold_at_any_frame_rate_and_told_a_wrong_one() {
+    let wrong: Vec<String> = std::thread::scope(|scope| {
+        let runs: Vec<_> =
+            ["crossing", "tree"].map(|name| scope.spawn(move || differences(name))).into_iter().collect();
+        runs.into_iter().flat_map(|run| run.join().expect("the analysis must not panic")).collect()
+    });
+    assert!(wrong.is_empty(), "{wrong:#?}");
+}
+
+fn differences(name: &str) -> Vec<String> {
+    let settings = Settings::default();
+    let mut wrong = Vec::new();
+    for fps in [7.0, 10.0, 25.0, 50.0] {
+        // As many pixels a second at any rate.
+        let speed = catalogue::FPS / fps;
+        let parameters = Parameters { size: Size::new(240, 180), speed, ..Parameters::default() };
+        let mut scene = catalogue::scene(name, &parameters).expect("a scene of the catalogue");
+        scene.fps = fps;
+        let mut run = Run::new(&scene, speed, &settings);
+        for told in [1.0, 0.5, 2.0] {
+            if told != 1.0 {
+                run.track_again(&settings, told * fps);
+            }
+            let differences = run.differences().into_iter();
+            wrong.extend(differences.map(|what| format!("{name} at {fps}, told {}: {what}", told * fps)));
+        }
+    }
+    wrong
+}
