@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use super::event::Evidence;
+use super::groups::Cause;
 use super::lobes::lobes;
 use super::object::{Appearance, Object, View, template_of};
 use super::reasoner::{Carried, ObjectId, Reasoner};
@@ -22,7 +24,7 @@ impl Reasoner {
             let cut_off = view.bbox.distance_to_edge(self.size) <= 1.0;
             let heads = if cut_off { Vec::new() } else { lobes(&view.mosaic) };
             let Some(object) = self.objects.get_mut(&first) else { continue };
-            if heads.len() <= seen {
+            if heads.len() <= seen || !object.named {
                 object.crowded = object.crowded.saturating_sub(2);
                 continue;
             }
@@ -41,6 +43,7 @@ impl Reasoner {
         if bodies.len() < 2 {
             return;
         }
+        let heads = bodies.len();
         let objects: Vec<&Object> = members.iter().map(|id| &self.objects[id]).collect();
         let taken = |view: &View| {
             // Both bodies are where the only member is; the other's is the newcomer's.
@@ -94,6 +97,14 @@ impl Reasoner {
         self.objects.insert(id, newcomer);
         self.carried[index].members.push(id);
         self.carried[index].members.sort_unstable();
+        let mut evidence =
+            Evidence::of_branch("a region shows more heads than it has objects: one more is in it");
+        evidence.note("heads", heads as f32);
+        evidence.note("objects", members.len() as f32);
+        if let Some(&first) = members.first() {
+            self.groups.note_joining(first, Cause { frame: self.number, at: centre, evidence });
+        }
+        self.name_object(id);
     }
 }
 

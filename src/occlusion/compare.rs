@@ -88,6 +88,7 @@ mod tests {
             kind,
             objects: vec![],
             becomes: vec![],
+            pieces: vec![],
             x,
             y: 0.0,
             front: None,

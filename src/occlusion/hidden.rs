@@ -85,6 +85,9 @@ impl Reasoner {
             for &id in &members {
                 self.settle_splits_of(id);
             }
+            if !self.carried[index].members.iter().all(|&id| self.can_leave(id)) {
+                continue;
+            }
             let leaves = self.leaves(index, lost_from.0);
             for id in self.carried.remove(index).members {
                 if leaves.is_none() && (self.goes_on(id, lost_from) || self.is_found_again(id)) {
@@ -154,18 +157,9 @@ impl Reasoner {
     pub(super) fn tell_exit(&mut self, id: ObjectId, frame: u32, evidence: Evidence) {
         self.tell_return_of(id);
         let Some(identity) = self.identity(id) else { return };
-        let Some(object) = self.end_object(id) else { return };
-        let [x, y] = object.last.bbox.centre();
-        self.events.push(Event {
-            frame,
-            kind: EventKind::Exit,
-            objects: vec![identity],
-            becomes: vec![identity],
-            x,
-            y,
-            front: None,
-            evidence,
-        });
+        let Some(at) = self.objects.get(&id).map(|object| object.last.bbox.centre()) else { return };
+        self.push_event(&[id], Event::of_one(frame, EventKind::Exit, identity, at, evidence));
+        self.end_object(id);
     }
 
     /// An object lost its region inside the image: it is kept as a past object.
@@ -191,18 +185,12 @@ impl Reasoner {
             since.0
         ));
         evidence.at_least("distance to the image edge", distance, self.limits.border);
-        let [x, y] = last.centre();
         self.hidden.push(Hidden { id, since });
-        self.events.push(Event {
-            frame: since.0,
-            kind: EventKind::Disappear,
-            objects: vec![identity],
-            becomes: vec![identity],
-            x,
-            y,
-            front: None,
-            evidence,
-        });
+        self.push_event(
+            &[id],
+            Event::of_one(since.0, EventKind::Disappear, identity, last.centre(), evidence),
+        );
+        self.leave_group(id);
     }
 
     /// Whether a new object is a hidden one that came back; if so it takes that one's identity.
@@ -292,11 +280,11 @@ impl Reasoner {
     fn take_back(&mut self, new: ObjectId, hidden: &Hidden, evidence: Evidence) {
         let Some(from) = self.objects.get(&hidden.id).map(|object| object.last.bbox) else { return };
         let Some(seen) = self.objects.get(&new) else { return };
-        let (frame, [x, y]) = (seen.born, seen.birthplace.centre());
+        // Its new region can have begun before the old one was lost for good.
+        let (frame, at) = (seen.born.max(hidden.since.0), seen.birthplace.centre());
         self.take_place(new, hidden.id);
         let Some(identity) = self.identity(hidden.id) else { return };
-        let (objects, becomes) = (vec![identity], vec![identity]);
-        let event = Event { frame, kind: EventKind::Reappear, objects, becomes, x, y, front: None, evidence };
+        let event = Event::of_one(frame, EventKind::Reappear, identity, at, evidence);
         self.returns.push(Return { id: hidden.id, since: hidden.since, t: self.t, event, from });
     }
 
@@ -373,7 +361,7 @@ impl Reasoner {
             front: None,
             identities_kept: true,
         });
-        self.events.push(returned.event);
+        self.push_event(&[id], returned.event);
     }
 }
 

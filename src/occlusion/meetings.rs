@@ -80,11 +80,6 @@ impl Meetings {
         new
     }
 
-    /// Whether these two are, or were a moment ago, in one meeting.
-    pub fn together(&self, a: ObjectId, b: ObjectId) -> bool {
-        self.open.iter().any(|meeting| meeting.members.contains(&a) && meeting.members.contains(&b))
-    }
-
     /// For how many frames an object has been in its meeting, 0 when it is in none.
     pub fn duration_of(&self, id: ObjectId, t: u32) -> u32 {
         let meetings = self.open.iter().filter(|meeting| meeting.members.contains(&id));

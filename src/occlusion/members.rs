@@ -2,6 +2,7 @@
 
 use super::assign;
 use super::event::{Event, EventKind, Evidence};
+use super::groups::Cause;
 use super::hidden::{Return, reach};
 use super::object::{Object, View};
 use super::partition::held_share;
@@ -69,6 +70,9 @@ impl Reasoner {
             self.settle_splits_of(id);
             if self.objects.get(&id).map(|object| object.key) != place {
                 // It changed places with another one, which is judged in the next frame.
+                continue;
+            }
+            if !self.can_leave(id) {
                 continue;
             }
             for carried in &mut self.carried {
@@ -215,6 +219,16 @@ impl Reasoner {
     }
 
     fn join_again(&mut self, id: ObjectId, index: usize, centre: [f32; 2]) {
+        let key = self.objects.get(&id).map(|object| object.key);
+        self.settle_splits_of(id);
+        if self.objects.get(&id).map(|object| object.key) != key {
+            // It changed places with another one, which is looked for in the next frame.
+            return;
+        }
+        let mut evidence =
+            Evidence::of_branch("an object is seen in a region that others alone do not explain");
+        evidence.note("frames unseen", self.frames_unseen(id) as f32);
+        self.groups.note_joining(id, Cause { frame: self.number, at: centre, evidence });
         for carried in &mut self.carried {
             carried.members.retain(|member| *member != id);
         }
@@ -232,18 +246,7 @@ impl Reasoner {
         let mut evidence =
             Evidence::of_branch("a hidden object is seen in a region that others alone do not explain");
         evidence.note("frames hidden", (self.t - hidden.since.1) as f32);
-        let (objects, becomes) = (vec![identity], vec![identity]);
-        let [x, y] = centre;
-        let event = Event {
-            frame: self.number,
-            kind: EventKind::Reappear,
-            objects,
-            becomes,
-            x,
-            y,
-            front: None,
-            evidence,
-        };
+        let event = Event::of_one(self.number, EventKind::Reappear, identity, centre, evidence);
         self.returns.push(Return { id, since: hidden.since, t: self.t, event, from });
     }
 }

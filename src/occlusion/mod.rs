@@ -8,6 +8,7 @@ mod abreast;
 pub mod assign;
 pub mod compare;
 pub mod event;
+mod groups;
 mod hidden;
 pub mod lobes;
 pub mod meetings;

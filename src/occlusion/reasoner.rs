@@ -11,6 +11,7 @@ use nalgebra::Vector3;
 
 use super::assign::{self, Piece};
 use super::event::{Comparison, Counters, Episode, Event, EventKind, Evidence};
+use super::groups::{Cause, Groups};
 use super::hidden::{self, Hidden, Return};
 use super::meetings::Meetings;
 use super::object::{Object, View, close_to};
@@ -102,6 +103,7 @@ pub struct Reasoner {
     /// Where the scene has hidden objects that came back.
     pub(super) occluders: Vec<Rect>,
     pub(super) splits: Vec<Split>,
+    pub(super) groups: Groups,
     pub(super) meetings: Meetings,
     pub(super) scene_episodes: Vec<Episode>,
     pub(super) naming: Naming,
@@ -147,6 +149,7 @@ impl Reasoner {
             returns: Vec::new(),
             occluders: Vec::new(),
             splits: Vec::new(),
+            groups: Groups::default(),
             meetings: Meetings::default(),
             scene_episodes: Vec::new(),
             naming: Naming::default(),
@@ -190,6 +193,7 @@ impl Reasoner {
         self.name_objects();
         self.judge_hidden();
         self.follow_splits();
+        self.follow_groups();
         self.follow_meetings();
         self.tell()
     }
@@ -256,6 +260,7 @@ impl Reasoner {
         for carried in &mut self.carried {
             carried.members.retain(|member| *member != id);
         }
+        self.leave_group(id);
         self.hidden.retain(|hidden| hidden.id != id);
         self.objects.remove(&id)
     }
@@ -530,7 +535,7 @@ impl Reasoner {
             self.give(first, members, view, is_just(piece, matched[first]));
             return;
         }
-        self.tell_merge(cluster, &members, view);
+        self.note_meeting(cluster, &members, view);
         for &other in others {
             self.carried[other].members.clear();
         }
@@ -547,21 +552,8 @@ impl Reasoner {
         Model::new(observation(view).measurement(), velocity, self.pool.noise.measurement, self.pool.noise)
     }
 
-    /// The event of a merge, unless these were in one meeting a moment ago: touching again within
-    /// `same_episode` is the same meeting.
-    fn tell_merge(&mut self, cluster: &Cluster, members: &[ObjectId], view: &View) {
-        let meeting_goes_on = members.iter().enumerate().all(|(index, &a)| {
-            members[index + 1..].iter().all(|&b| {
-                let were_apart = cluster.blobs.iter().all(|&blob| {
-                    let carried = &self.carried[blob].members;
-                    !(carried.contains(&a) && carried.contains(&b))
-                });
-                !were_apart || self.meetings.together(a, b)
-            })
-        });
-        if meeting_goes_on {
-            return;
-        }
+    /// Notes why the objects of these blobs share a region.
+    fn note_meeting(&mut self, cluster: &Cluster, members: &[ObjectId], view: &View) {
         let before: f32 = cluster
             .blobs
             .iter()
@@ -583,18 +575,10 @@ impl Reasoner {
             let whose = self.identity(id).unwrap_or_default();
             evidence.at_least(format!("share of {whose}'s predicted box inside the region"), held, 0.5);
         }
-        let identities = self.identities(members);
-        let [x, y] = view.bbox.centre();
-        self.events.push(Event {
-            frame: self.number,
-            kind: EventKind::Merge,
-            objects: identities.clone(),
-            becomes: identities,
-            x,
-            y,
-            front: None,
-            evidence,
-        });
+        let cause = Cause { frame: self.number, at: view.bbox.centre(), evidence };
+        for &id in members {
+            self.groups.note_joining(id, cause.clone());
+        }
     }
 
     /// Several objects and several pieces: who is where now, and what that says has happened.
@@ -655,7 +639,7 @@ impl Reasoner {
                 && let Some(view) = &joined.view
             {
                 let parents = Cluster { blobs: from.into_iter().collect(), observations: Vec::new() };
-                self.tell_merge(&parents, &joined.members, view);
+                self.note_meeting(&parents, &joined.members, view);
             }
         }
         for group in before.iter().filter(|group| group.len() > 1) {
@@ -855,37 +839,40 @@ impl Reasoner {
             .map(|(&id, _)| id)
             .collect();
         for id in due {
-            if !self.objects.contains_key(&id) || self.must_be_seen_better(id) {
-                continue;
+            if self.objects.contains_key(&id) && !self.must_be_seen_better(id) {
+                self.name_object(id);
             }
-            if self.reappears(id) || self.comes_out(id) {
-                self.absorb_parts();
-                continue;
-            }
-            let Some(object) = self.objects.get_mut(&id) else { continue };
-            object.named = true;
-            let identity = self.naming.name(object.key);
-            self.identities.insert(id, identity);
-            let (born, birthplace) = (object.born, object.birthplace);
-            let distance = birthplace.distance_to_edge(self.size);
-            let near = distance <= self.limits.border;
-            let kind = if near { EventKind::Enter } else { EventKind::Appear };
-            let branch = if near {
-                "a new object whose box was near the image edge when it was first seen"
-            } else {
-                "a new object away from the image edge; no hidden object fits and no group shrank"
-            };
-            let mut evidence = Evidence::of_branch(branch);
-            if near {
-                evidence.at_most("distance to the image edge", distance, self.limits.border);
-            } else {
-                evidence.at_least("distance to the image edge", distance, self.limits.border);
-                self.note_refused(&birthplace, &mut evidence);
-            }
-            let [x, y] = birthplace.centre();
-            let (objects, becomes) = (vec![identity], vec![identity]);
-            self.events.push(Event { frame: born, kind, objects, becomes, x, y, front: None, evidence });
         }
+    }
+
+    /// Says who an object is, and tells of its beginning where it is nobody known.
+    pub(super) fn name_object(&mut self, id: ObjectId) {
+        if self.reappears(id) || self.comes_out(id) {
+            self.absorb_parts();
+            return;
+        }
+        let Some(object) = self.objects.get_mut(&id) else { return };
+        object.named = true;
+        let identity = self.naming.name(object.key);
+        self.identities.insert(id, identity);
+        let (born, birthplace) = (object.born, object.birthplace);
+        let distance = birthplace.distance_to_edge(self.size);
+        let near = distance <= self.limits.border;
+        let kind = if near { EventKind::Enter } else { EventKind::Appear };
+        let branch = if near {
+            "a new object whose box was near the image edge when it was first seen"
+        } else {
+            "a new object away from the image edge; no hidden object fits and no group shrank"
+        };
+        let mut evidence = Evidence::of_branch(branch);
+        if near {
+            evidence.at_most("distance to the image edge", distance, self.limits.border);
+        } else {
+            evidence.at_least("distance to the image edge", distance, self.limits.border);
+            self.note_refused(&birthplace, &mut evidence);
+        }
+        let event = Event::of_one(born, kind, identity, birthplace.centre(), evidence);
+        self.push_event(&[id], event);
     }
 
     /// Notes which hidden objects a new one was not taken for, the nearest first: how far from where each may be.

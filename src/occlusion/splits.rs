@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use super::assign::{self, Fit, Piece};
-use super::event::{Comparison, Event, EventKind, Evidence};
+use super::event::{Comparison, Evidence};
+use super::groups::Cause;
 use super::object::Object;
 use super::reasoner::{Carried, ObjectId, Reasoner};
 use crate::regions::{Histogram, Rect};
@@ -30,6 +31,12 @@ impl Split {
     /// Whether it is still open who this is.
     pub(super) fn is_undecided(&self, id: ObjectId) -> bool {
         !self.decided && self.members.contains(&id)
+    }
+
+    /// The piece that a member is in.
+    pub(super) fn piece(&self, id: ObjectId) -> Option<usize> {
+        let member = self.members.iter().zip(&self.piece_of).find(|(member, _)| **member == id);
+        member.map(|(_, &piece)| piece)
     }
 
     fn members_in(&self, piece: usize) -> Vec<ObjectId> {
@@ -132,6 +139,11 @@ impl Reasoner {
             }
         }
         let Some((_, index, member, fit, filled)) = best else { return false };
+        if self.splits.iter().any(|split| split.members.contains(&member)) {
+            // Who is who in the group has been open until now.
+            self.settle_splits_of(member);
+            return self.comes_out(id);
+        }
         let objects = self.identities(&self.carried[index].members);
         let step = self.settings.size_step;
         let why = if filled <= 1.0 - step { "that had shrunk" } else { "in which it was not seen" };
@@ -142,20 +154,10 @@ impl Reasoner {
         evidence.at_most("the group's pixels over those its members should have", filled, 1.0 - step);
         evidence.note("agreement of colours, up to 1.2", fit.colour);
         evidence.note("pixels from the member's prediction", fit.distance);
+        let frame = new.born;
         self.carried[index].members.retain(|&other| other != member);
-        let (frame, [x, y]) = (self.objects[&id].born, piece.bbox.centre());
         self.take_place(id, member);
-        let becomes = self.identity(member).into_iter().collect();
-        self.events.push(Event {
-            frame,
-            kind: EventKind::Demerge,
-            objects,
-            becomes,
-            x,
-            y,
-            front: None,
-            evidence,
-        });
+        self.groups.note_leaving(member, Cause { frame, at: piece.bbox.centre(), evidence });
         true
     }
 
@@ -272,20 +274,10 @@ impl Reasoner {
     }
 
     fn tell_split(&mut self, split: &Split) {
-        let objects = self.identities(&split.members);
-        if objects.len() < 2 {
-            return;
-        }
-        let singles: Vec<ObjectId> = (0..split.pieces.len())
-            .map(|piece| split.members_in(piece))
-            .filter(|members| members.len() == 1)
-            .flatten()
-            .collect();
-        let becomes = if singles.is_empty() { objects.clone() } else { self.identities(&singles) };
         let area: f32 = split.pieces.iter().map(|piece| piece.area).sum();
         let mut evidence = Evidence::of_branch(format!(
             "a region that {} objects shared fell into {} pieces of {area:.0} pixels together, apart for {} frames when it was decided",
-            objects.len(),
+            self.identities(&split.members).len(),
             split.pieces.len(),
             self.t - split.t,
         ));
@@ -315,16 +307,8 @@ impl Reasoner {
         }
         let around =
             split.pieces.iter().map(|piece| piece.bbox).reduce(|a, b| a.union(&b)).unwrap_or_default();
-        let [x, y] = around.centre();
-        self.events.push(Event {
-            frame: split.frame,
-            kind: EventKind::Demerge,
-            objects,
-            becomes,
-            x,
-            y,
-            front: None,
-            evidence,
-        });
+        let pieces: Vec<Vec<ObjectId>> =
+            (0..split.pieces.len()).map(|piece| split.members_in(piece)).collect();
+        self.tell_parting(&pieces, &Cause { frame: split.frame, at: around.centre(), evidence });
     }
 }

@@ -67,6 +67,48 @@ impl Naming {
                 None => false,
             });
         }
+        // Who came out before it was known that they did stands by themselves.
+        let regions: BTreeMap<Identity, Vec<u32>> =
+            named.values().map(|track| (track.id, track.regions.clone())).collect();
+        for track in named.values_mut().filter(|track| track.state == TrackState::Merged) {
+            track.group.retain(|member| regions.get(member) == Some(&track.regions));
+            if track.group.len() < 2 {
+                track.group.clear();
+                track.state = TrackState::Visible;
+            }
+        }
         named.into_values().collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::export::tests::track;
+
+    #[test]
+    fn who_came_out_before_it_was_known_stands_alone_and_leaves_the_rest_together() {
+        let mut naming = Naming::default();
+        for key in 1..=3 {
+            naming.name(key);
+        }
+        let merged = |key: Key| Track {
+            key,
+            state: TrackState::Merged,
+            group: vec![1, 2, 3],
+            regions: vec![1],
+            ..track(0, 0.0, 0.0)
+        };
+        let out = Track {
+            key: 4,
+            state: TrackState::Visible,
+            group: vec![],
+            regions: vec![2],
+            ..track(0, 0.0, 0.0)
+        };
+        naming.same(4, 3);
+        let told = naming.apply(&[merged(1), merged(2), merged(3), out]);
+        let with: Vec<_> = told.iter().map(|track| (track.id, track.group.clone())).collect();
+        assert_eq!(with, [(1, vec![1, 2]), (2, vec![1, 2]), (3, vec![])]);
     }
 }

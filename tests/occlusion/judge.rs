@@ -69,6 +69,7 @@ pub(crate) fn differences_in(scene: &Scene, speed: f32, settings: &Settings) -> 
                 .push(format!("demerge {}: {:?} became {:?}", event.frame, event.objects, event.becomes));
         }
     }
+    differences.extend(crate::balance::faults(&found.events, &found.tracks, settings, scene.fps));
     differences
 }
 
