@@ -2,7 +2,7 @@
 
 use super::assign;
 use super::event::{Episode, EpisodeKind, Event, EventKind, Evidence};
-use super::object::Object;
+use super::object::{LASTS, Object};
 use super::partition::held_share;
 use super::reasoner::{ObjectId, Reasoner};
 use crate::regions::Rect;
@@ -94,6 +94,29 @@ impl Reasoner {
                     continue;
                 }
                 self.meetings.lose(id);
+                match &leaves {
+                    Some(evidence) => self.tell_exit(id, lost_from.0, evidence.clone()),
+                    None => self.hide(id, lost_from),
+                }
+            }
+        }
+    }
+
+    /// Decides about every blob that was lost a moment before the end of the video: left the image, or hidden where it is
+    /// no flicker of the mask.
+    pub(super) fn judge_lost_at_end(&mut self) {
+        for index in (0..self.carried.len()).rev() {
+            let carried = &self.carried[index];
+            let Some(lost_from) = carried.lost_from else { continue };
+            let named = |id: &ObjectId| self.objects.get(id).is_some_and(|object| object.named);
+            let leaves = self.leaves(index, lost_from.0);
+            let lasts = self.t - lost_from.1 + 1 >= LASTS;
+            if !carried.members.iter().all(|id| named(id) && self.can_leave(*id))
+                || leaves.is_none() && !lasts
+            {
+                continue;
+            }
+            for id in self.carried.remove(index).members {
                 match &leaves {
                     Some(evidence) => self.tell_exit(id, lost_from.0, evidence.clone()),
                     None => self.hide(id, lost_from),

@@ -24,7 +24,7 @@ const NEAR_TALL: f32 = 0.8;
 const SLOWING: f32 = 0.9;
 
 /// What is seen for so many frames in succession is no flicker of the mask.
-const LASTS: u32 = 3;
+pub(super) const LASTS: u32 = 3;
 
 /// The region, or the regions taken together, by which an object was seen in a frame.
 #[derive(Clone, Debug)]

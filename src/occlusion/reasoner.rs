@@ -198,8 +198,8 @@ impl Reasoner {
         self.tell()
     }
 
-    /// Decides what is still open after the last frame: groups that split and objects that came back a moment before the
-    /// end. Gives the events of it, by frame and kind.
+    /// Decides what is still open after the last frame: groups that split, objects that came back, left or were lost a
+    /// moment before the end. Gives the events of it, by frame and kind.
     pub fn finish(&mut self) -> Vec<Event> {
         while let Some(members) = self.splits.first().map(|split| split.members.clone()) {
             for id in members {
@@ -210,6 +210,8 @@ impl Reasoner {
         for id in returned {
             self.tell_return_of(id);
         }
+        self.judge_lost_at_end();
+        self.follow_groups();
         self.count_told()
     }
 
