@@ -9,6 +9,7 @@ use blocks::{Block, regions};
 use occluscope::frame::Size;
 use occluscope::occlusion::{Event, EventKind, Reasoner};
 use occluscope::settings::Settings;
+use occluscope::tracking::Naming;
 
 const SIZE: Size = Size::new(320, 240);
 const FPS: f32 = 25.0;
@@ -22,19 +23,23 @@ fn told_of(ways: &[Way]) -> Vec<Vec<Event>> {
     let colours = [[200, 30, 30], [30, 30, 200], [30, 180, 30]];
     let settings = Settings::default();
     let mut reasoner = Reasoner::new(&settings, SIZE, FPS);
-    let (mut events, mut frames, mut endings) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut events, mut names, mut frames, mut endings) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for number in 1..=FRAMES {
         let seen = ways.iter().zip(colours).filter_map(|(way, colour)| {
             way(number as i32).and_then(|at| Block::new(at, (8, 20), colour, SIZE))
         });
         let seen = reasoner.step(number, &regions(&seen.collect::<Vec<_>>(), SIZE));
         events.extend(seen.events);
+        names.extend(seen.settled.names);
         frames.push((number, seen.objects));
-        let mut end = reasoner.clone();
+        let end = reasoner.clone().finish();
         let mut told = events.clone();
-        told.extend(end.finish());
+        told.extend(end.events);
         told.sort_by(|a, b| (a.frame, a.kind, &a.objects).cmp(&(b.frame, b.kind, &b.objects)));
-        let naming = end.naming();
+        let mut naming = Naming::default();
+        for &(key, identity) in names.iter().chain(&end.settled.names) {
+            naming.set(key, identity);
+        }
         let tracks: Vec<_> =
             frames.iter().map(|(number, objects)| (*number, naming.apply(objects))).collect();
         let faults = balance::faults(&told, &tracks, &settings, FPS);

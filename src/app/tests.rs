@@ -309,6 +309,7 @@ fn shown_at(position: u32) -> Shown {
             tentative: Arc::default(),
             objects: Arc::default(),
             events: Arc::default(),
+            settled: Arc::default(),
             counters: Counters::default(),
         }),
         background: background.clone(),

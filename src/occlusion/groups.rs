@@ -47,6 +47,11 @@ impl Groups {
         self.told.iter().any(|group| members.iter().all(|id| group.contains(id)))
     }
 
+    /// How many objects something is known of.
+    pub(super) fn len(&self) -> usize {
+        self.told.iter().map(BTreeSet::len).sum::<usize>() + self.joined.len() + self.left.len()
+    }
+
     fn leave(&mut self, id: ObjectId) {
         for group in &mut self.told {
             group.remove(&id);

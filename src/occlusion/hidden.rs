@@ -375,7 +375,7 @@ impl Reasoner {
             let back = Rect::around([returned.event.x, returned.event.y], object.size().0, object.size().1);
             self.occluders.push(returned.from.union(&back));
         }
-        self.scene_episodes.push(Episode {
+        self.episodes.push(Episode {
             kind: EpisodeKind::Scene,
             objects: returned.event.objects.clone(),
             start: returned.since.0,

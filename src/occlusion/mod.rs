@@ -24,4 +24,4 @@ pub mod template;
 pub mod what_if;
 
 pub use event::{Comparison, Counters, Episode, EpisodeKind, Event, EventKind, Evidence, Relation};
-pub use reasoner::{Reasoner, Seen};
+pub use reasoner::{Ending, Reasoner, Seen, Settled};

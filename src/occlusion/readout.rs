@@ -63,6 +63,7 @@ impl Reasoner {
             tentative: tentative.into_iter().cloned().collect(),
             objects,
             events: self.count_told(),
+            settled: self.take_settled(),
         }
     }
 

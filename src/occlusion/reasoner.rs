@@ -4,7 +4,7 @@
 //! identity; a blob carries one object, or several while they share its region. Events come from
 //! how this partition changes from frame to frame.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
 
 use nalgebra::Vector3;
@@ -25,13 +25,16 @@ use crate::tracking::fragments::group_fragments;
 use crate::tracking::kalman::Model;
 use crate::tracking::pool::{Blob, Observation, PoolSettings};
 use crate::tracking::seeds::Seeds;
-use crate::tracking::{Naming, Track};
+use crate::tracking::{Identity, Key, Naming, Track};
 
 /// A member of which nothing was seen for more frames than this need not be in its group's region.
 const COASTS: u32 = 2;
 
 /// A new object tells of at most so many hidden ones that it was not taken for.
 const MOST_REFUSED: usize = 3;
+
+/// The names of those who are gone are forgotten when there are about as many, or more than who is there.
+const FORGOTTEN_AT_ONCE: usize = 64;
 
 /// Regions down to this share of `track_min_area` can be fragments of a detection.
 const MIN_FRAGMENT_SHARE: f32 = 0.3;
@@ -84,6 +87,26 @@ pub struct Seen {
     pub objects: Vec<Track>,
     /// Events decided in this frame, by frame and kind.
     pub events: Vec<Event>,
+    /// What was decided in this frame of those before it.
+    pub settled: Settled,
+}
+
+/// What is settled for good of the frames so far, and is told once.
+#[derive(Clone, Debug, Default)]
+pub struct Settled {
+    /// Who turned out to be who; a later decision overrules an earlier one.
+    pub names: Vec<(Key, Identity)>,
+    /// Occlusions that are over.
+    pub episodes: Vec<Episode>,
+}
+
+/// The last of a sequence.
+#[derive(Clone, Debug, Default)]
+pub struct Ending {
+    /// Events decided after the last frame, by frame and kind.
+    pub events: Vec<Event>,
+    /// What else was open until then.
+    pub settled: Settled,
 }
 
 /// Follows objects through a sequence.
@@ -105,9 +128,10 @@ pub struct Reasoner {
     pub(super) splits: Vec<Split>,
     pub(super) groups: Groups,
     pub(super) meetings: Meetings,
-    pub(super) scene_episodes: Vec<Episode>,
+    /// Occlusions by the scene that are over and have not been told yet.
+    pub(super) episodes: Vec<Episode>,
     pub(super) naming: Naming,
-    /// The identity of every object that ever had one.
+    /// The identities of the objects of which something may still be told.
     identities: BTreeMap<ObjectId, u32>,
     pub(super) events: Vec<Event>,
     perspective: Perspective,
@@ -151,7 +175,7 @@ impl Reasoner {
             splits: Vec::new(),
             groups: Groups::default(),
             meetings: Meetings::default(),
-            scene_episodes: Vec::new(),
+            episodes: Vec::new(),
             naming: Naming::default(),
             identities: BTreeMap::new(),
             events: Vec::new(),
@@ -195,12 +219,14 @@ impl Reasoner {
         self.follow_splits();
         self.follow_groups();
         self.follow_meetings();
-        self.tell()
+        let seen = self.tell();
+        self.forget_names();
+        seen
     }
 
     /// Decides what is still open after the last frame: groups that split, objects that came back, left or were lost a
-    /// moment before the end. Gives the events of it, by frame and kind.
-    pub fn finish(&mut self) -> Vec<Event> {
+    /// moment before the end.
+    pub fn finish(&mut self) -> Ending {
         while let Some(members) = self.splits.first().map(|split| split.members.clone()) {
             for id in members {
                 self.settle_splits_of(id);
@@ -212,7 +238,29 @@ impl Reasoner {
         }
         self.judge_lost_at_end();
         self.follow_groups();
-        self.count_told()
+        self.meetings.close_all();
+        Ending { events: self.count_told(), settled: self.take_settled() }
+    }
+
+    /// What was settled since this was last asked.
+    pub(super) fn take_settled(&mut self) -> Settled {
+        let identities = &self.identities;
+        let mut episodes = self.meetings.take_closed(|id| identities.get(&id).copied());
+        episodes.append(&mut self.episodes);
+        Settled { names: self.naming.take_decided(), episodes }
+    }
+
+    /// Forgets the names of those of whom nothing can be told any more, when they are many.
+    fn forget_names(&mut self) {
+        if self.identities.len() > 2 * self.objects.len() + FORGOTTEN_AT_ONCE {
+            let (objects, meetings, splits) = (&self.objects, &self.meetings, &self.splits);
+            let open = |id: ObjectId| splits.iter().any(|split| split.members.contains(&id));
+            self.identities.retain(|&id, _| objects.contains_key(&id) || meetings.hold(id) || open(id));
+        }
+        if self.naming.len() > 2 * self.objects.len() + FORGOTTEN_AT_ONCE {
+            let keys: BTreeSet<Key> = self.objects.values().map(|object| object.key).collect();
+            self.naming.retain(|key| keys.contains(&key));
+        }
     }
 
     /// Events so far, by kind.
@@ -220,17 +268,13 @@ impl Reasoner {
         self.counters
     }
 
-    /// Who is who.
-    pub fn naming(&self) -> Naming {
-        self.naming.clone()
-    }
-
-    /// The occlusion episodes so far, by start.
-    pub fn episodes(&self) -> Vec<Episode> {
-        let mut episodes = self.meetings.episodes(|id| self.identity(id));
-        episodes.extend(self.scene_episodes.iter().cloned());
-        episodes.sort_by(|a, b| (a.start, &a.objects).cmp(&(b.start, &b.objects)));
-        episodes
+    /// How much is remembered, in things of all kinds: what must not grow with the time.
+    pub fn remembered(&self) -> usize {
+        let scene = self.objects.len() + self.carried.len() + self.hidden.len() + self.occluders.len();
+        let open = self.returns.len() + self.splits.len() + self.groups.len() + self.meetings.len();
+        let untold = self.events.len() + self.episodes.len();
+        let names = self.identities.len() + self.naming.len();
+        scene + open + untold + names + self.with_region.len() + self.seeds.len()
     }
 
     /// The memory a copy takes, roughly, in bytes.
@@ -238,10 +282,19 @@ impl Reasoner {
         size_of::<Self>()
             + self.objects.len() * (size_of::<Object>() + 4096)
             + self.carried.len() * (size_of::<Carried>() + 2048)
+            + self.hidden.len() * size_of::<Hidden>()
+            + self.returns.len() * (size_of::<Return>() + 512)
+            + self.occluders.len() * size_of::<Rect>()
+            + self.splits.len() * (size_of::<Split>() + 4096)
+            + self.episodes.len() * (size_of::<Episode>() + 16)
+            + self.events.len() * (size_of::<Event>() + 512)
+            + self.with_region.len() * size_of::<(u32, u32)>()
+            + self.seeds.len() * size_of::<Observation>()
+            + (self.identities.len() + self.naming.len()) * 16
             + self.meetings.bytes()
     }
 
-    /// The identity of an object, also of one that is gone.
+    /// The identity of an object, also of one that is gone and of which something is still to be told.
     pub(super) fn identity(&self, id: ObjectId) -> Option<u32> {
         self.identities.get(&id).copied()
     }
@@ -635,8 +688,7 @@ impl Reasoner {
             piece_numbers.push(index);
         }
         for joined in &blobs {
-            let from: std::collections::BTreeSet<usize> =
-                joined.members.iter().map(|id| was_in[id]).collect();
+            let from: BTreeSet<usize> = joined.members.iter().map(|id| was_in[id]).collect();
             if from.len() > 1
                 && let Some(view) = &joined.view
             {

@@ -12,6 +12,8 @@ pub type Key = u32;
 pub struct Naming {
     identities: BTreeMap<Key, Identity>,
     last: Identity,
+    /// What was decided since it was last asked, in order.
+    decided: Vec<(Key, Identity)>,
 }
 
 impl Naming {
@@ -22,11 +24,32 @@ impl Naming {
 
     /// Gives an object the next free identity, unless it has one.
     pub fn name(&mut self, key: Key) -> Identity {
-        let last = &mut self.last;
-        *self.identities.entry(key).or_insert_with(|| {
-            *last += 1;
-            *last
-        })
+        if let Some(identity) = self.of(key) {
+            return identity;
+        }
+        self.last += 1;
+        self.set(key, self.last);
+        self.last
+    }
+
+    /// Who was found to be who since this was last asked, in the order in which it was decided.
+    pub fn take_decided(&mut self) -> Vec<(Key, Identity)> {
+        std::mem::take(&mut self.decided)
+    }
+
+    /// Forgets the objects of which nothing is to be told any more.
+    pub fn retain(&mut self, keep: impl Fn(Key) -> bool) {
+        self.identities.retain(|&key, _| keep(key));
+    }
+
+    /// How many objects are known by name.
+    pub fn len(&self) -> usize {
+        self.identities.len()
+    }
+
+    /// Whether none is.
+    pub fn is_empty(&self) -> bool {
+        self.identities.is_empty()
     }
 
     /// How many identities have been given.
@@ -37,12 +60,13 @@ impl Naming {
     /// Decides who an object is.
     pub fn set(&mut self, key: Key, identity: Identity) {
         self.identities.insert(key, identity);
+        self.decided.push((key, identity));
     }
 
     /// Decides that an object is one that has been known before.
     pub fn same(&mut self, key: Key, as_known: Key) {
         if let Some(identity) = self.of(as_known) {
-            self.identities.insert(key, identity);
+            self.set(key, identity);
         }
     }
 
