@@ -153,11 +153,9 @@ impl Reasoner {
 
     /// The members of each region who are not all together yet by what the events say.
     fn newly_together(&self) -> Vec<Vec<ObjectId>> {
-        let named = |id: &ObjectId| self.objects.get(id).is_some_and(|object| object.named);
-        let shared = self
-            .carried
-            .iter()
-            .map(|carried| -> Vec<ObjectId> { carried.members.iter().copied().filter(named).collect() });
+        let shared = self.carried.iter().map(|carried| -> Vec<ObjectId> {
+            carried.members.iter().copied().filter(|&id| self.is_named(id)).collect()
+        });
         shared.filter(|members| members.len() > 1 && !self.groups.are_together(members)).collect()
     }
 

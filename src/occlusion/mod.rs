@@ -4,6 +4,8 @@
 //! [`partition`] finds which objects and regions have to do with each other, [`assign`] who is who
 //! among the pieces of a group; `splits` and `hidden` hold what is undecided or out of sight.
 
+#![deny(clippy::indexing_slicing)]
+
 mod abreast;
 pub mod assign;
 pub mod compare;
