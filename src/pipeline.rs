@@ -7,7 +7,7 @@ use rayon::prelude::*;
 use crate::frame::{Frame, Mask, Size};
 use crate::mixture::opencv::OpencvModel;
 use crate::mixture::{Mixture, Parameters};
-use crate::occlusion::{Counters, Episode, Event, EventKind, Reasoner};
+use crate::occlusion::{Counters, Episode, Event, EventKind, Reasoner, Settled};
 use crate::regions::roi::RoiError;
 use crate::regions::{Cleaning, Labels, Region, Roi, find_regions};
 use crate::registration::{Choice, Correction, corrected};
@@ -61,6 +61,8 @@ pub struct Analysis {
     pub objects: Arc<Vec<Track>>,
     /// The events that were decided in this frame; some may have happened a few frames earlier.
     pub events: Arc<Vec<Event>>,
+    /// What else was decided in this frame of those before it.
+    pub settled: Arc<Settled>,
     /// All events decided up to this frame, by kind.
     pub counters: Counters,
 }
@@ -79,7 +81,7 @@ pub struct Reading {
 }
 
 enum Model {
-    Mixture(Mixture),
+    Mixture(Box<Mixture>),
     Opencv(OpencvModel),
 }
 
@@ -188,8 +190,10 @@ impl Pipeline {
     pub fn new(settings: &Settings, size: Size, fps: f32) -> Result<Self, PipelineError> {
         let opencv =
             OpencvModel::new(settings, size).map_err(|source| PipelineError::Opencv { frame: 0, source })?;
-        let model = opencv
-            .map_or_else(|| Model::Mixture(Mixture::new(size, Parameters::new(settings))), Model::Opencv);
+        let model = opencv.map_or_else(
+            || Model::Mixture(Box::new(Mixture::new(size, Parameters::new(settings)))),
+            Model::Opencv,
+        );
         Ok(Self {
             size,
             t: 0,
@@ -273,6 +277,7 @@ impl Pipeline {
             tentative: Arc::new(seen.tentative),
             objects: Arc::new(seen.objects),
             events: Arc::new(seen.events),
+            settled: Arc::new(seen.settled),
             counters: self.reasoner.counters(),
         }
     }
@@ -301,6 +306,7 @@ impl Pipeline {
             tentative: Arc::new(seen.tentative),
             objects: Arc::new(seen.objects),
             events: Arc::new(seen.events),
+            settled: Arc::new(seen.settled),
             counters: self.reasoner.counters(),
             ..analysis.clone()
         }
@@ -328,7 +334,7 @@ impl Pipeline {
     pub fn try_clone(&self) -> Option<Self> {
         let mixture = self.mixture()?.clone();
         Some(Self {
-            model: Model::Mixture(mixture),
+            model: Model::Mixture(Box::new(mixture)),
             reasoner: self.reasoner.clone(),
             finder: self.finder.clone(),
             ..*self
@@ -339,31 +345,28 @@ impl Pipeline {
     pub fn state_bytes(&self) -> usize {
         self.mixture().map_or(0, Mixture::state_bytes) + self.reasoner.state_bytes()
     }
-
-    /// Who is who, as decided up to here.
-    pub fn naming(&self) -> Naming {
-        self.reasoner.naming()
-    }
-
-    /// The occlusion episodes up to here, by start; those still going on end at the last frame.
-    pub fn episodes(&self) -> Vec<Episode> {
-        self.reasoner.episodes()
-    }
 }
 
 /// The final reading of all `analyses`, in order, after `pipeline` has seen the last of them:
 /// objects named from their first frame on, short tracks gone.
 pub fn final_reading<'a>(analyses: impl IntoIterator<Item = &'a Analysis>, pipeline: &Pipeline) -> Reading {
     // What was open at the last frame is decided in a copy: the pipeline may go on.
-    let mut reasoner = pipeline.reasoner.clone();
-    let late = reasoner.finish();
-    let naming = reasoner.naming();
-    let mut reading = Reading { episodes: reasoner.episodes(), ..Reading::default() };
+    let late = pipeline.reasoner.clone().finish();
+    let analyses: Vec<&Analysis> = analyses.into_iter().collect();
+    let mut naming = Naming::default();
+    let mut reading = Reading::default();
+    for settled in analyses.iter().map(|analysis| &*analysis.settled).chain([&late.settled]) {
+        for &(key, identity) in &settled.names {
+            naming.set(key, identity);
+        }
+        reading.episodes.extend(settled.episodes.iter().cloned());
+    }
+    reading.episodes.sort_by(|a, b| (a.start, &a.objects).cmp(&(b.start, &b.objects)));
     for analysis in analyses {
         reading.tracks.push((analysis.number, naming.apply(analysis.objects.iter())));
         reading.events.extend(analysis.events.iter().cloned());
     }
-    reading.events.extend(late);
+    reading.events.extend(late.events);
     reading.events.sort_by(|a, b| (a.frame, a.kind, &a.objects).cmp(&(b.frame, b.kind, &b.objects)));
     for event in &mut reading.events {
         reading.counters.count(event.kind);

@@ -3,12 +3,16 @@
 
 #![allow(clippy::expect_used)]
 
+#[path = "common/balance.rs"]
+mod balance;
+
 use std::collections::BTreeSet;
 
 use occluscope::frame::{Frame, Mask, Size};
 use occluscope::occlusion::{EventKind, Reasoner};
 use occluscope::regions::find_regions;
 use occluscope::settings::{Kind, SETTINGS, Settings, Span, Stage, Value};
+use occluscope::tracking::Naming;
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
@@ -93,7 +97,8 @@ proptest! {
         let settings = if usual { Settings::default() } else { any_settings(&mut random) };
         let mut reasoner = Reasoner::new(&settings, SIZE, fps);
         let mut known: BTreeSet<u32> = BTreeSet::new();
-        let mut told = 0;
+        let (mut told, mut frames, mut episodes) = (Vec::new(), Vec::new(), Vec::new());
+        let mut naming = Naming::default();
         for number in 1..=150 {
             for block in &mut blocks {
                 if random.random_bool(0.02) {
@@ -129,14 +134,29 @@ proptest! {
                 prop_assert!(event.objects.len() >= least, "{:?} of {:?}", event.kind, event.objects);
                 prop_assert!(!event.evidence.branch.is_empty());
             }
-            told += seen.events.len() as u32;
+            told.extend(seen.events);
+            for (key, identity) in seen.settled.names {
+                naming.set(key, identity);
+            }
+            episodes.extend(seen.settled.episodes);
+            frames.push((number, seen.objects));
             let labelled = labels.runs.iter().filter(|run| run.label > 0).map(|run| run.length).sum::<u32>();
             prop_assert_eq!(labelled, regions.iter().map(|region| region.shape.area).sum::<u32>());
         }
         let counters = reasoner.counters();
         let counted: u32 = EventKind::ALL.iter().map(|&kind| counters.of(kind)).sum();
-        prop_assert_eq!(counted, told);
-        for episode in reasoner.episodes() {
+        prop_assert_eq!(counted, told.len() as u32);
+        let ending = reasoner.finish();
+        told.extend(ending.events);
+        for (key, identity) in ending.settled.names {
+            naming.set(key, identity);
+        }
+        episodes.extend(ending.settled.episodes);
+        told.sort_by(|a, b| (a.frame, a.kind, &a.objects).cmp(&(b.frame, b.kind, &b.objects)));
+        let tracks: Vec<_> = frames.iter().map(|(number, objects)| (*number, naming.apply(objects))).collect();
+        let faults = balance::faults(&told, &tracks, &settings, fps);
+        prop_assert!(faults.is_empty(), "{:#?}", faults);
+        for episode in episodes {
             prop_assert!(episode.start <= episode.end);
             prop_assert!(episode.objects.iter().all(|id| *id > 0));
         }

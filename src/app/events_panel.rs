@@ -402,6 +402,7 @@ mod tests {
             kind,
             objects: objects.to_vec(),
             becomes: becomes.to_vec(),
+            pieces: Vec::new(),
             x: 0.0,
             y: 0.0,
             front: None,

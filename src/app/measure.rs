@@ -133,6 +133,7 @@ fn shown_at(position: u32, count: u32) -> Shown {
             tentative: Arc::default(),
             objects: Arc::default(),
             events: Arc::default(),
+            settled: Arc::default(),
             counters: Counters::default(),
         }),
         background: picture(0),

@@ -309,6 +309,7 @@ fn shown_at(position: u32) -> Shown {
             tentative: Arc::default(),
             objects: Arc::default(),
             events: Arc::default(),
+            settled: Arc::default(),
             counters: Counters::default(),
         }),
         background: background.clone(),
@@ -338,8 +339,8 @@ fn event(kind: EventKind, frame: u32, objects: &[u32], at: (f32, f32)) -> (u32, 
     evidence.at_least("size change", 0.41, 0.2);
     evidence.note("ΔE of 1 with piece 2", 12.5);
     let becomes = if kind == EventKind::Demerge { vec![1, 4] } else { objects.to_vec() };
-    let event =
-        Event { frame, kind, objects: objects.to_vec(), becomes, x: at.0, y: at.1, front: None, evidence };
+    let (objects, pieces) = (objects.to_vec(), Vec::new());
+    let event = Event { frame, kind, objects, becomes, pieces, x: at.0, y: at.1, front: None, evidence };
     (frame - 1, event)
 }
 

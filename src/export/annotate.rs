@@ -246,6 +246,7 @@ mod tests {
             kind,
             becomes: objects.clone(),
             objects,
+            pieces: Vec::new(),
             x: 60.0,
             y: 60.0,
             front: None,

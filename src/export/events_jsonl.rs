@@ -28,6 +28,7 @@ mod tests {
             kind: EventKind::Merge,
             objects: vec![3, 5],
             becomes: vec![3, 5],
+            pieces: vec![],
             x: 1.5,
             y: 2.0,
             front: None,

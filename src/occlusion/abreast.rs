@@ -2,6 +2,8 @@
 
 use std::sync::Arc;
 
+use super::event::Evidence;
+use super::groups::Cause;
 use super::lobes::lobes;
 use super::object::{Appearance, Object, View, template_of};
 use super::reasoner::{Carried, ObjectId, Reasoner};
@@ -16,13 +18,13 @@ impl Reasoner {
     /// there is one more.
     pub(super) fn count_heads(&mut self) {
         for index in 0..self.carried.len() {
-            let Carried { members, view: Some(view), .. } = &self.carried[index] else { continue };
+            let Some(Carried { members, view: Some(view), .. }) = self.carried.get(index) else { continue };
             let Some(&first) = members.first() else { continue };
-            let seen = members.iter().filter(|id| self.objects[id].unseen == 0).count().max(1);
+            let seen = self.objects_of(members).filter(|object| object.unseen == 0).count().max(1);
             let cut_off = view.bbox.distance_to_edge(self.size) <= 1.0;
             let heads = if cut_off { Vec::new() } else { lobes(&view.mosaic) };
             let Some(object) = self.objects.get_mut(&first) else { continue };
-            if heads.len() <= seen {
+            if heads.len() <= seen || !object.named {
                 object.crowded = object.crowded.saturating_sub(2);
                 continue;
             }
@@ -41,7 +43,8 @@ impl Reasoner {
         if bodies.len() < 2 {
             return;
         }
-        let objects: Vec<&Object> = members.iter().map(|id| &self.objects[id]).collect();
+        let heads = bodies.len();
+        let objects: Vec<&Object> = self.objects_of(members).collect();
         let taken = |view: &View| {
             // Both bodies are where the only member is; the other's is the newcomer's.
             if let [only] = objects[..] {
@@ -50,12 +53,13 @@ impl Reasoner {
             let seen = objects.iter().filter(|object| object.unseen == 0);
             seen.map(|object| object.predicted_box().iou(&view.bbox)).fold(0.0, f32::max)
         };
-        let free = (0..bodies.len()).min_by(|&a, &b| taken(&bodies[a]).total_cmp(&taken(&bodies[b])));
-        let Some(free) = free else { return };
+        let free = bodies.iter().map(taken).enumerate().min_by(|a, b| a.1.total_cmp(&b.1));
+        let Some((free, _)) = free else { return };
         let free = bodies.remove(free);
         let centre = free.bbox.centre();
-        let unseen = members.iter().copied().filter(|id| self.objects[id].unseen > 0);
-        if let Some(id) = unseen.max_by_key(|id| self.objects[id].unseen) {
+        let frames_unseen = |id: &ObjectId| self.objects.get(id).map_or(0, |object| object.unseen);
+        let unseen = members.iter().copied().filter(|id| frames_unseen(id) > 0);
+        if let Some(id) = unseen.max_by_key(frames_unseen) {
             if let Some(object) = self.objects.get_mut(&id) {
                 object.stand_at(centre);
                 object.unseen = 0;
@@ -78,8 +82,7 @@ impl Reasoner {
         let (clear, template) = look(&free);
         let birth = if was_two { (known.born, known.birthplace) } else { (self.number, free.bbox) };
         let newcomer = Object { clear, template, ..Object::new(id, birth, model(&free), free) };
-        if was_two {
-            let mine = &bodies[0];
+        if was_two && let Some(mine) = bodies.first() {
             let (clear, template) = look(mine);
             let model = model(mine);
             if let Some(object) = members.first().and_then(|id| self.objects.get_mut(id)) {
@@ -92,8 +95,17 @@ impl Reasoner {
             }
         }
         self.objects.insert(id, newcomer);
-        self.carried[index].members.push(id);
-        self.carried[index].members.sort_unstable();
+        let Some(carried) = self.carried.get_mut(index) else { return };
+        carried.members.push(id);
+        carried.members.sort_unstable();
+        let mut evidence =
+            Evidence::of_branch("a region shows more heads than it has objects: one more is in it");
+        evidence.note("heads", heads as f32);
+        evidence.note("objects", members.len() as f32);
+        if let Some(&first) = members.first() {
+            self.groups.note_joining(first, Cause { frame: self.number, at: centre, evidence });
+        }
+        self.name_object(id);
     }
 }
 

@@ -67,10 +67,11 @@ pub fn outside(a: &Rect, b: &Rect) -> f32 {
 /// pieces as objects no piece stays empty. `by_colour` says for each object whether its colours
 /// are asked: not for one that was alone until now, whose place is known.
 pub fn assign(fits: &[Vec<Fit>], objects: &[&Object], pieces: &[Piece], by_colour: &[bool]) -> Vec<usize> {
-    let value = |object: usize, piece: usize| {
-        let fit = fits[object][piece];
-        fit.motion + if by_colour[object] { COLOUR_NATS * fit.colour } else { 0.0 }
-    };
+    let value =
+        |fit: &Fit, by_colour: bool| fit.motion + if by_colour { COLOUR_NATS * fit.colour } else { 0.0 };
+    let rows = fits.iter().zip(by_colour);
+    let values: Vec<Vec<f32>> =
+        rows.map(|(row, &by_colour)| row.iter().map(|fit| value(fit, by_colour)).collect()).collect();
     let sizes = |assigned: &[usize]| -> f32 {
         let misfit = pieces.iter().enumerate().map(|(piece, it)| {
             let due: f32 =
@@ -79,19 +80,17 @@ pub fn assign(fits: &[Vec<Fit>], objects: &[&Object], pieces: &[Piece], by_colou
         });
         misfit.sum()
     };
-    let total = |assigned: &[usize]| -> f32 {
-        assigned.iter().enumerate().map(|(object, &piece)| value(object, piece)).sum::<f32>()
-            + sizes(assigned)
+    let total = |assigned: &[usize]| -> f32 { of(&values, assigned).sum::<f32>() + sizes(assigned) };
+    let best_piece = |values: &Vec<f32>| {
+        let best = values.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1).then(b.0.cmp(&a.0)));
+        best.map_or(0, |(piece, _)| piece)
     };
-    best(objects.len(), pieces.len(), total).unwrap_or_else(|| {
-        (0..objects.len())
-            .map(|object| {
-                (0..pieces.len())
-                    .max_by(|&a, &b| value(object, a).total_cmp(&value(object, b)).then(b.cmp(&a)))
-                    .unwrap_or(0)
-            })
-            .collect()
-    })
+    best(objects.len(), pieces.len(), total).unwrap_or_else(|| values.iter().map(best_piece).collect())
+}
+
+/// For each object (row) what it has for the piece (column) that it is assigned to.
+fn of<'a, T: Copy>(rows: &'a [Vec<T>], assigned: &'a [usize]) -> impl Iterator<Item = T> + 'a {
+    rows.iter().zip(assigned).filter_map(|(row, &piece)| row.get(piece).copied())
 }
 
 /// What colours and motion say together, in nats.
@@ -107,7 +106,7 @@ pub fn reassign(fits: &[Vec<Fit>], present: &[usize], pieces: usize) -> Vec<usiz
         if (0..pieces).any(|piece| count(assigned, piece) != count(present, piece)) {
             return f32::NEG_INFINITY;
         }
-        assigned.iter().enumerate().map(|(object, &piece)| nats(fits[object][piece])).sum()
+        of(fits, assigned).map(nats).sum()
     };
     best(present.len(), pieces, total).unwrap_or_else(|| present.to_vec())
 }

@@ -1,5 +1,7 @@
 //! Which events two analyses of the same frames have in common.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use super::Event;
 use crate::frame::Size;
 
@@ -56,28 +58,26 @@ pub fn pair(first: &[(u32, Event)], second: &[(u32, Event)], reach: Reach) -> Ve
         }
     }
     candidates.sort_by(|a, b| a.0.cmp(&b.0).then(a.1.total_cmp(&b.1)).then((a.2, a.3).cmp(&(b.2, b.3))));
-    let (mut of_first, mut of_second) = (vec![None; first.len()], vec![false; second.len()]);
+    let (mut of_first, mut of_second) = (BTreeMap::new(), BTreeSet::new());
     for (_, _, i, j) in candidates {
-        if of_first[i].is_none() && !of_second[j] {
-            (of_first[i], of_second[j]) = (Some(j), true);
+        if !of_first.contains_key(&i) && !of_second.contains(&j) {
+            of_first.insert(i, j);
+            of_second.insert(j);
         }
     }
-    let mut pairs: Vec<Pair> = of_first
-        .iter()
-        .enumerate()
-        .map(|(i, other)| other.map_or(Pair::First(i), |j| Pair::Both(i, j)))
-        .chain((0..second.len()).filter(|&j| !of_second[j]).map(Pair::Second))
-        .collect();
-    let place = |pair: &Pair| match *pair {
-        Pair::First(i) | Pair::Both(i, _) => first[i].0,
-        Pair::Second(j) => second[j].0,
-    };
-    pairs.sort_by_key(place);
-    pairs
+    let of_either = first.iter().enumerate().map(|(i, (position, _))| {
+        (*position, of_first.get(&i).map_or(Pair::First(i), |&j| Pair::Both(i, j)))
+    });
+    let rest = second.iter().enumerate().filter(|(j, _)| !of_second.contains(j));
+    let mut pairs: Vec<(u32, Pair)> =
+        of_either.chain(rest.map(|(j, (position, _))| (*position, Pair::Second(j)))).collect();
+    pairs.sort_by_key(|(position, _)| *position);
+    pairs.into_iter().map(|(_, pair)| pair).collect()
 }
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::indexing_slicing)]
     use super::*;
     use crate::occlusion::{EventKind, Evidence};
 
@@ -88,6 +88,7 @@ mod tests {
             kind,
             objects: vec![],
             becomes: vec![],
+            pieces: vec![],
             x,
             y: 0.0,
             front: None,

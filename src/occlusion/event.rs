@@ -25,6 +25,19 @@ pub enum EventKind {
 }
 
 impl EventKind {
+    /// Whether what happens to an object can be of this kind where something of kind `before` happened to it or its
+    /// group earlier in the same frame.
+    pub const fn may_follow(self, before: Self) -> bool {
+        match (before, self) {
+            // Who comes is there from the frame's beginning on; and it does not matter in which order some leave a
+            // group, or whether one leaves it before others come to it.
+            (Self::Enter | Self::Appear | Self::Reappear, _)
+            | (Self::Exit | Self::Disappear, Self::Exit | Self::Disappear)
+            | (Self::Disappear, Self::Merge) => true,
+            _ => self as u8 > before as u8,
+        }
+    }
+
     /// All kinds, in their order.
     pub const ALL: [Self; 7] =
         [Self::Exit, Self::Demerge, Self::Merge, Self::Disappear, Self::Reappear, Self::Enter, Self::Appear];
@@ -154,6 +167,9 @@ pub struct Event {
     /// The identities after: for a merge the same members, for a demerge who came out, for a
     /// reappear who it was.
     pub becomes: Vec<Identity>,
+    /// Of a demerge, who is with whom afterwards: everybody before, piece by piece.
+    #[serde(skip_serializing_if = "Vec::is_empty")]
+    pub pieces: Vec<Vec<Identity>>,
     /// Where, in pixels.
     pub x: f32,
     /// See `x`.
@@ -165,6 +181,18 @@ pub struct Event {
 }
 
 impl Event {
+    /// What happened to one object.
+    pub fn of_one(
+        frame: u32,
+        kind: EventKind,
+        identity: Identity,
+        [x, y]: [f32; 2],
+        evidence: Evidence,
+    ) -> Self {
+        let (objects, becomes) = (vec![identity], vec![identity]);
+        Self { frame, kind, objects, becomes, pieces: Vec::new(), x, y, front: None, evidence }
+    }
+
     /// Whether both tell of the same happening. Who was in front may be found out only later.
     pub fn is_same(&self, other: &Self) -> bool {
         (self.frame, self.kind) == (other.frame, other.kind)

@@ -2,7 +2,7 @@
 
 use super::assign;
 use super::event::{Episode, EpisodeKind, Event, EventKind, Evidence};
-use super::object::Object;
+use super::object::{LASTS, Object};
 use super::partition::held_share;
 use super::reasoner::{ObjectId, Reasoner};
 use crate::regions::Rect;
@@ -61,23 +61,22 @@ impl Reasoner {
     /// Decides about every blob without a region: wait, left the image, or hidden.
     pub(super) fn judge_lost(&mut self) {
         for index in (0..self.carried.len()).rev() {
-            let carried = &mut self.carried[index];
+            let Some(carried) = self.carried.get_mut(index) else { continue };
             if carried.view.is_some() {
                 carried.lost_from = None;
                 continue;
             }
             let lost_from = *carried.lost_from.get_or_insert((self.number, self.t));
             let frames = self.t - lost_from.1 + 1;
-            let members = carried.members.clone();
+            let (members, bbox) = (carried.members.clone(), carried.blob.bbox);
             let unfit = self.pool.unfit(&carried.blob);
-            if members.iter().all(|id| !self.objects[id].named) {
+            if !members.iter().any(|&id| self.is_named(id)) {
                 // Nobody yet: it was noise.
                 if frames > 2 {
                     self.remove(index, &members);
                 }
                 continue;
             }
-            let bbox = self.carried[index].blob.bbox;
             if frames < self.limits.patience && !unfit && !self.is_outside(&bbox) {
                 continue;
             }
@@ -85,12 +84,38 @@ impl Reasoner {
             for &id in &members {
                 self.settle_splits_of(id);
             }
+            let members = self.carried.get(index).map(|carried| carried.members.as_slice());
+            if !members.unwrap_or_default().iter().all(|&id| self.can_leave(id)) {
+                continue;
+            }
             let leaves = self.leaves(index, lost_from.0);
             for id in self.carried.remove(index).members {
                 if leaves.is_none() && (self.goes_on(id, lost_from) || self.is_found_again(id)) {
                     continue;
                 }
                 self.meetings.lose(id);
+                match &leaves {
+                    Some(evidence) => self.tell_exit(id, lost_from.0, evidence.clone()),
+                    None => self.hide(id, lost_from),
+                }
+            }
+        }
+    }
+
+    /// Decides about every blob that was lost a moment before the end of the video: left the image, or hidden where it is
+    /// no flicker of the mask.
+    pub(super) fn judge_lost_at_end(&mut self) {
+        for index in (0..self.carried.len()).rev() {
+            let Some(carried) = self.carried.get(index) else { continue };
+            let Some(lost_from) = carried.lost_from else { continue };
+            let leaves = self.leaves(index, lost_from.0);
+            let lasts = self.t - lost_from.1 + 1 >= LASTS;
+            if !carried.members.iter().all(|&id| self.is_named(id) && self.can_leave(id))
+                || leaves.is_none() && !lasts
+            {
+                continue;
+            }
+            for id in self.carried.remove(index).members {
                 match &leaves {
                     Some(evidence) => self.tell_exit(id, lost_from.0, evidence.clone()),
                     None => self.hide(id, lost_from),
@@ -107,7 +132,7 @@ impl Reasoner {
         let since = |new: &Object| new.born.abs_diff(lost_from.0);
         let near = |new: &Object| assign::outside(&past.predicted_box(), &new.last.bbox);
         let alone = self.carried.iter().filter_map(|carried| match carried.members[..] {
-            [only] => Some((only, &self.objects[&only])),
+            [only] => self.objects.get(&only).map(|object| (only, object)),
             _ => None,
         });
         let new = alone
@@ -132,9 +157,10 @@ impl Reasoner {
 
     /// The evidence that a blob without a region has left the image, `None` when it has not.
     fn leaves(&self, index: usize, lost_from: u32) -> Option<Evidence> {
-        let carried = &self.carried[index];
+        let carried = self.carried.get(index)?;
         let velocity = carried.blob.shown().model.velocity();
-        let last = carried.members.iter().map(|id| self.objects[id].last.bbox).reduce(|a, b| a.union(&b))?;
+        let last =
+            self.objects_of(&carried.members).map(|object| object.last.bbox).reduce(|a, b| a.union(&b))?;
         let last = if carried.members.len() > 1 { carried.blob.bbox } else { last };
         let distance = last.distance_to_edge(self.size).min(carried.blob.bbox.distance_to_edge(self.size));
         let outward =
@@ -154,18 +180,9 @@ impl Reasoner {
     pub(super) fn tell_exit(&mut self, id: ObjectId, frame: u32, evidence: Evidence) {
         self.tell_return_of(id);
         let Some(identity) = self.identity(id) else { return };
-        let Some(object) = self.end_object(id) else { return };
-        let [x, y] = object.last.bbox.centre();
-        self.events.push(Event {
-            frame,
-            kind: EventKind::Exit,
-            objects: vec![identity],
-            becomes: vec![identity],
-            x,
-            y,
-            front: None,
-            evidence,
-        });
+        let Some(at) = self.objects.get(&id).map(|object| object.last.bbox.centre()) else { return };
+        self.push_event(&[id], Event::of_one(frame, EventKind::Exit, identity, at, evidence));
+        self.end_object(id);
     }
 
     /// An object lost its region inside the image: it is kept as a past object.
@@ -191,29 +208,23 @@ impl Reasoner {
             since.0
         ));
         evidence.at_least("distance to the image edge", distance, self.limits.border);
-        let [x, y] = last.centre();
         self.hidden.push(Hidden { id, since });
-        self.events.push(Event {
-            frame: since.0,
-            kind: EventKind::Disappear,
-            objects: vec![identity],
-            becomes: vec![identity],
-            x,
-            y,
-            front: None,
-            evidence,
-        });
+        self.push_event(
+            &[id],
+            Event::of_one(since.0, EventKind::Disappear, identity, last.centre(), evidence),
+        );
+        self.leave_group(id);
     }
 
     /// Whether a new object is a hidden one that came back; if so it takes that one's identity.
     pub(super) fn reappears(&mut self, id: ObjectId) -> bool {
-        let new = &self.objects[&id];
+        let Some(new) = self.objects.get(&id) else { return false };
         if new.birthplace.distance_to_edge(self.size) <= self.limits.border {
             return false;
         }
         let mut candidates: Vec<(Place, f32, usize)> = Vec::new();
         for (index, hidden) in self.hidden.iter().enumerate() {
-            let past = &self.objects[&hidden.id];
+            let Some(past) = self.objects.get(&hidden.id) else { continue };
             let Some(place) = self.place_of_return(past, hidden, &new.last.bbox) else { continue };
             let (agreement, _) = past.agreement(&new.last.histogram, &self.settings);
             if place.predicted || agreement >= ALIKE {
@@ -252,11 +263,12 @@ impl Reasoner {
 
     /// Whether more must be seen of a new object before its colours can tell whether somebody hidden came back.
     pub(super) fn must_be_seen_better(&self, id: ObjectId) -> bool {
-        let new = &self.objects[&id];
+        let Some(new) = self.objects.get(&id) else { return false };
         let by_colours = |hidden: &Hidden| {
-            let past = &self.objects[&hidden.id];
-            let place = self.place_of_return(past, hidden, &new.last.bbox);
-            place.is_some_and(|place| !place.near) && !past.is_nearly_whole(&new.last)
+            self.objects.get(&hidden.id).is_some_and(|past| {
+                let place = self.place_of_return(past, hidden, &new.last.bbox);
+                place.is_some_and(|place| !place.near) && !past.is_nearly_whole(&new.last)
+            })
         };
         self.settings.reappear_by == ReappearBy::Colour
             && new.seen < self.limits.at_edge
@@ -278,11 +290,11 @@ impl Reasoner {
         if self.settings.reappear_by == ReappearBy::Position {
             return None;
         }
-        let (from, to) = (past.last.bbox.centre(), past.model.centre());
+        let ([from_x, from_y], [to_x, to_y]) = (past.last.bbox.centre(), past.model.centre());
         let (w, h) = past.size();
         let outside = |step: u8| {
             let share = f32::from(step) / f32::from(STOPS);
-            let at = [0, 1].map(|axis| from[axis] + share * (to[axis] - from[axis]));
+            let at = [from_x + share * (to_x - from_x), from_y + share * (to_y - from_y)];
             assign::outside(&Rect::around(at, w, h), bbox)
         };
         let distance = (0..=STOPS).map(outside).fold(f32::INFINITY, f32::min);
@@ -292,11 +304,11 @@ impl Reasoner {
     fn take_back(&mut self, new: ObjectId, hidden: &Hidden, evidence: Evidence) {
         let Some(from) = self.objects.get(&hidden.id).map(|object| object.last.bbox) else { return };
         let Some(seen) = self.objects.get(&new) else { return };
-        let (frame, [x, y]) = (seen.born, seen.birthplace.centre());
+        // Its new region can have begun before the old one was lost for good.
+        let (frame, at) = (seen.born.max(hidden.since.0), seen.birthplace.centre());
         self.take_place(new, hidden.id);
         let Some(identity) = self.identity(hidden.id) else { return };
-        let (objects, becomes) = (vec![identity], vec![identity]);
-        let event = Event { frame, kind: EventKind::Reappear, objects, becomes, x, y, front: None, evidence };
+        let event = Event::of_one(frame, EventKind::Reappear, identity, at, evidence);
         self.returns.push(Return { id: hidden.id, since: hidden.since, t: self.t, event, from });
     }
 
@@ -324,16 +336,16 @@ impl Reasoner {
 
     /// Gives up who has been hidden for too long, and tells of those who came back to stay.
     pub(super) fn judge_hidden(&mut self) {
-        for index in (0..self.hidden.len()).rev() {
-            let Hidden { id, since } = self.hidden[index];
+        for Hidden { id, since } in std::mem::take(&mut self.hidden) {
             // By place alone nobody comes back from outside.
             let lost = |object: &Object| {
                 self.settings.reappear_by == ReappearBy::Position && self.is_outside(&object.predicted_box())
             };
             let gone = self.objects.get(&id).is_none_or(lost);
             if gone || self.t - since.1 > self.limits.max_hidden {
-                self.hidden.remove(index);
                 self.objects.remove(&id);
+            } else {
+                self.hidden.push(Hidden { id, since });
             }
         }
         let stayed: Vec<ObjectId> = self
@@ -364,7 +376,7 @@ impl Reasoner {
             let back = Rect::around([returned.event.x, returned.event.y], object.size().0, object.size().1);
             self.occluders.push(returned.from.union(&back));
         }
-        self.scene_episodes.push(Episode {
+        self.episodes.push(Episode {
             kind: EpisodeKind::Scene,
             objects: returned.event.objects.clone(),
             start: returned.since.0,
@@ -373,7 +385,7 @@ impl Reasoner {
             front: None,
             identities_kept: true,
         });
-        self.events.push(returned.event);
+        self.push_event(&[id], returned.event);
     }
 }
 

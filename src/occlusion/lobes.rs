@@ -43,7 +43,7 @@ impl Silhouette {
         let least = FILLED * (mosaic.side * mosaic.side) as f32;
         let mut columns: Vec<Option<(Range<u32>, u32)>> = vec![None; mosaic.columns as usize];
         for (column, row, _) in mosaic.filled().filter(|(.., cell)| cell.pixels as f32 >= least) {
-            let it = &mut columns[(column - mosaic.left) as usize];
+            let Some(it) = columns.get_mut((column - mosaic.left) as usize) else { continue };
             *it = Some(match it.take() {
                 None => (row..row + 1, 1),
                 Some((rows, count)) => (rows.start..row + 1, count + 1),
@@ -52,17 +52,22 @@ impl Silhouette {
         Self { columns }
     }
 
+    /// The columns of a lobe in which something is filled.
+    fn columns_of(&self, lobe: &Range<usize>) -> impl Iterator<Item = &(Range<u32>, u32)> {
+        self.columns.get(lobe.clone()).unwrap_or_default().iter().flatten()
+    }
+
     fn filled(&self, lobe: &Range<usize>) -> u32 {
-        self.columns[lobe.clone()].iter().flatten().map(|(_, count)| count).sum()
+        self.columns_of(lobe).map(|(_, count)| count).sum()
     }
 
     fn bottom(&self, lobe: &Range<usize>) -> u32 {
-        self.columns[lobe.clone()].iter().flatten().map(|(rows, _)| rows.end).max().unwrap_or(0)
+        self.columns_of(lobe).map(|(rows, _)| rows.end).max().unwrap_or(0)
     }
 
     /// How far above `bottom` the silhouette reaches.
     fn height(&self, lobe: &Range<usize>, bottom: u32) -> u32 {
-        let tops = self.columns[lobe.clone()].iter().flatten().map(|(rows, _)| rows.start);
+        let tops = self.columns_of(lobe).map(|(rows, _)| rows.start);
         bottom.saturating_sub(tops.min().unwrap_or(bottom))
     }
 
@@ -84,7 +89,8 @@ impl Silhouette {
     fn depth(&self, lobe: &Range<usize>, at: usize, bottom: u32) -> u32 {
         let sides = [lobe.start..at, at + 1..lobe.end];
         let lower = sides.iter().map(|side| self.height(side, bottom)).min().unwrap_or(0);
-        let here = self.columns[at].as_ref().map_or(0, |(rows, _)| bottom.saturating_sub(rows.start));
+        let here = self.columns.get(at).and_then(Option::as_ref);
+        let here = here.map_or(0, |(rows, _)| bottom.saturating_sub(rows.start));
         lower.saturating_sub(here)
     }
 
@@ -110,6 +116,7 @@ impl Silhouette {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::indexing_slicing)]
     use super::*;
     use crate::regions::mosaic::Cell;
 

@@ -34,7 +34,11 @@ impl Meeting {
     }
 }
 
-/// All meetings, those going on and those past.
+/// A meeting of more than so many is told and begun anew with those who are in it: where a crowd never parts, it would
+/// gather everybody who ever came by.
+const MAX_MEMBERS: usize = 64;
+
+/// The meetings that go on, and those that ended and have not been asked for yet.
 #[derive(Clone, Debug, Default)]
 pub struct Meetings {
     open: Vec<Meeting>,
@@ -46,9 +50,12 @@ impl Meetings {
     /// share. Whether this is a new meeting rather than one that goes on.
     pub fn share(&mut self, members: &[(ObjectId, f32)], number: u32, t: u32, overlapping: bool) -> bool {
         let ids: BTreeSet<ObjectId> = members.iter().map(|(id, _)| *id).collect();
-        let (mut same, other): (Vec<_>, Vec<_>) =
+        let (same, other): (Vec<_>, Vec<_>) =
             self.open.drain(..).partition(|meeting| !meeting.members.is_disjoint(&ids));
         self.open = other;
+        let (full, mut same): (Vec<_>, Vec<_>) =
+            same.into_iter().partition(|meeting| meeting.members.len() > MAX_MEMBERS);
+        self.closed.extend(full);
         let new = same.is_empty();
         let mut meeting = same.pop().unwrap_or_else(|| Meeting {
             members: BTreeSet::new(),
@@ -80,11 +87,6 @@ impl Meetings {
         new
     }
 
-    /// Whether these two are, or were a moment ago, in one meeting.
-    pub fn together(&self, a: ObjectId, b: ObjectId) -> bool {
-        self.open.iter().any(|meeting| meeting.members.contains(&a) && meeting.members.contains(&b))
-    }
-
     /// For how many frames an object has been in its meeting, 0 when it is in none.
     pub fn duration_of(&self, id: ObjectId, t: u32) -> u32 {
         let meetings = self.open.iter().filter(|meeting| meeting.members.contains(&id));
@@ -106,10 +108,22 @@ impl Meetings {
         self.closed.extend(over);
     }
 
-    /// All meetings as episodes; `identity` names the objects, those without a name are left out.
-    pub fn episodes(&self, identity: impl Fn(ObjectId) -> Option<u32>) -> Vec<Episode> {
-        let meetings = self.closed.iter().chain(&self.open);
+    /// Closes all meetings: there is no later frame in which they could go on.
+    pub fn close_all(&mut self) {
+        self.closed.append(&mut self.open);
+    }
+
+    /// Whether somebody is, or was a moment ago, in a meeting.
+    pub fn hold(&self, id: ObjectId) -> bool {
+        self.open.iter().any(|meeting| meeting.members.contains(&id))
+    }
+
+    /// The meetings that were closed since this was last asked, as episodes; `identity` names the objects, those
+    /// without a name are left out.
+    pub fn take_closed(&mut self, identity: impl Fn(ObjectId) -> Option<u32>) -> Vec<Episode> {
+        let meetings = std::mem::take(&mut self.closed);
         meetings
+            .iter()
             .filter_map(|meeting| {
                 let mut objects: Vec<_> = meeting.members.iter().filter_map(|&id| identity(id)).collect();
                 objects.sort_unstable();
@@ -127,8 +141,18 @@ impl Meetings {
             .collect()
     }
 
+    /// How many have taken part in the meetings.
+    pub fn len(&self) -> usize {
+        self.open.iter().chain(&self.closed).map(|meeting| meeting.members.len()).sum()
+    }
+
+    /// Whether there is none.
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
     /// The memory it takes, roughly, in bytes.
     pub fn bytes(&self) -> usize {
-        (self.open.len() + self.closed.len()) * (size_of::<Meeting>() + 64)
+        (self.open.len() + self.closed.len()) * size_of::<Meeting>() + 32 * self.len()
     }
 }

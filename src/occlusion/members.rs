@@ -2,6 +2,7 @@
 
 use super::assign;
 use super::event::{Event, EventKind, Evidence};
+use super::groups::Cause;
 use super::hidden::{Return, reach};
 use super::object::{Object, View};
 use super::partition::held_share;
@@ -71,6 +72,9 @@ impl Reasoner {
                 // It changed places with another one, which is judged in the next frame.
                 continue;
             }
+            if !self.can_leave(id) {
+                continue;
+            }
             for carried in &mut self.carried {
                 carried.members.retain(|member| *member != id);
             }
@@ -101,7 +105,8 @@ impl Reasoner {
         placing::place(&mut placed, &field);
         let mut best = placing::total(&placed, &field);
         for behind in 1..placed.len() {
-            if !placed[behind - 1].meets(&placed[behind]) {
+            let [front, back] = placed.get(behind - 1..=behind).unwrap_or_default() else { continue };
+            if !front.meets(back) {
                 continue;
             }
             let mut other = placed.clone();
@@ -138,13 +143,12 @@ impl Reasoner {
         members: &[ObjectId],
         view: &View,
     ) -> Option<(Vec<ObjectId>, Vec<Placed<'a>>, Field)> {
-        let objects: Vec<&Object> = members.iter().map(|id| &self.objects[id]).collect();
-        let boxes = objects.iter().map(|object| object.predicted_box());
+        let boxes = self.objects_of(members).map(Object::predicted_box);
         let around = boxes.reduce(|a, b| a.union(&b))?;
         let field = Field::new(&view.mosaic, &around, self.size)?;
         let mut known: Vec<(ObjectId, Placed)> = Vec::new();
-        for (&id, object) in members.iter().zip(&objects) {
-            known.push((id, placed(object)?));
+        for &id in members {
+            known.push((id, placed(self.objects.get(&id)?)?));
         }
         known.sort_by(|a, b| {
             let bottom = |it: &Placed| it.centre[1] + it.size.1 / 2.0;
@@ -158,7 +162,8 @@ impl Reasoner {
     pub(super) fn find_again(&mut self) {
         let in_groups = self.carried.iter().filter(|carried| carried.members.len() > 1);
         let unseen = in_groups.flat_map(|carried| carried.members.iter().copied());
-        let mut missing: Vec<ObjectId> = unseen.filter(|id| self.objects[id].unseen > 1).collect();
+        let long = |id: &ObjectId| self.objects.get(id).is_some_and(|object| object.unseen > 1);
+        let mut missing: Vec<ObjectId> = unseen.filter(long).collect();
         missing.extend(self.hidden.iter().map(|hidden| hidden.id));
         for id in missing {
             if let Some((index, centre)) = self.region_that_shows(id) {
@@ -184,7 +189,7 @@ impl Reasoner {
         let mut best: Option<(f32, usize, [f32; 2])> = None;
         for (index, carried) in self.carried.iter().enumerate() {
             let Some(view) = &carried.view else { continue };
-            let named = carried.members.iter().any(|member| self.objects[member].named);
+            let named = carried.members.iter().any(|&member| self.is_named(member));
             if carried.members.contains(&id) || !named {
                 continue;
             }
@@ -211,14 +216,25 @@ impl Reasoner {
 
     fn frames_unseen(&self, id: ObjectId) -> u32 {
         let hidden = self.hidden.iter().find(|hidden| hidden.id == id);
-        hidden.map_or(self.objects[&id].unseen, |hidden| self.t - hidden.since.1)
+        let since = hidden.map(|hidden| self.t - hidden.since.1);
+        since.or_else(|| Some(self.objects.get(&id)?.unseen)).unwrap_or(0)
     }
 
     fn join_again(&mut self, id: ObjectId, index: usize, centre: [f32; 2]) {
+        let key = self.objects.get(&id).map(|object| object.key);
+        self.settle_splits_of(id);
+        if self.objects.get(&id).map(|object| object.key) != key {
+            // It changed places with another one, which is looked for in the next frame.
+            return;
+        }
+        let mut evidence =
+            Evidence::of_branch("an object is seen in a region that others alone do not explain");
+        evidence.note("frames unseen", self.frames_unseen(id) as f32);
+        self.groups.note_joining(id, Cause { frame: self.number, at: centre, evidence });
         for carried in &mut self.carried {
             carried.members.retain(|member| *member != id);
         }
-        let carried = &mut self.carried[index];
+        let Some(carried) = self.carried.get_mut(index) else { return };
         carried.members.push(id);
         carried.members.sort_unstable();
         let Some(object) = self.objects.get_mut(&id) else { return };
@@ -232,18 +248,7 @@ impl Reasoner {
         let mut evidence =
             Evidence::of_branch("a hidden object is seen in a region that others alone do not explain");
         evidence.note("frames hidden", (self.t - hidden.since.1) as f32);
-        let (objects, becomes) = (vec![identity], vec![identity]);
-        let [x, y] = centre;
-        let event = Event {
-            frame: self.number,
-            kind: EventKind::Reappear,
-            objects,
-            becomes,
-            x,
-            y,
-            front: None,
-            evidence,
-        };
+        let event = Event::of_one(self.number, EventKind::Reappear, identity, centre, evidence);
         self.returns.push(Return { id, since: hidden.since, t: self.t, event, from });
     }
 }

@@ -4,10 +4,13 @@
 //! [`partition`] finds which objects and regions have to do with each other, [`assign`] who is who
 //! among the pieces of a group; `splits` and `hidden` hold what is undecided or out of sight.
 
+#![deny(clippy::indexing_slicing)]
+
 mod abreast;
 pub mod assign;
 pub mod compare;
 pub mod event;
+mod groups;
 mod hidden;
 pub mod lobes;
 pub mod meetings;
@@ -23,4 +26,4 @@ pub mod template;
 pub mod what_if;
 
 pub use event::{Comparison, Counters, Episode, EpisodeKind, Event, EventKind, Evidence, Relation};
-pub use reasoner::{Reasoner, Seen};
+pub use reasoner::{Ending, Reasoner, Seen, Settled};

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
+use super::event::EventKind;
 use super::perspective::Perspective;
 use super::template::Template;
 use crate::regions::colour::delta_e;
@@ -23,7 +24,7 @@ const NEAR_TALL: f32 = 0.8;
 const SLOWING: f32 = 0.9;
 
 /// What is seen for so many frames in succession is no flicker of the mask.
-const LASTS: u32 = 3;
+pub(super) const LASTS: u32 = 3;
 
 /// The region, or the regions taken together, by which an object was seen in a frame.
 #[derive(Clone, Debug)]
@@ -100,6 +101,8 @@ pub struct Object {
     pub seen: u32,
     /// Whether it has an identity.
     pub named: bool,
+    /// The last event that told of it or of its group: in which frame what happened.
+    pub told: Option<(u32, EventKind)>,
     /// Its own motion: the blob's while it is alone, its own prediction otherwise.
     pub model: Model,
     /// What it looks like when nothing hides it, `None` before its first clear frame.
@@ -138,6 +141,7 @@ impl Object {
             birthplace,
             seen: 1,
             named: false,
+            told: None,
             partial_from: model.centre(),
             held_from: None,
             model,

@@ -38,27 +38,27 @@ const MAX_UNION: f32 = 1.6;
 pub fn clusters(expected: &[Expected], observed: &[(Rect, f32)], size_step: f32) -> Vec<Cluster> {
     let blobs = expected.len();
     let mut sets = Sets::new(blobs + observed.len());
-    let mut owner = vec![None; observed.len()];
+    let owner = |observation| expected.iter().find(|it| it.matched == Some(observation));
+    let owners: Vec<Option<&Expected>> = (0..observed.len()).map(owner).collect();
     for (blob, expected) in expected.iter().enumerate() {
         if let Some(observation) = expected.matched {
-            owner[observation] = Some(blob);
             sets.join(blob, blobs + observation);
         }
     }
-    for (observation, (bbox, area)) in observed.iter().enumerate() {
-        if owner[observation].is_none()
+    for (observation, ((bbox, area), owner)) in observed.iter().zip(&owners).enumerate() {
+        if owner.is_none()
             && let Some(blob) = piece_of(bbox, *area, expected)
         {
             sets.join(blob, blobs + observation);
         }
     }
     for (blob, it) in expected.iter().enumerate() {
-        for (observation, (bbox, area)) in observed.iter().enumerate() {
-            let belongs = match owner[observation] {
+        for (observation, ((bbox, area), owner)) in observed.iter().zip(&owners).enumerate() {
+            let belongs = match owner {
                 None => it.matched.is_none() && (is_piece_of(bbox, it) || held_share(&it.bbox, bbox) >= 0.5),
-                Some(other) if it.matched.is_none() && other != blob => {
+                Some(owner) if it.matched.is_none() => {
                     let held = held_share(&it.bbox, bbox);
-                    let grown = *area >= (1.0 + size_step) * expected[other].area;
+                    let grown = *area >= (1.0 + size_step) * owner.area;
                     held >= 0.5 || (held >= 0.2 && grown)
                 }
                 Some(_) => false,
@@ -117,8 +117,9 @@ pub struct Extent {
 /// Gives pieces as lists of indices into `observed`, each by rising index, largest area first.
 pub fn pieces(observed: &[(Rect, f32)], extent: Extent, inside: Option<Rect>) -> Vec<Vec<usize>> {
     let mut sets = Sets::new(observed.len());
-    for (i, (a, a_area)) in observed.iter().enumerate() {
-        for (j, (b, b_area)) in observed.iter().enumerate().skip(i + 1) {
+    for (i, first) in observed.iter().enumerate() {
+        for (j, second) in observed.iter().enumerate().skip(i + 1) {
+            let ((a, a_area), (b, b_area)) = (first, second);
             let both = a.union(b);
             let shared_columns = a.right().min(b.right()) - a.x.max(b.x);
             let stacked = shared_columns >= 0.5 * a.w.min(b.w)
@@ -133,16 +134,16 @@ pub fn pieces(observed: &[(Rect, f32)], extent: Extent, inside: Option<Rect>) ->
                     let mine = |it: &(Rect, f32)| {
                         held_share(&it.0, &around) >= 0.5 || it.1 <= CRUMB * extent.least_area
                     };
-                    mine(&observed[i]) && mine(&observed[j])
+                    mine(first) && mine(second)
                 });
-            if stacked || (within && !beside(&observed[i], &observed[j], extent)) {
+            if stacked || (within && !beside(first, second, extent)) {
                 sets.join(i, j);
             }
         }
     }
     let mut pieces: Vec<Vec<usize>> =
         sets.into_clusters(0).into_iter().map(|cluster| cluster.observations).collect();
-    let area = |piece: &[usize]| piece.iter().map(|&index| observed[index].1).sum::<f32>();
+    let area = |piece: &[usize]| piece.iter().filter_map(|&at| observed.get(at)).map(|it| it.1).sum::<f32>();
     pieces.sort_by(|a, b| area(b).total_cmp(&area(a)).then(a.cmp(b)));
     if inside.is_none() {
         join_crumbs(&mut pieces, observed, 0.3 * extent.least_area);
@@ -171,24 +172,28 @@ pub fn beside((a, a_area): &(Rect, f32), (b, b_area): &(Rect, f32), extent: Exte
 /// Gives pieces of fewer than `least` pixels to the nearest larger one.
 fn join_crumbs(pieces: &mut Vec<Vec<usize>>, observed: &[(Rect, f32)], least: f32) {
     while let [_, .., crumb] = pieces.as_slice() {
-        if crumb.iter().map(|&index| observed[index].1).sum::<f32>() >= least {
+        if crumb.iter().filter_map(|&at| observed.get(at)).map(|it| it.1).sum::<f32>() >= least {
             break;
         }
         let crumb_box = bounding_box(crumb, observed);
         let distance = |piece: &Vec<usize>| gap(&bounding_box(piece, observed), &crumb_box);
         let crumb = pieces.pop().unwrap_or_default();
-        let nearest =
-            (0..pieces.len()).min_by(|&a, &b| distance(&pieces[a]).total_cmp(&distance(&pieces[b])));
+        let nearest = pieces.iter_mut().min_by(|a, b| distance(a).total_cmp(&distance(b)));
         if let Some(nearest) = nearest {
-            pieces[nearest].extend(crumb);
-            pieces[nearest].sort_unstable();
+            nearest.extend(crumb);
+            nearest.sort_unstable();
         }
     }
 }
 
 /// The box around several observations.
 pub fn bounding_box(indices: &[usize], observed: &[(Rect, f32)]) -> Rect {
-    indices.iter().map(|&index| observed[index].0).reduce(|a, b| a.union(&b)).unwrap_or_default()
+    indices
+        .iter()
+        .filter_map(|&at| observed.get(at))
+        .map(|it| it.0)
+        .reduce(|a, b| a.union(&b))
+        .unwrap_or_default()
 }
 
 /// The free space between two boxes, 0 where they meet.
@@ -200,44 +205,39 @@ fn gap(a: &Rect, b: &Rect) -> f32 {
 
 /// Disjoint sets.
 struct Sets {
-    parent: Vec<usize>,
+    /// Of each member the first of its set.
+    firsts: Vec<usize>,
 }
 
 impl Sets {
     fn new(count: usize) -> Self {
-        Self { parent: (0..count).collect() }
-    }
-
-    fn root(&mut self, mut at: usize) -> usize {
-        while self.parent[at] != at {
-            self.parent[at] = self.parent[self.parent[at]];
-            at = self.parent[at];
-        }
-        at
+        Self { firsts: (0..count).collect() }
     }
 
     fn join(&mut self, a: usize, b: usize) {
-        let (a, b) = (self.root(a), self.root(b));
-        self.parent[a.max(b)] = a.min(b);
+        let (Some(&a), Some(&b)) = (self.firsts.get(a), self.firsts.get(b)) else { return };
+        for first in self.firsts.iter_mut().filter(|first| **first == a.max(b)) {
+            *first = a.min(b);
+        }
     }
 
     /// The sets in the order of their first members; the first `blobs` members are blobs.
-    fn into_clusters(mut self, blobs: usize) -> Vec<Cluster> {
-        let mut of_root = std::collections::BTreeMap::<usize, Cluster>::new();
-        for at in 0..self.parent.len() {
-            let cluster = of_root.entry(self.root(at)).or_default();
-            if at < blobs {
-                cluster.blobs.push(at);
-            } else {
-                cluster.observations.push(at - blobs);
+    fn into_clusters(self, blobs: usize) -> Vec<Cluster> {
+        let mut of_first = std::collections::BTreeMap::<usize, Cluster>::new();
+        for (at, first) in self.firsts.into_iter().enumerate() {
+            let cluster = of_first.entry(first).or_default();
+            match at.checked_sub(blobs) {
+                None => cluster.blobs.push(at),
+                Some(observation) => cluster.observations.push(observation),
             }
         }
-        of_root.into_values().collect()
+        of_first.into_values().collect()
     }
 }
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::indexing_slicing)]
     use super::*;
 
     fn person(x: f32, y: f32) -> Rect {

@@ -93,7 +93,9 @@ impl Field {
         let full = (side * side * coarseness * coarseness) as f32;
         for (column, row, cell) in mosaic.filled() {
             let (column, row) = (column / coarseness, row / coarseness);
-            let here = &mut cells[((row - top) * columns + column - left) as usize];
+            let Some(here) = cells.get_mut(((row - top) * columns + column - left) as usize) else {
+                continue;
+            };
             let share = cell.pixels as f32 / full;
             here.cover += share;
             for (mean, colour) in here.colour.iter_mut().zip(cell.colour) {
@@ -184,6 +186,21 @@ pub fn place_last(objects: &mut [Placed], field: &Field) {
     look(objects, last, field);
 }
 
+/// One of the objects between those in front of it and those behind it.
+struct Amid<'a, 'b> {
+    front: &'a [Placed<'b>],
+    object: &'a mut Placed<'b>,
+    behind: &'a [Placed<'b>],
+}
+
+impl<'a, 'b> Amid<'a, 'b> {
+    fn new(objects: &'a mut [Placed<'b>], index: usize) -> Option<Self> {
+        let (front, rest) = objects.split_at_mut_checked(index)?;
+        let (object, behind) = rest.split_first_mut()?;
+        Some(Self { front, object, behind })
+    }
+}
+
 /// The middle of the foreground that no object covers, `None` where there is none.
 pub fn unexplained(objects: &[Placed], field: &Field) -> Option<[f32; 2]> {
     let whole = Rect::new(
@@ -195,12 +212,14 @@ pub fn unexplained(objects: &[Placed], field: &Field) -> Option<[f32; 2]> {
     let mut free = vec![1.0f32; field.cells.len()];
     for object in objects {
         for (at, x, y) in field.within(&object.bbox()) {
-            free[at] *= 1.0 - element(object, object.centre, x, y).cover;
+            if let Some(free) = free.get_mut(at) {
+                *free *= 1.0 - element(object, object.centre, x, y).cover;
+            }
         }
     }
     let (mut sum, mut middle) = (0.0, [0.0; 2]);
-    for (at, x, y) in field.within(&whole) {
-        let weight = field.cells[at].cover * free[at];
+    for ((_, x, y), (cell, free)) in field.within(&whole).zip(field.cells.iter().zip(free)) {
+        let weight = cell.cover * free;
         if weight > 0.5 {
             sum += weight;
             middle[0] += weight * x;
@@ -212,13 +231,13 @@ pub fn unexplained(objects: &[Placed], field: &Field) -> Option<[f32; 2]> {
 
 /// Says how much of one object is seen.
 fn look(objects: &mut [Placed], index: usize, field: &Field) {
-    let without = without(objects, index, field);
-    let full: f32 = field
-        .within(&objects[index].bbox())
-        .map(|(_, x, y)| element(&objects[index], objects[index].centre, x, y).cover)
-        .sum();
-    let gain = gain(&objects[index], objects[index].centre, &without, field);
-    objects[index].seen = (gain / (field.weight * CELL_NATS * full.max(1.0))).clamp(0.0, 1.0);
+    let Some(amid) = Amid::new(objects, index) else { return };
+    let without = without(&amid, field);
+    let object = amid.object;
+    let covers = field.within(&object.bbox()).map(|(_, x, y)| element(object, object.centre, x, y).cover);
+    let full: f32 = covers.sum();
+    let gain = gain(object, object.centre, &without, field);
+    object.seen = (gain / (field.weight * CELL_NATS * full.max(1.0))).clamp(0.0, 1.0);
 }
 
 /// How well all objects together explain the field, in nats; comparable between orders of the same objects.
@@ -226,10 +245,11 @@ pub fn total(objects: &[Placed], field: &Field) -> f32 {
     let mut cells = vec![Others::NONE; field.cells.len()];
     for object in objects {
         for (at, x, y) in field.within(&object.bbox()) {
+            let (Some(cell), Some(seen)) = (cells.get_mut(at), field.cells.get(at)) else { continue };
             let element = element(object, object.centre, x, y);
-            let colour = colour_likelihood(field.cells[at].colour, element.colour);
-            cells[at].front += cells[at].free_front * element.cover * colour;
-            cells[at].free_front *= 1.0 - element.cover;
+            let colour = colour_likelihood(seen.colour, element.colour);
+            cell.front += cell.free_front * element.cover * colour;
+            cell.free_front *= 1.0 - element.cover;
         }
     }
     let likelihood = |(others, &cell): (&Others, &FieldCell)| others.likelihood(cell, 0.0, 0.0);
@@ -249,15 +269,16 @@ struct Without {
     likelihood: OnceCell<f32>,
 }
 
-/// What all objects but one say of the field's cells.
-fn without(objects: &[Placed], but: usize, field: &Field) -> Vec<Without> {
+/// What all objects but the one say of the field's cells.
+fn without(amid: &Amid, field: &Field) -> Vec<Without> {
     let mut cells = vec![Others::NONE; field.cells.len()];
-    for (index, object) in objects.iter().enumerate().filter(|(index, _)| *index != but) {
+    let front = amid.front.iter().map(|object| (object, true));
+    for (object, in_front) in front.chain(amid.behind.iter().map(|object| (object, false))) {
         for (at, x, y) in field.within(&object.bbox()) {
+            let (Some(cell), Some(seen)) = (cells.get_mut(at), field.cells.get(at)) else { continue };
             let element = element(object, object.centre, x, y);
-            let colour = colour_likelihood(field.cells[at].colour, element.colour);
-            let cell = &mut cells[at];
-            if index < but {
+            let colour = colour_likelihood(seen.colour, element.colour);
+            if in_front {
                 cell.front += cell.free_front * element.cover * colour;
                 cell.free_front *= 1.0 - element.cover;
             } else {
@@ -272,21 +293,21 @@ fn without(objects: &[Placed], but: usize, field: &Field) -> Vec<Without> {
 /// How much better the field is explained with the object there than without it, in nats.
 fn gain(object: &Placed, centre: [f32; 2], without: &[Without], field: &Field) -> f32 {
     let (w, h) = object.size;
-    let gained = field.within(&Rect::around(centre, w, h)).map(|(at, x, y)| {
+    let gained = field.within(&Rect::around(centre, w, h)).filter_map(|(at, x, y)| {
+        let (&cell, without) = (field.cells.get(at)?, without.get(at)?);
         let element = element(object, centre, x, y);
-        let cell = field.cells[at];
         let colour = colour_likelihood(cell.colour, element.colour);
-        let Without { others, likelihood } = &without[at];
-        let alone = likelihood.get_or_init(|| others.likelihood(cell, 0.0, 0.0));
-        others.likelihood(cell, element.cover, colour) - alone
+        let alone = without.likelihood.get_or_init(|| without.others.likelihood(cell, 0.0, 0.0));
+        Some(without.others.likelihood(cell, element.cover, colour) - alone)
     });
     field.weight * gained.sum::<f32>()
 }
 
 /// Moves one object uphill, in steps that grow shorter; whether it moved.
 fn climb(objects: &mut [Placed], index: usize, field: &Field) -> bool {
-    let without = without(objects, index, field);
-    let object = &objects[index];
+    let Some(amid) = Amid::new(objects, index) else { return false };
+    let without = without(&amid, field);
+    let object = amid.object;
     // A step leads to where one of four next steps came from.
     let mut known: Vec<([f32; 2], f32)> = Vec::new();
     let mut value = |centre| {
@@ -313,13 +334,13 @@ fn climb(objects: &mut [Placed], index: usize, field: &Field) -> bool {
             _ => step /= 2.0,
         }
     }
-    objects[index].centre = best.1;
+    object.centre = best.1;
     best.1 != start
 }
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
+    #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
     use super::*;
     use crate::regions::mosaic::Cell;
 

@@ -22,7 +22,7 @@ impl Reasoner {
                 _ => carried.members.iter().filter_map(|id| Some(self.objects.get(id)?.key)).collect(),
             };
             for id in &carried.members {
-                let object = &self.objects[id];
+                let Some(object) = self.objects.get(id) else { continue };
                 if carried.view.is_none() && !self.may_be_occluded(object) {
                     continue;
                 }
@@ -63,6 +63,7 @@ impl Reasoner {
             tentative: tentative.into_iter().cloned().collect(),
             objects,
             events: self.count_told(),
+            settled: self.take_settled(),
         }
     }
 

@@ -4,13 +4,14 @@
 //! identity; a blob carries one object, or several while they share its region. Events come from
 //! how this partition changes from frame to frame.
 
-use std::collections::{BTreeMap, VecDeque};
+use std::collections::{BTreeMap, BTreeSet, VecDeque};
 use std::sync::Arc;
 
 use nalgebra::Vector3;
 
-use super::assign::{self, Piece};
+use super::assign::{self, Fit, Piece};
 use super::event::{Comparison, Counters, Episode, Event, EventKind, Evidence};
+use super::groups::{Cause, Groups};
 use super::hidden::{self, Hidden, Return};
 use super::meetings::Meetings;
 use super::object::{Object, View, close_to};
@@ -24,13 +25,16 @@ use crate::tracking::fragments::group_fragments;
 use crate::tracking::kalman::Model;
 use crate::tracking::pool::{Blob, Observation, PoolSettings};
 use crate::tracking::seeds::Seeds;
-use crate::tracking::{Naming, Track};
+use crate::tracking::{Identity, Key, Naming, Track};
 
 /// A member of which nothing was seen for more frames than this need not be in its group's region.
 const COASTS: u32 = 2;
 
 /// A new object tells of at most so many hidden ones that it was not taken for.
 const MOST_REFUSED: usize = 3;
+
+/// The names of those who are gone are forgotten when there are about as many, or more than who is there.
+const FORGOTTEN_AT_ONCE: usize = 64;
 
 /// Regions down to this share of `track_min_area` can be fragments of a detection.
 const MIN_FRAGMENT_SHARE: f32 = 0.3;
@@ -42,12 +46,35 @@ pub type ObjectId = u32;
 #[derive(Clone, Debug)]
 pub(super) struct Carried {
     pub(super) blob: Blob,
+    /// The detection in its gate that the tracker's best reading gives it in this frame.
+    pub(super) matched: Option<usize>,
     /// By rising number; several while they share the region.
     pub(super) members: Vec<ObjectId>,
     /// How it is seen in this frame, `None` while it is lost.
     pub(super) view: Option<View>,
     /// The frame's number and t of the first frame without a region.
     pub(super) lost_from: Option<(u32, u32)>,
+}
+
+impl Carried {
+    /// A blob as it is seen.
+    const fn new(blob: Blob, members: Vec<ObjectId>, view: View) -> Self {
+        Self { blob, matched: None, members, view: Some(view), lost_from: None }
+    }
+}
+
+/// Detections that are parts of one thing.
+struct Parts {
+    detections: Vec<usize>,
+    /// They together.
+    view: View,
+}
+
+impl Parts {
+    /// Whether they are the one detection that the tracker matched.
+    fn is_just(&self, matched: Option<usize>) -> bool {
+        matches!((&self.detections[..], matched), ([only], Some(matched)) if *only == matched)
+    }
 }
 
 /// Times and lengths of `settings` in frames and pixels of this video.
@@ -83,6 +110,26 @@ pub struct Seen {
     pub objects: Vec<Track>,
     /// Events decided in this frame, by frame and kind.
     pub events: Vec<Event>,
+    /// What was decided in this frame of those before it.
+    pub settled: Settled,
+}
+
+/// What is settled for good of the frames so far, and is told once.
+#[derive(Clone, Debug, Default)]
+pub struct Settled {
+    /// Who turned out to be who; a later decision overrules an earlier one.
+    pub names: Vec<(Key, Identity)>,
+    /// Occlusions that are over.
+    pub episodes: Vec<Episode>,
+}
+
+/// The last of a sequence.
+#[derive(Clone, Debug, Default)]
+pub struct Ending {
+    /// Events decided after the last frame, by frame and kind.
+    pub events: Vec<Event>,
+    /// What else was open until then.
+    pub settled: Settled,
 }
 
 /// Follows objects through a sequence.
@@ -102,10 +149,12 @@ pub struct Reasoner {
     /// Where the scene has hidden objects that came back.
     pub(super) occluders: Vec<Rect>,
     pub(super) splits: Vec<Split>,
+    pub(super) groups: Groups,
     pub(super) meetings: Meetings,
-    pub(super) scene_episodes: Vec<Episode>,
+    /// Occlusions by the scene that are over and have not been told yet.
+    pub(super) episodes: Vec<Episode>,
     pub(super) naming: Naming,
-    /// The identity of every object that ever had one.
+    /// The identities of the objects of which something may still be told.
     identities: BTreeMap<ObjectId, u32>,
     pub(super) events: Vec<Event>,
     perspective: Perspective,
@@ -147,8 +196,9 @@ impl Reasoner {
             returns: Vec::new(),
             occluders: Vec::new(),
             splits: Vec::new(),
+            groups: Groups::default(),
             meetings: Meetings::default(),
-            scene_episodes: Vec::new(),
+            episodes: Vec::new(),
             naming: Naming::default(),
             identities: BTreeMap::new(),
             events: Vec::new(),
@@ -168,11 +218,10 @@ impl Reasoner {
         self.recent = [self.recent[1], self.recent[2], number];
         self.predict();
         let views = self.detections(regions);
-        let matched = self.match_blobs(&views);
-        let (clusters, observed) = self.cluster(&views, &matched);
+        self.match_blobs(&views);
         let mut unexplained = Vec::new();
-        for cluster in clusters {
-            self.resolve(&cluster, &views, &observed, &matched, &mut unexplained);
+        for cluster in self.cluster(&views) {
+            self.resolve(&cluster, &views, &mut unexplained);
         }
         self.carried.retain(|carried| !carried.members.is_empty());
         self.follow_manoeuvres(&views, &mut unexplained);
@@ -190,13 +239,16 @@ impl Reasoner {
         self.name_objects();
         self.judge_hidden();
         self.follow_splits();
+        self.follow_groups();
         self.follow_meetings();
-        self.tell()
+        let seen = self.tell();
+        self.forget_names();
+        seen
     }
 
-    /// Decides what is still open after the last frame: groups that split and objects that came back a moment before the
-    /// end. Gives the events of it, by frame and kind.
-    pub fn finish(&mut self) -> Vec<Event> {
+    /// Decides what is still open after the last frame: groups that split, objects that came back, left or were lost a
+    /// moment before the end.
+    pub fn finish(&mut self) -> Ending {
         while let Some(members) = self.splits.first().map(|split| split.members.clone()) {
             for id in members {
                 self.settle_splits_of(id);
@@ -206,7 +258,31 @@ impl Reasoner {
         for id in returned {
             self.tell_return_of(id);
         }
-        self.count_told()
+        self.judge_lost_at_end();
+        self.follow_groups();
+        self.meetings.close_all();
+        Ending { events: self.count_told(), settled: self.take_settled() }
+    }
+
+    /// What was settled since this was last asked.
+    pub(super) fn take_settled(&mut self) -> Settled {
+        let identities = &self.identities;
+        let mut episodes = self.meetings.take_closed(|id| identities.get(&id).copied());
+        episodes.append(&mut self.episodes);
+        Settled { names: self.naming.take_decided(), episodes }
+    }
+
+    /// Forgets the names of those of whom nothing can be told any more, when they are many.
+    fn forget_names(&mut self) {
+        if self.identities.len() > 2 * self.objects.len() + FORGOTTEN_AT_ONCE {
+            let (objects, meetings, splits) = (&self.objects, &self.meetings, &self.splits);
+            let open = |id: ObjectId| splits.iter().any(|split| split.members.contains(&id));
+            self.identities.retain(|&id, _| objects.contains_key(&id) || meetings.hold(id) || open(id));
+        }
+        if self.naming.len() > 2 * self.objects.len() + FORGOTTEN_AT_ONCE {
+            let keys: BTreeSet<Key> = self.objects.values().map(|object| object.key).collect();
+            self.naming.retain(|key| keys.contains(&key));
+        }
     }
 
     /// Events so far, by kind.
@@ -214,17 +290,13 @@ impl Reasoner {
         self.counters
     }
 
-    /// Who is who.
-    pub fn naming(&self) -> Naming {
-        self.naming.clone()
-    }
-
-    /// The occlusion episodes so far, by start.
-    pub fn episodes(&self) -> Vec<Episode> {
-        let mut episodes = self.meetings.episodes(|id| self.identity(id));
-        episodes.extend(self.scene_episodes.iter().cloned());
-        episodes.sort_by(|a, b| (a.start, &a.objects).cmp(&(b.start, &b.objects)));
-        episodes
+    /// How much is remembered, in things of all kinds: what must not grow with the time.
+    pub fn remembered(&self) -> usize {
+        let scene = self.objects.len() + self.carried.len() + self.hidden.len() + self.occluders.len();
+        let open = self.returns.len() + self.splits.len() + self.groups.len() + self.meetings.len();
+        let untold = self.events.len() + self.episodes.len();
+        let names = self.identities.len() + self.naming.len();
+        scene + open + untold + names + self.with_region.len() + self.seeds.len()
     }
 
     /// The memory a copy takes, roughly, in bytes.
@@ -232,12 +304,31 @@ impl Reasoner {
         size_of::<Self>()
             + self.objects.len() * (size_of::<Object>() + 4096)
             + self.carried.len() * (size_of::<Carried>() + 2048)
+            + self.hidden.len() * size_of::<Hidden>()
+            + self.returns.len() * (size_of::<Return>() + 512)
+            + self.occluders.len() * size_of::<Rect>()
+            + self.splits.len() * (size_of::<Split>() + 4096)
+            + self.episodes.len() * (size_of::<Episode>() + 16)
+            + self.events.len() * (size_of::<Event>() + 512)
+            + self.with_region.len() * size_of::<(u32, u32)>()
+            + self.seeds.len() * size_of::<Observation>()
+            + (self.identities.len() + self.naming.len()) * 16
             + self.meetings.bytes()
     }
 
-    /// The identity of an object, also of one that is gone.
+    /// The identity of an object, also of one that is gone and of which something is still to be told.
     pub(super) fn identity(&self, id: ObjectId) -> Option<u32> {
         self.identities.get(&id).copied()
+    }
+
+    /// Some objects, in the order of their numbers here.
+    pub(super) fn objects_of<'a>(&'a self, ids: &'a [ObjectId]) -> impl Iterator<Item = &'a Object> + Clone {
+        ids.iter().filter_map(|id| self.objects.get(id))
+    }
+
+    /// Whether an object has an identity.
+    pub(super) fn is_named(&self, id: ObjectId) -> bool {
+        self.objects.get(&id).is_some_and(|object| object.named)
     }
 
     /// Whether a box is near the image edge.
@@ -256,6 +347,7 @@ impl Reasoner {
         for carried in &mut self.carried {
             carried.members.retain(|member| *member != id);
         }
+        self.leave_group(id);
         self.hidden.retain(|hidden| hidden.id != id);
         self.objects.remove(&id)
     }
@@ -263,9 +355,7 @@ impl Reasoner {
     fn predict(&mut self) {
         for carried in &mut self.carried {
             carried.view = None;
-            for hypothesis in &mut carried.blob.hypotheses {
-                hypothesis.model.predict();
-            }
+            carried.blob.predict();
         }
         let shared: Vec<ObjectId> = self
             .carried
@@ -309,7 +399,7 @@ impl Reasoner {
             .carried
             .iter()
             .map(|carried| {
-                let boxes = carried.members.iter().map(|id| self.objects[id].predicted_box());
+                let boxes = self.objects_of(&carried.members).map(Object::predicted_box);
                 boxes.reduce(|a, b| a.union(&b)).unwrap_or(carried.blob.bbox)
             })
             .collect();
@@ -319,114 +409,123 @@ impl Reasoner {
         };
         let owners: Vec<Option<usize>> = observed.iter().map(owner).collect();
         let groups = group_fragments(&observed, &owners, self.settings.fragment_gap);
-        let joined = groups.iter().map(|group| join(&fragments, group));
+        let joined = groups.iter().map(|group| {
+            let parts: Vec<&View> = group.iter().filter_map(|&index| fragments.get(index)).collect();
+            join(&parts)
+        });
         joined.filter(|view| view.area >= self.limits.least_area).collect()
     }
 
-    /// The tracker's own matches: for each blob the view in its gate that the best reading gives it.
-    fn match_blobs(&mut self, views: &[View]) -> Vec<Option<usize>> {
+    /// The tracker's own matches.
+    fn match_blobs(&mut self, views: &[View]) {
         let observations: Vec<Observation> = views.iter().map(observation).collect();
         let mut blobs: Vec<Blob> = self.carried.iter().map(|carried| carried.blob.clone()).collect();
         let matched = self.pool.match_observations(&mut blobs, &observations);
-        for (carried, blob) in self.carried.iter_mut().zip(blobs) {
+        for ((carried, blob), matched) in self.carried.iter_mut().zip(blobs).zip(matched) {
             carried.blob = blob;
+            carried.matched = matched;
         }
-        matched
     }
 
-    fn cluster(&self, views: &[View], matched: &[Option<usize>]) -> (Vec<Cluster>, Vec<(Rect, f32)>) {
+    fn cluster(&self, views: &[View]) -> Vec<Cluster> {
         let expected: Vec<Expected> = self
             .carried
             .iter()
-            .zip(matched)
-            .map(|(carried, &matched)| {
+            .map(|carried| {
                 let group = carried.members.len() > 1;
-                let members = carried.members.iter().map(|id| &self.objects[id]);
+                let members = self.objects_of(&carried.members);
                 let predicted = members.clone().map(Object::predicted_box).reduce(|a, b| a.union(&b));
                 let predicted = predicted.unwrap_or(carried.blob.bbox);
                 Expected {
-                    bbox: match (group, matched) {
+                    bbox: match (group, carried.matched) {
                         (false, None) => predicted,
                         _ => carried.blob.bbox.union(&predicted),
                     },
                     area: members.map(Object::area).fold(0.0, f32::max),
-                    matched,
+                    matched: carried.matched,
                     group,
                 }
             })
             .collect();
         let observed: Vec<(Rect, f32)> = views.iter().map(|view| (view.bbox, view.area)).collect();
-        (partition::clusters(&expected, &observed, self.settings.size_step), observed)
+        partition::clusters(&expected, &observed, self.settings.size_step)
     }
 
     /// Decides which of the cluster's objects are in which of its regions.
-    fn resolve(
-        &mut self,
-        cluster: &Cluster,
-        views: &[View],
-        observed: &[(Rect, f32)],
-        matched: &[Option<usize>],
-        unexplained: &mut Vec<usize>,
-    ) {
+    fn resolve(&mut self, cluster: &Cluster, views: &[View], unexplained: &mut Vec<usize>) {
         if cluster.blobs.is_empty() || cluster.observations.is_empty() {
             unexplained.extend(&cluster.observations);
             return;
         }
-        let pieces = self.pieces(cluster, observed);
+        let pieces = self.pieces(cluster, views);
         let cluster = &self.without_noise(cluster, pieces.len());
         let members = self.members_of(&cluster.blobs);
         if cluster.blobs.len() > 1 || (pieces.len() > 1 && members.len() > 1) {
             self.settle_before_meeting(&members, pieces.len());
         }
         let members = self.members_of(&cluster.blobs);
-        let pieces = if members.len() == 1 { self.pieces(cluster, observed) } else { pieces };
-        let whole: Vec<View> = pieces.iter().map(|piece| join(views, piece)).collect();
-
-        if let [only] = members[..] {
-            let best = self.best_piece(cluster.blobs[0], matched, &pieces, &whole);
-            self.give(
-                cluster.blobs[0],
-                vec![only],
-                &whole[best],
-                is_just(&pieces[best], matched[cluster.blobs[0]]),
-            );
-            let others = || (0..pieces.len()).filter(|index| *index != best);
-            let extent = self.extent(&members);
-            let size = |index: usize| (whole[index].bbox, whole[index].area);
-            let beside = others().any(|other| partition::beside(&size(best), &size(other), extent));
-            if let Some(object) = self.objects.get_mut(&only) {
-                object.note_beside(beside);
+        let mut pieces = if members.len() == 1 { self.pieces(cluster, views) } else { pieces };
+        match (&members[..], &cluster.blobs[..], pieces.len()) {
+            (&[only], &[blob], _) => self.follow_one(blob, only, pieces, unexplained),
+            (_, _, 1) => {
+                if let Some(piece) = pieces.pop() {
+                    self.gather(cluster, members, &piece);
+                }
             }
-            unexplained.extend(others().flat_map(|other| &pieces[other]));
-            return;
+            _ => self.part(cluster, &members, pieces, unexplained),
         }
-        if pieces.len() == 1 {
-            self.gather(cluster, members, &whole[0], pieces[0].as_slice(), matched);
-            return;
+    }
+
+    /// Gives an object that is alone the piece that it is.
+    fn follow_one(
+        &mut self,
+        blob: usize,
+        id: ObjectId,
+        mut pieces: Vec<Parts>,
+        unexplained: &mut Vec<usize>,
+    ) {
+        let Some(best) = self.best_piece(blob, &pieces) else { return };
+        let mine = pieces.remove(best);
+        self.give(blob, vec![id], &mine);
+        let extent = self.extent(&[id]);
+        let size = |piece: &Parts| (piece.view.bbox, piece.view.area);
+        let beside = pieces.iter().any(|other| partition::beside(&size(&mine), &size(other), extent));
+        if let Some(object) = self.objects.get_mut(&id) {
+            object.note_beside(beside);
         }
-        self.part(cluster, &members, &pieces, whole, unexplained);
+        unexplained.extend(pieces.into_iter().flat_map(|other| other.detections));
     }
 
     /// The cluster's regions, those that are parts of one thing taken together.
-    fn pieces(&self, cluster: &Cluster, observed: &[(Rect, f32)]) -> Vec<Vec<usize>> {
+    fn pieces(&self, cluster: &Cluster, views: &[View]) -> Vec<Parts> {
         let members = self.members_of(&cluster.blobs);
-        let local: Vec<(Rect, f32)> = cluster.observations.iter().map(|&index| observed[index]).collect();
+        let local: Vec<(usize, &View)> =
+            cluster.observations.iter().filter_map(|&index| Some((index, views.get(index)?))).collect();
+        let observed: Vec<(Rect, f32)> = local.iter().map(|(_, view)| (view.bbox, view.area)).collect();
         let only = match members[..] {
-            [only] => {
-                Some(self.objects[&only].predicted_box().union(&self.carried[cluster.blobs[0]].blob.bbox))
-            }
+            [only] => self.carried_of(&cluster.blobs).next().map(|carried| (only, carried.blob.bbox)),
             _ => None,
         };
-        partition::pieces(&local, self.extent(&members), only)
-            .into_iter()
-            .map(|piece| piece.into_iter().map(|index| cluster.observations[index]).collect())
-            .collect()
+        let inside =
+            only.and_then(|(only, bbox)| Some(self.objects.get(&only)?.predicted_box().union(&bbox)));
+        let whole = |piece: Vec<usize>| {
+            let parts = || piece.iter().filter_map(|&index| local.get(index));
+            let views: Vec<&View> = parts().map(|(_, view)| *view).collect();
+            Parts { detections: parts().map(|(index, _)| *index).collect(), view: join(&views) }
+        };
+        partition::pieces(&observed, self.extent(&members), inside).into_iter().map(whole).collect()
+    }
+
+    /// What some blobs carry.
+    fn carried_of<'a>(&'a self, blobs: &'a [usize]) -> impl Iterator<Item = &'a Carried> {
+        blobs.iter().filter_map(|&blob| self.carried.get(blob))
     }
 
     /// The objects of some blobs, by rising number.
     fn members_of(&self, blobs: &[usize]) -> Vec<ObjectId> {
         let mut members: Vec<ObjectId> =
-            blobs.iter().flat_map(|&blob| self.carried[blob].members.iter().copied()).collect();
+            self.carried_of(blobs).flat_map(|carried| carried.members.iter().copied()).collect();
+        members.retain(|id| self.objects.contains_key(id));
         members.sort_unstable();
         members
     }
@@ -434,7 +533,7 @@ impl Reasoner {
     /// Who of some objects stays when they come to share a region: those with an identity, and the
     /// oldest where nobody has one. Noise that touches somebody is no meeting.
     fn known_of(&self, members: &[ObjectId]) -> Vec<ObjectId> {
-        let named: Vec<ObjectId> = members.iter().copied().filter(|id| self.objects[id].named).collect();
+        let named: Vec<ObjectId> = members.iter().copied().filter(|&id| self.is_named(id)).collect();
         if named.is_empty() { members.iter().take(1).copied().collect() } else { named }
     }
 
@@ -450,12 +549,12 @@ impl Reasoner {
         for &id in members.iter().filter(|id| !keep.contains(id)) {
             self.end_object(id);
         }
-        cluster.blobs.retain(|&blob| !self.carried[blob].members.is_empty());
+        cluster.blobs.retain(|&blob| self.carried.get(blob).is_some_and(|it| !it.members.is_empty()));
         cluster
     }
 
     fn extent(&self, members: &[ObjectId]) -> Extent {
-        members.iter().map(|id| &self.objects[id]).fold(
+        self.objects_of(members).fold(
             Extent { w: 0.0, h: 0.0, least_area: f32::INFINITY },
             |extent, object| {
                 let (w, h) = object.size();
@@ -469,36 +568,32 @@ impl Reasoner {
     }
 
     /// Which piece a lone object is: the one that the tracker took, else the one it overlaps most.
-    fn best_piece(
-        &self,
-        blob: usize,
-        matched: &[Option<usize>],
-        pieces: &[Vec<usize>],
-        whole: &[View],
-    ) -> usize {
+    fn best_piece(&self, blob: usize, pieces: &[Parts]) -> Option<usize> {
+        let carried = self.carried.get(blob)?;
         let holds_match =
-            pieces.iter().position(|piece| matched[blob].is_some_and(|view| piece.contains(&view)));
-        holds_match.unwrap_or_else(|| {
-            let expected = self.objects[&self.carried[blob].members.first().copied().unwrap_or_default()]
-                .predicted_box();
-            let overlap = |index: &usize| expected.intersection(&whole[*index].bbox).area();
-            (0..whole.len()).max_by(|a, b| overlap(a).total_cmp(&overlap(b)).then(b.cmp(a))).unwrap_or(0)
+            pieces.iter().position(|it| carried.matched.is_some_and(|at| it.detections.contains(&at)));
+        holds_match.or_else(|| {
+            let expected = self.objects.get(carried.members.first()?)?.predicted_box();
+            let overlaps =
+                pieces.iter().map(|piece| expected.intersection(&piece.view.bbox).area()).enumerate();
+            overlaps.max_by(|a, b| a.1.total_cmp(&b.1).then(b.0.cmp(&a.0))).map(|(at, _)| at)
         })
     }
 
-    /// Gives a blob its region and its members. `as_matched`: the tracker took just this region,
-    /// and its hypotheses stand; otherwise the model is corrected from outside.
-    fn give(&mut self, blob: usize, members: Vec<ObjectId>, view: &View, as_matched: bool) {
+    /// Gives a blob its region and its members. Where the tracker took just this region its hypotheses stand; otherwise
+    /// the model is corrected from outside.
+    fn give(&mut self, blob: usize, members: Vec<ObjectId>, piece: &Parts) {
+        let view = &piece.view;
         let measured = observation(view);
         let whole = match members[..] {
             [only] => self.objects.get(&only).is_none_or(|object| object.is_nearly_whole(view)),
             _ => true,
         };
         let cut_off = self.near_border(&view.bbox);
-        let carried = &mut self.carried[blob];
+        let Some(carried) = self.carried.get_mut(blob) else { return };
         carried.members = members;
         carried.view = Some(view.clone());
-        if as_matched {
+        if piece.is_just(carried.matched) {
             return;
         }
         let fits =
@@ -517,84 +612,64 @@ impl Reasoner {
     }
 
     /// All the cluster's objects are in one region: a group goes on, or objects have merged.
-    fn gather(
-        &mut self,
-        cluster: &Cluster,
-        members: Vec<ObjectId>,
-        view: &View,
-        piece: &[usize],
-        matched: &[Option<usize>],
-    ) {
+    fn gather(&mut self, cluster: &Cluster, members: Vec<ObjectId>, piece: &Parts) {
         let Some((&first, others)) = cluster.blobs.split_first() else { return };
         if others.is_empty() {
-            self.give(first, members, view, is_just(piece, matched[first]));
+            self.give(first, members, piece);
             return;
         }
-        self.tell_merge(cluster, &members, view);
-        for &other in others {
-            self.carried[other].members.clear();
-        }
+        let view = &piece.view;
+        self.note_meeting(&cluster.blobs, &members, view);
+        self.clear_blobs(others);
         let model = self.group_model(&members, view);
-        self.carried[first].blob = Blob::new(model, &observation(view));
-        self.carried[first].members = members;
-        self.carried[first].view = Some(view.clone());
+        if let Some(carried) = self.carried.get_mut(first) {
+            carried.blob = Blob::new(model, &observation(view));
+            carried.members = members;
+            carried.view = Some(view.clone());
+        }
+    }
+
+    /// Takes the objects out of these blobs: they are in others.
+    fn clear_blobs(&mut self, blobs: &[usize]) {
+        for &blob in blobs {
+            if let Some(carried) = self.carried.get_mut(blob) {
+                carried.members.clear();
+            }
+        }
     }
 
     fn group_model(&self, members: &[ObjectId], view: &View) -> Model {
-        let mean = members.iter().map(|id| self.objects[id].model.velocity()).sum::<Vector3<f32>>()
+        let mean = self.objects_of(members).map(|object| object.model.velocity()).sum::<Vector3<f32>>()
             / members.len().max(1) as f32;
         let velocity = Vector3::new(mean.x, mean.y, 0.0);
         Model::new(observation(view).measurement(), velocity, self.pool.noise.measurement, self.pool.noise)
     }
 
-    /// The event of a merge, unless these were in one meeting a moment ago: touching again within
-    /// `same_episode` is the same meeting.
-    fn tell_merge(&mut self, cluster: &Cluster, members: &[ObjectId], view: &View) {
-        let meeting_goes_on = members.iter().enumerate().all(|(index, &a)| {
-            members[index + 1..].iter().all(|&b| {
-                let were_apart = cluster.blobs.iter().all(|&blob| {
-                    let carried = &self.carried[blob].members;
-                    !(carried.contains(&a) && carried.contains(&b))
-                });
-                !were_apart || self.meetings.together(a, b)
-            })
-        });
-        if meeting_goes_on {
-            return;
-        }
-        let before: f32 = cluster
-            .blobs
-            .iter()
-            .map(|&blob| {
-                self.carried[blob].members.iter().map(|id| self.objects[id].last.area).fold(0.0, f32::max)
-            })
-            .fold(0.0, f32::max);
+    /// Notes why the objects of these blobs share a region.
+    fn note_meeting(&mut self, blobs: &[usize], members: &[ObjectId], view: &View) {
+        let largest = |carried: &Carried| {
+            self.objects_of(&carried.members).map(|object| object.last.area).fold(0.0, f32::max)
+        };
+        let before: f32 = self.carried_of(blobs).map(largest).fold(0.0, f32::max);
         let grown = view.area / before.max(1.0) - 1.0;
         let step = self.settings.size_step;
         let mut evidence = Evidence::of_branch(format!(
             "{} objects had regions of their own and now share one of {:.0} pixels, {:+.0} % against the largest of them",
-            cluster.blobs.len(),
+            blobs.len(),
             view.area,
             100.0 * grown,
         ));
         evidence.at_least("growth of the region", grown, step);
         for &id in members {
-            let held = partition::held_share(&self.objects[&id].predicted_box(), &view.bbox);
+            let Some(object) = self.objects.get(&id) else { continue };
+            let held = partition::held_share(&object.predicted_box(), &view.bbox);
             let whose = self.identity(id).unwrap_or_default();
             evidence.at_least(format!("share of {whose}'s predicted box inside the region"), held, 0.5);
         }
-        let identities = self.identities(members);
-        let [x, y] = view.bbox.centre();
-        self.events.push(Event {
-            frame: self.number,
-            kind: EventKind::Merge,
-            objects: identities.clone(),
-            becomes: identities,
-            x,
-            y,
-            front: None,
-            evidence,
-        });
+        let cause = Cause { frame: self.number, at: view.bbox.centre(), evidence };
+        for &id in members {
+            self.groups.note_joining(id, cause.clone());
+        }
     }
 
     /// Several objects and several pieces: who is where now, and what that says has happened.
@@ -602,75 +677,74 @@ impl Reasoner {
         &mut self,
         cluster: &Cluster,
         members: &[ObjectId],
-        pieces: &[Vec<usize>],
-        whole: Vec<View>,
+        pieces: Vec<Parts>,
         unexplained: &mut Vec<usize>,
     ) {
-        let was_in: BTreeMap<ObjectId, usize> = cluster
+        let before: Vec<(usize, Vec<ObjectId>)> = cluster
             .blobs
             .iter()
-            .flat_map(|&blob| self.carried[blob].members.iter().map(move |&id| (id, blob)))
+            .filter_map(|&blob| Some((blob, self.carried.get(blob)?.members.clone())))
             .collect();
-        let in_group: Vec<bool> =
-            members.iter().map(|id| self.carried[was_in[id]].members.len() > 1).collect();
-        let objects: Vec<&Object> = members.iter().map(|id| &self.objects[id]).collect();
+        let in_group: Vec<bool> = members
+            .iter()
+            .map(|id| before.iter().any(|(_, group)| group.len() > 1 && group.contains(id)))
+            .collect();
+        let objects: Vec<&Object> = self.objects_of(members).collect();
         let unsure: Vec<f32> =
             members.iter().zip(&in_group).map(|(&id, &group)| self.unsureness(id, group)).collect();
-        let parts: Vec<Piece> = whole.iter().map(piece_of).collect();
+        let parts: Vec<Piece> = pieces.iter().map(|piece| piece_of(&piece.view)).collect();
         let fits = assign::fits(&objects, &unsure, &parts, &self.settings);
         let assigned = assign::assign(&fits, &objects, &parts, &in_group);
 
-        let before: Vec<Vec<ObjectId>> =
-            cluster.blobs.iter().map(|&blob| self.carried[blob].members.clone()).collect();
-        let mut blobs: Vec<Carried> = Vec::new();
-        let mut piece_numbers = Vec::new();
-        for (index, view) in whole.into_iter().enumerate() {
+        let mut blobs: Vec<(usize, Carried)> = Vec::new();
+        for (number, piece) in pieces.into_iter().enumerate() {
             let here: Vec<ObjectId> =
-                members.iter().zip(&assigned).filter(|(_, at)| **at == index).map(|(&id, _)| id).collect();
+                members.iter().zip(&assigned).filter(|(_, at)| **at == number).map(|(&id, _)| id).collect();
             if here.is_empty() {
-                unexplained.extend(&pieces[index]);
+                unexplained.extend(&piece.detections);
                 continue;
             }
             let known = self.known_of(&here);
             for &id in here.iter().filter(|id| !known.contains(id)) {
                 self.end_object(id);
             }
-            let here = known;
+            let (here, view) = (known, piece.view);
             let observed = observation(&view);
-            let blob = match here[..] {
-                [only] => {
-                    let mut model = self.objects[&only].model.clone();
-                    model.stand_at(&observed.measurement());
-                    Blob::new(model, &observed)
-                }
-                _ => Blob::new(self.group_model(&here, &view), &observed),
+            let alone = match here[..] {
+                [only] => self.objects.get(&only).map(|object| object.model.clone()),
+                _ => None,
             };
-            blobs.push(Carried { blob, members: here, view: Some(view), lost_from: None });
-            piece_numbers.push(index);
+            let model = alone.map_or_else(
+                || self.group_model(&here, &view),
+                |mut model| {
+                    model.stand_at(&observed.measurement());
+                    model
+                },
+            );
+            let blob = Blob::new(model, &observed);
+            blobs.push((number, Carried::new(blob, here, view)));
         }
-        for joined in &blobs {
-            let from: std::collections::BTreeSet<usize> =
-                joined.members.iter().map(|id| was_in[id]).collect();
+        for (_, joined) in &blobs {
+            let from = before.iter().filter(|(_, group)| joined.members.iter().any(|id| group.contains(id)));
+            let from: Vec<usize> = from.map(|(blob, _)| *blob).collect();
             if from.len() > 1
                 && let Some(view) = &joined.view
             {
-                let parents = Cluster { blobs: from.into_iter().collect(), observations: Vec::new() };
-                self.tell_merge(&parents, &joined.members, view);
+                self.note_meeting(&from, &joined.members, view);
             }
         }
-        for group in before.iter().filter(|group| group.len() > 1) {
-            self.start_split(group, &blobs, &piece_numbers, members, &fits);
+        let fits: BTreeMap<ObjectId, Vec<Fit>> = members.iter().copied().zip(fits).collect();
+        for (_, group) in before.iter().filter(|(_, group)| group.len() > 1) {
+            self.start_split(group, &blobs, &fits);
         }
-        for &blob in &cluster.blobs {
-            self.carried[blob].members.clear();
-        }
-        self.carried.extend(blobs);
+        self.clear_blobs(&cluster.blobs);
+        self.carried.extend(blobs.into_iter().map(|(_, carried)| carried));
     }
 
     /// How far an object's prediction may be off: little while it was alone, more the longer it
     /// has been in a group.
     pub(super) fn unsureness(&self, id: ObjectId, in_group: bool) -> f32 {
-        let object = &self.objects[&id];
+        let Some(object) = self.objects.get(&id) else { return 0.0 };
         let (_, height) = object.size();
         let apart = match object.template {
             _ if !in_group => 0.0,
@@ -684,27 +758,32 @@ impl Reasoner {
     /// Gives objects that are lost in this frame the regions that nothing explains, where a manoeuvre can have taken
     /// them there.
     fn follow_manoeuvres(&mut self, views: &[View], unexplained: &mut Vec<usize>) {
-        let lost: Vec<usize> = (0..self.carried.len())
-            .filter(|&index| self.carried[index].view.is_none() && self.carried[index].members.len() == 1)
+        let lost = |carried: &&mut Carried| carried.view.is_none() && carried.members.len() == 1;
+        let mut lost: Vec<&mut Carried> = self.carried.iter_mut().filter(lost).collect();
+        let free: Vec<(usize, &View, Observation)> = unexplained
+            .iter()
+            .filter_map(|&index| views.get(index).map(|view| (index, view, observation(view))))
             .collect();
-        let blobs: Vec<&Blob> = lost.iter().map(|&index| &self.carried[index].blob).collect();
-        let free: Vec<Observation> = unexplained.iter().map(|&index| observation(&views[index])).collect();
-        let observations: Vec<&Observation> = free.iter().collect();
-        let pairs = self.pool.match_manoeuvres(&blobs, &observations);
-        let taken: Vec<usize> = pairs.iter().map(|&(_, column)| unexplained[column]).collect();
-        for (row, column) in pairs {
-            let carried = &mut self.carried[lost[row]];
-            PoolSettings::manoeuvre(&mut carried.blob, &free[column]);
-            carried.view = Some(views[unexplained[column]].clone());
+        let blobs: Vec<&Blob> = lost.iter().map(|carried| &carried.blob).collect();
+        let observations: Vec<&Observation> = free.iter().map(|(.., observed)| observed).collect();
+        let mut taken = Vec::new();
+        for (row, column) in self.pool.match_manoeuvres(&blobs, &observations) {
+            let (Some(carried), Some((index, view, observed))) = (lost.get_mut(row), free.get(column)) else {
+                continue;
+            };
+            PoolSettings::manoeuvre(&mut carried.blob, observed);
+            carried.view = Some(View::clone(view));
+            taken.push(*index);
         }
         unexplained.retain(|index| !taken.contains(index));
     }
 
     /// New models for what nothing explains.
     fn seed(&mut self, views: &[View], unexplained: &[usize]) {
-        let observations = unexplained.iter().map(|&index| (index, observation(&views[index]))).collect();
+        let observations =
+            unexplained.iter().filter_map(|&index| Some((index, observation(views.get(index)?)))).collect();
         for seed in self.seeds.step(&self.pool, observations) {
-            let view = views[seed.observation].clone();
+            let Some(view) = views.get(seed.observation).cloned() else { continue };
             let id = self.new_key();
             let birth = (self.recent[0], seed.first.bbox);
             let mut object = Object::new(id, birth, seed.model.clone(), view.clone());
@@ -712,13 +791,13 @@ impl Reasoner {
             object.seen = 2;
             self.objects.insert(id, object);
             let blob = Blob::new(seed.model, &observation(&view));
-            self.carried.push(Carried { blob, members: vec![id], view: Some(view), lost_from: None });
+            self.carried.push(Carried::new(blob, vec![id], view));
         }
     }
 
     fn count_objects(&mut self) {
         let stands_for_objects = |carried: &&Carried| {
-            carried.view.is_some() && carried.members.iter().any(|id| self.objects[id].named)
+            carried.view.is_some() && carried.members.iter().any(|&id| self.is_named(id))
         };
         let now = self.carried.iter().filter(stands_for_objects).count();
         // An event is told at most as long after its frame as who is hidden is waited for.
@@ -739,7 +818,7 @@ impl Reasoner {
     /// Each object's own motion and looks, from how its blob is seen.
     fn follow_objects(&mut self) {
         for index in 0..self.carried.len() {
-            let carried = &self.carried[index];
+            let Some(carried) = self.carried.get(index) else { break };
             if let [alone] = carried.members[..] {
                 let model = carried.blob.shown().model.clone();
                 let view = carried.view.clone();
@@ -791,10 +870,13 @@ impl Reasoner {
     /// Keeps the predictions of a group's members inside its region. Where the region is wider than
     /// anybody in it, its left and right edge are those of the outermost members.
     fn hold_inside(&mut self, members: &[ObjectId], region: &Rect) {
-        let widest = members.iter().map(|id| self.objects[id].size().0).fold(0.0, f32::max);
-        let centre_x = |id: &ObjectId| self.objects[id].model.centre()[0];
-        let leftmost = members.iter().min_by(|a, b| centre_x(a).total_cmp(&centre_x(b))).copied();
-        let rightmost = members.iter().rev().max_by(|a, b| centre_x(a).total_cmp(&centre_x(b))).copied();
+        let widest = self.objects_of(members).map(|object| object.size().0).fold(0.0, f32::max);
+        let across: Vec<(f32, ObjectId)> = members
+            .iter()
+            .filter_map(|&id| self.objects.get(&id).map(|object| (object.model.centre()[0], id)))
+            .collect();
+        let leftmost = across.iter().min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, id)| *id);
+        let rightmost = across.iter().rev().max_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, id)| *id);
         let spread = region.w > 1.15 * widest && leftmost != rightmost;
         for &id in members {
             let Some(object) = self.objects.get_mut(&id) else { continue };
@@ -824,15 +906,17 @@ impl Reasoner {
         let extents: Vec<Rect> = self
             .carried
             .iter()
-            .filter(|carried| carried.members.len() == 1)
-            .map(|carried| &self.objects[&carried.members[0]])
+            .filter_map(|carried| match carried.members[..] {
+                [alone] => self.objects.get(&alone),
+                _ => None,
+            })
             .filter(|object| object.named && object.partial > 0)
             .map(Object::predicted_box)
             .collect();
         let objects = &mut self.objects;
         self.carried.retain(|carried| {
             let (&[id], Some(view)) = (&carried.members[..], &carried.view) else { return true };
-            let part = !objects[&id].named
+            let part = objects.get(&id).is_some_and(|object| !object.named)
                 && extents.iter().any(|extent| partition::held_share(&view.bbox, extent) >= 0.5);
             if part {
                 objects.remove(&id);
@@ -855,37 +939,40 @@ impl Reasoner {
             .map(|(&id, _)| id)
             .collect();
         for id in due {
-            if !self.objects.contains_key(&id) || self.must_be_seen_better(id) {
-                continue;
+            if self.objects.contains_key(&id) && !self.must_be_seen_better(id) {
+                self.name_object(id);
             }
-            if self.reappears(id) || self.comes_out(id) {
-                self.absorb_parts();
-                continue;
-            }
-            let Some(object) = self.objects.get_mut(&id) else { continue };
-            object.named = true;
-            let identity = self.naming.name(object.key);
-            self.identities.insert(id, identity);
-            let (born, birthplace) = (object.born, object.birthplace);
-            let distance = birthplace.distance_to_edge(self.size);
-            let near = distance <= self.limits.border;
-            let kind = if near { EventKind::Enter } else { EventKind::Appear };
-            let branch = if near {
-                "a new object whose box was near the image edge when it was first seen"
-            } else {
-                "a new object away from the image edge; no hidden object fits and no group shrank"
-            };
-            let mut evidence = Evidence::of_branch(branch);
-            if near {
-                evidence.at_most("distance to the image edge", distance, self.limits.border);
-            } else {
-                evidence.at_least("distance to the image edge", distance, self.limits.border);
-                self.note_refused(&birthplace, &mut evidence);
-            }
-            let [x, y] = birthplace.centre();
-            let (objects, becomes) = (vec![identity], vec![identity]);
-            self.events.push(Event { frame: born, kind, objects, becomes, x, y, front: None, evidence });
         }
+    }
+
+    /// Says who an object is, and tells of its beginning where it is nobody known.
+    pub(super) fn name_object(&mut self, id: ObjectId) {
+        if self.reappears(id) || self.comes_out(id) {
+            self.absorb_parts();
+            return;
+        }
+        let Some(object) = self.objects.get_mut(&id) else { return };
+        object.named = true;
+        let identity = self.naming.name(object.key);
+        self.identities.insert(id, identity);
+        let (born, birthplace) = (object.born, object.birthplace);
+        let distance = birthplace.distance_to_edge(self.size);
+        let near = distance <= self.limits.border;
+        let kind = if near { EventKind::Enter } else { EventKind::Appear };
+        let branch = if near {
+            "a new object whose box was near the image edge when it was first seen"
+        } else {
+            "a new object away from the image edge; no hidden object fits and no group shrank"
+        };
+        let mut evidence = Evidence::of_branch(branch);
+        if near {
+            evidence.at_most("distance to the image edge", distance, self.limits.border);
+        } else {
+            evidence.at_least("distance to the image edge", distance, self.limits.border);
+            self.note_refused(&birthplace, &mut evidence);
+        }
+        let event = Event::of_one(born, kind, identity, birthplace.centre(), evidence);
+        self.push_event(&[id], event);
     }
 
     /// Notes which hidden objects a new one was not taken for, the nearest first: how far from where each may be.
@@ -912,21 +999,20 @@ impl Reasoner {
 
     /// Notes who shares a region with whom.
     fn follow_meetings(&mut self) {
-        let groups: Vec<(Vec<(ObjectId, f32)>, bool)> =
-            self.carried
-                .iter()
-                .filter(|carried| carried.members.len() > 1)
-                .map(|carried| {
-                    let boxes: Vec<Rect> =
-                        carried.members.iter().map(|id| self.objects[id].predicted_box()).collect();
-                    let overlapping = boxes.iter().enumerate().any(|(index, a)| {
-                        boxes[index + 1..].iter().any(|b| partition::held_share(a, b) >= 0.3)
-                    });
-                    let shares =
-                        carried.members.iter().map(|&id| (id, self.share_in_group(id, carried))).collect();
-                    (shares, overlapping)
-                })
-                .collect();
+        let groups: Vec<(Vec<(ObjectId, f32)>, bool)> = self
+            .carried
+            .iter()
+            .filter(|carried| carried.members.len() > 1)
+            .map(|carried| {
+                let boxes: Vec<Rect> = self.objects_of(&carried.members).map(Object::predicted_box).collect();
+                let overlapping = boxes.iter().enumerate().any(|(index, a)| {
+                    boxes.iter().skip(index + 1).any(|b| partition::held_share(a, b) >= 0.3)
+                });
+                let shares =
+                    carried.members.iter().map(|&id| (id, self.share_in_group(id, carried))).collect();
+                (shares, overlapping)
+            })
+            .collect();
         for (members, overlapping) in groups {
             self.meetings.share(&members, self.number, self.t, overlapping);
         }
@@ -935,8 +1021,8 @@ impl Reasoner {
 
     /// How much of a member is seen in its group: the share of its own colours that the region shows.
     pub(super) fn share_in_group(&self, id: ObjectId, carried: &Carried) -> f32 {
-        let object = &self.objects[&id];
-        match (&object.clear, &carried.view) {
+        let clear = self.objects.get(&id).and_then(|object| object.clear.as_ref());
+        match (clear, &carried.view) {
             (Some(clear), Some(view)) => view.histogram.holds(&clear.histogram, clear.area),
             _ => 1.0,
         }
@@ -959,11 +1045,6 @@ impl Reasoner {
     }
 }
 
-/// Whether a piece is the one observation that the tracker matched.
-fn is_just(piece: &[usize], matched: Option<usize>) -> bool {
-    matches!((piece, matched), ([only], Some(matched)) if *only == matched)
-}
-
 fn view(region: &Region) -> View {
     View {
         bbox: region.shape.bbox,
@@ -974,17 +1055,18 @@ fn view(region: &Region) -> View {
     }
 }
 
-fn join(views: &[View], piece: &[usize]) -> View {
+/// Views of parts of one thing as one.
+fn join(parts: &[&View]) -> View {
     let mut histogram = Histogram::default();
-    for &index in piece {
-        histogram.add_scaled(&views[index].histogram, 1.0);
+    for part in parts {
+        histogram.add_scaled(&part.histogram, 1.0);
     }
     View {
-        bbox: piece.iter().map(|&index| views[index].bbox).reduce(|a, b| a.union(&b)).unwrap_or_default(),
-        area: piece.iter().map(|&index| views[index].area).sum(),
+        bbox: parts.iter().map(|part| part.bbox).reduce(|a, b| a.union(&b)).unwrap_or_default(),
+        area: parts.iter().map(|part| part.area).sum(),
         histogram,
-        labels: piece.iter().flat_map(|&index| views[index].labels.iter().copied()).collect(),
-        mosaic: join_mosaics(piece.iter().map(|&index| &views[index].mosaic)),
+        labels: parts.iter().flat_map(|part| part.labels.iter().copied()).collect(),
+        mosaic: join_mosaics(parts.iter().map(|part| &part.mosaic)),
     }
 }
 

@@ -3,7 +3,8 @@
 use std::collections::BTreeMap;
 
 use super::assign::{self, Fit, Piece};
-use super::event::{Comparison, Event, EventKind, Evidence};
+use super::event::{Comparison, Evidence};
+use super::groups::Cause;
 use super::object::Object;
 use super::reasoner::{Carried, ObjectId, Reasoner};
 use crate::regions::{Histogram, Rect};
@@ -32,26 +33,31 @@ impl Split {
         !self.decided && self.members.contains(&id)
     }
 
+    /// The piece that a member is in.
+    pub(super) fn piece(&self, id: ObjectId) -> Option<usize> {
+        let member = self.members.iter().zip(&self.piece_of).find(|(member, _)| **member == id);
+        member.map(|(_, &piece)| piece)
+    }
+
     fn members_in(&self, piece: usize) -> Vec<ObjectId> {
         self.members.iter().zip(&self.piece_of).filter(|(_, at)| **at == piece).map(|(&id, _)| id).collect()
     }
 }
 
 impl Reasoner {
-    /// Notes that a group fell apart, if its members are now in several of `blobs`, which are the
-    /// pieces `piece_numbers` of `fits`, whose rows are `rows`.
+    /// Notes that a group fell apart, if its members are now in several of `blobs`, each with the number of its piece in
+    /// the rows of `fits`.
     pub(super) fn start_split(
         &mut self,
         group: &[ObjectId],
-        blobs: &[Carried],
-        piece_numbers: &[usize],
-        rows: &[ObjectId],
-        fits: &[Vec<Fit>],
+        blobs: &[(usize, Carried)],
+        fits: &BTreeMap<ObjectId, Vec<Fit>>,
     ) {
         let present: Vec<ObjectId> =
             group.iter().copied().filter(|id| self.objects.contains_key(id)).collect();
-        let pieces: Vec<usize> = (0..blobs.len())
-            .filter(|&blob| blobs[blob].members.iter().any(|id| present.contains(id)))
+        let pieces: Vec<&(usize, Carried)> = blobs
+            .iter()
+            .filter(|(_, carried)| carried.members.iter().any(|id| present.contains(id)))
             .collect();
         if pieces.len() < 2 {
             return;
@@ -61,21 +67,19 @@ impl Reasoner {
         }
         let piece_of = present
             .iter()
-            .map(|id| pieces.iter().position(|&blob| blobs[blob].members.contains(id)).unwrap_or(0))
+            .map(|id| pieces.iter().position(|(_, carried)| carried.members.contains(id)).unwrap_or(0))
             .collect();
         let fits = present
             .iter()
-            .filter_map(|id| rows.iter().position(|row| row == id))
-            .map(|row| pieces.iter().map(|&blob| fits[row][piece_numbers[blob]]).collect())
+            .filter_map(|id| fits.get(id))
+            .map(|row| pieces.iter().filter_map(|(number, _)| row.get(*number).copied()).collect())
             .collect();
         let empty = |bbox: Rect, area: f32| Piece { bbox, area, histogram: Histogram::default() };
         let pieces = pieces
             .iter()
-            .map(|&blob| {
-                blobs[blob]
-                    .view
-                    .as_ref()
-                    .map_or_else(|| empty(Rect::default(), 0.0), |view| empty(view.bbox, view.area))
+            .map(|(_, carried)| {
+                let view = carried.view.as_ref();
+                view.map_or_else(|| empty(Rect::default(), 0.0), |view| empty(view.bbox, view.area))
             })
             .collect();
         // From here on their tracks go under new keys: should it turn out that they came out the
@@ -101,7 +105,7 @@ impl Reasoner {
     /// Whether a new object is a member of a group that shrank: it came out where the group's region
     /// had already been left (Algorithm 3). If so it takes that member's identity.
     pub(super) fn comes_out(&mut self, id: ObjectId) -> bool {
-        let new = &self.objects[&id];
+        let Some(new) = self.objects.get(&id) else { return false };
         if new.birthplace.distance_to_edge(self.size) <= self.limits.border {
             return false;
         }
@@ -114,14 +118,14 @@ impl Reasoner {
             .enumerate()
             .filter(|(_, it)| it.members.len() > 1 && !it.members.contains(&id))
         {
-            let due: f32 = group.members.iter().map(|id| self.objects[id].area()).sum();
+            let due: f32 = self.objects_of(&group.members).map(Object::area).sum();
             let seen = group.view.as_ref().map_or(0.0, |view| view.area);
             let shrunk = seen <= (1.0 - self.settings.size_step) * due;
-            for &member in group.members.iter().filter(|id| shrunk || self.objects[id].unseen > 0) {
-                let object = &self.objects[&member];
+            let known = group.members.iter().filter_map(|id| Some((*id, self.objects.get(id)?)));
+            for (member, object) in known.filter(|(_, object)| shrunk || object.unseen > 0) {
                 let unsure = self.unsureness(member, true);
                 let fits = assign::fits(&[object], &[unsure], std::slice::from_ref(&piece), &self.settings);
-                let fit = fits[0][0];
+                let Some(&fit) = fits.first().and_then(|row| row.first()) else { continue };
                 if fit.distance > 3.0 * unsure {
                     continue;
                 }
@@ -132,30 +136,26 @@ impl Reasoner {
             }
         }
         let Some((_, index, member, fit, filled)) = best else { return false };
-        let objects = self.identities(&self.carried[index].members);
+        if self.splits.iter().any(|split| split.members.contains(&member)) {
+            // Who is who in the group has been open until now.
+            self.settle_splits_of(member);
+            return self.comes_out(id);
+        }
+        let objects = self.carried.get(index).map_or(0, |group| group.members.len());
         let step = self.settings.size_step;
         let why = if filled <= 1.0 - step { "that had shrunk" } else { "in which it was not seen" };
         let mut evidence = Evidence::of_branch(format!(
-            "a region without an object beside one that {} objects shared and {why}; it is the member who fits best",
-            objects.len(),
+            "a region without an object beside one that {objects} objects shared and {why}; it is the member who fits best",
         ));
         evidence.at_most("the group's pixels over those its members should have", filled, 1.0 - step);
         evidence.note("agreement of colours, up to 1.2", fit.colour);
         evidence.note("pixels from the member's prediction", fit.distance);
-        self.carried[index].members.retain(|&other| other != member);
-        let (frame, [x, y]) = (self.objects[&id].born, piece.bbox.centre());
+        let frame = new.born;
+        if let Some(group) = self.carried.get_mut(index) {
+            group.members.retain(|&other| other != member);
+        }
         self.take_place(id, member);
-        let becomes = self.identity(member).into_iter().collect();
-        self.events.push(Event {
-            frame,
-            kind: EventKind::Demerge,
-            objects,
-            becomes,
-            x,
-            y,
-            front: None,
-            evidence,
-        });
+        self.groups.note_leaving(member, Cause { frame, at: piece.bbox.centre(), evidence });
         true
     }
 
@@ -173,62 +173,59 @@ impl Reasoner {
     /// Decides and tells at once what is open about an object.
     pub(super) fn settle_splits_of(&mut self, id: ObjectId) {
         while let Some(index) = self.splits.iter().position(|split| split.members.contains(&id)) {
-            self.settle_split(index);
+            let split = self.splits.remove(index);
+            self.settle_split(split);
         }
     }
 
-    fn settle_split(&mut self, index: usize) {
-        self.decide_split(index);
-        let split = self.splits.remove(index);
+    fn settle_split(&mut self, mut split: Split) {
+        self.decide_split(&mut split);
         self.tell_split(&split);
     }
 
     /// Looks at the pieces once more; decides and tells what has waited long enough.
     pub(super) fn follow_splits(&mut self) {
         let same_episode = self.limits.same_episode;
-        for index in (0..self.splits.len()).rev() {
-            self.look_at_pieces(index);
-            let waited = self.t - self.splits[index].t;
+        for mut split in std::mem::take(&mut self.splits) {
+            self.look_at_pieces(&mut split);
+            let waited = self.t - split.t;
             if waited >= LONGEST_WAIT.min(same_episode.max(3)) {
-                self.decide_split(index);
+                self.decide_split(&mut split);
             }
             if waited > same_episode {
-                self.settle_split(index);
+                self.settle_split(split);
+            } else {
+                self.splits.push(split);
             }
         }
     }
 
-    fn look_at_pieces(&mut self, index: usize) {
-        let split = &mut self.splits[index];
-        for piece in 0..split.pieces.len() {
-            let members = split.members_in(piece);
-            let view = self
-                .carried
-                .iter()
-                .find(|carried| carried.members == members)
-                .and_then(|carried| carried.view.as_ref());
-            if let Some(view) = view {
-                split.pieces[piece].histogram.add_scaled(&view.histogram, 1.0 / view.area.max(1.0));
+    fn look_at_pieces(&self, split: &mut Split) {
+        let members: Vec<Vec<ObjectId>> =
+            (0..split.pieces.len()).map(|piece| split.members_in(piece)).collect();
+        for (piece, members) in split.pieces.iter_mut().zip(members) {
+            let carried = self.carried.iter().find(|carried| carried.members == members);
+            if let Some(view) = carried.and_then(|carried| carried.view.as_ref()) {
+                piece.histogram.add_scaled(&view.histogram, 1.0 / view.area.max(1.0));
             }
         }
     }
 
     /// Asks the colours again, with all that was seen of the pieces since; the motion is that at
     /// the parting. Where the answer differs from the first guess the objects change places.
-    fn decide_split(&mut self, index: usize) {
-        if std::mem::replace(&mut self.splits[index].decided, true) {
+    fn decide_split(&mut self, split: &mut Split) {
+        if std::mem::replace(&mut split.decided, true) {
             return;
         }
-        let split = self.splits[index].clone();
         if split.pieces.iter().any(|piece| piece.histogram.total() <= 0.0)
             || split.members.iter().any(|id| !self.objects.contains_key(id))
         {
             return;
         }
         let mut fits = split.fits.clone();
-        for (row, id) in fits.iter_mut().zip(&split.members) {
+        for (row, object) in fits.iter_mut().zip(self.objects_of(&split.members)) {
             for (fit, piece) in row.iter_mut().zip(&split.pieces) {
-                (fit.colour, fit.delta_e) = self.objects[id].agreement(&piece.histogram, &self.settings);
+                (fit.colour, fit.delta_e) = object.agreement(&piece.histogram, &self.settings);
             }
         }
         let assigned = assign::reassign(&fits, &split.piece_of, split.pieces.len());
@@ -238,8 +235,8 @@ impl Reasoner {
             takes_place_of.extend(new.zip(split.members_in(piece)));
         }
         self.change_places(&takes_place_of);
-        self.splits[index].fits = fits;
-        self.splits[index].piece_of = assigned;
+        split.fits = fits;
+        split.piece_of = assigned;
     }
 
     /// Each object (key) takes the place of another (value): its key, motion, last view and blob.
@@ -256,7 +253,7 @@ impl Reasoner {
                 object.key = place.key;
                 object.model = place.model.clone();
                 object.last = place.last.clone();
-                if let Some(identity) = identities[id] {
+                if let Some(identity) = identities.get(id).copied().flatten() {
                     self.naming.set(place.key, identity);
                 }
             }
@@ -272,20 +269,10 @@ impl Reasoner {
     }
 
     fn tell_split(&mut self, split: &Split) {
-        let objects = self.identities(&split.members);
-        if objects.len() < 2 {
-            return;
-        }
-        let singles: Vec<ObjectId> = (0..split.pieces.len())
-            .map(|piece| split.members_in(piece))
-            .filter(|members| members.len() == 1)
-            .flatten()
-            .collect();
-        let becomes = if singles.is_empty() { objects.clone() } else { self.identities(&singles) };
         let area: f32 = split.pieces.iter().map(|piece| piece.area).sum();
         let mut evidence = Evidence::of_branch(format!(
             "a region that {} objects shared fell into {} pieces of {area:.0} pixels together, apart for {} frames when it was decided",
-            objects.len(),
+            self.identities(&split.members).len(),
             split.pieces.len(),
             self.t - split.t,
         ));
@@ -315,16 +302,8 @@ impl Reasoner {
         }
         let around =
             split.pieces.iter().map(|piece| piece.bbox).reduce(|a, b| a.union(&b)).unwrap_or_default();
-        let [x, y] = around.centre();
-        self.events.push(Event {
-            frame: split.frame,
-            kind: EventKind::Demerge,
-            objects,
-            becomes,
-            x,
-            y,
-            front: None,
-            evidence,
-        });
+        let pieces: Vec<Vec<ObjectId>> =
+            (0..split.pieces.len()).map(|piece| split.members_in(piece)).collect();
+        self.tell_parting(&pieces, &Cause { frame: split.frame, at: around.centre(), evidence });
     }
 }

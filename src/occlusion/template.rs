@@ -51,7 +51,7 @@ impl Template {
     pub fn at(&self, u: f32, v: f32) -> Element {
         let column = ((u * COLUMNS as f32) as usize).min(COLUMNS - 1);
         let row = ((v * ROWS as f32) as usize).min(ROWS - 1);
-        self.elements[row * COLUMNS + column]
+        self.elements.get(row * COLUMNS + column).copied().unwrap_or_default()
     }
 }
 

@@ -62,11 +62,9 @@ impl Model {
     /// Goes on by one frame.
     pub fn predict(&mut self) {
         let mut transition = Matrix6::identity();
-        for axis in 0..3 {
-            transition[(axis, axis + 3)] = 1.0;
-        }
+        transition.fixed_view_mut::<3, 3>(0, 3).fill_diagonal(1.0);
         // White acceleration within the frame: position wanders with q, velocity with q/2.
-        let process = noise_scale(self.state[2]) * self.noise.process;
+        let process = noise_scale(self.state.z) * self.noise.process;
         let (q, v) = (process.powi(2), (process / 2.0).powi(2));
         self.state = transition * self.state;
         self.covariance = transition * self.covariance * transition.transpose()
@@ -86,8 +84,8 @@ impl Model {
     pub fn innovation(&self, measured: &Measurement, manoeuvre: f32) -> Innovation {
         let difference = measured - self.measurement();
         let spread = self.innovation_covariance() + Matrix3::from_diagonal_element(manoeuvre.powi(2));
-        let nominal = noise_scale(self.state[2]).powi(2)
-            * (self.noise.process.powi(2) + self.noise.measurement.powi(2));
+        let nominal =
+            noise_scale(self.state.z).powi(2) * (self.noise.process.powi(2) + self.noise.measurement.powi(2));
         let distance_squared = spread
             .try_inverse()
             .map_or(f32::INFINITY, |inverse| (difference.transpose() * inverse * difference).x);
@@ -101,9 +99,9 @@ impl Model {
         // The course changed within the last frame: the change of place is one of velocity, too.
         self.covariance +=
             Matrix6::from_diagonal(&Vector6::new(position, position, position, position, position, position));
-        for axis in 0..3 {
-            self.covariance[(axis, axis + 3)] += 0.7 * position;
-            self.covariance[(axis + 3, axis)] += 0.7 * position;
+        for (place, velocity) in [(0, 3), (3, 0)] {
+            let mut both = self.covariance.fixed_view_mut::<3, 3>(place, velocity);
+            both += Matrix3::from_diagonal_element(0.7 * position);
         }
         self.update(measured, 1.0);
     }
@@ -135,8 +133,7 @@ impl Model {
 
     /// Moves its centre without touching its certainty.
     pub fn set_centre(&mut self, centre: [f32; 2]) {
-        self.state[0] = centre[0];
-        self.state[1] = centre[1];
+        [self.state.x, self.state.y] = centre;
     }
 
     /// (x, y, s) as the model has it.
@@ -151,19 +148,19 @@ impl Model {
 
     /// (x, y).
     pub fn centre(&self) -> [f32; 2] {
-        [self.state[0], self.state[1]]
+        [self.state.x, self.state.y]
     }
 
     /// s.
     pub fn scale(&self) -> f32 {
-        self.state[2]
+        self.state.z
     }
 
     /// Half axes and angle (radians) of the ellipse around the centre that holds the next measured
     /// position while χ² is at most `chi_squared`.
     pub fn gate_ellipse(&self, chi_squared: f32) -> [f32; 3] {
         let spread = self.innovation_covariance();
-        let (a, b, c) = (spread[(0, 0)], spread[(0, 1)], spread[(1, 1)]);
+        let (a, b, c) = (spread.m11, spread.m12, spread.m22);
         let root = ((a - c).powi(2) / 4.0 + b * b).sqrt();
         let middle = f32::midpoint(a, c);
         let half = |eigenvalue: f32| (chi_squared * eigenvalue.max(0.0)).sqrt();
@@ -177,7 +174,7 @@ impl Model {
 
     /// Standard deviation of a measured position and size, in pixels.
     fn measurement_sigma(&self) -> f32 {
-        noise_scale(self.state[2]) * self.noise.measurement
+        noise_scale(self.state.z) * self.noise.measurement
     }
 }
 
@@ -217,6 +214,7 @@ fn normal_distribution(z: f64) -> f64 {
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::indexing_slicing)]
     use super::*;
 
     const NOISE: Noise = Noise { process: 1.0, measurement: 2.0 };

@@ -4,6 +4,8 @@
 //! matched, [`seeds`] where new ones come from. The tracker follows regions; who is in them is for
 //! [`crate::occlusion`] to say.
 
+#![deny(clippy::indexing_slicing)]
+
 pub mod fragments;
 pub mod kalman;
 pub mod naming;

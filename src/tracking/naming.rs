@@ -12,6 +12,8 @@ pub type Key = u32;
 pub struct Naming {
     identities: BTreeMap<Key, Identity>,
     last: Identity,
+    /// What was decided since it was last asked, in order.
+    decided: Vec<(Key, Identity)>,
 }
 
 impl Naming {
@@ -22,11 +24,32 @@ impl Naming {
 
     /// Gives an object the next free identity, unless it has one.
     pub fn name(&mut self, key: Key) -> Identity {
-        let last = &mut self.last;
-        *self.identities.entry(key).or_insert_with(|| {
-            *last += 1;
-            *last
-        })
+        if let Some(identity) = self.of(key) {
+            return identity;
+        }
+        self.last += 1;
+        self.set(key, self.last);
+        self.last
+    }
+
+    /// Who was found to be who since this was last asked, in the order in which it was decided.
+    pub fn take_decided(&mut self) -> Vec<(Key, Identity)> {
+        std::mem::take(&mut self.decided)
+    }
+
+    /// Forgets the objects of which nothing is to be told any more.
+    pub fn retain(&mut self, keep: impl Fn(Key) -> bool) {
+        self.identities.retain(|&key, _| keep(key));
+    }
+
+    /// How many objects are known by name.
+    pub fn len(&self) -> usize {
+        self.identities.len()
+    }
+
+    /// Whether none is.
+    pub fn is_empty(&self) -> bool {
+        self.identities.is_empty()
     }
 
     /// How many identities have been given.
@@ -37,12 +60,13 @@ impl Naming {
     /// Decides who an object is.
     pub fn set(&mut self, key: Key, identity: Identity) {
         self.identities.insert(key, identity);
+        self.decided.push((key, identity));
     }
 
     /// Decides that an object is one that has been known before.
     pub fn same(&mut self, key: Key, as_known: Key) {
         if let Some(identity) = self.of(as_known) {
-            self.identities.insert(key, identity);
+            self.set(key, identity);
         }
     }
 
@@ -67,6 +91,48 @@ impl Naming {
                 None => false,
             });
         }
+        // Who came out before it was known that they did stands by themselves.
+        let regions: BTreeMap<Identity, Vec<u32>> =
+            named.values().map(|track| (track.id, track.regions.clone())).collect();
+        for track in named.values_mut().filter(|track| track.state == TrackState::Merged) {
+            track.group.retain(|member| regions.get(member) == Some(&track.regions));
+            if track.group.len() < 2 {
+                track.group.clear();
+                track.state = TrackState::Visible;
+            }
+        }
         named.into_values().collect()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::export::tests::track;
+
+    #[test]
+    fn who_came_out_before_it_was_known_stands_alone_and_leaves_the_rest_together() {
+        let mut naming = Naming::default();
+        for key in 1..=3 {
+            naming.name(key);
+        }
+        let merged = |key: Key| Track {
+            key,
+            state: TrackState::Merged,
+            group: vec![1, 2, 3],
+            regions: vec![1],
+            ..track(0, 0.0, 0.0)
+        };
+        let out = Track {
+            key: 4,
+            state: TrackState::Visible,
+            group: vec![],
+            regions: vec![2],
+            ..track(0, 0.0, 0.0)
+        };
+        naming.same(4, 3);
+        let told = naming.apply(&[merged(1), merged(2), merged(3), out]);
+        let with: Vec<_> = told.iter().map(|track| (track.id, track.group.clone())).collect();
+        assert_eq!(with, [(1, vec![1, 2]), (2, vec![1, 2]), (3, vec![])]);
     }
 }

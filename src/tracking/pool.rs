@@ -79,11 +79,12 @@ pub struct Hypothesis {
     pub matched: Option<usize>,
 }
 
-/// A moving region and the hypotheses that compete for it, the shown one first.
+/// A moving region and the hypotheses that compete for it.
 #[derive(Clone, Debug)]
 pub struct Blob {
-    /// The competing explanations; never empty, the one that is shown first.
-    pub hypotheses: Vec<Hypothesis>,
+    shown: Hypothesis,
+    /// The others that compete, the most probable first.
+    others: Vec<Hypothesis>,
     /// Frames since it last had a region.
     pub lost: u32,
     /// The box of its last region, moved along while it has none.
@@ -94,20 +95,44 @@ impl Blob {
     /// A blob with one hypothesis, standing at an observation.
     pub fn new(model: Model, observation: &Observation) -> Self {
         let shown = Hypothesis { model, fitness: Fitness::expected(), score: 0.0, matched: None };
-        Self { hypotheses: vec![shown], lost: 0, bbox: observation.bbox }
+        Self { shown, others: Vec::new(), lost: 0, bbox: observation.bbox }
     }
 
     /// The hypothesis that is shown.
-    pub fn shown(&self) -> &Hypothesis {
-        &self.hypotheses[0]
+    pub const fn shown(&self) -> &Hypothesis {
+        &self.shown
+    }
+
+    /// All that compete, the one that is shown first.
+    pub fn hypotheses(&self) -> impl Iterator<Item = &Hypothesis> {
+        std::iter::once(&self.shown).chain(&self.others)
+    }
+
+    /// Moves every hypothesis on by one frame.
+    pub fn predict(&mut self) {
+        for hypothesis in std::iter::once(&mut self.shown).chain(&mut self.others) {
+            hypothesis.model.predict();
+        }
+    }
+
+    /// Shows the one of these that has this match, or else the first, and counts the others' scores from its own.
+    fn show(&mut self, mut hypotheses: Vec<Hypothesis>, matched: Option<usize>) {
+        if let Some(at) = hypotheses.iter().position(|hypothesis| hypothesis.matched == matched) {
+            hypotheses.swap(0, at);
+        }
+        let mut hypotheses = hypotheses.into_iter();
+        let Some(shown) = hypotheses.next() else { return };
+        let best = shown.score;
+        self.shown = Hypothesis { score: 0.0, ..shown };
+        self.others = hypotheses.map(|other| Hypothesis { score: other.score - best, ..other }).collect();
     }
 
     /// What competes, the shown hypothesis first; `gate` is χ² at the edge of the gate.
     pub fn competing(&self, gate: f32) -> Vec<Competing> {
-        let most = self.hypotheses.iter().map(|each| each.score).fold(f32::NEG_INFINITY, f32::max);
+        let most = self.hypotheses().map(|each| each.score).fold(f32::NEG_INFINITY, f32::max);
         let likelihood = |each: &Hypothesis| (each.score - most).exp();
-        let total: f32 = self.hypotheses.iter().map(likelihood).sum();
-        let competing = self.hypotheses.iter().enumerate().map(|(rank, each)| Competing {
+        let total: f32 = self.hypotheses().map(likelihood).sum();
+        let competing = self.hypotheses().enumerate().map(|(rank, each)| Competing {
             centre: each.model.centre(),
             gate: each.model.gate_ellipse(gate),
             fitness: each.fitness.value(),
@@ -121,11 +146,10 @@ impl Blob {
     /// Keeps the shown hypothesis alone and lets `change` correct its model: what follows an
     /// interaction is no longer what the others competed about.
     pub fn settle(&mut self, observation: &Observation, change: impl FnOnce(&mut Model)) {
-        self.hypotheses.truncate(1);
-        let shown = &mut self.hypotheses[0];
-        change(&mut shown.model);
-        shown.score = 0.0;
-        shown.fitness.nulls = 1.0;
+        self.others.clear();
+        change(&mut self.shown.model);
+        self.shown.score = 0.0;
+        self.shown.fitness.nulls = 1.0;
         self.lost = 0;
         self.bbox = observation.bbox;
     }
@@ -165,9 +189,7 @@ impl PoolSettings {
     /// Moves every hypothesis on by one frame.
     pub fn predict(&self, blobs: &mut [Blob]) {
         for blob in blobs {
-            for hypothesis in &mut blob.hypotheses {
-                hypothesis.model.predict();
-            }
+            blob.predict();
         }
     }
 
@@ -176,15 +198,14 @@ impl PoolSettings {
     /// twice. Gives for each blob the observation that the reading has for it.
     pub fn match_observations(&self, blobs: &mut [Blob], observations: &[Observation]) -> Vec<Option<usize>> {
         let measurements: Vec<_> = observations.iter().map(Observation::measurement).collect();
-        for blob in blobs.iter_mut() {
-            blob.hypotheses = self.branch(&blob.hypotheses, &measurements);
-        }
-        let chosen = best_reading(blobs, observations.len());
-        for (blob, &observation) in blobs.iter_mut().zip(&chosen) {
-            show(blob, observation);
-            if let Some(observation) = observation {
+        let branches: Vec<Vec<Hypothesis>> =
+            blobs.iter().map(|blob| self.branch(blob.hypotheses(), &measurements)).collect();
+        let chosen = best_reading(&branches, observations.len());
+        for ((blob, branches), &matched) in blobs.iter_mut().zip(branches).zip(&chosen) {
+            blob.show(branches, matched);
+            if let Some(observation) = matched.and_then(|at| observations.get(at)) {
                 blob.lost = 0;
-                blob.bbox = observations[observation].bbox;
+                blob.bbox = observation.bbox;
             } else {
                 blob.lost += 1;
                 let velocity = blob.shown().model.velocity();
@@ -229,7 +250,11 @@ impl PoolSettings {
     }
 
     /// The children of a blob's hypotheses: of several that took the same observation, the best.
-    fn branch(&self, parents: &[Hypothesis], measurements: &[Measurement]) -> Vec<Hypothesis> {
+    fn branch<'a>(
+        &self,
+        parents: impl Iterator<Item = &'a Hypothesis>,
+        measurements: &[Measurement],
+    ) -> Vec<Hypothesis> {
         let mut children: Vec<Hypothesis> = Vec::new();
         for parent in parents {
             let matches = measurements.iter().enumerate().filter_map(|(index, measured)| {
@@ -262,28 +287,22 @@ impl PoolSettings {
     /// Drops the hypotheses that cannot win any more, and the least probable beyond the cap.
     fn prune(&self, blobs: &mut [Blob]) {
         for blob in blobs.iter_mut() {
-            let shown = blob.hypotheses.remove(0);
-            blob.hypotheses
+            blob.others
                 .retain(|other| other.score >= WORST_SCORE && other.fitness.value() >= self.min_fitness);
-            blob.hypotheses.sort_by(|a, b| b.score.total_cmp(&a.score));
-            blob.hypotheses.truncate(MOST_A_BLOB - 1);
-            blob.hypotheses.insert(0, shown);
+            blob.others.sort_by(|a, b| b.score.total_cmp(&a.score));
+            blob.others.truncate(MOST_A_BLOB - 1);
         }
-        let total: usize = blobs.iter().map(|blob| blob.hypotheses.len()).sum();
+        let total: usize = blobs.iter().map(|blob| 1 + blob.others.len()).sum();
         if total <= self.max_hypotheses {
             return;
         }
         let mut scores: Vec<f32> =
-            blobs.iter().flat_map(|blob| &blob.hypotheses[1..]).map(|other| other.score).collect();
+            blobs.iter().flat_map(|blob| &blob.others).map(|other| other.score).collect();
         scores.sort_by(|a, b| b.total_cmp(a));
         let room = self.max_hypotheses.saturating_sub(blobs.len());
         let least = scores.get(room).copied().unwrap_or(f32::NEG_INFINITY);
         for blob in blobs {
-            let mut rank = 0;
-            blob.hypotheses.retain(|other| {
-                rank += 1;
-                rank == 1 || other.score > least
-            });
+            blob.others.retain(|other| other.score > least);
         }
     }
 }
@@ -291,37 +310,29 @@ impl PoolSettings {
 /// In thousandths of a nat: far below what any sum of real scores reaches.
 const IMPOSSIBLE: i64 = -1_000_000_000;
 
-/// For each blob the observation (or none) that maximises the total score; blobs come oldest
+/// For each blob, of whose hypotheses these are the branches, the observation (or none) that maximises the total score; blobs come oldest
 /// first, and on a tie the older keeps what it has.
-fn best_reading(blobs: &[Blob], observations: usize) -> Vec<Option<usize>> {
-    if blobs.is_empty() {
+fn best_reading(branches: &[Vec<Hypothesis>], observations: usize) -> Vec<Option<usize>> {
+    if branches.is_empty() {
         return Vec::new();
     }
     let thousandths = |score: f32| (f64::from(score) * 1000.0).round() as i64;
-    let mut scores = Matrix::new(blobs.len(), observations + blobs.len(), IMPOSSIBLE);
-    for (row, blob) in blobs.iter().enumerate() {
-        for hypothesis in &blob.hypotheses {
+    let mut scores = Matrix::new(branches.len(), observations + branches.len(), IMPOSSIBLE);
+    for (row, hypotheses) in branches.iter().enumerate() {
+        for hypothesis in hypotheses {
             let column = hypothesis.matched.unwrap_or(observations + row);
-            scores[(row, column)] = thousandths(hypothesis.score);
+            if let Some(score) = scores.get_mut((row, column)) {
+                *score = thousandths(hypothesis.score);
+            }
         }
     }
     let (_, columns) = kuhn_munkres(&scores);
     columns.into_iter().map(|column| (column < observations).then_some(column)).collect()
 }
 
-/// Puts the hypothesis with this match first and counts the others' scores from its own.
-fn show(blob: &mut Blob, matched: Option<usize>) {
-    if let Some(at) = blob.hypotheses.iter().position(|hypothesis| hypothesis.matched == matched) {
-        blob.hypotheses.swap(0, at);
-    }
-    let best = blob.hypotheses[0].score;
-    for hypothesis in &mut blob.hypotheses {
-        hypothesis.score -= best;
-    }
-}
-
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::indexing_slicing)]
     use super::*;
     use crate::settings::Preset;
 
@@ -348,7 +359,7 @@ mod tests {
     fn each_blob_takes_the_region_it_predicts_even_side_by_side() {
         let mut blobs = [blob(100.0, 50.0, 3.0), blob(108.0, 50.0, -3.0)];
         assert_eq!(step(&mut blobs, &[at(105.0, 50.0), at(103.0, 50.0)]), [Some(1), Some(0)]);
-        assert!(blobs[0].hypotheses.len() > 1, "the other reading is kept to compete");
+        assert!(blobs[0].hypotheses().count() > 1, "the other reading is kept to compete");
     }
 
     #[test]
@@ -422,7 +433,7 @@ mod tests {
         for _ in 0..5 {
             capped.predict(&mut blobs);
             capped.match_observations(&mut blobs, &crowd);
-            assert!(blobs.iter().map(|blob| blob.hypotheses.len()).sum::<usize>() <= 12);
+            assert!(blobs.iter().map(|blob| blob.hypotheses().count()).sum::<usize>() <= 12);
         }
     }
 }

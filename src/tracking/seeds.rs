@@ -71,6 +71,7 @@ impl Seeds {
 /// do, and neither is much larger. This keeps pairs few when noise makes regions many.
 fn plausible(first: &Observation, second: &Observation) -> bool {
     let reach = 0.5 * (first.area.sqrt() + second.area.sqrt());
-    let [dx, dy] = [0, 1].map(|axis| (first.bbox.centre()[axis] - second.bbox.centre()[axis]).abs());
-    dx <= reach && dy <= reach && first.area < 3.0 * second.area && second.area < 3.0 * first.area
+    let ([x, y], [other_x, other_y]) = (first.bbox.centre(), second.bbox.centre());
+    let near = (x - other_x).abs() <= reach && (y - other_y).abs() <= reach;
+    near && first.area < 3.0 * second.area && second.area < 3.0 * first.area
 }

@@ -27,6 +27,9 @@ pub(crate) struct Run {
     truth: Truth,
     analyses: Vec<Analysis>,
     pipeline: Pipeline,
+    /// What tracking was last told.
+    settings: Settings,
+    fps: f32,
     /// Usual walking speed over frame rate: how many frames something takes, against 25 a second at a normal walk.
     slowness: f32,
 }
@@ -52,12 +55,20 @@ impl Run {
                 analyses.push(Analysis { mask: Arc::new(Mask::empty(Size::new(1, 1))), ..analysis });
             }
         }
-        Self { truth: recorder.finish(), analyses, pipeline, slowness: 1.0 / speed.min(1.0) }
+        Self {
+            truth: recorder.finish(),
+            analyses,
+            pipeline,
+            settings: settings.clone(),
+            fps: scene.fps,
+            slowness: 1.0 / speed.min(1.0),
+        }
     }
 
     /// The same regions through tracking and occlusion under other settings, told another frame rate.
     pub(crate) fn track_again(&mut self, settings: &Settings, fps: f32) {
         self.pipeline.restart_tracking(settings, fps);
+        (self.settings, self.fps) = (settings.clone(), fps);
         for analysis in &mut self.analyses {
             *analysis = self.pipeline.track_again(analysis);
         }
@@ -90,6 +101,7 @@ impl Run {
                     .push(format!("demerge {}: {:?} became {:?}", event.frame, event.objects, event.becomes));
             }
         }
+        differences.extend(crate::balance::faults(&found.events, &found.tracks, &self.settings, self.fps));
         differences
     }
 

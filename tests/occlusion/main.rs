@@ -3,6 +3,8 @@
 
 #![allow(clippy::expect_used, missing_docs)]
 
+#[path = "../common/balance.rs"]
+mod balance;
 mod judge;
 mod mill;
 mod parts;

@@ -75,6 +75,7 @@ fn shown_of(settings: Settings, history: Option<PixelHistory>, position: u32) ->
             tracks: Arc::default(),
             tentative: Arc::default(),
             events: Arc::default(),
+            settled: Arc::default(),
             counters: Counters::default(),
         }),
         background: frame,

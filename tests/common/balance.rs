@@ -1,0 +1,152 @@
+//! Whether events balance: replayed from the first on, each changes what those before it have left, and tracks show
+//! those together whom the events have together.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use occluscope::occlusion::{Event, EventKind};
+use occluscope::settings::Settings;
+use occluscope::tracking::{Identity, Track, TrackState};
+
+type Set = BTreeSet<Identity>;
+
+#[derive(Default)]
+struct Replay {
+    here: Set,
+    hidden: Set,
+    gone: Set,
+    groups: Vec<Set>,
+    /// For how many frames in succession a track has not shown what the events say.
+    differs: BTreeMap<Identity, u32>,
+    faults: Vec<String>,
+}
+
+/// All in which events (by frame and kind) and tracks (by frame) do not fit each other, a line each. Who touch, part
+/// and touch within `same_episode` were together all the time, and who flickers in a gap was hidden.
+pub(crate) fn faults(
+    events: &[Event],
+    tracks: &[(u32, Vec<Track>)],
+    settings: &Settings,
+    fps: f32,
+) -> Vec<String> {
+    let same_episode = settings.same_episode.frames(fps);
+    // Somebody who came back is known again after so many frames.
+    let known_again = settings.min_track.frames(fps).max(fps.round() as u32);
+    let mut replay = Replay::default();
+    let mut events = events.iter().peekable();
+    for (frame, tracks) in tracks {
+        let mut now = Vec::new();
+        while let Some(event) = events.next_if(|event| event.frame <= *frame) {
+            now.push(event);
+        }
+        replay.take_in(&now);
+        replay.compare(*frame, tracks, same_episode, known_again);
+    }
+    replay.faults.extend(events.map(|event| format!("after the last frame: {event:?}")));
+    replay.faults
+}
+
+impl Replay {
+    fn expect(&mut self, holds: bool, event: &Event, what: &str) {
+        if !holds {
+            let Event { frame, kind, objects, .. } = event;
+            self.faults.push(format!("frame {frame}: {} of {objects:?}: {what}", kind.name()));
+        }
+    }
+
+    fn group_of(&self, id: Identity) -> Set {
+        self.groups.iter().find(|group| group.contains(&id)).cloned().unwrap_or_else(|| Set::from([id]))
+    }
+
+    fn leave(&mut self, id: Identity) {
+        for group in &mut self.groups {
+            group.remove(&id);
+        }
+        self.groups.retain(|group| group.len() > 1);
+    }
+
+    /// The events of a frame. Who comes in it is there from its beginning.
+    fn take_in(&mut self, events: &[&Event]) {
+        let (first, then): (Vec<&Event>, Vec<&Event>) = events.iter().partition(|event| match event.kind {
+            EventKind::Enter | EventKind::Appear => true,
+            EventKind::Reappear => event.objects.iter().all(|id| self.hidden.contains(id)),
+            _ => false,
+        });
+        for event in first.into_iter().chain(then) {
+            self.replay(event);
+        }
+    }
+
+    fn replay(&mut self, event: &Event) {
+        let objects: Set = event.objects.iter().copied().collect();
+        let id = event.objects[0];
+        match event.kind {
+            EventKind::Enter | EventKind::Appear => {
+                let known = [&self.here, &self.hidden, &self.gone].iter().any(|set| set.contains(&id));
+                self.expect(!known, event, "it was there before");
+                self.here.insert(id);
+            }
+            EventKind::Reappear => {
+                let hidden = self.hidden.remove(&id);
+                self.expect(hidden, event, "it was not hidden");
+                self.here.insert(id);
+            }
+            EventKind::Exit | EventKind::Disappear => {
+                let here = self.here.remove(&id);
+                self.expect(here, event, "it was not there");
+                self.leave(id);
+                let to = if event.kind == EventKind::Exit { &mut self.gone } else { &mut self.hidden };
+                to.insert(id);
+            }
+            EventKind::Merge => {
+                self.expect(objects.is_subset(&self.here), event, "not all were there");
+                self.expect(!objects.is_subset(&self.group_of(id)), event, "they were together");
+                let all: Set = objects.iter().flat_map(|&id| self.group_of(id)).collect();
+                self.groups.retain(|group| group.is_disjoint(&all));
+                self.groups.push(all);
+            }
+            EventKind::Demerge => {
+                let group = self.group_of(id);
+                self.expect(objects == group, event, &format!("{group:?} were together"));
+                let pieces: Vec<Set> =
+                    event.pieces.iter().map(|piece| piece.iter().copied().collect()).collect();
+                let mut all: Vec<Identity> = event.pieces.concat();
+                all.sort_unstable();
+                self.expect(all == event.objects, event, &format!("the pieces are {pieces:?}"));
+                self.expect(pieces.len() > 1, event, "it did not part");
+                let alone: Set = pieces.iter().filter(|piece| piece.len() == 1).flatten().copied().collect();
+                let came_out = if alone.is_empty() { objects } else { alone };
+                let becomes: Set = event.becomes.iter().copied().collect();
+                self.expect(becomes == came_out, event, &format!("{becomes:?} came out"));
+                self.groups.retain(|other| other.is_disjoint(&group));
+                self.groups.extend(pieces.into_iter().filter(|piece| piece.len() > 1));
+            }
+        }
+    }
+
+    fn compare(&mut self, frame: u32, tracks: &[Track], same_episode: u32, known_again: u32) {
+        let mut differ = BTreeMap::new();
+        for track in tracks.iter().filter(|track| track.state != TrackState::Hidden) {
+            let with: Set = if track.group.is_empty() {
+                Set::from([track.id])
+            } else {
+                track.group.iter().copied().collect()
+            };
+            // Somebody of the group can be lost for a moment; then the rest still is.
+            let seen: Set =
+                tracks.iter().filter(|it| it.state != TrackState::Hidden).map(|it| it.id).collect();
+            let told: Set = self.group_of(track.id).intersection(&seen).copied().collect();
+            if !self.here.contains(&track.id) || told != with {
+                let frames = self.differs.get(&track.id).map_or(1, |frames| frames + 1);
+                let here = self.here.contains(&track.id);
+                if frames == same_episode + 4 + if here { 0 } else { known_again } {
+                    let (id, state) = (track.id, track.state.name());
+                    self.faults.push(format!(
+                        "frame {frame}: {id} is {state} with {with:?}, by the events with {told:?}, there {here}"
+                    ));
+                }
+                differ.insert(track.id, frames);
+            }
+        }
+        self.differs = differ;
+    }
+}

@@ -1,0 +1,105 @@
+//! A video can end at any moment: what has happened by then is told.
+
+#[path = "common/balance.rs"]
+mod balance;
+#[path = "common/blocks.rs"]
+mod blocks;
+
+use blocks::{Block, regions};
+use occluscope::frame::Size;
+use occluscope::occlusion::{Event, EventKind, Reasoner};
+use occluscope::settings::Settings;
+use occluscope::tracking::Naming;
+
+const SIZE: Size = Size::new(320, 240);
+const FPS: f32 = 25.0;
+const FRAMES: u32 = 150;
+
+/// Where a walker's upper left cell is in a frame, `None` where nothing is seen of it.
+type Way = fn(i32) -> Option<(i32, i32)>;
+
+/// What happens until the last frame, each video ending after another number of frames.
+fn told_of(ways: &[Way]) -> Vec<Vec<Event>> {
+    let colours = [[200, 30, 30], [30, 30, 200], [30, 180, 30]];
+    let settings = Settings::default();
+    let mut reasoner = Reasoner::new(&settings, SIZE, FPS);
+    let (mut events, mut names, mut frames, mut endings) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    for number in 1..=FRAMES {
+        let seen = ways.iter().zip(colours).filter_map(|(way, colour)| {
+            way(number as i32).and_then(|at| Block::new(at, (8, 20), colour, SIZE))
+        });
+        let seen = reasoner.step(number, &regions(&seen.collect::<Vec<_>>(), SIZE));
+        events.extend(seen.events);
+        names.extend(seen.settled.names);
+        frames.push((number, seen.objects));
+        let end = reasoner.clone().finish();
+        let mut told = events.clone();
+        told.extend(end.events);
+        told.sort_by(|a, b| (a.frame, a.kind, &a.objects).cmp(&(b.frame, b.kind, &b.objects)));
+        let mut naming = Naming::default();
+        for &(key, identity) in names.iter().chain(&end.settled.names) {
+            naming.set(key, identity);
+        }
+        let tracks: Vec<_> =
+            frames.iter().map(|(number, objects)| (*number, naming.apply(objects))).collect();
+        let faults = balance::faults(&told, &tracks, &settings, FPS);
+        assert!(faults.is_empty(), "a video of {number} frames: {faults:#?}");
+        endings.push(told);
+    }
+    endings
+}
+
+/// Of each ending the frame of the event of this kind, `None` where it is not told.
+fn frames_of(endings: &[Vec<Event>], kind: EventKind) -> Vec<Option<u32>> {
+    endings
+        .iter()
+        .map(|told| {
+            let mut frames = told.iter().filter(|event| event.kind == kind).map(|event| event.frame);
+            let frame = frames.next();
+            assert_eq!(frames.next(), None, "{kind:?} twice");
+            frame
+        })
+        .collect()
+}
+
+/// Where it happens in the whole video, it is told of every video that ends at least `after` frames later.
+fn is_told_at_once(endings: &[Vec<Event>], kind: EventKind, after: u32) {
+    let frames = frames_of(endings, kind);
+    let whole = frames.last().copied().flatten();
+    let happens = whole.unwrap_or_else(|| panic!("{kind:?} is not told of the whole video"));
+    for (frame, last) in frames.into_iter().zip(1..) {
+        if last >= happens + after {
+            assert_eq!(frame, Some(happens), "{kind:?} at {happens} in a video of {last} frames");
+        }
+        if last < happens {
+            assert_eq!(frame, None, "{kind:?} at {happens} in a video of {last} frames");
+        }
+    }
+}
+
+#[test]
+fn who_came_together_and_parted() {
+    let endings = told_of(&[|t| Some((20 + t, 40)), |t| Some((128 - t, 44))]);
+    is_told_at_once(&endings, EventKind::Merge, 0);
+    is_told_at_once(&endings, EventKind::Demerge, 0);
+}
+
+#[test]
+fn who_left() {
+    let endings = told_of(&[|t| Some((20 + t, 40)), |_| Some((20, 90))]);
+    is_told_at_once(&endings, EventKind::Exit, 0);
+}
+
+#[test]
+fn who_was_hidden_and_came_back() {
+    let endings = told_of(&[|t| (!(50..80).contains(&t)).then_some((20 + t, 40)), |_| Some((20, 90))]);
+    is_told_at_once(&endings, EventKind::Disappear, 2);
+    // Who it is that comes is known when it has been seen for a moment.
+    is_told_at_once(&endings, EventKind::Reappear, 12);
+}
+
+#[test]
+fn a_flicker_in_the_last_frames_is_nothing() {
+    let endings = told_of(&[|t| (t % 30 > 1).then_some((20 + t / 2, 40)), |_| Some((20, 90))]);
+    assert!(frames_of(&endings, EventKind::Disappear).iter().all(Option::is_none));
+}
