@@ -612,6 +612,28 @@ mod tests {
     }
 
     #[test]
+    fn doubt_is_told_with_its_distance_and_what_it_takes() {
+        let settings = Settings { hysteresis: 24.0, min_sigma: 16.0, ..Settings::preset(Preset::Plain) };
+        let mut history = PixelHistory::new((0, 0), Parameters::new(&settings));
+        (1..=50).for_each(|number| history.push_colour(number, [100, 100, 100]));
+        history.push_colour(51, [100, 130, 100]);
+        let words = verdict(&history, 50);
+        assert!(!words.foreground, "{words:#?}");
+        let told = detail(&words, "doubtful");
+        assert!(
+            told.contains("30 levels from its component's mean (limit 24, hysteresis)")
+                && told.contains("11 × 11 pixels around at least 0.35"),
+            "{told}"
+        );
+        history.push_colour(52, [100, 115, 100]);
+        let near = verdict(&history, 51);
+        assert!(!near.details.iter().any(|detail| detail.contains("doubtful")), "{near:#?}");
+        let later = overruled(false, true, false, &settings).unwrap_or_default();
+        assert!(later.contains("hysteresis 24"), "{later}");
+        assert!(overruled(true, false, false, &settings).is_some_and(|words| !words.contains("hysteresis")));
+    }
+
+    #[test]
     fn shadow_is_told_with_what_it_was_measured_by() {
         let parameters = Parameters::new(&Settings {
             shadow_floor: 0.6,
