@@ -6,7 +6,7 @@ use std::sync::Arc;
 use occluscope::frame::Size;
 use occluscope::regions::mosaic::{Cell, cell_side};
 use occluscope::regions::shape::ShapeSums;
-use occluscope::regions::{Histogram, Mosaic, Rect, Region, Rgb};
+use occluscope::regions::{Histogram, Mosaic, Region, Rgb};
 
 /// A block, in whole cells of a mosaic: columns and rows.
 #[derive(Clone, Debug)]
@@ -71,11 +71,4 @@ fn region(label: u32, blocks: &[&Block], side: u32) -> Region {
     let histogram: Histogram = mosaic.histogram();
     let colour = histogram.dominant().unwrap_or_default();
     Region { label, shape: sums.shape(), colour, histogram, mosaic: Arc::new(mosaic) }
-}
-
-/// The box of a block in pixels.
-pub(crate) fn bbox(block: &Block, size: Size) -> Rect {
-    let side = cell_side(size) as f32;
-    let (w, h) = (block.columns.len() as f32, block.rows.len() as f32);
-    Rect::new(block.columns.start as f32 * side, block.rows.start as f32 * side, w * side, h * side)
 }
