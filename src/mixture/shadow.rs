@@ -149,7 +149,7 @@ impl Shadow {
             let pixels = (3 - outside) * rows.len() as u32;
             let deviation = (count * squares - sum * sum) as f32;
             let most = count as f32 * self.spread * Self::LEVELS;
-            *even = (2 * count >= pixels) & (deviation <= most * most);
+            *even = 2 * count >= pixels && deviation <= most * most;
         }
         even
     }

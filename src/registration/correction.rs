@@ -282,7 +282,7 @@ fn nearest<S: Simd>(simd: S, mask: &Mask, place: impl Fn(f32) -> (f32, f32), row
         let (column, line) = (columns[0], lines[0]);
         let mut beside = xs[0] >= 0.0;
         for (at, (x, y)) in columns.iter().zip(&lines).enumerate() {
-            beside &= (*x == column + at as i32) & (*y == line) & (ys[at] >= 0.0);
+            beside &= *x == column + at as i32 && *y == line && ys[at] >= 0.0;
         }
         let (column, line) = (column as usize, line as usize);
         if beside && column + BLOCK <= width && line < height {
@@ -353,7 +353,7 @@ fn block_between<S: Simd>(
     let (column, row) = (xs[0] >> 8, ys[0] >> 8);
     let mut beside = column >= 0 && row >= 0;
     for ((x, y), pixel) in xs.iter().zip(&ys).zip(PIXEL) {
-        beside &= (x >> 8 == column + pixel) & (y >> 8 == row);
+        beside &= x >> 8 == column + pixel && y >> 8 == row;
     }
     let (width, height) = (frame.size.width as usize, frame.size.height as usize);
     let (column, row) = (column as usize, row as usize);
