@@ -367,15 +367,21 @@ impl<const N: usize> Tiles<N> {
         let others = parameters.k - 1;
         for tile in 0..self.first.len() {
             if self.used[tile] <= 1 {
+                self.settled[tile] = t;
                 self.used[tile] = 1;
                 self.first[tile].make_certain();
-                self.settled[tile] = t;
+                if let Some(pasts) = self.pasts.get_mut(tile) {
+                    *pasts = Pasts::NONE;
+                }
                 continue;
             }
             let mut used = 1;
             for lane in 0..LANES {
                 let mut pixel = self.pixel(tile * LANES + lane, parameters, t);
                 pixel.begin(parameters);
+                if let Some(pasts) = self.pasts.get_mut(tile) {
+                    pasts.begin_lane(lane, pixel.past());
+                }
                 used = used.max(pixel.used());
                 let mut gaussians =
                     std::iter::once(&mut self.first[tile]).chain(&mut self.others[tile * others..]);
@@ -385,10 +391,8 @@ impl<const N: usize> Tiles<N> {
                     }
                 }
             }
-            self.used[tile] = used as u8;
-            self.settled[tile] = t;
+            (self.used[tile], self.settled[tile]) = (used as u8, t);
         }
-        self.pasts.fill(Pasts::NONE);
     }
 
     fn pixel(&self, index: usize, parameters: &Parameters, t: u32) -> Pixel {

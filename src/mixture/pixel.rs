@@ -304,22 +304,24 @@ impl Pixel {
     }
 
     /// What was learnt becomes the beginning: component 1 alone, and certain, as in a first frame; of a pixel that showed
-    /// something else again and again (a lamp, a flag), all B components of the background. Nothing was decided yet.
+    /// something else again and again (a lamp, a flag), all that is background to a restless pixel, which it is from here
+    /// on. Nothing was decided yet.
     pub fn begin(&mut self, parameters: &Parameters) {
-        let on = parameters.feedback.is_on();
-        if on && self.past == Past::default() && self.used() > 1 {
+        let feedback = &parameters.feedback;
+        if feedback.is_on() && self.past.run <= 0.0 && self.used() > 1 {
             // It has begun: who shows anything but component 1 while it learns remembers when.
             return;
         }
-        let recurs = on && self.past.recurs(parameters.learnt);
-        let kept = if recurs { self.background_count(parameters.t).max(1) } else { 1 };
+        let recurs = feedback.is_on() && self.past.recurs(parameters.learnt);
+        let restless = Past { unrest: feedback.full, ..Past::default() };
+        let kept = if recurs { self.background_count(parameters.t_of(&restless)).max(1) } else { 1 };
+        self.past = if kept > 1 { restless } else { Past::default() };
         self.components_mut()[kept..].fill(Component::default());
         if kept == 1 {
             self.components[0].weight = 1.0;
         } else {
             self.renormalise();
         }
-        self.past = Past::default();
     }
 
     /// Takes the value of the `t`-th frame (from 1) into the mixture and decides about it. The first after those that

@@ -101,6 +101,12 @@ impl Pasts {
         self.busy |= other.busy;
     }
 
+    /// Puts what a pixel remembers as it begins into one lane.
+    pub(super) fn begin_lane(&mut self, lane: usize, past: &Past) {
+        (self.run.0[lane], self.unrest.0[lane]) = (past.run, past.unrest);
+        (self.strict, self.busy) = (0, false);
+    }
+
     /// The past of one lane, as it was when the tile was settled.
     pub(super) fn lane(&self, lane: usize) -> Past {
         Past { run: self.run.0[lane], unrest: self.unrest.0[lane], strict: self.strict >> lane & 1 > 0 }

@@ -18,6 +18,8 @@ enum Loss {
 
 struct Row {
     scene: fn() -> Scene,
+    /// The least IDF1 and the most differences by default, nobody taken for somebody else.
+    by_default: (f64, usize),
     /// Setting and value, and what it costs.
     changes: &'static [(&'static str, &'static str, Loss)],
 }
@@ -27,23 +29,45 @@ fn catalogued(name: &str, seed: u64, speed: f32) -> Scene {
     occluscope::synth::catalogue::scene(name, &parameters).expect("a scene of the catalogue")
 }
 
+const RIGHT: (f64, usize) = (0.85, 1);
+
 const ROWS: &[Row] = &[
+    // Two come in shoulder to shoulder. That they are two is seen; when they entered and merged is told late.
+    Row {
+        scene: || Mill::Abreast.scene(2012),
+        by_default: (0.75, 8),
+        changes: &[("count_heads", "off", Loss::Idf1(0.15))],
+    },
     // One of two goes away from the camera behind the other, and comes out small.
     Row {
         scene: || Mill::Deep.scene(1007),
+        by_default: RIGHT,
         changes: &[
             ("placing", "predicted", Loss::Idf1(0.1)),
             ("find_again", "off", Loss::Idf1(0.1)),
             ("perspective", "off", Loss::Differences(6)),
         ],
     },
-    Row { scene: || Mill::Mixed.scene(9), changes: &[("placing", "predicted", Loss::Idf1(0.1))] },
-    Row { scene: || Mill::Mixed.scene(3), changes: &[("size_step", "2", Loss::Differences(3))] },
+    Row {
+        scene: || Mill::Mixed.scene(9),
+        by_default: RIGHT,
+        changes: &[("placing", "predicted", Loss::Idf1(0.1))],
+    },
+    Row {
+        scene: || Mill::Mixed.scene(3),
+        by_default: RIGHT,
+        changes: &[("size_step", "2", Loss::Differences(3))],
+    },
     Row {
         scene: || Mill::Mixed.scene(69),
+        by_default: RIGHT,
         changes: &[("border", "0.5", Loss::Differences(3)), ("border", "6", Loss::Differences(3))],
     },
-    Row { scene: || catalogued("crossing-steep", 3, 0.7), changes: &[("border", "6", Loss::Differences(6))] },
+    Row {
+        scene: || catalogued("crossing-steep", 3, 0.7),
+        by_default: RIGHT,
+        changes: &[("border", "6", Loss::Differences(6))],
+    },
 ];
 
 #[test]
@@ -61,7 +85,8 @@ fn failures(row: &Row) -> Vec<String> {
     let mut run = Run::new(&scene, 1.0, &Settings::default());
     let (differences, idf1) = (run.differences(), run.score().idf1);
     let mut wrong = Vec::new();
-    if differences.len() > 1 || !run.confusions().is_empty() || idf1 < 0.85 {
+    let (least, most) = row.by_default;
+    if differences.len() > most || !run.confusions().is_empty() || idf1 < least {
         wrong.push(format!("{name} by default, IDF1 {idf1}: {differences:?}"));
     }
     for (setting, value, loss) in row.changes {
