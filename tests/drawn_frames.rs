@@ -82,11 +82,11 @@ fn a_split_a_moment_before_the_end_is_decided_by_the_end() {
             events.extend(step(&mut reasoner, number, &crossing(number)).events);
         }
         assert!(!kinds(&events).contains(&EventKind::Demerge), "not decided before frame {last}");
-        events.extend(reasoner.finish());
+        events.extend(reasoner.finish().events);
         let demerges: Vec<&Event> = events.iter().filter(|event| event.kind == EventKind::Demerge).collect();
         assert_eq!(demerges.len(), 1, "{last}: {:?}", kinds(&events));
         assert!((50..=58).contains(&demerges[0].frame), "{}", demerges[0].frame);
-        assert!(reasoner.finish().is_empty(), "nothing is left open");
+        assert!(reasoner.finish().events.is_empty(), "nothing is left open");
     }
 }
 
@@ -133,7 +133,7 @@ fn events_of_crossing(last: u32) -> Vec<Event> {
     let mut reasoner = Reasoner::new(&Settings::default(), SIZE, 25.0);
     let mut events: Vec<Event> =
         (1..=last).flat_map(|number| step(&mut reasoner, number, &crossing(number)).events).collect();
-    events.extend(reasoner.finish());
+    events.extend(reasoner.finish().events);
     events
 }
 

@@ -1,5 +1,7 @@
 //! A video can end at any moment: what has happened by then is told.
 
+#![allow(clippy::panic)]
+
 #[path = "common/balance.rs"]
 mod balance;
 #[path = "common/blocks.rs"]
