@@ -429,7 +429,8 @@ fn two_alternating_surfaces_are_background_at_a_higher_t_only() {
 #[test]
 fn what_was_learnt_again_and_again_is_background_from_the_first_frame_and_who_stood_there_is_not() {
     let noise = |t: u32| (t * 7 % 5) as u8;
-    let lamp = |t: u32| if t / 18 % 2 == 0 { [90 + noise(t); 3] } else { [220 - noise(t), 190, 120] };
+    let lamp =
+        |t: u32| if (t / 18).is_multiple_of(2) { [90 + noise(t); 3] } else { [220 - noise(t), 190, 120] };
     let somebody =
         |t: u32| if (100..215).contains(&t) { [30, 40 + noise(t), 90] } else { [130 + noise(t); 3] };
     let parameters = Parameters { learnt: 300, ..Parameters::new(&Settings::default()) };
