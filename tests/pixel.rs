@@ -55,11 +55,24 @@ struct Reference<'a> {
     unrest: f32,
     strict: bool,
     learnt: u32,
+    /// Of the frames that are learnt from, those in which it went from component 1 to anything else, or back.
+    changes: Vec<u32>,
+    away: bool,
 }
 
 impl<'a> Reference<'a> {
     fn new(settings: &'a Settings) -> Self {
-        Self { settings, mixture: Vec::new(), t: 0, run: 0, unrest: 0.0, strict: false, learnt: 0 }
+        Self {
+            settings,
+            mixture: Vec::new(),
+            t: 0,
+            run: 0,
+            unrest: 0.0,
+            strict: false,
+            learnt: 0,
+            changes: Vec::new(),
+            away: false,
+        }
     }
 
     fn value(&self, rgb: [u8; 3]) -> Vec<f32> {
@@ -77,17 +90,30 @@ impl<'a> Reference<'a> {
             / (std::f64::consts::TAU * var).powf(n / 2.0)
     }
 
-    /// The first frames are learnt from: what each pixel was most is where the first one that is judged begins.
+    /// The first frames are learnt from: what each pixel was most is where the first one that is judged begins; all that
+    /// is background to a restless pixel where it never stayed with anything for long.
     fn learn(&mut self, colours: impl IntoIterator<Item = [u8; 3]>) {
         for rgb in colours {
             self.learnt = self.t + 1;
             self.step(rgb);
         }
         if self.learnt > 0 {
+            let ends = self.changes.iter().copied().chain([self.learnt]);
+            let stays = [0].into_iter().chain(self.changes.iter().copied()).zip(ends);
+            let longest = stays.map(|(from, to)| to - from).max().unwrap_or(0);
+            let s = self.settings;
+            let on = s.hold != 1.0 || s.restless_learning != 1.0 || s.restless_t > 0.0;
+            let recurs = on && longest as f32 <= 0.1 * self.learnt as f32;
+            let kept = if recurs { self.background(s.t.max(s.restless_t)).max(1) } else { 1 };
             let empty = Gaussian { w: 0.0, mu: vec![0.0; self.mixture[0].mu.len()], var: 0.0 };
-            self.mixture[1..].fill(empty);
-            self.mixture[0].w = 1.0;
-            (self.run, self.unrest, self.strict) = (0, 0.0, false);
+            self.mixture[kept..].fill(empty);
+            if kept == 1 {
+                self.mixture[0].w = 1.0;
+            }
+            let sum = self.mixture.iter().fold(0.0, |sum, g| sum + g.w);
+            self.mixture.iter_mut().for_each(|g| g.w /= sum);
+            (self.run, self.strict) = (0, false);
+            self.unrest = if kept > 1 { s.unrest_full } else { 0.0 };
         }
     }
 
@@ -120,6 +146,11 @@ impl<'a> Reference<'a> {
 
         let limit = s.match_sigmas * s.match_sigmas;
         let matched = self.mixture.iter().position(|g| g.w > 0.0 && distance(&x, &g.mu) <= limit * g.var);
+        let away = matched != Some(0);
+        if self.t <= self.learnt && away != self.away {
+            self.changes.push(self.t);
+            self.away = away;
+        }
         for (index, g) in self.mixture.iter_mut().enumerate() {
             let m = if matched == Some(index) { 1.0 } else { 0.0 };
             g.w = (1.0 - alpha) * g.w + alpha * m;
