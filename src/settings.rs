@@ -689,7 +689,7 @@ impl Settings {
                 shadow_floor: 0.6,
                 light_ceiling: 1.3,
                 shadow_window: 11,
-                shadow_colour: 15.0,
+                shadow_colour: 10.0,
                 // 16 to 30 levels, squares of 5 to 11 pixels and shares of .3 to .5 were tried on people, fish and vehicles.
                 hysteresis: 24.0,
                 median: 5,
