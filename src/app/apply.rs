@@ -327,9 +327,9 @@ impl Window {
         match again {
             Some(Again::Settings(slot, settings)) => {
                 model.slots.show(slot, &mut model.settings);
-                model.settings = settings;
+                model.settings = *settings;
             }
-            Some(Again::Slots(slots, settings)) => (model.slots, model.settings) = (slots, settings),
+            Some(Again::Slots(slots, settings)) => (model.slots, model.settings) = (slots, *settings),
             Some(Again::Areas(areas)) => {
                 model.areas = areas;
                 self.send_areas();

@@ -22,11 +22,11 @@ enum Change {
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Again {
     /// The settings in a slot.
-    Settings(Slot, Settings),
+    Settings(Slot, Box<Settings>),
     /// The areas.
     Areas(Areas),
     /// Both slots, and the settings in view.
-    Slots(Slots, Settings),
+    Slots(Slots, Box<Settings>),
 }
 
 /// Changes that were made, and those that were taken back.
@@ -113,12 +113,12 @@ impl History {
 
     fn settings(&mut self, slot: Slot, settings: Settings) -> Again {
         self.present = (slot, settings.clone());
-        Again::Settings(slot, settings)
+        Again::Settings(slot, Box::new(settings))
     }
 
     fn slots(&mut self, (slots, settings): (Slots, Settings)) -> Again {
         self.present = (slots.in_view, settings.clone());
-        Again::Slots(slots, settings)
+        Again::Slots(slots, Box::new(settings))
     }
 
     /// Whether there is something to take back, and to make again.
@@ -140,10 +140,10 @@ mod tests {
         assert_eq!(history.can(), (false, false));
         history.note(&two);
         history.note(&five);
-        assert_eq!(history.undo(), Some(Again::Settings(Slot::A, two.clone())));
-        assert_eq!(history.undo(), Some(Again::Settings(Slot::A, start.clone())));
+        assert_eq!(history.undo(), Some(Again::Settings(Slot::A, Box::new(two.clone()))));
+        assert_eq!(history.undo(), Some(Again::Settings(Slot::A, Box::new(start.clone()))));
         assert_eq!(history.undo(), None);
-        assert_eq!(history.redo(), Some(Again::Settings(Slot::A, two)));
+        assert_eq!(history.redo(), Some(Again::Settings(Slot::A, Box::new(two))));
         history.note(&start);
         assert_eq!(history.redo(), None);
     }
@@ -159,11 +159,11 @@ mod tests {
         history.note(&two);
         history.look(Slot::B, &five);
         history.note(&five);
-        assert_eq!(history.undo(), Some(Again::Settings(Slot::A, start.clone())));
-        assert_eq!(history.undo(), Some(Again::Settings(Slot::B, start)));
+        assert_eq!(history.undo(), Some(Again::Settings(Slot::A, Box::new(start.clone()))));
+        assert_eq!(history.undo(), Some(Again::Settings(Slot::B, Box::new(start))));
         assert_eq!(history.undo(), None);
-        assert_eq!(history.redo(), Some(Again::Settings(Slot::B, five)));
-        assert_eq!(history.redo(), Some(Again::Settings(Slot::A, two)));
+        assert_eq!(history.redo(), Some(Again::Settings(Slot::B, Box::new(five))));
+        assert_eq!(history.redo(), Some(Again::Settings(Slot::A, Box::new(two))));
     }
 
     #[test]
@@ -174,9 +174,9 @@ mod tests {
         let mut history = History::new(start.clone());
         history.note_slots((slots(&five), start.clone()), (slots(&start), five.clone()));
         history.note(&five);
-        assert_eq!(history.undo(), Some(Again::Slots(slots(&five), start.clone())));
+        assert_eq!(history.undo(), Some(Again::Slots(slots(&five), Box::new(start.clone()))));
         history.note(&start);
-        assert_eq!(history.redo(), Some(Again::Slots(slots(&start), five)));
+        assert_eq!(history.redo(), Some(Again::Slots(slots(&start), Box::new(five))));
     }
 
     #[test]
@@ -187,10 +187,13 @@ mod tests {
         let mut history = History::new(start.clone());
         history.note_areas(Areas::default(), chosen.clone());
         history.note(&five);
-        assert_eq!(history.undo(), Some(Again::Settings(Slot::A, start)));
+        assert_eq!(history.undo(), Some(Again::Settings(Slot::A, Box::new(start))));
         assert_eq!(history.undo(), Some(Again::Areas(Areas::default())));
         assert_eq!(history.redo(), Some(Again::Areas(chosen)));
         history.forget_areas();
-        assert_eq!((history.can(), history.redo()), ((false, true), Some(Again::Settings(Slot::A, five))));
+        assert_eq!(
+            (history.can(), history.redo()),
+            ((false, true), Some(Again::Settings(Slot::A, Box::new(five))))
+        );
     }
 }
