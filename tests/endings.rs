@@ -1,4 +1,4 @@
-//! A video can end at any moment: what has happened by then is told.
+//! A video can end in any frame: events up to then are emitted.
 
 #![allow(clippy::panic)]
 
@@ -64,7 +64,7 @@ fn frames_of(endings: &[Vec<Event>], kind: EventKind) -> Vec<Option<u32>> {
         .collect()
 }
 
-/// Where it happens in the whole video, it is told of every video that ends at least `after` frames later.
+/// The event of the whole video is emitted in every video that ends at least `after` frames later.
 fn is_told_at_once(endings: &[Vec<Event>], kind: EventKind, after: u32) {
     let frames = frames_of(endings, kind);
     let whole = frames.last().copied().flatten();

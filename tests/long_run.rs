@@ -12,7 +12,7 @@ use rand_pcg::Pcg32;
 
 const SIZE: Size = Size::new(160, 120);
 
-/// Somebody on their way through the image, in cells.
+/// A path of a walker through the image, in cells.
 struct Passer {
     from: u32,
     left: bool,

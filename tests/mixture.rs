@@ -447,8 +447,7 @@ fn what_was_learnt_again_and_again_is_background_from_the_first_frame_and_who_st
     let noise = |t: u32| (t * 7 % 5) as u8;
     let lamp =
         |t: u32| if (t / 18).is_multiple_of(2) { [90 + noise(t); 3] } else { [220 - noise(t), 190, 120] };
-    let somebody =
-        |t: u32| if (100..215).contains(&t) { [30, 40 + noise(t), 90] } else { [130 + noise(t); 3] };
+    let walker = |t: u32| if (100..215).contains(&t) { [30, 40 + noise(t), 90] } else { [130 + noise(t); 3] };
     let parameters = Parameters { learnt: 300, ..Parameters::new(&Settings::default()) };
     let learn = |colour: &dyn Fn(u32) -> [u8; 3]| {
         let mut pixel = Pixel::unseen(parameters.k);
@@ -459,10 +458,10 @@ fn what_was_learnt_again_and_again_is_background_from_the_first_frame_and_who_st
     };
     let judge =
         |mut pixel: Pixel, rgb: [u8; 3]| pixel.update(parameters.value(rgb), 301, &parameters).foreground;
-    let (flashes, stood) = (learn(&lamp), learn(&somebody));
+    let (flashes, stood) = (learn(&lamp), learn(&walker));
     assert_eq!([judge(flashes, lamp(0)), judge(flashes, lamp(18))], [false; 2]);
-    assert!(judge(flashes, [30, 40, 90]), "somebody before the lamp");
-    assert_eq!([judge(stood, somebody(1)), judge(stood, somebody(150))], [false, true]);
+    assert!(judge(flashes, [30, 40, 90]), "a walker before the lamp");
+    assert_eq!([judge(stood, walker(1)), judge(stood, walker(150))], [false, true]);
     let mut begun = flashes;
     begun.begin(&parameters);
     assert_eq!(begun.used(), 2);

@@ -445,7 +445,7 @@ struct Near {
 
 impl Near {
     /// Brings the frames near. The last tile of an image may have fewer pixels than lanes; its spare lanes run along on
-    /// zeros and nobody reads them.
+    /// zeros, and their results are not read.
     #[inline(always)]
     fn take(&mut self, frames: &[&[u8]], tiles: usize) {
         self.rgb.resize(tiles * frames.len(), [0; 3 * LANES]);

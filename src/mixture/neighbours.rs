@@ -23,7 +23,7 @@ pub(super) fn settle(
     let rows: Vec<usize> = rows.filter(|(_, row)| any_waits(row)).map(|(y, _)| y).collect();
     let kept = 2 * radius + 1;
     let mut votes = vec![0_i8; kept * width];
-    // The votes of the rows from `top` up to, but not, `bottom`; nobody votes outside the image.
+    // The votes of the rows from `top` up to, but not, `bottom`; pixels outside the image have no vote.
     let mut columns = vec![0_i16; width + 2 * radius + BLOCK];
     let (mut top, mut bottom) = (0, 0);
     for y in rows {

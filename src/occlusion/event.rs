@@ -167,7 +167,7 @@ pub struct Event {
     /// The identities after: for a merge the same members, for a demerge who came out, for a
     /// reappear who it was.
     pub becomes: Vec<Identity>,
-    /// Of a demerge, who is with whom afterwards: everybody before, piece by piece.
+    /// Of a demerge, the partition of the group's members after it: one list of objects for each region.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub pieces: Vec<Vec<Identity>>,
     /// Where, in pixels.

@@ -22,7 +22,7 @@ pub(super) struct Cause {
 pub(super) struct Groups {
     /// The members of each, two at least.
     told: Vec<BTreeSet<ObjectId>>,
-    /// Why objects joined others and left others, by object, until it is told.
+    /// Causes of objects' merges and demerges, by object, until the event is emitted.
     joined: BTreeMap<ObjectId, Cause>,
     left: BTreeMap<ObjectId, Cause>,
 }
@@ -38,7 +38,7 @@ impl Groups {
         self.left.insert(id, cause);
     }
 
-    /// Who is together with an object by what the events say, itself among them.
+    /// The group of an object according to the events so far, the object included.
     fn with(&self, id: ObjectId) -> BTreeSet<ObjectId> {
         self.told.iter().find(|group| group.contains(&id)).cloned().unwrap_or_else(|| BTreeSet::from([id]))
     }
@@ -118,14 +118,14 @@ impl Reasoner {
         self.groups.leave(id);
     }
 
-    /// Tells who parted from whom and who came together since the frame before. Partings that wait in `splits` are told
+    /// Emits the merges and demerges since the previous frame. Demerges that wait in `splits` are emitted
     /// from there.
     pub(super) fn follow_groups(&mut self) {
         while let Some(id) = self.with_another_parting() {
             self.settle_splits_of(id);
         }
         self.tell_partings();
-        // Who comes to somebody new has parted from, or come back to, what is still open.
+        // An object that joins another group has left, or rejoined, the groups of its open splits.
         for id in self.newly_together().concat() {
             self.settle_splits_of(id);
             self.tell_return_of(id);
@@ -138,7 +138,7 @@ impl Reasoner {
         self.groups.left.retain(|_, cause| cause.frame >= self.number);
     }
 
-    /// Somebody in a split whose members do not stand any more as it says.
+    /// An object of a split whose partition no longer holds.
     fn with_another_parting(&self) -> Option<ObjectId> {
         let stands = |split: &Split| {
             let members: BTreeSet<ObjectId> = split.members.iter().copied().collect();
@@ -217,7 +217,7 @@ impl Reasoner {
 
     /// The merge of those who share a region now.
     fn tell_meeting(&mut self, members: &[ObjectId]) {
-        // Somebody among them has yet to part from others.
+        // One of these objects has an open split with others.
         let parted = !self.concerned(members).iter().all(|id| members.contains(id));
         if parted || self.frame_after(members, self.number, EventKind::Merge) > self.number {
             return;

@@ -34,8 +34,8 @@ impl Meeting {
     }
 }
 
-/// A meeting of more than so many is told and begun anew with those who are in it: where a crowd never parts, it would
-/// gather everybody who ever came by.
+/// An episode of more members than this is closed, and a new one begins with its present members. In a crowd that never
+/// separates it would otherwise grow with every object that passes.
 const MAX_MEMBERS: usize = 64;
 
 /// The meetings that go on, and those that ended and have not been asked for yet.
@@ -113,7 +113,7 @@ impl Meetings {
         self.closed.append(&mut self.open);
     }
 
-    /// Whether somebody is, or was a moment ago, in a meeting.
+    /// Whether the object is in an open episode.
     pub fn hold(&self, id: ObjectId) -> bool {
         self.open.iter().any(|meeting| meeting.members.contains(&id))
     }

@@ -265,7 +265,7 @@ fn element(object: &Placed, [cx, cy]: [f32; 2], x: f32, y: f32) -> super::templa
 /// A cell, and how it is explained without one of the objects.
 struct Without {
     others: Others,
-    /// Its log-likelihood without the one, once somebody asked.
+    /// Its log-likelihood without the object, computed on first use.
     likelihood: OnceCell<f32>,
 }
 

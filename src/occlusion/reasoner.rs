@@ -33,7 +33,7 @@ const COASTS: u32 = 2;
 /// A new object tells of at most so many hidden ones that it was not taken for.
 const MOST_REFUSED: usize = 3;
 
-/// The names of those who are gone are forgotten when there are about as many, or more than who is there.
+/// Identities of ended objects are dropped once there are about as many of them as of active ones.
 const FORGOTTEN_AT_ONCE: usize = 64;
 
 /// Regions down to this share of `track_min_area` can be fragments of a detection.
@@ -114,7 +114,7 @@ pub struct Seen {
     pub settled: Settled,
 }
 
-/// What is settled for good of the frames so far, and is told once.
+/// Results that later frames cannot change, returned once.
 #[derive(Clone, Debug, Default)]
 pub struct Settled {
     /// Who turned out to be who; a later decision overrules an earlier one.
@@ -945,7 +945,7 @@ impl Reasoner {
         }
     }
 
-    /// Says who an object is, and tells of its beginning where it is nobody known.
+    /// Assigns an identity to an object, and emits its first event where the identity is new.
     pub(super) fn name_object(&mut self, id: ObjectId) {
         if self.reappears(id) || self.comes_out(id) {
             self.absorb_parts();

@@ -137,7 +137,7 @@ impl Reasoner {
         }
         let Some((_, index, member, fit, filled)) = best else { return false };
         if self.splits.iter().any(|split| split.members.contains(&member)) {
-            // Who is who in the group has been open until now.
+            // The identities within the group have been undecided until now.
             self.settle_splits_of(member);
             return self.comes_out(id);
         }

@@ -29,7 +29,7 @@ pub(crate) fn faults(
     fps: f32,
 ) -> Vec<String> {
     let same_episode = settings.same_episode.frames(fps);
-    // Somebody who came back is known again after so many frames.
+    // A re-identified object has its identity after this many frames.
     let known_again = settings.min_track.frames(fps).max(fps.round() as u32);
     let mut replay = Replay::default();
     let mut events = events.iter().peekable();
@@ -131,7 +131,7 @@ impl Replay {
             } else {
                 track.group.iter().copied().collect()
             };
-            // Somebody of the group can be lost for a moment; then the rest still is.
+            // A member of the group may be coasting; the others remain a group.
             let seen: Set =
                 tracks.iter().filter(|it| it.state != TrackState::Hidden).map(|it| it.id).collect();
             let told: Set = self.group_of(track.id).intersection(&seen).copied().collect();

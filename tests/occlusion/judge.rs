@@ -105,7 +105,7 @@ impl Run {
         differences
     }
 
-    /// Whom the final reading takes for somebody else, a line each.
+    /// Identity confusions in the final reading, one line each.
     pub(crate) fn confusions(&self) -> Vec<String> {
         confusions(&self.truth, &final_reading(&self.analyses, &self.pipeline)).0
     }

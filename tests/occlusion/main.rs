@@ -209,7 +209,7 @@ fn twelve_walkers_keep_their_identities() {
 
 #[test]
 fn a_swaying_tree_and_deep_shade_do_not_make_people() {
-    // A camera learns from nothing beforehand. Its warm-up is short, so that nobody who stops at the start is absorbed;
+    // A camera learns from nothing beforehand. Its warm-up is short, so that a walker who stops at the start is not absorbed;
     // what sways is learnt sooner with a longer one.
     let settings = Settings { warm_up: 100, bootstrap: Span::Frames(0), ..Settings::default() };
     is_right_under(&settings, "swaying-tree", &variations()[..2]);

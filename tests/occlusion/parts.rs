@@ -18,7 +18,7 @@ enum Loss {
 
 struct Row {
     scene: fn() -> Scene,
-    /// The least IDF1 and the most differences by default, nobody taken for somebody else.
+    /// The least IDF1 and the most differences by default, without identity confusions.
     by_default: (f64, usize),
     /// Setting and value, and what it costs.
     changes: &'static [(&'static str, &'static str, Loss)],
@@ -32,7 +32,7 @@ fn catalogued(name: &str, seed: u64, speed: f32) -> Scene {
 const RIGHT: (f64, usize) = (0.85, 1);
 
 const ROWS: &[Row] = &[
-    // Two come in shoulder to shoulder. That they are two is seen; when they entered and merged is told late.
+    // Two walkers enter side by side. Both are tracked; their enter and merge events are late.
     Row {
         scene: || Mill::Abreast.scene(2012),
         by_default: (0.75, 8),
@@ -49,7 +49,7 @@ const ROWS: &[Row] = &[
         by_default: RIGHT,
         changes: &[("perspective", "off", Loss::Idf1(0.04))],
     },
-    // One merge is told 14 frames early.
+    // One merge event is 14 frames early.
     Row {
         scene: || Mill::Mixed.scene(9),
         by_default: (0.85, 4),
