@@ -333,7 +333,13 @@ impl<const N: usize> Tile<'_, N> {
                 first.learn(&x, rho, constants);
                 let doubtful = distance.simd_gt(constants.doubtful);
                 *marks = if doubtful.any_true() {
-                    marks_of(!doubtful & doubtful, doubtful, &x, &first, &constants.parameters.shadow)
+                    marks_of(
+                        mask32x16::splat(simd, false),
+                        doubtful,
+                        &x,
+                        &first,
+                        &constants.parameters.shadow,
+                    )
                 } else {
                     [Mask::BACKGROUND; LANES]
                 };
