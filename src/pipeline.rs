@@ -1,5 +1,6 @@
 //! One frame through all stages.
 
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use rayon::prelude::*;
@@ -355,15 +356,22 @@ pub fn final_reading<'a>(analyses: impl IntoIterator<Item = &'a Analysis>, pipel
     let analyses: Vec<&Analysis> = analyses.into_iter().collect();
     let mut naming = Naming::default();
     let mut reading = Reading::default();
+    let mut earlier: BTreeMap<u32, Vec<&Track>> = BTreeMap::new();
     for settled in analyses.iter().map(|analysis| &*analysis.settled).chain([&late.settled]) {
         for &(key, identity) in &settled.names {
             naming.set(key, identity);
         }
         reading.episodes.extend(settled.episodes.iter().cloned());
+        for (number, track) in &settled.earlier {
+            earlier.entry(*number).or_default().push(track);
+        }
     }
     reading.episodes.sort_by(|a, b| (a.start, &a.objects).cmp(&(b.start, &b.objects)));
     for analysis in analyses {
-        reading.tracks.push((analysis.number, naming.apply(analysis.objects.iter())));
+        let before = earlier.remove(&analysis.number).unwrap_or_default();
+        // Those followed in the frame itself come last, and count where one is told twice.
+        let objects = before.into_iter().chain(analysis.objects.iter());
+        reading.tracks.push((analysis.number, naming.apply(objects)));
         reading.events.extend(analysis.events.iter().cloned());
     }
     reading.events.extend(late.events);

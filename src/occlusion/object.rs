@@ -50,8 +50,8 @@ pub struct Appearance {
     pub h: f32,
     /// Pixels.
     pub area: f32,
-    /// Where the lower edge of its box was, in pixels from the top of the image.
-    pub feet: f32,
+    /// Where the centre of its box was, in pixels from the top of the image.
+    pub y: f32,
     /// Share of each colour.
     pub histogram: Histogram,
     /// Pixels a frame to the right and down. The box of somebody who goes behind something shrinks
@@ -66,8 +66,9 @@ impl Appearance {
     pub fn first(view: &View, velocity: [f32; 2]) -> Self {
         let mut histogram = Histogram::default();
         histogram.add_scaled(&view.histogram, 1.0 / view.area.max(1.0));
-        let (w, h) = (view.bbox.w, view.bbox.h);
-        Self { w, h, area: view.area, feet: view.bbox.bottom(), histogram, velocity, frames: 1 }
+        let Rect { w, h, .. } = view.bbox;
+        let [_, y] = view.bbox.centre();
+        Self { w, h, area: view.area, y, histogram, velocity, frames: 1 }
     }
 
     fn follow(&mut self, view: &View, velocity: [f32; 2]) {
@@ -75,7 +76,7 @@ impl Appearance {
         self.w += rate * (view.bbox.w - self.w);
         self.h += rate * (view.bbox.h - self.h);
         self.area += rate * (view.area - self.area);
-        self.feet += rate * (view.bbox.bottom() - self.feet);
+        self.y += rate * (view.bbox.centre()[1] - self.y);
         for (mean, now) in self.velocity.iter_mut().zip(velocity) {
             *mean += rate * (now - *mean);
         }
@@ -125,7 +126,7 @@ pub struct Object {
     pub partial: u32,
     /// Where it was when only a part of it began to be seen.
     pub partial_from: [f32; 2],
-    /// For how many frames it has been seen as two who stand side by side.
+    /// In how many frames more than not it has been seen as two who stand side by side.
     pub beside: u32,
     /// Where its own motion put it in this frame, if it was held inside a region from there.
     pub held_from: Option<[f32; 2]>,
@@ -172,8 +173,8 @@ impl Object {
     /// Takes in how size changes with place.
     pub fn rescale(&mut self, perspective: &Perspective) {
         if let Some(clear) = &self.clear {
-            let feet = self.model.centre()[1] + self.size().1 / 2.0;
-            self.scale = perspective.scale(feet, clear.feet);
+            let [_, y] = self.model.centre();
+            self.scale = perspective.scale(y, clear.y);
         }
     }
 
@@ -257,10 +258,10 @@ impl Object {
         self.model.update(&Vector3::new(x, y, scale), 1.0 / seen);
     }
 
-    /// Takes in whether it is seen as two side by side. When that lasts it was two from the start,
-    /// who came in together: how the two looked as one is forgotten.
+    /// Takes in whether it is seen as two side by side. When that is so in [`LASTS`] more frames than not, it was two from
+    /// the start, who came in together: how the two looked as one is forgotten.
     pub fn note_beside(&mut self, beside: bool) {
-        self.beside = if beside { self.beside + 1 } else { 0 };
+        self.beside = if beside { self.beside + 1 } else { self.beside.saturating_sub(1) };
         if self.beside >= LASTS {
             self.clear = None;
             self.template = None;

@@ -116,7 +116,8 @@ pub struct Extent {
 /// box of the only object that is expected, where there is only one: all that lies in it is its own.
 /// Gives pieces as lists of indices into `observed`, each by rising index, largest area first.
 pub fn pieces(observed: &[(Rect, f32)], extent: Extent, inside: Option<Rect>) -> Vec<Vec<usize>> {
-    let mut sets = Sets::new(observed.len());
+    let mut joins: Vec<(f32, usize, usize)> = Vec::new();
+    let mut separate: Vec<(usize, usize)> = Vec::new();
     for (i, first) in observed.iter().enumerate() {
         for (j, second) in observed.iter().enumerate().skip(i + 1) {
             let ((a, a_area), (b, b_area)) = (first, second);
@@ -136,9 +137,22 @@ pub fn pieces(observed: &[(Rect, f32)], extent: Extent, inside: Option<Rect>) ->
                     };
                     mine(first) && mine(second)
                 });
-            if stacked || (within && !beside(first, second, extent)) {
-                sets.join(i, j);
+            if beside(first, second, extent) {
+                separate.push((i, j));
+            } else if stacked || within {
+                joins.push((gap(a, b), i, j));
             }
+        }
+    }
+    // The nearest first, so that what lies between two who stand side by side goes to the nearer one.
+    joins.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
+    let mut sets = Sets::new(observed.len());
+    for (_, i, j) in joins {
+        let crosses = |&(a, b): &(usize, usize)| {
+            sets.are_joined(a, i) && sets.are_joined(b, j) || sets.are_joined(a, j) && sets.are_joined(b, i)
+        };
+        if !separate.iter().any(crosses) {
+            sets.join(i, j);
         }
     }
     let mut pieces: Vec<Vec<usize>> =
@@ -161,12 +175,10 @@ fn max_gap(a_area: f32, b_area: f32) -> f32 {
 /// for one object, each too wide for the half of somebody that a pole leaves, free of each other.
 pub fn beside((a, a_area): &(Rect, f32), (b, b_area): &(Rect, f32), extent: Extent) -> bool {
     let upright = |it: &Rect, area: f32| {
-        it.h >= 0.6 * extent.h
-            && (0.27..1.0).contains(&(it.w / it.h.max(1.0)))
-            && area >= 0.25 * extent.least_area
+        it.h >= 0.5 * extent.h && it.w >= 0.27 * it.h && area >= 0.25 * extent.least_area
     };
     let shared_columns = a.right().min(b.right()) - a.x.max(b.x);
-    upright(a, *a_area) && upright(b, *b_area) && shared_columns <= 0.2 * a.w.min(b.w)
+    upright(a, *a_area) && upright(b, *b_area) && shared_columns <= 0.3 * a.w.min(b.w)
 }
 
 /// Gives pieces of fewer than `least` pixels to the nearest larger one.
@@ -219,6 +231,10 @@ impl Sets {
         for first in self.firsts.iter_mut().filter(|first| **first == a.max(b)) {
             *first = a.min(b);
         }
+    }
+
+    fn are_joined(&self, a: usize, b: usize) -> bool {
+        self.firsts.get(a) == self.firsts.get(b)
     }
 
     /// The sets in the order of their first members; the first `blobs` members are blobs.

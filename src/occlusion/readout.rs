@@ -6,6 +6,7 @@ use super::object::Object;
 use super::reasoner::{Reasoner, Seen};
 use crate::regions::Rect;
 use crate::tracking::pool::Blob;
+use crate::tracking::seeds::Candidate;
 use crate::tracking::{Track, TrackState};
 
 /// The box of an object seen in part is extended to where the rest is predicted, but not beyond this multiple of its size.
@@ -28,12 +29,7 @@ impl Reasoner {
                 }
                 let (state, bbox, share) = match (&carried.view, group.is_empty()) {
                     (Some(view), true) => {
-                        let cut_off = view.bbox.distance_to_edge(self.size) <= 1.0;
-                        let whole = object.partial == 0 || cut_off;
-                        let extended = object.predicted_box().union(&view.bbox);
-                        let (w, h) = object.size();
-                        let fits = extended.w <= MAX_EXTENSION * w && extended.h <= MAX_EXTENSION * h;
-                        let bbox = if whole || !fits { view.bbox } else { extended };
+                        let bbox = self.full_box(object, &view.bbox);
                         (TrackState::Visible, bbox, object.visible_share(view.area))
                     }
                     (Some(_), false) => {
@@ -65,6 +61,28 @@ impl Reasoner {
             events: self.count_told(),
             settled: self.take_settled(),
         }
+    }
+
+    /// A new object in a frame before the one in which it was found.
+    pub(super) fn earlier_track(&self, object: &Object, seen: &Candidate) -> Track {
+        let Candidate { observation, labels, .. } = seen;
+        let mut track = self.track(object, None, TrackState::Visible, observation.bbox, 1.0);
+        track.centre = observation.bbox.centre();
+        track.regions.clone_from(labels);
+        track
+    }
+
+    /// The box of an object that is seen alone: extended to where the rest is predicted, if a part of it may be behind what
+    /// has hidden objects before.
+    fn full_box(&self, object: &Object, seen: &Rect) -> Rect {
+        let cut_off = seen.distance_to_edge(self.size) <= 1.0;
+        let extended = object.predicted_box().union(seen);
+        let (w, h) = object.size();
+        let fits = extended.w <= MAX_EXTENSION * w && extended.h <= MAX_EXTENSION * h;
+        let hides =
+            |occluder: &Rect| occluder.intersection(&extended).area() > occluder.intersection(seen).area();
+        let partial = object.partial > 0 && !cut_off;
+        if partial && fits && self.occluders.iter().any(hides) { extended } else { *seen }
     }
 
     fn track(

@@ -24,7 +24,7 @@ use crate::settings::{Settings, Switch};
 use crate::tracking::fragments::group_fragments;
 use crate::tracking::kalman::Model;
 use crate::tracking::pool::{Blob, Observation, PoolSettings};
-use crate::tracking::seeds::Seeds;
+use crate::tracking::seeds::{Candidate, Seeds};
 use crate::tracking::{Identity, Key, Naming, Track};
 
 /// A member of which nothing was seen for more frames than this need not be in its group's region.
@@ -121,6 +121,8 @@ pub struct Settled {
     pub names: Vec<(Key, Identity)>,
     /// Occlusions that are over.
     pub episodes: Vec<Episode>,
+    /// New objects as they were in the frames before the one in which they were found, with these frames' numbers.
+    pub earlier: Vec<(u32, Track)>,
 }
 
 /// The last of a sequence.
@@ -154,6 +156,8 @@ pub struct Reasoner {
     /// Occlusions by the scene that are over and have not been told yet.
     pub(super) episodes: Vec<Episode>,
     pub(super) naming: Naming,
+    /// New objects in the frames before this one, which have not been told yet.
+    earlier: Vec<(u32, Track)>,
     /// The identities of the objects of which something may still be told.
     identities: BTreeMap<ObjectId, u32>,
     pub(super) events: Vec<Event>,
@@ -200,9 +204,10 @@ impl Reasoner {
             meetings: Meetings::default(),
             episodes: Vec::new(),
             naming: Naming::default(),
+            earlier: Vec::new(),
             identities: BTreeMap::new(),
             events: Vec::new(),
-            perspective: Perspective::new(size),
+            perspective: Perspective::default(),
             seeds: Seeds::default(),
             counters: Counters::default(),
             last_id: 0,
@@ -269,7 +274,7 @@ impl Reasoner {
         let identities = &self.identities;
         let mut episodes = self.meetings.take_closed(|id| identities.get(&id).copied());
         episodes.append(&mut self.episodes);
-        Settled { names: self.naming.take_decided(), episodes }
+        Settled { names: self.naming.take_decided(), episodes, earlier: std::mem::take(&mut self.earlier) }
     }
 
     /// Forgets the names of those of whom nothing can be told any more, when they are many.
@@ -294,7 +299,7 @@ impl Reasoner {
     pub fn remembered(&self) -> usize {
         let scene = self.objects.len() + self.carried.len() + self.hidden.len() + self.occluders.len();
         let open = self.returns.len() + self.splits.len() + self.groups.len() + self.meetings.len();
-        let untold = self.events.len() + self.episodes.len();
+        let untold = self.events.len() + self.episodes.len() + self.earlier.len();
         let names = self.identities.len() + self.naming.len();
         scene + open + untold + names + self.with_region.len() + self.seeds.len()
     }
@@ -311,7 +316,7 @@ impl Reasoner {
             + self.episodes.len() * (size_of::<Episode>() + 16)
             + self.events.len() * (size_of::<Event>() + 512)
             + self.with_region.len() * size_of::<(u32, u32)>()
-            + self.seeds.len() * size_of::<Observation>()
+            + self.seeds.len() * size_of::<Candidate>()
             + (self.identities.len() + self.naming.len()) * 16
             + self.meetings.bytes()
     }
@@ -780,15 +785,25 @@ impl Reasoner {
 
     /// New models for what nothing explains.
     fn seed(&mut self, views: &[View], unexplained: &[usize]) {
-        let observations =
-            unexplained.iter().filter_map(|&index| Some((index, observation(views.get(index)?)))).collect();
-        for seed in self.seeds.step(&self.pool, observations) {
-            let Some(view) = views.get(seed.observation).cloned() else { continue };
+        let candidate = |&index: &usize| {
+            let view = views.get(index)?;
+            Some(Candidate { index, observation: observation(view), labels: view.labels.clone() })
+        };
+        for seed in self.seeds.step(&self.pool, unexplained.iter().filter_map(candidate).collect()) {
+            let Some(view) = views.get(seed.index).cloned() else { continue };
             let id = self.new_key();
-            let birth = (self.recent[0], seed.first.bbox);
+            let birth = (self.recent[0], seed.earlier[0].observation.bbox);
             let mut object = Object::new(id, birth, seed.model.clone(), view.clone());
             // Two frames before this one, which counts when it is followed below.
             object.seen = 2;
+            for (number, earlier) in self.recent.into_iter().zip(&seed.earlier) {
+                // What comes in first is often a foot or an arm.
+                if earlier.observation.bbox.distance_to_edge(self.size) <= 1.0 {
+                    continue;
+                }
+                let track = self.earlier_track(&object, earlier);
+                self.earlier.push((number, track));
+            }
             self.objects.insert(id, object);
             let blob = Blob::new(seed.model, &observation(&view));
             self.carried.push(Carried::new(blob, vec![id], view));
@@ -843,8 +858,8 @@ impl Reasoner {
                             } else if let Some(clear) = &object.clear
                                 && !cut_off
                             {
-                                let (feet, h) = (view.bbox.bottom(), view.bbox.h);
-                                self.perspective.see(feet, h, clear.feet, clear.h);
+                                let [_, y] = view.bbox.centre();
+                                self.perspective.see(y, view.bbox.h, clear.y, clear.h);
                             }
                             if undecided {
                                 object.seen += 1;

@@ -3,22 +3,33 @@
 use super::kalman::Model;
 use super::pool::{Observation, PoolSettings};
 
-/// A model through three unexplained regions.
+/// A detection that nothing explains.
+#[derive(Clone, Debug)]
+pub struct Candidate {
+    /// Its index among its frame's detections.
+    pub index: usize,
+    /// Its box and pixels.
+    pub observation: Observation,
+    /// The labels of its regions.
+    pub labels: Vec<u32>,
+}
+
+/// A model through three unexplained detections.
 #[derive(Clone, Debug)]
 pub struct Seed {
     /// The model after the third.
     pub model: Model,
-    /// The current frame's observation that it explains.
-    pub observation: usize,
-    /// What it was in the frame before the previous one.
-    pub first: Observation,
+    /// The index of the third among the current frame's detections.
+    pub index: usize,
+    /// The two before it, the oldest first.
+    pub earlier: [Candidate; 2],
 }
 
-/// The unexplained regions of the previous two frames.
+/// The unexplained detections of the previous two frames.
 #[derive(Clone, Debug, Default)]
 pub struct Seeds {
-    before_last: Vec<Observation>,
-    last: Vec<Observation>,
+    before_last: Vec<Candidate>,
+    last: Vec<Candidate>,
 }
 
 impl Seeds {
@@ -32,38 +43,38 @@ impl Seeds {
         self.len() == 0
     }
 
-    /// Takes in the frame's unexplained observations, `(index, observation)`, and gives the models
-    /// that explain one of them, the best for each.
-    pub fn step(&mut self, settings: &PoolSettings, unexplained: Vec<(usize, Observation)>) -> Vec<Seed> {
-        let mut candidates = Vec::new();
+    /// Takes in the frame's unexplained detections, and gives the models that explain one of them, the best for each.
+    pub fn step(&mut self, settings: &PoolSettings, unexplained: Vec<Candidate>) -> Vec<Seed> {
+        let mut found = Vec::new();
         for first in &self.before_last {
             for second in &self.last {
-                if !plausible(first, second) {
+                if !plausible(&first.observation, &second.observation) {
                     continue;
                 }
-                let mut model = Model::through(first.measurement(), second.measurement(), settings.noise);
+                let [one, two] = [first, second].map(|it| it.observation.measurement());
+                let mut model = Model::through(one, two, settings.noise);
                 model.predict();
-                for (index, third) in &unexplained {
-                    let distance = model.distance_squared(&third.measurement());
+                for third in &unexplained {
+                    let measured = third.observation.measurement();
+                    let distance = model.distance_squared(&measured);
                     if distance <= settings.gate {
                         let mut model = model.clone();
-                        model.update(&third.measurement(), 1.0);
-                        candidates
-                            .push((distance, Seed { model, observation: *index, first: first.clone() }));
+                        model.update(&measured, 1.0);
+                        let earlier = [first.clone(), second.clone()];
+                        found.push((distance, Seed { model, index: third.index, earlier }));
                     }
                 }
             }
         }
-        candidates.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.observation.cmp(&b.1.observation)));
+        found.sort_by(|a, b| a.0.total_cmp(&b.0).then(a.1.index.cmp(&b.1.index)));
         let mut taken = Vec::new();
-        candidates.retain(|(_, seed)| {
-            let free = !taken.contains(&seed.observation);
-            taken.push(seed.observation);
+        found.retain(|(_, seed)| {
+            let free = !taken.contains(&seed.index);
+            taken.push(seed.index);
             free
         });
-        self.before_last = std::mem::take(&mut self.last);
-        self.last = unexplained.into_iter().map(|(_, observation)| observation).collect();
-        candidates.into_iter().map(|(_, seed)| seed).collect()
+        self.before_last = std::mem::replace(&mut self.last, unexplained);
+        found.into_iter().map(|(_, seed)| seed).collect()
     }
 }
 
