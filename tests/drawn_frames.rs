@@ -204,3 +204,21 @@ fn a_figure_in_a_region_with_room_for_one_is_not_found_again() {
     }
     assert_eq!(seen.tracks.iter().filter(|track| !track.group.is_empty()).count(), 0, "{:?}", seen.tracks);
 }
+
+#[test]
+fn an_object_seen_in_part_is_drawn_where_it_is_seen() {
+    let mut reasoner = Reasoner::new(&Settings::default(), SIZE, 25.0);
+    for number in 1..=40 {
+        let (frame, mut mask) = draw(number, &[(40 + 2 * number as i32, 100, RED)]);
+        // From frame 31 on its lower half has the ground's colour. Nothing has ever been hidden here.
+        if number > 30 {
+            mask.data[130 * SIZE.width as usize..].fill(Mask::BACKGROUND);
+        }
+        let (_, regions) = find_regions(&frame, &mask, 4);
+        let seen = reasoner.step(number, &regions);
+        if number > 30 {
+            let [track] = &seen.tracks[..] else { panic!("frame {number}: {:?}", seen.tracks) };
+            assert_eq!(track.bbox, regions[0].shape.bbox, "frame {number}");
+        }
+    }
+}

@@ -8,6 +8,7 @@
 
 mod abreast;
 pub mod assign;
+mod coherence;
 pub mod compare;
 pub mod event;
 mod groups;

@@ -263,9 +263,16 @@ impl Object {
     pub fn note_beside(&mut self, beside: bool) {
         self.beside = if beside { self.beside + 1 } else { self.beside.saturating_sub(1) };
         if self.beside >= LASTS {
-            self.clear = None;
-            self.template = None;
+            self.forget_looks();
         }
+    }
+
+    /// Forgets how large it is and what it looks like: it is not what it was taken for.
+    pub fn forget_looks(&mut self) {
+        self.clear = None;
+        self.template = None;
+        self.scale = 1.0;
+        self.partial = 0;
     }
 
     /// Takes in that it is not seen: its own motion goes on.
@@ -388,5 +395,31 @@ mod tests {
         let ([x, y], velocity) = (object.model.centre(), object.model.velocity());
         assert!(velocity.norm() < 0.1, "it stands still: {velocity}");
         assert!((x - 106.0).abs() < 0.5 && (y - 112.0).abs() < 0.5, "where it is seen: {x} {y}");
+    }
+
+    #[test]
+    fn its_size_follows_from_its_place_and_not_from_itself() {
+        let mut perspective = Perspective::default();
+        for n in 0..500 {
+            let y = (100 + n % 50) as f32;
+            perspective.see(y, 100.0 * (0.01 * (y - 100.0)).exp(), 100.0, 100.0);
+        }
+        let bbox = Rect::around([100.0, 100.0], 40.0, 100.0);
+        let view = View {
+            bbox,
+            area: 2500.0,
+            histogram: Histogram::default(),
+            labels: vec![1],
+            mosaic: Arc::default(),
+        };
+        let noise = Noise { process: 0.5, measurement: 2.0 };
+        let model = Model::new(Vector3::new(100.0, 100.0, 50.0), Vector3::zeros(), 1.0, noise);
+        let mut object = Object::new(1, (1, bbox), model, view.clone());
+        object.see(&view, false, &Settings::default());
+        object.stand_at([100.0, 110.0]);
+        for _ in 0..20 {
+            object.rescale(&perspective);
+        }
+        assert!((object.scale.ln() - 0.1).abs() < 0.01, "{}", object.scale);
     }
 }

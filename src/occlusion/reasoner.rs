@@ -954,7 +954,7 @@ impl Reasoner {
             .map(|(&id, _)| id)
             .collect();
         for id in due {
-            if self.objects.contains_key(&id) && !self.must_be_seen_better(id) {
+            if self.objects.contains_key(&id) && !self.must_be_seen_better(id) && !self.join_fragment(id) {
                 self.name_object(id);
             }
         }
@@ -1071,7 +1071,7 @@ fn view(region: &Region) -> View {
 }
 
 /// Views of parts of one thing as one.
-fn join(parts: &[&View]) -> View {
+pub(super) fn join(parts: &[&View]) -> View {
     let mut histogram = Histogram::default();
     for part in parts {
         histogram.add_scaled(&part.histogram, 1.0);
@@ -1097,6 +1097,6 @@ fn piece_of(view: &View) -> Piece {
     Piece { bbox: view.bbox, area: view.area, histogram: view.histogram.clone() }
 }
 
-fn observation(view: &View) -> Observation {
+pub(super) fn observation(view: &View) -> Observation {
     Observation { bbox: view.bbox, area: view.area }
 }

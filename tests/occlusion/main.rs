@@ -118,6 +118,11 @@ fn two_side_by_side_with_a_gap_never_meet() {
 }
 
 #[test]
+fn a_walker_cut_in_two_by_the_backgrounds_colour_is_one() {
+    is_right("bag", &variations());
+}
+
+#[test]
 fn noise_alone_is_nobody() {
     is_right("empty", &variations());
 }

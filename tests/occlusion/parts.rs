@@ -45,9 +45,9 @@ const ROWS: &[Row] = &[
         changes: &[("placing", "predicted", Loss::Idf1(0.1)), ("find_again", "off", Loss::Idf1(0.1))],
     },
     Row {
-        scene: || Mill::Deep.scene(1029),
+        scene: || Mill::Deep.scene(1072),
         by_default: RIGHT,
-        changes: &[("perspective", "off", Loss::Idf1(0.04))],
+        changes: &[("perspective", "off", Loss::Idf1(0.05))],
     },
     // One merge event is 14 frames early.
     Row {
