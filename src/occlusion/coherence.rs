@@ -1,6 +1,6 @@
 //! Two regions that come in one above the other and move as one are one object.
 //!
-//! Where the middle of somebody has the colour of the background, the mask has a gap there from the first frame on, and
+//! Where the middle of an object has the colour of the background, the mask has a gap there from the first frame on, and
 //! each part would become an object. What tells fragments of one object from two objects is motion (Bose, Wang and
 //! Grimson, "Multi-class object tracking algorithm that handles fragmentation and grouping", CVPR 2007).
 
@@ -18,8 +18,8 @@ const MAX_VELOCITY_DIFFERENCE: f32 = 0.25;
 const MIN_TRAVEL: f32 = 0.5;
 
 impl Reasoner {
-    /// Joins an object that has no identity yet to one of the same age above or below that moves as it does. Gives whether
-    /// it did: the object is no more.
+    /// Joins an object that is about to get an identity to one of the same age above or below that moves as it does, and
+    /// names that one. Gives whether it did: the object is no more.
     pub(super) fn join_fragment(&mut self, id: ObjectId) -> bool {
         let Some(other) = self.coherent_with(id) else { return false };
         let seen = |id: ObjectId| {
@@ -42,6 +42,12 @@ impl Reasoner {
             object.follow(&model);
             object.last = view;
             object.forget_looks();
+            let key = object.key;
+            if !object.named {
+                self.name_object(other);
+            }
+            // Before this frame, too, both were one.
+            self.naming.same(ended.key, key);
         }
         true
     }

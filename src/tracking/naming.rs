@@ -72,14 +72,18 @@ impl Naming {
 
     /// The tracks of one frame under their identities, in the order of these, those without one
     /// left out. Where an object stands twice, as a prediction and as the piece that it turned
-    /// out to be, the one that was seen counts.
+    /// out to be, the one that was seen counts; two that were seen are fragments of it.
     pub fn apply<'a>(&self, tracks: impl IntoIterator<Item = &'a Track>) -> Vec<Track> {
         let mut named: BTreeMap<Identity, Track> = BTreeMap::new();
         for track in tracks {
             let Some(id) = self.of(track.key) else { continue };
             let seen = track.state == TrackState::Visible;
-            if seen || !named.contains_key(&id) {
-                named.insert(id, Track { id, ..track.clone() });
+            match named.get_mut(&id) {
+                Some(fragment) if seen && fragment.state == TrackState::Visible => join(fragment, track),
+                Some(_) if !seen => {}
+                _ => {
+                    named.insert(id, Track { id, ..track.clone() });
+                }
             }
         }
         for track in named.values_mut() {
@@ -105,10 +109,43 @@ impl Naming {
     }
 }
 
+/// Adds a fragment to what is seen of an object in the same frame.
+fn join(track: &mut Track, fragment: &Track) {
+    track.bbox = track.bbox.union(&fragment.bbox);
+    track.centre = track.bbox.centre();
+    track.scale = track.scale.hypot(fragment.scale);
+    for label in &fragment.regions {
+        if !track.regions.contains(label) {
+            track.regions.push(*label);
+        }
+    }
+    track.regions.sort_unstable();
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::export::tests::track;
+    use crate::regions::Rect;
+
+    #[test]
+    fn fragments_that_proved_one_object_are_one_box_before() {
+        let mut naming = Naming::default();
+        naming.name(1);
+        naming.same(2, 1);
+        let at = |key: Key, y: f32, label: u32| Track {
+            key,
+            state: TrackState::Visible,
+            group: vec![],
+            bbox: Rect::new(10.0, y, 20.0, 30.0),
+            regions: vec![label],
+            ..track(0, 0.0, 0.0)
+        };
+        let told = naming.apply(&[at(1, 20.0, 4), at(2, 60.0, 3)]);
+        let [one] = &told[..] else { panic!("{told:?}") };
+        assert_eq!((one.id, one.bbox), (1, Rect::new(10.0, 20.0, 20.0, 70.0)));
+        assert_eq!(one.regions, [3, 4]);
+    }
 
     #[test]
     fn who_came_out_before_it_was_known_stands_alone_and_leaves_the_rest_together() {
