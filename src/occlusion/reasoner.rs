@@ -54,12 +54,14 @@ pub(super) struct Carried {
     pub(super) view: Option<View>,
     /// The frame's number and t of the first frame without a region.
     pub(super) lost_from: Option<(u32, u32)>,
+    /// For how many frames its region has been far larger than all its members together.
+    pub(super) oversized: u32,
 }
 
 impl Carried {
     /// A blob as it is seen.
     const fn new(blob: Blob, members: Vec<ObjectId>, view: View) -> Self {
-        Self { blob, matched: None, members, view: Some(view), lost_from: None }
+        Self { blob, matched: None, members, view: Some(view), lost_from: None, oversized: 0 }
     }
 }
 
@@ -239,6 +241,7 @@ impl Reasoner {
         if self.settings.find_again == Switch::On {
             self.find_again();
         }
+        self.correct_sizes();
         self.judge_members();
         self.judge_lost();
         self.name_objects();
