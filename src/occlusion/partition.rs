@@ -327,7 +327,7 @@ mod tests {
     fn what_lies_between_two_side_by_side_does_not_join_them() {
         let pair = Extent { w: 50.0, h: 62.0, least_area: 1600.0 };
         let (left, right) = ((person(100.0, 50.0), 800.0), (person(127.0, 51.0), 780.0));
-        let shadow = (Rect::new(116.0, 108.0, 30.0, 6.0), 120.0);
+        let shadow = (Rect::new(124.0, 108.0, 30.0, 6.0), 120.0);
         let all = Some(Rect::new(100.0, 50.0, 47.0, 64.0));
         assert_eq!(pieces(&[left, right, shadow], pair, all), [vec![1, 2], vec![0]]);
     }

@@ -57,7 +57,7 @@ const ROWS: &[Row] = &[
     },
     Row {
         scene: || Mill::Mixed.scene(3),
-        by_default: RIGHT,
+        by_default: (0.8, 1),
         changes: &[("size_step", "2", Loss::Differences(3))],
     },
     Row {
