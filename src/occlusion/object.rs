@@ -258,7 +258,7 @@ impl Object {
         self.model.update(&Vector3::new(x, y, scale), 1.0 / seen);
     }
 
-    /// Takes in whether it is seen as two side by side. When that is so in [`LASTS`] more frames than not, it was two from
+    /// Takes in whether it is seen as two side by side. When that is so in three frames more than not, it was two from
     /// the start, who came in together: how the two looked as one is forgotten.
     pub fn note_beside(&mut self, beside: bool) {
         self.beside = if beside { self.beside + 1 } else { self.beside.saturating_sub(1) };
