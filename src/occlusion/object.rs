@@ -12,6 +12,7 @@ use crate::regions::{Histogram, Mosaic, Rect, Rgb};
 use crate::settings::{ColourMemory, Placing, Settings};
 use crate::tracking::Key;
 use crate::tracking::kalman::Model;
+use crate::tracking::pool::Observation;
 
 /// How fast the memory of clear frames follows a new one, once it has seen a few.
 const CLEAR_RATE: f32 = 0.1;
@@ -39,6 +40,33 @@ pub struct View {
     pub labels: Vec<u32>,
     /// Where in them which colours are.
     pub mosaic: Arc<Mosaic>,
+}
+
+impl View {
+    /// Views of parts of one thing as one.
+    pub fn join(parts: &[&Self]) -> Self {
+        let mut histogram = Histogram::default();
+        for part in parts {
+            histogram.add_scaled(&part.histogram, 1.0);
+        }
+        let mosaics: Vec<Arc<Mosaic>> = parts.iter().map(|part| Arc::clone(&part.mosaic)).collect();
+        let mosaic = match &mosaics[..] {
+            [only] => Arc::clone(only),
+            _ => Arc::new(Mosaic::join(&mosaics)),
+        };
+        Self {
+            bbox: parts.iter().map(|part| part.bbox).reduce(|a, b| a.union(&b)).unwrap_or_default(),
+            area: parts.iter().map(|part| part.area).sum(),
+            histogram,
+            labels: parts.iter().flat_map(|part| part.labels.iter().copied()).collect(),
+            mosaic,
+        }
+    }
+
+    /// What the tracker takes of it.
+    pub fn observation(&self) -> Observation {
+        Observation { bbox: self.bbox, area: self.area }
+    }
 }
 
 /// What an object looks like when nothing hides it: averages over its clear frames.

@@ -132,10 +132,8 @@ pub fn pieces(observed: &[(Rect, f32)], extent: Extent, inside: Option<Rect>) ->
         for (j, second) in observed.iter().enumerate().skip(i + 1) {
             let ((a, a_area), (b, b_area)) = (first, second);
             let both = a.union(b);
-            let shared_columns = a.right().min(b.right()) - a.x.max(b.x);
-            let stacked = shared_columns >= 0.5 * a.w.min(b.w)
-                && both.h <= 1.25 * extent.h
-                && both.w <= 1.25 * extent.w;
+            let stacked =
+                a.shared_columns(b) >= 0.5 && both.h <= 1.25 * extent.h && both.w <= 1.25 * extent.w;
             let fits = both.w <= MAX_UNION * extent.w
                 && both.h <= MAX_UNION * extent.h
                 && gap(a, b) <= max_gap(*a_area, *b_area);
@@ -189,8 +187,7 @@ pub fn beside((a, a_area): &(Rect, f32), (b, b_area): &(Rect, f32), extent: Exte
             && it.w >= MIN_BESIDE_WIDTH * it.h
             && area >= MIN_BESIDE_AREA * extent.least_area
     };
-    let shared_columns = a.right().min(b.right()) - a.x.max(b.x);
-    whole(a, *a_area) && whole(b, *b_area) && shared_columns <= MAX_SHARED_COLUMNS * a.w.min(b.w)
+    whole(a, *a_area) && whole(b, *b_area) && a.shared_columns(b) <= MAX_SHARED_COLUMNS
 }
 
 /// Gives pieces of fewer than `least` pixels to the nearest larger one.
@@ -222,9 +219,8 @@ pub fn bounding_box(indices: &[usize], observed: &[(Rect, f32)]) -> Rect {
 
 /// The free space between two boxes, 0 where they meet.
 fn gap(a: &Rect, b: &Rect) -> f32 {
-    let dx = (a.x.max(b.x) - a.right().min(b.right())).max(0.0);
-    let dy = (a.y.max(b.y) - a.bottom().min(b.bottom())).max(0.0);
-    dx.hypot(dy)
+    let [across, down] = a.gap(b);
+    across.hypot(down)
 }
 
 /// Disjoint sets.

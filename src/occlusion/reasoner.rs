@@ -19,7 +19,7 @@ use super::partition::{self, Cluster, Expected, Extent};
 use super::perspective::Perspective;
 use super::splits::Split;
 use crate::frame::Size;
-use crate::regions::{Histogram, Mosaic, Rect, Region};
+use crate::regions::{Rect, Region};
 use crate::settings::{Settings, Switch};
 use crate::tracking::fragments::group_fragments;
 use crate::tracking::kalman::Model;
@@ -419,14 +419,14 @@ impl Reasoner {
         let groups = group_fragments(&observed, &owners, self.settings.fragment_gap);
         let joined = groups.iter().map(|group| {
             let parts: Vec<&View> = group.iter().filter_map(|&index| fragments.get(index)).collect();
-            join(&parts)
+            View::join(&parts)
         });
         joined.filter(|view| view.area >= self.limits.least_area).collect()
     }
 
     /// The tracker's own matches.
     fn match_blobs(&mut self, views: &[View]) {
-        let observations: Vec<Observation> = views.iter().map(observation).collect();
+        let observations: Vec<Observation> = views.iter().map(View::observation).collect();
         let mut blobs: Vec<Blob> = self.carried.iter().map(|carried| carried.blob.clone()).collect();
         let matched = self.pool.match_observations(&mut blobs, &observations);
         for ((carried, blob), matched) in self.carried.iter_mut().zip(blobs).zip(matched) {
@@ -519,7 +519,7 @@ impl Reasoner {
         let whole = |piece: Vec<usize>| {
             let parts = || piece.iter().filter_map(|&index| local.get(index));
             let views: Vec<&View> = parts().map(|(_, view)| *view).collect();
-            Parts { detections: parts().map(|(index, _)| *index).collect(), view: join(&views) }
+            Parts { detections: parts().map(|(index, _)| *index).collect(), view: View::join(&views) }
         };
         partition::pieces(&observed, self.extent(&members), inside).into_iter().map(whole).collect()
     }
@@ -592,7 +592,7 @@ impl Reasoner {
     /// the model is corrected from outside.
     fn give(&mut self, blob: usize, members: Vec<ObjectId>, piece: &Parts) {
         let view = &piece.view;
-        let measured = observation(view);
+        let measured = view.observation();
         let whole = match members[..] {
             [only] => self.objects.get(&only).is_none_or(|object| object.is_nearly_whole(view)),
             _ => true,
@@ -631,7 +631,7 @@ impl Reasoner {
         self.clear_blobs(others);
         let model = self.group_model(&members, view);
         if let Some(carried) = self.carried.get_mut(first) {
-            carried.blob = Blob::new(model, &observation(view));
+            carried.blob = Blob::new(model, &view.observation());
             carried.members = members;
             carried.view = Some(view.clone());
         }
@@ -650,7 +650,7 @@ impl Reasoner {
         let mean = self.objects_of(members).map(|object| object.model.velocity()).sum::<Vector3<f32>>()
             / members.len().max(1) as f32;
         let velocity = Vector3::new(mean.x, mean.y, 0.0);
-        Model::new(observation(view).measurement(), velocity, self.pool.noise.measurement, self.pool.noise)
+        Model::new(view.observation().measurement(), velocity, self.pool.noise.measurement, self.pool.noise)
     }
 
     /// Notes why the objects of these blobs share a region.
@@ -717,7 +717,7 @@ impl Reasoner {
                 self.end_object(id);
             }
             let (here, view) = (known, piece.view);
-            let observed = observation(&view);
+            let observed = view.observation();
             let alone = match here[..] {
                 [only] => self.objects.get(&only).map(|object| object.model.clone()),
                 _ => None,
@@ -770,7 +770,7 @@ impl Reasoner {
         let mut lost: Vec<&mut Carried> = self.carried.iter_mut().filter(lost).collect();
         let free: Vec<(usize, &View, Observation)> = unexplained
             .iter()
-            .filter_map(|&index| views.get(index).map(|view| (index, view, observation(view))))
+            .filter_map(|&index| views.get(index).map(|view| (index, view, view.observation())))
             .collect();
         let blobs: Vec<&Blob> = lost.iter().map(|carried| &carried.blob).collect();
         let observations: Vec<&Observation> = free.iter().map(|(.., observed)| observed).collect();
@@ -790,7 +790,7 @@ impl Reasoner {
     fn seed(&mut self, views: &[View], unexplained: &[usize]) {
         let candidate = |&index: &usize| {
             let view = views.get(index)?;
-            Some(Candidate { index, observation: observation(view), labels: view.labels.clone() })
+            Some(Candidate { index, observation: view.observation(), labels: view.labels.clone() })
         };
         for seed in self.seeds.step(&self.pool, unexplained.iter().filter_map(candidate).collect()) {
             let Some(view) = views.get(seed.index).cloned() else { continue };
@@ -808,7 +808,7 @@ impl Reasoner {
                 self.earlier.push((number, track));
             }
             self.objects.insert(id, object);
-            let blob = Blob::new(seed.model, &observation(&view));
+            let blob = Blob::new(seed.model, &view.observation());
             self.carried.push(Carried::new(blob, vec![id], view));
         }
     }
@@ -1073,33 +1073,6 @@ fn view(region: &Region) -> View {
     }
 }
 
-/// Views of parts of one thing as one.
-pub(super) fn join(parts: &[&View]) -> View {
-    let mut histogram = Histogram::default();
-    for part in parts {
-        histogram.add_scaled(&part.histogram, 1.0);
-    }
-    View {
-        bbox: parts.iter().map(|part| part.bbox).reduce(|a, b| a.union(&b)).unwrap_or_default(),
-        area: parts.iter().map(|part| part.area).sum(),
-        histogram,
-        labels: parts.iter().flat_map(|part| part.labels.iter().copied()).collect(),
-        mosaic: join_mosaics(parts.iter().map(|part| &part.mosaic)),
-    }
-}
-
-pub(super) fn join_mosaics<'a>(mosaics: impl Iterator<Item = &'a Arc<Mosaic>>) -> Arc<Mosaic> {
-    let mosaics: Vec<Arc<Mosaic>> = mosaics.cloned().collect();
-    match &mosaics[..] {
-        [only] => Arc::clone(only),
-        _ => Arc::new(Mosaic::join(&mosaics)),
-    }
-}
-
 fn piece_of(view: &View) -> Piece {
     Piece { bbox: view.bbox, area: view.area, histogram: view.histogram.clone() }
-}
-
-pub(super) fn observation(view: &View) -> Observation {
-    Observation { bbox: view.bbox, area: view.area }
 }

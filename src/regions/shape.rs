@@ -64,6 +64,21 @@ impl Rect {
         Self { x, y, w: self.right().max(other.right()) - x, h: self.bottom().max(other.bottom()) - y }
     }
 
+    /// The free space between them in pixels, to the side and up or down; 0 where they are in the same columns or rows.
+    #[must_use]
+    pub fn gap(&self, other: &Self) -> [f32; 2] {
+        let across = self.x.max(other.x) - self.right().min(other.right());
+        let down = self.y.max(other.y) - self.bottom().min(other.bottom());
+        [across.max(0.0), down.max(0.0)]
+    }
+
+    /// The share of the narrower one's columns that both are in, 0..=1.
+    #[must_use]
+    pub fn shared_columns(&self, other: &Self) -> f32 {
+        let shared = self.right().min(other.right()) - self.x.max(other.x);
+        shared.max(0.0) / self.w.min(other.w).max(f32::MIN_POSITIVE)
+    }
+
     /// Intersection over union, 0..=1.
     pub fn iou(&self, other: &Self) -> f32 {
         let shared = self.intersection(other).area();

@@ -8,7 +8,7 @@
 use crate::regions::Rect;
 
 /// Two regions are one above the other when they share at least this part of the narrower one's columns.
-const MIN_SHARED_COLUMNS: f32 = 0.5;
+pub const MIN_SHARED_COLUMNS: f32 = 0.5;
 /// A region of at most this share of another's pixels may be a small part of it.
 const MAX_SMALL_SHARE: f32 = 0.3;
 
@@ -60,10 +60,8 @@ pub fn group_fragments(regions: &[(Rect, f32)], owners: &[Option<usize>], max_ga
 
 /// The gap between two regions over their size, `None` where their arrangement is not that of fragments.
 fn fragment_gap((a, a_area): &(Rect, f32), (b, b_area): &(Rect, f32)) -> Option<f32> {
-    let across = (a.x.max(b.x) - a.right().min(b.right())).max(0.0);
-    let down = (a.y.max(b.y) - a.bottom().min(b.bottom())).max(0.0);
-    let shared_columns = a.right().min(b.right()) - a.x.max(b.x);
-    let stacked = shared_columns >= MIN_SHARED_COLUMNS * a.w.min(b.w);
+    let [across, down] = a.gap(b);
+    let stacked = a.shared_columns(b) >= MIN_SHARED_COLUMNS;
     let small = a_area.min(*b_area) <= MAX_SMALL_SHARE * a_area.max(*b_area);
     let stacked_gap = down / a.w.max(a.h).max(b.w).max(b.h).max(1.0);
     let small_gap = across.hypot(down) / a_area.max(*b_area).max(1.0).sqrt();
