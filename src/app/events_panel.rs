@@ -353,6 +353,10 @@ fn prevented(ui: &mut Ui, model: &Model, event: &Event, commands: &mut Vec<Comma
         ui.weak(format!("… tried {tried} of {all}"));
     } else if what_if.preventions.is_empty() {
         ui.weak("no value of one tracking or occlusion setting alone");
+    } else {
+        ui.weak(format!("up to frame {}", what_if.until)).on_hover_text(
+            "The frames after it were looked at up to here: a value at which it only happens later does not count",
+        );
     }
 }
 

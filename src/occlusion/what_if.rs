@@ -9,10 +9,11 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::compare::Reach;
-use super::{Event, Reasoner};
+use super::{Event, Reasoner, Seen};
 use crate::frame::Size;
 use crate::regions::Region;
 use crate::settings::{Kind, SETTINGS, Setting, Settings, Span, Stage, Value};
+use crate::tracking::Identity;
 
 /// How far from the present value to the end of a range, on each side, is tried first.
 const STEPS: [f64; 4] = [0.1, 0.25, 0.5, 1.0];
@@ -30,7 +31,8 @@ pub struct Question {
     pub event: Event,
     /// The settings under which it happened.
     pub settings: Settings,
-    /// Number and regions of the frames that led to it and of those in which it was decided.
+    /// Number and regions of the frames that led to it, of those in which it was decided, and of those after it in which it
+    /// must not happen either.
     pub frames: Arc<Vec<(u32, Arc<Vec<Region>>)>>,
     /// The size of the frames.
     pub size: Size,
@@ -74,6 +76,49 @@ pub struct WhatIf {
     pub happens: bool,
     /// Whether nothing is left to try.
     pub done: bool,
+    /// The number of the last frame that was looked at: what prevents the event does so up to there.
+    pub until: u32,
+}
+
+/// What follows the event under the present settings.
+#[derive(Default)]
+struct Sequel {
+    /// All events of its kind.
+    events: Vec<Event>,
+    /// Identity and centre of each track, by frame, from the event's first possible frame on.
+    tracks: Vec<(u32, Vec<(Identity, [f32; 2])>)>,
+}
+
+impl Sequel {
+    fn take_in(&mut self, seen: &Seen, number: u32, question: &Question, reach: Reach) {
+        self.events.extend(seen.events.iter().filter(|event| event.kind == question.event.kind).cloned());
+        if number + reach.frames >= question.event.frame {
+            let tracks = seen.tracks.iter().map(|track| (track.id, track.centre));
+            self.tracks.push((number, tracks.collect()));
+        }
+    }
+
+    /// Whether an event of another trial is the one that is asked about, only later: it happens to the same objects, and
+    /// there is none like it under the present settings. Identities differ between trials, places hardly do.
+    fn is_delayed(&self, asked: &Event, event: &Event, reach: Reach) -> bool {
+        if event.kind != asked.kind
+            || event.frame <= asked.frame
+            || self.events.iter().any(|other| reach.covers(other, event))
+        {
+            return false;
+        }
+        let Some(original) = self.events.iter().find(|other| reach.covers(asked, other)) else {
+            return false;
+        };
+        // Where each was last seen until then.
+        let mut places = vec![[asked.x, asked.y]];
+        for id in original.objects.iter().chain(&original.becomes) {
+            let until = self.tracks.iter().rev().filter(|(number, _)| *number <= event.frame);
+            let last = until.flat_map(|(_, tracks)| tracks).find(|(other, _)| other == id);
+            places.extend(last.map(|(_, centre)| *centre));
+        }
+        places.iter().any(|[x, y]| (event.x - x).hypot(event.y - y) <= reach.pixels)
+    }
 }
 
 /// Frames going through tracking and occlusion under some settings.
@@ -89,18 +134,41 @@ impl Trial {
         Self { reasoner: Reasoner::new(settings, question.size, question.fps), at: 0, happened: None }
     }
 
-    fn go_on(&mut self, question: &Question) {
+    /// Goes on by some frames. `sequel` is what follows the event under the present settings.
+    fn go_on(&mut self, question: &Question, sequel: &Sequel) {
         let reach = Reach::of(question.size, question.fps);
-        for (number, regions) in question.frames.iter().skip(self.at).take(FRAMES) {
-            self.at += 1;
-            let seen = self.reasoner.step(*number, regions);
-            if seen.events.iter().any(|event| reach.covers(&question.event, event)) {
-                self.happened = Some(true);
-                return;
-            }
+        let same = |event: &Event| {
+            reach.covers(&question.event, event) || sequel.is_delayed(&question.event, event, reach)
+        };
+        if self.frames(question).any(|(_, seen)| seen.events.iter().any(same)) {
+            self.happened = Some(true);
+        } else {
+            self.end(question, false);
         }
+    }
+
+    /// Goes on by some frames under the present settings, and notes what follows the event.
+    fn go_on_noting(&mut self, question: &Question, sequel: &mut Sequel) {
+        let reach = Reach::of(question.size, question.fps);
+        for (number, seen) in self.frames(question) {
+            sequel.take_in(&seen, number, question, reach);
+        }
+        self.end(question, sequel.events.iter().any(|event| reach.covers(&question.event, event)));
+    }
+
+    /// The next frames through tracking and occlusion.
+    fn frames<'a>(&'a mut self, question: &'a Question) -> impl Iterator<Item = (u32, Seen)> + 'a {
+        let from = self.at;
+        question.frames.iter().skip(from).take(FRAMES).map(|(number, regions)| {
+            self.at += 1;
+            (*number, self.reasoner.step(*number, regions))
+        })
+    }
+
+    /// Settles whether the event happened if no frame is left.
+    fn end(&mut self, question: &Question, happened: bool) {
         if self.at >= question.frames.len() {
-            self.happened = Some(false);
+            self.happened = Some(happened);
         }
     }
 }
@@ -160,6 +228,7 @@ pub struct Search {
     question: Question,
     /// The event under the present settings.
     present: Trial,
+    sequel: Sequel,
     ways: Vec<Way>,
     tried: usize,
 }
@@ -169,7 +238,13 @@ impl Search {
     pub fn new(question: Question) -> Self {
         let settings = SETTINGS.iter().filter(|setting| setting.stage >= Stage::Tracking);
         let ways = settings.flat_map(|setting| ways(setting, setting.get(&question.settings))).collect();
-        Self { present: Trial::new(&question, &question.settings), question, ways, tried: 0 }
+        Self {
+            present: Trial::new(&question, &question.settings),
+            sequel: Sequel::default(),
+            question,
+            ways,
+            tried: 0,
+        }
     }
 
     /// Does some milliseconds of work; whether there was any left.
@@ -177,12 +252,13 @@ impl Search {
         let question = &self.question;
         match self.present.happened {
             None => {
-                self.present.go_on(question);
+                self.present.go_on_noting(question, &mut self.sequel);
                 return true;
             }
             Some(false) => return false,
             Some(true) => {}
         }
+        let sequel = &self.sequel;
         let mut busy: Vec<&mut Way> =
             self.ways.iter_mut().filter(|way| way.trial.is_some() || way.next().is_some()).collect();
         // Those under way first.
@@ -201,7 +277,7 @@ impl Search {
                 }
             }
             if let Some((_, trial)) = &mut way.trial {
-                trial.go_on(question);
+                trial.go_on(question, sequel);
             }
         });
         let worked = !busy.is_empty();
@@ -228,6 +304,7 @@ impl Search {
             preventions: preventions.collect(),
             tried: (self.tried, self.tried + left),
             happens,
+            until: self.question.frames.last().map_or(0, |(number, _)| *number),
             done: !happens || (self.present.happened.is_some() && left == 0),
         }
     }
@@ -392,10 +469,15 @@ mod tests {
         let question = question(EventKind::Reappear).unwrap();
         let answer = answer(question.clone());
         assert!(answer.happens && answer.done && answer.tried.0 == answer.tried.1, "{answer:?}");
+        let mut sequel = Sequel::default();
+        let mut present = Trial::new(&question, &question.settings);
+        while present.happened.is_none() {
+            present.go_on_noting(&question, &mut sequel);
+        }
         let happens = |settings: &Settings| {
             let mut trial = Trial::new(&question, settings);
             while trial.happened.is_none() {
-                trial.go_on(&question);
+                trial.go_on(&question, &sequel);
             }
             trial.happened.unwrap()
         };
@@ -414,6 +496,24 @@ mod tests {
             "{}",
             given_up.words()
         );
+    }
+
+    #[test]
+    fn what_happens_later_to_the_same_objects_is_not_prevented() {
+        let asked = question(EventKind::Reappear).unwrap().event;
+        let [id] = asked.objects[..] else { panic!() };
+        let at = |frame: u32, x: f32| Event { frame, x, ..asked.clone() };
+        let reach = Reach::of(SIZE, 25.0);
+        let tracks =
+            (0..100).map(|frame| (asked.frame + frame, vec![(id, [asked.x + 2.0 * frame as f32, asked.y])]));
+        let mut sequel = Sequel { events: vec![asked.clone()], tracks: tracks.collect() };
+        let delayed = |sequel: &Sequel, event: &Event| sequel.is_delayed(&asked, event, reach);
+        let later = at(asked.frame + 60, asked.x + 120.0);
+        assert!(delayed(&sequel, &later), "it went there");
+        assert!(!delayed(&sequel, &at(asked.frame + 60, asked.x + 220.0)), "somewhere else, to another one");
+        assert!(!delayed(&sequel, &Event { kind: EventKind::Merge, ..later.clone() }), "something else");
+        sequel.events.push(at(asked.frame + 64, asked.x + 128.0));
+        assert!(!delayed(&sequel, &later), "it happens as well under the present settings");
     }
 
     #[test]

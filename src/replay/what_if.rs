@@ -13,6 +13,8 @@ use crate::occlusion::what_if::{Question, Search, WhatIf};
 const SECONDS_BEFORE: f32 = 12.0;
 /// And for no fewer frames than this.
 const FRAMES_BEFORE: u32 = 100;
+/// What prevents an event must do so for so many seconds after it, as far as the video has been analysed.
+const SECONDS_AFTER: f32 = 10.0;
 /// Between two answers that are told.
 const PACE: Duration = Duration::from_millis(200);
 
@@ -72,7 +74,8 @@ fn question(event: &Event, run: &Run, numbers: &[u32], size: Size, fps: f32) -> 
     let most = (at + 60.max(10 * reach.frames)).min(run.front());
     let decided = (at..most).find(decides).unwrap_or(at);
     let from = at.saturating_sub(((SECONDS_BEFORE * fps) as u32).max(FRAMES_BEFORE));
-    let to = (decided + reach.frames + 1).min(run.front());
+    let after = ((SECONDS_AFTER * fps) as u32).max(reach.frames);
+    let to = (decided + after + 1).min(run.front());
     let frames = (from..to).filter_map(|position| {
         let (analysis, _) = run.outline(position)?;
         Some((analysis.number, Arc::clone(&analysis.regions)))

@@ -121,7 +121,7 @@ fn what_would_have_kept_an_event_from_happening_is_asked_told_and_taken() {
     ];
     let answer = |tried, done| {
         let (event, preventions) = (merge.clone(), preventions.clone());
-        Some(Arc::new(WhatIf { event, preventions, tried, happens: true, done }))
+        Some(Arc::new(WhatIf { event, preventions, tried, happens: true, done, until: 143 }))
     };
     scene.state.borrow_mut().what_if = answer((12, 40), false);
     harness.run_steps(4);
@@ -130,6 +130,7 @@ fn what_would_have_kept_an_event_from_happening_is_asked_told_and_taken() {
     scene.state.borrow_mut().what_if = answer((40, 40), true);
     harness.run_steps(4);
     harness.get_by_label("Take placing = predicted");
+    harness.get_by_label("up to frame 143");
     harness.get_by_label("Take size_step ≥ 0.42").click();
     harness.run_steps(8);
     assert_eq!(given(&scene).unwrap().size_step, 0.42);
@@ -168,6 +169,7 @@ fn the_event_that_is_read_stays_the_same_where_others_come_before_it() {
         preventions: Vec::new(),
         tried: (3, 3),
         done: true,
+        until: 143,
     }));
     settle(&mut harness);
     harness.get_by_label("It would not have happened with");

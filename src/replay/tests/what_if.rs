@@ -22,11 +22,19 @@ fn what_is_told_to_prevent_an_event_prevents_it_in_the_whole_video() {
         let all = straight(folder.path(), settings);
         all.iter().any(|shown| shown.analysis.events.iter().any(|event| reach.covers(&merge, event)))
     };
+    let merges = |settings: &Settings| {
+        let all = straight(folder.path(), settings);
+        let events = all.iter().flat_map(|shown| shown.analysis.events.iter());
+        events.filter(|event| event.kind == EventKind::Merge && event.frame <= what_if.until).count()
+    };
     assert!(happens(&settings()));
+    assert!(what_if.until >= merge.frame);
+    let most = merges(&settings());
     for prevention in what_if.preventions.iter().take(4) {
         let mut other = settings();
         Setting::named(prevention.setting).unwrap().set(&mut other, prevention.value).unwrap();
         assert!(!happens(&other), "{}", prevention.words());
+        assert!(merges(&other) < most, "{} does no more than delay it", prevention.words());
     }
     // Of other settings nothing is known.
     watched.session.set_settings(Settings { gate: 0.95, ..settings() });
