@@ -1,5 +1,7 @@
 //! Which objects and which regions have to do with each other in a frame.
 
+use std::collections::{BTreeMap, BTreeSet};
+
 use crate::regions::Rect;
 
 /// What was expected where: a blob, alone or a group.
@@ -127,7 +129,7 @@ pub struct Extent {
 /// Gives pieces as lists of indices into `observed`, each by rising index, largest area first.
 pub fn pieces(observed: &[(Rect, f32)], extent: Extent, inside: Option<Rect>) -> Vec<Vec<usize>> {
     let mut joins: Vec<(f32, usize, usize)> = Vec::new();
-    let mut separate: Vec<(usize, usize)> = Vec::new();
+    let mut sets = Sets::new(observed.len());
     for (i, first) in observed.iter().enumerate() {
         for (j, second) in observed.iter().enumerate().skip(i + 1) {
             let ((a, a_area), (b, b_area)) = (first, second);
@@ -146,7 +148,7 @@ pub fn pieces(observed: &[(Rect, f32)], extent: Extent, inside: Option<Rect>) ->
                     mine(first) && mine(second)
                 });
             if beside(first, second, extent) {
-                separate.push((i, j));
+                sets.keep_apart(i, j);
             } else if stacked || within {
                 joins.push((gap(a, b), i, j));
             }
@@ -154,14 +156,8 @@ pub fn pieces(observed: &[(Rect, f32)], extent: Extent, inside: Option<Rect>) ->
     }
     // The nearest first, so that what lies between two who stand side by side goes to the nearer one.
     joins.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
-    let mut sets = Sets::new(observed.len());
     for (_, i, j) in joins {
-        let crosses = |&(a, b): &(usize, usize)| {
-            sets.are_joined(a, i) && sets.are_joined(b, j) || sets.are_joined(a, j) && sets.are_joined(b, i)
-        };
-        if !separate.iter().any(crosses) {
-            sets.join(i, j);
-        }
+        sets.join(i, j);
     }
     let mut pieces: Vec<Vec<usize>> =
         sets.into_clusters(0).into_iter().map(|cluster| cluster.observations).collect();
@@ -223,31 +219,51 @@ fn gap(a: &Rect, b: &Rect) -> f32 {
     across.hypot(down)
 }
 
-/// Disjoint sets.
+/// Disjoint sets, some of which must not become one.
 struct Sets {
     /// Of each member the first of its set.
     firsts: Vec<usize>,
+    /// Of each first of a set the firsts of those that it must not be joined with.
+    apart: Vec<BTreeSet<usize>>,
 }
 
 impl Sets {
     fn new(count: usize) -> Self {
-        Self { firsts: (0..count).collect() }
+        Self { firsts: (0..count).collect(), apart: vec![BTreeSet::new(); count] }
     }
 
+    /// Joins the sets of two members, unless these must not become one.
     fn join(&mut self, a: usize, b: usize) {
         let (Some(&a), Some(&b)) = (self.firsts.get(a), self.firsts.get(b)) else { return };
-        for first in self.firsts.iter_mut().filter(|first| **first == a.max(b)) {
-            *first = a.min(b);
+        if a == b || self.apart.get(a).is_some_and(|apart| apart.contains(&b)) {
+            return;
+        }
+        let (first, last) = (a.min(b), a.max(b));
+        for at in self.firsts.iter_mut().filter(|at| **at == last) {
+            *at = first;
+        }
+        let apart = self.apart.get_mut(last).map(std::mem::take).unwrap_or_default();
+        for other in apart {
+            if let Some(others) = self.apart.get_mut(other) {
+                others.remove(&last);
+            }
+            self.keep_apart(first, other);
         }
     }
 
-    fn are_joined(&self, a: usize, b: usize) -> bool {
-        self.firsts.get(a) == self.firsts.get(b)
+    /// Keeps the sets of two members from becoming one.
+    fn keep_apart(&mut self, a: usize, b: usize) {
+        let (Some(&a), Some(&b)) = (self.firsts.get(a), self.firsts.get(b)) else { return };
+        for (one, other) in [(a, b), (b, a)] {
+            if let Some(apart) = self.apart.get_mut(one) {
+                apart.insert(other);
+            }
+        }
     }
 
     /// The sets in the order of their first members; the first `blobs` members are blobs.
     fn into_clusters(self, blobs: usize) -> Vec<Cluster> {
-        let mut of_first = std::collections::BTreeMap::<usize, Cluster>::new();
+        let mut of_first = BTreeMap::<usize, Cluster>::new();
         for (at, first) in self.firsts.into_iter().enumerate() {
             let cluster = of_first.entry(first).or_default();
             match at.checked_sub(blobs) {
