@@ -585,10 +585,10 @@ settings! {
     measurement_noise: f32 = 2.0, "", "pixels", Tracking, log(0.1, 50.0);
     /// Frames over which the prediction error is averaged into the fitness.
     fitness_memory: u32 = 10, "", "frames", Tracking, Kind::Integer { min: 1, max: 1000 };
-    /// Factor on the fitness for a frame without a match.
+    /// Factor on the fitness for a frame without a match, at 25 frames a second.
     null_factor: f32 = 0.8, "", "", Tracking, open(0.0, 1.0);
     /// A model whose fitness falls below this is removed.
-    min_fitness: f32 = 0.02, "", "", Tracking, log(0.0001, 10.0);
+    min_fitness: f32 = 0.11, "", "", Tracking, log(0.0001, 0.3);
     /// Most models in the pool; the least probable go first.
     max_hypotheses: u32 = 200, "", "models", Tracking, Kind::Integer { min: 1, max: 10_000 };
     /// An object seen in fewer frames is noise: it gets no identity and leaves no trace in exports.

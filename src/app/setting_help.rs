@@ -235,14 +235,13 @@ static HELP: &[Help] = &[
     ),
     of(
         "fitness_memory",
-        "e ← e + (d² − e) / fitness_memory,  fitness = 1 / e",
+        "e ← e + (d² − e) / fitness_memory,  fitness = 1 / max(e, 3)",
         "One bad frame counts less; a model that has begun to predict badly is noticed later.",
     ),
     of(
         "null_factor",
-        "no match: fitness ← null_factor · fitness",
-        "A model without its region loses less of its fitness in each frame, and is given up later. After a fifth \
-         of a second its object is lost all the same.",
+        "no match: fitness ← null_factor^min(25 / fps, 5/3) · fitness",
+        "A model without its region loses less of its fitness in each frame, and its object counts as lost later.",
     ),
     of(
         "min_fitness",

@@ -13,6 +13,12 @@ use crate::tracking::kalman::Model;
 /// What was learnt of somebody this much wider than they now seem to be was learnt of two.
 const AS_WIDE_AS_TWO: f32 = 1.3;
 
+/// What a frame with more heads than objects adds to the count of such frames, and what one without takes away. Two heads are
+/// seen in about half the frames of two who walk abreast, as arms and legs swing, and seldom of one. Tried: 1 and 2, 4 and
+/// 1, 8 and 1, on 180 drawn scenes of people who mill about and on 28 real ones.
+const MORE_HEADS: u32 = 4;
+const FEWER_HEADS: u32 = 1;
+
 impl Reasoner {
     /// Counts the heads of every region. Where there have been more than objects for a while,
     /// there is one more.
@@ -25,11 +31,11 @@ impl Reasoner {
             let heads = if cut_off { Vec::new() } else { lobes(&view.mosaic) };
             let Some(object) = self.objects.get_mut(&first) else { continue };
             if heads.len() <= seen || !object.named {
-                object.crowded = object.crowded.saturating_sub(2);
+                object.crowded = object.crowded.saturating_sub(FEWER_HEADS);
                 continue;
             }
-            object.crowded += 1;
-            if object.crowded > self.limits.heads {
+            object.crowded += MORE_HEADS;
+            if object.crowded > MORE_HEADS * self.limits.heads {
                 object.crowded = 0;
                 let bodies = heads.iter().filter_map(|columns| body(view, columns)).collect();
                 let members = members.clone();

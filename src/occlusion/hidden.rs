@@ -77,7 +77,7 @@ impl Reasoner {
                 }
                 continue;
             }
-            if frames < self.limits.patience && !unfit && !self.is_outside(&bbox) {
+            if !unfit && !self.is_outside(&bbox) {
                 continue;
             }
             // Objects may change places here, so that who is lost is asked only afterwards.

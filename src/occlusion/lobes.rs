@@ -11,6 +11,9 @@ use crate::regions::Mosaic;
 const FILLED: f32 = 0.3;
 /// The gap between two heads goes down by at least this share of the smaller one's height.
 const GAP: f32 = 0.13;
+/// Of the columns of a gap, those at least this share as deep as the deepest are tried: the deepest is often beside an arm. Of
+/// a gap between head and raised hand a shallower one would cut through the body.
+const VALLEY: f32 = 0.8;
 /// Nobody is less than this share as tall as the tallest.
 const SHORTEST: f32 = 0.6;
 /// Nor does anybody have less than this share of the pixels of two.
@@ -74,14 +77,19 @@ impl Silhouette {
     fn split(&self, lobe: Range<usize>, into: &mut Vec<Range<usize>>) {
         let bottom = self.bottom(&lobe);
         let middle = lobe.start + lobe.len() / 2;
-        let deepest = (lobe.start + 1..lobe.end.saturating_sub(1))
-            .max_by_key(|&at| (self.depth(&lobe, at, bottom), std::cmp::Reverse(at.abs_diff(middle))));
-        match deepest {
-            Some(at) if self.is_gap(&lobe, at, bottom) => {
+        let depths =
+            (lobe.start + 1..lobe.end.saturating_sub(1)).map(|at| (at, self.depth(&lobe, at, bottom)));
+        let deepest = depths.clone().map(|(_, depth)| depth).max().unwrap_or(0);
+        let gap = depths
+            .filter(|&(at, depth)| depth as f32 >= VALLEY * deepest as f32 && self.is_gap(&lobe, at, bottom))
+            .max_by_key(|&(at, depth)| (depth, std::cmp::Reverse(at.abs_diff(middle))))
+            .map(|(at, _)| at);
+        match gap {
+            Some(at) => {
                 self.split(lobe.start..at, into);
                 self.split(at..lobe.end, into);
             }
-            _ => into.push(lobe),
+            None => into.push(lobe),
         }
     }
 

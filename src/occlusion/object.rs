@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
-use super::event::EventKind;
+use super::event::{Comparison, EventKind};
 use super::perspective::Perspective;
 use super::template::Template;
 use crate::regions::colour::delta_e;
@@ -154,6 +154,8 @@ pub struct Object {
     pub partial: u32,
     /// Where it was when only a part of it began to be seen.
     pub partial_from: [f32; 2],
+    /// Why others that came in with it were taken for fragments of it, until its first event tells.
+    pub fragments: Vec<Comparison>,
     /// In how many frames more than not it has been seen as two who stand side by side.
     pub beside: u32,
     /// Where its own motion put it in this frame, if it was held inside a region from there.
@@ -183,6 +185,7 @@ impl Object {
             existence: 0.0,
             last,
             partial: 0,
+            fragments: Vec::new(),
             beside: 0,
         }
     }

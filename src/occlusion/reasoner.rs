@@ -10,6 +10,7 @@ use std::sync::Arc;
 use nalgebra::Vector3;
 
 use super::assign::{self, Fit, Piece};
+use super::coherence::Fragment;
 use super::event::{Comparison, Counters, Episode, Event, EventKind, Evidence};
 use super::groups::{Cause, Groups};
 use super::hidden::{self, Hidden, Return};
@@ -183,7 +184,7 @@ impl Reasoner {
             max_hidden: settings.max_hidden.frames(fps),
             same_episode: settings.same_episode.frames(fps),
             patience: ((0.2 * fps).round() as u32).max(3),
-            heads: ((0.5 * fps).round() as u32).max(3),
+            heads: ((0.3 * fps).round() as u32).max(3),
             relearn: ((1.5 * fps).round() as u32).max(10),
             told: settings.predict_for.frames(fps),
             second: fps.max(1.0),
@@ -191,7 +192,7 @@ impl Reasoner {
         };
         Self {
             settings: settings.clone(),
-            pool: PoolSettings::new(settings),
+            pool: PoolSettings::new(settings, fps),
             limits,
             size,
             t: 0,
@@ -957,8 +958,15 @@ impl Reasoner {
             .map(|(&id, _)| id)
             .collect();
         for id in due {
-            if self.objects.contains_key(&id) && !self.must_be_seen_better(id) && !self.join_fragment(id) {
-                self.name_object(id);
+            // Another one of them may have ended it, or named it.
+            let open = self.objects.get(&id).is_some_and(|object| !object.named);
+            if !open || self.must_be_seen_better(id) {
+                continue;
+            }
+            match self.as_fragment(id) {
+                Some(Fragment::Open) => {}
+                Some(Fragment::Of { whole, view, evidence }) => self.join_fragment(id, whole, view, evidence),
+                None => self.name_object(id),
             }
         }
     }
@@ -974,6 +982,7 @@ impl Reasoner {
         let identity = self.naming.name(object.key);
         self.identities.insert(id, identity);
         let (born, birthplace) = (object.born, object.birthplace);
+        let fragments = std::mem::take(&mut object.fragments);
         let distance = birthplace.distance_to_edge(self.size);
         let near = distance <= self.limits.border;
         let kind = if near { EventKind::Enter } else { EventKind::Appear };
@@ -989,6 +998,7 @@ impl Reasoner {
             evidence.at_least("distance to the image edge", distance, self.limits.border);
             self.note_refused(&birthplace, &mut evidence);
         }
+        evidence.comparisons.extend(fragments);
         let event = Event::of_one(born, kind, identity, birthplace.centre(), evidence);
         self.push_event(&[id], event);
     }

@@ -37,6 +37,14 @@ impl Observation {
     }
 }
 
+/// Mean squared Mahalanobis length of the errors of a model that predicts as well as its covariance says: 3 degrees of
+/// freedom.
+const EXPECTED_ERROR: f32 = 3.0;
+/// `null_factor` is of a frame at this many frames a second.
+const NULL_FACTOR_RATE: f32 = 25.0;
+/// The most that a single frame without a match counts for, at a lower rate: a mask can fail for two frames at any rate.
+const MAX_NULL_FRAMES: f32 = 5.0 / 3.0;
+
 /// Inverse of the variance of the prediction error: of its squared Mahalanobis length, averaged.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fitness {
@@ -46,14 +54,14 @@ pub struct Fitness {
 }
 
 impl Fitness {
-    /// The fitness of a model whose errors are as large as its covariance says: 3 degrees of freedom.
+    /// The fitness of a model whose errors are as large as its covariance says.
     pub const fn expected() -> Self {
-        Self { mean_error: 3.0, nulls: 1.0 }
+        Self { mean_error: EXPECTED_ERROR, nulls: 1.0 }
     }
 
-    /// The number that is compared to `min_fitness`.
+    /// The number that is compared to `min_fitness`, 0..=1/3. Errors smaller than the covariance says make no model fitter.
     pub fn value(self) -> f32 {
-        self.nulls / self.mean_error.max(0.1)
+        self.nulls / self.mean_error.max(EXPECTED_ERROR)
     }
 
     fn matched(&mut self, distance_squared: f32, memory: u32) {
@@ -163,19 +171,21 @@ pub struct PoolSettings {
     /// χ² at the edge of the gate.
     pub gate: f32,
     fitness_memory: u32,
+    /// Of one frame of this video.
     null_factor: f32,
     min_fitness: f32,
     max_hypotheses: usize,
 }
 
 impl PoolSettings {
-    /// The pool's part of `settings`.
-    pub fn new(settings: &Settings) -> Self {
+    /// The pool's part of `settings`, for `fps` frames a second.
+    pub fn new(settings: &Settings, fps: f32) -> Self {
+        let frames = (NULL_FACTOR_RATE / fps.max(1.0)).min(MAX_NULL_FRAMES);
         Self {
             noise: Noise { process: settings.process_noise, measurement: settings.measurement_noise },
             gate: chi_squared_3(settings.gate),
             fitness_memory: settings.fitness_memory,
-            null_factor: settings.null_factor,
+            null_factor: settings.null_factor.powf(frames),
             min_fitness: settings.min_fitness,
             max_hypotheses: settings.max_hypotheses as usize,
         }
@@ -341,7 +351,7 @@ mod tests {
     }
 
     fn settings() -> PoolSettings {
-        PoolSettings::new(&Settings::preset(Preset::Plain))
+        PoolSettings::new(&Settings::preset(Preset::Plain), 25.0)
     }
 
     fn blob(x: f32, y: f32, vx: f32) -> Blob {
@@ -371,6 +381,26 @@ mod tests {
         assert!((blobs[0].shown().fitness.value() / fit - 0.8).abs() < 1e-4);
         assert_eq!(step(&mut blobs, &[at(106.0, 50.0)]), [Some(0)], "it regains the region");
         assert_eq!(blobs[0].lost, 0);
+    }
+
+    #[test]
+    fn without_a_region_a_model_is_unfit_after_a_fifth_of_a_second_and_sooner_where_it_predicts_badly() {
+        let frames_until_unfit = |fps: f32, mean_error: f32| {
+            let settings = PoolSettings::new(&Settings::default(), fps);
+            let mut blobs = [blob(100.0, 50.0, 3.0)];
+            blobs[0].shown.fitness.mean_error = mean_error;
+            let mut frames = 0;
+            while !settings.unfit(&blobs[0]) {
+                settings.predict(&mut blobs);
+                settings.match_observations(&mut blobs, &[]);
+                frames += 1;
+            }
+            frames
+        };
+        let of_rates = |mean_error| [7.0, 10.0, 25.0, 50.0].map(|fps| frames_until_unfit(fps, mean_error));
+        assert_eq!(of_rates(EXPECTED_ERROR), [3, 3, 5, 10]);
+        assert_eq!(of_rates(0.1), [3, 3, 5, 10], "fitter than its covariance says is no model");
+        assert_eq!(of_rates(6.0), [2, 2, 2, 4]);
     }
 
     #[test]

@@ -55,10 +55,27 @@ const ROWS: &[Row] = &[
         by_default: (0.85, 4),
         changes: &[("placing", "predicted", Loss::Idf1(0.1))],
     },
+    // One of two walks behind a wall as they meet. What it hides is drawn only where it is known to hide somebody.
+    Row { scene: || Mill::Mixed.scene(3), by_default: (0.8, 0), changes: &[] },
     Row {
-        scene: || Mill::Mixed.scene(3),
-        by_default: (0.8, 1),
+        scene: || Mill::Mixed.scene(86),
+        by_default: (0.85, 6),
         changes: &[("size_step", "2", Loss::Differences(3))],
+    },
+    // Somebody lost for a moment: without fitness their blob waits, and takes another's region.
+    Row {
+        scene: || Mill::Deep.scene(13),
+        by_default: RIGHT,
+        changes: &[
+            ("min_fitness", "0.0001", Loss::Differences(6)),
+            ("null_factor", "0.99", Loss::Differences(6)),
+        ],
+    },
+    // Two in a row enter as one, so that events are missed; what a later frame says of who is who is not.
+    Row {
+        scene: || Mill::Mixed.scene(183),
+        by_default: (0.85, 13),
+        changes: &[("max_hypotheses", "1", Loss::Idf1(0.2))],
     },
     Row {
         scene: || Mill::Mixed.scene(69),
