@@ -80,13 +80,16 @@ pub struct WhatIf {
     pub until: u32,
 }
 
+/// The centre of each track in a frame, in pixels.
+type Centres = Vec<(Identity, [f32; 2])>;
+
 /// What follows the event under the present settings.
 #[derive(Default)]
 struct Sequel {
     /// All events of its kind.
     events: Vec<Event>,
     /// Identity and centre of each track, by frame, from the event's first possible frame on.
-    tracks: Vec<(u32, Vec<(Identity, [f32; 2])>)>,
+    tracks: Vec<(u32, Centres)>,
 }
 
 impl Sequel {
