@@ -380,7 +380,8 @@ impl Window {
             let size = (wide * 0.235).clamp(232.0, 720.0);
             let panel = Panel::right("inspector").frame(side).resizable(true).default_size(size);
             let inspector = &mut self.inspector;
-            panel.size_range((wide * 0.13).max(220.0)..=(wide * 0.36).max(220.0)).show(ui, |ui| {
+            let most = (wide * 0.36).min(ui.available_width() - VIEWS).max(220.0);
+            panel.size_range((wide * 0.13).clamp(220.0, most)..=most).show(ui, |ui| {
                 let third = ui.available_height() * 0.36;
                 // The list outlives a taller window; a pixel's plots must keep room to be read in a lower one.
                 let least = if model.reading.is_some() { EVIDENCE } else { EVENTS };
@@ -454,6 +455,8 @@ impl Window {
 
 /// Width of the buttons left of the timeline.
 const TRANSPORT: f32 = 244.0;
+/// Width that the views cannot do without, in points: their titles and buttons would lie on the panel beside them.
+const VIEWS: f32 = 296.0;
 /// The least height of the events: heading, kinds, and two of them.
 const EVENTS: f32 = 112.0;
 /// The same while one of them is read: besides, its evidence down to the first numbers.

@@ -114,6 +114,20 @@ fn a_window_made_smaller_gives_every_panel_less() {
 }
 
 #[test]
+fn in_the_smallest_window_no_view_lies_over_the_panel_beside_it() {
+    let (mut harness, _) = window(Some(inspected_state(58)), (1600.0, 1000.0), Theme::Dark);
+    harness.run_steps(4);
+    harness.set_size(vec2(800.0, 560.0));
+    harness.run_steps(6);
+    let panel = harness.get_by_label("Events").rect().left();
+    for view in ["Regions", "Background", "Tracks and occlusions"] {
+        let button = harness.get_by_label(&format!("Show alone: {view}")).rect();
+        assert!(button.right() <= panel, "{view}: {button} lies over the panel at {panel}");
+    }
+    picture(&mut harness, "smallest");
+}
+
+#[test]
 fn text_and_controls_can_be_made_larger_and_smaller() {
     let (mut harness, _) = ready(58);
     for (key, factor) in
