@@ -1,6 +1,6 @@
 //! One frame through all stages.
 
-use std::collections::{BTreeMap, BTreeSet};
+use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use rayon::prelude::*;
@@ -368,12 +368,13 @@ pub fn final_reading<'a>(analyses: impl IntoIterator<Item = &'a Analysis>, pipel
     }
     reading.episodes.sort_by(|a, b| (a.start, &a.objects).cmp(&(b.start, &b.objects)));
     for analysis in analyses {
-        let before = earlier.remove(&analysis.number).unwrap_or_default();
+        let mut before = earlier.remove(&analysis.number).unwrap_or_default();
         // Who is followed in the frame itself was not looked for there.
-        let followed: BTreeSet<_> =
-            analysis.objects.iter().filter_map(|track| naming.of(track.key)).collect();
-        let new = |track: &&Track| naming.of(track.key).is_none_or(|id| !followed.contains(&id));
-        let objects = before.into_iter().filter(new).chain(analysis.objects.iter());
+        before.retain(|track| {
+            let same = |followed: &Track| naming.of(followed.key) == naming.of(track.key);
+            !analysis.objects.iter().any(same)
+        });
+        let objects = before.into_iter().chain(analysis.objects.iter());
         reading.tracks.push((analysis.number, naming.apply(objects)));
         reading.events.extend(analysis.events.iter().cloned());
     }

@@ -77,11 +77,14 @@ impl Silhouette {
     fn split(&self, lobe: Range<usize>, into: &mut Vec<Range<usize>>) {
         let bottom = self.bottom(&lobe);
         let middle = lobe.start + lobe.len() / 2;
-        let depths =
-            (lobe.start + 1..lobe.end.saturating_sub(1)).map(|at| (at, self.depth(&lobe, at, bottom)));
-        let deepest = depths.clone().map(|(_, depth)| depth).max().unwrap_or(0);
+        let depths: Vec<(usize, u32)> = (lobe.start + 1..lobe.end.saturating_sub(1))
+            .map(|at| (at, self.depth(&lobe, at, bottom)))
+            .collect();
+        let deepest = depths.iter().map(|(_, depth)| *depth).max().unwrap_or(0);
+        let in_valley = |depth: u32| depth as f32 >= VALLEY * deepest as f32;
         let gap = depths
-            .filter(|&(at, depth)| depth as f32 >= VALLEY * deepest as f32 && self.is_gap(&lobe, at, bottom))
+            .into_iter()
+            .filter(|&(at, depth)| in_valley(depth) && self.is_gap(&lobe, at, depth, bottom))
             .max_by_key(|&(at, depth)| (depth, std::cmp::Reverse(at.abs_diff(middle))))
             .map(|(at, _)| at);
         match gap {
@@ -102,12 +105,11 @@ impl Silhouette {
         lower.saturating_sub(here)
     }
 
-    /// Whether column `at` lies between two who stand side by side.
-    fn is_gap(&self, lobe: &Range<usize>, at: usize, bottom: u32) -> bool {
+    /// Whether column `at`, `depth` below the heads beside it, lies between two who stand side by side.
+    fn is_gap(&self, lobe: &Range<usize>, at: usize, depth: u32, bottom: u32) -> bool {
         let sides = [lobe.start..at, at..lobe.end];
         let heights = [self.height(&sides[0], bottom), self.height(&sides[1], bottom)];
         let (lower, higher) = (heights[0].min(heights[1]), heights[0].max(heights[1]));
-        let depth = self.depth(lobe, at, bottom);
         let all = self.filled(lobe) as f32;
         let upright = sides.iter().zip(heights).all(|(side, height)| {
             let slimness = side.len() as f32 / height.max(1) as f32;

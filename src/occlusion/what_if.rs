@@ -472,15 +472,14 @@ mod tests {
         let question = question(EventKind::Reappear).unwrap();
         let answer = answer(question.clone());
         assert!(answer.happens && answer.done && answer.tried.0 == answer.tried.1, "{answer:?}");
-        let mut sequel = Sequel::default();
-        let mut present = Trial::new(&question, &question.settings);
-        while present.happened.is_none() {
-            present.go_on_noting(&question, &mut sequel);
+        let mut search = Search::new(question.clone());
+        while search.present.happened.is_none() {
+            search.go_on();
         }
         let happens = |settings: &Settings| {
             let mut trial = Trial::new(&question, settings);
             while trial.happened.is_none() {
-                trial.go_on(&question, &sequel);
+                trial.go_on(&question, &search.sequel);
             }
             trial.happened.unwrap()
         };
