@@ -24,6 +24,11 @@ const NEAR_TALL: f32 = 0.8;
 /// What is left of the speed of somebody unseen after a frame.
 const SLOWING: f32 = 0.9;
 
+/// An object has moved once the centre of its box is this part of √area from where it was first seen. What the mask leaves of
+/// a passing light, or where somebody stood in the first frame, stays in its place. Tried on four real sequences and 24
+/// variations of them: .75 gives the same, .25 half of the gain.
+const LEAST_TRAVEL: f32 = 0.5;
+
 /// What is seen for so many frames in succession is no flicker of the mask.
 pub(super) const LASTS: u32 = 3;
 
@@ -188,6 +193,12 @@ impl Object {
             fragments: Vec::new(),
             beside: 0,
         }
+    }
+
+    /// Whether it is away from where it was first seen.
+    pub fn has_moved(&self) -> bool {
+        let ([x, y], [from_x, from_y]) = (self.last.bbox.centre(), self.birthplace.centre());
+        (x - from_x).hypot(y - from_y) >= LEAST_TRAVEL * self.last.area.sqrt()
     }
 
     /// The size that its box should have: width and height.

@@ -966,15 +966,27 @@ impl Reasoner {
             match self.as_fragment(id) {
                 Some(Fragment::Open) => {}
                 Some(Fragment::Of { whole, view, evidence }) => self.join_fragment(id, whole, view, evidence),
-                None => self.name_object(id),
+                None if self.objects.get(&id).is_some_and(Object::has_moved) => self.name_object(id),
+                // Who is already known may stand still.
+                None => {
+                    self.recognise(id);
+                }
             }
         }
     }
 
+    /// Whether an object without an identity is one that was hidden or not seen in its group. It then goes on as that one.
+    fn recognise(&mut self, id: ObjectId) -> bool {
+        let known = self.reappears(id) || self.comes_out(id);
+        if known {
+            self.absorb_parts();
+        }
+        known
+    }
+
     /// Assigns an identity to an object, and emits its first event where the identity is new.
     pub(super) fn name_object(&mut self, id: ObjectId) {
-        if self.reappears(id) || self.comes_out(id) {
-            self.absorb_parts();
+        if self.recognise(id) {
             return;
         }
         let Some(object) = self.objects.get_mut(&id) else { return };
