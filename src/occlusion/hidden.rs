@@ -225,6 +225,9 @@ impl Reasoner {
         let mut candidates: Vec<(Place, f32, usize)> = Vec::new();
         for (index, hidden) in self.hidden.iter().enumerate() {
             let Some(past) = self.objects.get(&hidden.id) else { continue };
+            if !new.may_be(past) {
+                continue;
+            }
             let Some(place) = self.place_of_return(past, hidden, &new.last.bbox) else { continue };
             let (agreement, _) = past.agreement(&new.last.histogram, &self.settings);
             if place.predicted || agreement >= ALIKE {

@@ -201,6 +201,11 @@ impl Object {
         (x - from_x).hypot(y - from_y) >= LEAST_TRAVEL * self.last.area.sqrt()
     }
 
+    /// Whether it may turn out to be `known`, one who is hidden. Of what has not moved only who is nearly whole.
+    pub fn may_be(&self, known: &Self) -> bool {
+        self.has_moved() || known.is_nearly_whole(&self.last)
+    }
+
     /// The size that its box should have: width and height.
     pub fn size(&self) -> (f32, f32) {
         let size = |clear: &Appearance| (self.scale * clear.w, self.scale * clear.h);

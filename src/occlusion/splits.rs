@@ -123,6 +123,9 @@ impl Reasoner {
             let shrunk = seen <= (1.0 - self.settings.size_step) * due;
             let known = group.members.iter().filter_map(|id| Some((*id, self.objects.get(id)?)));
             for (member, object) in known.filter(|(_, object)| shrunk || object.unseen > 0) {
+                if !new.may_be(object) {
+                    continue;
+                }
                 let unsure = self.unsureness(member, true);
                 let fits = assign::fits(&[object], &[unsure], std::slice::from_ref(&piece), &self.settings);
                 let Some(&fit) = fits.first().and_then(|row| row.first()) else { continue };

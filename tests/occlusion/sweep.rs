@@ -1,8 +1,12 @@
-//! How often each scene of the catalogue is read wrongly, over many variations: a measurement to run by hand, not a test.
+//! What comes out wrong over many scenes: measurements to run by hand, not tests.
 //!
 //! `cargo test --release --locked --no-default-features --test occlusion -- --ignored --nocapture every_scene`
 //!
-//! `SCENES=bag,wall` names the scenes, `TOLD=2` says in words what differs in the first two of each.
+//! How often each scene of the catalogue is read wrongly. `SCENES=bag,wall` names the scenes, `TOLD=2` says in words what
+//! differs in the first two of each.
+//!
+//! `… every_seed` instead: the scores of sixty drawn scenes of each kind in which people mill about, by default and with each
+//! of the changes in `CHANGES="count_heads=off size_step=2"` alone.
 
 use std::sync::Mutex;
 
@@ -10,7 +14,10 @@ use occluscope::settings::Settings;
 use occluscope::synth::catalogue;
 use rayon::prelude::*;
 
+use super::mill::Mill;
 use super::{judge, parameters};
+
+const SEEDS: std::ops::RangeInclusive<u64> = 1..=60;
 
 #[test]
 #[ignore = "a measurement"]
@@ -50,6 +57,40 @@ fn every_scene() {
             for line in differences {
                 println!("    {line}");
             }
+        }
+    }
+}
+
+#[test]
+#[ignore = "a measurement"]
+fn every_seed() {
+    let changes = std::env::var("CHANGES").unwrap_or_default();
+    let mut all = vec![("default", Settings::default())];
+    for change in changes.split_whitespace() {
+        let (setting, value) = change.split_once('=').expect("setting=value");
+        let mut settings = Settings::default();
+        settings.set(setting, value).expect("a setting in its range");
+        all.push((change, settings));
+    }
+    for kind in [Mill::Mixed, Mill::Deep, Mill::Abreast] {
+        let seeds: Vec<u64> = SEEDS.collect();
+        let scores: Vec<Vec<(usize, f64)>> = seeds
+            .par_iter()
+            .map(|&seed| {
+                let scene = kind.scene(seed);
+                let mut run = judge::Run::new(&scene, 1.0, &Settings::default());
+                let score = |(_, settings): &(&str, Settings)| {
+                    run.track_again(settings, scene.fps);
+                    (run.differences().len(), run.score().idf1)
+                };
+                all.iter().map(score).collect()
+            })
+            .collect();
+        for (index, (name, _)) in all.iter().enumerate() {
+            let of_all = scores.iter().filter_map(|scores| scores.get(index));
+            let (differences, idf1) =
+                of_all.fold((0, 0.0), |(sum, total), (differences, idf1)| (sum + differences, total + idf1));
+            println!("{kind:?} {name}: IDF1 {:.3}, {differences} differences", idf1 / scores.len() as f64);
         }
     }
 }
