@@ -224,6 +224,30 @@ impl Setting {
         SETTINGS.iter().find(|setting| setting.name == name || setting.flag() == name)
     }
 
+    /// Its name on the screen: the standard term where the key is another one.
+    pub fn label(&self) -> String {
+        let term = match self.name {
+            "k" => "components",
+            "alpha" => "learning rate",
+            "t" => "background ratio",
+            "match_sigmas" => "match threshold",
+            "shadow_floor" => "shadow threshold",
+            "light_ceiling" => "light threshold",
+            "unrest_memory" => "flicker memory",
+            "unrest_full" => "flicker limit",
+            "restless_learning" => "flicker learning",
+            "restless_t" => "flicker ratio",
+            "same_episode" => "episode gap",
+            "same_colour" => "colour threshold",
+            "placing" => "localisation",
+            "find_again" => "re-identification",
+            "count_heads" => "head count",
+            "predict_for" => "prediction time",
+            name => return name.replace('_', " "),
+        };
+        term.to_owned()
+    }
+
     /// Its command-line flag without the leading dashes.
     pub fn flag(&self) -> String {
         self.name.replace('_', "-")

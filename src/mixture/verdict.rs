@@ -160,7 +160,7 @@ pub fn overruled(mixture: bool, mask: bool, ignored: bool, settings: &Settings) 
         .filter(|setting| changes_masks(setting))
         .filter_map(|setting| match setting.get(settings) {
             SettingValue::Integer(0) | SettingValue::Real(1.0) | SettingValue::Choice("off" | "none") => None,
-            value => Some(format!("{} {value}", setting.name.replace('_', " "))),
+            value => Some(format!("{} {value}", setting.label())),
         })
         .collect();
     let made = if mask { "foreground" } else { "background" };

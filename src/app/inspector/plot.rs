@@ -59,7 +59,7 @@ impl Format {
     /// What it is called in dialogs.
     pub const fn name(self) -> &'static str {
         match self {
-            Self::Png => "PNG picture",
+            Self::Png => "PNG image",
             Self::Svg => "SVG drawing",
         }
     }

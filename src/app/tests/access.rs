@@ -126,7 +126,7 @@ fn every_control_has_a_name_in_menus_and_sheets() {
         harness.run_steps(4);
     }
     for (action, place) in [
-        (Action::Palette, "Find an action"),
+        (Action::Palette, "Command palette"),
         (Action::Help, "Close"),
         (Action::About, "Close"),
         (Action::Messages, "Messages"),
@@ -182,7 +182,7 @@ fn the_tab_key_reaches_every_control_and_comes_round() {
 fn sheets_give_the_focus_back() {
     let mut harness = inspected();
     for (action, inside) in
-        [(Action::Palette, "Find an action"), (Action::Help, "Close"), (Action::About, "Copy")]
+        [(Action::Palette, "Command palette"), (Action::Help, "Close"), (Action::About, "Copy")]
     {
         harness.get_by_label("Play").focus();
         harness.run_steps(2);

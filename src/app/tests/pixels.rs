@@ -84,7 +84,7 @@ fn pixels_are_pinned_listed_chosen_and_unpinned() {
     }
     assert_eq!(pins_asked(&scene).last().unwrap().len(), 8);
     act(&mut harness, Action::Messages);
-    harness.get_by_label("8 pixels are pinned already; unpin one first");
+    harness.get_by_label("8 pixels are pinned, the maximum; unpin one first");
 }
 
 #[test]

@@ -75,7 +75,7 @@ fn asked(scene: &Scene) -> Vec<Option<((u32, u32), u32)>> {
 fn masks_of_the_truth_show_what_is_right_and_what_is_wrong() {
     let (mut harness, _) = ready(58);
     let ctx = harness.ctx.clone();
-    let seen = |harness: &Harness<'_, Window>| harness.query_by_label("Right and wrong view").is_some();
+    let seen = |harness: &Harness<'_, Window>| harness.query_by_label("Mask errors view").is_some();
     assert!(!seen(&harness));
     load(&mut harness, truth(58));
     assert!(seen(&harness), "it opens with the masks");
@@ -90,7 +90,7 @@ fn masks_of_the_truth_show_what_is_right_and_what_is_wrong() {
     assert!(expected.tp > 100 && expected.fp > 50 && expected.fn_ > 50, "{expected:?}");
     assert_eq!(harness.state().pictures.in_view().unwrap().decisions(), Some(expected));
     let image = harness.render().unwrap();
-    let rect = harness.get_by_label("Right and wrong view").rect();
+    let rect = harness.get_by_label("Mask errors view").rect();
     let canvas = crate::app::views::Canvas::new(rect, SIZE, harness.state().model.camera);
     // A pixel of each kind has its colour on the screen.
     for (label, found, colour) in [
