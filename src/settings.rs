@@ -236,7 +236,7 @@ impl Setting {
             "unrest_memory" => "flicker memory",
             "unrest_full" => "flicker limit",
             "restless_learning" => "flicker learning",
-            "restless_t" => "flicker ratio",
+            "restless_t" => "flicker T",
             "same_episode" => "episode gap",
             "same_colour" => "colour threshold",
             "placing" => "localisation",

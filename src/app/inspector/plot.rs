@@ -60,7 +60,7 @@ impl Format {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Png => "PNG image",
-            Self::Svg => "SVG drawing",
+            Self::Svg => "SVG image",
         }
     }
 }
@@ -127,7 +127,7 @@ impl Plot {
 
     /// Draws it, or says why it could not be.
     pub(crate) fn drawn(&self) -> Result<Frame, String> {
-        let failed = |error| format!("the picture was not drawn: {error}; save it as SVG instead");
+        let failed = |error| format!("the image cannot be rendered: {error}; save it as SVG instead");
         raster::picture(&self.figure()).map_err(failed)
     }
 

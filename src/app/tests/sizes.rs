@@ -52,7 +52,7 @@ fn fixed(name: &str) -> &'static [&'static str] {
             "Tracks and occlusions view",
             "Show alone: Input",
             "Track overlays",
-            "Now",
+            "Scatter",
             "History",
             "Tuning",
             "Statistics",

@@ -49,7 +49,7 @@ pub fn figure(history: &PixelHistory, shares: &RegionShares, index: usize) -> Fi
     );
     let key = |sign, colour, name: &str| Key { sign, colour, name: name.to_owned() };
     let legend = vec![
-        key(Sign::Plate(STRENGTH), verdict_colour(true, false), "after cleaning"),
+        key(Sign::Plate(STRENGTH), verdict_colour(true, false), "after post-processing"),
         key(Sign::Line, INK, "verdicts of the mixture"),
         key(Sign::Dashed, INK, "frame in view"),
     ];
