@@ -196,7 +196,7 @@ fn without_a_frame_a_pixel_a_mixture_or_a_state_it_says_what_is_missing() {
         (
             "not-yet",
             Some(shown_of(settings(), Some(history), 20)),
-            "Frame 21 is not in this pixel's history yet",
+            "The pixel history does not reach frame 21 yet",
         ),
     ];
     for (name, shown, words) in cases {
@@ -299,7 +299,7 @@ fn eight_components_where_nothing_matches_can_be_drawn() {
     assert_eq!(history.states[400].pixel.used(), 8);
     let (mut harness, _) =
         harness(Some(shown_of(crowded, Some(history), 400)), Vec2::new(340.0, 960.0), Theme::Light);
-    assert!(says(&harness, "nothing matched; nearest was component"));
+    assert!(says(&harness, "no match; nearest is component"));
     for tab in ["Mixture", "History", "Tuning", "Statistics", "Scatter"] {
         open(&mut harness, tab);
         picture(&mut harness, &format!("crowded-{}", tab.to_lowercase()));
@@ -334,7 +334,7 @@ fn a_low_panel_scrolls_under_the_verdict() {
 #[test]
 fn the_first_frame_can_be_drawn() {
     let (mut harness, _) = tall(Some(shown(0)));
-    assert!(says(&harness, "the model's first frame"));
+    assert!(says(&harness, "first frame of the model"));
     for tab in ["Mixture", "History", "Tuning", "Statistics", "Scatter"] {
         open(&mut harness, tab);
     }
@@ -445,13 +445,13 @@ fn what_happened_to_components_is_told_where_the_history_marks_it() {
 fn a_verdict_that_cleaning_overruled_is_marked() {
     let mut shown = shown(425);
     let (harness, _) = tall(Some(shown.clone()));
-    assert!(!says(&harness, "overruled"));
+    assert!(!says(&harness, "Changed by a later stage"));
     let mut analysis = (*shown.analysis).clone();
     analysis.mask = Arc::new(Mask::empty(SIZE));
     shown.analysis = Arc::new(analysis);
     let (harness, _) = tall(Some(shown));
     assert!(says(&harness, "After post-processing: background."));
-    assert!(says(&harness, "cleaning (median 5) made this pixel background"));
+    assert!(says(&harness, "post-processing (median 5) this pixel is background"));
 }
 
 /// Where a share of the history's time axis is on the screen.
