@@ -105,7 +105,7 @@ impl Reasoner {
         carried.members.push(id);
         carried.members.sort_unstable();
         let mut evidence =
-            Evidence::of_branch("a region shows more heads than it has objects: one more is in it");
+            Evidence::of_branch("more heads than objects in a region: one object added");
         evidence.note("heads", heads as f32);
         evidence.note("objects", members.len() as f32);
         if let Some(&first) = members.first() {
