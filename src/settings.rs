@@ -35,7 +35,7 @@ impl Stage {
         match self {
             Self::Registration => "Registration",
             Self::Mixture => "Mixture",
-            Self::Cleaning => "Cleaning",
+            Self::Cleaning => "Post-processing",
             Self::Regions => "Regions",
             Self::Tracking => "Tracking",
             Self::Occlusion => "Occlusion",
@@ -155,16 +155,16 @@ impl Kind {
     /// The range in words: `0 < value < 1`, `1..=8`, `weight | density | constant`.
     pub fn range(&self, symbol: &str) -> String {
         match *self {
-            Self::Integer { min, max } => format!("{min}..={max}"),
-            Self::OddSize { max } => format!("0 (off) or an odd number 3..={max}"),
+            Self::Integer { min, max } => format!("{min}–{max}"),
+            Self::OddSize { max } => format!("0 (off) or an odd number 3–{max}"),
             Self::Real { min, max, open: true, .. } => {
                 let name = if symbol.is_empty() { "value" } else { symbol };
                 format!("{min} < {name} < {max}")
             }
-            Self::Real { min, max, .. } => format!("{min}..={max}"),
+            Self::Real { min, max, .. } => format!("{min}–{max}"),
             Self::Choice(words) => words.join(" | "),
             Self::Span { max_frames, max_seconds } => {
-                format!("0..={max_frames} frames, or \"0s\"..=\"{max_seconds}s\"")
+                format!("0–{max_frames} frames, or \"0s\"–\"{max_seconds}s\"")
             }
         }
     }
@@ -286,7 +286,7 @@ pub enum SettingError {
     #[error("there is no setting `{0}`; `occluscope settings` lists them all")]
     Unknown(String),
     /// The value is of another kind or out of range.
-    #[error("the setting `{name}` cannot be `{given}`: it takes {range}")]
+    #[error("the setting `{name}` cannot be `{given}`; allowed: {range}")]
     Refused {
         /// The setting.
         name: &'static str,
@@ -296,7 +296,7 @@ pub enum SettingError {
         range: String,
     },
     /// No preset has this name.
-    #[error("there is no preset `{0}`; choose one of plain, paper, opencv-mog, default")]
+    #[error("there is no preset `{0}`; choose plain, paper, opencv-mog or default")]
     UnknownPreset(String),
     /// A settings file that is no TOML, or not a flat list of keys.
     #[error("the settings file {path} cannot be used: {why}")]
@@ -665,10 +665,10 @@ impl Preset {
     /// What the preset is, in a sentence.
     pub const fn meaning(self) -> &'static str {
         match self {
-            Self::Plain => "the method exactly as its tables have it, every addition switched off",
+            Self::Plain => "the published method, all additions off",
             Self::Paper => "`plain` with the paper's own learning rate ρ = α·η",
-            Self::OpencvMog => "imitates OpenCV's bgsegm MOG with its default parameters",
-            Self::Default => "what evidence says works best",
+            Self::OpencvMog => "OpenCV's bgsegm MOG with its default parameters",
+            Self::Default => "tuned on test sequences",
         }
     }
 }

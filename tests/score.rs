@@ -69,7 +69,7 @@ fn tracks_score_as_motmetrics_scores_them() {
     assert_eq!((&occlusion["episodes"], &occlusion["survived"]), (&1.into(), &1.into()));
     assert!(json.get("masks").is_none() && json.get("events").is_none());
     let table = works(&["score", &results, "--truth", text(&truth)]);
-    assert!(table.contains("MOTA 0.853") && table.contains("1 of 2 identities survive"), "{table}");
+    assert!(table.contains("MOTA 0.853") && table.contains("1 of 2 identities kept"), "{table}");
 }
 
 #[test]

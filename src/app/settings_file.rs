@@ -74,7 +74,7 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.toml");
         for (bytes, what) in [
-            (&b"k = 99"[..], "`k` cannot be `99`: it takes"),
+            (&b"k = 99"[..], "`k` cannot be `99`; allowed:"),
             (b"kk = 3", "there is no setting `kk`"),
             (b"k = [1]", "`k` is array"),
             (b"k = = 3", "cannot be used"),

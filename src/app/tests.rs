@@ -565,7 +565,7 @@ fn every_setting_has_a_control_and_sliders_change_them() {
     let (mut harness, scene) = ready(10);
     harness.state_mut().model.settings_panel = true;
     harness.run_steps(2);
-    for stage in ["Registration", "Cleaning", "Regions", "Tracking", "Occlusion"] {
+    for stage in ["Registration", "Post-processing", "Regions", "Tracking", "Occlusion"] {
         // The view of the regions has their name too; the settings stand to the left of it.
         let left = |node: &egui_kittest::Node<'_>| node.rect().left() < 60.0;
         let header = harness.get_all_by_label_contains(stage).rfind(left).unwrap();

@@ -98,7 +98,7 @@ fn tell_bugs_in_one_line() {
             let line = bug.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
             let _ = writeln!(
                 io::stderr(),
-                "error: this is a bug in occluscope: {line}; please report it with what RUST_BACKTRACE=1 shows"
+                "error: bug in occluscope: {line}; please report it with the output of RUST_BACKTRACE=1"
             );
         }));
     }

@@ -56,7 +56,7 @@ impl PictureQueue {
         let mut result = Ok(());
         for thread in mem::take(&mut self.threads) {
             let outcome =
-                thread.join().unwrap_or_else(|_| Err(io::Error::other("a writing thread broke off")));
+                thread.join().unwrap_or_else(|_| Err(io::Error::other("a writer thread failed")));
             result = result.and(outcome);
         }
         result

@@ -233,7 +233,7 @@ impl FrameCache {
             return Ok(Fetched::End);
         }
         let Some(Item { frame, warnings }) = self.front.next() else {
-            return Err(SourceError::unusable(&self.info.name, "its decoder broke down; open it again"));
+            return Err(SourceError::unusable(&self.info.name, "its decoder failed; open it again"));
         };
         self.warnings.extend(warnings);
         let Some((frame, fingerprint)) = frame? else {
@@ -275,7 +275,7 @@ impl FrameCache {
             }
             return Err(SourceError::unusable(
                 &self.info.name,
-                "it changed while it was read; leave it alone and open it again",
+                "it changed while being read; open it again",
             ));
         };
         // After a jump a reader counts from elsewhere.

@@ -82,7 +82,7 @@ fn every_control_has_a_name_in_every_state() {
     }
     let mut harness = inspected();
     all_named(&harness, "ready");
-    for stage in ["Cleaning", "Regions", "Tracking", "Occlusion"] {
+    for stage in ["Post-processing", "Regions", "Tracking", "Occlusion"] {
         let left = |node: &egui_kittest::Node<'_>| node.rect().left() < 60.0;
         harness.get_all_by_label_contains(stage).rfind(left).unwrap().click_accesskit();
         harness.run_steps(12);
