@@ -164,8 +164,9 @@ fn what_evidence_says_follows_from_its_numbers() {
     // Of the pieces of the group that parted, each member has one, whose colours agree best with its own.
     let demerge = events.iter().find(|event| event.kind == EventKind::Demerge).expect("they cross");
     for id in &demerge.objects {
-        let mine =
-            |what: &str| what.starts_with("colour similarity") && what.contains(&format!(" of {id} and fragment"));
+        let mine = |what: &str| {
+            what.starts_with("colour similarity") && what.contains(&format!(" of {id} and fragment"))
+        };
         let colours: Vec<_> =
             demerge.evidence.comparisons.iter().filter(|number| mine(&number.what)).collect();
         let best = colours.iter().max_by(|a, b| a.value.total_cmp(&b.value)).expect("two pieces");

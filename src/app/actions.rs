@@ -421,8 +421,15 @@ pub(crate) static ACTIONS: &[Entry] = &[
         "Zoom in at the selected pixel or the image centre",
     )
     .repeats(),
-    entry(Menu::View, Action::ZoomOut, m::ICON_ZOOM_OUT, "Zoom out", &[key(Key::Minus)], "Zoom out at the \
-     selected pixel or the image centre").repeats(),
+    entry(
+        Menu::View,
+        Action::ZoomOut,
+        m::ICON_ZOOM_OUT,
+        "Zoom out",
+        &[key(Key::Minus)],
+        "Zoom out at the selected pixel or the image centre",
+    )
+    .repeats(),
     entry(
         Menu::View,
         Action::Background,
@@ -638,14 +645,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         &[key(Key::D)],
         "Pin or unpin the selected pixel; up to eight are saved with the video and compared under Pixels",
     ),
-    entry(
-        Menu::View,
-        Action::ClearPins,
-        m::ICON_KEEP_OFF,
-        "Unpin all pixels",
-        &[],
-        "Remove all pins",
-    ),
+    entry(Menu::View, Action::ClearPins, m::ICON_KEEP_OFF, "Unpin all pixels", &[], "Remove all pins"),
     entry(
         Menu::View,
         Action::SettingsPanel,

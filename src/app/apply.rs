@@ -253,7 +253,8 @@ impl Window {
                 if let Some(at) = model.chosen
                     && !model.marks.pins.toggle(at)
                 {
-                    let text = format!("{} pixels are pinned, the maximum; unpin one first", super::pins::MOST);
+                    let text =
+                        format!("{} pixels are pinned, the maximum; unpin one first", super::pins::MOST);
                     self.toasts.warn(ctx, text);
                 }
             }

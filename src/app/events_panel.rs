@@ -181,7 +181,10 @@ fn filter(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
                 ),
             );
             let name = format!("Show {} events", kind.label());
-            let text = format!("{}: {count}. Click to show or hide them in the list and for keys N and P.", kind.label());
+            let text = format!(
+                "{}: {count}. Click to show or hide them in the list and for keys N and P.",
+                kind.label()
+            );
             if ui.add(button).accessible_name(name).on_hover_text(text).clicked() {
                 commands.push(Command::FilterEvents(place, !on));
             }
@@ -367,12 +370,8 @@ fn compared(ui: &mut Ui, comparison: &Comparison) {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = theme::SPACE;
         let (icon, colour, word) = match (comparison.chosen, comparison.threshold, comparison.holds) {
-            (Some(true), ..) => {
-                (m::ICON_RADIO_BUTTON_CHECKED, colours.good, "selected alternative")
-            }
-            (Some(false), ..) => {
-                (m::ICON_RADIO_BUTTON_UNCHECKED, colours.weak, "rejected alternative")
-            }
+            (Some(true), ..) => (m::ICON_RADIO_BUTTON_CHECKED, colours.good, "selected alternative"),
+            (Some(false), ..) => (m::ICON_RADIO_BUTTON_UNCHECKED, colours.weak, "rejected alternative"),
             (None, None, _) => (m::ICON_REMOVE, colours.weak, "no threshold"),
             (None, _, true) => (m::ICON_CHECK, colours.good, "condition met"),
             (None, _, false) => (m::ICON_CLOSE, colours.bad, "condition not met"),

@@ -236,8 +236,7 @@ impl Window {
         }
         if self.pictures.is_dead() && !self.lost {
             self.lost = true;
-            self.toasts
-                .fail(ctx, "The graphics card accepts no more images; restart the program");
+            self.toasts.fail(ctx, "The graphics card accepts no more images; restart the program");
         }
         if let Some(answer) = self.dialogs.answer() {
             self.answered(ctx, answer);
@@ -292,8 +291,10 @@ impl Window {
 
     /// Takes ground truth, tells where it is seen, and opens the view of what is right by its masks.
     fn take_truth(&mut self, ctx: &Context, truth: Arc<Truth>) {
-        let boxes =
-            truth.boxes.as_ref().map(|boxes| format!("boxes of {} frames, shown over the tracks", boxes.len()));
+        let boxes = truth
+            .boxes
+            .as_ref()
+            .map(|boxes| format!("boxes of {} frames, shown over the tracks", boxes.len()));
         let masks = truth
             .masks
             .as_ref()

@@ -187,8 +187,11 @@ fn competing(ui: &mut Ui, hypotheses: &[Competing]) {
 /// A region's shape and colours, against those that the object is known by.
 fn looks(ui: &mut Ui, region: &Region, track: &Track, same_colour: f32) {
     let title = format!("Region {}", region.label);
-    section(ui, &title, "Connected component of the mask that is associated with the object, alone or in a \
-     group");
+    section(
+        ui,
+        &title,
+        "Connected component of the mask that is associated with the object, alone or in a group",
+    );
     let shape = &region.shape;
     rows(ui, &title, |ui| {
         row(ui, "area", format!("{} px", shape.area), "Area in pixels");
@@ -281,11 +284,7 @@ fn histogram(ui: &mut Ui, region: &Region) {
 fn lived(ui: &mut Ui, model: &Model, life: &LifeLine, commands: &mut Vec<Command>) {
     let first = life.spans.iter().map(|span| span.0).min().unwrap_or(0);
     let last = life.spans.iter().map(|span| span.1).max().unwrap_or(0);
-    section(
-        ui,
-        "Track timeline",
-        "Full: visible; pale: merged; thin: occluded. Click to go to a frame",
-    );
+    section(ui, "Track timeline", "Full: visible; pale: merged; thin: occluded. Click to go to a frame");
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 22.0), Sense::click());
     response.widget_info(|| WidgetInfo::labeled(Role::Slider, true, "Frame in track timeline"));
     let colours = theme::colours(ui.visuals());

@@ -12,11 +12,9 @@ use crate::truth::summary::TrackScore;
 type Column<S> = (&'static str, &'static str, fn(&S) -> String);
 
 const OF_TRACKS: [Column<TrackScore>; 4] = [
-    (
-        "MOTA",
-        "1 − (FN + FP + IDSW)/GT, boxes matched at IoU ≥ 0.5",
-        |score| format!("{:.3}", score.strict.mota),
-    ),
+    ("MOTA", "1 − (FN + FP + IDSW)/GT, boxes matched at IoU ≥ 0.5", |score| {
+        format!("{:.3}", score.strict.mota)
+    }),
     ("IDF1", "Harmonic mean of identity precision and recall, at IoU ≥ 0.5", |score| {
         format!("{:.3}", score.strict.idf1)
     }),
@@ -31,14 +29,16 @@ const OF_TRACKS: [Column<TrackScore>; 4] = [
 ];
 
 const OF_MASKS: [Column<MaskScore>; 4] = [
-    ("F", "2·precision·recall/(precision + recall) of all evaluated pixels, after post-processing", |score| {
-        format!("{:.3}", score.f_measure)
-    }),
-    ("precision", "TP/(TP + FP) of all evaluated pixels", |score| {
-        format!("{:.3}", score.precision)
-    }),
+    (
+        "F",
+        "2·precision·recall/(precision + recall) of all evaluated pixels, after post-processing",
+        |score| format!("{:.3}", score.f_measure),
+    ),
+    ("precision", "TP/(TP + FP) of all evaluated pixels", |score| format!("{:.3}", score.precision)),
     ("recall", "TP/(TP + FN) of all evaluated pixels", |score| format!("{:.3}", score.recall)),
-    ("PWC", "Percentage of wrong classifications: 100·(FP + FN)/evaluated pixels", |score| format!("{:.2}", score.pwc)),
+    ("PWC", "Percentage of wrong classifications: 100·(FP + FN)/evaluated pixels", |score| {
+        format!("{:.2}", score.pwc)
+    }),
 ];
 
 /// Width of the names of the rows, in points.

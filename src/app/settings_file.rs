@@ -26,7 +26,9 @@ pub(crate) fn read(path: &Path) -> Result<Settings, String> {
         format!("the settings file {} cannot be read: {error}; choose another file", path.display())
     })?;
     let mut settings = Settings::default();
-    settings.apply_toml(&text, path).map_err(|error| format!("{error}; correct it or choose another file"))?;
+    settings
+        .apply_toml(&text, path)
+        .map_err(|error| format!("{error}; correct it or choose another file"))?;
     Ok(settings)
 }
 
@@ -38,7 +40,11 @@ fn text_of(path: &Path) -> io::Result<String> {
     }
     let mut text = String::new();
     fs::File::open(path)?.take(MOST).read_to_string(&mut text).map_err(|error| {
-        if error.kind() == io::ErrorKind::InvalidData { io::Error::other("it is not a text file") } else { error }
+        if error.kind() == io::ErrorKind::InvalidData {
+            io::Error::other("it is not a text file")
+        } else {
+            error
+        }
     })?;
     Ok(text)
 }

@@ -40,8 +40,10 @@ pub(super) fn with_settings(command: Command) -> Command {
                 .long("settings")
                 .value_name("FILE.toml")
                 .value_parser(value_parser!(PathBuf))
-                .help("Settings file; overrides the preset, flags override both. `occluscope settings` \
-                 writes one"),
+                .help(
+                    "Settings file; overrides the preset, flags override both. `occluscope settings` \
+                 writes one",
+                ),
         );
     let defaults = Settings::default();
     SETTINGS.iter().fold(command, |command, setting| {
@@ -98,8 +100,9 @@ pub(super) fn with_common(command: Command) -> Command {
                 .long("threads")
                 .value_name("N")
                 .value_parser(value_parser!(u16).range(1..=1024))
-                .help("Number of threads, at least 1; results do not depend on it [default: one per \
-                 processor]"),
+                .help(
+                    "Number of threads, at least 1; results do not depend on it [default: one per processor]",
+                ),
         )
         .arg(
             Arg::new("quiet")
@@ -183,12 +186,10 @@ pub(super) fn range(matches: &ArgMatches) -> Result<Option<Range>, UsageError> {
 
 /// Adds `--roi`.
 pub(super) fn with_roi(command: Command) -> Command {
-    command.arg(
-        Arg::new("roi").long("roi").value_name("MASK.png").value_parser(value_parser!(PathBuf)).help(
-            "Analyse only the bright pixels (128 or more) of this image of the frame size; foreground \
+    command.arg(Arg::new("roi").long("roi").value_name("MASK.png").value_parser(value_parser!(PathBuf)).help(
+        "Analyse only the bright pixels (128 or more) of this image of the frame size; foreground \
              elsewhere is removed before post-processing",
-        ),
-    )
+    ))
 }
 
 /// What is to be analysed, `None` for the whole image.

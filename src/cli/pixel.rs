@@ -86,9 +86,9 @@ fn text<'a>(matches: &'a ArgMatches, name: &str) -> &'a str {
 
 fn at(matches: &ArgMatches) -> Result<(u32, u32), UsageError> {
     let text = text(matches, "at");
-    text.split_once(',').and_then(|(x, y)| Some((x.trim().parse().ok()?, y.trim().parse().ok()?))).ok_or_else(
-        || UsageError(format!("--at cannot be `{text}`: give column and row, as in 320,240")),
-    )
+    text.split_once(',')
+        .and_then(|(x, y)| Some((x.trim().parse().ok()?, y.trim().parse().ok()?)))
+        .ok_or_else(|| UsageError(format!("--at cannot be `{text}`: give column and row, as in 320,240")))
 }
 
 /// Writes beside `path` and moves the whole there; a device or a pipe is written to as it is.

@@ -143,8 +143,10 @@ impl Scores {
         }
         if let Some(tracks) = &self.tracks {
             let Survival { episodes, identities, survived, .. } = &tracks.occlusion;
-            writeln!(out, "occlusion {survived} of {identities} identities kept through {episodes} \
-             occlusion episodes")?;
+            writeln!(
+                out,
+                "occlusion {survived} of {identities} identities kept through {episodes} occlusion episodes"
+            )?;
         }
         for (title, found) in [("events", &self.events), ("episodes", &self.episodes)] {
             let Some(found) = found else { continue };

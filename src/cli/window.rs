@@ -21,8 +21,10 @@ pub(super) fn with_arguments(command: Command) -> Command {
         .long("memory")
         .value_name("MIB")
         .value_parser(value_parser!(u64).range(16..=1 << 30))
-        .help("Memory budget for decoded frames and checkpoints, in MiB [default: a quarter of the \
-         machine's memory]");
+        .help(
+            "Memory budget for decoded frames and checkpoints, in MiB [default: a quarter of the \
+         machine's memory]",
+        );
     let truth =
         Arg::new("truth").long("truth").value_name("PATH").value_parser(value_parser!(PathBuf)).help(
             "Ground truth for scoring: a MOTChallenge file, a CDnet folder, or a scene written by `synth`",

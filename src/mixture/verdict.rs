@@ -73,8 +73,8 @@ fn taken_out(state: &PixelState) -> Vec<String> {
     let mut sentences = Vec::new();
     if state.applied.gain != 1.0 {
         let gain = number_with(state.applied.gain, 2);
-        sentences.push(format!("Light correction (light): gain {gain} relative to the reference, \
-         compensated."));
+        sentences
+            .push(format!("Light correction (light): gain {gain} relative to the reference, compensated."));
     }
     if dx != 0.0 || dy != 0.0 {
         sentences.push(format!(
@@ -168,8 +168,8 @@ pub fn overruled(mixture: bool, mask: bool, ignored: bool, settings: &Settings) 
         .collect();
     let made = if mask { "foreground" } else { "background" };
     let by = if steps.is_empty() { String::new() } else { format!(" ({})", steps.join(", ")) };
-    (mixture != mask).then(|| format!("Changed by a later stage: after post-processing{by} this pixel is \
-     {made}."))
+    (mixture != mask)
+        .then(|| format!("Changed by a later stage: after post-processing{by} this pixel is {made}."))
 }
 
 fn first_frame(state: &PixelState, parameters: &Parameters) -> Verdict {
@@ -272,9 +272,8 @@ fn unmatched(state: &PixelState, before: &Pixel, parameters: &Parameters) -> Ver
         details.push(format!("The new component moved up from rank {k} to {rank}."));
     }
     if rank <= count {
-        details.push(format!(
-            "Its rank is {rank} and B = {count}, but a value without a match is foreground."
-        ));
+        details
+            .push(format!("Its rank is {rank} and B = {count}, but a value without a match is foreground."));
     }
     let t = parameters.t_of(state.pixel.past());
     details.push(background_words(&state.pixel, state.outcome.background_count, t).sentence);
@@ -513,7 +512,10 @@ mod tests {
         let (words, state) = meets(&[gray(0.6, 100.0, 10.0), gray(0.4, 200.0, 10.0)], 112, parameters());
         assert!(!words.foreground && !state.outcome.foreground);
         assert_eq!(words.headline, "Background: matched component 1 at 1.2 σ (threshold 2.5)");
-        assert_eq!(words.details[0], "Background consists of components 1 to 2: 0.60 + 0.40 > T = 0.7, so B = 2.");
+        assert_eq!(
+            words.details[0],
+            "Background consists of components 1 to 2: 0.60 + 0.40 > T = 0.7, so B = 2."
+        );
         assert!(detail(&words, "Updated with").contains("α/w, rate = weight"));
         assert!(!words.details.iter().any(|detail| detail.contains("clamped") || detail.contains("rank")));
     }
@@ -535,10 +537,7 @@ mod tests {
         let mixture = [gray(0.7, 100.0, 10.0), gray(0.2, 200.0, 10.0), gray(0.1, 20.0, 4.0)];
         let (words, _) = meets(&mixture, 169, parameters());
         assert!(words.foreground);
-        assert_eq!(
-            words.headline,
-            "Foreground: no match; nearest is component 2 at 3.1 σ (threshold 2.5)"
-        );
+        assert_eq!(words.headline, "Foreground: no match; nearest is component 2 at 3.1 σ (threshold 2.5)");
         assert_eq!(
             words.details[0],
             "Component 3, the last (w = 0.100), is replaced by a new component at this value with σ = 20 \
@@ -687,8 +686,9 @@ mod tests {
         let words = verdict(&history, 49);
         let told = detail(&words, "consecutive");
         assert!(
-            words.foreground && told.contains("α is 0.1 of 0.01") && told.contains("for 14 consecutive \
-             frames"),
+            words.foreground
+                && told.contains("α is 0.1 of 0.01")
+                && told.contains("for 14 consecutive frames"),
             "{told}"
         );
         assert!(detail(&words, "Updated with").contains("α = 0.001."), "{words:#?}");
@@ -762,13 +762,15 @@ mod tests {
         let gone = overruled(true, false, false, &settings).unwrap();
         assert_eq!(
             gone,
-            "Changed by a later stage: after post-processing (median 5, opening 3) this pixel is \
-             background."
+            "Changed by a later stage: after post-processing (median 5, opening 3) this pixel is background."
         );
         let come = overruled(false, true, false, &settings).unwrap();
         assert!(come.contains("(median 5, closing 7) this pixel is foreground"), "{come}");
         let ignored = overruled(true, false, true, &settings).unwrap();
-        assert!(ignored.contains("outside the analysed area") && !ignored.contains("post-processing"), "{ignored}");
+        assert!(
+            ignored.contains("outside the analysed area") && !ignored.contains("post-processing"),
+            "{ignored}"
+        );
         assert_eq!(overruled(false, false, true, &settings), None);
     }
 }

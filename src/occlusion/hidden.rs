@@ -245,8 +245,9 @@ impl Reasoner {
         };
         let hidden = self.hidden.remove(index);
         let branch = match (by_colour, predicted) {
-            (true, _) => "unassociated region within reach of several occluded objects; selected by colour \
-             similarity",
+            (true, _) => {
+                "unassociated region within reach of several occluded objects; selected by colour similarity"
+            }
             (false, true) => "unassociated region at the predicted position of an occluded object",
             (false, false) => {
                 "unassociated region where an occluded object may have stopped or turned; its colours are \

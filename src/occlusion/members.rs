@@ -267,9 +267,9 @@ impl Reasoner {
         let Some(at) = self.hidden.iter().position(|hidden| hidden.id == id) else { return };
         let hidden = self.hidden.remove(at);
         let Some(identity) = self.identity(id) else { return };
-        let mut evidence =
-            Evidence::of_branch("occluded object visible in a region that other objects do not fully \
-             explain");
+        let mut evidence = Evidence::of_branch(
+            "occluded object visible in a region that other objects do not fully explain",
+        );
         evidence.note("frames occluded", (self.t - hidden.since.1) as f32);
         let event = Event::of_one(self.number, EventKind::Reappear, identity, centre, evidence);
         self.returns.push(Return { id, since: hidden.since, t: self.t, event, from });

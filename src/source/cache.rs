@@ -273,10 +273,7 @@ impl FrameCache {
                 self.jumps = false;
                 return Ok(Fetched::OnTheWay);
             }
-            return Err(SourceError::unusable(
-                &self.info.name,
-                "it changed while being read; open it again",
-            ));
+            return Err(SourceError::unusable(&self.info.name, "it changed while being read; open it again"));
         };
         // After a jump a reader counts from elsewhere.
         frame.number = self.numbers[here as usize];

@@ -69,8 +69,7 @@ pub(super) fn open_file(name: &str, options: Options) -> Result<Video, SourceErr
     Video::new(name, capture, false, options)?.ok_or_else(|| {
         SourceError::unusable(
             name,
-            "none of its frames can be decoded; check that it is complete and plays elsewhere, or convert \
-             it",
+            "none of its frames can be decoded; check that it is complete and plays elsewhere, or convert it",
         )
     })
 }
@@ -89,9 +88,9 @@ pub(super) fn open_camera(name: &str, index: &str, options: Options) -> Result<V
                 "there is no such camera, or another program uses it; check that it is connected and free",
             )
         })?;
-    Video::new(name, capture, true, options)?
-        .ok_or_else(|| SourceError::unusable(name, "the camera returns no image; check that no other \
-         program uses it"))
+    Video::new(name, capture, true, options)?.ok_or_else(|| {
+        SourceError::unusable(name, "the camera returns no image; check that no other program uses it")
+    })
 }
 
 impl Video {

@@ -104,8 +104,7 @@ impl Truth {
             }
         };
         if truth.boxes.is_none() && truth.masks.is_none() {
-            let why =
-                "no masks groundtruth/gt000001.png … found in it, or none within temporalROI.txt";
+            let why = "no masks groundtruth/gt000001.png … found in it, or none within temporalROI.txt";
             return Err(TruthError::new(path, why));
         }
         Ok(truth)

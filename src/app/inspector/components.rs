@@ -20,10 +20,7 @@ const TWO_LINES: Lines =
 pub(super) fn table(ui: &mut Ui, chosen: &Chosen<'_>, rows: &[Standing]) {
     let gray = chosen.channels().len() == 1;
     let heads = [
-        (
-            "",
-            "Rank and plot colour of the component. The colour is kept when the rank changes.",
-        ),
+        ("", "Rank and plot colour of the component. The colour is kept when the rank changes."),
         ("w", "Weight: share of the recent frames that the component accounts for."),
         ("μ", "Mean."),
         ("σ", "Standard deviation; σ² is updated with the squared distance summed over the channels."),
@@ -143,16 +140,8 @@ pub(super) fn numbers(ui: &mut Ui, chosen: &Chosen<'_>) {
     let alpha = parameters.alpha_of(&before, chosen.state.t);
     let past = chosen.state.pixel.past();
     let mut cells = vec![
-        (
-            "P(X)",
-            number(outcome.p),
-            "Probability density of the value under the mixture before the update.",
-        ),
-        (
-            "ρ",
-            number(outcome.rho),
-            "Update rate of the matched component's μ and σ²; 0 without a match.",
-        ),
+        ("P(X)", number(outcome.p), "Probability density of the value under the mixture before the update."),
+        ("ρ", number(outcome.rho), "Update rate of the matched component's μ and σ²; 0 without a match."),
         (
             "α",
             number(alpha),

@@ -68,9 +68,8 @@ impl CubeView {
             let stroke = Stroke::new(1.0, theme::colours(ui.visuals()).accent);
             ui.painter().rect_stroke(area.shrink(0.5), 3.0, stroke, StrokeKind::Inside);
         }
-        response.on_hover_text(
-            "Drag to rotate, or click and use the arrow keys. Double click resets the view.",
-        );
+        response
+            .on_hover_text("Drag to rotate, or click and use the arrow keys. Double click resets the view.");
     }
 
     fn controls(&mut self, ui: &mut Ui) {

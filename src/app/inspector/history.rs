@@ -295,11 +295,10 @@ fn legend(ui: &mut Ui, chosen: &Chosen<'_>) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = Vec2::new(4.0, 1.0);
         let lambda = number(chosen.history.parameters.lambda);
-        ui.label(style::aside(ui, &format!("Bands μ ± {lambda}σ, current rank:")))
-            .on_hover_text(
-                "A component keeps its colour when its rank changes. A new component takes the colour of \
+        ui.label(style::aside(ui, &format!("Bands μ ± {lambda}σ, current rank:"))).on_hover_text(
+            "A component keeps its colour when its rank changes. A new component takes the colour of \
                  the replaced one. Strong bands: background; pale bands: foreground.",
-            );
+        );
         let slots = chosen.slots[chosen.index];
         for (rank, slot) in slots.iter().enumerate().take(chosen.state.pixel.used()) {
             let (rect, _) = ui.allocate_exact_size(Vec2::new(12.0, 10.0), Sense::hover());

@@ -22,11 +22,7 @@ enum Asked {
 }
 
 const OF_PLOTS: [(Asked, &str, &str); 5] = [
-    (
-        Asked::CopyPicture,
-        "Copy image",
-        "Copy as an image of 300 dpi on white.",
-    ),
+    (Asked::CopyPicture, "Copy image", "Copy as an image of 300 dpi on white."),
     (Asked::Save(Format::Png), "Save PNG…", "Save as a PNG image of 300 dpi on white."),
     (Asked::Save(Format::Svg), "Save SVG…", "Save as a vector image on white."),
     (Asked::CopyTable, "Copy CSV", "Copy the plotted data as a table."),

@@ -204,8 +204,10 @@ impl Pixels {
         let frames = shares.map_or(0, |shares| shares.model.len());
         response.widget_info(|| {
             let now = shares.and_then(|shares| shares.cleaned.get(here.index));
-            let now =
-                now.map_or_else(|| "not computed yet".to_owned(), |share| format!("{:.0} % in this frame", share * 100.0));
+            let now = now.map_or_else(
+                || "not computed yet".to_owned(),
+                |share| format!("{:.0} % in this frame", share * 100.0),
+            );
             WidgetInfo::labeled(Role::Image, true, format!("Foreground ratio in neighbourhood, {now}"))
         });
         let plot = chart::inner(Rect::from_min_size(area.min + vec2(0.0, 4.0), vec2(area.width(), SHARES)));

@@ -96,7 +96,10 @@ impl Scatter {
             let drag = DragValue::new(&mut last).range(2..=total.max(2)).clamp_existing_to_range(false);
             let drag = drag.prefix("last ");
             let drag = ui.add(drag).accessible_name("Frames up to the current one");
-            if drag.on_hover_text("Number of frames up to the current one; drag, or click to enter a value").changed() {
+            if drag
+                .on_hover_text("Number of frames up to the current one; drag, or click to enter a value")
+                .changed()
+            {
                 self.last = last;
             }
             ui.add_space(4.0);

@@ -37,8 +37,11 @@ impl StatisticsView {
         let frames = statistics.frames;
         let channels = chosen.channels().join(", ");
         let rows = [
-            ("frames", format!("{frames},  {} s", seconds(frames as f32)), "Number of frames in the \
-             statistics."),
+            (
+                "frames",
+                format!("{frames},  {} s", seconds(frames as f32)),
+                "Number of frames in the statistics.",
+            ),
             ("mean", format!("{}  levels", each(statistics.mean)), "Mean of each channel."),
             (
                 "variance",
@@ -134,7 +137,11 @@ impl StatisticsView {
             if ui.small_button("All").on_hover_text("Use all frames").clicked() {
                 self.part = None;
             }
-            if ui.small_button("Up to current").on_hover_text("Use the frames up to the current one").clicked() {
+            if ui
+                .small_button("Up to current")
+                .on_hover_text("Use the frames up to the current one")
+                .clicked()
+            {
                 self.part = Some(0..chosen.index + 1);
             }
         });

@@ -438,7 +438,10 @@ fn what_happened_to_components_is_told_where_the_history_marks_it() {
         assert!(says(&harness, words), "frame {index}: {words:?} in {:?}", texts(&harness));
         told.push(words);
     }
-    assert!(told.contains(&"was created") && told.contains(&"It moved up from rank"), "a case in point: {told:?}");
+    assert!(
+        told.contains(&"was created") && told.contains(&"It moved up from rank"),
+        "a case in point: {told:?}"
+    );
 }
 
 #[test]

@@ -69,9 +69,8 @@ pub(super) fn hint(painter: &Painter, canvas: &Canvas, draft: &Area) {
         Purpose::Analyse => "Analysis area",
         Purpose::Ignore => "Ignore area",
     };
-    let text = format!(
-        "{what}: click corners, close with Enter or double click; drag for a rectangle; Esc cancels"
-    );
+    let text =
+        format!("{what}: click corners, close with Enter or double click; drag for a rectangle; Esc cancels");
     let ink = Color32::from_rgb(236, 240, 246);
     let wrap = canvas.rect.width() - 24.0;
     let galley = painter.layout(text, FontId::proportional(theme::MONO), ink, wrap.max(40.0));

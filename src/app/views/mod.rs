@@ -144,9 +144,7 @@ impl View {
         match self {
             Self::Input => "Input frame as decoded.",
             Self::Background => "Background model after this frame.",
-            Self::Foreground => {
-                "Foreground mask after post-processing, before small regions are removed."
-            }
+            Self::Foreground => "Foreground mask after post-processing, before small regions are removed.",
             Self::Regions => {
                 "Connected components with number, box and dominant colour. Coloured by the associated \
                  object, white for a group, gray for none."
@@ -159,14 +157,10 @@ impl View {
             Self::Map => {
                 "One quantity per pixel as a colour, of its mixture or its past; selected in the title bar."
             }
-            Self::BesideBackground => {
-                "Background model after this frame, under the other settings."
-            }
+            Self::BesideBackground => "Background model after this frame, under the other settings.",
             Self::BesideForeground => "Foreground mask under the other settings.",
             Self::BesideTracks => "Objects, groups and events under the other settings.",
-            Self::Agreement => {
-                "Pixels that are foreground under A only, B only and both, over a dark input."
-            }
+            Self::Agreement => "Pixels that are foreground under A only, B only and both, over a dark input.",
             Self::Right => {
                 "Foreground after post-processing against the ground truth: true positives (TP), false \
                  positives (FP), false negatives (FN)."

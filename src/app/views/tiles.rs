@@ -87,7 +87,9 @@ impl Panes<'_> {
     fn view(&mut self, ui: &mut Ui, view: View) {
         let rect = ui.available_rect_before_wrap();
         let response = ui.allocate_rect(rect, Sense::click_and_drag());
-        response.widget_info(|| WidgetInfo::labeled(Role::Image, true, format!("{} view", view.label(&self.model.slots))));
+        response.widget_info(|| {
+            WidgetInfo::labeled(Role::Image, true, format!("{} view", view.label(&self.model.slots)))
+        });
         let colours = theme::colours(ui.visuals());
         let painter = ui.painter().with_clip_rect(rect);
         painter.rect_filled(rect, 0.0, colours.canvas);
@@ -266,7 +268,8 @@ impl Panes<'_> {
                         .map_or_else(|| word.to_owned(), |key| format!("{word} ({})", key.text()))
                 },
             );
-            let response = ui.add(button).accessible_name(format!("{word}: {}", view.label(&self.model.slots)));
+            let response =
+                ui.add(button).accessible_name(format!("{word}: {}", view.label(&self.model.slots)));
             if response.on_hover_text(text).clicked() {
                 self.commands.push(Command::Act(Action::Maximise(view)));
             }
@@ -307,7 +310,9 @@ impl Panes<'_> {
         let action = Action::Open(view);
         let last = action.entry().is_some_and(|entry| !top_bar::allowed(self.model, entry));
         let button = Button::new(m::ICON_CLOSE.rich_text().size(14.0)).frame_when_inactive(false);
-        let response = ui.add_enabled(!last, button).accessible_name(format!("Close: {}", view.label(&self.model.slots)));
+        let response = ui
+            .add_enabled(!last, button)
+            .accessible_name(format!("Close: {}", view.label(&self.model.slots)));
         let text = "Close this view; reopen it with the menu View, Views";
         if response.on_hover_text(text).clicked() {
             self.commands.push(Command::Act(action));
@@ -345,9 +350,7 @@ impl Panes<'_> {
             }
         });
         let name = format!("Map of {}", map::name(chosen));
-        response
-            .accessible_name(name)
-            .on_hover_text("Mapped quantity (Shift+M for the next)");
+        response.accessible_name(name).on_hover_text("Mapped quantity (Shift+M for the next)");
     }
 
     /// The mask over the input: whether it is there and, while it is, how strong.

@@ -67,7 +67,8 @@ pub fn figure(history: &PixelHistory, slots: &[[u8; MAX_K]], choice: &Choice) ->
     drawing.rates(&mut panel);
     panels.push((panel, 34.0));
 
-    let lanes = [(2.5, "created"), (1.5, "replaced"), (0.5, "moved up")].map(|(at, name)| (at, name.to_owned()));
+    let lanes =
+        [(2.5, "created"), (1.5, "replaced"), (0.5, "moved up")].map(|(at, name)| (at, name.to_owned()));
     let changes = Axis::new("", (0.0, 3.0), 3).with_ticks(lanes.to_vec());
     let mut panel = Panel { grid: false, ..Panel::new(x(), changes) };
     drawing.changes(&mut panel);

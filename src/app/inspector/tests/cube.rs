@@ -8,7 +8,8 @@ fn a_cube_is_turned_by_dragging_by_keys_and_by_buttons() {
     open(&mut harness, "Scatter");
     open(&mut harness, "3-D");
     let turned = |harness: &Harness<'_>| {
-        let name = harness.get_by_label_contains("Scatter plot of R, G and B").accesskit_node().label().unwrap();
+        let name =
+            harness.get_by_label_contains("Scatter plot of R, G and B").accesskit_node().label().unwrap();
         name.split_once("rotated by ").unwrap().1.to_owned()
     };
     assert_eq!(turned(&harness), "34°, elevation 24°");
