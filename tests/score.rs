@@ -115,7 +115,7 @@ fn what_cannot_be_scored_fails_in_one_line() {
     fs::write(&truth, "1,1,0,0,5,5,1\n").unwrap();
     assert!(score(text(&truth)).contains("tracks.csv"));
     assert!(score("nowhere").contains("nowhere"));
-    assert!(score(text(&results)).contains("no ground truth"));
+    assert!(score(text(&results)).contains("unknown ground truth"));
     assert!(fails(&["score", "nowhere", "--truth", text(&truth)], 1).contains("nowhere"));
     fs::create_dir_all(results.join("groundtruth")).unwrap();
     assert!(score(text(&results)).contains("--masks"));

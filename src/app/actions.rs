@@ -738,7 +738,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_KEYBOARD_DOUBLE_ARROW_RIGHT,
         "Ten frames forward",
         &[shift(Key::ArrowRight)],
-        "Ten frames forward",
+        "Go ten frames forward",
     )
     .repeats(),
     entry(
@@ -747,7 +747,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_KEYBOARD_DOUBLE_ARROW_LEFT,
         "Ten frames back",
         &[shift(Key::ArrowLeft)],
-        "Ten frames back",
+        "Go ten frames back",
     )
     .repeats(),
     entry(

@@ -355,7 +355,7 @@ fn prevented(ui: &mut Ui, model: &Model, event: &Event, commands: &mut Vec<Comma
     if !what_if.done {
         ui.weak(format!("… tested {tried} of {all}"));
     } else if what_if.preventions.is_empty() {
-        ui.weak("No single tracking or occlusion setting");
+        ui.weak("No single tracking or occlusion setting prevents it.");
     } else {
         ui.weak(format!("tested up to frame {}", what_if.until)).on_hover_text(
             "Last frame tested after the event; values that only delay the event up to this frame are not \

@@ -1,6 +1,6 @@
 //! Two sets of settings on one video, A and B, of which one is in view.
 
-use crate::settings::{SETTINGS, Settings};
+use crate::settings::{SETTINGS, Setting, Settings};
 
 /// Which of the two.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -74,7 +74,7 @@ pub(crate) fn difference(one: &Settings, other: &Settings) -> String {
     let names: Vec<_> = SETTINGS
         .iter()
         .filter(|setting| setting.get(one) != setting.get(other))
-        .map(|setting| setting.label())
+        .map(Setting::label)
         .collect();
     match names.len() {
         0 => "A and B are equal".to_owned(),

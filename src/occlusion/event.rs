@@ -220,15 +220,7 @@ pub enum EpisodeKind {
 }
 
 impl EpisodeKind {
-    /// The word for it on the screen.
-    pub const fn label(self) -> &'static str {
-        match self {
-            Self::Demerge => "split",
-            _ => self.name(),
-        }
-    }
-
-    /// The word for it in files.
+    /// The word for it in files and on the screen.
     pub const fn name(self) -> &'static str {
         match self {
             Self::InterObject => "inter-object",

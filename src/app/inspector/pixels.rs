@@ -55,7 +55,7 @@ struct Cache {
     sparks: Vec<Spark>,
 }
 
-const ON_THE_WAY: &str = "Computing pixel history…";
+const ON_THE_WAY: &str = "Computing history…";
 const LOST: &str = "Not available: this live source no longer has the first frames.";
 
 /// Where the frame in view is.

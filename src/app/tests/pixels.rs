@@ -125,7 +125,7 @@ fn pixels_whose_first_frames_are_gone_are_said_to_be_unknowable() {
     harness.get_by_label("Pixel 80, 60");
     harness.get_by_label_contains("Pixel history not available: it needs the first frames");
     harness.get_by_label_contains("Not available");
-    harness.get_by_label("Computing pixel history…");
+    harness.get_by_label("Computing history…");
     picture(&mut harness, "pixels-lost");
     apply(&mut harness, Command::Choose(Some(PINNED[1])));
     harness.run_steps(2);
