@@ -50,10 +50,11 @@ struct Bulky {
 
 const MASKS: Bulky =
     Bulky { flag: "masks", file: "masks", help: "masks/bin000001.png …: foreground masks, 0 or 255" };
-const FRAMES: Bulky =
-    Bulky {
-        flag: "frames", file: "frames", help: "frames/000001.png …: input frames with results drawn on"
-    };
+const FRAMES: Bulky = Bulky {
+    flag: "frames",
+    file: "frames",
+    help: "frames/000001.png …: input frames with the results drawn on",
+};
 const ANNOTATED: Bulky =
     Bulky { flag: "annotated", file: "annotated.mp4", help: "annotated.mp4: the same as a video" };
 const BACKGROUND: Bulky = Bulky {

@@ -176,7 +176,7 @@ fn first_frame(state: &PixelState, parameters: &Parameters) -> Verdict {
     Verdict {
         headline: "Background: first frame of the model, all pixels are background".to_owned(),
         details: vec![format!(
-            "Component 1 starts at this value with w = 1 and σ₀ = {} (initial sigma).",
+            "Component 1 starts at this value with w = 1 and σ = {} (initial sigma).",
             number(parameters.initial_sigma)
         )],
         foreground: state.outcome.foreground,
