@@ -78,7 +78,7 @@ fn help_and_version_tell_what_there_is() {
     for part in ["--out", "--masks", "--range", "--threads", "--preset", "tracks.csv"] {
         assert!(short.contains(part) && long.contains(part), "{part}");
     }
-    for part in ["--match-sigmas", "λ", "0.5..=10", "Mixture:", "Occlusion:"] {
+    for part in ["--match-sigmas", "λ", "0.5–10", "Mixture:", "Occlusion:"] {
         assert!(long.contains(part) && !short.contains(part), "{part}");
     }
     let help = works(&["--help"]);
