@@ -27,7 +27,7 @@ pub enum PipelineError {
         source: opencv::Error,
     },
     /// A frame of another size than those before it.
-    #[error("frame {frame} is {found} where {expected} was expected; all frames must have one size")]
+    #[error("frame {frame} is {found}, expected {expected}; all frames must have the same size")]
     Size {
         /// The frame's number.
         frame: u32,

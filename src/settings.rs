@@ -35,7 +35,7 @@ impl Stage {
         match self {
             Self::Registration => "Registration",
             Self::Mixture => "Mixture",
-            Self::Cleaning => "Cleaning",
+            Self::Cleaning => "Post-processing",
             Self::Regions => "Regions",
             Self::Tracking => "Tracking",
             Self::Occlusion => "Occlusion",
@@ -155,16 +155,16 @@ impl Kind {
     /// The range in words: `0 < value < 1`, `1..=8`, `weight | density | constant`.
     pub fn range(&self, symbol: &str) -> String {
         match *self {
-            Self::Integer { min, max } => format!("{min}..={max}"),
-            Self::OddSize { max } => format!("0 (off) or an odd number 3..={max}"),
+            Self::Integer { min, max } => format!("{min}–{max}"),
+            Self::OddSize { max } => format!("0 (off) or an odd number 3–{max}"),
             Self::Real { min, max, open: true, .. } => {
                 let name = if symbol.is_empty() { "value" } else { symbol };
                 format!("{min} < {name} < {max}")
             }
-            Self::Real { min, max, .. } => format!("{min}..={max}"),
+            Self::Real { min, max, .. } => format!("{min}–{max}"),
             Self::Choice(words) => words.join(" | "),
             Self::Span { max_frames, max_seconds } => {
-                format!("0..={max_frames} frames, or \"0s\"..=\"{max_seconds}s\"")
+                format!("0–{max_frames} frames, or \"0s\"–\"{max_seconds}s\"")
             }
         }
     }
@@ -224,6 +224,30 @@ impl Setting {
         SETTINGS.iter().find(|setting| setting.name == name || setting.flag() == name)
     }
 
+    /// Its name on the screen: the standard term where the key is another one.
+    pub fn label(&self) -> String {
+        let term = match self.name {
+            "k" => "components",
+            "alpha" => "learning rate",
+            "t" => "background ratio",
+            "match_sigmas" => "match threshold",
+            "shadow_floor" => "shadow threshold",
+            "light_ceiling" => "light threshold",
+            "unrest_memory" => "flicker memory",
+            "unrest_full" => "flicker limit",
+            "restless_learning" => "flicker learning",
+            "restless_t" => "flicker T",
+            "same_episode" => "episode gap",
+            "same_colour" => "colour threshold",
+            "placing" => "localisation",
+            "find_again" => "re-identification",
+            "count_heads" => "head count",
+            "predict_for" => "prediction time",
+            name => return name.replace('_', " "),
+        };
+        term.to_owned()
+    }
+
     /// Its command-line flag without the leading dashes.
     pub fn flag(&self) -> String {
         self.name.replace('_', "-")
@@ -262,7 +286,7 @@ pub enum SettingError {
     #[error("there is no setting `{0}`; `occluscope settings` lists them all")]
     Unknown(String),
     /// The value is of another kind or out of range.
-    #[error("the setting `{name}` cannot be `{given}`: it takes {range}")]
+    #[error("the setting `{name}` cannot be `{given}`; allowed: {range}")]
     Refused {
         /// The setting.
         name: &'static str,
@@ -272,7 +296,7 @@ pub enum SettingError {
         range: String,
     },
     /// No preset has this name.
-    #[error("there is no preset `{0}`; choose one of plain, paper, opencv-mog, default")]
+    #[error("there is no preset `{0}`; choose plain, paper, opencv-mog or default")]
     UnknownPreset(String),
     /// A settings file that is no TOML, or not a flat list of keys.
     #[error("the settings file {path} cannot be used: {why}")]
@@ -500,123 +524,123 @@ const fn span(max_frames: u32, max_seconds: f32) -> Kind {
 }
 
 settings! {
-    /// Which motion of the camera is taken out of each frame before the mixture: none, a shift, or shift, turn and zoom (`similarity`); `auto` takes the latter out once the camera was seen to shake.
+    /// Camera motion that is compensated in each frame before the mixture: none, a shift, or shift, rotation and zoom (`similarity`); `auto` uses the latter once the camera shakes.
     stabilise: Stabilise = Stabilise::Off, "", "", Registration, Kind::Choice(Stabilise::WORDS);
-    /// Which change of light is taken out of each frame before the mixture: none, or a gain and an offset of the whole image against the recent past.
+    /// Change of illumination that is compensated in each frame before the mixture: none, or a gain and an offset of the whole image relative to the recent past.
     light: LightCorrection = LightCorrection::Off, "", "", Registration, Kind::Choice(LightCorrection::WORDS);
 
-    /// Which model decides what is background: the mixture, or OpenCV's MOG2 or KNN in its place.
+    /// Background model: the mixture, or OpenCV's MOG2 or KNN in its place.
     background_model: BackgroundModel = BackgroundModel::Mixture, "", "", Mixture, Kind::Choice(BackgroundModel::WORDS);
-    /// Components a pixel's mixture has room for.
+    /// Number of components per pixel.
     k: u32 = 4, "K", "", Mixture, Kind::Integer { min: 1, max: 8 };
-    /// Learning rate: 1/α frames is the time constant with which weights change.
+    /// Learning rate of the weights; 1/α is their time constant in frames.
     alpha: f32 = 0.01, "α", "", Mixture, Kind::Real { min: 0.0, max: 1.0, open: true, logarithmic: true };
-    /// Share of the recent past that the background has to account for; higher lets more components in.
+    /// Minimum share of the recent past that the background components account for; a higher value includes more components.
     t: f32 = 0.7, "T", "", Mixture, open(0.0, 1.0);
-    /// How many standard deviations from its mean a component still matches.
+    /// Match threshold: maximum distance of a value from a component's mean, in standard deviations.
     match_sigmas: f32 = 2.5, "λ", "σ", Mixture, real(0.5, 10.0);
     /// Standard deviation of a new component.
     initial_sigma: f32 = 20.0, "σ₀", "levels", Mixture, real(1.0, 128.0);
-    /// Weight of a new component before the weights are normalised.
+    /// Weight of a new component before normalisation.
     initial_weight: f32 = 0.05, "w₀", "", Mixture, open(0.0, 1.0);
-    /// Least standard deviation of a component; higher holds off noise and soft shadows.
+    /// Minimum standard deviation of a component; a higher value suppresses noise and soft shadows.
     min_sigma: f32 = 4.0, "σ_min", "levels", Mixture, log(0.1, 64.0);
-    /// How fast the matched component's mean and variance learn: `density` is the paper's α·η, `weight` is α/w, `constant` is α.
+    /// Update rate of the matched component's mean and variance: `density` is the paper's α·η, `weight` is α/w, `constant` is α.
     rate: Rate = Rate::Weight, "ρ", "", Mixture, Kind::Choice(Rate::WORDS);
-    /// What a pixel's value is: three colour channels, or BT.601 luma.
+    /// Pixel value: three colour channels, or BT.601 luma.
     space: Space = Space::Rgb, "", "", Mixture, Kind::Choice(Space::WORDS);
-    /// For so many frames α is at least 1/t, so that the first frame does not weigh more than the others; 0 is off.
+    /// For this number of frames α is at least 1/t, so that the first frame does not dominate; 0 is off.
     warm_up: u32 = 0, "", "frames", Mixture, Kind::Integer { min: 0, max: 10_000 };
-    /// The model learns from so much of the beginning of a file, all of a shorter one, before its first frame is judged; 0 is off.
+    /// Length of the beginning of a file from which the model is trained before the first frame is evaluated; a shorter file is used in full; 0 is off.
     bootstrap: Span = Span::Frames(0), "", "time", Mixture, span(100_000, 3600.0);
 
-    /// Share of α with which foreground is learned that has lasted, so that who stands still stays foreground; 1 is off.
+    /// Factor on α for persistent foreground, so that stationary people stay foreground; 1 is off.
     hold: f32 = 1.0, "", "", Mixture, log(0.001, 1.0);
-    /// Foreground has lasted once it was there for more frames than this without a break.
+    /// Number of consecutive foreground frames after which foreground is persistent.
     hold_after: u32 = 8, "", "frames", Mixture, Kind::Integer { min: 1, max: 1000 };
-    /// How many times α a restless pixel learns foreground with that has not lasted; 1 is off.
+    /// Factor on α for short foreground of flickering pixels; 1 is off.
     restless_learning: f32 = 1.0, "", "", Mixture, log(1.0, 50.0);
-    /// T of a restless pixel, where that is more than T; 0 is off.
+    /// Background ratio T of flickering pixels, if greater than T; 0 is off.
     restless_t: f32 = 0.0, "", "", Mixture, real(0.0, 0.99);
-    /// Frames over which the changes of a pixel's verdict are averaged.
+    /// Number of frames over which the verdict changes of a pixel are averaged.
     unrest_memory: u32 = 300, "", "frames", Mixture, Kind::Integer { min: 1, max: 10_000 };
-    /// The share of those frames with a change from which on a pixel is restless in full.
+    /// Share of frames with a verdict change from which a pixel counts fully as flickering.
     unrest_full: f32 = 0.15, "", "", Mixture, log(0.01, 1.0);
 
-    /// Foreground is shadow, not an object, where it has the colour of component 1 darkened to no less than this share; 1 is off.
+    /// Shadow threshold: foreground is shadow if it has the colour of component 1 at no less than this share of its brightness; 1 is off.
     shadow_floor: f32 = 1.0, "τ", "", Mixture, real(0.2, 1.0);
-    /// It is light, too, where it has that colour brightened to no more than this many times; 1 is off.
+    /// Light threshold: foreground is a light patch if it has the colour of component 1 at no more than this multiple of its brightness; 1 is off.
     light_ceiling: f32 = 1.0, "", "", Mixture, real(1.0, 4.0);
-    /// Side of the square in which as much even shadow or light as other foreground has to be found, or else it is an object; 0 is off.
+    /// Side of the square in which even shadow or light pixels must be at least as many as other foreground pixels; 0 is off.
     shadow_window: u32 = 0, "", "pixels", Mixture, Kind::OddSize { max: 31 };
-    /// Shadow is even where the standard deviation of its share of brightness in 3 × 3 pixels is at most this; it acts within `shadow_window`.
+    /// Shadow is even if the standard deviation of its relative brightness over 3 × 3 pixels is at most this; used with `shadow_window`.
     shadow_spread: f32 = 0.07, "", "", Mixture, real(0.0, 1.0);
-    /// How far the value may be from that darkened or brightened colour.
+    /// Maximum colour distance of a shadow or light pixel from the darkened or brightened colour.
     shadow_colour: f32 = 12.0, "", "levels", Mixture, real(0.0, 100.0);
 
-    /// A pixel that matches the background, but lies farther than this from its component's mean, is foreground where enough of the pixels around it are; 0 is off.
+    /// A pixel that matches the background at more than this distance from the mean is foreground if enough of its neighbourhood is; 0 is off.
     hysteresis: f32 = 0.0, "", "levels", Mixture, real(0.0, 200.0);
-    /// Side of the square around such a pixel in which foreground is counted.
+    /// Side of the neighbourhood in which foreground is counted for hysteresis.
     hysteresis_window: u32 = 11, "", "pixels", Mixture, Kind::OddSize { max: 31 };
-    /// The share of that square that has to be foreground.
+    /// Minimum foreground ratio in that neighbourhood.
     hysteresis_share: f32 = 0.35, "", "", Mixture, real(0.0, 1.0);
 
-    /// Side of the median filter over the mask, which removes specks and closes gaps; 0 is off.
+    /// Side of the median filter on the mask, which removes specks and closes gaps; 0 is off.
     median: u32 = 0, "", "pixels", Cleaning, Kind::OddSize { max: 31 };
-    /// Side of the opening (erosion, then dilation), which removes what is thinner; 0 is off.
+    /// Side of the morphological opening (erosion, then dilation), which removes thin structures; 0 is off.
     opening: u32 = 0, "", "pixels", Cleaning, Kind::OddSize { max: 31 };
-    /// Side of the closing (dilation, then erosion), which joins what is nearer; 0 is off.
+    /// Side of the morphological closing (dilation, then erosion), which joins close regions; 0 is off.
     closing: u32 = 0, "", "pixels", Cleaning, Kind::OddSize { max: 31 };
-    /// Holes of the mask up to this area are filled; 0 is off.
+    /// Maximum area of holes in the mask that are filled; 0 is off.
     fill_holes: u32 = 0, "", "pixels", Cleaning, Kind::Integer { min: 0, max: 1_000_000 };
 
-    /// Regions of fewer pixels are dropped.
+    /// Minimum area of a region; smaller regions are removed.
     min_area: u32 = 3, "", "pixels", Regions, Kind::Integer { min: 1, max: 1_000_000 };
 
-    /// Regions below this share of the image area are not tracked.
+    /// Minimum area of a tracked region, as a share of the image area.
     track_min_area: f32 = 0.03, "", "% of image", Tracking, log(0.001, 10.0);
-    /// Regions one above the other with a gap of at most this share of their longer side, or a small one as near to a large one, are fragments of one object; 0 is off.
+    /// Maximum gap between fragments of one object, relative to the longer side: regions one above the other, or a small region near a large one; 0 is off.
     fragment_gap: f32 = 0.0, "", "", Tracking, real(0.0, 1.0);
-    /// Probability inside the χ² gate (3 degrees of freedom) within which a region can belong to a model.
+    /// Probability of the χ² gate (3 degrees of freedom) for the association of a region with a hypothesis.
     gate: f32 = 0.99, "", "", Tracking, Kind::Real { min: 0.5, max: 0.9999, open: false, logarithmic: false };
-    /// Standard deviation of how a model's position and size wander from constant velocity in a frame.
+    /// Standard deviation of position and size relative to constant velocity, per frame.
     process_noise: f32 = 1.0, "", "pixels", Tracking, log(0.01, 50.0);
-    /// Standard deviation of a measured position and size.
+    /// Standard deviation of measured position and size.
     measurement_noise: f32 = 2.0, "", "pixels", Tracking, log(0.1, 50.0);
-    /// Frames over which the prediction error is averaged into the fitness.
+    /// Number of frames over which the prediction error is averaged for the fitness.
     fitness_memory: u32 = 10, "", "frames", Tracking, Kind::Integer { min: 1, max: 1000 };
-    /// Factor on the fitness for a frame without a match, at 25 frames a second.
+    /// Factor on the fitness per frame without an associated region, at 25 frames per second.
     null_factor: f32 = 0.8, "", "", Tracking, open(0.0, 1.0);
-    /// A model whose fitness falls below this is removed.
+    /// Minimum fitness of a hypothesis; below it the hypothesis is removed.
     min_fitness: f32 = 0.11, "", "", Tracking, log(0.0001, 0.3);
-    /// Most models in the pool; the least probable go first.
+    /// Maximum number of hypotheses; the least probable ones are removed first.
     max_hypotheses: u32 = 200, "", "models", Tracking, Kind::Integer { min: 1, max: 10_000 };
-    /// An object seen in fewer frames is noise: it gets no identity and leaves no trace in exports.
+    /// Minimum number of detections of a confirmed track; shorter tracks get no identity and are not exported.
     min_track: Span = Span::Frames(5), "", "frames", Tracking, span(10_000, 600.0);
 
-    /// A hidden object is given up after this.
+    /// Maximum duration of an occlusion; after it the object is removed.
     max_hidden: Span = Span::Seconds(10.0), "", "time", Occlusion, span(100_000, 3600.0);
-    /// Objects apart for less than this are still in the same meeting.
+    /// Objects separated for less than this stay in the same occlusion episode.
     same_episode: Span = Span::Seconds(0.5), "", "time", Occlusion, span(10_000, 60.0);
-    /// An object is near a boundary when its box is this close to the image edge.
+    /// Maximum distance of a box from the image edge at which an object can enter or exit.
     border: f32 = 2.0, "", "% of shorter side", Occlusion, real(0.0, 25.0);
-    /// Growth or loss of a region's size, as a share, that speaks for a merge or a split.
+    /// Minimum relative change of a region's area that indicates a merge or a split.
     size_step: f32 = 0.2, "", "", Occlusion, real(0.01, 2.0);
-    /// Two colours are the same up to this CIE76 ΔE.
+    /// Maximum CIE76 ΔE of two colours that count as the same.
     same_colour: f32 = 25.0, "ΔE", "Lab units", Occlusion, real(0.0, 100.0);
-    /// Where an object's colours come from: the single frame before the occlusion, or its clear frames.
+    /// Source of an object's appearance model: the last single frame before the occlusion, or its unoccluded frames.
     colour_memory: ColourMemory = ColourMemory::Frame, "", "", Occlusion, Kind::Choice(ColourMemory::WORDS);
-    /// What decides who reappears: predicted position alone, or colours between several that fit.
+    /// Criterion of re-identification after occlusion: predicted position, or colour among candidates.
     reappear_by: ReappearBy = ReappearBy::Position, "", "", Occlusion, Kind::Choice(ReappearBy::WORDS);
-    /// Where in a shared region an object is: where its motion predicts it, or where its looks are seen.
+    /// Localisation within an occlusion group: by predicted motion, or by appearance.
     placing: Placing = Placing::Predicted, "", "", Occlusion, Kind::Choice(Placing::WORDS);
-    /// Whether somebody unseen is looked for in the regions that others do not explain; it takes `placing = looks`.
+    /// Re-identification of occluded objects in regions that other objects do not fully explain; requires `placing = looks`.
     find_again: Switch = Switch::Off, "", "", Occlusion, Kind::Choice(Switch::WORDS);
-    /// Whether heads side by side in one region are counted, so that two who came in together are two.
+    /// Detection of several heads side by side in one region, so that people who enter together are separate objects.
     count_heads: Switch = Switch::Off, "", "", Occlusion, Kind::Choice(Switch::WORDS);
-    /// Whether it is learnt how size changes with place, so that who walks away unseen grows smaller.
+    /// Learns how object size depends on position, so that occluded objects change size with their predicted position.
     perspective: Switch = Switch::Off, "", "", Occlusion, Kind::Choice(Switch::WORDS);
-    /// For so long an object of which nothing is seen is told where it is predicted; it is remembered for longer.
+    /// Duration for which an undetected object is shown and exported at its predicted position; `max_hidden` limits how long it is kept.
     predict_for: Span = Span::Seconds(10.0), "", "time", Occlusion, span(100_000, 3600.0);
 }
 
@@ -641,10 +665,10 @@ impl Preset {
     /// What the preset is, in a sentence.
     pub const fn meaning(self) -> &'static str {
         match self {
-            Self::Plain => "the method exactly as its tables have it, every addition switched off",
+            Self::Plain => "the published method, all additions off",
             Self::Paper => "`plain` with the paper's own learning rate ρ = α·η",
-            Self::OpencvMog => "imitates OpenCV's bgsegm MOG with its default parameters",
-            Self::Default => "what evidence says works best",
+            Self::OpencvMog => "OpenCV's bgsegm MOG with its default parameters",
+            Self::Default => "tuned on test sequences",
         }
     }
 }

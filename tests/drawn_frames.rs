@@ -164,8 +164,9 @@ fn what_evidence_says_follows_from_its_numbers() {
     // Of the pieces of the group that parted, each member has one, whose colours agree best with its own.
     let demerge = events.iter().find(|event| event.kind == EventKind::Demerge).expect("they cross");
     for id in &demerge.objects {
-        let mine =
-            |what: &str| what.starts_with("agreement") && what.contains(&format!(" of {id} and piece"));
+        let mine = |what: &str| {
+            what.starts_with("colour similarity") && what.contains(&format!(" of {id} and fragment"))
+        };
         let colours: Vec<_> =
             demerge.evidence.comparisons.iter().filter(|number| mine(&number.what)).collect();
         let best = colours.iter().max_by(|a, b| a.value.total_cmp(&b.value)).expect("two pieces");
@@ -189,7 +190,7 @@ fn a_new_object_tells_which_hidden_one_it_was_not_taken_for() {
     let new = events.iter().rfind(|event| event.kind == EventKind::Appear).expect("the second figure");
     let refused =
         new.evidence.comparisons.iter().find(|number| number.chosen == Some(false)).expect("the first");
-    assert!(refused.what.contains("hidden 1") && refused.holds, "{refused:?}");
+    assert!(refused.what.contains("occluded 1") && refused.holds, "{refused:?}");
 }
 
 #[test]

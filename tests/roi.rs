@@ -126,7 +126,7 @@ fn a_run_keeps_the_mask_that_repeats_it() {
     // A run of the whole image leaves the mask of another run alone, and says so.
     let output = occluscope(&["run", text(&images), "--out", text(&first)]).output().unwrap();
     let stderr = String::from_utf8(output.stderr).unwrap();
-    assert!(stderr.contains("roi.png is not of this run"), "{stderr}");
+    assert!(stderr.contains("roi.png is not from this run"), "{stderr}");
     let settings = fs::read_to_string(first.join("settings.toml")).unwrap();
     assert!(!settings.contains("roi.png"));
 }
@@ -144,7 +144,7 @@ fn a_mask_that_cannot_be_used_is_told_and_leaves_nothing() {
     let before = place.names(".");
     for (mask, parts) in [
         (&small, ["10×20", "96×72", "as large as the frames"]),
-        (&dark, ["dark.png", "dark all over", "white"]),
+        (&dark, ["dark.png", "dark everywhere", "white"]),
         (&text_file, ["notes.png", "cannot be read", "as large as the frames"]),
         (&missing, ["nowhere.png", "cannot be read", "as large as the frames"]),
     ] {
@@ -170,6 +170,6 @@ fn the_table_of_a_pixel_speaks_of_the_mixture_and_a_note_of_the_area() {
             occluscope(&["pixel", text(&images), "--at", at, "--roi", text(&mask)]).output().unwrap();
         assert_eq!(String::from_utf8(output.stdout).unwrap(), plain);
         let note = String::from_utf8(output.stderr).unwrap();
-        assert_eq!(note.contains("outside the area that is analysed"), ignored, "{at}: {note}");
+        assert_eq!(note.contains("outside the analysed area"), ignored, "{at}: {note}");
     }
 }

@@ -69,7 +69,7 @@ fn tracks_score_as_motmetrics_scores_them() {
     assert_eq!((&occlusion["episodes"], &occlusion["survived"]), (&1.into(), &1.into()));
     assert!(json.get("masks").is_none() && json.get("events").is_none());
     let table = works(&["score", &results, "--truth", text(&truth)]);
-    assert!(table.contains("MOTA 0.853") && table.contains("1 of 2 identities survive"), "{table}");
+    assert!(table.contains("MOTA 0.853") && table.contains("1 of 2 identities kept"), "{table}");
 }
 
 #[test]
@@ -115,7 +115,7 @@ fn what_cannot_be_scored_fails_in_one_line() {
     fs::write(&truth, "1,1,0,0,5,5,1\n").unwrap();
     assert!(score(text(&truth)).contains("tracks.csv"));
     assert!(score("nowhere").contains("nowhere"));
-    assert!(score(text(&results)).contains("no ground truth"));
+    assert!(score(text(&results)).contains("unknown ground truth"));
     assert!(fails(&["score", "nowhere", "--truth", text(&truth)], 1).contains("nowhere"));
     fs::create_dir_all(results.join("groundtruth")).unwrap();
     assert!(score(text(&results)).contains("--masks"));

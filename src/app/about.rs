@@ -56,7 +56,7 @@ impl About {
             });
             ui.add_space(3.0 * theme::SPACE);
             ui.horizontal(|ui| {
-                if ui.button("Copy").on_hover_text("Copy these lines, for a report").clicked() {
+                if ui.button("Copy").on_hover_text("Copy these lines for a bug report").clicked() {
                     let text = lines.iter().map(|(name, what)| format!("{name}: {what}\n"));
                     ui.copy_text(text.collect());
                 }

@@ -20,7 +20,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_VIDEO_FILE,
         "Open video…",
         &[ctrl(Key::O)],
-        "Choose a video file: mp4, avi, mkv, mov, webm",
+        "Open a video file: mp4, avi, mkv, mov, webm",
     )
     .always(),
     entry(
@@ -29,7 +29,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_FOLDER_OPEN,
         "Open folder of images…",
         &[ctrl_shift(Key::O)],
-        "Choose a folder whose images are the frames, in natural order",
+        "Open a folder of images as frames, in natural order",
     )
     .always(),
     entry(
@@ -38,7 +38,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_MOVIE,
         "Open sample",
         &[],
-        "Two people cross: a bundled scene, opened at its occlusion",
+        "Open the bundled scene of two people crossing, at its occlusion",
     )
     .always(),
     entry(
@@ -47,7 +47,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_PHOTO_CAMERA,
         "Export frame…",
         &[key(Key::E)],
-        "Write this frame with boxes, identities and events drawn on, as a PNG",
+        "Save this frame as PNG, with boxes, identities and events",
     )
     .after_line(),
     entry(
@@ -56,15 +56,15 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_CONTENT_COPY,
         "Copy frame",
         &[shift(Key::C)],
-        "The same, to paste elsewhere",
+        "Copy this frame with its overlays to the clipboard",
     ),
     entry(
         Menu::File,
         Action::CopyPlace,
         m::ICON_CONTENT_PASTE,
-        "Copy place",
+        "Copy frame and pixel info",
         &[key(Key::C)],
-        "Video, frame, time, and the chosen pixel with its value, as a line of text",
+        "Copy video, frame, time and the selected pixel's value as a line of text",
     ),
     entry(
         Menu::File,
@@ -72,7 +72,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_SAVE,
         "Save settings…",
         &[ctrl(Key::S)],
-        "Write the settings in view as TOML, which --settings reads",
+        "Save the current settings as TOML, for --settings",
     )
     .after_line()
     .always(),
@@ -82,7 +82,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_UPLOAD_FILE,
         "Load settings…",
         &[],
-        "Take the settings of a TOML file; what it does not name has its default",
+        "Load the settings of a TOML file; missing keys get their default",
     )
     .always(),
     entry(
@@ -91,7 +91,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_UPLOAD_FILE,
         "Load area mask…",
         &[],
-        "Analyse where a picture as large as the frames is bright, as --roi does",
+        "Load an image of the frame size; only its bright pixels are analysed, as with --roi",
     )
     .after_line(),
     entry(
@@ -100,7 +100,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_SAVE,
         "Save area mask…",
         &[],
-        "Write what is analysed as a PNG, which --roi reads",
+        "Save the analysed area as a PNG mask, for --roi",
     ),
     entry(
         Menu::File,
@@ -108,7 +108,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_FACT_CHECK,
         "Load ground truth…",
         &[],
-        "Lay the boxes of a MOTChallenge gt.txt over the tracks, and score by them",
+        "Show the boxes of a MOTChallenge gt.txt over the tracks, and score against them",
     ),
     entry(
         Menu::File,
@@ -116,7 +116,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_FACT_CHECK,
         "Load ground truth folder…",
         &[],
-        "Score by the masks of a CDnet folder, or by boxes and masks of a scene written by synth",
+        "Score against the masks of a CDnet folder, or the boxes and masks of a scene written by synth",
     ),
     entry(
         Menu::File,
@@ -124,18 +124,18 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_EJECT,
         "Close video",
         &[ctrl(Key::W)],
-        "Close the video, or give up opening it",
+        "Close the video, or cancel opening it",
     )
     .after_line()
     .always(),
-    entry(Menu::File, Action::Quit, m::ICON_CLOSE, "Quit", &[ctrl(Key::Q)], "End the program").always(),
+    entry(Menu::File, Action::Quit, m::ICON_CLOSE, "Quit", &[ctrl(Key::Q)], "Exit the program").always(),
     entry(
         Menu::View,
         Action::Open(View::Input),
         m::ICON_VISIBILITY,
         "Input view",
         &[],
-        "Open or close the view of the input; its place is kept",
+        "Show or hide the input view; its position is kept",
     )
     .within("Views"),
     entry(
@@ -144,7 +144,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_VISIBILITY,
         "Background view",
         &[],
-        "Open or close the view of the background; its place is kept",
+        "Show or hide the background view; its position is kept",
     )
     .within("Views"),
     entry(
@@ -153,7 +153,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_VISIBILITY,
         "Foreground view",
         &[],
-        "Open or close the view of the foreground mask; its place is kept",
+        "Show or hide the foreground mask view; its position is kept",
     )
     .within("Views"),
     entry(
@@ -162,7 +162,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_VISIBILITY,
         "Regions view",
         &[],
-        "Open or close the view of the regions; its place is kept",
+        "Show or hide the regions view; its position is kept",
     )
     .within("Views"),
     entry(
@@ -171,7 +171,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_VISIBILITY,
         "Tracks view",
         &[],
-        "Open or close the view of tracks and occlusions; its place is kept",
+        "Show or hide the tracks and occlusions view; its position is kept",
     )
     .within("Views"),
     entry(
@@ -180,7 +180,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_VISIBILITY,
         "Difference view",
         &[],
-        "Open or close the view of the difference between input and background; its place is kept",
+        "Show or hide the difference between input and background; its position is kept",
     )
     .within("Views"),
     entry(
@@ -189,61 +189,61 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_VISIBILITY,
         "Map view",
         &[],
-        "Open or close the view that maps a number of each pixel; its place is kept",
+        "Show or hide the map of a per-pixel quantity; its position is kept",
     )
     .within("Views"),
     entry(
         Menu::View,
         Action::Open(View::Right),
         m::ICON_VISIBILITY,
-        "Right and wrong view",
+        "Mask errors view",
         &[],
-        "Open or close the view of where the mask is right by the ground truth; its place is kept",
+        "Show or hide the mask errors (TP, FP, FN) against the ground truth; its position is kept",
     )
     .within("Views"),
     entry(
         Menu::View,
         Action::Open(View::Agreement),
         m::ICON_VISIBILITY,
-        "A against B view",
+        "A vs B difference view",
         &[],
-        "Open or close the view of where the masks of A and B agree; its place is kept",
+        "Show or hide the difference between the masks of A and B; its position is kept",
     )
     .within("Views"),
     entry(
         Menu::View,
         Action::Open(View::BesideForeground),
         m::ICON_VISIBILITY,
-        "Other foreground view",
+        "Foreground (B) view",
         &[],
-        "Open or close the view of the mask under the settings that are not in view; its place is kept",
+        "Show or hide the foreground mask under the other settings; its position is kept",
     )
     .within("Views"),
     entry(
         Menu::View,
         Action::Open(View::BesideTracks),
         m::ICON_VISIBILITY,
-        "Other tracks view",
+        "Tracks (B) view",
         &[],
-        "Open or close the view of the objects under the settings that are not in view; its place is kept",
+        "Show or hide the tracks under the other settings; its position is kept",
     )
     .within("Views"),
     entry(
         Menu::View,
         Action::Open(View::BesideBackground),
         m::ICON_VISIBILITY,
-        "Other background view",
+        "Background (B) view",
         &[],
-        "Open or close the view of the background model under the settings that are not in view; its place is kept",
+        "Show or hide the background model under the other settings; its position is kept",
     )
     .within("Views"),
     entry(
         Menu::View,
         Action::Arrange(Layout::All),
         m::ICON_GRID_VIEW,
-        "Everything",
+        "Default layout",
         &[],
-        "All views and panels in their first places",
+        "Reset all views and panels to their default positions",
     )
     .within("Layout")
     .always(),
@@ -253,7 +253,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_VIEW_MODULE,
         "Paper figure",
         &[],
-        "Six pictures of one size, without panels: for a figure of a paper",
+        "Six views of equal size without panels, for a figure in a paper",
     )
     .within("Layout")
     .always(),
@@ -263,7 +263,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_TUNE,
         "Tuning",
         &[],
-        "The settings beside input, foreground and tracks",
+        "Settings panel with input, foreground and tracks",
     )
     .within("Layout")
     .always(),
@@ -273,7 +273,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_COMPARE,
         "Compare",
         &[],
-        "The settings beside what A and B make of a frame: masks and tracks",
+        "Settings panel with masks and tracks under A and B",
     )
     .within("Layout")
     .always(),
@@ -283,7 +283,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_FRAME_INSPECT,
         "Inspect a pixel",
         &[],
-        "A large input beside the pixel's mixture",
+        "Large input view with the pixel inspector",
     )
     .within("Layout")
     .always(),
@@ -293,7 +293,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_FULLSCREEN,
         "Input alone",
         &[key(Key::Num1)],
-        "Show the input alone, or all views again",
+        "Maximise the input view, or restore all views",
     )
     .within("One view alone"),
     entry(
@@ -302,7 +302,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_FULLSCREEN,
         "Background alone",
         &[key(Key::Num2)],
-        "Show the background model alone, or all views again",
+        "Maximise the background view, or restore all views",
     )
     .within("One view alone"),
     entry(
@@ -311,7 +311,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_FULLSCREEN,
         "Foreground alone",
         &[key(Key::Num3)],
-        "Show the foreground mask alone, or all views again",
+        "Maximise the foreground view, or restore all views",
     )
     .within("One view alone"),
     entry(
@@ -320,7 +320,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_FULLSCREEN,
         "Regions alone",
         &[key(Key::Num4)],
-        "Show the regions alone, or all views again",
+        "Maximise the regions view, or restore all views",
     )
     .within("One view alone"),
     entry(
@@ -329,7 +329,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_FULLSCREEN,
         "Tracks and occlusions alone",
         &[key(Key::Num5)],
-        "Show tracks and occlusions alone, or all views again",
+        "Maximise the tracks view, or restore all views",
     )
     .within("One view alone"),
     entry(
@@ -338,7 +338,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_FULLSCREEN,
         "Difference alone",
         &[key(Key::Num6)],
-        "Show how far the input is from the background alone, or all views again",
+        "Maximise the difference view, or restore all views",
     )
     .within("One view alone"),
     entry(
@@ -347,52 +347,52 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_FULLSCREEN,
         "Map alone",
         &[key(Key::Num7)],
-        "Show the map of a number of each pixel alone, or all views again",
+        "Maximise the map view, or restore all views",
     )
     .within("One view alone"),
     entry(
         Menu::View,
         Action::Maximise(View::Agreement),
         m::ICON_FULLSCREEN,
-        "A against B alone",
+        "A vs B difference alone",
         &[key(Key::Num8)],
-        "Show where the masks of A and B agree alone, or all views again",
+        "Maximise the A vs B difference, or restore all views",
     )
     .within("One view alone"),
     entry(
         Menu::View,
         Action::Maximise(View::Right),
         m::ICON_FULLSCREEN,
-        "Right and wrong alone",
+        "Mask errors alone",
         &[key(Key::Num9)],
-        "Show where the mask is right by the ground truth alone, or all views again",
+        "Maximise the mask errors view, or restore all views",
     )
     .within("One view alone"),
     entry(
         Menu::View,
         Action::Maximise(View::BesideForeground),
         m::ICON_FULLSCREEN,
-        "Other foreground alone",
+        "Foreground (B) alone",
         &[],
-        "Show the mask under the settings that are not in view alone, or all views again",
+        "Maximise the foreground mask under the other settings, or restore all views",
     )
     .within("One view alone"),
     entry(
         Menu::View,
         Action::Maximise(View::BesideTracks),
         m::ICON_FULLSCREEN,
-        "Other tracks alone",
+        "Tracks (B) alone",
         &[],
-        "Show the objects under the settings that are not in view alone, or all views again",
+        "Maximise the tracks under the other settings, or restore all views",
     )
     .within("One view alone"),
     entry(
         Menu::View,
         Action::Maximise(View::BesideBackground),
         m::ICON_FULLSCREEN,
-        "Other background alone",
+        "Background (B) alone",
         &[],
-        "Show the background model under the settings that are not in view alone, or all views again",
+        "Maximise the background under the other settings, or restore all views",
     )
     .within("One view alone"),
     entry(
@@ -401,7 +401,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_FIT_SCREEN,
         "Fit image",
         &[key(Key::F)],
-        "Show the whole image in each view",
+        "Fit the whole image into each view",
     )
     .after_line(),
     entry(
@@ -410,7 +410,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_CROP_FREE,
         "Actual size (1:1)",
         &[key(Key::Num0)],
-        "A pixel of the image takes one of the screen: in the view under the pointer, or the largest",
+        "One image pixel per screen pixel, in the view under the pointer or the largest view",
     ),
     entry(
         Menu::View,
@@ -418,17 +418,25 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_ZOOM_IN,
         "Zoom in",
         &[key(Key::Plus), key(Key::Equals)],
-        "Nearer, at the chosen pixel or the middle",
+        "Zoom in at the selected pixel or the image centre",
     )
     .repeats(),
-    entry(Menu::View, Action::ZoomOut, m::ICON_ZOOM_OUT, "Zoom out", &[key(Key::Minus)], "Farther").repeats(),
+    entry(
+        Menu::View,
+        Action::ZoomOut,
+        m::ICON_ZOOM_OUT,
+        "Zoom out",
+        &[key(Key::Minus)],
+        "Zoom out at the selected pixel or the image centre",
+    )
+    .repeats(),
     entry(
         Menu::View,
         Action::Background,
         m::ICON_LAYERS,
-        "Next kind of background",
+        "Next background display",
         &[key(Key::M)],
-        "The mean of component 1, or the mean of all background components",
+        "Show the mean of component 1, or the mean of all background components",
     ),
     entry(
         Menu::View,
@@ -436,7 +444,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_GRADIENT,
         "σ of component 1",
         &[],
-        "How far values lie around the mean of component 1 at each pixel: shaking leaves and water are wide",
+        "Standard deviation of component 1 per pixel; large in moving leaves and water",
     )
     .within("Map of"),
     entry(
@@ -445,7 +453,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_GRADIENT,
         "w of component 1",
         &[],
-        "Which share of the recent frames component 1 stands for",
+        "Weight of component 1 per pixel: its share of recent frames",
     )
     .within("Map of"),
     entry(
@@ -454,7 +462,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_GRADIENT,
         "Components in use",
         &[],
-        "How many of its K components each pixel has used",
+        "Number of the K components in use per pixel",
     )
     .within("Map of"),
     entry(
@@ -463,16 +471,16 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_GRADIENT,
         "B",
         &[],
-        "How many components are background at each pixel",
+        "Number of background components B per pixel",
     )
     .within("Map of"),
     entry(
         Menu::View,
         Action::Map(Quantity::Matched),
         m::ICON_GRADIENT,
-        "Rank that matched",
+        "Matched rank",
         &[],
-        "Which component the value of this frame matched at each pixel, or none",
+        "Rank of the component that this frame's value matches per pixel, or none",
     )
     .within("Map of"),
     entry(
@@ -481,7 +489,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_GRADIENT,
         "Frames since foreground",
         &[],
-        "How long ago each pixel was foreground, before cleaning: where people walk",
+        "Frames since each pixel was last foreground, before post-processing",
     )
     .within("Map of"),
     entry(
@@ -490,23 +498,23 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_GRADIENT,
         "Next map",
         &[shift(Key::M)],
-        "Map the next number of each pixel: σ, w, components in use, B, rank that matched, frames since foreground",
+        "Map the next quantity: σ, w, components in use, B, matched rank, frames since foreground",
     ),
     entry(
         Menu::View,
         Action::Overlay,
         m::ICON_MASKED_TRANSITIONS,
-        "Mask over the input",
+        "Mask overlay",
         &[key(Key::O)],
-        "Lay the foreground over the input view, or take it off",
+        "Show or hide the foreground mask over the input view",
     ),
     entry(
         Menu::View,
         Action::OverlayOpacity,
         m::ICON_OPACITY,
-        "Next opacity of the mask",
+        "Next mask opacity",
         &[shift(Key::O)],
-        "Cover a quarter of the input, half, three quarters, or all",
+        "Mask opacity of 25, 50, 75 or 100 %",
     ),
     entry(
         Menu::View,
@@ -514,7 +522,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_LOUPE,
         "Loupe",
         &[key(Key::L)],
-        "Enlarge what is around the pointer, with value and verdict; for a moment while Alt is held",
+        "Magnify the pixels around the pointer, with value and verdict; hold Alt to show it temporarily",
     ),
     entry(
         Menu::View,
@@ -522,65 +530,65 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_TIMELINE,
         "Trails",
         &[key(Key::T)],
-        "Where each object has been in the frames before",
+        "Past positions of each object",
     )
-    .within("Over the tracks"),
+    .within("Track overlays"),
     entry(
         Menu::View,
         Action::Draw(Drawn::Gates),
         m::ICON_SCATTER_PLOT,
         "Gates",
         &[key(Key::G)],
-        "Where a region may lie to belong to an object (dotted)",
+        "Association gate of each object (dotted)",
     )
-    .within("Over the tracks"),
+    .within("Track overlays"),
     entry(
         Menu::View,
         Action::Draw(Drawn::Groups),
         m::ICON_WORKSPACES,
         "Groups",
         &[],
-        "Which objects share a region (white)",
+        "Objects that share a region (white)",
     )
-    .within("Over the tracks"),
+    .within("Track overlays"),
     entry(
         Menu::View,
         Action::Draw(Drawn::Occlusions),
         m::ICON_TEXTURE,
         "Occlusions",
         &[],
-        "Where one object hides another, or something hides one (hatched)",
+        "Objects occluded by another object or by the scene (hatched)",
     )
-    .within("Over the tracks"),
+    .within("Track overlays"),
     entry(
         Menu::View,
         Action::Draw(Drawn::Names),
         m::ICON_TAG,
         "Identities",
         &[],
-        "The number of each object, and its state where it is not seen",
+        "Identity of each object, and its state while merged or occluded",
     )
-    .within("Over the tracks"),
-    entry(Menu::View, Action::Draw(Drawn::Events), m::ICON_FLAG, "Events", &[], "What happens in this frame")
-        .within("Over the tracks"),
+    .within("Track overlays"),
+    entry(Menu::View, Action::Draw(Drawn::Events), m::ICON_FLAG, "Events", &[], "Events of this frame")
+        .within("Track overlays"),
     entry(
         Menu::View,
         Action::Draw(Drawn::Truth),
         m::ICON_FACT_CHECK,
         "Ground truth",
         &[],
-        "The boxes of the ground truth that was loaded (white, dotted)",
+        "Boxes of the loaded ground truth (white, dotted)",
     )
-    .within("Over the tracks"),
+    .within("Track overlays"),
     entry(
         Menu::View,
         Action::MovePixel(-1, 0),
         m::ICON_ARROW_BACK,
         "Pixel to the left",
         &[alt(Key::ArrowLeft)],
-        "The pixel to the left of the chosen one; the middle of the image where none is chosen",
+        "Select the pixel to the left; the image centre if none is selected",
     )
-    .within("Choose a pixel")
+    .within("Select a pixel")
     .repeats(),
     entry(
         Menu::View,
@@ -588,9 +596,9 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_ARROW_FORWARD,
         "Pixel to the right",
         &[alt(Key::ArrowRight)],
-        "The pixel to the right of the chosen one",
+        "Select the pixel to the right",
     )
-    .within("Choose a pixel")
+    .within("Select a pixel")
     .repeats(),
     entry(
         Menu::View,
@@ -598,9 +606,9 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_ARROW_UPWARD,
         "Pixel above",
         &[alt(Key::ArrowUp)],
-        "The pixel above the chosen one",
+        "Select the pixel above",
     )
-    .within("Choose a pixel")
+    .within("Select a pixel")
     .repeats(),
     entry(
         Menu::View,
@@ -608,50 +616,43 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_ARROW_DOWNWARD,
         "Pixel below",
         &[alt(Key::ArrowDown)],
-        "The pixel below the chosen one",
+        "Select the pixel below",
     )
-    .within("Choose a pixel")
+    .within("Select a pixel")
     .repeats(),
     entry(
         Menu::View,
         Action::ClearPixel,
         m::ICON_LOCATION_OFF,
-        "Clear chosen pixel",
+        "Clear pixel selection",
         &[],
-        "Take the cross off the views",
+        "Deselect the pixel and remove its cross from the views",
     )
-    .within("Choose a pixel"),
+    .within("Select a pixel"),
     entry(
         Menu::View,
         Action::ClearObject,
         m::ICON_DESELECT,
-        "Choose no object",
+        "Clear object selection",
         &[],
-        "Close the panel about the chosen object",
+        "Deselect the object and close its panel",
     ),
     entry(
         Menu::View,
         Action::Pin,
         m::ICON_KEEP,
-        "Pin chosen pixel",
+        "Pin selected pixel",
         &[key(Key::D)],
-        "Pin the chosen pixel, or unpin it: up to eight, kept with the video and compared under Pixels",
+        "Pin or unpin the selected pixel; up to eight are saved with the video and compared under Pixels",
     ),
-    entry(
-        Menu::View,
-        Action::ClearPins,
-        m::ICON_KEEP_OFF,
-        "Unpin all pixels",
-        &[],
-        "Take all pins off the views",
-    ),
+    entry(Menu::View, Action::ClearPins, m::ICON_KEEP_OFF, "Unpin all pixels", &[], "Remove all pins"),
     entry(
         Menu::View,
         Action::SettingsPanel,
         m::ICON_TUNE,
         "Settings panel",
         &[],
-        "Show or hide the settings on the left",
+        "Show or hide the settings panel on the left",
     )
     .after_line()
     .always(),
@@ -670,7 +671,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_TEXT_INCREASE,
         "Larger text",
         &[ctrl(Key::Plus), ctrl(Key::Equals)],
-        "All text and controls larger, for a fine screen or from afar",
+        "Increase the size of text and controls",
     )
     .within("Text and controls")
     .always()
@@ -681,7 +682,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_TEXT_DECREASE,
         "Smaller text",
         &[ctrl(Key::Minus)],
-        "All text and controls smaller",
+        "Decrease the size of text and controls",
     )
     .within("Text and controls")
     .always()
@@ -690,9 +691,9 @@ pub(crate) static ACTIONS: &[Entry] = &[
         Menu::View,
         Action::Scale(Scale::Usual),
         m::ICON_FORMAT_SIZE,
-        "Usual size of text",
+        "Default text size",
         &[ctrl(Key::Num0)],
-        "All text and controls as large as the system has them",
+        "Reset text and controls to the system's size",
     )
     .within("Text and controls")
     .always(),
@@ -700,9 +701,9 @@ pub(crate) static ACTIONS: &[Entry] = &[
         Menu::View,
         Action::Theme,
         m::ICON_CONTRAST,
-        "Dark or light",
+        "Dark or light theme",
         &[],
-        "Change between dark and light colours",
+        "Switch between the dark and the light theme",
     )
     .always(),
     entry(
@@ -711,7 +712,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_PLAY_ARROW,
         "Play or pause",
         &[key(Key::Space)],
-        "Play at the video's frame rate times the speed, or stop",
+        "Play at the video's frame rate times the speed, or pause",
     ),
     entry(
         Menu::Analysis,
@@ -719,7 +720,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_CHEVRON_RIGHT,
         "Next frame",
         &[key(Key::ArrowRight), key(Key::Period)],
-        "One frame on",
+        "Go one frame forward",
     )
     .repeats(),
     entry(
@@ -728,16 +729,16 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_CHEVRON_LEFT,
         "Previous frame",
         &[key(Key::ArrowLeft), key(Key::Comma)],
-        "One frame back",
+        "Go one frame back",
     )
     .repeats(),
     entry(
         Menu::Analysis,
         Action::Step(10),
         m::ICON_KEYBOARD_DOUBLE_ARROW_RIGHT,
-        "Ten frames on",
+        "Ten frames forward",
         &[shift(Key::ArrowRight)],
-        "Ten frames on",
+        "Go ten frames forward",
     )
     .repeats(),
     entry(
@@ -746,7 +747,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_KEYBOARD_DOUBLE_ARROW_LEFT,
         "Ten frames back",
         &[shift(Key::ArrowLeft)],
-        "Ten frames back",
+        "Go ten frames back",
     )
     .repeats(),
     entry(
@@ -755,7 +756,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_FLAG,
         "Next event",
         &[ctrl(Key::ArrowRight), key(Key::N)],
-        "To the next event of the kinds that the list shows",
+        "Go to the next event of the listed kinds",
     )
     .repeats(),
     entry(
@@ -764,7 +765,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_FLAG,
         "Previous event",
         &[ctrl(Key::ArrowLeft), key(Key::P)],
-        "To the event before",
+        "Go to the previous event of the listed kinds",
     )
     .repeats(),
     entry(
@@ -773,7 +774,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_FIRST_PAGE,
         "First frame",
         &[key(Key::Home)],
-        "To the first frame",
+        "Go to the first frame",
     ),
     entry(
         Menu::Analysis,
@@ -781,7 +782,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_LAST_PAGE,
         "Last frame",
         &[key(Key::End)],
-        "To the last frame that is known",
+        "Go to the last analysed frame",
     ),
     entry(
         Menu::Analysis,
@@ -789,7 +790,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_FAST_REWIND,
         "Slower",
         &[key(Key::OpenBracket)],
-        "Play at half the speed",
+        "Halve the playback speed",
     ),
     entry(
         Menu::Analysis,
@@ -797,15 +798,15 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_FAST_FORWARD,
         "Faster",
         &[key(Key::CloseBracket)],
-        "Play at twice the speed",
+        "Double the playback speed",
     ),
     entry(
         Menu::Analysis,
         Action::StartHere,
         m::ICON_START,
-        "Play from here",
+        "Set loop start",
         &[shift(Key::Home)],
-        "Playing begins at this frame; the same again takes that back",
+        "Loop playback from this frame; repeat to clear",
     )
     .within("Marks")
     .after_line(),
@@ -813,9 +814,9 @@ pub(crate) static ACTIONS: &[Entry] = &[
         Menu::Analysis,
         Action::EndHere,
         m::ICON_KEYBOARD_TAB,
-        "Play up to here",
+        "Set loop end",
         &[shift(Key::End)],
-        "Playing begins again after this frame; the same again takes that back",
+        "Loop playback up to this frame; repeat to clear",
     )
     .within("Marks"),
     entry(
@@ -824,7 +825,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_BOOKMARK,
         "Bookmark",
         &[key(Key::K)],
-        "Set a bookmark at this frame, or take it away",
+        "Add or remove a bookmark at this frame",
     )
     .within("Marks"),
     entry(
@@ -833,7 +834,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_BOOKMARKS,
         "Next bookmark",
         &[shift(Key::N)],
-        "To the next bookmark",
+        "Go to the next bookmark",
     )
     .within("Marks")
     .repeats(),
@@ -843,7 +844,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_BOOKMARKS,
         "Previous bookmark",
         &[shift(Key::P)],
-        "To the bookmark before",
+        "Go to the previous bookmark",
     )
     .within("Marks")
     .repeats(),
@@ -853,33 +854,33 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_ZOOM_OUT_MAP,
         "Whole timeline",
         &[shift(Key::F)],
-        "Show all frames in the timeline; the wheel over it zooms, Shift and the wheel pan",
+        "Show all frames in the timeline; the wheel zooms, Shift with the wheel pans",
     ),
     entry(
         Menu::Analysis,
         Action::ZoomTimeline(true),
         m::ICON_ZOOM_IN,
-        "Zoom into the timeline",
+        "Zoom in on timeline",
         &[alt(Key::Plus), alt(Key::Equals)],
-        "Half as many frames, around the one in view",
+        "Show half as many frames around the current one",
     )
     .repeats(),
     entry(
         Menu::Analysis,
         Action::ZoomTimeline(false),
         m::ICON_ZOOM_OUT,
-        "Zoom out of the timeline",
+        "Zoom out of timeline",
         &[alt(Key::Minus)],
-        "Twice as many frames",
+        "Show twice as many frames",
     )
     .repeats(),
     entry(
         Menu::Analysis,
         Action::AnalyseAhead,
         m::ICON_STOP_CIRCLE,
-        "Stop the analysis, or go on",
+        "Pause or resume analysis",
         &[shift(Key::Space)],
-        "Analyse the whole video in the background, or only what is looked at",
+        "Analyse the whole video in the background, or only the displayed frames",
     )
     .after_line(),
     entry(
@@ -888,7 +889,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_UNDO,
         "Undo",
         &[ctrl(Key::Z)],
-        "Take the last change of settings or areas back",
+        "Undo the last change of settings or areas",
     )
     .after_line()
     .always()
@@ -899,7 +900,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_REDO,
         "Redo",
         &[ctrl_shift(Key::Z), ctrl(Key::Y)],
-        "Make it again",
+        "Redo the last undone change",
     )
     .always()
     .repeats(),
@@ -907,9 +908,9 @@ pub(crate) static ACTIONS: &[Entry] = &[
         Menu::Analysis,
         Action::DefaultSettings,
         m::ICON_RESTART_ALT,
-        "All settings to defaults",
+        "Reset all settings",
         &[],
-        "Take the preset `default`",
+        "Set all settings to the preset `default`",
     )
     .always(),
     entry(
@@ -918,7 +919,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_COMPARE,
         "Settings A",
         &[key(Key::A)],
-        "Analyse under the first of two sets of settings",
+        "Show results under settings A",
     )
     .after_line()
     .always(),
@@ -928,24 +929,24 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_COMPARE,
         "Settings B",
         &[key(Key::B)],
-        "Analyse under the second; it begins as a copy of A",
+        "Show results under settings B; B starts as a copy of A",
     )
     .always(),
     entry(
         Menu::Analysis,
         Action::Flip,
         m::ICON_SYNC_ALT,
-        "Flip A and B while held",
+        "Swap A and B while held",
         &[key(FLIP)],
-        "Hold the key to look at the other settings, let go to come back",
+        "Show the other settings while the key is held",
     ),
     entry(
         Menu::Analysis,
         Action::CopySettings,
         m::ICON_CONTENT_COPY,
-        "Copy settings to the other slot",
+        "Copy to other settings",
         &[],
-        "A and B become equal to what is in view",
+        "Set both A and B to the current settings",
     ),
     entry(
         Menu::Analysis,
@@ -953,23 +954,23 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_SWAP_HORIZ,
         "Swap A and B",
         &[],
-        "What was A is B and the other way round; the slot in view stays",
+        "Exchange A and B; the current slot stays",
     ),
     entry(
         Menu::Analysis,
         Action::KeepSettings,
         m::ICON_DONE,
-        "Keep the settings in view alone",
+        "Keep current settings only",
         &[],
-        "They become A; the others are given up",
+        "Keep the current settings as A and discard the others",
     ),
     entry(
         Menu::Analysis,
         Action::DrawArea(Purpose::Ignore),
         m::ICON_DRAW,
-        "Draw area to ignore",
+        "Draw ignore area",
         &[key(Key::I)],
-        "Foreground inside is taken away: click corners, or drag a rectangle, over any view",
+        "Exclude an area from analysis: click corners or drag a rectangle in any view",
     )
     .within("Area")
     .after_line(),
@@ -977,27 +978,27 @@ pub(crate) static ACTIONS: &[Entry] = &[
         Menu::Analysis,
         Action::DrawArea(Purpose::Analyse),
         m::ICON_SELECT_ALL,
-        "Draw area to analyse",
+        "Draw analysis area",
         &[shift(Key::I)],
-        "Foreground outside of all such areas is taken away",
+        "Restrict analysis to such areas",
     )
     .within("Area"),
     entry(
         Menu::Analysis,
         Action::CloseArea,
         m::ICON_CHECK,
-        "Close the area that is drawn",
+        "Close area outline",
         &[key(Key::Enter)],
-        "Join its last corner to the first",
+        "Connect the last corner to the first",
     )
     .within("Area"),
     entry(
         Menu::Analysis,
         Action::UndoCorner,
         m::ICON_BACKSPACE,
-        "Take back the last corner",
+        "Remove last corner",
         &[key(Key::Backspace)],
-        "One corner less of the area that is drawn",
+        "Remove the last corner of the area being drawn",
     )
     .within("Area")
     .repeats(),
@@ -1005,18 +1006,18 @@ pub(crate) static ACTIONS: &[Entry] = &[
         Menu::Analysis,
         Action::CancelArea,
         m::ICON_CANCEL,
-        "Give up the area that is drawn",
+        "Cancel drawing",
         &[key(Key::Escape)],
-        "Draw no area, and choose none",
+        "Cancel the area being drawn and clear the area selection",
     )
     .within("Area"),
     entry(
         Menu::Analysis,
         Action::DeleteArea,
         m::ICON_DELETE,
-        "Delete chosen area",
+        "Delete selected area",
         &[key(Key::Delete)],
-        "An area is chosen by a click on its outline, or in the list",
+        "Delete the selected area; select one by clicking its outline or the list",
     )
     .within("Area"),
     entry(
@@ -1032,18 +1033,18 @@ pub(crate) static ACTIONS: &[Entry] = &[
         Menu::Help,
         Action::Palette,
         m::ICON_SEARCH,
-        "Find an action…",
+        "Command palette…",
         &[ctrl(Key::K)],
-        "Find an action by its name",
+        "Find an action or a setting by name",
     )
     .always(),
     entry(
         Menu::Help,
         Action::Help,
         m::ICON_KEYBOARD,
-        "Keys and pointer",
+        "Keyboard and mouse",
         &[key(Key::Questionmark), key(Key::F1)],
-        "All keys, and what the pointer does",
+        "List all keyboard and mouse controls",
     )
     .always(),
     entry(
@@ -1052,7 +1053,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_LIST_ALT,
         "Messages",
         &[],
-        "All that was told since the start",
+        "All messages since the program started",
     )
     .always(),
     entry(
@@ -1061,7 +1062,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         m::ICON_INFO,
         "About Occluscope",
         &[],
-        "Version, graphics card, OpenCV, threads: for a report",
+        "Version, graphics card, OpenCV and threads, for bug reports",
     )
     .after_line()
     .always(),

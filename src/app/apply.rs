@@ -123,7 +123,7 @@ impl Window {
                 if model.show_slot(slot) {
                     self.toasts.done(
                         ctx,
-                        "Settings B begin as a copy of A. The keys A and B flip between them; View, Layout, \
+                        "Settings B start as a copy of A. Keys A and B switch between them; View, Layout, \
                          Compare shows both",
                     );
                 }
@@ -144,7 +144,7 @@ impl Window {
             Action::KeepSettings => {
                 model.change_slots(|slots, _| *slots = Slots::new());
                 model.held = None;
-                self.toasts.done(ctx, "The settings in view are A; there is no B any more");
+                self.toasts.done(ctx, "The current settings are A; B is discarded");
             }
             Action::DefaultSettings => model.settings = Settings::default(),
             Action::DrawArea(purpose) => {
@@ -253,7 +253,8 @@ impl Window {
                 if let Some(at) = model.chosen
                     && !model.marks.pins.toggle(at)
                 {
-                    let text = format!("{} pixels are pinned already; unpin one first", super::pins::MOST);
+                    let text =
+                        format!("{} pixels are pinned, the maximum; unpin one first", super::pins::MOST);
                     self.toasts.warn(ctx, text);
                 }
             }

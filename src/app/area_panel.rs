@@ -22,8 +22,8 @@ const fn word(purpose: Purpose) -> &'static str {
 pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let areas = &model.areas;
     let title = match &areas.roi {
-        Some(roi) => format!("Area  ({} % analysed)", percent(roi.share())),
-        None => "Area".to_owned(),
+        Some(roi) => format!("Areas  ({} % analysed)", percent(roi.share())),
+        None => "Areas".to_owned(),
     };
     CollapsingHeader::new(RichText::new(title).strong()).id_salt("areas").default_open(true).show_unindented(
         ui,
@@ -53,7 +53,7 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 
 fn list(ui: &mut Ui, areas: &Areas, commands: &mut Vec<Command>) {
     if let Some(mask) = &areas.mask {
-        let name = format!("Mask from a file, {} % bright", percent(mask.share()));
+        let name = format!("Mask file, {} % of the frame", percent(mask.share()));
         if row(ui, m::ICON_IMAGE, ui.visuals().text_color(), &name, false).1 {
             commands.push(Command::Area(Change::DeleteMask));
         }
@@ -86,7 +86,7 @@ fn row(ui: &mut Ui, icon: Icon, colour: eframe::egui::Color32, name: &str, chose
             let close = ui.add(close.min_size(vec2(20.0, 18.0))).accessible_name(format!("Delete {name}"));
             let row = Button::selectable(chosen, (icons::coloured(icon, colour).size(14.0), name));
             let row = ui.with_layout(Layout::left_to_right(Align::Center), |ui| ui.add(row).clicked()).inner;
-            (row, close.on_hover_text("Delete (the chosen one: Delete)").clicked())
+            (row, close.on_hover_text("Delete (Delete key: selected area)").clicked())
         });
         delete.inner
     })

@@ -41,10 +41,10 @@ pub(crate) enum Change {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub(crate) enum Refused {
     /// It has no inside.
-    #[error("An area needs three corners; click on, or Esc to give up")]
+    #[error("An area needs at least three corners; add corners, or cancel with Esc")]
     Corners,
     /// Nothing would be left to analyse.
-    #[error("That would leave nothing to analyse; draw a smaller area to ignore, or delete another first")]
+    #[error("No pixels would be left to analyse; draw a smaller ignore area, or delete another first")]
     Nothing,
 }
 

@@ -81,7 +81,7 @@ impl Dialogs {
     pub(crate) fn export_frame(&mut self, ctx: &Context, picture: Picture) {
         self.ask(ctx, move || {
             let dialog = FileDialog::new().set_title("Export frame").set_file_name(picture.name());
-            let path = dialog.add_filter("PNG picture", &["png"]).save_file()?;
+            let path = dialog.add_filter("PNG image", &["png"]).save_file()?;
             Some(Answer::Wrote(picture.write(path)))
         });
     }
@@ -111,7 +111,7 @@ impl Dialogs {
         self.ask(ctx, || {
             let dialog = FileDialog::new().set_title("Load area mask");
             let endings = ["png", "bmp", "jpg", "jpeg", "tif", "tiff", "pgm"];
-            let path = dialog.add_filter("Picture", &endings).add_filter("All files", &["*"]).pick_file()?;
+            let path = dialog.add_filter("Image", &endings).add_filter("All files", &["*"]).pick_file()?;
             Some(Answer::Mask(Roi::read(&path).map(Arc::new).map_err(|error| error.to_string())))
         });
     }
@@ -141,7 +141,7 @@ impl Dialogs {
     pub(crate) fn save_mask(&mut self, ctx: &Context, roi: Arc<Roi>) {
         self.ask(ctx, move || {
             let dialog = FileDialog::new().set_title("Save area mask").set_file_name("roi.png");
-            let path = dialog.add_filter("PNG picture", &["png"]).save_file()?;
+            let path = dialog.add_filter("PNG image", &["png"]).save_file()?;
             Some(Answer::Wrote(whole_file::write(path, "png", |at| picture::write_mask(at, roi.mask()))))
         });
     }
@@ -177,7 +177,7 @@ impl Dialogs {
     /// Writes a table for the clipboard.
     pub(crate) fn write_table(&mut self, ctx: &Context, table: Table) {
         self.make(ctx, move || {
-            let failed = |error| format!("the table was not copied: {error}; save it instead");
+            let failed = |error| format!("the table cannot be copied: {error}; save it instead");
             Answer::Tabled(table.csv().map(|text| (text, table.rows())).map_err(failed))
         });
     }
@@ -218,7 +218,7 @@ impl Dialogs {
 
 fn truth(path: &Path) -> Answer {
     let read = Truth::read(path);
-    Answer::Truth(read.map(Arc::new).map_err(|error| format!("{error}; choose another")))
+    Answer::Truth(read.map(Arc::new).map_err(|error| format!("{error}; choose another file")))
 }
 
 #[cfg(test)]

@@ -35,11 +35,11 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     if listed.is_empty() {
         ui.add_space(theme::SPACE);
         let why = match model.listing {
-            _ if timeline.events.is_empty() && model.compared.is_none() => "None so far.",
+            _ if timeline.events.is_empty() && model.compared.is_none() => "No events so far.",
             Listing::OnlyInView | Listing::OnlyBeside | Listing::Moved if model.compared.is_some() => {
-                "None: A and B agree on these."
+                "No such events: A and B agree."
             }
-            _ => "None of the kinds chosen above.",
+            _ => "No events of the selected kinds.",
         };
         ui.weak(why);
         return;
@@ -110,13 +110,13 @@ fn listings(ui: &mut Ui, model: &Model, compared: &Compared, commands: &mut Vec<
         let (word, meaning) = match listing {
             Listing::All => ("all".to_owned(), "Events under A or B".to_owned()),
             Listing::OnlyInView => {
-                (format!("only {}", slot.name()), format!("Events under {} alone", slot.name()))
+                (format!("only {}", slot.name()), format!("Events under {} only", slot.name()))
             }
             Listing::OnlyBeside => {
                 let other = slot.other().name();
-                (format!("only {other}"), format!("Events under {other} alone"))
+                (format!("only {other}"), format!("Events under {other} only"))
             }
-            Listing::Moved => ("moved".to_owned(), "Events of both at another frame".to_owned()),
+            Listing::Moved => ("moved".to_owned(), "Events under both, at different frames".to_owned()),
         };
         let count = compared.pairs.iter().filter(|pair| compared.lists(listing, **pair)).count();
         let text = RichText::new(format!("{word} {count}")).size(theme::SMALL);
@@ -180,8 +180,11 @@ fn filter(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
                     RichText::new(count.to_string()).size(theme::SMALL),
                 ),
             );
-            let name = format!("Show {} events", kind.name());
-            let text = format!("{}: {count}. Click to show or hide them here and for N and P.", kind.name());
+            let name = format!("Show {} events", kind.label());
+            let text = format!(
+                "{}: {count}. Click to show or hide them in the list and for keys N and P.",
+                kind.label()
+            );
             if ui.add(button).accessible_name(name).on_hover_text(text).clicked() {
                 commands.push(Command::FilterEvents(place, !on));
             }
@@ -216,7 +219,7 @@ pub(crate) fn participants(event: &Event) -> String {
 fn row(ui: &mut Ui, event: &Event, current: bool, read: bool, aside: Option<(String, [u8; 3])>) -> bool {
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), theme::ROW), Sense::click());
     let who = participants(event);
-    let mut name = format!("{} {who}, frame {}", event.kind.name(), event.frame);
+    let mut name = format!("{} {who}, frame {}", event.kind.label(), event.frame);
     if let Some((text, _)) = &aside {
         name = format!("{name}, {text}");
     }
@@ -249,7 +252,7 @@ fn row(ui: &mut Ui, event: &Event, current: bool, read: bool, aside: Option<(Str
     painter.text(
         middle + vec2(30.0, 0.0),
         Align2::LEFT_CENTER,
-        event.kind.name(),
+        event.kind.label(),
         font.clone(),
         colours.text,
     );
@@ -292,7 +295,7 @@ fn evidence(ui: &mut Ui, model: &Model, event: &Event, commands: &mut Vec<Comman
     ui.horizontal(|ui| {
         let colour = readable(ui, event_colour(event.kind));
         ui.label(icons::coloured(icons::of_event(event.kind), colour));
-        ui.strong(format!("Why {} {}", event.kind.name(), participants(event)));
+        ui.strong(format!("Evidence for {} {}", event.kind.label(), participants(event)));
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let close = Button::new(m::ICON_CLOSE.rich_text().size(14.0)).frame_when_inactive(false);
             if ui.add(close).accessible_name("Close evidence").clicked() {
@@ -303,10 +306,10 @@ fn evidence(ui: &mut Ui, model: &Model, event: &Event, commands: &mut Vec<Comman
     ScrollArea::vertical().id_salt("evidence").auto_shrink([false, true]).show(ui, |ui| {
         ui.label(&event.evidence.branch);
         if let Some(front) = event.front {
-            ui.label(format!("In front: {front}"));
+            ui.label(format!("Occluder: {front}"));
         }
         ui.weak(format!(
-            "Regions that stand for objects: {} before, {} now",
+            "Regions of objects: {} before, {} in this frame",
             event.evidence.objects_before, event.evidence.objects_now
         ));
         ui.add_space(theme::SPACE);
@@ -324,12 +327,12 @@ fn prevented(ui: &mut Ui, model: &Model, event: &Event, commands: &mut Vec<Comma
     let what_if = model.state.as_ref().and_then(|state| state.what_if.as_ref());
     let Some(what_if) = what_if.filter(|what_if| what_if.event.is_same(event)) else { return };
     ui.add_space(theme::SPACE);
-    ui.label(RichText::new("It would not have happened with").strong()).on_hover_text(
-        "Tracking and occlusion were run again over the frames before it with one other value at a time; these are \
-         the nearest values at which it does not happen",
+    ui.label(RichText::new("Settings that would prevent this event").strong()).on_hover_text(
+        "Counterfactuals: tracking and occlusion re-run over the preceding frames with one setting \
+         changed. Listed is the nearest value of each setting at which the event does not occur",
     );
     if !what_if.happens {
-        ui.weak("Not known: it takes more than the seconds before it to make it happen.");
+        ui.weak("Not available: the preceding seconds alone do not reproduce the event.");
         return;
     }
     ui.horizontal_wrapped(|ui| {
@@ -337,8 +340,8 @@ fn prevented(ui: &mut Ui, model: &Model, event: &Event, commands: &mut Vec<Comma
         for prevention in &what_if.preventions {
             let words = prevention.words();
             let button = Button::new(RichText::new(&words).size(theme::SMALL));
-            let response = ui.add(button).accessible_name(format!("Take {words}"));
-            if response.on_hover_text("Take this value; undo brings the present one back").clicked() {
+            let response = ui.add(button).accessible_name(format!("Apply {words}"));
+            if response.on_hover_text("Apply this value; undo restores the current one").clicked() {
                 let mut settings = model.settings.clone();
                 let setting = Setting::named(prevention.setting);
                 // What was tried lies within the range.
@@ -350,12 +353,13 @@ fn prevented(ui: &mut Ui, model: &Model, event: &Event, commands: &mut Vec<Comma
     });
     let (tried, all) = what_if.tried;
     if !what_if.done {
-        ui.weak(format!("… tried {tried} of {all}"));
+        ui.weak(format!("… tested {tried} of {all}"));
     } else if what_if.preventions.is_empty() {
-        ui.weak("no value of one tracking or occlusion setting alone");
+        ui.weak("No single tracking or occlusion setting prevents it.");
     } else {
-        ui.weak(format!("up to frame {}", what_if.until)).on_hover_text(
-            "The frames after it were looked at up to here: a value at which it only happens later does not count",
+        ui.weak(format!("tested up to frame {}", what_if.until)).on_hover_text(
+            "Last frame tested after the event; values that only delay the event up to this frame are not \
+             listed",
         );
     }
 }
@@ -366,15 +370,11 @@ fn compared(ui: &mut Ui, comparison: &Comparison) {
     ui.horizontal(|ui| {
         ui.spacing_mut().item_spacing.x = theme::SPACE;
         let (icon, colour, word) = match (comparison.chosen, comparison.threshold, comparison.holds) {
-            (Some(true), ..) => {
-                (m::ICON_RADIO_BUTTON_CHECKED, colours.good, "of the alternative that was chosen")
-            }
-            (Some(false), ..) => {
-                (m::ICON_RADIO_BUTTON_UNCHECKED, colours.weak, "of an alternative that was not chosen")
-            }
-            (None, None, _) => (m::ICON_REMOVE, colours.weak, "noted"),
-            (None, _, true) => (m::ICON_CHECK, colours.good, "speaks for it"),
-            (None, _, false) => (m::ICON_CLOSE, colours.bad, "speaks against it"),
+            (Some(true), ..) => (m::ICON_RADIO_BUTTON_CHECKED, colours.good, "selected alternative"),
+            (Some(false), ..) => (m::ICON_RADIO_BUTTON_UNCHECKED, colours.weak, "rejected alternative"),
+            (None, None, _) => (m::ICON_REMOVE, colours.weak, "no threshold"),
+            (None, _, true) => (m::ICON_CHECK, colours.good, "condition met"),
+            (None, _, false) => (m::ICON_CLOSE, colours.bad, "condition not met"),
         };
         ui.label(icon.rich_text().size(14.0).color(colour)).on_hover_text(word);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {

@@ -21,9 +21,18 @@ impl Found {
     fn text(self) -> String {
         match self {
             Self::Action(entry) => entry.text.to_owned(),
-            Self::Setting(setting) if setting.symbol.is_empty() => setting.name.replace('_', " "),
-            Self::Setting(setting) => format!("{} {}", setting.name.replace('_', " "), setting.symbol),
+            Self::Setting(setting) if setting.symbol.is_empty() => setting.label(),
+            Self::Setting(setting) => format!("{} {}", setting.label(), setting.symbol),
         }
+    }
+
+    /// How well `text` matches its name, or the key of a setting in files.
+    fn score(self, text: &str) -> Option<u32> {
+        let of_key = match self {
+            Self::Action(_) => None,
+            Self::Setting(setting) => score(text, &setting.name.replace('_', " ")),
+        };
+        score(text, &self.text()).max(of_key)
     }
 
     const fn icon(self) -> Icon {
@@ -81,9 +90,9 @@ impl Finder {
             let pressed = |key| ui.input_mut(|input| input.consume_key(Modifiers::NONE, key));
             let (up, down, enter) = (pressed(Key::ArrowUp), pressed(Key::ArrowDown), pressed(Key::Enter));
             let edit = TextEdit::singleline(&mut self.text)
-                .hint_text("An action or a setting")
+                .hint_text("Action or setting")
                 .desired_width(f32::INFINITY);
-            let response = ui.add(edit).accessible_name("Find an action");
+            let response = ui.add(edit).accessible_name("Command palette");
             response.request_focus();
             if response.changed() {
                 self.chosen = 0;
@@ -94,7 +103,7 @@ impl Finder {
             let mut done = enter.then(|| found.get(self.chosen).copied()).flatten();
             ui.add_space(theme::SPACE);
             if found.is_empty() {
-                ui.weak("No action and no setting has such a name.");
+                ui.weak("No matching action or setting.");
             }
             ScrollArea::vertical().max_height(300.0).show(ui, |ui| {
                 ui.with_layout(eframe::egui::Layout::top_down_justified(Align::Min), |ui| {
@@ -134,7 +143,7 @@ fn find(text: &str, model: &Model) -> Vec<Found> {
     let actions = ACTIONS.iter().filter(|entry| top_bar::allowed(model, entry)).map(Found::Action);
     let mut found: Vec<_> = actions
         .chain(SETTINGS.iter().map(Found::Setting))
-        .filter_map(|each| Some((score(text, &each.text())?, each)))
+        .filter_map(|each| Some((each.score(text)?, each)))
         .collect();
     found.sort_by_key(|(score, _)| std::cmp::Reverse(*score));
     found.into_iter().map(|(_, each)| each).collect()

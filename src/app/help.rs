@@ -7,24 +7,24 @@ use super::theme;
 
 /// What the pointer does.
 const POINTER: &[(&str, &str)] = &[
-    ("Click", "choose the pixel, in all views"),
-    ("Wheel", "zoom where the pointer is"),
+    ("Click", "select the pixel in all views"),
+    ("Wheel", "zoom at the pointer"),
     ("Drag", "pan all views"),
-    ("Double click", "fit"),
-    ("Alt, held", "a loupe beside the pointer"),
-    ("Click an outline", "choose that area"),
-    ("Drag a title", "put a view elsewhere"),
-    ("Drop a file", "open a video or a folder of images"),
+    ("Double click", "fit image"),
+    ("Hold Alt", "loupe at the pointer"),
+    ("Click an outline", "select the area"),
+    ("Drag a view's title", "move the view"),
+    ("Drop a file", "open a video or image folder"),
 ];
 
 /// What the keys do that belong to the control with the focus.
 const FOCUS: &[(&str, &str)] = &[
-    ("Tab", "to the next control"),
-    ("Shift+Tab", "to the one before"),
-    ("Space", "press it"),
-    ("Arrows in a view", "choose the pixel"),
-    ("Arrows in the timeline", "frame by frame"),
-    ("Esc", "leave it"),
+    ("Tab", "next control"),
+    ("Shift+Tab", "previous control"),
+    ("Space", "activate control"),
+    ("Arrow keys in a view", "select a pixel"),
+    ("Arrow keys in timeline", "previous, next frame"),
+    ("Esc", "leave control"),
 ];
 
 /// Shows the sheet while `open`.
@@ -51,8 +51,8 @@ pub(crate) fn ui(ctx: &Context, open: &mut bool) {
                         keys(right, Menu::View);
                         keys(right, Menu::File);
                         keys(right, Menu::Help);
-                        told(right, "Pointer", POINTER);
-                        told(right, "Focus", FOCUS);
+                        told(right, "Mouse", POINTER);
+                        told(right, "Keyboard focus", FOCUS);
                     }
                 });
             });

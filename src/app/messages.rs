@@ -50,7 +50,7 @@ impl Messages {
         let window = window.default_pos(middle).pivot(Align2::CENTER_CENTER).collapsible(false);
         window.show(ctx, |ui| {
             if self.all.is_empty() {
-                ui.weak("Nothing has been told yet.");
+                ui.weak("No messages yet.");
             }
             ScrollArea::vertical().stick_to_bottom(true).auto_shrink([false, true]).show(ui, |ui| {
                 let colours = theme::colours(ui.visuals());

@@ -145,12 +145,12 @@ fn open_sessions(memory: Option<usize>) -> Opener {
 fn explain(error: &eframe::Error) -> anyhow::Error {
     match error {
         eframe::Error::Wgpu(_) => anyhow::anyhow!(
-            "the window cannot be opened: no graphics adapter can be used; install a Vulkan or OpenGL driver \
-             (mesa-vulkan-drivers works without a graphics card), or use the commands that need no window"
+            "the window cannot be opened: no usable graphics adapter; install a Vulkan or OpenGL driver \
+             (mesa-vulkan-drivers works without a graphics card), or use a command that needs no window"
         ),
         eframe::Error::Winit(_) | eframe::Error::WinitEventLoop(_) => anyhow::anyhow!(
-            "the window cannot be opened: no display can be reached; check DISPLAY or WAYLAND_DISPLAY, or use \
-             the commands that need no window"
+            "the window cannot be opened: no display is reachable; check DISPLAY or WAYLAND_DISPLAY, or \
+             use a command that needs no window"
         ),
         other @ eframe::Error::AppCreation(_) => {
             anyhow::anyhow!("the window cannot be opened: {}", other.to_string().replace('\n', " "))
@@ -236,8 +236,7 @@ impl Window {
         }
         if self.pictures.is_dead() && !self.lost {
             self.lost = true;
-            self.toasts
-                .fail(ctx, "The graphics card takes no more pictures; end the program and start it again");
+            self.toasts.fail(ctx, "The graphics card accepts no more images; restart the program");
         }
         if let Some(answer) = self.dialogs.answer() {
             self.answered(ctx, answer);
@@ -261,7 +260,7 @@ impl Window {
             }
             Answer::Drawn(Ok(picture)) => {
                 ctx.copy_image(picture);
-                self.toasts.done(ctx, "Copied the plot as a picture");
+                self.toasts.done(ctx, "Copied the plot as an image");
             }
             Answer::Wrote(Ok(path)) => self.toasts.done(ctx, format!("Wrote {}", path.display())),
             Answer::Settings(Ok((path, settings))) => {
@@ -272,8 +271,8 @@ impl Window {
             Answer::Truth(Ok(truth)) => self.take_truth(ctx, truth),
             Answer::NoDialog => self.toasts.fail(
                 ctx,
-                "This system opens no file dialog; install xdg-desktop-portal or zenity, or drop a video on \
-                 the window, or name it on the command line",
+                "No file dialog available; install xdg-desktop-portal or zenity, drop a video on the \
+                 window, or pass it on the command line",
             ),
             Answer::Tabled(Ok((text, rows))) => {
                 ctx.copy_text(text);
@@ -292,12 +291,14 @@ impl Window {
 
     /// Takes ground truth, tells where it is seen, and opens the view of what is right by its masks.
     fn take_truth(&mut self, ctx: &Context, truth: Arc<Truth>) {
-        let boxes =
-            truth.boxes.as_ref().map(|boxes| format!("boxes of {} frames, over the tracks", boxes.len()));
+        let boxes = truth
+            .boxes
+            .as_ref()
+            .map(|boxes| format!("boxes of {} frames, shown over the tracks", boxes.len()));
         let masks = truth
             .masks
             .as_ref()
-            .map(|masks| format!("masks of {} frames, under Right and wrong", masks.frames()));
+            .map(|masks| format!("masks of {} frames, shown in Mask errors", masks.frames()));
         let told: Vec<String> = boxes.into_iter().chain(masks).collect();
         if truth.masks.is_some() {
             views::set_open(&mut self.tree, View::Right, true);

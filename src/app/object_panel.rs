@@ -26,7 +26,7 @@ pub(crate) fn choice(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         for (subject, word) in [(Subject::Pixel, pixel), (Subject::Object, format!("Object {id}"))] {
             let name = format!("Explain {}", word.to_lowercase());
             let response = ui.selectable_label(model.subject == subject, word).accessible_name(name);
-            if response.on_hover_text("What this panel explains").clicked() {
+            if response.on_hover_text("Select what this panel explains").clicked() {
                 commands.push(Command::Explain(subject));
             }
         }
@@ -41,7 +41,7 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let track = shown.analysis.tracks.iter().find(|track| track.id == id);
     ScrollArea::vertical().id_salt("object").auto_shrink(false).min_scrolled_height(0.0).show(ui, |ui| {
         head(ui, id, track);
-        ui.label(track.map_or_else(|| "It has no box in this frame.".to_owned(), sentence));
+        ui.label(track.map_or_else(|| "No box in this frame.".to_owned(), sentence));
         if let Some(life) = life {
             lived(ui, model, life, commands);
         }
@@ -65,7 +65,7 @@ fn head(ui: &mut Ui, id: Identity, track: Option<&Track>) {
         ui.painter().rect_filled(rect, 3.0, theme::rgb(identity_colour(id)));
         ui.label(RichText::new(format!("Object {id}")).size(theme::HEADING).strong());
         if let Some(track) = track {
-            ui.with_layout(Layout::right_to_left(Align::Center), |ui| ui.weak(track.state.name()));
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| ui.weak(track.state.label()));
         }
     });
 }
@@ -83,14 +83,14 @@ fn sentence(track: &Track) -> String {
     let seen = (track.visible_share * 100.0).round();
     match track.state {
         TrackState::Visible => {
-            format!("It has {regions} to itself, where {seen} % of its full size is seen.")
+            format!("Associated with {regions}; {seen} % of its full size is visible.")
         }
         TrackState::Merged => {
             let others = list(&mut track.group.iter().copied().filter(|&other| other != track.id));
-            format!("It shares {regions} with {others}; {seen} % of it is seen there. Its box is predicted.")
+            format!("Shares {regions} with {others}; {seen} % of it is visible. Its box is predicted.")
         }
         TrackState::Hidden => {
-            "No region is its own. Its box is where its model predicts it, dashed in the views.".to_owned()
+            "Occluded: no associated region. Its box is predicted, dashed in the views.".to_owned()
         }
     }
 }
@@ -113,31 +113,31 @@ fn rows(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui)) {
 
 /// The Kalman model's state and its gate.
 fn motion(ui: &mut Ui, track: &Track, fps: f32, settings: &crate::settings::Settings) {
-    section(ui, "Kalman model", "State (x, y, s) and its velocity, where s is the square root of the area");
+    section(ui, "Kalman model", "State (x, y, s) and its velocity; s is the square root of the area");
     let ([x, y], [vx, vy]) = (track.centre, track.velocity);
     let [major, minor, angle] = track.gate;
     rows(ui, "motion", |ui| {
-        row(ui, "centre x, y", format!("{x:.1}, {y:.1} px"), "After the measurement of this frame");
+        row(ui, "centre x, y", format!("{x:.1}, {y:.1} px"), "After this frame's measurement update");
         row(
             ui,
             "velocity",
             format!("{vx:+.2}, {vy:+.2} px/frame"),
-            "Of the centre; right and down are positive",
+            "Velocity of the centre; right and down are positive",
         );
-        row(ui, "speed", format!("{:.1} px/s", vx.hypot(vy) * fps), "Of the centre");
+        row(ui, "speed", format!("{:.1} px/s", vx.hypot(vy) * fps), "Speed of the centre");
         row(ui, "size s", format!("{:.1} px", track.scale), "The square root of the area");
         row(
             ui,
             "gate",
             format!("{major:.1} × {minor:.1} px at {:.0}°", angle.to_degrees()),
-            "Half axes of the ellipse in which the next region may lie; dotted in the views",
+            "Semi-axes and angle of the association gate for the next region; dotted in the views",
         );
         row(
             ui,
             "fitness",
-            format!("{:.3}  (least {:.3})", track.fitness, settings.min_fitness),
-            "Inverse of the variance of the prediction error, times the null factor of each frame without a region; \
-             below min_fitness the model is dropped",
+            format!("{:.3}  (min. {:.3})", track.fitness, settings.min_fitness),
+            "Inverse variance of the prediction error, times the null factor for each frame without a \
+             region; below min fitness the hypothesis is removed",
         );
         let bbox = track.bbox;
         row(
@@ -154,16 +154,16 @@ fn competing(ui: &mut Ui, hypotheses: &[Competing]) {
     section(
         ui,
         "Hypotheses",
-        "Each explains the past by other regions, or by none (a null match); the reading that is shown is the likeliest \
-         of all objects together",
+        "Each hypothesis associates other regions with the object, or none (null match); shown is the most \
+         likely combination over all objects",
     );
     if hypotheses.is_empty() {
-        ui.weak("None: no region is followed for it.");
+        ui.weak("No hypotheses: no associated region.");
         return;
     }
     let colours = theme::colours(ui.visuals());
     Grid::new("hypotheses").num_columns(5).spacing([3.0 * theme::SPACE, 2.0]).striped(true).show(ui, |ui| {
-        for title in ["", "probability", "fitness", "took", "centre"] {
+        for title in ["", "probability", "fitness", "association", "centre"] {
             ui.label(RichText::new(title).size(theme::SMALL).color(colours.weak));
         }
         ui.end_row();
@@ -177,7 +177,7 @@ fn competing(ui: &mut Ui, hypotheses: &[Competing]) {
                 ui.monospace(format!("{:.2}", each.probability));
             });
             ui.monospace(format!("{:.3}", each.fitness));
-            ui.label(if each.matched { "a region" } else { "none" });
+            ui.label(if each.matched { "region" } else { "none" });
             ui.monospace(format!("{:.0}, {:.0}", each.centre[0], each.centre[1]));
             ui.end_row();
         }
@@ -187,42 +187,46 @@ fn competing(ui: &mut Ui, hypotheses: &[Competing]) {
 /// A region's shape and colours, against those that the object is known by.
 fn looks(ui: &mut Ui, region: &Region, track: &Track, same_colour: f32) {
     let title = format!("Region {}", region.label);
-    section(ui, &title, "A connected region of the mask that the object explains, alone or with others");
+    section(
+        ui,
+        &title,
+        "Connected component of the mask that is associated with the object, alone or in a group",
+    );
     let shape = &region.shape;
     rows(ui, &title, |ui| {
-        row(ui, "area", format!("{} px", shape.area), "Number of pixels");
+        row(ui, "area", format!("{} px", shape.area), "Area in pixels");
         row(
             ui,
             "centroid",
             format!("{:.1}, {:.1} px", shape.centroid[0], shape.centroid[1]),
-            "Mean of the pixels",
+            "Mean position of the pixels",
         );
         row(
             ui,
             "orientation",
             format!("{:.0}°", shape.orientation.to_degrees()),
-            "½·atan2(2μ11, μ20 − μ02), of the longer axis to the x axis; down is positive",
+            "½·atan2(2μ11, μ20 − μ02): angle of the major axis to the x axis; down is positive",
         );
         row(
             ui,
             "eccentricity",
             format!("{:.3}", shape.eccentricity),
-            "√(1 − λ₂/λ₁): 0 for a disc, towards 1 for a line",
+            "√(1 − λ₂/λ₁): 0 for a disc, 1 for a line",
         );
-        row(ui, "extent", format!("{:.2}", shape.extent), "Area over the area of its box");
+        row(ui, "extent", format!("{:.2}", shape.extent), "Ratio of the area to the area of its box");
     });
     histogram(ui, region);
     let nearest =
         track.colours.iter().map(|&mine| delta_e(mine, region.colour)).fold(f32::INFINITY, f32::min);
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing.x = theme::SPACE;
-        ui.weak("known by");
+        ui.weak("Appearance model");
         for &colour in &track.colours {
             plate(ui, colour, 14.0);
         }
         if nearest.is_finite() {
-            let same = if nearest <= same_colour { "the same" } else { "another" };
-            ui.label(format!("ΔE {nearest:.1} to the dominant one: {same} colour (limit {same_colour})"));
+            let same = if nearest <= same_colour { "same" } else { "different" };
+            ui.label(format!("ΔE {nearest:.1} to the dominant colour: {same} (threshold {same_colour})"));
         }
     });
 }
@@ -245,7 +249,7 @@ fn histogram(ui: &mut Ui, region: &Region) {
     bins.truncate(COLOURS);
     let Some(&(most, [r, g, b])) = bins.first() else { return };
     ui.weak(format!(
-        "dominant colour R {r} G {g} B {b}, {:.0} % of its pixels; {kinds} colours of 16 levels a channel",
+        "dominant colour R {r} G {g} B {b}, {:.0} % of pixels; {kinds} bins of 16 levels per channel",
         most * 100.0
     ));
     let (rect, response) =
@@ -280,13 +284,9 @@ fn histogram(ui: &mut Ui, region: &Region) {
 fn lived(ui: &mut Ui, model: &Model, life: &LifeLine, commands: &mut Vec<Command>) {
     let first = life.spans.iter().map(|span| span.0).min().unwrap_or(0);
     let last = life.spans.iter().map(|span| span.1).max().unwrap_or(0);
-    section(
-        ui,
-        "Life line",
-        "Full while seen alone, pale while merged, thin while hidden; click to go there",
-    );
+    section(ui, "Track timeline", "Full: visible; pale: merged; thin: occluded. Click to go to a frame");
     let (rect, response) = ui.allocate_exact_size(vec2(ui.available_width(), 22.0), Sense::click());
-    response.widget_info(|| WidgetInfo::labeled(Role::Slider, true, "A frame of its life"));
+    response.widget_info(|| WidgetInfo::labeled(Role::Slider, true, "Frame in track timeline"));
     let colours = theme::colours(ui.visuals());
     ui.painter().rect_filled(rect, 3.0, colours.canvas);
     let inside = rect.shrink2(vec2(4.0, 0.0));
@@ -319,7 +319,7 @@ fn lived(ui: &mut Ui, model: &Model, life: &LifeLine, commands: &mut Vec<Command
     };
     let seconds = many / model.fps();
     ui.weak(format!(
-        "frames {}–{}, {seconds:.1} s: {} seen alone, {} merged, {} hidden",
+        "frames {}–{}, {seconds:.1} s: {} visible, {} merged, {} occluded",
         model.number(first),
         model.number(last),
         frames(TrackState::Visible),
@@ -338,12 +338,12 @@ fn happened(ui: &mut Ui, model: &Model, id: Identity, commands: &mut Vec<Command
     if events.is_empty() {
         return;
     }
-    section(ui, "What happened to it", "The events that it took part in; click one to read why");
+    section(ui, "Events of this object", "Events that involve this object; click one to show its evidence");
     for (index, (position, event)) in events {
         ui.horizontal(|ui| {
             let colour: Color32 = theme::rgb(event_colour(event.kind));
             ui.label(icons::coloured(icons::of_event(event.kind), colour).size(14.0));
-            let text = format!("#{}  {} {}", event.frame, event.kind.name(), participants(event));
+            let text = format!("#{}  {} {}", event.frame, event.kind.label(), participants(event));
             let read = model.reading == Some(Read::InView(index));
             if ui.selectable_label(read, text).on_hover_text(&event.evidence.branch).clicked() {
                 commands.push(Command::Read(Some(Read::InView(index))));

@@ -19,7 +19,7 @@ pub(crate) fn unpacked() -> Result<PathBuf, String> {
             Err(error) => why = format!("the sample cannot be written to {}: {error}", folder.display()),
         }
     }
-    Err(format!("{why}; open a video of your own, or set TMPDIR to a folder that can be written"))
+    Err(format!("{why}; open another video, or set TMPDIR to a writable folder"))
 }
 
 /// Where it may lie: the user's cache, else the folder for temporary files.

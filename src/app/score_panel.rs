@@ -12,33 +12,33 @@ use crate::truth::summary::TrackScore;
 type Column<S> = (&'static str, &'static str, fn(&S) -> String);
 
 const OF_TRACKS: [Column<TrackScore>; 4] = [
-    (
-        "MOTA",
-        "1 − (missed + made up + switched) / true boxes, where a box is on an object from an IoU of 0.5 on",
-        |score| format!("{:.3}", score.strict.mota),
-    ),
-    ("IDF1", "The harmonic mean of identity precision and recall, from an IoU of 0.5 on", |score| {
+    ("MOTA", "1 − (FN + FP + IDSW)/GT, boxes matched at IoU ≥ 0.5", |score| {
+        format!("{:.3}", score.strict.mota)
+    }),
+    ("IDF1", "Harmonic mean of identity precision and recall, at IoU ≥ 0.5", |score| {
         format!("{:.3}", score.strict.idf1)
     }),
-    ("switches", "How often an object's identity became another", |score| {
+    ("IDSW", "ID switches: changes of the identity assigned to an object", |score| {
         score.strict.num_switches.to_string()
     }),
     (
-        "survive",
-        "Identities that are the same before and after two objects met, of those that met",
+        "IDs kept",
+        "IDs kept through occlusion: identities equal before and after occlusion, of all occluded",
         |score| format!("{}/{}", score.occlusion.survived, score.occlusion.identities),
     ),
 ];
 
 const OF_MASKS: [Column<MaskScore>; 4] = [
-    ("F", "2·precision·recall / (precision + recall) of all pixels that count, after cleaning", |score| {
-        format!("{:.3}", score.f_measure)
+    (
+        "F",
+        "2·precision·recall/(precision + recall) of all evaluated pixels, after post-processing",
+        |score| format!("{:.3}", score.f_measure),
+    ),
+    ("precision", "TP/(TP + FP) of all evaluated pixels", |score| format!("{:.3}", score.precision)),
+    ("recall", "TP/(TP + FN) of all evaluated pixels", |score| format!("{:.3}", score.recall)),
+    ("PWC", "Percentage of wrong classifications: 100·(FP + FN)/evaluated pixels", |score| {
+        format!("{:.2}", score.pwc)
     }),
-    ("precision", "The share of true foreground in the foreground that was found", |score| {
-        format!("{:.3}", score.precision)
-    }),
-    ("recall", "The share of true foreground that was found", |score| format!("{:.3}", score.recall)),
-    ("PWC", "Per cent of wrong decisions about all pixels that count", |score| format!("{:.2}", score.pwc)),
 ];
 
 /// Width of the names of the rows, in points.
@@ -84,7 +84,7 @@ fn grid<S>(ui: &mut Ui, name: &str, columns: &[Column<S>], rows: Vec<(Option<Slo
                     let text = score.as_ref().map_or_else(|| "…".to_owned(), number);
                     right(ui, width, RichText::new(text).monospace()).on_hover_text(match score {
                         Some(_) => meaning,
-                        None => "Scored when all frames have been analysed",
+                        None => "Computed when all frames are analysed",
                     });
                 }
                 ui.end_row();

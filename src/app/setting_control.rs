@@ -27,7 +27,7 @@ pub(crate) fn ui(
         ui.add_space(theme::SPACE / 2.0);
         ui.horizontal(|ui| {
             ui.spacing_mut().item_spacing.x = theme::SPACE;
-            let name = setting.name.replace('_', " ");
+            let name = setting.label();
             let name = RichText::new(name).color(if differs { colours.accent } else { colours.text });
             let label = ui.label(name).on_hover_ui(|ui| tooltip(ui, setting, defaults));
             if !setting.symbol.is_empty() {
@@ -36,7 +36,7 @@ pub(crate) fn ui(
             }
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 ui.spacing_mut().item_spacing.x = theme::SPACE;
-                ui.name_inputs(setting.name, |ui| exact(ui, setting, &mut value, fps, label.id));
+                ui.name_inputs(setting.label(), |ui| exact(ui, setting, &mut value, fps, label.id));
                 reset(ui, setting, differs, &mut value, defaults);
             });
         });
@@ -58,7 +58,7 @@ fn tooltip(ui: &mut Ui, setting: &Setting, defaults: &Settings) {
         ui.monospace(help.equation);
         ui.add_space(theme::SPACE);
         if !matches!(setting.kind, Kind::Choice(_)) {
-            ui.weak("When it is raised:");
+            ui.weak("Increasing it:");
         }
         ui.label(help.raising);
         ui.add_space(theme::SPACE);
@@ -66,7 +66,7 @@ fn tooltip(ui: &mut Ui, setting: &Setting, defaults: &Settings) {
     let unit = if setting.unit.is_empty() { String::new() } else { format!(" {}", setting.unit) };
     ui.weak(format!("Range: {}{unit}", setting.kind.range(setting.symbol)));
     ui.weak(format!("Default: {}{unit}", setting.get(defaults)));
-    ui.weak(format!("On the command line: --{}", setting.flag()));
+    ui.weak(format!("Command-line flag: --{}", setting.flag()));
 }
 
 fn reset(ui: &mut Ui, setting: &Setting, differs: bool, value: &mut Value, defaults: &Settings) {
@@ -74,8 +74,8 @@ fn reset(ui: &mut Ui, setting: &Setting, differs: bool, value: &mut Value, defau
     let icon = m::ICON_RESTART_ALT.rich_text().size(14.0);
     let button = Button::new(icon).frame_when_inactive(false).min_size(vec2(20.0, 18.0));
     ui.spacing_mut().button_padding = vec2(2.0, 0.0);
-    let response = ui.add_visible(differs, button).accessible_name(format!("Reset {}", setting.name));
-    if response.on_hover_text(format!("Back to the default, {default}")).clicked() {
+    let response = ui.add_visible(differs, button).accessible_name(format!("Reset {}", setting.label()));
+    if response.on_hover_text(format!("Reset to the default, {default}")).clicked() {
         *value = default;
     }
 }
@@ -182,7 +182,7 @@ fn span_control(
 
 /// A slider over the whole width, where there is one.
 fn slider(ui: &mut Ui, setting: &Setting, value: &mut Value) {
-    let name = format!("{} slider", setting.name);
+    let name = format!("{} slider", setting.label());
     let style = |ui: &mut Ui| {
         ui.spacing_mut().slider_width = ui.available_width() - 3.0 * theme::SPACE;
         ui.spacing_mut().interact_size.y = 14.0;

@@ -23,10 +23,12 @@ pub(crate) fn write(path: PathBuf, settings: &Settings) -> Result<PathBuf, Strin
 /// it cannot be used, in a sentence.
 pub(crate) fn read(path: &Path) -> Result<Settings, String> {
     let text = text_of(path).map_err(|error| {
-        format!("the settings file {} cannot be read: {error}; choose another", path.display())
+        format!("the settings file {} cannot be read: {error}; choose another file", path.display())
     })?;
     let mut settings = Settings::default();
-    settings.apply_toml(&text, path).map_err(|error| format!("{error}; mend it or choose another"))?;
+    settings
+        .apply_toml(&text, path)
+        .map_err(|error| format!("{error}; correct it or choose another file"))?;
     Ok(settings)
 }
 
@@ -34,11 +36,15 @@ fn text_of(path: &Path) -> io::Result<String> {
     // A pipe or a video chosen by mistake must not be waited for or swallowed whole.
     let about = fs::metadata(path)?;
     if !about.is_file() || about.len() > MOST {
-        return Err(io::Error::other("it is no file of settings"));
+        return Err(io::Error::other("it is not a settings file"));
     }
     let mut text = String::new();
     fs::File::open(path)?.take(MOST).read_to_string(&mut text).map_err(|error| {
-        if error.kind() == io::ErrorKind::InvalidData { io::Error::other("it is no text") } else { error }
+        if error.kind() == io::ErrorKind::InvalidData {
+            io::Error::other("it is not a text file")
+        } else {
+            error
+        }
     })?;
     Ok(text)
 }
@@ -74,11 +80,11 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.toml");
         for (bytes, what) in [
-            (&b"k = 99"[..], "`k` cannot be `99`: it takes"),
+            (&b"k = 99"[..], "`k` cannot be `99`; allowed:"),
             (b"kk = 3", "there is no setting `kk`"),
             (b"k = [1]", "`k` is array"),
             (b"k = = 3", "cannot be used"),
-            (b"\xff\xfe", "it is no text"),
+            (b"\xff\xfe", "it is not a text file"),
         ] {
             fs::write(&path, bytes).unwrap();
             let why = read(&path).unwrap_err();

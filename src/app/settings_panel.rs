@@ -103,7 +103,7 @@ fn head(ui: &mut Ui, model: &Model, settings: &mut Settings, commands: &mut Vec<
                 }
             }
         });
-        response.response.labelled_by(label.id).on_hover_text("A named set of values to start from");
+        response.response.labelled_by(label.id).on_hover_text("Predefined set of values");
     });
 }
 
@@ -117,7 +117,7 @@ fn slots(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             .selectable_label(here, slot.name())
             .accessible_name(format!("Settings {}", slot.name()))
             .on_hover_ui(|ui| {
-                ui.label(format!("{}; the keys A and B flip", slots::difference(&model.settings, other)));
+                ui.label(format!("{}; keys A and B switch", slots::difference(&model.settings, other)));
             });
         if response.clicked() && !here {
             commands.push(Command::Act(Action::Slot(slot)));
@@ -140,5 +140,5 @@ fn slots(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             top_bar::item(ui, model, entry, commands);
         }
     });
-    response.accessible_name("A and B").on_hover_text("What can be done with the two");
+    response.accessible_name("A and B").on_hover_text("Actions on settings A and B");
 }

@@ -1,6 +1,6 @@
 //! Two sets of settings on one video, A and B, of which one is in view.
 
-use crate::settings::{SETTINGS, Settings};
+use crate::settings::{SETTINGS, Setting, Settings};
 
 /// Which of the two.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -74,7 +74,7 @@ pub(crate) fn difference(one: &Settings, other: &Settings) -> String {
     let names: Vec<_> = SETTINGS
         .iter()
         .filter(|setting| setting.get(one) != setting.get(other))
-        .map(|setting| setting.name.replace('_', " "))
+        .map(Setting::label)
         .collect();
     match names.len() {
         0 => "A and B are equal".to_owned(),
@@ -112,7 +112,7 @@ mod tests {
         let start = Settings::default();
         assert_eq!(difference(&start, &start), "A and B are equal");
         let other = Settings { k: start.k + 1, t: 0.9, ..start.clone() };
-        assert_eq!(difference(&start, &other), "A and B differ in k, t");
+        assert_eq!(difference(&start, &other), "A and B differ in components, background ratio");
         assert!(difference(&start, &Settings::preset(Preset::OpencvMog)).starts_with("A and B differ in "));
     }
 }

@@ -34,10 +34,10 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, pace: Pace, commands: &mut Vec<Comm
             let (x, y) = hover.pixel;
             ui.label(RichText::new(format!("{x}, {y}")).monospace());
             let value = hover.view.value(model, shown, hover.pixel);
-            ui.label(RichText::new(format!("{}  {value}", hover.view.title())).monospace());
+            ui.label(RichText::new(format!("{}  {value}", hover.view.label(&model.slots))).monospace());
             ui.label(RichText::new(format!("{:.0} %", hover.scale * 100.0)).monospace().color(colours.weak));
         } else if model.is_ready() {
-            let hint = "Click a pixel to inspect it  ·  wheel zooms, drag pans, F fits  ·  ? shows all keys";
+            let hint = "Click a pixel to inspect it  ·  wheel zooms, drag pans, F fits  ·  ? lists all keys";
             ui.label(RichText::new(hint).size(theme::SMALL).color(colours.weak));
         }
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
@@ -51,10 +51,10 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, pace: Pace, commands: &mut Vec<Comm
 fn stop_or_go_on(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let action = Action::AnalyseAhead;
     let (icon, name, text) = if model.is_busy() {
-        let text = "Stop here: only what is looked at is analysed from now on";
-        (m::ICON_STOP_CIRCLE, "Stop the analysis", text)
+        let text = "Pause: analyse only the displayed frames";
+        (m::ICON_STOP_CIRCLE, "Pause analysis", text)
     } else {
-        (m::ICON_PLAY_CIRCLE, "Go on with the analysis", "Analyse the rest of the video in the background")
+        (m::ICON_PLAY_CIRCLE, "Resume analysis", "Analyse the remaining frames in the background")
     };
     let keys =
         action.entry().and_then(|entry| entry.shortcuts.first()).map_or_else(String::new, |key| key.text());
@@ -76,11 +76,11 @@ fn right(ui: &mut Ui, model: &Model, pace: Pace, commands: &mut Vec<Command>) {
     if state.analysis_fps > 0.0 {
         let text = format!("{:.0} fps analysed", state.analysis_fps);
         ui.label(RichText::new(text).size(theme::SMALL).color(colours.weak)).on_hover_ui(|ui| {
-            ui.label("Frames a second of analysis, over the last second of work");
+            ui.label("Analysis rate in frames per second, over the last second of work");
             if let Some((worked, (took, bytes))) = pace.worked.zip(pace.pictures) {
                 let (worked, took) = (worked * 1e3, took.as_secs_f32() * 1e3);
-                ui.weak(format!("Window: {worked:.1} ms a frame"));
-                ui.weak(format!("Pictures, beside it: {took:.1} ms, {:.1} MB", bytes as f32 / 1e6));
+                ui.weak(format!("Window: {worked:.1} ms per frame"));
+                ui.weak(format!("Texture upload: {took:.1} ms, {:.1} MB", bytes as f32 / 1e6));
             }
         });
     }
@@ -97,7 +97,7 @@ fn right(ui: &mut Ui, model: &Model, pace: Pace, commands: &mut Vec<Command>) {
         let count = busy.total.map_or_else(String::new, |total| format!("  {} / {total}", busy.done));
         ui.label(RichText::new(format!("{}{count}", busy.what)).size(theme::SMALL).color(colours.text));
     } else if stopped {
-        let text = format!("stopped  {} / {}", state.timeline.analysed, model.frames());
+        let text = format!("paused  {} / {}", state.timeline.analysed, model.frames());
         ui.label(RichText::new(text).size(theme::SMALL).color(colours.warn));
     }
     if !state.warnings.is_empty() {

@@ -337,7 +337,7 @@ fn event(kind: EventKind, frame: u32, objects: &[u32], at: (f32, f32)) -> (u32, 
     let mut evidence =
         Evidence { branch: format!("{} because region 4 grew", kind.name()), ..Evidence::default() };
     evidence.at_least("size change", 0.41, 0.2);
-    evidence.note("ΔE of 1 with piece 2", 12.5);
+    evidence.note("ΔE of 1 with fragment 2", 12.5);
     let becomes = if kind == EventKind::Demerge { vec![1, 4] } else { objects.to_vec() };
     let (objects, pieces) = (objects.to_vec(), Vec::new());
     let event = Event { frame, kind, objects, becomes, pieces, x: at.0, y: at.1, front: None, evidence };
@@ -565,7 +565,7 @@ fn every_setting_has_a_control_and_sliders_change_them() {
     let (mut harness, scene) = ready(10);
     harness.state_mut().model.settings_panel = true;
     harness.run_steps(2);
-    for stage in ["Registration", "Cleaning", "Regions", "Tracking", "Occlusion"] {
+    for stage in ["Registration", "Post-processing", "Regions", "Tracking", "Occlusion"] {
         // The view of the regions has their name too; the settings stand to the left of it.
         let left = |node: &egui_kittest::Node<'_>| node.rect().left() < 60.0;
         let header = harness.get_all_by_label_contains(stage).rfind(left).unwrap();
@@ -573,17 +573,17 @@ fn every_setting_has_a_control_and_sliders_change_them() {
         harness.run_steps(12);
     }
     for setting in SETTINGS {
-        let name = setting.name.replace('_', " ");
+        let name = setting.label();
         assert!(harness.query_all_by_label(&name).next().is_some(), "{name} has no control");
     }
-    harness.get_by_label("t slider").set_value_accesskit(0.9);
+    harness.get_by_label("background ratio slider").set_value_accesskit(0.9);
     harness.run_steps(8);
     assert_eq!(given(&scene).map(|settings| settings.t), Some(0.9));
     harness.get_by_label("median slider").set_value_accesskit(2.0);
     harness.run_steps(8);
     assert_eq!(given(&scene).map(|settings| settings.median), Some(5));
 
-    harness.get_by_label("Reset t").click();
+    harness.get_by_label("Reset background ratio").click();
     harness.run_steps(8);
     assert_eq!(given(&scene).map(|settings| settings.t), Some(Settings::default().t));
 }
@@ -591,7 +591,7 @@ fn every_setting_has_a_control_and_sliders_change_them() {
 #[test]
 fn settings_can_be_taken_back_and_made_again() {
     let (mut harness, scene) = ready(10);
-    harness.get_by_label("t slider").set_value_accesskit(0.9);
+    harness.get_by_label("background ratio slider").set_value_accesskit(0.9);
     harness.run_steps(8);
     harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     harness.run_steps(8);
@@ -607,13 +607,13 @@ fn a_click_in_the_event_list_jumps_and_shows_the_evidence() {
     harness.get_by_label("merge 1 + 2, frame 51").click();
     harness.run_steps(4);
     assert_eq!(shows(&scene), [50]);
-    harness.get_by_label("Why merge 1 + 2");
+    harness.get_by_label("Evidence for merge 1 + 2");
     harness.get_by_label("merge because region 4 grew");
     harness.get_by_label("size change");
     // Under other settings another event may stand at its place.
-    harness.get_by_label("t slider").set_value_accesskit(0.9);
+    harness.get_by_label("background ratio slider").set_value_accesskit(0.9);
     harness.run_steps(8);
-    assert!(harness.query_by_label("Why merge 1 + 2").is_none());
+    assert!(harness.query_by_label("Evidence for merge 1 + 2").is_none());
 }
 
 #[test]
@@ -679,7 +679,7 @@ fn the_palette_finds_an_action_and_help_lists_the_keys() {
     let (mut harness, _) = ready(10);
     harness.key_press_modifiers(Modifiers::COMMAND, Key::K);
     harness.run_steps(4);
-    harness.get_by_label("Find an action").type_text("tracks alone");
+    harness.get_by_label("Command palette").type_text("occlusions alone");
     harness.run_steps(3);
     picture(&mut harness, "finder");
     harness.key_press(Key::Enter);
@@ -698,7 +698,7 @@ fn the_palette_finds_an_action_and_help_lists_the_keys() {
 fn a_and_b_keep_their_own_settings_and_undo_goes_where_the_change_was_made() {
     let (mut harness, scene) = ready(10);
     assert!(harness.query_by_label("Settings B").is_none());
-    harness.get_by_label("t slider").set_value_accesskit(0.8);
+    harness.get_by_label("background ratio slider").set_value_accesskit(0.8);
     harness.run_steps(8);
     let press = |harness: &mut Harness<'_, Window>, key| {
         harness.key_press(key);
@@ -708,7 +708,7 @@ fn a_and_b_keep_their_own_settings_and_undo_goes_where_the_change_was_made() {
     press(&mut harness, Key::B);
     assert_eq!(harness.state().model.slots.in_view, Slot::B);
     assert_eq!(given(&scene).map(|settings| settings.t), Some(0.8), "a copy is no other settings");
-    harness.get_by_label("t slider").set_value_accesskit(0.9);
+    harness.get_by_label("background ratio slider").set_value_accesskit(0.9);
     harness.run_steps(8);
     picture(&mut harness, "slot-b");
     press(&mut harness, Key::A);

@@ -202,7 +202,7 @@ fn hover(ui: &mut Ui, model: &Model, timeline: &Timeline, near: Option<usize>, c
     if let Some((_, event)) = near.and_then(|index| timeline.events.get(index)) {
         ui.horizontal(|ui| {
             ui.label(icons::coloured(icons::of_event(event.kind), theme::rgb(event_colour(event.kind))));
-            ui.strong(format!("{} {}", event.kind.name(), events_panel::participants(event)));
+            ui.strong(format!("{} {}", event.kind.label(), events_panel::participants(event)));
             ui.weak(format!("frame {}", event.frame));
         });
         ui.label(&event.evidence.branch);

@@ -158,8 +158,8 @@ fn rate(ui: &mut Ui, rounded: f32, from: FpsFrom, commands: &mut Vec<Command>) {
         .speed(0.0)
         .max_decimals(2)
         .update_while_editing(false);
-    let hover = "How many frames a second there are. What is given in seconds depends on it. Click to type; the video \
-                 is then analysed anew.";
+    let hover = "Frames per second; settings in seconds depend on it. Click to edit; the video is analysed \
+     again.";
     if ui.add(typed).labelled_by(label.id).on_hover_text(hover).changed() {
         commands.push(Command::Rate(fps as f32));
     }

@@ -59,7 +59,7 @@ fn frame_field(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     // Frames that are typed are taken when the field is left, not digit by digit.
     let drag = DragValue::new(&mut number).range(first..=last.max(first)).update_while_editing(false);
     let response = ui.add(drag).labelled_by(label.id);
-    if response.on_hover_text("Drag, or click to type a frame number").changed() {
+    if response.on_hover_text("Drag, or click to enter a frame number").changed() {
         commands.push(Command::GoToNumber(number));
     }
     ui.label(RichText::new(format!("/ {last}")).monospace().color(theme::colours(ui.visuals()).weak));
@@ -77,5 +77,5 @@ fn speed(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             }
         }
     });
-    response.response.accessible_name("Speed").on_hover_text("Speed of playing ([ and ])");
+    response.response.accessible_name("Speed").on_hover_text("Playback speed ([ and ])");
 }

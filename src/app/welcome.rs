@@ -31,7 +31,7 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             Some(Phase::Failed(why)) => {
                 ui.label(m::ICON_ERROR.rich_text().size(44.0 * scale).color(colours.bad));
                 ui.add_space(2.0 * theme::SPACE);
-                ui.label(RichText::new("This cannot be opened").size(20.0 * scale).strong());
+                ui.label(RichText::new("Cannot open").size(20.0 * scale).strong());
                 ui.add_space(theme::SPACE);
                 ui.label(why);
                 ui.add_space(5.0 * theme::SPACE);
@@ -41,9 +41,9 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             None => {
                 ui.label(m::ICON_FRAME_INSPECT.rich_text().size(44.0 * scale).color(colours.accent));
                 ui.add_space(2.0 * theme::SPACE);
-                ui.label(RichText::new("Open a video to look into").size(20.0 * scale).strong());
+                ui.label(RichText::new("Open a video").size(20.0 * scale).strong());
                 ui.add_space(theme::SPACE);
-                ui.label("Drop a video or a folder of images anywhere in this window, or choose one here.");
+                ui.label("Drop a video or a folder of images on this window, or choose one below.");
                 ui.add_space(5.0 * theme::SPACE);
                 choices(ui, scale, commands);
                 recent(ui, model, commands);
@@ -76,10 +76,10 @@ fn opening(ui: &mut Ui, model: &Model, scale: f32, commands: &mut Vec<Command>) 
     let waited = model.work.since.map(|at| at.elapsed()).unwrap_or_default();
     if waited >= LONG {
         let seconds = waited.as_secs();
-        ui.weak(format!("{seconds} s so far: a camera, or a drive on the network, may not answer"));
+        ui.weak(format!("{seconds} s elapsed; the camera or network drive may not be responding"));
     }
     ui.add_space(4.0 * theme::SPACE);
-    if ui.button("Cancel").on_hover_text("Give up opening it").clicked() {
+    if ui.button("Cancel").on_hover_text("Cancel opening").clicked() {
         commands.push(Command::Act(Action::CloseVideo));
     }
 }
@@ -90,7 +90,7 @@ fn recent(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         return;
     }
     ui.add_space(5.0 * theme::SPACE);
-    ui.weak("Opened before");
+    ui.weak("Recent");
     for name in model.recent.iter().take(5) {
         if ui.link(top_bar::short(name)).on_hover_text(name).clicked() {
             commands.push(Command::Open(name.clone(), Start::First));
@@ -108,12 +108,12 @@ pub(crate) fn hint(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     Panel::top("hint").frame(strip).show(ui, |ui| {
         ui.horizontal(|ui| {
             ui.label(m::ICON_LIGHTBULB.rich_text().size(theme::ICON).color(colours.accent));
-            let text = "Two people cross here. Step with the arrow keys, read on the right why the pixel under the \
-                        cross is what it is, and click another.";
+            let text = "Two people cross. Step with the arrow keys; the panel on the right explains the \
+             pixel under the cross. Click any pixel to inspect it.";
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
                 let close = Button::new(m::ICON_CLOSE.rich_text().size(14.0)).frame_when_inactive(false);
                 let close = ui.add(close).accessible_name("Hide hint");
-                if close.on_hover_text("Do not show this again").clicked() {
+                if close.on_hover_text("Do not show again").clicked() {
                     commands.push(Command::HideHint);
                 }
                 ui.with_layout(Layout::left_to_right(Align::Center), |ui| {

@@ -18,9 +18,9 @@ pub(crate) fn write(
     match place(&path, given, ending, write) {
         Ok(()) => Ok(path),
         Err(error) if error.kind() == io::ErrorKind::AlreadyExists => {
-            Err(format!("{} was not written: it exists; choose it by its whole name", path.display()))
+            Err(format!("{} was not written: it exists; enter its full name to replace it", path.display()))
         }
-        Err(error) => Err(format!("{} was not written: {error}; choose another place", path.display())),
+        Err(error) => Err(format!("{} was not written: {error}; choose another location", path.display())),
     }
 }
 
@@ -39,7 +39,7 @@ fn place(
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     let file = builder.tempfile_in(folder).map_err(|error| {
         // The temporary file's own name would only puzzle.
-        let why = if folder.is_dir() { error.kind().to_string() } else { "its folder is not there".into() };
+        let why = if folder.is_dir() { error.kind().to_string() } else { "its folder does not exist".into() };
         io::Error::new(error.kind(), why)
     })?;
     write(file.path())?;
@@ -75,7 +75,7 @@ mod tests {
         let nowhere = folder.path().join("none").join("a.txt");
         let why = write(nowhere, "txt", |at| fs::write(at, "x")).unwrap_err();
         assert!(
-            why.ends_with("none/a.txt was not written: its folder is not there; choose another place"),
+            why.ends_with("none/a.txt was not written: its folder does not exist; choose another location"),
             "{why}"
         );
     }

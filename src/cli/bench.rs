@@ -41,11 +41,12 @@ pub fn command() -> Command {
     let command = Command::new("bench")
         .about("Measure the speed of decoding, the mixture, OpenCV's MOG2 and KNN, and the whole analysis")
         .after_help(
-            "The contenders take the same decoded frames in turn, a batch each; medians of megapixels a second are told. \
-             `stream` gives the mixture one frame at a time, `replay` a batch at a time, with the same results. MOG2 and \
-             KNN run without shadow detection, with the same α, threads and, where they have one, K. What `bootstrap` says \
-             is learnt beforehand, by all alike, and not timed.\n\n\
-             Examples:\n  occluscope bench street.mp4\n  occluscope bench street.mp4 --k 5 --threads 2 --frames 200 --json",
+            "All models process the same decoded frames in turn, one batch each; the table lists medians \
+             in megapixels per second. `stream` processes one frame at a time, `replay` a batch at a time, \
+             with equal results. MOG2 and KNN run without shadow detection, with the same α, threads and, \
+             if supported, K. Frames of `bootstrap` are learnt by all models beforehand and not \
+             timed.\n\nExamples:\n  occluscope bench street.mp4\n  occluscope bench street.mp4 --k 5 \
+             --threads 2 --frames 200 --json",
         )
         .arg(flags::video().required(true))
         .arg(
@@ -53,13 +54,13 @@ pub fn command() -> Command {
                 .long("frames")
                 .value_name("N")
                 .value_parser(value_parser!(u32).range(i64::from(LEAST_FRAMES)..=100_000))
-                .help("Frames to take, from the first on [default: 320, or as many as fit into 1 GiB]"),
+                .help("Number of frames to process [default: 320, or as many as fit into 1 GiB]"),
         )
         .arg(
             Arg::new("scale")
                 .long("scale")
                 .value_name("WxH")
-                .help("Enlarge or shrink the frames to this size first, as in 1920x1080"),
+                .help("Resize the frames to this size first, as in 1920x1080"),
         )
         .arg(
             Arg::new("json")
@@ -106,7 +107,7 @@ fn scale(matches: &ArgMatches) -> Result<Option<Size>, flags::UsageError> {
             Ok(Some(size))
         }
         _ => Err(flags::UsageError(format!(
-            "--scale cannot be `{text}`: it takes a width and a height, as in 1920x1080"
+            "--scale cannot be `{text}`: give width and height, as in 1920x1080"
         ))),
     }
 }
@@ -135,7 +136,8 @@ impl Sequence {
         let bytes = size.pixels() as u64 * 3 * u64::from(wanted);
         if bytes > memory() / 2 {
             bail!(
-                "{wanted} frames of {size} take {} MiB, more than half of this machine's memory; choose fewer with --frames, or a smaller --scale",
+                "{wanted} frames of {size} need {} MiB, more than half of this machine's memory; reduce \
+                 --frames or --scale",
                 bytes >> 20
             );
         }
@@ -173,7 +175,8 @@ impl Sequence {
         let found = sequence.frames.len();
         if found < LEAST_FRAMES as usize {
             bail!(
-                "{video} has {found} frames; to measure takes at least {LEAST_FRAMES}: choose a longer video"
+                "{video} has {found} frames, the measurement needs at least {LEAST_FRAMES}; choose a \
+                 longer video"
             );
         }
         Ok(sequence)
@@ -190,7 +193,7 @@ fn scaled(frame: Frame, size: Size) -> anyhow::Result<Frame> {
 
 fn stop_if_asked(video: &str) -> anyhow::Result<()> {
     if interrupt::asked() {
-        bail!("stopped before {video} was measured");
+        bail!("stopped before the measurement of {video} was complete");
     }
     Ok(())
 }

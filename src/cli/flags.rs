@@ -40,7 +40,10 @@ pub(super) fn with_settings(command: Command) -> Command {
                 .long("settings")
                 .value_name("FILE.toml")
                 .value_parser(value_parser!(PathBuf))
-                .help("Settings laid over the preset; flags go over both. `occluscope settings` writes such a file"),
+                .help(
+                    "Settings file; overrides the preset, flags override both. `occluscope settings` \
+                 writes one",
+                ),
         );
     let defaults = Settings::default();
     SETTINGS.iter().fold(command, |command, setting| {
@@ -97,14 +100,16 @@ pub(super) fn with_common(command: Command) -> Command {
                 .long("threads")
                 .value_name("N")
                 .value_parser(value_parser!(u16).range(1..=1024))
-                .help("Threads that compute, at least 1; results do not depend on it [default: one a processor]"),
+                .help(
+                    "Number of threads, at least 1; results do not depend on it [default: one per processor]",
+                ),
         )
         .arg(
             Arg::new("quiet")
                 .long("quiet")
                 .short('q')
                 .action(ArgAction::SetTrue)
-                .help("No progress and no notes on stderr; errors are always told"),
+                .help("No progress and no notes on stderr; errors are always printed"),
         )
         .arg(
             Arg::new("verbose")
@@ -112,7 +117,7 @@ pub(super) fn with_common(command: Command) -> Command {
                 .short('v')
                 .action(ArgAction::SetTrue)
                 .conflicts_with("quiet")
-                .help("Say more on stderr"),
+                .help("Print more details on stderr"),
         )
 }
 
@@ -122,15 +127,15 @@ pub(super) fn start_threads(matches: &ArgMatches) -> anyhow::Result<()> {
     rayon::ThreadPoolBuilder::new()
         .num_threads(threads.into())
         .build_global()
-        .with_context(|| format!("{threads} threads cannot be started; ask for fewer"))?;
+        .with_context(|| format!("{threads} threads cannot be started; use fewer"))?;
     opencv::core::set_num_threads(i32::from(threads)).map_err(|error| anyhow!("OpenCV: {error}"))
 }
 
 /// Adds what is chosen of the source besides its name: `--fps`.
 pub(super) fn with_source(command: Command) -> Command {
     command.arg(Arg::new("fps").long("fps").value_name("N").allow_hyphen_values(true).help(
-        "Frames a second, where the source does not say or is wrong [default: what the video says, or \
-         `frameRate` in seqinfo.ini in the folder of images or above it, else 25]",
+        "Frames per second, if the source has none or a wrong value [default: from the video, or \
+         `frameRate` in seqinfo.ini in the image folder or its parent, else 25]",
     ))
 }
 
@@ -139,7 +144,7 @@ pub(super) fn source_options(matches: &ArgMatches) -> Result<Options, UsageError
     let Some(text) = matches.get_one::<String>("fps") else { return Ok(Options::default()) };
     let (least, greatest) = FPS_RANGE;
     let fps = parse_fps(text).ok_or_else(|| {
-        UsageError(format!("--fps cannot be `{text}`: it takes frames a second, {least}..={greatest}"))
+        UsageError(format!("--fps cannot be `{text}`: the range is {least}–{greatest} frames per second"))
     })?;
     Ok(Options { fps: Some(fps) })
 }
@@ -148,7 +153,7 @@ pub(super) fn source_options(matches: &ArgMatches) -> Result<Options, UsageError
 pub(super) fn note_assumed_fps(info: &SourceInfo, console: Console) {
     if info.fps_from == FpsFrom::Assumed {
         console.note(&format!(
-            "note: {} does not say how many frames a second it has: {} are assumed; --fps N says how many",
+            "note: {} has no frame rate, {} frames per second are assumed; set it with --fps N",
             info.name, info.fps
         ));
     }
@@ -161,7 +166,7 @@ pub(super) fn with_range(command: Command) -> Command {
             .long("range")
             .value_name("A..B")
             .allow_hyphen_values(true)
-            .help("Only frames A to B, both included, by the source's numbers; the model starts at A"),
+            .help("Only frames A to B, inclusive, in source numbering; the model starts at A"),
     )
 }
 
@@ -174,19 +179,17 @@ pub(super) fn range(matches: &ArgMatches) -> Result<Option<Range>, UsageError> {
     match parsed {
         Some(range) if range.first <= range.last => Ok(Some(range)),
         _ => Err(UsageError(format!(
-            "--range cannot be `{text}`: it takes two frame numbers, the first not above the last, as in 100..250"
+            "--range cannot be `{text}`: give two frame numbers in ascending order, as in 100..250"
         ))),
     }
 }
 
 /// Adds `--roi`.
 pub(super) fn with_roi(command: Command) -> Command {
-    command.arg(
-        Arg::new("roi").long("roi").value_name("MASK.png").value_parser(value_parser!(PathBuf)).help(
-            "Analyse only where this picture, as large as the frames, is bright (128 or more): foreground elsewhere \
-             is taken away before cleaning",
-        ),
-    )
+    command.arg(Arg::new("roi").long("roi").value_name("MASK.png").value_parser(value_parser!(PathBuf)).help(
+        "Analyse only the bright pixels (128 or more) of this image of the frame size; foreground \
+             elsewhere is removed before post-processing",
+    ))
 }
 
 /// What is to be analysed, `None` for the whole image.

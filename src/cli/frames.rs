@@ -91,7 +91,7 @@ impl Frames {
         let most = self.info.bootstrap(settings);
         if self.info.live && settings.bootstrap.frames(self.info.fps) > 0 {
             console.note(&format!(
-                "note: {} gives its frames once: bootstrap is left out, and the model starts with the first frame",
+                "note: {} is a live source: bootstrap is skipped, and the model starts with the first frame",
                 self.info.name
             ));
         }
@@ -118,7 +118,7 @@ impl Frames {
         let (mut left, mut over) = (most as usize, false);
         while left > 0 && !over {
             if interrupt::asked() {
-                bail!("stopped before the beginning of {} was learnt from", self.info.name);
+                bail!("stopped before bootstrap on {} was complete", self.info.name);
             }
             let (frames, after) = self.batch(left.min(BATCH));
             learn(&frames.iter().collect::<Vec<_>>())?;
@@ -164,7 +164,7 @@ impl Frames {
     }
 
     fn broke_off(&self) -> Item {
-        Item::Failed(anyhow!("decoding {} broke off", self.info.name))
+        Item::Failed(anyhow!("decoding {} failed", self.info.name))
     }
 
     /// The frames and what else comes, in order, to the end.
@@ -244,7 +244,7 @@ fn at_the_end(info: &SourceInfo, range: Option<Range>, last_number: Option<u32>,
         )),
         (Some(range), _) if !sent => failed(format!("{name} has no frames in the range {range}")),
         (Some(range), Some(last)) if last < range.last => {
-            Some(Item::Warning(format!("the range {range} is cut at {last}, the last frame of {name}")))
+            Some(Item::Warning(format!("the range {range} is truncated at {last}, the last frame of {name}")))
         }
         _ => None,
     }

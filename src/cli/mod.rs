@@ -34,12 +34,12 @@ Examples:
   occluscope                                  open the window on a bundled sample
   occluscope street.mp4 --preset paper        open a video with the paper's own settings
   occluscope run street.mp4 --out results     analyse without a display
-  occluscope score results --truth gt.txt     how right that was
+  occluscope score results --truth gt.txt     compare the results with ground truth
   occluscope pixel street.mp4 --at 320,240    one pixel's mixture at every frame, as CSV
   occluscope settings > my.toml               every setting with its range and meaning
 
 VIDEO is a video file, a folder of images, a pattern such as in%06d.png, or camera:0.
-`occluscope COMMAND --help` tells more; `--help` lists every setting, `-h` leaves them out.";
+`occluscope COMMAND --help` shows details; `--help` lists every setting, `-h` omits them.";
 
 /// The whole command line.
 pub fn command() -> Command {
@@ -98,7 +98,7 @@ fn tell_bugs_in_one_line() {
             let line = bug.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
             let _ = writeln!(
                 io::stderr(),
-                "error: this is a bug in occluscope: {line}; please report it with what RUST_BACKTRACE=1 shows"
+                "error: bug in occluscope: {line}; please report it with the output of RUST_BACKTRACE=1"
             );
         }));
     }

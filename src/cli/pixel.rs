@@ -24,11 +24,12 @@ pub fn command() -> Command {
     let command = Command::new("pixel")
         .about("Write one pixel's mixture at every frame as CSV")
         .after_help(
-            "Columns: frame, the value, matched (rank before the update, 0: none), rank (after it), background_count (B), \
-             foreground (0 or 1), rho, p, and for each component in rank order w, mu, var. They speak of the mixture \
-             alone: with --roi it is told where the area overrules it. The rows are those of the frames that are judged: \
-             with `bootstrap` the first one is like any other, as the model has learnt before.\n\n\
-             Examples:\n  occluscope pixel street.mp4 --at 320,240 --out pixel.csv\n  occluscope pixel street.mp4 --at 320,240 --k 3 --range 100..200 | head",
+            "Columns: frame, the value, matched (rank before the update, 0: none), rank (after it), \
+             background_count (B), foreground (0 or 1), rho, p, and for each component in rank order w, \
+             mu, var. The values are the mixture's only; a note is printed if --roi excludes the pixel. \
+             There is one row per evaluated frame; with `bootstrap` the model is trained before the first \
+             one.\n\nExamples:\n  occluscope pixel street.mp4 --at 320,240 --out pixel.csv\n  occluscope \
+             pixel street.mp4 --at 320,240 --k 3 --range 100..200 | head",
         )
         .arg(flags::video().required(true))
         .arg(
@@ -37,14 +38,14 @@ pub fn command() -> Command {
                 .value_name("X,Y")
                 .required(true)
                 .allow_hyphen_values(true)
-                .help("The pixel: column and row, the upper left being 0,0"),
+                .help("The pixel as column and row; the upper left pixel is 0,0"),
         )
         .arg(
             Arg::new("out")
                 .long("out")
                 .value_name("FILE.csv")
                 .value_parser(value_parser!(PathBuf))
-                .help("Where to write; stdout without it"),
+                .help("Output file [default: stdout]"),
         );
     flags::with_settings(flags::with_common(flags::with_roi(flags::with_range(flags::with_source(command)))))
 }
@@ -57,7 +58,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     if settings.background_model != BackgroundModel::Mixture {
         let model = settings.background_model.word();
         return Err(UsageError(format!(
-            "the background model `{model}` has no mixture to show; leave out --background-model {model}"
+            "the background model `{model}` has no mixture; omit --background-model {model}"
         ))
         .into());
     }
@@ -85,9 +86,9 @@ fn text<'a>(matches: &'a ArgMatches, name: &str) -> &'a str {
 
 fn at(matches: &ArgMatches) -> Result<(u32, u32), UsageError> {
     let text = text(matches, "at");
-    text.split_once(',').and_then(|(x, y)| Some((x.trim().parse().ok()?, y.trim().parse().ok()?))).ok_or_else(
-        || UsageError(format!("--at cannot be `{text}`: it takes a column and a row, as in 320,240")),
-    )
+    text.split_once(',')
+        .and_then(|(x, y)| Some((x.trim().parse().ok()?, y.trim().parse().ok()?)))
+        .ok_or_else(|| UsageError(format!("--at cannot be `{text}`: give column and row, as in 320,240")))
 }
 
 /// Writes beside `path` and moves the whole there; a device or a pipe is written to as it is.
@@ -126,7 +127,7 @@ impl Follow<'_> {
         let size = frames.info.size;
         if size.index(x, y).is_none() {
             bail!(
-                "pixel {x},{y} is outside {}, which is {size}; choose a column in 0..={} and a row in 0..={}",
+                "pixel {x},{y} is outside {}, which is {size}; choose a column in 0–{} and a row in 0–{}",
                 self.video,
                 size.width - 1,
                 size.height - 1
@@ -136,8 +137,8 @@ impl Follow<'_> {
             roi.check(size)?;
             if !roi.contains(x, y) {
                 self.console.note(&format!(
-                    "note: pixel {x},{y} lies outside the area that is analysed: where the mixture calls it \
-                     foreground, a later step overrules it"
+                    "note: pixel {x},{y} lies outside the analysed area: foreground verdicts of the \
+                     mixture are removed by a later stage"
                 ));
             }
         }
@@ -153,7 +154,7 @@ impl Follow<'_> {
             }
             Ok(())
         })?;
-        let progress = self.console.progress("following", frames.total);
+        let progress = self.console.progress("analysing pixel", frames.total);
         let live = frames.info.live;
         for item in frames.items() {
             if interrupt::asked() && !live {

@@ -49,23 +49,23 @@ struct Bulky {
 }
 
 const MASKS: Bulky =
-    Bulky { flag: "masks", file: "masks", help: "masks/bin000001.png …: the foreground, 0 or 255" };
+    Bulky { flag: "masks", file: "masks", help: "masks/bin000001.png …: foreground masks, 0 or 255" };
 const FRAMES: Bulky = Bulky {
     flag: "frames",
     file: "frames",
-    help: "frames/000001.png …: the input with all that was found drawn on",
+    help: "frames/000001.png …: input frames with the results drawn on",
 };
 const ANNOTATED: Bulky =
     Bulky { flag: "annotated", file: "annotated.mp4", help: "annotated.mp4: the same as a video" };
 const BACKGROUND: Bulky = Bulky {
     flag: "background",
     file: "background",
-    help: "background/000001.png …: the model's background after each frame",
+    help: "background/000001.png …: background model after each frame",
 };
 const PLAIN_FRAMES: Bulky = Bulky {
     flag: "plain-frames",
     file: "plain-frames",
-    help: "plain-frames/000001.png …: the input as it was decoded",
+    help: "plain-frames/000001.png …: input frames as decoded",
 };
 const ALL_BULKY: [Bulky; 5] = [MASKS, FRAMES, ANNOTATED, BACKGROUND, PLAIN_FRAMES];
 
@@ -74,10 +74,12 @@ pub fn command() -> Command {
     let command = Command::new("run")
         .about("Analyse a video without a display and write tracks, regions, events and episodes")
         .after_help(
-            "Writes into DIR: summary.json, settings.toml, tracks.csv (MOTChallenge), tracks.json, regions.csv, \
-             events.jsonl, episodes.csv; roi.png, the mask that --roi gave. Files of an earlier run are replaced, others are left alone; nothing appears \
-             before all of it is whole.\n\n\
-             Examples:\n  occluscope run street.mp4 --out results\n  occluscope run street.mp4 --out results --annotated --masks --range 100..250\n  occluscope run images/in%06d.jpg --out results --preset plain --k 3 --alpha 0.005",
+            "Writes into DIR: summary.json, settings.toml, tracks.csv (MOTChallenge), tracks.json, \
+             regions.csv, events.jsonl, episodes.csv; with --roi also roi.png. Files of an earlier run are \
+             replaced, other files are kept; files appear only when all are complete.\n\nExamples:\n  \
+             occluscope run street.mp4 --out results\n  occluscope run street.mp4 --out results \
+             --annotated --masks --range 100..250\n  occluscope run images/in%06d.jpg --out results \
+             --preset plain --k 3 --alpha 0.005",
         )
         .arg(flags::video().required(true))
         .arg(
@@ -86,11 +88,11 @@ pub fn command() -> Command {
                 .value_name("DIR")
                 .required(true)
                 .value_parser(value_parser!(PathBuf))
-                .help("The folder for the results; made if it is not there"),
+                .help("Output folder; created if it does not exist"),
         );
     let command = ALL_BULKY.into_iter().fold(command, |command, Bulky { flag, help, .. }| {
         command
-            .arg(Arg::new(flag).long(flag).action(ArgAction::SetTrue).help(help).help_heading("Bulky files"))
+            .arg(Arg::new(flag).long(flag).action(ArgAction::SetTrue).help(help).help_heading("Large files"))
     });
     flags::with_settings(flags::with_common(flags::with_roi(flags::with_range(flags::with_source(command)))))
 }
@@ -256,7 +258,7 @@ fn analyse(job: &Job, frames: &mut Frames, staging: &Staging) -> anyhow::Result<
         live.finish()?;
     }
     if kept.is_empty() {
-        bail!("{} gave no frames; nothing was written", job.video);
+        bail!("{} has no frames; nothing was written", job.video);
     }
     Ok(Record {
         reading: final_reading(&kept, &pipeline),
@@ -380,7 +382,7 @@ fn draw(job: &Job, record: &Record, staging: &Staging) -> anyhow::Result<()> {
     let Reading { tracks, events, .. } = &record.reading;
     let mut drawing = Drawing::new(job, &frames.info, staging)?;
     let progress = job.console.progress("drawing", Some(tracks.len() as u32));
-    let changed = || anyhow!("{} changed while it was analysed; run again", job.video);
+    let changed = || anyhow!("{} changed during the analysis; run again", job.video);
 
     let mut pictures = frames.items().filter_map(|item| match item {
         Item::Frame(frame) => Some(Ok(frame)),
@@ -449,7 +451,7 @@ fn write_tables(record: &Record, job: &Job, staging: &Staging) -> anyhow::Result
         if job.roi.is_some() {
             writeln!(
                 out,
-                "# Only where {ROI} beside this file is bright; to run the same again: --roi {ROI}"
+                "# Only the bright pixels of {ROI} are analysed; to repeat this run, add --roi {ROI}"
             )?;
         }
         Ok(())
@@ -524,7 +526,7 @@ fn tell(job: &Job, summary: &Summary) {
     for (file, ours) in bulky.chain([(ROI, job.roi.is_some())]) {
         let path = job.out.join(file);
         if !ours && path.exists() {
-            job.console.note(&format!("note: {} is not of this run", path.display()));
+            job.console.note(&format!("note: {} is not from this run", path.display()));
         }
     }
 }

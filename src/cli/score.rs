@@ -23,17 +23,21 @@ const TOLERANCE: u32 = 8;
 /// The subcommand.
 pub fn command() -> Command {
     let command = Command::new("score")
-        .about("Score what `run` wrote against ground truth")
+        .about("Score the results of `run` against ground truth")
         .after_help(
-            "PATH is one of\n  a MOTChallenge gt.txt: CLEAR-MOT and IDF1 at IoU 0.5 and 0.3, identities that survive occlusion;\n  a CDnet folder (groundtruth/, ROI.bmp, temporalROI.txt): the seven measures of masks, for which `run` needs --masks;\n  a scene written by `synth`: tracks, events and episodes by kind (8 frames of tolerance), and masks where there are some.\n\n\
-             Examples:\n  occluscope score results --truth gt.txt\n  occluscope score results --truth highway --json\n  occluscope score results --truth crossing",
+            "PATH is one of\n  a MOTChallenge gt.txt: CLEAR-MOT and IDF1 at IoU 0.5 and 0.3, identities \
+             kept through occlusion;\n  a CDnet folder (groundtruth/, ROI.bmp, temporalROI.txt): the seven \
+             mask measures; `run` needs --masks;\n  a scene written by `synth`: tracks, events and \
+             episodes by kind (tolerance of 8 frames), and masks if available.\n\nExamples:\n  occluscope \
+             score results --truth gt.txt\n  occluscope score results --truth highway --json\n  occluscope \
+             score results --truth crossing",
         )
         .arg(
             Arg::new("results")
                 .value_name("DIR")
                 .required(true)
                 .value_parser(value_parser!(PathBuf))
-                .help("The folder that `run` wrote"),
+                .help("Output folder of `run`"),
         )
         .arg(
             Arg::new("truth")
@@ -83,7 +87,7 @@ struct Scores {
 impl Scores {
     fn of(results: &Path, truth: &Path) -> anyhow::Result<Self> {
         if !results.is_dir() {
-            bail!("{} is no folder of results; name the one that `run --out` wrote", results.display());
+            bail!("{} is not a results folder; give the output folder of `run --out`", results.display());
         }
         match Place::of(truth)? {
             Place::Boxes(file) => Ok(Self::of_tracks(&boxes::read(&file)?, &tracks(results)?)),
@@ -124,7 +128,8 @@ impl Scores {
         {
             writeln!(
                 out,
-                "{name}   MOTA {:.3}  IDF1 {:.3}  precision {:.3}  recall {:.3}  MOTP {:.3}  switches {}  fragmentations {}  mostly tracked {} of {}",
+                "{name}   MOTA {:.3}  IDF1 {:.3}  precision {:.3}  recall {:.3}  MOTP {:.3}  IDSW {}  \
+                 fragmentations {}  mostly tracked {} of {}",
                 score.mota,
                 score.idf1,
                 score.precision,
@@ -138,7 +143,10 @@ impl Scores {
         }
         if let Some(tracks) = &self.tracks {
             let Survival { episodes, identities, survived, .. } = &tracks.occlusion;
-            writeln!(out, "occlusion {survived} of {identities} identities survive {episodes} meetings")?;
+            writeln!(
+                out,
+                "occlusion {survived} of {identities} identities kept through {episodes} occlusion episodes"
+            )?;
         }
         for (title, found) in [("events", &self.events), ("episodes", &self.episodes)] {
             let Some(found) = found else { continue };
@@ -146,7 +154,8 @@ impl Scores {
             for (kind, Found { truth, reported, matched, precision, recall }) in found {
                 writeln!(
                     out,
-                    "  {kind:13} {matched} of {truth} found, {reported} reported: precision {precision:.3}  recall {recall:.3}"
+                    "  {kind:13} TP {matched}, GT {truth}, reported {reported}: precision {precision:.3}  \
+                     recall {recall:.3}"
                 )?;
             }
         }

@@ -17,14 +17,14 @@ use crate::synth::{self, Parameters, catalogue};
 pub fn command() -> Command {
     let names = catalogue::entries().map(|entry| entry.name);
     Command::new("synth")
-        .about("Renders a scene with its exact ground truth")
+        .about("Render a scene with exact ground truth")
         .arg(
             Arg::new("scene")
                 .value_name("SCENE")
                 .required_unless_present("list")
                 .value_parser(PossibleValuesParser::new(names))
                 .hide_possible_values(true)
-                .help("The scene's name; --list shows them"),
+                .help("Name of the scene; --list prints all names"),
         )
         .arg(
             Arg::new("out")
@@ -32,23 +32,23 @@ pub fn command() -> Command {
                 .value_name("DIR")
                 .required_unless_present("list")
                 .value_parser(value_parser!(PathBuf))
-                .help("Folder for SCENE.mp4, truth/ and scene.json; made if need be"),
+                .help("Output folder for SCENE.mp4, truth/ and scene.json; created if it does not exist"),
         )
-        .arg(Arg::new("list").long("list").action(ArgAction::SetTrue).help("Lists the scenes and ends"))
+        .arg(Arg::new("list").long("list").action(ArgAction::SetTrue).help("List the scenes and exit"))
         .arg(
             Arg::new("seed")
                 .long("seed")
                 .value_name("N")
                 .default_value("1")
                 .value_parser(value_parser!(u64))
-                .help("Textures, noise, clothes and small differences of pace follow from it"),
+                .help("Random seed for textures, noise, clothes and variations of speed"),
         )
         .arg(
             Arg::new("frames")
                 .long("frames")
                 .value_name("N")
                 .value_parser(value_parser!(u32).range(1..=999_999))
-                .help("How many frames [default: until everybody has left]"),
+                .help("Number of frames [default: until all people have left]"),
         )
         .arg(
             Arg::new("size")
@@ -56,7 +56,7 @@ pub fn command() -> Command {
                 .value_name("WxH")
                 .default_value("320x240")
                 .value_parser(parse_size)
-                .help("Image size in pixels, both even, 64 to 4096"),
+                .help("Image size in pixels, both sides even, 64 to 4096"),
         )
         .arg(
             Arg::new("noise")
@@ -64,13 +64,13 @@ pub fn command() -> Command {
                 .value_name("SIGMA")
                 .default_value("4")
                 .value_parser(|text: &str| parse_number(text, 0.0, 64.0))
-                .help("Standard deviation of the camera's noise in grey levels, 0 to 64"),
+                .help("Standard deviation of the camera noise in grey levels, 0 to 64"),
         )
         .arg(
             Arg::new("photon-noise")
                 .long("photon-noise")
                 .action(ArgAction::SetTrue)
-                .help("Lets the noise grow with the light; SIGMA is then that of mid grey"),
+                .help("Noise increases with brightness; SIGMA applies to mid grey"),
         )
         .arg(
             Arg::new("speed")
@@ -78,7 +78,7 @@ pub fn command() -> Command {
                 .value_name("F")
                 .default_value("1")
                 .value_parser(|text: &str| parse_number(text, 0.1, 10.0))
-                .help("Factor on everybody's speed, 0.1 to 10"),
+                .help("Speed factor for all people, 0.1 to 10"),
         )
         .arg(
             Arg::new("shadows")
@@ -90,7 +90,7 @@ pub fn command() -> Command {
             Arg::new("lossless")
                 .long("lossless")
                 .action(ArgAction::SetTrue)
-                .help("Writes SCENE.avi (FFV1), every bit as rendered, instead of SCENE.mp4"),
+                .help("Write SCENE.avi (lossless FFV1) instead of SCENE.mp4"),
         )
 }
 
@@ -120,7 +120,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     })?;
     drop(bar);
     console.note(&format!(
-        "{}: {} frames of {}, their truth beside it",
+        "{}: {} frames of {}, with ground truth",
         video.display(),
         scene.frames,
         scene.size
@@ -158,7 +158,7 @@ fn list() -> anyhow::Result<()> {
 
 fn parse_size(text: &str) -> Result<Size, String> {
     let sides = text.split_once(['x', 'X', '×']).and_then(|(w, h)| Some((w.parse().ok()?, h.parse().ok()?)));
-    let Some((width, height)) = sides else { return Err("write it like 320x240".to_owned()) };
+    let Some((width, height)) = sides else { return Err("give it as in 320x240".to_owned()) };
     for side in [width, height] {
         if !(64..=4096).contains(&side) || side % 2 == 1 {
             return Err(format!("{side} is not an even number from 64 to 4096"));

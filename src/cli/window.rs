@@ -14,17 +14,20 @@ use crate::truth::Place;
 /// Adds what the window takes.
 pub(super) fn with_arguments(command: Command) -> Command {
     let video = flags::video().help(
-        "Open the window on a video file, a folder of images, a pattern such as in%06d.png, or camera:0; \
-         without it, on a bundled sample",
+        "Video file, folder of images, pattern such as in%06d.png, or camera:0 to open in the window \
+         [default: a bundled sample]",
     );
     let memory = Arg::new("memory")
         .long("memory")
         .value_name("MIB")
         .value_parser(value_parser!(u64).range(16..=1 << 30))
-        .help("Memory for decoded frames and for going back in time, in MiB [default: a quarter of the machine's]");
+        .help(
+            "Memory budget for decoded frames and checkpoints, in MiB [default: a quarter of the \
+         machine's memory]",
+        );
     let truth =
         Arg::new("truth").long("truth").value_name("PATH").value_parser(value_parser!(PathBuf)).help(
-            "Ground truth to score by: a MOTChallenge file, a CDnet folder, or a scene written by `synth`",
+            "Ground truth for scoring: a MOTChallenge file, a CDnet folder, or a scene written by `synth`",
         );
     let command = command.arg(video).arg(truth).arg(memory);
     flags::with_common(flags::with_settings(flags::with_roi(flags::with_source(command))))
@@ -66,6 +69,7 @@ fn open(
 ) -> anyhow::Result<()> {
     let video = video.unwrap_or_else(|| "VIDEO".to_owned());
     anyhow::bail!(
-        "this build has no window; analyse with `occluscope run {video} --out DIR`, or build it without `--no-default-features`"
+        "this build has no window; analyse with `occluscope run {video} --out DIR`, or build without \
+         `--no-default-features`"
     )
 }

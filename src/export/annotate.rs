@@ -147,9 +147,9 @@ fn draw_banner(canvas: &mut Canvas<'_>, number: u32, events: &[Event], style: St
     for event in events.iter().rev() {
         let what = if event.objects == event.becomes || event.becomes.is_empty() || event.objects.is_empty() {
             let who = if event.objects.is_empty() { &event.becomes } else { &event.objects };
-            format!("{} {}", event.kind.name(), joined(who))
+            format!("{} {}", event.kind.label(), joined(who))
         } else {
-            format!("{} {} → {}", event.kind.name(), joined(&event.objects), joined(&event.becomes))
+            format!("{} {} → {}", event.kind.label(), joined(&event.objects), joined(&event.becomes))
         };
         if event.frame == number {
             chips.push((what, Paint::solid(event_colour(event.kind)), BLACK));

@@ -19,9 +19,7 @@ pub struct VideoFile {
 #[derive(Debug, thiserror::Error)]
 pub enum VideoError {
     /// OpenCV was built without an encoder, or the size or rate is beyond it.
-    #[error(
-        "OpenCV cannot encode an MPEG-4 video of {size} at {fps} frames a second; leave `--annotated` out"
-    )]
+    #[error("OpenCV cannot encode an MPEG-4 video of {size} at {fps} frames per second; omit `--annotated`")]
     Encoder {
         /// Of the video.
         size: Size,

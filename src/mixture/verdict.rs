@@ -46,8 +46,8 @@ pub fn verdict(history: &PixelHistory, index: usize) -> Verdict {
     verdict.details.extend(taken_out(state));
     if parameters.begins_at(state.t) {
         verdict.details.push(format!(
-            "It is the first frame that is judged: the model begins with what it learnt from {} frames (bootstrap): \
-             component 1, and others of the background where it showed them again and again.",
+            "First evaluated frame: the model is initialised from {} frames (bootstrap) with component 1, \
+             and with recurring background components.",
             parameters.learnt
         ));
     }
@@ -57,10 +57,10 @@ pub fn verdict(history: &PixelHistory, index: usize) -> Verdict {
 /// About a pixel that the frame does not show.
 fn not_shown(state: &PixelState) -> Verdict {
     Verdict {
-        headline: "Background: the frame does not show this pixel, and nothing is learnt".to_owned(),
+        headline: "Background: no data for this pixel in this frame; the model is not updated".to_owned(),
         details: vec![
-            "It came in from outside the frame as the camera's motion was taken out (stabilise), or it is cut off by too \
-             much light (light). The value shown is the mean of component 1."
+            "Motion correction (stabilise) places it outside the input frame, or it is saturated under \
+             light correction (light). The value shown is the mean of component 1."
                 .to_owned(),
         ],
         foreground: state.outcome.foreground,
@@ -73,11 +73,13 @@ fn taken_out(state: &PixelState) -> Vec<String> {
     let mut sentences = Vec::new();
     if state.applied.gain != 1.0 {
         let gain = number_with(state.applied.gain, 2);
-        sentences.push(format!("The frame's light was {gain} of the reference; it is taken out (light)."));
+        sentences
+            .push(format!("Light correction (light): gain {gain} relative to the reference, compensated."));
     }
     if dx != 0.0 || dy != 0.0 {
         sentences.push(format!(
-            "The camera's motion put this place {dx:.1} pixels to the right and {dy:.1} down; it is taken out (stabilise)."
+            "Motion correction (stabilise): camera motion of {dx:.1} px to the right and {dy:.1} px down \
+             at this pixel, compensated."
         ));
     }
     sentences
@@ -93,22 +95,22 @@ fn shadow(state: &PixelState, parameters: &Parameters) -> Option<String> {
     covers.then(|| {
         let (share, off) = rule.of(value, mean);
         let (what, limit) = if share < 1.0 {
-            ("shadow", format!("at least {}, shadow_floor", number(rule.floor)))
+            ("shadow", format!("threshold τ = {}, shadow threshold", number(rule.floor)))
         } else {
-            ("light", format!("at most {}, light_ceiling", number(rule.ceiling)))
+            ("light", format!("maximum {}, light threshold", number(rule.ceiling)))
         };
         let then = if rule.window > 0 {
             format!(
-                "leaves the mask if of the {0} × {0} pixels around no fewer are so, and evenly, than are other \
-                 foreground (shadow_window, shadow_spread)",
+                "removed from the mask if the {0} × {0} neighbourhood has at least as many even pixels of \
+                 this kind as other foreground (shadow window, shadow spread)",
                 rule.window
             )
         } else {
-            "leaves the mask".to_owned()
+            "removed from the mask".to_owned()
         };
         format!(
-            "It is taken for {what} and {then}: the colour of component 1 at {} of its brightness ({limit}), {} levels \
-             off (at most {}, shadow_colour).",
+            "Classified as {what}, {then}: colour of component 1 at {} of its brightness ({limit}), colour \
+             distance {} levels (maximum {}, shadow colour).",
             number(share),
             number(off),
             number(rule.colour)
@@ -127,8 +129,9 @@ fn doubt(state: &PixelState, before: &Pixel, parameters: &Parameters) -> Option<
     let component = before.components().get(usize::from(state.outcome.matched).checked_sub(1)?)?;
     let rule = parameters.hysteresis;
     Some(format!(
-        "It is doubtful: {} levels from its component's mean (limit {}, hysteresis). It becomes foreground if of the \
-         {2} × {2} pixels around at least {3} are (hysteresis_window, hysteresis_share).",
+        "Weak match: {} levels from the component's mean (threshold {}, hysteresis). It becomes foreground \
+         if at least {3} of the {2} × {2} neighbourhood is foreground (hysteresis window, hysteresis \
+         share).",
         number(component.distance_squared(state.value).sqrt()),
         number(rule.distance),
         rule.window,
@@ -142,7 +145,7 @@ fn doubt(state: &PixelState, before: &Pixel, parameters: &Parameters) -> Option<
 /// analysed.
 pub fn overruled(mixture: bool, mask: bool, ignored: bool, settings: &Settings) -> Option<String> {
     if ignored {
-        let made = "A later step overruled it: the pixel lies outside the area that is analysed.";
+        let made = "Changed by a later stage: the pixel lies outside the analysed area.";
         return mixture.then(|| made.to_owned());
     }
     // An opening only takes foreground away, a closing and the filling of holes only add to it.
@@ -160,19 +163,20 @@ pub fn overruled(mixture: bool, mask: bool, ignored: bool, settings: &Settings) 
         .filter(|setting| changes_masks(setting))
         .filter_map(|setting| match setting.get(settings) {
             SettingValue::Integer(0) | SettingValue::Real(1.0) | SettingValue::Choice("off" | "none") => None,
-            value => Some(format!("{} {value}", setting.name.replace('_', " "))),
+            value => Some(format!("{} {value}", setting.label())),
         })
         .collect();
     let made = if mask { "foreground" } else { "background" };
     let by = if steps.is_empty() { String::new() } else { format!(" ({})", steps.join(", ")) };
-    (mixture != mask).then(|| format!("A later step overruled it: cleaning{by} made this pixel {made}."))
+    (mixture != mask)
+        .then(|| format!("Changed by a later stage: after post-processing{by} this pixel is {made}."))
 }
 
 fn first_frame(state: &PixelState, parameters: &Parameters) -> Verdict {
     Verdict {
-        headline: "Background: the model's first frame, where every pixel is".to_owned(),
+        headline: "Background: first frame of the model, all pixels are background".to_owned(),
         details: vec![format!(
-            "Component 1 starts at this value with w = 1 and σ = {} (initial_sigma).",
+            "Component 1 starts at this value with w = 1 and σ = {} (initial sigma).",
             number(parameters.initial_sigma)
         )],
         foreground: state.outcome.foreground,
@@ -188,9 +192,9 @@ fn matched(state: &PixelState, before: &Pixel, parameters: &Parameters) -> Verdi
     let background = background_words(&state.pixel, state.outcome.background_count, t);
     let headline = if state.outcome.foreground {
         let only = background.headline;
-        format!("Foreground: matched component {rank} at {distance} σ (limit {limit}), but {only}")
+        format!("Foreground: matched component {rank} at {distance} σ (threshold {limit}), but {only}")
     } else {
-        format!("Background: matched component {rank} at {distance} σ (limit {limit})")
+        format!("Background: matched component {rank} at {distance} σ (threshold {limit})")
     };
 
     let mut details = Vec::new();
@@ -200,7 +204,7 @@ fn matched(state: &PixelState, before: &Pixel, parameters: &Parameters) -> Verdi
     if rank < from {
         let (moved, passed) = (&state.pixel.components()[rank - 1], &state.pixel.components()[rank]);
         let (now, others) = pair(moved.rank_value(), passed.rank_value(), 4);
-        details.push(format!("It went up from rank {from} to {rank}: its w/σ is now {now}, above {others}."));
+        details.push(format!("It moved up from rank {from} to {rank}: its w/σ is {now}, above {others}."));
     }
     details.extend(raised(state, parameters));
     details.extend(nearer(state, before, from));
@@ -211,7 +215,7 @@ fn matched(state: &PixelState, before: &Pixel, parameters: &Parameters) -> Verdi
         (1.0 - state.outcome.rho) * old.variance + state.outcome.rho * new.distance_squared(state.value);
     if learned < parameters.min_sigma * parameters.min_sigma {
         details.push(format!(
-            "σ is held at its floor {} (min_sigma); the data alone would give {}.",
+            "σ is clamped to the minimum {} (min sigma); without the limit it is {}.",
             number(parameters.min_sigma),
             apart(learned.max(0.0).sqrt(), parameters.min_sigma, 1),
         ));
@@ -219,7 +223,8 @@ fn matched(state: &PixelState, before: &Pixel, parameters: &Parameters) -> Verdi
     if let Some(below) = state.pixel.components().get(rank).filter(|c| c.rank_value() > new.rank_value()) {
         let (own, others) = pair(new.rank_value(), below.rank_value(), 4);
         details.push(format!(
-            "It stays above component {} although its w/σ, {own}, is less than {others}: a match only moves up.",
+            "It stays above component {} although its w/σ {own} is below {others}: a match only moves up \
+             in rank.",
             rank + 1,
         ));
     }
@@ -238,7 +243,7 @@ fn unmatched(state: &PixelState, before: &Pixel, parameters: &Parameters) -> Ver
         .min_by(|a, b| a.1.total_cmp(&b.1));
     let nearest = nearest.map_or_else(String::new, |(rank, distance)| {
         format!(
-            "; nearest was component {rank} at {} σ (limit {limit})",
+            "; nearest is component {rank} at {} σ (threshold {limit})",
             apart(distance, parameters.lambda, 1)
         )
     });
@@ -254,22 +259,21 @@ fn unmatched(state: &PixelState, before: &Pixel, parameters: &Parameters) -> Ver
     );
     let mut details = vec![if last.is_used() {
         format!(
-            "Component {k}, the last (w = {}), was replaced by this value with {new}.",
+            "Component {k}, the last (w = {}), is replaced by a new component at this value with {new}.",
             number_with(last.weight, 3)
         )
     } else {
         format!(
-            "A component was added at this value with {new}: there was room, {} of {k} were in use.",
+            "A new component is added at this value with {new}: {} of {k} components were in use.",
             before.used()
         )
     }];
     if rank < k && last.is_used() {
-        details.push(format!("The new one went up at once from rank {k} to {rank}."));
+        details.push(format!("The new component moved up from rank {k} to {rank}."));
     }
     if rank <= count {
-        details.push(format!(
-            "It has rank {rank} and B is {count}, but a value that matched nothing is foreground."
-        ));
+        details
+            .push(format!("Its rank is {rank} and B = {count}, but a value without a match is foreground."));
     }
     let t = parameters.t_of(state.pixel.past());
     details.push(background_words(&state.pixel, state.outcome.background_count, t).sentence);
@@ -277,7 +281,7 @@ fn unmatched(state: &PixelState, before: &Pixel, parameters: &Parameters) -> Ver
     details.extend(paced(before, state.t, parameters));
     details.extend(changed_count(state, before, parameters));
     Verdict {
-        headline: format!("Foreground: nothing matched{nearest}"),
+        headline: format!("Foreground: no match{nearest}"),
         details,
         foreground: state.outcome.foreground,
     }
@@ -295,19 +299,19 @@ fn background_words(pixel: &Pixel, count: u8, t: f32) -> BackgroundWords {
     let sum: f32 = weights.iter().fold(0.0, |sum, weight| sum + weight);
     let who = match count {
         1 => "component 1".to_owned(),
-        _ => format!("the first {count}"),
+        _ => format!("components 1 to {count}"),
     };
     if sum > t {
         let why = format!("{} > T = {}", sum_above(&weights, t), number(t));
         BackgroundWords {
-            headline: format!("background is only {who} ({why})"),
-            sentence: format!("Background is {who}: {why}, so B = {count}."),
+            headline: format!("background consists only of {who} ({why})"),
+            sentence: format!("Background consists of {who}: {why}, so B = {count}."),
         }
     } else {
         let why = format!("no sum of weights exceeds T = {}", number(t));
         BackgroundWords {
-            headline: format!("background is only {who} ({why})"),
-            sentence: format!("Background is all {count} components in use: {why}, so B = {count}."),
+            headline: format!("background consists only of {who} ({why})"),
+            sentence: format!("Background consists of all {count} components in use: {why}, so B = {count}."),
         }
     }
 }
@@ -327,7 +331,8 @@ fn nearer(state: &PixelState, before: &Pixel, from: usize) -> Option<String> {
         .map(|(rank, distance)| {
             let (nearer, taken) = pair(distance, taken, 1);
             format!(
-                "The component of rank {rank} was nearer, {nearer} σ against {taken}, but the first in rank order that matches is taken."
+                "The component of rank {rank} is nearer, {nearer} σ vs {taken}, but the first match in \
+                 rank order is used."
             )
         })
 }
@@ -339,8 +344,8 @@ fn raised(state: &PixelState, parameters: &Parameters) -> Option<String> {
     (t > parameters.t).then(|| {
         let (raised, plain) = pair(t, parameters.t, 2);
         format!(
-            "T is raised from {plain} to {raised} as this pixel is restless: its verdict changed in {} % of the \
-             recent frames (in full from {} %, unrest_full).",
+            "T is raised from {plain} to {raised} because this pixel flickers: its verdict changed in {} % \
+             of the recent frames (full effect from {} %, flicker limit).",
             number(100.0 * past.unrest),
             number(100.0 * parameters.feedback.full)
         )
@@ -357,16 +362,16 @@ fn paced(before: &Pixel, t: u32, parameters: &Parameters) -> Option<String> {
     let run = number(past.run);
     Some(if past.run > parameters.feedback.hold_after {
         format!(
-            "α is {} of {}: it had been foreground for {run} frames without a break (more than {}, hold_after), and \
-             such foreground is learned slowly (hold).",
+            "α is {} of {}: foreground for {run} consecutive frames (more than {}, hold after) is learned \
+             slowly (hold).",
             number(alpha / plain),
             number(plain),
             number(parameters.feedback.hold_after),
         )
     } else {
         format!(
-            "α is {} times {}: this pixel is restless, and had been foreground for {run} frames only (at most {}, \
-             hold_after).",
+            "α is {} times {}: this pixel flickers, and was foreground for only {run} consecutive frames \
+             (at most {}, hold after).",
             number(alpha / plain),
             number(plain),
             number(parameters.feedback.hold_after),
@@ -385,7 +390,7 @@ fn learning(state: &PixelState, before: &Pixel, parameters: &Parameters) -> Stri
         if state.t <= parameters.warm_up && alpha > parameters.alpha { " = 1/t (warm-up)" } else { "" };
     // α·η has no bound of its own: where σ is small η exceeds 1/α.
     let limited = if state.outcome.rho >= 1.0 { "limited to 1" } else { how };
-    format!("It learned with ρ = {} ({limited}), α = {}{warming}.", number(state.outcome.rho), number(alpha))
+    format!("Updated with ρ = {} ({limited}), α = {}{warming}.", number(state.outcome.rho), number(alpha))
 }
 
 fn changed_count(state: &PixelState, before: &Pixel, parameters: &Parameters) -> Option<String> {
@@ -393,7 +398,7 @@ fn changed_count(state: &PixelState, before: &Pixel, parameters: &Parameters) ->
         before.background_count(parameters.t_of(before.past())),
         usize::from(state.outcome.background_count),
     );
-    (old != new).then(|| format!("B went from {old} to {new} in this frame."))
+    (old != new).then(|| format!("B changed from {old} to {new} in this frame."))
 }
 
 /// A number in at most four significant digits, without needless zeros; very small ones as `1.2e-7`.
@@ -480,19 +485,19 @@ mod tests {
         history.push_colour(1, [200; 3]);
         let words = verdict(&history, 0);
         assert!(words.foreground && !words.headline.contains("first frame"), "{}", words.headline);
-        assert!(words.headline.starts_with("Foreground: nothing matched"), "{}", words.headline);
-        let begins = words.details.iter().find(|detail| detail.contains("learnt from 40 frames"));
+        assert!(words.headline.starts_with("Foreground: no match"), "{}", words.headline);
+        let begins = words.details.iter().find(|detail| detail.contains("initialised from 40 frames"));
         assert!(begins.is_some(), "{:?}", words.details);
         history.push_colour(2, [50; 3]);
         let words = verdict(&history, 1);
-        assert!(!words.foreground && !words.details.iter().any(|detail| detail.contains("learnt from")));
+        assert!(!words.foreground && !words.details.iter().any(|detail| detail.contains("initialised from")));
     }
 
     #[test]
     fn the_first_frame_says_so() {
         let history = PixelHistory::of_colours((0, 0), parameters(), [(7, [50; 3])]);
         let words = verdict(&history, 0);
-        assert!(!words.foreground && words.headline.starts_with("Background: the model's first frame"));
+        assert!(!words.foreground && words.headline.starts_with("Background: first frame of the model"));
         assert!(detail(&words, "Component 1 starts").contains("σ = 20"));
     }
 
@@ -506,10 +511,13 @@ mod tests {
     fn a_background_match_names_component_distance_and_limit() {
         let (words, state) = meets(&[gray(0.6, 100.0, 10.0), gray(0.4, 200.0, 10.0)], 112, parameters());
         assert!(!words.foreground && !state.outcome.foreground);
-        assert_eq!(words.headline, "Background: matched component 1 at 1.2 σ (limit 2.5)");
-        assert_eq!(words.details[0], "Background is the first 2: 0.60 + 0.40 > T = 0.7, so B = 2.");
-        assert!(detail(&words, "learned").contains("α/w, rate = weight"));
-        assert!(!words.details.iter().any(|detail| detail.contains("floor") || detail.contains("rank")));
+        assert_eq!(words.headline, "Background: matched component 1 at 1.2 σ (threshold 2.5)");
+        assert_eq!(
+            words.details[0],
+            "Background consists of components 1 to 2: 0.60 + 0.40 > T = 0.7, so B = 2."
+        );
+        assert!(detail(&words, "Updated with").contains("α/w, rate = weight"));
+        assert!(!words.details.iter().any(|detail| detail.contains("clamped") || detail.contains("rank")));
     }
 
     #[test]
@@ -519,8 +527,8 @@ mod tests {
         assert!(words.foreground && state.outcome.matched == 3);
         assert_eq!(
             words.headline,
-            "Foreground: matched component 3 at 1.2 σ (limit 2.5), but background is only the first 2 \
-             (0.60 + 0.22 > T = 0.7)"
+            "Foreground: matched component 3 at 1.2 σ (threshold 2.5), but background consists only of \
+             components 1 to 2 (0.60 + 0.22 > T = 0.7)"
         );
     }
 
@@ -529,13 +537,11 @@ mod tests {
         let mixture = [gray(0.7, 100.0, 10.0), gray(0.2, 200.0, 10.0), gray(0.1, 20.0, 4.0)];
         let (words, _) = meets(&mixture, 169, parameters());
         assert!(words.foreground);
-        assert_eq!(
-            words.headline,
-            "Foreground: nothing matched; nearest was component 2 at 3.1 σ (limit 2.5)"
-        );
+        assert_eq!(words.headline, "Foreground: no match; nearest is component 2 at 3.1 σ (threshold 2.5)");
         assert_eq!(
             words.details[0],
-            "Component 3, the last (w = 0.100), was replaced by this value with σ = 20 and w = 0.053."
+            "Component 3, the last (w = 0.100), is replaced by a new component at this value with σ = 20 \
+             and w = 0.053."
         );
     }
 
@@ -544,14 +550,14 @@ mod tests {
         let mixture = [gray(1.0, 100.0, 10.0), Component::default(), Component::default()];
         let (words, state) = meets(&mixture, 200, parameters());
         assert_eq!(state.outcome.rank, 2);
-        assert!(detail(&words, "was added").contains("there was room, 1 of 3 were in use"));
+        assert!(detail(&words, "is added").contains("1 of 3 components were in use"));
     }
 
     #[test]
     fn a_new_component_within_b_is_foreground_still() {
         let (words, state) = meets(&[gray(0.02, 100.0, 60.0)], 255, parameters());
         assert!(words.foreground && state.outcome.rank <= state.outcome.background_count);
-        assert!(detail(&words, "matched nothing is foreground").contains("rank 1"));
+        assert!(detail(&words, "without a match is foreground").contains("rank is 1"));
     }
 
     #[test]
@@ -560,7 +566,7 @@ mod tests {
         let (words, state) =
             meets(&mixture, 140, Parameters { initial_weight: 0.4, lambda: 0.6, ..parameters() });
         assert_eq!((state.outcome.matched, state.outcome.rank), (0, 2));
-        assert!(detail(&words, "went up at once").contains("from rank 3 to 2"));
+        assert!(detail(&words, "new component moved up").contains("from rank 3 to 2"));
     }
 
     #[test]
@@ -569,15 +575,15 @@ mod tests {
         let (words, state) = meets(&[gray(0.72, 100.0, 10.0), gray(0.28, 200.0, 5.0)], 200, fast);
         assert_eq!((state.outcome.matched, state.outcome.rank), (2, 1));
         assert!(words.headline.starts_with("Background: matched component 1 at 0.0 σ"));
-        assert!(detail(&words, "went up").starts_with("It went up from rank 2 to 1"));
-        assert_eq!(detail(&words, "B went"), "B went from 1 to 2 in this frame.");
+        assert!(detail(&words, "moved up").starts_with("It moved up from rank 2 to 1"));
+        assert_eq!(detail(&words, "B changed"), "B changed from 1 to 2 in this frame.");
     }
 
     #[test]
     fn a_nearer_component_of_lower_rank_is_named() {
         let (words, state) = meets(&[gray(0.6, 100.0, 20.0), gray(0.4, 140.0, 20.0)], 130, parameters());
         assert_eq!(state.outcome.matched, 1);
-        assert!(detail(&words, "nearer").contains("rank 2 was nearer, 0.5 σ against 1.5"));
+        assert!(detail(&words, "nearer").contains("rank 2 is nearer, 0.5 σ vs 1.5"));
     }
 
     #[test]
@@ -596,9 +602,9 @@ mod tests {
     fn the_floor_of_sigma_is_told() {
         let (words, state) = meets(&[gray(1.0, 100.0, 4.0)], 100, parameters());
         assert_eq!(state.pixel.components()[0].sigma(), 4.0);
-        assert!(detail(&words, "floor").contains("floor 4 (min_sigma); the data alone would give 3.98"));
+        assert!(detail(&words, "clamped").contains("minimum 4 (min sigma); without the limit it is 3.98"));
         let (words, _) = meets(&[gray(1.0, 100.0, 4.5)], 100, parameters());
-        assert!(!words.details.iter().any(|detail| detail.contains("floor")));
+        assert!(!words.details.iter().any(|detail| detail.contains("clamped")));
     }
 
     #[test]
@@ -606,9 +612,9 @@ mod tests {
         let sharp = Parameters { rate: Rate::Density, alpha: 0.9, min_sigma: 0.1, ..parameters() };
         let (words, state) = meets(&[gray(1.0, 100.0, 0.1)], 100, sharp);
         assert_eq!(state.outcome.rho, 1.0);
-        assert!(detail(&words, "learned").contains("ρ = 1 (limited to 1)"));
+        assert!(detail(&words, "Updated with").contains("ρ = 1 (limited to 1)"));
         let (words, state) = meets(&[gray(1.0, 100.0, 10.0)], 100, sharp);
-        assert!(state.outcome.rho < 1.0 && detail(&words, "learned").contains("rate = density"));
+        assert!(state.outcome.rho < 1.0 && detail(&words, "Updated with").contains("rate = density"));
     }
 
     #[test]
@@ -619,15 +625,15 @@ mod tests {
         history.push_colour(51, [100, 130, 100]);
         let words = verdict(&history, 50);
         assert!(!words.foreground, "{words:#?}");
-        let told = detail(&words, "doubtful");
+        let told = detail(&words, "Weak match");
         assert!(
-            told.contains("30 levels from its component's mean (limit 24, hysteresis)")
-                && told.contains("11 × 11 pixels around at least 0.35"),
+            told.contains("30 levels from the component's mean (threshold 24, hysteresis)")
+                && told.contains("at least 0.35 of the 11 × 11 neighbourhood"),
             "{told}"
         );
         history.push_colour(52, [100, 115, 100]);
         let near = verdict(&history, 51);
-        assert!(!near.details.iter().any(|detail| detail.contains("doubtful")), "{near:#?}");
+        assert!(!near.details.iter().any(|detail| detail.contains("Weak match")), "{near:#?}");
         let later = overruled(false, true, false, &settings).unwrap_or_default();
         assert!(later.contains("hysteresis 24"), "{later}");
         assert!(overruled(true, false, false, &settings).is_some_and(|words| !words.contains("hysteresis")));
@@ -644,11 +650,11 @@ mod tests {
         (1..=50).for_each(|number| history.push_colour(number, [180, 160, 120]));
         history.push_colour(51, [126, 112, 84]);
         let words = verdict(&history, 50);
-        assert!(words.foreground && words.headline.starts_with("Foreground: nothing matched"), "{words:#?}");
-        let told = detail(&words, "taken for shadow");
+        assert!(words.foreground && words.headline.starts_with("Foreground: no match"), "{words:#?}");
+        let told = detail(&words, "Classified as shadow");
         assert!(
-            told.contains("component 1 at 0.7 of its brightness (at least 0.6, shadow_floor)")
-                && told.contains("levels off (at most 12, shadow_colour)"),
+            told.contains("component 1 at 0.7 of its brightness (threshold τ = 0.6, shadow threshold)")
+                && told.contains("levels (maximum 12, shadow colour)"),
             "{told}"
         );
         let window = PixelHistory {
@@ -656,7 +662,7 @@ mod tests {
             ..history.clone()
         };
         let words = verdict(&window, 50);
-        assert!(detail(&words, "taken for shadow").contains("if of the 7 × 7 pixels around"), "{words:#?}");
+        assert!(detail(&words, "Classified as shadow").contains("if the 7 × 7 neighbourhood"), "{words:#?}");
         history.push_colour(52, [60, 20, 90]);
         let other = verdict(&history, 51);
         assert!(
@@ -678,17 +684,19 @@ mod tests {
         let steady = (1..=50).map(|number| colour(number, number > 35));
         let history = PixelHistory::of_colours((0, 0), parameters, steady);
         let words = verdict(&history, 49);
-        let told = detail(&words, "without a break");
+        let told = detail(&words, "consecutive");
         assert!(
-            words.foreground && told.contains("α is 0.1 of 0.01") && told.contains("for 14 frames"),
+            words.foreground
+                && told.contains("α is 0.1 of 0.01")
+                && told.contains("for 14 consecutive frames"),
             "{told}"
         );
-        assert!(detail(&words, "learned with").contains("α = 0.001."), "{words:#?}");
+        assert!(detail(&words, "Updated with").contains("α = 0.001."), "{words:#?}");
         assert!(
             !verdict(&history, 30)
                 .details
                 .iter()
-                .any(|told| told.contains("restless") || told.contains("α is"))
+                .any(|told| told.contains("flickers") || told.contains("α is"))
         );
 
         let flicker = (1..=200).map(|number| colour(number, number % 7 == 0));
@@ -699,7 +707,7 @@ mod tests {
         let told: Vec<_> = (20..60).flat_map(|index| verdict(&history, index).details).collect();
         let count = told
             .iter()
-            .filter(|told| told.contains("this pixel is restless, and had been foreground for 1 "))
+            .filter(|told| told.contains("this pixel flickers, and was foreground for only 1 "))
             .count();
         assert!(count > 0, "{told:#?}");
     }
@@ -707,7 +715,7 @@ mod tests {
     #[test]
     fn warm_up_shows_the_alpha_that_was_used() {
         let (words, _) = meets(&[gray(1.0, 100.0, 10.0)], 100, Parameters { warm_up: 100, ..parameters() });
-        assert!(detail(&words, "learned").contains("α = 0.5 = 1/t (warm-up)"));
+        assert!(detail(&words, "Updated with").contains("α = 0.5 = 1/t (warm-up)"));
     }
 
     #[test]
@@ -724,7 +732,7 @@ mod tests {
     #[test]
     fn shown_numbers_never_contradict_the_comparison() {
         let (words, _) = meets(&[gray(1.0, 100.0, 7.99)], 120, parameters());
-        assert!(words.headline.contains("at 2.503 σ (limit 2.5)"), "{}", words.headline);
+        assert!(words.headline.contains("at 2.503 σ (threshold 2.5)"), "{}", words.headline);
         assert_eq!(sum_above(&[0.5, 0.2004], 0.7), "0.5000 + 0.2004");
         assert_eq!(pair(0.04918, 0.04916, 4), ("0.04918".to_owned(), "0.04916".to_owned()));
     }
@@ -754,12 +762,15 @@ mod tests {
         let gone = overruled(true, false, false, &settings).unwrap();
         assert_eq!(
             gone,
-            "A later step overruled it: cleaning (median 5, opening 3) made this pixel background."
+            "Changed by a later stage: after post-processing (median 5, opening 3) this pixel is background."
         );
         let come = overruled(false, true, false, &settings).unwrap();
-        assert!(come.contains("(median 5, closing 7) made this pixel foreground"), "{come}");
+        assert!(come.contains("(median 5, closing 7) this pixel is foreground"), "{come}");
         let ignored = overruled(true, false, true, &settings).unwrap();
-        assert!(ignored.contains("outside the area") && !ignored.contains("cleaning"), "{ignored}");
+        assert!(
+            ignored.contains("outside the analysed area") && !ignored.contains("post-processing"),
+            "{ignored}"
+        );
         assert_eq!(overruled(false, false, true, &settings), None);
     }
 }

@@ -104,8 +104,7 @@ impl Reasoner {
         let Some(carried) = self.carried.get_mut(index) else { return };
         carried.members.push(id);
         carried.members.sort_unstable();
-        let mut evidence =
-            Evidence::of_branch("a region shows more heads than it has objects: one more is in it");
+        let mut evidence = Evidence::of_branch("more heads than objects in a region: one object added");
         evidence.note("heads", heads as f32);
         evidence.note("objects", members.len() as f32);
         if let Some(&first) = members.first() {

@@ -59,9 +59,9 @@ impl Reasoner {
             whole,
             view: View::join(&[view, my_view]),
             evidence: [
-                Comparison::at_most("gap between its fragments, over their heights", gap, MAX_GAP),
+                Comparison::at_most("gap between fragments, relative to their height", gap, MAX_GAP),
                 Comparison::at_most(
-                    "difference of its fragments' velocities, over the faster",
+                    "velocity difference of the fragments, relative to the faster one",
                     difference,
                     MAX_VELOCITY_DIFFERENCE,
                 ),

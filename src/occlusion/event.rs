@@ -42,7 +42,15 @@ impl EventKind {
     pub const ALL: [Self; 7] =
         [Self::Exit, Self::Demerge, Self::Merge, Self::Disappear, Self::Reappear, Self::Enter, Self::Appear];
 
-    /// The word for it in files and on the screen.
+    /// The word for it on the screen.
+    pub const fn label(self) -> &'static str {
+        match self {
+            Self::Demerge => "split",
+            _ => self.name(),
+        }
+    }
+
+    /// The word for it in files.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Exit => "exit",

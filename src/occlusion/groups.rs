@@ -177,7 +177,7 @@ impl Reasoner {
                 let boxes = members.iter().filter_map(|id| Some(self.objects.get(id)?.last.bbox));
                 let around = boxes.reduce(|a, b| a.union(&b)).unwrap_or_default();
                 let branch =
-                    format!("{} objects shared a region and are in {} now", members.len(), pieces.len());
+                    format!("{} objects of one region are now in {} regions", members.len(), pieces.len());
                 Cause { frame: self.number, at: around.centre(), evidence: Evidence::of_branch(branch) }
             });
             self.tell_parting(&pieces, &cause);
@@ -227,7 +227,7 @@ impl Reasoner {
             let shared = self.blob_of(members.first().copied().unwrap_or_default());
             let blob = shared.and_then(|index| self.carried.get(index)).map(|carried| carried.blob.bbox);
             let at = blob.unwrap_or_default().centre();
-            let branch = format!("{} objects are in one region", members.len());
+            let branch = format!("{} objects share one region", members.len());
             Cause { frame: self.number, at, evidence: Evidence::of_branch(branch) }
         });
         let identities = self.identities(members);

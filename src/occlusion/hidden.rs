@@ -169,10 +169,10 @@ impl Reasoner {
         let leaves = near && outward >= LEAST_OUTWARD;
         leaves.then(|| {
             let mut evidence = Evidence::of_branch(format!(
-                "no region from frame {lost_from} on; the box was near the image edge and did not move inward"
+                "no region from frame {lost_from} on; box near the image edge and not moving inward"
             ));
-            evidence.at_most("distance to the image edge", distance, self.limits.border);
-            evidence.at_least("speed outward in pixels a frame", outward, LEAST_OUTWARD);
+            evidence.at_most("distance to image edge, pixels", distance, self.limits.border);
+            evidence.at_least("outward speed, pixels/frame", outward, LEAST_OUTWARD);
             evidence
         })
     }
@@ -204,10 +204,10 @@ impl Reasoner {
         let away = distance > self.limits.border;
         let place = if away { "away from the image edge" } else { "moving inward at the image edge" };
         let mut evidence = Evidence::of_branch(format!(
-            "no region from frame {} on, {place}, and no region grew to hold it",
+            "no region from frame {} on, {place}; no other region grew to contain it",
             since.0
         ));
-        evidence.at_least("distance to the image edge", distance, self.limits.border);
+        evidence.at_least("distance to image edge, pixels", distance, self.limits.border);
         self.hidden.push(Hidden { id, since });
         self.push_event(
             &[id],
@@ -245,21 +245,24 @@ impl Reasoner {
         };
         let hidden = self.hidden.remove(index);
         let branch = match (by_colour, predicted) {
-            (true, _) => "a region without an object where several hidden ones may be; its colours decided",
-            (false, true) => "a region without an object where a hidden one was predicted",
+            (true, _) => {
+                "unassociated region within reach of several occluded objects; selected by colour similarity"
+            }
+            (false, true) => "unassociated region at the predicted position of an occluded object",
             (false, false) => {
-                "a region without an object where a hidden one may have stopped or turned; its colours agree"
+                "unassociated region where an occluded object may have stopped or turned; its colours are \
+                 similar"
             }
         };
         let mut evidence = Evidence::of_branch(branch);
-        let from = if predicted { "the predicted place" } else { "its way" };
-        evidence.at_most(format!("pixels from {from}"), distance, reach);
+        let from = if predicted { "predicted position" } else { "predicted path" };
+        evidence.at_most(format!("distance to {from}, pixels"), distance, reach);
         if predicted {
-            evidence.note("agreement of colours, up to 1.2", agreement);
+            evidence.note("colour similarity, 0 to 1.2", agreement);
         } else {
-            evidence.at_least("agreement of colours", agreement, ALIKE);
+            evidence.at_least("colour similarity", agreement, ALIKE);
         }
-        evidence.note("frames hidden", (self.t - hidden.since.1) as f32);
+        evidence.note("frames occluded", (self.t - hidden.since.1) as f32);
         self.take_back(id, &hidden, evidence);
         true
     }

@@ -85,9 +85,9 @@ impl Reasoner {
             let Some(bbox) = self.objects.get(&id).map(Object::predicted_box) else { continue };
             if self.near_border(&bbox) {
                 let mut evidence =
-                    Evidence::of_branch("nothing is seen of it in its group's region, at the image edge");
+                    Evidence::of_branch("not visible in its group's region, at the image edge");
                 let distance = bbox.distance_to_edge(self.size);
-                evidence.at_most("distance to the image edge", distance, self.limits.border);
+                evidence.at_most("distance to image edge, pixels", distance, self.limits.border);
                 self.tell_exit(id, self.number, evidence);
             } else {
                 self.hide(id, (self.number, self.t));
@@ -250,8 +250,8 @@ impl Reasoner {
             return;
         }
         let mut evidence =
-            Evidence::of_branch("an object is seen in a region that others alone do not explain");
-        evidence.note("frames unseen", self.frames_unseen(id) as f32);
+            Evidence::of_branch("object visible in a region that other objects do not fully explain");
+        evidence.note("frames without detection", self.frames_unseen(id) as f32);
         self.groups.note_joining(id, Cause { frame: self.number, at: centre, evidence });
         for carried in &mut self.carried {
             carried.members.retain(|member| *member != id);
@@ -267,9 +267,10 @@ impl Reasoner {
         let Some(at) = self.hidden.iter().position(|hidden| hidden.id == id) else { return };
         let hidden = self.hidden.remove(at);
         let Some(identity) = self.identity(id) else { return };
-        let mut evidence =
-            Evidence::of_branch("a hidden object is seen in a region that others alone do not explain");
-        evidence.note("frames hidden", (self.t - hidden.since.1) as f32);
+        let mut evidence = Evidence::of_branch(
+            "occluded object visible in a region that other objects do not fully explain",
+        );
+        evidence.note("frames occluded", (self.t - hidden.since.1) as f32);
         let event = Event::of_one(self.number, EventKind::Reappear, identity, centre, evidence);
         self.returns.push(Return { id, since: hidden.since, t: self.t, event, from });
     }

@@ -663,17 +663,18 @@ impl Reasoner {
         let grown = view.area / before.max(1.0) - 1.0;
         let step = self.settings.size_step;
         let mut evidence = Evidence::of_branch(format!(
-            "{} objects had regions of their own and now share one of {:.0} pixels, {:+.0} % against the largest of them",
+            "{} objects with separate regions now share one of {:.0} pixels, {:+.0} % relative to the \
+             largest of them",
             blobs.len(),
             view.area,
             100.0 * grown,
         ));
-        evidence.at_least("growth of the region", grown, step);
+        evidence.at_least("region growth", grown, step);
         for &id in members {
             let Some(object) = self.objects.get(&id) else { continue };
             let held = partition::held_share(&object.predicted_box(), &view.bbox);
             let whose = self.identity(id).unwrap_or_default();
-            evidence.at_least(format!("share of {whose}'s predicted box inside the region"), held, 0.5);
+            evidence.at_least(format!("share of the predicted box of {whose} inside the region"), held, 0.5);
         }
         let cause = Cause { frame: self.number, at: view.bbox.centre(), evidence };
         for &id in members {
@@ -999,15 +1000,15 @@ impl Reasoner {
         let near = distance <= self.limits.border;
         let kind = if near { EventKind::Enter } else { EventKind::Appear };
         let branch = if near {
-            "a new object whose box was near the image edge when it was first seen"
+            "new object, first detected near the image edge"
         } else {
-            "a new object away from the image edge; no hidden object fits and no group shrank"
+            "new object away from the image edge; no occluded object matches and no group shrank"
         };
         let mut evidence = Evidence::of_branch(branch);
         if near {
-            evidence.at_most("distance to the image edge", distance, self.limits.border);
+            evidence.at_most("distance to image edge, pixels", distance, self.limits.border);
         } else {
-            evidence.at_least("distance to the image edge", distance, self.limits.border);
+            evidence.at_least("distance to image edge, pixels", distance, self.limits.border);
             self.note_refused(&birthplace, &mut evidence);
         }
         evidence.comparisons.extend(fragments);
@@ -1029,7 +1030,7 @@ impl Reasoner {
         refused.sort_by(|a, b| a.0.total_cmp(&b.0));
         for (distance, reach, identity) in refused.into_iter().take(MOST_REFUSED) {
             let place = Comparison::at_least(
-                format!("pixels from where hidden {identity} was predicted"),
+                format!("distance to predicted position of occluded {identity}, pixels"),
                 distance,
                 reach,
             );

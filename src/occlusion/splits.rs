@@ -146,13 +146,14 @@ impl Reasoner {
         }
         let objects = self.carried.get(index).map_or(0, |group| group.members.len());
         let step = self.settings.size_step;
-        let why = if filled <= 1.0 - step { "that had shrunk" } else { "in which it was not seen" };
+        let why = if filled <= 1.0 - step { "that shrank" } else { "in which it was not visible" };
         let mut evidence = Evidence::of_branch(format!(
-            "a region without an object beside one that {objects} objects shared and {why}; it is the member who fits best",
+            "unassociated region next to one shared by {objects} objects, {why}; assigned to the \
+             best-matching group member",
         ));
-        evidence.at_most("the group's pixels over those its members should have", filled, 1.0 - step);
-        evidence.note("agreement of colours, up to 1.2", fit.colour);
-        evidence.note("pixels from the member's prediction", fit.distance);
+        evidence.at_most("group area relative to the expected area of its members", filled, 1.0 - step);
+        evidence.note("colour similarity, 0 to 1.2", fit.colour);
+        evidence.note("distance to the member's prediction, pixels", fit.distance);
         let frame = new.born;
         if let Some(group) = self.carried.get_mut(index) {
             group.members.retain(|&other| other != member);
@@ -274,7 +275,8 @@ impl Reasoner {
     fn tell_split(&mut self, split: &Split) {
         let area: f32 = split.pieces.iter().map(|piece| piece.area).sum();
         let mut evidence = Evidence::of_branch(format!(
-            "a region that {} objects shared fell into {} pieces of {area:.0} pixels together, apart for {} frames when it was decided",
+            "region shared by {} objects split into {} fragments, {area:.0} pixels in total; decided after \
+             {} frames",
             self.identities(&split.members).len(),
             split.pieces.len(),
             self.t - split.t,
@@ -287,16 +289,16 @@ impl Reasoner {
                 let delta_e = if fit.delta_e.is_finite() { fit.delta_e } else { 999.0 };
                 let alternatives = [
                     Comparison::at_most(
-                        format!("ΔE of {identity} and piece {name}"),
+                        format!("ΔE of {identity} and fragment {name}"),
                         delta_e,
                         self.settings.same_colour,
                     ),
                     Comparison::note(
-                        format!("agreement of colours, up to 1.2, of {identity} and piece {name}"),
+                        format!("colour similarity of {identity} and fragment {name}, 0 to 1.2"),
                         fit.colour,
                     ),
                     Comparison::note(
-                        format!("distance in pixels of {identity}'s prediction from piece {name}"),
+                        format!("distance of fragment {name} to the prediction of {identity}, pixels"),
                         fit.distance,
                     ),
                 ];

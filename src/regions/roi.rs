@@ -14,7 +14,8 @@ const BRIGHT: u8 = 128;
 pub enum RoiError {
     /// It is not there, or no picture.
     #[error(
-        "the mask {path} cannot be read: {why}; give a picture as large as the frames, white where they are to be analysed"
+        "the mask {path} cannot be read: {why}; give an image as large as the frames, white in the area to \
+         analyse"
     )]
     Unreadable {
         /// The file.
@@ -24,14 +25,14 @@ pub enum RoiError {
     },
     /// It leaves nothing.
     #[error(
-        "the mask {path} is dark all over, so nothing would be analysed; make the pixels that count white"
+        "the mask {path} is dark everywhere, so nothing would be analysed; make the area to analyse white"
     )]
     Dark {
         /// The file.
         path: PathBuf,
     },
     /// It belongs to other frames.
-    #[error("the mask{file} is {found} where the frames are {expected}; give one as large as the frames")]
+    #[error("the mask{file} is {found}, but the frames are {expected}; give one as large as the frames")]
     Size {
         /// A blank and the file that it was read from, or nothing.
         file: String,
@@ -252,7 +253,7 @@ mod tests {
 
         GrayImage::from_pixel(4, 2, Luma([127])).save(&path).unwrap();
         let dark = Roi::read(&path).unwrap_err().to_string();
-        assert!(dark.contains("mask.png") && dark.contains("dark all over"), "{dark}");
+        assert!(dark.contains("mask.png") && dark.contains("dark everywhere"), "{dark}");
         std::fs::write(&path, "no picture").unwrap();
         let broken = Roi::read(&path).unwrap_err().to_string();
         assert!(broken.contains("mask.png cannot be read"), "{broken}");

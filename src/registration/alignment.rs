@@ -119,8 +119,8 @@ impl Alignment {
     pub fn warning(&self) -> Option<String> {
         self.moved_since.map(|frame| {
             format!(
-                "the camera moved at about frame {frame} and stays there: the background has to be learnt anew where it shows \
-                 something else; analyse the frames from there on by themselves"
+                "the camera moved permanently at about frame {frame}: the background is learnt again where \
+                 the view changed; analyse the frames from there on separately"
             )
         })
     }

@@ -115,7 +115,7 @@ impl Session {
             let work = AssertUnwindSafe(|| Worker::open_and_run(&theirs, open, under, start, model_budget));
             if let Err(payload) = catch_unwind(work) {
                 theirs.fail(format!(
-                    "{video} cannot be analysed further: the program made an error ({}); open it again",
+                    "{video} cannot be analysed further: internal error ({}); open it again",
                     words(&*payload)
                 ));
             }

@@ -287,7 +287,7 @@ impl<'a> Worker<'a> {
         if worked {
             let (done, total) = answer.map_or((0, 0), |answer| answer.tried);
             self.busy = Some(Progress {
-                what: "looking for what would have kept it from happening".to_owned(),
+                what: "computing counterfactuals".to_owned(),
                 done: done as u32,
                 total: (total > 0).then_some(total as u32),
             });
@@ -356,7 +356,7 @@ impl<'a> Worker<'a> {
             self.publish_region_tuning();
         }
         self.busy = Some(Progress {
-            what: "trying other settings".to_owned(),
+            what: "testing other settings".to_owned(),
             done: done as u32,
             total: Some(total as u32),
         });
@@ -418,7 +418,7 @@ impl<'a> Worker<'a> {
         }
         if let Some(learnt) = learnt {
             self.busy = Some(Progress {
-                what: "learning the background".to_owned(),
+                what: "learning background".to_owned(),
                 done: learnt,
                 total: Some(to_learn),
             });
@@ -434,8 +434,8 @@ impl<'a> Worker<'a> {
                 Which::InView if self.wanted >= front && !self.follow => {
                     format!("analysing up to frame {}", self.number_of(self.wanted))
                 }
-                _ if both => "analysing both".to_owned(),
-                Which::Rival => "analysing what is compared".to_owned(),
+                _ if both => "analysing A and B".to_owned(),
+                Which::Rival => "analysing other settings".to_owned(),
                 Which::InView => "analysing".to_owned(),
             };
             self.busy = Some(Progress { what, done: front, total });

@@ -233,7 +233,7 @@ impl FrameCache {
             return Ok(Fetched::End);
         }
         let Some(Item { frame, warnings }) = self.front.next() else {
-            return Err(SourceError::unusable(&self.info.name, "its decoder broke down; open it again"));
+            return Err(SourceError::unusable(&self.info.name, "its decoder failed; open it again"));
         };
         self.warnings.extend(warnings);
         let Some((frame, fingerprint)) = frame? else {
@@ -273,10 +273,7 @@ impl FrameCache {
                 self.jumps = false;
                 return Ok(Fetched::OnTheWay);
             }
-            return Err(SourceError::unusable(
-                &self.info.name,
-                "it changed while it was read; leave it alone and open it again",
-            ));
+            return Err(SourceError::unusable(&self.info.name, "it changed while being read; open it again"));
         };
         // After a jump a reader counts from elsewhere.
         frame.number = self.numbers[here as usize];

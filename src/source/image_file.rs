@@ -45,7 +45,7 @@ pub(super) fn read(path: &Path) -> Result<(Size, Vec<u8>), String> {
     let bytes = std::fs::read(path).map_err(text)?;
     let reader = ImageReader::new(Cursor::new(&bytes)).with_guessed_format().map_err(text)?;
     if reader.format() == Some(ImageFormat::Jpeg) && is_cut_off(&bytes) {
-        return Err("the file is cut off".into());
+        return Err("the file is truncated".into());
     }
     let mut decoder = reader.into_decoder().map_err(text)?;
     let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);

@@ -35,7 +35,7 @@ impl ImageSequence {
             let why = if anything { "the folder holds no images" } else { "the folder is empty" };
             return Err(SourceError::unusable(
                 name,
-                format!("{why}; name a video, or a folder of png, jpg, bmp, tif, webp, gif or pnm images"),
+                format!("{why}; give a video, or a folder of png, jpg, bmp, tif, webp, gif or pnm images"),
             ));
         }
         files.sort_by(|a, b| {
@@ -57,7 +57,8 @@ impl ImageSequence {
             .ok_or_else(|| {
                 SourceError::unusable(
                     name,
-                    "no such file, and it is no pattern: that has one number in the file's name, as in in%06d.png",
+                    "no such file, and not a pattern; a pattern has one number in the file name, as in \
+                     in%06d.png",
                 )
             })?;
         if !folder.as_os_str().is_empty() && !folder.is_dir() {
@@ -73,7 +74,7 @@ impl ImageSequence {
         if files.is_empty() {
             return Err(SourceError::unusable(
                 name,
-                "no file matches the pattern; check how the numbers are written",
+                "no file matches the pattern; check its number of digits",
             ));
         }
         files.sort_by_key(|&(_, number)| number);
@@ -103,7 +104,7 @@ impl ImageSequence {
             listed.push(File { path, number, unreadable });
         }
         let none =
-            || SourceError::unusable(name, "none of its images can be read; check that they are whole");
+            || SourceError::unusable(name, "none of its images can be read; check that they are complete");
         let (size, _) = first.ok_or_else(none)?;
         let frames = listed.iter().filter(|file| file.unreadable.is_none()).count() as u32;
         // Images themselves say nothing about time.
@@ -126,7 +127,7 @@ impl ImageSequence {
             let read = file.unreadable.map_or_else(|| image_file::read(&file.path), Err);
             let why = match read {
                 Ok((size, rgb)) if size == self.info.size => return Some(Frame::new(file.number, size, rgb)),
-                Ok((size, _)) => format!("it is {size} where its header says {}", self.info.size),
+                Ok((size, _)) => format!("it is {size}, but its header says {}", self.info.size),
                 Err(why) => why.split_whitespace().collect::<Vec<_>>().join(" "),
             };
             self.warnings.push(format!(
@@ -179,7 +180,8 @@ fn differ(name: &str, first: (&Path, Size), other: (&Path, Size)) -> SourceError
     SourceError::unusable(
         name,
         format!(
-            "its images differ in size, {} is {} and {} is {}; name a folder or a pattern of images of one size",
+            "its images differ in size, {} is {} and {} is {}; give a folder or a pattern of images of one \
+             size",
             file(first.0),
             first.1,
             file(other.0),

@@ -128,7 +128,7 @@ pub fn open(name: &str, options: Options) -> Result<Box<dyn Source>, SourceError
     } else {
         Err(SourceError::unusable(
             name,
-            "it is neither a file nor a folder; a camera is named camera:0, camera:1, …",
+            "it is neither a file nor a folder; cameras are camera:0, camera:1, …",
         ))
     }
 }

@@ -55,7 +55,7 @@ pub(super) fn of_images(folder: &Path) -> (Option<(f32, FpsFrom)>, Option<String
         Ok(fps) => (Some((fps, FpsFrom::SeqInfo)), None),
         Err(why) => {
             let text = format!(
-                "{} is not used: {why}; {ASSUMED} frames a second are assumed, say with --fps how many there are",
+                "{} is ignored: {why}; {ASSUMED} frames per second are assumed, set it with --fps",
                 path.display()
             );
             (None, Some(text.split_whitespace().collect::<Vec<_>>().join(" ")))
@@ -91,7 +91,7 @@ fn rate_of(text: &str) -> Result<f32, String> {
     // What follows a semicolon is a comment.
     let value = value.split(';').next().unwrap_or_default().trim();
     let short: String = value.chars().take(40).collect();
-    parse_fps(value).ok_or_else(|| format!("its frameRate `{short}` is no number in {least}..={greatest}"))
+    parse_fps(value).ok_or_else(|| format!("its frameRate `{short}` is not a number in {least}–{greatest}"))
 }
 
 #[cfg(test)]
@@ -138,10 +138,10 @@ mod tests {
         let (rate, warning) = of_images(&images);
         let warning = warning.unwrap();
         assert!(
-            rate.is_none() && warning.contains("seqinfo.ini is not used: it has no frameRate"),
+            rate.is_none() && warning.contains("seqinfo.ini is ignored: it has no frameRate"),
             "{warning}"
         );
-        assert!(warning.contains("25 frames a second are assumed") && !warning.contains('\n'), "{warning}");
+        assert!(warning.contains("25 frames per second are assumed") && !warning.contains('\n'), "{warning}");
         fs::write(images.join(SEQINFO), "frameRate=12.5").unwrap();
         assert_eq!(of_images(&images), (Some((12.5, FpsFrom::SeqInfo)), None));
     }

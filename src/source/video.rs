@@ -41,12 +41,12 @@ pub(super) fn open_file(name: &str, options: Options) -> Result<Video, SourceErr
         .and_then(|mut file| file.read(&mut start))
         .map_err(|error| SourceError::unusable(name, format!("{error}; check its permissions")))?;
     if length == 0 {
-        return Err(SourceError::unusable(name, "the file is empty; check that it was copied whole"));
+        return Err(SourceError::unusable(name, "the file is empty; check that it was copied completely"));
     }
     if image_file::has_image_name(Path::new(name)) && !name.to_lowercase().ends_with(".gif") {
         return Err(SourceError::unusable(
             name,
-            "it is a single image; name its folder, or a pattern such as in%06d.png",
+            "it is a single image; give its folder, or a pattern such as in%06d.png",
         ));
     }
     // FFmpeg would render a text file as a video of a terminal.
@@ -59,7 +59,7 @@ pub(super) fn open_file(name: &str, options: Options) -> Result<Video, SourceErr
     let no_video = || {
         SourceError::unusable(
             name,
-            "it is no video that can be decoded; check that it is whole and plays elsewhere, or convert it",
+            "it is not a decodable video; check that it is complete and plays elsewhere, or convert it",
         )
     };
     let capture = VideoCapture::from_file(&path, CAP_FFMPEG)
@@ -69,7 +69,7 @@ pub(super) fn open_file(name: &str, options: Options) -> Result<Video, SourceErr
     Video::new(name, capture, false, options)?.ok_or_else(|| {
         SourceError::unusable(
             name,
-            "none of its frames can be decoded; check that it is whole and plays elsewhere, or convert it",
+            "none of its frames can be decoded; check that it is complete and plays elsewhere, or convert it",
         )
     })
 }
@@ -77,7 +77,7 @@ pub(super) fn open_file(name: &str, options: Options) -> Result<Video, SourceErr
 /// Opens a camera by its number, given as text.
 pub(super) fn open_camera(name: &str, index: &str, options: Options) -> Result<Video, SourceError> {
     let index: i32 = index.parse().ok().filter(|&index| (0..1000).contains(&index)).ok_or_else(|| {
-        SourceError::unusable(name, "a camera is named by its number: camera:0, camera:1, …")
+        SourceError::unusable(name, "cameras are selected by number: camera:0, camera:1, …")
     })?;
     let capture = VideoCapture::new(index, CAP_ANY)
         .ok()
@@ -88,8 +88,9 @@ pub(super) fn open_camera(name: &str, index: &str, options: Options) -> Result<V
                 "there is no such camera, or another program uses it; check that it is connected and free",
             )
         })?;
-    Video::new(name, capture, true, options)?
-        .ok_or_else(|| SourceError::unusable(name, "the camera gives no picture; check that it is free"))
+    Video::new(name, capture, true, options)?.ok_or_else(|| {
+        SourceError::unusable(name, "the camera returns no image; check that no other program uses it")
+    })
 }
 
 impl Video {
@@ -145,14 +146,15 @@ impl Video {
         let Self { info, decoded, .. } = self;
         if info.live {
             self.warnings.push(format!(
-                "{} gave no more pictures after frame {decoded}; check that it is connected",
+                "{} returned no more images after frame {decoded}; check its connection",
                 info.name
             ));
         } else if let Some(expected) = info.frames
             && is_clearly_short(*decoded, expected, self.last_seconds, self.said_fps)
         {
             self.warnings.push(format!(
-                "{} breaks off after frame {decoded}, where its header promises about {expected}; what was read is used",
+                "{} ends after frame {decoded}, but its header announces about {expected}; the decoded \
+                 frames are used",
                 info.name
             ));
         }
@@ -176,7 +178,7 @@ impl Source for Video {
             None => self.end(),
             Some(frame) if frame.size != self.info.size => {
                 self.warnings.push(format!(
-                    "{} changes its size from {} to {} at frame {}; it is read up to there",
+                    "{} changes its size from {} to {} at frame {}; the frames before are used",
                     self.info.name, self.info.size, frame.size, frame.number
                 ));
                 self.ended = true;
@@ -232,7 +234,7 @@ fn rgb_of(picture: &Mat) -> Result<(Size, Vec<u8>), String> {
         CV_8UC3 => COLOR_BGR2RGB,
         CV_8UC4 => COLOR_BGRA2RGB,
         other => {
-            return Err(format!("its pictures are of OpenCV's type {other}; convert it to 8-bit colour"));
+            return Err(format!("its images have OpenCV's type {other}; convert it to 8-bit colour"));
         }
     };
     let size = Size::new(picture.cols() as u32, picture.rows() as u32);

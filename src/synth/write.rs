@@ -35,7 +35,7 @@ const BATCH: u32 = 16;
 #[derive(Debug, thiserror::Error)]
 pub enum WriteError {
     /// A file or folder cannot be made.
-    #[error("{path} cannot be written: {why}; free the place or choose another folder")]
+    #[error("{path} cannot be written: {why}; choose another folder")]
     File {
         /// Which.
         path: PathBuf,
@@ -229,7 +229,7 @@ impl Encoder {
                 _ => {}
             }
         }
-        let why = "OpenCV opens no encoder for it; install FFmpeg's codecs (libavcodec with libx264)";
+        let why = "no encoder available; install FFmpeg's codecs (libavcodec with libx264)";
         Err(WriteError::Video { path: place.to_owned(), why: why.to_owned() })
     }
 
@@ -250,7 +250,8 @@ impl Encoder {
         let readable = count_frames(&self.draft).map_err(|why| self.error(&why.message))?;
         if readable != frames {
             let why = format!(
-                "only {readable} of {frames} frames can be read back; see whether the disk is full, or try --lossless"
+                "only {readable} of {frames} frames can be read back; check the free disk space, or try \
+                 --lossless"
             );
             return Err(self.error(&why));
         }

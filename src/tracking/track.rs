@@ -23,7 +23,15 @@ pub enum TrackState {
 }
 
 impl TrackState {
-    /// The word for it in files and on the screen.
+    /// The word for it on the screen.
+    pub const fn label(self) -> &'static str {
+        match self {
+            Self::Hidden => "occluded",
+            _ => self.name(),
+        }
+    }
+
+    /// The word for it in files.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Visible => "visible",

@@ -51,7 +51,7 @@ pub fn read(path: &Path) -> Result<Boxes, TruthError> {
         }
         let numbers: Result<Vec<f64>, _> = row.iter().take(7).map(str::parse).collect();
         let numbers = numbers.map_err(|_| {
-            let why = "it takes numbers, frame,id,x,y,w,h,conf and on, as MOTChallenge has them";
+            let why = "expected numbers in MOTChallenge format: frame,id,x,y,w,h,conf,…";
             TruthError::new(
                 path,
                 format!("line {line} is `{}`: {why}", row.iter().collect::<Vec<_>>().join(",")),
@@ -63,8 +63,7 @@ pub fn read(path: &Path) -> Result<Boxes, TruthError> {
         let place = Bounds([numbers[2], numbers[3], numbers[4], numbers[5]]);
         let whole = numbers[..2].iter().all(|number| (0.0..LARGEST).contains(number));
         if !whole || !place.0.iter().all(|side| side.is_finite()) || place.0[2] < 0.0 || place.0[3] < 0.0 {
-            let why =
-                "frame and id count from 0 to 1000000000, and a box has finite sides that are not negative";
+            let why = "frame and id must be 0 to 1000000000, and box sides finite and not negative";
             return Err(TruthError::new(path, format!("line {line}: {why}")));
         }
         boxes.entry(numbers[0] as u32).or_default().insert(numbers[1] as u32, place);

@@ -64,7 +64,7 @@ impl Measure {
     /// What it is, in two words.
     pub const fn name(self) -> &'static str {
         match self {
-            Self::Right => "right decisions",
+            Self::Right => "accuracy",
             Self::F => "F-measure",
         }
     }
@@ -72,7 +72,7 @@ impl Measure {
     /// What it is, in one.
     pub const fn short(self) -> &'static str {
         match self {
-            Self::Right => "right",
+            Self::Right => "accuracy",
             Self::F => "F",
         }
     }
@@ -80,10 +80,10 @@ impl Measure {
     /// What it is, in a sentence.
     pub const fn meaning(self) -> &'static str {
         match self {
-            Self::Right => "The share of right decisions, of background and of foreground",
+            Self::Right => "Accuracy: (TP + TN)/all evaluated pixels",
             Self::F => {
-                "The harmonic mean of precision and recall: what is right about background does not count, so that rare \
-                 foreground weighs as much as frequent"
+                "F-measure: harmonic mean of precision and recall. True negatives do not count, so rare \
+                 foreground weighs as much as frequent foreground"
             }
         }
     }

@@ -49,7 +49,7 @@ pub fn read_events(path: &Path) -> Result<Vec<Happening>, TruthError> {
     let text = fs::read_to_string(path).map_err(|error| TruthError::new(path, error))?;
     let line = |(line, number): (&str, usize)| {
         let Line { frame, kind, mut objects } = serde_json::from_str(line)
-            .map_err(|error| TruthError::new(path, format!("line {number} is no event ({error})")))?;
+            .map_err(|error| TruthError::new(path, format!("line {number} is not an event ({error})")))?;
         objects.sort_unstable();
         Ok(Happening { kind, objects, span: (frame, frame) })
     };

@@ -57,7 +57,8 @@ pub fn score(folder: &Path, truth: &MaskFiles) -> Result<MaskScore, TruthError> 
     let pairs = truth.numbers().map(|number| (number, folder.join(format!("bin{number:06}.png"))));
     let pairs: Vec<_> = pairs.filter(|(_, mask)| mask.is_file()).collect();
     if pairs.is_empty() {
-        let why = "it has no mask of a frame that the truth has; analyse with --masks, and without a range that leaves them out";
+        let why = "no mask for a frame of the ground truth; run with --masks and a range that includes \
+         these frames";
         return Err(TruthError::new(folder, why));
     }
     let decide = |(number, path): &(u32, PathBuf)| {
@@ -68,7 +69,7 @@ pub fn score(folder: &Path, truth: &MaskFiles) -> Result<MaskScore, TruthError> 
         if Size::new(width, height) != truth.size() {
             return Err(TruthError::new(
                 path,
-                format!("its size is not that of the truth, {}", truth.size()),
+                format!("its size differs from the ground truth, {}", truth.size()),
             ));
         }
         let data = found.iter().map(|&level| if level > 0 { Mask::FOREGROUND } else { Mask::BACKGROUND });

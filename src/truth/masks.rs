@@ -243,7 +243,7 @@ impl MaskFiles {
             None => TrueMask::new(Size::new(width, height), levels.map(|&level| (self.label)(level))),
             Some((path, roi)) => {
                 if roi.dimensions() != (width, height) {
-                    let why = format!("its size is not that of the truth, {width}×{height}");
+                    let why = format!("its size differs from the ground truth, {width}×{height}");
                     return Err(TruthError::new(path, why));
                 }
                 let counted = |(&level, &inside): (&u8, &u8)| {
@@ -264,7 +264,7 @@ impl MaskFiles {
         let masks: BTreeMap<u32, Arc<TrueMask>> = masks.collect();
         let Some(size) = masks.values().next().map(|mask| mask.size) else { return Ok(None) };
         if let Some((number, mask)) = masks.iter().find(|(_, mask)| mask.size != size) {
-            let why = format!("it is {} and the first one {size}; all must be of one size", mask.size);
+            let why = format!("it is {} and the first one is {size}; all must have the same size", mask.size);
             return Err(TruthError::new(&self.paths[number], why));
         }
         Ok(TrueMasks::new(masks))
@@ -275,7 +275,7 @@ impl MaskFiles {
 pub(super) fn read(path: &Path) -> Result<GrayImage, TruthError> {
     image::open(path).map(|image| image.to_luma8()).map_err(|error| {
         let why = error.to_string();
-        TruthError::new(path, format!("{}; check that it is whole", why.trim_end_matches('.')))
+        TruthError::new(path, format!("{}; check that it is complete", why.trim_end_matches('.')))
     })
 }
 
@@ -300,7 +300,7 @@ fn temporal_roi(path: &Path) -> Result<(u32, u32), TruthError> {
     let mut ends = text.split_whitespace().map(str::parse);
     match (ends.next(), ends.next()) {
         (Some(Ok(first)), Some(Ok(last))) => Ok((first, last)),
-        _ => Err(TruthError::new(path, "it takes two frame numbers, the first and the last of interest")),
+        _ => Err(TruthError::new(path, "expected two frame numbers, the first and the last to evaluate")),
     }
 }
 

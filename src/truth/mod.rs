@@ -62,7 +62,8 @@ impl Place {
             None if !path.exists() => Err(TruthError::new(path, "it does not exist; check the path")),
             None => Err(TruthError::new(
                 path,
-                "it is no ground truth that is known; it takes a MOTChallenge file, a CDnet folder with groundtruth/, or a scene written by `synth`",
+                "unknown ground truth format; use a MOTChallenge file, a CDnet folder with groundtruth/, \
+                 or a scene written by `synth`",
             )),
         }
     }
@@ -103,8 +104,7 @@ impl Truth {
             }
         };
         if truth.boxes.is_none() && truth.masks.is_none() {
-            let why =
-                "there is no groundtruth/gt000001.png or the like in it, or none within temporalROI.txt";
+            let why = "no masks groundtruth/gt000001.png … found in it, or none within temporalROI.txt";
             return Err(TruthError::new(path, why));
         }
         Ok(truth)

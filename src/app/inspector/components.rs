@@ -20,15 +20,12 @@ const TWO_LINES: Lines =
 pub(super) fn table(ui: &mut Ui, chosen: &Chosen<'_>, rows: &[Standing]) {
     let gray = chosen.channels().len() == 1;
     let heads = [
-        (
-            "",
-            "Rank, and the component's colour in all plots. The colour stays with it through changes of rank.",
-        ),
-        ("w", "Weight: the share of the recent past that the component accounts for."),
+        ("", "Rank and plot colour of the component. The colour is kept when the rank changes."),
+        ("w", "Weight: share of the recent frames that the component accounts for."),
         ("μ", "Mean."),
-        ("σ", "Standard deviation; σ² follows the squared distance summed over the channels."),
-        ("w/σ", "What ranks the components."),
-        ("dist.", "Distance of the value from the component as it was before the update, in σ."),
+        ("σ", "Standard deviation; σ² is updated with the squared distance summed over the channels."),
+        ("w/σ", "Ranking criterion of the components."),
+        ("dist.", "Distance of the value from the component before the update, in σ."),
         ("", ""),
     ];
     line(ui, None, |ui, column| {
@@ -82,9 +79,9 @@ pub(super) fn table(ui: &mut Ui, chosen: &Chosen<'_>, rows: &[Standing]) {
                     "Foreground: its rank is greater than B."
                 });
                 if row.matched {
-                    ui.label(small("match").strong()).on_hover_text("The value matched this component.");
+                    ui.label(small("match").strong()).on_hover_text("The value matches this component.");
                 } else if row.new {
-                    ui.label(small("new").strong()).on_hover_text("Made in this frame from its value.");
+                    ui.label(small("new").strong()).on_hover_text("Created in this frame from its value.");
                 }
             }
         });
@@ -143,39 +140,31 @@ pub(super) fn numbers(ui: &mut Ui, chosen: &Chosen<'_>) {
     let alpha = parameters.alpha_of(&before, chosen.state.t);
     let past = chosen.state.pixel.past();
     let mut cells = vec![
-        (
-            "P(X)",
-            number(outcome.p),
-            "The mixture's probability density of the value, from the state before the update.",
-        ),
-        (
-            "ρ",
-            number(outcome.rho),
-            "How much of the value the matched component's μ and σ² learned; 0 where nothing matched.",
-        ),
+        ("P(X)", number(outcome.p), "Probability density of the value under the mixture before the update."),
+        ("ρ", number(outcome.rho), "Update rate of the matched component's μ and σ²; 0 without a match."),
         (
             "α",
             number(alpha),
-            "The learning rate of the weights in this frame (raised to 1/t during the warm-up, other where feedback is on).",
+            "Learning rate of the weights in this frame (1/t during warm-up; adapted by feedback).",
         ),
-        ("B", outcome.background_count.to_string(), "How many components are background after the update."),
+        ("B", outcome.background_count.to_string(), "Number of background components after the update."),
         (
             "t",
             chosen.state.t.to_string(),
-            "How many frames the model has seen, this one and those of bootstrap included.",
+            "Number of frames processed by the model, including this frame and bootstrap.",
         ),
         (
             "λ, T",
             format!("{}, {}", number(parameters.lambda), number(parameters.t_of(past))),
-            "The match threshold in σ, and the least share of the data that the background accounts for.",
+            "Match threshold λ in σ, and background ratio T.",
         ),
     ];
     if parameters.feedback.is_on() {
-        cells.push(("run", number(past.run), "For how many frames it has been foreground without a break."));
+        cells.push(("run", number(past.run), "Number of consecutive foreground frames."));
         cells.push((
             "u",
             number(past.unrest),
-            "Unrest: the share of recent frames in which the verdict under T changed.",
+            "Flicker: share of recent frames in which the verdict under T changed.",
         ));
     }
     ui.separator();

@@ -55,7 +55,8 @@ impl CubeView {
                 Role::Image,
                 true,
                 format!(
-                    "Scatter of R, G and B, {count} places, turned by {yaw:.0}°, seen from {pitch:.0}° above"
+                    "Scatter plot of R, G and B, {count} positions, rotated by {yaw:.0}°, elevation \
+                     {pitch:.0}°"
                 ),
             )
         });
@@ -67,32 +68,31 @@ impl CubeView {
             let stroke = Stroke::new(1.0, theme::colours(ui.visuals()).accent);
             ui.painter().rect_stroke(area.shrink(0.5), 3.0, stroke, StrokeKind::Inside);
         }
-        response.on_hover_text(
-            "Drag to turn it, or click it and use the arrow keys. A double click turns it back.",
-        );
+        response
+            .on_hover_text("Drag to rotate, or click and use the arrow keys. Double click resets the view.");
     }
 
     fn controls(&mut self, ui: &mut Ui) {
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing.x = 2.0;
-            ui.label(style::aside(ui, "turn"));
+            ui.label(style::aside(ui, "rotate"));
             for (icon, name, yaw, pitch) in [
-                (m::ICON_CHEVRON_LEFT, "Turn to the left", -STEP, 0.0),
-                (m::ICON_CHEVRON_RIGHT, "Turn to the right", STEP, 0.0),
-                (m::ICON_EXPAND_LESS, "Look from higher up", 0.0, STEP),
-                (m::ICON_EXPAND_MORE, "Look from lower down", 0.0, -STEP),
+                (m::ICON_CHEVRON_LEFT, "Rotate left", -STEP, 0.0),
+                (m::ICON_CHEVRON_RIGHT, "Rotate right", STEP, 0.0),
+                (m::ICON_EXPAND_LESS, "Increase elevation", 0.0, STEP),
+                (m::ICON_EXPAND_MORE, "Decrease elevation", 0.0, -STEP),
             ] {
                 let button = Button::new(icon.rich_text().size(14.0)).small();
                 if ui.add(button).accessible_name(name).on_hover_text(name).clicked() {
                     self.look.turn = self.look.turn.by(yaw, pitch);
                 }
             }
-            if ui.small_button(small("Back")).on_hover_text("Turn it back to how it was at first").clicked() {
+            if ui.small_button(small("Reset")).on_hover_text("Reset the view").clicked() {
                 self.look.turn = Turn::default();
             }
             ui.add_space(6.0);
             ui.checkbox(&mut self.look.fit, small("fit values"))
-                .on_hover_text("The cube is as small as the values and spheres allow, instead of 0 to 255");
+                .on_hover_text("Fit the axes to the values and spheres, instead of 0 to 255");
         });
     }
 

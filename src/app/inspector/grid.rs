@@ -45,7 +45,7 @@ pub(super) fn ui(ui: &mut Ui, name: &str, flat: f32, grid: Option<&Grid<'_>>) ->
     let (painter, visuals) = (ui.painter_at(area), ui.visuals());
     let Some(grid) = grid else {
         painter.rect_filled(plot, 0.0, visuals.faint_bg_color);
-        let text = "trying other settings …";
+        let text = "Testing other settings…";
         painter.text(plot.center(), Align2::CENTER_CENTER, text, style::font(), style::muted(visuals));
         return None;
     };
@@ -79,7 +79,7 @@ pub(super) fn legend_of_cross(ui: &mut Ui) {
     let (at, stroke) = (rect.center(), Stroke::new(2.0, style::ink(ui.visuals())));
     ui.painter().hline(Rangef::new(at.x - 5.0, at.x + 5.0), at.y, stroke);
     ui.painter().vline(at.x, Rangef::new(at.y - 5.0, at.y + 5.0), stroke);
-    ui.label(style::aside(ui, "now"));
+    ui.label(style::aside(ui, "current"));
 }
 
 /// What the ring stands for.
@@ -174,7 +174,7 @@ fn pick(
     painter.rect_stroke(cell, 0.0, stroke, StrokeKind::Inside);
     Tooltip::for_widget(response).at_pointer().show(|ui| {
         ui.label(words(values));
-        ui.label(small(&format!("{} Click to take these settings.", (grid.words)(column, row))));
+        ui.label(small(&format!("{} Click to apply these settings.", (grid.words)(column, row))));
     });
     response.clicked().then_some(InspectorAction::Take(values))
 }

@@ -65,7 +65,7 @@ impl HistoryView {
             WidgetInfo::labeled(
                 Role::Image,
                 true,
-                format!("History of {total} frames; click one to go to it"),
+                format!("History of {total} frames; click to go to a frame"),
             )
         });
         let plot = chart::inner(area);
@@ -114,7 +114,7 @@ impl HistoryView {
                 let centre = chosen.index as f64 + 0.5;
                 if ui
                     .small_button("+")
-                    .on_hover_text("Zoom in on the frame in view (or Ctrl + scroll)")
+                    .on_hover_text("Zoom in at the current frame (or Ctrl + scroll)")
                     .clicked()
                 {
                     self.zoom(0.5, centre, total);
@@ -226,20 +226,20 @@ impl HistoryView {
         }
 
         let t = chosen.history.parameters.t;
-        let rect = row("weights, stacked in rank order", WEIGHTS);
+        let rect = row("weights, stacked by rank", WEIGHTS);
         weights_plot(&painter, visuals, bins, axis, rect, t);
 
         let k = chosen.history.parameters.k;
-        let rect = row("B, components that are background", COUNT);
+        let rect = row("B, number of background components", COUNT);
         count_plot(&painter, visuals, bins, axis, rect, k);
 
-        let rect = row("ρ, how much was learned", RATE);
+        let rect = row("ρ, update rate", RATE);
         rates_plot(&painter, visuals, bins, axis, rect);
 
-        let rect = row("components born, replaced, risen in rank", 3.0 * LANE);
+        let rect = row("components created, replaced, moved up in rank", 3.0 * LANE);
         changes_plot(&painter, visuals, bins, axis, rect);
 
-        let rect = row("verdict of the mixture", VERDICT);
+        let rect = row("mixture verdict", VERDICT);
         let mut columns = Columns::default();
         for bin in bins {
             let colour = style::verdict_share(visuals, bin.foreground_share());
@@ -295,11 +295,10 @@ fn legend(ui: &mut Ui, chosen: &Chosen<'_>) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = Vec2::new(4.0, 1.0);
         let lambda = number(chosen.history.parameters.lambda);
-        ui.label(style::aside(ui, &format!("Bands μ ± {lambda}σ, rank now:")))
-            .on_hover_text(
-                "A colour follows its component through changes of rank. A new component takes the colour of the one \
-                 that it replaced. Strong bands are background, pale ones are not.",
-            );
+        ui.label(style::aside(ui, &format!("Bands μ ± {lambda}σ, current rank:"))).on_hover_text(
+            "A component keeps its colour when its rank changes. A new component takes the colour of \
+                 the replaced one. Strong bands: background; pale bands: foreground.",
+        );
         let slots = chosen.slots[chosen.index];
         for (rank, slot) in slots.iter().enumerate().take(chosen.state.pixel.used()) {
             let (rect, _) = ui.allocate_exact_size(Vec2::new(12.0, 10.0), Sense::hover());
@@ -326,9 +325,9 @@ fn frame_words(ui: &mut Ui, chosen: &Chosen<'_>, frame: usize) {
     let rank = state.outcome.rank;
     let changed = match change(chosen.history, frame) {
         None => return,
-        Some(Change::Born) => format!("Component {rank} was born."),
-        Some(Change::Replaced) => format!("Component {rank} replaced the last."),
-        Some(Change::Rose { from, to }) => format!("It rose from rank {from} to {to}."),
+        Some(Change::Born) => format!("Component {rank} was created."),
+        Some(Change::Replaced) => format!("Component {rank} replaced the last one."),
+        Some(Change::Rose { from, to }) => format!("It moved up from rank {from} to {to}."),
     };
     ui.label(small(&changed));
 }

@@ -50,13 +50,13 @@ impl JudgedView {
         let menu = |ui: &mut Ui| {
             let tuning = current?;
             let plot = || Plot::Judged(chosen.followed(), Arc::clone(tuning), measure);
-            menu::of_plot(ui, "the map of right decisions", plot)
+            menu::of_plot(ui, "the accuracy map", plot)
         };
         let asked = menu::row(ui, menu, |ui| self.controls(ui));
         let ends = tuning.map(|tuning| ends(tuning, self.measure));
         let [across, up] = knobs.map(Knob::symbol);
         let what = self.measure.name();
-        let name = format!("Map of {what} by the ground truth, of {across} across and {up} up");
+        let name = format!("Map of {what} against the ground truth; X axis {across}, Y axis {up}");
         let value = |tuning: &RegionTuning, column: usize, row: usize| {
             let cell = tuning.cells.get(row * tuning.axes[0].values.len() + column);
             cell.copied().unwrap_or_default()
@@ -95,10 +95,10 @@ impl JudgedView {
     fn controls(&mut self, ui: &mut Ui) {
         ui.spacing_mut().item_spacing.x = 2.0;
         ui.spacing_mut().button_padding.x = 5.0;
-        ui.label(RichText::new("Right around it").strong()).on_hover_text(
-            "Over the pixels around the chosen one and all frames with a true mask: how right the mixture's verdicts \
-             would be under these settings, before any cleaning. Every cell was found by running these pixels anew \
-             from the first frame.",
+        ui.label(RichText::new("Accuracy in neighbourhood").strong()).on_hover_text(
+            "Accuracy of the mixture's verdicts before post-processing under these settings, over the \
+             neighbourhood of the selected pixel and all frames with a ground-truth mask. Each cell is \
+             computed by re-running these pixels from the first frame.",
         );
         ui.add_space(4.0);
         side::choice(ui, &mut self.side);
@@ -115,31 +115,31 @@ impl JudgedView {
     fn words(&self, decisions: Decisions) -> String {
         let Decisions { fp, fn_, .. } = decisions;
         let value = match self.measure {
-            Measure::Right => format!("{:.2} % of {} right", 100.0 * decisions.right(), decisions.all()),
+            Measure::Right => format!("accuracy {:.2} % of {}", 100.0 * decisions.right(), decisions.all()),
             Measure::F => format!("F {:.4}", decisions.f_measure()),
         };
-        format!("{value}: {fp} made up, {fn_} missed.")
+        format!("{value}: FP {fp}, FN {fn_}.")
     }
 
     /// How right it is now and at best, with a button that takes the best.
     fn summary(&self, ui: &mut Ui, tuning: &RegionTuning) -> Option<InspectorAction> {
         if tuning.present.all() == 0 {
-            ui.label(style::aside(ui, "None of these pixels counts in the ground truth."));
+            ui.label(style::aside(ui, "The ground truth ignores all of these pixels."));
             return None;
         }
-        ui.label(small(&format!("Now {}", self.words(tuning.present))))
-            .on_hover_text(format!("Of {} frames that have a true mask", tuning.frames));
+        ui.label(small(&format!("Current: {}", self.words(tuning.present))))
+            .on_hover_text(format!("Over {} frames with a ground-truth mask", tuning.frames));
         let Some(at) = best(tuning, self.measure) else {
-            ui.label(style::aside(ui, "None of these settings does better."));
+            ui.label(style::aside(ui, "None of these settings is better."));
             return None;
         };
         let values = grid::values(&tuning.axes, at)?;
         let decisions = tuning.cells.get(at.1 * tuning.axes[0].values.len() + at.0)?;
         let mut taken = None;
         ui.horizontal_wrapped(|ui| {
-            ui.label(small(&format!("Best {}", self.words(*decisions))));
+            ui.label(small(&format!("Best: {}", self.words(*decisions))));
             let button = ui.small_button(small(&grid::words(values)));
-            if button.on_hover_text("Take the best of these settings").clicked() {
+            if button.on_hover_text("Apply the best of these settings").clicked() {
                 taken = Some(InspectorAction::Take(values));
             }
         });
@@ -149,11 +149,12 @@ impl JudgedView {
 
 /// What stands here without true masks.
 fn nothing(ui: &mut Ui) -> Option<InspectorAction> {
-    ui.label(RichText::new("Right around it").strong());
-    let text = "With ground-truth masks, a map of how right each of these settings is around this pixel stands here.";
+    ui.label(RichText::new("Accuracy in neighbourhood").strong());
+    let text = "Requires ground-truth masks: maps the accuracy of each of these settings in the \
+     neighbourhood of this pixel.";
     ui.label(style::aside(ui, text));
     let button = ui.small_button(small("Load ground truth folder…"));
-    let button = button.on_hover_text("Take a CDnet folder, or a scene written by synth");
+    let button = button.on_hover_text("Load a CDnet folder or a scene written by synth");
     button.clicked().then_some(InspectorAction::LoadTruth)
 }
 

@@ -22,15 +22,11 @@ enum Asked {
 }
 
 const OF_PLOTS: [(Asked, &str, &str); 5] = [
-    (
-        Asked::CopyPicture,
-        "Copy picture",
-        "Copy it as a picture of 300 pixels an inch on white, to paste elsewhere.",
-    ),
-    (Asked::Save(Format::Png), "Save PNG…", "Save it as a picture of 300 pixels an inch on white."),
-    (Asked::Save(Format::Svg), "Save SVG…", "Save it as a drawing on white, to be set in print or changed."),
-    (Asked::CopyTable, "Copy CSV", "Copy the numbers behind it as a table."),
-    (Asked::SaveTable, "Save CSV…", "Save the numbers behind it as a table."),
+    (Asked::CopyPicture, "Copy image", "Copy as an image of 300 dpi on white."),
+    (Asked::Save(Format::Png), "Save PNG…", "Save as a PNG image of 300 dpi on white."),
+    (Asked::Save(Format::Svg), "Save SVG…", "Save as a vector image on white."),
+    (Asked::CopyTable, "Copy CSV", "Copy the plotted data as a table."),
+    (Asked::SaveTable, "Save CSV…", "Save the plotted data as a table."),
 ];
 
 /// A plot's caption with its menu at the right. What it takes more than a line to say stands in the caption's
@@ -104,10 +100,10 @@ pub(super) fn of_tables(
             if at > 0 {
                 ui.separator();
             }
-            if entry(ui, &format!("Copy CSV of {name}"), "Copy it as a table.").clicked() {
+            if entry(ui, &format!("Copy CSV of {name}"), "Copy as a table.").clicked() {
                 asked = Some(InspectorAction::Copy(table()));
             }
-            if entry(ui, &format!("Save CSV of {name}…"), "Save it as a table.").clicked() {
+            if entry(ui, &format!("Save CSV of {name}…"), "Save as a table.").clicked() {
                 asked = Some(InspectorAction::Save(table()));
             }
         }

@@ -203,7 +203,7 @@ impl Inspector {
         beside: &Beside<'_>,
     ) -> Option<InspectorAction> {
         let Some(shown) = shown else {
-            empty(ui, "No frame yet", "The inspector fills as soon as a frame is there.");
+            empty(ui, "No frame yet", "The inspector shows data after the first frame is analysed.");
             return None;
         };
         if shown.settings.background_model != BackgroundModel::Mixture {
@@ -213,10 +213,10 @@ impl Inspector {
             };
             empty(
                 ui,
-                "No mixture to show",
+                "No mixture",
                 &format!(
-                    "The background model is OpenCV's {model}, which does not let its state be read. \
-                     Choose the mixture as background model to inspect a pixel."
+                    "The background model is OpenCV's {model}, whose state is not accessible. Select the \
+                     background model mixture to inspect a pixel."
                 ),
             );
             return None;
@@ -233,7 +233,7 @@ impl Inspector {
             empty(
                 ui,
                 &format!("Pixel {x}, {y}"),
-                &format!("Frame {} is not in this pixel's history yet.", shown.frame.number),
+                &format!("The pixel history does not reach frame {} yet.", shown.frame.number),
             );
             return None;
         };
@@ -275,7 +275,7 @@ impl Inspector {
             ui.spacing_mut().item_spacing.x = 2.0;
             ui.spacing_mut().button_padding.x = 6.0;
             for (tab, name) in [
-                (Tab::Now, "Now"),
+                (Tab::Now, "Mixture"),
                 (Tab::History, "History"),
                 (Tab::Scatter, "Scatter"),
                 (Tab::Tuning, "Tuning"),
@@ -318,8 +318,8 @@ impl Inspector {
         let (title, text) = match beside.chosen {
             Some((x, y)) if beside.lost.contains(&(x, y)) => (format!("Pixel {x}, {y}"), LOST),
             Some((x, y)) => (format!("Pixel {x}, {y}"), ON_THE_WAY),
-            None if beside.pins.is_empty() => ("No pixel chosen".to_owned(), CLICK),
-            None => ("No pixel chosen".to_owned(), CLICK_OR_PIN),
+            None if beside.pins.is_empty() => ("No pixel selected".to_owned(), CLICK),
+            None => ("No pixel selected".to_owned(), CLICK_OR_PIN),
         };
         if beside.pins.is_empty() {
             empty(ui, &title, text);
@@ -354,11 +354,12 @@ impl Inspector {
     }
 }
 
-const CLICK: &str = "Click a pixel in any view to see its mixture, how it came about, and why it is foreground or background.";
-const CLICK_OR_PIN: &str = "Click a pixel in any view, or one of these, to see its mixture.";
-const ON_THE_WAY: &str = "Its history is on the way: it is gathered from the first frame on.";
-const LOST: &str = "Its mixture cannot be known: it begins with the first frames, which this live source no longer has. \
-     Another setting of the mixture begins anew with the next frame; a recording keeps them all.";
+const CLICK: &str = "Click a pixel in any view to inspect its mixture, its history and its verdict.";
+const CLICK_OR_PIN: &str = "Click a pixel in any view, or a pinned one below, to inspect its mixture.";
+const ON_THE_WAY: &str = "Computing pixel history…";
+const LOST: &str = "Pixel history not available: it needs the first frames, which this live source no \
+     longer has. A changed mixture setting restarts it with the next frame; use a recording to keep all \
+     frames.";
 
 fn followed(known: &mut Option<Followed>, history: &Arc<PixelHistory>) -> Arc<Vec<[u8; MAX_K]>> {
     match known {
@@ -437,8 +438,8 @@ fn pin_button(ui: &mut Ui, pinned: Option<u8>) -> Option<InspectorAction> {
     let icon = icons::ICON_KEEP.rich_text().size(16.0);
     let icon = pinned.map_or_else(|| icon.clone(), |number| icon.clone().color(pins::colour(number)));
     let (name, text) = match pinned {
-        Some(_) => ("Unpin this pixel", "Unpin this pixel (D)"),
-        None => ("Pin this pixel", "Pin this pixel, to compare it with others under Pixels (D)"),
+        Some(_) => ("Unpin pixel", "Unpin this pixel (D)"),
+        None => ("Pin pixel", "Pin this pixel to compare it under Pixels (D)"),
     };
     let button =
         egui::Button::new(icon).frame_when_inactive(pinned.is_some()).min_size(egui::vec2(20.0, 18.0));
@@ -464,7 +465,7 @@ fn verdict_ui(ui: &mut Ui, words: &Verdict, mask: bool, name: Option<&str>) {
             ui.label(RichText::new(headline).color(ui.visuals().strong_text_color()));
             if mask != words.foreground {
                 let made = if mask { "foreground" } else { "background" };
-                ui.label(style::small(&format!("After cleaning it is {made}.")));
+                ui.label(style::small(&format!("After post-processing: {made}.")));
             }
         })
         .response;

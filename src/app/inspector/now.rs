@@ -61,7 +61,7 @@ impl Now {
         ui.add_space(6.0);
 
         let counts: Vec<_> = sides.iter().map(|side| side.count.to_string()).collect();
-        let caption = format!("B = {}: weights, added up until they exceed T", counts.join(", then "));
+        let caption = format!("B = {}: cumulative weights until they exceed T", counts.join(", then "));
         let weights_asked = menu::caption(ui, &caption, WEIGHTS, "the weights", || {
             Plot::Weights(chosen.followed(), chosen.index, moment)
         });
@@ -87,18 +87,18 @@ impl Now {
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing.x = 3.0;
             ui.spacing_mut().button_padding.x = 6.0;
-            ui.label("Mixture").on_hover_text("Which mixture of this frame's update is shown below.");
+            ui.label("Show").on_hover_text("Mixture before this frame's update, after it, or both.");
             for (moment, name, meaning) in [
                 (
                     Moment::Before,
                     "before",
-                    "The mixture that the value was compared with, from the frame before.",
+                    "Mixture of the previous frame, with which the value is compared.",
                 ),
-                (Moment::After, "after", "The mixture with this frame's value learned, which decides B."),
+                (Moment::After, "after", "Mixture updated with this frame's value, which determines B."),
                 (
                     Moment::Both,
                     "both",
-                    "The mixtures before and after the update, side by side where there is room.",
+                    "Mixtures before and after the update, side by side if space permits.",
                 ),
             ] {
                 let button = Button::selectable(shown(self.moment) == moment, name);
@@ -112,13 +112,13 @@ impl Now {
     }
 }
 
-const DENSITIES: &str = "Each curve is a component's marginal in one channel, with the component's variance σ². σ² follows the squared \
-     distance summed over the channels, so with three channels a curve is wider than the data of its channel alone. \
-     A value matches where its distance over all channels together is at most λσ; being inside the bar of one \
-     channel is necessary, not sufficient. Filled: background. Dashed: foreground.";
+const DENSITIES: &str = "Each curve is the marginal density of a component in one channel, with variance \
+     σ². σ² is the squared distance summed over the channels, so with three channels a curve is wider than \
+     the data of one channel. A value matches if its distance over all channels is at most λσ; lying \
+     inside the bar of one channel is necessary, not sufficient. Filled: background. Dashed: foreground.";
 
-const WEIGHTS: &str = "Each bar is a weight and starts where the sum of the weights above it ends, Σ. B is the first rank at which the \
-     sum exceeds T: the components down to it are background, those below it are foreground.";
+const WEIGHTS: &str = "Each bar is a weight, placed at the cumulative sum Σ of the weights above it. B is \
+     the first rank at which the sum exceeds T: components 1 to B are background, the others foreground.";
 
 /// Draws each mixture, two of them side by side where there is room.
 fn beside(ui: &mut Ui, sides: &[Side], mut draw: impl FnMut(&mut Ui, &Side)) {

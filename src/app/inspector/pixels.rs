@@ -55,8 +55,8 @@ struct Cache {
     sparks: Vec<Spark>,
 }
 
-const ON_THE_WAY: &str = "Its first frames are on the way …";
-const LOST: &str = "It cannot be known: it begins with frames that this live source no longer has.";
+const ON_THE_WAY: &str = "Computing history…";
+const LOST: &str = "Not available: this live source no longer has the first frames.";
 
 /// Where the frame in view is.
 #[derive(Clone, Copy)]
@@ -98,14 +98,14 @@ impl Pixels {
         let taken = |ui: &mut Ui| {
             let shares = shares?;
             let plot = || Plot::Region(Arc::clone(chosen), Arc::clone(shares), here.index);
-            menu::of_plot(ui, "the share of foreground", plot)
+            menu::of_plot(ui, "the foreground ratio", plot)
         };
         let taken = menu::row(ui, taken, |ui| {
             ui.spacing_mut().item_spacing.x = 2.0;
             ui.spacing_mut().button_padding.x = 5.0;
-            ui.label(RichText::new("Foreground around it").strong()).on_hover_text(
-                "Which share of the pixels around the chosen one is foreground in each frame. A pixel alone flickers; \
-                 its neighbours tell whether something is there.",
+            ui.label(RichText::new("Foreground ratio in neighbourhood").strong()).on_hover_text(
+                "Ratio of foreground pixels in the neighbourhood of the selected pixel, per frame. It is \
+                 less noisy than the verdict of a single pixel.",
             );
             ui.add_space(4.0);
             side::choice(ui, &mut self.side);
@@ -115,10 +115,10 @@ impl Pixels {
             ui.spacing_mut().item_spacing.x = 4.0;
             let (rect, _) = ui.allocate_exact_size(vec2(12.0, 10.0), Sense::hover());
             ui.painter().rect_filled(rect.shrink2(vec2(0.0, 1.0)), 1.0, area_colour(ui.visuals()));
-            ui.label(style::aside(ui, "after cleaning"));
+            ui.label(style::aside(ui, "after post-processing"));
             let (rect, _) = ui.allocate_exact_size(vec2(12.0, 10.0), Sense::hover());
             ui.painter().hline(rect.x_range(), rect.center().y, Stroke::new(1.5, style::ink(ui.visuals())));
-            ui.label(style::aside(ui, "verdicts of the mixture"));
+            ui.label(style::aside(ui, "mixture verdicts"));
         });
         asked.or(taken)
     }
@@ -141,14 +141,15 @@ impl Pixels {
         };
         let mut asked = menu::row(ui, taken, |ui| {
             ui.label(RichText::new("Pinned pixels").strong()).on_hover_text(
-                "Up to eight pixels, kept with the video. Brightness through all frames with the band μ ± λσ of each \
-                 background component, and the mixture's verdict below. Click a frame to go to it.",
+                "Up to eight pixels, saved with the video. Brightness over all frames with the band μ ± λσ \
+                 of each background component, and the mixture verdict below. Click to go to a frame.",
             );
         });
         if beside.pins.is_empty() {
             ui.label(style::aside(
                 ui,
-                "None yet. Pin the chosen pixel (D, or the pin beside its name) to compare it with others.",
+                "No pinned pixels. Pin the selected pixel (D, or the pin icon above) to compare it with \
+                 others.",
             ));
             return None;
         }
@@ -163,7 +164,7 @@ impl Pixels {
             let (x, y) = at;
             response.widget_info(|| {
                 let name =
-                    format!("Pinned pixel {number} at {x}, {y} through all frames; click one to go to it");
+                    format!("Pinned pixel {number} at {x}, {y} over all frames; click to go to a frame");
                 WidgetInfo::labeled(Role::Image, true, name)
             });
             let axis = Axis::x(0.0, frames.max(1) as f64, area);
@@ -203,9 +204,11 @@ impl Pixels {
         let frames = shares.map_or(0, |shares| shares.model.len());
         response.widget_info(|| {
             let now = shares.and_then(|shares| shares.cleaned.get(here.index));
-            let now =
-                now.map_or_else(|| "not known yet".to_owned(), |share| format!("{:.0} % now", share * 100.0));
-            WidgetInfo::labeled(Role::Image, true, format!("Share of foreground around the pixel, {now}"))
+            let now = now.map_or_else(
+                || "not computed yet".to_owned(),
+                |share| format!("{:.0} % in this frame", share * 100.0),
+            );
+            WidgetInfo::labeled(Role::Image, true, format!("Foreground ratio in neighbourhood, {now}"))
         });
         let plot = chart::inner(Rect::from_min_size(area.min + vec2(0.0, 4.0), vec2(area.width(), SHARES)));
         let (painter, visuals) = (ui.painter_at(area), ui.visuals());
@@ -244,7 +247,7 @@ impl Pixels {
             ui.label(format!("Position {}, {} s", frame + 1, style::seconds(frame, here.fps)));
             let (after, before) = (per_cent(&shares.cleaned), per_cent(&shares.model));
             ui.label(small(&format!(
-                "{after:.0} % of {} pixels, {before:.0} % before cleaning",
+                "{after:.0} % of {} pixels, {before:.0} % before post-processing",
                 shares.pixels
             )));
         })
@@ -307,7 +310,7 @@ fn pin_row(
         let (middle, ink) = (rect.center(), theme::ink_on(colour));
         ui.painter().text(middle, Align2::CENTER_CENTER, pins::name(number), style::font(), ink);
         let place = Button::selectable(chosen, small(&format!("{x}, {y}")));
-        let response = ui.add(place).on_hover_text("Choose this pixel: the other tabs are about it then");
+        let response = ui.add(place).on_hover_text("Select this pixel for the other tabs");
         if response.clicked() {
             asked = Some(InspectorAction::Choose((x, y)));
         }

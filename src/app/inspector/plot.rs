@@ -59,8 +59,8 @@ impl Format {
     /// What it is called in dialogs.
     pub const fn name(self) -> &'static str {
         match self {
-            Self::Png => "PNG picture",
-            Self::Svg => "SVG drawing",
+            Self::Png => "PNG image",
+            Self::Svg => "SVG image",
         }
     }
 }
@@ -127,7 +127,7 @@ impl Plot {
 
     /// Draws it, or says why it could not be.
     pub(crate) fn drawn(&self) -> Result<Frame, String> {
-        let failed = |error| format!("the picture was not drawn: {error}; save it as SVG instead");
+        let failed = |error| format!("the image cannot be rendered: {error}; save it as SVG instead");
         raster::picture(&self.figure()).map_err(failed)
     }
 

@@ -143,7 +143,7 @@ fn rate_words(rate: f64) -> String {
 pub(super) fn changes_plot(painter: &Painter, visuals: &Visuals, bins: &[Bin], axis: Axis, rect: Rect) {
     let clipped = painter.with_clip_rect(rect.intersect(painter.clip_rect()));
     let mut labels = Vec::new();
-    for (lane, name) in ["born", "repl.", "rose"].into_iter().enumerate() {
+    for (lane, name) in ["new", "repl.", "up"].into_iter().enumerate() {
         let top = rect.top() + LANE * lane as f32;
         for bin in bins {
             let Some(slot) = bin.changes[lane] else { continue };

@@ -71,16 +71,16 @@ impl Scatter {
             |ui| menu::of_plot(ui, "the scatter plot", plot),
             |ui| {
                 if gray {
-                    ui.label(small("luma against the next frame's luma"));
+                    ui.label(small("luma vs luma of the next frame"));
                     return;
                 }
                 ui.spacing_mut().item_spacing.x = 2.0;
                 ui.spacing_mut().button_padding.x = 6.0;
                 for (space, name, meaning) in [
-                    (Space::Plane(0, 1), "R–G", "Red across, green up"),
-                    (Space::Plane(1, 2), "G–B", "Green across, blue up"),
-                    (Space::Plane(0, 2), "R–B", "Red across, blue up"),
-                    (Space::Cube, "3-D", "All three channels, to be turned"),
+                    (Space::Plane(0, 1), "R–G", "X axis: red, Y axis: green"),
+                    (Space::Plane(1, 2), "G–B", "X axis: green, Y axis: blue"),
+                    (Space::Plane(0, 2), "R–B", "X axis: red, Y axis: blue"),
+                    (Space::Cube, "3-D", "All three channels, rotatable"),
                 ] {
                     ui.selectable_value(&mut self.space, space, name).on_hover_text(meaning);
                 }
@@ -95,8 +95,11 @@ impl Scatter {
             // What was chosen stays while fewer frames are known.
             let drag = DragValue::new(&mut last).range(2..=total.max(2)).clamp_existing_to_range(false);
             let drag = drag.prefix("last ");
-            let drag = ui.add(drag).accessible_name("Frames up to the one in view");
-            if drag.on_hover_text("How many frames up to the one in view; drag, or click to type").changed() {
+            let drag = ui.add(drag).accessible_name("Frames up to the current one");
+            if drag
+                .on_hover_text("Number of frames up to the current one; drag, or click to enter a value")
+                .changed()
+            {
                 self.last = last;
             }
             ui.add_space(4.0);
@@ -164,16 +167,17 @@ impl Scatter {
             Space::Cube => "Spheres",
         };
         let colours = match self.by {
-            By::Component => "filled dots are background, rings foreground",
-            By::Verdict => "green is background, orange foreground",
-            By::Time => "stronger dots are later",
+            By::Component => "filled dots: background, rings: foreground",
+            By::Verdict => "green: background, orange: foreground",
+            By::Time => "stronger dots: later frames",
         };
         let cross = match place(chosen.history, chosen.index, self.choice(chosen).space) {
-            Some(_) => "the cross is the value in view",
-            None => "the value in view has no next one yet, and no cross",
+            Some(_) => "cross: current value",
+            None => "no cross: the next value is not available yet",
         };
         format!(
-            "{reach} reach {lambda}σ around each component's mean, solid for background, dashed for foreground; {colours}; {cross}."
+            "{reach}: {lambda}σ around each component's mean, solid for background, dashed for foreground; \
+             {colours}; {cross}."
         )
     }
 }
@@ -255,11 +259,11 @@ fn plane(ui: &mut Ui, chosen: &Chosen<'_>, choice: &Choice, groups: &[Group]) {
         });
     response.response.widget_info(|| {
         let count: usize = groups.iter().map(|group| group.points.len()).sum();
-        let here = cross.map_or_else(String::new, |[x, y]| format!(", the value in view at {x}, {y}"));
+        let here = cross.map_or_else(String::new, |[x, y]| format!(", current value at {x}, {y}"));
         WidgetInfo::labeled(
             Role::Image,
             true,
-            format!("Scatter of {} against {}, {count} places{here}", names.1, names.0),
+            format!("Scatter plot of {} vs {}, {count} positions{here}", names.1, names.0),
         )
     });
 }

@@ -12,7 +12,7 @@ pub(super) fn choice(ui: &mut Ui, chosen: &mut u32) {
     for side in SIDES {
         let text = format!("{side}×{side}");
         let label = ui.selectable_label(*chosen == side, small(&side.to_string())).accessible_name(&text);
-        if label.on_hover_text(format!("{text} pixels, the chosen one in the middle")).clicked() {
+        if label.on_hover_text(format!("{text} pixels around the selected pixel")).clicked() {
             *chosen = side;
         }
     }

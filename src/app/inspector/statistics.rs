@@ -37,17 +37,21 @@ impl StatisticsView {
         let frames = statistics.frames;
         let channels = chosen.channels().join(", ");
         let rows = [
-            ("frames", format!("{frames},  {} s", seconds(frames as f32)), "How many frames are counted."),
-            ("mean", format!("{}  levels", each(statistics.mean)), "The mean of each channel."),
+            (
+                "frames",
+                format!("{frames},  {} s", seconds(frames as f32)),
+                "Number of frames in the statistics.",
+            ),
+            ("mean", format!("{}  levels", each(statistics.mean)), "Mean of each channel."),
             (
                 "variance",
                 format!("{}  levels²", each(statistics.variance)),
-                "The variance of each channel about its mean over these frames, whatever component it belongs to.",
+                "Variance of each channel over these frames, over all components.",
             ),
             (
-                "deviation",
+                "std. dev.",
                 format!("{}  levels", each(statistics.variance.map(f32::sqrt))),
-                "The square root of the variance of each channel.",
+                "Standard deviation of each channel.",
             ),
             (
                 "foreground",
@@ -56,32 +60,33 @@ impl StatisticsView {
                     statistics.foreground_share() * 100.0,
                     statistics.foreground
                 ),
-                "In how many frames the mixture called the pixel foreground, before any cleaning.",
+                "Number of frames with a foreground verdict of the mixture, before post-processing.",
             ),
             (
-                "births",
+                "created",
                 statistics.births.to_string(),
-                "How often a component was made where there was room for one; the first frame makes the first.",
+                "Number of components created while fewer than K were in use; the first frame creates the \
+                 first.",
             ),
             (
-                "replacements",
+                "replaced",
                 statistics.replacements.to_string(),
-                "How often nothing matched and all K components were in use, so that the last one was replaced.",
+                "Number of replacements of the last component: no match while all K components were in use.",
             ),
             (
-                "modes, B",
+                "background, B",
                 format!("{:.2} on average,  at most {}", statistics.mean_modes, statistics.most_modes),
-                "How many components were background.",
+                "Number of background components.",
             ),
             (
                 "in use",
                 format!("{} of {} components", statistics.used, chosen.history.parameters.k),
-                "How many components the mixture had at the end of these frames.",
+                "Number of components in use at the end of these frames.",
             ),
             (
                 "1/α",
                 format!("{} frames,  {} s", number(1.0 / alpha), seconds(1.0 / alpha)),
-                "The time constant with which weights change: after so long, 37 % of an old weight is left.",
+                "Time constant of the weights: an old weight decays to 37 % in this time.",
             ),
         ];
         let history = || Arc::clone(chosen.history);
@@ -91,7 +96,7 @@ impl StatisticsView {
             menu::of_tables(ui, "the numbers", &[("statistics", &counted), ("frames", &frames)])
         };
         let asked = menu::row(ui, tables, |ui| {
-            ui.label(style::aside(ui, &format!("Value {channels} and mixture over these frames")));
+            ui.label(style::aside(ui, &format!("Value {channels} and mixture statistics over these frames")));
         });
         for (at, (name, value, meaning)) in rows.iter().enumerate() {
             row(ui, at, name, value, meaning);
@@ -129,10 +134,14 @@ impl StatisticsView {
                 let end = states.partition_point(|state| state.number <= from.max(to));
                 self.part = Some(start..end.max(start + 1));
             }
-            if ui.small_button("All").on_hover_text("Count all frames").clicked() {
+            if ui.small_button("All").on_hover_text("Use all frames").clicked() {
                 self.part = None;
             }
-            if ui.small_button("Up to here").on_hover_text("Count up to the frame in view").clicked() {
+            if ui
+                .small_button("Up to current")
+                .on_hover_text("Use the frames up to the current one")
+                .clicked()
+            {
                 self.part = Some(0..chosen.index + 1);
             }
         });

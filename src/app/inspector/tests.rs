@@ -196,7 +196,7 @@ fn without_a_frame_a_pixel_a_mixture_or_a_state_it_says_what_is_missing() {
         (
             "not-yet",
             Some(shown_of(settings(), Some(history), 20)),
-            "Frame 21 is not in this pixel's history yet",
+            "The pixel history does not reach frame 21 yet",
         ),
     ];
     for (name, shown, words) in cases {
@@ -211,7 +211,7 @@ fn every_tab_can_be_drawn_dark_and_light_narrow_and_wide() {
     for (theme, look) in [(Theme::Dark, "dark"), (Theme::Light, "light")] {
         for (width, height) in [(240.0, 900.0), (340.0, 700.0), (500.0, 1000.0)] {
             let (mut harness, _) = harness(Some(shown(430)), Vec2::new(width, height), theme);
-            for tab in ["Now", "both", "History", "Tuning", "Statistics", "Scatter", "3-D"] {
+            for tab in ["Mixture", "both", "History", "Tuning", "Statistics", "Scatter", "3-D"] {
                 open(&mut harness, tab);
                 picture(&mut harness, &format!("{}-{look}-{width}", tab.to_lowercase()));
             }
@@ -223,7 +223,7 @@ fn every_tab_can_be_drawn_dark_and_light_narrow_and_wide() {
 fn every_tab_looks_as_it_did_when_it_was_last_looked_at() {
     for (theme, look) in [(Theme::Dark, "dark"), (Theme::Light, "light")] {
         let (mut harness, _) = harness(Some(shown(430)), Vec2::new(340.0, 900.0), theme);
-        for tab in ["Now", "both", "History", "Tuning", "Statistics", "Scatter", "3-D"] {
+        for tab in ["Mixture", "both", "History", "Tuning", "Statistics", "Scatter", "3-D"] {
             open(&mut harness, tab);
             let picture = harness.render().unwrap();
             looks_as_before(&picture, None, &format!("{}-{look}", tab.to_lowercase()));
@@ -239,11 +239,11 @@ fn one_channel_can_be_drawn_too() {
     let (mut harness, _) =
         harness(Some(shown_of(gray, Some(history), 330)), Vec2::new(340.0, 900.0), Theme::Light);
     assert!(says(&harness, &format!("luma {}", state.value[0])));
-    for tab in ["Now", "History", "Tuning", "Statistics", "Scatter"] {
+    for tab in ["Mixture", "History", "Tuning", "Statistics", "Scatter"] {
         open(&mut harness, tab);
         picture(&mut harness, &format!("gray-{}", tab.to_lowercase()));
     }
-    assert!(says(&harness, "luma against the next frame's luma"));
+    assert!(says(&harness, "luma vs luma of the next frame"));
 }
 
 #[test]
@@ -255,14 +255,14 @@ fn the_last_value_of_one_channel_has_no_next_and_no_cross() {
         let shown = shown_of(gray.clone(), Some(history.clone()), position);
         let (mut harness, _) = harness(Some(shown), Vec2::new(340.0, 900.0), Theme::Dark);
         open(&mut harness, "Scatter");
-        let name = harness.get_by_label_contains("Scatter of next against luma").accesskit_node().label();
+        let name = harness.get_by_label_contains("Scatter plot of next vs luma").accesskit_node().label();
         picture(&mut harness, &format!("gray-scatter-{position}"));
-        (name.unwrap().split_once("in view at ").map(|(_, at)| at.to_owned()), harness)
+        (name.unwrap().split_once("current value at ").map(|(_, at)| at.to_owned()), harness)
     };
     assert_eq!(cross(330).0, Some(format!("{value}, {next}")));
     let (at, harness) = cross(599);
     assert_eq!(at, None);
-    assert!(says(&harness, "no next one yet, and no cross"));
+    assert!(says(&harness, "no cross: the next value"));
 }
 
 #[test]
@@ -280,7 +280,7 @@ fn a_choice_of_frames_outlives_a_short_history() {
         });
     open(&mut harness, "Scatter");
     let last =
-        |harness: &Harness<'_>| harness.get_by_label("Frames up to the one in view").accesskit_node().value();
+        |harness: &Harness<'_>| harness.get_by_label("Frames up to the current one").accesskit_node().value();
     assert_eq!(last(&harness).as_deref(), Some("last 500"), "{:?}", texts(&harness));
     *shown.borrow_mut() = shown_of(settings, Some(long), 599);
     harness.run();
@@ -299,8 +299,8 @@ fn eight_components_where_nothing_matches_can_be_drawn() {
     assert_eq!(history.states[400].pixel.used(), 8);
     let (mut harness, _) =
         harness(Some(shown_of(crowded, Some(history), 400)), Vec2::new(340.0, 960.0), Theme::Light);
-    assert!(says(&harness, "nothing matched; nearest was component"));
-    for tab in ["Now", "History", "Tuning", "Statistics", "Scatter"] {
+    assert!(says(&harness, "no match; nearest is component"));
+    for tab in ["Mixture", "History", "Tuning", "Statistics", "Scatter"] {
         open(&mut harness, tab);
         picture(&mut harness, &format!("crowded-{}", tab.to_lowercase()));
     }
@@ -314,7 +314,7 @@ fn eight_components_where_nothing_matches_can_be_drawn() {
 fn a_low_panel_scrolls_under_the_verdict() {
     let (mut harness, _) = harness(Some(shown(430)), Vec2::new(340.0, 400.0), Theme::Light);
     let (headline, before) =
-        (harness.get_by_label("Now").rect(), harness.get_by_label_contains("Weights 0").rect());
+        (harness.get_by_label("Mixture").rect(), harness.get_by_label_contains("Weights 0").rect());
     harness.hover_at(Pos2::new(150.0, 300.0));
     harness.event(egui::Event::MouseWheel {
         unit: egui::MouseWheelUnit::Point,
@@ -325,7 +325,7 @@ fn a_low_panel_scrolls_under_the_verdict() {
     });
     // A scroll is smoothed over several frames.
     harness.run_steps(8);
-    assert_eq!(harness.get_by_label("Now").rect(), headline, "tabs and verdict stay");
+    assert_eq!(harness.get_by_label("Mixture").rect(), headline, "tabs and verdict stay");
     let after = harness.get_by_label_contains("Weights 0").rect();
     assert!(after.top() < before.top() - 100.0, "{before:?} to {after:?}");
     picture(&mut harness, "scrolled");
@@ -334,8 +334,8 @@ fn a_low_panel_scrolls_under_the_verdict() {
 #[test]
 fn the_first_frame_can_be_drawn() {
     let (mut harness, _) = tall(Some(shown(0)));
-    assert!(says(&harness, "the model's first frame"));
-    for tab in ["Now", "History", "Tuning", "Statistics", "Scatter"] {
+    assert!(says(&harness, "first frame of the model"));
+    for tab in ["Mixture", "History", "Tuning", "Statistics", "Scatter"] {
         open(&mut harness, tab);
     }
 }
@@ -431,27 +431,30 @@ fn what_happened_to_components_is_told_where_the_history_marks_it() {
         harness.hover_at(on_history(&harness, (index as f32 + 0.5) / 600.0));
         harness.run();
         let words = match change(&history, index).unwrap() {
-            Change::Born => "was born",
+            Change::Born => "was created",
             Change::Replaced => "replaced the last",
-            Change::Rose { .. } => "It rose from rank",
+            Change::Rose { .. } => "It moved up from rank",
         };
         assert!(says(&harness, words), "frame {index}: {words:?} in {:?}", texts(&harness));
         told.push(words);
     }
-    assert!(told.contains(&"was born") && told.contains(&"It rose from rank"), "a case in point: {told:?}");
+    assert!(
+        told.contains(&"was created") && told.contains(&"It moved up from rank"),
+        "a case in point: {told:?}"
+    );
 }
 
 #[test]
 fn a_verdict_that_cleaning_overruled_is_marked() {
     let mut shown = shown(425);
     let (harness, _) = tall(Some(shown.clone()));
-    assert!(!says(&harness, "overruled"));
+    assert!(!says(&harness, "Changed by a later stage"));
     let mut analysis = (*shown.analysis).clone();
     analysis.mask = Arc::new(Mask::empty(SIZE));
     shown.analysis = Arc::new(analysis);
     let (harness, _) = tall(Some(shown));
-    assert!(says(&harness, "After cleaning it is background."));
-    assert!(says(&harness, "cleaning (median 5) made this pixel background"));
+    assert!(says(&harness, "After post-processing: background."));
+    assert!(says(&harness, "post-processing (median 5) this pixel is background"));
 }
 
 /// Where a share of the history's time axis is on the screen.
@@ -582,7 +585,7 @@ fn a_long_history_stays_quick() {
 
 /// Where a cell of the tuning map is on the screen.
 fn on_map(harness: &Harness<'_>, share: Vec2) -> Pos2 {
-    let area = harness.get_by_label_contains("Tuning map of").rect();
+    let area = harness.get_by_label_contains("Tuning map, ").rect();
     let plot = egui::Rect::from_min_max(
         Pos2::new(area.left() + super::chart::GUTTER, area.top() + 6.0),
         Pos2::new(area.right() - super::chart::RIGHT, area.bottom() - super::chart::TICKS - 15.0),
@@ -598,7 +601,7 @@ fn a_click_into_the_tuning_map_takes_the_cell_that_its_tip_names() {
     assert!(share > 0.05 && share < 0.95, "a case in point: {share}");
     let (mut harness, actions) = tall(Some(shown));
     open(&mut harness, "Tuning");
-    assert!(says(&harness, &format!("foreground in {:.0} % of it", share * 100.0)));
+    assert!(says(&harness, &format!("foreground in {:.0} % of cells", share * 100.0)));
     for (column, row) in [(2, 20), (21, 3)] {
         let at = on_map(&harness, Vec2::new((column as f32 + 0.4) / 24.0, (row as f32 + 0.6) / 24.0));
         harness.hover_at(at);
@@ -610,7 +613,7 @@ fn a_click_into_the_tuning_map_takes_the_cell_that_its_tip_names() {
             texts(&harness)
         );
         let verdict = if tuning.map.is_foreground(column, row) { "Foreground" } else { "Background" };
-        assert!(says(&harness, &format!("{verdict}. Click to take")));
+        assert!(says(&harness, &format!("{verdict}. Click to apply")));
         picture(&mut harness, &format!("tuning-hover-{column}"));
         assert!(actions.borrow().is_empty(), "looking is not asking");
         harness.drag_at(at);
@@ -659,7 +662,7 @@ fn a_map_of_other_settings_is_asked_for_and_waited_for() {
     harness.get_all_by_label("λ").last().unwrap().click();
     harness.run();
     assert_eq!(*asked.borrow(), Some([Knob::Alpha, Knob::Lambda]));
-    assert!(says(&harness, "Tuning map of α across and λ up, not known yet"), "{:?}", texts(&harness));
+    assert!(says(&harness, "Tuning map, X axis α, Y axis λ, not computed yet"), "{:?}", texts(&harness));
     harness.get_all_by_label("α").last().unwrap().click();
     harness.run();
     assert_eq!(*asked.borrow(), Some([Knob::Lambda, Knob::Alpha]), "the sides change places");
@@ -688,7 +691,7 @@ fn statistics_are_of_the_frames_that_are_chosen_and_can_be_taken_along() {
         }
     };
     check(&harness, 0..600);
-    harness.get_by_label("Up to here").click();
+    harness.get_by_label("Up to current").click();
     harness.run();
     check(&harness, 0..431);
     choose(&mut harness, "Copy or save the numbers", "Copy CSV of frames");

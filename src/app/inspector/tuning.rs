@@ -95,7 +95,7 @@ impl TuningView {
         map: Option<&Tuning>,
     ) -> Option<InspectorAction> {
         let mut asked = None;
-        for (side, name) in ["across", "up"].into_iter().enumerate() {
+        for (side, name) in ["X axis", "Y axis"].into_iter().enumerate() {
             let menu = |ui: &mut Ui| {
                 let map = map.filter(|_| side == 0)?;
                 menu::of_plot(ui, "the map", || Plot::Map(chosen.followed(), Box::new(map.clone())))
@@ -161,10 +161,10 @@ fn map_ui(
     flat: f32,
 ) -> Option<InspectorAction> {
     let [across, up] = knobs.map(Knob::symbol);
-    let share = map.map_or("not known yet".to_owned(), |map| {
-        format!("foreground in {:.0} % of it", map.foreground_share() * 100.0)
+    let share = map.map_or("not computed yet".to_owned(), |map| {
+        format!("foreground in {:.0} % of cells", map.foreground_share() * 100.0)
     });
-    let name = format!("Tuning map of {across} across and {up} up, {share}");
+    let name = format!("Tuning map, X axis {across}, Y axis {up}, {share}");
     let strength = if pale { 0.4 } else { 1.0 };
     let colours = [false, true].map(|foreground| {
         style::verdict_colour(ui.visuals(), foreground)
@@ -181,10 +181,9 @@ fn map_ui(
 
 /// For each setting alone the nearest value that flips the verdict.
 fn flips_ui(ui: &mut Ui, chosen: &Chosen<'_>, flips: Option<&[Flip]>) -> Option<InspectorAction> {
-    let other = if chosen.state.outcome.foreground { "background" } else { "foreground" };
-    ui.label(RichText::new(format!("What alone would make it {other}")).strong()).on_hover_text(
-        "For each setting, the value nearest to the present one at which the mixture's verdict about this pixel in \
-         this frame is the other one. Each was found by running the pixel anew from the first frame.",
+    ui.label(RichText::new("Single changes that flip this pixel").strong()).on_hover_text(
+        "For each setting, the nearest value at which the mixture's verdict for this pixel in this frame \
+         is the other one. Computed by re-running the pixel from the first frame.",
     );
     let mut taken = None;
     for (at, knob) in Knob::ALL.into_iter().enumerate() {

@@ -82,7 +82,7 @@ fn every_control_has_a_name_in_every_state() {
     }
     let mut harness = inspected();
     all_named(&harness, "ready");
-    for stage in ["Cleaning", "Regions", "Tracking", "Occlusion"] {
+    for stage in ["Post-processing", "Regions", "Tracking", "Occlusion"] {
         let left = |node: &egui_kittest::Node<'_>| node.rect().left() < 60.0;
         harness.get_all_by_label_contains(stage).rfind(left).unwrap().click_accesskit();
         harness.run_steps(12);
@@ -90,7 +90,7 @@ fn every_control_has_a_name_in_every_state() {
     }
     // Whichever tabs there are: they stand in a line with the first.
     let tabs: Vec<String> = {
-        let first = harness.get_by_label("Now").rect();
+        let first = harness.get_all_by_label("Mixture").last().unwrap().rect();
         let line = |node: &AccessKitNode<'_>| {
             let at = node.raw_bounds().map_or(f64::NAN, |bounds| f64::midpoint(bounds.y0, bounds.y1));
             let right = node.raw_bounds().is_some_and(|bounds| bounds.x0 as f32 >= first.left() - 1.0);
@@ -126,7 +126,7 @@ fn every_control_has_a_name_in_menus_and_sheets() {
         harness.run_steps(4);
     }
     for (action, place) in [
-        (Action::Palette, "Find an action"),
+        (Action::Palette, "Command palette"),
         (Action::Help, "Close"),
         (Action::About, "Close"),
         (Action::Messages, "Messages"),
@@ -175,14 +175,14 @@ fn the_tab_key_reaches_every_control_and_comes_round() {
     assert_eq!(&names[..4], ["File", "View", "Analysis", "Help"]);
     let place = |name: &str| names.iter().position(|other| other == name).unwrap();
     assert_eq!(place("Next frame"), place("Play") + 1);
-    assert_eq!(place("History"), place("Now") + 1);
+    assert_eq!(names[place("History") - 1], "Mixture");
 }
 
 #[test]
 fn sheets_give_the_focus_back() {
     let mut harness = inspected();
     for (action, inside) in
-        [(Action::Palette, "Find an action"), (Action::Help, "Close"), (Action::About, "Copy")]
+        [(Action::Palette, "Command palette"), (Action::Help, "Close"), (Action::About, "Copy")]
     {
         harness.get_by_label("Play").focus();
         harness.run_steps(2);

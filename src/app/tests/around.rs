@@ -20,12 +20,12 @@ fn opening_can_be_given_up_and_a_video_closed() {
     harness.get_by_label("Cancel").click();
     harness.run_steps(3);
     assert!(harness.state().model.player.is_none());
-    harness.get_by_label("Open a video to look into");
+    harness.get_by_label("Open a video");
 
     let (mut harness, _) = ready(10);
     harness.key_press_modifiers(Modifiers::COMMAND, Key::W);
     harness.run_steps(3);
-    harness.get_by_label("Open a video to look into");
+    harness.get_by_label("Open a video");
     // It is there to be opened again.
     harness.get_by_label("walk.mp4").click();
     harness.run_steps(3);
@@ -105,7 +105,7 @@ fn the_sample_says_what_to_try_until_that_has_been_read() {
 fn a_setting_s_name_tells_its_equation_and_what_raising_it_does() {
     let (mut harness, _) = ready(58);
     // The name stands at the left of what is typed.
-    let typed = harness.get_by_label("alpha").rect();
+    let typed = harness.get_by_label("learning rate").rect();
     harness.hover_at(egui::pos2(harness.get_by_label("Settings").rect().left() + 14.0, typed.center().y));
     harness.run_steps(10);
     picture(&mut harness, "setting-help");
@@ -116,14 +116,14 @@ fn a_setting_s_name_tells_its_equation_and_what_raising_it_does() {
 #[test]
 fn a_setting_is_found_by_its_name_and_brought_into_sight() {
     let (mut harness, _) = ready(58);
-    assert!(harness.query_by_label("same colour").is_none(), "its stage is shut");
+    assert!(harness.query_by_label("colour threshold").is_none(), "its stage is shut");
     harness.key_press_modifiers(Modifiers::COMMAND, Key::K);
     harness.run_steps(4);
-    harness.get_by_label("Find an action").type_text("same col");
+    harness.get_by_label("Command palette").type_text("same col");
     harness.run_steps(3);
     harness.key_press(Key::Enter);
     harness.run_steps(40);
-    let place = harness.get_by_label("same colour").rect();
+    let place = harness.get_by_label("colour threshold").rect();
     let panel = harness.get_by_label("Settings").rect();
     assert!(place.top() > panel.bottom() && place.bottom() < 860.0, "{place}");
     picture(&mut harness, "setting-found");
@@ -136,7 +136,7 @@ fn a_setting_is_found_by_its_name_and_brought_into_sight() {
 #[test]
 fn the_analysis_is_stopped_and_goes_on_beside_its_progress() {
     let (mut harness, scene) = ready(58);
-    assert!(harness.query_by_label("Stop the analysis").is_none(), "nothing is under way");
+    assert!(harness.query_by_label("Pause analysis").is_none(), "nothing is under way");
     let asked = |scene: &Scene| scene.asked.borrow().last().cloned();
     {
         let mut state = scene.state.borrow_mut();
@@ -145,13 +145,13 @@ fn the_analysis_is_stopped_and_goes_on_beside_its_progress() {
     }
     harness.run_steps(3);
     picture(&mut harness, "analysing");
-    harness.get_by_label("Stop the analysis").click();
+    harness.get_by_label("Pause analysis").click();
     harness.run_steps(3);
     assert_eq!(asked(&scene), Some(Asked::Ahead(false)));
     scene.state.borrow_mut().busy = None;
     harness.run_steps(3);
-    harness.get_by_label("stopped  70 / 120");
-    picture(&mut harness, "stopped");
+    harness.get_by_label("paused  70 / 120");
+    picture(&mut harness, "paused");
     // A frame beyond is asked for: on the way there it can be stopped again, and it is given up.
     harness.key_press(Key::End);
     harness.step();
@@ -164,10 +164,10 @@ fn the_analysis_is_stopped_and_goes_on_beside_its_progress() {
     assert_eq!(harness.state().model.wanted, None);
     scene.state.borrow_mut().busy = None;
     harness.run_steps(3);
-    harness.get_by_label("Go on with the analysis").click();
+    harness.get_by_label("Resume analysis").click();
     harness.run_steps(3);
     assert_eq!(asked(&scene), Some(Asked::Ahead(true)));
-    assert!(harness.query_by_label_contains("stopped").is_none());
+    assert!(harness.query_by_label_contains("paused").is_none());
 }
 
 #[test]

@@ -113,13 +113,13 @@ fn both_are_asked_for_and_seen_side_by_side() {
     };
     let third = (120, 36);
     assert_eq!(at("Foreground view", third)[..3], [0, 0, 0]);
-    assert_eq!(at("Foreground of the other view", third)[..3], [255, 255, 255]);
-    let only_a = at("A against B view", third);
+    assert_eq!(at("Foreground (B) view", third)[..3], [255, 255, 255]);
+    let only_a = at("A vs B difference view", third);
     assert!(only_a[0] > 150 && only_a[2] < 60, "{only_a:?} is not the colour of A");
-    let both = at("A against B view", (50, 60));
+    let both = at("A vs B difference view", (50, 60));
     assert!(both[0] > 150 && both[2] > 150, "{both:?} is not the colour of both");
-    harness.get_by_label("Foreground · B");
-    harness.get_by_label("Foreground · A");
+    harness.get_by_label("Foreground (B)");
+    harness.get_by_label("Foreground (A)");
     harness.state_mut().model.camera.magnification = 30.0;
     super::picture(&mut harness, "compare-near");
 }
@@ -150,9 +150,9 @@ fn the_loupe_tells_of_the_settings_whose_picture_it_shows() {
     let at = |(x, y): (u32, u32)| format!("{x}, {y}");
     for (view, pixel, value, verdict) in [
         (View::Foreground, third, "0", "background, rank 1"),
-        (View::BesideForeground, third, "255", "foreground, none matched"),
-        (View::Agreement, third, "255 0", "foreground in A alone"),
-        (View::Agreement, first, "255 255", "foreground in both"),
+        (View::BesideForeground, third, "255", "foreground, no match"),
+        (View::Agreement, third, "255 0", "foreground in A only"),
+        (View::Agreement, first, "255 255", "foreground in A and B"),
         (View::Agreement, wall, "0 0", "foreground in neither"),
     ] {
         assert_eq!(
@@ -162,13 +162,13 @@ fn the_loupe_tells_of_the_settings_whose_picture_it_shows() {
         );
     }
     for view in [View::BesideBackground, View::BesideTracks] {
-        assert_eq!(told(&harness, view, third)[2], "foreground, none matched", "{view:?}");
+        assert_eq!(told(&harness, view, third)[2], "foreground, no match", "{view:?}");
     }
-    let rect = harness.get_by_label("A against B view").rect();
+    let rect = harness.get_by_label("A vs B difference view").rect();
     let pointer = Canvas::new(rect, SIZE, harness.state().model.camera).place_pixel(third).center();
     harness.hover_at(pointer);
     harness.run_steps(3);
-    harness.get_by_label("A against B  255 0");
+    harness.get_by_label("A vs B difference  255 0");
     harness.key_press(Key::L);
     harness.run_steps(3);
     picture(&mut harness, "compare-loupe");
@@ -176,7 +176,7 @@ fn the_loupe_tells_of_the_settings_whose_picture_it_shows() {
     harness.key_press(Key::A);
     harness.run_steps(5);
     settle(&mut harness);
-    assert_eq!(told(&harness, View::Agreement, third)[1..], ["255 0", "foreground in A alone"]);
+    assert_eq!(told(&harness, View::Agreement, third)[1..], ["255 0", "foreground in A only"]);
 }
 
 #[test]
@@ -251,7 +251,7 @@ fn events_are_listed_by_whose_they_are() {
     harness.get_by_label("disappear 3, frame 41, A");
     harness.get_by_label("merge 1 + 2, frame 55, -4 in A");
     right_panel_looks_as_before(&mut harness, "compare-events");
-    harness.get_by_label("Events under A alone").click();
+    harness.get_by_label("Events under A only").click();
     harness.run_steps(3);
     assert_eq!(harness.state().model.listing, Listing::OnlyBeside);
     assert!(harness.query_by_label_contains("exit 1").is_none());
@@ -260,7 +260,7 @@ fn events_are_listed_by_whose_they_are() {
     harness.run_steps(3);
     assert_eq!(harness.state().model.reading, Some(Read::Beside(2)));
     assert_eq!(shows(&scene).last(), Some(&40));
-    harness.get_by_label("Why disappear 3");
+    harness.get_by_label("Evidence for disappear 3");
 }
 
 #[test]

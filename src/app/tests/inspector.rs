@@ -52,7 +52,7 @@ fn the_worker_is_asked_for_a_map_while_it_is_looked_at_and_a_cell_becomes_the_se
     picture(&mut harness, "tuning");
     assert_eq!(tuned(&scene), [Some([Knob::Alpha, Knob::T])], "once, not in every frame");
 
-    let at = harness.get_by_label_contains("Tuning map of").rect().center();
+    let at = harness.get_by_label_contains("Tuning map, ").rect().center();
     harness.hover_at(at);
     harness.run_steps(2);
     harness.drag_at(at);
@@ -66,7 +66,7 @@ fn the_worker_is_asked_for_a_map_while_it_is_looked_at_and_a_cell_becomes_the_se
     harness.run_steps(8);
     assert_eq!(given(&scene), Some(Settings::default()), "and can be taken back");
 
-    harness.get_by_label("Now").click();
+    harness.get_all_by_label("Mixture").last().unwrap().click();
     harness.run_steps(4);
     assert_eq!(tuned(&scene).last(), Some(&None), "nobody looks any more");
 }
@@ -143,7 +143,7 @@ fn a_copied_plot_is_on_the_clipboard_as_a_picture() {
     harness.get_by_label("Copy or save the densities").click();
     harness.run_steps(4);
     picture(&mut harness, "plot-menu");
-    harness.get_by_label("Copy picture").click();
+    harness.get_by_label("Copy image").click();
     let image = given_to_clipboard(&mut harness, |command| {
         if let egui::OutputCommand::CopyImage(image) = command { Some(image.clone()) } else { None }
     });

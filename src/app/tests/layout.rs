@@ -193,7 +193,7 @@ fn an_events_evidence_can_be_read_in_a_small_window() {
     settle(&mut harness);
     harness.run_steps(4);
     picture(&mut harness, "evidence-small");
-    let [row, why, because] = ["enter 2, frame 1", "Why merge 1 + 2", "merge because region 4 grew"]
+    let [row, why, because] = ["enter 2, frame 1", "Evidence for merge 1 + 2", "merge because region 4 grew"]
         .map(|label| harness.get_by_label(label).rect());
     assert!(row.bottom() <= why.top(), "the list lies over the evidence: {row} {why}");
     let below = harness.get_by_label("Tracks and occlusions view").rect().bottom();

@@ -26,7 +26,7 @@ fn a_click_on_an_object_explains_it_with_its_numbers() {
     click(&mut harness, "Tracks and occlusions view", [50.5, 60.5]);
     assert_eq!((harness.state().model.object, harness.state().model.subject), (Some(1), Subject::Object));
     assert_eq!(harness.state().model.chosen, Some((50, 60)), "the pixel is chosen, too");
-    harness.get_by_label("It has region 1 to itself, where 100 % of its full size is seen.");
+    harness.get_by_label("Associated with region 1; 100 % of its full size is visible.");
     assert_eq!(harness.query_all_by_label("50.0, 60.0 px").count(), 2, "centre and centroid");
     harness.get_by_label("+1.00, +0.00 px/frame");
     // 25 frames a second.
@@ -37,15 +37,15 @@ fn a_click_on_an_object_explains_it_with_its_numbers() {
     harness.get_by_label_contains("dominant colour R 200 G 70 B 60, 75 %");
     // Its own colour is 200, 10, 10.
     let apart = regions::colour::delta_e([200, 10, 10], [200, 70, 60]);
-    harness.get_by_label_contains(&format!("ΔE {apart:.1} to the dominant one"));
-    harness.get_by_label("frames 1–120, 4.8 s: 100 seen alone, 20 merged, 0 hidden");
+    harness.get_by_label_contains(&format!("ΔE {apart:.1} to the dominant colour"));
+    harness.get_by_label("frames 1–120, 4.8 s: 100 visible, 20 merged, 0 occluded");
     right_panel_looks_as_before(&mut harness, "object");
     harness.get_by_label("#51  merge 1 + 2").click();
     settle(&mut harness);
     assert_eq!(harness.state().model.reading, Some(Read::InView(3)));
     assert_eq!(shows(&scene), [50]);
     right_panel_looks_as_before(&mut harness, "object-merged");
-    harness.get_by_label_contains("It shares region 1 with 2;");
+    harness.get_by_label_contains("Shares region 1 with 2;");
     harness.get_by_label("Explain pixel 50, 60").click();
     harness.run_steps(3);
     assert_eq!(harness.state().model.subject, Subject::Pixel);
@@ -68,16 +68,16 @@ fn a_region_means_the_object_that_it_belongs_to_and_who_is_away_is_told() {
     assert_eq!((harness.state().model.object, harness.state().model.subject), (Some(2), Subject::Pixel));
     click(&mut harness, "Tracks and occlusions view", [120.0, 30.0]);
     assert_eq!(harness.state().model.object, Some(3));
-    let life = harness.get_by_label("A frame of its life").rect();
+    let life = harness.get_by_label("Frame in track timeline").rect();
     click_at(&mut harness, life.lerp_inside(vec2(0.5, 0.5)));
     assert_eq!(shows(&scene).last(), Some(&60));
     settle(&mut harness);
-    harness.get_by_label_contains("No region is its own.");
-    harness.get_by_label("None: no region is followed for it.");
+    harness.get_by_label_contains("Occluded: no associated region.");
+    harness.get_by_label("No hypotheses: no associated region.");
     picture(&mut harness, "object-hidden");
     harness.state_mut().model.object = Some(9);
     harness.run_steps(3);
-    harness.get_by_label("It has no box in this frame.");
+    harness.get_by_label("No box in this frame.");
     picture(&mut harness, "object-away");
 }
 
@@ -125,13 +125,13 @@ fn what_would_have_kept_an_event_from_happening_is_asked_told_and_taken() {
     };
     scene.state.borrow_mut().what_if = answer((12, 40), false);
     harness.run_steps(4);
-    harness.get_by_label("… tried 12 of 40");
+    harness.get_by_label("… tested 12 of 40");
     right_panel_looks_as_before(&mut harness, "prevented");
     scene.state.borrow_mut().what_if = answer((40, 40), true);
     harness.run_steps(4);
-    harness.get_by_label("Take placing = predicted");
-    harness.get_by_label("up to frame 143");
-    harness.get_by_label("Take size_step ≥ 0.42").click();
+    harness.get_by_label("Apply placing = predicted");
+    harness.get_by_label("tested up to frame 143");
+    harness.get_by_label("Apply size_step ≥ 0.42").click();
     harness.run_steps(8);
     assert_eq!(given(&scene).unwrap().size_step, 0.42);
     harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
@@ -145,7 +145,7 @@ fn the_event_that_is_read_stays_the_same_where_others_come_before_it() {
     let ctx = harness.ctx.clone();
     harness.state_mut().apply(&ctx, Command::Read(Some(Read::InView(3))));
     settle(&mut harness);
-    harness.get_by_label("Why merge 1 + 2");
+    harness.get_by_label("Evidence for merge 1 + 2");
     let explained = |scene: &Scene| {
         scene.asked.borrow().iter().filter(|asked| matches!(asked, Asked::Explain(Some(_)))).count()
     };
@@ -157,8 +157,8 @@ fn the_event_that_is_read_stays_the_same_where_others_come_before_it() {
     scene.state.borrow_mut().timeline = Arc::new(later.clone());
     settle(&mut harness);
     assert_eq!(harness.state().model.reading, Some(Read::InView(4)));
-    harness.get_by_label("Why merge 1 + 2");
-    harness.get_by_label("In front: 2");
+    harness.get_by_label("Evidence for merge 1 + 2");
+    harness.get_by_label("Occluder: 2");
     assert_eq!(explained(&scene), 1, "it is the same question");
     // What is known of it is shown, though it was asked before that was known.
     let mut asked = timeline().events[3].1.clone();
@@ -172,7 +172,7 @@ fn the_event_that_is_read_stays_the_same_where_others_come_before_it() {
         until: 143,
     }));
     settle(&mut harness);
-    harness.get_by_label("It would not have happened with");
+    harness.get_by_label("Settings that would prevent this event");
     later.events.remove(4);
     scene.state.borrow_mut().timeline = Arc::new(later);
     settle(&mut harness);

@@ -135,7 +135,7 @@ fn the_mask_lies_over_the_input_as_strong_as_is_asked() {
     harness.run_steps(2);
     compare(&mut harness, &canvas, over(0.75));
     picture(&mut harness, "mask-over-input");
-    harness.get_by_label("Mask over the input").click();
+    harness.get_by_label("Mask overlay").click();
     harness.run_steps(2);
     assert!(!harness.state().model.overlay.on);
     compare(&mut harness, &canvas, over(0.0));

@@ -48,7 +48,7 @@ fn regions_asked(scene: &Scene) -> Vec<Option<((u32, u32), u32)>> {
 fn pixels_are_pinned_listed_chosen_and_unpinned() {
     let (mut harness, scene) = inspected((1600.0, 1000.0), Theme::Dark);
     assert!(pins_asked(&scene).is_empty());
-    harness.get_by_label("Pin this pixel").click();
+    harness.get_by_label("Pin pixel").click();
     harness.run_steps(3);
     for at in &PINNED[1..] {
         apply(&mut harness, Command::Choose(Some(*at)));
@@ -84,7 +84,7 @@ fn pixels_are_pinned_listed_chosen_and_unpinned() {
     }
     assert_eq!(pins_asked(&scene).last().unwrap().len(), 8);
     act(&mut harness, Action::Messages);
-    harness.get_by_label("8 pixels are pinned already; unpin one first");
+    harness.get_by_label("8 pixels are pinned, the maximum; unpin one first");
 }
 
 #[test]
@@ -99,7 +99,7 @@ fn pins_belong_to_their_video() {
     scene.state.borrow_mut().pixel = None;
     scene.state.borrow_mut().shown = Some(Arc::new(shown_at(58)));
     settle(&mut harness);
-    harness.get_by_label("No pixel chosen");
+    harness.get_by_label("No pixel selected");
     harness.get_by_label("80, 60").click();
     harness.run_steps(3);
     assert_eq!(harness.state().model.chosen, Some(AT));
@@ -121,24 +121,24 @@ fn pixels_whose_first_frames_are_gone_are_said_to_be_unknowable() {
     apply(&mut harness, Command::Choose(Some(AT)));
     settle(&mut harness);
     harness.run_steps(2);
-    assert!(harness.query_by_label("No pixel chosen").is_none());
+    assert!(harness.query_by_label("No pixel selected").is_none());
     harness.get_by_label("Pixel 80, 60");
-    harness.get_by_label_contains("Its mixture cannot be known: it begins with the first frames");
-    harness.get_by_label_contains("It cannot be known");
-    harness.get_by_label("Its first frames are on the way …");
+    harness.get_by_label_contains("Pixel history not available: it needs the first frames");
+    harness.get_by_label_contains("Not available");
+    harness.get_by_label("Computing history…");
     picture(&mut harness, "pixels-lost");
     apply(&mut harness, Command::Choose(Some(PINNED[1])));
     harness.run_steps(2);
     harness.get_by_label("Pixel 30, 40");
-    harness.get_by_label_contains("Its history is on the way");
+    harness.get_by_label_contains("Computing pixel history");
     act(&mut harness, Action::ClearPins);
     apply(&mut harness, Command::Choose(Some(AT)));
     harness.run_steps(2);
-    harness.get_by_label_contains("Its mixture cannot be known");
+    harness.get_by_label_contains("Pixel history not available");
     picture(&mut harness, "pixel-lost");
     apply(&mut harness, Command::Choose(None));
     harness.run_steps(2);
-    harness.get_by_label("No pixel chosen");
+    harness.get_by_label("No pixel selected");
 }
 
 #[test]
@@ -150,7 +150,7 @@ fn what_is_seen_of_several_pixels_can_be_taken_along() {
     }
     harness.get_by_label("Pixels").click();
     harness.run_steps(4);
-    harness.get_by_label("Copy or save the share of foreground").click();
+    harness.get_by_label("Copy or save the foreground ratio").click();
     harness.run_steps(4);
     picture(&mut harness, "pixels-menu");
     harness.get_by_label("Copy CSV").click();
@@ -179,11 +179,11 @@ fn the_region_around_the_pixel_is_asked_for_while_it_is_looked_at() {
     harness.get_by_label("15×15").click();
     harness.run_steps(4);
     assert_eq!(regions_asked(&scene), [Some((AT, 5)), Some((AT, 15))]);
-    let curve = harness.get_by_label_contains("Share of foreground around the pixel");
+    let curve = harness.get_by_label_contains("Foreground ratio in neighbourhood, ");
     curve.click();
     harness.run_steps(3);
     assert!((50..70).contains(shows(&scene).last().unwrap()), "about the middle");
-    harness.get_by_label("Now").click();
+    harness.get_all_by_label("Mixture").last().unwrap().click();
     harness.run_steps(4);
     assert_eq!(regions_asked(&scene).last(), Some(&None));
 }

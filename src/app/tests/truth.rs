@@ -75,7 +75,7 @@ fn asked(scene: &Scene) -> Vec<Option<((u32, u32), u32)>> {
 fn masks_of_the_truth_show_what_is_right_and_what_is_wrong() {
     let (mut harness, _) = ready(58);
     let ctx = harness.ctx.clone();
-    let seen = |harness: &Harness<'_, Window>| harness.query_by_label("Right and wrong view").is_some();
+    let seen = |harness: &Harness<'_, Window>| harness.query_by_label("Mask errors view").is_some();
     assert!(!seen(&harness));
     load(&mut harness, truth(58));
     assert!(seen(&harness), "it opens with the masks");
@@ -90,7 +90,7 @@ fn masks_of_the_truth_show_what_is_right_and_what_is_wrong() {
     assert!(expected.tp > 100 && expected.fp > 50 && expected.fn_ > 50, "{expected:?}");
     assert_eq!(harness.state().pictures.in_view().unwrap().decisions(), Some(expected));
     let image = harness.render().unwrap();
-    let rect = harness.get_by_label("Right and wrong view").rect();
+    let rect = harness.get_by_label("Mask errors view").rect();
     let canvas = crate::app::views::Canvas::new(rect, SIZE, harness.state().model.camera);
     // A pixel of each kind has its colour on the screen.
     for (label, found, colour) in [
@@ -138,7 +138,7 @@ fn without_masks_the_views_say_how_to_come_by_them() {
 fn how_right_other_settings_are_is_asked_for_shown_and_taken() {
     let (mut harness, scene) = judged((1600.0, 1600.0), Theme::Dark);
     load(&mut harness, truth(58));
-    harness.get_by_label_contains("Map of right decisions by the ground truth");
+    harness.get_by_label_contains("Map of accuracy against the ground truth");
     harness.get_by_label("15×15").click();
     harness.run_steps(3);
     assert_eq!(asked(&scene), [Some((AT, 9)), Some((AT, 15))], "once each");
@@ -146,9 +146,9 @@ fn how_right_other_settings_are_is_asked_for_shown_and_taken() {
     scene.state.borrow_mut().region_tuning = Some(Arc::new(tuning.clone()));
     settle(&mut harness);
     harness.run_steps(3);
-    harness.get_by_label_contains("Now 98.49 % of 11250 right: 80 made up, 90 missed");
+    harness.get_by_label_contains("Current: accuracy 98.49 % of 11250: FP 80, FN 90");
     right_panel_looks_as_before(&mut harness, "judged");
-    harness.get_by_label_contains("Best 99.47 % of 11250 right: 60 made up, 0 missed");
+    harness.get_by_label_contains("Best: accuracy 99.47 % of 11250: FP 60, FN 0");
     let [alpha, t] = [tuning.axes[0].values[23], tuning.axes[1].values[11]];
     let number = crate::mixture::verdict::number;
     harness.get_by_label(&format!("α = {},  T = {}", number(alpha), number(t))).click();
@@ -157,7 +157,7 @@ fn how_right_other_settings_are_is_asked_for_shown_and_taken() {
     assert_eq!((settings.alpha, settings.t), (alpha, t));
     harness.get_all_by_label("F").last().unwrap().click();
     harness.run_steps(4);
-    harness.get_by_label_contains("Map of F-measure by the ground truth");
+    harness.get_by_label_contains("Map of F-measure against the ground truth");
 }
 
 #[test]
@@ -196,7 +196,7 @@ fn the_maps_stand_in_small_and_in_light_windows() {
         scene.state.borrow_mut().region_tuning = Some(Arc::new(tuning));
         settle(&mut harness);
         harness.run_steps(3);
-        harness.get_by_label_contains("Map of right decisions by the ground truth");
+        harness.get_by_label_contains("Map of accuracy against the ground truth");
         picture(&mut harness, &format!("judged-{name}"));
     }
 }

@@ -74,7 +74,7 @@ fn legend(pane: &Pane<'_>, in_view: Slot, agreement: Agreement) {
         Slot::B => (agreement.second, agreement.first),
     };
     let rows =
-        [(Slot::A.colour(), "only A", a), (Slot::B.colour(), "only B", b), (BOTH, "both", agreement.both)];
+        [(Slot::A.colour(), "A only", a), (Slot::B.colour(), "B only", b), (BOTH, "both", agreement.both)];
     let rows = rows.map(|(colour, word, count)| (colour, format!("{word}  {count} px")));
     draw::legend(pane.painter, pane.canvas.rect, &rows);
 }

@@ -66,12 +66,11 @@ pub(super) fn paint(
 /// What drawing asks for, at the foot of the view.
 pub(super) fn hint(painter: &Painter, canvas: &Canvas, draft: &Area) {
     let what = match draft.purpose {
-        Purpose::Analyse => "Area to analyse",
-        Purpose::Ignore => "Area to ignore",
+        Purpose::Analyse => "Analysis area",
+        Purpose::Ignore => "Ignore area",
     };
-    let text = format!(
-        "{what}: click its corners, Enter or a double click closes it; drag for a rectangle; Esc gives up"
-    );
+    let text =
+        format!("{what}: click corners, close with Enter or double click; drag for a rectangle; Esc cancels");
     let ink = Color32::from_rgb(236, 240, 246);
     let wrap = canvas.rect.width() - 24.0;
     let galley = painter.layout(text, FontId::proportional(theme::MONO), ink, wrap.max(40.0));

@@ -11,9 +11,9 @@ pub(super) fn paint(pane: &Pane<'_>) {
         let in_view = pane.model.slots.in_view;
         let other = in_view.other().name();
         let why = if pane.model.slots.other.is_none() {
-            "There is one set of settings.\nPress B to begin another and compare them.".to_owned()
+            "Only one set of settings.\nPress B to add a second set and compare.".to_owned()
         } else {
-            format!("Not analysed so far under {other}.")
+            format!("Not analysed yet under {other}.")
         };
         let font = FontId::proportional(theme::BODY);
         pane.painter.text(pane.canvas.rect.center(), Align2::CENTER_CENTER, why, font, pane.colours.weak);

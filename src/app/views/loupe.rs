@@ -96,9 +96,9 @@ fn verdict(view: View, model: &Model, shown: &Shown, pixel: (u32, u32)) -> (Stri
         (View::Agreement, _) => {
             let both = agreement::of_pixel(shown, model.slots.in_view, pixel);
             let where_it_is = both.map(|both| match both {
-                [true, true] => "in both",
-                [true, false] => "in A alone",
-                [false, true] => "in B alone",
+                [true, true] => "in A and B",
+                [true, false] => "in A only",
+                [false, true] => "in B only",
                 [false, false] => "in neither",
             });
             let text = where_it_is.map_or_else(String::new, |words| format!("foreground {words}"));
@@ -113,7 +113,7 @@ fn verdict(view: View, model: &Model, shown: &Shown, pixel: (u32, u32)) -> (Stri
     let foreground = shown.analysis.mask.is_foreground(x, y);
     let decided = if foreground { "foreground" } else { "background" };
     let text = match matched(model, shown, pixel) {
-        Some(0) => format!("{decided}, none matched"),
+        Some(0) => format!("{decided}, no match"),
         Some(rank) => format!("{decided}, rank {rank}"),
         None => decided.to_owned(),
     };

@@ -12,7 +12,7 @@ use crate::replay::Shown;
 use crate::settings::{BackgroundModel, Settings};
 
 /// Why a frame of a camera, which gives each only once, may have no map.
-const NOT_AT_HAND: &str = "What came before this frame is not at hand";
+const NOT_AT_HAND: &str = "Previous frames are not available";
 
 /// How many frames ago is as dark as any time before.
 const LONG_AGO: f32 = 1000.0;
@@ -24,7 +24,7 @@ pub(crate) const fn name(quantity: Quantity) -> &'static str {
         Quantity::Weight => "w of component 1",
         Quantity::Used => "Components in use",
         Quantity::BackgroundCount => "B",
-        Quantity::Matched => "Rank that matched",
+        Quantity::Matched => "Matched rank",
         Quantity::Since => "Frames since foreground",
     }
 }
@@ -36,7 +36,7 @@ pub(super) const fn symbol(quantity: Quantity) -> &'static str {
         Quantity::Weight => "w",
         Quantity::Used => "used",
         Quantity::BackgroundCount => "B",
-        Quantity::Matched => "matched",
+        Quantity::Matched => "match",
         Quantity::Since => "since",
     }
 }
@@ -48,7 +48,7 @@ const fn caption(quantity: Quantity) -> &'static str {
         Quantity::Weight => "w₁",
         Quantity::Used => "in use",
         Quantity::BackgroundCount => "B",
-        Quantity::Matched => "matched",
+        Quantity::Matched => "match",
         Quantity::Since => "frames ago",
     }
 }

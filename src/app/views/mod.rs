@@ -39,7 +39,7 @@ use serde::{Deserialize, Serialize};
 use self::compose::{Compose, Composer, Composition, Look};
 use self::layer::Layer;
 use self::pictures::Set;
-use super::slots::Slot;
+use super::slots::{Slot, Slots};
 use super::state::Model;
 use super::theme::Colours;
 use crate::replay::Shown;
@@ -100,11 +100,11 @@ impl View {
             Self::Tracks => "Tracks and occlusions",
             Self::Difference => "Difference",
             Self::Map => "Map",
-            Self::BesideBackground => "Background of the other",
-            Self::BesideForeground => "Foreground of the other",
-            Self::BesideTracks => "Tracks of the other",
-            Self::Agreement => "A against B",
-            Self::Right => "Right and wrong",
+            Self::BesideBackground => "Background (B)",
+            Self::BesideForeground => "Foreground (B)",
+            Self::BesideTracks => "Tracks (B)",
+            Self::Agreement => "A vs B difference",
+            Self::Right => "Mask errors",
         }
     }
 
@@ -117,7 +117,16 @@ impl View {
             Self::BesideTracks => (Self::Tracks.title(), in_view.other()),
             _ => (self.title(), in_view),
         };
-        format!("{title} · {}", slot.name())
+        format!("{title} ({})", slot.name())
+    }
+
+    /// Its title for a screen reader and the status line: with the slot where it shows the other settings.
+    pub(crate) fn label(self, slots: &Slots) -> String {
+        if self.compares() && slots.other.is_some() {
+            self.titled(slots.in_view)
+        } else {
+            self.title().to_owned()
+        }
     }
 
     /// Whether it needs settings to compare with.
@@ -133,34 +142,28 @@ impl View {
     /// What is seen in it.
     pub(crate) const fn meaning(self) -> &'static str {
         match self {
-            Self::Input => "The frame as it came from the source.",
-            Self::Background => "The background model after this frame.",
-            Self::Foreground => {
-                "The mask in which regions are found: after cleaning, before small regions are dropped."
-            }
+            Self::Input => "Input frame as decoded.",
+            Self::Background => "Background model after this frame.",
+            Self::Foreground => "Foreground mask after post-processing, before small regions are removed.",
             Self::Regions => {
-                "Connected regions with their number, box and dominant colour. A region has the colour of \
-                 the object that it belongs to, white for a group, gray for none."
+                "Connected components with number, box and dominant colour. Coloured by the associated \
+                 object, white for a group, gray for none."
             }
             Self::Tracks => {
-                "Boxes in the colour of their identity: solid while seen, dashed where predicted (merged or \
-                 hidden). Dotted: the gate. Hatched: where one hides the other. Flags: this frame's events."
+                "Boxes in identity colours: solid if visible, dashed if predicted (merged or occluded). \
+                 Dotted: gates. Hatched: occlusions. Flags: this frame's events."
             }
-            Self::Difference => "The greatest difference of a channel between input and background, doubled.",
+            Self::Difference => "Largest per-channel difference between input and background, times 2.",
             Self::Map => {
-                "One number of each pixel as a colour, of its mixture or how long ago it was foreground: its title bar has \
-                 which."
+                "One quantity per pixel as a colour, of its mixture or its past; selected in the title bar."
             }
-            Self::BesideBackground => {
-                "The background model after this frame, under the settings not in view."
-            }
-            Self::BesideForeground => "The mask of this frame under the settings that are not in view.",
-            Self::BesideTracks => "Objects, groups and events under the settings that are not in view.",
-            Self::Agreement => {
-                "Where only the mask of A is foreground, where only that of B, and where both are, over a dark input."
-            }
+            Self::BesideBackground => "Background model after this frame, under the other settings.",
+            Self::BesideForeground => "Foreground mask under the other settings.",
+            Self::BesideTracks => "Objects, groups and events under the other settings.",
+            Self::Agreement => "Pixels that are foreground under A only, B only and both, over a dark input.",
             Self::Right => {
-                "By the ground truth: which foreground was found, which was made up, and which was missed, after cleaning."
+                "Foreground after post-processing against the ground truth: true positives (TP), false \
+                 positives (FP), false negatives (FN)."
             }
         }
     }
@@ -244,7 +247,7 @@ impl View {
     }
 }
 
-const NO_MIXTURE: &str = "This background model has no mixture";
+const NO_MIXTURE: &str = "No mixture in this background model";
 
 /// What the background view shows.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]

@@ -35,9 +35,10 @@ pub(super) fn look() -> Look {
 pub(super) fn paint(pane: &Pane<'_>) {
     let Some(truth) = &pane.shown.truth else {
         let why = if pane.model.has_true_masks() {
-            "The ground truth has no mask of this frame."
+            "No ground-truth mask for this frame."
         } else {
-            "No ground-truth masks.\nFile, Load ground truth folder… takes a CDnet folder\nor a scene written by synth."
+            "No ground-truth masks.\nFile, Load ground truth folder… loads a CDnet folder\nor a scene \
+             written by synth."
         };
         draw::message(pane.painter, &pane.canvas, why, pane.colours.weak);
         return;
@@ -55,12 +56,12 @@ pub(super) fn paint(pane: &Pane<'_>) {
     if let Some(decisions) = pane.set.decisions() {
         let uncounted = truth.size().pixels() as u64 - decisions.all();
         let mut rows = vec![
-            (FOUND, format!("found  {} px", decisions.tp)),
-            (MADE_UP, format!("made up  {} px", decisions.fp)),
-            (MISSED, format!("missed  {} px", decisions.fn_)),
+            (FOUND, format!("TP  {} px", decisions.tp)),
+            (MADE_UP, format!("FP  {} px", decisions.fp)),
+            (MISSED, format!("FN  {} px", decisions.fn_)),
         ];
         if uncounted > 0 {
-            rows.push((UNCOUNTED, format!("not counted  {uncounted} px")));
+            rows.push((UNCOUNTED, format!("ignored  {uncounted} px")));
         }
         draw::legend(pane.painter, pane.canvas.rect, &rows);
     }
@@ -71,11 +72,11 @@ pub(super) fn value(shown: &Shown, (x, y): (u32, u32)) -> String {
     let found = shown.analysis.mask.is_foreground(x, y);
     match shown.truth.as_ref().and_then(|truth| truth.at(x, y)) {
         None => "",
-        Some(Label::Uncounted) => "not counted",
-        Some(Label::Foreground) if found => "found",
-        Some(Label::Foreground) => "missed",
-        Some(Label::Background) if found => "made up",
-        Some(Label::Background) => "right",
+        Some(Label::Uncounted) => "ignored",
+        Some(Label::Foreground) if found => "true positive",
+        Some(Label::Foreground) => "false negative",
+        Some(Label::Background) if found => "false positive",
+        Some(Label::Background) => "true negative",
     }
     .to_owned()
 }

@@ -53,7 +53,7 @@ pub(crate) fn show(
             ui.horizontal_centered(|ui| {
                 ui.add_space(2.0 * theme::SPACE);
                 ui.strong(view.title());
-                ui.weak("press the same key again for all views");
+                ui.weak("press the same key to restore all views");
                 panes.buttons(ui, view, 1);
             });
         });
@@ -87,7 +87,9 @@ impl Panes<'_> {
     fn view(&mut self, ui: &mut Ui, view: View) {
         let rect = ui.available_rect_before_wrap();
         let response = ui.allocate_rect(rect, Sense::click_and_drag());
-        response.widget_info(|| WidgetInfo::labeled(Role::Image, true, format!("{} view", view.title())));
+        response.widget_info(|| {
+            WidgetInfo::labeled(Role::Image, true, format!("{} view", view.label(&self.model.slots)))
+        });
         let colours = theme::colours(ui.visuals());
         let painter = ui.painter().with_clip_rect(rect);
         painter.rect_filled(rect, 0.0, colours.canvas);
@@ -266,7 +268,8 @@ impl Panes<'_> {
                         .map_or_else(|| word.to_owned(), |key| format!("{word} ({})", key.text()))
                 },
             );
-            let response = ui.add(button).accessible_name(format!("{word}: {}", view.title()));
+            let response =
+                ui.add(button).accessible_name(format!("{word}: {}", view.label(&self.model.slots)));
             if response.on_hover_text(text).clicked() {
                 self.commands.push(Command::Act(Action::Maximise(view)));
             }
@@ -285,7 +288,7 @@ impl Panes<'_> {
             if ui.available_width() < CHOICES_FROM {
                 let kind = self.model.background;
                 let button = Button::selectable(true, RichText::new(kind.name()).size(theme::SMALL));
-                let text = format!("{}. Click for the next kind.", kind.meaning());
+                let text = format!("{}. Click for the next display.", kind.meaning());
                 if ui.add(button).accessible_name(kind.meaning()).on_hover_text(text).clicked() {
                     self.commands.push(Command::Act(Action::Background));
                 }
@@ -307,8 +310,10 @@ impl Panes<'_> {
         let action = Action::Open(view);
         let last = action.entry().is_some_and(|entry| !top_bar::allowed(self.model, entry));
         let button = Button::new(m::ICON_CLOSE.rich_text().size(14.0)).frame_when_inactive(false);
-        let response = ui.add_enabled(!last, button).accessible_name(format!("Close: {}", view.title()));
-        let text = "Close this view; the menu View, Views brings it back";
+        let response = ui
+            .add_enabled(!last, button)
+            .accessible_name(format!("Close: {}", view.label(&self.model.slots)));
+        let text = "Close this view; reopen it with the menu View, Views";
         if response.on_hover_text(text).clicked() {
             self.commands.push(Command::Act(action));
         }
@@ -326,7 +331,7 @@ impl Panes<'_> {
                 }
             }
         });
-        response.accessible_name("Over the tracks").on_hover_text("What is drawn over the tracks");
+        response.accessible_name("Track overlays").on_hover_text("Select the track overlays");
     }
 
     /// Which number a map shows.
@@ -345,9 +350,7 @@ impl Panes<'_> {
             }
         });
         let name = format!("Map of {}", map::name(chosen));
-        response
-            .accessible_name(name)
-            .on_hover_text("Which number of each pixel is mapped (Shift+M for the next)");
+        response.accessible_name(name).on_hover_text("Mapped quantity (Shift+M for the next)");
     }
 
     /// The mask over the input: whether it is there and, while it is, how strong.
@@ -357,17 +360,17 @@ impl Panes<'_> {
             let mut opacity = overlay.opacity;
             let drag = DragValue::new(&mut opacity).range(5..=100).suffix(" %").speed(0.5);
             ui.spacing_mut().interact_size = vec2(44.0, theme::ROW - 6.0);
-            let response = ui.add(drag).accessible_name("Opacity of the mask");
+            let response = ui.add(drag).accessible_name("Mask opacity");
             if response
-                .on_hover_text("How much of the input the mask covers; drag, or click to type")
+                .on_hover_text("Opacity of the mask over the input; drag, or click to enter a value")
                 .changed()
             {
                 self.commands.push(Command::Overlay(opacity));
             }
         }
         let text = RichText::new("Mask").size(theme::SMALL);
-        let response = ui.add(Button::selectable(overlay.on, text)).accessible_name("Mask over the input");
-        if response.on_hover_text("Lay the foreground over the input (O)").clicked() {
+        let response = ui.add(Button::selectable(overlay.on, text)).accessible_name("Mask overlay");
+        if response.on_hover_text("Show or hide the foreground mask over the input (O)").clicked() {
             self.commands.push(Command::Act(Action::Overlay));
         }
     }

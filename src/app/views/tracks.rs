@@ -71,7 +71,7 @@ pub(super) fn paint(pane: &Pane<'_>) {
     for track in tracks.iter().filter(|_| drawn.has(Drawn::Names)) {
         let word = match track.state {
             TrackState::Visible => track.id.to_string(),
-            state => format!("{} {}", track.id, state.name()),
+            state => format!("{} {}", track.id, state.label()),
         };
         let at = pane.canvas.place(&track.bbox).left_top() - vec2(1.0, 1.0);
         let colour = theme::rgb(identity_colour(track.id));
@@ -79,7 +79,7 @@ pub(super) fn paint(pane: &Pane<'_>) {
     }
     for (id, &Bounds([x, y, w, h])) in truth.into_iter().flatten() {
         let foot = pane.canvas.screen([(x + w) as f32, (y + h) as f32]) + vec2(1.0, 17.0);
-        let word = format!("truth {id}");
+        let word = format!("GT {id}");
         draw::free_tag(pane.painter, foot, &word, Color32::from_gray(225), pane.canvas.rect, &mut taken);
     }
     for group in groups.iter().filter(|_| drawn.has(Drawn::Names)) {
@@ -220,7 +220,7 @@ fn flags(pane: &Pane<'_>, mut taken: Taken) {
         let foot = pane.canvas.screen([event.x, event.y]);
         let colour = theme::rgb(event_colour(event.kind));
         let ids: Vec<String> = event.objects.iter().map(ToString::to_string).collect();
-        let word = format!("{} {}", event.kind.name(), ids.join("+"));
+        let word = format!("{} {}", event.kind.label(), ids.join("+"));
         let font = FontId::proportional(theme::MONO);
         let width = pane.painter.layout_no_wrap(word.clone(), font.clone(), colour).size().x + 30.0;
         let mut flag = Rect::from_min_size(foot - vec2(0.0, 46.0), vec2(width, 20.0));

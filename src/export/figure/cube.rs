@@ -290,7 +290,7 @@ pub fn figure(
     }
     let Turn { yaw, pitch } = look_at.turn;
     let description = format!(
-        "{}; turned by {:.0}° about B, seen from {:.0}° above",
+        "{}; rotated by {:.0}° about B, elevation {:.0}°",
         parameters(history),
         yaw.to_degrees(),
         pitch.to_degrees()
@@ -329,7 +329,7 @@ pub fn figure(
     }
     if let Some(here) = scene.here {
         panel.draw(
-            "value in view",
+            "current value",
             Shape::Dots { places: vec![here], radius: 4.0, sign: Sign::Cross },
             INK,
             1.0,

@@ -96,7 +96,7 @@ pub fn weights(history: &PixelHistory, slots: &[[u8; MAX_K]], index: usize, mome
             .iter()
             .map(|standing| (most as f64 - standing.rank as f64 + 0.5, standing.rank.to_string()));
         let y = Axis::new("rank", (0.0, most as f64), 1).with_ticks(ranks.collect());
-        let x = Axis::new("w, added up in rank order", (0.0, 1.0), 4);
+        let x = Axis::new("w, cumulative in rank order", (0.0, 1.0), 4);
         let mut panel = Panel { grid: false, caption: caption(moment, *before), ..Panel::new(x, y) };
         let mut sum = 0.0;
         for standing in standings {

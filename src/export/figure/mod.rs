@@ -291,7 +291,7 @@ pub fn parameters(history: &PixelHistory) -> String {
     };
     let learnt = match parameters.learnt {
         0 => String::new(),
-        frames => format!(", begun with what the first {frames} frames taught"),
+        frames => format!(", initialised from the first {frames} frames"),
     };
     format!(
         "K = {}, α = {}, T = {}, λ = {}, σ₀ = {}, w₀ = {}, σ_min = {}, {rate}, α ≥ 1/t for t ≤ {}, {value}{learnt}",

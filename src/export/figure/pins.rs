@@ -23,7 +23,7 @@ pub fn figure(pins: &[(u8, &PixelHistory)], index: usize) -> Figure {
     let mut legend = vec![
         key(Sign::Line, INK, "brightness"),
         key(Sign::Plate(STRENGTHS[0]), GRAY, &band),
-        key(Sign::Dashed, INK, "frame in view"),
+        key(Sign::Dashed, INK, "current frame"),
     ];
     let columns: Vec<Vec<Spark>> = pins.iter().map(|(_, history)| sparks(history, COLUMNS, frames)).collect();
     legend.extend(verdicts::legend(columns.iter().flatten().map(|spark| spark.foreground)));
@@ -53,7 +53,7 @@ pub fn figure(pins: &[(u8, &PixelHistory)], index: usize) -> Figure {
         verdicts::draw(&mut below, sparks.iter().map(|spark| (edges(history, spark), spark.foreground)));
         for panel in [&mut panel, &mut below] {
             if index < frames {
-                panel.upright("frame in view", f64::from(number(index)), 0.6, true);
+                panel.upright("current frame", f64::from(number(index)), 0.6, true);
             }
         }
         panels.extend([(panel, 46.0), (below, 6.0)]);

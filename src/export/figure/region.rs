@@ -43,15 +43,15 @@ pub fn figure(history: &PixelHistory, shares: &RegionShares, index: usize) -> Fi
     let end = peaks.last().map_or(0, |peak| peak.frames.end);
     let (first, last) = (number_at(history, 0), number_at(history, end.saturating_sub(1)));
     let title = format!(
-        "foreground among the {} pixels around {}, frames {first}–{last}",
+        "foreground ratio in the neighbourhood of {} pixels around {}, frames {first}–{last}",
         shares.pixels,
         pixel_name(history)
     );
     let key = |sign, colour, name: &str| Key { sign, colour, name: name.to_owned() };
     let legend = vec![
-        key(Sign::Plate(STRENGTH), verdict_colour(true, false), "after cleaning"),
-        key(Sign::Line, INK, "verdicts of the mixture"),
-        key(Sign::Dashed, INK, "frame in view"),
+        key(Sign::Plate(STRENGTH), verdict_colour(true, false), "after post-processing"),
+        key(Sign::Line, INK, "mixture verdicts"),
+        key(Sign::Dashed, INK, "current frame"),
     ];
     let region = format!("{side} × {side} pixels, {}", parameters(history), side = shares.side);
     let mut figure = Figure::new(WIDE, title, region, legend);
@@ -65,18 +65,18 @@ pub fn figure(history: &PixelHistory, shares: &RegionShares, index: usize) -> Fi
         _ => (0.5, 1.5),
     };
     let share = [0.0, 0.25, 0.5, 0.75, 1.0].map(|share| (share, format!("{:.0} %", share * 100.0)));
-    let up = Axis::new("share of foreground", (0.0, 1.0), 4).with_ticks(share.to_vec());
+    let up = Axis::new("foreground ratio", (0.0, 1.0), 4).with_ticks(share.to_vec());
     let mut panel = Panel::new(frames_axis(ends), up);
     let steps = |of: fn(&Peak) -> f32| -> Vec<[f64; 2]> {
         peaks.iter().flat_map(|peak| edges(peak).map(|x| [x, f64::from(of(peak))])).collect()
     };
     let mut area = steps(|peak| peak.cleaned);
     area.extend([[ends.1, 0.0], [ends.0, 0.0]]);
-    panel.draw("share after cleaning", Shape::Area(area), verdict_colour(true, false), STRENGTH);
+    panel.draw("ratio after post-processing", Shape::Area(area), verdict_colour(true, false), STRENGTH);
     let line = Shape::Line { points: steps(|peak| peak.model), width: 0.9, dashed: false };
-    panel.draw("share before cleaning", line, INK, 1.0);
+    panel.draw("ratio before post-processing", line, INK, 1.0);
     if index < end {
-        panel.upright("frame in view", f64::from(number_at(history, index)), 0.6, true);
+        panel.upright("current frame", f64::from(number_at(history, index)), 0.6, true);
     }
     panel.across("none", 0.0, 0.4, false);
     if let Some(mark) = panel.marks.last_mut() {

@@ -66,7 +66,7 @@ pub fn figure(history: &PixelHistory, slots: &[[u8; MAX_K]], choice: &Choice, in
     }
     if let Some(here) = here {
         let places = vec![[here[0].into(), here[1].into()]];
-        panel.draw("value in view", Shape::Dots { places, radius: 4.0, sign: Sign::Cross }, INK, 1.0);
+        panel.draw("current value", Shape::Dots { places, radius: 4.0, sign: Sign::Cross }, INK, 1.0);
     }
     let side = figure.size[0] - super::LEFT - super::RIGHT;
     figure.stack(0, 1, vec![(panel, side)]);
@@ -157,7 +157,7 @@ pub(super) fn legend(
     }
     let form = if gray { "squares" } else { "circles" };
     keys.push(key(Sign::Line, GRAY, &format!("{form}: λσ, λ = {}", number(history.parameters.lambda))));
-    keys.push(key(Sign::Cross, INK, "value in view"));
+    keys.push(key(Sign::Cross, INK, "current value"));
     keys
 }
 

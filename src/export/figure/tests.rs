@@ -185,7 +185,7 @@ fn a_history_drawn_and_the_table_of_the_command_line_have_the_same_numbers() {
     let expected = column("foreground").into_iter().enumerate().filter(|(_, foreground)| *foreground == 1.0);
     assert_eq!(foreground, expected.map(|(at, _)| at + 1).collect());
     near(panels[3].corners("T")[0][0][1], 0.8, 1e-4);
-    near(panels[2].corners("frame in view")[0][0][0], 231.0, 1e-3);
+    near(panels[2].corners("current frame")[0][0][0], 231.0, 1e-3);
     let born: Vec<_> = panels[6].corners("born").iter().map(|mark| mark[0][0].round() as usize).collect();
     let made = column("matched").iter().filter(|&&matched| matched == 0.0).count();
     let replaced = panels[6].corners("replaced").len();
@@ -201,7 +201,7 @@ fn a_part_of_a_history_has_its_own_frames_and_a_long_one_loses_nothing_brief() {
     let panels_of_part = panels(&svg::write(&part));
     near(panels_of_part[0].ends[0][0], 100.5, 0.0);
     assert_eq!(panels_of_part[1].corners("value G")[0].len(), 50);
-    assert!(panels_of_part[0].corners("frame in view").is_empty(), "it is not among them");
+    assert!(panels_of_part[0].corners("current frame").is_empty(), "it is not among them");
 
     let colours = (1..=20_000).map(|n| (n, if n == 7777 { [250; 3] } else { [60 + (n % 4) as u8; 3] }));
     let long = PixelHistory::of_colours((1, 1), Parameters::new(&settings()), colours);
@@ -353,7 +353,7 @@ fn the_shares_around_a_pixel_and_pinned_pixels_are_drawn_frame_by_frame() {
     let shares = shares();
     let panel = &panels(&svg::write(&region::figure(&history, &shares, 230)))[0];
     let (area, line) =
-        (&panel.corners("share after cleaning")[0], &panel.corners("share before cleaning")[0]);
+        (&panel.corners("ratio after post-processing")[0], &panel.corners("ratio before post-processing")[0]);
     assert_eq!((area.len(), line.len()), (802, 800), "two corners a frame, and the ground");
     for at in 0..400 {
         for (corners, expected) in [(area, shares.cleaned[at]), (line, shares.model[at])] {
@@ -365,7 +365,7 @@ fn the_shares_around_a_pixel_and_pinned_pixels_are_drawn_frame_by_frame() {
             }
         }
     }
-    near(panel.corners("frame in view")[0][0][0], 231.0, 1e-2);
+    near(panel.corners("current frame")[0][0][0], 231.0, 1e-2);
 
     let other = PixelHistory { at: (70, 8), ..history_of(&Settings { k: 2, ..settings() }, 400) };
     let figure = pins::figure(&[(1, &history), (4, &other)], 230);
@@ -451,7 +451,7 @@ fn a_cube_seen_from_the_front_is_the_plane_of_r_and_b() {
     let expected =
         history.states.iter().map(|state| [state.value[0] as i32, state.value[2] as i32]).collect();
     assert_eq!(drawn, expected);
-    assert!(figure.description.contains("turned by 0° about B"), "{}", figure.description);
+    assert!(figure.description.contains("rotated by 0° about B"), "{}", figure.description);
 }
 
 #[test]

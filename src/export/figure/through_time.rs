@@ -67,7 +67,8 @@ pub fn figure(history: &PixelHistory, slots: &[[u8; MAX_K]], choice: &Choice) ->
     drawing.rates(&mut panel);
     panels.push((panel, 34.0));
 
-    let lanes = [(2.5, "born"), (1.5, "replaced"), (0.5, "rose")].map(|(at, name)| (at, name.to_owned()));
+    let lanes =
+        [(2.5, "created"), (1.5, "replaced"), (0.5, "moved up")].map(|(at, name)| (at, name.to_owned()));
     let changes = Axis::new("", (0.0, 3.0), 3).with_ticks(lanes.to_vec());
     let mut panel = Panel { grid: false, ..Panel::new(x(), changes) };
     drawing.changes(&mut panel);
@@ -81,7 +82,7 @@ pub fn figure(history: &PixelHistory, slots: &[[u8; MAX_K]], choice: &Choice) ->
     if choice.frames.contains(&choice.index) {
         let here = f64::from(number_at(history, choice.index));
         for (panel, _) in &mut panels {
-            panel.upright("frame in view", here, 0.6, true);
+            panel.upright("current frame", here, 0.6, true);
         }
     }
     figure.stack(0, 1, panels);
@@ -108,7 +109,7 @@ fn legend(history: &PixelHistory, slots: &[[u8; MAX_K]], bins: &[Bin], index: us
     }
     keys.push(key(Sign::Dashed, GRAY, "foreground component (pale)"));
     keys.extend(verdicts::legend(bins.iter().map(Bin::foreground_share)));
-    keys.push(key(Sign::Dashed, INK, "T; frame in view"));
+    keys.push(key(Sign::Dashed, INK, "T; current frame"));
     keys
 }
 
@@ -235,7 +236,7 @@ impl Drawing<'_> {
 
     /// A stroke for each component that was born, replaced another, or rose.
     fn changes(&self, panel: &mut Panel) {
-        for (lane, name) in ["born", "replaced", "rose"].into_iter().enumerate() {
+        for (lane, name) in ["created", "replaced", "moved up"].into_iter().enumerate() {
             let bottom = 2.0 - lane as f64;
             for bin in self.bins {
                 let Some(slot) = bin.changes[lane] else { continue };

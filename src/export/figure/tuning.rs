@@ -84,13 +84,13 @@ pub fn of_decisions(
 }
 
 fn present() -> Key {
-    Key { sign: Sign::Cross, colour: INK, name: "present settings".to_owned() }
+    Key { sign: Sign::Cross, colour: INK, name: "current settings".to_owned() }
 }
 
 fn draw_present(panel: &mut Panel, axes: &[Side; 2], history: &PixelHistory) {
     let here = axes.each_ref().map(|side| f64::from(side.knob.get(&history.parameters)));
     let cross = Shape::Dots { places: vec![here], radius: 5.0, sign: Sign::Cross };
-    panel.draw("present settings", cross, INK, 1.0);
+    panel.draw("current settings", cross, INK, 1.0);
 }
 
 fn cell([across, up]: &[Side; 2], column: usize, row: usize) -> [f64; 4] {

@@ -30,7 +30,7 @@ impl Flip {
     pub fn words(&self) -> String {
         let symbol = self.knob.symbol();
         match self.value {
-            None => format!("no {symbol} does"),
+            None => format!("no value of {symbol}"),
             Some(value) => format!("{symbol} {} {value}", if self.above { '≥' } else { '≤' }),
         }
     }

@@ -64,10 +64,10 @@ impl Knob {
     pub const fn name(self) -> &'static str {
         match self {
             Self::Alpha => "learning rate",
-            Self::T => "background share",
+            Self::T => "background ratio",
             Self::K => "components",
             Self::Lambda => "match threshold",
-            Self::InitialSigma => "initial deviation",
+            Self::InitialSigma => "initial std. dev.",
         }
     }
 

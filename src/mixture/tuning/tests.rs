@@ -183,7 +183,7 @@ fn the_flip_of_lambda_is_the_distance_of_the_nearest_background_component() {
     assert!(flip.above && value >= distance && value < distance * 1.01, "{value} {distance}");
     assert_eq!(flip.words(), format!("λ ≥ {value}"));
     let no = super::flip(&values, &parameters, Knob::T);
-    assert_eq!(no.words(), "no T does");
+    assert_eq!(no.words(), "no value of T");
 }
 
 #[test]

@@ -18,7 +18,8 @@ impl Worker<'_> {
             Some(truth) if truth.masks.as_ref().is_some_and(|masks| masks.size() != size) => {
                 let masks = truth.masks.as_ref().map_or(size, |masks| masks.size());
                 self.outbox.warnings.push(format!(
-                    "the true masks are {masks}, the frames of {} are {size}: they are not used; choose those of this video",
+                    "the ground-truth masks are {masks}, the frames of {} are {size}: the masks are \
+                     ignored; load those of this video",
                     self.info.name
                 ));
                 (Some(Arc::new(Truth { boxes: truth.boxes.clone(), masks: None })), None)
@@ -77,7 +78,7 @@ impl Worker<'_> {
         let refused = beside.is_some() && self.info.live;
         if refused && !std::mem::replace(&mut self.outbox.told_of.live, true) {
             self.outbox.warnings.push(format!(
-                "two settings cannot be compared on {}, whose frames come only once; record it first",
+                "two settings cannot be compared on the live source {}; record it first",
                 self.info.name
             ));
         }
@@ -192,11 +193,12 @@ impl Worker<'_> {
         let name = &self.info.name;
         if self.frames.is_complete() {
             return Err(Stopped(format!(
-                "{name} gives no more frames, and its first ones are no longer kept to run them again; open it again"
+                "{name} has no more frames, and its first frames are no longer kept for a new analysis; \
+                 open it again"
             )));
         }
         self.outbox.warnings.push(format!(
-            "the first frames of {name} are no longer kept: the new settings start with the next one"
+            "the first frames of {name} are no longer kept: the new settings apply from the next frame on"
         ));
         self.frames.forget();
         let (settings, roi) = (Arc::clone(self.lane.settings()), self.lane.run.roi().cloned());

@@ -205,7 +205,7 @@ fn the_status_tells_of_the_work_under_way() {
     let (_, merge) =
         timeline.events.iter().find(|(_, event)| event.kind == EventKind::Merge).unwrap().clone();
     let going_back = |worker: &Worker<'_>| {
-        worker.busy.as_ref().is_some_and(|busy| busy.what.starts_with("going back to frame"))
+        worker.busy.as_ref().is_some_and(|busy| busy.what.starts_with("computing frame"))
     };
     show(&mut worker, 20);
     work_until(&mut worker, going_back);
@@ -220,7 +220,7 @@ fn the_status_tells_of_the_work_under_way() {
     });
     assert!(!told.is_empty());
     for busy in &told {
-        assert_eq!(busy.what, "looking for what would have kept it from happening");
+        assert_eq!(busy.what, "computing counterfactuals");
         assert!(busy.total.is_some_and(|total| busy.done <= total && total > 0), "{busy:?}");
     }
 

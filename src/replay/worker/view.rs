@@ -87,7 +87,7 @@ impl Worker<'_> {
                         lane.run.replay_frames(needed.start, &passed, position);
                     }
                 }
-                let what = format!("going back to frame {}", frame.number);
+                let what = format!("computing frame {}", frame.number);
                 self.busy = Some(Progress { what, done: needed.start, total: Some(position + 1) });
             }
         }
@@ -99,7 +99,7 @@ impl Worker<'_> {
         match self.frames.fetch(position, Keep::Yes)? {
             Fetched::Frame(frame) => return Ok(Some(frame)),
             Fetched::OnTheWay => {
-                let what = format!("reading again up to frame {}", self.number_of(position));
+                let what = format!("decoding up to frame {}", self.number_of(position));
                 self.busy = Some(Progress { what, done: 0, total: None });
             }
             Fetched::Gone | Fetched::End => {
@@ -107,7 +107,7 @@ impl Worker<'_> {
                 self.wanted = self.lane.run.modelled().saturating_sub(1);
                 if !std::mem::replace(&mut self.outbox.told_of.gone, true) {
                     self.outbox.warnings.push(format!(
-                        "earlier frames of {} are no longer kept: the newest is shown",
+                        "earlier frames of {} are no longer kept: the newest one is shown",
                         self.info.name
                     ));
                 }

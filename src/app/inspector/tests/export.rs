@@ -48,8 +48,8 @@ fn every_plot_can_be_taken_along_as_picture_drawing_and_table() {
     let (mut harness, actions) = tall(Some(shown));
     let folder = tempfile::tempdir().unwrap();
     for (tab, menu, file, frames) in [
-        ("Now", "Copy or save the densities", "densities-5-4", 430..431),
-        ("Now", "Copy or save the weights", "weights-5-4", 430..431),
+        ("Mixture", "Copy or save the densities", "densities-5-4", 430..431),
+        ("Mixture", "Copy or save the weights", "weights-5-4", 430..431),
         ("History", "Copy or save the frames in view", "history-5-4", 0..600),
         ("Scatter", "Copy or save the scatter plot", "scatter-5-4", 0..431),
         ("3-D", "Copy or save the scatter plot", "scatter-3d-5-4", 0..431),
@@ -59,7 +59,7 @@ fn every_plot_can_be_taken_along_as_picture_drawing_and_table() {
         harness.get_by_label(menu).click();
         harness.run();
         picture(&mut harness, &format!("menu-{}", tab.to_lowercase()));
-        harness.get_by_label("Copy picture").click();
+        harness.get_by_label("Copy image").click();
         harness.run();
         let [InspectorAction::CopyPicture(plot)] = &actions.take()[..] else { panic!("{tab}: no picture") };
         let picture = plot.drawn().unwrap();
@@ -133,10 +133,10 @@ fn the_region_and_the_pins_can_be_taken_along_as_picture_drawing_and_table() {
     looks_as_before(&harness.render().unwrap(), None, "pixels");
     let folder = tempfile::tempdir().unwrap();
     for (menu, file, rows) in [
-        ("Copy or save the share of foreground", "region-5-4", 600),
+        ("Copy or save the foreground ratio", "region-5-4", 600),
         ("Copy or save the pinned pixels", "pins", 1200),
     ] {
-        choose(&mut harness, menu, "Copy picture");
+        choose(&mut harness, menu, "Copy image");
         let [InspectorAction::CopyPicture(plot)] = &actions.take()[..] else { panic!("{file}: no picture") };
         let picture = plot.drawn().unwrap();
         assert!(picture.size.width > 2000 && picture.rgb[..3] == [255; 3], "{file}: a page wide, on white");
