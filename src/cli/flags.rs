@@ -207,6 +207,13 @@ pub(super) struct Range {
     pub last: u32,
 }
 
+impl Range {
+    /// The number of frames, at most `u32::MAX`.
+    pub(super) const fn count(&self) -> u32 {
+        (self.last - self.first).saturating_add(1)
+    }
+}
+
 impl fmt::Display for Range {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}..{}", self.first, self.last)
@@ -254,6 +261,8 @@ mod tests {
     fn ranges_are_two_numbers_in_order() {
         assert_eq!(range(&parsed(&[])).unwrap(), None);
         assert_eq!(range(&parsed(&["--range", "3..3"])).unwrap(), Some(Range { first: 3, last: 3 }));
+        let all = range(&parsed(&["--range", "0..4294967295"])).unwrap().unwrap();
+        assert_eq!(all.count(), u32::MAX);
         for text in ["", "5", "5..", "..5", "5..4", "a..b", "1...4", "-1..4", "1..99999999999"] {
             assert!(range(&parsed(&["--range", text])).is_err(), "{text}");
         }

@@ -63,8 +63,8 @@ impl Frames {
         let source = source::open(video, options)?;
         let info = source.info().clone();
         let total = match (range, info.frames) {
-            (Some(range), Some(frames)) => Some(frames.min(range.last - range.first + 1)),
-            (Some(range), None) => Some(range.last - range.first + 1),
+            (Some(range), Some(frames)) => Some(frames.min(range.count())),
+            (Some(range), None) => Some(range.count()),
             (None, frames) => frames,
         };
         let ahead = AHEAD_BYTES / (info.size.pixels() * 3).max(1);

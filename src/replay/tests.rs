@@ -561,7 +561,7 @@ fn a_panic_in_the_worker_becomes_a_failure() {
 }
 
 #[test]
-fn dropping_a_session_ends_its_worker_at_once() {
+fn dropping_a_session_ends_its_worker() {
     let folder = scene();
     let (wake, woken) = channel::<()>();
     let session = Session::open(
@@ -575,12 +575,10 @@ fn dropping_a_session_ends_its_worker_at_once() {
         },
     );
     woken.recv_timeout(Duration::from_secs(20)).unwrap();
-    let started = Instant::now();
     drop(session);
-    assert!(started.elapsed() < Duration::from_secs(1), "{:?}", started.elapsed());
-    // The worker held the other end.
+    // The worker owns the sender, so the channel closes when it ends.
     while woken.try_recv().is_ok() {}
-    assert!(matches!(woken.recv(), Err(std::sync::mpsc::RecvError)));
+    assert_eq!(woken.recv(), Err(std::sync::mpsc::RecvError));
 }
 
 #[test]
@@ -713,8 +711,7 @@ fn a_request_that_changes_nothing_wakes_nobody() {
     let folder = scene();
     let watched = Watched::open(folder.path(), settings(), Start::First, 1 << 30);
     watched.until_done();
-    std::thread::sleep(Duration::from_millis(300));
-    while watched.woken.try_recv().is_ok() {}
+    while watched.woken.recv_timeout(Duration::from_millis(300)).is_ok() {}
     watched.session.show(0);
     watched.session.set_settings(settings());
     watched.session.inspect(None);

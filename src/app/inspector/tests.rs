@@ -565,18 +565,20 @@ fn components_are_followed_on_from_where_a_history_ended_before() {
 }
 
 #[test]
-fn a_long_history_stays_quick() {
+fn a_long_history_is_drawn_with_few_vertices() {
     let settings = settings();
     let history = history_of(&settings, 100_000);
     let (mut harness, _) = tall(Some(shown_of(settings, Some(history), 50_000)));
     open(&mut harness, "History");
     picture(&mut harness, "history-long");
-    let start = std::time::Instant::now();
-    for _ in 0..20 {
-        harness.step();
-    }
-    let each = start.elapsed() / 20;
-    assert!(each.as_millis() < 33, "a repaint of 100 000 frames takes {each:?}");
+    let shapes = harness.output().shapes.clone();
+    let painted = harness.ctx.tessellate(shapes, 1.0);
+    let vertices = painted.iter().map(|it| match &it.primitive {
+        egui::epaint::Primitive::Mesh(mesh) => mesh.vertices.len(),
+        egui::epaint::Primitive::Callback(_) => 0,
+    });
+    let vertices: usize = vertices.sum();
+    assert!(vertices < 100_000, "a repaint of 100 000 frames draws {vertices} vertices");
     open(&mut harness, "Scatter");
     harness.get_by_label("all").click();
     harness.run();
