@@ -8,12 +8,12 @@ use rayon::prelude::*;
 use crate::frame::{Frame, Mask, Size};
 use crate::mixture::opencv::OpencvModel;
 use crate::mixture::{Mixture, Parameters};
-use crate::occlusion::{Counters, Episode, Event, EventKind, Reasoner, Settled};
+use crate::occlusion::{Counters, Episode, Event, EventKind, SettledResults, Tracker};
 use crate::regions::roi::RoiError;
 use crate::regions::{Cleaning, Labels, Region, Roi, find_regions};
 use crate::registration::{Choice, Correction, corrected};
 use crate::settings::Settings;
-use crate::tracking::{Naming, Track};
+use crate::tracking::{IdentityMap, Track};
 
 /// Why a frame could not be analysed.
 #[derive(Debug, thiserror::Error)]
@@ -63,14 +63,14 @@ pub struct Analysis {
     /// The events that were decided in this frame; some may have happened a few frames earlier.
     pub events: Arc<Vec<Event>>,
     /// What else was decided in this frame of those before it.
-    pub settled: Arc<Settled>,
+    pub settled: Arc<SettledResults>,
     /// All events decided up to this frame, by kind.
     pub counters: Counters,
 }
 
 /// The final reading of a sequence: short tracks gone, late decisions entered.
 #[derive(Clone, Debug, Default)]
-pub struct Reading {
+pub struct OfflineResult {
     /// Frame by frame in order: its number, and the objects with an identity, by identity.
     pub tracks: Vec<(u32, Vec<Track>)>,
     /// By frame, then in the order of the kinds.
@@ -81,12 +81,12 @@ pub struct Reading {
     pub counters: Counters,
 }
 
-enum Model {
+enum BackgroundSubtractor {
     Mixture(Box<Mixture>),
     Opencv(OpencvModel),
 }
 
-impl Model {
+impl BackgroundSubtractor {
     /// Takes frames in before the first that is judged.
     fn learn(&mut self, frames: &[&Frame], choice: Choice) -> Result<(), PipelineError> {
         match self {
@@ -140,20 +140,20 @@ impl Model {
 
 /// How regions are found.
 #[derive(Clone)]
-struct Finder {
+struct RegionFinder {
     /// What is analysed, the whole image without one.
     roi: Option<Arc<Roi>>,
     cleaning: Cleaning,
     min_area: u32,
 }
 
-impl Finder {
+impl RegionFinder {
     fn new(settings: &Settings, roi: Option<Arc<Roi>>) -> Self {
         Self { roi, cleaning: Cleaning::new(settings), min_area: settings.min_area }
     }
 
     /// What can be told of a frame from the model's mask of it, without the frames before.
-    fn find(&self, frame: &Frame, mut raw: Mask) -> Result<Found, PipelineError> {
+    fn find(&self, frame: &Frame, mut raw: Mask) -> Result<FoundRegions, PipelineError> {
         let failed = |source| PipelineError::Opencv { frame: frame.number, source };
         if let Some(roi) = &self.roi {
             roi.clear_outside(&mut raw);
@@ -164,12 +164,12 @@ impl Finder {
             roi.clear_outside(&mut mask);
         }
         let (labels, regions) = find_regions(frame, &mask, self.min_area);
-        Ok(Found { mask: Arc::new(mask), labels: Arc::new(labels), regions: Arc::new(regions) })
+        Ok(FoundRegions { mask: Arc::new(mask), labels: Arc::new(labels), regions: Arc::new(regions) })
     }
 }
 
 /// The foreground of a frame, and the regions in it.
-struct Found {
+struct FoundRegions {
     mask: Arc<Mask>,
     labels: Arc<Labels>,
     regions: Arc<Vec<Region>>,
@@ -181,9 +181,9 @@ pub struct Pipeline {
     t: u32,
     /// What is done to a frame before the model.
     registration: Choice,
-    model: Model,
-    finder: Finder,
-    reasoner: Reasoner,
+    model: BackgroundSubtractor,
+    region_finder: RegionFinder,
+    tracker: Tracker,
 }
 
 impl Pipeline {
@@ -192,16 +192,16 @@ impl Pipeline {
         let opencv =
             OpencvModel::new(settings, size).map_err(|source| PipelineError::Opencv { frame: 0, source })?;
         let model = opencv.map_or_else(
-            || Model::Mixture(Box::new(Mixture::new(size, Parameters::new(settings)))),
-            Model::Opencv,
+            || BackgroundSubtractor::Mixture(Box::new(Mixture::new(size, Parameters::new(settings)))),
+            BackgroundSubtractor::Opencv,
         );
         Ok(Self {
             size,
             t: 0,
             registration: Choice::new(settings),
             model,
-            finder: Finder::new(settings, None),
-            reasoner: Reasoner::new(settings, size, fps),
+            region_finder: RegionFinder::new(settings, None),
+            tracker: Tracker::new(settings, size, fps),
         })
     }
 
@@ -209,7 +209,7 @@ impl Pipeline {
     /// before cleaning. The model goes on learning every pixel. Fails where the mask is not as large as the frames.
     pub fn set_roi(&mut self, roi: Option<Arc<Roi>>) -> Result<(), PipelineError> {
         roi.as_ref().map_or(Ok(()), |roi| roi.check(self.size))?;
-        self.finder.roi = roi;
+        self.region_finder.roi = roi;
         Ok(())
     }
 
@@ -223,7 +223,7 @@ impl Pipeline {
     /// After the last frame to learn from, what was learnt becomes the beginning, for who looks at the model before the
     /// first step, which does it otherwise.
     pub fn begin(&mut self) {
-        if let Model::Mixture(mixture) = &mut self.model {
+        if let BackgroundSubtractor::Mixture(mixture) = &mut self.model {
             mixture.begin();
         }
     }
@@ -258,16 +258,16 @@ impl Pipeline {
 
     /// Takes frames through all stages after the model, whose masks of them are `raw`.
     pub fn find_many(&mut self, frames: &[&Frame], raw: Vec<Mask>) -> Result<Vec<Analysis>, PipelineError> {
-        let finder = &self.finder;
-        let found = frames.par_iter().zip(raw).map(|(frame, mask)| finder.find(frame, mask));
+        let region_finder = &self.region_finder;
+        let found = frames.par_iter().zip(raw).map(|(frame, mask)| region_finder.find(frame, mask));
         let found = found.collect::<Result<Vec<_>, _>>()?;
         Ok(frames.iter().zip(found).map(|(frame, found)| self.follow(frame.number, found)).collect())
     }
 
     /// Tracks and events of the next frame from what was found in it.
-    fn follow(&mut self, number: u32, Found { mask, labels, regions }: Found) -> Analysis {
+    fn follow(&mut self, number: u32, FoundRegions { mask, labels, regions }: FoundRegions) -> Analysis {
         self.t += 1;
-        let seen = self.reasoner.step(number, &regions);
+        let seen = self.tracker.step(number, &regions);
         Analysis {
             number,
             t: self.t,
@@ -279,14 +279,14 @@ impl Pipeline {
             objects: Arc::new(seen.objects),
             events: Arc::new(seen.events),
             settled: Arc::new(seen.settled),
-            counters: self.reasoner.counters(),
+            counters: self.tracker.counters(),
         }
     }
 
     /// Begins anew after the model under `settings`, of which those of the model must be the same:
     /// frames go through [`Self::find_many`], in order, with the masks that the model gave.
     pub fn restart_finding(&mut self, settings: &Settings, fps: f32) {
-        self.finder = Finder::new(settings, self.finder.roi.take());
+        self.region_finder = RegionFinder::new(settings, self.region_finder.roi.take());
         self.restart_tracking(settings, fps);
     }
 
@@ -294,21 +294,21 @@ impl Pipeline {
     /// differ; the model and all before tracking stay as they are.
     pub fn restart_tracking(&mut self, settings: &Settings, fps: f32) {
         self.t = 0;
-        self.reasoner = Reasoner::new(settings, self.size, fps);
+        self.tracker = Tracker::new(settings, self.size, fps);
     }
 
     /// Takes the regions of a frame that was analysed before through tracking and occlusion alone,
     /// after [`Self::restart_tracking`] and in the frames' order.
     pub fn track_again(&mut self, analysis: &Analysis) -> Analysis {
         self.t += 1;
-        let seen = self.reasoner.step(analysis.number, &analysis.regions);
+        let seen = self.tracker.step(analysis.number, &analysis.regions);
         Analysis {
             tracks: Arc::new(seen.tracks),
             tentative: Arc::new(seen.tentative),
             objects: Arc::new(seen.objects),
             events: Arc::new(seen.events),
             settled: Arc::new(seen.settled),
-            counters: self.reasoner.counters(),
+            counters: self.tracker.counters(),
             ..analysis.clone()
         }
     }
@@ -316,8 +316,8 @@ impl Pipeline {
     /// The model's background: the mean of component 1, or what MOG2 or KNN give; RGB bytes in row order.
     pub fn background_image(&self) -> Result<Vec<u8>, PipelineError> {
         match &self.model {
-            Model::Mixture(mixture) => Ok(mixture.mean_image()),
-            Model::Opencv(model) => {
+            BackgroundSubtractor::Mixture(mixture) => Ok(mixture.mean_image()),
+            BackgroundSubtractor::Opencv(model) => {
                 model.background_image().map_err(|source| PipelineError::Opencv { frame: 0, source })
             }
         }
@@ -326,8 +326,8 @@ impl Pipeline {
     /// The mixtures, `None` when MOG2 or KNN stand in their place.
     pub const fn mixture(&self) -> Option<&Mixture> {
         match &self.model {
-            Model::Mixture(mixture) => Some(mixture),
-            Model::Opencv(_) => None,
+            BackgroundSubtractor::Mixture(mixture) => Some(mixture),
+            BackgroundSubtractor::Opencv(_) => None,
         }
     }
 
@@ -335,31 +335,34 @@ impl Pipeline {
     pub fn try_clone(&self) -> Option<Self> {
         let mixture = self.mixture()?.clone();
         Some(Self {
-            model: Model::Mixture(Box::new(mixture)),
-            reasoner: self.reasoner.clone(),
-            finder: self.finder.clone(),
+            model: BackgroundSubtractor::Mixture(Box::new(mixture)),
+            tracker: self.tracker.clone(),
+            region_finder: self.region_finder.clone(),
             ..*self
         })
     }
 
     /// The memory that a copy takes, in bytes, to the nearest few kilobytes.
     pub fn state_bytes(&self) -> usize {
-        self.mixture().map_or(0, Mixture::state_bytes) + self.reasoner.state_bytes()
+        self.mixture().map_or(0, Mixture::state_bytes) + self.tracker.state_bytes()
     }
 }
 
 /// The final reading of all `analyses`, in order, after `pipeline` has seen the last of them:
 /// objects named from their first frame on, short tracks gone.
-pub fn final_reading<'a>(analyses: impl IntoIterator<Item = &'a Analysis>, pipeline: &Pipeline) -> Reading {
+pub fn offline_result<'a>(
+    analyses: impl IntoIterator<Item = &'a Analysis>,
+    pipeline: &Pipeline,
+) -> OfflineResult {
     // What was open at the last frame is decided in a copy: the pipeline may go on.
-    let late = pipeline.reasoner.clone().finish();
+    let late = pipeline.tracker.clone().finish();
     let analyses: Vec<&Analysis> = analyses.into_iter().collect();
-    let mut naming = Naming::default();
-    let mut reading = Reading::default();
+    let mut identity_map = IdentityMap::default();
+    let mut reading = OfflineResult::default();
     let mut earlier: BTreeMap<u32, Vec<&Track>> = BTreeMap::new();
     for settled in analyses.iter().map(|analysis| &*analysis.settled).chain([&late.settled]) {
         for &(key, identity) in &settled.names {
-            naming.set(key, identity);
+            identity_map.set(key, identity);
         }
         reading.episodes.extend(settled.episodes.iter().cloned());
         for (number, track) in &settled.earlier {
@@ -371,11 +374,11 @@ pub fn final_reading<'a>(analyses: impl IntoIterator<Item = &'a Analysis>, pipel
         let mut before = earlier.remove(&analysis.number).unwrap_or_default();
         // Who is followed in the frame itself was not looked for there.
         before.retain(|track| {
-            let same = |followed: &Track| naming.of(followed.key) == naming.of(track.key);
+            let same = |followed: &Track| identity_map.of(followed.key) == identity_map.of(track.key);
             !analysis.objects.iter().any(same)
         });
         let objects = before.into_iter().chain(analysis.objects.iter());
-        reading.tracks.push((analysis.number, naming.apply(objects)));
+        reading.tracks.push((analysis.number, identity_map.apply(objects)));
         reading.events.extend(analysis.events.iter().cloned());
     }
     reading.events.extend(late.events);

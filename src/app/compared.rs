@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::occlusion::compare::{self, Pair, Reach};
+use crate::occlusion::event_pairs::{self, EventPair, EventTolerance};
 use crate::replay::{Beside, State, Timeline};
 
 /// An event whose evidence is read, by its place in its timeline.
@@ -38,7 +38,7 @@ pub(crate) struct Compared {
     in_view: Arc<Timeline>,
     beside: Arc<Beside>,
     /// In order of time.
-    pub(crate) pairs: Vec<Pair>,
+    pub(crate) pairs: Vec<EventPair>,
 }
 
 impl Compared {
@@ -51,24 +51,24 @@ impl Compared {
         if before.as_ref().is_some_and(same) {
             return before;
         }
-        let reach = Reach::of(state.info.as_ref()?.size, fps);
-        let pairs = compare::pair(&state.timeline.events, &beside.timeline.events, reach);
+        let tolerance = EventTolerance::of(state.info.as_ref()?.size, fps);
+        let pairs = event_pairs::pair_events(&state.timeline.events, &beside.timeline.events, tolerance);
         Some(Self { in_view: Arc::clone(&state.timeline), beside: Arc::clone(beside), pairs })
     }
 
     /// Whether a pair belongs to a listing.
-    pub(crate) fn lists(&self, listing: Listing, pair: Pair) -> bool {
+    pub(crate) fn lists(&self, listing: Listing, pair: EventPair) -> bool {
         match listing {
             Listing::All => true,
-            Listing::OnlyInView => matches!(pair, Pair::First(_)),
-            Listing::OnlyBeside => matches!(pair, Pair::Second(_)),
+            Listing::OnlyInView => matches!(pair, EventPair::First(_)),
+            Listing::OnlyBeside => matches!(pair, EventPair::Second(_)),
             Listing::Moved => self.moved(pair).is_some_and(|frames| frames != 0),
         }
     }
 
     /// By how many frames the event under the other settings is later.
-    pub(crate) fn moved(&self, pair: Pair) -> Option<i64> {
-        let Pair::Both(i, j) = pair else { return None };
+    pub(crate) fn moved(&self, pair: EventPair) -> Option<i64> {
+        let EventPair::Both(i, j) = pair else { return None };
         let (in_view, _) = self.in_view.events.get(i)?;
         let (beside, _) = self.beside.timeline.events.get(j)?;
         Some(i64::from(*beside) - i64::from(*in_view))

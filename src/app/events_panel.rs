@@ -11,8 +11,8 @@ use super::command::Command;
 use super::compared::{Compared, Listing, Read};
 use super::state::Model;
 use super::{icons, theme};
-use crate::occlusion::compare::Pair;
 use crate::occlusion::event::{Comparison, Relation};
+use crate::occlusion::event_pairs::EventPair;
 use crate::occlusion::{Event, EventKind};
 use crate::palette::{event_colour, identity_colour};
 use crate::replay::Timeline;
@@ -80,7 +80,7 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 struct Listed {
     read: Read,
     /// How the event stands to the other settings, while there are some.
-    pair: Option<Pair>,
+    pair: Option<EventPair>,
 }
 
 /// The events to list, in order of time.
@@ -93,8 +93,8 @@ fn listed(model: &Model, timeline: &Timeline) -> Vec<Listed> {
     let pairs = compared.pairs.iter().filter(|pair| compared.lists(model.listing, **pair));
     let rows = pairs.map(|&pair| {
         let read = match pair {
-            Pair::First(index) | Pair::Both(index, _) => Read::InView(index),
-            Pair::Second(index) => Read::Beside(index),
+            EventPair::First(index) | EventPair::Both(index, _) => Read::InView(index),
+            EventPair::Second(index) => Read::Beside(index),
         };
         Listed { read, pair: Some(pair) }
     });
@@ -131,9 +131,9 @@ fn listings(ui: &mut Ui, model: &Model, compared: &Compared, commands: &mut Vec<
 fn aside(model: &Model, listed: &Listed) -> Option<(String, [u8; 3])> {
     let slot = model.slots.in_view;
     match listed.pair? {
-        Pair::First(_) => Some((slot.name().to_owned(), slot.colour())),
-        Pair::Second(_) => Some((slot.other().name().to_owned(), slot.other().colour())),
-        pair @ Pair::Both(..) => {
+        EventPair::First(_) => Some((slot.name().to_owned(), slot.colour())),
+        EventPair::Second(_) => Some((slot.other().name().to_owned(), slot.other().colour())),
+        pair @ EventPair::Both(..) => {
             let moved = model.compared.as_ref()?.moved(pair).filter(|moved| *moved != 0)?;
             let text = format!("{moved:+} in {}", slot.other().name());
             Some((text, slot.other().colour()))

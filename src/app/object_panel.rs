@@ -13,7 +13,7 @@ use super::{icons, theme};
 use crate::palette::{event_colour, identity_colour};
 use crate::regions::{Region, colour::delta_e};
 use crate::replay::LifeLine;
-use crate::tracking::{Competing, Identity, Track, TrackState};
+use crate::tracking::{HypothesisSummary, Identity, Track, TrackState};
 
 /// So many colours of a region's histogram are shown.
 const COLOURS: usize = 10;
@@ -150,7 +150,7 @@ fn motion(ui: &mut Ui, track: &Track, fps: f32, settings: &crate::settings::Sett
 }
 
 /// The hypotheses that compete for it.
-fn competing(ui: &mut Ui, hypotheses: &[Competing]) {
+fn competing(ui: &mut Ui, hypotheses: &[HypothesisSummary]) {
     section(
         ui,
         "Hypotheses",

@@ -30,7 +30,7 @@ use crate::regions::{self, LabelRun, Labels, Rect};
 use crate::replay::{LifeLine, Phase, Progress, RegionShares, Shown, Start, State, Timeline};
 use crate::settings::{SETTINGS, Settings};
 use crate::source::{FpsFrom, SourceInfo};
-use crate::tracking::{Competing, Track, TrackState};
+use crate::tracking::{HypothesisSummary, Track, TrackState};
 use crate::truth::Truth;
 use crate::truth::masks::TrueMask;
 
@@ -209,8 +209,8 @@ fn map_of(quantity: Quantity) -> Arc<Map> {
 }
 
 /// What competes for an object that stands there: a match and a null match, none while it is hidden.
-fn competing([x, y]: [f32; 2], state: TrackState) -> Vec<Competing> {
-    let each = |centre, probability, matched| Competing {
+fn competing([x, y]: [f32; 2], state: TrackState) -> Vec<HypothesisSummary> {
+    let each = |centre, probability, matched| HypothesisSummary {
         centre,
         gate: [16.0, 10.0, 0.3],
         fitness: 0.4 * probability,

@@ -30,7 +30,7 @@ use crate::export::{Staging, episodes_csv, events_jsonl, picture, regions_csv, t
 use crate::frame::{Frame, Mask, Size};
 use crate::mixture::BATCH;
 use crate::occlusion::{Event, EventKind};
-use crate::pipeline::{Analysis, Pipeline, Reading, final_reading};
+use crate::pipeline::{Analysis, OfflineResult, Pipeline, offline_result};
 use crate::regions::{Labels, Roi};
 use crate::registration::Choice;
 use crate::settings::Settings;
@@ -177,7 +177,7 @@ impl Job {
 
 /// What is kept of the whole sequence.
 struct Record {
-    reading: Reading,
+    reading: OfflineResult,
     regions: Vec<(u32, Vec<regions_csv::Row>)>,
     foreground_share: f64,
     warnings: Vec<String>,
@@ -259,7 +259,7 @@ fn analyse(job: &Job, frames: &mut Frames, staging: &Staging) -> anyhow::Result<
         bail!("{} gave no frames; nothing was written", job.video);
     }
     Ok(Record {
-        reading: final_reading(&kept, &pipeline),
+        reading: offline_result(&kept, &pipeline),
         foreground_share: foreground as f64 / (kept.len() * info.size.pixels()) as f64,
         regions,
         warnings,
@@ -377,7 +377,7 @@ impl LiveDrawing {
 fn draw(job: &Job, record: &Record, staging: &Staging) -> anyhow::Result<()> {
     let mut frames = Frames::open(&job.video, job.options, job.range, None)?;
     let fps = frames.info.fps;
-    let Reading { tracks, events, .. } = &record.reading;
+    let OfflineResult { tracks, events, .. } = &record.reading;
     let mut drawing = Drawing::new(job, &frames.info, staging)?;
     let progress = job.console.progress("drawing", Some(tracks.len() as u32));
     let changed = || anyhow!("{} changed while it was analysed; run again", job.video);

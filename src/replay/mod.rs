@@ -36,7 +36,7 @@ use crate::frame::Frame;
 use crate::mixture::tuning::{self, Axis, Flip};
 use crate::mixture::{Map, Parameters, PixelHistory};
 use crate::occlusion::Event;
-use crate::occlusion::what_if::WhatIf;
+use crate::occlusion::counterfactual::Counterfactual;
 use crate::pipeline::Analysis;
 use crate::regions::Roi;
 use crate::registration::Alignment;
@@ -104,7 +104,7 @@ pub struct State {
     /// there are true masks. It may be the answer to an earlier question, as [`Self::tuning`] may.
     pub region_tuning: Option<Arc<RegionTuning>>,
     /// What would have kept an event from happening, if [`Session::explain`] asked for it, as far as that is known.
-    pub what_if: Option<Arc<WhatIf>>,
+    pub what_if: Option<Arc<Counterfactual>>,
     /// What is known of the whole sequence so far under the settings of the frame in view, which it
     /// holds. It follows the work at most ten times a second.
     pub timeline: Arc<Timeline>,

@@ -107,7 +107,7 @@ fn the_panel_can_be_drawn_small_and_light() {
 
 #[test]
 fn what_would_have_kept_an_event_from_happening_is_asked_told_and_taken() {
-    use crate::occlusion::what_if::{Prevention, WhatIf};
+    use crate::occlusion::counterfactual::{Counterfactual, Prevention};
     use crate::settings::Value;
     let (mut harness, scene) = tall();
     harness.get_by_label("merge 1 + 2, frame 51").click();
@@ -121,7 +121,7 @@ fn what_would_have_kept_an_event_from_happening_is_asked_told_and_taken() {
     ];
     let answer = |tried, done| {
         let (event, preventions) = (merge.clone(), preventions.clone());
-        Some(Arc::new(WhatIf { event, preventions, tried, happens: true, done, until: 143 }))
+        Some(Arc::new(Counterfactual { event, preventions, tried, happens: true, done, until: 143 }))
     };
     scene.state.borrow_mut().what_if = answer((12, 40), false);
     harness.run_steps(4);
@@ -163,7 +163,7 @@ fn the_event_that_is_read_stays_the_same_where_others_come_before_it() {
     // What is known of it is shown, though it was asked before that was known.
     let mut asked = timeline().events[3].1.clone();
     asked.front = None;
-    scene.state.borrow_mut().what_if = Some(Arc::new(crate::occlusion::what_if::WhatIf {
+    scene.state.borrow_mut().what_if = Some(Arc::new(crate::occlusion::counterfactual::Counterfactual {
         event: asked,
         happens: true,
         preventions: Vec::new(),

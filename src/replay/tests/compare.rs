@@ -1,7 +1,7 @@
 //! Two choices of settings on the same frames.
 
 use super::*;
-use crate::pipeline::final_reading;
+use crate::pipeline::offline_result;
 use crate::truth::Truth;
 use crate::truth::boxes::Boxes;
 use crate::truth::summary;
@@ -33,7 +33,7 @@ fn boxes(video: &Path, settings: &Settings) -> Boxes {
     let (info, frames, first) = decoded(video, settings);
     let mut pipeline = begun(settings, &info, &frames[..first]);
     let all: Vec<_> = frames.iter().map(|frame| pipeline.step(frame).unwrap()).collect();
-    summary::boxes_of(&final_reading(all.iter(), &pipeline))
+    summary::boxes_of(&offline_result(all.iter(), &pipeline))
 }
 
 #[test]

@@ -5,17 +5,17 @@ use std::collections::{BTreeMap, BTreeSet};
 use super::Event;
 use crate::frame::Size;
 
-/// Events are the same when they are of one kind and no farther apart than this.
+/// The tolerance within which events of one kind are the same.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Reach {
+pub struct EventTolerance {
     /// In frames.
     pub frames: u32,
     /// In pixels.
     pub pixels: f32,
 }
 
-impl Reach {
-    /// For a video: a second, and so much of the picture as people cross in less.
+impl EventTolerance {
+    /// For a video: a second, and a distance that people cross in less.
     pub fn of(size: Size, fps: f32) -> Self {
         Self {
             frames: fps.round().max(1.0) as u32,
@@ -24,7 +24,7 @@ impl Reach {
     }
 
     /// Whether two events may be the same.
-    pub fn covers(&self, event: &Event, other: &Event) -> bool {
+    pub fn matches(&self, event: &Event, other: &Event) -> bool {
         event.kind == other.kind
             && event.frame.abs_diff(other.frame) <= self.frames
             && (event.x - other.x).hypot(event.y - other.y) <= self.pixels
@@ -33,7 +33,7 @@ impl Reach {
 
 /// An event of either or both, by its place in its list.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Pair {
+pub enum EventPair {
     /// Only the first analysis has it.
     First(usize),
     /// Only the second has it.
@@ -45,14 +45,18 @@ pub enum Pair {
 /// Pairs the events of two timelines, nearest in time first; the pairs are in order of time.
 ///
 /// Identities are not looked at: two analyses number the same people differently.
-pub fn pair(first: &[(u32, Event)], second: &[(u32, Event)], reach: Reach) -> Vec<Pair> {
+pub fn pair_events(
+    first: &[(u32, Event)],
+    second: &[(u32, Event)],
+    tolerance: EventTolerance,
+) -> Vec<EventPair> {
     let mut candidates = Vec::new();
     for (i, (position, event)) in first.iter().enumerate() {
-        let near = second.partition_point(|(other, _)| other + reach.frames < *position);
+        let near = second.partition_point(|(other, _)| other + tolerance.frames < *position);
         let near = second.iter().enumerate().skip(near);
-        for (j, (other, beside)) in near.take_while(|(_, (other, _))| *other <= position + reach.frames) {
+        for (j, (other, beside)) in near.take_while(|(_, (other, _))| *other <= position + tolerance.frames) {
             let distance = (event.x - beside.x).hypot(event.y - beside.y);
-            if event.kind == beside.kind && distance <= reach.pixels {
+            if event.kind == beside.kind && distance <= tolerance.pixels {
                 candidates.push((position.abs_diff(*other), distance, i, j));
             }
         }
@@ -66,13 +70,13 @@ pub fn pair(first: &[(u32, Event)], second: &[(u32, Event)], reach: Reach) -> Ve
         }
     }
     let of_either = first.iter().enumerate().map(|(i, (position, _))| {
-        (*position, of_first.get(&i).map_or(Pair::First(i), |&j| Pair::Both(i, j)))
+        (*position, of_first.get(&i).map_or(EventPair::First(i), |&j| EventPair::Both(i, j)))
     });
     let rest = second.iter().enumerate().filter(|(j, _)| !of_second.contains(j));
-    let mut pairs: Vec<(u32, Pair)> =
-        of_either.chain(rest.map(|(j, (position, _))| (*position, Pair::Second(j)))).collect();
+    let mut pairs: Vec<(u32, EventPair)> =
+        of_either.chain(rest.map(|(j, (position, _))| (*position, EventPair::Second(j)))).collect();
     pairs.sort_by_key(|(position, _)| *position);
-    pairs.into_iter().map(|(_, pair)| pair).collect()
+    pairs.into_iter().map(|(_, pair_events)| pair_events).collect()
 }
 
 #[cfg(test)]
@@ -97,7 +101,7 @@ mod tests {
         (position, event)
     }
 
-    const REACH: Reach = Reach { frames: 10, pixels: 20.0 };
+    const TOLERANCE: EventTolerance = EventTolerance { frames: 10, pixels: 20.0 };
 
     #[test]
     fn each_event_has_at_most_one_other_the_nearest_in_time() {
@@ -107,14 +111,14 @@ mod tests {
         let second =
             [event(10, Merge, 5.0), event(29, Merge, 50.0), event(41, Demerge, 0.0), event(42, Merge, 0.0)];
         assert_eq!(
-            pair(&first, &second, REACH),
+            pair_events(&first, &second, TOLERANCE),
             [
-                Pair::First(0),
-                Pair::Both(1, 0),
-                Pair::Second(1),
-                Pair::First(2),
-                Pair::Both(3, 2),
-                Pair::Second(3)
+                EventPair::First(0),
+                EventPair::Both(1, 0),
+                EventPair::Second(1),
+                EventPair::First(2),
+                EventPair::Both(3, 2),
+                EventPair::Second(3)
             ]
         );
     }
@@ -123,8 +127,8 @@ mod tests {
     fn equal_lists_are_paired_through() {
         let events: Vec<_> =
             (0..50).map(|at| event(at / 2, EventKind::ALL[at as usize % 7], (at % 5) as f32)).collect();
-        let pairs = pair(&events, &events, REACH);
-        assert_eq!(pairs, (0..50).map(|at| Pair::Both(at, at)).collect::<Vec<_>>());
-        assert!(pair(&[], &[], REACH).is_empty());
+        let pairs = pair_events(&events, &events, TOLERANCE);
+        assert_eq!(pairs, (0..50).map(|at| EventPair::Both(at, at)).collect::<Vec<_>>());
+        assert!(pair_events(&[], &[], TOLERANCE).is_empty());
     }
 }

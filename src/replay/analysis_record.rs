@@ -7,7 +7,7 @@ use super::runs;
 use crate::frame::{Mask, Size};
 use crate::pipeline::Analysis;
 use crate::regions::{Labels, Region};
-use crate::tracking::{Competing, Track};
+use crate::tracking::{HypothesisSummary, Track};
 
 /// The analyses of a sequence from its first frame on. A copy shares what takes much memory.
 #[derive(Clone)]
@@ -41,7 +41,7 @@ impl Entry {
             + regions
             + tracks * size_of::<Track>()
             + self.analysis.objects.iter().map(|track| track.hypotheses.len()).sum::<usize>()
-                * size_of::<Competing>()
+                * size_of::<HypothesisSummary>()
     }
 }
 

@@ -1,29 +1,29 @@
-//! Who is who: objects are followed from their first region, and get an identity when they have proved themselves.
+//! Identities of objects: an object has a track key from its first region, and an identity once it is confirmed.
 
 use std::collections::BTreeMap;
 
 use super::track::{Identity, Track, TrackState};
 
-/// The number of an object from its first region on, before anybody knows whether it is noise.
-pub type Key = u32;
+/// Key of an object's tracks from its first region on, before it is known whether it is noise.
+pub type TrackKey = u32;
 
-/// Which identity each object has. An object without one is noise, or too young.
+/// The identity of each track key. A key without one belongs to a tentative object or to noise.
 #[derive(Clone, Debug, Default)]
-pub struct Naming {
-    identities: BTreeMap<Key, Identity>,
+pub struct IdentityMap {
+    identities: BTreeMap<TrackKey, Identity>,
     last: Identity,
-    /// What was decided since it was last asked, in order.
-    decided: Vec<(Key, Identity)>,
+    /// Assignments since the last call of [`IdentityMap::take_decided`], in order.
+    decided: Vec<(TrackKey, Identity)>,
 }
 
-impl Naming {
-    /// The identity of an object.
-    pub fn of(&self, key: Key) -> Option<Identity> {
+impl IdentityMap {
+    /// The identity of a key.
+    pub fn of(&self, key: TrackKey) -> Option<Identity> {
         self.identities.get(&key).copied()
     }
 
-    /// Gives an object the next free identity, unless it has one.
-    pub fn name(&mut self, key: Key) -> Identity {
+    /// Assigns the next free identity to a key, unless it has one.
+    pub fn assign_new(&mut self, key: TrackKey) -> Identity {
         if let Some(identity) = self.of(key) {
             return identity;
         }
@@ -32,54 +32,56 @@ impl Naming {
         self.last
     }
 
-    /// Who was found to be who since this was last asked, in the order in which it was decided.
-    pub fn take_decided(&mut self) -> Vec<(Key, Identity)> {
+    /// Takes the assignments since the previous call, in order.
+    pub fn take_decided(&mut self) -> Vec<(TrackKey, Identity)> {
         std::mem::take(&mut self.decided)
     }
 
-    /// Forgets the objects of which nothing is to be told any more.
-    pub fn retain(&mut self, keep: impl Fn(Key) -> bool) {
+    /// Drops the keys that nothing refers to any more.
+    pub fn retain(&mut self, keep: impl Fn(TrackKey) -> bool) {
         self.identities.retain(|&key, _| keep(key));
     }
 
-    /// How many objects are known by name.
+    /// Number of keys with an identity.
     pub fn len(&self) -> usize {
         self.identities.len()
     }
 
-    /// Whether none is.
+    /// Whether there is none.
     pub fn is_empty(&self) -> bool {
         self.identities.is_empty()
     }
 
-    /// How many identities have been given.
+    /// Number of identities assigned so far.
     pub const fn count(&self) -> u32 {
         self.last
     }
 
-    /// Decides who an object is.
-    pub fn set(&mut self, key: Key, identity: Identity) {
+    /// Assigns an identity to a key.
+    pub fn set(&mut self, key: TrackKey, identity: Identity) {
         self.identities.insert(key, identity);
         self.decided.push((key, identity));
     }
 
-    /// Decides that an object is one that has been known before.
-    pub fn same(&mut self, key: Key, as_known: Key) {
+    /// Assigns the identity of another key to a key.
+    pub fn link(&mut self, key: TrackKey, as_known: TrackKey) {
         if let Some(identity) = self.of(as_known) {
             self.set(key, identity);
         }
     }
 
-    /// The tracks of one frame under their identities, in the order of these, those without one
-    /// left out. Where an object stands twice, as a prediction and as the piece that it turned
-    /// out to be, the one that was seen counts; two that were seen are fragments of it.
+    /// The tracks of one frame with their identities, in the order of these; tracks without one are left out. Of a
+    /// predicted and a visible track of one identity the visible one is taken; two visible ones are fragments and are
+    /// joined.
     pub fn apply<'a>(&self, tracks: impl IntoIterator<Item = &'a Track>) -> Vec<Track> {
         let mut named: BTreeMap<Identity, Track> = BTreeMap::new();
         for track in tracks {
             let Some(id) = self.of(track.key) else { continue };
             let seen = track.state == TrackState::Visible;
             match named.get_mut(&id) {
-                Some(fragment) if seen && fragment.state == TrackState::Visible => join(fragment, track),
+                Some(fragment) if seen && fragment.state == TrackState::Visible => {
+                    merge_fragment(fragment, track)
+                }
                 Some(_) if !seen => {}
                 _ => {
                     named.insert(id, Track { id, ..track.clone() });
@@ -95,7 +97,7 @@ impl Naming {
                 None => false,
             });
         }
-        // Who came out before it was known that they did stands by themselves.
+        // A member whose demerge was decided later is a track of its own.
         let regions: BTreeMap<Identity, Vec<u32>> =
             named.values().map(|track| (track.id, track.regions.clone())).collect();
         for track in named.values_mut().filter(|track| track.state == TrackState::Merged) {
@@ -109,8 +111,8 @@ impl Naming {
     }
 }
 
-/// Adds a fragment to what is seen of an object in the same frame.
-fn join(track: &mut Track, fragment: &Track) {
+/// Joins a fragment to the track of the same object in the same frame.
+fn merge_fragment(track: &mut Track, fragment: &Track) {
     track.bbox = track.bbox.union(&fragment.bbox);
     track.centre = track.bbox.centre();
     track.scale = track.scale.hypot(fragment.scale);
@@ -130,10 +132,10 @@ mod tests {
 
     #[test]
     fn fragments_that_proved_one_object_are_one_box_before() {
-        let mut naming = Naming::default();
-        naming.name(1);
-        naming.same(2, 1);
-        let at = |key: Key, y: f32, label: u32| Track {
+        let mut identity_map = IdentityMap::default();
+        identity_map.assign_new(1);
+        identity_map.link(2, 1);
+        let at = |key: TrackKey, y: f32, label: u32| Track {
             key,
             state: TrackState::Visible,
             group: vec![],
@@ -141,7 +143,7 @@ mod tests {
             regions: vec![label],
             ..track(0, 0.0, 0.0)
         };
-        let told = naming.apply(&[at(1, 20.0, 4), at(2, 60.0, 3)]);
+        let told = identity_map.apply(&[at(1, 20.0, 4), at(2, 60.0, 3)]);
         let [one] = &told[..] else { panic!("{told:?}") };
         assert_eq!((one.id, one.bbox), (1, Rect::new(10.0, 20.0, 20.0, 70.0)));
         assert_eq!(one.regions, [3, 4]);
@@ -149,11 +151,11 @@ mod tests {
 
     #[test]
     fn who_came_out_before_it_was_known_stands_alone_and_leaves_the_rest_together() {
-        let mut naming = Naming::default();
+        let mut identity_map = IdentityMap::default();
         for key in 1..=3 {
-            naming.name(key);
+            identity_map.assign_new(key);
         }
-        let merged = |key: Key| Track {
+        let merged = |key: TrackKey| Track {
             key,
             state: TrackState::Merged,
             group: vec![1, 2, 3],
@@ -167,8 +169,8 @@ mod tests {
             regions: vec![2],
             ..track(0, 0.0, 0.0)
         };
-        naming.same(4, 3);
-        let told = naming.apply(&[merged(1), merged(2), merged(3), out]);
+        identity_map.link(4, 3);
+        let told = identity_map.apply(&[merged(1), merged(2), merged(3), out]);
         let with: Vec<_> = told.iter().map(|track| (track.id, track.group.clone())).collect();
         assert_eq!(with, [(1, vec![1, 2]), (2, vec![1, 2]), (3, vec![])]);
     }

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 use super::{LifeLine, Timeline};
 use crate::occlusion::Event;
-use crate::pipeline::{Analysis, Reading};
+use crate::pipeline::{Analysis, OfflineResult};
 use crate::tracking::{Identity, Track, TrackState};
 
 /// A [`Timeline`] under way.
@@ -26,7 +26,7 @@ impl Growing {
     }
 
     /// Puts the final reading in the place of what was known frame by frame.
-    pub(super) fn finish(&mut self, reading: Reading) {
+    pub(super) fn finish(&mut self, reading: OfflineResult) {
         self.lives.clear();
         for (position, (_, tracks)) in (0..).zip(&reading.tracks) {
             live_on(&mut self.lives, position, tracks);

@@ -1,38 +1,38 @@
-//! What would have kept an event from happening: the nearest value of each setting at which it does not.
+//! Counterfactuals of an event: the nearest value of each setting at which it does not happen.
 //!
-//! Every answer is a trial: the regions of the frames before the event go through tracking and
-//! occlusion again under one other value. No rule is turned round on paper, so what is told is true
-//! of the whole reasoning, whatever else the value changes on the way.
+//! Every answer is a trial: the regions of the frames around the event go through tracking and occlusion again under
+//! one other value. No rule is inverted analytically, so an answer holds for the whole method, including side effects
+//! of the value.
 
 use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::compare::Reach;
-use super::{Event, Reasoner, Seen};
+use super::event_pairs::EventTolerance;
+use super::{Event, FrameResult, Tracker};
 use crate::frame::Size;
 use crate::regions::Region;
 use crate::settings::{Kind, SETTINGS, Setting, Settings, Span, Stage, Value};
 use crate::tracking::Identity;
 
-/// How far from the present value to the end of a range, on each side, is tried first.
-const STEPS: [f64; 4] = [0.1, 0.25, 0.5, 1.0];
-/// How often the way to the nearest value that prevents the event is halved.
-const HALVINGS: u32 = 4;
-/// A trial goes on by so many frames at a time.
-const FRAMES: usize = 4;
-/// So many trials go on side by side.
-const TRIALS: usize = 16;
+/// Fractions of the distance from the present value to the end of its range, on each side, that are tried first.
+const RANGE_FRACTIONS: [f64; 4] = [0.1, 0.25, 0.5, 1.0];
+/// How often the interval to the nearest preventing value is bisected.
+const MAX_BISECTIONS: u32 = 4;
+/// Frames that a trial advances at a time.
+const FRAMES_PER_ADVANCE: usize = 4;
+/// Trials that advance in parallel.
+const MAX_PARALLEL_TRIALS: usize = 16;
 
-/// What is asked.
+/// The event, and the frames and settings under which it happened.
 #[derive(Clone)]
-pub struct Question {
-    /// The event, as tracking told it under `settings`.
+pub struct CounterfactualQuery {
+    /// The event as detected under `settings`.
     pub event: Event,
     /// The settings under which it happened.
     pub settings: Settings,
-    /// Number and regions of the frames that led to it, of those in which it was decided, and of those after it in which it
-    /// must not happen either.
+    /// Number and regions of the frames that led to it, of those in which it was decided, and of those after it in
+    /// which it must not happen either.
     pub frames: Arc<Vec<(u32, Arc<Vec<Region>>)>>,
     /// The size of the frames.
     pub size: Size,
@@ -40,19 +40,19 @@ pub struct Question {
     pub fps: f32,
 }
 
-/// One setting's answer.
+/// A value of one setting that prevents the event.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prevention {
     /// The setting's name.
     pub setting: &'static str,
-    /// The nearest value that was found at which the event does not happen.
+    /// The nearest value found at which the event does not happen.
     pub value: Value,
     /// Whether it is greater than the present one; `None` of a choice among words.
     pub above: Option<bool>,
 }
 
 impl Prevention {
-    /// In a few signs: `same_colour ≥ 31`, `placing = predicted`.
+    /// As a short formula: `same_colour ≥ 31`, `placing = predicted`.
     pub fn words(&self) -> String {
         let sign = match self.above {
             Some(true) => '≥',
@@ -63,121 +63,130 @@ impl Prevention {
     }
 }
 
-/// How far the search has come.
+/// The results so far.
 #[derive(Clone, Debug, PartialEq)]
-pub struct WhatIf {
-    /// The event that was asked about.
+pub struct Counterfactual {
+    /// The event.
     pub event: Event,
     /// What prevents it, in the order of the settings.
     pub preventions: Vec<Prevention>,
-    /// Trials that were made, and all that are known to be needed.
+    /// Trials done, and all that are known to be needed.
     pub tried: (usize, usize),
-    /// Whether the event happens at all when those frames alone are looked at; if not, nothing can be said.
+    /// Whether the event happens when only these frames are processed; if not, there is no answer.
     pub happens: bool,
-    /// Whether nothing is left to try.
+    /// Whether all trials are done.
     pub done: bool,
-    /// The number of the last frame that was looked at: what prevents the event does so up to there.
+    /// Number of the last processed frame: a preventing value prevents the event up to there.
     pub until: u32,
 }
 
 /// The centre of each track in a frame, in pixels.
 type Centres = Vec<(Identity, [f32; 2])>;
 
-/// What follows the event under the present settings.
+/// Events and tracks after the event under the present settings.
 #[derive(Default)]
-struct Sequel {
-    /// All events of its kind.
+struct BaselineRecord {
+    /// All events of the same kind.
     events: Vec<Event>,
     /// Identity and centre of each track, by frame, from the event's first possible frame on.
     tracks: Vec<(u32, Centres)>,
 }
 
-impl Sequel {
-    fn take_in(&mut self, seen: &Seen, number: u32, question: &Question, reach: Reach) {
-        self.events.extend(seen.events.iter().filter(|event| event.kind == question.event.kind).cloned());
-        if number + reach.frames >= question.event.frame {
+impl BaselineRecord {
+    fn record(
+        &mut self,
+        seen: &FrameResult,
+        number: u32,
+        query: &CounterfactualQuery,
+        tolerance: EventTolerance,
+    ) {
+        self.events.extend(seen.events.iter().filter(|event| event.kind == query.event.kind).cloned());
+        if number + tolerance.frames >= query.event.frame {
             let tracks = seen.tracks.iter().map(|track| (track.id, track.centre));
             self.tracks.push((number, tracks.collect()));
         }
     }
 
-    /// Whether an event of another trial is the one that is asked about, only later: it happens to the same objects, and
+    /// Whether an event of another trial is the event in question, only later: it happens to the same objects, and
     /// there is none like it under the present settings. Identities differ between trials, places hardly do.
-    fn is_delayed(&self, asked: &Event, event: &Event, reach: Reach) -> bool {
+    fn is_delayed(&self, asked: &Event, event: &Event, tolerance: EventTolerance) -> bool {
         if event.kind != asked.kind
             || event.frame <= asked.frame
-            || self.events.iter().any(|other| reach.covers(other, event))
+            || self.events.iter().any(|other| tolerance.matches(other, event))
         {
             return false;
         }
-        let Some(original) = self.events.iter().find(|other| reach.covers(asked, other)) else {
+        let Some(original) = self.events.iter().find(|other| tolerance.matches(asked, other)) else {
             return false;
         };
-        // Where each was last seen until then.
+        // The last place of each object until then.
         let mut places = vec![[asked.x, asked.y]];
         for id in original.objects.iter().chain(&original.becomes) {
             let until = self.tracks.iter().rev().filter(|(number, _)| *number <= event.frame);
             let last = until.flat_map(|(_, tracks)| tracks).find(|(other, _)| other == id);
             places.extend(last.map(|(_, centre)| *centre));
         }
-        places.iter().any(|[x, y]| (event.x - x).hypot(event.y - y) <= reach.pixels)
+        places.iter().any(|[x, y]| (event.x - x).hypot(event.y - y) <= tolerance.pixels)
     }
 }
 
-/// Frames going through tracking and occlusion under some settings.
+/// A run of the frames through tracking and occlusion under some settings.
 struct Trial {
-    reasoner: Reasoner,
+    tracker: Tracker,
     at: usize,
     /// Whether the event happened, once that is known.
     happened: Option<bool>,
 }
 
 impl Trial {
-    fn new(question: &Question, settings: &Settings) -> Self {
-        Self { reasoner: Reasoner::new(settings, question.size, question.fps), at: 0, happened: None }
+    fn new(query: &CounterfactualQuery, settings: &Settings) -> Self {
+        Self { tracker: Tracker::new(settings, query.size, query.fps), at: 0, happened: None }
     }
 
-    /// Goes on by some frames. `sequel` is what follows the event under the present settings.
-    fn go_on(&mut self, question: &Question, sequel: &Sequel) {
-        let reach = Reach::of(question.size, question.fps);
+    /// Advances by some frames. `baseline` is what follows the event under the present settings.
+    fn advance(&mut self, query: &CounterfactualQuery, baseline: &BaselineRecord) {
+        let tolerance = EventTolerance::of(query.size, query.fps);
         let same = |event: &Event| {
-            reach.covers(&question.event, event) || sequel.is_delayed(&question.event, event, reach)
+            tolerance.matches(&query.event, event) || baseline.is_delayed(&query.event, event, tolerance)
         };
-        if self.frames(question).any(|(_, seen)| seen.events.iter().any(same)) {
+        if self.frames(query).any(|(_, seen)| seen.events.iter().any(same)) {
             self.happened = Some(true);
         } else {
-            self.end(question, false);
+            self.end(query, false);
         }
     }
 
-    /// Goes on by some frames under the present settings, and notes what follows the event.
-    fn go_on_noting(&mut self, question: &Question, sequel: &mut Sequel) {
-        let reach = Reach::of(question.size, question.fps);
-        for (number, seen) in self.frames(question) {
-            sequel.take_in(&seen, number, question, reach);
+    /// Advances by some frames under the present settings, and records what follows the event.
+    fn advance_baseline(&mut self, query: &CounterfactualQuery, baseline: &mut BaselineRecord) {
+        let tolerance = EventTolerance::of(query.size, query.fps);
+        for (number, seen) in self.frames(query) {
+            baseline.record(&seen, number, query, tolerance);
         }
-        self.end(question, sequel.events.iter().any(|event| reach.covers(&question.event, event)));
+        self.end(query, baseline.events.iter().any(|event| tolerance.matches(&query.event, event)));
     }
 
     /// The next frames through tracking and occlusion.
-    fn frames<'a>(&'a mut self, question: &'a Question) -> impl Iterator<Item = (u32, Seen)> + 'a {
+    fn frames<'a>(
+        &'a mut self,
+        query: &'a CounterfactualQuery,
+    ) -> impl Iterator<Item = (u32, FrameResult)> + 'a {
         let from = self.at;
-        question.frames.iter().skip(from).take(FRAMES).map(|(number, regions)| {
+        query.frames.iter().skip(from).take(FRAMES_PER_ADVANCE).map(|(number, regions)| {
             self.at += 1;
-            (*number, self.reasoner.step(*number, regions))
+            (*number, self.tracker.step(*number, regions))
         })
     }
 
-    /// Settles whether the event happened if no frame is left.
-    fn end(&mut self, question: &Question, happened: bool) {
-        if self.at >= question.frames.len() {
+    /// Decides whether the event happened if no frame is left.
+    fn end(&mut self, query: &CounterfactualQuery, happened: bool) {
+        if self.at >= query.frames.len() {
             self.happened = Some(happened);
         }
     }
 }
 
-/// One way from the present value of a setting, on which the nearest value is looked for.
-struct Way {
+/// The search for the nearest preventing value on one side of a setting's present value.
+struct ValueSearch {
     setting: &'static Setting,
     above: Option<bool>,
     /// Values to try, the nearest first.
@@ -186,28 +195,28 @@ struct Way {
     happens: Value,
     /// The nearest value known at which it does not.
     prevents: Option<Value>,
-    halvings: u32,
+    bisections: u32,
     trial: Option<(Value, Trial)>,
 }
 
-impl Way {
+impl ValueSearch {
     /// The value to try next.
     fn next(&self) -> Option<Value> {
         match self.prevents {
             None => self.steps.first().copied(),
-            Some(prevents) if self.above.is_some() && self.halvings < HALVINGS => {
+            Some(prevents) if self.above.is_some() && self.bisections < MAX_BISECTIONS => {
                 between(&self.setting.kind, self.happens, prevents)
             }
             Some(_) => None,
         }
     }
 
-    /// Takes in how a trial ended.
-    fn learn(&mut self, value: Value, happened: bool) {
+    /// Records the outcome of a trial.
+    fn record_outcome(&mut self, value: Value, happened: bool) {
         if self.prevents.is_none() {
             self.steps.remove(0);
         } else {
-            self.halvings += 1;
+            self.bisections += 1;
         }
         if happened {
             self.happens = value;
@@ -216,117 +225,121 @@ impl Way {
         }
     }
 
-    /// About how many trials are left.
-    fn left(&self) -> usize {
+    /// Approximate number of trials left.
+    fn trials_left(&self) -> usize {
         match self.prevents {
             None => self.steps.len(),
-            Some(_) if self.next().is_some() => (HALVINGS - self.halvings) as usize,
+            Some(_) if self.next().is_some() => (MAX_BISECTIONS - self.bisections) as usize,
             Some(_) => 0,
         }
     }
 }
 
-/// A search under way.
-pub struct Search {
-    question: Question,
+/// A search in progress.
+pub struct CounterfactualSearch {
+    query: CounterfactualQuery,
     /// The event under the present settings.
     present: Trial,
-    sequel: Sequel,
-    ways: Vec<Way>,
+    baseline: BaselineRecord,
+    value_searches: Vec<ValueSearch>,
     tried: usize,
 }
 
-impl Search {
-    /// Nothing tried yet.
-    pub fn new(question: Question) -> Self {
+impl CounterfactualSearch {
+    /// A search before its first trial.
+    pub fn new(query: CounterfactualQuery) -> Self {
         let settings = SETTINGS.iter().filter(|setting| setting.stage >= Stage::Tracking);
-        let ways = settings.flat_map(|setting| ways(setting, setting.get(&question.settings))).collect();
+        let value_searches =
+            settings.flat_map(|setting| value_searches(setting, setting.get(&query.settings))).collect();
         Self {
-            present: Trial::new(&question, &question.settings),
-            sequel: Sequel::default(),
-            question,
-            ways,
+            present: Trial::new(&query, &query.settings),
+            baseline: BaselineRecord::default(),
+            query,
+            value_searches,
             tried: 0,
         }
     }
 
     /// Does some milliseconds of work; whether there was any left.
-    pub fn go_on(&mut self) -> bool {
-        let question = &self.question;
+    pub fn advance(&mut self) -> bool {
+        let query = &self.query;
         match self.present.happened {
             None => {
-                self.present.go_on_noting(question, &mut self.sequel);
+                self.present.advance_baseline(query, &mut self.baseline);
                 return true;
             }
             Some(false) => return false,
             Some(true) => {}
         }
-        let sequel = &self.sequel;
-        let mut busy: Vec<&mut Way> =
-            self.ways.iter_mut().filter(|way| way.trial.is_some() || way.next().is_some()).collect();
-        // Those under way first.
-        busy.sort_by_key(|way| way.trial.is_none());
-        busy.truncate(TRIALS);
-        busy.par_iter_mut().for_each(|way| {
-            if way.trial.is_none()
-                && let Some(value) = way.next()
+        let baseline = &self.baseline;
+        let mut busy: Vec<&mut ValueSearch> = self
+            .value_searches
+            .iter_mut()
+            .filter(|search| search.trial.is_some() || search.next().is_some())
+            .collect();
+        // Trials in progress first.
+        busy.sort_by_key(|search| search.trial.is_none());
+        busy.truncate(MAX_PARALLEL_TRIALS);
+        busy.par_iter_mut().for_each(|search| {
+            if search.trial.is_none()
+                && let Some(value) = search.next()
             {
-                let mut settings = question.settings.clone();
+                let mut settings = query.settings.clone();
                 // Values are made within the range.
-                if way.setting.set(&mut settings, value).is_ok() {
-                    way.trial = Some((value, Trial::new(question, &settings)));
+                if search.setting.set(&mut settings, value).is_ok() {
+                    search.trial = Some((value, Trial::new(query, &settings)));
                 } else {
-                    way.learn(value, true);
+                    search.record_outcome(value, true);
                 }
             }
-            if let Some((_, trial)) = &mut way.trial {
-                trial.go_on(question, sequel);
+            if let Some((_, trial)) = &mut search.trial {
+                trial.advance(query, baseline);
             }
         });
         let worked = !busy.is_empty();
-        for way in busy {
-            let ended = way.trial.as_ref().and_then(|(value, trial)| Some((*value, trial.happened?)));
+        for search in busy {
+            let ended = search.trial.as_ref().and_then(|(value, trial)| Some((*value, trial.happened?)));
             if let Some((value, happened)) = ended {
-                way.trial = None;
-                way.learn(value, happened);
+                search.trial = None;
+                search.record_outcome(value, happened);
                 self.tried += 1;
             }
         }
         worked
     }
 
-    /// What is known so far.
-    pub fn what_if(&self) -> WhatIf {
-        let left: usize = self.ways.iter().map(Way::left).sum();
-        let preventions = self.ways.iter().filter_map(|way| {
-            Some(Prevention { setting: way.setting.name, value: way.prevents?, above: way.above })
+    /// The results so far.
+    pub fn report(&self) -> Counterfactual {
+        let trials_left: usize = self.value_searches.iter().map(ValueSearch::trials_left).sum();
+        let preventions = self.value_searches.iter().filter_map(|search| {
+            Some(Prevention { setting: search.setting.name, value: search.prevents?, above: search.above })
         });
         let happens = self.present.happened != Some(false);
-        WhatIf {
-            event: self.question.event.clone(),
+        Counterfactual {
+            event: self.query.event.clone(),
             preventions: preventions.collect(),
-            tried: (self.tried, self.tried + left),
+            tried: (self.tried, self.tried + trials_left),
             happens,
-            until: self.question.frames.last().map_or(0, |(number, _)| *number),
-            done: !happens || (self.present.happened.is_some() && left == 0),
+            until: self.query.frames.last().map_or(0, |(number, _)| *number),
+            done: !happens || (self.present.happened.is_some() && trials_left == 0),
         }
     }
 }
 
-/// The ways from a present value: up and down, or to each other word.
-fn ways(setting: &'static Setting, present: Value) -> Vec<Way> {
-    let way = |above, steps: Vec<Value>| Way {
+/// The searches from a present value: below and above, or each other choice.
+fn value_searches(setting: &'static Setting, present: Value) -> Vec<ValueSearch> {
+    let search = |above, steps: Vec<Value>| ValueSearch {
         setting,
         above,
         steps,
         happens: present,
         prevents: None,
-        halvings: 0,
+        bisections: 0,
         trial: None,
     };
     if let Kind::Choice(words) = setting.kind {
         let others = words.iter().map(|&word| Value::Choice(word)).filter(|&word| word != present);
-        return others.map(|word| way(None, vec![word])).collect();
+        return others.map(|word| search(None, vec![word])).collect();
     }
     let Some((low, high)) = ends(&setting.kind, present) else { return Vec::new() };
     let here = scale(&setting.kind, present);
@@ -334,20 +347,20 @@ fn ways(setting: &'static Setting, present: Value) -> Vec<Way> {
         .into_iter()
         .map(|(above, end)| {
             let mut steps: Vec<Value> = Vec::new();
-            for step in STEPS {
+            for step in RANGE_FRACTIONS {
                 let value = value(&setting.kind, present, here + (end - here) * step);
                 let farther = steps.last().copied().unwrap_or(present);
                 if value != farther && setting.kind.contains(value) {
                     steps.push(value);
                 }
             }
-            way(Some(above), steps)
+            search(Some(above), steps)
         })
-        .filter(|way| !way.steps.is_empty())
+        .filter(|search| !search.steps.is_empty())
         .collect()
 }
 
-/// The ends of a range on its scale; of times, what is worth trying around the present one.
+/// The ends of a range on its scale; for times, a useful range around the present one.
 fn ends(kind: &Kind, present: Value) -> Option<(f64, f64)> {
     match *kind {
         Kind::Integer { min, max } => {
@@ -366,7 +379,7 @@ fn ends(kind: &Kind, present: Value) -> Option<(f64, f64)> {
     }
 }
 
-/// A value on the scale on which its range is looked through: numbers by ratio where that is how they are set.
+/// A value on the scale on which its range is searched: by ratio for settings that are set by ratio.
 fn scale(kind: &Kind, value: Value) -> f64 {
     match (kind, value) {
         (Kind::Real { logarithmic: true, .. }, Value::Real(value)) => f64::from(value).max(1e-9).ln(),
@@ -405,7 +418,7 @@ fn within(kind: &Kind, value: f32) -> f32 {
     }
 }
 
-/// To three digits: what is told is what was tried.
+/// Rounded to three digits, so that the reported value is the tried one.
 fn rounded(value: f64) -> f32 {
     if value == 0.0 || !value.is_finite() {
         return value as f32;
@@ -439,7 +452,7 @@ mod tests {
     }
 
     /// Somebody walks to the right and has no region between the frames 40 and 52.
-    fn question(kind: EventKind) -> Option<Question> {
+    fn query(kind: EventKind) -> Option<CounterfactualQuery> {
         let settings = Settings { placing: crate::settings::Placing::Predicted, ..Settings::default() };
         let frames: Vec<_> = (1..=100_u32)
             .map(|number| {
@@ -450,47 +463,47 @@ mod tests {
                 )
             })
             .collect();
-        let mut reasoner = Reasoner::new(&settings, SIZE, 25.0);
+        let mut tracker = Tracker::new(&settings, SIZE, 25.0);
         let events: Vec<Event> =
-            frames.iter().flat_map(|(number, regions)| reasoner.step(*number, regions).events).collect();
+            frames.iter().flat_map(|(number, regions)| tracker.step(*number, regions).events).collect();
         let event = events.into_iter().find(|event| event.kind == kind)?;
-        Some(Question { event, settings, frames: Arc::new(frames), size: SIZE, fps: 25.0 })
+        Some(CounterfactualQuery { event, settings, frames: Arc::new(frames), size: SIZE, fps: 25.0 })
     }
 
-    fn answer(question: Question) -> WhatIf {
-        let mut search = Search::new(question);
+    fn answer(query: CounterfactualQuery) -> Counterfactual {
+        let mut search = CounterfactualSearch::new(query);
         let mut pieces = 0;
-        while search.go_on() {
+        while search.advance() {
             pieces += 1;
             assert!(pieces < 100_000);
         }
-        search.what_if()
+        search.report()
     }
 
     #[test]
     fn what_is_told_prevents_the_event_and_the_present_settings_do_not() {
-        let question = question(EventKind::Reappear).unwrap();
-        let answer = answer(question.clone());
+        let query = query(EventKind::Reappear).unwrap();
+        let answer = answer(query.clone());
         assert!(answer.happens && answer.done && answer.tried.0 == answer.tried.1, "{answer:?}");
-        let mut search = Search::new(question.clone());
+        let mut search = CounterfactualSearch::new(query.clone());
         while search.present.happened.is_none() {
-            search.go_on();
+            search.advance();
         }
         let happens = |settings: &Settings| {
-            let mut trial = Trial::new(&question, settings);
+            let mut trial = Trial::new(&query, settings);
             while trial.happened.is_none() {
-                trial.go_on(&question, &search.sequel);
+                trial.advance(&query, &search.baseline);
             }
             trial.happened.unwrap()
         };
-        assert!(happens(&question.settings));
+        assert!(happens(&query.settings));
         for prevention in &answer.preventions {
             let setting = Setting::named(prevention.setting).unwrap();
-            let mut settings = question.settings.clone();
+            let mut settings = query.settings.clone();
             setting.set(&mut settings, prevention.value).unwrap();
             assert!(!happens(&settings), "{}", prevention.words());
         }
-        // Who is given up after less than the twelve frames does not reappear.
+        // An object that is given up after less than the twelve frames does not reappear.
         let given_up = answer.preventions.iter().find(|each| each.setting == "max_hidden").unwrap();
         let Value::Span(span) = given_up.value else { panic!() };
         assert!(
@@ -502,27 +515,31 @@ mod tests {
 
     #[test]
     fn what_happens_later_to_the_same_objects_is_not_prevented() {
-        let asked = question(EventKind::Reappear).unwrap().event;
+        let asked = query(EventKind::Reappear).unwrap().event;
         let [id] = asked.objects[..] else { panic!() };
         let at = |frame: u32, x: f32| Event { frame, x, ..asked.clone() };
-        let reach = Reach::of(SIZE, 25.0);
+        let tolerance = EventTolerance::of(SIZE, 25.0);
         let tracks =
             (0..100).map(|frame| (asked.frame + frame, vec![(id, [asked.x + 2.0 * frame as f32, asked.y])]));
-        let mut sequel = Sequel { events: vec![asked.clone()], tracks: tracks.collect() };
-        let delayed = |sequel: &Sequel, event: &Event| sequel.is_delayed(&asked, event, reach);
+        let mut baseline = BaselineRecord { events: vec![asked.clone()], tracks: tracks.collect() };
+        let delayed =
+            |baseline: &BaselineRecord, event: &Event| baseline.is_delayed(&asked, event, tolerance);
         let later = at(asked.frame + 60, asked.x + 120.0);
-        assert!(delayed(&sequel, &later), "it went there");
-        assert!(!delayed(&sequel, &at(asked.frame + 60, asked.x + 220.0)), "somewhere else, to another one");
-        assert!(!delayed(&sequel, &Event { kind: EventKind::Merge, ..later.clone() }), "something else");
-        sequel.events.push(at(asked.frame + 64, asked.x + 128.0));
-        assert!(!delayed(&sequel, &later), "it happens as well under the present settings");
+        assert!(delayed(&baseline, &later), "it went there");
+        assert!(
+            !delayed(&baseline, &at(asked.frame + 60, asked.x + 220.0)),
+            "somewhere else, to another one"
+        );
+        assert!(!delayed(&baseline, &Event { kind: EventKind::Merge, ..later.clone() }), "something else");
+        baseline.events.push(at(asked.frame + 64, asked.x + 128.0));
+        assert!(!delayed(&baseline, &later), "it happens as well under the present settings");
     }
 
     #[test]
     fn an_event_that_never_happened_cannot_be_prevented() {
-        let mut question = question(EventKind::Reappear).unwrap();
-        question.event.kind = EventKind::Merge;
-        let answer = answer(question);
+        let mut query = query(EventKind::Reappear).unwrap();
+        query.event.kind = EventKind::Merge;
+        let answer = answer(query);
         assert!(!answer.happens && answer.done && answer.preventions.is_empty());
     }
 
@@ -530,12 +547,12 @@ mod tests {
     fn values_to_try_lie_in_the_range_and_apart() {
         for setting in SETTINGS {
             let present = setting.get(&Settings::default());
-            for way in ways(setting, present) {
+            for search in value_searches(setting, present) {
                 let mut before = scale(&setting.kind, present);
-                for step in &way.steps {
+                for step in &search.steps {
                     assert!(setting.kind.contains(*step), "{} {step}", setting.name);
                     let here = scale(&setting.kind, *step);
-                    match way.above {
+                    match search.above {
                         Some(true) => assert!(here > before, "{} {step}", setting.name),
                         Some(false) => assert!(here < before, "{} {step}", setting.name),
                         None => assert_ne!(*step, present),

@@ -14,7 +14,7 @@ use super::since::Since;
 use super::spaced::Spaced;
 use crate::frame::{Frame, Mask, Size};
 use crate::mixture::{BATCH, Mixture, Parameters, Quantity, Snapshot};
-use crate::pipeline::{Analysis, Pipeline, PipelineError, Reading, final_reading};
+use crate::pipeline::{Analysis, OfflineResult, Pipeline, PipelineError, offline_result};
 use crate::regions::Roi;
 use crate::settings::{Settings, Stage};
 use crate::source::SourceInfo;
@@ -310,8 +310,8 @@ impl Run {
     }
 
     /// The final reading of all that has been analysed.
-    pub(super) fn final_reading(&self) -> Reading {
-        final_reading(self.record.outlines(), &self.pipeline)
+    pub(super) fn offline_result(&self) -> OfflineResult {
+        offline_result(self.record.outlines(), &self.pipeline)
     }
 
     /// One step towards the pictures at `position`, whose frame is `frame`, with a map of `quantity` where the model

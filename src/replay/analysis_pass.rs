@@ -184,7 +184,7 @@ impl Lane {
             self.growing.push(analysis, share);
         }
         if self.is_through(frames) && self.finished.is_none() {
-            let reading = self.run.final_reading();
+            let reading = self.run.offline_result();
             self.finished = Some(Arc::new(summary::boxes_of(&reading)));
             self.growing.finish(reading);
         }

@@ -6,8 +6,8 @@ use std::time::{Duration, Instant};
 use super::run::Run;
 use crate::frame::Size;
 use crate::occlusion::Event;
-use crate::occlusion::compare::Reach;
-use crate::occlusion::what_if::{Question, Search, WhatIf};
+use crate::occlusion::counterfactual::{Counterfactual, CounterfactualQuery, CounterfactualSearch};
+use crate::occlusion::event_pairs::EventTolerance;
 
 /// The tracker has known those who take part for so many seconds before an event, if the video has been on for so long.
 const SECONDS_BEFORE: f32 = 12.0;
@@ -22,8 +22,8 @@ const PACE: Duration = Duration::from_millis(200);
 #[derive(Default)]
 pub(super) struct Asker {
     event: Option<Event>,
-    search: Option<Search>,
-    answer: Option<Arc<WhatIf>>,
+    search: Option<CounterfactualSearch>,
+    answer: Option<Arc<Counterfactual>>,
     told: Option<Instant>,
 }
 
@@ -43,7 +43,7 @@ impl Asker {
         }
         let search = match &mut self.search {
             Some(search) => search,
-            none => none.insert(Search::new(question(event, run, numbers, size, fps))),
+            none => none.insert(CounterfactualSearch::new(query(event, run, numbers, size, fps))),
         };
         let worked = search.go_on();
         if !worked || self.told.is_none_or(|told| told.elapsed() > PACE) {
@@ -51,36 +51,36 @@ impl Asker {
             if !worked || answer.done {
                 self.search = None;
             }
-            self.answer = Some(Arc::new(WhatIf { done: answer.done || !worked, ..answer }));
+            self.answer = Some(Arc::new(Counterfactual { done: answer.done || !worked, ..answer }));
             self.told = Some(Instant::now());
         }
         true
     }
 
     /// The newest answer.
-    pub(super) fn latest(&self) -> Option<Arc<WhatIf>> {
+    pub(super) fn latest(&self) -> Option<Arc<Counterfactual>> {
         self.answer.clone()
     }
 }
 
-fn question(event: &Event, run: &Run, numbers: &[u32], size: Size, fps: f32) -> Question {
+fn query(event: &Event, run: &Run, numbers: &[u32], size: Size, fps: f32) -> CounterfactualQuery {
     let at = numbers.partition_point(|&number| number < event.frame) as u32;
-    let reach = Reach::of(size, fps);
+    let tolerance = EventTolerance::of(size, fps);
     // It may have been decided some frames after it happened.
     let decides = |position: &u32| {
         run.outline(*position)
-            .is_some_and(|(analysis, _)| analysis.events.iter().any(|other| reach.covers(event, other)))
+            .is_some_and(|(analysis, _)| analysis.events.iter().any(|other| tolerance.covers(event, other)))
     };
-    let most = (at + 60.max(10 * reach.frames)).min(run.front());
+    let most = (at + 60.max(10 * tolerance.frames)).min(run.front());
     let decided = (at..most).find(decides).unwrap_or(at);
     let from = at.saturating_sub(((SECONDS_BEFORE * fps) as u32).max(FRAMES_BEFORE));
-    let after = ((SECONDS_AFTER * fps) as u32).max(reach.frames);
+    let after = ((SECONDS_AFTER * fps) as u32).max(tolerance.frames);
     let to = (decided + after + 1).min(run.front());
     let frames = (from..to).filter_map(|position| {
         let (analysis, _) = run.outline(position)?;
         Some((analysis.number, Arc::clone(&analysis.regions)))
     });
-    Question {
+    CounterfactualQuery {
         event: event.clone(),
         settings: (**run.settings()).clone(),
         frames: Arc::new(frames.collect()),

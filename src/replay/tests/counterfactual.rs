@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::occlusion::EventKind;
-use crate::occlusion::compare::Reach;
+use crate::occlusion::event_pairs::EventTolerance;
 use crate::settings::Setting;
 
 #[test]
@@ -17,10 +17,10 @@ fn what_is_told_to_prevent_an_event_prevents_it_in_the_whole_video() {
     let what_if = watched.until(answered).what_if.unwrap();
     assert!(what_if.happens && what_if.event == merge);
     assert!(!what_if.preventions.is_empty(), "{what_if:?}");
-    let reach = Reach::of(Size::new(WIDTH, HEIGHT), 25.0);
+    let tolerance = EventTolerance::of(Size::new(WIDTH, HEIGHT), 25.0);
     let happens = |settings: &Settings| {
         let all = straight(folder.path(), settings);
-        all.iter().any(|shown| shown.analysis.events.iter().any(|event| reach.covers(&merge, event)))
+        all.iter().any(|shown| shown.analysis.events.iter().any(|event| tolerance.covers(&merge, event)))
     };
     let merges = |settings: &Settings| {
         let all = straight(folder.path(), settings);

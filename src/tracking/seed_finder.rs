@@ -1,11 +1,11 @@
-//! New models: pairs of unexplained regions of the previous two frames, tried on the current one (§VIII).
+//! New models from pairs of unexplained detections of the previous two frames, tested on the current one (§VIII).
 
-use super::kalman::Model;
+use super::kalman::KalmanModel;
 use super::pool::{Observation, PoolSettings};
 
-/// A detection that nothing explains.
+/// A detection that no blob explains.
 #[derive(Clone, Debug)]
-pub struct Candidate {
+pub struct UnexplainedDetection {
     /// Its index among its frame's detections.
     pub index: usize,
     /// Its box and pixels.
@@ -18,22 +18,22 @@ pub struct Candidate {
 #[derive(Clone, Debug)]
 pub struct Seed {
     /// The model after the third.
-    pub model: Model,
+    pub model: KalmanModel,
     /// The index of the third among the current frame's detections.
     pub index: usize,
     /// The two before it, the oldest first.
-    pub earlier: [Candidate; 2],
+    pub earlier: [UnexplainedDetection; 2],
 }
 
 /// The unexplained detections of the previous two frames.
 #[derive(Clone, Debug, Default)]
-pub struct Seeds {
-    before_last: Vec<Candidate>,
-    last: Vec<Candidate>,
+pub struct SeedFinder {
+    before_last: Vec<UnexplainedDetection>,
+    last: Vec<UnexplainedDetection>,
 }
 
-impl Seeds {
-    /// How many are remembered.
+impl SeedFinder {
+    /// Number of retained detections.
     pub fn len(&self) -> usize {
         self.before_last.len() + self.last.len()
     }
@@ -43,8 +43,9 @@ impl Seeds {
         self.len() == 0
     }
 
-    /// Takes in the frame's unexplained detections, and gives the models that explain one of them, the best for each.
-    pub fn step(&mut self, settings: &PoolSettings, unexplained: Vec<Candidate>) -> Vec<Seed> {
+    /// Processes the frame's unexplained detections, and returns the models that explain one of them, the best for
+    /// each.
+    pub fn step(&mut self, settings: &PoolSettings, unexplained: Vec<UnexplainedDetection>) -> Vec<Seed> {
         let mut found = Vec::new();
         for first in &self.before_last {
             for second in &self.last {
@@ -52,7 +53,7 @@ impl Seeds {
                     continue;
                 }
                 let [one, two] = [first, second].map(|it| it.observation.measurement());
-                let mut model = Model::through(one, two, settings.noise);
+                let mut model = KalmanModel::through(one, two, settings.noise);
                 model.predict();
                 for third in &unexplained {
                     let measured = third.observation.measurement();
@@ -78,8 +79,8 @@ impl Seeds {
     }
 }
 
-/// Whether two regions of consecutive frames can be the same thing at all: they overlap or nearly
-/// do, and neither is much larger. This keeps pairs few when noise makes regions many.
+/// Whether two detections of consecutive frames can be the same object: they overlap or nearly do, and neither is
+/// much larger. This limits the number of pairs in noise.
 fn plausible(first: &Observation, second: &Observation) -> bool {
     let reach = 0.5 * (first.area.sqrt() + second.area.sqrt());
     let ([x, y], [other_x, other_y]) = (first.bbox.centre(), second.bbox.centre());

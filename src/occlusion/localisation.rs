@@ -1,5 +1,5 @@
-//! Where in the region that objects share each of them is: their templates, laid over one another,
-//! are moved until they explain the region's cells best.
+//! Localisation of the members within their group's region: their templates, layered over one another, are moved
+//! until they explain the region's cells best.
 
 use std::cell::OnceCell;
 
@@ -7,43 +7,43 @@ use super::template::Template;
 use crate::frame::Size;
 use crate::regions::{Mosaic, Rect};
 
-/// How much likelier a pixel of just the expected colour is than one of any colour.
-const PEAK: f32 = 8.0;
-/// Of any other colour: people turn, and light changes.
-const ODD_COLOUR: f32 = 0.25;
+/// Likelihood of a pixel of exactly the expected colour, relative to a random colour,
+const EXACT_COLOUR_RATIO: f32 = 8.0;
+/// and of any other colour: people turn, and light changes.
+const OTHER_COLOUR_RATIO: f32 = 0.25;
 /// A difference of colours, in RGB, at which the likelihood is down to a quarter.
-const COLOUR_SPREAD: f32 = 45.0;
-/// Foreground where nobody is, or none where somebody is, relative to any colour.
-const STRAY: f32 = 0.03;
-/// The weight of a full cell: pixels beside one another say the same.
+const COLOUR_SPREAD_RGB: f32 = 45.0;
+/// Likelihood of foreground without an object, or of none where an object is, relative to a random colour.
+const STRAY_RATIO: f32 = 0.03;
+/// Weight of a full cell: neighbouring pixels are correlated.
 const CELL_WEIGHT: f32 = 0.1;
-/// What the sight of a cell is worth at most, in nats.
-const CELL_NATS: f32 = 5.5;
-/// A field has at most so many cells: those of a larger one are taken together, as templates are no finer.
-const MOST_CELLS: u32 = 8000;
-/// How often each is moved in turn.
-const ROUNDS: usize = 3;
+/// Greatest contribution of a cell, in nats.
+const MAX_CELL_NATS: f32 = 5.5;
+/// Greatest number of cells of a field; larger fields join cells, as templates are no finer.
+const MAX_CELLS: u32 = 8000;
+/// Greatest number of rounds in which each object is moved in turn.
+const MAX_ROUNDS: usize = 3;
 
-/// An object to be placed.
+/// An object to be localised.
 #[derive(Clone, Debug)]
-pub struct Placed<'a> {
-    /// What it looks like.
+pub struct LocalisedObject<'a> {
+    /// Its appearance.
     pub template: &'a Template,
     /// Width and height of its box.
     pub size: (f32, f32),
-    /// Where its own motion puts it, and how far, in pixels, that may be off.
+    /// Its predicted centre, and the standard deviation of that in pixels.
     pub predicted: [f32; 2],
     /// See `predicted`.
-    pub unsure: f32,
-    /// Where it is.
+    pub position_sigma: f32,
+    /// Its centre.
     pub centre: [f32; 2],
-    /// What is seen of it there, over what would be if nothing hid it: 0..=1.
-    pub seen: f32,
+    /// Its visible share there: 0..=1.
+    pub visible_share: f32,
 }
 
-impl Placed<'_> {
+impl LocalisedObject<'_> {
     /// Whether their boxes overlap, so that one can hide a part of the other.
-    pub fn meets(&self, other: &Self) -> bool {
+    pub fn overlaps(&self, other: &Self) -> bool {
         self.bbox().intersection(&other.bbox()).area() > 0.0
     }
 
@@ -53,7 +53,7 @@ impl Placed<'_> {
 
     fn prior(&self, [x, y]: [f32; 2]) -> f32 {
         let (dx, dy) = (x - self.predicted[0], y - self.predicted[1]);
-        -0.5 * (dx * dx + dy * dy) / (self.unsure * self.unsure)
+        -0.5 * (dx * dx + dy * dy) / (self.position_sigma * self.position_sigma)
     }
 }
 
@@ -86,7 +86,7 @@ impl Field {
         let right = (cell(reach.right(), size.width) + 1).max(mosaic.left + mosaic.columns);
         let bottom = (cell(reach.bottom(), size.height) + 1).max(mosaic.top + mosaic.rows());
         let (columns, rows) = (right.checked_sub(left)?, bottom.checked_sub(top)?);
-        let coarseness = ((columns * rows) as f32 / MOST_CELLS as f32).sqrt().ceil().max(1.0) as u32;
+        let coarseness = ((columns * rows) as f32 / MAX_CELLS as f32).sqrt().ceil().max(1.0) as u32;
         let (left, top) = (left / coarseness, top / coarseness);
         let (columns, rows) = (right.div_ceil(coarseness) - left, bottom.div_ceil(coarseness) - top);
         let mut cells = vec![FieldCell::default(); (columns * rows) as usize];
@@ -129,28 +129,28 @@ impl Field {
     }
 }
 
-/// What all but one of the objects say of a cell.
+/// How all objects but one explain a cell.
 #[derive(Clone, Copy)]
-struct Others {
-    /// Likelihood of its colour from those in front of the one, and from those behind.
+struct OtherObjects {
+    /// Likelihood of its colour from the objects in front of the one, and from those behind.
     front: f32,
     behind: f32,
-    /// How likely none of those covers it.
+    /// Probability that none of those covers it.
     free_front: f32,
     free_behind: f32,
 }
 
-impl Others {
+impl OtherObjects {
     const NONE: Self = Self { front: 0.0, behind: 0.0, free_front: 1.0, free_behind: 1.0 };
 
-    /// The log-likelihood of a cell that the one covers with probability `cover`, as likely of its
-    /// colour as `colour` says.
+    /// The log-likelihood of a cell that the one object covers with probability `cover`, with likelihood `colour` of
+    /// its colour.
     fn likelihood(&self, cell: FieldCell, cover: f32, colour: f32) -> f32 {
         let seen = self.front + self.free_front * (cover * colour + (1.0 - cover) * self.behind);
         let free = self.free_front * (1.0 - cover) * self.free_behind;
-        // Most cells are full or empty, and a logarithm is what this costs.
+        // Most cells are full or empty, and the logarithm dominates the cost.
         let weighed = |share: f32, likelihood: f32| {
-            if share > 0.0 { share * (likelihood + STRAY).ln() } else { 0.0 }
+            if share > 0.0 { share * (likelihood + STRAY_RATIO).ln() } else { 0.0 }
         };
         weighed(cell.cover, seen) + weighed(1.0 - cell.cover, free)
     }
@@ -158,43 +158,43 @@ impl Others {
 
 fn colour_likelihood(a: [f32; 3], b: [f32; 3]) -> f32 {
     let squared: f32 = a.iter().zip(b).map(|(a, b)| (a - b) * (a - b)).sum();
-    let near = 1.0 / (1.0 + squared / (COLOUR_SPREAD * COLOUR_SPREAD));
-    ODD_COLOUR + PEAK * near * near
+    let near = 1.0 / (1.0 + squared / (COLOUR_SPREAD_RGB * COLOUR_SPREAD_RGB));
+    OTHER_COLOUR_RATIO + EXACT_COLOUR_RATIO * near * near
 }
 
-/// Moves objects, given front first, until together they explain the field best, and says how much
-/// of each is seen.
-pub fn place(objects: &mut [Placed], field: &Field) {
-    for _ in 0..ROUNDS {
+/// Moves objects, given front first, until together they explain the field best, and measures the visible share of
+/// each.
+pub fn localise(objects: &mut [LocalisedObject], field: &Field) {
+    for _ in 0..MAX_ROUNDS {
         let mut moved = false;
         for index in 0..objects.len() {
-            moved |= climb(objects, index, field);
+            moved |= hill_climb(objects, index, field);
         }
         if !moved {
             break;
         }
     }
     for index in 0..objects.len() {
-        look(objects, index, field);
+        measure_visible_share(objects, index, field);
     }
 }
 
-/// Moves the last of the objects alone, and says how much of it is seen.
-pub fn place_last(objects: &mut [Placed], field: &Field) {
+/// Moves the last object alone, and measures its visible share.
+pub fn localise_last(objects: &mut [LocalisedObject], field: &Field) {
     let Some(last) = objects.len().checked_sub(1) else { return };
-    climb(objects, last, field);
-    look(objects, last, field);
+    hill_climb(objects, last, field);
+    measure_visible_share(objects, last, field);
 }
 
 /// One of the objects between those in front of it and those behind it.
-struct Amid<'a, 'b> {
-    front: &'a [Placed<'b>],
-    object: &'a mut Placed<'b>,
-    behind: &'a [Placed<'b>],
+struct LayeredObject<'a, 'b> {
+    front: &'a [LocalisedObject<'b>],
+    object: &'a mut LocalisedObject<'b>,
+    behind: &'a [LocalisedObject<'b>],
 }
 
-impl<'a, 'b> Amid<'a, 'b> {
-    fn new(objects: &'a mut [Placed<'b>], index: usize) -> Option<Self> {
+impl<'a, 'b> LayeredObject<'a, 'b> {
+    fn new(objects: &'a mut [LocalisedObject<'b>], index: usize) -> Option<Self> {
         let (front, rest) = objects.split_at_mut_checked(index)?;
         let (object, behind) = rest.split_first_mut()?;
         Some(Self { front, object, behind })
@@ -202,7 +202,7 @@ impl<'a, 'b> Amid<'a, 'b> {
 }
 
 /// The middle of the foreground that no object covers, `None` where there is none.
-pub fn unexplained(objects: &[Placed], field: &Field) -> Option<[f32; 2]> {
+pub fn unexplained_centre(objects: &[LocalisedObject], field: &Field) -> Option<[f32; 2]> {
     let whole = Rect::new(
         field.left as f32 * field.side,
         field.top as f32 * field.side,
@@ -213,7 +213,7 @@ pub fn unexplained(objects: &[Placed], field: &Field) -> Option<[f32; 2]> {
     for object in objects {
         for (at, x, y) in field.within(&object.bbox()) {
             if let Some(free) = free.get_mut(at) {
-                *free *= 1.0 - element(object, object.centre, x, y).cover;
+                *free *= 1.0 - template_element(object, object.centre, x, y).cover;
             }
         }
     }
@@ -229,54 +229,60 @@ pub fn unexplained(objects: &[Placed], field: &Field) -> Option<[f32; 2]> {
     (sum > 0.0).then(|| middle.map(|value| value / sum))
 }
 
-/// Says how much of one object is seen.
-fn look(objects: &mut [Placed], index: usize, field: &Field) {
-    let Some(amid) = Amid::new(objects, index) else { return };
+/// Measures the visible share of one object.
+fn measure_visible_share(objects: &mut [LocalisedObject], index: usize, field: &Field) {
+    let Some(amid) = LayeredObject::new(objects, index) else { return };
     let without = without(&amid, field);
     let object = amid.object;
-    let covers = field.within(&object.bbox()).map(|(_, x, y)| element(object, object.centre, x, y).cover);
+    let covers =
+        field.within(&object.bbox()).map(|(_, x, y)| template_element(object, object.centre, x, y).cover);
     let full: f32 = covers.sum();
-    let gain = gain(object, object.centre, &without, field);
-    object.seen = (gain / (field.weight * CELL_NATS * full.max(1.0))).clamp(0.0, 1.0);
+    let gain = log_likelihood_gain(object, object.centre, &without, field);
+    object.visible_share = (gain / (field.weight * MAX_CELL_NATS * full.max(1.0))).clamp(0.0, 1.0);
 }
 
 /// How well all objects together explain the field, in nats; comparable between orders of the same objects.
-pub fn total(objects: &[Placed], field: &Field) -> f32 {
-    let mut cells = vec![Others::NONE; field.cells.len()];
+pub fn log_likelihood(objects: &[LocalisedObject], field: &Field) -> f32 {
+    let mut cells = vec![OtherObjects::NONE; field.cells.len()];
     for object in objects {
         for (at, x, y) in field.within(&object.bbox()) {
             let (Some(cell), Some(seen)) = (cells.get_mut(at), field.cells.get(at)) else { continue };
-            let element = element(object, object.centre, x, y);
+            let element = template_element(object, object.centre, x, y);
             let colour = colour_likelihood(seen.colour, element.colour);
             cell.front += cell.free_front * element.cover * colour;
             cell.free_front *= 1.0 - element.cover;
         }
     }
-    let likelihood = |(others, &cell): (&Others, &FieldCell)| others.likelihood(cell, 0.0, 0.0);
+    let likelihood = |(others, &cell): (&OtherObjects, &FieldCell)| others.likelihood(cell, 0.0, 0.0);
     let seen: f32 = cells.iter().zip(&field.cells).map(likelihood).sum();
     field.weight * seen + objects.iter().map(|object| object.prior(object.centre)).sum::<f32>()
 }
 
-fn element(object: &Placed, [cx, cy]: [f32; 2], x: f32, y: f32) -> super::template::Element {
+fn template_element(
+    object: &LocalisedObject,
+    [cx, cy]: [f32; 2],
+    x: f32,
+    y: f32,
+) -> super::template::Element {
     let (w, h) = object.size;
     object.template.at(((x - cx) / w + 0.5).max(0.0), ((y - cy) / h + 0.5).max(0.0))
 }
 
 /// A cell, and how it is explained without one of the objects.
-struct Without {
-    others: Others,
+struct CellWithoutObject {
+    others: OtherObjects,
     /// Its log-likelihood without the object, computed on first use.
     likelihood: OnceCell<f32>,
 }
 
-/// What all objects but the one say of the field's cells.
-fn without(amid: &Amid, field: &Field) -> Vec<Without> {
-    let mut cells = vec![Others::NONE; field.cells.len()];
+/// How all objects but the one explain the field's cells.
+fn without(amid: &LayeredObject, field: &Field) -> Vec<CellWithoutObject> {
+    let mut cells = vec![OtherObjects::NONE; field.cells.len()];
     let front = amid.front.iter().map(|object| (object, true));
     for (object, in_front) in front.chain(amid.behind.iter().map(|object| (object, false))) {
         for (at, x, y) in field.within(&object.bbox()) {
             let (Some(cell), Some(seen)) = (cells.get_mut(at), field.cells.get(at)) else { continue };
-            let element = element(object, object.centre, x, y);
+            let element = template_element(object, object.centre, x, y);
             let colour = colour_likelihood(seen.colour, element.colour);
             if in_front {
                 cell.front += cell.free_front * element.cover * colour;
@@ -287,15 +293,20 @@ fn without(amid: &Amid, field: &Field) -> Vec<Without> {
             }
         }
     }
-    cells.into_iter().map(|others| Without { others, likelihood: OnceCell::new() }).collect()
+    cells.into_iter().map(|others| CellWithoutObject { others, likelihood: OnceCell::new() }).collect()
 }
 
 /// How much better the field is explained with the object there than without it, in nats.
-fn gain(object: &Placed, centre: [f32; 2], without: &[Without], field: &Field) -> f32 {
+fn log_likelihood_gain(
+    object: &LocalisedObject,
+    centre: [f32; 2],
+    without: &[CellWithoutObject],
+    field: &Field,
+) -> f32 {
     let (w, h) = object.size;
     let gained = field.within(&Rect::around(centre, w, h)).filter_map(|(at, x, y)| {
         let (&cell, without) = (field.cells.get(at)?, without.get(at)?);
-        let element = element(object, centre, x, y);
+        let element = template_element(object, centre, x, y);
         let colour = colour_likelihood(cell.colour, element.colour);
         let alone = without.likelihood.get_or_init(|| without.others.likelihood(cell, 0.0, 0.0));
         Some(without.others.likelihood(cell, element.cover, colour) - alone)
@@ -303,18 +314,18 @@ fn gain(object: &Placed, centre: [f32; 2], without: &[Without], field: &Field) -
     field.weight * gained.sum::<f32>()
 }
 
-/// Moves one object uphill, in steps that grow shorter; whether it moved.
-fn climb(objects: &mut [Placed], index: usize, field: &Field) -> bool {
-    let Some(amid) = Amid::new(objects, index) else { return false };
+/// Moves one object by hill climbing, in steps that grow shorter; whether it moved.
+fn hill_climb(objects: &mut [LocalisedObject], index: usize, field: &Field) -> bool {
+    let Some(amid) = LayeredObject::new(objects, index) else { return false };
     let without = without(&amid, field);
     let object = amid.object;
-    // A step leads to where one of four next steps came from.
+    // A step leads to a place whose neighbours were evaluated before.
     let mut known: Vec<([f32; 2], f32)> = Vec::new();
     let mut value = |centre| {
         if let Some((_, value)) = known.iter().find(|(place, _)| *place == centre) {
             return *value;
         }
-        let value = gain(object, centre, &without, field) + object.prior(centre);
+        let value = log_likelihood_gain(object, centre, &without, field) + object.prior(centre);
         known.push((centre, value));
         value
     };
@@ -346,7 +357,7 @@ mod tests {
 
     const SIZE: Size = Size { width: 400, height: 300 };
 
-    /// Somebody of 32 by 80 pixels in a shirt and trousers, painted onto cells of 4 pixels.
+    /// A person of 32 by 80 pixels in a shirt and trousers, painted onto cells of 4 pixels.
     fn paint(cells: &mut Mosaic, left: u32, top: u32, shirt: u8, trousers: u8) {
         for row in 0..20 {
             for column in 0..8 {
@@ -367,12 +378,19 @@ mod tests {
     fn template(shirt: u8, trousers: u8) -> Template {
         let mut alone = blank();
         paint(&mut alone, 20, 20, shirt, trousers);
-        Template::first(&alone, &Rect::new(80.0, 80.0, 32.0, 80.0))
+        Template::new(&alone, &Rect::new(80.0, 80.0, 32.0, 80.0))
     }
 
-    fn at(template: &Template, centre: [f32; 2]) -> Placed<'_> {
+    fn at(template: &Template, centre: [f32; 2]) -> LocalisedObject<'_> {
         let size = (32.0, 80.0);
-        Placed { template, size, predicted: centre, unsure: 10.0, centre, seen: 0.0 }
+        LocalisedObject {
+            template,
+            size,
+            predicted: centre,
+            position_sigma: 10.0,
+            centre,
+            visible_share: 0.0,
+        }
     }
 
     fn field(mosaic: &Mosaic) -> Field {
@@ -388,16 +406,21 @@ mod tests {
         let field = field(&both);
         // True centres (176, 160) in front and (192, 160) behind; both start some pixels off.
         let mut right = [at(&bright, [170.0, 166.0]), at(&dark, [199.0, 154.0])];
-        place(&mut right, &field);
-        let near = |placed: &Placed, x: f32| {
-            (placed.centre[0] - x).abs() <= 3.0 && (placed.centre[1] - 160.0).abs() <= 3.0
+        localise(&mut right, &field);
+        let near = |localised: &LocalisedObject, x: f32| {
+            (localised.centre[0] - x).abs() <= 3.0 && (localised.centre[1] - 160.0).abs() <= 3.0
         };
         assert!(near(&right[0], 176.0), "{:?}", right[0].centre);
         assert!(near(&right[1], 192.0), "{:?}", right[1].centre);
-        assert!(right[0].seen > 0.7 && right[1].seen > 0.2, "{} {}", right[0].seen, right[1].seen);
+        assert!(
+            right[0].visible_share > 0.7 && right[1].visible_share > 0.2,
+            "{} {}",
+            right[0].visible_share,
+            right[1].visible_share
+        );
         let mut wrong = [at(&dark, [199.0, 154.0]), at(&bright, [170.0, 166.0])];
-        place(&mut wrong, &field);
-        assert!(total(&right, &field) > total(&wrong, &field) + 1.0);
+        localise(&mut wrong, &field);
+        assert!(log_likelihood(&right, &field) > log_likelihood(&wrong, &field) + 1.0);
     }
 
     #[test]
@@ -405,10 +428,10 @@ mod tests {
         let (bright, dark) = (template(220, 160), template(60, 20));
         let mut one = blank();
         paint(&mut one, 40, 30, 220, 160);
-        let mut placed = [at(&bright, [176.0, 160.0]), at(&dark, [180.0, 158.0])];
-        place(&mut placed, &field(&one));
-        assert!(placed[0].seen > 0.5, "{}", placed[0].seen);
-        assert!(placed[1].seen < 0.1, "{}", placed[1].seen);
+        let mut localised = [at(&bright, [176.0, 160.0]), at(&dark, [180.0, 158.0])];
+        localise(&mut localised, &field(&one));
+        assert!(localised[0].visible_share > 0.5, "{}", localised[0].visible_share);
+        assert!(localised[1].visible_share < 0.1, "{}", localised[1].visible_share);
     }
 
     #[test]
@@ -418,9 +441,9 @@ mod tests {
         paint(&mut both, 10, 30, 220, 160);
         paint(&mut both, 60, 30, 60, 20);
         let field = field(&both);
-        let [x, y] = unexplained(&[at(&bright, [56.0, 160.0])], &field).unwrap();
+        let [x, y] = unexplained_centre(&[at(&bright, [56.0, 160.0])], &field).unwrap();
         assert!((x - 256.0).abs() < 3.0 && (y - 160.0).abs() < 3.0, "{x} {y}");
-        assert_eq!(unexplained(&[], &self::field(&blank())), None);
+        assert_eq!(unexplained_centre(&[], &self::field(&blank())), None);
     }
 
     #[test]
@@ -434,13 +457,21 @@ mod tests {
         let large = Mosaic { side: 4, left: 0, top: 0, columns: 800, cells };
         let size = Size { width: 3200, height: 2400 };
         let field = Field::new(&large, &Rect::new(0.0, 0.0, 3200.0, 2400.0), size).unwrap();
-        assert!(field.cells.len() <= MOST_CELLS as usize, "{}", field.cells.len());
-        let start = |template, centre| Placed { size: (256.0, 640.0), unsure: 80.0, ..at(template, centre) };
-        let mut placed = [start(&bright, [1360.0, 1328.0]), start(&dark, [1592.0, 1232.0])];
-        place(&mut placed, &field);
-        for (placed, x) in placed.iter().zip([1408.0, 1536.0]) {
-            let [found_x, found_y] = placed.centre;
-            assert!((found_x - x).abs() <= 32.0 && (found_y - 1280.0).abs() <= 32.0, "{:?}", placed.centre);
+        assert!(field.cells.len() <= MAX_CELLS as usize, "{}", field.cells.len());
+        let start = |template, centre| LocalisedObject {
+            size: (256.0, 640.0),
+            position_sigma: 80.0,
+            ..at(template, centre)
+        };
+        let mut localised = [start(&bright, [1360.0, 1328.0]), start(&dark, [1592.0, 1232.0])];
+        localise(&mut localised, &field);
+        for (localised, x) in localised.iter().zip([1408.0, 1536.0]) {
+            let [found_x, found_y] = localised.centre;
+            assert!(
+                (found_x - x).abs() <= 32.0 && (found_y - 1280.0).abs() <= 32.0,
+                "{:?}",
+                localised.centre
+            );
         }
     }
 }
