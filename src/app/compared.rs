@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::occlusion::event_pairs::{self, EventPair, EventTolerance};
-use crate::replay::{Beside, State, Timeline};
+use crate::replay::{ComparedSequence, State, Timeline};
 
 /// An event whose evidence is read, by its place in its timeline.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -36,7 +36,7 @@ impl Listing {
 #[derive(Clone, Debug)]
 pub(crate) struct Compared {
     in_view: Arc<Timeline>,
-    beside: Arc<Beside>,
+    beside: Arc<ComparedSequence>,
     /// In order of time.
     pub(crate) pairs: Vec<EventPair>,
 }
@@ -44,7 +44,7 @@ pub(crate) struct Compared {
 impl Compared {
     /// Of what was published, if something is compared; `before` where that is still true.
     pub(crate) fn of(state: &State, fps: f32, before: Option<Self>) -> Option<Self> {
-        let beside = state.beside.as_ref()?;
+        let beside = state.compared.as_ref()?;
         let same = |before: &Self| {
             Arc::ptr_eq(&before.in_view, &state.timeline) && Arc::ptr_eq(&before.beside, beside)
         };

@@ -321,7 +321,7 @@ fn evidence(ui: &mut Ui, model: &Model, event: &Event, commands: &mut Vec<Comman
 
 /// What would have kept an event from happening, each to be taken with a click.
 fn prevented(ui: &mut Ui, model: &Model, event: &Event, commands: &mut Vec<Command>) {
-    let what_if = model.state.as_ref().and_then(|state| state.what_if.as_ref());
+    let what_if = model.state.as_ref().and_then(|state| state.counterfactual.as_ref());
     let Some(what_if) = what_if.filter(|what_if| what_if.event.is_same(event)) else { return };
     ui.add_space(theme::SPACE);
     ui.label(RichText::new("It would not have happened with").strong()).on_hover_text(

@@ -9,12 +9,12 @@ use crate::export::annotate::{Moment, annotate};
 use crate::export::picture;
 use crate::frame::Frame;
 use crate::occlusion::Event;
-use crate::replay::Shown;
+use crate::replay::ShownFrame;
 use crate::tracking::Track;
 
 /// A frame with all that is drawn on it, held while a place to write it is chosen.
 pub(crate) struct Picture {
-    shown: Arc<Shown>,
+    shown: Arc<ShownFrame>,
     recent: Vec<(u32, Vec<Track>)>,
     events: Vec<Event>,
 }

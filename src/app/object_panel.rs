@@ -12,7 +12,7 @@ use super::state::{Model, Subject};
 use super::{icons, theme};
 use crate::palette::{event_colour, identity_colour};
 use crate::regions::{Region, colour::delta_e};
-use crate::replay::LifeLine;
+use crate::replay::TrackTimeline;
 use crate::tracking::{HypothesisSummary, Identity, Track, TrackState};
 
 /// So many colours of a region's histogram are shown.
@@ -37,7 +37,8 @@ pub(crate) fn choice(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 /// Shows the chosen object in the frame in view.
 pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let Some((id, shown)) = model.object.zip(model.shown()) else { return };
-    let life = model.timeline().and_then(|timeline| timeline.life_lines.iter().find(|line| line.id == id));
+    let life =
+        model.timeline().and_then(|timeline| timeline.track_timelines.iter().find(|line| line.id == id));
     let track = shown.analysis.tracks.iter().find(|track| track.id == id);
     ScrollArea::vertical().id_salt("object").auto_shrink(false).min_scrolled_height(0.0).show(ui, |ui| {
         head(ui, id, track);
@@ -277,7 +278,7 @@ fn histogram(ui: &mut Ui, region: &Region) {
 }
 
 /// When it was seen and how, with the frame in view; a click goes there.
-fn lived(ui: &mut Ui, model: &Model, life: &LifeLine, commands: &mut Vec<Command>) {
+fn lived(ui: &mut Ui, model: &Model, life: &TrackTimeline, commands: &mut Vec<Command>) {
     let first = life.spans.iter().map(|span| span.0).min().unwrap_or(0);
     let last = life.spans.iter().map(|span| span.1).max().unwrap_or(0);
     section(

@@ -51,7 +51,7 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model) {
     if let Some(other) = &model.slots.other {
         let slot = model.slots.in_view;
         // Equal settings have one run.
-        let of_other = if *other == model.settings { model.timeline() } else { model.beside() };
+        let of_other = if *other == model.settings { model.timeline() } else { model.compared_timeline() };
         rows = vec![(Some(slot), model.timeline()), (Some(slot.other()), of_other)];
         rows.sort_by_key(|(slot, _)| *slot == Some(Slot::B));
     }

@@ -18,7 +18,7 @@ use crate::mixture::tuning::Knob;
 use crate::mixture::{PixelHistory, Quantity};
 use crate::occlusion::{Event, EventKind};
 use crate::regions::Roi;
-use crate::replay::{Phase, RegionShares, RegionTuning, Session, Shown, Start, State, Timeline, Tuning};
+use crate::replay::{Phase, RegionShares, RegionTuning, Session, ShownFrame, Start, State, Timeline, Tuning};
 use crate::settings::Settings;
 use crate::source::Options;
 use crate::tracking::{Identity, Track};
@@ -195,18 +195,18 @@ pub(crate) type Trails = BTreeMap<u32, (u32, Arc<Vec<Track>>)>;
 #[derive(Clone, Debug)]
 pub(crate) struct Moment {
     /// The frame.
-    pub(crate) shown: Arc<Shown>,
+    pub(crate) shown: Arc<ShownFrame>,
     /// Where its objects have been.
     pub(crate) trails: Arc<Trails>,
 }
 
 impl Moment {
     /// A frame after another, which it may follow directly or not.
-    fn after(before: Option<&Self>, shown: &Arc<Shown>) -> Self {
+    fn after(before: Option<&Self>, shown: &Arc<ShownFrame>) -> Self {
         let mut trails = before.map(|before| Arc::clone(&before.trails)).unwrap_or_default();
         let kept = Arc::make_mut(&mut trails);
         let other = |before: &Self| {
-            let roi = |shown: &Shown| shown.roi.as_ref().map(Arc::as_ptr);
+            let roi = |shown: &ShownFrame| shown.roi.as_ref().map(Arc::as_ptr);
             before.shown.settings != shown.settings || roi(&before.shown) != roi(shown)
         };
         if before.is_some_and(other) {
@@ -629,7 +629,7 @@ impl Model {
     }
 
     /// The frame in view.
-    pub(crate) fn shown(&self) -> Option<&Shown> {
+    pub(crate) fn shown(&self) -> Option<&ShownFrame> {
         self.moment.as_ref().map(|moment| &*moment.shown)
     }
 
@@ -644,8 +644,8 @@ impl Model {
     }
 
     /// What is known of the sequence under the settings of the slot that is not in view.
-    pub(crate) fn beside(&self) -> Option<&Timeline> {
-        self.state.as_ref()?.beside.as_ref().map(|beside| &beside.timeline)
+    pub(crate) fn compared_timeline(&self) -> Option<&Timeline> {
+        self.state.as_ref()?.compared.as_ref().map(|beside| &beside.timeline)
     }
 
     /// Reads the evidence of an event, or of none any more.
@@ -662,7 +662,7 @@ impl Model {
         }
         let (timeline, at): (_, fn(usize) -> Read) = match reading {
             Read::InView(_) => (self.timeline(), Read::InView),
-            Read::Beside(_) => (self.beside(), Read::Beside),
+            Read::Beside(_) => (self.compared_timeline(), Read::Beside),
         };
         let found = timeline
             .and_then(|timeline| timeline.events.iter().position(|(_, other)| other.is_same(event)).map(at));
@@ -670,7 +670,7 @@ impl Model {
     }
 
     /// Under other settings the number of the chosen object may be another's: it is whoever stands where it stood.
-    fn find_object_again(&mut self, now: &Shown) {
+    fn find_object_again(&mut self, now: &ShownFrame) {
         let Some((id, newest)) = self.object.zip(self.newest.as_ref()) else { return };
         let before = &newest.shown;
         if before.settings == now.settings {
@@ -691,7 +691,7 @@ impl Model {
     pub(crate) fn event(&self, read: Read) -> Option<&(u32, Event)> {
         match read {
             Read::InView(index) => self.timeline()?.events.get(index),
-            Read::Beside(index) => self.beside()?.events.get(index),
+            Read::Beside(index) => self.compared_timeline()?.events.get(index),
         }
     }
 

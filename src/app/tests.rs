@@ -27,7 +27,7 @@ use crate::mixture::{Map, Parameters, PixelHistory, Quantity};
 use crate::occlusion::{Counters, Event, EventKind, Evidence};
 use crate::pipeline::Analysis;
 use crate::regions::{self, LabelRun, Labels, Rect};
-use crate::replay::{LifeLine, Phase, Progress, RegionShares, Shown, Start, State, Timeline};
+use crate::replay::{Phase, Progress, RegionShares, ShownFrame, Start, State, Timeline, TrackTimeline};
 use crate::settings::{SETTINGS, Settings};
 use crate::source::{FpsFrom, SourceInfo};
 use crate::tracking::{HypothesisSummary, Track, TrackState};
@@ -87,7 +87,7 @@ impl Player for Scene {
     fn show(&self, position: u32) {
         self.asked.borrow_mut().push(Asked::Show(position));
         let shown = shown_at(position.min(FRAMES - 1));
-        let shown = Shown { map: self.asked_map().map(map_of), truth: self.truth_of(&shown), ..shown };
+        let shown = ShownFrame { map: self.asked_map().map(map_of), truth: self.truth_of(&shown), ..shown };
         self.state.borrow_mut().shown = Some(Arc::new(shown));
     }
 
@@ -105,8 +105,8 @@ impl Player for Scene {
         self.asked.borrow_mut().push(Asked::Truth(truth.is_some()));
         *self.truth.borrow_mut() = truth;
         let shown = self.state.borrow().shown.clone();
-        self.state.borrow_mut().shown =
-            shown.map(|shown| Arc::new(Shown { truth: self.truth_of(&shown), ..Shown::clone(&shown) }));
+        self.state.borrow_mut().shown = shown
+            .map(|shown| Arc::new(ShownFrame { truth: self.truth_of(&shown), ..ShownFrame::clone(&shown) }));
     }
 
     fn set_roi(&self, roi: Option<Arc<regions::Roi>>) {
@@ -136,7 +136,7 @@ impl Player for Scene {
         self.asked.borrow_mut().push(Asked::Map(quantity));
         let mut state = self.state.borrow_mut();
         let shown = state.shown.as_deref().cloned();
-        state.shown = shown.map(|shown| Arc::new(Shown { map: quantity.map(map_of), ..shown }));
+        state.shown = shown.map(|shown| Arc::new(ShownFrame { map: quantity.map(map_of), ..shown }));
     }
 
     fn pin(&self, pixels: Vec<(u32, u32)>) {
@@ -156,7 +156,7 @@ impl Player for Scene {
 
 impl Scene {
     /// The true mask of a frame, where there is one.
-    fn truth_of(&self, shown: &Shown) -> Option<Arc<TrueMask>> {
+    fn truth_of(&self, shown: &ShownFrame) -> Option<Arc<TrueMask>> {
         self.truth.borrow().as_ref()?.masks.as_ref()?.of(shown.frame.number).cloned()
     }
 
@@ -251,7 +251,7 @@ fn tracks_at(position: u32) -> Vec<Track> {
     ]
 }
 
-fn shown_at(position: u32) -> Shown {
+fn shown_at(position: u32) -> ShownFrame {
     let tracks = tracks_at(position);
     let mut rgb = Vec::with_capacity(SIZE.pixels() * 3);
     let (mut mask, mut labels) = (Mask::empty(SIZE), Labels::none(SIZE));
@@ -294,7 +294,7 @@ fn shown_at(position: u32) -> Shown {
         .collect();
     let frame = Arc::new(Frame::new(position + 1, SIZE, rgb));
     let background = Arc::new(Frame::new(position + 1, SIZE, background));
-    Shown {
+    ShownFrame {
         position,
         settings: Arc::new(Settings::default()),
         roi: None,
@@ -317,12 +317,12 @@ fn shown_at(position: u32) -> Shown {
         map: None,
         pixel: None,
         truth: None,
-        beside: None,
+        compared: None,
     }
 }
 
 /// The frame as it is where a part of the image alone is analysed.
-fn within(shown: Shown, roi: Option<Arc<regions::Roi>>) -> Shown {
+fn within(shown: ShownFrame, roi: Option<Arc<regions::Roi>>) -> ShownFrame {
     let Some(roi) = roi else { return shown };
     let mut analysis = Analysis::clone(&shown.analysis);
     roi.clear_outside(Arc::make_mut(&mut analysis.mask));
@@ -330,7 +330,7 @@ fn within(shown: Shown, roi: Option<Arc<regions::Roi>>) -> Shown {
         let [x, y] = region.shape.centroid;
         roi.contains(x as u32, y as u32)
     });
-    Shown { analysis: Arc::new(analysis), roi: Some(roi), ..shown }
+    ShownFrame { analysis: Arc::new(analysis), roi: Some(roi), ..shown }
 }
 
 fn event(kind: EventKind, frame: u32, objects: &[u32], at: (f32, f32)) -> (u32, Event) {
@@ -347,7 +347,7 @@ fn event(kind: EventKind, frame: u32, objects: &[u32], at: (f32, f32)) -> (u32, 
 fn timeline() -> Timeline {
     use EventKind::{Demerge, Disappear, Enter, Merge, Reappear};
     use TrackState::{Hidden, Merged, Visible};
-    let life = |id, spans: &[(u32, u32, TrackState)]| LifeLine { id, spans: spans.to_vec() };
+    let life = |id, spans: &[(u32, u32, TrackState)]| TrackTimeline { id, spans: spans.to_vec() };
     let crossing = [(0, 49, Visible), (50, 69, Merged), (70, 119, Visible)];
     Timeline {
         numbers: (1..=FRAMES).collect(),
@@ -364,7 +364,7 @@ fn timeline() -> Timeline {
             event(Demerge, 71, &[1, 2], (80.0, 62.0)),
             event(Reappear, 91, &[3], (120.0, 48.0)),
         ],
-        life_lines: vec![
+        track_timelines: vec![
             life(1, &crossing),
             life(2, &crossing),
             life(3, &[(0, 39, Visible), (40, 89, Hidden), (90, 119, Visible)]),
@@ -389,8 +389,8 @@ fn state(phase: Phase, shown: Option<u32>) -> State {
         warnings: Arc::default(),
         shown: shown.map(|position| Arc::new(shown_at(position))),
         timeline: if shown.is_some() { Arc::new(timeline()) } else { Arc::default() },
-        beside: None,
-        what_if: None,
+        compared: None,
+        counterfactual: None,
         busy: None,
         pixel: None,
         pins: Arc::default(),

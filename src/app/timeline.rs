@@ -103,7 +103,7 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     foreground(&painter, timeline, &axis, ground, colours.weak);
     alignments(&painter, timeline, &axis, ground, &colours);
     analysed(&painter, timeline, &axis, ground, &colours);
-    life_lines(&painter, model, timeline, &axis, ground);
+    draw_track_timelines(&painter, model, timeline, &axis, ground);
     marked(&painter, model, &axis, ground, &colours);
     event_marks(&painter, model, timeline, &axis, marks);
     playhead(&painter, model, &axis, colours.accent, colours.on_accent);
@@ -217,7 +217,7 @@ fn hover(ui: &mut Ui, model: &Model, timeline: &Timeline, near: Option<usize>, c
         ui.weak(words);
     }
     let alive: Vec<String> = timeline
-        .life_lines
+        .track_timelines
         .iter()
         .filter_map(|line| {
             let span = line.spans.iter().find(|(first, last, _)| (*first..=*last).contains(&column))?;
@@ -381,8 +381,8 @@ fn lanes(lives: &[RangeInclusive<u32>]) -> (Vec<usize>, usize) {
     (taken, ends.len())
 }
 
-fn life_lines(painter: &Painter, model: &Model, timeline: &Timeline, axis: &Axis, ground: Rect) {
-    let mut lines: Vec<_> = timeline.life_lines.iter().filter(|line| !line.spans.is_empty()).collect();
+fn draw_track_timelines(painter: &Painter, model: &Model, timeline: &Timeline, axis: &Axis, ground: Rect) {
+    let mut lines: Vec<_> = timeline.track_timelines.iter().filter(|line| !line.spans.is_empty()).collect();
     lines.sort_by_key(|line| (line.spans.first().map(|span| span.0), line.id));
     let lives: Vec<_> = lines
         .iter()

@@ -1,13 +1,13 @@
-//! One choice of settings on its way through the sequence, with all that grows on the way.
+//! One pass of the analysis through the sequence under one choice of settings, with its results.
 
 use std::sync::Arc;
 
-use super::gather::Follower as _;
-use super::inspector::Inspector;
-use super::run::Run;
-use super::scoring::{Scored, Scoring};
-use super::timeline::Growing;
-use super::{Shown, Timeline, pictures::Pictures};
+use super::frame_consumer::FrameConsumer as _;
+use super::model_timeline::ModelTimeline;
+use super::pixel_follower::PixelFollower;
+use super::scorer::{ScoreStep, Scorer};
+use super::timeline_builder::TimelineBuilder;
+use super::{ShownFrame, Timeline, pictures::Pictures};
 use crate::frame::Frame;
 use crate::pipeline::PipelineError;
 use crate::regions::Roi;
@@ -18,22 +18,22 @@ use crate::truth::Truth;
 use crate::truth::boxes::Boxes;
 use crate::truth::summary;
 
-/// The sequence under one choice of settings.
-pub(super) struct Lane {
-    /// How far it has come, and its model.
-    pub(super) run: Run,
+/// A pass through the sequence under one choice of settings.
+pub(super) struct AnalysisPass {
+    /// Its progress, its record and its model at any frame.
+    pub(super) model: ModelTimeline,
     /// The chosen pixel under the same settings.
-    pub(super) inspector: Inspector,
-    growing: Growing,
-    /// The boxes of the final reading, once that has taken the place of the causal one.
+    pub(super) pixel_follower: PixelFollower,
+    timeline_builder: TimelineBuilder,
+    /// The boxes of the offline result, once it has replaced the online one.
     finished: Option<Arc<Boxes>>,
-    scoring: Scoring,
+    scorer: Scorer,
 }
 
-/// Why an analysis cannot go on.
+/// Why a pass cannot continue.
 #[derive(Debug, thiserror::Error)]
-pub(super) enum LaneError {
-    /// Frames cannot be had.
+pub(super) enum PassError {
+    /// The source gives no frame.
     #[error(transparent)]
     Source(#[from] SourceError),
     /// A stage fails.
@@ -41,16 +41,16 @@ pub(super) enum LaneError {
     Pipeline(#[from] PipelineError),
 }
 
-/// What came of going on.
-pub(super) enum Step {
-    /// Frames were analysed, or will be when they have come.
-    On,
-    /// The next frame is no longer kept: a live source has forgotten it.
-    Gone,
+/// The result of a step.
+pub(super) enum PassStep {
+    /// Frames were analysed, or are being decoded.
+    Advanced,
+    /// The next frame is no longer kept, of a live source.
+    FrameLost,
 }
 
-impl Lane {
-    /// Nothing analysed yet; `budget` is the memory for going back in time, in bytes.
+impl AnalysisPass {
+    /// A pass before the first frame; `budget` is the memory for checkpoints and the record, in bytes.
     pub(super) fn new(
         settings: Arc<Settings>,
         roi: Option<Arc<Roi>>,
@@ -58,27 +58,27 @@ impl Lane {
         budget: usize,
     ) -> Result<Self, PipelineError> {
         Ok(Self {
-            run: Run::new(settings, roi, info, budget)?,
-            inspector: Inspector::default(),
-            growing: Growing::default(),
+            model: ModelTimeline::new(settings, roi, info, budget)?,
+            pixel_follower: PixelFollower::default(),
+            timeline_builder: TimelineBuilder::default(),
             finished: None,
-            scoring: Scoring::default(),
+            scorer: Scorer::default(),
         })
     }
 
-    /// Another lane that has come just as far, with its own `budget`; `None` where the model's state cannot be copied.
+    /// A copy at the same position, with its own `budget`; `None` where the model's state cannot be copied.
     pub(super) fn fork(&self, budget: usize) -> Option<Self> {
         Some(Self {
-            run: self.run.fork(budget)?,
-            inspector: self.inspector.clone(),
-            growing: self.growing.clone(),
+            model: self.model.fork(budget)?,
+            pixel_follower: self.pixel_follower.clone(),
+            timeline_builder: self.timeline_builder.clone(),
             finished: self.finished.clone(),
-            scoring: Scoring::default(),
+            scorer: Scorer::default(),
         })
     }
 
-    /// A lane under other settings, with the masks of this one where the model's are the same.
-    pub(super) fn beside(
+    /// A pass under other settings, which reuses the masks of this one where the model's settings are the same.
+    pub(super) fn fork_under(
         &self,
         settings: Arc<Settings>,
         roi: Option<Arc<Roi>>,
@@ -94,105 +94,105 @@ impl Lane {
 
     /// Its settings.
     pub(super) const fn settings(&self) -> &Arc<Settings> {
-        self.run.settings()
+        self.model.settings()
     }
 
     /// Follows a pixel, or none.
     pub(super) fn inspect(&mut self, at: Option<(u32, u32)>) {
-        self.inspector.choose(at, self.run.settings(), self.run.info());
+        self.pixel_follower.choose(at, self.model.settings(), self.model.info());
     }
 
-    /// The first stage that other settings or another part of the image touch; `None` where they are the same.
+    /// The first stage affected by other settings or another area of interest; `None` where they are the same.
     pub(super) fn first_difference(&self, settings: &Settings, roi: Option<&Arc<Roi>>) -> Option<Stage> {
         let of_settings = self.settings().first_difference(settings);
-        let of_roi = (self.run.roi() != roi).then_some(Stage::Cleaning);
+        let of_roi = (self.model.roi() != roi).then_some(Stage::Cleaning);
         [of_settings, of_roi].into_iter().flatten().min()
     }
 
-    /// Takes other settings, of which those before `stage` are the same; the model itself stays.
+    /// Restarts at `stage` under other settings, of which those before `stage` are the same; the model itself stays.
     pub(super) fn restart_at(
         &mut self,
         stage: Stage,
         settings: Arc<Settings>,
         roi: Option<Arc<Roi>>,
     ) -> Result<(), PipelineError> {
-        self.growing = Growing::default();
-        (self.finished, self.scoring) = (None, Scoring::default());
-        self.run.restart_at(stage, settings, roi)
+        self.timeline_builder = TimelineBuilder::default();
+        (self.finished, self.scorer) = (None, Scorer::default());
+        self.model.restart_at(stage, settings, roi)
     }
 
-    /// Whether all frames there are have been analysed.
-    pub(super) fn is_through(&self, frames: &FrameCache) -> bool {
-        frames.is_complete() && self.run.front() as usize == frames.numbers().len()
+    /// Whether all frames of the source have been analysed.
+    pub(super) fn has_analysed_all(&self, frames: &FrameCache) -> bool {
+        frames.is_complete() && self.model.front() as usize == frames.numbers().len()
     }
 
-    /// Whether the final reading of all frames is there.
+    /// Whether the offline result of all frames is complete.
     pub(super) const fn is_finished(&self) -> bool {
         self.finished.is_some()
     }
 
-    /// Where it is on its way: how often it has passed all that it learns from, and the position of the next frame.
-    pub(super) fn next(&self) -> (u32, u32) {
-        self.run.learns().map_or_else(|| (1, self.run.front()), |position| (0, position))
+    /// Its progress: 0 while it learns from the first frames and 1 after that, and the position of the next frame.
+    pub(super) fn next_position(&self) -> (u32, u32) {
+        self.model.next_to_learn().map_or_else(|| (1, self.model.front()), |position| (0, position))
     }
 
-    /// Learns from or analyses the next frames that are there, or lets one be decoded on the way to them: not beyond
-    /// the position `last`, where there is one before the end. What has to be decoded again is kept as `keep` says;
-    /// `passed` is given each frame with its position.
-    pub(super) fn go_on(
+    /// Learns from or analyses the next frames that are available, or lets one be decoded on the way to them: not
+    /// beyond the position `last`, where there is one before the end. Frames to be decoded again are kept as `keep`
+    /// says; `passed` is called with each frame and its position.
+    pub(super) fn advance(
         &mut self,
         frames: &mut FrameCache,
         last: Option<u32>,
         keep: Keep,
         mut passed: impl FnMut(u32, &Frame),
-    ) -> Result<Step, LaneError> {
-        if let Some(position) = self.run.learns() {
+    ) -> Result<PassStep, PassError> {
+        if let Some(position) = self.model.next_to_learn() {
             match frames.fetch(position, keep)? {
                 Fetched::Frame(frame) => {
-                    let frames = self.with_those_at_hand(frames, position, frame, last);
-                    self.run.learn(&frames)?;
+                    let frames = self.with_buffered_frames(frames, position, frame, last);
+                    self.model.learn(&frames)?;
                     for (position, frame) in (position..).zip(&frames) {
-                        self.inspector.push(position, frame);
+                        self.pixel_follower.push(position, frame);
                         passed(position, frame);
                     }
                 }
                 Fetched::OnTheWay => {}
-                Fetched::End => self.run.begin(),
-                Fetched::Gone => return Ok(Step::Gone),
+                Fetched::End => self.model.begin(),
+                Fetched::Gone => return Ok(PassStep::FrameLost),
             }
-            return Ok(Step::On);
+            return Ok(PassStep::Advanced);
         }
-        let position = self.run.front();
-        if self.run.is_tracking_again() {
-            self.run.track_next();
+        let position = self.model.front();
+        if self.model.needs_tracking_only() {
+            self.model.track_next();
         } else {
             match frames.fetch(position, keep)? {
                 Fetched::Frame(frame) => {
-                    let frames = self.with_those_at_hand(frames, position, frame, last);
-                    self.run.step(&frames)?;
+                    let frames = self.with_buffered_frames(frames, position, frame, last);
+                    self.model.step(&frames)?;
                     for (position, frame) in (position..).zip(&frames) {
-                        self.inspector.push(position, frame);
+                        self.pixel_follower.push(position, frame);
                         passed(position, frame);
                     }
                 }
                 Fetched::OnTheWay | Fetched::End => {}
-                Fetched::Gone => return Ok(Step::Gone),
+                Fetched::Gone => return Ok(PassStep::FrameLost),
             }
         }
-        for position in position..self.run.front() {
-            let Some((analysis, share)) = self.run.outline(position) else { break };
-            self.growing.push(analysis, share);
+        for position in position..self.model.front() {
+            let Some((analysis, share)) = self.model.outline(position) else { break };
+            self.timeline_builder.push(analysis, share);
         }
-        if self.is_through(frames) && self.finished.is_none() {
-            let reading = self.run.offline_result();
+        if self.has_analysed_all(frames) && self.finished.is_none() {
+            let reading = self.model.offline_result();
             self.finished = Some(Arc::new(summary::boxes_of(&reading)));
-            self.growing.finish(reading);
+            self.timeline_builder.finish(reading);
         }
-        Ok(Step::On)
+        Ok(PassStep::Advanced)
     }
 
-    /// The next frame, and those after it that need not be waited for, as many as may be analysed together.
-    fn with_those_at_hand(
+    /// The next frame, and the buffered frames after it, as many as may be analysed together.
+    fn with_buffered_frames(
         &self,
         frames: &mut FrameCache,
         position: u32,
@@ -200,8 +200,8 @@ impl Lane {
         last: Option<u32>,
     ) -> Vec<Arc<Frame>> {
         let most = match last.and_then(|last| last.checked_sub(position)) {
-            Some(before_last) => self.run.most_frames().min(before_last as usize + 1),
-            None => self.run.most_frames(),
+            Some(before_last) => self.model.max_next_frames().min(before_last as usize + 1),
+            None => self.model.max_next_frames(),
         };
         let mut passed = vec![frame];
         while passed.len() < most {
@@ -211,37 +211,42 @@ impl Lane {
         passed
     }
 
-    /// A frame under these settings, from its pictures; `None` where it has not been analysed.
-    pub(super) fn shown(&mut self, position: u32, frame: Arc<Frame>, pictures: Pictures) -> Option<Shown> {
-        let analysis = self.run.analysis(position)?;
-        Some(Shown {
+    /// The frame to show at a position with these pictures; `None` where it has not been analysed.
+    pub(super) fn shown(
+        &mut self,
+        position: u32,
+        frame: Arc<Frame>,
+        pictures: Pictures,
+    ) -> Option<ShownFrame> {
+        let analysis = self.model.analysis(position)?;
+        Some(ShownFrame {
             position,
             settings: Arc::clone(self.settings()),
-            roi: self.run.roi().cloned(),
+            roi: self.model.roi().cloned(),
             frame,
             analysis: Arc::new(analysis),
             background: pictures.background,
             multi_mode: pictures.multi_mode,
             map: pictures.map,
-            pixel: self.inspector.covering(position),
+            pixel: self.pixel_follower.history_covering(position),
             truth: None,
-            beside: None,
+            compared: None,
         })
     }
 
-    /// Does a piece of work on the score of the final reading and the masks by `truth`, if all is there.
-    pub(super) fn score(&mut self, truth: &Arc<Truth>) -> Scored {
-        let Some(found) = &self.finished else { return Scored::Already };
-        self.scoring.piece(truth, found, self.run.record())
+    /// Advances the score of the offline result and the masks against `truth`, if both are complete.
+    pub(super) fn score(&mut self, truth: &Arc<Truth>) -> ScoreStep {
+        let Some(found) = &self.finished else { return ScoreStep::Idle };
+        self.scorer.advance(truth, found, self.model.record())
     }
 
-    /// What is known of the sequence now; its score is by `truth`.
+    /// The timeline so far; its score is against `truth`.
     pub(super) fn timeline(&self, frames: &FrameCache, truth: Option<&Arc<Truth>>) -> Timeline {
         Timeline {
             decoded: frames.kept_ranges(),
             alignments: frames.alignments().to_vec(),
-            score: truth.and_then(|truth| self.scoring.by(truth)),
-            ..self.growing.timeline(frames.numbers(), frames.is_complete())
+            score: truth.and_then(|truth| self.scorer.by(truth)),
+            ..self.timeline_builder.timeline(frames.numbers(), frames.is_complete())
         }
     }
 }

@@ -1,23 +1,23 @@
-//! What is kept of every analysed frame: all but the pixels, and those as runs.
+//! The record of every analysed frame: everything but the pixels; masks are run-length encoded.
 
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::runs;
+use super::rle;
 use crate::frame::{Mask, Size};
 use crate::pipeline::Analysis;
 use crate::regions::{Labels, Region};
 use crate::tracking::{HypothesisSummary, Track};
 
-/// The analyses of a sequence from its first frame on. A copy shares what takes much memory.
+/// The analyses of a sequence from its first frame on. A copy shares the large parts.
 #[derive(Clone)]
-pub(super) struct Record {
+pub(super) struct AnalysisRecord {
     size: Size,
     entries: Vec<Entry>,
-    /// What the entries take, in bytes.
+    /// Memory of the entries, in bytes.
     bytes: usize,
-    no_mask: Arc<Mask>,
-    no_labels: Arc<Labels>,
+    empty_mask: Arc<Mask>,
+    empty_labels: Arc<Labels>,
 }
 
 #[derive(Clone)]
@@ -45,24 +45,24 @@ impl Entry {
     }
 }
 
-impl Record {
+impl AnalysisRecord {
     pub(super) fn new(size: Size) -> Self {
         let none = Size::new(0, 0);
         Self {
             size,
             entries: Vec::new(),
             bytes: 0,
-            no_mask: Arc::new(Mask::empty(none)),
-            no_labels: Arc::new(Labels::none(none)),
+            empty_mask: Arc::new(Mask::empty(none)),
+            empty_labels: Arc::new(Labels::none(none)),
         }
     }
 
-    /// How many frames are on record.
+    /// Number of frames on record.
     pub(super) fn len(&self) -> u32 {
         self.entries.len() as u32
     }
 
-    /// Takes in the analysis of the next frame, and the model's mask before cleaning.
+    /// Adds the analysis of the next frame, and the model's mask before cleaning.
     pub(super) fn push(&mut self, analysis: Analysis, raw: Box<[u8]>) {
         let entry = self.entry(analysis, raw.into());
         self.bytes += entry.bytes();
@@ -74,8 +74,8 @@ impl Record {
         self.bytes
     }
 
-    /// Puts another analysis, of other regions, in the place of one whose raw mask stays.
-    pub(super) fn find_again(&mut self, position: u32, analysis: Analysis) {
+    /// Replaces an analysis after regions were found again; its raw mask stays.
+    pub(super) fn replace_regions(&mut self, position: u32, analysis: Analysis) {
         let Some(raw) = self.entries.get(position as usize).map(|entry| Arc::clone(&entry.raw)) else {
             return;
         };
@@ -93,29 +93,32 @@ impl Record {
     }
 
     fn entry(&self, analysis: Analysis, raw: Arc<[u8]>) -> Entry {
-        let labels = runs::of_labels(&analysis.labels).into();
+        let labels = rle::encode_labels(&analysis.labels).into();
         let foreground_share = analysis.mask.foreground_share();
-        let analysis =
-            Analysis { mask: Arc::clone(&self.no_mask), labels: Arc::clone(&self.no_labels), ..analysis };
+        let analysis = Analysis {
+            mask: Arc::clone(&self.empty_mask),
+            labels: Arc::clone(&self.empty_labels),
+            ..analysis
+        };
         Entry { analysis, labels, raw, foreground_share }
     }
 
     /// The model's mask of a frame, before cleaning.
     pub(super) fn raw(&self, position: u32) -> Option<Mask> {
-        self.entries.get(position as usize).map(|entry| runs::mask(&entry.raw, self.size))
+        self.entries.get(position as usize).map(|entry| rle::decode_mask(&entry.raw, self.size))
     }
 
     /// Gives `take` the pixels of each run of the model's mask of a frame, before cleaning.
-    pub(super) fn each_raw_run(&self, position: u32, take: impl FnMut(Range<usize>)) {
+    pub(super) fn for_each_raw_run(&self, position: u32, take: impl FnMut(Range<usize>)) {
         if let Some(entry) = self.entries.get(position as usize) {
-            runs::each_run(&entry.raw, take);
+            rle::for_each_run(&entry.raw, take);
         }
     }
 
     /// Gives `take` the pixels of each run of foreground of a frame, after cleaning.
-    pub(super) fn each_run(&self, position: u32, take: impl FnMut(Range<usize>)) {
+    pub(super) fn for_each_run(&self, position: u32, take: impl FnMut(Range<usize>)) {
         if let Some(entry) = self.entries.get(position as usize) {
-            runs::each_labelled_run(&entry.labels, take);
+            rle::for_each_labelled_run(&entry.labels, take);
         }
     }
 
@@ -137,7 +140,7 @@ impl Record {
     /// The analysis of a frame as it was.
     pub(super) fn analysis(&self, position: u32) -> Option<Analysis> {
         let entry = self.entries.get(position as usize)?;
-        let (mask, labels) = runs::labels(&entry.labels, self.size);
+        let (mask, labels) = rle::decode_labels(&entry.labels, self.size);
         Some(Analysis { mask: Arc::new(mask), labels: Arc::new(labels), ..entry.analysis.clone() })
     }
 }

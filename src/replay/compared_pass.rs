@@ -1,77 +1,80 @@
-//! What is compared with what is in view.
+//! The pass of the settings that are compared with those in view.
 
 use std::sync::Arc;
 
-use super::lane::Lane;
-use super::{Shown, same};
+use super::analysis_pass::AnalysisPass;
+use super::{ShownFrame, same};
 use crate::settings::Settings;
 
-/// Another choice of settings on the same frames.
+/// A second choice of settings on the same frames.
 #[derive(Default)]
-pub(super) struct Rival {
+pub(super) struct ComparedPass {
     /// The settings, `None` while nothing is compared.
     pub(super) settings: Option<Settings>,
-    /// Their way through the sequence; none while they are equal to those in view, whose way is theirs.
-    pub(super) lane: Option<Lane>,
-    /// The frame that was last looked at.
-    pub(super) shown: Option<Arc<Shown>>,
+    /// Their pass; none while they equal those in view, whose pass serves both.
+    pub(super) pass: Option<AnalysisPass>,
+    /// The frame shown last.
+    pub(super) shown: Option<Arc<ShownFrame>>,
 }
 
-impl Rival {
+impl ComparedPass {
     /// Whether these are its settings.
     pub(super) fn is(&self, settings: &Settings) -> bool {
         self.settings.as_ref() == Some(settings)
     }
 
-    /// Gives up its way.
-    pub(super) fn give_up(&mut self) -> Option<Lane> {
+    /// Takes its pass out.
+    pub(super) fn take_pass(&mut self) -> Option<AnalysisPass> {
         self.shown = None;
-        self.lane.take()
+        self.pass.take()
     }
 
-    /// Whether the frame at a position has been analysed but is not at hand.
-    pub(super) fn lags_behind(&self, position: u32) -> bool {
-        let Some(lane) = &self.lane else { return false };
-        lane.run.front() > position && !self.shown.as_ref().is_some_and(|shown| of(shown, lane, position))
+    /// Whether the frame at a position has been analysed but is not prepared.
+    pub(super) fn needs_frame(&self, position: u32) -> bool {
+        let Some(pass) = &self.pass else { return false };
+        pass.model.front() > position
+            && !self.shown.as_ref().is_some_and(|shown| is_frame_of(shown, pass, position))
     }
 
-    /// Whether all that can be had of it is beside a frame in view.
-    pub(super) fn is_beside(&self, shown: &Shown) -> bool {
-        match (&self.settings, &self.lane) {
-            (Some(_), None) => shown.beside.as_ref().is_some_and(|beside| beside.settings == shown.settings),
-            (Some(_), Some(lane)) if lane.run.front() > shown.position => {
-                shown.beside.as_ref().is_some_and(|beside| of(beside, lane, shown.position))
+    /// Whether a frame in view contains the compared frame as far as that exists.
+    pub(super) fn is_current_in(&self, shown: &ShownFrame) -> bool {
+        match (&self.settings, &self.pass) {
+            (Some(_), None) => {
+                shown.compared.as_ref().is_some_and(|beside| beside.settings == shown.settings)
             }
-            _ => shown.beside.is_none(),
+            (Some(_), Some(pass)) if pass.model.front() > shown.position => {
+                shown.compared.as_ref().is_some_and(|beside| is_frame_of(beside, pass, shown.position))
+            }
+            _ => shown.compared.is_none(),
         }
     }
 
-    /// What stands beside a frame in view, as far as it is at hand.
-    pub(super) fn beside(&mut self, shown: &Shown) -> Option<Arc<Shown>> {
+    /// The compared frame of a frame in view, if it is prepared.
+    pub(super) fn frame_for(&mut self, shown: &ShownFrame) -> Option<Arc<ShownFrame>> {
         self.settings.as_ref()?;
-        let Some(lane) = &mut self.lane else {
-            return Some(Arc::new(Shown { beside: None, ..shown.clone() }));
+        let Some(pass) = &mut self.pass else {
+            return Some(Arc::new(ShownFrame { compared: None, ..shown.clone() }));
         };
-        let mine = self.shown.take_if(|mine| of(mine, lane, shown.position))?;
-        let pixel = lane.inspector.covering(shown.position);
+        let mine = self.shown.take_if(|mine| is_frame_of(mine, pass, shown.position))?;
+        let pixel = pass.pixel_follower.history_covering(shown.position);
         let mine = if same(mine.pixel.as_ref(), pixel.as_ref()) {
             mine
         } else {
-            Arc::new(Shown { pixel, ..Shown::clone(&mine) })
+            Arc::new(ShownFrame { pixel, ..ShownFrame::clone(&mine) })
         };
         self.shown = Some(Arc::clone(&mine));
         Some(mine)
     }
 
-    /// Whether the chosen pixel's history has come and is not yet in the frame at hand.
-    pub(super) fn takes_pixel(&mut self, at: Option<(u32, u32)>) -> bool {
-        let Some((lane, shown)) = self.lane.as_mut().zip(self.shown.as_ref()) else { return false };
-        let of = |shown: &Shown| shown.pixel.as_ref().map(|history| history.at);
-        of(shown) != at && lane.inspector.covering(shown.position).is_some()
+    /// Whether the chosen pixel's history is known but missing in the prepared frame.
+    pub(super) fn needs_pixel(&mut self, at: Option<(u32, u32)>) -> bool {
+        let Some((pass, shown)) = self.pass.as_mut().zip(self.shown.as_ref()) else { return false };
+        let of = |shown: &ShownFrame| shown.pixel.as_ref().map(|history| history.at);
+        of(shown) != at && pass.pixel_follower.history_covering(shown.position).is_some()
     }
 }
 
-/// Whether a frame is the one at a position as a lane has it now.
-fn of(shown: &Shown, lane: &Lane, position: u32) -> bool {
-    shown.position == position && Arc::ptr_eq(&shown.settings, lane.settings())
+/// Whether a frame is the one at a position of a pass under its present settings.
+fn is_frame_of(shown: &ShownFrame, pass: &AnalysisPass, position: u32) -> bool {
+    shown.position == position && Arc::ptr_eq(&shown.settings, pass.settings())
 }

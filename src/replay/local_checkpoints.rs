@@ -1,61 +1,62 @@
-//! Things kept around the position that is looked at: who steps there will step on.
+//! Checkpoints around the playhead: stepping is likely to continue there.
 
 use std::collections::BTreeMap;
 
-/// Things by position; the farthest from where one is go first when they take too many bytes.
-pub(super) struct Near<T> {
-    /// With the memory that each takes.
-    kept: BTreeMap<u32, (T, usize)>,
-    room: usize,
-    taken: usize,
-    /// Where one was when something was last kept.
-    here: u32,
+/// Checkpoints by position; the farthest from the playhead are dropped first when they exceed the capacity.
+pub(super) struct LocalCheckpoints<T> {
+    /// With the bytes of each.
+    entries: BTreeMap<u32, (T, usize)>,
+    capacity_bytes: usize,
+    used_bytes: usize,
+    /// The playhead at the last insertion.
+    centre: u32,
 }
 
-impl<T> Near<T> {
-    /// Room for `room` bytes of things.
-    pub(super) const fn new(room: usize) -> Self {
-        Self { kept: BTreeMap::new(), room, taken: 0, here: 0 }
+impl<T> LocalCheckpoints<T> {
+    /// An empty store with a capacity in bytes.
+    pub(super) const fn new(capacity_bytes: usize) -> Self {
+        Self { entries: BTreeMap::new(), capacity_bytes, used_bytes: 0, centre: 0 }
     }
 
-    /// Less room, as other things take it, or more.
-    pub(super) fn set_room(&mut self, room: usize) {
-        self.room = room;
+    /// Changes the capacity, in bytes.
+    pub(super) fn set_capacity(&mut self, capacity_bytes: usize) {
+        self.capacity_bytes = capacity_bytes;
         self.thin();
     }
 
-    /// Whether something belongs to this position already.
+    /// Whether there is a checkpoint at this position.
     pub(super) fn has(&self, position: u32) -> bool {
-        self.kept.contains_key(&position)
+        self.entries.contains_key(&position)
     }
 
-    /// Keeps a thing of so many bytes that belongs to `position`, if there is room for it near `here`.
-    pub(super) fn insert(&mut self, position: u32, thing: T, bytes: usize, here: u32) {
-        self.taken += bytes;
-        if let Some((_, before)) = self.kept.insert(position, (thing, bytes)) {
-            self.taken -= before;
+    /// Stores a checkpoint of `bytes` at `position`, if there is room for it around `centre`.
+    pub(super) fn insert(&mut self, position: u32, value: T, bytes: usize, centre: u32) {
+        self.used_bytes += bytes;
+        if let Some((_, before)) = self.entries.insert(position, (value, bytes)) {
+            self.used_bytes -= before;
         }
-        self.here = here;
+        self.centre = centre;
         self.thin();
     }
 
-    /// Drops what is farthest until the rest has room.
+    /// Drops the farthest checkpoints until the rest fits.
     fn thin(&mut self) {
-        while self.taken > self.room {
-            let ends = [self.kept.keys().next(), self.kept.keys().next_back()];
-            let Some(farthest) = ends.into_iter().flatten().copied().max_by_key(|at| at.abs_diff(self.here))
+        while self.used_bytes > self.capacity_bytes {
+            let ends = [self.entries.keys().next(), self.entries.keys().next_back()];
+            let Some(farthest) =
+                ends.into_iter().flatten().copied().max_by_key(|at| at.abs_diff(self.centre))
             else {
                 break;
             };
-            if let Some((_, bytes)) = self.kept.remove(&farthest) {
-                self.taken -= bytes;
+            if let Some((_, bytes)) = self.entries.remove(&farthest) {
+                self.used_bytes -= bytes;
             }
         }
     }
 
-    /// The last thing at or before a position.
+    /// The last checkpoint at or before a position.
     pub(super) fn at_or_before(&self, position: u32) -> Option<(u32, &T)> {
-        self.kept.range(..=position).next_back().map(|(&position, (thing, _))| (position, thing))
+        self.entries.range(..=position).next_back().map(|(&position, (value, _))| (position, value))
     }
 }
 
@@ -65,31 +66,35 @@ mod tests {
 
     #[test]
     fn what_is_far_goes_first() {
-        let mut near = Near::new(30);
+        let mut checkpoints = LocalCheckpoints::new(30);
         for position in [10, 20, 30] {
-            near.insert(position, position, 10, 30);
+            checkpoints.insert(position, position, 10, 30);
         }
-        near.insert(40, 40, 10, 40);
-        assert!(!near.has(10) && near.has(20) && near.has(40));
-        assert_eq!(near.at_or_before(35), Some((30, &30)));
-        near.insert(5, 5, 10, 5);
-        assert!(!near.has(40) && near.has(5) && near.taken == 30);
-        near.insert(5, 6, 20, 5);
-        assert_eq!((near.at_or_before(9), near.taken), (Some((5, &6)), 30));
-        near.insert(7, 7, 31, 7);
-        assert!(near.kept.is_empty() && near.taken == 0, "too large for any room");
+        checkpoints.insert(40, 40, 10, 40);
+        assert!(!checkpoints.has(10) && checkpoints.has(20) && checkpoints.has(40));
+        assert_eq!(checkpoints.at_or_before(35), Some((30, &30)));
+        checkpoints.insert(5, 5, 10, 5);
+        assert!(!checkpoints.has(40) && checkpoints.has(5) && checkpoints.used_bytes == 30);
+        checkpoints.insert(5, 6, 20, 5);
+        assert_eq!((checkpoints.at_or_before(9), checkpoints.used_bytes), (Some((5, &6)), 30));
+        checkpoints.insert(7, 7, 31, 7);
+        assert!(checkpoints.entries.is_empty() && checkpoints.used_bytes == 0, "too large for any room");
     }
 
     #[test]
     fn with_less_room_what_is_far_goes_at_once() {
-        let mut near = Near::new(40);
+        let mut checkpoints = LocalCheckpoints::new(40);
         for position in [10, 20, 30, 40] {
-            near.insert(position, position, 10, 25);
+            checkpoints.insert(position, position, 10, 25);
         }
-        near.insert(20, 20, 10, 22);
-        near.set_room(25);
-        assert!(near.taken == 20 && near.has(20) && near.has(30), "{:?}", near.kept.keys());
-        near.set_room(0);
-        assert!(near.taken == 0 && near.at_or_before(50).is_none());
+        checkpoints.insert(20, 20, 10, 22);
+        checkpoints.set_capacity(25);
+        assert!(
+            checkpoints.used_bytes == 20 && checkpoints.has(20) && checkpoints.has(30),
+            "{:?}",
+            checkpoints.entries.keys()
+        );
+        checkpoints.set_capacity(0);
+        assert!(checkpoints.used_bytes == 0 && checkpoints.at_or_before(50).is_none());
     }
 }

@@ -1,4 +1,4 @@
-//! The pictures that a model gives at one frame.
+//! The pictures of a model at one frame.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -6,12 +6,12 @@ use std::sync::Arc;
 use crate::frame::Frame;
 use crate::mixture::{Map, Mixture, Quantity};
 
-/// What a model shows of itself after a frame.
+/// The pictures of a model after a frame.
 #[derive(Clone)]
 pub(super) struct Pictures {
     pub(super) background: Arc<Frame>,
     pub(super) multi_mode: Option<Arc<Frame>>,
-    /// What was asked for, where the model has it.
+    /// The requested map, where the model has it.
     pub(super) map: Option<Arc<Map>>,
 }
 
@@ -49,7 +49,7 @@ impl Pictures {
         self.map.as_ref().is_some_and(|map| map.quantity == quantity)
     }
 
-    /// That of a model which has a background image alone.
+    /// The picture of a model that has a background image only.
     pub(super) const fn of_background(background: Arc<Frame>) -> Self {
         Self { background, multi_mode: None, map: None }
     }
@@ -58,18 +58,18 @@ impl Pictures {
 /// The last pictures that were made, by position: stepping back passes by frames that were
 /// replayed a moment ago.
 #[derive(Clone)]
-pub(super) struct Recent {
+pub(super) struct RecentPictures {
     pictures: VecDeque<(u32, Pictures)>,
     room: usize,
 }
 
-impl Recent {
+impl RecentPictures {
     pub(super) const fn new(room: usize) -> Self {
         Self { pictures: VecDeque::new(), room }
     }
 
-    /// Room for so many.
-    pub(super) fn set_room(&mut self, room: usize) {
+    /// Changes the capacity, in pictures.
+    pub(super) fn set_capacity(&mut self, room: usize) {
         self.room = room;
         while self.pictures.len() > self.room {
             self.pictures.pop_front();

@@ -1,32 +1,32 @@
-//! The chosen pixel through time.
+//! The history of the chosen pixel.
 
 use std::sync::Arc;
 
-use super::gather::Follower;
+use super::frame_consumer::FrameConsumer;
 use crate::frame::Frame;
 use crate::mixture::{Parameters, PixelHistory};
 use crate::registration::{Choice, Seen};
 use crate::settings::{BackgroundModel, Settings};
 use crate::source::SourceInfo;
 
-/// Follows one pixel through all frames that are known, whether they are analysed or not.
+/// Follows one pixel through all known frames, whether these are analysed or not.
 #[derive(Clone, Default)]
-pub(super) struct Inspector {
+pub(super) struct PixelFollower {
     history: Option<Arc<PixelHistory>>,
-    /// The pixel's number and colour in each frame, as the mixture sees it. `history` may be behind: it is extended when
-    /// somebody wants to see it, as others hold the last one and it has to be copied then.
+    /// Number and colour of the pixel in each frame, as the mixture sees it. `history` may lag behind: it is extended
+    /// on request, as it has to be copied while the previous one is shared.
     colours: Vec<(u32, Seen)>,
-    /// So many of the first frames are learnt from before the first is judged.
+    /// Number of first frames that are learnt from before the first is classified.
     to_learn: u32,
-    /// Whether `colours` are those of all frames that there are.
+    /// Whether `colours` covers all frames of the source.
     complete: bool,
-    /// The pixel that cannot be followed.
+    /// The pixel whose history cannot be known.
     lost: Option<(u32, u32)>,
 }
 
-impl Inspector {
-    /// Chooses a pixel, or none; of the same pixel what was seen stays, and is taken through the
-    /// mixture anew where the parameters are others.
+impl PixelFollower {
+    /// Chooses a pixel, or none; the colours of the same pixel stay, and go through the mixture again where its
+    /// parameters differ.
     pub(super) fn choose(&mut self, at: Option<(u32, u32)>, settings: &Settings, info: &SourceInfo) {
         let at = at.filter(|_| settings.background_model == BackgroundModel::Mixture);
         self.lost = None;
@@ -44,15 +44,15 @@ impl Inspector {
         }
     }
 
-    /// The pixel whose history cannot be known, as the first frames are gone.
+    /// The pixel whose history cannot be known, as the first frames are lost.
     pub(super) const fn lost(&self) -> Option<(u32, u32)> {
         self.lost
     }
 
-    /// Takes in what another one has seen of the same pixel; whether that was more.
-    pub(super) fn catch_up(&mut self, other: &Self) -> bool {
+    /// Copies the further colours of the same pixel from another follower; whether there were any.
+    pub(super) fn copy_colours_from(&mut self, other: &Self) -> bool {
         let seen = |history: &Arc<PixelHistory>| (history.at, history.parameters.registration);
-        let at = |inspector: &Self| inspector.history.as_ref().map(seen);
+        let at = |pixel_follower: &Self| pixel_follower.history.as_ref().map(seen);
         let known = self.colours.len();
         if at(self).is_none() || at(self) != at(other) || other.colours.len() <= known {
             return false;
@@ -62,13 +62,13 @@ impl Inspector {
         true
     }
 
-    /// How many frames are known, `None` when no pixel is chosen.
+    /// Number of known frames, `None` when no pixel is chosen.
     pub(super) fn frames(&self) -> Option<u32> {
         self.history.as_ref().map(|_| self.colours.len() as u32)
     }
 
-    /// The history, brought up to date if `position` is not in it yet; `None` while that is not known.
-    pub(super) fn covering(&mut self, position: u32) -> Option<Arc<PixelHistory>> {
+    /// The history, extended if `position` is not in it yet; `None` while that is not known.
+    pub(super) fn history_covering(&mut self, position: u32) -> Option<Arc<PixelHistory>> {
         if self.frames()? <= position || !self.has_learnt() {
             return None;
         }
@@ -79,12 +79,12 @@ impl Inspector {
         }
     }
 
-    /// Whether all is known that comes before the first frame that is judged.
+    /// Whether all frames before the first classified one are known.
     const fn has_learnt(&self) -> bool {
         self.complete || self.colours.len() >= self.to_learn as usize
     }
 
-    /// The history brought up to date.
+    /// The history of all known frames.
     pub(super) fn latest(&mut self) -> Option<Arc<PixelHistory>> {
         let has_learnt = self.has_learnt();
         let history = self.history.as_mut()?;
@@ -102,7 +102,7 @@ impl Inspector {
     }
 }
 
-impl Follower for Inspector {
+impl FrameConsumer for PixelFollower {
     fn next(&self) -> Option<u32> {
         self.frames()
     }

@@ -1,4 +1,4 @@
-//! Masks and labels as runs of foreground: a few bytes a run in place of several a pixel.
+//! Run-length encoding of masks and labels: a few bytes a run in place of several a pixel.
 //!
 //! Each number is 7 bits a byte, the low ones first.
 
@@ -7,9 +7,8 @@ use std::ops::Range;
 use crate::frame::{Mask, Size};
 use crate::regions::{LabelRun, Labels};
 
-/// Labels as the runs of foreground, each as the background pixels before it, its length, and its
-/// label.
-pub(super) fn of_labels(labels: &Labels) -> Box<[u8]> {
+/// Encodes labels as runs of foreground: for each the background pixels before it, its length, and its label.
+pub(super) fn encode_labels(labels: &Labels) -> Box<[u8]> {
     let mut bytes = Vec::new();
     let mut end = 0;
     for run in &labels.runs {
@@ -21,8 +20,8 @@ pub(super) fn of_labels(labels: &Labels) -> Box<[u8]> {
     bytes.into()
 }
 
-/// Labels, and the mask that follows from them.
-pub(super) fn labels(mut bytes: &[u8], size: Size) -> (Mask, Labels) {
+/// Decodes labels, and the mask that follows from them.
+pub(super) fn decode_labels(mut bytes: &[u8], size: Size) -> (Mask, Labels) {
     let mut mask = Mask::empty(size);
     let mut labels = Labels::none(size);
     let mut end = 0;
@@ -36,8 +35,8 @@ pub(super) fn labels(mut bytes: &[u8], size: Size) -> (Mask, Labels) {
     (mask, labels)
 }
 
-/// Gives `take` the pixels of each run of labels, in order.
-pub(super) fn each_labelled_run(mut bytes: &[u8], mut take: impl FnMut(Range<usize>)) {
+/// Calls `take` with the pixels of each run of labels, in order.
+pub(super) fn for_each_labelled_run(mut bytes: &[u8], mut take: impl FnMut(Range<usize>)) {
     let mut end = 0;
     while !bytes.is_empty() {
         let start = end + read(&mut bytes) as usize;
@@ -47,8 +46,8 @@ pub(super) fn each_labelled_run(mut bytes: &[u8], mut take: impl FnMut(Range<usi
     }
 }
 
-/// A mask as the runs of foreground, each as the background pixels before it and its length.
-pub(super) fn of_mask(mask: &Mask) -> Box<[u8]> {
+/// Encodes a mask as runs of foreground: for each the background pixels before it and its length.
+pub(super) fn encode_mask(mask: &Mask) -> Box<[u8]> {
     let mut bytes = Vec::new();
     let mut end = 0;
     for run in mask.runs() {
@@ -59,15 +58,15 @@ pub(super) fn of_mask(mask: &Mask) -> Box<[u8]> {
     bytes.into()
 }
 
-/// The mask of these runs.
-pub(super) fn mask(bytes: &[u8], size: Size) -> Mask {
+/// Decodes a mask.
+pub(super) fn decode_mask(bytes: &[u8], size: Size) -> Mask {
     let mut mask = Mask::empty(size);
-    each_run(bytes, |run| mask.data[run].fill(Mask::FOREGROUND));
+    for_each_run(bytes, |run| mask.data[run].fill(Mask::FOREGROUND));
     mask
 }
 
-/// Gives `take` the pixels of each run of a mask, in order.
-pub(super) fn each_run(mut bytes: &[u8], mut take: impl FnMut(Range<usize>)) {
+/// Calls `take` with the pixels of each run of a mask, in order.
+pub(super) fn for_each_run(mut bytes: &[u8], mut take: impl FnMut(Range<usize>)) {
     let mut end = 0;
     while !bytes.is_empty() {
         let start = end + read(&mut bytes) as usize;
@@ -115,12 +114,12 @@ mod tests {
                 start += length;
             }
         }
-        let bytes = of_labels(&labels);
-        let (decoded_mask, decoded) = super::labels(&bytes, size);
+        let bytes = encode_labels(&labels);
+        let (decoded_mask, decoded) = super::decode_labels(&bytes, size);
         assert!(decoded == labels);
         let expected = pixels.iter().map(|pixel| if pixel.is_some() { 255 } else { 0 });
         assert!(decoded_mask.size == size && decoded_mask.data.iter().copied().eq(expected));
-        assert!(mask(&of_mask(&decoded_mask), size) == decoded_mask);
+        assert!(decode_mask(&encode_mask(&decoded_mask), size) == decoded_mask);
         bytes.len()
     }
 

@@ -1,64 +1,66 @@
-//! Things kept at evenly spaced positions, farther apart as their room fills.
+//! Evenly spaced checkpoints.
 
 use std::collections::BTreeMap;
 
-/// Things by position, at multiples of a stride that doubles whenever there is no more room.
+/// Checkpoints by position, at multiples of a stride that doubles whenever the capacity is exceeded.
 #[derive(Clone)]
-pub(super) struct Spaced<T> {
-    /// With the memory that each takes.
-    kept: BTreeMap<u32, (T, usize)>,
+pub(super) struct StridedCheckpoints<T> {
+    /// With the bytes of each.
+    entries: BTreeMap<u32, (T, usize)>,
     stride: u32,
-    room: usize,
-    taken: usize,
+    capacity_bytes: usize,
+    used_bytes: usize,
 }
 
-impl<T> Spaced<T> {
-    /// Room for `room` bytes of things, at first at multiples of `stride`.
-    pub(super) const fn new(stride: u32, room: usize) -> Self {
-        Self { kept: BTreeMap::new(), stride, room, taken: 0 }
+impl<T> StridedCheckpoints<T> {
+    /// An empty store with a capacity in bytes, at first with this stride.
+    pub(super) const fn new(stride: u32, capacity_bytes: usize) -> Self {
+        Self { entries: BTreeMap::new(), stride, capacity_bytes, used_bytes: 0 }
     }
 
-    /// Whether what belongs to this position would be kept.
-    pub(super) fn wants(&self, position: u32) -> bool {
-        self.room > 0 && position.is_multiple_of(self.stride) && !self.kept.contains_key(&position)
+    /// Whether a checkpoint at this position would be kept.
+    pub(super) fn accepts(&self, position: u32) -> bool {
+        self.capacity_bytes > 0
+            && position.is_multiple_of(self.stride)
+            && !self.entries.contains_key(&position)
     }
 
-    /// How far it is from a position to the next one that might be wanted, at least 1.
+    /// Distance from a position to the next multiple of the stride, at least 1.
     pub(super) const fn until_next(&self, position: u32) -> u32 {
         self.stride - position % self.stride
     }
 
-    /// Less room, as other things take it, or more.
-    pub(super) fn set_room(&mut self, room: usize) {
-        self.room = room;
+    /// Changes the capacity, in bytes.
+    pub(super) fn set_capacity(&mut self, capacity_bytes: usize) {
+        self.capacity_bytes = capacity_bytes;
         self.thin();
     }
 
-    /// Keeps a thing of so many bytes, and drops every other one when they take too many.
-    pub(super) fn insert(&mut self, position: u32, thing: T, bytes: usize) {
-        self.taken += bytes;
-        if let Some((_, before)) = self.kept.insert(position, (thing, bytes)) {
-            self.taken -= before;
+    /// Stores a checkpoint of `bytes`, and drops every other one when they exceed the capacity.
+    pub(super) fn insert(&mut self, position: u32, value: T, bytes: usize) {
+        self.used_bytes += bytes;
+        if let Some((_, before)) = self.entries.insert(position, (value, bytes)) {
+            self.used_bytes -= before;
         }
         self.thin();
     }
 
-    /// Drops every other thing until the rest has room.
+    /// Drops every other checkpoint until the rest fits.
     fn thin(&mut self) {
-        while self.taken > self.room && self.kept.len() > 1 {
+        while self.used_bytes > self.capacity_bytes && self.entries.len() > 1 {
             self.stride = self.stride.saturating_mul(2);
-            let (stride, taken) = (self.stride, &mut self.taken);
-            self.kept.retain(|position, (_, bytes)| {
+            let (stride, used_bytes) = (self.stride, &mut self.used_bytes);
+            self.entries.retain(|position, (_, bytes)| {
                 let stays = position.is_multiple_of(stride);
-                *taken -= if stays { 0 } else { *bytes };
+                *used_bytes -= if stays { 0 } else { *bytes };
                 stays
             });
         }
     }
 
-    /// The last thing at or before a position.
+    /// The last checkpoint at or before a position.
     pub(super) fn at_or_before(&self, position: u32) -> Option<(u32, &T)> {
-        self.kept.range(..=position).next_back().map(|(&position, (thing, _))| (position, thing))
+        self.entries.range(..=position).next_back().map(|(&position, (value, _))| (position, value))
     }
 }
 
@@ -68,26 +70,28 @@ mod tests {
 
     #[test]
     fn it_thins_evenly_and_never_exceeds_its_room() {
-        let mut spaced = Spaced::new(4, 50);
+        let mut checkpoints = StridedCheckpoints::new(4, 50);
         for position in 1..=200 {
-            if spaced.wants(position) {
-                spaced.insert(position, position * 10, 10);
+            if checkpoints.accepts(position) {
+                checkpoints.insert(position, position * 10, 10);
             }
-            assert!(spaced.kept.len() <= 5 && spaced.taken == 10 * spaced.kept.len());
-            let steps: Vec<_> = spaced.kept.keys().copied().collect();
-            assert!(steps.windows(2).all(|pair| pair[1] - pair[0] == spaced.stride), "{steps:?}");
-            if let Some((at, &thing)) = spaced.at_or_before(position) {
-                assert!(thing == at * 10 && position - at < spaced.stride);
+            assert!(
+                checkpoints.entries.len() <= 5 && checkpoints.used_bytes == 10 * checkpoints.entries.len()
+            );
+            let steps: Vec<_> = checkpoints.entries.keys().copied().collect();
+            assert!(steps.windows(2).all(|pair| pair[1] - pair[0] == checkpoints.stride), "{steps:?}");
+            if let Some((at, &value)) = checkpoints.at_or_before(position) {
+                assert!(value == at * 10 && position - at < checkpoints.stride);
             }
         }
-        assert_eq!(spaced.stride, 64);
-        assert_eq!(spaced.at_or_before(63), None);
-        assert_eq!(spaced.at_or_before(130), Some((128, &1280)));
+        assert_eq!(checkpoints.stride, 64);
+        assert_eq!(checkpoints.at_or_before(63), None);
+        assert_eq!(checkpoints.at_or_before(130), Some((128, &1280)));
     }
 
     #[test]
     fn without_room_nothing_is_wanted() {
-        let spaced = Spaced::<u8>::new(1, 0);
-        assert!(!spaced.wants(0) && !spaced.wants(7));
+        let checkpoints = StridedCheckpoints::<u8>::new(1, 0);
+        assert!(!checkpoints.accepts(0) && !checkpoints.accepts(7));
     }
 }

@@ -40,7 +40,7 @@ use crate::mixture::pixel::MAX_K;
 use crate::mixture::tuning::Knob;
 use crate::mixture::verdict::{Verdict, overruled, verdict};
 use crate::mixture::{PixelHistory, PixelState};
-use crate::replay::{RegionShares, RegionTuning, Shown, Tuning};
+use crate::replay::{RegionShares, RegionTuning, ShownFrame, Tuning};
 use crate::settings::{BackgroundModel, Space};
 
 /// What the person asked for in the inspector.
@@ -196,7 +196,7 @@ impl Inspector {
     pub fn ui(
         &mut self,
         ui: &mut Ui,
-        shown: Option<&Shown>,
+        shown: Option<&ShownFrame>,
         newest: Option<&Arc<PixelHistory>>,
         tuning: Option<&Tuning>,
         fps: f32,
@@ -247,7 +247,7 @@ impl Inspector {
         let ignored = ahead.is_none() && shown.roi.as_ref().is_some_and(|roi| !roi.contains(x, y));
         words.details.splice(0..0, overruled(words.foreground, mask, ignored, &shown.settings));
 
-        let other = shown.beside.as_deref().filter(|_| ahead.is_none());
+        let other = shown.compared.as_deref().filter(|_| ahead.is_none());
         let other = other.and_then(|other| Some((other, other.pixel.as_ref()?)));
         let other = other.and_then(|(other, history)| Some((other, history, history.states.get(index)?)));
         let other_slots = other.map(|(_, history, _)| followed(&mut self.other.followed, history));

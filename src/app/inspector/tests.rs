@@ -23,7 +23,7 @@ use crate::mixture::{Parameters, PixelHistory};
 use crate::occlusion::Counters;
 use crate::pipeline::Analysis;
 use crate::regions::Labels;
-use crate::replay::{RegionShares, Shown, Tuning};
+use crate::replay::{RegionShares, ShownFrame, Tuning};
 use crate::settings::{BackgroundModel, Preset, Settings, Space};
 
 const SIZE: Size = Size::new(8, 6);
@@ -51,7 +51,7 @@ fn history_of(settings: &Settings, frames: u32) -> PixelHistory {
     PixelHistory::of_colours(AT, Parameters::new(settings), colours)
 }
 
-fn shown_of(settings: Settings, history: Option<PixelHistory>, position: u32) -> Shown {
+fn shown_of(settings: Settings, history: Option<PixelHistory>, position: u32) -> ShownFrame {
     let rgb = history.as_ref().and_then(|h| h.states.get(position as usize)).map_or([0; 3], |s| s.rgb);
     let foreground = history
         .as_ref()
@@ -60,7 +60,7 @@ fn shown_of(settings: Settings, history: Option<PixelHistory>, position: u32) ->
     let mut mask = Mask::empty(SIZE);
     mask.data[SIZE.index(AT.0, AT.1).unwrap()] = if foreground { Mask::FOREGROUND } else { Mask::BACKGROUND };
     let frame = Arc::new(Frame::new(position + 1, SIZE, rgb.repeat(SIZE.pixels())));
-    Shown {
+    ShownFrame {
         position,
         settings: Arc::new(settings),
         roi: None,
@@ -83,7 +83,7 @@ fn shown_of(settings: Settings, history: Option<PixelHistory>, position: u32) ->
         map: None,
         pixel: history.map(Arc::new),
         truth: None,
-        beside: None,
+        compared: None,
     }
 }
 
@@ -91,13 +91,13 @@ fn settings() -> Settings {
     Settings { t: 0.8, k: 4, alpha: 0.01, median: 5, ..Settings::preset(Preset::Plain) }
 }
 
-fn shown(position: u32) -> Shown {
+fn shown(position: u32) -> ShownFrame {
     let settings = settings();
     let history = history_of(&settings, 600);
     shown_of(settings, Some(history), position)
 }
 
-fn tuning_of(shown: &Shown, knobs: [Knob; 2]) -> Option<Tuning> {
+fn tuning_of(shown: &ShownFrame, knobs: [Knob; 2]) -> Option<Tuning> {
     let history = shown.pixel.as_ref()?;
     let states = history.states.get(..=shown.position as usize)?;
     // A long history is tried elsewhere.
@@ -114,7 +114,7 @@ fn tuning_of(shown: &Shown, knobs: [Knob; 2]) -> Option<Tuning> {
 
 /// The panel about `shown` in a harness, and what it asked for.
 fn harness(
-    shown: Option<Shown>,
+    shown: Option<ShownFrame>,
     size: Vec2,
     theme: Theme,
 ) -> (Harness<'static>, Rc<RefCell<Vec<InspectorAction>>>) {
@@ -143,7 +143,7 @@ fn harness(
     (harness, actions)
 }
 
-fn tall(shown: Option<Shown>) -> (Harness<'static>, Rc<RefCell<Vec<InspectorAction>>>) {
+fn tall(shown: Option<ShownFrame>) -> (Harness<'static>, Rc<RefCell<Vec<InspectorAction>>>) {
     harness(shown, Vec2::new(380.0, 1000.0), Theme::Dark)
 }
 

@@ -22,7 +22,7 @@ pub(super) fn inspected_state(position: u32) -> State {
         flips: Knob::ALL.iter().map(|&knob| flip(&values, &parameters, knob)).collect(),
     };
     let history = Some(Arc::new(history));
-    let shown = Shown { pixel: history.clone(), ..shown_at(position) };
+    let shown = ShownFrame { pixel: history.clone(), ..shown_at(position) };
     State {
         shown: Some(Arc::new(shown)),
         pixel: history,

@@ -108,7 +108,7 @@ fn a_model_without_a_mixture_says_so() {
     settle(&mut harness);
     let settings =
         Settings { background_model: crate::settings::BackgroundModel::Knn, ..Settings::default() };
-    let shown = Shown { settings: Arc::new(settings), map: None, ..shown_at(58) };
+    let shown = ShownFrame { settings: Arc::new(settings), map: None, ..shown_at(58) };
     scene.state.borrow_mut().shown = Some(Arc::new(shown));
     settle(&mut harness);
     let empty = harness.render().unwrap();

@@ -123,11 +123,11 @@ fn what_would_have_kept_an_event_from_happening_is_asked_told_and_taken() {
         let (event, preventions) = (merge.clone(), preventions.clone());
         Some(Arc::new(Counterfactual { event, preventions, tried, happens: true, done, until: 143 }))
     };
-    scene.state.borrow_mut().what_if = answer((12, 40), false);
+    scene.state.borrow_mut().counterfactual = answer((12, 40), false);
     harness.run_steps(4);
     harness.get_by_label("… tried 12 of 40");
     right_panel_looks_as_before(&mut harness, "prevented");
-    scene.state.borrow_mut().what_if = answer((40, 40), true);
+    scene.state.borrow_mut().counterfactual = answer((40, 40), true);
     harness.run_steps(4);
     harness.get_by_label("Take placing = predicted");
     harness.get_by_label("up to frame 143");
@@ -163,14 +163,15 @@ fn the_event_that_is_read_stays_the_same_where_others_come_before_it() {
     // What is known of it is shown, though it was asked before that was known.
     let mut asked = timeline().events[3].1.clone();
     asked.front = None;
-    scene.state.borrow_mut().what_if = Some(Arc::new(crate::occlusion::counterfactual::Counterfactual {
-        event: asked,
-        happens: true,
-        preventions: Vec::new(),
-        tried: (3, 3),
-        done: true,
-        until: 143,
-    }));
+    scene.state.borrow_mut().counterfactual =
+        Some(Arc::new(crate::occlusion::counterfactual::Counterfactual {
+            event: asked,
+            happens: true,
+            preventions: Vec::new(),
+            tried: (3, 3),
+            done: true,
+            until: 143,
+        }));
     settle(&mut harness);
     harness.get_by_label("It would not have happened with");
     later.events.remove(4);
@@ -194,7 +195,7 @@ fn the_chosen_object_is_followed_by_its_place_into_other_settings() {
             track.id = names[track.id as usize - 1];
         }
         let settings = Arc::new(Settings { alpha, ..Settings::default() });
-        Shown { analysis: Arc::new(analysis), settings, ..shown }
+        ShownFrame { analysis: Arc::new(analysis), settings, ..shown }
     };
     scene.state.borrow_mut().shown = Some(Arc::new(renamed([2, 7, 1], 0.01)));
     settle(&mut harness);

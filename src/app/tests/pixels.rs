@@ -21,7 +21,7 @@ fn apply(harness: &mut Harness<'_, Window>, command: Command) {
 /// The scene with a chosen pixel.
 fn inspected(size: (f32, f32), theme: Theme) -> (Harness<'static, Window>, Scene) {
     let history = Some(history_of(AT));
-    let shown = Shown { pixel: history.clone(), ..shown_at(58) };
+    let shown = ShownFrame { pixel: history.clone(), ..shown_at(58) };
     let state = State { shown: Some(Arc::new(shown)), pixel: history, ..state(Phase::Ready, Some(58)) };
     let (mut harness, scene) = window(Some(state), size, theme);
     apply(&mut harness, Command::Choose(Some(AT)));

@@ -6,7 +6,7 @@ use super::{Compose, Look, Pane, draw};
 use crate::app::slots::Slot;
 use crate::app::theme;
 use crate::frame::Mask;
-use crate::replay::Shown;
+use crate::replay::ShownFrame;
 
 /// Where both are foreground.
 pub(super) const BOTH: [u8; 3] = [228, 232, 238];
@@ -51,7 +51,7 @@ pub(super) fn look(pane: &Pane<'_>) -> Look {
 }
 
 /// Paints it.
-pub(super) fn paint(pane: &Pane<'_>, beside: &Shown) {
+pub(super) fn paint(pane: &Pane<'_>, beside: &ShownFrame) {
     let in_view = pane.model.slots.in_view;
     pane.compose(look(pane));
     let (first, second) = (&pane.shown.analysis.mask, &beside.analysis.mask);
@@ -80,8 +80,8 @@ fn legend(pane: &Pane<'_>, in_view: Slot, agreement: Agreement) {
 }
 
 /// Whether a pixel is foreground in A and in B; `None` where nothing is compared.
-pub(super) fn of_pixel(shown: &Shown, in_view: Slot, (x, y): (u32, u32)) -> Option<[bool; 2]> {
-    let beside = shown.beside.as_ref()?;
+pub(super) fn of_pixel(shown: &ShownFrame, in_view: Slot, (x, y): (u32, u32)) -> Option<[bool; 2]> {
+    let beside = shown.compared.as_ref()?;
     let [seen, other] = [&shown.analysis, &beside.analysis].map(|of| of.mask.is_foreground(x, y));
     Some(match in_view {
         Slot::A => [seen, other],
@@ -90,7 +90,7 @@ pub(super) fn of_pixel(shown: &Shown, in_view: Slot, (x, y): (u32, u32)) -> Opti
 }
 
 /// 0 or 255 in A and in B.
-pub(super) fn value(shown: &Shown, in_view: Slot, at: (u32, u32)) -> String {
+pub(super) fn value(shown: &ShownFrame, in_view: Slot, at: (u32, u32)) -> String {
     let level = |foreground| if foreground { Mask::FOREGROUND } else { Mask::BACKGROUND };
     let levels = of_pixel(shown, in_view, at).map(|both| both.map(level));
     levels.map_or_else(String::new, |[a, b]| format!("{a} {b}"))

@@ -2,7 +2,7 @@
 
 use super::{Background, Look, NO_MIXTURE, Pane, draw};
 use crate::app::theme;
-use crate::replay::Shown;
+use crate::replay::ShownFrame;
 
 /// How it is composed.
 pub(super) fn look(pane: &Pane<'_>) -> Look {
@@ -36,7 +36,7 @@ fn in_view(pane: &Pane<'_>) -> Background {
 }
 
 /// Red, green and blue.
-pub(super) fn value(shown: &Shown, kind: Background, (x, y): (u32, u32)) -> String {
+pub(super) fn value(shown: &ShownFrame, kind: Background, (x, y): (u32, u32)) -> String {
     let colour = match kind {
         Background::Mean => shown.background.pixel(x, y),
         Background::MultiMode => shown.multi_mode.as_ref().and_then(|frame| frame.pixel(x, y)),

@@ -7,7 +7,7 @@ use crate::app::theme;
 
 /// Paints one of them, or why there is nothing to paint.
 pub(super) fn paint(pane: &Pane<'_>) {
-    let Some(beside) = &pane.shown.beside else {
+    let Some(beside) = &pane.shown.compared else {
         let in_view = pane.model.slots.in_view;
         let other = in_view.other().name();
         let why = if pane.model.slots.other.is_none() {

@@ -3,7 +3,7 @@
 use eframe::egui::Color32;
 
 use super::{Compose, Look, Pane, draw};
-use crate::replay::Shown;
+use crate::replay::ShownFrame;
 
 fn difference(a: [u8; 3], b: [u8; 3]) -> u8 {
     a.iter().zip(b).map(|(a, b)| a.abs_diff(b)).max().unwrap_or(0)
@@ -19,11 +19,11 @@ pub(super) fn paint(pane: &Pane<'_>) {
     draw::values(pane.painter, &pane.canvas, |at| value(pane.shown, at), ground);
 }
 
-fn pixel_difference(shown: &Shown, (x, y): (u32, u32)) -> Option<u8> {
+fn pixel_difference(shown: &ShownFrame, (x, y): (u32, u32)) -> Option<u8> {
     Some(difference(shown.frame.pixel(x, y)?, shown.background.pixel(x, y)?))
 }
 
 /// The greatest difference of a channel.
-pub(super) fn value(shown: &Shown, at: (u32, u32)) -> String {
+pub(super) fn value(shown: &ShownFrame, at: (u32, u32)) -> String {
     pixel_difference(shown, at).map_or_else(String::new, |value| value.to_string())
 }

@@ -3,7 +3,7 @@
 use eframe::egui::Color32;
 
 use super::{Compose, Look, Pane, draw};
-use crate::replay::Shown;
+use crate::replay::ShownFrame;
 
 /// Paints it.
 pub(super) fn paint(pane: &Pane<'_>) {
@@ -14,7 +14,7 @@ pub(super) fn paint(pane: &Pane<'_>) {
 }
 
 /// 0 or 255.
-pub(super) fn value(shown: &Shown, (x, y): (u32, u32)) -> String {
+pub(super) fn value(shown: &ShownFrame, (x, y): (u32, u32)) -> String {
     let mask = &shown.analysis.mask;
     mask.size.index(x, y).map_or_else(String::new, |index| mask.data[index].to_string())
 }

@@ -2,7 +2,7 @@
 
 use super::{Compose, Look, Pane, draw};
 use crate::app::theme;
-use crate::replay::Shown;
+use crate::replay::ShownFrame;
 
 /// The colour that lies over foreground: rare in video, and nobody's identity.
 const OVERLAY: [u8; 3] = [255, 45, 149];
@@ -31,6 +31,6 @@ pub(super) fn paint(pane: &Pane<'_>) {
 }
 
 /// Red, green and blue.
-pub(super) fn value(shown: &Shown, (x, y): (u32, u32)) -> String {
+pub(super) fn value(shown: &ShownFrame, (x, y): (u32, u32)) -> String {
     shown.frame.pixel(x, y).map_or_else(String::new, |[r, g, b]| format!("{r} {g} {b}"))
 }

@@ -7,7 +7,7 @@ use eframe::egui_wgpu::wgpu::TextureFormat;
 use super::{ramp, regions};
 use crate::frame::{Frame, Size};
 use crate::regions::Labels;
-use crate::replay::Shown;
+use crate::replay::ShownFrame;
 use crate::truth::masks::Label;
 
 /// One of them.
@@ -84,24 +84,24 @@ impl Layer {
 
     /// Whether the frame has it: a model without a mixture has no modes, a frame without a map or truth none, the
     /// whole image nothing ignored.
-    pub(crate) const fn is_in(self, shown: &Shown) -> bool {
+    pub(crate) const fn is_in(self, shown: &ShownFrame) -> bool {
         match self {
             Self::Modes => shown.multi_mode.is_some(),
             Self::Map => shown.map.is_some(),
             Self::Ignored => shown.roi.is_some(),
-            Self::BesideMean | Self::BesideMask => shown.beside.is_some(),
+            Self::BesideMean | Self::BesideMask => shown.compared.is_some(),
             Self::Truth => shown.truth.is_some(),
             _ => true,
         }
     }
 
     /// Whether it is made from the same data in both.
-    pub(crate) fn is_same(self, a: &Shown, b: &Shown) -> bool {
+    pub(crate) fn is_same(self, a: &ShownFrame, b: &ShownFrame) -> bool {
         fn both<T>(a: Option<&Arc<T>>, b: Option<&Arc<T>>) -> bool {
             a.zip(b).is_some_and(|(a, b)| Arc::ptr_eq(a, b))
         }
-        fn beside<'a>(a: &'a Shown, b: &'a Shown) -> Option<(&'a Shown, &'a Shown)> {
-            a.beside.as_deref().zip(b.beside.as_deref())
+        fn beside<'a>(a: &'a ShownFrame, b: &'a ShownFrame) -> Option<(&'a ShownFrame, &'a ShownFrame)> {
+            a.compared.as_deref().zip(b.compared.as_deref())
         }
         match self {
             Self::Input => Arc::ptr_eq(&a.frame, &b.frame),
@@ -119,7 +119,7 @@ impl Layer {
     }
 
     /// Width and height in texels when every `every`-th pixel of each row and column is kept.
-    pub(crate) fn texels(self, shown: &Shown, every: u32) -> Size {
+    pub(crate) fn texels(self, shown: &ShownFrame, every: u32) -> Size {
         if self == Self::Palette {
             let labels = regions::colours(&shown.analysis).len().min(LAST_LABEL as usize + 1);
             return Size::new(PALETTE_WIDTH as u32, PALETTE_ROWS + labels.div_ceil(PALETTE_WIDTH) as u32);
@@ -128,7 +128,7 @@ impl Layer {
     }
 
     /// Gives `put` each row of texels with its number, from the top.
-    pub(crate) fn write(self, shown: &Shown, every: u32, put: &mut dyn FnMut(usize, &[u8])) {
+    pub(crate) fn write(self, shown: &ShownFrame, every: u32, put: &mut dyn FnMut(usize, &[u8])) {
         let (width, every) = (shown.frame.size.width as usize, every as usize);
         match self {
             Self::Input => colours(&shown.frame, every, put),
@@ -163,7 +163,7 @@ impl Layer {
                 }
             }
             Self::BesideMean | Self::BesideMask => {
-                if let Some(beside) = &shown.beside {
+                if let Some(beside) = &shown.compared {
                     let like = if self == Self::BesideMean { Self::Mean } else { Self::Mask };
                     like.write(beside, every as u32, put);
                 }

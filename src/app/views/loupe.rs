@@ -10,7 +10,7 @@ use crate::app::state::Model;
 use crate::app::theme;
 use crate::mixture::Quantity;
 use crate::palette::verdict_colour;
-use crate::replay::Shown;
+use crate::replay::ShownFrame;
 
 /// Its side, in points.
 const SIDE: f32 = 143.0;
@@ -80,19 +80,24 @@ pub(super) fn paint(ui: &Ui, pane: &Pane<'_>, pointer: Pos2, pixel: (u32, u32)) 
 }
 
 /// Its lines: where the pixel is, its value in the view, and what was decided about it under the settings of the view.
-pub(crate) fn words(view: View, model: &Model, shown: &Shown, pixel: (u32, u32)) -> [(String, Color32); 3] {
+pub(crate) fn words(
+    view: View,
+    model: &Model,
+    shown: &ShownFrame,
+    pixel: (u32, u32),
+) -> [(String, Color32); 3] {
     let (x, y) = pixel;
     let value = view.value(model, shown, pixel);
     [(format!("{x}, {y}"), WEAK), (value, INK), verdict(view, model, shown, pixel)]
 }
 
-fn verdict(view: View, model: &Model, shown: &Shown, pixel: (u32, u32)) -> (String, Color32) {
+fn verdict(view: View, model: &Model, shown: &ShownFrame, pixel: (u32, u32)) -> (String, Color32) {
     let (x, y) = pixel;
     let colour = |foreground| theme::rgb(verdict_colour(foreground, true));
     if shown.roi.as_ref().is_some_and(|roi| !roi.contains(x, y)) {
         return ("ignored".to_owned(), WEAK);
     }
-    let shown = match (view, &shown.beside) {
+    let shown = match (view, &shown.compared) {
         (View::Agreement, _) => {
             let both = agreement::of_pixel(shown, model.slots.in_view, pixel);
             let where_it_is = both.map(|both| match both {
@@ -122,7 +127,7 @@ fn verdict(view: View, model: &Model, shown: &Shown, pixel: (u32, u32)) -> (Stri
 
 /// The rank that the pixel's value matched, 0 for none, where it is known: of all pixels while they are mapped, else of
 /// the chosen and of the pinned ones.
-fn matched(model: &Model, shown: &Shown, pixel: (u32, u32)) -> Option<u8> {
+fn matched(model: &Model, shown: &ShownFrame, pixel: (u32, u32)) -> Option<u8> {
     if let Some(map) = shown.map.as_ref().filter(|map| map.quantity == Quantity::Matched) {
         let index = shown.frame.size.index(pixel.0, pixel.1)?;
         return map.values.get(index).map(|&rank| rank as u8);

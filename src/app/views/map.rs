@@ -8,7 +8,7 @@ use super::ramp::{NEVER, RAMP, STEPS, Scale, ramp};
 use super::{Compose, Look, NO_MIXTURE, Pane, draw};
 use crate::app::theme;
 use crate::mixture::Quantity;
-use crate::replay::Shown;
+use crate::replay::ShownFrame;
 use crate::settings::{BackgroundModel, Settings};
 
 /// Why a frame of a camera, which gives each only once, may have no map.
@@ -109,13 +109,13 @@ pub(super) fn paint(pane: &Pane<'_>) {
     legend(pane.painter, pane.canvas.rect, map.quantity, scale);
 }
 
-fn at_pixel(shown: &Shown, (x, y): (u32, u32)) -> Option<f32> {
+fn at_pixel(shown: &ShownFrame, (x, y): (u32, u32)) -> Option<f32> {
     let index = shown.frame.size.index(x, y)?;
     shown.map.as_ref()?.values.get(index).copied()
 }
 
 /// The number with what it is.
-pub(super) fn value(shown: &Shown, at: (u32, u32)) -> String {
+pub(super) fn value(shown: &ShownFrame, at: (u32, u32)) -> String {
     let quantity = shown.map.as_ref().map(|map| map.quantity);
     let value = quantity.zip(at_pixel(shown, at));
     value.map_or_else(String::new, |(of, value)| format!("{}={}", symbol(of), number(of, value)))

@@ -42,7 +42,7 @@ use self::pictures::Set;
 use super::slots::Slot;
 use super::state::Model;
 use super::theme::Colours;
-use crate::replay::Shown;
+use crate::replay::ShownFrame;
 
 /// A view of the frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -171,7 +171,7 @@ impl View {
     }
 
     /// The value of a pixel in it, its parts apart by a space.
-    pub(crate) fn value(self, model: &Model, shown: &Shown, at: (u32, u32)) -> String {
+    pub(crate) fn value(self, model: &Model, shown: &ShownFrame, at: (u32, u32)) -> String {
         match self {
             Self::Input | Self::Tracks => input::value(shown, at),
             Self::Background => background::value(shown, model.background, at),
@@ -182,7 +182,7 @@ impl View {
             Self::Agreement => agreement::value(shown, model.slots.in_view, at),
             Self::Right => right::value(shown, at),
             Self::BesideBackground | Self::BesideForeground | Self::BesideTracks => {
-                let Some(beside) = &shown.beside else { return String::new() };
+                let Some(beside) = &shown.compared else { return String::new() };
                 match self {
                     Self::BesideBackground => background::value(beside, Background::Mean, at),
                     Self::BesideForeground => foreground::value(beside, at),
@@ -222,7 +222,7 @@ impl View {
             Self::Map => map::look(pane),
             Self::BesideBackground => Some(Look::plain(Compose::BesideMean)),
             Self::BesideForeground => Some(Look::plain(Compose::BesideMask)),
-            Self::Agreement => pane.shown.beside.as_ref().map(|_| agreement::look(pane)),
+            Self::Agreement => pane.shown.compared.as_ref().map(|_| agreement::look(pane)),
             Self::Right => pane.shown.truth.as_ref().map(|_| right::look()),
         }
     }
@@ -300,7 +300,7 @@ struct Pane<'a> {
     painter: &'a Painter,
     canvas: Canvas,
     model: &'a Model,
-    shown: &'a Shown,
+    shown: &'a ShownFrame,
     composer: &'a Arc<Composer>,
     set: &'a Arc<Set>,
     colours: Colours,

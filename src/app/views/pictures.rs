@@ -253,7 +253,7 @@ impl Worker {
             };
             let Ok((sents, bytes)) = self.sender.send(shown, request.layers, every, known) else { return };
             let view = |layer: Layer| sents[layer as usize].as_ref().map(|sent| &sent.view);
-            let beside = shown.beside.as_ref().filter(|_| request.layers.has(Layer::BesideMask));
+            let beside = shown.compared.as_ref().filter(|_| request.layers.has(Layer::BesideMask));
             let agreement = beside.map(|beside| Agreement::of(&shown.analysis.mask, &beside.analysis.mask));
             let truth = shown.truth.as_ref().filter(|_| request.layers.has(Layer::Truth));
             let decisions = truth.map(|truth| right::judge(&shown.analysis.mask, truth));

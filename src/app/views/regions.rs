@@ -7,7 +7,7 @@ use crate::app::theme;
 use crate::mixture::pixel::luma;
 use crate::palette::identity_colour;
 use crate::pipeline::Analysis;
-use crate::replay::Shown;
+use crate::replay::ShownFrame;
 
 const UNKNOWN: Color32 = Color32::from_rgb(150, 156, 170);
 const GROUP: Color32 = Color32::from_rgb(244, 246, 250);
@@ -79,7 +79,7 @@ pub(super) fn paint(pane: &Pane<'_>) {
 }
 
 /// The label.
-pub(super) fn value(shown: &Shown, (x, y): (u32, u32)) -> String {
+pub(super) fn value(shown: &ShownFrame, (x, y): (u32, u32)) -> String {
     match shown.analysis.labels.at(x, y) {
         None => String::new(),
         Some(0) => "-".to_owned(),

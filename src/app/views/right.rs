@@ -5,7 +5,7 @@ use eframe::egui::Color32;
 use super::{Compose, Look, Pane, draw};
 use crate::app::theme;
 use crate::frame::Mask;
-use crate::replay::Shown;
+use crate::replay::ShownFrame;
 use crate::truth::decisions::Decisions;
 use crate::truth::masks::{Label, TrueMask};
 
@@ -67,7 +67,7 @@ pub(super) fn paint(pane: &Pane<'_>) {
 }
 
 /// What was decided, and whether that is right.
-pub(super) fn value(shown: &Shown, (x, y): (u32, u32)) -> String {
+pub(super) fn value(shown: &ShownFrame, (x, y): (u32, u32)) -> String {
     let found = shown.analysis.mask.is_foreground(x, y);
     match shown.truth.as_ref().and_then(|truth| truth.at(x, y)) {
         None => "",

@@ -7,7 +7,7 @@ use eframe::egui_wgpu::wgpu;
 
 use super::layer::{Layer, Layers};
 use crate::frame::Size;
-use crate::replay::Shown;
+use crate::replay::ShownFrame;
 
 /// A layer on the card.
 pub(crate) struct Sent {
@@ -57,7 +57,7 @@ impl Sender {
     /// how many bytes were sent; fails where the card gives no memory to write into.
     pub(crate) fn send(
         &mut self,
-        shown: &Shown,
+        shown: &ShownFrame,
         layers: Layers,
         every: u32,
         known: impl Fn(Layer) -> Option<Arc<Sent>>,
@@ -96,7 +96,7 @@ impl Sender {
     fn fill(
         &mut self,
         layer: Layer,
-        shown: &Shown,
+        shown: &ShownFrame,
         every: u32,
         encoder: &mut wgpu::CommandEncoder,
     ) -> Result<(Arc<Sent>, Staging), wgpu::MapRangeError> {

@@ -212,7 +212,7 @@ fn trails(pane: &Pane<'_>) {
 
 /// The events of the frame, beside what is `taken`.
 fn flags(pane: &Pane<'_>, mut taken: Taken) {
-    let timeline = if pane.view.compares() { pane.model.beside() } else { pane.model.timeline() };
+    let timeline = if pane.view.compares() { pane.model.compared_timeline() } else { pane.model.timeline() };
     let Some(timeline) = timeline.or_else(|| pane.model.timeline()) else { return };
     let here = pane.shown.position;
     let first = timeline.events.partition_point(|(position, _)| *position < here);

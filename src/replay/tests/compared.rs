@@ -68,7 +68,7 @@ fn the_share_around_a_pixel_is_that_of_the_masks() {
         watched.session.set_settings(settings.clone());
         watched.session.region(Some((at, side)));
         let (_, raw, cleaned) = straight_pins(folder.path(), &settings);
-        let (columns, rows) = around(at, side, Size::new(WIDTH, HEIGHT));
+        let (columns, rows) = region_bounds(at, side, Size::new(WIDTH, HEIGHT));
         let pixels = (columns.len() * rows.len()) as f32;
         let share = |mask: &Mask| {
             let all = rows.clone().flat_map(|y| columns.clone().map(move |x| (x, y)));

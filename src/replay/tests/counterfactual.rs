@@ -13,14 +13,14 @@ fn what_is_told_to_prevent_an_event_prevents_it_in_the_whole_video() {
     let merge = done.timeline.events.iter().find(|(_, event)| event.kind == EventKind::Merge);
     let (_, merge) = merge.unwrap().clone();
     watched.session.explain(Some(merge.clone()));
-    let answered = |state: &State| state.what_if.as_ref().is_some_and(|what_if| what_if.done);
-    let what_if = watched.until(answered).what_if.unwrap();
+    let answered = |state: &State| state.counterfactual.as_ref().is_some_and(|what_if| what_if.done);
+    let what_if = watched.until(answered).counterfactual.unwrap();
     assert!(what_if.happens && what_if.event == merge);
     assert!(!what_if.preventions.is_empty(), "{what_if:?}");
     let tolerance = EventTolerance::of(Size::new(WIDTH, HEIGHT), 25.0);
     let happens = |settings: &Settings| {
         let all = straight(folder.path(), settings);
-        all.iter().any(|shown| shown.analysis.events.iter().any(|event| tolerance.covers(&merge, event)))
+        all.iter().any(|shown| shown.analysis.events.iter().any(|event| tolerance.matches(&merge, event)))
     };
     let merges = |settings: &Settings| {
         let all = straight(folder.path(), settings);
@@ -38,5 +38,5 @@ fn what_is_told_to_prevent_an_event_prevents_it_in_the_whole_video() {
     }
     // Of other settings nothing is known.
     watched.session.set_settings(Settings { gate: 0.95, ..settings() });
-    watched.until(|state| state.what_if.is_none());
+    watched.until(|state| state.counterfactual.is_none());
 }

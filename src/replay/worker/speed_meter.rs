@@ -1,17 +1,17 @@
-//! How fast the analysis goes.
+//! Speed of the analysis.
 
 use std::collections::VecDeque;
 use std::time::Duration;
 
-/// How fast the analysis goes, over about its last second of work.
+/// Speed of the analysis over about its last second of work.
 #[derive(Default)]
-pub(super) struct Meter {
+pub(super) struct SpeedMeter {
     pieces: VecDeque<(Duration, u32)>,
     took: Duration,
     frames: u32,
 }
 
-impl Meter {
+impl SpeedMeter {
     pub(super) fn add(&mut self, took: Duration, frames: u32) {
         self.pieces.push_back((took, frames));
         self.took += took;
