@@ -477,7 +477,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
     .within("Map of"),
     entry(
         Menu::View,
-        Action::Map(Quantity::Since),
+        Action::Map(Quantity::SinceForeground),
         m::ICON_GRADIENT,
         "Frames since foreground",
         &[],
@@ -933,7 +933,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
     .always(),
     entry(
         Menu::Analysis,
-        Action::Flip,
+        Action::VerdictFlip,
         m::ICON_SYNC_ALT,
         "Flip A and B while held",
         &[key(FLIP)],

@@ -128,7 +128,7 @@ impl Window {
                     );
                 }
             }
-            Action::Flip => {
+            Action::VerdictFlip => {
                 let other = model.slots.in_view.other();
                 model.held = Some(model.slots.in_view);
                 model.show_slot(other);

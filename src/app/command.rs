@@ -60,7 +60,7 @@ pub(crate) enum Action {
     /// Analyse under the settings of this slot.
     Slot(Slot),
     /// Analyse under the settings of the other slot while a key is held.
-    Flip,
+    VerdictFlip,
     /// The other slot gets a copy of the settings in view.
     CopySettings,
     /// The settings of the two slots change places.

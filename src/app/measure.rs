@@ -21,7 +21,7 @@ use super::state::Player;
 use crate::export::tests::track;
 use crate::frame::{Frame, Mask, Size};
 use crate::mixture::Quantity;
-use crate::mixture::tuning::Knob;
+use crate::mixture::tuning::TunableSetting;
 use crate::occlusion::Counters;
 use crate::pipeline::Analysis;
 use crate::regions::{self, Labels, Region, Shape};
@@ -65,7 +65,7 @@ impl Player for Ready {
 
     fn inspect(&self, _: Option<(u32, u32)>) {}
 
-    fn tune(&self, _: Option<[Knob; 2]>) {}
+    fn tune(&self, _: Option<[TunableSetting; 2]>) {}
 
     fn analyse_ahead(&self, _: bool) {}
 

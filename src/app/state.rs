@@ -14,7 +14,7 @@ use super::overlays::{Overlay, Overlays};
 use super::slots::{Slot, Slots};
 use super::views::{Background, View};
 use crate::frame::Size;
-use crate::mixture::tuning::Knob;
+use crate::mixture::tuning::TunableSetting;
 use crate::mixture::{PixelHistory, Quantity};
 use crate::occlusion::{Event, EventKind};
 use crate::regions::Roi;
@@ -41,7 +41,7 @@ pub(crate) trait Player {
     /// Chooses a pixel.
     fn inspect(&self, at: Option<(u32, u32)>);
     /// Asks what the chosen pixel would be under other values of these two settings.
-    fn tune(&self, knobs: Option<[Knob; 2]>);
+    fn tune(&self, knobs: Option<[TunableSetting; 2]>);
     /// Goes on analysing beyond the frame in view, or stops there.
     fn analyse_ahead(&self, ahead: bool);
     /// Ends it without waiting for that.
@@ -85,7 +85,7 @@ impl Player for Session {
         Session::inspect(self, at);
     }
 
-    fn tune(&self, knobs: Option<[Knob; 2]>) {
+    fn tune(&self, knobs: Option<[TunableSetting; 2]>) {
         Session::tune(self, knobs);
     }
 
@@ -255,7 +255,7 @@ pub(crate) struct Model {
     /// What the worker was last given: the settings in view, and those to compare them with.
     pub(crate) sent: (Settings, Option<Settings>),
     /// The settings whose map the worker was last asked for.
-    pub(crate) tuned: Option<[Knob; 2]>,
+    pub(crate) tuned: Option<[TunableSetting; 2]>,
     /// The pixels of which the worker was last asked for histories beside that of the chosen one.
     pub(crate) pinned: Vec<(u32, u32)>,
     /// The pixel, and how many to a side, around which the worker was last asked for the share of foreground.
@@ -535,7 +535,7 @@ impl Model {
     }
 
     /// Asks the worker for the map of these settings, if it has not been asked before.
-    pub(crate) fn tune(&mut self, knobs: Option<[Knob; 2]>) {
+    pub(crate) fn tune(&mut self, knobs: Option<[TunableSetting; 2]>) {
         if let Some(player) = self.player.as_ref().filter(|_| self.tuned != knobs) {
             player.tune(knobs);
             self.tuned = knobs;

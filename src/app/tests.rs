@@ -22,8 +22,8 @@ use super::slots::Slot;
 use super::state::Player;
 use super::views::View;
 use crate::frame::{Frame, Mask, Size};
-use crate::mixture::tuning::Knob;
-use crate::mixture::{Map, Parameters, PixelHistory, Quantity};
+use crate::mixture::tuning::TunableSetting;
+use crate::mixture::{Parameters, PixelHistory, Quantity, QuantityMap};
 use crate::occlusion::{Counters, Event, EventKind, Evidence};
 use crate::pipeline::Analysis;
 use crate::regions::{self, LabelRun, Labels, Rect};
@@ -62,7 +62,7 @@ enum Asked {
     Explain(Option<Box<Event>>),
     Roi(Option<Arc<regions::Roi>>),
     Inspect(Option<(u32, u32)>),
-    Tune(Option<[Knob; 2]>),
+    Tune(Option<[TunableSetting; 2]>),
     Ahead(bool),
     Leave,
     Map(Option<Quantity>),
@@ -120,7 +120,7 @@ impl Player for Scene {
         self.asked.borrow_mut().push(Asked::Inspect(at));
     }
 
-    fn tune(&self, knobs: Option<[Knob; 2]>) {
+    fn tune(&self, knobs: Option<[TunableSetting; 2]>) {
         self.asked.borrow_mut().push(Asked::Tune(knobs));
     }
 
@@ -193,7 +193,7 @@ fn shares_of(at: (u32, u32), side: u32) -> RegionShares {
 }
 
 /// Numbers that grow from left to right, with some that are special.
-fn map_of(quantity: Quantity) -> Arc<Map> {
+fn map_of(quantity: Quantity) -> Arc<QuantityMap> {
     let value = |at: usize| {
         let (x, y) = (at % 160, at / 160);
         match quantity {
@@ -201,11 +201,11 @@ fn map_of(quantity: Quantity) -> Arc<Map> {
             Quantity::Weight => x as f32 / 159.0,
             Quantity::Used | Quantity::BackgroundCount => 1.0 + (x / 40) as f32,
             Quantity::Matched => (x / 20) as f32,
-            Quantity::Since if y < 20 => f32::INFINITY,
-            Quantity::Since => (x * x / 20) as f32,
+            Quantity::SinceForeground if y < 20 => f32::INFINITY,
+            Quantity::SinceForeground => (x * x / 20) as f32,
         }
     };
-    Arc::new(Map { quantity, values: (0..SIZE.pixels()).map(value).collect() })
+    Arc::new(QuantityMap { quantity, values: (0..SIZE.pixels()).map(value).collect() })
 }
 
 /// What competes for an object that stands there: a match and a null match, none while it is hidden.

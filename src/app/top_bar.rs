@@ -119,7 +119,7 @@ pub(crate) fn allowed(model: &Model, entry: &Entry) -> bool {
         Action::Undo => model.history.can().0,
         Action::Redo => model.history.can().1,
         Action::Slot(slot) => model.slots.in_view != slot,
-        Action::Flip => model.slots.other.is_some() && model.held.is_none(),
+        Action::VerdictFlip => model.slots.other.is_some() && model.held.is_none(),
         Action::CopySettings | Action::SwapSettings => {
             model.slots.other.as_ref().is_some_and(|other| *other != model.settings)
         }

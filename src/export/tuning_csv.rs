@@ -3,11 +3,11 @@
 use std::io::{self, Write};
 
 use super::number::significant;
-use crate::mixture::tuning::{Axis, Map};
+use crate::mixture::tuning::{Axis, VerdictMap};
 use crate::truth::decisions::Decisions;
 
 /// Writes a map: 1 where the pixel is foreground, else 0.
-pub fn write_map(out: &mut impl Write, map: &Map) -> io::Result<()> {
+pub fn write_map(out: &mut impl Write, map: &VerdictMap) -> io::Result<()> {
     header(out, &map.axes, "foreground")?;
     each(&map.axes, |column, row, values| {
         writeln!(out, "{values},{}", u8::from(map.is_foreground(column, row)))
@@ -48,14 +48,14 @@ mod tests {
 
     use super::*;
     use crate::mixture::Parameters;
-    use crate::mixture::tuning::{Knob, grid, map};
+    use crate::mixture::tuning::{TunableSetting, grid, map};
     use crate::settings::Settings;
 
     #[test]
     fn a_row_each_cell_with_values_that_come_back_to_the_bit() {
         let parameters = Parameters::new(&Settings::default());
         let values: Vec<_> = (0..40).map(|n| [if n > 36 { 200.0 } else { 60.0 }; 3]).collect();
-        let map = map(&values, &parameters, [Knob::Alpha, Knob::K]);
+        let map = map(&values, &parameters, [TunableSetting::Alpha, TunableSetting::K]);
         let mut text = Vec::new();
         write_map(&mut text, &map).unwrap();
         let text = String::from_utf8(text).unwrap();
@@ -73,7 +73,7 @@ mod tests {
         }
         assert_eq!(lines.next(), None);
 
-        let (axes, cells) = grid(&parameters, [Knob::K, Knob::T]);
+        let (axes, cells) = grid(&parameters, [TunableSetting::K, TunableSetting::T]);
         let decisions = vec![Decisions { tp: 1, fp: 1, fn_: 0, tn: 2 }; cells.len()];
         let mut text = Vec::new();
         write_decisions(&mut text, &axes, &decisions).unwrap();

@@ -33,8 +33,8 @@ mod tests;
 use std::sync::Arc;
 
 use crate::frame::Frame;
-use crate::mixture::tuning::{self, Axis, Flip};
-use crate::mixture::{Map, Parameters, PixelHistory};
+use crate::mixture::tuning::{self, Axis, VerdictFlip};
+use crate::mixture::{Parameters, PixelHistory, QuantityMap};
 use crate::occlusion::Event;
 use crate::occlusion::counterfactual::Counterfactual;
 use crate::pipeline::Analysis;
@@ -136,9 +136,9 @@ pub struct Tuning {
     /// The present parameters.
     pub parameters: Parameters,
     /// Foreground or background over a grid of two settings.
-    pub map: tuning::Map,
+    pub map: tuning::VerdictMap,
     /// For each setting the nearest value that flips the verdict.
-    pub flips: Vec<Flip>,
+    pub flips: Vec<VerdictFlip>,
 }
 
 /// Accuracy of the mixture in a region, against true masks and before cleaning, under other settings.
@@ -193,7 +193,7 @@ pub struct ShownFrame {
     /// The weighted mean of the B background components; `None` where the model has no mixture.
     pub multi_mode: Option<Arc<Frame>>,
     /// A number of each pixel after this frame's update, if [`Session::map`] asks for one that the model has.
-    pub map: Option<Arc<Map>>,
+    pub map: Option<Arc<QuantityMap>>,
     /// The chosen pixel through all frames up to the last that is known, under `settings`;
     /// `None` when no pixel is chosen or the model has no mixture. Its state of this frame is the
     /// one at index [`ShownFrame::position`].

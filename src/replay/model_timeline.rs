@@ -321,7 +321,7 @@ impl ModelTimeline {
         frame: &Frame,
         quantity: Option<Quantity>,
     ) -> Result<SeekStep, PipelineError> {
-        if quantity != Some(Quantity::Since) {
+        if quantity != Some(Quantity::SinceForeground) {
             return self.seek_model(position, frame, quantity.filter(|_| self.pipeline.mixture().is_some()));
         }
         if !self.last_foreground.advance_to(position, &self.record) {

@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 use std::sync::Arc;
 
 use crate::frame::Frame;
-use crate::mixture::{Map, Mixture, Quantity};
+use crate::mixture::{Mixture, Quantity, QuantityMap};
 
 /// The pictures of a model after a frame.
 #[derive(Clone)]
@@ -12,7 +12,7 @@ pub(super) struct Pictures {
     pub(super) background: Arc<Frame>,
     pub(super) multi_mode: Option<Arc<Frame>>,
     /// The requested map, where the model has it.
-    pub(super) map: Option<Arc<Map>>,
+    pub(super) map: Option<Arc<QuantityMap>>,
 }
 
 impl Pictures {
@@ -28,7 +28,7 @@ impl Pictures {
             Some(Quantity::BackgroundCount) => {
                 Some(appearance.background_count.iter().map(|&count| f32::from(count)).collect())
             }
-            Some(Quantity::Matched | Quantity::Since) | None => None,
+            Some(Quantity::Matched | Quantity::SinceForeground) | None => None,
         };
         let pictures = Self {
             background: picture(appearance.mean),
@@ -40,7 +40,7 @@ impl Pictures {
 
     /// The same with these values of a quantity.
     pub(super) fn with_map(self, quantity: Option<Quantity>, values: Option<Vec<f32>>) -> Self {
-        let map = quantity.zip(values).map(|(quantity, values)| Arc::new(Map { quantity, values }));
+        let map = quantity.zip(values).map(|(quantity, values)| Arc::new(QuantityMap { quantity, values }));
         Self { map: map.or(self.map), ..self }
     }
 

@@ -9,7 +9,7 @@ use super::frame_consumer::FrameConsumer;
 use super::{RegionTuning, region_bounds};
 use crate::frame::{Frame, Size};
 use crate::mixture::Parameters;
-use crate::mixture::tuning::{Axis, Knob, grid};
+use crate::mixture::tuning::{Axis, TunableSetting, grid};
 use crate::registration::{Choice, corrected};
 use crate::settings::{BackgroundModel, Settings};
 use crate::truth::decisions::{Decisions, of_mixture};
@@ -26,7 +26,7 @@ pub(super) struct RegionTuner {
     to_learn: u32,
     /// The registration of the collected frames.
     registration: Choice,
-    knobs: Option<[Knob; 2]>,
+    knobs: Option<[TunableSetting; 2]>,
     truth: Option<Arc<TrueMasks>>,
     job: Option<RegionTuningJob>,
     done: Option<(RegionTuningQuery, Arc<RegionTuning>)>,
@@ -46,7 +46,7 @@ struct RegionFrames {
 struct RegionTuningQuery {
     at: (u32, u32),
     side: u32,
-    knobs: [Knob; 2],
+    knobs: [TunableSetting; 2],
     parameters: Parameters,
     frames: usize,
 }
@@ -87,7 +87,7 @@ impl RegionTuner {
     }
 
     /// Chooses the two settings along the sides of the grid; `None` for no grid.
-    pub(super) const fn tune(&mut self, knobs: Option<[Knob; 2]>) {
+    pub(super) const fn tune(&mut self, knobs: Option<[TunableSetting; 2]>) {
         self.knobs = knobs;
     }
 
@@ -236,10 +236,11 @@ mod tests {
         }
         assert_eq!(tuner.region.as_ref().unwrap().frames.len(), 76, "no frame after the last that is judged");
         assert!(tuner.advance(&settings).is_none(), "nobody asked");
-        for knobs in [[Knob::Alpha, Knob::T], [Knob::K, Knob::Lambda]] {
+        for knobs in [[TunableSetting::Alpha, TunableSetting::T], [TunableSetting::K, TunableSetting::Lambda]]
+        {
             tuner.tune(Some(knobs));
             let pieces = std::iter::from_fn(|| tuner.advance(&settings)).count();
-            assert!(pieces > usize::from(knobs[0] == Knob::Alpha), "{pieces}");
+            assert!(pieces > usize::from(knobs[0] == TunableSetting::Alpha), "{pieces}");
             let tuning = tuner.latest().unwrap();
             let [across, up] = &tuning.axes;
             assert_eq!(tuning.cells.len(), across.values.len() * up.values.len());

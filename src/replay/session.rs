@@ -10,7 +10,7 @@ use std::time::Duration;
 use super::worker::Worker;
 use super::{Phase, Start, State, Timeline, memory};
 use crate::mixture::Quantity;
-use crate::mixture::tuning::Knob;
+use crate::mixture::tuning::TunableSetting;
 use crate::occlusion::Event;
 use crate::regions::Roi;
 use crate::settings::Settings;
@@ -50,7 +50,7 @@ pub(super) struct Requests {
 pub(super) struct PixelRequest(pub(super) Option<(u32, u32)>);
 
 /// Request: the two settings along the sides of a map, `None` for no map.
-pub(super) struct TuneRequest(pub(super) Option<[Knob; 2]>);
+pub(super) struct TuneRequest(pub(super) Option<[TunableSetting; 2]>);
 
 /// Request: the settings to compare with those in view, `None` for none.
 pub(super) struct CompareRequest(pub(super) Option<Settings>);
@@ -177,7 +177,7 @@ impl Session {
 
     /// Asks what the chosen pixel would be in the frame in view under other values of these two
     /// settings, and of each alone; `None` to ask no more.
-    pub fn tune(&self, knobs: Option<[Knob; 2]>) {
+    pub fn tune(&self, knobs: Option<[TunableSetting; 2]>) {
         self.shared.ask(|requests| requests.tune = Some(TuneRequest(knobs)));
     }
 

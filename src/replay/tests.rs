@@ -11,7 +11,7 @@ use super::frame_consumer::FrameConsumer as _;
 use super::*;
 use crate::frame::{Mask, Size};
 use crate::mixture::Parameters;
-use crate::mixture::tuning::{self, Knob};
+use crate::mixture::tuning::{self, TunableSetting};
 use crate::pipeline::Pipeline;
 use crate::registration::{Choice, Registered, corrected};
 use crate::settings::{BackgroundModel, Preset, Span};
@@ -727,9 +727,9 @@ fn the_worker_says_what_the_pixel_would_be_under_other_settings() {
     let watched = Watched::open(folder.path(), settings(), Start::First, 1 << 30);
     watched.session.inspect(Some(PIXEL));
     for (knobs, position, settings) in [
-        ([Knob::Alpha, Knob::T], 31, settings()),
-        ([Knob::Lambda, Knob::K], 33, settings()),
-        ([Knob::Lambda, Knob::K], 33, Settings { alpha: 0.1, ..settings() }),
+        ([TunableSetting::Alpha, TunableSetting::T], 31, settings()),
+        ([TunableSetting::Lambda, TunableSetting::K], 33, settings()),
+        ([TunableSetting::Lambda, TunableSetting::K], 33, Settings { alpha: 0.1, ..settings() }),
     ] {
         watched.session.tune(Some(knobs));
         watched.session.set_settings(settings.clone());

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 
 use super::Tuning;
 use crate::mixture::pixel::Value;
-use crate::mixture::tuning::{Axis, Ending, Flip, Flips, Knob, Map, run};
+use crate::mixture::tuning::{Axis, FlipSearch, RunOutcome, TunableSetting, VerdictFlip, VerdictMap, run};
 use crate::mixture::{Parameters, PixelHistory};
 
 /// Frames of all runs in a step of some milliseconds.
@@ -15,7 +15,7 @@ const MAX_FRAMES_PER_STEP: usize = 60_000;
 /// Computes a [`Tuning`], and keeps the last one.
 #[derive(Default)]
 pub(super) struct Tuner {
-    knobs: Option<[Knob; 2]>,
+    knobs: Option<[TunableSetting; 2]>,
     job: Option<TuningJob>,
     done: Option<Arc<Tuning>>,
 }
@@ -26,10 +26,10 @@ struct TuningJob {
     values: Vec<Value>,
     axes: [Axis; 2],
     runs: Vec<Parameters>,
-    outcomes: Vec<Ending>,
-    search: Flips,
+    outcomes: Vec<RunOutcome>,
+    search: FlipSearch,
     /// The result of the search.
-    flips: Option<Vec<Flip>>,
+    flips: Option<Vec<VerdictFlip>>,
 }
 
 /// The inputs of a tuning.
@@ -38,12 +38,12 @@ struct TuningQuery {
     at: (u32, u32),
     position: u32,
     parameters: Parameters,
-    knobs: [Knob; 2],
+    knobs: [TunableSetting; 2],
 }
 
 impl Tuner {
     /// Chooses the two settings along the sides of the map; `None` for no map.
-    pub(super) fn choose(&mut self, knobs: Option<[Knob; 2]>) {
+    pub(super) fn choose(&mut self, knobs: Option<[TunableSetting; 2]>) {
         self.knobs = knobs;
     }
 
@@ -90,9 +90,9 @@ impl TuningQuery {
 
 impl TuningJob {
     fn new(query: TuningQuery, values: Vec<Value>) -> Self {
-        let axes = Map::axes(&query.parameters, query.knobs);
-        let runs = Map::runs(&query.parameters, &axes);
-        let search = Flips::new(&query.parameters, &Knob::ALL);
+        let axes = VerdictMap::axes(&query.parameters, query.knobs);
+        let runs = VerdictMap::runs(&query.parameters, &axes);
+        let search = FlipSearch::new(&query.parameters, &TunableSetting::ALL);
         Self { query, values, axes, runs, outcomes: Vec::new(), search, flips: None }
     }
 
@@ -100,7 +100,7 @@ impl TuningJob {
     fn advance(&mut self) -> Option<Tuning> {
         let TuningQuery { at, position, parameters, .. } = self.query;
         if self.flips.is_none() {
-            self.flips = self.search.go_on(&self.values);
+            self.flips = self.search.advance(&self.values);
             return None;
         }
         let done = self.outcomes.len();
@@ -111,7 +111,7 @@ impl TuningJob {
         if self.outcomes.len() < self.runs.len() {
             return None;
         }
-        let map = Map::of(&parameters, self.axes.clone(), &self.outcomes);
+        let map = VerdictMap::of(&parameters, self.axes.clone(), &self.outcomes);
         Some(Tuning { at, position, parameters, map, flips: self.flips.take().unwrap_or_default() })
     }
 }
@@ -138,16 +138,23 @@ mod tests {
     fn in_pieces_it_comes_to_the_same_and_is_done_once() {
         let (mut tuner, history) = (Tuner::default(), history(0.01));
         assert!(!tuner.advance(&history, 200), "nobody asked");
-        for knobs in [[Knob::Alpha, Knob::Lambda], [Knob::T, Knob::K], [Knob::InitialSigma, Knob::T]] {
+        for knobs in [
+            [TunableSetting::Alpha, TunableSetting::Lambda],
+            [TunableSetting::T, TunableSetting::K],
+            [TunableSetting::InitialSigma, TunableSetting::T],
+        ] {
             tuner.choose(Some(knobs));
             for position in [0, 145, 299] {
                 let pieces = all_pieces(&mut tuner, &history, position);
-                assert!(pieces > Knob::ALL.len());
+                assert!(pieces > TunableSetting::ALL.len());
                 assert!(pieces > 16, "no more than one run on either side of a value at a time: {pieces}");
                 let tuning = tuner.latest().unwrap();
                 let values: Vec<_> = history.states[..=position as usize].iter().map(|s| s.value).collect();
                 assert_eq!(tuning.map, map(&values, &history.parameters, knobs));
-                assert_eq!(tuning.flips, Knob::ALL.map(|knob| flip(&values, &history.parameters, knob)));
+                assert_eq!(
+                    tuning.flips,
+                    TunableSetting::ALL.map(|knob| flip(&values, &history.parameters, knob))
+                );
                 assert_eq!((tuning.at, tuning.position), ((2, 3), position));
                 assert!(!tuner.advance(&history, position));
             }
@@ -158,14 +165,17 @@ mod tests {
     #[test]
     fn another_question_in_the_middle_takes_the_place_of_the_first() {
         let (mut tuner, one, other) = (Tuner::default(), history(0.01), history(0.2));
-        tuner.choose(Some([Knob::Alpha, Knob::Lambda]));
+        tuner.choose(Some([TunableSetting::Alpha, TunableSetting::Lambda]));
         for _ in 0..7 {
             tuner.advance(&one, 250);
         }
         all_pieces(&mut tuner, &other, 245);
         let tuning = tuner.latest().unwrap();
         let values: Vec<_> = other.states[..=245].iter().map(|s| s.value).collect();
-        assert_eq!(tuning.map, map(&values, &other.parameters, [Knob::Alpha, Knob::Lambda]));
+        assert_eq!(
+            tuning.map,
+            map(&values, &other.parameters, [TunableSetting::Alpha, TunableSetting::Lambda])
+        );
         assert_eq!(tuning.parameters, other.parameters);
     }
 }

@@ -10,7 +10,7 @@ use super::InspectorAction;
 use super::chart::{self, Columns, TICKS};
 use super::style::{self, small};
 use crate::mixture::Parameters;
-use crate::mixture::tuning::{Axis, Knob};
+use crate::mixture::tuning::{Axis, TunableSetting};
 use crate::mixture::verdict::number;
 
 /// Room for the name of the axis across.
@@ -147,12 +147,15 @@ fn cross(painter: &Painter, ui: &Ui, at: Pos2) {
 }
 
 /// The values of a cell.
-pub(super) fn values([x, y]: &[Axis; 2], (column, row): (usize, usize)) -> Option<[(Knob, f32); 2]> {
+pub(super) fn values(
+    [x, y]: &[Axis; 2],
+    (column, row): (usize, usize),
+) -> Option<[(TunableSetting, f32); 2]> {
     Some([(x.knob, *x.values.get(column)?), (y.knob, *y.values.get(row)?)])
 }
 
 /// The same in words.
-pub(super) fn words(values: [(Knob, f32); 2]) -> String {
+pub(super) fn words(values: [(TunableSetting, f32); 2]) -> String {
     values.map(|(knob, value)| format!("{} = {}", knob.symbol(), number(value))).join(",  ")
 }
 

@@ -14,10 +14,10 @@ use super::plot::Plot;
 use super::rows::{LANE, changes_plot, channel_plot, count_plot, rates_plot, weights_plot, x_range};
 use super::style::{self, small};
 use super::{Chosen, InspectorAction};
-use crate::export::figure::through_time::Choice;
+use crate::export::figure::through_time::HistorySelection;
 use crate::mixture::PixelHistory;
-use crate::mixture::bins::{Bin, bins, value_range};
-use crate::mixture::follow::{Change, change};
+use crate::mixture::component_slots::{ComponentChange, component_change};
+use crate::mixture::downsampled_history::{HistoryColumn, downsample, value_range};
 use crate::mixture::verdict::{number, verdict};
 
 /// The fewest frames that can be zoomed to.
@@ -47,7 +47,7 @@ struct Cache {
     history: Arc<PixelHistory>,
     frames: Range<usize>,
     columns: usize,
-    bins: Vec<Bin>,
+    bins: Vec<HistoryColumn>,
 }
 
 impl HistoryView {
@@ -94,11 +94,11 @@ impl HistoryView {
     }
 
     /// What a figure of the frames in view shows.
-    fn choice(&self, chosen: &Chosen<'_>) -> Choice {
+    fn choice(&self, chosen: &Chosen<'_>) -> HistorySelection {
         let total = chosen.history.states.len();
         let (from, to) = self.range(total);
         let frames = from.floor() as usize..(to.ceil() as usize).min(total);
-        Choice { frames, index: chosen.index, fit: self.fit }
+        HistorySelection { frames, index: chosen.index, fit: self.fit }
     }
 
     fn controls(&mut self, ui: &mut Ui, chosen: &Chosen<'_>) -> Option<InspectorAction> {
@@ -277,13 +277,13 @@ impl HistoryView {
         self.cache = None;
     }
 
-    fn bins(&mut self, chosen: &Chosen<'_>, frames: Range<usize>, columns: usize) -> &[Bin] {
+    fn bins(&mut self, chosen: &Chosen<'_>, frames: Range<usize>, columns: usize) -> &[HistoryColumn] {
         let fits = self.cache.as_mut().is_some_and(|cache| {
             let same = (&cache.frames, cache.columns) == (&frames, columns);
             same && chosen.shares(&mut cache.history, frames.end)
         });
         if !fits {
-            let bins = bins(chosen.history, chosen.slots, frames.clone(), columns);
+            let bins = downsample(chosen.history, chosen.slots, frames.clone(), columns);
             self.cache = Some(Cache { history: Arc::clone(chosen.history), frames, columns, bins });
         }
         self.cache.as_ref().map_or(&[], |cache| &cache.bins)
@@ -324,11 +324,11 @@ fn frame_words(ui: &mut Ui, chosen: &Chosen<'_>, frame: usize) {
     ui.label(small(&format!("{}, B = {}", values.join("  "), state.outcome.background_count)));
     ui.label(small(&words.headline));
     let rank = state.outcome.rank;
-    let changed = match change(chosen.history, frame) {
+    let changed = match component_change(chosen.history, frame) {
         None => return,
-        Some(Change::Born) => format!("Component {rank} was born."),
-        Some(Change::Replaced) => format!("Component {rank} replaced the last."),
-        Some(Change::Rose { from, to }) => format!("It rose from rank {from} to {to}."),
+        Some(ComponentChange::Born) => format!("Component {rank} was born."),
+        Some(ComponentChange::Replaced) => format!("Component {rank} replaced the last."),
+        Some(ComponentChange::Rose { from, to }) => format!("It rose from rank {from} to {to}."),
     };
     ui.label(small(&changed));
 }
@@ -339,7 +339,7 @@ mod tests {
 
     use super::*;
     use crate::mixture::Parameters;
-    use crate::mixture::follow::slots;
+    use crate::mixture::component_slots::slots_by_rank;
     use crate::settings::Settings;
 
     fn of_level(level: u8) -> Arc<PixelHistory> {
@@ -351,7 +351,7 @@ mod tests {
     fn columns_are_made_anew_only_for_another_history_part_or_width() {
         let mut view = HistoryView::default();
         let mut made = |history: &Arc<PixelHistory>, frames: Range<usize>, columns: usize| {
-            let slots = Arc::new(slots(history));
+            let slots = Arc::new(slots_by_rank(history));
             let chosen = Chosen { history, slots: &slots, index: 3, state: &history.states[3], fps: 25.0 };
             let bins = view.bins(&chosen, frames, columns);
             (bins.as_ptr(), bins.len(), bins[0].value[0].0)

@@ -10,7 +10,7 @@ use super::plot::Plot;
 use super::style::{self, small};
 use super::{Chosen, InspectorAction, Judged, menu, side};
 use crate::app::theme;
-use crate::mixture::tuning::Knob;
+use crate::mixture::tuning::TunableSetting;
 use crate::palette;
 use crate::replay::RegionTuning;
 use crate::truth::decisions::{Decisions, Measure};
@@ -36,7 +36,7 @@ impl JudgedView {
         &mut self,
         ui: &mut Ui,
         chosen: &Chosen<'_>,
-        knobs: [Knob; 2],
+        knobs: [TunableSetting; 2],
         judged: &Judged<'_>,
     ) -> Option<InspectorAction> {
         if !judged.has_masks {
@@ -54,7 +54,7 @@ impl JudgedView {
         };
         let asked = menu::row(ui, menu, |ui| self.controls(ui));
         let ends = tuning.map(|tuning| ends(tuning, self.measure));
-        let [across, up] = knobs.map(Knob::symbol);
+        let [across, up] = knobs.map(TunableSetting::symbol);
         let what = self.measure.name();
         let name = format!("Map of {what} by the ground truth, of {across} across and {up} up");
         let value = |tuning: &RegionTuning, column: usize, row: usize| {
@@ -206,7 +206,7 @@ mod tests {
     #[test]
     fn the_best_is_better_than_now_and_of_equals_the_nearest() {
         let parameters = Parameters::new(&Settings::default());
-        let (axes, cells) = grid(&parameters, [Knob::Alpha, Knob::T]);
+        let (axes, cells) = grid(&parameters, [TunableSetting::Alpha, TunableSetting::T]);
         let present = Decisions { tp: 5, fp: 1, fn_: 5, tn: 9 };
         let mut tuning = RegionTuning {
             at: (0, 0),

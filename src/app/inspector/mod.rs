@@ -35,9 +35,9 @@ use self::pixels::Here;
 pub use self::plot::{Format, Plot};
 pub use self::table::Table;
 use super::pins;
-use crate::mixture::follow;
+use crate::mixture::component_slots;
 use crate::mixture::pixel::MAX_K;
-use crate::mixture::tuning::Knob;
+use crate::mixture::tuning::TunableSetting;
 use crate::mixture::verdict::{Verdict, overruled, verdict};
 use crate::mixture::{PixelHistory, PixelState};
 use crate::replay::{RegionShares, RegionTuning, ShownFrame, Tuning};
@@ -49,7 +49,7 @@ pub enum InspectorAction {
     /// Show the frame at this position of the sequence, from 0.
     GoTo(u32),
     /// Take these values of these settings.
-    Take([(Knob, f32); 2]),
+    Take([(TunableSetting, f32); 2]),
     /// Choose this pixel.
     Choose((u32, u32)),
     /// Pin the chosen pixel, or unpin it.
@@ -135,7 +135,7 @@ pub struct Judged<'a> {
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Asks {
     /// The two settings whose map is looked at.
-    pub tune: Option<[Knob; 2]>,
+    pub tune: Option<[TunableSetting; 2]>,
     /// How many pixels to a side are looked at for how right they would be.
     pub judge: Option<u32>,
     /// How many pixels to a side the share of foreground is counted of.
@@ -174,7 +174,7 @@ impl Chosen<'_> {
             return true;
         }
         // A history only grows, many times a second while frames are taken in.
-        let shares = end <= made_of.states.len() && self.history.goes_on_from(made_of);
+        let shares = end <= made_of.states.len() && self.history.extends(made_of);
         if shares {
             *made_of = Arc::clone(self.history);
         }
@@ -364,13 +364,13 @@ fn followed(known: &mut Option<Followed>, history: &Arc<PixelHistory>) -> Arc<Ve
     match known {
         // The old history is kept alive, so that an equal address is the same history.
         Some(followed) if Arc::ptr_eq(&followed.history, history) => Arc::clone(&followed.slots),
-        Some(followed) if history.goes_on_from(&followed.history) => {
-            follow::go_on(Arc::make_mut(&mut followed.slots), history);
+        Some(followed) if history.extends(&followed.history) => {
+            component_slots::extend_slots(Arc::make_mut(&mut followed.slots), history);
             followed.history = Arc::clone(history);
             Arc::clone(&followed.slots)
         }
         _ => {
-            let slots = Arc::new(follow::slots(history));
+            let slots = Arc::new(component_slots::slots_by_rank(history));
             *known = Some(Followed { history: Arc::clone(history), slots: Arc::clone(&slots) });
             slots
         }

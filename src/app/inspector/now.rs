@@ -11,7 +11,7 @@ use super::plot::Plot;
 use super::style::{self, small};
 use super::{Chosen, InspectorAction};
 use crate::export::figure::mixture::Moment;
-use crate::mixture::standing::{Standing, standings, t_at};
+use crate::mixture::component_states::{ComponentState, component_states, t_at};
 use crate::mixture::verdict::{Verdict, number};
 
 /// From this width on, before and after stand side by side.
@@ -26,7 +26,7 @@ pub(super) struct Now {
 /// A mixture as it is shown.
 struct Side {
     before: bool,
-    rows: Vec<Standing>,
+    rows: Vec<ComponentState>,
     /// B.
     count: usize,
 }
@@ -45,7 +45,7 @@ impl Now {
             .sides()
             .iter()
             .map(|&before| {
-                let (rows, count) = standings(chosen.history, chosen.slots, chosen.index, before);
+                let (rows, count) = component_states(chosen.history, chosen.slots, chosen.index, before);
                 Side { before, rows, count }
             })
             .collect();
@@ -55,7 +55,7 @@ impl Now {
         let densities_asked = menu::caption(ui, &caption, DENSITIES, "the densities", || {
             Plot::Densities(chosen.followed(), chosen.index, moment)
         });
-        let peaks = sides.iter().flat_map(|side| side.rows.iter().map(Standing::peak));
+        let peaks = sides.iter().flat_map(|side| side.rows.iter().map(ComponentState::peak));
         let top = peaks.fold(f64::MIN_POSITIVE, f64::max) * 1.08;
         beside(ui, &sides, |ui, side| densities(ui, chosen, side, top));
         ui.add_space(6.0);
@@ -240,7 +240,7 @@ fn curve(
     plot: Rect,
     x_axis: Axis,
     y_axis: Axis,
-    row: &Standing,
+    row: &ComponentState,
     channel: usize,
     colour: egui::Color32,
 ) {

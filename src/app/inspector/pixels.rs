@@ -17,7 +17,7 @@ use super::style::{self, small};
 use super::{Beside, InspectorAction, side};
 use crate::app::{pins, theme};
 use crate::export::figure::region::{Peak, peaks};
-use crate::mixture::sparks::{Spark, levels, sparks};
+use crate::mixture::sparklines::{SparklineColumn, level_range, sparkline};
 use crate::mixture::{PixelHistory, PixelState};
 use crate::replay::RegionShares;
 
@@ -52,7 +52,7 @@ struct Cache {
     columns: usize,
     /// Of how many frames they are, of which the history may have fewer.
     frames: usize,
-    sparks: Vec<Spark>,
+    sparks: Vec<SparklineColumn>,
 }
 
 const ON_THE_WAY: &str = "Its first frames are on the way …";
@@ -260,7 +260,7 @@ impl Pixels {
         self.curve.as_ref().map_or(&[], |of| &of.peaks)
     }
 
-    fn sparks(&mut self, history: &Arc<PixelHistory>, columns: usize, frames: usize) -> &[Spark] {
+    fn sparks(&mut self, history: &Arc<PixelHistory>, columns: usize, frames: usize) -> &[SparklineColumn] {
         let fits = |cache: &Cache| Arc::ptr_eq(&cache.history, history);
         let known = self.cache.iter().position(fits);
         let at = known.unwrap_or_else(|| {
@@ -275,7 +275,7 @@ impl Pixels {
         let cache = &mut self.cache[at];
         if (cache.columns, cache.frames) != (columns, frames) {
             (cache.columns, cache.frames) = (columns, frames);
-            cache.sparks = sparks(history, columns, frames);
+            cache.sparks = sparkline(history, columns, frames);
         }
         &cache.sparks
     }
@@ -336,11 +336,11 @@ fn pin_row(
     asked
 }
 
-fn draw(ui: &Ui, area: Rect, sparks: &[Spark], colour: Color32, axis: Axis, here: Here) {
+fn draw(ui: &Ui, area: Rect, sparks: &[SparklineColumn], colour: Color32, axis: Axis, here: Here) {
     let (painter, visuals) = (ui.painter_at(area.expand(1.0)), ui.visuals());
     let plot = Rect::from_min_size(area.min, vec2(area.width(), SPARK));
     painter.rect_filled(plot, 2.0, visuals.faint_bg_color);
-    let (low, high) = levels(sparks);
+    let (low, high) = level_range(sparks);
     let levels = Axis::y(low.into(), high.into(), plot.shrink2(vec2(0.0, 2.0)));
     let (mut bands, mut lines, mut verdicts) = (Columns::default(), Columns::default(), Columns::default());
     let strip = Rangef::new(plot.bottom() + 2.0, plot.bottom() + 2.0 + STRIP);

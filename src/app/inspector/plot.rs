@@ -11,7 +11,7 @@ use crate::export::figure::cube::{self, Look};
 use crate::export::figure::mixture::{self, Moment};
 use crate::export::figure::{Figure, pins, raster, region, scatter, svg, through_time, tuning};
 use crate::frame::Frame;
-use crate::mixture::{PixelHistory, places};
+use crate::mixture::{PixelHistory, scatter_points};
 use crate::replay::{RegionShares, RegionTuning, Tuning};
 use crate::truth::decisions::Measure;
 
@@ -23,11 +23,11 @@ pub enum Plot {
     /// The weights at a position.
     Weights(Followed, usize, Moment),
     /// Values and mixture through time.
-    History(Followed, through_time::Choice),
+    History(Followed, through_time::HistorySelection),
     /// A plane of the channels, with the frame in view.
-    Scatter(Followed, places::Choice, usize),
+    Scatter(Followed, scatter_points::ScatterSelection, usize),
     /// All three channels, with the frame in view.
-    Cube(Followed, places::Choice, usize, Look),
+    Cube(Followed, scatter_points::ScatterSelection, usize, Look),
     /// The tuning map.
     Map(Followed, Box<Tuning>),
     /// How right the pixels around it would be.
@@ -96,9 +96,9 @@ impl Plot {
                 let (from, to) = sides.fold((usize::MAX, 0), |(from, to), at| (from.min(at), to.max(at + 1)));
                 Table::History(Arc::clone(&of.history), from.min(to)..to)
             }
-            Self::History(of, through_time::Choice { frames, .. })
-            | Self::Scatter(of, places::Choice { frames, .. }, _)
-            | Self::Cube(of, places::Choice { frames, .. }, ..) => {
+            Self::History(of, through_time::HistorySelection { frames, .. })
+            | Self::Scatter(of, scatter_points::ScatterSelection { frames, .. }, _)
+            | Self::Cube(of, scatter_points::ScatterSelection { frames, .. }, ..) => {
                 Table::History(Arc::clone(&of.history), frames.clone())
             }
             Self::Map(_, tuning) => Table::Map(tuning.clone()),

@@ -5,14 +5,16 @@ use eframe::egui::{Color32, Painter, Pos2, Rangef, Rect, Shape, Stroke, Visuals}
 use super::chart::{self, Axis, Columns};
 use super::style;
 use crate::export::figure::axis::power_of_ten;
-use crate::mixture::bins::{Bin, FEW, STEP, rate_range};
+use crate::mixture::downsampled_history::{
+    HistoryColumn, LEVELS_PER_BIN, MAX_FRAMES_WITHOUT_LEVELS, rate_range,
+};
 use crate::mixture::verdict::number;
 
 /// Height of a lane of changes; each sort has one.
 pub(super) const LANE: f32 = 9.0;
 
 /// The part of the axis that a bin takes.
-pub(super) fn x_range(bin: &Bin, axis: Axis) -> Rangef {
+pub(super) fn x_range(bin: &HistoryColumn, axis: Axis) -> Rangef {
     Rangef::new(axis.at(bin.frames.start as f64), axis.at(bin.frames.end as f64))
 }
 
@@ -20,7 +22,7 @@ pub(super) fn x_range(bin: &Bin, axis: Axis) -> Rangef {
 pub(super) fn channel_plot(
     painter: &Painter,
     visuals: &Visuals,
-    bins: &[Bin],
+    bins: &[HistoryColumn],
     channel: usize,
     axis: Axis,
     values: Axis,
@@ -47,14 +49,14 @@ pub(super) fn channel_plot(
         for &(step, count) in &bin.levels[channel] {
             // Even a single frame among a thousand leaves a trace.
             let share = count as f32 / bin.frames.len() as f32;
-            let low = f64::from(step) * f64::from(STEP);
-            let (low, high) = (values.at(low), values.at(low + f64::from(STEP)));
+            let low = f64::from(step) * f64::from(LEVELS_PER_BIN);
+            let (low, high) = (values.at(low), values.at(low + f64::from(LEVELS_PER_BIN)));
             levels.add(x_range(bin, axis), low, high, ink.gamma_multiply(0.12 + 0.88 * share.sqrt()));
         }
     }
     levels.paint(painter);
     means.paint(painter);
-    if bins.iter().any(|bin| bin.frames.len() > FEW) {
+    if bins.iter().any(|bin| bin.frames.len() > MAX_FRAMES_WITHOUT_LEVELS) {
         return;
     }
 
@@ -86,7 +88,7 @@ pub(super) fn channel_plot(
 pub(super) fn weights_plot(
     painter: &Painter,
     visuals: &Visuals,
-    bins: &[Bin],
+    bins: &[HistoryColumn],
     axis: Axis,
     rect: Rect,
     t: f32,
@@ -116,7 +118,13 @@ pub(super) fn weights_plot(
 }
 
 /// ρ on a logarithmic scale where something matched.
-pub(super) fn rates_plot(painter: &Painter, visuals: &Visuals, bins: &[Bin], axis: Axis, rect: Rect) {
+pub(super) fn rates_plot(
+    painter: &Painter,
+    visuals: &Visuals,
+    bins: &[HistoryColumn],
+    axis: Axis,
+    rect: Rect,
+) {
     let (low, high) = rate_range(bins);
     let scale = Axis::y(low.log10(), high.log10(), rect);
     let at = |rho: f32| scale.clamped(f64::from(rho).max(f64::MIN_POSITIVE).log10());
@@ -140,7 +148,13 @@ fn rate_words(rate: f64) -> String {
 }
 
 /// A stroke in the component's colour for each that was born, replaced another, or rose, in lanes of their own.
-pub(super) fn changes_plot(painter: &Painter, visuals: &Visuals, bins: &[Bin], axis: Axis, rect: Rect) {
+pub(super) fn changes_plot(
+    painter: &Painter,
+    visuals: &Visuals,
+    bins: &[HistoryColumn],
+    axis: Axis,
+    rect: Rect,
+) {
     let clipped = painter.with_clip_rect(rect.intersect(painter.clip_rect()));
     let mut labels = Vec::new();
     for (lane, name) in ["born", "repl.", "rose"].into_iter().enumerate() {
@@ -167,7 +181,7 @@ pub(super) fn changes_plot(painter: &Painter, visuals: &Visuals, bins: &[Bin], a
 pub(super) fn count_plot(
     painter: &Painter,
     visuals: &Visuals,
-    bins: &[Bin],
+    bins: &[HistoryColumn],
     axis: Axis,
     rect: Rect,
     k: usize,
@@ -195,8 +209,8 @@ mod tests {
     use eframe::egui::{Color32, Context, RawInput};
 
     use super::*;
-    use crate::mixture::bins::bins;
-    use crate::mixture::follow::slots;
+    use crate::mixture::component_slots::slots_by_rank;
+    use crate::mixture::downsampled_history::downsample;
     use crate::mixture::{Parameters, PixelHistory};
     use crate::settings::{Preset, Settings};
 
@@ -206,7 +220,7 @@ mod tests {
         let parameters = Parameters::new(&Settings::preset(Preset::Paper));
         let colours = (1..=200).map(|n| (n, if n % 9 == 0 { [124, 131, 119] } else { [100; 3] }));
         let history = PixelHistory::of_colours((0, 0), parameters, colours);
-        let (low, _) = rate_range(&bins(&history, &slots(&history), 0..200, 50));
+        let (low, _) = rate_range(&downsample(&history, &slots_by_rank(&history), 0..200, 50));
         assert!(low < 1e-4, "a case in point: {low}");
         let rates = (-12..=0).map(|power| 10_f64.powi(power)).chain([low]);
         let ctx = Context::default();

@@ -15,10 +15,10 @@ use egui_kittest::kittest::{NodeT, Queryable};
 use super::super::golden::looks_as_before;
 use super::{Beside, Followed, Format, Inspector, InspectorAction, Table};
 use crate::frame::{Frame, Mask, Size};
-use crate::mixture::follow::{Change, change};
+use crate::mixture::component_slots::{ComponentChange, component_change};
 use crate::mixture::statistics::Statistics;
-use crate::mixture::tuning::{Knob, flip, map};
-use crate::mixture::verdict::{number, sigmas, verdict};
+use crate::mixture::tuning::{TunableSetting, flip, map};
+use crate::mixture::verdict::{distance_in_sigmas, number, verdict};
 use crate::mixture::{Parameters, PixelHistory};
 use crate::occlusion::Counters;
 use crate::pipeline::Analysis;
@@ -97,7 +97,7 @@ fn shown(position: u32) -> ShownFrame {
     shown_of(settings, Some(history), position)
 }
 
-fn tuning_of(shown: &ShownFrame, knobs: [Knob; 2]) -> Option<Tuning> {
+fn tuning_of(shown: &ShownFrame, knobs: [TunableSetting; 2]) -> Option<Tuning> {
     let history = shown.pixel.as_ref()?;
     let states = history.states.get(..=shown.position as usize)?;
     // A long history is tried elsewhere.
@@ -108,7 +108,7 @@ fn tuning_of(shown: &ShownFrame, knobs: [Knob; 2]) -> Option<Tuning> {
         position: shown.position,
         parameters,
         map: map(&values, &parameters, knobs),
-        flips: Knob::ALL.iter().map(|&knob| flip(&values, &parameters, knob)).collect(),
+        flips: TunableSetting::ALL.iter().map(|&knob| flip(&values, &parameters, knob)).collect(),
     })
 }
 
@@ -121,7 +121,8 @@ fn harness(
     let actions = Rc::new(RefCell::new(Vec::new()));
     let (asked, mut inspector) = (Rc::clone(&actions), Inspector::default());
     // As the worker answers when the tab is open.
-    let tuning = shown.as_ref().and_then(|shown| tuning_of(shown, [Knob::Alpha, Knob::T]));
+    let tuning =
+        shown.as_ref().and_then(|shown| tuning_of(shown, [TunableSetting::Alpha, TunableSetting::T]));
     let mut harness = Harness::builder()
         .with_size(size)
         .with_theme(theme)
@@ -376,7 +377,7 @@ fn what_is_shown_equals_the_state() {
         if state.outcome.matched > 0 {
             let before = history.before(position as usize).unwrap();
             let matched = before.components()[usize::from(state.outcome.matched) - 1];
-            assert!(all.contains(&format!("{:.1} σ", sigmas(&matched, state.value))));
+            assert!(all.contains(&format!("{:.1} σ", distance_in_sigmas(&matched, state.value))));
             assert!(all.iter().any(|text| text == "match") && !all.iter().any(|text| text == "new"));
         } else {
             assert!(all.iter().any(|text| text == "new") && !all.iter().any(|text| text == "match"));
@@ -427,13 +428,13 @@ fn what_happened_to_components_is_told_where_the_history_marks_it() {
     let (mut harness, _) = tall(Some(shown));
     open(&mut harness, "History");
     let mut told = Vec::new();
-    for index in (0..600).filter(|&index| change(&history, index).is_some()) {
+    for index in (0..600).filter(|&index| component_change(&history, index).is_some()) {
         harness.hover_at(on_history(&harness, (index as f32 + 0.5) / 600.0));
         harness.run();
-        let words = match change(&history, index).unwrap() {
-            Change::Born => "was born",
-            Change::Replaced => "replaced the last",
-            Change::Rose { .. } => "It rose from rank",
+        let words = match component_change(&history, index).unwrap() {
+            ComponentChange::Born => "was born",
+            ComponentChange::Replaced => "replaced the last",
+            ComponentChange::Rose { .. } => "It rose from rank",
         };
         assert!(says(&harness, words), "frame {index}: {words:?} in {:?}", texts(&harness));
         told.push(words);
@@ -548,7 +549,7 @@ fn a_zoomed_history_shows_single_frames_and_fits_its_values() {
 fn components_are_followed_on_from_where_a_history_ended_before() {
     let (settings, other) = (settings(), Settings { k: 3, ..settings() });
     let [short, long] = [300, 600].map(|frames| Arc::new(history_of(&settings, frames)));
-    let expected = crate::mixture::follow::slots(&long);
+    let expected = crate::mixture::component_slots::slots_by_rank(&long);
     let mut followed = None;
     super::followed(&mut followed, &short);
     assert_eq!(*super::followed(&mut followed, &long), expected);
@@ -558,7 +559,10 @@ fn components_are_followed_on_from_where_a_history_ended_before() {
     let slots = super::followed(&mut followed, &long);
     assert_eq!((slots.len(), slots[0], slots[299]), (600, [7; 8], [7; 8]));
     let another = Arc::new(history_of(&other, 600));
-    assert_eq!(*super::followed(&mut followed, &another), crate::mixture::follow::slots(&another));
+    assert_eq!(
+        *super::followed(&mut followed, &another),
+        crate::mixture::component_slots::slots_by_rank(&another)
+    );
 }
 
 #[test]
@@ -593,7 +597,7 @@ fn on_map(harness: &Harness<'_>, share: Vec2) -> Pos2 {
 #[test]
 fn a_click_into_the_tuning_map_takes_the_cell_that_its_tip_names() {
     let shown = shown(430);
-    let tuning = tuning_of(&shown, [Knob::Alpha, Knob::T]).unwrap();
+    let tuning = tuning_of(&shown, [TunableSetting::Alpha, TunableSetting::T]).unwrap();
     let share = tuning.map.foreground_share();
     assert!(share > 0.05 && share < 0.95, "a case in point: {share}");
     let (mut harness, actions) = tall(Some(shown));
@@ -616,14 +620,17 @@ fn a_click_into_the_tuning_map_takes_the_cell_that_its_tip_names() {
         harness.drag_at(at);
         harness.drop_at(at);
         harness.run();
-        assert_eq!(actions.take(), [InspectorAction::Take([(Knob::Alpha, alpha), (Knob::T, t)])]);
+        assert_eq!(
+            actions.take(),
+            [InspectorAction::Take([(TunableSetting::Alpha, alpha), (TunableSetting::T, t)])]
+        );
     }
 }
 
 #[test]
 fn what_flips_the_verdict_is_named_and_taken() {
     let shown = shown(430);
-    let tuning = tuning_of(&shown, [Knob::Alpha, Knob::T]).unwrap();
+    let tuning = tuning_of(&shown, [TunableSetting::Alpha, TunableSetting::T]).unwrap();
     let (mut harness, actions) = tall(Some(shown));
     open(&mut harness, "Tuning");
     let mut taken = 0;
@@ -643,7 +650,7 @@ fn a_map_of_other_settings_is_asked_for_and_waited_for() {
     let (shown, mut inspector) = (shown(430), Inspector::default());
     assert_eq!(inspector.asks().tune, None, "nobody looks");
     let asked = Rc::new(RefCell::new(None));
-    let (noted, tuning) = (Rc::clone(&asked), tuning_of(&shown, [Knob::Alpha, Knob::T]));
+    let (noted, tuning) = (Rc::clone(&asked), tuning_of(&shown, [TunableSetting::Alpha, TunableSetting::T]));
     let mut harness = Harness::builder()
         .with_size(Vec2::new(380.0, 900.0))
         .with_context_setup(crate::app::theme::install)
@@ -654,15 +661,19 @@ fn a_map_of_other_settings_is_asked_for_and_waited_for() {
             });
         });
     open(&mut harness, "Tuning");
-    assert_eq!(*asked.borrow(), Some([Knob::Alpha, Knob::T]));
+    assert_eq!(*asked.borrow(), Some([TunableSetting::Alpha, TunableSetting::T]));
     // λ in the lower row of choices: up.
     harness.get_all_by_label("λ").last().unwrap().click();
     harness.run();
-    assert_eq!(*asked.borrow(), Some([Knob::Alpha, Knob::Lambda]));
+    assert_eq!(*asked.borrow(), Some([TunableSetting::Alpha, TunableSetting::Lambda]));
     assert!(says(&harness, "Tuning map of α across and λ up, not known yet"), "{:?}", texts(&harness));
     harness.get_all_by_label("α").last().unwrap().click();
     harness.run();
-    assert_eq!(*asked.borrow(), Some([Knob::Lambda, Knob::Alpha]), "the sides change places");
+    assert_eq!(
+        *asked.borrow(),
+        Some([TunableSetting::Lambda, TunableSetting::Alpha]),
+        "the sides change places"
+    );
 }
 
 #[test]

@@ -11,7 +11,7 @@ use super::menu;
 use super::plot::Plot;
 use super::style::{self, small};
 use super::{Chosen, InspectorAction, Judged};
-use crate::mixture::tuning::{Flip, Knob, Map};
+use crate::mixture::tuning::{TunableSetting, VerdictFlip, VerdictMap};
 use crate::mixture::verdict::number;
 use crate::replay::Tuning;
 
@@ -27,7 +27,7 @@ const STRENGTHS: [f32; 2] = [0.34, 0.72];
 
 /// Which settings the map is about.
 pub(super) struct TuningView {
-    pub(super) knobs: [Knob; 2],
+    pub(super) knobs: [TunableSetting; 2],
     pub(super) judged: JudgedView,
     /// Since when the answer belongs to another question, in the window's seconds.
     late_since: Option<f64>,
@@ -35,7 +35,11 @@ pub(super) struct TuningView {
 
 impl Default for TuningView {
     fn default() -> Self {
-        Self { knobs: [Knob::Alpha, Knob::T], judged: JudgedView::default(), late_since: None }
+        Self {
+            knobs: [TunableSetting::Alpha, TunableSetting::T],
+            judged: JudgedView::default(),
+            late_since: None,
+        }
     }
 }
 
@@ -110,7 +114,7 @@ impl TuningView {
         let (rect, _) = ui.allocate_exact_size(Vec2::new(38.0, 16.0), Sense::hover());
         let (painter, visuals) = (ui.painter(), ui.visuals());
         painter.text(rect.left_center(), Align2::LEFT_CENTER, name, style::font(), style::muted(visuals));
-        for knob in Knob::ALL {
+        for knob in TunableSetting::ALL {
             let label = ui.selectable_label(self.knobs[side] == knob, knob.symbol());
             let label = label.on_hover_text(format!("{}: {}, {name}", knob.symbol(), knob.name()));
             if label.clicked() && self.knobs[side] != knob {
@@ -155,12 +159,12 @@ fn legend(ui: &mut Ui) {
 fn map_ui(
     ui: &mut Ui,
     chosen: &Chosen<'_>,
-    knobs: [Knob; 2],
-    map: Option<&Map>,
+    knobs: [TunableSetting; 2],
+    map: Option<&VerdictMap>,
     pale: bool,
     flat: f32,
 ) -> Option<InspectorAction> {
-    let [across, up] = knobs.map(Knob::symbol);
+    let [across, up] = knobs.map(TunableSetting::symbol);
     let share = map.map_or("not known yet".to_owned(), |map| {
         format!("foreground in {:.0} % of it", map.foreground_share() * 100.0)
     });
@@ -180,14 +184,14 @@ fn map_ui(
 }
 
 /// For each setting alone the nearest value that flips the verdict.
-fn flips_ui(ui: &mut Ui, chosen: &Chosen<'_>, flips: Option<&[Flip]>) -> Option<InspectorAction> {
+fn flips_ui(ui: &mut Ui, chosen: &Chosen<'_>, flips: Option<&[VerdictFlip]>) -> Option<InspectorAction> {
     let other = if chosen.state.outcome.foreground { "background" } else { "foreground" };
     ui.label(RichText::new(format!("What alone would make it {other}")).strong()).on_hover_text(
         "For each setting, the value nearest to the present one at which the mixture's verdict about this pixel in \
          this frame is the other one. Each was found by running the pixel anew from the first frame.",
     );
     let mut taken = None;
-    for (at, knob) in Knob::ALL.into_iter().enumerate() {
+    for (at, knob) in TunableSetting::ALL.into_iter().enumerate() {
         let flip = flips.and_then(|flips| flips.iter().find(|flip| flip.knob == knob));
         let present = knob.get(&chosen.history.parameters);
         let height = style::SMALL + 9.0;
@@ -212,7 +216,7 @@ fn flips_ui(ui: &mut Ui, chosen: &Chosen<'_>, flips: Option<&[Flip]>) -> Option<
                 None => {
                     ui.label(style::aside(ui, "…"));
                 }
-                Some(flip @ Flip { value: Some(value), .. }) => {
+                Some(flip @ VerdictFlip { value: Some(value), .. }) => {
                     let button = ui.small_button(small(&flip.words()));
                     let says = format!("Set {} to {value}", knob.symbol());
                     if button.on_hover_text(says).clicked() {

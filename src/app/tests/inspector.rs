@@ -18,8 +18,8 @@ pub(super) fn inspected_state(position: u32) -> State {
         at: AT,
         position,
         parameters,
-        map: map(&values, &parameters, [Knob::Alpha, Knob::T]),
-        flips: Knob::ALL.iter().map(|&knob| flip(&values, &parameters, knob)).collect(),
+        map: map(&values, &parameters, [TunableSetting::Alpha, TunableSetting::T]),
+        flips: TunableSetting::ALL.iter().map(|&knob| flip(&values, &parameters, knob)).collect(),
     };
     let history = Some(Arc::new(history));
     let shown = ShownFrame { pixel: history.clone(), ..shown_at(position) };
@@ -35,7 +35,7 @@ fn inspected(position: u32) -> (Harness<'static, Window>, Scene) {
     window(Some(inspected_state(position)), (1600.0, 1000.0), Theme::Dark)
 }
 
-fn tuned(scene: &Scene) -> Vec<Option<[Knob; 2]>> {
+fn tuned(scene: &Scene) -> Vec<Option<[TunableSetting; 2]>> {
     let asked = scene.asked.borrow();
     asked
         .iter()
@@ -50,7 +50,7 @@ fn the_worker_is_asked_for_a_map_while_it_is_looked_at_and_a_cell_becomes_the_se
     harness.get_by_label("Tuning").click();
     harness.run_steps(4);
     picture(&mut harness, "tuning");
-    assert_eq!(tuned(&scene), [Some([Knob::Alpha, Knob::T])], "once, not in every frame");
+    assert_eq!(tuned(&scene), [Some([TunableSetting::Alpha, TunableSetting::T])], "once, not in every frame");
 
     let at = harness.get_by_label_contains("Tuning map of").rect().center();
     harness.hover_at(at);

@@ -32,7 +32,7 @@ fn truth(position: u32) -> Arc<Truth> {
 /// As if the worker had found it: better to the right and in the middle.
 fn tuning_of(state: &State, side: u32) -> RegionTuning {
     let parameters = state.pixel.as_ref().unwrap().parameters;
-    let (axes, cells) = grid(&parameters, [Knob::Alpha, Knob::T]);
+    let (axes, cells) = grid(&parameters, [TunableSetting::Alpha, TunableSetting::T]);
     let all = u64::from(side * side * 50);
     let decide = |index: usize| {
         let (column, row) = (index % 24, index / 24);

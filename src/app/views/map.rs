@@ -25,7 +25,7 @@ pub(crate) const fn name(quantity: Quantity) -> &'static str {
         Quantity::Used => "Components in use",
         Quantity::BackgroundCount => "B",
         Quantity::Matched => "Rank that matched",
-        Quantity::Since => "Frames since foreground",
+        Quantity::SinceForeground => "Frames since foreground",
     }
 }
 
@@ -37,7 +37,7 @@ pub(super) const fn symbol(quantity: Quantity) -> &'static str {
         Quantity::Used => "used",
         Quantity::BackgroundCount => "B",
         Quantity::Matched => "matched",
-        Quantity::Since => "since",
+        Quantity::SinceForeground => "since",
     }
 }
 
@@ -49,7 +49,7 @@ const fn caption(quantity: Quantity) -> &'static str {
         Quantity::Used => "in use",
         Quantity::BackgroundCount => "B",
         Quantity::Matched => "matched",
-        Quantity::Since => "frames ago",
+        Quantity::SinceForeground => "frames ago",
     }
 }
 
@@ -62,7 +62,7 @@ fn scale(quantity: Quantity, settings: &Settings) -> Scale {
         }
         Quantity::Weight => Scale::Linear { low: 0.0, high: 1.0 },
         // What was foreground a moment ago is brightest.
-        Quantity::Since => Scale::Log { offset: 1.0, low: LONG_AGO, high: 0.0 },
+        Quantity::SinceForeground => Scale::Log { offset: 1.0, low: LONG_AGO, high: 0.0 },
         Quantity::Used | Quantity::BackgroundCount | Quantity::Matched => Scale::Steps,
     }
 }
@@ -73,7 +73,7 @@ fn number(quantity: Quantity, value: f32) -> String {
         Quantity::Sigma => format!("{value:.2}"),
         Quantity::Weight => format!("{value:.3}"),
         Quantity::Matched if value == 0.0 => "none".into(),
-        Quantity::Since if value.is_infinite() => "never".into(),
+        Quantity::SinceForeground if value.is_infinite() => "never".into(),
         _ => format!("{value:.0}"),
     }
 }
@@ -195,7 +195,7 @@ fn swatches(quantity: Quantity) -> Vec<(Color32, String)> {
     match quantity {
         Quantity::Used | Quantity::BackgroundCount => counts.collect(),
         Quantity::Matched => counts.chain([(STEPS[0], "none".to_owned())]).collect(),
-        Quantity::Since => vec![(NEVER, "never".to_owned())],
+        Quantity::SinceForeground => vec![(NEVER, "never".to_owned())],
         Quantity::Sigma | Quantity::Weight => Vec::new(),
     }
 }
@@ -203,7 +203,7 @@ fn swatches(quantity: Quantity) -> Vec<(Color32, String)> {
 /// The numbers that stand under the ramp.
 fn ticks(quantity: Quantity, scale: Scale) -> Vec<f32> {
     match (quantity, scale) {
-        (Quantity::Since, _) => vec![1000.0, 100.0, 10.0, 0.0],
+        (Quantity::SinceForeground, _) => vec![1000.0, 100.0, 10.0, 0.0],
         (Quantity::Weight, _) => vec![0.0, 0.5, 1.0],
         (_, Scale::Log { low, high, .. }) => {
             let decades = [0.1, 1.0, 10.0, 100.0].into_iter();
@@ -252,7 +252,7 @@ mod tests {
             );
         }
         assert_eq!(number(Quantity::Matched, 0.0), "none");
-        assert_eq!(number(Quantity::Since, f32::INFINITY), "never");
+        assert_eq!(number(Quantity::SinceForeground, f32::INFINITY), "never");
         assert_eq!(number(Quantity::Sigma, 5.3125), "5.31");
     }
 }

@@ -75,7 +75,7 @@ fn a_region_is_judged_under_other_settings() {
         part.iter().map(|frame| Some(truth.of(frame.number)?.cut(&columns, &rows))).collect();
 
     let watched = Watched::open(folder.path(), settings.clone(), Start::First, 0);
-    watched.session.tune(Some([Knob::K, Knob::T]));
+    watched.session.tune(Some([TunableSetting::K, TunableSetting::T]));
     watched.session.tune_region(Some((PIXEL, 9)));
     watched.session.set_truth(Some(known(&truth)));
     let tuned = |settings: &Settings| {

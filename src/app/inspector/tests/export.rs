@@ -20,7 +20,7 @@ fn the_frames_of_a_zoomed_history_are_what_is_copied() {
 #[test]
 fn a_map_is_saved_cell_by_cell() {
     let shown = shown(430);
-    let tuning = tuning_of(&shown, [Knob::Alpha, Knob::T]).unwrap();
+    let tuning = tuning_of(&shown, [TunableSetting::Alpha, TunableSetting::T]).unwrap();
     let (mut harness, actions) = tall(Some(shown));
     open(&mut harness, "Tuning");
     choose(&mut harness, "Copy or save the map", "Save CSV…");

@@ -6,9 +6,9 @@ use super::history::PixelHistory;
 use super::pixel::{Component, luma};
 use crate::settings::Space;
 
-/// Some consecutive frames of a pixel, drawn as one column.
+/// Some consecutive frames of a pixel, drawn as one column of a sparkline.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Spark {
+pub struct SparklineColumn {
     /// Positions of its frames.
     pub frames: Range<usize>,
     /// Least and greatest brightness, in levels.
@@ -20,15 +20,15 @@ pub struct Spark {
 }
 
 /// The columns of a history, of which `columns` stand for `frames`; there are fewer while it has fewer frames.
-pub fn sparks(history: &PixelHistory, columns: usize, frames: usize) -> Vec<Spark> {
+pub fn sparkline(history: &PixelHistory, columns: usize, frames: usize) -> Vec<SparklineColumn> {
     let count = frames.min(columns.max(1));
     let edge = |column: usize| (frames * column / count.max(1)).min(history.states.len());
     let ranges =
         (0..count).map(|column| edge(column)..edge(column + 1)).take_while(|range| !range.is_empty());
-    ranges.map(|range| spark(history, range)).collect()
+    ranges.map(|range| sparkline_column(history, range)).collect()
 }
 
-fn spark(history: &PixelHistory, frames: Range<usize>) -> Spark {
+fn sparkline_column(history: &PixelHistory, frames: Range<usize>) -> SparklineColumn {
     let states = &history.states[frames.clone()];
     let values = states.iter().map(|state| f32::from(luma(state.rgb)));
     let values = values
@@ -47,19 +47,19 @@ fn spark(history: &PixelHistory, frames: Range<usize>) -> Spark {
         };
         background.map(band).collect()
     });
-    Spark { frames, values, bands, foreground: foreground as f32 / states.len().max(1) as f32 }
+    SparklineColumn { frames, values, bands, foreground: foreground as f32 / states.len().max(1) as f32 }
 }
 
-/// The brightnesses that these columns are drawn between: all that occur with the bands around them, and no fewer than a
-/// few, so that noise stays small.
-pub fn levels(sparks: &[Spark]) -> (f32, f32) {
-    const FEWEST: f32 = 48.0;
+/// The range of brightness that these columns are drawn in: all that occur with the bands around them, and at least
+/// `MIN_LEVELS` levels, so that noise stays small.
+pub fn level_range(sparks: &[SparklineColumn]) -> (f32, f32) {
+    const MIN_LEVELS: f32 = 48.0;
     let all = sparks.iter().flat_map(|spark| spark.bands.iter().copied().chain([spark.values]));
     let (low, high) =
         all.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), (a, b)| (low.min(a), high.max(b)));
     let (low, high) = (low.max(0.0), high.min(255.0));
     // A little more, so that the bands' edges are seen as such.
-    let missing = ((FEWEST - (high - low)) / 2.0).max(0.14 * (high - low));
+    let missing = ((MIN_LEVELS - (high - low)) / 2.0).max(0.14 * (high - low));
     if low <= high { (low - missing, high + missing) } else { (0.0, 255.0) }
 }
 
@@ -78,7 +78,7 @@ mod tests {
     #[test]
     fn columns_keep_what_is_brief_and_leave_room_for_frames_to_come() {
         let history = history(600);
-        let all = sparks(&history, 60, 600);
+        let all = sparkline(&history, 60, 600);
         assert_eq!(all.len(), 60);
         for (column, spark) in all.iter().enumerate() {
             let flash = (column * 10..column * 10 + 10).any(|n| n % 97 == 50);
@@ -92,18 +92,21 @@ mod tests {
         let [r, g, b] = history.states[309].pixel.components()[0].mean;
         let first = 0.299 * r + 0.587 * g + 0.114 * b;
         assert!((f32::midpoint(low, high) - first).abs() < 1e-3, "component 1 comes first");
-        assert_eq!(sparks(&history, 60, 1200).len(), 30, "half of the frames are known");
-        assert_eq!(sparks(&history, 900, 600).len(), 600, "a frame each");
-        assert!(sparks(&self::history(0), 60, 100).is_empty());
+        assert_eq!(sparkline(&history, 60, 1200).len(), 30, "half of the frames are known");
+        assert_eq!(sparkline(&history, 900, 600).len(), 600, "a frame each");
+        assert!(sparkline(&self::history(0), 60, 100).is_empty());
     }
 
     #[test]
     fn what_is_drawn_has_room_and_noise_stays_small() {
-        let spark =
-            |values, bands: &[(f32, f32)]| Spark { values, bands: bands.to_vec(), ..Spark::default() };
-        assert_eq!(levels(&[spark((100.0, 104.0), &[(98.0, 106.0)])]), (78.0, 126.0));
-        let (low, high) = levels(&[spark((90.0, 94.0), &[(80.0, 110.0)]), spark((10.0, 240.0), &[])]);
+        let spark = |values, bands: &[(f32, f32)]| SparklineColumn {
+            values,
+            bands: bands.to_vec(),
+            ..SparklineColumn::default()
+        };
+        assert_eq!(level_range(&[spark((100.0, 104.0), &[(98.0, 106.0)])]), (78.0, 126.0));
+        let (low, high) = level_range(&[spark((90.0, 94.0), &[(80.0, 110.0)]), spark((10.0, 240.0), &[])]);
         assert!(low < 10.0 && high > 240.0, "{low} {high}");
-        assert_eq!(levels(&[]), (0.0, 255.0));
+        assert_eq!(level_range(&[]), (0.0, 255.0));
     }
 }

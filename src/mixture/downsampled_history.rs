@@ -1,30 +1,30 @@
-//! Long histories in as many columns as the screen has: each holds the extremes of its frames, so
-//! that nothing brief is lost.
+//! Downsampling of long histories to as many columns as the screen has. Each column holds the extremes of its frames,
+//! so that nothing brief is lost.
 
 use std::ops::Range;
 
-use super::follow::{Change, change};
+use super::component_slots::{ComponentChange, component_change};
 use super::history::PixelHistory;
 use super::pixel::MAX_K;
 
-/// Levels of a value that are counted together in [`Bin::levels`].
-pub const STEP: u8 = 4;
-/// Bins of more frames than this count their levels.
-pub const FEW: usize = 4;
+/// Levels of a value that are counted together in [`HistoryColumn::levels`].
+pub const LEVELS_PER_BIN: u8 = 4;
+/// Columns of more frames than this count their levels.
+pub const MAX_FRAMES_WITHOUT_LEVELS: usize = 4;
 
 /// Some consecutive frames of a history, drawn as one column.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Bin {
+pub struct HistoryColumn {
     /// Positions of its frames.
     pub frames: Range<usize>,
     /// Least and greatest value of each channel.
     pub value: [(f32, f32); 3],
-    /// How many frames have a value in each [`STEP`] levels, for each channel; `(step, frames)`,
-    /// only those that occur, and none for bins of few frames.
+    /// How many frames have a value in each step of [`LEVELS_PER_BIN`] levels, for each channel; `(step, frames)`,
+    /// only those that occur, and none for columns of few frames.
     pub levels: [Vec<(u8, u32)>; 3],
     /// The matching range of each component, by slot.
     pub bands: [Option<Band>; MAX_K],
-    /// Slot and weight in the bin's last frame, in rank order, used components only.
+    /// Slot and weight in the column's last frame, in rank order, used components only.
     pub weights: Vec<(u8, f32)>,
     /// B in the last frame.
     pub background_count: u8,
@@ -40,14 +40,14 @@ pub struct Bin {
     pub made: [bool; MAX_K],
 }
 
-impl Bin {
+impl HistoryColumn {
     /// The share of its frames that are foreground, 0..=1.
     pub fn foreground_share(&self) -> f32 {
         self.foreground as f32 / self.frames.len().max(1) as f32
     }
 }
 
-/// Where a component matched during a bin: μ ± λσ in each channel.
+/// The matching range of a component during a column: μ ± λσ in each channel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Band {
     /// Least μ − λσ and greatest μ + λσ of each channel.
@@ -58,18 +58,23 @@ pub struct Band {
     pub background: bool,
 }
 
-/// `frames` of the history in at most `columns` bins of nearly equal length.
-pub fn bins(history: &PixelHistory, slots: &[[u8; MAX_K]], frames: Range<usize>, columns: usize) -> Vec<Bin> {
+/// `frames` of the history in at most `columns` columns of nearly equal length.
+pub fn downsample(
+    history: &PixelHistory,
+    slots: &[[u8; MAX_K]],
+    frames: Range<usize>,
+    columns: usize,
+) -> Vec<HistoryColumn> {
     let end = frames.end.min(history.states.len()).min(slots.len());
     let frames = frames.start.min(end)..end;
     let count = frames.len().min(columns.max(1));
     let edge = |bin: usize| frames.start + frames.len() * bin / count.max(1);
-    (0..count).map(|at| bin(history, slots, edge(at)..edge(at + 1))).collect()
+    (0..count).map(|at| column(history, slots, edge(at)..edge(at + 1))).collect()
 }
 
-fn bin(history: &PixelHistory, slots: &[[u8; MAX_K]], frames: Range<usize>) -> Bin {
+fn column(history: &PixelHistory, slots: &[[u8; MAX_K]], frames: Range<usize>) -> HistoryColumn {
     let lambda = history.parameters.lambda;
-    let mut bin = Bin {
+    let mut bin = HistoryColumn {
         frames: frames.clone(),
         value: [(f32::INFINITY, f32::NEG_INFINITY); 3],
         levels: Default::default(),
@@ -84,11 +89,11 @@ fn bin(history: &PixelHistory, slots: &[[u8; MAX_K]], frames: Range<usize>) -> B
     };
     for index in frames.clone() {
         let slot = slots[index][usize::from(history.states[index].outcome.rank).saturating_sub(1)];
-        let kind = match change(history, index) {
+        let kind = match component_change(history, index) {
             None => continue,
-            Some(Change::Born) => 0,
-            Some(Change::Replaced) => 1,
-            Some(Change::Rose { .. }) => 2,
+            Some(ComponentChange::Born) => 0,
+            Some(ComponentChange::Replaced) => 1,
+            Some(ComponentChange::Rose { .. }) => 2,
         };
         bin.changes[kind] = Some(slot);
         bin.made[usize::from(slot)] |= kind < 2;
@@ -121,7 +126,7 @@ fn bin(history: &PixelHistory, slots: &[[u8; MAX_K]], frames: Range<usize>) -> B
             bin.rho = Some((low.min(rho), high.max(rho)));
         }
     }
-    if bin.frames.len() > FEW {
+    if bin.frames.len() > MAX_FRAMES_WITHOUT_LEVELS {
         bin.levels = std::array::from_fn(|channel| levels(history, bin.frames.clone(), channel));
     }
     if let Some(last) = bin.frames.clone().next_back() {
@@ -131,8 +136,8 @@ fn bin(history: &PixelHistory, slots: &[[u8; MAX_K]], frames: Range<usize>) -> B
     bin
 }
 
-/// The values of these bins with some air, and the background that they are compared with.
-pub fn value_range(bins: &[Bin], channels: usize) -> (f64, f64) {
+/// The range of the values of these columns with a margin, and of the background that they are compared with.
+pub fn value_range(bins: &[HistoryColumn], channels: usize) -> (f64, f64) {
     let values = bins.iter().flat_map(|bin| bin.value[..channels].iter().copied());
     let bands = bins.iter().flat_map(|bin| bin.bands.iter().flatten()).filter(|band| band.background);
     let (low, high) = values
@@ -141,8 +146,8 @@ pub fn value_range(bins: &[Bin], channels: usize) -> (f64, f64) {
     if low > high { (0.0, 255.0) } else { (f64::from(low) - 3.0, f64::from(high) + 3.0) }
 }
 
-/// Powers of ten between which all ρ of these bins lie, the upper one 1.
-pub fn rate_range(bins: &[Bin]) -> (f64, f64) {
+/// Powers of ten between which all ρ of these columns lie, the upper one 1.
+pub fn rate_range(bins: &[HistoryColumn]) -> (f64, f64) {
     let least = bins.iter().filter_map(|bin| bin.rho).map(|(low, _)| low).filter(|&rho| rho > 0.0);
     // Shown as decimal fractions, 0.01 is a little more than the f32 nearest to it.
     let power = (f64::from(least.fold(0.1_f32, f32::min)).log10() + 1e-6).floor();
@@ -151,9 +156,9 @@ pub fn rate_range(bins: &[Bin]) -> (f64, f64) {
 }
 
 fn levels(history: &PixelHistory, frames: Range<usize>, channel: usize) -> Vec<(u8, u32)> {
-    let mut counts = [0_u32; 256 / STEP as usize];
+    let mut counts = [0_u32; 256 / LEVELS_PER_BIN as usize];
     for state in &history.states[frames] {
-        counts[state.value[channel].clamp(0.0, 255.0) as usize / usize::from(STEP)] += 1;
+        counts[state.value[channel].clamp(0.0, 255.0) as usize / usize::from(LEVELS_PER_BIN)] += 1;
     }
     let occurring = counts.into_iter().enumerate().filter(|&(_, count)| count > 0);
     occurring.map(|(step, count)| (step as u8, count)).collect()
@@ -165,7 +170,7 @@ mod tests {
 
     use super::*;
     use crate::mixture::Parameters;
-    use crate::mixture::follow::slots;
+    use crate::mixture::component_slots::slots_by_rank;
     use crate::settings::{Preset, Settings};
 
     fn history(frames: u32) -> PixelHistory {
@@ -177,7 +182,7 @@ mod tests {
     #[test]
     fn bins_cover_every_frame_once_and_keep_the_extremes() {
         let history = history(1000);
-        let bins = bins(&history, &slots(&history), 100..900, 64);
+        let bins = downsample(&history, &slots_by_rank(&history), 100..900, 64);
         assert_eq!(bins.len(), 64);
         assert_eq!((bins[0].frames.start, bins[63].frames.end), (100, 900));
         assert!(bins.windows(2).all(|pair| pair[0].frames.end == pair[1].frames.start));
@@ -189,7 +194,7 @@ mod tests {
             let flash = bin.frames.clone().any(|n| n % 97 == 50);
             assert_eq!(bin.value[0].1 == 250.0, flash);
             assert_eq!(bin.value[1].0 == 10.0, flash);
-            assert_eq!(bin.levels[0].contains(&(250 / STEP, 1)), flash);
+            assert_eq!(bin.levels[0].contains(&(250 / LEVELS_PER_BIN, 1)), flash);
             let counted: u32 = bin.levels[0].iter().map(|&(_, count)| count).sum();
             assert_eq!(counted as usize, bin.frames.len());
         }
@@ -198,8 +203,8 @@ mod tests {
     #[test]
     fn a_bin_of_one_frame_is_that_frame() {
         let history = history(60);
-        let slots = slots(&history);
-        let bins = bins(&history, &slots, 0..60, 400);
+        let slots = slots_by_rank(&history);
+        let bins = downsample(&history, &slots, 0..60, 400);
         assert_eq!(bins.len(), 60);
         for (state, bin) in history.states.iter().zip(&bins) {
             assert_eq!(bin.value[0], (state.value[0], state.value[0]));
@@ -217,11 +222,11 @@ mod tests {
     #[test]
     fn what_happened_to_components_is_never_lost() {
         let history = history(1000);
-        let slots = slots(&history);
+        let slots = slots_by_rank(&history);
         let made: Vec<_> = (0..1000).filter(|&n| history.states[n].outcome.matched == 0).collect();
         assert!(made.len() > 1, "a case in point: {made:?}");
         for columns in [1000, 64, 7] {
-            for bin in bins(&history, &slots, 0..1000, columns) {
+            for bin in downsample(&history, &slots, 0..1000, columns) {
                 let within: Vec<_> = made.iter().filter(|n| bin.frames.contains(n)).collect();
                 assert_eq!(bin.changes[0].or(bin.changes[1]).is_some(), !within.is_empty());
                 for &&n in &within {
@@ -235,7 +240,7 @@ mod tests {
     #[test]
     fn a_value_range_holds_values_and_background() {
         let history = history(300);
-        let all = bins(&history, &slots(&history), 0..300, 50);
+        let all = downsample(&history, &slots_by_rank(&history), 0..300, 50);
         let (low, high) = value_range(&all, 3);
         // The flashes to red, [250, 10, 10]; the background's widest band, 80 − λσ₀ = 30, is within.
         assert_eq!((low, high), (7.0, 253.0));
@@ -245,7 +250,7 @@ mod tests {
     #[test]
     fn rates_lie_between_powers_of_ten() {
         let history = history(300);
-        let bins = bins(&history, &slots(&history), 0..300, 50);
+        let bins = downsample(&history, &slots_by_rank(&history), 0..300, 50);
         let (low, high) = rate_range(&bins);
         assert_eq!(high, 1.0);
         assert!((low.log10() - low.log10().round()).abs() < 1e-9);
@@ -258,9 +263,9 @@ mod tests {
     #[test]
     fn ranges_beyond_the_history_are_cut() {
         let history = history(10);
-        let slots = slots(&history);
-        assert_eq!(bins(&history, &slots, 5..50, 400).len(), 5);
-        assert!(bins(&history, &slots, 50..60, 400).is_empty());
-        assert_eq!(bins(&history, &slots, 0..10, 0).len(), 1);
+        let slots = slots_by_rank(&history);
+        assert_eq!(downsample(&history, &slots, 5..50, 400).len(), 5);
+        assert!(downsample(&history, &slots, 50..60, 400).is_empty());
+        assert_eq!(downsample(&history, &slots, 0..10, 0).len(), 1);
     }
 }

@@ -2,31 +2,31 @@
 
 use std::f64::consts::TAU;
 
-use super::follow::{FIRST_SLOTS, rank_before};
+use super::component_slots::{FIRST_SLOTS, rank_before};
 use super::history::PixelHistory;
 use super::pixel::{Component, MAX_K};
-use super::verdict::sigmas;
+use super::verdict::distance_in_sigmas;
 
-/// A component in use, and how the frame's value stands to it.
+/// A component in use, and its relation to the frame's value.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Standing {
+pub struct ComponentState {
     /// From 1.
     pub rank: usize,
-    /// What it keeps through changes of rank; see [`super::follow`].
+    /// Its slot, which stays the same through changes of rank; see [`super::component_slots`].
     pub slot: u8,
     /// The component itself.
     pub component: Component,
     /// Whether its rank is at most B.
     pub background: bool,
-    /// How far the value is from it as it was before the update, in σ; `None` for a component that was not there.
+    /// Distance of the value from it before the update, in σ; `None` for a component that did not exist.
     pub distance: Option<f32>,
     /// Whether the value matched it.
     pub matched: bool,
-    /// Whether the update made it.
+    /// Whether the update created it.
     pub new: bool,
 }
 
-impl Standing {
+impl ComponentState {
     /// w·η in one channel: the component's share of the density there, with its variance σ².
     pub fn marginal(&self, channel: usize, x: f64) -> f64 {
         let variance = f64::from(self.component.variance);
@@ -51,12 +51,12 @@ pub fn t_at(history: &PixelHistory, index: usize, before: bool) -> f32 {
 ///
 /// They are those after the update, or `before` it: the ones that the value was compared with. Before
 /// the first frame there are none.
-pub fn standings(
+pub fn component_states(
     history: &PixelHistory,
     slots: &[[u8; MAX_K]],
     index: usize,
     before: bool,
-) -> (Vec<Standing>, usize) {
+) -> (Vec<ComponentState>, usize) {
     let (Some(state), Some(here)) = (history.states.get(index), slots.get(index)) else {
         return (Vec::new(), 0);
     };
@@ -72,21 +72,21 @@ pub fn standings(
         (&state.pixel, here, usize::from(state.outcome.background_count))
     };
     let used = pixel.components().iter().take_while(|component| component.is_used());
-    let standings = used.zip(slots).enumerate().map(|(rank, (&component, &slot))| {
+    let component_states = used.zip(slots).enumerate().map(|(rank, (&component, &slot))| {
         let was = if before { Some(rank) } else { rank_before(state, rank) };
         let compared = was.and_then(|was| old?.components().get(was)).filter(|old| old.is_used());
         let matched = usize::from(state.outcome.matched);
-        Standing {
+        ComponentState {
             rank: rank + 1,
             slot,
             component,
             background: rank < count,
-            distance: compared.map(|old| sigmas(old, state.value)),
+            distance: compared.map(|old| distance_in_sigmas(old, state.value)),
             matched: matched > 0 && was == Some(matched - 1),
             new: !before && was.is_none(),
         }
     });
-    (standings.collect(), count)
+    (component_states.collect(), count)
 }
 
 #[cfg(test)]
@@ -95,7 +95,7 @@ mod tests {
 
     use super::*;
     use crate::mixture::Parameters;
-    use crate::mixture::follow::slots;
+    use crate::mixture::component_slots::slots_by_rank;
     use crate::settings::{Preset, Settings};
 
     fn history() -> PixelHistory {
@@ -107,43 +107,47 @@ mod tests {
     #[test]
     fn after_the_update_and_before_it_speak_of_the_same_components() {
         let history = history();
-        let slots = slots(&history);
-        let (after, count) = standings(&history, &slots, 40, false);
+        let slots = slots_by_rank(&history);
+        let (after, count) = component_states(&history, &slots, 40, false);
         let state = &history.states[40];
         assert_eq!(count, usize::from(state.outcome.background_count));
         assert_eq!(after.len(), state.pixel.used());
-        assert_eq!(after.iter().filter(|standing| standing.matched).count(), 1);
-        let (before, _) = standings(&history, &slots, 40, true);
-        for standing in &after {
-            let same = before.iter().find(|other| other.slot == standing.slot).unwrap();
-            assert_eq!((same.distance, same.matched), (standing.distance, standing.matched));
+        assert_eq!(after.iter().filter(|component_state| component_state.matched).count(), 1);
+        let (before, _) = component_states(&history, &slots, 40, true);
+        for component_state in &after {
+            let same = before.iter().find(|other| other.slot == component_state.slot).unwrap();
+            assert_eq!((same.distance, same.matched), (component_state.distance, component_state.matched));
         }
         let old = history.before(40).unwrap();
         assert!(
-            before.iter().zip(old.components()).all(|(standing, component)| standing.component == *component)
+            before
+                .iter()
+                .zip(old.components())
+                .all(|(component_state, component)| component_state.component == *component)
         );
     }
 
     #[test]
     fn a_new_component_has_no_distance_and_the_first_frame_no_before() {
         let history = history();
-        let slots = slots(&history);
-        let (after, _) = standings(&history, &slots, 1, false);
-        let new = after.iter().find(|standing| standing.new).unwrap();
+        let slots = slots_by_rank(&history);
+        let (after, _) = component_states(&history, &slots, 1, false);
+        let new = after.iter().find(|component_state| component_state.new).unwrap();
         assert_eq!((new.rank, new.distance, new.matched), (2, None, false));
-        assert!(standings(&history, &slots, 0, true).0.is_empty());
-        assert!(standings(&history, &slots, 60, false).0.is_empty());
+        assert!(component_states(&history, &slots, 0, true).0.is_empty());
+        assert!(component_states(&history, &slots, 60, false).0.is_empty());
     }
 
     #[test]
     fn a_marginal_is_a_density_times_the_weight() {
         let history = history();
-        let (after, _) = standings(&history, &slots(&history), 59, false);
-        for standing in after {
-            let sum: f64 = (-4000..8000).map(|x| standing.marginal(0, f64::from(x) / 10.0) / 10.0).sum();
-            assert!((sum - f64::from(standing.component.weight)).abs() < 1e-6);
-            let top = standing.marginal(1, f64::from(standing.component.mean[1]));
-            assert!((top - standing.peak()).abs() < 1e-12);
+        let (after, _) = component_states(&history, &slots_by_rank(&history), 59, false);
+        for component_state in after {
+            let sum: f64 =
+                (-4000..8000).map(|x| component_state.marginal(0, f64::from(x) / 10.0) / 10.0).sum();
+            assert!((sum - f64::from(component_state.component.weight)).abs() < 1e-6);
+            let top = component_state.marginal(1, f64::from(component_state.component.mean[1]));
+            assert!((top - component_state.peak()).abs() < 1e-12);
         }
     }
 }

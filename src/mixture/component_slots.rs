@@ -7,23 +7,23 @@
 use super::history::{PixelHistory, PixelState};
 use super::pixel::MAX_K;
 
-/// Where the component that the update of `state` matched or made came from and went to, ranks from 0.
+/// Ranks, from 0, before and after the update of the component that the update of `state` matched or created.
 ///
-/// A new component comes from the last rank, where it replaced what was there.
-fn journey(state: &PixelState) -> (usize, usize) {
+/// A new component has the last rank before, where it replaced what was there.
+fn rank_move(state: &PixelState) -> (usize, usize) {
     let last = state.pixel.components().len() - 1;
     let from = usize::from(state.outcome.matched).checked_sub(1).unwrap_or(last).min(last);
     (from, usize::from(state.outcome.rank).saturating_sub(1).min(from))
 }
 
-/// What an update did to the number and the order of a pixel's components.
+/// A change of the number or order of a pixel's components by an update.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Change {
-    /// One was made where there was room for it.
+pub enum ComponentChange {
+    /// A component was created in a free slot.
     Born,
-    /// One was made in place of the last.
+    /// A component was created in place of the last.
     Replaced,
-    /// One passed others. Ranks from 1.
+    /// A component rose in rank. Ranks from 1.
     Rose {
         /// Its rank before.
         from: u8,
@@ -32,21 +32,21 @@ pub enum Change {
     },
 }
 
-/// What the update of the state at `index` did to the number and the order of the components;
-/// `None` where it only changed their numbers.
-pub fn change(history: &PixelHistory, index: usize) -> Option<Change> {
+/// The change of the components by the update of the state at `index`; `None` where only their numbers changed.
+pub fn component_change(history: &PixelHistory, index: usize) -> Option<ComponentChange> {
     let outcome = history.states.get(index)?.outcome;
     if outcome.matched == 0 {
         let room = history.before(index).is_none_or(|before| before.used() < before.components().len());
-        return Some(if room { Change::Born } else { Change::Replaced });
+        return Some(if room { ComponentChange::Born } else { ComponentChange::Replaced });
     }
-    (outcome.rank < outcome.matched).then_some(Change::Rose { from: outcome.matched, to: outcome.rank })
+    (outcome.rank < outcome.matched)
+        .then_some(ComponentChange::Rose { from: outcome.matched, to: outcome.rank })
 }
 
 /// The rank (from 0) before the update of `state` of the component that has `rank` (from 0) after
 /// it; `None` for the component that is new in this frame.
 pub fn rank_before(state: &PixelState, rank: usize) -> Option<usize> {
-    let (from, to) = journey(state);
+    let (from, to) = rank_move(state);
     if state.t <= 1 {
         return None;
     }
@@ -63,18 +63,18 @@ pub fn rank_before(state: &PixelState, rank: usize) -> Option<usize> {
 pub(super) const FIRST_SLOTS: [u8; MAX_K] = [0, 1, 2, 3, 4, 5, 6, 7];
 
 /// For every state of a history the slots of its components by rank; those beyond K mean nothing.
-pub fn slots(history: &PixelHistory) -> Vec<[u8; MAX_K]> {
+pub fn slots_by_rank(history: &PixelHistory) -> Vec<[u8; MAX_K]> {
     let mut all = Vec::with_capacity(history.states.len());
-    go_on(&mut all, history);
+    extend_slots(&mut all, history);
     all
 }
 
-/// Adds to the slots of a history's first states those of the others.
-pub fn go_on(all: &mut Vec<[u8; MAX_K]>, history: &PixelHistory) {
+/// Extends the slots of a history's first states by those of the others.
+pub fn extend_slots(all: &mut Vec<[u8; MAX_K]>, history: &PixelHistory) {
     let mut slots = all.last().copied().unwrap_or(FIRST_SLOTS);
     for (index, state) in history.states.iter().enumerate().skip(all.len()) {
         if let Some(before) = history.before(index) {
-            let (from, to) = journey(state);
+            let (from, to) = rank_move(state);
             let used = before.used();
             if state.outcome.matched == 0 && used <= from {
                 // Room was left: of the free slots, which stand last, the new one takes the first.
@@ -139,19 +139,19 @@ mod tests {
         let (mut born, mut replaced, mut rose) = (0, 0, 0);
         for index in 1..history.states.len() {
             let (before, after) = (history.before(index).unwrap(), history.states[index].pixel);
-            match change(&history, index) {
-                Some(Change::Born) => {
+            match component_change(&history, index) {
+                Some(ComponentChange::Born) => {
                     born += 1;
                     assert_eq!(after.used(), before.used() + 1);
                 }
-                Some(Change::Replaced) => {
+                Some(ComponentChange::Replaced) => {
                     replaced += 1;
                     assert_eq!((before.used(), after.used()), (k, k));
                     let gone = before.components()[k - 1].mean;
                     let lives_on = after.components().iter().any(|component| component.mean == gone);
                     assert!(!lives_on || history.states[index].value == gone, "frame {index}");
                 }
-                Some(Change::Rose { from, to }) => {
+                Some(ComponentChange::Rose { from, to }) => {
                     rose += 1;
                     let passed = before.components()[usize::from(to) - 1];
                     assert_eq!(after.components()[usize::from(to)].mean, passed.mean, "frame {index}");
@@ -164,14 +164,14 @@ mod tests {
             born == k - 1 && replaced > 3 && rose > 1,
             "tried: {born} born, {replaced} replaced, {rose} rose"
         );
-        assert_eq!(change(&history, 0), Some(Change::Born));
-        assert_eq!(change(&history, history.states.len()), None);
+        assert_eq!(component_change(&history, 0), Some(ComponentChange::Born));
+        assert_eq!(component_change(&history, history.states.len()), None);
     }
 
     #[test]
     fn slots_stay_with_their_component_and_are_never_shared() {
         let history = history();
-        let slots = slots(&history);
+        let slots = slots_by_rank(&history);
         assert_eq!(slots.len(), history.states.len());
         for (index, state) in history.states.iter().enumerate().skip(1) {
             let k = state.pixel.components().len();
@@ -192,8 +192,8 @@ mod tests {
         let mut grown = Vec::new();
         for end in [0, 1, 2, 450, 451, 900] {
             let part = PixelHistory { states: whole.states[..end].to_vec(), ..whole.clone() };
-            go_on(&mut grown, &part);
-            assert_eq!(grown, slots(&part), "{end} frames");
+            extend_slots(&mut grown, &part);
+            assert_eq!(grown, slots_by_rank(&part), "{end} frames");
         }
     }
 
@@ -203,7 +203,7 @@ mod tests {
         let colours = [[10; 3], [100; 3], [200; 3]].into_iter().enumerate();
         let history =
             PixelHistory::of_colours((0, 0), parameters, colours.map(|(at, rgb)| (at as u32 + 1, rgb)));
-        let slots = slots(&history);
+        let slots = slots_by_rank(&history);
         for (frame, expected) in [(0, 0), (1, 1), (2, 2)] {
             let rank = usize::from(history.states[frame].outcome.rank) - 1;
             assert_eq!(slots[frame][rank], expected);
