@@ -3,8 +3,8 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use super::atomic_write;
 use super::state::Model;
-use super::whole_file;
 use crate::export::annotate::{Moment, annotate};
 use crate::export::picture;
 use crate::frame::Frame;
@@ -13,16 +13,16 @@ use crate::replay::ShownFrame;
 use crate::tracking::Track;
 
 /// A frame with all that is drawn on it, held while a place to write it is chosen.
-pub(crate) struct Picture {
+pub(crate) struct FrameExport {
     shown: Arc<ShownFrame>,
     recent: Vec<(u32, Vec<Track>)>,
     events: Vec<Event>,
 }
 
-impl Picture {
+impl FrameExport {
     /// The frame in view.
     pub(crate) fn of(model: &Model) -> Option<Self> {
-        let moment = model.moment.as_deref()?;
+        let moment = model.in_view.as_deref()?;
         let shown = Arc::clone(&moment.shown);
         let recent = moment
             .trails
@@ -50,6 +50,6 @@ impl Picture {
     /// Writes it and returns where it stands, or why it does not, in a sentence.
     pub(crate) fn write(&self, path: PathBuf) -> Result<PathBuf, String> {
         let frame = self.drawn();
-        whole_file::write(path, "png", |at| picture::write_frame(at, &frame))
+        atomic_write::write(path, "png", |at| picture::write_frame(at, &frame))
     }
 }

@@ -6,7 +6,7 @@ use eframe::egui::{
 };
 
 use super::command::Command;
-use super::compared::Read;
+use super::event_comparison::EventRef;
 use super::events_panel::participants;
 use super::state::{Model, Subject};
 use super::{icons, theme};
@@ -345,9 +345,9 @@ fn happened(ui: &mut Ui, model: &Model, id: Identity, commands: &mut Vec<Command
             let colour: Color32 = theme::rgb(event_colour(event.kind));
             ui.label(icons::coloured(icons::of_event(event.kind), colour).size(14.0));
             let text = format!("#{}  {} {}", event.frame, event.kind.name(), participants(event));
-            let read = model.reading == Some(Read::InView(index));
+            let read = model.reading == Some(EventRef::InView(index));
             if ui.selectable_label(read, text).on_hover_text(&event.evidence.branch).clicked() {
-                commands.push(Command::Read(Some(Read::InView(index))));
+                commands.push(Command::OpenEvent(Some(EventRef::InView(index))));
                 commands.push(Command::GoTo(*position));
             }
         });

@@ -4,7 +4,7 @@ use std::fs;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-use super::whole_file;
+use super::atomic_write;
 use crate::settings::Settings;
 
 /// The name that is proposed for it.
@@ -16,7 +16,7 @@ const MOST: u64 = 1 << 20;
 
 /// Writes settings and returns where they stand, or why they do not, in a sentence.
 pub(crate) fn write(path: PathBuf, settings: &Settings) -> Result<PathBuf, String> {
-    whole_file::write(path, ENDING, |at| fs::write(at, settings.to_toml()))
+    atomic_write::write(path, ENDING, |at| fs::write(at, settings.to_toml()))
 }
 
 /// The settings of a file; what it does not name has its default, as on the command line. Or why

@@ -11,7 +11,7 @@ use super::{icons, theme};
 
 /// How long the last frame took.
 #[derive(Clone, Copy)]
-pub(crate) struct Pace {
+pub(crate) struct FrameTiming {
     /// The window's thread on all of it, in seconds.
     pub(crate) worked: Option<f32>,
     /// Another thread on its pictures, and the bytes that it sent.
@@ -19,7 +19,7 @@ pub(crate) struct Pace {
 }
 
 /// Shows it.
-pub(crate) fn ui(ui: &mut Ui, model: &Model, pace: Pace, commands: &mut Vec<Command>) {
+pub(crate) fn ui(ui: &mut Ui, model: &Model, pace: FrameTiming, commands: &mut Vec<Command>) {
     let colours = theme::colours(ui.visuals());
     ui.horizontal_centered(|ui| {
         ui.spacing_mut().item_spacing.x = 3.0 * theme::SPACE;
@@ -70,7 +70,7 @@ fn stop_or_go_on(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
 }
 
-fn right(ui: &mut Ui, model: &Model, pace: Pace, commands: &mut Vec<Command>) {
+fn right(ui: &mut Ui, model: &Model, pace: FrameTiming, commands: &mut Vec<Command>) {
     let Some(state) = &model.state else { return };
     let colours = theme::colours(ui.visuals());
     if state.analysis_fps > 0.0 {

@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use super::number::significant;
-use crate::mixture::tuning::{Axis, VerdictMap};
+use crate::mixture::tuning::{SettingAxis, VerdictMap};
 use crate::truth::decisions::Decisions;
 
 /// Writes a map: 1 where the pixel is foreground, else 0.
@@ -15,7 +15,7 @@ pub fn write_map(out: &mut impl Write, map: &VerdictMap) -> io::Result<()> {
 }
 
 /// Writes the decisions of each cell, row by row, with what follows from them.
-pub fn write_decisions(out: &mut impl Write, axes: &[Axis; 2], cells: &[Decisions]) -> io::Result<()> {
+pub fn write_decisions(out: &mut impl Write, axes: &[SettingAxis; 2], cells: &[Decisions]) -> io::Result<()> {
     header(out, axes, "tp,fp,fn,tn,right,f_measure")?;
     let mut cells = cells.iter();
     each(axes, |_, _, values| {
@@ -26,12 +26,15 @@ pub fn write_decisions(out: &mut impl Write, axes: &[Axis; 2], cells: &[Decision
     })
 }
 
-fn header(out: &mut impl Write, [x, y]: &[Axis; 2], columns: &str) -> io::Result<()> {
+fn header(out: &mut impl Write, [x, y]: &[SettingAxis; 2], columns: &str) -> io::Result<()> {
     writeln!(out, "{},{},{columns}", x.knob.key(), y.knob.key())
 }
 
 /// Gives `write` each cell with its column, its row, and the values of both settings.
-fn each([x, y]: &[Axis; 2], mut write: impl FnMut(usize, usize, String) -> io::Result<()>) -> io::Result<()> {
+fn each(
+    [x, y]: &[SettingAxis; 2],
+    mut write: impl FnMut(usize, usize, String) -> io::Result<()>,
+) -> io::Result<()> {
     for (row, &up) in y.values.iter().enumerate() {
         for (column, &across) in x.values.iter().enumerate() {
             // The shortest number that comes back to the bit.

@@ -33,7 +33,7 @@ mod tests;
 use std::sync::Arc;
 
 use crate::frame::Frame;
-use crate::mixture::tuning::{self, Axis, VerdictFlip};
+use crate::mixture::tuning::{self, SettingAxis, VerdictFlip};
 use crate::mixture::{Parameters, PixelHistory, QuantityMap};
 use crate::occlusion::Event;
 use crate::occlusion::counterfactual::Counterfactual;
@@ -157,7 +157,7 @@ pub struct RegionTuning {
     /// What is decided under [`Self::parameters`].
     pub present: Decisions,
     /// What changes along a row, and from row to row.
-    pub axes: [Axis; 2],
+    pub axes: [SettingAxis; 2],
     /// What is decided in each cell, row by row.
     pub cells: Vec<Decisions>,
 }

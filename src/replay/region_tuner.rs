@@ -9,7 +9,7 @@ use super::frame_consumer::FrameConsumer;
 use super::{RegionTuning, region_bounds};
 use crate::frame::{Frame, Size};
 use crate::mixture::Parameters;
-use crate::mixture::tuning::{Axis, TunableSetting, grid};
+use crate::mixture::tuning::{SettingAxis, TunableSetting, grid};
 use crate::registration::{Choice, corrected};
 use crate::settings::{BackgroundModel, Settings};
 use crate::truth::decisions::{Decisions, of_mixture};
@@ -54,7 +54,7 @@ struct RegionTuningQuery {
 /// A [`RegionTuning`] in progress.
 struct RegionTuningJob {
     query: RegionTuningQuery,
-    axes: [Axis; 2],
+    axes: [SettingAxis; 2],
     truth: Vec<Option<TrueMask>>,
     /// The present parameters, then those of each cell.
     runs: Vec<Parameters>,

@@ -6,7 +6,9 @@ use rayon::prelude::*;
 
 use super::Tuning;
 use crate::mixture::pixel::Value;
-use crate::mixture::tuning::{Axis, FlipSearch, RunOutcome, TunableSetting, VerdictFlip, VerdictMap, run};
+use crate::mixture::tuning::{
+    FlipSearch, RunOutcome, SettingAxis, TunableSetting, VerdictFlip, VerdictMap, run,
+};
 use crate::mixture::{Parameters, PixelHistory};
 
 /// Frames of all runs in a step of some milliseconds.
@@ -24,7 +26,7 @@ pub(super) struct Tuner {
 struct TuningJob {
     query: TuningQuery,
     values: Vec<Value>,
-    axes: [Axis; 2],
+    axes: [SettingAxis; 2],
     runs: Vec<Parameters>,
     outcomes: Vec<RunOutcome>,
     search: FlipSearch,

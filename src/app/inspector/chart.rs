@@ -16,13 +16,13 @@ pub(super) const TICKS: f32 = 13.0;
 
 /// A straight map from data to the screen; `screen` may run backwards, as y does.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Axis {
+pub(super) struct ChartAxis {
     pub(super) min: f64,
     pub(super) max: f64,
     pub(super) screen: (f32, f32),
 }
 
-impl Axis {
+impl ChartAxis {
     pub(super) fn x(min: f64, max: f64, rect: Rect) -> Self {
         Self { min, max, screen: (rect.left(), rect.right()) }
     }
@@ -116,11 +116,11 @@ mod tests {
     #[test]
     fn an_axis_goes_there_and_back() {
         let rect = Rect::from_min_max(Pos2::new(30.0, 10.0), Pos2::new(330.0, 70.0));
-        let axis = Axis::x(0.0, 255.0, rect);
+        let axis = ChartAxis::x(0.0, 255.0, rect);
         assert_eq!(axis.at(0.0), 30.0);
         assert_eq!(axis.at(255.0), 330.0);
         assert!((axis.value(axis.at(100.0)) - 100.0).abs() < 1e-3);
-        assert_eq!(Axis::y(0.0, 1.0, rect).at(1.0), 10.0);
+        assert_eq!(ChartAxis::y(0.0, 1.0, rect).at(1.0), 10.0);
         assert_eq!(axis.clamped(400.0), 330.0);
     }
 }

@@ -8,7 +8,7 @@ use eframe::egui::{
     Align2, Pos2, Rangef, Rect, Response, Sense, Shape, Stroke, Tooltip, Ui, Vec2, WidgetInfo,
 };
 
-use super::chart::{self, Axis, Columns, TICKS};
+use super::chart::{self, ChartAxis, Columns, TICKS};
 use super::menu;
 use super::plot::Plot;
 use super::rows::{LANE, changes_plot, channel_plot, count_plot, rates_plot, weights_plot, x_range};
@@ -72,7 +72,7 @@ impl HistoryView {
         self.look_around(ui, &response, plot, chosen);
 
         let (from, to) = self.range(total);
-        let axis = Axis::x(from, to, plot);
+        let axis = ChartAxis::x(from, to, plot);
         let frame_at = |x: f32| (axis.value(x).max(0.0) as usize).min(total.saturating_sub(1));
         if ui.is_rect_visible(area) {
             self.draw(ui, chosen, area, axis);
@@ -171,7 +171,7 @@ impl HistoryView {
             let (zoom, scroll) = ui.input(|input| (input.zoom_delta(), input.smooth_scroll_delta().x));
             shift -= f64::from(scroll) * frames_per_point;
             if zoom != 1.0 {
-                let centre = Axis::x(from, to, plot).value(pointer.x);
+                let centre = ChartAxis::x(from, to, plot).value(pointer.x);
                 self.zoom(f64::from(1.0 / zoom), centre, total);
                 return;
             }
@@ -181,7 +181,7 @@ impl HistoryView {
         }
     }
 
-    fn draw(&mut self, ui: &Ui, chosen: &Chosen<'_>, area: Rect, axis: Axis) {
+    fn draw(&mut self, ui: &Ui, chosen: &Chosen<'_>, area: Rect, axis: ChartAxis) {
         let frames = axis.min.floor() as usize..axis.max.ceil() as usize;
         let plot = chart::inner(area);
         let fit = self.fit;
@@ -204,7 +204,7 @@ impl HistoryView {
         let names: &[&str] = if chosen.channels().len() == 1 { &["luma"] } else { &["red", "green", "blue"] };
         for (channel, name) in names.iter().enumerate() {
             let rect = row(name, CHANNEL);
-            let values = Axis::y(low, high, rect);
+            let values = ChartAxis::y(low, high, rect);
             channel_plot(
                 &painter.with_clip_rect(rect.expand2(Vec2::new(0.0, 1.0)).intersect(painter.clip_rect())),
                 visuals,

@@ -14,23 +14,27 @@ const WIDTH: f32 = 24.0;
 
 /// What is asked of a plot.
 #[derive(Clone, Copy)]
-enum Asked {
+enum PlotExport {
     CopyPicture,
     Save(Format),
     CopyTable,
     SaveTable,
 }
 
-const OF_PLOTS: [(Asked, &str, &str); 5] = [
+const OF_PLOTS: [(PlotExport, &str, &str); 5] = [
     (
-        Asked::CopyPicture,
+        PlotExport::CopyPicture,
         "Copy picture",
         "Copy it as a picture of 300 pixels an inch on white, to paste elsewhere.",
     ),
-    (Asked::Save(Format::Png), "Save PNG…", "Save it as a picture of 300 pixels an inch on white."),
-    (Asked::Save(Format::Svg), "Save SVG…", "Save it as a drawing on white, to be set in print or changed."),
-    (Asked::CopyTable, "Copy CSV", "Copy the numbers behind it as a table."),
-    (Asked::SaveTable, "Save CSV…", "Save the numbers behind it as a table."),
+    (PlotExport::Save(Format::Png), "Save PNG…", "Save it as a picture of 300 pixels an inch on white."),
+    (
+        PlotExport::Save(Format::Svg),
+        "Save SVG…",
+        "Save it as a drawing on white, to be set in print or changed.",
+    ),
+    (PlotExport::CopyTable, "Copy CSV", "Copy the numbers behind it as a table."),
+    (PlotExport::SaveTable, "Save CSV…", "Save the numbers behind it as a table."),
 ];
 
 /// A plot's caption with its menu at the right. What it takes more than a line to say stands in the caption's
@@ -81,10 +85,10 @@ pub(super) fn of_plot(ui: &mut Ui, what: &str, plot: impl Fn() -> Plot) -> Optio
             }
             if entry(ui, name, meaning).clicked() {
                 asked = Some(match ask {
-                    Asked::CopyPicture => InspectorAction::CopyPicture(Box::new(plot())),
-                    Asked::Save(format) => InspectorAction::SavePicture(Box::new(plot()), format),
-                    Asked::CopyTable => InspectorAction::Copy(plot().table()),
-                    Asked::SaveTable => InspectorAction::Save(plot().table()),
+                    PlotExport::CopyPicture => InspectorAction::CopyPicture(Box::new(plot())),
+                    PlotExport::Save(format) => InspectorAction::SavePicture(Box::new(plot()), format),
+                    PlotExport::CopyTable => InspectorAction::Copy(plot().table()),
+                    PlotExport::SaveTable => InspectorAction::Save(plot().table()),
                 });
             }
         }

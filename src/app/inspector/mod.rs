@@ -10,14 +10,14 @@ mod components;
 mod cube;
 mod grid;
 mod history;
-mod judged;
 mod menu;
-mod now;
+mod mixture_view;
 mod pixels;
 mod plot;
+mod region_accuracy;
+mod region_size;
 mod rows;
 mod scatter;
-mod side;
 mod statistics;
 mod style;
 mod table;
@@ -31,7 +31,7 @@ use eframe::egui;
 use eframe::egui::{RichText, ScrollArea, Ui};
 use egui_material_icons::icons;
 
-use self::pixels::Here;
+use self::pixels::FramePosition;
 pub use self::plot::{Format, Plot};
 pub use self::table::Table;
 use super::pins;
@@ -72,15 +72,15 @@ pub enum InspectorAction {
 #[derive(Default)]
 pub struct Inspector {
     tab: Tab,
-    now: now::Now,
+    now: mixture_view::MixtureView,
     history: history::HistoryView,
     scatter: scatter::Scatter,
     tuning: tuning::TuningView,
     statistics: statistics::StatisticsView,
-    pixels: pixels::Pixels,
+    pixels: pixels::PixelsView,
     /// The tab that was drawn since it was last asked what it wants to know.
     drawn: Option<Tab>,
-    followed: Option<Followed>,
+    followed: Option<SlottedHistory>,
     /// The same under the settings that are compared with those in view.
     other: Other,
     /// What the two are called: those in view first.
@@ -90,24 +90,24 @@ pub struct Inspector {
 /// How the pixel under the other settings is looked at.
 #[derive(Default)]
 struct Other {
-    now: now::Now,
-    followed: Option<Followed>,
+    now: mixture_view::MixtureView,
+    followed: Option<SlottedHistory>,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Tab {
     #[default]
-    Now,
+    MixtureView,
     History,
     Scatter,
     Tuning,
     Statistics,
-    Pixels,
+    PixelsView,
 }
 
 /// What is shown beside the chosen pixel.
 #[derive(Clone, Copy, Default)]
-pub struct Beside<'a> {
+pub struct InspectorContext<'a> {
     /// The chosen pixel.
     pub chosen: Option<(u32, u32)>,
     /// The pinned pixels with their numbers.
@@ -116,24 +116,24 @@ pub struct Beside<'a> {
     pub histories: &'a [Arc<PixelHistory>],
     /// Those of which no history can be known.
     pub lost: &'a [(u32, u32)],
-    /// The share of foreground around the chosen one, if [`Asks::around`] asks for it.
+    /// The share of foreground around the chosen one, if [`InspectorRequests::around`] asks for it.
     pub region: Option<&'a Arc<RegionShares>>,
     /// What is known by the ground truth.
-    pub judged: Judged<'a>,
+    pub judged: RegionAccuracy<'a>,
 }
 
 /// What is known of the pixels around the chosen one by the ground truth.
 #[derive(Clone, Copy, Default)]
-pub struct Judged<'a> {
+pub struct RegionAccuracy<'a> {
     /// Whether there are true masks.
     pub has_masks: bool,
-    /// How right they would be under other settings, if [`Asks::judge`] asks for it.
+    /// How right they would be under other settings, if [`InspectorRequests::judge`] asks for it.
     pub tuning: Option<&'a Arc<RegionTuning>>,
 }
 
 /// What the tab that is seen wants to know.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Asks {
+pub struct InspectorRequests {
     /// The two settings whose map is looked at.
     pub tune: Option<[TunableSetting; 2]>,
     /// How many pixels to a side are looked at for how right they would be.
@@ -144,7 +144,7 @@ pub struct Asks {
 
 /// A history with the slots of its components; worked out anew only when the history is another one.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Followed {
+pub struct SlottedHistory {
     history: Arc<PixelHistory>,
     slots: Arc<Vec<[u8; MAX_K]>>,
 }
@@ -164,8 +164,8 @@ struct Chosen<'a> {
 
 impl Chosen<'_> {
     /// The history with its slots, to outlive the frame.
-    fn followed(&self) -> Followed {
-        Followed { history: Arc::clone(self.history), slots: Arc::clone(self.slots) }
+    fn followed(&self) -> SlottedHistory {
+        SlottedHistory { history: Arc::clone(self.history), slots: Arc::clone(self.slots) }
     }
 
     /// Whether the states before `end` are those of a history that something was made of; it is taken in its place then.
@@ -200,7 +200,7 @@ impl Inspector {
         newest: Option<&Arc<PixelHistory>>,
         tuning: Option<&Tuning>,
         fps: f32,
-        beside: &Beside<'_>,
+        context: &InspectorContext<'_>,
     ) -> Option<InspectorAction> {
         let Some(shown) = shown else {
             empty(ui, "No frame yet", "The inspector fills as soon as a frame is there.");
@@ -224,9 +224,9 @@ impl Inspector {
         let index = shown.position as usize;
         let ahead =
             newest.filter(|newest| !newest.parameters.are_of(&shown.settings) && newest.states.len() > index);
-        let here = Here { index, fps };
+        let here = FramePosition { index, fps };
         let Some(history) = ahead.or(shown.pixel.as_ref()) else {
-            return self.without_history(ui, here, beside);
+            return self.without_history(ui, here, context);
         };
         let Some(state) = history.states.get(index) else {
             let (x, y) = history.at;
@@ -260,7 +260,7 @@ impl Inspector {
             (Chosen { history, slots, index, state, fps }, words, mask)
         });
 
-        let pinned = beside.pins.iter().find(|(_, at)| *at == history.at).map(|&(number, _)| number);
+        let pinned = context.pins.iter().find(|(_, at)| *at == history.at).map(|&(number, _)| number);
         let pin = header(ui, &chosen, pinned);
         ui.add_space(4.0);
         let names = self.names;
@@ -275,12 +275,12 @@ impl Inspector {
             ui.spacing_mut().item_spacing.x = 2.0;
             ui.spacing_mut().button_padding.x = 6.0;
             for (tab, name) in [
-                (Tab::Now, "Now"),
+                (Tab::MixtureView, "Now"),
                 (Tab::History, "History"),
                 (Tab::Scatter, "Scatter"),
                 (Tab::Tuning, "Tuning"),
                 (Tab::Statistics, "Statistics"),
-                (Tab::Pixels, "Pixels"),
+                (Tab::PixelsView, "Pixels"),
             ] {
                 ui.selectable_value(&mut self.tab, tab, name);
             }
@@ -294,7 +294,7 @@ impl Inspector {
             .min_scrolled_height(0.0);
         let asked = scrolled
             .show(ui, |ui| match tab {
-                Tab::Now => {
+                Tab::MixtureView => {
                     let asked = self.now.ui(ui, &chosen, &words);
                     let Some((chosen, words, _)) = &other else { return asked };
                     ui.add_space(8.0);
@@ -305,23 +305,28 @@ impl Inspector {
                 }
                 Tab::History => self.history.ui(ui, &chosen),
                 Tab::Scatter => self.scatter.ui(ui, &chosen),
-                Tab::Tuning => self.tuning.ui(ui, &chosen, tuning, &beside.judged),
+                Tab::Tuning => self.tuning.ui(ui, &chosen, tuning, &context.judged),
                 Tab::Statistics => self.statistics.ui(ui, &chosen),
-                Tab::Pixels => self.pixels.ui(ui, history, here, beside),
+                Tab::PixelsView => self.pixels.ui(ui, history, here, context),
             })
             .inner;
         pin.or(asked)
     }
 
     /// Why there is no history of the chosen pixel, and the pinned ones.
-    fn without_history(&mut self, ui: &mut Ui, here: Here, beside: &Beside<'_>) -> Option<InspectorAction> {
-        let (title, text) = match beside.chosen {
-            Some((x, y)) if beside.lost.contains(&(x, y)) => (format!("Pixel {x}, {y}"), LOST),
-            Some((x, y)) => (format!("Pixel {x}, {y}"), ON_THE_WAY),
-            None if beside.pins.is_empty() => ("No pixel chosen".to_owned(), CLICK),
+    fn without_history(
+        &mut self,
+        ui: &mut Ui,
+        here: FramePosition,
+        context: &InspectorContext<'_>,
+    ) -> Option<InspectorAction> {
+        let (title, text) = match context.chosen {
+            Some((x, y)) if context.lost.contains(&(x, y)) => (format!("Pixel {x}, {y}"), LOST),
+            Some((x, y)) => (format!("Pixel {x}, {y}"), MAX_COPIES_IN_FLIGHT),
+            None if context.pins.is_empty() => ("No pixel chosen".to_owned(), CLICK),
             None => ("No pixel chosen".to_owned(), CLICK_OR_PIN),
         };
-        if beside.pins.is_empty() {
+        if context.pins.is_empty() {
             empty(ui, &title, text);
             return None;
         }
@@ -330,7 +335,7 @@ impl Inspector {
         ui.add_space(8.0);
         let scrolled =
             ScrollArea::vertical().id_salt("pins alone").auto_shrink(false).min_scrolled_height(0.0);
-        scrolled.show(ui, |ui| self.pixels.pins_ui(ui, here, beside)).inner
+        scrolled.show(ui, |ui| self.pixels.pins_ui(ui, here, context)).inner
     }
 
     /// Lets go of all that was drawn: it belongs to a video that is no longer there.
@@ -343,24 +348,28 @@ impl Inspector {
     }
 
     /// What the tab wants to know that was drawn since this was last called; nothing where none was.
-    pub fn asks(&mut self) -> Asks {
+    pub fn asks(&mut self) -> InspectorRequests {
         match self.drawn.take() {
-            Some(Tab::Tuning) => {
-                Asks { tune: Some(self.tuning.knobs), judge: Some(self.tuning.judged.side), around: None }
+            Some(Tab::Tuning) => InspectorRequests {
+                tune: Some(self.tuning.knobs),
+                judge: Some(self.tuning.judged.side),
+                around: None,
+            },
+            Some(Tab::PixelsView) => {
+                InspectorRequests { around: Some(self.pixels.side), ..InspectorRequests::default() }
             }
-            Some(Tab::Pixels) => Asks { around: Some(self.pixels.side), ..Asks::default() },
-            _ => Asks::default(),
+            _ => InspectorRequests::default(),
         }
     }
 }
 
 const CLICK: &str = "Click a pixel in any view to see its mixture, how it came about, and why it is foreground or background.";
 const CLICK_OR_PIN: &str = "Click a pixel in any view, or one of these, to see its mixture.";
-const ON_THE_WAY: &str = "Its history is on the way: it is gathered from the first frame on.";
+const MAX_COPIES_IN_FLIGHT: &str = "Its history is on the way: it is gathered from the first frame on.";
 const LOST: &str = "Its mixture cannot be known: it begins with the first frames, which this live source no longer has. \
      Another setting of the mixture begins anew with the next frame; a recording keeps them all.";
 
-fn followed(known: &mut Option<Followed>, history: &Arc<PixelHistory>) -> Arc<Vec<[u8; MAX_K]>> {
+fn followed(known: &mut Option<SlottedHistory>, history: &Arc<PixelHistory>) -> Arc<Vec<[u8; MAX_K]>> {
     match known {
         // The old history is kept alive, so that an equal address is the same history.
         Some(followed) if Arc::ptr_eq(&followed.history, history) => Arc::clone(&followed.slots),
@@ -371,7 +380,7 @@ fn followed(known: &mut Option<Followed>, history: &Arc<PixelHistory>) -> Arc<Ve
         }
         _ => {
             let slots = Arc::new(component_slots::slots_by_rank(history));
-            *known = Some(Followed { history: Arc::clone(history), slots: Arc::clone(&slots) });
+            *known = Some(SlottedHistory { history: Arc::clone(history), slots: Arc::clone(&slots) });
             slots
         }
     }
@@ -379,12 +388,12 @@ fn followed(known: &mut Option<Followed>, history: &Arc<PixelHistory>) -> Arc<Ve
 
 const fn name_of(tab: Tab) -> &'static str {
     match tab {
-        Tab::Now => "now",
+        Tab::MixtureView => "now",
         Tab::History => "history",
         Tab::Scatter => "scatter",
         Tab::Tuning => "tuning",
         Tab::Statistics => "statistics",
-        Tab::Pixels => "pixels",
+        Tab::PixelsView => "pixels",
     }
 }
 

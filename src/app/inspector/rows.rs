@@ -2,7 +2,7 @@
 
 use eframe::egui::{Color32, Painter, Pos2, Rangef, Rect, Shape, Stroke, Visuals};
 
-use super::chart::{self, Axis, Columns};
+use super::chart::{self, ChartAxis, Columns};
 use super::style;
 use crate::export::figure::axis::power_of_ten;
 use crate::mixture::downsampled_history::{
@@ -14,7 +14,7 @@ use crate::mixture::verdict::number;
 pub(super) const LANE: f32 = 9.0;
 
 /// The part of the axis that a bin takes.
-pub(super) fn x_range(bin: &HistoryColumn, axis: Axis) -> Rangef {
+pub(super) fn x_range(bin: &HistoryColumn, axis: ChartAxis) -> Rangef {
     Rangef::new(axis.at(bin.frames.start as f64), axis.at(bin.frames.end as f64))
 }
 
@@ -24,8 +24,8 @@ pub(super) fn channel_plot(
     visuals: &Visuals,
     bins: &[HistoryColumn],
     channel: usize,
-    axis: Axis,
-    values: Axis,
+    axis: ChartAxis,
+    values: ChartAxis,
 ) {
     let (mut columns, mut means) = (Columns::default(), Columns::default());
     for bin in bins {
@@ -89,12 +89,12 @@ pub(super) fn weights_plot(
     painter: &Painter,
     visuals: &Visuals,
     bins: &[HistoryColumn],
-    axis: Axis,
+    axis: ChartAxis,
     rect: Rect,
     t: f32,
 ) {
     let clipped = painter.with_clip_rect(rect.intersect(painter.clip_rect()));
-    let share = Axis::y(0.0, 1.0, rect);
+    let share = ChartAxis::y(0.0, 1.0, rect);
     let mut columns = Columns::default();
     for bin in bins {
         let mut sum = 0.0;
@@ -122,11 +122,11 @@ pub(super) fn rates_plot(
     painter: &Painter,
     visuals: &Visuals,
     bins: &[HistoryColumn],
-    axis: Axis,
+    axis: ChartAxis,
     rect: Rect,
 ) {
     let (low, high) = rate_range(bins);
-    let scale = Axis::y(low.log10(), high.log10(), rect);
+    let scale = ChartAxis::y(low.log10(), high.log10(), rect);
     let at = |rho: f32| scale.clamped(f64::from(rho).max(f64::MIN_POSITIVE).log10());
     let clipped = painter.with_clip_rect(rect.intersect(painter.clip_rect()));
     let colour = style::ink(visuals).gamma_multiply(0.8);
@@ -152,7 +152,7 @@ pub(super) fn changes_plot(
     painter: &Painter,
     visuals: &Visuals,
     bins: &[HistoryColumn],
-    axis: Axis,
+    axis: ChartAxis,
     rect: Rect,
 ) {
     let clipped = painter.with_clip_rect(rect.intersect(painter.clip_rect()));
@@ -182,11 +182,11 @@ pub(super) fn count_plot(
     painter: &Painter,
     visuals: &Visuals,
     bins: &[HistoryColumn],
-    axis: Axis,
+    axis: ChartAxis,
     rect: Rect,
     k: usize,
 ) {
-    let count = Axis::y(0.0, k as f64, rect);
+    let count = ChartAxis::y(0.0, k as f64, rect);
     let clipped = painter.with_clip_rect(rect.intersect(painter.clip_rect()));
     let colour = visuals.text_color().gamma_multiply(0.45);
     let mut columns = Columns::default();

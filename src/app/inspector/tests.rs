@@ -13,7 +13,7 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 
 use super::super::golden::looks_as_before;
-use super::{Beside, Followed, Format, Inspector, InspectorAction, Table};
+use super::{Format, Inspector, InspectorAction, InspectorContext, SlottedHistory, Table};
 use crate::frame::{Frame, Mask, Size};
 use crate::mixture::component_slots::{ComponentChange, component_change};
 use crate::mixture::statistics::Statistics;
@@ -136,7 +136,7 @@ fn harness(
                     None,
                     tuning.as_ref(),
                     10.0,
-                    &Beside::default(),
+                    &InspectorContext::default(),
                 ));
             });
         });
@@ -276,8 +276,9 @@ fn a_choice_of_frames_outlives_a_short_history() {
         .with_size(Vec2::new(380.0, 1000.0))
         .with_context_setup(crate::app::theme::install)
         .build_ui(move |ui| {
-            egui::CentralPanel::default()
-                .show(ui, |ui| inspector.ui(ui, Some(&seen.borrow()), None, None, 10.0, &Beside::default()));
+            egui::CentralPanel::default().show(ui, |ui| {
+                inspector.ui(ui, Some(&seen.borrow()), None, None, 10.0, &InspectorContext::default())
+            });
         });
     open(&mut harness, "Scatter");
     let last =
@@ -401,7 +402,7 @@ fn the_mixture_before_the_update_is_the_one_of_the_frame_before() {
 
 #[test]
 fn both_mixtures_stand_side_by_side_where_there_is_room() {
-    for (width, beside) in [(500.0, true), (240.0, false)] {
+    for (width, context) in [(500.0, true), (240.0, false)] {
         let shown = shown(430);
         let history = Arc::clone(shown.pixel.as_ref().unwrap());
         let (mut harness, _) = harness(Some(shown), Vec2::new(width, 1400.0), Theme::Light);
@@ -416,8 +417,8 @@ fn both_mixtures_stand_side_by_side_where_there_is_room() {
         let plots: Vec<_> =
             harness.get_all_by_label_contains("Densities of").map(|node| node.rect()).collect();
         assert_eq!(plots.len(), 2);
-        assert_eq!(plots[1].left() > plots[0].right(), beside);
-        assert_eq!(plots[1].top() > plots[0].bottom(), !beside);
+        assert_eq!(plots[1].left() > plots[0].right(), context);
+        assert_eq!(plots[1].top() > plots[0].bottom(), !context);
     }
 }
 
@@ -480,8 +481,9 @@ fn new_settings_answer_before_the_frame_has_them() {
         .with_size(Vec2::new(380.0, 1000.0))
         .with_context_setup(crate::app::theme::install)
         .build_ui(move |ui| {
-            egui::CentralPanel::default()
-                .show(ui, |ui| inspector.ui(ui, Some(&shown), Some(&newest), None, 10.0, &Beside::default()));
+            egui::CentralPanel::default().show(ui, |ui| {
+                inspector.ui(ui, Some(&shown), Some(&newest), None, 10.0, &InspectorContext::default())
+            });
         });
     assert!(texts(&harness).contains(&expected), "{expected}");
 }
@@ -555,7 +557,7 @@ fn components_are_followed_on_from_where_a_history_ended_before() {
     assert_eq!(*super::followed(&mut followed, &long), expected);
     // Slots that nobody would find again show what was kept.
     let marked = Arc::new(vec![[7; crate::mixture::MAX_K]; 300]);
-    let mut followed = Some(Followed { history: Arc::clone(&short), slots: marked });
+    let mut followed = Some(SlottedHistory { history: Arc::clone(&short), slots: marked });
     let slots = super::followed(&mut followed, &long);
     assert_eq!((slots.len(), slots[0], slots[299]), (600, [7; 8], [7; 8]));
     let another = Arc::new(history_of(&other, 600));
@@ -656,7 +658,7 @@ fn a_map_of_other_settings_is_asked_for_and_waited_for() {
         .with_context_setup(crate::app::theme::install)
         .build_ui(move |ui| {
             egui::CentralPanel::default().show(ui, |ui| {
-                inspector.ui(ui, Some(&shown), None, tuning.as_ref(), 10.0, &Beside::default());
+                inspector.ui(ui, Some(&shown), None, tuning.as_ref(), 10.0, &InspectorContext::default());
                 *noted.borrow_mut() = inspector.asks().tune;
             });
         });

@@ -6,11 +6,11 @@ use std::time::Duration;
 use eframe::egui::{Align2, Pos2, Rect, RichText, Sense, Ui, Vec2};
 
 use super::grid::{self, Grid};
-use super::judged::{FLAT, JudgedView};
 use super::menu;
 use super::plot::Plot;
+use super::region_accuracy::{FLAT, RegionAccuracyView};
 use super::style::{self, small};
-use super::{Chosen, InspectorAction, Judged};
+use super::{Chosen, InspectorAction, RegionAccuracy};
 use crate::mixture::tuning::{TunableSetting, VerdictFlip, VerdictMap};
 use crate::mixture::verdict::number;
 use crate::replay::Tuning;
@@ -28,7 +28,7 @@ const STRENGTHS: [f32; 2] = [0.34, 0.72];
 /// Which settings the map is about.
 pub(super) struct TuningView {
     pub(super) knobs: [TunableSetting; 2],
-    pub(super) judged: JudgedView,
+    pub(super) judged: RegionAccuracyView,
     /// Since when the answer belongs to another question, in the window's seconds.
     late_since: Option<f64>,
 }
@@ -37,7 +37,7 @@ impl Default for TuningView {
     fn default() -> Self {
         Self {
             knobs: [TunableSetting::Alpha, TunableSetting::T],
-            judged: JudgedView::default(),
+            judged: RegionAccuracyView::default(),
             late_since: None,
         }
     }
@@ -49,7 +49,7 @@ impl TuningView {
         ui: &mut Ui,
         chosen: &Chosen<'_>,
         tuning: Option<&Tuning>,
-        judged: &Judged<'_>,
+        judged: &RegionAccuracy<'_>,
     ) -> Option<InspectorAction> {
         let tuning = tuning.filter(|tuning| tuning.at == chosen.history.at);
         let of_knobs = tuning.filter(|tuning| tuning.map.axes.each_ref().map(|axis| axis.knob) == self.knobs);

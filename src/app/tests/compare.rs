@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::app::command::Action;
-use crate::app::compared::{Listing, Read};
+use crate::app::event_comparison::{ComparisonFilter, EventRef};
 use crate::app::views::{Canvas, Layout, loupe_words};
 use crate::replay::ComparedSequence;
 use crate::truth::Truth;
@@ -91,7 +91,7 @@ fn comparing() -> (Harness<'static, Window>, Scene) {
 fn beside(scene: &Scene) -> Option<Settings> {
     let asked = scene.asked.borrow();
     let last = asked.iter().rev().find_map(|asked| match asked {
-        Asked::Beside(beside) => Some(beside.clone()),
+        PlayerCall::Compare(beside) => Some(beside.clone()),
         _ => None,
     });
     last.flatten().map(|settings| *settings)
@@ -150,7 +150,7 @@ fn the_loupe_tells_of_the_settings_whose_picture_it_shows() {
     let at = |(x, y): (u32, u32)| format!("{x}, {y}");
     for (view, pixel, value, verdict) in [
         (View::Foreground, third, "0", "background, rank 1"),
-        (View::BesideForeground, third, "255", "foreground, none matched"),
+        (View::ComparedForeground, third, "255", "foreground, none matched"),
         (View::Agreement, third, "255 0", "foreground in A alone"),
         (View::Agreement, first, "255 255", "foreground in both"),
         (View::Agreement, wall, "0 0", "foreground in neither"),
@@ -161,7 +161,7 @@ fn the_loupe_tells_of_the_settings_whose_picture_it_shows() {
             "{view:?}"
         );
     }
-    for view in [View::BesideBackground, View::BesideTracks] {
+    for view in [View::ComparedBackground, View::ComparedTracks] {
         assert_eq!(told(&harness, view, third)[2], "foreground, none matched", "{view:?}");
     }
     let rect = harness.get_by_label("A against B view").rect();
@@ -236,9 +236,9 @@ fn slots_are_copied_swapped_and_given_up_and_that_is_taken_back() {
     assert_eq!(act(&mut harness, Action::CopySettings), (2, Some(2)));
     assert_eq!(act(&mut harness, Action::Undo), (2, Some(k)));
     assert_eq!(act(&mut harness, Action::KeepSettings), (2, None));
-    assert_eq!(harness.state().model.slots.in_view, Slot::A);
+    assert_eq!(harness.state().model.ab_settings.in_view, AbSlot::A);
     assert_eq!(act(&mut harness, Action::Undo), (2, Some(k)));
-    assert_eq!(harness.state().model.slots.in_view, Slot::B);
+    assert_eq!(harness.state().model.ab_settings.in_view, AbSlot::B);
 }
 
 #[test]
@@ -253,12 +253,12 @@ fn events_are_listed_by_whose_they_are() {
     right_panel_looks_as_before(&mut harness, "compare-events");
     harness.get_by_label("Events under A alone").click();
     harness.run_steps(3);
-    assert_eq!(harness.state().model.listing, Listing::OnlyBeside);
+    assert_eq!(harness.state().model.listing, ComparisonFilter::OnlyCompared);
     assert!(harness.query_by_label_contains("exit 1").is_none());
     // An event of the other settings is gone to and read like any.
     harness.get_by_label("disappear 3, frame 41, A").click();
     harness.run_steps(3);
-    assert_eq!(harness.state().model.reading, Some(Read::Beside(2)));
+    assert_eq!(harness.state().model.reading, Some(EventRef::Compared(2)));
     assert_eq!(shows(&scene).last(), Some(&40));
     harness.get_by_label("Why disappear 3");
 }
@@ -268,9 +268,9 @@ fn both_are_scored_by_the_truth_that_was_loaded() {
     let (mut harness, scene) = comparing();
     let ctx = harness.ctx.clone();
     let boxes = Truth { boxes: Some(Boxes::new()), masks: None };
-    harness.state_mut().answered(&ctx, Answer::Truth(Ok(Arc::new(boxes))));
+    harness.state_mut().answered(&ctx, DialogResult::Truth(Ok(Arc::new(boxes))));
     settle(&mut harness);
-    assert!(scene.asked.borrow().contains(&Asked::Truth(true)));
+    assert!(scene.asked.borrow().contains(&PlayerCall::Truth(true)));
     harness.get_all_by_label("0.900").next().unwrap();
     harness.get_all_by_label("0.400").next().unwrap();
     picture(&mut harness, "compare-scores");

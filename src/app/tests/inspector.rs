@@ -39,7 +39,7 @@ fn tuned(scene: &Scene) -> Vec<Option<[TunableSetting; 2]>> {
     let asked = scene.asked.borrow();
     asked
         .iter()
-        .filter_map(|asked| if let Asked::Tune(knobs) = asked { Some(*knobs) } else { None })
+        .filter_map(|asked| if let PlayerCall::Tune(knobs) = asked { Some(*knobs) } else { None })
         .collect()
 }
 

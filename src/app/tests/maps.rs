@@ -13,7 +13,7 @@ fn act(harness: &mut Harness<'_, Window>, action: Action) {
 
 fn maps_asked(scene: &Scene) -> Vec<Option<Quantity>> {
     let asked = scene.asked.borrow();
-    asked.iter().filter_map(|asked| if let Asked::Map(of) = asked { Some(*of) } else { None }).collect()
+    asked.iter().filter_map(|asked| if let PlayerCall::Map(of) = asked { Some(*of) } else { None }).collect()
 }
 
 #[test]

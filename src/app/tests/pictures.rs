@@ -243,7 +243,7 @@ fn trails_go_with_their_frame_and_start_anew_under_other_settings() {
     }
     settle(&mut harness);
     let trails = |harness: &Harness<'_, Window>| {
-        let moment = harness.state().model.moment.clone().unwrap();
+        let moment = harness.state().model.in_view.clone().unwrap();
         moment.trails.keys().copied().collect::<Vec<_>>()
     };
     assert_eq!(trails(&harness), [10, 11, 12, 13]);

@@ -32,7 +32,7 @@ fn pins_asked(scene: &Scene) -> Vec<Vec<(u32, u32)>> {
     let asked = scene.asked.borrow();
     asked
         .iter()
-        .filter_map(|asked| if let Asked::Pin(pins) = asked { Some(pins.clone()) } else { None })
+        .filter_map(|asked| if let PlayerCall::Pin(pins) = asked { Some(pins.clone()) } else { None })
         .collect()
 }
 
@@ -40,7 +40,7 @@ fn regions_asked(scene: &Scene) -> Vec<Option<((u32, u32), u32)>> {
     let asked = scene.asked.borrow();
     asked
         .iter()
-        .filter_map(|asked| if let Asked::Region(region) = asked { Some(*region) } else { None })
+        .filter_map(|asked| if let PlayerCall::Region(region) = asked { Some(*region) } else { None })
         .collect()
 }
 

@@ -2,7 +2,7 @@
 
 use eframe::egui::Color32;
 
-use super::{Compose, Look, Pane, draw};
+use super::{Compose, ComposeStyle, Pane, draw};
 use crate::replay::ShownFrame;
 
 fn difference(a: [u8; 3], b: [u8; 3]) -> u8 {
@@ -11,7 +11,7 @@ fn difference(a: [u8; 3], b: [u8; 3]) -> u8 {
 
 /// Paints it.
 pub(super) fn paint(pane: &Pane<'_>) {
-    pane.compose(Look::plain(Compose::Difference));
+    pane.compose(ComposeStyle::plain(Compose::Difference));
     let ground = |pixel| {
         let value = pixel_difference(pane.shown, pixel).unwrap_or(0);
         Color32::from_gray(value.saturating_mul(2))

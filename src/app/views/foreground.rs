@@ -2,12 +2,12 @@
 
 use eframe::egui::Color32;
 
-use super::{Compose, Look, Pane, draw};
+use super::{Compose, ComposeStyle, Pane, draw};
 use crate::replay::ShownFrame;
 
 /// Paints it.
 pub(super) fn paint(pane: &Pane<'_>) {
-    pane.compose(Look::plain(Compose::Mask));
+    pane.compose(ComposeStyle::plain(Compose::Mask));
     let mask = &pane.shown.analysis.mask;
     let ground = |(x, y)| if mask.is_foreground(x, y) { Color32::WHITE } else { Color32::BLACK };
     draw::values(pane.painter, &pane.canvas, |at| value(pane.shown, at), ground);

@@ -1,6 +1,6 @@
 //! The frame as it came.
 
-use super::{Compose, Look, Pane, draw};
+use super::{Compose, ComposeStyle, Pane, draw};
 use crate::app::theme;
 use crate::replay::ShownFrame;
 
@@ -8,12 +8,12 @@ use crate::replay::ShownFrame;
 const OVERLAY: [u8; 3] = [255, 45, 149];
 
 /// How it is composed.
-pub(super) fn look(pane: &Pane<'_>) -> Look {
+pub(super) fn look(pane: &Pane<'_>) -> ComposeStyle {
     let overlay = pane.model.overlay;
     let opacity = if overlay.on { f32::from(overlay.opacity) / 100.0 } else { 0.0 };
     let [r, g, b] = OVERLAY.map(|channel| f32::from(channel) / 255.0);
     let what = if overlay.on { Compose::Masked } else { Compose::Input };
-    Look { overlay: [r, g, b, opacity], ..Look::plain(what) }
+    ComposeStyle { overlay: [r, g, b, opacity], ..ComposeStyle::plain(what) }
 }
 
 /// Paints it.

@@ -30,9 +30,9 @@ pub(crate) enum Layer {
     /// Where nothing is analysed.
     Ignored,
     /// The mean of component 1 under the settings that are compared with those in view.
-    BesideMean,
+    ComparedMean,
     /// Their mask.
-    BesideMask,
+    ComparedMask,
     /// Where foreground truly is, and where truth is known.
     Truth,
 }
@@ -55,19 +55,19 @@ impl Layer {
         Self::Labels,
         Self::Palette,
         Self::Ignored,
-        Self::BesideMean,
-        Self::BesideMask,
+        Self::ComparedMean,
+        Self::ComparedMask,
         Self::Truth,
     ];
 
     /// How a texel is kept.
     pub(crate) const fn format(self) -> TextureFormat {
         match self {
-            Self::Input | Self::Mean | Self::Modes | Self::Palette | Self::BesideMean => {
+            Self::Input | Self::Mean | Self::Modes | Self::Palette | Self::ComparedMean => {
                 TextureFormat::Rgba8Unorm
             }
             Self::Map => TextureFormat::R32Float,
-            Self::Mask | Self::Ignored | Self::BesideMask => TextureFormat::R8Unorm,
+            Self::Mask | Self::Ignored | Self::ComparedMask => TextureFormat::R8Unorm,
             Self::Labels => TextureFormat::R16Uint,
             Self::Truth => TextureFormat::Rg8Unorm,
         }
@@ -76,8 +76,8 @@ impl Layer {
     /// How many bytes a texel takes.
     pub(crate) const fn texel_bytes(self) -> usize {
         match self {
-            Self::Input | Self::Mean | Self::Modes | Self::Map | Self::Palette | Self::BesideMean => 4,
-            Self::Mask | Self::Ignored | Self::BesideMask => 1,
+            Self::Input | Self::Mean | Self::Modes | Self::Map | Self::Palette | Self::ComparedMean => 4,
+            Self::Mask | Self::Ignored | Self::ComparedMask => 1,
             Self::Labels | Self::Truth => 2,
         }
     }
@@ -89,7 +89,7 @@ impl Layer {
             Self::Modes => shown.multi_mode.is_some(),
             Self::Map => shown.map.is_some(),
             Self::Ignored => shown.roi.is_some(),
-            Self::BesideMean | Self::BesideMask => shown.compared.is_some(),
+            Self::ComparedMean | Self::ComparedMask => shown.compared.is_some(),
             Self::Truth => shown.truth.is_some(),
             _ => true,
         }
@@ -112,8 +112,8 @@ impl Layer {
             Self::Labels => Arc::ptr_eq(&a.analysis.labels, &b.analysis.labels),
             Self::Palette => Arc::ptr_eq(&a.analysis, &b.analysis),
             Self::Ignored => both(a.roi.as_ref(), b.roi.as_ref()),
-            Self::BesideMean => beside(a, b).is_some_and(|(a, b)| Self::Mean.is_same(a, b)),
-            Self::BesideMask => beside(a, b).is_some_and(|(a, b)| Self::Mask.is_same(a, b)),
+            Self::ComparedMean => beside(a, b).is_some_and(|(a, b)| Self::Mean.is_same(a, b)),
+            Self::ComparedMask => beside(a, b).is_some_and(|(a, b)| Self::Mask.is_same(a, b)),
             Self::Truth => both(a.truth.as_ref(), b.truth.as_ref()),
         }
     }
@@ -162,9 +162,9 @@ impl Layer {
                     numbers(&truth.labels(), width, every, bytes, put);
                 }
             }
-            Self::BesideMean | Self::BesideMask => {
+            Self::ComparedMean | Self::ComparedMask => {
                 if let Some(beside) = &shown.compared {
-                    let like = if self == Self::BesideMean { Self::Mean } else { Self::Mask };
+                    let like = if self == Self::ComparedMean { Self::Mean } else { Self::Mask };
                     like.write(beside, every as u32, put);
                 }
             }

@@ -99,7 +99,7 @@ fn verdict(view: View, model: &Model, shown: &ShownFrame, pixel: (u32, u32)) -> 
     }
     let shown = match (view, &shown.compared) {
         (View::Agreement, _) => {
-            let both = agreement::of_pixel(shown, model.slots.in_view, pixel);
+            let both = agreement::of_pixel(shown, model.ab_settings.in_view, pixel);
             let where_it_is = both.map(|both| match both {
                 [true, true] => "in both",
                 [true, false] => "in A alone",
@@ -109,8 +109,8 @@ fn verdict(view: View, model: &Model, shown: &ShownFrame, pixel: (u32, u32)) -> 
             let text = where_it_is.map_or_else(String::new, |words| format!("foreground {words}"));
             return (text, colour(both.is_some_and(|both| both.contains(&true))));
         }
-        (View::BesideBackground | View::BesideForeground | View::BesideTracks, Some(beside)) => beside,
-        (View::BesideBackground | View::BesideForeground | View::BesideTracks, None) => {
+        (View::ComparedBackground | View::ComparedForeground | View::ComparedTracks, Some(beside)) => beside,
+        (View::ComparedBackground | View::ComparedForeground | View::ComparedTracks, None) => {
             return (String::new(), WEAK);
         }
         _ => shown,

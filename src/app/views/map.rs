@@ -5,7 +5,7 @@ use eframe::egui::{
 };
 
 use super::ramp::{NEVER, RAMP, STEPS, Scale, ramp};
-use super::{Compose, Look, NO_MIXTURE, Pane, draw};
+use super::{Compose, ComposeStyle, NO_MIXTURE, Pane, draw};
 use crate::app::theme;
 use crate::mixture::Quantity;
 use crate::replay::ShownFrame;
@@ -79,9 +79,9 @@ fn number(quantity: Quantity, value: f32) -> String {
 }
 
 /// How it is composed; not at all, where there is none.
-pub(super) fn look(pane: &Pane<'_>) -> Option<Look> {
+pub(super) fn look(pane: &Pane<'_>) -> Option<ComposeStyle> {
     let scale = scale(pane.shown.map.as_ref()?.quantity, &pane.shown.settings);
-    Some(Look { scale: scale.values(), ..Look::plain(Compose::Map) })
+    Some(ComposeStyle { scale: scale.values(), ..ComposeStyle::plain(Compose::Map) })
 }
 
 /// Paints it.

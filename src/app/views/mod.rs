@@ -3,23 +3,23 @@
 mod agreement;
 mod areas;
 mod background;
-mod beside;
 mod canvas;
+mod compared;
 mod compose;
 mod difference;
 mod draw;
 mod foreground;
 mod input;
 mod layer;
+mod layer_upload;
 mod layouts;
 mod loupe;
 mod map;
+mod mask_errors;
 mod pictures;
 mod pins;
 mod ramp;
 mod regions;
-mod right;
-mod sender;
 mod tiles;
 mod tracks;
 
@@ -36,10 +36,10 @@ use std::sync::Arc;
 use eframe::egui::Painter;
 use serde::{Deserialize, Serialize};
 
-use self::compose::{Compose, Composer, Composition, Look};
+use self::compose::{Compose, ComposeStyle, Composer, Composition};
 use self::layer::Layer;
-use self::pictures::Set;
-use super::slots::Slot;
+use self::pictures::UploadedFrame;
+use super::ab_settings::AbSlot;
 use super::state::Model;
 use super::theme::Colours;
 use crate::replay::ShownFrame;
@@ -62,15 +62,19 @@ pub(crate) enum View {
     /// One number of each pixel as a colour.
     Map,
     /// The background model under the settings that are compared with those in view.
-    BesideBackground,
+    #[serde(rename = "BesideBackground")]
+    ComparedBackground,
     /// Their foreground mask.
-    BesideForeground,
+    #[serde(rename = "BesideForeground")]
+    ComparedForeground,
     /// Their objects, groups, occlusions and events.
-    BesideTracks,
+    #[serde(rename = "BesideTracks")]
+    ComparedTracks,
     /// In what the two masks agree.
     Agreement,
     /// Where the mask is right by the ground truth.
-    Right,
+    #[serde(rename = "Right")]
+    MaskErrors,
 }
 
 impl View {
@@ -83,11 +87,11 @@ impl View {
         Self::Tracks,
         Self::Difference,
         Self::Map,
-        Self::BesideBackground,
-        Self::BesideForeground,
-        Self::BesideTracks,
+        Self::ComparedBackground,
+        Self::ComparedForeground,
+        Self::ComparedTracks,
         Self::Agreement,
-        Self::Right,
+        Self::MaskErrors,
     ];
 
     /// Its title.
@@ -100,21 +104,21 @@ impl View {
             Self::Tracks => "Tracks and occlusions",
             Self::Difference => "Difference",
             Self::Map => "Map",
-            Self::BesideBackground => "Background of the other",
-            Self::BesideForeground => "Foreground of the other",
-            Self::BesideTracks => "Tracks of the other",
+            Self::ComparedBackground => "Background of the other",
+            Self::ComparedForeground => "Foreground of the other",
+            Self::ComparedTracks => "Tracks of the other",
             Self::Agreement => "A against B",
-            Self::Right => "Right and wrong",
+            Self::MaskErrors => "Right and wrong",
         }
     }
 
     /// Its title while there are two sets of settings, of which this one is in view.
-    pub(crate) fn titled(self, in_view: Slot) -> String {
+    pub(crate) fn titled(self, in_view: AbSlot) -> String {
         let (title, slot) = match self {
             Self::Input | Self::Agreement => return self.title().to_owned(),
-            Self::BesideBackground => (Self::Background.title(), in_view.other()),
-            Self::BesideForeground => (Self::Foreground.title(), in_view.other()),
-            Self::BesideTracks => (Self::Tracks.title(), in_view.other()),
+            Self::ComparedBackground => (Self::Background.title(), in_view.other()),
+            Self::ComparedForeground => (Self::Foreground.title(), in_view.other()),
+            Self::ComparedTracks => (Self::Tracks.title(), in_view.other()),
             _ => (self.title(), in_view),
         };
         format!("{title} · {}", slot.name())
@@ -122,12 +126,15 @@ impl View {
 
     /// Whether it needs settings to compare with.
     pub(crate) const fn compares(self) -> bool {
-        matches!(self, Self::BesideBackground | Self::BesideForeground | Self::BesideTracks | Self::Agreement)
+        matches!(
+            self,
+            Self::ComparedBackground | Self::ComparedForeground | Self::ComparedTracks | Self::Agreement
+        )
     }
 
     /// Whether it is there from the start, without anything to compare with.
     pub(crate) const fn is_there_at_first(self) -> bool {
-        !self.compares() && !matches!(self, Self::Right)
+        !self.compares() && !matches!(self, Self::MaskErrors)
     }
 
     /// What is seen in it.
@@ -151,15 +158,15 @@ impl View {
                 "One number of each pixel as a colour, of its mixture or how long ago it was foreground: its title bar has \
                  which."
             }
-            Self::BesideBackground => {
+            Self::ComparedBackground => {
                 "The background model after this frame, under the settings not in view."
             }
-            Self::BesideForeground => "The mask of this frame under the settings that are not in view.",
-            Self::BesideTracks => "Objects, groups and events under the settings that are not in view.",
+            Self::ComparedForeground => "The mask of this frame under the settings that are not in view.",
+            Self::ComparedTracks => "Objects, groups and events under the settings that are not in view.",
             Self::Agreement => {
                 "Where only the mask of A is foreground, where only that of B, and where both are, over a dark input."
             }
-            Self::Right => {
+            Self::MaskErrors => {
                 "By the ground truth: which foreground was found, which was made up, and which was missed, after cleaning."
             }
         }
@@ -179,13 +186,13 @@ impl View {
             Self::Regions => regions::value(shown, at),
             Self::Difference => difference::value(shown, at),
             Self::Map => map::value(shown, at),
-            Self::Agreement => agreement::value(shown, model.slots.in_view, at),
-            Self::Right => right::value(shown, at),
-            Self::BesideBackground | Self::BesideForeground | Self::BesideTracks => {
+            Self::Agreement => agreement::value(shown, model.ab_settings.in_view, at),
+            Self::MaskErrors => mask_errors::value(shown, at),
+            Self::ComparedBackground | Self::ComparedForeground | Self::ComparedTracks => {
                 let Some(beside) = &shown.compared else { return String::new() };
                 match self {
-                    Self::BesideBackground => background::value(beside, Background::Mean, at),
-                    Self::BesideForeground => foreground::value(beside, at),
+                    Self::ComparedBackground => background::value(beside, Background::Mean, at),
+                    Self::ComparedForeground => foreground::value(beside, at),
                     _ => input::value(beside, at),
                 }
             }
@@ -200,30 +207,30 @@ impl View {
             Self::Background => background.compose().layers(),
             Self::Foreground => Compose::Mask.layers(),
             Self::Regions => Compose::Regions.layers(),
-            Self::Tracks | Self::BesideTracks => Compose::Input.layers(),
+            Self::Tracks | Self::ComparedTracks => Compose::Input.layers(),
             Self::Difference => Compose::Difference.layers(),
             Self::Map => Compose::Map.layers(),
-            Self::BesideBackground => Compose::BesideMean.layers(),
-            Self::BesideForeground => Compose::BesideMask.layers(),
+            Self::ComparedBackground => Compose::ComparedMean.layers(),
+            Self::ComparedForeground => Compose::ComparedMask.layers(),
             Self::Agreement => Compose::Agreement.layers(),
-            Self::Right => Compose::Right.layers(),
+            Self::MaskErrors => Compose::MaskErrors.layers(),
         }
     }
 
     /// How its picture is composed, without what is drawn over it.
-    fn look(self, pane: &Pane<'_>) -> Option<Look> {
+    fn look(self, pane: &Pane<'_>) -> Option<ComposeStyle> {
         match self {
             Self::Input => Some(input::look(pane)),
             Self::Background => Some(background::look(pane)),
-            Self::Foreground => Some(Look::plain(Compose::Mask)),
-            Self::Regions => Some(Look::plain(Compose::Regions)),
-            Self::Tracks | Self::BesideTracks => Some(tracks::look()),
-            Self::Difference => Some(Look::plain(Compose::Difference)),
+            Self::Foreground => Some(ComposeStyle::plain(Compose::Mask)),
+            Self::Regions => Some(ComposeStyle::plain(Compose::Regions)),
+            Self::Tracks | Self::ComparedTracks => Some(tracks::look()),
+            Self::Difference => Some(ComposeStyle::plain(Compose::Difference)),
             Self::Map => map::look(pane),
-            Self::BesideBackground => Some(Look::plain(Compose::BesideMean)),
-            Self::BesideForeground => Some(Look::plain(Compose::BesideMask)),
+            Self::ComparedBackground => Some(ComposeStyle::plain(Compose::ComparedMean)),
+            Self::ComparedForeground => Some(ComposeStyle::plain(Compose::ComparedMask)),
             Self::Agreement => pane.shown.compared.as_ref().map(|_| agreement::look(pane)),
-            Self::Right => pane.shown.truth.as_ref().map(|_| right::look()),
+            Self::MaskErrors => pane.shown.truth.as_ref().map(|_| mask_errors::look()),
         }
     }
 
@@ -236,9 +243,9 @@ impl View {
             Self::Tracks => tracks::paint(pane),
             Self::Difference => difference::paint(pane),
             Self::Map => map::paint(pane),
-            Self::Right => right::paint(pane),
-            Self::BesideBackground | Self::BesideForeground | Self::BesideTracks | Self::Agreement => {
-                beside::paint(pane);
+            Self::MaskErrors => mask_errors::paint(pane),
+            Self::ComparedBackground | Self::ComparedForeground | Self::ComparedTracks | Self::Agreement => {
+                compared::paint(pane);
             }
         }
     }
@@ -302,13 +309,13 @@ struct Pane<'a> {
     model: &'a Model,
     shown: &'a ShownFrame,
     composer: &'a Arc<Composer>,
-    set: &'a Arc<Set>,
+    set: &'a Arc<UploadedFrame>,
     colours: Colours,
 }
 
 impl Pane<'_> {
     /// Paints a picture of the frame.
-    fn compose(&self, look: Look) {
+    fn compose(&self, look: ComposeStyle) {
         let shape = Composition::shape(self.composer, self.set, self.view, look, self.canvas);
         if let Some(shape) = shape {
             self.painter.add(shape);

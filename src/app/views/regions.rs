@@ -2,7 +2,7 @@
 
 use eframe::egui::{Color32, Rect, Stroke, StrokeKind, pos2, vec2};
 
-use super::{Compose, Look, Pane, draw};
+use super::{Compose, ComposeStyle, Pane, draw};
 use crate::app::theme;
 use crate::mixture::pixel::luma;
 use crate::palette::identity_colour;
@@ -29,7 +29,7 @@ pub(super) fn colours(analysis: &Analysis) -> Vec<Color32> {
 
 /// Paints them.
 pub(super) fn paint(pane: &Pane<'_>) {
-    pane.compose(Look::plain(Compose::Regions));
+    pane.compose(ComposeStyle::plain(Compose::Regions));
     let (frame, analysis) = (&pane.shown.frame, &pane.shown.analysis);
     let colours = colours(analysis);
     let colour_of = |label: u32| colours.get(label as usize).copied().unwrap_or(UNKNOWN);

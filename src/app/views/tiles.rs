@@ -10,7 +10,7 @@ use egui_tiles::{Behavior, SimplificationOptions, TabState, Tabs, TileId, Tiles,
 
 use super::layer::{Layer, Layers};
 use super::{Background, Canvas, Pane, Pictures, View, areas, draw, loupe, map, pins};
-use crate::app::areas::Change;
+use crate::app::areas::AreaEdit;
 use crate::app::command::{Action, Command};
 use crate::app::overlays::Drawn;
 use crate::app::state::{Camera, Hover, Model, Subject};
@@ -102,7 +102,7 @@ impl Panes<'_> {
             self.fitted = Some((area, canvas.fitted()));
         }
         if camera != self.model.camera {
-            self.commands.push(Command::Look(camera));
+            self.commands.push(Command::SetCamera(camera));
         }
         let pane = Pane {
             view,
@@ -164,15 +164,15 @@ impl Panes<'_> {
             } else if let Some((from, to)) =
                 from.zip(pointer).filter(|_| response.drag_stopped_by(PointerButton::Primary))
             {
-                let corners = Change::Rectangle(canvas.image(from), canvas.image(to));
+                let corners = AreaEdit::Rectangle(canvas.image(from), canvas.image(to));
                 self.commands.push(Command::Area(corners));
             } else if response.double_clicked() {
-                self.commands.push(Command::Area(Change::Close));
+                self.commands.push(Command::Area(AreaEdit::Close));
             } else if response.clicked()
                 && let Some(at) = pointer
             {
                 let closes = areas::closes(canvas, draft, at);
-                let change = if closes { Change::Close } else { Change::Corner(canvas.image(at)) };
+                let change = if closes { AreaEdit::Close } else { AreaEdit::Corner(canvas.image(at)) };
                 self.commands.push(Command::Area(change));
             }
         }
@@ -211,7 +211,7 @@ impl Panes<'_> {
                 if response.clicked() && !drawing {
                     let area = self.model.areas.at(canvas.image(at), OUTLINE / canvas.scale);
                     self.commands.push(match area {
-                        Some(_) => Command::Area(Change::Choose(area)),
+                        Some(_) => Command::Area(AreaEdit::Choose(area)),
                         None => Command::Choose(Some(pixel)),
                     });
                     let object = self.object_at(view, pixel, canvas.image(at));
@@ -380,7 +380,7 @@ impl Behavior<View> for Panes<'_> {
     }
 
     fn tab_title_for_pane(&mut self, view: &View) -> WidgetText {
-        let slots = &self.model.slots;
+        let slots = &self.model.ab_settings;
         match slots.other {
             Some(_) => RichText::new(view.titled(slots.in_view)).into(),
             None => RichText::new(view.title()).into(),

@@ -2,7 +2,7 @@
 
 use super::{Axis, Figure, INK, Key, NARROW, Panel, Shape, Sign, parameters, pixel_name};
 use crate::mixture::PixelHistory;
-use crate::mixture::tuning::{Axis as Side, VerdictMap};
+use crate::mixture::tuning::{SettingAxis as Side, VerdictMap};
 use crate::palette::{ramp, verdict_colour};
 use crate::truth::decisions::{Decisions, Measure};
 

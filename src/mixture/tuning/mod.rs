@@ -138,7 +138,7 @@ impl TunableSetting {
 
 /// One side of a map.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Axis {
+pub struct SettingAxis {
     /// What changes along it.
     pub knob: TunableSetting,
     /// The value of each cell, rising.
@@ -146,7 +146,7 @@ pub struct Axis {
     ends: (f32, f32),
 }
 
-impl Axis {
+impl SettingAxis {
     /// The axis of `knob` wide enough for its value `present`.
     pub fn new(knob: TunableSetting, present: f32) -> Self {
         let (low, high) = knob.range();
@@ -213,7 +213,7 @@ pub fn run(values: &[Value], parameters: &Parameters) -> RunOutcome {
 }
 
 /// The axes of a grid of two settings around `parameters`, and the parameters of each cell, row by row.
-pub fn grid(parameters: &Parameters, knobs: [TunableSetting; 2]) -> ([Axis; 2], Vec<Parameters>) {
+pub fn grid(parameters: &Parameters, knobs: [TunableSetting; 2]) -> ([SettingAxis; 2], Vec<Parameters>) {
     let axes = VerdictMap::axes(parameters, knobs);
     let [across, along] = &axes;
     let rows = along.values.iter().map(|&y| along.knob.with(parameters, y));
@@ -226,21 +226,21 @@ pub fn grid(parameters: &Parameters, knobs: [TunableSetting; 2]) -> ([Axis; 2], 
 #[derive(Clone, Debug, PartialEq)]
 pub struct VerdictMap {
     /// What changes along a row, and from row to row: two different settings.
-    pub axes: [Axis; 2],
+    pub axes: [SettingAxis; 2],
     /// Row by row.
     foreground: Vec<bool>,
 }
 
 impl VerdictMap {
     /// The axes of a map around `parameters`.
-    pub fn axes(parameters: &Parameters, knobs: [TunableSetting; 2]) -> [Axis; 2] {
-        knobs.map(|knob| Axis::new(knob, knob.get(parameters)))
+    pub fn axes(parameters: &Parameters, knobs: [TunableSetting; 2]) -> [SettingAxis; 2] {
+        knobs.map(|knob| SettingAxis::new(knob, knob.get(parameters)))
     }
 
     /// The runs that a map takes: one a cell, or one a row or column where the other setting is T and changes nothing
     /// of the mixture.
-    pub fn runs(parameters: &Parameters, axes: &[Axis; 2]) -> Vec<Parameters> {
-        let values = |axis: &Axis| {
+    pub fn runs(parameters: &Parameters, axes: &[SettingAxis; 2]) -> Vec<Parameters> {
+        let values = |axis: &SettingAxis| {
             if axis.knob.is_decision_only(parameters) { vec![parameters.t] } else { axis.values.clone() }
         };
         let (across, along) = (values(&axes[0]), values(&axes[1]));
@@ -251,7 +251,7 @@ impl VerdictMap {
     }
 
     /// The map that follows from what [`Self::runs`] ended in, in the same order.
-    pub fn of(parameters: &Parameters, axes: [Axis; 2], outcomes: &[RunOutcome]) -> Self {
+    pub fn of(parameters: &Parameters, axes: [SettingAxis; 2], outcomes: &[RunOutcome]) -> Self {
         let [across, along] = &axes;
         let mut foreground = Vec::with_capacity(across.values.len() * along.values.len());
         for (row, &y) in along.values.iter().enumerate() {

@@ -87,7 +87,7 @@ fn a_flip_is_tried_and_nothing_nearer_flips() {
             let from = knob.get(&parameters);
             let Some(value) = flip.value else {
                 // Then none of a map's values does either.
-                for value in Axis::new(knob, from).values {
+                for value in SettingAxis::new(knob, from).values {
                     let there = knob.with(&parameters, value);
                     assert!(
                         value != value.clamp(knob.range().0, knob.range().1)
@@ -206,7 +206,7 @@ fn an_axis_covers_the_present_value_and_gives_only_values_that_a_setting_takes()
         (TunableSetting::Lambda, 0.5),
         (TunableSetting::InitialSigma, 128.0),
     ] {
-        let axis = Axis::new(knob, present);
+        let axis = SettingAxis::new(knob, present);
         assert!((-0.001..=1.001).contains(&axis.share_of(present)), "{knob:?}");
         assert!(axis.values.is_sorted_by(|a, b| a < b));
         for (cell, &value) in axis.values.iter().enumerate() {

@@ -117,15 +117,15 @@ fn the_region_and_the_pins_can_be_taken_along_as_picture_drawing_and_table() {
         .with_context_setup(crate::app::theme::install)
         .wgpu()
         .build_ui(move |ui| {
-            let beside = Beside {
+            let context = InspectorContext {
                 chosen: Some(AT),
                 pins: &[(2, AT), (5, (1, 2)), (6, (3, 3))],
                 histories: &histories,
                 region: Some(&shares),
-                ..Beside::default()
+                ..InspectorContext::default()
             };
             egui::CentralPanel::default().show(ui, |ui| {
-                asked.borrow_mut().extend(inspector.ui(ui, Some(&shown), None, None, 10.0, &beside));
+                asked.borrow_mut().extend(inspector.ui(ui, Some(&shown), None, None, 10.0, &context));
             });
         });
     open(&mut harness, "Pixels");

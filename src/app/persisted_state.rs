@@ -20,7 +20,7 @@ const NAME: &str = "window";
 /// All of it. What an older version did not keep is as in a first start.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
-pub(crate) struct Kept {
+pub(crate) struct PersistedState {
     light: bool,
     hint: bool,
     /// The settings, and the inspector with the events.
@@ -37,13 +37,13 @@ pub(crate) struct Kept {
     rates: BTreeMap<String, f32>,
 }
 
-impl Default for Kept {
+impl Default for PersistedState {
     fn default() -> Self {
         Self::of(&Model::new(crate::settings::Settings::default()), false)
     }
 }
 
-impl Kept {
+impl PersistedState {
     /// What is to be kept of a window.
     pub(crate) fn of(model: &Model, light: bool) -> Self {
         Self {

@@ -1,7 +1,7 @@
 //! Undo and redo of settings and areas.
 
+use super::ab_settings::{AbSettings, AbSlot};
 use super::areas::Areas;
-use super::slots::{Slot, Slots};
 use crate::settings::Settings;
 
 /// How many changes can be taken back.
@@ -9,39 +9,39 @@ const DEPTH: usize = 200;
 
 /// One change.
 #[derive(Clone, Debug)]
-enum Change {
+enum Edit {
     /// Of the settings in a slot.
-    Settings { slot: Slot, before: Box<Settings>, after: Box<Settings> },
+    Settings { slot: AbSlot, before: Box<Settings>, after: Box<Settings> },
     /// Of the areas.
     Areas { before: Areas, after: Areas },
     /// Of both slots at once, with the settings in view.
-    Slots { before: Box<(Slots, Settings)>, after: Box<(Slots, Settings)> },
+    AbSettings { before: Box<(AbSettings, Settings)>, after: Box<(AbSettings, Settings)> },
 }
 
 /// What is to be as it was.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Again {
+pub(crate) enum RestoredState {
     /// The settings in a slot.
-    Settings(Slot, Box<Settings>),
+    Settings(AbSlot, Box<Settings>),
     /// The areas.
     Areas(Areas),
     /// Both slots, and the settings in view.
-    Slots(Slots, Box<Settings>),
+    AbSettings(AbSettings, Box<Settings>),
 }
 
 /// Changes that were made, and those that were taken back.
 #[derive(Clone, Debug)]
-pub(crate) struct History {
+pub(crate) struct UndoHistory {
     /// The slot in view and what was last noted of it.
-    present: (Slot, Settings),
-    past: Vec<Change>,
-    future: Vec<Change>,
+    present: (AbSlot, Settings),
+    past: Vec<Edit>,
+    future: Vec<Edit>,
 }
 
-impl History {
+impl UndoHistory {
     /// A history that starts here.
     pub(crate) const fn new(present: Settings) -> Self {
-        Self { present: (Slot::A, present), past: Vec::new(), future: Vec::new() }
+        Self { present: (AbSlot::A, present), past: Vec::new(), future: Vec::new() }
     }
 
     /// Notes settings of the slot in view that have come to rest; nothing when they are those that
@@ -53,28 +53,28 @@ impl History {
         }
         let before = Box::new(std::mem::replace(present, settings.clone()));
         let slot = *slot;
-        self.add(Change::Settings { slot, before, after: Box::new(settings.clone()) });
+        self.add(Edit::Settings { slot, before, after: Box::new(settings.clone()) });
     }
 
     /// Notes other areas.
     pub(crate) fn note_areas(&mut self, before: Areas, after: Areas) {
-        self.add(Change::Areas { before, after });
+        self.add(Edit::Areas { before, after });
     }
 
     /// Notes other slots, each with the settings that are in view.
-    pub(crate) fn note_slots(&mut self, before: (Slots, Settings), after: (Slots, Settings)) {
+    pub(crate) fn note_slots(&mut self, before: (AbSettings, Settings), after: (AbSettings, Settings)) {
         self.present = (after.0.in_view, after.1.clone());
-        self.add(Change::Slots { before: Box::new(before), after: Box::new(after) });
+        self.add(Edit::AbSettings { before: Box::new(before), after: Box::new(after) });
     }
 
     /// Areas belong to a video, and it is no longer there.
     pub(crate) fn forget_areas(&mut self) {
         for changes in [&mut self.past, &mut self.future] {
-            changes.retain(|change| !matches!(change, Change::Areas { .. }));
+            changes.retain(|change| !matches!(change, Edit::Areas { .. }));
         }
     }
 
-    fn add(&mut self, change: Change) {
+    fn add(&mut self, change: Edit) {
         self.past.push(change);
         if self.past.len() > DEPTH {
             self.past.remove(0);
@@ -83,42 +83,42 @@ impl History {
     }
 
     /// Another slot has come into view, with these settings. To look elsewhere is no change.
-    pub(crate) fn look(&mut self, slot: Slot, settings: &Settings) {
+    pub(crate) fn look(&mut self, slot: AbSlot, settings: &Settings) {
         self.present = (slot, settings.clone());
     }
 
     /// What was last changed, as it was before.
-    pub(crate) fn undo(&mut self) -> Option<Again> {
+    pub(crate) fn undo(&mut self) -> Option<RestoredState> {
         let change = self.past.pop()?;
         let again = match &change {
-            Change::Settings { slot, before, .. } => self.settings(*slot, Settings::clone(before)),
-            Change::Areas { before, .. } => Again::Areas(before.clone()),
-            Change::Slots { before, .. } => self.slots((**before).clone()),
+            Edit::Settings { slot, before, .. } => self.settings(*slot, Settings::clone(before)),
+            Edit::Areas { before, .. } => RestoredState::Areas(before.clone()),
+            Edit::AbSettings { before, .. } => self.slots((**before).clone()),
         };
         self.future.push(change);
         Some(again)
     }
 
     /// What was last taken back, as it was after its change.
-    pub(crate) fn redo(&mut self) -> Option<Again> {
+    pub(crate) fn redo(&mut self) -> Option<RestoredState> {
         let change = self.future.pop()?;
         let again = match &change {
-            Change::Settings { slot, after, .. } => self.settings(*slot, Settings::clone(after)),
-            Change::Areas { after, .. } => Again::Areas(after.clone()),
-            Change::Slots { after, .. } => self.slots((**after).clone()),
+            Edit::Settings { slot, after, .. } => self.settings(*slot, Settings::clone(after)),
+            Edit::Areas { after, .. } => RestoredState::Areas(after.clone()),
+            Edit::AbSettings { after, .. } => self.slots((**after).clone()),
         };
         self.past.push(change);
         Some(again)
     }
 
-    fn settings(&mut self, slot: Slot, settings: Settings) -> Again {
+    fn settings(&mut self, slot: AbSlot, settings: Settings) -> RestoredState {
         self.present = (slot, settings.clone());
-        Again::Settings(slot, Box::new(settings))
+        RestoredState::Settings(slot, Box::new(settings))
     }
 
-    fn slots(&mut self, (slots, settings): (Slots, Settings)) -> Again {
+    fn slots(&mut self, (slots, settings): (AbSettings, Settings)) -> RestoredState {
         self.present = (slots.in_view, settings.clone());
-        Again::Slots(slots, Box::new(settings))
+        RestoredState::AbSettings(slots, Box::new(settings))
     }
 
     /// Whether there is something to take back, and to make again.
@@ -135,15 +135,15 @@ mod tests {
     fn changes_are_taken_back_and_made_again_until_another_is_made() {
         let start = Settings::default();
         let (two, five) = (Settings { k: 2, ..start.clone() }, Settings { k: 5, ..start.clone() });
-        let mut history = History::new(start.clone());
+        let mut history = UndoHistory::new(start.clone());
         history.note(&start);
         assert_eq!(history.can(), (false, false));
         history.note(&two);
         history.note(&five);
-        assert_eq!(history.undo(), Some(Again::Settings(Slot::A, Box::new(two.clone()))));
-        assert_eq!(history.undo(), Some(Again::Settings(Slot::A, Box::new(start.clone()))));
+        assert_eq!(history.undo(), Some(RestoredState::Settings(AbSlot::A, Box::new(two.clone()))));
+        assert_eq!(history.undo(), Some(RestoredState::Settings(AbSlot::A, Box::new(start.clone()))));
         assert_eq!(history.undo(), None);
-        assert_eq!(history.redo(), Some(Again::Settings(Slot::A, Box::new(two))));
+        assert_eq!(history.redo(), Some(RestoredState::Settings(AbSlot::A, Box::new(two))));
         history.note(&start);
         assert_eq!(history.redo(), None);
     }
@@ -152,31 +152,31 @@ mod tests {
     fn a_change_is_taken_back_in_the_slot_where_it_was_made() {
         let start = Settings::default();
         let (two, five) = (Settings { k: 2, ..start.clone() }, Settings { k: 5, ..start.clone() });
-        let mut history = History::new(start.clone());
-        history.look(Slot::B, &start);
+        let mut history = UndoHistory::new(start.clone());
+        history.look(AbSlot::B, &start);
         history.note(&five);
-        history.look(Slot::A, &start);
+        history.look(AbSlot::A, &start);
         history.note(&two);
-        history.look(Slot::B, &five);
+        history.look(AbSlot::B, &five);
         history.note(&five);
-        assert_eq!(history.undo(), Some(Again::Settings(Slot::A, Box::new(start.clone()))));
-        assert_eq!(history.undo(), Some(Again::Settings(Slot::B, Box::new(start))));
+        assert_eq!(history.undo(), Some(RestoredState::Settings(AbSlot::A, Box::new(start.clone()))));
+        assert_eq!(history.undo(), Some(RestoredState::Settings(AbSlot::B, Box::new(start))));
         assert_eq!(history.undo(), None);
-        assert_eq!(history.redo(), Some(Again::Settings(Slot::B, Box::new(five))));
-        assert_eq!(history.redo(), Some(Again::Settings(Slot::A, Box::new(two))));
+        assert_eq!(history.redo(), Some(RestoredState::Settings(AbSlot::B, Box::new(five))));
+        assert_eq!(history.redo(), Some(RestoredState::Settings(AbSlot::A, Box::new(two))));
     }
 
     #[test]
     fn slots_that_changed_places_come_back_together() {
         let start = Settings::default();
         let five = Settings { k: 5, ..start.clone() };
-        let slots = |other: &Settings| Slots { in_view: Slot::A, other: Some(other.clone()) };
-        let mut history = History::new(start.clone());
+        let slots = |other: &Settings| AbSettings { in_view: AbSlot::A, other: Some(other.clone()) };
+        let mut history = UndoHistory::new(start.clone());
         history.note_slots((slots(&five), start.clone()), (slots(&start), five.clone()));
         history.note(&five);
-        assert_eq!(history.undo(), Some(Again::Slots(slots(&five), Box::new(start.clone()))));
+        assert_eq!(history.undo(), Some(RestoredState::AbSettings(slots(&five), Box::new(start.clone()))));
         history.note(&start);
-        assert_eq!(history.redo(), Some(Again::Slots(slots(&start), Box::new(five))));
+        assert_eq!(history.redo(), Some(RestoredState::AbSettings(slots(&start), Box::new(five))));
     }
 
     #[test]
@@ -184,16 +184,16 @@ mod tests {
         let start = Settings::default();
         let five = Settings { k: 5, ..start.clone() };
         let chosen = Areas { chosen: Some(0), ..Areas::default() };
-        let mut history = History::new(start.clone());
+        let mut history = UndoHistory::new(start.clone());
         history.note_areas(Areas::default(), chosen.clone());
         history.note(&five);
-        assert_eq!(history.undo(), Some(Again::Settings(Slot::A, Box::new(start))));
-        assert_eq!(history.undo(), Some(Again::Areas(Areas::default())));
-        assert_eq!(history.redo(), Some(Again::Areas(chosen)));
+        assert_eq!(history.undo(), Some(RestoredState::Settings(AbSlot::A, Box::new(start))));
+        assert_eq!(history.undo(), Some(RestoredState::Areas(Areas::default())));
+        assert_eq!(history.redo(), Some(RestoredState::Areas(chosen)));
         history.forget_areas();
         assert_eq!(
             (history.can(), history.redo()),
-            ((false, true), Some(Again::Settings(Slot::A, Box::new(five))))
+            ((false, true), Some(RestoredState::Settings(AbSlot::A, Box::new(five))))
         );
     }
 }

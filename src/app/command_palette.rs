@@ -11,12 +11,12 @@ use crate::settings::{SETTINGS, Setting};
 
 /// What can be found.
 #[derive(Clone, Copy)]
-enum Found {
+enum PaletteEntry {
     Action(&'static Entry),
     Setting(&'static Setting),
 }
 
-impl Found {
+impl PaletteEntry {
     /// Its name.
     fn text(self) -> String {
         match self {
@@ -53,13 +53,13 @@ impl Found {
 
 /// What has been typed, and which of the actions found is chosen.
 #[derive(Default)]
-pub(crate) struct Finder {
+pub(crate) struct CommandPalette {
     open: bool,
     text: String,
     chosen: usize,
 }
 
-impl Finder {
+impl CommandPalette {
     /// Opens it empty, or closes it.
     pub(crate) fn toggle(&mut self) {
         *self = Self { open: !self.open, ..Self::default() };
@@ -119,9 +119,9 @@ impl Finder {
             self.open = false;
             match found {
                 // The finder itself is shut by then: asking for it again would only open it anew.
-                Found::Action(entry) if entry.action == Action::Palette => {}
-                Found::Action(entry) => commands.push(Command::Act(entry.action)),
-                Found::Setting(setting) => commands.push(Command::LookAt(setting.name)),
+                PaletteEntry::Action(entry) if entry.action == Action::Palette => {}
+                PaletteEntry::Action(entry) => commands.push(Command::Act(entry.action)),
+                PaletteEntry::Setting(setting) => commands.push(Command::RevealSetting(setting.name)),
             }
         } else if response.should_close() {
             self.open = false;
@@ -130,10 +130,10 @@ impl Finder {
 }
 
 /// The actions that make sense now and the settings whose name holds the letters, the best first.
-fn find(text: &str, model: &Model) -> Vec<Found> {
-    let actions = ACTIONS.iter().filter(|entry| top_bar::allowed(model, entry)).map(Found::Action);
+fn find(text: &str, model: &Model) -> Vec<PaletteEntry> {
+    let actions = ACTIONS.iter().filter(|entry| top_bar::allowed(model, entry)).map(PaletteEntry::Action);
     let mut found: Vec<_> = actions
-        .chain(SETTINGS.iter().map(Found::Setting))
+        .chain(SETTINGS.iter().map(PaletteEntry::Setting))
         .filter_map(|each| Some((score(text, &each.text())?, each)))
         .collect();
     found.sort_by_key(|(score, _)| std::cmp::Reverse(*score));
@@ -168,14 +168,16 @@ mod tests {
         assert!(score("xn n", "Next event").is_none());
         assert!(score("fit", "Fit image") > score("fit", "First frame of it"));
         let model = Model::new(crate::settings::Settings::default());
-        let always = |found: &Found| matches!(found, Found::Action(entry) if entry.always);
-        assert!(find("", &model).iter().all(|found| always(found) || matches!(found, Found::Setting(_))));
+        let always = |found: &PaletteEntry| matches!(found, PaletteEntry::Action(entry) if entry.always);
         assert!(
-            matches!(find("openv", &model)[0], Found::Action(entry) if entry.action == Action::OpenVideo)
+            find("", &model).iter().all(|found| always(found) || matches!(found, PaletteEntry::Setting(_)))
+        );
+        assert!(
+            matches!(find("openv", &model)[0], PaletteEntry::Action(entry) if entry.action == Action::OpenVideo)
         );
         for text in ["match sig", "λ"] {
             assert!(
-                matches!(find(text, &model)[0], Found::Setting(setting) if setting.name == "match_sigmas"),
+                matches!(find(text, &model)[0], PaletteEntry::Setting(setting) if setting.name == "match_sigmas"),
                 "{text}"
             );
         }

@@ -8,7 +8,7 @@ use super::chart::Columns;
 use super::grid::{self, Grid};
 use super::plot::Plot;
 use super::style::{self, small};
-use super::{Chosen, InspectorAction, Judged, menu, side};
+use super::{Chosen, InspectorAction, RegionAccuracy, menu, region_size};
 use crate::app::theme;
 use crate::mixture::tuning::TunableSetting;
 use crate::palette;
@@ -19,25 +19,25 @@ use crate::truth::decisions::{Decisions, Measure};
 pub(super) const FLAT: f32 = 0.48;
 
 /// How large the region is, and by what it is judged.
-pub(super) struct JudgedView {
+pub(super) struct RegionAccuracyView {
     /// Pixels along a side of the region.
     pub(super) side: u32,
     measure: Measure,
 }
 
-impl Default for JudgedView {
+impl Default for RegionAccuracyView {
     fn default() -> Self {
         Self { side: 9, measure: Measure::Right }
     }
 }
 
-impl JudgedView {
+impl RegionAccuracyView {
     pub(super) fn ui(
         &mut self,
         ui: &mut Ui,
         chosen: &Chosen<'_>,
         knobs: [TunableSetting; 2],
-        judged: &Judged<'_>,
+        judged: &RegionAccuracy<'_>,
     ) -> Option<InspectorAction> {
         if !judged.has_masks {
             return nothing(ui);
@@ -49,7 +49,7 @@ impl JudgedView {
         let measure = self.measure;
         let menu = |ui: &mut Ui| {
             let tuning = current?;
-            let plot = || Plot::Judged(chosen.followed(), Arc::clone(tuning), measure);
+            let plot = || Plot::RegionAccuracy(chosen.followed(), Arc::clone(tuning), measure);
             menu::of_plot(ui, "the map of right decisions", plot)
         };
         let asked = menu::row(ui, menu, |ui| self.controls(ui));
@@ -101,7 +101,7 @@ impl JudgedView {
              from the first frame.",
         );
         ui.add_space(4.0);
-        side::choice(ui, &mut self.side);
+        region_size::choice(ui, &mut self.side);
         ui.add_space(6.0);
         for measure in Measure::ALL {
             let label = ui.selectable_label(self.measure == measure, small(measure.short()));
@@ -172,7 +172,7 @@ fn best(tuning: &RegionTuning, measure: Measure) -> Option<(usize, usize)> {
     let columns = x.values.len().max(1);
     let cells = tuning.cells.iter().enumerate().map(|(index, &decisions)| {
         let at = (index % columns, index / columns);
-        let share = |axis: &crate::mixture::tuning::Axis, cell: usize| {
+        let share = |axis: &crate::mixture::tuning::SettingAxis, cell: usize| {
             (cell as f32 + 0.5) / axis.values.len().max(1) as f32
         };
         let away = (share(x, at.0) - here[0]).hypot(share(y, at.1) - here[1]);

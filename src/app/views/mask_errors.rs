@@ -2,7 +2,7 @@
 
 use eframe::egui::Color32;
 
-use super::{Compose, Look, Pane, draw};
+use super::{Compose, ComposeStyle, Pane, draw};
 use crate::app::theme;
 use crate::frame::Mask;
 use crate::replay::ShownFrame;
@@ -10,13 +10,13 @@ use crate::truth::decisions::Decisions;
 use crate::truth::masks::{Label, TrueMask};
 
 /// Foreground that was found.
-const FOUND: [u8; 3] = super::agreement::BOTH;
+const TRUE_POSITIVE: [u8; 3] = super::agreement::BOTH;
 /// Background that was taken for foreground.
-const MADE_UP: [u8; 3] = [232, 92, 28];
+const FALSE_POSITIVE: [u8; 3] = [232, 92, 28];
 /// Foreground that was missed.
-const MISSED: [u8; 3] = [86, 180, 233];
+const FALSE_NEGATIVE: [u8; 3] = [86, 180, 233];
 /// What does not count; on the card it is as dark.
-const UNCOUNTED: [u8; 3] = [58, 52, 66];
+const IGNORED: [u8; 3] = [58, 52, 66];
 
 /// Judges a mask of the frame.
 pub(super) fn judge(mask: &Mask, truth: &TrueMask) -> Decisions {
@@ -26,9 +26,13 @@ pub(super) fn judge(mask: &Mask, truth: &TrueMask) -> Decisions {
 }
 
 /// How it is composed.
-pub(super) fn look() -> Look {
+pub(super) fn look() -> ComposeStyle {
     let share = |[r, g, b]: [u8; 3]| [r, g, b, 255].map(|channel| f32::from(channel) / 255.0);
-    Look { overlay: share(MADE_UP), beside: share(MISSED), ..Look::plain(Compose::Right) }
+    ComposeStyle {
+        overlay: share(FALSE_POSITIVE),
+        other_colour: share(FALSE_NEGATIVE),
+        ..ComposeStyle::plain(Compose::MaskErrors)
+    }
 }
 
 /// Paints it, or why there is nothing to paint.
@@ -45,22 +49,22 @@ pub(super) fn paint(pane: &Pane<'_>) {
     pane.compose(look());
     let mask = &pane.shown.analysis.mask;
     let ground = |(x, y)| match (truth.at(x, y), mask.is_foreground(x, y)) {
-        (Some(Label::Foreground), true) => theme::rgb(FOUND),
-        (Some(Label::Foreground), false) => theme::rgb(MISSED),
-        (Some(Label::Background), true) => theme::rgb(MADE_UP),
+        (Some(Label::Foreground), true) => theme::rgb(TRUE_POSITIVE),
+        (Some(Label::Foreground), false) => theme::rgb(FALSE_NEGATIVE),
+        (Some(Label::Background), true) => theme::rgb(FALSE_POSITIVE),
         (Some(Label::Background), false) => Color32::BLACK,
-        (Some(Label::Uncounted) | None, _) => theme::rgb(UNCOUNTED),
+        (Some(Label::Uncounted) | None, _) => theme::rgb(IGNORED),
     };
     draw::values(pane.painter, &pane.canvas, |at| value(pane.shown, at), ground);
     if let Some(decisions) = pane.set.decisions() {
         let uncounted = truth.size().pixels() as u64 - decisions.all();
         let mut rows = vec![
-            (FOUND, format!("found  {} px", decisions.tp)),
-            (MADE_UP, format!("made up  {} px", decisions.fp)),
-            (MISSED, format!("missed  {} px", decisions.fn_)),
+            (TRUE_POSITIVE, format!("found  {} px", decisions.tp)),
+            (FALSE_POSITIVE, format!("made up  {} px", decisions.fp)),
+            (FALSE_NEGATIVE, format!("missed  {} px", decisions.fn_)),
         ];
         if uncounted > 0 {
-            rows.push((UNCOUNTED, format!("not counted  {uncounted} px")));
+            rows.push((IGNORED, format!("not counted  {uncounted} px")));
         }
         draw::legend(pane.painter, pane.canvas.rect, &rows);
     }

@@ -10,14 +10,14 @@ use crate::frame::Size;
 use crate::replay::ShownFrame;
 
 /// A layer on the card.
-pub(crate) struct Sent {
+pub(crate) struct UploadedLayer {
     texture: wgpu::Texture,
     /// For binding it.
     pub(crate) view: wgpu::TextureView,
 }
 
 /// The layers of a frame, by the order of [`Layer::ALL`].
-pub(crate) type Sents = [Option<Arc<Sent>>; Layer::ALL.len()];
+pub(crate) type UploadedLayers = [Option<Arc<UploadedLayer>>; Layer::ALL.len()];
 
 /// Memory that both sides reach: filled here, copied from by the card.
 struct Staging {
@@ -27,12 +27,12 @@ struct Staging {
 }
 
 /// So many copies of a layer may be on their way; then the card is waited for.
-const ON_THE_WAY: usize = 2;
+const MAX_COPIES_IN_FLIGHT: usize = 2;
 
 /// What there is of a layer, in use or not.
 #[derive(Default)]
-struct Stock {
-    textures: Vec<Arc<Sent>>,
+struct LayerBuffers {
+    textures: Vec<Arc<UploadedLayer>>,
     staging: Vec<Staging>,
 }
 
@@ -40,15 +40,15 @@ struct Stock {
 ///
 /// Not with the queue's own writing of textures: that keeps the queue locked while it copies, and the window's
 /// thread would wait for it.
-pub(crate) struct Sender {
+pub(crate) struct LayerUploader {
     device: wgpu::Device,
     queue: wgpu::Queue,
-    stocks: [Stock; Layer::ALL.len()],
+    stocks: [LayerBuffers; Layer::ALL.len()],
     /// How many bytes were sent of the frame at hand.
     bytes: u64,
 }
 
-impl Sender {
+impl LayerUploader {
     pub(crate) fn new(device: wgpu::Device, queue: wgpu::Queue) -> Self {
         Self { device, queue, stocks: Default::default(), bytes: 0 }
     }
@@ -60,27 +60,27 @@ impl Sender {
         shown: &ShownFrame,
         layers: Layers,
         every: u32,
-        known: impl Fn(Layer) -> Option<Arc<Sent>>,
-    ) -> Result<(Sents, u64), wgpu::MapRangeError> {
+        known: impl Fn(Layer) -> Option<Arc<UploadedLayer>>,
+    ) -> Result<(UploadedLayers, u64), wgpu::MapRangeError> {
         self.bytes = 0;
         let mut encoder =
             self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("layers") });
-        let mut sents = Sents::default();
+        let mut uploaded = UploadedLayers::default();
         let mut filled = Vec::new();
         for layer in Layer::ALL {
             if !layers.has(layer) || !layer.is_in(shown) {
-                self.stocks[layer as usize] = Stock::default();
+                self.stocks[layer as usize] = LayerBuffers::default();
                 continue;
             }
-            sents[layer as usize] = known(layer);
-            if sents[layer as usize].is_none() {
+            uploaded[layer as usize] = known(layer);
+            if uploaded[layer as usize].is_none() {
                 let (sent, staging) = self.fill(layer, shown, every, &mut encoder)?;
-                sents[layer as usize] = Some(sent);
+                uploaded[layer as usize] = Some(sent);
                 filled.push((layer, staging));
             }
         }
         if filled.is_empty() {
-            return Ok((sents, 0));
+            return Ok((uploaded, 0));
         }
         self.queue.submit([encoder.finish()]);
         for (layer, staging) in filled {
@@ -90,7 +90,7 @@ impl Sender {
             });
             self.stocks[layer as usize].staging.push(staging);
         }
-        Ok((sents, self.bytes))
+        Ok((uploaded, self.bytes))
     }
 
     fn fill(
@@ -99,7 +99,7 @@ impl Sender {
         shown: &ShownFrame,
         every: u32,
         encoder: &mut wgpu::CommandEncoder,
-    ) -> Result<(Arc<Sent>, Staging), wgpu::MapRangeError> {
+    ) -> Result<(Arc<UploadedLayer>, Staging), wgpu::MapRangeError> {
         let texels = layer.texels(shown, every);
         let row = texels.width as usize * layer.texel_bytes();
         let stride = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT as usize);
@@ -135,11 +135,12 @@ impl Sender {
     }
 }
 
-impl Stock {
+impl LayerBuffers {
     /// A texture that nobody else holds.
-    fn texture(&mut self, device: &wgpu::Device, layer: Layer, texels: Size) -> Arc<Sent> {
-        let fits =
-            |sent: &Arc<Sent>| (sent.texture.width(), sent.texture.height()) == (texels.width, texels.height);
+    fn texture(&mut self, device: &wgpu::Device, layer: Layer, texels: Size) -> Arc<UploadedLayer> {
+        let fits = |sent: &Arc<UploadedLayer>| {
+            (sent.texture.width(), sent.texture.height()) == (texels.width, texels.height)
+        };
         self.textures.retain(fits);
         if let Some(free) = self.textures.iter().find(|sent| Arc::strong_count(sent) == 1) {
             return Arc::clone(free);
@@ -155,7 +156,7 @@ impl Stock {
             view_formats: &[],
         });
         let view = texture.create_view(&wgpu::TextureViewDescriptor::default());
-        let sent = Arc::new(Sent { texture, view });
+        let sent = Arc::new(UploadedLayer { texture, view });
         self.textures.push(Arc::clone(&sent));
         sent
     }
@@ -164,7 +165,7 @@ impl Stock {
     fn staging(&mut self, device: &wgpu::Device, length: u64) -> Staging {
         self.staging.retain(|staging| staging.buffer.size() == length);
         for poll in [wgpu::PollType::Poll, wgpu::PollType::wait_indefinitely()] {
-            if poll.is_wait() && self.staging.len() < ON_THE_WAY {
+            if poll.is_wait() && self.staging.len() < MAX_COPIES_IN_FLIGHT {
                 break;
             }
             // A card that is lost is told of by what comes next.

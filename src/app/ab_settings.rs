@@ -4,14 +4,14 @@ use crate::settings::{SETTINGS, Settings};
 
 /// Which of the two.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Slot {
+pub(crate) enum AbSlot {
     /// The one to start with.
     A,
     /// The one to compare it with.
     B,
 }
 
-impl Slot {
+impl AbSlot {
     /// Both in order.
     pub(crate) const ALL: [Self; 2] = [Self::A, Self::B];
 
@@ -42,22 +42,22 @@ impl Slot {
 
 /// Which slot is in view, and what lies in the other. The settings in view are the model's own.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) struct Slots {
+pub(crate) struct AbSettings {
     /// The slot in view.
-    pub(crate) in_view: Slot,
+    pub(crate) in_view: AbSlot,
     /// The settings of the other; none before there is a B.
     pub(crate) other: Option<Settings>,
 }
 
-impl Slots {
+impl AbSettings {
     /// A in view and no B.
     pub(crate) const fn new() -> Self {
-        Self { in_view: Slot::A, other: None }
+        Self { in_view: AbSlot::A, other: None }
     }
 
     /// Brings a slot into view: what was in view is put away, and `settings` become the slot's
     /// own. A slot that was never there begins as a copy of the one in view.
-    pub(crate) fn show(&mut self, slot: Slot, settings: &mut Settings) {
+    pub(crate) fn show(&mut self, slot: AbSlot, settings: &mut Settings) {
         if slot == self.in_view {
             return;
         }
@@ -91,19 +91,19 @@ mod tests {
     #[test]
     fn b_begins_as_a_copy_and_each_keeps_its_own() {
         let mut settings = Settings { k: 3, ..Settings::default() };
-        let mut slots = Slots::new();
-        slots.show(Slot::A, &mut settings);
+        let mut slots = AbSettings::new();
+        slots.show(AbSlot::A, &mut settings);
         assert_eq!(slots.other, None);
-        slots.show(Slot::B, &mut settings);
-        assert_eq!((slots.in_view, settings.k), (Slot::B, 3));
+        slots.show(AbSlot::B, &mut settings);
+        assert_eq!((slots.in_view, settings.k), (AbSlot::B, 3));
         settings.k = 5;
-        slots.show(Slot::A, &mut settings);
-        assert_eq!((slots.in_view, settings.k), (Slot::A, 3));
+        slots.show(AbSlot::A, &mut settings);
+        assert_eq!((slots.in_view, settings.k), (AbSlot::A, 3));
         settings.k = 2;
-        slots.show(Slot::A, &mut settings);
-        slots.show(Slot::B, &mut settings);
-        assert_eq!((slots.in_view, settings.k), (Slot::B, 5));
-        slots.show(Slot::A, &mut settings);
+        slots.show(AbSlot::A, &mut settings);
+        slots.show(AbSlot::B, &mut settings);
+        assert_eq!((slots.in_view, settings.k), (AbSlot::B, 5));
+        slots.show(AbSlot::A, &mut settings);
         assert_eq!(settings.k, 2);
     }
 

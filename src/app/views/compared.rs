@@ -2,15 +2,15 @@
 
 use eframe::egui::{Align2, Color32, FontId};
 
-use super::{Compose, Look, Pane, View, agreement, draw, foreground, tracks};
+use super::{Compose, ComposeStyle, Pane, View, agreement, draw, foreground, tracks};
 use crate::app::theme;
 
 /// Paints one of them, or why there is nothing to paint.
 pub(super) fn paint(pane: &Pane<'_>) {
     let Some(beside) = &pane.shown.compared else {
-        let in_view = pane.model.slots.in_view;
+        let in_view = pane.model.ab_settings.in_view;
         let other = in_view.other().name();
-        let why = if pane.model.slots.other.is_none() {
+        let why = if pane.model.ab_settings.other.is_none() {
             "There is one set of settings.\nPress B to begin another and compare them.".to_owned()
         } else {
             format!("Not analysed so far under {other}.")
@@ -20,19 +20,19 @@ pub(super) fn paint(pane: &Pane<'_>) {
         return;
     };
     match pane.view {
-        View::BesideBackground => {
-            pane.compose(Look::plain(Compose::BesideMean));
+        View::ComparedBackground => {
+            pane.compose(ComposeStyle::plain(Compose::ComparedMean));
             let value = |at| super::background::value(beside, super::Background::Mean, at);
             let ground = |(x, y)| theme::rgb(beside.background.pixel(x, y).unwrap_or_default());
             draw::values(pane.painter, &pane.canvas, value, ground);
         }
-        View::BesideForeground => {
-            pane.compose(Look::plain(Compose::BesideMask));
+        View::ComparedForeground => {
+            pane.compose(ComposeStyle::plain(Compose::ComparedMask));
             let mask = &beside.analysis.mask;
             let ground = |(x, y)| if mask.is_foreground(x, y) { Color32::WHITE } else { Color32::BLACK };
             draw::values(pane.painter, &pane.canvas, |at| foreground::value(beside, at), ground);
         }
-        View::BesideTracks => tracks::paint(&Pane { shown: beside, ..*pane }),
+        View::ComparedTracks => tracks::paint(&Pane { shown: beside, ..*pane }),
         _ => agreement::paint(pane, beside),
     }
 }

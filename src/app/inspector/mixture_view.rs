@@ -4,7 +4,7 @@ use eframe::egui;
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Align2, Button, Painter, Pos2, Rangef, Rect, Sense, Shape, Stroke, Ui, Vec2, WidgetInfo};
 
-use super::chart::{self, Axis, Columns, TICKS};
+use super::chart::{self, ChartAxis, Columns, TICKS};
 use super::components::{numbers, table};
 use super::menu;
 use super::plot::Plot;
@@ -19,19 +19,19 @@ const BESIDE: f32 = 330.0;
 
 /// Which mixture is shown.
 #[derive(Default)]
-pub(super) struct Now {
+pub(super) struct MixtureView {
     moment: Moment,
 }
 
 /// A mixture as it is shown.
-struct Side {
+struct MixtureSide {
     before: bool,
     rows: Vec<ComponentState>,
     /// B.
     count: usize,
 }
 
-impl Now {
+impl MixtureView {
     pub(super) fn ui(
         &mut self,
         ui: &mut Ui,
@@ -41,12 +41,12 @@ impl Now {
         details(ui, words);
         let moment = self.moment(ui, chosen);
         ui.add_space(2.0);
-        let sides: Vec<Side> = moment
+        let sides: Vec<MixtureSide> = moment
             .sides()
             .iter()
             .map(|&before| {
                 let (rows, count) = component_states(chosen.history, chosen.slots, chosen.index, before);
-                Side { before, rows, count }
+                MixtureSide { before, rows, count }
             })
             .collect();
 
@@ -57,7 +57,7 @@ impl Now {
         });
         let peaks = sides.iter().flat_map(|side| side.rows.iter().map(ComponentState::peak));
         let top = peaks.fold(f64::MIN_POSITIVE, f64::max) * 1.08;
-        beside(ui, &sides, |ui, side| densities(ui, chosen, side, top));
+        side_by_side(ui, &sides, |ui, side| densities(ui, chosen, side, top));
         ui.add_space(6.0);
 
         let counts: Vec<_> = sides.iter().map(|side| side.count.to_string()).collect();
@@ -65,7 +65,7 @@ impl Now {
         let weights_asked = menu::caption(ui, &caption, WEIGHTS, "the weights", || {
             Plot::Weights(chosen.followed(), chosen.index, moment)
         });
-        beside(ui, &sides, |ui, side| weights(ui, chosen, side));
+        side_by_side(ui, &sides, |ui, side| weights(ui, chosen, side));
         ui.add_space(8.0);
 
         for side in &sides {
@@ -121,8 +121,8 @@ const WEIGHTS: &str = "Each bar is a weight and starts where the sum of the weig
      sum exceeds T: the components down to it are background, those below it are foreground.";
 
 /// Draws each mixture, two of them side by side where there is room.
-fn beside(ui: &mut Ui, sides: &[Side], mut draw: impl FnMut(&mut Ui, &Side)) {
-    let named = |ui: &mut Ui, side: &Side, draw: &mut dyn FnMut(&mut Ui, &Side)| {
+fn side_by_side(ui: &mut Ui, sides: &[MixtureSide], mut draw: impl FnMut(&mut Ui, &MixtureSide)) {
+    let named = |ui: &mut Ui, side: &MixtureSide, draw: &mut dyn FnMut(&mut Ui, &MixtureSide)| {
         ui.label(style::aside(ui, name_of(side)));
         draw(ui, side);
     };
@@ -137,7 +137,7 @@ fn beside(ui: &mut Ui, sides: &[Side], mut draw: impl FnMut(&mut Ui, &Side)) {
     }
 }
 
-const fn name_of(side: &Side) -> &'static str {
+const fn name_of(side: &MixtureSide) -> &'static str {
     if side.before { "before the update" } else { "after the update" }
 }
 
@@ -156,7 +156,7 @@ fn details(ui: &mut Ui, words: &Verdict) {
 }
 
 /// A small plot for each channel, one under the other on the same 0..255.
-fn densities(ui: &mut Ui, chosen: &Chosen<'_>, side: &Side, top: f64) {
+fn densities(ui: &mut Ui, chosen: &Chosen<'_>, side: &MixtureSide, top: f64) {
     const CURVES: f32 = 50.0;
     let rows = &side.rows;
     let lane = if rows.len() > 4 { 6.0 } else { 10.0 };
@@ -184,7 +184,7 @@ fn densities(ui: &mut Ui, chosen: &Chosen<'_>, side: &Side, top: f64) {
     for (channel, name) in channels.iter().enumerate() {
         let row = Rect::from_min_size(Pos2::new(area.left(), y), Vec2::new(area.width(), CURVES));
         let plot = chart::inner(row);
-        let (x_axis, y_axis) = (Axis::x(0.0, 255.0, plot), Axis::y(0.0, top, plot));
+        let (x_axis, y_axis) = (ChartAxis::x(0.0, 255.0, plot), ChartAxis::y(0.0, top, plot));
         chart::frame(&painter, plot, visuals);
         painter.text(
             Pos2::new(plot.left() - 6.0, plot.center().y),
@@ -228,7 +228,7 @@ fn densities(ui: &mut Ui, chosen: &Chosen<'_>, side: &Side, top: f64) {
         y += CURVES + lanes + 8.0;
         last = Rect::from_x_y_ranges(plot.x_range(), Rangef::new(plot.top(), strip.bottom()));
     }
-    let axis = Axis::x(0.0, 255.0, last);
+    let axis = ChartAxis::x(0.0, 255.0, last);
     painter.hline(last.x_range(), last.bottom() + 1.0, style::faint(visuals));
     let labels = [0.0, 64.0, 128.0, 192.0, 255.0].map(|tick| (axis.at(tick), format!("{tick}")));
     chart::x_labels(&painter, last, &labels, visuals);
@@ -238,8 +238,8 @@ fn densities(ui: &mut Ui, chosen: &Chosen<'_>, side: &Side, top: f64) {
 fn curve(
     painter: &Painter,
     plot: Rect,
-    x_axis: Axis,
-    y_axis: Axis,
+    x_axis: ChartAxis,
+    y_axis: ChartAxis,
     row: &ComponentState,
     channel: usize,
     colour: egui::Color32,
@@ -275,9 +275,9 @@ fn curve(
 }
 
 /// The weights one after the other, each bar starting where the sum of those above it ends, with T and the B cut.
-fn weights(ui: &mut Ui, chosen: &Chosen<'_>, side: &Side) {
+fn weights(ui: &mut Ui, chosen: &Chosen<'_>, side: &MixtureSide) {
     const BAR: f32 = 13.0;
-    let Side { before, rows, count } = side;
+    let MixtureSide { before, rows, count } = side;
     let t = t_at(chosen.history, chosen.index, *before);
     let height = 14.0 + BAR * rows.len() as f32 + 2.0 + TICKS;
     let (area, response) = ui.allocate_exact_size(Vec2::new(ui.available_width(), height), Sense::hover());
@@ -298,7 +298,7 @@ fn weights(ui: &mut Ui, chosen: &Chosen<'_>, side: &Side) {
         let place = Pos2::new(plot.right() + 8.0 + right, plot.top() - 1.0);
         painter.text(place, Align2::RIGHT_BOTTOM, name, style::font(), style::muted(visuals));
     }
-    let axis = Axis::x(0.0, 1.0, plot);
+    let axis = ChartAxis::x(0.0, 1.0, plot);
     chart::frame(&painter, plot, visuals);
     let mut sum = 0.0;
     for (at, row) in rows.iter().enumerate() {
