@@ -11,7 +11,7 @@ use crate::mixture::{Mixture, Parameters};
 use crate::occlusion::{Counters, Episode, Event, EventKind, SettledResults, Tracker};
 use crate::regions::roi::RoiError;
 use crate::regions::{Cleaning, Labels, Region, Roi, find_regions};
-use crate::registration::{Choice, Correction, corrected};
+use crate::registration::{Correction, CorrectionChoice, corrected};
 use crate::settings::Settings;
 use crate::tracking::{IdentityMap, Track};
 
@@ -41,37 +41,37 @@ pub enum PipelineError {
     Roi(#[from] RoiError),
 }
 
-/// What all stages made of one frame: the causal reading, what was known at that frame.
+/// The results of all stages for one frame: the online result, as known at that frame.
 #[derive(Clone, Debug)]
 pub struct Analysis {
     /// The frame's number in its source.
     pub number: u32,
-    /// The frame's place among those that were judged, from 1.
+    /// The frame's position among the classified ones, from 1.
     pub t: u32,
     /// The foreground in which regions were found: after cleaning, before `min_area`.
     pub mask: Arc<Mask>,
-    /// To which region each pixel belongs.
+    /// The region of each pixel.
     pub labels: Arc<Labels>,
     /// The regions, by label.
     pub regions: Arc<Vec<Region>>,
-    /// The objects that have an identity.
+    /// The confirmed objects.
     pub tracks: Arc<Vec<Track>>,
-    /// Objects seen in too few frames yet to have one (`id` 0).
+    /// The tentative objects (`id` 0).
     pub tentative: Arc<Vec<Track>>,
-    /// All objects as the tracker keeps them, under their keys, for the final reading.
+    /// All objects by their track keys, for the offline result.
     pub objects: Arc<Vec<Track>>,
-    /// The events that were decided in this frame; some may have happened a few frames earlier.
+    /// The events that were decided in this frame; some happened a few frames earlier.
     pub events: Arc<Vec<Event>>,
-    /// What else was decided in this frame of those before it.
+    /// The other results about earlier frames that were settled in this frame.
     pub settled: Arc<SettledResults>,
     /// All events decided up to this frame, by kind.
     pub counters: Counters,
 }
 
-/// The final reading of a sequence: short tracks gone, late decisions entered.
+/// The offline result of a sequence: late decisions applied, short tracks removed.
 #[derive(Clone, Debug, Default)]
 pub struct OfflineResult {
-    /// Frame by frame in order: its number, and the objects with an identity, by identity.
+    /// For each frame in order its number, and the confirmed objects, by identity.
     pub tracks: Vec<(u32, Vec<Track>)>,
     /// By frame, then in the order of the kinds.
     pub events: Vec<Event>,
@@ -87,8 +87,8 @@ enum BackgroundSubtractor {
 }
 
 impl BackgroundSubtractor {
-    /// Takes frames in before the first that is judged.
-    fn learn(&mut self, frames: &[&Frame], choice: Choice) -> Result<(), PipelineError> {
+    /// Learns from frames before the first that is classified.
+    fn learn(&mut self, frames: &[&Frame], choice: CorrectionChoice) -> Result<(), PipelineError> {
         match self {
             Self::Mixture(mixture) => {
                 mixture.learn(frames);
@@ -102,8 +102,8 @@ impl BackgroundSubtractor {
         }
     }
 
-    /// Takes the next frames in and says of each which pixels are foreground, where the frame shows them.
-    fn masks(&mut self, frames: &[&Frame], choice: Choice) -> Result<Vec<Mask>, PipelineError> {
+    /// Processes the next frames and returns the foreground mask of each, at the place of the frame.
+    fn masks(&mut self, frames: &[&Frame], choice: CorrectionChoice) -> Result<Vec<Mask>, PipelineError> {
         let corrections: Vec<_> =
             frames.iter().map(|frame| choice.correction(&frame.alignment, frame.size)).collect();
         let masks = match self {
@@ -141,7 +141,7 @@ impl BackgroundSubtractor {
 /// How regions are found.
 #[derive(Clone)]
 struct RegionFinder {
-    /// What is analysed, the whole image without one.
+    /// The area of interest; `None` for the whole image.
     roi: Option<Arc<Roi>>,
     cleaning: Cleaning,
     min_area: u32,
@@ -152,14 +152,14 @@ impl RegionFinder {
         Self { roi, cleaning: Cleaning::new(settings), min_area: settings.min_area }
     }
 
-    /// What can be told of a frame from the model's mask of it, without the frames before.
+    /// Finds the regions of a frame from the model's mask of it, without the frames before.
     fn find(&self, frame: &Frame, mut raw: Mask) -> Result<FoundRegions, PipelineError> {
         let failed = |source| PipelineError::Opencv { frame: frame.number, source };
         if let Some(roi) = &self.roi {
             roi.clear_outside(&mut raw);
         }
         let mut mask = self.cleaning.apply(raw).map_err(failed)?;
-        // A closing reaches beyond, and a hole that is filled may be one that is to be ignored.
+        // A closing extends beyond the area, and a filled hole may be one that is ignored.
         if let Some(roi) = &self.roi {
             roi.clear_outside(&mut mask);
         }
@@ -168,7 +168,7 @@ impl RegionFinder {
     }
 }
 
-/// The foreground of a frame, and the regions in it.
+/// The foreground mask of a frame with its regions.
 struct FoundRegions {
     mask: Arc<Mask>,
     labels: Arc<Labels>,
@@ -179,15 +179,15 @@ struct FoundRegions {
 pub struct Pipeline {
     size: Size,
     t: u32,
-    /// What is done to a frame before the model.
-    registration: Choice,
+    /// The correction of a frame before the model.
+    registration: CorrectionChoice,
     model: BackgroundSubtractor,
     region_finder: RegionFinder,
     tracker: Tracker,
 }
 
 impl Pipeline {
-    /// Stages that have seen nothing, for frames of `size` at `fps` frames a second.
+    /// The stages before the first frame, for frames of `size` at `fps` frames a second.
     pub fn new(settings: &Settings, size: Size, fps: f32) -> Result<Self, PipelineError> {
         let opencv =
             OpencvModel::new(settings, size).map_err(|source| PipelineError::Opencv { frame: 0, source })?;
@@ -198,15 +198,15 @@ impl Pipeline {
         Ok(Self {
             size,
             t: 0,
-            registration: Choice::new(settings),
+            registration: CorrectionChoice::new(settings),
             model,
             region_finder: RegionFinder::new(settings, None),
             tracker: Tracker::new(settings, size, fps),
         })
     }
 
-    /// What is analysed from the next frame on, the whole image without one: foreground elsewhere is taken away
-    /// before cleaning. The model goes on learning every pixel. Fails where the mask is not as large as the frames.
+    /// Sets the area of interest from the next frame on, `None` for the whole image: foreground outside it is removed
+    /// before cleaning. The model still learns every pixel. Fails where the mask has another size than the frames.
     pub fn set_roi(&mut self, roi: Option<Arc<Roi>>) -> Result<(), PipelineError> {
         roi.as_ref().map_or(Ok(()), |roi| roi.check(self.size))?;
         self.region_finder.roi = roi;
@@ -220,8 +220,8 @@ impl Pipeline {
         self.model.learn(frames, self.registration)
     }
 
-    /// After the last frame to learn from, what was learnt becomes the beginning, for who looks at the model before the
-    /// first step, which does it otherwise.
+    /// Begins with the learnt model after the last frame to learn from. Needed only to read the model before the
+    /// first step, which otherwise does the same.
     pub fn begin(&mut self) {
         if let BackgroundSubtractor::Mixture(mixture) = &mut self.model {
             mixture.begin();
@@ -264,7 +264,7 @@ impl Pipeline {
         Ok(frames.iter().zip(found).map(|(frame, found)| self.follow(frame.number, found)).collect())
     }
 
-    /// Tracks and events of the next frame from what was found in it.
+    /// Tracks and events of the next frame, from its regions.
     fn follow(&mut self, number: u32, FoundRegions { mask, labels, regions }: FoundRegions) -> Analysis {
         self.t += 1;
         let seen = self.tracker.step(number, &regions);
@@ -348,13 +348,13 @@ impl Pipeline {
     }
 }
 
-/// The final reading of all `analyses`, in order, after `pipeline` has seen the last of them:
-/// objects named from their first frame on, short tracks gone.
+/// The offline result of all `analyses`, in order, after `pipeline` has processed the last of them: identities from
+/// each object's first frame on, short tracks removed.
 pub fn offline_result<'a>(
     analyses: impl IntoIterator<Item = &'a Analysis>,
     pipeline: &Pipeline,
 ) -> OfflineResult {
-    // What was open at the last frame is decided in a copy: the pipeline may go on.
+    // Pending decisions at the last frame are made in a copy: the pipeline may continue.
     let late = pipeline.tracker.clone().finish();
     let analyses: Vec<&Analysis> = analyses.into_iter().collect();
     let mut identity_map = IdentityMap::default();
@@ -372,7 +372,7 @@ pub fn offline_result<'a>(
     reading.episodes.sort_by(|a, b| (a.start, &a.objects).cmp(&(b.start, &b.objects)));
     for analysis in analyses {
         let mut before = earlier.remove(&analysis.number).unwrap_or_default();
-        // Who is followed in the frame itself was not looked for there.
+        // An object that is followed in the frame itself has no earlier track there.
         before.retain(|track| {
             let same = |followed: &Track| identity_map.of(followed.key) == identity_map.of(track.key);
             !analysis.objects.iter().any(same)
@@ -386,7 +386,7 @@ pub fn offline_result<'a>(
     for event in &mut reading.events {
         reading.counters.count(event.kind);
         if event.kind == EventKind::Merge {
-            // Who is in front shows while they are merged, after the event.
+            // The object in front is known while they are merged, after the event.
             event.front = reading
                 .episodes
                 .iter()

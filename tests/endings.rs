@@ -18,10 +18,10 @@ const FPS: f32 = 25.0;
 const FRAMES: u32 = 150;
 
 /// Where a walker's upper left cell is in a frame, `None` where nothing is seen of it.
-type Way = fn(i32) -> Option<(i32, i32)>;
+type Trajectory = fn(i32) -> Option<(i32, i32)>;
 
 /// What happens until the last frame, each video ending after another number of frames.
-fn told_of(ways: &[Way]) -> Vec<Vec<Event>> {
+fn told_of(ways: &[Trajectory]) -> Vec<Vec<Event>> {
     let colours = [[200, 30, 30], [30, 30, 200], [30, 180, 30]];
     let settings = Settings::default();
     let mut tracker = Tracker::new(&settings, SIZE, FPS);

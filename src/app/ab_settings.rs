@@ -2,7 +2,7 @@
 
 use crate::settings::{SETTINGS, Settings};
 
-/// Which of the two.
+/// One of the two.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum AbSlot {
     /// The one to start with.
@@ -15,7 +15,7 @@ impl AbSlot {
     /// Both in order.
     pub(crate) const ALL: [Self; 2] = [Self::A, Self::B];
 
-    /// The one beside it.
+    /// The other one.
     pub(crate) const fn other(self) -> Self {
         match self {
             Self::A => Self::B,
@@ -40,7 +40,7 @@ impl AbSlot {
     }
 }
 
-/// Which slot is in view, and what lies in the other. The settings in view are the model's own.
+/// The slot in view, and the settings of the other. The settings in view are the model's own.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct AbSettings {
     /// The slot in view.
@@ -55,8 +55,8 @@ impl AbSettings {
         Self { in_view: AbSlot::A, other: None }
     }
 
-    /// Brings a slot into view: what was in view is put away, and `settings` become the slot's
-    /// own. A slot that was never there begins as a copy of the one in view.
+    /// Brings a slot into view: the settings in view are stored, and `settings` become the slot's own. A slot without
+    /// settings begins as a copy of the one in view.
     pub(crate) fn show(&mut self, slot: AbSlot, settings: &mut Settings) {
         if slot == self.in_view {
             return;

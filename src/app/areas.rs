@@ -5,12 +5,12 @@ use std::sync::Arc;
 use crate::frame::Size;
 use crate::regions::roi::{self, Area, Purpose, Roi};
 
-/// An area has so many corners at least.
+/// Least number of corners of an area.
 const MIN_CORNERS: usize = 3;
-/// Corners nearer to one another than this, in pixels, are one: a double click sets none beside the last.
+/// Least distance of two corners in pixels: a double click sets none beside the last.
 const MIN_CORNER_DISTANCE_PX: f32 = 0.75;
 
-/// What is asked of them.
+/// An edit of the areas.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum AreaEdit {
     /// Begin to draw one.
@@ -23,7 +23,7 @@ pub(crate) enum AreaEdit {
     Close,
     /// Take back its last corner, or choose none.
     Back,
-    /// Give up drawing.
+    /// Cancel drawing.
     Cancel,
     /// Choose one by its place, or none.
     Choose(Option<usize>),
@@ -37,7 +37,7 @@ pub(crate) enum AreaEdit {
     Clear,
 }
 
-/// Why a change was not made.
+/// Why an edit was rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub(crate) enum AreaError {
     /// It has no inside.

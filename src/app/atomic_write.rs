@@ -1,4 +1,4 @@
-//! Writing one file that somebody chose a place for: the whole file or nothing.
+//! Atomic writing of one file at a chosen path: the whole file or nothing.
 
 use std::io;
 use std::path::{Path, PathBuf};

@@ -1,4 +1,4 @@
-//! Find an action or a setting by typing parts of its name.
+//! The command palette: finds actions and settings by parts of their names.
 
 use eframe::egui::{Align, Align2, Button, Context, Id, Key, Modal, Modifiers, ScrollArea, TextEdit};
 use egui_material_icons::icons as m;
@@ -9,7 +9,7 @@ use super::state::Model;
 use super::{icons, theme, top_bar};
 use crate::settings::{SETTINGS, Setting};
 
-/// What can be found.
+/// An entry of the palette.
 #[derive(Clone, Copy)]
 enum PaletteEntry {
     Action(&'static Entry),
@@ -51,7 +51,7 @@ impl PaletteEntry {
     }
 }
 
-/// What has been typed, and which of the actions found is chosen.
+/// The typed text and the chosen entry.
 #[derive(Default)]
 pub(crate) struct CommandPalette {
     open: bool,

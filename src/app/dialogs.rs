@@ -17,10 +17,10 @@ use crate::regions::Roi;
 use crate::settings::Settings;
 use crate::truth::Truth;
 
-/// Nobody cancels a dialog sooner than this: it never came up.
+/// Least time after which a user can cancel a dialog: sooner, it was never shown.
 const TOO_SOON: Duration = Duration::from_millis(250);
 
-/// What a dialog brought back.
+/// The result of a dialog.
 pub(crate) enum DialogResult {
     /// A video or folder to open.
     Open(PathBuf),
@@ -40,7 +40,7 @@ pub(crate) enum DialogResult {
     NoDialog,
 }
 
-/// What was brought, if anything, and whether a dialog was shut with it.
+/// The result, if any, and whether it closed a dialog.
 struct DialogOutcome {
     answer: Option<DialogResult>,
     from_dialog: bool,

@@ -1,29 +1,29 @@
-//! The events of two settings beside each other.
+//! Comparison of the events of two settings.
 
 use std::sync::Arc;
 
 use crate::occlusion::event_pairs::{self, EventPair, EventTolerance};
 use crate::replay::{ComparedSequence, State, Timeline};
 
-/// An event whose evidence is read, by its place in its timeline.
+/// A reference to an event, by its index in its timeline.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum EventRef {
-    /// Under the settings in view.
+    /// Of the settings in view.
     InView(usize),
-    /// Under those that are compared with them.
+    /// Of the compared settings.
     Compared(usize),
 }
 
-/// Which events are listed while settings are compared.
+/// Filter of the event list while settings are compared.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum ComparisonFilter {
     /// All.
     All,
-    /// Those that happen under the settings in view alone.
+    /// Events of the settings in view only.
     OnlyInView,
-    /// Those that happen under the others alone.
+    /// Events of the compared settings only.
     OnlyCompared,
-    /// Those that happen at another frame.
+    /// Events of both at different frames.
     Moved,
 }
 
@@ -32,7 +32,7 @@ impl ComparisonFilter {
     pub(crate) const ALL: [Self; 4] = [Self::All, Self::OnlyInView, Self::OnlyCompared, Self::Moved];
 }
 
-/// Which events two timelines have in common, and of which timelines that is true.
+/// The paired events of two timelines, and the timelines of the pairs.
 #[derive(Clone, Debug)]
 pub(crate) struct EventComparison {
     in_view: Arc<Timeline>,
@@ -42,7 +42,7 @@ pub(crate) struct EventComparison {
 }
 
 impl EventComparison {
-    /// Of what was published, if something is compared; `before` where that is still true.
+    /// The comparison of a published state, if settings are compared; `before` where it is still valid.
     pub(crate) fn of(state: &State, fps: f32, before: Option<Self>) -> Option<Self> {
         let compared = state.compared.as_ref()?;
         let same = |before: &Self| {
@@ -56,7 +56,7 @@ impl EventComparison {
         Some(Self { in_view: Arc::clone(&state.timeline), compared: Arc::clone(compared), pairs })
     }
 
-    /// Whether a pair belongs to a listing.
+    /// Whether a filter lists a pair.
     pub(crate) fn lists(&self, listing: ComparisonFilter, pair: EventPair) -> bool {
         match listing {
             ComparisonFilter::All => true,

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use super::atomic_write;
 use super::state::Model;
-use crate::export::annotate::{Moment, annotate};
+use crate::export::annotate::{FrameAnnotations, annotate};
 use crate::export::picture;
 use crate::frame::Frame;
 use crate::occlusion::Event;
@@ -43,7 +43,7 @@ impl FrameExport {
     /// The frame with all that is drawn on it.
     pub(crate) fn drawn(&self) -> Frame {
         let mut frame = Frame::clone(&self.shown.frame);
-        annotate(&mut frame, &Moment { recent: &self.recent, events: &self.events });
+        annotate(&mut frame, &FrameAnnotations { recent: &self.recent, events: &self.events });
         frame
     }
 

@@ -1,4 +1,4 @@
-//! All that was told since the start, for who was not looking.
+//! All messages since the start.
 
 use std::collections::VecDeque;
 

@@ -1,4 +1,4 @@
-//! What of the window is the same at the next start, besides the places of the views.
+//! The window's state that survives a restart, besides the layout of the views.
 
 use std::collections::BTreeMap;
 
@@ -14,10 +14,10 @@ use crate::mixture::Quantity;
 use crate::occlusion::EventKind;
 use crate::source::FPS_RANGE;
 
-/// Under which name it is kept.
+/// The storage key.
 const NAME: &str = "window";
 
-/// All of it. What an older version did not keep is as in a first start.
+/// The persisted state. What an older version did not persist has its initial value.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub(crate) struct PersistedState {
@@ -44,7 +44,7 @@ impl Default for PersistedState {
 }
 
 impl PersistedState {
-    /// What is to be kept of a window.
+    /// The state of a window.
     pub(crate) fn of(model: &Model, light: bool) -> Self {
         Self {
             light,
@@ -63,17 +63,17 @@ impl PersistedState {
         }
     }
 
-    /// What was kept; what cannot be read is as in a first start.
+    /// Reads the state; what cannot be read has its initial value.
     pub(crate) fn read(storage: Option<&dyn Storage>) -> Self {
         storage.and_then(|storage| eframe::get_value(storage, NAME)).unwrap_or_default()
     }
 
-    /// Keeps it.
+    /// Writes the state.
     pub(crate) fn write(&self, storage: &mut dyn Storage) {
         eframe::set_value(storage, NAME, self);
     }
 
-    /// Makes the window as it was.
+    /// Restores the window.
     pub(crate) fn restore(self, ctx: &Context, model: &mut Model) {
         ctx.set_theme(if self.light { Theme::Light } else { Theme::Dark });
         [model.settings_panel, model.inspector_panel] = self.panels;

@@ -1,4 +1,4 @@
-//! What the window knows and what has been asked of it: data alone, without drawing.
+//! The window's state and requests: data only, without drawing.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -24,23 +24,23 @@ use crate::source::Options;
 use crate::tracking::{Identity, Track};
 use crate::truth::Truth;
 
-/// What the window asks of the worker behind it.
+/// The worker as the window uses it.
 pub(crate) trait Player {
-    /// What it last published.
+    /// The state published last.
     fn state(&self) -> State;
     /// Asks for a frame.
     fn show(&self, position: u32);
     /// Asks for settings in view, and for others to compare them with.
     fn set_settings(&self, settings: Settings, beside: Option<Settings>);
-    /// Asks what would have kept an event from happening.
+    /// Asks for the counterfactuals of an event.
     fn explain(&self, event: Option<Event>);
-    /// Says what is known to be right.
+    /// Sets the ground truth.
     fn set_truth(&self, truth: Option<Arc<Truth>>);
     /// Asks for another part of the image to be analysed, the whole without one.
     fn set_roi(&self, roi: Option<Arc<Roi>>);
     /// Chooses a pixel.
     fn inspect(&self, at: Option<(u32, u32)>);
-    /// Asks what the chosen pixel would be under other values of these two settings.
+    /// Asks for the chosen pixel's verdict under other values of these two settings.
     fn tune(&self, knobs: Option<[TunableSetting; 2]>);
     /// Goes on analysing beyond the frame in view, or stops there.
     fn analyse_ahead(&self, ahead: bool);
@@ -52,7 +52,7 @@ pub(crate) trait Player {
     fn pin(&self, pixels: Vec<(u32, u32)>);
     /// Asks for the share of foreground around a pixel, with so many to a side.
     fn region(&self, region: Option<((u32, u32), u32)>);
-    /// Asks how right the mixture would be around a pixel, with so many to a side, under other settings.
+    /// Asks for the accuracy of the mixture around a pixel, with this side, under other settings.
     fn tune_region(&self, region: Option<((u32, u32), u32)>);
 }
 
@@ -125,13 +125,13 @@ pub(crate) const SPEEDS: [f32; 8] = [0.0625, 0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.
 /// The place of ×1 among them.
 pub(crate) const NORMAL_SPEED: usize = 4;
 
-/// So many videos are remembered.
+/// Largest number of remembered videos.
 const MAX_RECENT_VIDEOS: usize = 10;
 
-/// Two boxes with at least this IoU are of the same object.
+/// Least IoU of two boxes of one object.
 const MIN_SAME_OBJECT_IOU: f32 = 0.3;
 
-/// Over how many frames back a trail goes.
+/// Length of a trail, in frames.
 const TRAIL_FRAMES: u32 = 60;
 
 /// Playing by the window's clock.
@@ -145,7 +145,7 @@ pub(crate) struct Playback {
     pub(crate) next_at: f64,
 }
 
-/// What is asked of a worker as long as it is there.
+/// Requests to the worker that hold as long as it exists.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Work {
     /// When it was asked to open its video, if it ever was.
@@ -168,7 +168,7 @@ impl Camera {
     pub(crate) const FIT: Self = Self { magnification: 1.0, centre: [0.5, 0.5] };
 }
 
-/// What the panel on the right can explain.
+/// The subject of the panel on the right.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Subject {
     /// The chosen pixel.
@@ -177,7 +177,7 @@ pub(crate) enum Subject {
     Object,
 }
 
-/// What the pointer is on.
+/// The pixel under the pointer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Hover {
     /// In which view.
@@ -191,7 +191,7 @@ pub(crate) struct Hover {
 /// The number and the objects of each frame near the one in view that has been seen, by position.
 pub(crate) type Trails = BTreeMap<u32, (u32, Arc<Vec<Track>>)>;
 
-/// A frame with what is drawn over it of the frames before.
+/// A frame with the trails of its objects.
 #[derive(Clone, Debug)]
 pub(crate) struct FrameWithTrails {
     /// The frame.
@@ -219,7 +219,7 @@ impl FrameWithTrails {
     }
 }
 
-/// What is open, to the list of what was opened before.
+/// Relation of the open video to the list of recent videos.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Origin {
     /// It comes into the list once it is known to open.
@@ -230,15 +230,15 @@ pub(crate) enum Origin {
     Sample,
 }
 
-/// Everything that the window shows, and what has been asked for.
+/// The complete state of the window.
 // Each is a switch of its own, which a key turns.
 #[allow(clippy::struct_excessive_bools)]
 pub(crate) struct Model {
     /// The worker, once something was opened.
     pub(crate) player: Option<Box<dyn Player>>,
-    /// What the worker last said. The frame in it may not be in view yet.
+    /// The state the worker published last. Its frame may not be in view yet.
     pub(crate) state: Option<State>,
-    /// The frame that the worker gave last.
+    /// The frame that the worker published last.
     pub(crate) newest: Option<Arc<FrameWithTrails>>,
     /// The frame in view: the last whose pictures were ready.
     pub(crate) in_view: Option<Arc<FrameWithTrails>>,
@@ -266,7 +266,7 @@ pub(crate) struct Model {
     pub(crate) mapped: Option<Quantity>,
     /// Settings before and after, for undo.
     pub(crate) history: UndoHistory,
-    /// The position that was asked for and has not arrived.
+    /// The requested position that has not arrived yet.
     pub(crate) requested_position: Option<u32>,
     /// What is analysed, and what is drawn to say so.
     pub(crate) areas: Areas,
@@ -302,7 +302,7 @@ pub(crate) struct Model {
     pub(crate) overlay: Overlay,
     /// Whether a loupe stands beside the pointer.
     pub(crate) loupe: bool,
-    /// What is known to be right.
+    /// The ground truth.
     pub(crate) truth: Option<Arc<Truth>>,
     /// What is drawn over the tracks.
     pub(crate) drawn: Overlays,
@@ -312,15 +312,15 @@ pub(crate) struct Model {
     pub(crate) recent: Vec<String>,
     /// Which kinds of events are listed and jumped to, in the order of [`EventKind::ALL`].
     pub(crate) listed: [bool; EventKind::ALL.len()],
-    /// The event whose evidence is read, by its present place.
+    /// The event whose evidence is shown, by its present index.
     pub(crate) reading: Option<EventRef>,
-    /// That event, to find it again where others come to stand before it.
+    /// That event, to find it again when its index changes.
     read: Option<Event>,
-    /// Which events the settings in view and those compared with them have in common; `None` where nothing is compared.
+    /// The comparison of events, `None` where nothing is compared.
     pub(crate) compared: Option<EventComparison>,
-    /// The event of which the worker was last asked what would have kept it from happening.
+    /// The event whose counterfactuals were requested last.
     pub(crate) explained: Option<Event>,
-    /// Which of them are listed.
+    /// The filter of that comparison.
     pub(crate) listing: ComparisonFilter,
     /// The slot that comes into view again when a key is let go.
     pub(crate) held: Option<AbSlot>,

@@ -9,7 +9,7 @@ use super::command::{Action, Command};
 use super::state::{Model, SPEEDS};
 use super::{icons, theme};
 
-/// How long the last frame took.
+/// The time that the last frame took.
 #[derive(Clone, Copy)]
 pub(crate) struct FrameTiming {
     /// The window's thread on all of it, in seconds.

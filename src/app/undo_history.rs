@@ -4,10 +4,10 @@ use super::ab_settings::{AbSettings, AbSlot};
 use super::areas::Areas;
 use crate::settings::Settings;
 
-/// How many changes can be taken back.
+/// Largest number of edits that can be undone.
 const DEPTH: usize = 200;
 
-/// One change.
+/// An edit.
 #[derive(Clone, Debug)]
 enum Edit {
     /// Of the settings in a slot.
@@ -18,7 +18,7 @@ enum Edit {
     AbSettings { before: Box<(AbSettings, Settings)>, after: Box<(AbSettings, Settings)> },
 }
 
-/// What is to be as it was.
+/// The state that an undo or redo restores.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum RestoredState {
     /// The settings in a slot.
@@ -29,7 +29,7 @@ pub(crate) enum RestoredState {
     AbSettings(AbSettings, Box<Settings>),
 }
 
-/// Changes that were made, and those that were taken back.
+/// Edits that were made, and those that were undone.
 #[derive(Clone, Debug)]
 pub(crate) struct UndoHistory {
     /// The slot in view and what was last noted of it.
@@ -44,8 +44,7 @@ impl UndoHistory {
         Self { present: (AbSlot::A, present), past: Vec::new(), future: Vec::new() }
     }
 
-    /// Notes settings of the slot in view that have come to rest; nothing when they are those that
-    /// were last noted.
+    /// Records settings of the slot in view once they stop changing; nothing when they equal those recorded last.
     pub(crate) fn note(&mut self, settings: &Settings) {
         let (slot, present) = &mut self.present;
         if settings == present {
@@ -56,18 +55,18 @@ impl UndoHistory {
         self.add(Edit::Settings { slot, before, after: Box::new(settings.clone()) });
     }
 
-    /// Notes other areas.
+    /// Records other areas.
     pub(crate) fn note_areas(&mut self, before: Areas, after: Areas) {
         self.add(Edit::Areas { before, after });
     }
 
-    /// Notes other slots, each with the settings that are in view.
+    /// Records other slots, each with the settings in view.
     pub(crate) fn note_slots(&mut self, before: (AbSettings, Settings), after: (AbSettings, Settings)) {
         self.present = (after.0.in_view, after.1.clone());
         self.add(Edit::AbSettings { before: Box::new(before), after: Box::new(after) });
     }
 
-    /// Areas belong to a video, and it is no longer there.
+    /// Drops the edits of areas, when their video is closed.
     pub(crate) fn forget_areas(&mut self) {
         for changes in [&mut self.past, &mut self.future] {
             changes.retain(|change| !matches!(change, Edit::Areas { .. }));
@@ -82,7 +81,7 @@ impl UndoHistory {
         self.future.clear();
     }
 
-    /// Another slot has come into view, with these settings. To look elsewhere is no change.
+    /// Another slot is in view, with these settings. That is no edit.
     pub(crate) fn look(&mut self, slot: AbSlot, settings: &Settings) {
         self.present = (slot, settings.clone());
     }

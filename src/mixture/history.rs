@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::pixel::{Outcome, Parameters, Pixel, Value};
 use crate::frame::Frame;
-use crate::registration::{Applied, Seen};
+use crate::registration::{Applied, ObservedColour};
 use crate::settings::Space;
 
 /// A pixel's mixture after one frame's update, and what the update did.
@@ -67,11 +67,13 @@ impl PixelHistory {
 
     /// Learns from more colours before the first that is judged.
     pub fn learn_colours(&mut self, colours: impl IntoIterator<Item = [u8; 3]>) {
-        self.learn_seen(colours.into_iter().map(|rgb| Seen { colour: Some(rgb), applied: Applied::NOTHING }));
+        self.learn_seen(
+            colours.into_iter().map(|rgb| ObservedColour { colour: Some(rgb), applied: Applied::NOTHING }),
+        );
     }
 
     /// Learns from the colours of more frames before the first that is classified; a frame may not show the pixel.
-    pub fn learn_seen(&mut self, all: impl IntoIterator<Item = Seen>) {
+    pub fn learn_seen(&mut self, all: impl IntoIterator<Item = ObservedColour>) {
         let unseen = Pixel::unseen(self.parameters.k);
         let unseen = || LearntState { values: Vec::new(), pixel: unseen, start: unseen };
         let mut learnt = self.learnt.take().map_or_else(unseen, Arc::unwrap_or_clone);
@@ -118,7 +120,7 @@ impl PixelHistory {
     }
 
     /// Processes the colour of the pixel in frame `number`; the frame may not show it.
-    pub fn push_seen(&mut self, number: u32, Seen { colour, applied }: Seen) {
+    pub fn push_seen(&mut self, number: u32, ObservedColour { colour, applied }: ObservedColour) {
         match (colour, self.states.last()) {
             (Some(rgb), _) => self.push_colour(number, rgb),
             (None, Some(last)) => {

@@ -54,7 +54,7 @@ pub struct Parameters {
     /// How a pixel's past acts on its mixture.
     pub feedback: Feedback,
     /// What of a frame's alignment is taken out before X is read.
-    pub registration: registration::Choice,
+    pub registration: registration::CorrectionChoice,
 }
 
 impl Parameters {
@@ -76,7 +76,7 @@ impl Parameters {
             shadow: Shadow::new(settings),
             hysteresis: Hysteresis::new(settings),
             feedback: Feedback::new(settings),
-            registration: registration::Choice::new(settings),
+            registration: registration::CorrectionChoice::new(settings),
         }
     }
 

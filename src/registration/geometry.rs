@@ -73,7 +73,7 @@ impl Pyramid {
 
 /// Where the frame was found in the reference, and how well.
 #[derive(Clone, Copy)]
-pub(super) struct Found {
+pub(super) struct MotionEstimate {
     pub(super) motion: Motion,
     /// Correlation of the points of strong contrast, −1..=1.
     pub(super) correlation: f32,
@@ -85,7 +85,7 @@ pub(super) struct Found {
     pub(super) light: (f32, f32),
 }
 
-impl Found {
+impl MotionEstimate {
     /// What is said where there is nothing to be found.
     pub(super) const NOTHING: Self =
         Self { motion: Motion::NONE, correlation: 1.0, cost: f32::MAX, is_clear: false, light: (1.0, 0.0) };
@@ -108,13 +108,13 @@ impl Reference {
     }
 
     /// What is found where the camera stands still and the image differs no more than it does by `usual`.
-    pub(super) fn find_still(&self, frame: &Frame, factor: usize, usual: f32) -> Option<Found> {
+    pub(super) fn find_still(&self, frame: &Frame, factor: usize, usual: f32) -> Option<MotionEstimate> {
         let values: Vec<_> = self.places.iter().map(|&(x, y)| square(frame, factor, x, y)).collect();
         let seen = || self.points[2].iter().copied().zip(values.iter().copied());
-        let mut still = Fit::of(Motion::NONE);
+        let mut still = MotionFit::of(Motion::NONE);
         still.relight(seen());
         let cost = still.cost(seen());
-        (cost <= USUAL * usual).then(|| Found {
+        (cost <= USUAL * usual).then(|| MotionEstimate {
             motion: Motion::NONE,
             correlation: correlation(seen()),
             cost,
@@ -124,9 +124,9 @@ impl Reference {
     }
 
     /// Finds how the frame has moved against the reference; where the camera is known to shake, with less reserve.
-    pub(super) fn find(&self, frame: &Pyramid, shakes: bool) -> Found {
+    pub(super) fn find(&self, frame: &Pyramid, shakes: bool) -> MotionEstimate {
         let (dx, dy) = self.search(&frame.0[0].contrast(AROUND));
-        let mut fit = Fit::of(Motion { dx: dx as f32, dy: dy as f32, ..Motion::NONE });
+        let mut fit = MotionFit::of(Motion { dx: dx as f32, dy: dy as f32, ..Motion::NONE });
         for (level, (plane, points)) in frame.0.iter().zip(&self.points).enumerate() {
             if level > 0 {
                 fit.motion.dx *= 2.0;
@@ -137,7 +137,7 @@ impl Reference {
         let mut turned = fit;
         turned.improve(&frame.0[2], &self.points[2], &[DX, DY, TURN, ZOOM, GAIN, OFFSET]);
         let (plane, points) = (&frame.0[2], &self.points[2]);
-        let mut still = Fit::of(Motion::NONE);
+        let mut still = MotionFit::of(Motion::NONE);
         still.relight(still.seen(plane, points));
         let cost_still = still.cost(still.seen(plane, points));
         let (mut best, mut cost) = (still, cost_still);
@@ -152,11 +152,11 @@ impl Reference {
         let fit = best;
         let is_clear = cost < CLEAR * cost_still && self.is_clear(&fit, &still, plane);
         let correlation = correlation(fit.seen(plane, points));
-        Found { motion: fit.motion, correlation, cost, is_clear, light: (fit.gain, fit.offset) }
+        MotionEstimate { motion: fit.motion, correlation, cost, is_clear, light: (fit.gain, fit.offset) }
     }
 
     /// Whether `fit` explains the quarters of the image better than `still` does, all but one.
-    fn is_clear(&self, fit: &Fit, still: &Fit, plane: &Plane) -> bool {
+    fn is_clear(&self, fit: &MotionFit, still: &MotionFit, plane: &Plane) -> bool {
         let (mut judged, mut better) = (0, 0);
         for quarter in [(true, true), (true, false), (false, true), (false, false)] {
             let points: Vec<_> = self.points[2]
@@ -279,13 +279,13 @@ fn centre(plane: &Plane) -> (f32, f32) {
 
 /// A motion, and the light that goes with it.
 #[derive(Clone, Copy)]
-struct Fit {
+struct MotionFit {
     motion: Motion,
     gain: f32,
     offset: f32,
 }
 
-impl Fit {
+impl MotionFit {
     const fn of(motion: Motion) -> Self {
         Self { motion, gain: 1.0, offset: 0.0 }
     }

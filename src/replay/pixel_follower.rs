@@ -5,7 +5,7 @@ use std::sync::Arc;
 use super::frame_consumer::FrameConsumer;
 use crate::frame::Frame;
 use crate::mixture::{Parameters, PixelHistory};
-use crate::registration::{Choice, Seen};
+use crate::registration::{CorrectionChoice, ObservedColour};
 use crate::settings::{BackgroundModel, Settings};
 use crate::source::SourceInfo;
 
@@ -15,7 +15,7 @@ pub(super) struct PixelFollower {
     history: Option<Arc<PixelHistory>>,
     /// Number and colour of the pixel in each frame, as the mixture sees it. `history` may lag behind: it is extended
     /// on request, as it has to be copied while the previous one is shared.
-    colours: Vec<(u32, Seen)>,
+    colours: Vec<(u32, ObservedColour)>,
     /// Number of first frames that are learnt from before the first is classified.
     to_learn: u32,
     /// Whether `colours` covers all frames of the source.
@@ -30,7 +30,7 @@ impl PixelFollower {
     pub(super) fn choose(&mut self, at: Option<(u32, u32)>, settings: &Settings, info: &SourceInfo) {
         let at = at.filter(|_| settings.background_model == BackgroundModel::Mixture);
         self.lost = None;
-        let registration = Choice::new(settings);
+        let registration = CorrectionChoice::new(settings);
         let seen = |history: &Arc<PixelHistory>| (history.at, history.parameters.registration);
         if self.history.as_ref().map(seen) != at.map(|at| (at, registration)) {
             self.colours.clear();

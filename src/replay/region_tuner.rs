@@ -10,7 +10,7 @@ use super::{RegionTuning, region_bounds};
 use crate::frame::{Frame, Size};
 use crate::mixture::Parameters;
 use crate::mixture::tuning::{SettingAxis, TunableSetting, grid};
-use crate::registration::{Choice, corrected};
+use crate::registration::{CorrectionChoice, corrected};
 use crate::settings::{BackgroundModel, Settings};
 use crate::truth::decisions::{Decisions, of_mixture};
 use crate::truth::masks::{TrueMask, TrueMasks};
@@ -25,7 +25,7 @@ pub(super) struct RegionTuner {
     /// Number of first frames that are learnt from before the first is classified.
     to_learn: u32,
     /// The registration of the collected frames.
-    registration: Choice,
+    registration: CorrectionChoice,
     knobs: Option<[TunableSetting; 2]>,
     truth: Option<Arc<TrueMasks>>,
     job: Option<RegionTuningJob>,
@@ -76,7 +76,7 @@ impl RegionTuner {
 
     /// Takes the registration of the settings; frames collected under another one are dropped.
     pub(super) fn register(&mut self, settings: &Settings) {
-        let registration = Choice::new(settings);
+        let registration = CorrectionChoice::new(settings);
         if registration != self.registration {
             self.registration = registration;
             if let Some(region) = &mut self.region {

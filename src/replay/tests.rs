@@ -13,7 +13,7 @@ use crate::frame::{Mask, Size};
 use crate::mixture::Parameters;
 use crate::mixture::tuning::{self, TunableSetting};
 use crate::pipeline::Pipeline;
-use crate::registration::{Choice, Registered, corrected};
+use crate::registration::{CorrectionChoice, Registered, corrected};
 use crate::settings::{BackgroundModel, Preset, Span};
 use crate::source::cache::FrameCache;
 use crate::source::{self, Options, Source, SourceError};
@@ -268,7 +268,7 @@ fn any_walk_shows_what_one_pass_forward_gives_where_camera_and_light_are_restles
         ..settings()
     };
     let expected = straight(folder.path(), &settings);
-    let corrected = |shown: &&ShownFrame| corrected(&shown.frame, Choice::new(&settings)).is_some();
+    let corrected = |shown: &&ShownFrame| corrected(&shown.frame, CorrectionChoice::new(&settings)).is_some();
     assert!(expected.iter().filter(corrected).count() > 20, "there is something to take out");
     for budget in [1 << 30, 0] {
         any_walk_shows(folder.path(), &settings, &expected, budget);

@@ -8,7 +8,7 @@ use occluscope::mixture::BATCH;
 use occluscope::occlusion::EventKind;
 use occluscope::pipeline::{Analysis, OfflineResult, Pipeline, offline_result};
 use occluscope::regions::Rect;
-use occluscope::registration::{Choice, measure_all};
+use occluscope::registration::{CorrectionChoice, measure_all};
 use occluscope::settings::Settings;
 use occluscope::synth::{Parameters, Recorder, Scene, Truth, catalogue, render};
 use occluscope::tracking::Identity;
@@ -23,7 +23,7 @@ const TOLERANCE: f32 = 8.0;
 const CLEAR: f32 = 0.9;
 
 /// A scene through the whole analysis, as `run` takes a file through it.
-pub(crate) struct Run {
+pub(crate) struct JudgedRun {
     truth: Truth,
     analyses: Vec<Analysis>,
     pipeline: Pipeline,
@@ -34,7 +34,7 @@ pub(crate) struct Run {
     slowness: f32,
 }
 
-impl Run {
+impl JudgedRun {
     /// The analysis of a scene in which people walk at `speed` times their usual one in each frame.
     pub(crate) fn new(scene: &Scene, speed: f32, settings: &Settings) -> Self {
         let mut recorder = Recorder::new(scene.fps);
@@ -43,7 +43,7 @@ impl Run {
             recorder.push(&truth);
             frames.push(frame);
         }
-        measure_all(&mut frames, Choice::new(settings));
+        measure_all(&mut frames, CorrectionChoice::new(settings));
         let frames: Vec<&Frame> = frames.iter().collect();
         let mut pipeline = Pipeline::new(settings, scene.size, scene.fps).expect("settings in range");
         let learnt = frames.len().min(settings.bootstrap.frames(scene.fps) as usize);
@@ -129,7 +129,7 @@ pub(crate) fn differences(scene: &str, parameters: &Parameters, settings: &Setti
 
 /// The same of a scene in which people walk at `speed` times their usual one.
 pub(crate) fn differences_in(scene: &Scene, speed: f32, settings: &Settings) -> Vec<String> {
-    Run::new(scene, speed, settings).differences()
+    JudgedRun::new(scene, speed, settings).differences()
 }
 
 /// Who was called by another's identity or by several, a line each, and which person each identity is.

@@ -12,7 +12,7 @@ use super::table::Table;
 /// Room for the button of a menu.
 const WIDTH: f32 = 24.0;
 
-/// What is asked of a plot.
+/// An export of a plot.
 #[derive(Clone, Copy)]
 enum PlotExport {
     CopyPicture,

@@ -10,7 +10,7 @@ use super::menu;
 use super::plot::Plot;
 use super::style::{self, small};
 use super::{Chosen, InspectorAction};
-use crate::export::figure::mixture::Moment;
+use crate::export::figure::mixture::UpdateSide;
 use crate::mixture::component_states::{ComponentState, component_states, t_at};
 use crate::mixture::verdict::{Verdict, number};
 
@@ -20,10 +20,10 @@ const BESIDE: f32 = 330.0;
 /// Which mixture is shown.
 #[derive(Default)]
 pub(super) struct MixtureView {
-    moment: Moment,
+    moment: UpdateSide,
 }
 
-/// A mixture as it is shown.
+/// A mixture before or after the update, as shown.
 struct MixtureSide {
     before: bool,
     rows: Vec<ComponentState>,
@@ -81,28 +81,28 @@ impl MixtureView {
     }
 
     /// Asks which mixture is to be shown. The first frame that the model sees has none before it.
-    fn moment(&mut self, ui: &mut Ui, chosen: &Chosen<'_>) -> Moment {
+    fn moment(&mut self, ui: &mut Ui, chosen: &Chosen<'_>) -> UpdateSide {
         let first = chosen.history.before(chosen.index).is_none();
-        let shown = |moment| if first { Moment::After } else { moment };
+        let shown = |moment| if first { UpdateSide::After } else { moment };
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing.x = 3.0;
             ui.spacing_mut().button_padding.x = 6.0;
             ui.label("Mixture").on_hover_text("Which mixture of this frame's update is shown below.");
             for (moment, name, meaning) in [
                 (
-                    Moment::Before,
+                    UpdateSide::Before,
                     "before",
                     "The mixture that the value was compared with, from the frame before.",
                 ),
-                (Moment::After, "after", "The mixture with this frame's value learned, which decides B."),
+                (UpdateSide::After, "after", "The mixture with this frame's value learned, which decides B."),
                 (
-                    Moment::Both,
+                    UpdateSide::Both,
                     "both",
                     "The mixtures before and after the update, side by side where there is room.",
                 ),
             ] {
                 let button = Button::selectable(shown(self.moment) == moment, name);
-                let button = ui.add_enabled(!first || moment == Moment::After, button);
+                let button = ui.add_enabled(!first || moment == UpdateSide::After, button);
                 if button.on_hover_text(meaning).clicked() {
                     self.moment = moment;
                 }

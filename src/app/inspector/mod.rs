@@ -105,7 +105,7 @@ enum Tab {
     PixelsView,
 }
 
-/// What is shown beside the chosen pixel.
+/// The data that the inspector shows besides the chosen pixel's history.
 #[derive(Clone, Copy, Default)]
 pub struct InspectorContext<'a> {
     /// The chosen pixel.
@@ -122,16 +122,16 @@ pub struct InspectorContext<'a> {
     pub judged: RegionAccuracy<'a>,
 }
 
-/// What is known of the pixels around the chosen one by the ground truth.
+/// Accuracy in the region around the chosen pixel, by the ground truth.
 #[derive(Clone, Copy, Default)]
 pub struct RegionAccuracy<'a> {
     /// Whether there are true masks.
     pub has_masks: bool,
-    /// How right they would be under other settings, if [`InspectorRequests::judge`] asks for it.
+    /// The tuning of the region, if [`InspectorRequests::judge`] requests it.
     pub tuning: Option<&'a Arc<RegionTuning>>,
 }
 
-/// What the tab that is seen wants to know.
+/// The data that the visible tab requests.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct InspectorRequests {
     /// The two settings whose map is looked at.
@@ -142,7 +142,7 @@ pub struct InspectorRequests {
     pub around: Option<u32>,
 }
 
-/// A history with the slots of its components; worked out anew only when the history is another one.
+/// A history with the slots of its components; computed again only for another history.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SlottedHistory {
     history: Arc<PixelHistory>,

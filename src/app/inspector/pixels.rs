@@ -58,7 +58,7 @@ struct Cache {
 const MAX_COPIES_IN_FLIGHT: &str = "Its first frames are on the way …";
 const LOST: &str = "It cannot be known: it begins with frames that this live source no longer has.";
 
-/// Where the frame in view is.
+/// The position of the frame in view.
 #[derive(Clone, Copy)]
 pub(super) struct FramePosition {
     /// Its position.

@@ -8,7 +8,7 @@ use super::SlottedHistory;
 use super::table::{Table, borrowed};
 use crate::app::atomic_write;
 use crate::export::figure::cube::{self, Look};
-use crate::export::figure::mixture::{self, Moment};
+use crate::export::figure::mixture::{self, UpdateSide};
 use crate::export::figure::{Figure, pins, raster, region, scatter, svg, through_time, tuning};
 use crate::frame::Frame;
 use crate::mixture::{PixelHistory, scatter_points};
@@ -19,9 +19,9 @@ use crate::truth::decisions::Measure;
 #[derive(Clone, Debug, PartialEq)]
 pub enum Plot {
     /// The densities at a position.
-    Densities(SlottedHistory, usize, Moment),
+    Densities(SlottedHistory, usize, UpdateSide),
     /// The weights at a position.
-    Weights(SlottedHistory, usize, Moment),
+    Weights(SlottedHistory, usize, UpdateSide),
     /// Values and mixture through time.
     History(SlottedHistory, through_time::HistorySelection),
     /// A plane of the channels, with the frame in view.

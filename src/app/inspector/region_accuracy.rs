@@ -1,4 +1,4 @@
-//! How right the mixture would be about the pixels around the chosen one under other settings, by true masks.
+//! Accuracy of the mixture in the region around the chosen pixel under other settings, against true masks.
 
 use std::sync::Arc;
 
@@ -18,7 +18,7 @@ use crate::truth::decisions::{Decisions, Measure};
 /// Height of a map as a share of its width, where there are two.
 pub(super) const FLAT: f32 = 0.48;
 
-/// How large the region is, and by what it is judged.
+/// The side of the region, and the measure.
 pub(super) struct RegionAccuracyView {
     /// Pixels along a side of the region.
     pub(super) side: u32,

@@ -1,4 +1,4 @@
-//! How large the region around the chosen pixel is.
+//! Side of the region around the chosen pixel.
 
 use eframe::egui::Ui;
 

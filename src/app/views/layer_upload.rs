@@ -1,4 +1,4 @@
-//! Brings layers onto the graphics card: what is there is written into again as soon as nobody shows it.
+//! Upload of layers to the graphics card; textures are reused as soon as no view shows them.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -9,7 +9,7 @@ use super::layer::{Layer, Layers};
 use crate::frame::Size;
 use crate::replay::ShownFrame;
 
-/// A layer on the card.
+/// A layer on the graphics card.
 pub(crate) struct UploadedLayer {
     texture: wgpu::Texture,
     /// For binding it.
@@ -26,17 +26,17 @@ struct Staging {
     is_ours: Arc<AtomicBool>,
 }
 
-/// So many copies of a layer may be on their way; then the card is waited for.
+/// Largest number of copies of a layer in flight; beyond that the upload waits for the card.
 const MAX_COPIES_IN_FLIGHT: usize = 2;
 
-/// What there is of a layer, in use or not.
+/// Textures and staging buffers of a layer.
 #[derive(Default)]
 struct LayerBuffers {
     textures: Vec<Arc<UploadedLayer>>,
     staging: Vec<Staging>,
 }
 
-/// Sends layers.
+/// Uploads layers.
 ///
 /// Not with the queue's own writing of textures: that keeps the queue locked while it copies, and the window's
 /// thread would wait for it.

@@ -1,4 +1,4 @@
-//! Where the mask is right, and where it is wrong, by the ground truth.
+//! True and false decisions of the mask against the ground truth.
 
 use eframe::egui::Color32;
 

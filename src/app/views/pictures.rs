@@ -22,7 +22,7 @@ use crate::app::state::FrameWithTrails;
 use crate::frame::Size;
 use crate::truth::decisions::Decisions;
 
-/// A frame whose layers are on the card.
+/// A frame whose layers are on the graphics card.
 pub(crate) struct UploadedFrame {
     moment: Arc<FrameWithTrails>,
     video: u32,
@@ -82,7 +82,7 @@ impl UploadedFrame {
     }
 }
 
-/// What the thread is asked for.
+/// A request to the thread.
 #[derive(Clone)]
 struct Request {
     moment: Arc<FrameWithTrails>,
@@ -91,7 +91,7 @@ struct Request {
     video: u32,
 }
 
-/// Where a set waits for the window; a newer one takes its place.
+/// The uploaded frame that waits for the window; a newer one replaces it.
 type Ready = Arc<Mutex<Option<UploadedFrame>>>;
 
 /// The window's side.

@@ -9,7 +9,7 @@ use crate::mixture::{MAX_K, PixelHistory};
 
 /// Which mixture of a frame is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Moment {
+pub enum UpdateSide {
     /// The one that the value was compared with.
     Before,
     /// The one with the value learned, which decides B.
@@ -19,7 +19,7 @@ pub enum Moment {
     Both,
 }
 
-impl Moment {
+impl UpdateSide {
     /// Whether each of the mixtures that are shown is the one before the update.
     pub const fn sides(self) -> &'static [bool] {
         match self {
@@ -33,7 +33,7 @@ impl Moment {
 const STEPS: usize = 510;
 
 /// w·η of each component in each channel, with the value, and under them μ ± λσ.
-pub fn densities(history: &PixelHistory, slots: &[[u8; MAX_K]], index: usize, moment: Moment) -> Figure {
+pub fn densities(history: &PixelHistory, slots: &[[u8; MAX_K]], index: usize, moment: UpdateSide) -> Figure {
     let sides: Vec<_> = moment
         .sides()
         .iter()
@@ -84,7 +84,7 @@ pub fn densities(history: &PixelHistory, slots: &[[u8; MAX_K]], index: usize, mo
 }
 
 /// The weights as bars in rank order, each beginning where the sum of those above ends, with T and the cut at B.
-pub fn weights(history: &PixelHistory, slots: &[[u8; MAX_K]], index: usize, moment: Moment) -> Figure {
+pub fn weights(history: &PixelHistory, slots: &[[u8; MAX_K]], index: usize, moment: UpdateSide) -> Figure {
     const BAR: f64 = 15.0;
     let sides: Vec<_> = moment
         .sides()
@@ -96,7 +96,7 @@ pub fn weights(history: &PixelHistory, slots: &[[u8; MAX_K]], index: usize, mome
     legend.push(Key {
         sign: Sign::Dashed,
         colour: INK,
-        name: format!("T = {}", number(t_at(history, index, moment == Moment::Before))),
+        name: format!("T = {}", number(t_at(history, index, moment == UpdateSide::Before))),
     });
     let mut figure = start(history, index, moment, legend);
     let most =
@@ -136,21 +136,21 @@ pub fn weights(history: &PixelHistory, slots: &[[u8; MAX_K]], index: usize, mome
     figure
 }
 
-fn start(history: &PixelHistory, index: usize, moment: Moment, legend: Vec<Key>) -> Figure {
+fn start(history: &PixelHistory, index: usize, moment: UpdateSide, legend: Vec<Key>) -> Figure {
     let number = history.states.get(index).map_or(0, |state| state.number);
     let when = match moment {
-        Moment::Before => " before the update",
-        Moment::After => " after the update",
-        Moment::Both => "",
+        UpdateSide::Before => " before the update",
+        UpdateSide::After => " after the update",
+        UpdateSide::Both => "",
     };
     let title = format!("{}, frame {number}{when}", pixel_name(history));
-    Figure::new(if moment == Moment::Both { WIDE } else { NARROW }, title, parameters(history), legend)
+    Figure::new(if moment == UpdateSide::Both { WIDE } else { NARROW }, title, parameters(history), legend)
 }
 
-fn caption(moment: Moment, before: bool) -> String {
+fn caption(moment: UpdateSide, before: bool) -> String {
     match (moment, before) {
-        (Moment::Both, true) => "before the update".to_owned(),
-        (Moment::Both, false) => "after the update".to_owned(),
+        (UpdateSide::Both, true) => "before the update".to_owned(),
+        (UpdateSide::Both, false) => "after the update".to_owned(),
         _ => String::new(),
     }
 }

@@ -7,7 +7,7 @@ use std::collections::BTreeSet;
 use ::svg::parser::Event;
 
 use super::cube::{Look, Turn};
-use super::mixture::{Moment, densities, weights};
+use super::mixture::{UpdateSide, densities, weights};
 use super::{Figure, Sign, cube, pins, region, scatter, svg, through_time, tuning};
 use crate::export::pixel_csv;
 use crate::mixture::component_slots::{ComponentChange, component_change, slots_by_rank};
@@ -218,7 +218,7 @@ fn a_part_of_a_history_has_its_own_frames_and_a_long_one_loses_nothing_brief() {
 fn densities_and_weights_are_those_of_the_mixture() {
     let history = history_of(&settings(), 400);
     let slots = slots_by_rank(&history);
-    for (moment, index) in [(Moment::Before, 225), (Moment::After, 225), (Moment::Both, 300)] {
+    for (moment, index) in [(UpdateSide::Before, 225), (UpdateSide::After, 225), (UpdateSide::Both, 300)] {
         let text = svg::write(&densities(&history, &slots, index, moment));
         let panels_of = panels(&text);
         let weights = panels(&svg::write(&weights(&history, &slots, index, moment)));
@@ -297,7 +297,7 @@ fn a_legend_of_both_mixtures_has_both_ranks() {
         Some(ComponentChange::Rose { from, to }) => (from, to),
         other => panic!("{other:?}"),
     };
-    for figure in [densities, weights].map(|of| of(&history, &slots, index, Moment::Both)) {
+    for figure in [densities, weights].map(|of| of(&history, &slots, index, UpdateSide::Both)) {
         let names: Vec<_> = figure.legend.iter().map(|key| key.name.as_str()).collect();
         assert!(names.iter().any(|name| name.ends_with(&format!("{is} (was {was})"))), "{names:?}");
         for component_state in component_states(&history, &slots, index, false).0 {
@@ -312,11 +312,11 @@ fn a_legend_of_both_mixtures_has_both_ranks() {
         .unwrap_or(1);
     let new = usize::from(history.states[made].outcome.rank);
     let names: Vec<_> =
-        weights(&history, &slots, made, Moment::Both).legend.into_iter().map(|key| key.name).collect();
+        weights(&history, &slots, made, UpdateSide::Both).legend.into_iter().map(|key| key.name).collect();
     let expected = history.states[made].outcome.matched == 0;
     assert_eq!(names[new - 1].ends_with("(new)"), expected, "frame {made}: {names:?}");
     // One mixture has one set of ranks.
-    for moment in [Moment::Before, Moment::After] {
+    for moment in [UpdateSide::Before, UpdateSide::After] {
         let legend = densities(&history, &slots, index, moment).legend;
         assert!(legend.iter().all(|key| !key.name.contains('(')), "{legend:?}");
     }
@@ -503,12 +503,12 @@ fn all() -> Vec<(&'static str, Figure)> {
         ("history", through_time::figure(&history, &of, &part(0..400, false))),
         ("history-part", through_time::figure(&history, &of, &part(200..260, true))),
         ("history-gray", through_time::figure(&gray, &of_gray, &part(0..300, false))),
-        ("densities", densities(&history, &of, 230, Moment::After)),
-        ("densities-both", densities(&history, &of, 230, Moment::Both)),
-        ("densities-gray", densities(&gray, &of_gray, 230, Moment::Before)),
-        ("weights", weights(&history, &of, 230, Moment::After)),
-        ("weights-both", weights(&history, &of, 230, Moment::Both)),
-        ("weights-gray", weights(&gray, &of_gray, 230, Moment::After)),
+        ("densities", densities(&history, &of, 230, UpdateSide::After)),
+        ("densities-both", densities(&history, &of, 230, UpdateSide::Both)),
+        ("densities-gray", densities(&gray, &of_gray, 230, UpdateSide::Before)),
+        ("weights", weights(&history, &of, 230, UpdateSide::After)),
+        ("weights-both", weights(&history, &of, 230, UpdateSide::Both)),
+        ("weights-gray", weights(&gray, &of_gray, 230, UpdateSide::After)),
         (
             "scatter",
             scatter::figure(

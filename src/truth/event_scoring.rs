@@ -1,4 +1,5 @@
-//! Events and occlusion episodes against those of a made-up scene: each once, at its time, about its people.
+//! Scores of events and occlusion episodes against the truth of a rendered scene: each once, at its time, with its
+//! objects.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -9,28 +10,28 @@ use serde::{Deserialize, Serialize};
 use super::TruthError;
 use super::boxes::Boxes;
 
-/// Who is called what is told from frames in which a box fits a person this well.
-const ON: f64 = 0.5;
+/// Least IoU at which a reported box belongs to a true object.
+const MIN_IOU: f64 = 0.5;
 
-/// Something that happened, in a run or in truth.
+/// An event or episode, reported or true.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Happening {
-    /// What: an event's or an episode's kind.
+pub struct ScoredEvent {
+    /// The kind of event or episode.
     pub kind: String,
-    /// Whom, in order.
+    /// The objects, in order.
     pub objects: Vec<u32>,
     /// The first and last frame; an event has one.
     pub span: (u32, u32),
 }
 
-/// How well the happenings of one kind were found.
+/// The score of the events of one kind.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
-pub struct Found {
-    /// How many truly happened.
+pub struct EventScore {
+    /// Number of true ones.
     pub truth: usize,
-    /// How many were reported.
+    /// Number of reported ones.
     pub reported: usize,
-    /// How many of both are the same, each counted once.
+    /// Number of matches, each counted once.
     pub matched: usize,
     /// matched / reported, 1 where nothing was.
     pub precision: f64,
@@ -39,7 +40,7 @@ pub struct Found {
 }
 
 /// Reads `events.jsonl`.
-pub fn read_events(path: &Path) -> Result<Vec<Happening>, TruthError> {
+pub fn read_events(path: &Path) -> Result<Vec<ScoredEvent>, TruthError> {
     #[derive(Deserialize)]
     struct Line {
         frame: u32,
@@ -51,13 +52,13 @@ pub fn read_events(path: &Path) -> Result<Vec<Happening>, TruthError> {
         let Line { frame, kind, mut objects } = serde_json::from_str(line)
             .map_err(|error| TruthError::new(path, format!("line {number} is no event ({error})")))?;
         objects.sort_unstable();
-        Ok(Happening { kind, objects, span: (frame, frame) })
+        Ok(ScoredEvent { kind, objects, span: (frame, frame) })
     };
     text.lines().zip(1..).filter(|(line, _)| !line.trim().is_empty()).map(line).collect()
 }
 
 /// Reads `episodes.csv`.
-pub fn read_episodes(path: &Path) -> Result<Vec<Happening>, TruthError> {
+pub fn read_episodes(path: &Path) -> Result<Vec<ScoredEvent>, TruthError> {
     #[derive(Deserialize)]
     struct Row {
         kind: String,
@@ -71,7 +72,7 @@ pub fn read_episodes(path: &Path) -> Result<Vec<Happening>, TruthError> {
         let objects: Result<Vec<u32>, _> = objects.split('+').map(str::parse).collect();
         let mut objects = objects.map_err(|error| TruthError::new(path, format!("objects: {error}")))?;
         objects.sort_unstable();
-        Ok(Happening { kind, objects, span: (start, end) })
+        Ok(ScoredEvent { kind, objects, span: (start, end) })
     };
     reader.deserialize().map(row).collect()
 }
@@ -84,7 +85,7 @@ pub fn people(truth: &Boxes, found: &Boxes) -> BTreeMap<u32, u32> {
         for (identity, place) in found_ones {
             let best = true_ones.iter().map(|(person, true_place)| (place.iou(true_place), person));
             if let Some((iou, person)) = best.max_by(|a, b| a.0.total_cmp(&b.0))
-                && iou >= ON
+                && iou >= MIN_IOU
             {
                 *counts.entry(*identity).or_default().entry(*person).or_default() += 1;
             }
@@ -99,29 +100,30 @@ pub fn people(truth: &Boxes, found: &Boxes) -> BTreeMap<u32, u32> {
 /// Compares by kind: the same people, and every end within `tolerance` frames. `people` says who the
 /// identities of `reported` are.
 pub fn compare(
-    truth: &[Happening],
-    reported: &[Happening],
+    truth: &[ScoredEvent],
+    reported: &[ScoredEvent],
     people: &BTreeMap<u32, u32>,
     tolerance: u32,
-) -> BTreeMap<String, Found> {
-    let named = |happening: &Happening| {
+) -> BTreeMap<String, EventScore> {
+    let named = |event: &ScoredEvent| {
         let mut objects: Vec<_> =
-            happening.objects.iter().map(|id| people.get(id).copied().unwrap_or(0)).collect();
+            event.objects.iter().map(|id| people.get(id).copied().unwrap_or(0)).collect();
         objects.sort_unstable();
-        Happening { objects, ..happening.clone() }
+        ScoredEvent { objects, ..event.clone() }
     };
-    let mut open: Vec<Happening> = reported.iter().map(named).collect();
+    let mut open: Vec<ScoredEvent> = reported.iter().map(named).collect();
     let kinds: BTreeSet<&String> = truth.iter().chain(reported).map(|it| &it.kind).collect();
-    let mut all: BTreeMap<String, Found> =
-        kinds.into_iter().map(|kind| (kind.clone(), Found::default())).collect();
+    let mut all: BTreeMap<String, EventScore> =
+        kinds.into_iter().map(|kind| (kind.clone(), EventScore::default())).collect();
     for it in reported {
         all.entry(it.kind.clone()).or_default().reported += 1;
     }
     for it in truth {
         let found = all.entry(it.kind.clone()).or_default();
         found.truth += 1;
-        let off = |other: &Happening| it.span.0.abs_diff(other.span.0).max(it.span.1.abs_diff(other.span.1));
-        let same = |other: &&(usize, &Happening)| other.1.kind == it.kind && other.1.objects == it.objects;
+        let off =
+            |other: &ScoredEvent| it.span.0.abs_diff(other.span.0).max(it.span.1.abs_diff(other.span.1));
+        let same = |other: &&(usize, &ScoredEvent)| other.1.kind == it.kind && other.1.objects == it.objects;
         let nearest =
             open.iter().enumerate().filter(|other| same(&other)).min_by_key(|(_, other)| off(other));
         if let Some((at, other)) = nearest
@@ -143,8 +145,8 @@ pub fn compare(
 mod tests {
     use super::*;
 
-    fn merge(objects: &[u32], frame: u32) -> Happening {
-        Happening { kind: "merge".into(), objects: objects.to_vec(), span: (frame, frame) }
+    fn merge(objects: &[u32], frame: u32) -> ScoredEvent {
+        ScoredEvent { kind: "merge".into(), objects: objects.to_vec(), span: (frame, frame) }
     }
 
     #[test]
