@@ -255,7 +255,8 @@ impl Window {
                 if let Some(at) = model.chosen
                     && !model.marks.pins.toggle(at)
                 {
-                    let text = format!("{} pixels are pinned already; unpin one first", super::pins::MOST);
+                    let text =
+                        format!("{} pixels are pinned already; unpin one first", super::pins::MAX_PINS);
                     self.toasts.warn(ctx, text);
                 }
             }

@@ -25,7 +25,7 @@ const SCALE: f32 = 14.0;
 const ANALYSED: f32 = 3.0;
 
 /// The fewest frames that the timeline shows.
-const LEAST: f32 = 8.0;
+const MIN_SHOWN_FRAMES: f32 = 8.0;
 
 /// Where positions stand from left to right.
 #[derive(Clone, Copy)]
@@ -62,7 +62,7 @@ impl TimeAxis {
     fn moved(&self, at: f32, zoom: f32, by: f32) -> Option<(f32, f32)> {
         let (from, to) = self.span;
         let (length, all) = (to - from, self.frames as f32);
-        let new = (length / zoom).clamp(LEAST.min(all), all);
+        let new = (length / zoom).clamp(MIN_SHOWN_FRAMES.min(all), all);
         let share = ((at - self.rect.left()) / self.rect.width()).clamp(0.0, 1.0);
         let first = from + share * (length - new) - by / self.rect.width() * new;
         let first = first.clamp(0.0, all - new);
@@ -547,7 +547,7 @@ mod tests {
         assert_eq!(right.1, 795.0);
         assert_eq!(near.moved(300.0, 0.01, 0.0), None, "all of it");
         let nearest = near.moved(300.0, 1e6, 0.0).unwrap_or_default();
-        assert_eq!(nearest.1 - nearest.0, LEAST);
+        assert_eq!(nearest.1 - nearest.0, MIN_SHOWN_FRAMES);
         let short = TimeAxis { rect, frames: 3, span: (0.0, 3.0) };
         assert_eq!(short.moved(300.0, 10.0, 0.0), None);
     }

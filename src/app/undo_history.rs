@@ -5,7 +5,7 @@ use super::areas::Areas;
 use crate::settings::Settings;
 
 /// Largest number of edits that can be undone.
-const DEPTH: usize = 200;
+const MAX_EDITS: usize = 200;
 
 /// An edit.
 #[derive(Clone, Debug)]
@@ -75,7 +75,7 @@ impl UndoHistory {
 
     fn add(&mut self, change: Edit) {
         self.past.push(change);
-        if self.past.len() > DEPTH {
+        if self.past.len() > MAX_EDITS {
             self.past.remove(0);
         }
         self.future.clear();

@@ -268,7 +268,7 @@ impl<const N: usize> Packed<N> {
 }
 
 /// Some consecutive tiles, and their part of a few consecutive frames and masks.
-struct Job<'a, const N: usize> {
+struct TileJob<'a, const N: usize> {
     state: State<'a, N>,
     /// Of each frame.
     rgb: Vec<&'a [u8]>,
@@ -409,7 +409,7 @@ impl<const N: usize> Tiles<N> {
         k: usize,
         (frames, unknown): (&[&Frame], &[Option<&[bool]>]),
         masks: &mut [Mask],
-        run: impl Fn(&mut Near, Job<'_, N>) + Send + Sync,
+        run: impl Fn(&mut JobBuffers, TileJob<'_, N>) + Send + Sync,
     ) {
         const PIXELS: usize = LANES * TILES_A_JOB;
         let mut masks: Vec<_> = masks.iter_mut().map(|mask| mask.data.chunks_mut(PIXELS)).collect();
@@ -424,7 +424,7 @@ impl<const N: usize> Tiles<N> {
                     ..((part + 1) * PIXELS).min(frames.first().map_or(0, |frame| frame.size.pixels()));
                 let others = others.next().unwrap_or_default();
                 let pasts = pasts.next().unwrap_or_default();
-                Job {
+                TileJob {
                     state: State { first, others, used, settled, pasts },
                     rgb: frames.iter().map(|frame| &frame.rgb[3 * pixels.start..3 * pixels.end]).collect(),
                     unknown: unknown.iter().map(|unknown| unknown.map(|all| &all[pixels.clone()])).collect(),
@@ -432,19 +432,19 @@ impl<const N: usize> Tiles<N> {
                 }
             })
             .collect();
-        jobs.into_par_iter().for_each_init(Near::default, run);
+        jobs.into_par_iter().for_each_init(JobBuffers::default, run);
     }
 }
 
-/// Room for a job's part of its frames and masks, tile after tile and frame after frame: memory gives what lies in a row
-/// the fastest, and a tile needs little of each frame.
+/// Buffers for a job's part of its frames and masks, tile after tile and frame after frame: consecutive memory is the
+/// fastest, and a tile needs little of each frame.
 #[derive(Default)]
-struct Near {
+struct JobBuffers {
     rgb: Vec<Rgb>,
     marks: Vec<[u8; LANES]>,
 }
 
-impl Near {
+impl JobBuffers {
     /// Brings the frames near. The last tile of an image may have fewer pixels than lanes; its spare lanes run along on
     /// zeros, and their results are not read.
     #[inline(always)]
@@ -481,8 +481,8 @@ impl Near {
 #[inline(always)]
 fn run<S: Simd, const N: usize>(
     simd: S,
-    near: &mut Near,
-    mut job: Job<'_, N>,
+    near: &mut JobBuffers,
+    mut job: TileJob<'_, N>,
     constants: &Constants,
     frame_parameters: &[FrameParameters],
 ) {
@@ -501,8 +501,8 @@ fn run<S: Simd, const N: usize>(
 #[inline(always)]
 fn run_tile<S: Simd, const N: usize>(
     simd: S,
-    near: &mut Near,
-    job: &mut Job<'_, N>,
+    near: &mut JobBuffers,
+    job: &mut TileJob<'_, N>,
     index: usize,
     frames: Range<usize>,
     constants: &Constants,
@@ -527,8 +527,8 @@ fn run_tile<S: Simd, const N: usize>(
 #[inline(never)]
 fn run_partly_known<S: Simd, const N: usize>(
     simd: S,
-    near: &mut Near,
-    job: &mut Job<'_, N>,
+    near: &mut JobBuffers,
+    job: &mut TileJob<'_, N>,
     index: usize,
     frames: Range<usize>,
     constants: &Constants,
@@ -567,7 +567,7 @@ fn run_partly_known<S: Simd, const N: usize>(
 /// Brings a tile's weights to frame `t`.
 fn settle<S: Simd, const N: usize>(
     simd: S,
-    job: &mut Job<'_, N>,
+    job: &mut TileJob<'_, N>,
     index: usize,
     t: u32,
     constants: &Constants,
@@ -578,8 +578,8 @@ fn settle<S: Simd, const N: usize>(
 #[inline(always)]
 fn run_known<S: Simd, const N: usize>(
     simd: S,
-    near: &mut Near,
-    job: &mut Job<'_, N>,
+    near: &mut JobBuffers,
+    job: &mut TileJob<'_, N>,
     index: usize,
     frames: Range<usize>,
     constants: &Constants,

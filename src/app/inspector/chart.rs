@@ -8,7 +8,7 @@ pub(super) use crate::export::figure::axis::ticks;
 /// Room at the left of a plot for its labels.
 pub(super) const GUTTER: f32 = 34.0;
 /// Between a label and the plot.
-pub(super) const APART: f32 = 4.0;
+pub(super) const LABEL_GAP: f32 = 4.0;
 /// Room at the right of a plot, so that the last tick's label stays inside.
 pub(super) const RIGHT: f32 = 8.0;
 /// Height of a row of tick labels.
@@ -68,7 +68,7 @@ pub(super) fn frame(painter: &Painter, rect: Rect, visuals: &Visuals) {
 pub(super) fn y_labels(painter: &Painter, left: f32, labels: &[(f32, String)], visuals: &Visuals) {
     for (y, label) in labels {
         painter.text(
-            Pos2::new(left - APART, *y),
+            Pos2::new(left - LABEL_GAP, *y),
             Align2::RIGHT_CENTER,
             label,
             style::tick_font(),

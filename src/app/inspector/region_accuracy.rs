@@ -16,7 +16,7 @@ use crate::replay::RegionTuning;
 use crate::truth::decisions::{Decisions, Measure};
 
 /// Height of a map as a share of its width, where there are two.
-pub(super) const FLAT: f32 = 0.48;
+pub(super) const PAIRED_MAP_ASPECT: f32 = 0.48;
 
 /// The side of the region, and the measure.
 pub(super) struct RegionAccuracyView {
@@ -63,7 +63,7 @@ impl RegionAccuracyView {
         };
         let pale = if current.is_some() { 1.0 } else { 0.4 };
         let taken = match tuning.zip(ends) {
-            None => grid::ui(ui, &name, FLAT, None),
+            None => grid::ui(ui, &name, PAIRED_MAP_ASPECT, None),
             Some((tuning, (low, high))) => {
                 let colour = |column, row| {
                     let share = (self.measure.of(value(tuning, column, row)) - low) / (high - low).max(1e-9);
@@ -77,7 +77,7 @@ impl RegionAccuracyView {
                     words: &words,
                     marked: best(tuning, self.measure),
                 };
-                grid::ui(ui, &name, FLAT, Some(&grid))
+                grid::ui(ui, &name, PAIRED_MAP_ASPECT, Some(&grid))
             }
         };
         ui.horizontal_wrapped(|ui| {

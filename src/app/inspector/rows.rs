@@ -229,7 +229,7 @@ mod tests {
                 let words = rate_words(rate);
                 let width =
                     ui.painter().layout_no_wrap(words.clone(), style::tick_font(), Color32::WHITE).size().x;
-                assert!(width <= chart::GUTTER - chart::APART, "{words} takes {width}");
+                assert!(width <= chart::GUTTER - chart::LABEL_GAP, "{words} takes {width}");
             }
         });
         output.textures_delta.clear();

@@ -8,7 +8,7 @@ use eframe::egui::{Align2, Pos2, Rect, RichText, Sense, Ui, Vec2};
 use super::grid::{self, Grid};
 use super::menu;
 use super::plot::Plot;
-use super::region_accuracy::{FLAT, RegionAccuracyView};
+use super::region_accuracy::{PAIRED_MAP_ASPECT, RegionAccuracyView};
 use super::style::{self, small};
 use super::{Chosen, InspectorAction, RegionAccuracy};
 use crate::mixture::tuning::{TunableSetting, VerdictFlip, VerdictMap};
@@ -16,11 +16,11 @@ use crate::mixture::verdict::number;
 use crate::replay::Tuning;
 
 /// Height of the map as a share of its width where it is the only one: what flips the verdict should be in sight below.
-const ALONE: f32 = 0.62;
+const SINGLE_MAP_ASPECT: f32 = 0.62;
 /// From this width on, what is right stands beside the map; below, under it.
 const BESIDE: f32 = 560.0;
 /// An answer that is older than the question for so many seconds is drawn pale.
-const LATE: f64 = 0.15;
+const STALE_AFTER_SECONDS: f64 = 0.15;
 
 /// How strongly background and foreground are drawn: much of either must not outshine the cross.
 const STRENGTHS: [f32; 2] = [0.34, 0.72];
@@ -61,7 +61,7 @@ impl TuningView {
         let of_knobs =
             of_knobs.filter(|tuning| tuning.map.axes.each_ref().map(|axis| axis.knob) == self.knobs);
         let pale = self.is_late(ui, of_knobs.is_some() && current.is_none());
-        let flat = if judged.has_masks { FLAT } else { ALONE };
+        let flat = if judged.has_masks { PAIRED_MAP_ASPECT } else { SINGLE_MAP_ASPECT };
         let map = |ui: &mut Ui| {
             let taken = map_ui(ui, chosen, self.knobs, of_knobs.map(|tuning| &tuning.map), pale, flat);
             ui.horizontal_wrapped(legend);
@@ -137,8 +137,8 @@ impl TuningView {
         }
         let now = ui.input(|input| input.time);
         let since = *self.late_since.get_or_insert(now);
-        ui.ctx().request_repaint_after(Duration::from_secs_f64(LATE));
-        now - since > LATE
+        ui.ctx().request_repaint_after(Duration::from_secs_f64(STALE_AFTER_SECONDS));
+        now - since > STALE_AFTER_SECONDS
     }
 }
 

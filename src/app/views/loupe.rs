@@ -20,7 +20,7 @@ const PIXEL: (f32, f32) = (13.0, 47.0);
 const LINE: f32 = 15.0;
 const LINES: f32 = 3.0;
 /// How far from the pointer it stands.
-const AWAY: f32 = 22.0;
+const POINTER_DISTANCE: f32 = 22.0;
 
 const INK: Color32 = Color32::from_rgb(236, 240, 246);
 const WEAK: Color32 = Color32::from_rgb(170, 178, 190);
@@ -28,8 +28,9 @@ const WEAK: Color32 = Color32::from_rgb(170, 178, 190);
 /// Where it stands: below and to the right of the pointer, or on the other side where there is no room.
 pub(crate) fn place(pointer: Pos2, window: Rect) -> Rect {
     let size = vec2(SIDE + 8.0, SIDE + LINES * LINE + 12.0);
-    let along =
-        |at: f32, size: f32, end: f32| if at + AWAY + size > end { at - AWAY - size } else { at + AWAY };
+    let along = |at: f32, size: f32, end: f32| {
+        if at + POINTER_DISTANCE + size > end { at - POINTER_DISTANCE - size } else { at + POINTER_DISTANCE }
+    };
     let corner = pos2(
         along(pointer.x, size.x, window.right()).max(window.left()),
         along(pointer.y, size.y, window.bottom()).max(window.top()),
@@ -150,7 +151,7 @@ mod tests {
                 let pointer = pos2(x as f32, y as f32);
                 let place = place(pointer, window);
                 assert!(window.contains_rect(place), "{pointer:?} {place:?}");
-                assert!(!place.expand(AWAY - 1.0).contains(pointer), "{pointer:?} {place:?}");
+                assert!(!place.expand(POINTER_DISTANCE - 1.0).contains(pointer), "{pointer:?} {place:?}");
             }
         }
     }

@@ -130,7 +130,7 @@ const MARGIN: f32 = 6.0;
 /// Views narrower than this do without the caption: the title bar has it.
 const CAPTION_FROM: f32 = 290.0;
 /// From one number under the bar to the next.
-const APART: f32 = 22.0;
+const NUMBER_SPACING: f32 = 22.0;
 
 /// The colours with their numbers on a dark plate in the lower left corner, where it is small enough for the view.
 fn legend(painter: &Painter, view: Rect, quantity: Quantity, scale: Scale) {
@@ -160,7 +160,7 @@ fn legend(painter: &Painter, view: Rect, quantity: Quantity, scale: Scale) {
         for tick in ticks(quantity, scale) {
             let at = bar.left() + scale.share(tick).unwrap_or(0.0) * bar.width();
             if at >= free {
-                free = at + APART;
+                free = at + NUMBER_SPACING;
                 painter.vline(at, bar.bottom()..=bar.bottom() + 3.0, (1.0, INK));
                 text(painter, pos2(at, bar.bottom() + 9.0), Align2::CENTER_CENTER, &format!("{tick}"));
             }

@@ -16,7 +16,7 @@ use crate::mixture::scatter_points::{
 use crate::mixture::{MAX_K, PixelHistory};
 
 /// More places than this are put together: so many can neither be told apart nor turned smoothly.
-pub const MOST: usize = 6000;
+pub const MAX_POINTS: usize = 6000;
 /// The names of the axes.
 pub const NAMES: [&str; 3] = ["R", "G", "B"];
 /// In each direction the cube takes up as much whatever its turn: half its diagonal.
@@ -24,7 +24,7 @@ pub const EXTENT: f64 = 0.866_025_403_784_438_6;
 /// Room for words around a figure's cube, in points.
 const WORDS: f64 = 27.0;
 /// An axis that is seen shorter than this from its end has no numbers.
-const LEAST: f64 = 0.3;
+const MIN_AXIS_LENGTH: f64 = 0.3;
 
 /// From where the cube is looked at, in radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -241,7 +241,7 @@ fn cube(scene: &mut Scene, span: Span, turn: Turn) {
         let length = mx.hypot(my).max(1e-9);
         let out = [mx / length, my / length];
         let [[x0, y0], [x1, y1]] = [-0.5, 0.5].map(|along| corner(axis, along, others, side));
-        let short = (x1 - x0).hypot(y1 - y0) < LEAST;
+        let short = (x1 - x0).hypot(y1 - y0) < MIN_AXIS_LENGTH;
         let ends = (span.low[axis], span.low[axis] + span.side);
         for value in axis::ticks(ends.0, ends.1, 5) {
             let along = (value - span.low[axis]) / span.side - 0.5;
@@ -274,7 +274,7 @@ pub struct Look {
 pub fn spots(history: &PixelHistory, slots: &[[u8; MAX_K]], choice: &ScatterSelection) -> Vec<ScatterPoint> {
     thin_points(
         scatter_points(history, slots, &ScatterSelection { space: ScatterSpace::Cube, ..choice.clone() }),
-        MOST,
+        MAX_POINTS,
     )
 }
 
