@@ -9,7 +9,7 @@ use std::hint::black_box;
 use criterion::{BatchSize, BenchmarkId, Criterion, Throughput, criterion_group, criterion_main};
 use occluscope::frame::{Frame, Mask, Size};
 use occluscope::mixture::{BATCH, Mixture, Parameters};
-use occluscope::occlusion::Reasoner;
+use occluscope::occlusion::Tracker;
 use occluscope::pipeline::Pipeline;
 use occluscope::regions::{Cleaning, Region, find_regions};
 use occluscope::settings::{Rate, Settings};
@@ -137,9 +137,9 @@ fn tracking(c: &mut Criterion) {
             let name = format!("{count} regions, {hypotheses} hypotheses");
             group.bench_function(BenchmarkId::new("frames", name), |b| {
                 b.iter(|| {
-                    let mut reasoner = Reasoner::new(&settings, size, 25.0);
+                    let mut tracker = Tracker::new(&settings, size, 25.0);
                     for (number, regions) in (1..).zip(&sequence) {
-                        black_box(reasoner.step(number, regions));
+                        black_box(tracker.step(number, regions));
                     }
                 });
             });

@@ -8,12 +8,12 @@ use rayon::prelude::*;
 use crate::frame::{Frame, Mask, Size};
 use crate::mixture::opencv::OpencvModel;
 use crate::mixture::{Mixture, Parameters};
-use crate::occlusion::{Counters, Episode, Event, EventKind, Reasoner, Settled};
+use crate::occlusion::{Counters, Episode, Event, EventKind, SettledResults, Tracker};
 use crate::regions::roi::RoiError;
 use crate::regions::{Cleaning, Labels, Region, Roi, find_regions};
-use crate::registration::{Choice, Correction, corrected};
+use crate::registration::{Correction, CorrectionChoice, corrected};
 use crate::settings::Settings;
-use crate::tracking::{Naming, Track};
+use crate::tracking::{IdentityMap, Track};
 
 /// Why a frame could not be analysed.
 #[derive(Debug, thiserror::Error)]
@@ -41,37 +41,37 @@ pub enum PipelineError {
     Roi(#[from] RoiError),
 }
 
-/// What all stages made of one frame: the causal reading, what was known at that frame.
+/// The results of all stages for one frame: the online result, as known at that frame.
 #[derive(Clone, Debug)]
 pub struct Analysis {
     /// The frame's number in its source.
     pub number: u32,
-    /// The frame's place among those that were judged, from 1.
+    /// The frame's position among the classified ones, from 1.
     pub t: u32,
     /// The foreground in which regions were found: after cleaning, before `min_area`.
     pub mask: Arc<Mask>,
-    /// To which region each pixel belongs.
+    /// The region of each pixel.
     pub labels: Arc<Labels>,
     /// The regions, by label.
     pub regions: Arc<Vec<Region>>,
-    /// The objects that have an identity.
+    /// The confirmed objects.
     pub tracks: Arc<Vec<Track>>,
-    /// Objects seen in too few frames yet to have one (`id` 0).
+    /// The tentative objects (`id` 0).
     pub tentative: Arc<Vec<Track>>,
-    /// All objects as the tracker keeps them, under their keys, for the final reading.
+    /// All objects by their track keys, for the offline result.
     pub objects: Arc<Vec<Track>>,
-    /// The events that were decided in this frame; some may have happened a few frames earlier.
+    /// The events that were decided in this frame; some happened a few frames earlier.
     pub events: Arc<Vec<Event>>,
-    /// What else was decided in this frame of those before it.
-    pub settled: Arc<Settled>,
+    /// The other results about earlier frames that were settled in this frame.
+    pub settled: Arc<SettledResults>,
     /// All events decided up to this frame, by kind.
     pub counters: Counters,
 }
 
-/// The final reading of a sequence: short tracks gone, late decisions entered.
+/// The offline result of a sequence: late decisions applied, short tracks removed.
 #[derive(Clone, Debug, Default)]
-pub struct Reading {
-    /// Frame by frame in order: its number, and the objects with an identity, by identity.
+pub struct OfflineResult {
+    /// For each frame in order its number, and the confirmed objects, by identity.
     pub tracks: Vec<(u32, Vec<Track>)>,
     /// By frame, then in the order of the kinds.
     pub events: Vec<Event>,
@@ -81,14 +81,14 @@ pub struct Reading {
     pub counters: Counters,
 }
 
-enum Model {
+enum BackgroundSubtractor {
     Mixture(Box<Mixture>),
     Opencv(OpencvModel),
 }
 
-impl Model {
-    /// Takes frames in before the first that is judged.
-    fn learn(&mut self, frames: &[&Frame], choice: Choice) -> Result<(), PipelineError> {
+impl BackgroundSubtractor {
+    /// Learns from frames before the first that is classified.
+    fn learn(&mut self, frames: &[&Frame], choice: CorrectionChoice) -> Result<(), PipelineError> {
         match self {
             Self::Mixture(mixture) => {
                 mixture.learn(frames);
@@ -102,8 +102,8 @@ impl Model {
         }
     }
 
-    /// Takes the next frames in and says of each which pixels are foreground, where the frame shows them.
-    fn masks(&mut self, frames: &[&Frame], choice: Choice) -> Result<Vec<Mask>, PipelineError> {
+    /// Processes the next frames and returns the foreground mask of each, at the place of the frame.
+    fn masks(&mut self, frames: &[&Frame], choice: CorrectionChoice) -> Result<Vec<Mask>, PipelineError> {
         let corrections: Vec<_> =
             frames.iter().map(|frame| choice.correction(&frame.alignment, frame.size)).collect();
         let masks = match self {
@@ -140,36 +140,36 @@ impl Model {
 
 /// How regions are found.
 #[derive(Clone)]
-struct Finder {
-    /// What is analysed, the whole image without one.
+struct RegionFinder {
+    /// The area of interest; `None` for the whole image.
     roi: Option<Arc<Roi>>,
     cleaning: Cleaning,
     min_area: u32,
 }
 
-impl Finder {
+impl RegionFinder {
     fn new(settings: &Settings, roi: Option<Arc<Roi>>) -> Self {
         Self { roi, cleaning: Cleaning::new(settings), min_area: settings.min_area }
     }
 
-    /// What can be told of a frame from the model's mask of it, without the frames before.
-    fn find(&self, frame: &Frame, mut raw: Mask) -> Result<Found, PipelineError> {
+    /// Finds the regions of a frame from the model's mask of it, without the frames before.
+    fn find(&self, frame: &Frame, mut raw: Mask) -> Result<FoundRegions, PipelineError> {
         let failed = |source| PipelineError::Opencv { frame: frame.number, source };
         if let Some(roi) = &self.roi {
             roi.clear_outside(&mut raw);
         }
         let mut mask = self.cleaning.apply(raw).map_err(failed)?;
-        // A closing reaches beyond, and a hole that is filled may be one that is to be ignored.
+        // A closing extends beyond the area, and a filled hole may be one that is ignored.
         if let Some(roi) = &self.roi {
             roi.clear_outside(&mut mask);
         }
         let (labels, regions) = find_regions(frame, &mask, self.min_area);
-        Ok(Found { mask: Arc::new(mask), labels: Arc::new(labels), regions: Arc::new(regions) })
+        Ok(FoundRegions { mask: Arc::new(mask), labels: Arc::new(labels), regions: Arc::new(regions) })
     }
 }
 
-/// The foreground of a frame, and the regions in it.
-struct Found {
+/// The foreground mask of a frame with its regions.
+struct FoundRegions {
     mask: Arc<Mask>,
     labels: Arc<Labels>,
     regions: Arc<Vec<Region>>,
@@ -179,37 +179,37 @@ struct Found {
 pub struct Pipeline {
     size: Size,
     t: u32,
-    /// What is done to a frame before the model.
-    registration: Choice,
-    model: Model,
-    finder: Finder,
-    reasoner: Reasoner,
+    /// The correction of a frame before the model.
+    registration: CorrectionChoice,
+    model: BackgroundSubtractor,
+    region_finder: RegionFinder,
+    tracker: Tracker,
 }
 
 impl Pipeline {
-    /// Stages that have seen nothing, for frames of `size` at `fps` frames a second.
+    /// The stages before the first frame, for frames of `size` at `fps` frames a second.
     pub fn new(settings: &Settings, size: Size, fps: f32) -> Result<Self, PipelineError> {
         let opencv =
             OpencvModel::new(settings, size).map_err(|source| PipelineError::Opencv { frame: 0, source })?;
         let model = opencv.map_or_else(
-            || Model::Mixture(Box::new(Mixture::new(size, Parameters::new(settings)))),
-            Model::Opencv,
+            || BackgroundSubtractor::Mixture(Box::new(Mixture::new(size, Parameters::new(settings)))),
+            BackgroundSubtractor::Opencv,
         );
         Ok(Self {
             size,
             t: 0,
-            registration: Choice::new(settings),
+            registration: CorrectionChoice::new(settings),
             model,
-            finder: Finder::new(settings, None),
-            reasoner: Reasoner::new(settings, size, fps),
+            region_finder: RegionFinder::new(settings, None),
+            tracker: Tracker::new(settings, size, fps),
         })
     }
 
-    /// What is analysed from the next frame on, the whole image without one: foreground elsewhere is taken away
-    /// before cleaning. The model goes on learning every pixel. Fails where the mask is not as large as the frames.
+    /// Sets the area of interest from the next frame on, `None` for the whole image: foreground outside it is removed
+    /// before cleaning. The model still learns every pixel. Fails where the mask has another size than the frames.
     pub fn set_roi(&mut self, roi: Option<Arc<Roi>>) -> Result<(), PipelineError> {
         roi.as_ref().map_or(Ok(()), |roi| roi.check(self.size))?;
-        self.finder.roi = roi;
+        self.region_finder.roi = roi;
         Ok(())
     }
 
@@ -220,10 +220,10 @@ impl Pipeline {
         self.model.learn(frames, self.registration)
     }
 
-    /// After the last frame to learn from, what was learnt becomes the beginning, for who looks at the model before the
-    /// first step, which does it otherwise.
+    /// Begins with the learnt model after the last frame to learn from. Needed only to read the model before the
+    /// first step, which otherwise does the same.
     pub fn begin(&mut self) {
-        if let Model::Mixture(mixture) = &mut self.model {
+        if let BackgroundSubtractor::Mixture(mixture) = &mut self.model {
             mixture.begin();
         }
     }
@@ -258,16 +258,16 @@ impl Pipeline {
 
     /// Takes frames through all stages after the model, whose masks of them are `raw`.
     pub fn find_many(&mut self, frames: &[&Frame], raw: Vec<Mask>) -> Result<Vec<Analysis>, PipelineError> {
-        let finder = &self.finder;
-        let found = frames.par_iter().zip(raw).map(|(frame, mask)| finder.find(frame, mask));
+        let region_finder = &self.region_finder;
+        let found = frames.par_iter().zip(raw).map(|(frame, mask)| region_finder.find(frame, mask));
         let found = found.collect::<Result<Vec<_>, _>>()?;
         Ok(frames.iter().zip(found).map(|(frame, found)| self.follow(frame.number, found)).collect())
     }
 
-    /// Tracks and events of the next frame from what was found in it.
-    fn follow(&mut self, number: u32, Found { mask, labels, regions }: Found) -> Analysis {
+    /// Tracks and events of the next frame, from its regions.
+    fn follow(&mut self, number: u32, FoundRegions { mask, labels, regions }: FoundRegions) -> Analysis {
         self.t += 1;
-        let seen = self.reasoner.step(number, &regions);
+        let seen = self.tracker.step(number, &regions);
         Analysis {
             number,
             t: self.t,
@@ -279,14 +279,14 @@ impl Pipeline {
             objects: Arc::new(seen.objects),
             events: Arc::new(seen.events),
             settled: Arc::new(seen.settled),
-            counters: self.reasoner.counters(),
+            counters: self.tracker.counters(),
         }
     }
 
     /// Begins anew after the model under `settings`, of which those of the model must be the same:
     /// frames go through [`Self::find_many`], in order, with the masks that the model gave.
     pub fn restart_finding(&mut self, settings: &Settings, fps: f32) {
-        self.finder = Finder::new(settings, self.finder.roi.take());
+        self.region_finder = RegionFinder::new(settings, self.region_finder.roi.take());
         self.restart_tracking(settings, fps);
     }
 
@@ -294,21 +294,21 @@ impl Pipeline {
     /// differ; the model and all before tracking stay as they are.
     pub fn restart_tracking(&mut self, settings: &Settings, fps: f32) {
         self.t = 0;
-        self.reasoner = Reasoner::new(settings, self.size, fps);
+        self.tracker = Tracker::new(settings, self.size, fps);
     }
 
     /// Takes the regions of a frame that was analysed before through tracking and occlusion alone,
     /// after [`Self::restart_tracking`] and in the frames' order.
     pub fn track_again(&mut self, analysis: &Analysis) -> Analysis {
         self.t += 1;
-        let seen = self.reasoner.step(analysis.number, &analysis.regions);
+        let seen = self.tracker.step(analysis.number, &analysis.regions);
         Analysis {
             tracks: Arc::new(seen.tracks),
             tentative: Arc::new(seen.tentative),
             objects: Arc::new(seen.objects),
             events: Arc::new(seen.events),
             settled: Arc::new(seen.settled),
-            counters: self.reasoner.counters(),
+            counters: self.tracker.counters(),
             ..analysis.clone()
         }
     }
@@ -316,8 +316,8 @@ impl Pipeline {
     /// The model's background: the mean of component 1, or what MOG2 or KNN give; RGB bytes in row order.
     pub fn background_image(&self) -> Result<Vec<u8>, PipelineError> {
         match &self.model {
-            Model::Mixture(mixture) => Ok(mixture.mean_image()),
-            Model::Opencv(model) => {
+            BackgroundSubtractor::Mixture(mixture) => Ok(mixture.mean_image()),
+            BackgroundSubtractor::Opencv(model) => {
                 model.background_image().map_err(|source| PipelineError::Opencv { frame: 0, source })
             }
         }
@@ -326,8 +326,8 @@ impl Pipeline {
     /// The mixtures, `None` when MOG2 or KNN stand in their place.
     pub const fn mixture(&self) -> Option<&Mixture> {
         match &self.model {
-            Model::Mixture(mixture) => Some(mixture),
-            Model::Opencv(_) => None,
+            BackgroundSubtractor::Mixture(mixture) => Some(mixture),
+            BackgroundSubtractor::Opencv(_) => None,
         }
     }
 
@@ -335,31 +335,34 @@ impl Pipeline {
     pub fn try_clone(&self) -> Option<Self> {
         let mixture = self.mixture()?.clone();
         Some(Self {
-            model: Model::Mixture(Box::new(mixture)),
-            reasoner: self.reasoner.clone(),
-            finder: self.finder.clone(),
+            model: BackgroundSubtractor::Mixture(Box::new(mixture)),
+            tracker: self.tracker.clone(),
+            region_finder: self.region_finder.clone(),
             ..*self
         })
     }
 
     /// The memory that a copy takes, in bytes, to the nearest few kilobytes.
     pub fn state_bytes(&self) -> usize {
-        self.mixture().map_or(0, Mixture::state_bytes) + self.reasoner.state_bytes()
+        self.mixture().map_or(0, Mixture::state_bytes) + self.tracker.state_bytes()
     }
 }
 
-/// The final reading of all `analyses`, in order, after `pipeline` has seen the last of them:
-/// objects named from their first frame on, short tracks gone.
-pub fn final_reading<'a>(analyses: impl IntoIterator<Item = &'a Analysis>, pipeline: &Pipeline) -> Reading {
-    // What was open at the last frame is decided in a copy: the pipeline may go on.
-    let late = pipeline.reasoner.clone().finish();
+/// The offline result of all `analyses`, in order, after `pipeline` has processed the last of them: identities from
+/// each object's first frame on, short tracks removed.
+pub fn offline_result<'a>(
+    analyses: impl IntoIterator<Item = &'a Analysis>,
+    pipeline: &Pipeline,
+) -> OfflineResult {
+    // Pending decisions at the last frame are made in a copy: the pipeline may continue.
+    let late = pipeline.tracker.clone().finish();
     let analyses: Vec<&Analysis> = analyses.into_iter().collect();
-    let mut naming = Naming::default();
-    let mut reading = Reading::default();
+    let mut identity_map = IdentityMap::default();
+    let mut reading = OfflineResult::default();
     let mut earlier: BTreeMap<u32, Vec<&Track>> = BTreeMap::new();
     for settled in analyses.iter().map(|analysis| &*analysis.settled).chain([&late.settled]) {
         for &(key, identity) in &settled.names {
-            naming.set(key, identity);
+            identity_map.set(key, identity);
         }
         reading.episodes.extend(settled.episodes.iter().cloned());
         for (number, track) in &settled.earlier {
@@ -369,13 +372,13 @@ pub fn final_reading<'a>(analyses: impl IntoIterator<Item = &'a Analysis>, pipel
     reading.episodes.sort_by(|a, b| (a.start, &a.objects).cmp(&(b.start, &b.objects)));
     for analysis in analyses {
         let mut before = earlier.remove(&analysis.number).unwrap_or_default();
-        // Who is followed in the frame itself was not looked for there.
+        // An object that is followed in the frame itself has no earlier track there.
         before.retain(|track| {
-            let same = |followed: &Track| naming.of(followed.key) == naming.of(track.key);
+            let same = |followed: &Track| identity_map.of(followed.key) == identity_map.of(track.key);
             !analysis.objects.iter().any(same)
         });
         let objects = before.into_iter().chain(analysis.objects.iter());
-        reading.tracks.push((analysis.number, naming.apply(objects)));
+        reading.tracks.push((analysis.number, identity_map.apply(objects)));
         reading.events.extend(analysis.events.iter().cloned());
     }
     reading.events.extend(late.events);
@@ -383,7 +386,7 @@ pub fn final_reading<'a>(analyses: impl IntoIterator<Item = &'a Analysis>, pipel
     for event in &mut reading.events {
         reading.counters.count(event.kind);
         if event.kind == EventKind::Merge {
-            // Who is in front shows while they are merged, after the event.
+            // The object in front is known while they are merged, after the event.
             event.front = reading
                 .episodes
                 .iter()

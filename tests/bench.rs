@@ -4,7 +4,7 @@
 
 mod common;
 
-use common::{HEIGHT, Place, WIDTH, fails, text, works, write_images};
+use common::{HEIGHT, TestFolder, WIDTH, fails, text, works, write_images};
 use serde_json::Value;
 
 const KEYS: [&str; 11] = [
@@ -23,7 +23,7 @@ const KEYS: [&str; 11] = [
 
 #[test]
 fn figures_come_as_json_and_as_a_table() {
-    let place = Place::new();
+    let place = TestFolder::new();
     let video = place.path("images");
     write_images(&video, 40, 101);
 
@@ -48,7 +48,7 @@ fn figures_come_as_json_and_as_a_table() {
 
 #[test]
 fn what_cannot_be_measured_fails_in_one_line() {
-    let place = Place::new();
+    let place = TestFolder::new();
     let video = place.path("images");
     write_images(&video, 5, 1);
     let line = fails(&["bench", text(&video)], 1);

@@ -9,10 +9,10 @@ mod balance;
 use std::collections::BTreeSet;
 
 use occluscope::frame::{Frame, Mask, Size};
-use occluscope::occlusion::{EventKind, Reasoner};
+use occluscope::occlusion::{EventKind, Tracker};
 use occluscope::regions::find_regions;
 use occluscope::settings::{Kind, SETTINGS, Settings, Span, Stage, Value};
-use occluscope::tracking::Naming;
+use occluscope::tracking::IdentityMap;
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
@@ -95,10 +95,10 @@ proptest! {
         let mut random = Pcg32::seed_from_u64(seed);
         let mut blocks: Vec<Block> = (0..count).map(|_| Block::new(&mut random)).collect();
         let settings = if usual { Settings::default() } else { any_settings(&mut random) };
-        let mut reasoner = Reasoner::new(&settings, SIZE, fps);
+        let mut tracker = Tracker::new(&settings, SIZE, fps);
         let mut known: BTreeSet<u32> = BTreeSet::new();
         let (mut told, mut frames, mut episodes) = (Vec::new(), Vec::new(), Vec::new());
-        let mut naming = Naming::default();
+        let mut identity_map = IdentityMap::default();
         for number in 1..=150 {
             for block in &mut blocks {
                 if random.random_bool(0.02) {
@@ -113,7 +113,7 @@ proptest! {
             }
             let (frame, mask) = draw(number, &blocks, &mut random);
             let (labels, regions) = find_regions(&frame, &mask, 4);
-            let seen = reasoner.step(number, &regions);
+            let seen = tracker.step(number, &regions);
 
             let keys: BTreeSet<u32> = seen.objects.iter().map(|track| track.key).collect();
             prop_assert_eq!(keys.len(), seen.objects.len(), "an object twice in frame {}", number);
@@ -136,24 +136,24 @@ proptest! {
             }
             told.extend(seen.events);
             for (key, identity) in seen.settled.names {
-                naming.set(key, identity);
+                identity_map.set(key, identity);
             }
             episodes.extend(seen.settled.episodes);
             frames.push((number, seen.objects));
             let labelled = labels.runs.iter().filter(|run| run.label > 0).map(|run| run.length).sum::<u32>();
             prop_assert_eq!(labelled, regions.iter().map(|region| region.shape.area).sum::<u32>());
         }
-        let counters = reasoner.counters();
+        let counters = tracker.counters();
         let counted: u32 = EventKind::ALL.iter().map(|&kind| counters.of(kind)).sum();
         prop_assert_eq!(counted, told.len() as u32);
-        let ending = reasoner.finish();
+        let ending = tracker.finish();
         told.extend(ending.events);
         for (key, identity) in ending.settled.names {
-            naming.set(key, identity);
+            identity_map.set(key, identity);
         }
         episodes.extend(ending.settled.episodes);
         told.sort_by(|a, b| (a.frame, a.kind, &a.objects).cmp(&(b.frame, b.kind, &b.objects)));
-        let tracks: Vec<_> = frames.iter().map(|(number, objects)| (*number, naming.apply(objects))).collect();
+        let tracks: Vec<_> = frames.iter().map(|(number, objects)| (*number, identity_map.apply(objects))).collect();
         let faults = balance::faults(&told, &tracks, &settings, fps);
         prop_assert!(faults.is_empty(), "{:#?}", faults);
         for episode in episodes {

@@ -3,7 +3,7 @@
 #![allow(clippy::expect_used, clippy::panic, missing_docs)]
 
 use occluscope::frame::{Frame, Mask, Size};
-use occluscope::occlusion::{Event, EventKind, Reasoner, Relation, Seen};
+use occluscope::occlusion::{Event, EventKind, FrameResult, Relation, Tracker};
 use occluscope::regions::find_regions;
 use occluscope::settings::Settings;
 
@@ -37,10 +37,10 @@ fn draw(number: u32, figures: &[Figure]) -> (Frame, Mask) {
     (Frame::new(number, SIZE, rgb), mask)
 }
 
-fn step(reasoner: &mut Reasoner, number: u32, figures: &[Figure]) -> Seen {
+fn step(tracker: &mut Tracker, number: u32, figures: &[Figure]) -> FrameResult {
     let (frame, mask) = draw(number, figures);
     let (_, regions) = find_regions(&frame, &mask, 4);
-    reasoner.step(number, &regions)
+    tracker.step(number, &regions)
 }
 
 /// Two figures that cross: apart at first, in one region from about frame 40, apart again from about 56.
@@ -56,13 +56,13 @@ fn kinds(events: &[Event]) -> Vec<EventKind> {
 #[test]
 fn a_group_that_splits_while_another_object_joins_is_analysed() {
     for fps in [2.0, 10.0, 25.0] {
-        let mut reasoner = Reasoner::new(&Settings::default(), SIZE, fps);
+        let mut tracker = Tracker::new(&Settings::default(), SIZE, fps);
         let heads = ((0.5 * fps).round() as u32).max(3) + 1;
         let mut number = 0;
         let mut show = |frames: u32, figures: &mut dyn FnMut(u32) -> Vec<Figure>| {
             for frame in 0..frames {
                 number += 1;
-                step(&mut reasoner, number, &figures(frame));
+                step(&mut tracker, number, &figures(frame));
             }
         };
         show(30, &mut |_| vec![(60, 100, RED), (130, 100, GREEN), (34, 100, BLUE)]);
@@ -76,34 +76,34 @@ fn a_group_that_splits_while_another_object_joins_is_analysed() {
 #[test]
 fn a_split_a_moment_before_the_end_is_decided_by_the_end() {
     for last in [58, 60, 62] {
-        let mut reasoner = Reasoner::new(&Settings::default(), SIZE, 25.0);
+        let mut tracker = Tracker::new(&Settings::default(), SIZE, 25.0);
         let mut events = Vec::new();
         for number in 1..=last {
-            events.extend(step(&mut reasoner, number, &crossing(number)).events);
+            events.extend(step(&mut tracker, number, &crossing(number)).events);
         }
         assert!(!kinds(&events).contains(&EventKind::Demerge), "not decided before frame {last}");
-        events.extend(reasoner.finish().events);
+        events.extend(tracker.finish().events);
         let demerges: Vec<&Event> = events.iter().filter(|event| event.kind == EventKind::Demerge).collect();
         assert_eq!(demerges.len(), 1, "{last}: {:?}", kinds(&events));
         assert!((50..=58).contains(&demerges[0].frame), "{}", demerges[0].frame);
-        assert!(reasoner.finish().events.is_empty(), "nothing is left open");
+        assert!(tracker.finish().events.is_empty(), "nothing is left open");
     }
 }
 
 #[test]
 fn a_member_of_which_nothing_is_seen_leaves_its_group() {
-    let mut reasoner = Reasoner::new(&Settings::default(), SIZE, 25.0);
+    let mut tracker = Tracker::new(&Settings::default(), SIZE, 25.0);
     let mut number = 0;
     while number < 48 {
         number += 1;
-        step(&mut reasoner, number, &crossing(number));
+        step(&mut tracker, number, &crossing(number));
     }
     // The red one is gone for good; the blue one walks on alone.
-    let mut last = Seen::default();
+    let mut last = FrameResult::default();
     while number < 110 {
         number += 1;
         let [_, blue] = crossing(number);
-        last = step(&mut reasoner, number, &[blue]);
+        last = step(&mut tracker, number, &[blue]);
     }
     assert_eq!(last.tracks.len(), 1, "one figure is seen: {:?}", last.tracks);
     assert!(last.tracks[0].group.is_empty(), "it is alone: {:?}", last.tracks[0].group);
@@ -112,7 +112,7 @@ fn a_member_of_which_nothing_is_seen_leaves_its_group() {
 #[test]
 fn a_detection_is_no_larger_than_its_object() {
     // Two who stand close together are one region at first; then they walk apart, and others stand between.
-    let mut reasoner = Reasoner::new(&Settings::default(), SIZE, 25.0);
+    let mut tracker = Tracker::new(&Settings::default(), SIZE, 25.0);
     let mut widest: f32 = 0.0;
     for number in 1..=120_u32 {
         let apart = (number as i32 - 40).max(0);
@@ -120,7 +120,7 @@ fn a_detection_is_no_larger_than_its_object() {
         if number > 90 {
             figures.push((160, 100, GREEN));
         }
-        let seen = step(&mut reasoner, number, &figures);
+        let seen = step(&mut tracker, number, &figures);
         if number > 100 {
             widest = seen.tracks.iter().map(|track| track.bbox.w).fold(widest, f32::max);
         }
@@ -130,10 +130,10 @@ fn a_detection_is_no_larger_than_its_object() {
 
 /// All events of two figures that cross, to the end.
 fn events_of_crossing(last: u32) -> Vec<Event> {
-    let mut reasoner = Reasoner::new(&Settings::default(), SIZE, 25.0);
+    let mut tracker = Tracker::new(&Settings::default(), SIZE, 25.0);
     let mut events: Vec<Event> =
-        (1..=last).flat_map(|number| step(&mut reasoner, number, &crossing(number)).events).collect();
-    events.extend(reasoner.finish().events);
+        (1..=last).flat_map(|number| step(&mut tracker, number, &crossing(number)).events).collect();
+    events.extend(tracker.finish().events);
     events
 }
 
@@ -177,7 +177,7 @@ fn what_evidence_says_follows_from_its_numbers() {
 
 #[test]
 fn a_new_object_tells_which_hidden_one_it_was_not_taken_for() {
-    let mut reasoner = Reasoner::new(&Settings::default(), SIZE, 25.0);
+    let mut tracker = Tracker::new(&Settings::default(), SIZE, 25.0);
     let mut events = Vec::new();
     for number in 1..=90 {
         let figures: &[Figure] = match number {
@@ -185,7 +185,7 @@ fn a_new_object_tells_which_hidden_one_it_was_not_taken_for() {
             31..=50 => &[],
             _ => &[(240, 100, GREEN)],
         };
-        events.extend(step(&mut reasoner, number, figures).events);
+        events.extend(step(&mut tracker, number, figures).events);
     }
     let new = events.iter().rfind(|event| event.kind == EventKind::Appear).expect("the second figure");
     let refused =
@@ -196,19 +196,19 @@ fn a_new_object_tells_which_hidden_one_it_was_not_taken_for() {
 #[test]
 fn a_figure_in_a_region_with_room_for_one_is_not_found_again() {
     // The second figure is gone; the first one turns, so that its remembered looks do not explain its region.
-    let mut reasoner = Reasoner::new(&Settings::default(), SIZE, 25.0);
-    let mut seen = Seen::default();
+    let mut tracker = Tracker::new(&Settings::default(), SIZE, 25.0);
+    let mut seen = FrameResult::default();
     for number in 1..=80 {
         let figures: &[Figure] =
             if number <= 30 { &[(120, 100, RED), (150, 100, RED)] } else { &[(126, 100, RED)] };
-        seen = step(&mut reasoner, number, figures);
+        seen = step(&mut tracker, number, figures);
     }
     assert_eq!(seen.tracks.iter().filter(|track| !track.group.is_empty()).count(), 0, "{:?}", seen.tracks);
 }
 
 #[test]
 fn an_object_seen_in_part_is_drawn_where_it_is_seen() {
-    let mut reasoner = Reasoner::new(&Settings::default(), SIZE, 25.0);
+    let mut tracker = Tracker::new(&Settings::default(), SIZE, 25.0);
     for number in 1..=40 {
         let (frame, mut mask) = draw(number, &[(40 + 2 * number as i32, 100, RED)]);
         // From frame 31 on its lower half has the ground's colour. Nothing has ever been hidden here.
@@ -216,7 +216,7 @@ fn an_object_seen_in_part_is_drawn_where_it_is_seen() {
             mask.data[130 * SIZE.width as usize..].fill(Mask::BACKGROUND);
         }
         let (_, regions) = find_regions(&frame, &mask, 4);
-        let seen = reasoner.step(number, &regions);
+        let seen = tracker.step(number, &regions);
         if number > 30 {
             let [track] = &seen.tracks[..] else { panic!("frame {number}: {:?}", seen.tracks) };
             assert_eq!(track.bbox, regions[0].shape.bbox, "frame {number}");

@@ -9,41 +9,41 @@ mod blocks;
 
 use blocks::{Block, regions};
 use occluscope::frame::Size;
-use occluscope::occlusion::{Event, EventKind, Reasoner};
+use occluscope::occlusion::{Event, EventKind, Tracker};
 use occluscope::settings::Settings;
-use occluscope::tracking::Naming;
+use occluscope::tracking::IdentityMap;
 
 const SIZE: Size = Size::new(320, 240);
 const FPS: f32 = 25.0;
 const FRAMES: u32 = 150;
 
 /// Where a walker's upper left cell is in a frame, `None` where nothing is seen of it.
-type Way = fn(i32) -> Option<(i32, i32)>;
+type Trajectory = fn(i32) -> Option<(i32, i32)>;
 
 /// What happens until the last frame, each video ending after another number of frames.
-fn told_of(ways: &[Way]) -> Vec<Vec<Event>> {
+fn told_of(ways: &[Trajectory]) -> Vec<Vec<Event>> {
     let colours = [[200, 30, 30], [30, 30, 200], [30, 180, 30]];
     let settings = Settings::default();
-    let mut reasoner = Reasoner::new(&settings, SIZE, FPS);
+    let mut tracker = Tracker::new(&settings, SIZE, FPS);
     let (mut events, mut names, mut frames, mut endings) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for number in 1..=FRAMES {
         let seen = ways.iter().zip(colours).filter_map(|(way, colour)| {
             way(number as i32).and_then(|at| Block::new(at, (8, 20), colour, SIZE))
         });
-        let seen = reasoner.step(number, &regions(&seen.collect::<Vec<_>>(), SIZE));
+        let seen = tracker.step(number, &regions(&seen.collect::<Vec<_>>(), SIZE));
         events.extend(seen.events);
         names.extend(seen.settled.names);
         frames.push((number, seen.objects));
-        let end = reasoner.clone().finish();
+        let end = tracker.clone().finish();
         let mut told = events.clone();
         told.extend(end.events);
         told.sort_by(|a, b| (a.frame, a.kind, &a.objects).cmp(&(b.frame, b.kind, &b.objects)));
-        let mut naming = Naming::default();
+        let mut identity_map = IdentityMap::default();
         for &(key, identity) in names.iter().chain(&end.settled.names) {
-            naming.set(key, identity);
+            identity_map.set(key, identity);
         }
         let tracks: Vec<_> =
-            frames.iter().map(|(number, objects)| (*number, naming.apply(objects))).collect();
+            frames.iter().map(|(number, objects)| (*number, identity_map.apply(objects))).collect();
         let faults = balance::faults(&told, &tracks, &settings, FPS);
         assert!(faults.is_empty(), "a video of {number} frames: {faults:#?}");
         endings.push(told);

@@ -5,7 +5,7 @@ mod blocks;
 
 use blocks::{Block, regions};
 use occluscope::frame::Size;
-use occluscope::occlusion::Reasoner;
+use occluscope::occlusion::Tracker;
 use occluscope::settings::{Settings, Span};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
@@ -58,7 +58,7 @@ struct Busy {
 fn remembered(every: u32, frames: u32, least: &Busy) -> Vec<usize> {
     let mut random = Pcg32::seed_from_u64(7);
     let settings = Settings { max_hidden: Span::Frames(100), ..Settings::default() };
-    let mut reasoner = Reasoner::new(&settings, SIZE, 25.0);
+    let mut tracker = Tracker::new(&settings, SIZE, 25.0);
     let mut passers: Vec<Passer> = Vec::new();
     let mut most = vec![0; frames as usize / 1000];
     let mut busy = Busy { identities: 0, occlusions: 0, large: 0 };
@@ -68,13 +68,13 @@ fn remembered(every: u32, frames: u32, least: &Busy) -> Vec<usize> {
         }
         passers.retain(|passer| number - passer.from < 100);
         let blocks: Vec<Block> = passers.iter().filter_map(|passer| passer.seen(number)).collect();
-        let seen = reasoner.step(number, &regions(&blocks, SIZE));
+        let seen = tracker.step(number, &regions(&blocks, SIZE));
         busy.identities = seen.tracks.iter().map(|track| track.id).fold(busy.identities, u32::max);
         let episodes = &seen.settled.episodes;
         busy.occlusions += episodes.len();
         busy.large += episodes.iter().filter(|episode| episode.objects.len() > 4).count();
         let most = &mut most[(number as usize - 1) / 1000];
-        *most = reasoner.remembered().max(*most);
+        *most = tracker.retained_items().max(*most);
     }
     assert!(busy.identities >= least.identities, "{} identities", busy.identities);
     assert!(busy.occlusions >= least.occlusions, "{} occlusions", busy.occlusions);

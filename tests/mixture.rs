@@ -6,7 +6,7 @@ use occluscope::frame::{Frame, Mask, Size};
 use occluscope::mixture::hysteresis::Hysteresis;
 use occluscope::mixture::shadow::Shadow;
 use occluscope::mixture::{Component, Feedback, Mixture, Parameters, Pixel};
-use occluscope::registration::Choice;
+use occluscope::registration::CorrectionChoice;
 use occluscope::settings::{Rate, Settings, Space, Span};
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
@@ -68,7 +68,7 @@ fn parameters() -> impl Strategy<Value = Parameters> {
                     shadow,
                     hysteresis,
                     feedback,
-                    registration: Choice::NOTHING,
+                    registration: CorrectionChoice::NOTHING,
                 }
             },
         )

@@ -7,7 +7,7 @@ mod common;
 use std::fs;
 use std::path::Path;
 
-use common::{Place, noise, text, works};
+use common::{TestFolder, noise, text, works};
 use occluscope::mixture::{Parameters, Pixel};
 use occluscope::settings::{Preset, Settings};
 
@@ -237,7 +237,7 @@ fn distance(x: &[f32], mu: &[f32]) -> f32 {
 
 #[test]
 fn the_table_is_the_method_s_pixel_process() {
-    let place = Place::new();
+    let place = TestFolder::new();
     let images = place.path("images");
     write_images(&images);
     let (mut replaced, mut several) = (0, 0);
@@ -301,7 +301,7 @@ fn settings_of(flags: &[&str]) -> Settings {
 
 #[test]
 fn the_table_is_the_library_s_pixel_bit_for_bit() {
-    let place = Place::new();
+    let place = TestFolder::new();
     let images = place.path("images");
     write_images(&images);
     for preset in Preset::ALL {
@@ -328,7 +328,7 @@ fn the_table_is_the_library_s_pixel_bit_for_bit() {
 
 #[test]
 fn a_range_starts_the_model_there_and_keeps_the_numbers() {
-    let place = Place::new();
+    let place = TestFolder::new();
     let images = place.path("images");
     write_images(&images);
     let all = works(&["pixel", text(&images), "--at", "4,7", "--bootstrap", "0"]);
@@ -343,7 +343,7 @@ fn a_range_starts_the_model_there_and_keeps_the_numbers() {
 
 #[test]
 fn with_a_range_what_is_learnt_begins_there_too() {
-    let place = Place::new();
+    let place = TestFolder::new();
     let images = place.path("images");
     write_images(&images);
     let of = |folder: &Path, more: &[&str]| {

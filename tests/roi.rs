@@ -8,7 +8,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use common::{HEIGHT, Place, WIDTH, fails, occluscope, scene, text, works, write_images};
+use common::{HEIGHT, TestFolder, WIDTH, fails, occluscope, scene, text, works, write_images};
 use image::{GrayImage, Luma};
 use occluscope::frame::{Frame, Mask, Size};
 use occluscope::pipeline::{Pipeline, PipelineError};
@@ -83,7 +83,7 @@ fn a_mask_of_another_size_is_refused_before_any_frame() {
 
 #[test]
 fn a_run_keeps_the_mask_that_repeats_it() {
-    let place = Place::new();
+    let place = TestFolder::new();
     let images = place.path("images");
     write_images(&images, 60, 1);
     let mask = write_mask(&place.path("mask.png"));
@@ -133,7 +133,7 @@ fn a_run_keeps_the_mask_that_repeats_it() {
 
 #[test]
 fn a_mask_that_cannot_be_used_is_told_and_leaves_nothing() {
-    let place = Place::new();
+    let place = TestFolder::new();
     let images = place.path("images");
     write_images(&images, 3, 1);
     let (small, dark, text_file) = (place.path("small.png"), place.path("dark.png"), place.path("notes.png"));
@@ -160,7 +160,7 @@ fn a_mask_that_cannot_be_used_is_told_and_leaves_nothing() {
 
 #[test]
 fn the_table_of_a_pixel_speaks_of_the_mixture_and_a_note_of_the_area() {
-    let place = Place::new();
+    let place = TestFolder::new();
     let images = place.path("images");
     write_images(&images, 40, 1);
     let mask = write_mask(&place.path("mask.png"));

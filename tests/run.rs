@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use common::{HEIGHT, Place, WIDTH, fails, occluscope, scene, text, works, write_images};
+use common::{HEIGHT, TestFolder, WIDTH, fails, occluscope, scene, text, works, write_images};
 use opencv::core::{Mat, Vector};
 use opencv::prelude::*;
 use opencv::{imgcodecs, videoio};
@@ -63,7 +63,7 @@ fn numbered(prefix: &str, numbers: std::ops::RangeInclusive<u32>) -> Vec<String>
 
 #[test]
 fn every_file_has_its_form() {
-    let place = Place::new();
+    let place = TestFolder::new();
     let (images, out) = (place.path("images"), place.path("results/deep"));
     write_images(&images, 60, 1);
     let stdout = run(
@@ -145,7 +145,7 @@ fn every_file_has_its_form() {
 
 #[test]
 fn tracks_events_and_regions_agree() {
-    let place = Place::new();
+    let place = TestFolder::new();
     let (images, out) = (place.path("images"), place.path("out"));
     write_images(&images, 70, 1);
     run(&images, &out, &[]);
@@ -216,7 +216,7 @@ fn tracks_events_and_regions_agree() {
 
 #[test]
 fn threads_and_reruns_change_nothing() {
-    let place = Place::new();
+    let place = TestFolder::new();
     let images = place.path("images");
     write_images(&images, 50, 1);
     let bulky = ["--masks", "--frames", "--background", "--annotated"];
@@ -237,7 +237,7 @@ fn threads_and_reruns_change_nothing() {
 
 #[test]
 fn a_range_keeps_the_source_s_numbers_and_starts_the_model_there() {
-    let place = Place::new();
+    let place = TestFolder::new();
     let images = place.path("images");
     write_images(&images, 40, 470);
     let out = place.path("out");
@@ -277,7 +277,7 @@ fn a_range_keeps_the_source_s_numbers_and_starts_the_model_there() {
 
 #[test]
 fn a_rerun_replaces_its_own_files_only() {
-    let place = Place::new();
+    let place = TestFolder::new();
     let (images, out) = (place.path("images"), place.path("out"));
     write_images(&images, 12, 1);
     run(&images, &out, &["--masks"]);
@@ -297,7 +297,7 @@ fn a_rerun_replaces_its_own_files_only() {
 
 #[test]
 fn an_image_that_cannot_be_read_is_warned_of_and_skipped_with_its_number() {
-    let place = Place::new();
+    let place = TestFolder::new();
     let (images, out) = (place.path("images"), place.path("out"));
     write_images(&images, 8, 1);
     fs::write(images.join("in000004.png"), "broken").unwrap();
@@ -326,7 +326,7 @@ fn write_video(path: &Path, frames: u32) {
 
 #[test]
 fn a_video_that_breaks_off_is_analysed_to_the_break() {
-    let place = Place::new();
+    let place = TestFolder::new();
     let (whole, broken) = (place.path("whole.avi"), place.path("broken.avi"));
     write_video(&whole, 30);
     let bytes = fs::read(&whole).unwrap();
@@ -349,7 +349,7 @@ fn a_video_that_breaks_off_is_analysed_to_the_break() {
 
 #[test]
 fn opencv_s_models_go_through_the_same_stages() {
-    let place = Place::new();
+    let place = TestFolder::new();
     let images = place.path("images");
     write_images(&images, 40, 1);
     for model in ["mog2", "knn"] {
@@ -365,7 +365,7 @@ fn opencv_s_models_go_through_the_same_stages() {
 /// apart into two objects; with T = 0.88 both are the same throughout.
 #[test]
 fn the_tutorials_identity_is_lost_and_found_by_t() {
-    let place = Place::new();
+    let place = TestFolder::new();
     let sample = Path::new(env!("CARGO_MANIFEST_DIR")).join("sample_videos/crossing.mp4");
     let events = |t: &str| -> Vec<(String, u64)> {
         let out = place.path(&format!("t{t}"));
@@ -404,7 +404,7 @@ fn share_at_the_block(out: &Path, number: u32) -> f64 {
 
 #[test]
 fn who_stands_in_the_first_frame_is_foreground_in_it_and_leaves_no_ghost() {
-    let place = Place::new();
+    let place = TestFolder::new();
     let images = place.path("images");
     fs::create_dir(&images).unwrap();
     for t in 1..=80 {
@@ -456,7 +456,7 @@ fn who_stands_in_the_first_frame_is_foreground_in_it_and_leaves_no_ghost() {
 
 #[test]
 fn pictures_with_the_videos_rate_are_analysed_as_the_video() {
-    let place = Place::new();
+    let place = TestFolder::new();
     let (video, out) = (place.path("video.avi"), place.path("out"));
     write_video(&video, 60);
     // As many frames as the block is seen in, if there are 12.5 a second.
@@ -516,7 +516,7 @@ fn pictures_with_the_videos_rate_are_analysed_as_the_video() {
 
 #[test]
 fn a_rate_that_cannot_be_is_refused() {
-    let place = Place::new();
+    let place = TestFolder::new();
     let images = place.path("images");
     write_images(&images, 3, 1);
     for fps in ["0", "-25", "NaN", "inf", "1e9", "0.001", "fast", ""] {

@@ -7,7 +7,7 @@ mod common;
 use std::fmt::Write as _;
 use std::fs;
 
-use common::{Place, fails, text, works};
+use common::{TestFolder, fails, text, works};
 use serde_json::Value;
 
 /// Three who walk, two of them across each other, and tracks of them with misses, other boxes,
@@ -40,7 +40,7 @@ fn tracks() -> (String, String) {
 
 #[test]
 fn tracks_score_as_motmetrics_scores_them() {
-    let place = Place::new();
+    let place = TestFolder::new();
     let (truth, found) = tracks();
     let results = place.path("results");
     fs::create_dir(&results).unwrap();
@@ -74,7 +74,7 @@ fn tracks_score_as_motmetrics_scores_them() {
 
 #[test]
 fn a_made_up_scene_is_scored_from_video_to_masks() {
-    let place = Place::new();
+    let place = TestFolder::new();
     let (scene, results) = (place.path("scene"), place.path("results"));
     works(&["synth", "crossing", "--noise", "6", "--out", text(&scene), "--quiet"]);
     let video = scene.join("crossing.mp4");
@@ -93,7 +93,7 @@ fn a_made_up_scene_is_scored_from_video_to_masks() {
 
 #[test]
 fn what_cannot_be_scored_fails_in_one_line() {
-    let place = Place::new();
+    let place = TestFolder::new();
     let results = place.path("results");
     fs::create_dir(&results).unwrap();
     let truth = place.path("gt.txt");

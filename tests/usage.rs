@@ -10,11 +10,11 @@ use std::process::{Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use common::{Place, fails, occluscope, scene, text, works, write_images};
+use common::{TestFolder, fails, occluscope, scene, text, works, write_images};
 
 #[test]
 fn settings_out_of_range_or_unknown_are_wrong_usage() {
-    let place = Place::new();
+    let place = TestFolder::new();
     let video = place.path("images");
     write_images(&video, 2, 1);
     let out = place.path("out");
@@ -88,7 +88,7 @@ fn help_and_version_tell_what_there_is() {
 
 #[test]
 fn inputs_that_cannot_be_used_fail_in_one_line_and_leave_nothing() {
-    let place = Place::new();
+    let place = TestFolder::new();
     let file = |name: &str, content: &str| {
         fs::write(place.path(name), content).unwrap();
         place.path(name)
@@ -115,7 +115,7 @@ fn inputs_that_cannot_be_used_fail_in_one_line_and_leave_nothing() {
 
 #[test]
 fn a_range_beyond_the_end_leaves_nothing() {
-    let place = Place::new();
+    let place = TestFolder::new();
     write_images(&place.path("images"), 4, 10);
     let images = place.path("images");
     let out = place.path("out");
@@ -126,7 +126,7 @@ fn a_range_beyond_the_end_leaves_nothing() {
 
 #[test]
 fn a_pixel_outside_the_image_is_told_the_size() {
-    let place = Place::new();
+    let place = TestFolder::new();
     write_images(&place.path("images"), 2, 1);
     let images = place.path("images");
     let line = fails(&["pixel", text(&images), "--at", "96,0"], 1);
@@ -139,7 +139,7 @@ fn a_pixel_outside_the_image_is_told_the_size() {
 
 #[test]
 fn results_that_cannot_be_written_fail_in_one_line() {
-    let place = Place::new();
+    let place = TestFolder::new();
     write_images(&place.path("images"), 2, 1);
     let images = place.path("images");
     fs::write(place.path("taken"), "a file").unwrap();
@@ -151,7 +151,7 @@ fn results_that_cannot_be_written_fail_in_one_line() {
 
 #[test]
 fn settings_print_a_file_that_says_the_same_again() {
-    let place = Place::new();
+    let place = TestFolder::new();
     let toml = works(&["settings", "--preset", "paper", "--k", "5"]);
     assert!(toml.contains("\nk = 5\n") && toml.contains("\nrate = \"density\"\n"));
     fs::write(place.path("s.toml"), &toml).unwrap();
@@ -160,7 +160,7 @@ fn settings_print_a_file_that_says_the_same_again() {
 
 #[test]
 fn a_reader_that_goes_away_is_no_failure() {
-    let place = Place::new();
+    let place = TestFolder::new();
     let images = place.path("images");
     fs::create_dir(&images).unwrap();
     scene(1).save(images.join("1.png")).unwrap();
@@ -183,7 +183,7 @@ fn a_reader_that_goes_away_is_no_failure() {
 #[cfg(unix)]
 #[test]
 fn a_run_that_is_stopped_leaves_nothing() {
-    let place = Place::new();
+    let place = TestFolder::new();
     let images = place.path("images");
     fs::create_dir(&images).unwrap();
     scene(1).save(images.join("1.png")).unwrap();
@@ -222,7 +222,7 @@ fn a_build_without_a_window_says_so() {
 fn truth_that_is_not_there_is_told_before_any_window() {
     let why = fails(&["video.avi", "--truth", "no/such/truth"], 1);
     assert!(why.contains("no/such/truth") && why.contains("does not exist"), "{why}");
-    let place = Place::new();
+    let place = TestFolder::new();
     fs::create_dir(place.path("empty")).unwrap();
     assert!(
         fails(&["video.avi", "--truth", text(&place.path("empty"))], 1)

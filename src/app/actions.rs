@@ -3,11 +3,11 @@
 use eframe::egui::Key;
 use egui_material_icons::icons as m;
 
+use super::ab_settings::AbSlot;
 use super::command::{Action, Scale};
 use super::entry::{Entry, Menu, alt, ctrl, ctrl_shift, entry, key, shift};
 use super::keys::FLIP;
 use super::overlays::Drawn;
-use super::slots::Slot;
 use super::views::{Layout, View};
 use crate::mixture::Quantity;
 use crate::regions::roi::Purpose;
@@ -194,7 +194,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
     .within("Views"),
     entry(
         Menu::View,
-        Action::Open(View::Right),
+        Action::Open(View::MaskErrors),
         m::ICON_VISIBILITY,
         "Mask errors view",
         &[],
@@ -212,7 +212,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
     .within("Views"),
     entry(
         Menu::View,
-        Action::Open(View::BesideForeground),
+        Action::Open(View::ComparedForeground),
         m::ICON_VISIBILITY,
         "Foreground (B) view",
         &[],
@@ -221,7 +221,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
     .within("Views"),
     entry(
         Menu::View,
-        Action::Open(View::BesideTracks),
+        Action::Open(View::ComparedTracks),
         m::ICON_VISIBILITY,
         "Tracks (B) view",
         &[],
@@ -230,7 +230,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
     .within("Views"),
     entry(
         Menu::View,
-        Action::Open(View::BesideBackground),
+        Action::Open(View::ComparedBackground),
         m::ICON_VISIBILITY,
         "Background (B) view",
         &[],
@@ -361,7 +361,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
     .within("One view alone"),
     entry(
         Menu::View,
-        Action::Maximise(View::Right),
+        Action::Maximise(View::MaskErrors),
         m::ICON_FULLSCREEN,
         "Mask errors alone",
         &[key(Key::Num9)],
@@ -370,7 +370,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
     .within("One view alone"),
     entry(
         Menu::View,
-        Action::Maximise(View::BesideForeground),
+        Action::Maximise(View::ComparedForeground),
         m::ICON_FULLSCREEN,
         "Foreground (B) alone",
         &[],
@@ -379,7 +379,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
     .within("One view alone"),
     entry(
         Menu::View,
-        Action::Maximise(View::BesideTracks),
+        Action::Maximise(View::ComparedTracks),
         m::ICON_FULLSCREEN,
         "Tracks (B) alone",
         &[],
@@ -388,7 +388,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
     .within("One view alone"),
     entry(
         Menu::View,
-        Action::Maximise(View::BesideBackground),
+        Action::Maximise(View::ComparedBackground),
         m::ICON_FULLSCREEN,
         "Background (B) alone",
         &[],
@@ -485,7 +485,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
     .within("Map of"),
     entry(
         Menu::View,
-        Action::Map(Quantity::Since),
+        Action::Map(Quantity::SinceForeground),
         m::ICON_GRADIENT,
         "Frames since foreground",
         &[],
@@ -915,7 +915,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
     .always(),
     entry(
         Menu::Analysis,
-        Action::Slot(Slot::A),
+        Action::AbSlot(AbSlot::A),
         m::ICON_COMPARE,
         "Settings A",
         &[key(Key::A)],
@@ -925,7 +925,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
     .always(),
     entry(
         Menu::Analysis,
-        Action::Slot(Slot::B),
+        Action::AbSlot(AbSlot::B),
         m::ICON_COMPARE,
         "Settings B",
         &[key(Key::B)],
@@ -934,7 +934,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
     .always(),
     entry(
         Menu::Analysis,
-        Action::Flip,
+        Action::VerdictFlip,
         m::ICON_SYNC_ALT,
         "Swap A and B while held",
         &[key(FLIP)],
@@ -1171,7 +1171,7 @@ mod tests {
             Action::Play,
             Action::Step(-10),
             Action::Maximise(View::Tracks),
-            Action::Slot(Slot::B),
+            Action::AbSlot(AbSlot::B),
             Action::Palette,
         ] {
             assert_eq!(action.entry().unwrap().action, action);

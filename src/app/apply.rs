@@ -5,14 +5,14 @@ use std::sync::Arc;
 use eframe::egui::{ColorImage, Context, Theme, ViewportCommand};
 
 use super::Window;
-use super::areas::{Areas, Change};
+use super::ab_settings::AbSettings;
+use super::areas::{AreaEdit, Areas};
 use super::command::{Action, Command, Scale};
-use super::compared::Read;
-use super::export_frame::Picture;
-use super::history::Again;
+use super::event_comparison::EventRef;
+use super::export_frame::FrameExport;
 use super::overlays::Overlay;
-use super::slots::Slots;
 use super::state::{Camera, Origin, SPEEDS, Subject};
+use super::undo_history::RestoredState;
 use super::views::View;
 use super::{sample, timeline, views};
 use crate::mixture::Quantity;
@@ -50,7 +50,7 @@ impl Window {
             }
             Command::Explain(subject) => model.subject = subject,
             Command::Unpin(number) => model.marks.pins.remove(number),
-            Command::Look(camera) => model.camera = camera,
+            Command::SetCamera(camera) => model.camera = camera,
             Command::Hover(hover) => {
                 model.hovered = hover;
                 // The status line was drawn before the pointer was looked at.
@@ -59,13 +59,13 @@ impl Window {
             Command::ShowBackground(kind) => model.background = kind,
             Command::Overlay(opacity) => model.overlay.opacity = opacity.min(100),
             Command::Area(change) => self.change_areas(ctx, change),
-            Command::LookAt(setting) => {
+            Command::RevealSetting(setting) => {
                 model.settings_panel = true;
                 model.looked_at = Some(setting);
             }
-            Command::Seen => model.looked_at = None,
+            Command::SettingRevealed => model.looked_at = None,
             Command::HideHint => model.hint = false,
-            Command::Read(event) => model.read(event),
+            Command::OpenEvent(event) => model.read(event),
             Command::LetGo(slot) => {
                 model.held = None;
                 model.show_slot(slot);
@@ -89,7 +89,7 @@ impl Window {
             Action::OpenFolder => self.dialogs.folder(ctx),
             Action::OpenSample => self.open_sample(ctx),
             Action::ExportFrame => {
-                if let Some(picture) = Picture::of(model) {
+                if let Some(picture) = FrameExport::of(model) {
                     self.dialogs.export_frame(ctx, picture);
                 }
             }
@@ -101,7 +101,7 @@ impl Window {
                 }
             }
             Action::CopyPicture => {
-                if let Some(picture) = Picture::of(model) {
+                if let Some(picture) = FrameExport::of(model) {
                     let frame = picture.drawn();
                     let size = [frame.size.width as usize, frame.size.height as usize];
                     ctx.copy_image(ColorImage::from_rgb(size, &frame.rgb));
@@ -119,7 +119,7 @@ impl Window {
                 let again = model.history.redo();
                 self.again(again);
             }
-            Action::Slot(slot) => {
+            Action::AbSlot(slot) => {
                 if model.show_slot(slot) {
                     self.toasts.done(
                         ctx,
@@ -128,9 +128,9 @@ impl Window {
                     );
                 }
             }
-            Action::Flip => {
-                let other = model.slots.in_view.other();
-                model.held = Some(model.slots.in_view);
+            Action::VerdictFlip => {
+                let other = model.ab_settings.in_view.other();
+                model.held = Some(model.ab_settings.in_view);
                 model.show_slot(other);
             }
             Action::CopySettings => {
@@ -142,27 +142,27 @@ impl Window {
                 }
             }),
             Action::KeepSettings => {
-                model.change_slots(|slots, _| *slots = Slots::new());
+                model.change_slots(|slots, _| *slots = AbSettings::new());
                 model.held = None;
                 self.toasts.done(ctx, "The current settings are A; B is discarded");
             }
             Action::DefaultSettings => model.settings = Settings::default(),
             Action::DrawArea(purpose) => {
                 let again = model.areas.draft.as_ref().is_some_and(|draft| draft.purpose == purpose);
-                self.change_areas(ctx, if again { Change::Cancel } else { Change::Begin(purpose) });
+                self.change_areas(ctx, if again { AreaEdit::Cancel } else { AreaEdit::Begin(purpose) });
             }
-            Action::CloseArea => self.change_areas(ctx, Change::Close),
-            Action::UndoCorner => self.change_areas(ctx, Change::Back),
+            Action::CloseArea => self.change_areas(ctx, AreaEdit::Close),
+            Action::UndoCorner => self.change_areas(ctx, AreaEdit::Back),
             Action::CancelArea => {
                 let drawing = model.areas.draft.is_some();
-                self.change_areas(ctx, if drawing { Change::Cancel } else { Change::Choose(None) });
+                self.change_areas(ctx, if drawing { AreaEdit::Cancel } else { AreaEdit::Choose(None) });
             }
             Action::DeleteArea => {
                 if let Some(place) = model.areas.chosen {
-                    self.change_areas(ctx, Change::Delete(place));
+                    self.change_areas(ctx, AreaEdit::Delete(place));
                 }
             }
-            Action::ClearAreas => self.change_areas(ctx, Change::Clear),
+            Action::ClearAreas => self.change_areas(ctx, AreaEdit::Clear),
             Action::LoadTruth => self.dialogs.load_truth(ctx),
             Action::LoadTruthFolder => self.dialogs.load_truth_folder(ctx),
             Action::LoadMask => self.dialogs.load_mask(ctx),
@@ -187,7 +187,7 @@ impl Window {
             Action::NextEvent | Action::PreviousEvent => {
                 if let Some((event, position)) = model.event_beside(action == Action::NextEvent) {
                     model.playback.playing = false;
-                    model.read(Some(Read::InView(event)));
+                    model.read(Some(EventRef::InView(event)));
                     model.go_to(position);
                 }
             }
@@ -197,7 +197,9 @@ impl Window {
             Action::EndHere => model.marks.toggle_end(model.position()),
             Action::Bookmark => model.marks.toggle_bookmark(model.position()),
             Action::NextBookmark | Action::PreviousBookmark => {
-                if let Some(place) = model.marks.beside(model.position(), action == Action::NextBookmark) {
+                if let Some(place) =
+                    model.marks.adjacent_bookmark(model.position(), action == Action::NextBookmark)
+                {
                     model.playback.playing = false;
                     model.go_to(place);
                 }
@@ -254,7 +256,7 @@ impl Window {
                     && !model.marks.pins.toggle(at)
                 {
                     let text =
-                        format!("{} pixels are pinned, the maximum; unpin one first", super::pins::MOST);
+                        format!("{} pixels are pinned, the maximum; unpin one first", super::pins::MAX_PINS);
                     self.toasts.warn(ctx, text);
                 }
             }
@@ -277,7 +279,7 @@ impl Window {
             Action::Messages => self.toasts.messages.open = !self.toasts.messages.open,
             Action::About => self.about.open = true,
             Action::Help => self.help = !self.help,
-            Action::Palette => self.finder.toggle(),
+            Action::Palette => self.command_palette.toggle(),
         }
     }
 
@@ -302,10 +304,10 @@ impl Window {
     }
 
     /// Changes what is analysed, or tells why not.
-    pub(super) fn change_areas(&mut self, ctx: &Context, change: Change) {
+    pub(super) fn change_areas(&mut self, ctx: &Context, change: AreaEdit) {
         let model = &mut self.model;
         let Some(size) = model.size() else { return };
-        if let Change::Load(mask) = &change
+        if let AreaEdit::Load(mask) = &change
             && let Err(error) = mask.check(size)
         {
             self.toasts.fail(ctx, error.to_string());
@@ -323,15 +325,17 @@ impl Window {
     }
 
     /// Makes what was changed as it was.
-    fn again(&mut self, again: Option<Again>) {
+    fn again(&mut self, again: Option<RestoredState>) {
         let model = &mut self.model;
         match again {
-            Some(Again::Settings(slot, settings)) => {
-                model.slots.show(slot, &mut model.settings);
+            Some(RestoredState::Settings(slot, settings)) => {
+                model.ab_settings.show(slot, &mut model.settings);
                 model.settings = *settings;
             }
-            Some(Again::Slots(slots, settings)) => (model.slots, model.settings) = (slots, *settings),
-            Some(Again::Areas(areas)) => {
+            Some(RestoredState::AbSettings(slots, settings)) => {
+                (model.ab_settings, model.settings) = (slots, *settings)
+            }
+            Some(RestoredState::Areas(areas)) => {
                 model.areas = areas;
                 self.send_areas();
             }

@@ -3,7 +3,7 @@
 use eframe::egui::{Align, Button, CollapsingHeader, Layout, RichText, Ui, vec2};
 use egui_material_icons::icons as m;
 
-use super::areas::{Areas, Change};
+use super::areas::{AreaEdit, Areas};
 use super::command::{Action, Command};
 use super::icons::Icon;
 use super::state::Model;
@@ -55,7 +55,7 @@ fn list(ui: &mut Ui, areas: &Areas, commands: &mut Vec<Command>) {
     if let Some(mask) = &areas.mask {
         let name = format!("Mask file, {} % of the frame", percent(mask.share()));
         if row(ui, m::ICON_IMAGE, ui.visuals().text_color(), &name, false).1 {
-            commands.push(Command::Area(Change::DeleteMask));
+            commands.push(Command::Area(AreaEdit::DeleteMask));
         }
     }
     for (place, area) in areas.drawn.iter().enumerate() {
@@ -63,10 +63,10 @@ fn list(ui: &mut Ui, areas: &Areas, commands: &mut Vec<Command>) {
         let chosen = areas.chosen == Some(place);
         let (clicked, deleted) = row(ui, icon(area), views::area_colour(area.purpose), &name, chosen);
         if clicked {
-            commands.push(Command::Area(Change::Choose((!chosen).then_some(place))));
+            commands.push(Command::Area(AreaEdit::Choose((!chosen).then_some(place))));
         }
         if deleted {
-            commands.push(Command::Area(Change::Delete(place)));
+            commands.push(Command::Area(AreaEdit::Delete(place)));
         }
     }
 }

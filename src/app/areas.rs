@@ -5,14 +5,14 @@ use std::sync::Arc;
 use crate::frame::Size;
 use crate::regions::roi::{self, Area, Purpose, Roi};
 
-/// An area has so many corners at least.
-const CORNERS: usize = 3;
-/// Corners nearer to one another than this, in pixels, are one: a double click sets none beside the last.
-const SAME: f32 = 0.75;
+/// Least number of corners of an area.
+const MIN_CORNERS: usize = 3;
+/// Least distance of two corners in pixels: a double click sets none beside the last.
+const MIN_CORNER_DISTANCE_PX: f32 = 0.75;
 
-/// What is asked of them.
+/// An edit of the areas.
 #[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Change {
+pub(crate) enum AreaEdit {
     /// Begin to draw one.
     Begin(Purpose),
     /// Its next corner, in pixels.
@@ -23,7 +23,7 @@ pub(crate) enum Change {
     Close,
     /// Take back its last corner, or choose none.
     Back,
-    /// Give up drawing.
+    /// Cancel drawing.
     Cancel,
     /// Choose one by its place, or none.
     Choose(Option<usize>),
@@ -37,9 +37,9 @@ pub(crate) enum Change {
     Clear,
 }
 
-/// Why a change was not made.
+/// Why an edit was rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
-pub(crate) enum Refused {
+pub(crate) enum AreaError {
     /// It has no inside.
     #[error("An area needs at least three corners; add corners, or cancel with Esc")]
     Corners,
@@ -75,57 +75,57 @@ impl Areas {
     }
 
     /// Makes a change over frames of `size`; whether other pixels are analysed from then on.
-    pub(crate) fn change(&mut self, change: Change, size: Size) -> Result<bool, Refused> {
+    pub(crate) fn change(&mut self, change: AreaEdit, size: Size) -> Result<bool, AreaError> {
         let before = (self.mask.clone(), self.drawn.clone());
         match change {
-            Change::Begin(purpose) => {
+            AreaEdit::Begin(purpose) => {
                 self.chosen = None;
                 self.draft = Some(Area { purpose, corners: Vec::new() });
             }
-            Change::Corner(at) => {
+            AreaEdit::Corner(at) => {
                 if let Some(draft) = &mut self.draft
                     && draft.corners.last().is_none_or(|last| !is_same(*last, at))
                 {
                     draft.corners.push(at);
                 }
             }
-            Change::Rectangle(a, b) => {
+            AreaEdit::Rectangle(a, b) => {
                 if let Some(draft) = &mut self.draft {
                     draft.corners = vec![a, [b[0], a[1]], b, [a[0], b[1]]];
                     return self.close(size);
                 }
             }
-            Change::Close => return self.close(size),
-            Change::Back => match &mut self.draft {
+            AreaEdit::Close => return self.close(size),
+            AreaEdit::Back => match &mut self.draft {
                 Some(draft) => drop(draft.corners.pop()),
                 None => self.chosen = None,
             },
-            Change::Cancel => self.draft = None,
-            Change::Choose(place) => self.chosen = place.filter(|&place| place < self.drawn.len()),
-            Change::Delete(place) => {
+            AreaEdit::Cancel => self.draft = None,
+            AreaEdit::Choose(place) => self.chosen = place.filter(|&place| place < self.drawn.len()),
+            AreaEdit::Delete(place) => {
                 if place < self.drawn.len() {
                     self.drawn.remove(place);
                     self.chosen = None;
                 }
             }
-            Change::DeleteMask => self.mask = None,
-            Change::Load(mask) => *self = Self { mask: Some(mask), ..Self::default() },
-            Change::Clear => {
+            AreaEdit::DeleteMask => self.mask = None,
+            AreaEdit::Load(mask) => *self = Self { mask: Some(mask), ..Self::default() },
+            AreaEdit::Clear => {
                 (self.mask, self.drawn, self.chosen, self.draft) = (None, Vec::new(), None, None);
             }
         }
         self.compose(before, size)
     }
 
-    fn close(&mut self, size: Size) -> Result<bool, Refused> {
+    fn close(&mut self, size: Size) -> Result<bool, AreaError> {
         let before = (self.mask.clone(), self.drawn.clone());
         let Some(mut draft) = self.draft.take() else { return Ok(false) };
         while draft.corners.len() > 1 && is_same(draft.corners[0], draft.corners[draft.corners.len() - 1]) {
             draft.corners.pop();
         }
-        if draft.corners.len() < CORNERS || draft.pixels(size) == 0 {
+        if draft.corners.len() < MIN_CORNERS || draft.pixels(size) == 0 {
             self.draft = Some(draft);
-            return Err(Refused::Corners);
+            return Err(AreaError::Corners);
         }
         self.chosen = Some(self.drawn.len());
         self.drawn.push(draft);
@@ -133,7 +133,7 @@ impl Areas {
     }
 
     /// Puts together what is analysed; what leaves nothing is taken back.
-    fn compose(&mut self, before: (Option<Arc<Roi>>, Vec<Area>), size: Size) -> Result<bool, Refused> {
+    fn compose(&mut self, before: (Option<Arc<Roi>>, Vec<Area>), size: Size) -> Result<bool, AreaError> {
         if before == (self.mask.clone(), self.drawn.clone()) {
             return Ok(false);
         }
@@ -145,7 +145,7 @@ impl Areas {
                 if composed.is_none() {
                     (self.mask, self.drawn) = before;
                     self.chosen = None;
-                    return Err(Refused::Nothing);
+                    return Err(AreaError::Nothing);
                 }
                 composed.map(Arc::new)
             }
@@ -169,7 +169,7 @@ impl Areas {
 }
 
 fn is_same(a: [f32; 2], b: [f32; 2]) -> bool {
-    (a[0] - b[0]).hypot(a[1] - b[1]) < SAME
+    (a[0] - b[0]).hypot(a[1] - b[1]) < MIN_CORNER_DISTANCE_PX
 }
 
 /// How far a point is from the line between two others.
@@ -188,12 +188,12 @@ mod tests {
 
     const SIZE: Size = Size::new(40, 30);
 
-    fn draw(areas: &mut Areas, purpose: Purpose, corners: &[[f32; 2]]) -> Result<bool, Refused> {
-        areas.change(Change::Begin(purpose), SIZE)?;
+    fn draw(areas: &mut Areas, purpose: Purpose, corners: &[[f32; 2]]) -> Result<bool, AreaError> {
+        areas.change(AreaEdit::Begin(purpose), SIZE)?;
         for &corner in corners {
-            areas.change(Change::Corner(corner), SIZE)?;
+            areas.change(AreaEdit::Corner(corner), SIZE)?;
         }
-        areas.change(Change::Close, SIZE)
+        areas.change(AreaEdit::Close, SIZE)
     }
 
     const TRIANGLE: [[f32; 2]; 3] = [[0.0, 0.0], [20.0, 0.0], [0.0, 20.0]];
@@ -204,38 +204,38 @@ mod tests {
         assert_eq!(draw(&mut areas, Purpose::Ignore, &TRIANGLE), Ok(true));
         assert_eq!((areas.chosen, areas.draft.is_none()), (Some(0), true));
         assert!(!areas.roi.as_ref().unwrap().contains(3, 3));
-        areas.change(Change::Begin(Purpose::Ignore), SIZE).unwrap();
-        assert_eq!(areas.change(Change::Rectangle([30.0, 20.0], [40.0, 30.0]), SIZE), Ok(true));
+        areas.change(AreaEdit::Begin(Purpose::Ignore), SIZE).unwrap();
+        assert_eq!(areas.change(AreaEdit::Rectangle([30.0, 20.0], [40.0, 30.0]), SIZE), Ok(true));
         assert!(!areas.roi.as_ref().unwrap().contains(35, 25));
         assert_eq!(areas.at([30.5, 24.0], 2.0), Some(1));
         assert_eq!(areas.at([10.0, 1.0], 2.0), Some(0));
         assert_eq!(areas.at([25.0, 12.0], 2.0), None);
-        assert_eq!(areas.change(Change::Choose(Some(0)), SIZE), Ok(false));
-        assert_eq!(areas.change(Change::Delete(0), SIZE), Ok(true));
+        assert_eq!(areas.change(AreaEdit::Choose(Some(0)), SIZE), Ok(false));
+        assert_eq!(areas.change(AreaEdit::Delete(0), SIZE), Ok(true));
         assert!(areas.roi.as_ref().unwrap().contains(3, 3) && areas.chosen.is_none());
-        assert_eq!(areas.change(Change::Clear, SIZE), Ok(true));
+        assert_eq!(areas.change(AreaEdit::Clear, SIZE), Ok(true));
         assert!(areas.is_empty() && areas.roi.is_none());
     }
 
     #[test]
     fn what_has_no_inside_or_leaves_nothing_is_refused() {
         let mut areas = Areas::default();
-        assert_eq!(draw(&mut areas, Purpose::Analyse, &TRIANGLE[..2]), Err(Refused::Corners));
-        areas.change(Change::Corner([0.0, 20.0]), SIZE).unwrap();
-        assert_eq!(areas.change(Change::Close, SIZE), Ok(true), "drawing went on");
+        assert_eq!(draw(&mut areas, Purpose::Analyse, &TRIANGLE[..2]), Err(AreaError::Corners));
+        areas.change(AreaEdit::Corner([0.0, 20.0]), SIZE).unwrap();
+        assert_eq!(areas.change(AreaEdit::Close, SIZE), Ok(true), "drawing went on");
         let all = [[-1.0, -1.0], [50.0, -1.0], [50.0, 50.0], [-1.0, 50.0]];
         let before = areas.roi.clone();
-        assert_eq!(draw(&mut areas, Purpose::Ignore, &all), Err(Refused::Nothing));
+        assert_eq!(draw(&mut areas, Purpose::Ignore, &all), Err(AreaError::Nothing));
         assert_eq!((areas.drawn.len(), &areas.roi), (1, &before));
         // A double click sets its last corner once.
-        areas.change(Change::Begin(Purpose::Ignore), SIZE).unwrap();
+        areas.change(AreaEdit::Begin(Purpose::Ignore), SIZE).unwrap();
         for corner in [[1.0, 1.0], [8.0, 1.0], [8.0, 1.0], [8.0, 8.0]] {
-            areas.change(Change::Corner(corner), SIZE).unwrap();
+            areas.change(AreaEdit::Corner(corner), SIZE).unwrap();
         }
         assert_eq!(areas.draft.as_ref().unwrap().corners.len(), 3);
-        areas.change(Change::Back, SIZE).unwrap();
+        areas.change(AreaEdit::Back, SIZE).unwrap();
         assert_eq!(areas.draft.as_ref().unwrap().corners.len(), 2);
-        assert_eq!(areas.change(Change::Cancel, SIZE), Ok(false));
+        assert_eq!(areas.change(AreaEdit::Cancel, SIZE), Ok(false));
         assert!(areas.draft.is_none());
     }
 }

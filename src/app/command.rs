@@ -2,13 +2,13 @@
 
 use std::path::PathBuf;
 
+use super::ab_settings::AbSlot;
 pub(crate) use super::actions::ACTIONS;
-use super::areas::Change;
-use super::compared::{Listing, Read};
+use super::areas::AreaEdit;
 pub(crate) use super::entry::{Entry, Menu};
+use super::event_comparison::{ComparisonFilter, EventRef};
 use super::inspector::{Format, Plot, Table};
 use super::overlays::Drawn;
-use super::slots::Slot;
 use super::state::{Camera, Hover, Subject};
 use super::views::{Background, Layout, View};
 use crate::mixture::Quantity;
@@ -58,9 +58,9 @@ pub(crate) enum Action {
     /// All settings to their defaults.
     DefaultSettings,
     /// Analyse under the settings of this slot.
-    Slot(Slot),
+    AbSlot(AbSlot),
     /// Analyse under the settings of the other slot while a key is held.
-    Flip,
+    VerdictFlip,
     /// The other slot gets a copy of the settings in view.
     CopySettings,
     /// The settings of the two slots change places.
@@ -215,7 +215,7 @@ pub(crate) enum Command {
     /// Unpin the pixel of this number.
     Unpin(u8),
     /// Look elsewhere in all views.
-    Look(Camera),
+    SetCamera(Camera),
     /// The pointer is on this pixel.
     Hover(Option<Hover>),
     /// Show this kind of background.
@@ -223,19 +223,19 @@ pub(crate) enum Command {
     /// The mask over the input covers so much of it, in per cent.
     Overlay(u8),
     /// Change the areas that are analysed or ignored.
-    Area(Change),
+    Area(AreaEdit),
     /// Bring the setting of this name into sight.
-    LookAt(&'static str),
+    RevealSetting(&'static str),
     /// That setting has been seen.
-    Seen,
+    SettingRevealed,
     /// The line on what to try first has been read.
     HideHint,
     /// Read an event's evidence.
-    Read(Option<Read>),
+    OpenEvent(Option<EventRef>),
     /// The key that brought the other settings into view was let go: these are in view again.
-    LetGo(Slot),
+    LetGo(AbSlot),
     /// List these events while settings are compared.
-    List(Listing),
+    List(ComparisonFilter),
     /// Show or hide a kind of events, by its place in [`crate::occlusion::EventKind::ALL`].
     FilterEvents(usize, bool),
 }

@@ -9,19 +9,19 @@ use crossbeam_channel::{Receiver, Sender};
 use eframe::egui::{ColorImage, Context};
 use rfd::FileDialog;
 
-use super::export_frame::Picture;
+use super::export_frame::FrameExport;
 use super::inspector::{Format, Plot, Table};
-use super::{settings_file, whole_file};
+use super::{atomic_write, settings_file};
 use crate::export::picture;
 use crate::regions::Roi;
 use crate::settings::Settings;
 use crate::truth::Truth;
 
-/// Nobody cancels a dialog sooner than this: it never came up.
+/// Least time after which a user can cancel a dialog: sooner, it was never shown.
 const TOO_SOON: Duration = Duration::from_millis(250);
 
-/// What a dialog brought back.
-pub(crate) enum Answer {
+/// The result of a dialog.
+pub(crate) enum DialogResult {
     /// A video or folder to open.
     Open(PathBuf),
     /// A file was written, or why not, in a sentence.
@@ -40,16 +40,16 @@ pub(crate) enum Answer {
     NoDialog,
 }
 
-/// What was brought, if anything, and whether a dialog was shut with it.
-struct Brought {
-    answer: Option<Answer>,
+/// The result, if any, and whether it closed a dialog.
+struct DialogOutcome {
+    answer: Option<DialogResult>,
     from_dialog: bool,
 }
 
 /// The dialogs that are open.
 pub(crate) struct Dialogs {
-    sender: Sender<Brought>,
-    receiver: Receiver<Brought>,
+    sender: Sender<DialogOutcome>,
+    receiver: Receiver<DialogOutcome>,
     open: bool,
 }
 
@@ -66,23 +66,27 @@ impl Dialogs {
         self.ask(ctx, || {
             let dialog = FileDialog::new().set_title("Open video");
             let endings = ["mp4", "avi", "mkv", "mov", "webm", "m4v", "mpg", "mpeg", "ogv"];
-            dialog.add_filter("Video", &endings).add_filter("All files", &["*"]).pick_file().map(Answer::Open)
+            dialog
+                .add_filter("Video", &endings)
+                .add_filter("All files", &["*"])
+                .pick_file()
+                .map(DialogResult::Open)
         });
     }
 
     /// Asks for a folder of images.
     pub(crate) fn folder(&mut self, ctx: &Context) {
         self.ask(ctx, || {
-            FileDialog::new().set_title("Open folder of images").pick_folder().map(Answer::Open)
+            FileDialog::new().set_title("Open folder of images").pick_folder().map(DialogResult::Open)
         });
     }
 
     /// Asks where to write a frame, and writes it there.
-    pub(crate) fn export_frame(&mut self, ctx: &Context, picture: Picture) {
+    pub(crate) fn export_frame(&mut self, ctx: &Context, picture: FrameExport) {
         self.ask(ctx, move || {
             let dialog = FileDialog::new().set_title("Export frame").set_file_name(picture.name());
             let path = dialog.add_filter("PNG image", &["png"]).save_file()?;
-            Some(Answer::Wrote(picture.write(path)))
+            Some(DialogResult::Wrote(picture.write(path)))
         });
     }
 
@@ -91,7 +95,7 @@ impl Dialogs {
         self.ask(ctx, move || {
             let dialog = FileDialog::new().set_title("Save settings").set_file_name(settings_file::NAME);
             let path = dialog.add_filter("Settings", &[settings_file::ENDING]).save_file()?;
-            Some(Answer::Wrote(settings_file::write(path, &settings)))
+            Some(DialogResult::Wrote(settings_file::write(path, &settings)))
         });
     }
 
@@ -102,7 +106,7 @@ impl Dialogs {
                 FileDialog::new().set_title("Load settings").add_filter("Settings", &[settings_file::ENDING]);
             let path = dialog.add_filter("All files", &["*"]).pick_file()?;
             let read = settings_file::read(&path);
-            Some(Answer::Settings(read.map(|settings| (path, Box::new(settings)))))
+            Some(DialogResult::Settings(read.map(|settings| (path, Box::new(settings)))))
         });
     }
 
@@ -112,7 +116,7 @@ impl Dialogs {
             let dialog = FileDialog::new().set_title("Load area mask");
             let endings = ["png", "bmp", "jpg", "jpeg", "tif", "tiff", "pgm"];
             let path = dialog.add_filter("Image", &endings).add_filter("All files", &["*"]).pick_file()?;
-            Some(Answer::Mask(Roi::read(&path).map(Arc::new).map_err(|error| error.to_string())))
+            Some(DialogResult::Mask(Roi::read(&path).map(Arc::new).map_err(|error| error.to_string())))
         });
     }
 
@@ -142,7 +146,9 @@ impl Dialogs {
         self.ask(ctx, move || {
             let dialog = FileDialog::new().set_title("Save area mask").set_file_name("roi.png");
             let path = dialog.add_filter("PNG image", &["png"]).save_file()?;
-            Some(Answer::Wrote(whole_file::write(path, "png", |at| picture::write_mask(at, roi.mask()))))
+            Some(DialogResult::Wrote(atomic_write::write(path, "png", |at| {
+                picture::write_mask(at, roi.mask())
+            })))
         });
     }
 
@@ -151,7 +157,7 @@ impl Dialogs {
         self.ask(ctx, move || {
             let dialog = FileDialog::new().set_title("Save table").set_file_name(table.name());
             let path = dialog.add_filter("CSV table", &["csv"]).save_file()?;
-            Some(Answer::Wrote(table.save(path)))
+            Some(DialogResult::Wrote(table.save(path)))
         });
     }
 
@@ -160,14 +166,14 @@ impl Dialogs {
         self.ask(ctx, move || {
             let dialog = FileDialog::new().set_title("Save figure").set_file_name(plot.name(format));
             let path = dialog.add_filter(format.name(), &[format.ending()]).save_file()?;
-            Some(Answer::Wrote(plot.save(path, format)))
+            Some(DialogResult::Wrote(plot.save(path, format)))
         });
     }
 
     /// Draws a plot for the clipboard.
     pub(crate) fn draw_plot(&mut self, ctx: &Context, plot: Box<Plot>) {
         self.make(ctx, move || {
-            Answer::Drawn(plot.drawn().map(|picture| {
+            DialogResult::Drawn(plot.drawn().map(|picture| {
                 let size = [picture.size.width as usize, picture.size.height as usize];
                 ColorImage::from_rgb(size, &picture.rgb)
             }))
@@ -178,28 +184,28 @@ impl Dialogs {
     pub(crate) fn write_table(&mut self, ctx: &Context, table: Table) {
         self.make(ctx, move || {
             let failed = |error| format!("the table cannot be copied: {error}; save it instead");
-            Answer::Tabled(table.csv().map(|text| (text, table.rows())).map_err(failed))
+            DialogResult::Tabled(table.csv().map(|text| (text, table.rows())).map_err(failed))
         });
     }
 
     /// No dialog, but more work than the window should wait for.
-    fn make(&mut self, ctx: &Context, make: impl FnOnce() -> Answer + Send + 'static) {
+    fn make(&mut self, ctx: &Context, make: impl FnOnce() -> DialogResult + Send + 'static) {
         let (sender, ctx) = (self.sender.clone(), ctx.clone());
         std::thread::spawn(move || {
-            let _ = sender.send(Brought { answer: Some(make()), from_dialog: false });
+            let _ = sender.send(DialogOutcome { answer: Some(make()), from_dialog: false });
             ctx.request_repaint();
         });
     }
 
     /// What came back since this was last asked.
-    pub(crate) fn answer(&mut self) -> Option<Answer> {
+    pub(crate) fn answer(&mut self) -> Option<DialogResult> {
         let brought = self.receiver.try_recv().ok()?;
         // What goes to the clipboard comes from no dialog; one may be open still.
         self.open &= !brought.from_dialog;
         brought.answer
     }
 
-    fn ask(&mut self, ctx: &Context, dialog: impl FnOnce() -> Option<Answer> + Send + 'static) {
+    fn ask(&mut self, ctx: &Context, dialog: impl FnOnce() -> Option<DialogResult> + Send + 'static) {
         // One at a time: a second would only lie over the first.
         if self.open {
             return;
@@ -208,17 +214,17 @@ impl Dialogs {
         let (sender, ctx) = (self.sender.clone(), ctx.clone());
         std::thread::spawn(move || {
             let asked = Instant::now();
-            let answer = dialog().or_else(|| (asked.elapsed() < TOO_SOON).then_some(Answer::NoDialog));
+            let answer = dialog().or_else(|| (asked.elapsed() < TOO_SOON).then_some(DialogResult::NoDialog));
             // The window may be gone by then; then nobody waits for the answer.
-            let _ = sender.send(Brought { answer, from_dialog: true });
+            let _ = sender.send(DialogOutcome { answer, from_dialog: true });
             ctx.request_repaint();
         });
     }
 }
 
-fn truth(path: &Path) -> Answer {
+fn truth(path: &Path) -> DialogResult {
     let read = Truth::read(path);
-    Answer::Truth(read.map(Arc::new).map_err(|error| format!("{error}; choose another file")))
+    DialogResult::Truth(read.map(Arc::new).map_err(|error| format!("{error}; choose another file")))
 }
 
 #[cfg(test)]
@@ -228,7 +234,7 @@ mod tests {
     use super::*;
 
     /// What comes of a dialog, once it has.
-    fn brought(dialog: impl FnOnce() -> Option<Answer> + Send + 'static) -> Option<Answer> {
+    fn brought(dialog: impl FnOnce() -> Option<DialogResult> + Send + 'static) -> Option<DialogResult> {
         let (ctx, mut dialogs) = (Context::default(), Dialogs::default());
         dialogs.ask(&ctx, dialog);
         assert!(dialogs.open);
@@ -243,20 +249,20 @@ mod tests {
     fn what_is_made_for_the_clipboard_shuts_no_dialog() {
         let (ctx, mut dialogs) = (Context::default(), Dialogs::default());
         dialogs.open = true;
-        dialogs.make(&ctx, || Answer::Tabled(Ok(("a,b\n".to_owned(), 0))));
+        dialogs.make(&ctx, || DialogResult::Tabled(Ok(("a,b\n".to_owned(), 0))));
         let answer = dialogs.receiver.recv().unwrap();
         dialogs.sender.send(answer).unwrap();
-        assert!(matches!(dialogs.answer(), Some(Answer::Tabled(Ok(_)))) && dialogs.open);
+        assert!(matches!(dialogs.answer(), Some(DialogResult::Tabled(Ok(_)))) && dialogs.open);
     }
 
     #[test]
     fn a_dialog_that_never_came_up_is_told_from_one_that_was_cancelled() {
-        assert!(matches!(brought(|| None), Some(Answer::NoDialog)));
+        assert!(matches!(brought(|| None), Some(DialogResult::NoDialog)));
         let cancelled = || {
             std::thread::sleep(2 * TOO_SOON);
             None
         };
         assert!(brought(cancelled).is_none());
-        assert!(matches!(brought(|| Some(Answer::Open("a".into()))), Some(Answer::Open(_))));
+        assert!(matches!(brought(|| Some(DialogResult::Open("a".into()))), Some(DialogResult::Open(_))));
     }
 }

@@ -8,7 +8,7 @@ use super::command::Command;
 use super::state::Model;
 use super::theme;
 use crate::replay::Start;
-use crate::truth::Place;
+use crate::truth::TruthSource;
 
 /// Shows that what is held over the window can be dropped, and opens what was dropped; ground truth is laid over the
 /// video that is there.
@@ -43,5 +43,5 @@ pub(crate) fn ui(ctx: &Context, model: &Model, commands: &mut Vec<Command>) {
 /// Whether it is no video but what is known to be right of one.
 fn is_truth(path: &Path) -> bool {
     let of_boxes = ["txt", "csv"].map(|ending| path.extension().is_some_and(|other| other == ending));
-    if path.is_dir() { Place::of(path).is_ok() } else { of_boxes.contains(&true) }
+    if path.is_dir() { TruthSource::of(path).is_ok() } else { of_boxes.contains(&true) }
 }

@@ -8,11 +8,11 @@ use eframe::egui::{
 use egui_material_icons::icons as m;
 
 use super::command::Command;
-use super::compared::{Compared, Listing, Read};
+use super::event_comparison::{ComparisonFilter, EventComparison, EventRef};
 use super::state::Model;
 use super::{icons, theme};
-use crate::occlusion::compare::Pair;
 use crate::occlusion::event::{Comparison, Relation};
+use crate::occlusion::event_pairs::EventPair;
 use crate::occlusion::{Event, EventKind};
 use crate::palette::{event_colour, identity_colour};
 use crate::replay::Timeline;
@@ -36,7 +36,9 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         ui.add_space(theme::SPACE);
         let why = match model.listing {
             _ if timeline.events.is_empty() && model.compared.is_none() => "No events so far.",
-            Listing::OnlyInView | Listing::OnlyBeside | Listing::Moved if model.compared.is_some() => {
+            ComparisonFilter::OnlyInView | ComparisonFilter::OnlyCompared | ComparisonFilter::Moved
+                if model.compared.is_some() =>
+            {
                 "No such events: A and B agree."
             }
             _ => "No events of the selected kinds.",
@@ -64,7 +66,7 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
                 let current = here == Some(*position);
                 let aside = aside(model, listed);
                 if row(ui, event, current, model.reading == Some(listed.read), aside) {
-                    commands.push(Command::Read(Some(listed.read)));
+                    commands.push(Command::OpenEvent(Some(listed.read)));
                     commands.push(Command::GoTo(*position));
                 }
             }
@@ -78,23 +80,24 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 
 /// A row of the list.
 struct Listed {
-    read: Read,
+    read: EventRef,
     /// How the event stands to the other settings, while there are some.
-    pair: Option<Pair>,
+    pair: Option<EventPair>,
 }
 
 /// The events to list, in order of time.
 fn listed(model: &Model, timeline: &Timeline) -> Vec<Listed> {
     let shows = |listed: &Listed| model.event(listed.read).is_some_and(|(_, event)| model.lists(event.kind));
     let Some(compared) = &model.compared else {
-        let all = (0..timeline.events.len()).map(|index| Listed { read: Read::InView(index), pair: None });
+        let all =
+            (0..timeline.events.len()).map(|index| Listed { read: EventRef::InView(index), pair: None });
         return all.filter(shows).collect();
     };
     let pairs = compared.pairs.iter().filter(|pair| compared.lists(model.listing, **pair));
     let rows = pairs.map(|&pair| {
         let read = match pair {
-            Pair::First(index) | Pair::Both(index, _) => Read::InView(index),
-            Pair::Second(index) => Read::Beside(index),
+            EventPair::First(index) | EventPair::Both(index, _) => EventRef::InView(index),
+            EventPair::Second(index) => EventRef::Compared(index),
         };
         Listed { read, pair: Some(pair) }
     });
@@ -102,21 +105,23 @@ fn listed(model: &Model, timeline: &Timeline) -> Vec<Listed> {
 }
 
 /// Which events are listed while two settings are compared, with how many there are of each.
-fn listings(ui: &mut Ui, model: &Model, compared: &Compared, commands: &mut Vec<Command>) {
-    let slot = model.slots.in_view;
+fn listings(ui: &mut Ui, model: &Model, compared: &EventComparison, commands: &mut Vec<Command>) {
+    let slot = model.ab_settings.in_view;
     ui.spacing_mut().item_spacing.x = theme::SPACE / 2.0;
     ui.spacing_mut().button_padding = vec2(theme::SPACE, 1.0);
-    for listing in Listing::ALL.into_iter().rev() {
+    for listing in ComparisonFilter::ALL.into_iter().rev() {
         let (word, meaning) = match listing {
-            Listing::All => ("all".to_owned(), "Events under A or B".to_owned()),
-            Listing::OnlyInView => {
+            ComparisonFilter::All => ("all".to_owned(), "Events under A or B".to_owned()),
+            ComparisonFilter::OnlyInView => {
                 (format!("only {}", slot.name()), format!("Events under {} only", slot.name()))
             }
-            Listing::OnlyBeside => {
+            ComparisonFilter::OnlyCompared => {
                 let other = slot.other().name();
                 (format!("only {other}"), format!("Events under {other} only"))
             }
-            Listing::Moved => ("moved".to_owned(), "Events under both, at different frames".to_owned()),
+            ComparisonFilter::Moved => {
+                ("moved".to_owned(), "Events under both, at different frames".to_owned())
+            }
         };
         let count = compared.pairs.iter().filter(|pair| compared.lists(listing, **pair)).count();
         let text = RichText::new(format!("{word} {count}")).size(theme::SMALL);
@@ -129,11 +134,11 @@ fn listings(ui: &mut Ui, model: &Model, compared: &Compared, commands: &mut Vec<
 
 /// What stands beside an event while two settings are compared: whose it is alone, or by how much it moved.
 fn aside(model: &Model, listed: &Listed) -> Option<(String, [u8; 3])> {
-    let slot = model.slots.in_view;
+    let slot = model.ab_settings.in_view;
     match listed.pair? {
-        Pair::First(_) => Some((slot.name().to_owned(), slot.colour())),
-        Pair::Second(_) => Some((slot.other().name().to_owned(), slot.other().colour())),
-        pair @ Pair::Both(..) => {
+        EventPair::First(_) => Some((slot.name().to_owned(), slot.colour())),
+        EventPair::Second(_) => Some((slot.other().name().to_owned(), slot.other().colour())),
+        pair @ EventPair::Both(..) => {
             let moved = model.compared.as_ref()?.moved(pair).filter(|moved| *moved != 0)?;
             let text = format!("{moved:+} in {}", slot.other().name());
             Some((text, slot.other().colour()))
@@ -299,7 +304,7 @@ fn evidence(ui: &mut Ui, model: &Model, event: &Event, commands: &mut Vec<Comman
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             let close = Button::new(m::ICON_CLOSE.rich_text().size(14.0)).frame_when_inactive(false);
             if ui.add(close).accessible_name("Close evidence").clicked() {
-                commands.push(Command::Read(None));
+                commands.push(Command::OpenEvent(None));
             }
         });
     });
@@ -316,7 +321,7 @@ fn evidence(ui: &mut Ui, model: &Model, event: &Event, commands: &mut Vec<Comman
         for comparison in &event.evidence.comparisons {
             compared(ui, comparison);
         }
-        if matches!(model.reading, Some(Read::InView(_))) {
+        if matches!(model.reading, Some(EventRef::InView(_))) {
             prevented(ui, model, event, commands);
         }
     });
@@ -324,7 +329,7 @@ fn evidence(ui: &mut Ui, model: &Model, event: &Event, commands: &mut Vec<Comman
 
 /// What would have kept an event from happening, each to be taken with a click.
 fn prevented(ui: &mut Ui, model: &Model, event: &Event, commands: &mut Vec<Command>) {
-    let what_if = model.state.as_ref().and_then(|state| state.what_if.as_ref());
+    let what_if = model.state.as_ref().and_then(|state| state.counterfactual.as_ref());
     let Some(what_if) = what_if.filter(|what_if| what_if.event.is_same(event)) else { return };
     ui.add_space(theme::SPACE);
     ui.label(RichText::new("Settings that would prevent this event").strong()).on_hover_text(

@@ -3,26 +3,26 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 
+use super::atomic_write;
 use super::state::Model;
-use super::whole_file;
-use crate::export::annotate::{Moment, annotate};
+use crate::export::annotate::{FrameAnnotations, annotate};
 use crate::export::picture;
 use crate::frame::Frame;
 use crate::occlusion::Event;
-use crate::replay::Shown;
+use crate::replay::ShownFrame;
 use crate::tracking::Track;
 
 /// A frame with all that is drawn on it, held while a place to write it is chosen.
-pub(crate) struct Picture {
-    shown: Arc<Shown>,
+pub(crate) struct FrameExport {
+    shown: Arc<ShownFrame>,
     recent: Vec<(u32, Vec<Track>)>,
     events: Vec<Event>,
 }
 
-impl Picture {
+impl FrameExport {
     /// The frame in view.
     pub(crate) fn of(model: &Model) -> Option<Self> {
-        let moment = model.moment.as_deref()?;
+        let moment = model.in_view.as_deref()?;
         let shown = Arc::clone(&moment.shown);
         let recent = moment
             .trails
@@ -43,13 +43,13 @@ impl Picture {
     /// The frame with all that is drawn on it.
     pub(crate) fn drawn(&self) -> Frame {
         let mut frame = Frame::clone(&self.shown.frame);
-        annotate(&mut frame, &Moment { recent: &self.recent, events: &self.events });
+        annotate(&mut frame, &FrameAnnotations { recent: &self.recent, events: &self.events });
         frame
     }
 
     /// Writes it and returns where it stands, or why it does not, in a sentence.
     pub(crate) fn write(&self, path: PathBuf) -> Result<PathBuf, String> {
         let frame = self.drawn();
-        whole_file::write(path, "png", |at| picture::write_frame(at, &frame))
+        atomic_write::write(path, "png", |at| picture::write_frame(at, &frame))
     }
 }

@@ -46,7 +46,7 @@ impl Marks {
     }
 
     /// The next bookmark after a position, or the one before it.
-    pub(crate) fn beside(&self, position: u32, forward: bool) -> Option<u32> {
+    pub(crate) fn adjacent_bookmark(&self, position: u32, forward: bool) -> Option<u32> {
         if forward {
             self.bookmarks.range(position.saturating_add(1)..).next().copied()
         } else {
@@ -55,7 +55,7 @@ impl Marks {
     }
 
     /// Where playing goes on at the end of the part that is played; `None` before it, and where no part is.
-    pub(crate) fn again_from(&self, position: u32, last: bool) -> Option<u32> {
+    pub(crate) fn loop_restart(&self, position: u32, last: bool) -> Option<u32> {
         let over = self.end.is_some_and(|end| position >= end) || (last && self.start.is_some());
         over.then(|| self.start.unwrap_or(0))
     }
@@ -71,14 +71,14 @@ mod tests {
         marks.toggle_start(10);
         marks.toggle_end(30);
         assert_eq!((marks.start, marks.end), (Some(10), Some(30)));
-        assert_eq!([20, 30, 35].map(|at| marks.again_from(at, false)), [None, Some(10), Some(10)]);
+        assert_eq!([20, 30, 35].map(|at| marks.loop_restart(at, false)), [None, Some(10), Some(10)]);
         marks.toggle_start(40);
         assert_eq!((marks.start, marks.end), (Some(40), None));
-        assert_eq!((marks.again_from(50, false), marks.again_from(50, true)), (None, Some(40)));
+        assert_eq!((marks.loop_restart(50, false), marks.loop_restart(50, true)), (None, Some(40)));
         marks.toggle_end(5);
-        assert_eq!((marks.start, marks.end, marks.again_from(6, false)), (None, Some(5), Some(0)));
+        assert_eq!((marks.start, marks.end, marks.loop_restart(6, false)), (None, Some(5), Some(0)));
         marks.toggle_end(5);
-        assert!(marks.is_empty() && marks.again_from(50, true).is_none());
+        assert!(marks.is_empty() && marks.loop_restart(50, true).is_none());
     }
 
     #[test]
@@ -87,7 +87,7 @@ mod tests {
         for position in [30, 10, 20, 10] {
             marks.toggle_bookmark(position);
         }
-        assert_eq!([0, 20, 30].map(|at| marks.beside(at, true)), [Some(20), Some(30), None]);
-        assert_eq!([0, 20, 31].map(|at| marks.beside(at, false)), [None, None, Some(30)]);
+        assert_eq!([0, 20, 30].map(|at| marks.adjacent_bookmark(at, true)), [Some(20), Some(30), None]);
+        assert_eq!([0, 20, 31].map(|at| marks.adjacent_bookmark(at, false)), [None, None, Some(30)]);
     }
 }

@@ -21,11 +21,11 @@ use super::state::Player;
 use crate::export::tests::track;
 use crate::frame::{Frame, Mask, Size};
 use crate::mixture::Quantity;
-use crate::mixture::tuning::Knob;
+use crate::mixture::tuning::TunableSetting;
 use crate::occlusion::Counters;
 use crate::pipeline::Analysis;
 use crate::regions::{self, Labels, Region, Shape};
-use crate::replay::{Phase, Shown, Start, State, Timeline};
+use crate::replay::{Phase, ShownFrame, Start, State, Timeline};
 use crate::settings::Settings;
 use crate::source::SourceInfo;
 use crate::tracking::Track;
@@ -40,7 +40,7 @@ const MEASURED: usize = 120;
 
 /// A worker that has every frame ready.
 struct Ready {
-    frames: Rc<Vec<Shown>>,
+    frames: Rc<Vec<ShownFrame>>,
     state: RefCell<State>,
 }
 
@@ -51,7 +51,7 @@ impl Player for Ready {
 
     fn show(&self, position: u32) {
         let frames = &self.frames;
-        let shown = Shown { position, ..frames[position as usize % frames.len()].clone() };
+        let shown = ShownFrame { position, ..frames[position as usize % frames.len()].clone() };
         self.state.borrow_mut().shown = Some(Arc::new(shown));
     }
 
@@ -65,7 +65,7 @@ impl Player for Ready {
 
     fn inspect(&self, _: Option<(u32, u32)>) {}
 
-    fn tune(&self, _: Option<[Knob; 2]>) {}
+    fn tune(&self, _: Option<[TunableSetting; 2]>) {}
 
     fn analyse_ahead(&self, _: bool) {}
 
@@ -80,7 +80,7 @@ impl Player for Ready {
 }
 
 /// `count` people who walk in rows over the whole picture.
-fn shown_at(position: u32, count: u32) -> Shown {
+fn shown_at(position: u32, count: u32) -> ShownFrame {
     let columns = (count as f32).sqrt().ceil() as u32;
     let (step_x, step_y) = (SIZE.width / columns, SIZE.height / columns.max(count.div_ceil(columns)));
     let (w, h) = ((step_x / 3).min(60), (step_y * 2 / 3).min(150));
@@ -118,7 +118,7 @@ fn shown_at(position: u32, count: u32) -> Shown {
         });
     }
     let picture = |salt| Arc::new(Frame::new(position + 1, SIZE, colours(salt)));
-    Shown {
+    ShownFrame {
         position,
         settings: Arc::new(Settings::default()),
         roi: None,
@@ -141,11 +141,11 @@ fn shown_at(position: u32, count: u32) -> Shown {
         map: None,
         pixel: None,
         truth: None,
-        beside: None,
+        compared: None,
     }
 }
 
-fn ready(frames: Rc<Vec<Shown>>) -> Ready {
+fn ready(frames: Rc<Vec<ShownFrame>>) -> Ready {
     let info = SourceInfo {
         name: "crowd.mp4".into(),
         size: SIZE,
@@ -162,8 +162,8 @@ fn ready(frames: Rc<Vec<Shown>>) -> Ready {
         shown: Some(Arc::new(frames[0].clone())),
         timeline: Arc::new(timeline),
         region_tuning: None,
-        beside: None,
-        what_if: None,
+        compared: None,
+        counterfactual: None,
         busy: None,
         pixel: None,
         pins: Arc::default(),
@@ -206,7 +206,8 @@ fn the_windows_own_work() {
 }
 
 fn measure(count: u32) {
-    let frames: Rc<Vec<Shown>> = Rc::new((0..PREPARED).map(|position| shown_at(position, count)).collect());
+    let frames: Rc<Vec<ShownFrame>> =
+        Rc::new((0..PREPARED).map(|position| shown_at(position, count)).collect());
     let gpu = create_render_state(default_wgpu_setup(), RendererOptions::default());
     let ctx = egui::Context::default();
     ctx.set_theme(Theme::Dark);

@@ -1,4 +1,4 @@
-//! All that was told since the start, for who was not looking.
+//! All messages since the start.
 
 use std::collections::VecDeque;
 
@@ -7,8 +7,8 @@ use eframe::egui::{Align2, Context, RichText, ScrollArea, Window};
 use super::icons::Icon;
 use super::theme;
 
-/// So many messages are kept.
-const KEPT: usize = 500;
+/// Largest number of retained messages.
+const MAX_MESSAGES: usize = 500;
 
 /// One of them.
 struct Message {
@@ -37,7 +37,7 @@ impl Messages {
         colour: fn(&theme::Colours) -> eframe::egui::Color32,
     ) {
         self.all.push_back(Message { at, text: text.to_owned(), icon, colour });
-        if self.all.len() > KEPT {
+        if self.all.len() > MAX_MESSAGES {
             self.all.pop_front();
         }
     }
@@ -85,10 +85,10 @@ mod tests {
     #[test]
     fn the_oldest_go_first_and_times_are_minutes_and_seconds() {
         let mut messages = Messages::default();
-        for count in 0..KEPT + 3 {
+        for count in 0..MAX_MESSAGES + 3 {
             messages.add(0.0, &count.to_string(), egui_material_icons::icons::ICON_CHECK, |c| c.good);
         }
-        assert_eq!(messages.all.len(), KEPT);
+        assert_eq!(messages.all.len(), MAX_MESSAGES);
         assert_eq!(messages.all.front().map(|message| message.text.as_str()), Some("3"));
         assert_eq!([clock(0.4), clock(59.9), clock(605.0)], ["0:00", "0:59", "10:05"]);
     }

@@ -3,29 +3,30 @@
 //! Panels and views read the `state::Model` and push `command::Command`s; `apply` does what
 //! they ask. `actions::ACTIONS` is the one table of what can be done by name or key.
 
+mod ab_settings;
 mod about;
 mod actions;
 mod apply;
 mod area_panel;
 mod areas;
+mod atomic_write;
 mod command;
-mod compared;
+mod command_palette;
 mod dialogs;
 mod drop_files;
 mod entry;
+mod event_comparison;
 mod events_panel;
 mod export_frame;
-mod finder;
 mod help;
-mod history;
 mod icons;
 pub mod inspector;
-mod kept;
 mod keys;
 mod marks;
 mod messages;
 mod object_panel;
 mod overlays;
+mod persisted_state;
 mod pins;
 mod sample;
 mod score_panel;
@@ -33,16 +34,15 @@ mod setting_control;
 mod setting_help;
 mod settings_file;
 mod settings_panel;
-mod slots;
 mod state;
 mod status;
 mod timeline;
 mod toasts;
 mod top_bar;
 mod transport;
+mod undo_history;
 mod views;
 mod welcome;
-mod whole_file;
 
 pub mod theme;
 
@@ -62,14 +62,14 @@ use eframe::egui::{self, CentralPanel, Context, Frame, Id, Margin, Memory, Panel
 use eframe::egui_wgpu::RenderState;
 
 use self::about::About;
-use self::areas::{Areas, Change};
+use self::areas::{AreaEdit, Areas};
 use self::command::{Action, Command};
-use self::dialogs::{Answer, Dialogs};
-use self::finder::Finder;
-use self::inspector::{Beside, Inspector, InspectorAction, Judged};
-use self::kept::Kept;
+use self::command_palette::CommandPalette;
+use self::dialogs::{DialogResult, Dialogs};
+use self::inspector::{Inspector, InspectorAction, InspectorContext, RegionAccuracy};
+use self::persisted_state::PersistedState;
 use self::state::{Model, Opener, Subject};
-use self::status::Pace;
+use self::status::FrameTiming;
 use self::toasts::Toasts;
 use self::views::{Layout, Pictures, View};
 use crate::regions::Roi;
@@ -167,7 +167,7 @@ struct Window {
     pictures: Pictures,
     toasts: Toasts,
     dialogs: Dialogs,
-    finder: Finder,
+    command_palette: CommandPalette,
     help: bool,
     about: About,
     opener: Opener,
@@ -195,7 +195,7 @@ impl Window {
             pictures: Pictures::start(ctx, gpu)?,
             toasts: Toasts::default(),
             dialogs: Dialogs::default(),
-            finder: Finder::default(),
+            command_palette: CommandPalette::default(),
             help: false,
             about: About::on(&gpu.adapter.get_info()),
             opener,
@@ -218,7 +218,7 @@ impl Window {
         {
             self.tree = tree;
         }
-        Kept::read(storage).restore(ctx, &mut self.model);
+        PersistedState::read(storage).restore(ctx, &mut self.model);
     }
 
     /// Takes in what the worker, the dialogs and the clock have brought; draws nothing.
@@ -232,7 +232,7 @@ impl Window {
         }
         self.ask_for_pictures();
         if self.pictures.turn() {
-            self.model.moment = self.pictures.in_view().map(|set| Arc::clone(set.moment()));
+            self.model.in_view = self.pictures.in_view().map(|set| Arc::clone(set.moment()));
         }
         if self.pictures.is_dead() && !self.lost {
             self.lost = true;
@@ -253,37 +253,37 @@ impl Window {
     }
 
     /// Does what was chosen in a dialog, or tells what became of it.
-    fn answered(&mut self, ctx: &Context, answer: Answer) {
+    fn answered(&mut self, ctx: &Context, answer: DialogResult) {
         match answer {
-            Answer::Open(path) => {
+            DialogResult::Open(path) => {
                 self.apply(ctx, Command::Open(path.to_string_lossy().into_owned(), Start::First));
             }
-            Answer::Drawn(Ok(picture)) => {
+            DialogResult::Drawn(Ok(picture)) => {
                 ctx.copy_image(picture);
                 self.toasts.done(ctx, "Copied the plot as an image");
             }
-            Answer::Wrote(Ok(path)) => self.toasts.done(ctx, format!("Wrote {}", path.display())),
-            Answer::Settings(Ok((path, settings))) => {
+            DialogResult::Wrote(Ok(path)) => self.toasts.done(ctx, format!("Wrote {}", path.display())),
+            DialogResult::Settings(Ok((path, settings))) => {
                 self.apply(ctx, Command::Set(settings));
                 self.toasts.done(ctx, format!("Settings of {}", path.display()));
             }
-            Answer::Mask(Ok(mask)) => self.change_areas(ctx, Change::Load(mask)),
-            Answer::Truth(Ok(truth)) => self.take_truth(ctx, truth),
-            Answer::NoDialog => self.toasts.fail(
+            DialogResult::Mask(Ok(mask)) => self.change_areas(ctx, AreaEdit::Load(mask)),
+            DialogResult::Truth(Ok(truth)) => self.take_truth(ctx, truth),
+            DialogResult::NoDialog => self.toasts.fail(
                 ctx,
                 "No file dialog available; install xdg-desktop-portal or zenity, drop a video on the \
                  window, or pass it on the command line",
             ),
-            Answer::Tabled(Ok((text, rows))) => {
+            DialogResult::Tabled(Ok((text, rows))) => {
                 ctx.copy_text(text);
                 self.toasts.done(ctx, format!("Copied {rows} rows as CSV"));
             }
-            Answer::Drawn(Err(why))
-            | Answer::Tabled(Err(why))
-            | Answer::Wrote(Err(why))
-            | Answer::Settings(Err(why))
-            | Answer::Mask(Err(why))
-            | Answer::Truth(Err(why)) => {
+            DialogResult::Drawn(Err(why))
+            | DialogResult::Tabled(Err(why))
+            | DialogResult::Wrote(Err(why))
+            | DialogResult::Settings(Err(why))
+            | DialogResult::Mask(Err(why))
+            | DialogResult::Truth(Err(why)) => {
                 self.toasts.fail(ctx, why);
             }
         }
@@ -301,7 +301,7 @@ impl Window {
             .map(|masks| format!("masks of {} frames, shown in Mask errors", masks.frames()));
         let told: Vec<String> = boxes.into_iter().chain(masks).collect();
         if truth.masks.is_some() {
-            views::set_open(&mut self.tree, View::Right, true);
+            views::set_open(&mut self.tree, View::MaskErrors, true);
         }
         self.model.take_truth(truth);
         self.toasts.done(ctx, format!("Ground truth: {}", told.join("; ")));
@@ -315,7 +315,7 @@ impl Window {
             self.model.history.note(&self.model.settings);
         }
         let (settings, beside) = &self.model.sent;
-        if *settings == self.model.settings && *beside == self.model.slots.other {
+        if *settings == self.model.settings && *beside == self.model.ab_settings.other {
             return;
         }
         let waited = self.sent_at.is_none_or(|at| at.elapsed() >= SETTLE);
@@ -324,18 +324,18 @@ impl Window {
             return;
         }
         self.sent_at = Some(Instant::now());
-        self.model.sent = (self.model.settings.clone(), self.model.slots.other.clone());
+        self.model.sent = (self.model.settings.clone(), self.model.ab_settings.other.clone());
         // Under other settings, other events stand at its place.
         self.model.read(None);
         self.model.explained = None;
         if let Some(player) = &self.model.player {
-            player.set_settings(self.model.settings.clone(), self.model.slots.other.clone());
+            player.set_settings(self.model.settings.clone(), self.model.ab_settings.other.clone());
         }
     }
 
     fn panels(&mut self, ui: &mut Ui, commands: &mut Vec<Command>) {
         let model = &self.model;
-        let pace = Pace {
+        let pace = FrameTiming {
             worked: self.worked,
             pictures: self.pictures.in_view().map(|set| (set.took(), set.bytes())),
         };
@@ -402,20 +402,23 @@ impl Window {
                     object_panel::ui(ui, model, commands);
                     return;
                 }
-                let slot = model.slots.in_view;
+                let slot = model.ab_settings.in_view;
                 inspector.names = [slot.name(), slot.other().name()];
                 let pins: Vec<_> = model.marks.pins.iter().collect();
                 let state = model.state.as_ref();
-                let beside = Beside {
+                let context = InspectorContext {
                     chosen: model.chosen,
                     pins: &pins,
                     histories: state.map_or(&[], |state| &state.pins),
                     lost: state.map_or(&[], |state| &state.lost),
                     region: model.region_shares(),
-                    judged: Judged { has_masks: model.has_true_masks(), tuning: model.region_tuning() },
+                    judged: RegionAccuracy {
+                        has_masks: model.has_true_masks(),
+                        tuning: model.region_tuning(),
+                    },
                 };
                 let (shown, newest, tuning) = (model.shown(), model.pixel(), model.tuning());
-                let action = inspector.ui(ui, shown, newest, tuning, model.fps(), &beside);
+                let action = inspector.ui(ui, shown, newest, tuning, model.fps(), &context);
                 match action {
                     Some(InspectorAction::GoTo(position)) => commands.push(Command::GoTo(position)),
                     Some(InspectorAction::Take(values)) => {
@@ -480,14 +483,14 @@ impl eframe::App for Window {
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
         eframe::set_value(storage, LAYOUT, &self.tree);
         self.model.put_marks_away();
-        Kept::of(&self.model, self.light).write(storage);
+        PersistedState::of(&self.model, self.light).write(storage);
     }
 }
 
 impl Window {
     /// Whether a sheet lies over the window, which takes all keys.
     const fn has_sheet(&self) -> bool {
-        self.help || self.about.open || self.finder.is_open()
+        self.help || self.about.open || self.command_palette.is_open()
     }
 
     /// When no sheet lies over the window any more, what had the focus before it has it again. What lies under a sheet
@@ -530,7 +533,7 @@ impl Window {
         self.ask_for_pictures();
         help::ui(&ctx, &mut self.help);
         self.about.ui(&ctx);
-        self.finder.ui(&ctx, &self.model, &mut commands);
+        self.command_palette.ui(&ctx, &self.model, &mut commands);
         drop_files::ui(&ctx, &self.model, &mut commands);
         self.toasts.show(&ctx);
         for command in commands {

@@ -6,14 +6,14 @@ use eframe::egui::{
 };
 
 use super::command::Command;
-use super::compared::Read;
+use super::event_comparison::EventRef;
 use super::events_panel::participants;
 use super::state::{Model, Subject};
 use super::{icons, theme};
 use crate::palette::{event_colour, identity_colour};
 use crate::regions::{Region, colour::delta_e};
-use crate::replay::LifeLine;
-use crate::tracking::{Competing, Identity, Track, TrackState};
+use crate::replay::TrackTimeline;
+use crate::tracking::{HypothesisSummary, Identity, Track, TrackState};
 
 /// So many colours of a region's histogram are shown.
 const COLOURS: usize = 10;
@@ -37,7 +37,8 @@ pub(crate) fn choice(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 /// Shows the chosen object in the frame in view.
 pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let Some((id, shown)) = model.object.zip(model.shown()) else { return };
-    let life = model.timeline().and_then(|timeline| timeline.life_lines.iter().find(|line| line.id == id));
+    let life =
+        model.timeline().and_then(|timeline| timeline.track_timelines.iter().find(|line| line.id == id));
     let track = shown.analysis.tracks.iter().find(|track| track.id == id);
     ScrollArea::vertical().id_salt("object").auto_shrink(false).min_scrolled_height(0.0).show(ui, |ui| {
         head(ui, id, track);
@@ -150,7 +151,7 @@ fn motion(ui: &mut Ui, track: &Track, fps: f32, settings: &crate::settings::Sett
 }
 
 /// The hypotheses that compete for it.
-fn competing(ui: &mut Ui, hypotheses: &[Competing]) {
+fn competing(ui: &mut Ui, hypotheses: &[HypothesisSummary]) {
     section(
         ui,
         "Hypotheses",
@@ -281,7 +282,7 @@ fn histogram(ui: &mut Ui, region: &Region) {
 }
 
 /// When it was seen and how, with the frame in view; a click goes there.
-fn lived(ui: &mut Ui, model: &Model, life: &LifeLine, commands: &mut Vec<Command>) {
+fn lived(ui: &mut Ui, model: &Model, life: &TrackTimeline, commands: &mut Vec<Command>) {
     let first = life.spans.iter().map(|span| span.0).min().unwrap_or(0);
     let last = life.spans.iter().map(|span| span.1).max().unwrap_or(0);
     section(ui, "Track timeline", "Full: visible; pale: merged; thin: occluded. Click to go to a frame");
@@ -344,9 +345,9 @@ fn happened(ui: &mut Ui, model: &Model, id: Identity, commands: &mut Vec<Command
             let colour: Color32 = theme::rgb(event_colour(event.kind));
             ui.label(icons::coloured(icons::of_event(event.kind), colour).size(14.0));
             let text = format!("#{}  {} {}", event.frame, event.kind.label(), participants(event));
-            let read = model.reading == Some(Read::InView(index));
+            let read = model.reading == Some(EventRef::InView(index));
             if ui.selectable_label(read, text).on_hover_text(&event.evidence.branch).clicked() {
-                commands.push(Command::Read(Some(Read::InView(index))));
+                commands.push(Command::OpenEvent(Some(EventRef::InView(index))));
                 commands.push(Command::GoTo(*position));
             }
         });

@@ -8,8 +8,8 @@ use serde::{Deserialize, Serialize};
 use super::theme;
 use crate::palette::identity_colour;
 
-/// So many can be pinned.
-pub(crate) const MOST: u8 = 8;
+/// Largest number of pinned pixels.
+pub(crate) const MAX_PINS: u8 = 8;
 
 /// The pinned pixels by number, from 1.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -37,7 +37,7 @@ impl Pins {
             self.remove(number);
             return true;
         }
-        let free = (1..=MOST).find(|number| !self.0.contains_key(number));
+        let free = (1..=MAX_PINS).find(|number| !self.0.contains_key(number));
         if let Some(number) = free {
             self.0.insert(number, at);
         }

@@ -3,7 +3,7 @@
 use eframe::egui::{Align, Grid, Layout, Response, RichText, Ui, vec2};
 
 use super::state::Model;
-use super::{slots::Slot, theme};
+use super::{ab_settings::AbSlot, theme};
 use crate::replay::Timeline;
 use crate::truth::mask_score::MaskScore;
 use crate::truth::summary::TrackScore;
@@ -48,12 +48,12 @@ const NAMES: f32 = 36.0;
 pub(crate) fn ui(ui: &mut Ui, model: &Model) {
     let Some(truth) = &model.truth else { return };
     let mut rows = vec![(None, model.timeline())];
-    if let Some(other) = &model.slots.other {
-        let slot = model.slots.in_view;
+    if let Some(other) = &model.ab_settings.other {
+        let slot = model.ab_settings.in_view;
         // Equal settings have one run.
-        let of_other = if *other == model.settings { model.timeline() } else { model.beside() };
+        let of_other = if *other == model.settings { model.timeline() } else { model.compared_timeline() };
         rows = vec![(Some(slot), model.timeline()), (Some(slot.other()), of_other)];
-        rows.sort_by_key(|(slot, _)| *slot == Some(Slot::B));
+        rows.sort_by_key(|(slot, _)| *slot == Some(AbSlot::B));
     }
     let score = |timeline: Option<&Timeline>| timeline.and_then(|timeline| timeline.score.clone());
     if truth.boxes.is_some() {
@@ -66,7 +66,7 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model) {
     }
 }
 
-fn grid<S>(ui: &mut Ui, name: &str, columns: &[Column<S>], rows: Vec<(Option<Slot>, Option<S>)>) {
+fn grid<S>(ui: &mut Ui, name: &str, columns: &[Column<S>], rows: Vec<(Option<AbSlot>, Option<S>)>) {
     ui.add_space(theme::SPACE);
     let spacing = vec2(theme::SPACE, 2.0);
     let width = ((ui.available_width() - NAMES) / columns.len() as f32 - spacing.x).max(0.0);
@@ -79,7 +79,7 @@ fn grid<S>(ui: &mut Ui, name: &str, columns: &[Column<S>], rows: Vec<(Option<Slo
             }
             ui.end_row();
             for (slot, score) in rows {
-                ui.label(RichText::new(slot.map_or("score", Slot::name)).size(theme::SMALL));
+                ui.label(RichText::new(slot.map_or("score", AbSlot::name)).size(theme::SMALL));
                 for (_, meaning, number) in columns {
                     let text = score.as_ref().map_or_else(|| "…".to_owned(), number);
                     right(ui, width, RichText::new(text).monospace()).on_hover_text(match score {

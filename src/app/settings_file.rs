@@ -4,7 +4,7 @@ use std::fs;
 use std::io::{self, Read};
 use std::path::{Path, PathBuf};
 
-use super::whole_file;
+use super::atomic_write;
 use crate::settings::Settings;
 
 /// The name that is proposed for it.
@@ -12,11 +12,11 @@ pub(crate) const NAME: &str = "settings.toml";
 /// What it ends in.
 pub(crate) const ENDING: &str = "toml";
 /// More than any settings file holds, in bytes.
-const MOST: u64 = 1 << 20;
+const MAX_FILE_BYTES: u64 = 1 << 20;
 
 /// Writes settings and returns where they stand, or why they do not, in a sentence.
 pub(crate) fn write(path: PathBuf, settings: &Settings) -> Result<PathBuf, String> {
-    whole_file::write(path, ENDING, |at| fs::write(at, settings.to_toml()))
+    atomic_write::write(path, ENDING, |at| fs::write(at, settings.to_toml()))
 }
 
 /// The settings of a file; what it does not name has its default, as on the command line. Or why
@@ -35,11 +35,11 @@ pub(crate) fn read(path: &Path) -> Result<Settings, String> {
 fn text_of(path: &Path) -> io::Result<String> {
     // A pipe or a video chosen by mistake must not be waited for or swallowed whole.
     let about = fs::metadata(path)?;
-    if !about.is_file() || about.len() > MOST {
+    if !about.is_file() || about.len() > MAX_FILE_BYTES {
         return Err(io::Error::other("it is not a settings file"));
     }
     let mut text = String::new();
-    fs::File::open(path)?.take(MOST).read_to_string(&mut text).map_err(|error| {
+    fs::File::open(path)?.take(MAX_FILE_BYTES).read_to_string(&mut text).map_err(|error| {
         if error.kind() == io::ErrorKind::InvalidData {
             io::Error::other("it is not a text file")
         } else {

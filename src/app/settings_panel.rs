@@ -7,9 +7,9 @@ use eframe::egui::{
 };
 use egui_material_icons::icons as m;
 
+use super::ab_settings::{self, AbSlot};
 use super::command::{Action, Command};
 use super::setting_control;
-use super::slots::{self, Slot};
 use super::state::Model;
 use super::{area_panel, icons, score_panel, theme, top_bar};
 use crate::settings::{Preset, SETTINGS, Setting, Settings, Stage};
@@ -58,7 +58,7 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
                                 input.pointer.any_pressed() || input.smooth_scroll_delta() != Vec2::ZERO
                             };
                             if ui.input(elsewhere) {
-                                commands.push(Command::Seen);
+                                commands.push(Command::SettingRevealed);
                             }
                         }
                     }
@@ -109,18 +109,18 @@ fn head(ui: &mut Ui, model: &Model, settings: &mut Settings, commands: &mut Vec<
 
 /// Which slot is in view, once there are two.
 fn slots(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
-    let Some(other) = &model.slots.other else { return };
+    let Some(other) = &model.ab_settings.other else { return };
     ui.spacing_mut().item_spacing.x = theme::SPACE;
-    for slot in Slot::ALL {
-        let here = slot == model.slots.in_view;
+    for slot in AbSlot::ALL {
+        let here = slot == model.ab_settings.in_view;
         let response = ui
             .selectable_label(here, slot.name())
             .accessible_name(format!("Settings {}", slot.name()))
             .on_hover_ui(|ui| {
-                ui.label(format!("{}; keys A and B switch", slots::difference(&model.settings, other)));
+                ui.label(format!("{}; keys A and B switch", ab_settings::difference(&model.settings, other)));
             });
         if response.clicked() && !here {
-            commands.push(Command::Act(Action::Slot(slot)));
+            commands.push(Command::Act(Action::AbSlot(slot)));
         }
         let mark = eframe::egui::Rect::from_min_size(
             response.rect.left_bottom() - vec2(0.0, 2.0),
@@ -130,7 +130,8 @@ fn slots(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
     let button = Button::new(icons::text(m::ICON_MORE_HORIZ)).frame_when_inactive(false);
     let (response, _) = MenuButton::from_button(button).ui(ui, |ui| {
-        for action in [Action::Flip, Action::CopySettings, Action::SwapSettings, Action::KeepSettings] {
+        for action in [Action::VerdictFlip, Action::CopySettings, Action::SwapSettings, Action::KeepSettings]
+        {
             if let Some(entry) = action.entry() {
                 top_bar::item(ui, model, entry, commands);
             }

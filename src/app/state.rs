@@ -1,4 +1,4 @@
-//! What the window knows and what has been asked of it: data alone, without drawing.
+//! The window's state and requests: data only, without drawing.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -6,42 +6,42 @@ use std::time::Instant;
 
 use eframe::egui::Context;
 
+use super::ab_settings::{AbSettings, AbSlot};
 use super::areas::Areas;
-use super::compared::{Compared, Listing, Read};
-use super::history::History;
+use super::event_comparison::{ComparisonFilter, EventComparison, EventRef};
 use super::marks::Marks;
 use super::overlays::{Overlay, Overlays};
-use super::slots::{Slot, Slots};
+use super::undo_history::UndoHistory;
 use super::views::{Background, View};
 use crate::frame::Size;
-use crate::mixture::tuning::Knob;
+use crate::mixture::tuning::TunableSetting;
 use crate::mixture::{PixelHistory, Quantity};
 use crate::occlusion::{Event, EventKind};
 use crate::regions::Roi;
-use crate::replay::{Phase, RegionShares, RegionTuning, Session, Shown, Start, State, Timeline, Tuning};
+use crate::replay::{Phase, RegionShares, RegionTuning, Session, ShownFrame, Start, State, Timeline, Tuning};
 use crate::settings::Settings;
 use crate::source::Options;
 use crate::tracking::{Identity, Track};
 use crate::truth::Truth;
 
-/// What the window asks of the worker behind it.
+/// The worker as the window uses it.
 pub(crate) trait Player {
-    /// What it last published.
+    /// The state published last.
     fn state(&self) -> State;
     /// Asks for a frame.
     fn show(&self, position: u32);
     /// Asks for settings in view, and for others to compare them with.
     fn set_settings(&self, settings: Settings, beside: Option<Settings>);
-    /// Asks what would have kept an event from happening.
+    /// Asks for the counterfactuals of an event.
     fn explain(&self, event: Option<Event>);
-    /// Says what is known to be right.
+    /// Sets the ground truth.
     fn set_truth(&self, truth: Option<Arc<Truth>>);
     /// Asks for another part of the image to be analysed, the whole without one.
     fn set_roi(&self, roi: Option<Arc<Roi>>);
     /// Chooses a pixel.
     fn inspect(&self, at: Option<(u32, u32)>);
-    /// Asks what the chosen pixel would be under other values of these two settings.
-    fn tune(&self, knobs: Option<[Knob; 2]>);
+    /// Asks for the chosen pixel's verdict under other values of these two settings.
+    fn tune(&self, knobs: Option<[TunableSetting; 2]>);
     /// Goes on analysing beyond the frame in view, or stops there.
     fn analyse_ahead(&self, ahead: bool);
     /// Ends it without waiting for that.
@@ -52,7 +52,7 @@ pub(crate) trait Player {
     fn pin(&self, pixels: Vec<(u32, u32)>);
     /// Asks for the share of foreground around a pixel, with so many to a side.
     fn region(&self, region: Option<((u32, u32), u32)>);
-    /// Asks how right the mixture would be around a pixel, with so many to a side, under other settings.
+    /// Asks for the accuracy of the mixture around a pixel, with this side, under other settings.
     fn tune_region(&self, region: Option<((u32, u32), u32)>);
 }
 
@@ -85,7 +85,7 @@ impl Player for Session {
         Session::inspect(self, at);
     }
 
-    fn tune(&self, knobs: Option<[Knob; 2]>) {
+    fn tune(&self, knobs: Option<[TunableSetting; 2]>) {
         Session::tune(self, knobs);
     }
 
@@ -125,14 +125,14 @@ pub(crate) const SPEEDS: [f32; 8] = [0.0625, 0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.
 /// The place of ×1 among them.
 pub(crate) const NORMAL_SPEED: usize = 4;
 
-/// So many videos are remembered.
-const RECENT: usize = 10;
+/// Largest number of remembered videos.
+const MAX_RECENT_VIDEOS: usize = 10;
 
-/// Two boxes with at least this IoU are of the same object.
-const SAME_PLACE: f32 = 0.3;
+/// Least IoU of two boxes of one object.
+const MIN_SAME_OBJECT_IOU: f32 = 0.3;
 
-/// Over how many frames back a trail goes.
-const TRAIL: u32 = 60;
+/// Length of a trail, in frames.
+const TRAIL_FRAMES: u32 = 60;
 
 /// Playing by the window's clock.
 #[derive(Clone, Copy, Debug)]
@@ -145,7 +145,7 @@ pub(crate) struct Playback {
     pub(crate) next_at: f64,
 }
 
-/// What is asked of a worker as long as it is there.
+/// Requests to the worker that hold as long as it exists.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Work {
     /// When it was asked to open its video, if it ever was.
@@ -168,7 +168,7 @@ impl Camera {
     pub(crate) const FIT: Self = Self { magnification: 1.0, centre: [0.5, 0.5] };
 }
 
-/// What the panel on the right can explain.
+/// The subject of the panel on the right.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Subject {
     /// The chosen pixel.
@@ -177,7 +177,7 @@ pub(crate) enum Subject {
     Object,
 }
 
-/// What the pointer is on.
+/// The pixel under the pointer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Hover {
     /// In which view.
@@ -191,35 +191,35 @@ pub(crate) struct Hover {
 /// The number and the objects of each frame near the one in view that has been seen, by position.
 pub(crate) type Trails = BTreeMap<u32, (u32, Arc<Vec<Track>>)>;
 
-/// A frame with what is drawn over it of the frames before.
+/// A frame with the trails of its objects.
 #[derive(Clone, Debug)]
-pub(crate) struct Moment {
+pub(crate) struct FrameWithTrails {
     /// The frame.
-    pub(crate) shown: Arc<Shown>,
+    pub(crate) shown: Arc<ShownFrame>,
     /// Where its objects have been.
     pub(crate) trails: Arc<Trails>,
 }
 
-impl Moment {
+impl FrameWithTrails {
     /// A frame after another, which it may follow directly or not.
-    fn after(before: Option<&Self>, shown: &Arc<Shown>) -> Self {
+    fn after(before: Option<&Self>, shown: &Arc<ShownFrame>) -> Self {
         let mut trails = before.map(|before| Arc::clone(&before.trails)).unwrap_or_default();
         let kept = Arc::make_mut(&mut trails);
         let other = |before: &Self| {
-            let roi = |shown: &Shown| shown.roi.as_ref().map(Arc::as_ptr);
+            let roi = |shown: &ShownFrame| shown.roi.as_ref().map(Arc::as_ptr);
             before.shown.settings != shown.settings || roi(&before.shown) != roi(shown)
         };
         if before.is_some_and(other) {
             kept.clear();
         }
         kept.insert(shown.position, (shown.frame.number, shown.analysis.tracks.clone()));
-        let near = shown.position.saturating_sub(TRAIL)..=shown.position + TRAIL;
+        let near = shown.position.saturating_sub(TRAIL_FRAMES)..=shown.position + TRAIL_FRAMES;
         kept.retain(|position, _| near.contains(position));
         Self { shown: Arc::clone(shown), trails }
     }
 }
 
-/// What is open, to the list of what was opened before.
+/// Relation of the open video to the list of recent videos.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Origin {
     /// It comes into the list once it is known to open.
@@ -230,18 +230,18 @@ pub(crate) enum Origin {
     Sample,
 }
 
-/// Everything that the window shows, and what has been asked for.
+/// The complete state of the window.
 // Each is a switch of its own, which a key turns.
 #[allow(clippy::struct_excessive_bools)]
 pub(crate) struct Model {
     /// The worker, once something was opened.
     pub(crate) player: Option<Box<dyn Player>>,
-    /// What the worker last said. The frame in it may not be in view yet.
+    /// The state the worker published last. Its frame may not be in view yet.
     pub(crate) state: Option<State>,
-    /// The frame that the worker gave last.
-    pub(crate) newest: Option<Arc<Moment>>,
+    /// The frame that the worker published last.
+    pub(crate) newest: Option<Arc<FrameWithTrails>>,
     /// The frame in view: the last whose pictures were ready.
-    pub(crate) moment: Option<Arc<Moment>>,
+    pub(crate) in_view: Option<Arc<FrameWithTrails>>,
     /// What the worker was asked to do besides.
     pub(crate) work: Work,
     /// What was opened, as it was named.
@@ -251,11 +251,11 @@ pub(crate) struct Model {
     /// The settings that are asked for: those of the slot in view.
     pub(crate) settings: Settings,
     /// The slot in view, and what lies in the other.
-    pub(crate) slots: Slots,
+    pub(crate) ab_settings: AbSettings,
     /// What the worker was last given: the settings in view, and those to compare them with.
     pub(crate) sent: (Settings, Option<Settings>),
     /// The settings whose map the worker was last asked for.
-    pub(crate) tuned: Option<[Knob; 2]>,
+    pub(crate) tuned: Option<[TunableSetting; 2]>,
     /// The pixels of which the worker was last asked for histories beside that of the chosen one.
     pub(crate) pinned: Vec<(u32, u32)>,
     /// The pixel, and how many to a side, around which the worker was last asked for the share of foreground.
@@ -265,9 +265,9 @@ pub(crate) struct Model {
     /// The number of which the worker was last asked for maps.
     pub(crate) mapped: Option<Quantity>,
     /// Settings before and after, for undo.
-    pub(crate) history: History,
-    /// The position that was asked for and has not arrived.
-    pub(crate) wanted: Option<u32>,
+    pub(crate) history: UndoHistory,
+    /// The requested position that has not arrived yet.
+    pub(crate) requested_position: Option<u32>,
     /// What is analysed, and what is drawn to say so.
     pub(crate) areas: Areas,
     /// Playing.
@@ -302,7 +302,7 @@ pub(crate) struct Model {
     pub(crate) overlay: Overlay,
     /// Whether a loupe stands beside the pointer.
     pub(crate) loupe: bool,
-    /// What is known to be right.
+    /// The ground truth.
     pub(crate) truth: Option<Arc<Truth>>,
     /// What is drawn over the tracks.
     pub(crate) drawn: Overlays,
@@ -312,18 +312,18 @@ pub(crate) struct Model {
     pub(crate) recent: Vec<String>,
     /// Which kinds of events are listed and jumped to, in the order of [`EventKind::ALL`].
     pub(crate) listed: [bool; EventKind::ALL.len()],
-    /// The event whose evidence is read, by its present place.
-    pub(crate) reading: Option<Read>,
-    /// That event, to find it again where others come to stand before it.
+    /// The event whose evidence is shown, by its present index.
+    pub(crate) reading: Option<EventRef>,
+    /// That event, to find it again when its index changes.
     read: Option<Event>,
-    /// Which events the settings in view and those compared with them have in common; `None` where nothing is compared.
-    pub(crate) compared: Option<Compared>,
-    /// The event of which the worker was last asked what would have kept it from happening.
+    /// The comparison of events, `None` where nothing is compared.
+    pub(crate) compared: Option<EventComparison>,
+    /// The event whose counterfactuals were requested last.
     pub(crate) explained: Option<Event>,
-    /// Which of them are listed.
-    pub(crate) listing: Listing,
+    /// The filter of that comparison.
+    pub(crate) listing: ComparisonFilter,
     /// The slot that comes into view again when a key is let go.
-    pub(crate) held: Option<Slot>,
+    pub(crate) held: Option<AbSlot>,
     /// The setting that is to be brought into sight.
     pub(crate) looked_at: Option<&'static str>,
     /// Whether the line on what to try first is still to be read.
@@ -341,10 +341,10 @@ impl Model {
             player: None,
             state: None,
             newest: None,
-            moment: None,
+            in_view: None,
             opened: None,
             origin: Origin::New,
-            history: History::new(settings.clone()),
+            history: UndoHistory::new(settings.clone()),
             sent: (settings.clone(), None),
             tuned: None,
             mapped: None,
@@ -352,8 +352,8 @@ impl Model {
             region: None,
             judged: None,
             settings,
-            slots: Slots::new(),
-            wanted: None,
+            ab_settings: AbSettings::new(),
+            requested_position: None,
             work: Work { since: None, ahead: true },
             areas: Areas::default(),
             marks: Marks::default(),
@@ -382,7 +382,7 @@ impl Model {
             read: None,
             compared: None,
             explained: None,
-            listing: Listing::All,
+            listing: ComparisonFilter::All,
             held: None,
             looked_at: None,
             hint: true,
@@ -418,7 +418,7 @@ impl Model {
         self.leave();
         self.player = Some(player);
         self.work = Work { since: Some(Instant::now()), ahead: true };
-        (self.newest, self.moment) = (None, None);
+        (self.newest, self.in_view) = (None, None);
         self.put_marks_away();
         self.marks = self.marks_of.get(name).cloned().unwrap_or_default();
         self.span = None;
@@ -428,7 +428,7 @@ impl Model {
         (self.sent, self.tuned, self.mapped) = ((self.settings.clone(), None), None, None);
         (self.compared, self.explained) = (None, None);
         (self.pinned, self.region, self.judged) = (Vec::new(), None, None);
-        (self.wanted, self.chosen, self.hovered) = (None, None, None);
+        (self.requested_position, self.chosen, self.hovered) = (None, None, None);
         self.read(None);
         (self.object, self.subject) = (None, Subject::Pixel);
         self.playback.playing = false;
@@ -439,8 +439,8 @@ impl Model {
     pub(crate) fn closed(&mut self) {
         self.put_marks_away();
         self.leave();
-        (self.state, self.newest, self.moment, self.opened) = (None, None, None, None);
-        (self.wanted, self.chosen, self.hovered) = (None, None, None);
+        (self.state, self.newest, self.in_view, self.opened) = (None, None, None, None);
+        (self.requested_position, self.chosen, self.hovered) = (None, None, None);
         self.read(None);
         (self.object, self.subject) = (None, Subject::Pixel);
         (self.marks, self.span, self.areas) = (Marks::default(), None, Areas::default());
@@ -461,7 +461,7 @@ impl Model {
         self.work.ahead = !self.work.ahead && !self.is_busy();
         player.analyse_ahead(self.work.ahead);
         if !self.work.ahead {
-            self.wanted = None;
+            self.requested_position = None;
         }
     }
 
@@ -499,18 +499,18 @@ impl Model {
     }
 
     /// Brings the settings of a slot into view. Returns whether the slot is new.
-    pub(crate) fn show_slot(&mut self, slot: Slot) -> bool {
+    pub(crate) fn show_slot(&mut self, slot: AbSlot) -> bool {
         // What was pulled at and not yet let go belongs to the slot that is left.
         self.history.note(&self.settings);
-        let first = self.slots.other.is_none() && slot != self.slots.in_view;
-        self.slots.show(slot, &mut self.settings);
+        let first = self.ab_settings.other.is_none() && slot != self.ab_settings.in_view;
+        self.ab_settings.show(slot, &mut self.settings);
         self.history.look(slot, &self.settings);
         first
     }
 
     /// Asks the worker about the event that is read, if it has not been asked before.
     pub(crate) fn explain(&mut self) {
-        let read = self.read.as_ref().filter(|_| matches!(self.reading, Some(Read::InView(_))));
+        let read = self.read.as_ref().filter(|_| matches!(self.reading, Some(EventRef::InView(_))));
         let asked = match (read, &self.explained) {
             (Some(read), Some(explained)) => read.is_same(explained),
             (read, explained) => read.is_none() && explained.is_none(),
@@ -522,11 +522,11 @@ impl Model {
     }
 
     /// Changes both slots at once, so that it is taken back at once.
-    pub(crate) fn change_slots(&mut self, change: impl FnOnce(&mut Slots, &mut Settings)) {
+    pub(crate) fn change_slots(&mut self, change: impl FnOnce(&mut AbSettings, &mut Settings)) {
         self.history.note(&self.settings);
-        let before = (self.slots.clone(), self.settings.clone());
-        change(&mut self.slots, &mut self.settings);
-        self.history.note_slots(before, (self.slots.clone(), self.settings.clone()));
+        let before = (self.ab_settings.clone(), self.settings.clone());
+        change(&mut self.ab_settings, &mut self.settings);
+        self.history.note_slots(before, (self.ab_settings.clone(), self.settings.clone()));
     }
 
     /// What the chosen pixel would be under other settings, as far as that is known.
@@ -535,7 +535,7 @@ impl Model {
     }
 
     /// Asks the worker for the map of these settings, if it has not been asked before.
-    pub(crate) fn tune(&mut self, knobs: Option<[Knob; 2]>) {
+    pub(crate) fn tune(&mut self, knobs: Option<[TunableSetting; 2]>) {
         if let Some(player) = self.player.as_ref().filter(|_| self.tuned != knobs) {
             player.tune(knobs);
             self.tuned = knobs;
@@ -629,8 +629,8 @@ impl Model {
     }
 
     /// The frame in view.
-    pub(crate) fn shown(&self) -> Option<&Shown> {
-        self.moment.as_ref().map(|moment| &*moment.shown)
+    pub(crate) fn shown(&self) -> Option<&ShownFrame> {
+        self.in_view.as_ref().map(|moment| &*moment.shown)
     }
 
     /// The chosen pixel under the settings chosen last, for which the frame in view may still wait.
@@ -644,12 +644,12 @@ impl Model {
     }
 
     /// What is known of the sequence under the settings of the slot that is not in view.
-    pub(crate) fn beside(&self) -> Option<&Timeline> {
-        self.state.as_ref()?.beside.as_ref().map(|beside| &beside.timeline)
+    pub(crate) fn compared_timeline(&self) -> Option<&Timeline> {
+        self.state.as_ref()?.compared.as_ref().map(|beside| &beside.timeline)
     }
 
     /// Reads the evidence of an event, or of none any more.
-    pub(crate) fn read(&mut self, read: Option<Read>) {
+    pub(crate) fn read(&mut self, read: Option<EventRef>) {
         self.reading = read;
         self.read = read.and_then(|read| Some(self.event(read)?.1.clone()));
     }
@@ -660,9 +660,9 @@ impl Model {
         if self.event(reading).is_some_and(|(_, other)| other.is_same(event)) {
             return;
         }
-        let (timeline, at): (_, fn(usize) -> Read) = match reading {
-            Read::InView(_) => (self.timeline(), Read::InView),
-            Read::Beside(_) => (self.beside(), Read::Beside),
+        let (timeline, at): (_, fn(usize) -> EventRef) = match reading {
+            EventRef::InView(_) => (self.timeline(), EventRef::InView),
+            EventRef::Compared(_) => (self.compared_timeline(), EventRef::Compared),
         };
         let found = timeline
             .and_then(|timeline| timeline.events.iter().position(|(_, other)| other.is_same(event)).map(at));
@@ -670,7 +670,7 @@ impl Model {
     }
 
     /// Under other settings the number of the chosen object may be another's: it is whoever stands where it stood.
-    fn find_object_again(&mut self, now: &Shown) {
+    fn find_object_again(&mut self, now: &ShownFrame) {
         let Some((id, newest)) = self.object.zip(self.newest.as_ref()) else { return };
         let before = &newest.shown;
         if before.settings == now.settings {
@@ -683,15 +683,15 @@ impl Model {
                 let iou = |track: &Track| track.bbox.iou(&place);
                 iou(a).total_cmp(&iou(b))
             });
-            nearest.filter(|track| track.bbox.iou(&place) >= SAME_PLACE).map(|track| track.id)
+            nearest.filter(|track| track.bbox.iou(&place) >= MIN_SAME_OBJECT_IOU).map(|track| track.id)
         });
     }
 
     /// An event of either timeline, with its position.
-    pub(crate) fn event(&self, read: Read) -> Option<&(u32, Event)> {
+    pub(crate) fn event(&self, read: EventRef) -> Option<&(u32, Event)> {
         match read {
-            Read::InView(index) => self.timeline()?.events.get(index),
-            Read::Beside(index) => self.beside()?.events.get(index),
+            EventRef::InView(index) => self.timeline()?.events.get(index),
+            EventRef::Compared(index) => self.compared_timeline()?.events.get(index),
         }
     }
 
@@ -726,7 +726,9 @@ impl Model {
 
     /// The position that steps start from: the one asked for, or the one that is in view or about to be.
     pub(crate) fn position(&self) -> u32 {
-        self.wanted.or_else(|| self.newest.as_ref().map(|newest| newest.shown.position)).unwrap_or(0)
+        self.requested_position
+            .or_else(|| self.newest.as_ref().map(|newest| newest.shown.position))
+            .unwrap_or(0)
     }
 
     /// The number of the frame at a position.
@@ -765,18 +767,19 @@ impl Model {
             if state.timeline.complete {
                 // A position that turned out not to exist is answered by the last that does.
                 let last = (state.timeline.numbers.len() as u32).saturating_sub(1);
-                self.wanted = self.wanted.map(|wanted| wanted.min(last));
+                self.requested_position =
+                    self.requested_position.map(|requested_position| requested_position.min(last));
             }
-            if self.wanted == Some(shown.position) {
-                self.wanted = None;
+            if self.requested_position == Some(shown.position) {
+                self.requested_position = None;
             }
             if self.newest.as_ref().is_none_or(|newest| !Arc::ptr_eq(&newest.shown, shown)) {
                 self.find_object_again(shown);
-                self.newest = Some(Arc::new(Moment::after(self.newest.as_deref(), shown)));
+                self.newest = Some(Arc::new(FrameWithTrails::after(self.newest.as_deref(), shown)));
             }
         }
         let is_open = state.info.is_some();
-        self.compared = Compared::of(&state, self.fps(), self.compared.take());
+        self.compared = EventComparison::of(&state, self.fps(), self.compared.take());
         self.state = Some(state);
         self.find_read_again();
         if is_open && self.origin == Origin::New {
@@ -795,7 +798,7 @@ impl Model {
         let name = whole.map_or_else(|| name.clone(), |path| path.to_string_lossy().into_owned());
         self.recent.retain(|other| *other != name);
         self.recent.insert(0, name);
-        self.recent.truncate(RECENT);
+        self.recent.truncate(MAX_RECENT_VIDEOS);
     }
 
     /// Asks for the frame at a position.
@@ -805,8 +808,8 @@ impl Model {
         if let Some(player) = &self.player {
             player.show(position);
             let here = self.newest.as_ref().is_some_and(|newest| newest.shown.position == position);
-            if !here || self.wanted.is_some() {
-                self.wanted = Some(position);
+            if !here || self.requested_position.is_some() {
+                self.requested_position = Some(position);
             }
         }
     }
@@ -839,13 +842,13 @@ impl Model {
         let at_end = self
             .timeline()
             .is_some_and(|timeline| timeline.complete && position + 1 >= timeline.numbers.len() as u32);
-        let again = self.marks.again_from(position, at_end);
-        if at_end && again.is_none() && self.wanted.is_none() {
+        let again = self.marks.loop_restart(position, at_end);
+        if at_end && again.is_none() && self.requested_position.is_none() {
             self.playback.playing = false;
             return None;
         }
         // The worker wakes the window when the frame has come.
-        if self.wanted.is_some() {
+        if self.requested_position.is_some() {
             return None;
         }
         if now < self.playback.next_at {

@@ -9,9 +9,9 @@ use super::command::{Action, Command};
 use super::state::{Model, SPEEDS};
 use super::{icons, theme};
 
-/// How long the last frame took.
+/// The time that the last frame took.
 #[derive(Clone, Copy)]
-pub(crate) struct Pace {
+pub(crate) struct FrameTiming {
     /// The window's thread on all of it, in seconds.
     pub(crate) worked: Option<f32>,
     /// Another thread on its pictures, and the bytes that it sent.
@@ -19,7 +19,7 @@ pub(crate) struct Pace {
 }
 
 /// Shows it.
-pub(crate) fn ui(ui: &mut Ui, model: &Model, pace: Pace, commands: &mut Vec<Command>) {
+pub(crate) fn ui(ui: &mut Ui, model: &Model, pace: FrameTiming, commands: &mut Vec<Command>) {
     let colours = theme::colours(ui.visuals());
     ui.horizontal_centered(|ui| {
         ui.spacing_mut().item_spacing.x = 3.0 * theme::SPACE;
@@ -34,7 +34,7 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, pace: Pace, commands: &mut Vec<Comm
             let (x, y) = hover.pixel;
             ui.label(RichText::new(format!("{x}, {y}")).monospace());
             let value = hover.view.value(model, shown, hover.pixel);
-            ui.label(RichText::new(format!("{}  {value}", hover.view.label(&model.slots))).monospace());
+            ui.label(RichText::new(format!("{}  {value}", hover.view.label(&model.ab_settings))).monospace());
             ui.label(RichText::new(format!("{:.0} %", hover.scale * 100.0)).monospace().color(colours.weak));
         } else if model.is_ready() {
             let hint = "Click a pixel to inspect it  ·  wheel zooms, drag pans, F fits  ·  ? lists all keys";
@@ -70,7 +70,7 @@ fn stop_or_go_on(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
 }
 
-fn right(ui: &mut Ui, model: &Model, pace: Pace, commands: &mut Vec<Command>) {
+fn right(ui: &mut Ui, model: &Model, pace: FrameTiming, commands: &mut Vec<Command>) {
     let Some(state) = &model.state else { return };
     let colours = theme::colours(ui.visuals());
     if state.analysis_fps > 0.0 {

@@ -14,23 +14,23 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
 use super::Window;
+use super::ab_settings::AbSlot;
 use super::command::Command;
-use super::dialogs::Answer;
+use super::dialogs::DialogResult;
 use super::golden::looks_as_before;
 use super::settings_file;
-use super::slots::Slot;
 use super::state::Player;
 use super::views::View;
 use crate::frame::{Frame, Mask, Size};
-use crate::mixture::tuning::Knob;
-use crate::mixture::{Map, Parameters, PixelHistory, Quantity};
+use crate::mixture::tuning::TunableSetting;
+use crate::mixture::{Parameters, PixelHistory, Quantity, QuantityMap};
 use crate::occlusion::{Counters, Event, EventKind, Evidence};
 use crate::pipeline::Analysis;
 use crate::regions::{self, LabelRun, Labels, Rect};
-use crate::replay::{LifeLine, Phase, Progress, RegionShares, Shown, Start, State, Timeline};
+use crate::replay::{Phase, Progress, RegionShares, ShownFrame, Start, State, Timeline, TrackTimeline};
 use crate::settings::{SETTINGS, Settings};
 use crate::source::{FpsFrom, SourceInfo};
-use crate::tracking::{Competing, Track, TrackState};
+use crate::tracking::{HypothesisSummary, Track, TrackState};
 use crate::truth::Truth;
 use crate::truth::masks::TrueMask;
 
@@ -54,15 +54,15 @@ const FRAMES: u32 = 120;
 
 /// What was asked of the worker.
 #[derive(Clone, Debug, PartialEq)]
-enum Asked {
+enum PlayerCall {
     Show(u32),
     Settings(Box<Settings>),
-    Beside(Option<Box<Settings>>),
+    Compare(Option<Box<Settings>>),
     Truth(bool),
     Explain(Option<Box<Event>>),
     Roi(Option<Arc<regions::Roi>>),
     Inspect(Option<(u32, u32)>),
-    Tune(Option<[Knob; 2]>),
+    Tune(Option<[TunableSetting; 2]>),
     Ahead(bool),
     Leave,
     Map(Option<Quantity>),
@@ -75,7 +75,7 @@ enum Asked {
 #[derive(Clone)]
 struct Scene {
     state: Rc<RefCell<State>>,
-    asked: Rc<RefCell<Vec<Asked>>>,
+    asked: Rc<RefCell<Vec<PlayerCall>>>,
     truth: Rc<RefCell<Option<Arc<Truth>>>>,
 }
 
@@ -85,78 +85,78 @@ impl Player for Scene {
     }
 
     fn show(&self, position: u32) {
-        self.asked.borrow_mut().push(Asked::Show(position));
+        self.asked.borrow_mut().push(PlayerCall::Show(position));
         let shown = shown_at(position.min(FRAMES - 1));
-        let shown = Shown { map: self.asked_map().map(map_of), truth: self.truth_of(&shown), ..shown };
+        let shown = ShownFrame { map: self.asked_map().map(map_of), truth: self.truth_of(&shown), ..shown };
         self.state.borrow_mut().shown = Some(Arc::new(shown));
     }
 
     fn set_settings(&self, settings: Settings, beside: Option<Settings>) {
-        self.asked.borrow_mut().push(Asked::Settings(Box::new(settings.clone())));
-        self.asked.borrow_mut().push(Asked::Beside(beside.clone().map(Box::new)));
+        self.asked.borrow_mut().push(PlayerCall::Settings(Box::new(settings.clone())));
+        self.asked.borrow_mut().push(PlayerCall::Compare(beside.clone().map(Box::new)));
         compare::answer(&mut self.state.borrow_mut(), &settings, beside);
     }
 
     fn explain(&self, event: Option<Event>) {
-        self.asked.borrow_mut().push(Asked::Explain(event.map(Box::new)));
+        self.asked.borrow_mut().push(PlayerCall::Explain(event.map(Box::new)));
     }
 
     fn set_truth(&self, truth: Option<Arc<Truth>>) {
-        self.asked.borrow_mut().push(Asked::Truth(truth.is_some()));
+        self.asked.borrow_mut().push(PlayerCall::Truth(truth.is_some()));
         *self.truth.borrow_mut() = truth;
         let shown = self.state.borrow().shown.clone();
-        self.state.borrow_mut().shown =
-            shown.map(|shown| Arc::new(Shown { truth: self.truth_of(&shown), ..Shown::clone(&shown) }));
+        self.state.borrow_mut().shown = shown
+            .map(|shown| Arc::new(ShownFrame { truth: self.truth_of(&shown), ..ShownFrame::clone(&shown) }));
     }
 
     fn set_roi(&self, roi: Option<Arc<regions::Roi>>) {
-        self.asked.borrow_mut().push(Asked::Roi(roi.clone()));
+        self.asked.borrow_mut().push(PlayerCall::Roi(roi.clone()));
         let mut state = self.state.borrow_mut();
         let shown = state.shown.as_ref().map(|shown| within(shown_at(shown.position), roi));
         state.shown = shown.map(Arc::new);
     }
 
     fn inspect(&self, at: Option<(u32, u32)>) {
-        self.asked.borrow_mut().push(Asked::Inspect(at));
+        self.asked.borrow_mut().push(PlayerCall::Inspect(at));
     }
 
-    fn tune(&self, knobs: Option<[Knob; 2]>) {
-        self.asked.borrow_mut().push(Asked::Tune(knobs));
+    fn tune(&self, knobs: Option<[TunableSetting; 2]>) {
+        self.asked.borrow_mut().push(PlayerCall::Tune(knobs));
     }
 
     fn analyse_ahead(&self, ahead: bool) {
-        self.asked.borrow_mut().push(Asked::Ahead(ahead));
+        self.asked.borrow_mut().push(PlayerCall::Ahead(ahead));
     }
 
     fn leave(self: Box<Self>) {
-        self.asked.borrow_mut().push(Asked::Leave);
+        self.asked.borrow_mut().push(PlayerCall::Leave);
     }
 
     fn map(&self, quantity: Option<Quantity>) {
-        self.asked.borrow_mut().push(Asked::Map(quantity));
+        self.asked.borrow_mut().push(PlayerCall::Map(quantity));
         let mut state = self.state.borrow_mut();
         let shown = state.shown.as_deref().cloned();
-        state.shown = shown.map(|shown| Arc::new(Shown { map: quantity.map(map_of), ..shown }));
+        state.shown = shown.map(|shown| Arc::new(ShownFrame { map: quantity.map(map_of), ..shown }));
     }
 
     fn pin(&self, pixels: Vec<(u32, u32)>) {
         self.state.borrow_mut().pins = Arc::new(pixels.iter().map(|&at| history_of(at)).collect());
-        self.asked.borrow_mut().push(Asked::Pin(pixels));
+        self.asked.borrow_mut().push(PlayerCall::Pin(pixels));
     }
 
     fn region(&self, region: Option<((u32, u32), u32)>) {
         self.state.borrow_mut().region = region.map(|(at, side)| Arc::new(shares_of(at, side)));
-        self.asked.borrow_mut().push(Asked::Region(region));
+        self.asked.borrow_mut().push(PlayerCall::Region(region));
     }
 
     fn tune_region(&self, region: Option<((u32, u32), u32)>) {
-        self.asked.borrow_mut().push(Asked::TuneRegion(region));
+        self.asked.borrow_mut().push(PlayerCall::TuneRegion(region));
     }
 }
 
 impl Scene {
     /// The true mask of a frame, where there is one.
-    fn truth_of(&self, shown: &Shown) -> Option<Arc<TrueMask>> {
+    fn truth_of(&self, shown: &ShownFrame) -> Option<Arc<TrueMask>> {
         self.truth.borrow().as_ref()?.masks.as_ref()?.of(shown.frame.number).cloned()
     }
 
@@ -164,7 +164,7 @@ impl Scene {
     fn asked_map(&self) -> Option<Quantity> {
         let asked = self.asked.borrow();
         let last =
-            asked.iter().rev().find_map(|asked| if let Asked::Map(q) = asked { Some(*q) } else { None });
+            asked.iter().rev().find_map(|asked| if let PlayerCall::Map(q) = asked { Some(*q) } else { None });
         last.flatten()
     }
 }
@@ -193,7 +193,7 @@ fn shares_of(at: (u32, u32), side: u32) -> RegionShares {
 }
 
 /// Numbers that grow from left to right, with some that are special.
-fn map_of(quantity: Quantity) -> Arc<Map> {
+fn map_of(quantity: Quantity) -> Arc<QuantityMap> {
     let value = |at: usize| {
         let (x, y) = (at % 160, at / 160);
         match quantity {
@@ -201,16 +201,16 @@ fn map_of(quantity: Quantity) -> Arc<Map> {
             Quantity::Weight => x as f32 / 159.0,
             Quantity::Used | Quantity::BackgroundCount => 1.0 + (x / 40) as f32,
             Quantity::Matched => (x / 20) as f32,
-            Quantity::Since if y < 20 => f32::INFINITY,
-            Quantity::Since => (x * x / 20) as f32,
+            Quantity::SinceForeground if y < 20 => f32::INFINITY,
+            Quantity::SinceForeground => (x * x / 20) as f32,
         }
     };
-    Arc::new(Map { quantity, values: (0..SIZE.pixels()).map(value).collect() })
+    Arc::new(QuantityMap { quantity, values: (0..SIZE.pixels()).map(value).collect() })
 }
 
 /// What competes for an object that stands there: a match and a null match, none while it is hidden.
-fn competing([x, y]: [f32; 2], state: TrackState) -> Vec<Competing> {
-    let each = |centre, probability, matched| Competing {
+fn competing([x, y]: [f32; 2], state: TrackState) -> Vec<HypothesisSummary> {
+    let each = |centre, probability, matched| HypothesisSummary {
         centre,
         gate: [16.0, 10.0, 0.3],
         fitness: 0.4 * probability,
@@ -251,7 +251,7 @@ fn tracks_at(position: u32) -> Vec<Track> {
     ]
 }
 
-fn shown_at(position: u32) -> Shown {
+fn shown_at(position: u32) -> ShownFrame {
     let tracks = tracks_at(position);
     let mut rgb = Vec::with_capacity(SIZE.pixels() * 3);
     let (mut mask, mut labels) = (Mask::empty(SIZE), Labels::none(SIZE));
@@ -294,7 +294,7 @@ fn shown_at(position: u32) -> Shown {
         .collect();
     let frame = Arc::new(Frame::new(position + 1, SIZE, rgb));
     let background = Arc::new(Frame::new(position + 1, SIZE, background));
-    Shown {
+    ShownFrame {
         position,
         settings: Arc::new(Settings::default()),
         roi: None,
@@ -317,12 +317,12 @@ fn shown_at(position: u32) -> Shown {
         map: None,
         pixel: None,
         truth: None,
-        beside: None,
+        compared: None,
     }
 }
 
 /// The frame as it is where a part of the image alone is analysed.
-fn within(shown: Shown, roi: Option<Arc<regions::Roi>>) -> Shown {
+fn within(shown: ShownFrame, roi: Option<Arc<regions::Roi>>) -> ShownFrame {
     let Some(roi) = roi else { return shown };
     let mut analysis = Analysis::clone(&shown.analysis);
     roi.clear_outside(Arc::make_mut(&mut analysis.mask));
@@ -330,7 +330,7 @@ fn within(shown: Shown, roi: Option<Arc<regions::Roi>>) -> Shown {
         let [x, y] = region.shape.centroid;
         roi.contains(x as u32, y as u32)
     });
-    Shown { analysis: Arc::new(analysis), roi: Some(roi), ..shown }
+    ShownFrame { analysis: Arc::new(analysis), roi: Some(roi), ..shown }
 }
 
 fn event(kind: EventKind, frame: u32, objects: &[u32], at: (f32, f32)) -> (u32, Event) {
@@ -347,7 +347,7 @@ fn event(kind: EventKind, frame: u32, objects: &[u32], at: (f32, f32)) -> (u32, 
 fn timeline() -> Timeline {
     use EventKind::{Demerge, Disappear, Enter, Merge, Reappear};
     use TrackState::{Hidden, Merged, Visible};
-    let life = |id, spans: &[(u32, u32, TrackState)]| LifeLine { id, spans: spans.to_vec() };
+    let life = |id, spans: &[(u32, u32, TrackState)]| TrackTimeline { id, spans: spans.to_vec() };
     let crossing = [(0, 49, Visible), (50, 69, Merged), (70, 119, Visible)];
     Timeline {
         numbers: (1..=FRAMES).collect(),
@@ -364,7 +364,7 @@ fn timeline() -> Timeline {
             event(Demerge, 71, &[1, 2], (80.0, 62.0)),
             event(Reappear, 91, &[3], (120.0, 48.0)),
         ],
-        life_lines: vec![
+        track_timelines: vec![
             life(1, &crossing),
             life(2, &crossing),
             life(3, &[(0, 39, Visible), (40, 89, Hidden), (90, 119, Visible)]),
@@ -389,8 +389,8 @@ fn state(phase: Phase, shown: Option<u32>) -> State {
         warnings: Arc::default(),
         shown: shown.map(|position| Arc::new(shown_at(position))),
         timeline: if shown.is_some() { Arc::new(timeline()) } else { Arc::default() },
-        beside: None,
-        what_if: None,
+        compared: None,
+        counterfactual: None,
         busy: None,
         pixel: None,
         pins: Arc::default(),
@@ -414,7 +414,7 @@ fn window_at(
     pixels_per_point: f32,
     theme: Theme,
 ) -> (Harness<'static, Window>, Scene) {
-    let asked = Rc::<RefCell<Vec<Asked>>>::default();
+    let asked = Rc::<RefCell<Vec<PlayerCall>>>::default();
     let first = state.clone().unwrap_or_else(|| self::state(Phase::Opening, None));
     let scene = Scene { state: Rc::new(RefCell::new(first)), asked, truth: Rc::default() };
     let player = scene.clone();
@@ -464,7 +464,7 @@ fn shows(scene: &Scene) -> Vec<u32> {
     let asked = scene.asked.borrow();
     asked
         .iter()
-        .filter_map(|asked| if let Asked::Show(position) = asked { Some(*position) } else { None })
+        .filter_map(|asked| if let PlayerCall::Show(position) = asked { Some(*position) } else { None })
         .collect()
 }
 
@@ -474,7 +474,7 @@ fn given(scene: &Scene) -> Option<Settings> {
     asked
         .iter()
         .rev()
-        .find_map(|asked| if let Asked::Settings(s) = asked { Some((**s).clone()) } else { None })
+        .find_map(|asked| if let PlayerCall::Settings(s) = asked { Some((**s).clone()) } else { None })
 }
 
 /// Writes a picture to look at where `OCCLUSCOPE_PICTURES` names a folder, and sees that it is no empty one.
@@ -633,7 +633,7 @@ fn a_click_in_a_view_chooses_the_pixel_and_the_wheel_zooms_all_views() {
     let view = harness.get_by_label("Input view").rect();
     harness.get_by_label("Input view").click();
     harness.run_steps(20);
-    assert!(matches!(scene.asked.borrow().last(), Some(Asked::Inspect(Some((79..=80, 59..=60))))));
+    assert!(matches!(scene.asked.borrow().last(), Some(PlayerCall::Inspect(Some((79..=80, 59..=60))))));
     harness.hover_at(view.center());
     harness.event(egui::Event::MouseWheel {
         unit: egui::MouseWheelUnit::Point,
@@ -706,7 +706,7 @@ fn a_and_b_keep_their_own_settings_and_undo_goes_where_the_change_was_made() {
     };
     press(&mut harness, Key::A);
     press(&mut harness, Key::B);
-    assert_eq!(harness.state().model.slots.in_view, Slot::B);
+    assert_eq!(harness.state().model.ab_settings.in_view, AbSlot::B);
     assert_eq!(given(&scene).map(|settings| settings.t), Some(0.8), "a copy is no other settings");
     harness.get_by_label("background ratio slider").set_value_accesskit(0.9);
     harness.run_steps(8);
@@ -721,14 +721,14 @@ fn a_and_b_keep_their_own_settings_and_undo_goes_where_the_change_was_made() {
     let undo = |harness: &mut Harness<'_, Window>, more| {
         harness.key_press_modifiers(Modifiers::COMMAND | more, Key::Z);
         harness.run_steps(8);
-        (harness.state().model.slots.in_view, harness.state().model.settings.t)
+        (harness.state().model.ab_settings.in_view, harness.state().model.settings.t)
     };
     let first = Settings::default().t;
-    assert_eq!(undo(&mut harness, Modifiers::NONE), (Slot::B, 0.8));
-    assert_eq!(undo(&mut harness, Modifiers::NONE), (Slot::A, first));
+    assert_eq!(undo(&mut harness, Modifiers::NONE), (AbSlot::B, 0.8));
+    assert_eq!(undo(&mut harness, Modifiers::NONE), (AbSlot::A, first));
     assert_eq!(given(&scene).map(|settings| settings.t), Some(first));
-    assert_eq!(undo(&mut harness, Modifiers::SHIFT), (Slot::A, 0.8));
-    assert_eq!(undo(&mut harness, Modifiers::SHIFT), (Slot::B, 0.9));
+    assert_eq!(undo(&mut harness, Modifiers::SHIFT), (AbSlot::A, 0.8));
+    assert_eq!(undo(&mut harness, Modifiers::SHIFT), (AbSlot::B, 0.9));
     press(&mut harness, Key::A);
     assert_eq!(given(&scene).map(|settings| settings.t), Some(0.8));
 }
@@ -742,7 +742,7 @@ fn settings_of_a_file_are_taken_whole_and_a_bad_file_changes_nothing() {
     let load = |harness: &mut Harness<'_, Window>, path: &Path| {
         let answer = settings_file::read(path).map(|settings| (path.to_owned(), Box::new(settings)));
         let ctx = harness.ctx.clone();
-        harness.state_mut().answered(&ctx, Answer::Settings(answer));
+        harness.state_mut().answered(&ctx, DialogResult::Settings(answer));
         harness.run_steps(8);
     };
     load(&mut harness, &path);

@@ -8,7 +8,7 @@ use eframe::egui::{
 };
 
 use super::command::{Action, Command};
-use super::compared::Read;
+use super::event_comparison::EventRef;
 use super::state::Model;
 use super::{events_panel, icons, theme};
 use crate::occlusion::EventKind;
@@ -25,18 +25,18 @@ const SCALE: f32 = 14.0;
 const ANALYSED: f32 = 3.0;
 
 /// The fewest frames that the timeline shows.
-const LEAST: f32 = 8.0;
+const MIN_SHOWN_FRAMES: f32 = 8.0;
 
 /// Where positions stand from left to right.
 #[derive(Clone, Copy)]
-struct Axis {
+struct TimeAxis {
     rect: Rect,
     frames: u32,
     /// Which positions are seen, from and to.
     span: (f32, f32),
 }
 
-impl Axis {
+impl TimeAxis {
     /// The middle of a position's column.
     fn x(&self, position: u32) -> f32 {
         self.edge(position as f32 + 0.5)
@@ -62,7 +62,7 @@ impl Axis {
     fn moved(&self, at: f32, zoom: f32, by: f32) -> Option<(f32, f32)> {
         let (from, to) = self.span;
         let (length, all) = (to - from, self.frames as f32);
-        let new = (length / zoom).clamp(LEAST.min(all), all);
+        let new = (length / zoom).clamp(MIN_SHOWN_FRAMES.min(all), all);
         let share = ((at - self.rect.left()) / self.rect.width()).clamp(0.0, 1.0);
         let first = from + share * (length - new) - by / self.rect.width() * new;
         let first = first.clamp(0.0, all - new);
@@ -74,7 +74,7 @@ impl Axis {
 pub(crate) fn zoomed(model: &Model, into: bool) -> Option<(f32, f32)> {
     let frames = model.frames().max(1);
     let unit = Rect::from_min_size(Pos2::ZERO, Vec2::splat(1.0));
-    let axis = Axis { rect: unit, frames, span: seen(model, frames) };
+    let axis = TimeAxis { rect: unit, frames, span: seen(model, frames) };
     let here = axis.x(model.position());
     axis.moved(here, if into { 2.0 } else { 0.5 }, 0.0)
 }
@@ -91,7 +91,7 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     response.widget_info(|| WidgetInfo::labeled(Role::Slider, true, "Timeline"));
     let Some(timeline) = model.timeline() else { return };
     let frames = model.frames().max(1);
-    let axis = Axis { rect: rect.shrink2(vec2(8.0, 0.0)), frames, span: seen(model, frames) };
+    let axis = TimeAxis { rect: rect.shrink2(vec2(8.0, 0.0)), frames, span: seen(model, frames) };
     follow(model, &axis, commands);
     let painter = ui.painter().with_clip_rect(rect);
     let colours = theme::colours(ui.visuals());
@@ -103,7 +103,7 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     foreground(&painter, timeline, &axis, ground, colours.weak);
     alignments(&painter, timeline, &axis, ground, &colours);
     analysed(&painter, timeline, &axis, ground, &colours);
-    life_lines(&painter, model, timeline, &axis, ground);
+    draw_track_timelines(&painter, model, timeline, &axis, ground);
     marked(&painter, model, &axis, ground, &colours);
     event_marks(&painter, model, timeline, &axis, marks);
     playhead(&painter, model, &axis, colours.accent, colours.on_accent);
@@ -116,7 +116,7 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     {
         let position = match near {
             Some(index) if response.clicked() => {
-                commands.push(Command::Read(Some(Read::InView(index))));
+                commands.push(Command::OpenEvent(Some(EventRef::InView(index))));
                 timeline.events[index].0
             }
             _ => axis.position(at.x),
@@ -153,7 +153,7 @@ fn arrows(ui: &Ui, response: &Response, commands: &mut Vec<Command>) {
 }
 
 /// The wheel zooms where the pointer is; sideways, or with Shift, it pans.
-fn zoom(ui: &Ui, model: &Model, axis: &Axis, at: f32, commands: &mut Vec<Command>) {
+fn zoom(ui: &Ui, model: &Model, axis: &TimeAxis, at: f32, commands: &mut Vec<Command>) {
     let (wheel, pinch) = ui.input(|input| (input.smooth_scroll_delta(), input.zoom_delta()));
     let span = axis.moved(at, (wheel.y / 180.0).exp() * pinch, wheel.x);
     if (wheel != Vec2::ZERO || pinch != 1.0) && span != model.span {
@@ -162,7 +162,7 @@ fn zoom(ui: &Ui, model: &Model, axis: &Axis, at: f32, commands: &mut Vec<Command
 }
 
 /// While playing, the part that is seen goes along.
-fn follow(model: &Model, axis: &Axis, commands: &mut Vec<Command>) {
+fn follow(model: &Model, axis: &TimeAxis, commands: &mut Vec<Command>) {
     let (from, to) = axis.span;
     let here = model.position() as f32 + 0.5;
     if model.span.is_some() && model.playback.playing && !(from..to).contains(&here) {
@@ -173,7 +173,7 @@ fn follow(model: &Model, axis: &Axis, commands: &mut Vec<Command>) {
 }
 
 /// The part that is played, bookmarks, and which part of the whole is seen.
-fn marked(painter: &Painter, model: &Model, axis: &Axis, ground: Rect, colours: &theme::Colours) {
+fn marked(painter: &Painter, model: &Model, axis: &TimeAxis, ground: Rect, colours: &theme::Colours) {
     let marks = &model.marks;
     for (place, outside) in [
         (marks.start.map(|start| axis.edge(start as f32)), ground.left() - 8.0),
@@ -217,7 +217,7 @@ fn hover(ui: &mut Ui, model: &Model, timeline: &Timeline, near: Option<usize>, c
         ui.weak(words);
     }
     let alive: Vec<String> = timeline
-        .life_lines
+        .track_timelines
         .iter()
         .filter_map(|line| {
             let span = line.spans.iter().find(|(first, last, _)| (*first..=*last).contains(&column))?;
@@ -230,7 +230,7 @@ fn hover(ui: &mut Ui, model: &Model, timeline: &Timeline, near: Option<usize>, c
 }
 
 /// Frame numbers at round distances.
-fn numbers(painter: &Painter, model: &Model, axis: &Axis, row: Rect, text: Color32, line: Color32) {
+fn numbers(painter: &Painter, model: &Model, axis: &TimeAxis, row: Rect, text: Color32, line: Color32) {
     let room = (axis.rect.width() / 70.0).max(1.0);
     let rough = ((axis.span.1 - axis.span.0) / room).max(1.0);
     let power = 10_f32.powf(rough.log10().floor());
@@ -252,7 +252,7 @@ fn numbers(painter: &Painter, model: &Model, axis: &Axis, row: Rect, text: Color
 }
 
 /// How much of the image is foreground, as a curve over the ground.
-fn foreground(painter: &Painter, timeline: &Timeline, axis: &Axis, ground: Rect, colour: Color32) {
+fn foreground(painter: &Painter, timeline: &Timeline, axis: &TimeAxis, ground: Rect, colour: Color32) {
     let shares = &timeline.foreground_share;
     let most = shares.iter().copied().fold(0.01_f32, f32::max);
     let columns = (ground.width() as u32).max(1);
@@ -297,7 +297,13 @@ const LEAST_LIGHT: f32 = 0.3;
 
 /// How far the camera was from rest, and how the light differed from the recent past: a line each, where there is
 /// anything to show.
-fn alignments(painter: &Painter, timeline: &Timeline, axis: &Axis, ground: Rect, colours: &theme::Colours) {
+fn alignments(
+    painter: &Painter,
+    timeline: &Timeline,
+    axis: &TimeAxis,
+    ground: Rect,
+    colours: &theme::Colours,
+) {
     type Number = fn(&Alignment) -> f32;
     let lines: [(Number, f32, Color32); 2] =
         [(motion_of, LEAST_MOTION, colours.accent), (light_of, LEAST_LIGHT, colours.warn)];
@@ -349,7 +355,7 @@ fn height_of(share: f32, most: f32, ground: Rect) -> f32 {
 }
 
 /// How far the analysis has come, bright where frames are kept decoded as well.
-fn analysed(painter: &Painter, timeline: &Timeline, axis: &Axis, ground: Rect, colours: &theme::Colours) {
+fn analysed(painter: &Painter, timeline: &Timeline, axis: &TimeAxis, ground: Rect, colours: &theme::Colours) {
     let part = |from: u32, to: u32, colour: Color32| {
         let x = |at: u32| axis.edge(at as f32).clamp(axis.rect.left(), axis.rect.right());
         let rect = Rect::from_x_y_ranges(x(from)..=x(to), ground.bottom() - ANALYSED..=ground.bottom());
@@ -381,8 +387,14 @@ fn lanes(lives: &[RangeInclusive<u32>]) -> (Vec<usize>, usize) {
     (taken, ends.len())
 }
 
-fn life_lines(painter: &Painter, model: &Model, timeline: &Timeline, axis: &Axis, ground: Rect) {
-    let mut lines: Vec<_> = timeline.life_lines.iter().filter(|line| !line.spans.is_empty()).collect();
+fn draw_track_timelines(
+    painter: &Painter,
+    model: &Model,
+    timeline: &Timeline,
+    axis: &TimeAxis,
+    ground: Rect,
+) {
+    let mut lines: Vec<_> = timeline.track_timelines.iter().filter(|line| !line.spans.is_empty()).collect();
     lines.sort_by_key(|line| (line.spans.first().map(|span| span.0), line.id));
     let lives: Vec<_> = lines
         .iter()
@@ -420,12 +432,12 @@ fn life_lines(painter: &Painter, model: &Model, timeline: &Timeline, axis: &Axis
     }
 }
 
-fn event_marks(painter: &Painter, model: &Model, timeline: &Timeline, axis: &Axis, row: Rect) {
+fn event_marks(painter: &Painter, model: &Model, timeline: &Timeline, axis: &TimeAxis, row: Rect) {
     for (index, (position, event)) in timeline.events.iter().enumerate() {
         if !model.lists(event.kind) {
             continue;
         }
-        let read = model.reading == Some(Read::InView(index));
+        let read = model.reading == Some(EventRef::InView(index));
         let colour = theme::rgb(event_colour(event.kind));
         mark(
             painter,
@@ -470,7 +482,7 @@ fn mark(painter: &Painter, at: Pos2, kind: EventKind, colour: Color32, size: f32
 }
 
 /// The listed event whose mark is under the pointer.
-fn nearest_event(model: &Model, timeline: &Timeline, axis: &Axis, row: Rect, at: Pos2) -> Option<usize> {
+fn nearest_event(model: &Model, timeline: &Timeline, axis: &TimeAxis, row: Rect, at: Pos2) -> Option<usize> {
     if !row.expand(2.0).contains(at) {
         return None;
     }
@@ -485,7 +497,7 @@ fn nearest_event(model: &Model, timeline: &Timeline, axis: &Axis, row: Rect, at:
         .map(|(index, _)| index)
 }
 
-fn playhead(painter: &Painter, model: &Model, axis: &Axis, accent: Color32, ink: Color32) {
+fn playhead(painter: &Painter, model: &Model, axis: &TimeAxis, accent: Color32, ink: Color32) {
     let position = model.position();
     let x = axis.x(position);
     painter.vline(x, axis.rect.top() + SCALE..=axis.rect.bottom(), Stroke::new(2.0, accent));
@@ -513,7 +525,7 @@ mod tests {
     fn every_position_is_found_again_under_its_own_mark() {
         let rect = Rect::from_min_size(pos2(20.0, 0.0), vec2(777.0, 50.0));
         for span in [(0.0, 795.0), (100.0, 180.5), (780.0, 795.0)] {
-            let axis = Axis { rect, frames: 795, span };
+            let axis = TimeAxis { rect, frames: 795, span };
             for position in span.0 as u32..span.1 as u32 {
                 assert_eq!(axis.position(axis.x(position)), position);
             }
@@ -525,8 +537,8 @@ mod tests {
     #[test]
     fn zooming_keeps_the_position_under_the_pointer_and_never_leaves_the_video() {
         let rect = Rect::from_min_size(pos2(20.0, 0.0), vec2(777.0, 50.0));
-        let whole = Axis { rect, frames: 795, span: (0.0, 795.0) };
-        let near = Axis { span: whole.moved(300.0, 4.0, 0.0).unwrap_or_default(), ..whole };
+        let whole = TimeAxis { rect, frames: 795, span: (0.0, 795.0) };
+        let near = TimeAxis { span: whole.moved(300.0, 4.0, 0.0).unwrap_or_default(), ..whole };
         assert_eq!(near.position(300.0), whole.position(300.0));
         assert!((near.span.1 - near.span.0 - 795.0 / 4.0).abs() < 0.01);
         let left = near.moved(300.0, 1.0, 1e6).unwrap_or_default();
@@ -535,8 +547,8 @@ mod tests {
         assert_eq!(right.1, 795.0);
         assert_eq!(near.moved(300.0, 0.01, 0.0), None, "all of it");
         let nearest = near.moved(300.0, 1e6, 0.0).unwrap_or_default();
-        assert_eq!(nearest.1 - nearest.0, LEAST);
-        let short = Axis { rect, frames: 3, span: (0.0, 3.0) };
+        assert_eq!(nearest.1 - nearest.0, MIN_SHOWN_FRAMES);
+        let short = TimeAxis { rect, frames: 3, span: (0.0, 3.0) };
         assert_eq!(short.moved(300.0, 10.0, 0.0), None);
     }
 }

@@ -15,7 +15,7 @@ const BRIEFLY: Duration = Duration::from_secs(4);
 const LONGER: Duration = Duration::from_secs(8);
 
 /// How many letters go into a line.
-const LINE: usize = 68;
+const MAX_LINE_LETTERS: usize = 68;
 
 /// The messages that are shown, and all that were.
 pub(crate) struct Toasts {
@@ -67,7 +67,7 @@ impl Toasts {
         self.messages.add(ctx.input(|input| input.time), &text, icon, colour);
         let colour = colour(&theme::colours(&ctx.global_style().visuals));
         self.shown
-            .custom(lines(&text, LINE), icon.codepoint.to_owned(), colour)
+            .custom(lines(&text, MAX_LINE_LETTERS), icon.codepoint.to_owned(), colour)
             .duration(time)
             .closable(false);
     }

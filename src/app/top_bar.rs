@@ -105,7 +105,7 @@ fn is_on(model: &Model, action: Action) -> Option<bool> {
         Action::Pin => Some(model.chosen.is_some_and(|at| model.marks.pins.number_of(at).is_some())),
         Action::SettingsPanel => Some(model.settings_panel),
         Action::InspectorPanel => Some(model.inspector_panel),
-        Action::Slot(slot) => Some(model.slots.in_view == slot),
+        Action::AbSlot(slot) => Some(model.ab_settings.in_view == slot),
         Action::DrawArea(purpose) => {
             Some(model.areas.draft.as_ref().is_some_and(|draft| draft.purpose == purpose))
         }
@@ -118,12 +118,12 @@ pub(crate) fn allowed(model: &Model, entry: &Entry) -> bool {
     match entry.action {
         Action::Undo => model.history.can().0,
         Action::Redo => model.history.can().1,
-        Action::Slot(slot) => model.slots.in_view != slot,
-        Action::Flip => model.slots.other.is_some() && model.held.is_none(),
+        Action::AbSlot(slot) => model.ab_settings.in_view != slot,
+        Action::VerdictFlip => model.ab_settings.other.is_some() && model.held.is_none(),
         Action::CopySettings | Action::SwapSettings => {
-            model.slots.other.as_ref().is_some_and(|other| *other != model.settings)
+            model.ab_settings.other.as_ref().is_some_and(|other| *other != model.settings)
         }
-        Action::KeepSettings => model.slots.other.is_some(),
+        Action::KeepSettings => model.ab_settings.other.is_some(),
         Action::ClearPixel | Action::Pin => model.chosen.is_some(),
         Action::ClearPins => !model.marks.pins.is_empty(),
         Action::ClearObject => model.object.is_some(),
@@ -137,8 +137,8 @@ pub(crate) fn allowed(model: &Model, entry: &Entry) -> bool {
         Action::CloseArea | Action::UndoCorner => model.areas.draft.is_some(),
         Action::CancelArea => model.areas.draft.is_some() || model.areas.chosen.is_some(),
         Action::DeleteArea => model.areas.chosen.is_some(),
-        Action::NextBookmark => model.marks.beside(model.position(), true).is_some(),
-        Action::PreviousBookmark => model.marks.beside(model.position(), false).is_some(),
+        Action::NextBookmark => model.marks.adjacent_bookmark(model.position(), true).is_some(),
+        Action::PreviousBookmark => model.marks.adjacent_bookmark(model.position(), false).is_some(),
         Action::WholeTimeline | Action::ZoomTimeline(false) => model.span.is_some(),
         Action::AnalyseAhead => model.shown().is_some() && (model.is_busy() || !model.is_all_analysed()),
         Action::ClearAreas => !model.areas.is_empty(),

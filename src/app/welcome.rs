@@ -12,7 +12,7 @@ use super::{theme, top_bar};
 use crate::replay::{Phase, Start};
 
 /// Opening takes longer than this only where something does not answer.
-const LONG: Duration = Duration::from_secs(3);
+const SLOW_OPENING: Duration = Duration::from_secs(3);
 
 /// Shows it.
 pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
@@ -74,7 +74,7 @@ fn opening(ui: &mut Ui, model: &Model, scale: f32, commands: &mut Vec<Command>) 
     }
     // The spinner has every frame drawn anew, and the seconds with it.
     let waited = model.work.since.map(|at| at.elapsed()).unwrap_or_default();
-    if waited >= LONG {
+    if waited >= SLOW_OPENING {
         let seconds = waited.as_secs();
         ui.weak(format!("{seconds} s elapsed; the camera or network drive may not be responding"));
     }

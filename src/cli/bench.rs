@@ -21,7 +21,7 @@ use crate::frame::{Frame, Mask, Size};
 use crate::mixture::opencv::OpencvModel;
 use crate::mixture::{BATCH, Mixture, Parameters};
 use crate::pipeline::Pipeline;
-use crate::registration::{Choice, measure_all};
+use crate::registration::{CorrectionChoice, measure_all};
 use crate::replay::memory;
 use crate::settings::{BackgroundModel, Settings};
 use crate::source::{self, Options, SourceInfo};
@@ -84,7 +84,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
         flags::source_options(matches)?,
         asked,
         scale,
-        Choice::new(&settings),
+        CorrectionChoice::new(&settings),
         console,
     )?;
     let figures = Figures::measure(video, &sequence, scale.is_some(), &settings, console)?;
@@ -125,7 +125,7 @@ impl Sequence {
         options: Options,
         asked: Option<u32>,
         scale: Option<Size>,
-        choice: Choice,
+        choice: CorrectionChoice,
         console: Console,
     ) -> anyhow::Result<Self> {
         interrupt::watch();
@@ -263,10 +263,17 @@ impl Figures {
             })?;
             let mut whole = Pipeline::new(settings, size, sequence.info.fps)?;
             whole.learn(&first)?;
-            pipeline.pass(video, sequence, scaled, Some(Choice::new(settings)), &progress, |batch| {
-                black_box(whole.step_many(batch)?);
-                Ok(())
-            })?;
+            pipeline.pass(
+                video,
+                sequence,
+                scaled,
+                Some(CorrectionChoice::new(settings)),
+                &progress,
+                |batch| {
+                    black_box(whole.step_many(batch)?);
+                    Ok(())
+                },
+            )?;
         }
         let frame_mpx = size.pixels() as f64 / 1e6;
         Ok(Self {
@@ -329,7 +336,7 @@ impl Meter {
         video: &str,
         sequence: &Sequence,
         scaled: bool,
-        choice: Option<Choice>,
+        choice: Option<CorrectionChoice>,
         progress: &Progress,
         mut work: impl FnMut(&[&Frame]) -> anyhow::Result<()>,
     ) -> anyhow::Result<()> {

@@ -11,14 +11,14 @@ use super::flags::Range;
 use super::interrupt;
 use crate::frame::Frame;
 use crate::mixture::BATCH;
-use crate::registration::{Choice, Estimator, Registered};
+use crate::registration::{CorrectionChoice, Estimator, Registered};
 use crate::settings::Settings;
 use crate::source::{self, Options, Source, SourceInfo};
 
 /// How many frames are decoded ahead, at most and at least, and how much memory they may take in between.
-const MOST_AHEAD: usize = 2 * BATCH;
-const LEAST_AHEAD: usize = 4;
-const AHEAD_BYTES: usize = 256 << 20;
+const MAX_FRAMES_AHEAD: usize = 2 * BATCH;
+const MIN_FRAMES_AHEAD: usize = 4;
+const MAX_BYTES_AHEAD: usize = 256 << 20;
 
 /// What comes from a source.
 pub(super) enum Item {
@@ -34,7 +34,7 @@ pub(super) enum Item {
 
 /// So much memory may frames take that are learnt from and kept for when they are judged; where they take more, they
 /// are decoded again.
-const KEPT_BYTES: usize = 512 << 20;
+const MAX_KEPT_BYTES: usize = 512 << 20;
 
 /// The frames of a source, or of a range of it.
 pub(super) struct Frames {
@@ -45,7 +45,7 @@ pub(super) struct Frames {
     options: Options,
     range: Option<Range>,
     /// What is done to them before the mixture, if they are measured for that.
-    choice: Option<Choice>,
+    choice: Option<CorrectionChoice>,
     /// What was taken ahead and comes before `items`.
     held: VecDeque<Item>,
     items: Receiver<Item>,
@@ -57,7 +57,7 @@ impl Frames {
         video: &str,
         options: Options,
         range: Option<Range>,
-        choice: Option<Choice>,
+        choice: Option<CorrectionChoice>,
     ) -> anyhow::Result<Self> {
         interrupt::watch();
         let source = source::open(video, options)?;
@@ -67,8 +67,8 @@ impl Frames {
             (Some(range), None) => Some(range.count()),
             (None, frames) => frames,
         };
-        let ahead = AHEAD_BYTES / (info.size.pixels() * 3).max(1);
-        let (sender, items) = bounded(ahead.clamp(LEAST_AHEAD, MOST_AHEAD));
+        let ahead = MAX_BYTES_AHEAD / (info.size.pixels() * 3).max(1);
+        let (sender, items) = bounded(ahead.clamp(MIN_FRAMES_AHEAD, MAX_FRAMES_AHEAD));
         let source: Box<dyn Source> = match choice {
             None => source,
             Some(choice) => {
@@ -99,7 +99,7 @@ impl Frames {
             return Ok(());
         }
         let progress = console.progress("learning", Some(self.total.map_or(most, |total| total.min(most))));
-        self.learn_within(KEPT_BYTES, most, |frames| {
+        self.learn_within(MAX_KEPT_BYTES, most, |frames| {
             progress.advance(frames.len());
             learn(frames)
         })

@@ -15,7 +15,7 @@ use super::interrupt;
 use crate::export::{Staging, pixel_csv};
 use crate::mixture::{Parameters, PixelHistory};
 use crate::regions::Roi;
-use crate::registration::Choice;
+use crate::registration::CorrectionChoice;
 use crate::settings::{BackgroundModel, Settings};
 use crate::source::Options;
 
@@ -122,7 +122,8 @@ struct Follow<'a> {
 
 impl Follow<'_> {
     fn open(&self) -> anyhow::Result<Frames> {
-        let frames = Frames::open(self.video, self.options, self.range, Some(Choice::new(self.settings)))?;
+        let frames =
+            Frames::open(self.video, self.options, self.range, Some(CorrectionChoice::new(self.settings)))?;
         let (x, y) = self.at;
         let size = frames.info.size;
         if size.index(x, y).is_none() {

@@ -22,7 +22,7 @@ use super::console::Console;
 use super::flags::{self, Range};
 use super::frames::{Frames, Item};
 use super::interrupt;
-use crate::export::annotate::{Moment, annotate};
+use crate::export::annotate::{FrameAnnotations, annotate};
 use crate::export::picture_queue::{Picture, PictureQueue};
 use crate::export::summary::{self, Input, Summary, Timing};
 use crate::export::video::VideoFile;
@@ -30,9 +30,9 @@ use crate::export::{Staging, episodes_csv, events_jsonl, picture, regions_csv, t
 use crate::frame::{Frame, Mask, Size};
 use crate::mixture::BATCH;
 use crate::occlusion::{Event, EventKind};
-use crate::pipeline::{Analysis, Pipeline, Reading, final_reading};
+use crate::pipeline::{Analysis, OfflineResult, Pipeline, offline_result};
 use crate::regions::{Labels, Roi};
-use crate::registration::Choice;
+use crate::registration::CorrectionChoice;
 use crate::settings::Settings;
 use crate::source::{Options, SourceInfo};
 use crate::tracking::Track;
@@ -42,32 +42,32 @@ const SUMMARY: &str = "summary.json";
 const ROI: &str = "roi.png";
 
 /// A file or folder that is written only when asked for.
-struct Bulky {
+struct BulkyOutput {
     flag: &'static str,
     file: &'static str,
     help: &'static str,
 }
 
-const MASKS: Bulky =
-    Bulky { flag: "masks", file: "masks", help: "masks/bin000001.png …: foreground masks, 0 or 255" };
-const FRAMES: Bulky = Bulky {
+const MASKS: BulkyOutput =
+    BulkyOutput { flag: "masks", file: "masks", help: "masks/bin000001.png …: foreground masks, 0 or 255" };
+const FRAMES: BulkyOutput = BulkyOutput {
     flag: "frames",
     file: "frames",
     help: "frames/000001.png …: input frames with the results drawn on",
 };
-const ANNOTATED: Bulky =
-    Bulky { flag: "annotated", file: "annotated.mp4", help: "annotated.mp4: the same as a video" };
-const BACKGROUND: Bulky = Bulky {
+const ANNOTATED: BulkyOutput =
+    BulkyOutput { flag: "annotated", file: "annotated.mp4", help: "annotated.mp4: the same as a video" };
+const BACKGROUND: BulkyOutput = BulkyOutput {
     flag: "background",
     file: "background",
     help: "background/000001.png …: background model after each frame",
 };
-const PLAIN_FRAMES: Bulky = Bulky {
+const PLAIN_FRAMES: BulkyOutput = BulkyOutput {
     flag: "plain-frames",
     file: "plain-frames",
     help: "plain-frames/000001.png …: input frames as decoded",
 };
-const ALL_BULKY: [Bulky; 5] = [MASKS, FRAMES, ANNOTATED, BACKGROUND, PLAIN_FRAMES];
+const ALL_BULKY: [BulkyOutput; 5] = [MASKS, FRAMES, ANNOTATED, BACKGROUND, PLAIN_FRAMES];
 
 /// The subcommand.
 pub fn command() -> Command {
@@ -90,7 +90,7 @@ pub fn command() -> Command {
                 .value_parser(value_parser!(PathBuf))
                 .help("Output folder; created if it does not exist"),
         );
-    let command = ALL_BULKY.into_iter().fold(command, |command, Bulky { flag, help, .. }| {
+    let command = ALL_BULKY.into_iter().fold(command, |command, BulkyOutput { flag, help, .. }| {
         command
             .arg(Arg::new(flag).long(flag).action(ArgAction::SetTrue).help(help).help_heading("Large files"))
     });
@@ -99,10 +99,11 @@ pub fn command() -> Command {
 
 /// Analyses and writes.
 pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
-    let job = Job::new(matches)?;
+    let job = RunJob::new(matches)?;
     flags::start_threads(matches)?;
     let started = Instant::now();
-    let mut frames = Frames::open(&job.video, job.options, job.range, Some(Choice::new(&job.settings)))?;
+    let mut frames =
+        Frames::open(&job.video, job.options, job.range, Some(CorrectionChoice::new(&job.settings)))?;
     if let Some(roi) = &job.roi {
         roi.check(frames.info.size)?;
     }
@@ -137,7 +138,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
 }
 
 /// What is to be done.
-struct Job {
+struct RunJob {
     video: String,
     out: PathBuf,
     settings: Settings,
@@ -149,7 +150,7 @@ struct Job {
     bulky: Vec<&'static str>,
 }
 
-impl Job {
+impl RunJob {
     fn new(matches: &ArgMatches) -> anyhow::Result<Self> {
         Ok(Self {
             video: matches.get_one::<String>("video").cloned().unwrap_or_default(),
@@ -172,14 +173,14 @@ impl Job {
         self.wants(&FRAMES) || self.wants(&ANNOTATED)
     }
 
-    fn wants(&self, bulky: &Bulky) -> bool {
+    fn wants(&self, bulky: &BulkyOutput) -> bool {
         self.bulky.contains(&bulky.flag)
     }
 }
 
 /// What is kept of the whole sequence.
-struct Record {
-    reading: Reading,
+struct RunRecord {
+    reading: OfflineResult,
     regions: Vec<(u32, Vec<regions_csv::Row>)>,
     foreground_share: f64,
     warnings: Vec<String>,
@@ -188,7 +189,7 @@ struct Record {
 }
 
 /// The first pass: every frame through all stages. Pictures that need no later knowledge are written on the way.
-fn analyse(job: &Job, frames: &mut Frames, staging: &Staging) -> anyhow::Result<Record> {
+fn analyse(job: &RunJob, frames: &mut Frames, staging: &Staging) -> anyhow::Result<RunRecord> {
     let info = &frames.info.clone();
     let mut pipeline = Pipeline::new(&job.settings, info.size, info.fps)?;
     pipeline.set_roi(job.roi.clone())?;
@@ -260,8 +261,8 @@ fn analyse(job: &Job, frames: &mut Frames, staging: &Staging) -> anyhow::Result<
     if kept.is_empty() {
         bail!("{} has no frames; nothing was written", job.video);
     }
-    Ok(Record {
-        reading: final_reading(&kept, &pipeline),
+    Ok(RunRecord {
+        reading: offline_result(&kept, &pipeline),
         foreground_share: foreground as f64 / (kept.len() * info.size.pixels()) as f64,
         regions,
         warnings,
@@ -278,8 +279,8 @@ struct Pictures {
 }
 
 impl Pictures {
-    fn new(job: &Job, staging: &Staging) -> io::Result<Self> {
-        let folder = |bulky: &Bulky| job.wants(bulky).then(|| staging.folder(bulky.file)).transpose();
+    fn new(job: &RunJob, staging: &Staging) -> io::Result<Self> {
+        let folder = |bulky: &BulkyOutput| job.wants(bulky).then(|| staging.folder(bulky.file)).transpose();
         Ok(Self {
             masks: folder(&MASKS)?,
             background: folder(&BACKGROUND)?,
@@ -316,7 +317,7 @@ struct Drawing {
 }
 
 impl Drawing {
-    fn new(job: &Job, info: &SourceInfo, staging: &Staging) -> anyhow::Result<Self> {
+    fn new(job: &RunJob, info: &SourceInfo, staging: &Staging) -> anyhow::Result<Self> {
         let frames = job
             .wants(&FRAMES)
             .then(|| staging.folder(FRAMES.file))
@@ -366,7 +367,10 @@ impl LiveDrawing {
         self.events.extend(analysis.events.iter().cloned());
         // An event may be decided some frames after it happened.
         self.events.sort_by_key(|event| event.frame);
-        annotate(&mut frame, &Moment::at(self.tracks.len() - 1, &self.tracks, &self.events, self.fps));
+        annotate(
+            &mut frame,
+            &FrameAnnotations::at(self.tracks.len() - 1, &self.tracks, &self.events, self.fps),
+        );
         self.drawing.write(&[frame])
     }
 
@@ -376,10 +380,10 @@ impl LiveDrawing {
 }
 
 /// The second pass: the final reading drawn onto the frames, decoded once more.
-fn draw(job: &Job, record: &Record, staging: &Staging) -> anyhow::Result<()> {
+fn draw(job: &RunJob, record: &RunRecord, staging: &Staging) -> anyhow::Result<()> {
     let mut frames = Frames::open(&job.video, job.options, job.range, None)?;
     let fps = frames.info.fps;
-    let Reading { tracks, events, .. } = &record.reading;
+    let OfflineResult { tracks, events, .. } = &record.reading;
     let mut drawing = Drawing::new(job, &frames.info, staging)?;
     let progress = job.console.progress("drawing", Some(tracks.len() as u32));
     let changed = || anyhow!("{} changed during the analysis; run again", job.video);
@@ -404,7 +408,7 @@ fn draw(job: &Job, record: &Record, staging: &Staging) -> anyhow::Result<()> {
             return Err(changed());
         }
         batch.par_iter_mut().enumerate().for_each(|(offset, frame)| {
-            annotate(frame, &Moment::at(done + offset, tracks, events, fps));
+            annotate(frame, &FrameAnnotations::at(done + offset, tracks, events, fps));
         });
         drawing.write(&batch).with_context(|| job.out_failure())?;
         done += batch.len();
@@ -444,8 +448,8 @@ fn hexadecimal(bytes: &[u8]) -> String {
     })
 }
 
-fn write_tables(record: &Record, job: &Job, staging: &Staging) -> anyhow::Result<()> {
-    let Record { reading, regions, .. } = record;
+fn write_tables(record: &RunRecord, job: &RunJob, staging: &Staging) -> anyhow::Result<()> {
+    let RunRecord { reading, regions, .. } = record;
     write_file(staging, "settings.toml", |out| {
         out.write_all(job.settings.to_toml().as_bytes())?;
         if job.roi.is_some() {
@@ -480,7 +484,13 @@ fn write_file(
     write().with_context(|| format!("{name} cannot be written"))
 }
 
-fn summarise(job: &Job, info: &SourceInfo, record: &Record, sha256: Option<String>, seconds: f64) -> Summary {
+fn summarise(
+    job: &RunJob,
+    info: &SourceInfo,
+    record: &RunRecord,
+    sha256: Option<String>,
+    seconds: f64,
+) -> Summary {
     let reading = &record.reading;
     let frames = reading.tracks.len() as u32;
     let number = |entry: Option<&(u32, Vec<Track>)>| entry.map_or(0, |(number, _)| *number);
@@ -510,7 +520,7 @@ fn summarise(job: &Job, info: &SourceInfo, record: &Record, sha256: Option<Strin
 }
 
 /// Says what came of it.
-fn tell(job: &Job, summary: &Summary) {
+fn tell(job: &RunJob, summary: &Summary) {
     job.console.note(&format!(
         "{} frames, {} objects, {} occlusion episodes, {:.0} frames/s; written to {}",
         summary.input.frames,

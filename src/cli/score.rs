@@ -10,12 +10,12 @@ use serde::Serialize;
 
 use super::flags;
 use crate::truth::boxes::{self, Boxes};
-use crate::truth::happenings::{self, Found, Happening};
+use crate::truth::event_scoring::{self, EventScore, ScoredEvent};
 use crate::truth::mask_score::{self, MaskScore};
 use crate::truth::masks::MaskFiles;
 use crate::truth::summary::{self, TrackScore};
 use crate::truth::survival::Survival;
-use crate::truth::{self, Place};
+use crate::truth::{self, TruthSource};
 
 /// Events and the ends of episodes may be so many frames off.
 const TOLERANCE: u32 = 8;
@@ -77,9 +77,9 @@ struct Scores {
     #[serde(flatten)]
     tracks: Option<TrackScore>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    events: Option<BTreeMap<String, Found>>,
+    events: Option<BTreeMap<String, EventScore>>,
     #[serde(skip_serializing_if = "Option::is_none")]
-    episodes: Option<BTreeMap<String, Found>>,
+    episodes: Option<BTreeMap<String, EventScore>>,
     #[serde(skip_serializing_if = "Option::is_none")]
     masks: Option<MaskScore>,
 }
@@ -89,13 +89,13 @@ impl Scores {
         if !results.is_dir() {
             bail!("{} is not a results folder; give the output folder of `run --out`", results.display());
         }
-        match Place::of(truth)? {
-            Place::Boxes(file) => Ok(Self::of_tracks(&boxes::read(&file)?, &tracks(results)?)),
-            Place::Cdnet(folder) => {
+        match TruthSource::of(truth)? {
+            TruthSource::Boxes(file) => Ok(Self::of_tracks(&boxes::read(&file)?, &tracks(results)?)),
+            TruthSource::Cdnet(folder) => {
                 let masks = mask_score::score(&results.join("masks"), &MaskFiles::of_cdnet(&folder)?)?;
                 Ok(Self { masks: Some(masks), ..Self::default() })
             }
-            Place::Scene(folder) => Self::of_scene(results, &folder),
+            TruthSource::Scene(folder) => Self::of_scene(results, &folder),
         }
     }
 
@@ -105,12 +105,12 @@ impl Scores {
 
     fn of_scene(results: &Path, scene: &Path) -> anyhow::Result<Self> {
         let (truth, found) = (truth::boxes_of_scene(scene)?, tracks(results)?);
-        let people = happenings::people(&truth, &found);
-        let compare = |truth: Vec<Happening>, found: Vec<Happening>| {
-            happenings::compare(&truth, &found, &people, TOLERANCE)
+        let people = event_scoring::people(&truth, &found);
+        let compare = |truth: Vec<ScoredEvent>, found: Vec<ScoredEvent>| {
+            event_scoring::compare(&truth, &found, &people, TOLERANCE)
         };
-        let events = |folder: &Path| happenings::read_events(&folder.join("events.jsonl"));
-        let episodes = |folder: &Path| happenings::read_episodes(&folder.join("episodes.csv"));
+        let events = |folder: &Path| event_scoring::read_events(&folder.join("events.jsonl"));
+        let episodes = |folder: &Path| event_scoring::read_episodes(&folder.join("episodes.csv"));
         let masks = results.join("masks");
         let files = if masks.is_dir() { truth::masks_of_scene(scene)? } else { None };
         Ok(Self {
@@ -151,7 +151,7 @@ impl Scores {
         for (title, found) in [("events", &self.events), ("episodes", &self.episodes)] {
             let Some(found) = found else { continue };
             writeln!(out, "{title}")?;
-            for (kind, Found { truth, reported, matched, precision, recall }) in found {
+            for (kind, EventScore { truth, reported, matched, precision, recall }) in found {
                 writeln!(
                     out,
                     "  {kind:13} TP {matched}, GT {truth}, reported {reported}: precision {precision:.3}  \

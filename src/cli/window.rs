@@ -9,7 +9,7 @@ use super::flags;
 use crate::regions::Roi;
 use crate::settings::Settings;
 use crate::source::Options;
-use crate::truth::Place;
+use crate::truth::TruthSource;
 
 /// Adds what the window takes.
 pub(super) fn with_arguments(command: Command) -> Command {
@@ -40,7 +40,7 @@ pub(super) fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let truth = matches.get_one::<PathBuf>("truth").cloned();
     if let Some(truth) = &truth {
         // What is in it is read beside the window.
-        Place::of(truth)?;
+        TruthSource::of(truth)?;
     }
     flags::start_threads(matches)?;
     let memory = matches.get_one::<u64>("memory").map(|&mib| mib as usize * (1 << 20));

@@ -18,7 +18,7 @@ const WHITE: [u8; 3] = [255; 3];
 
 /// What is drawn onto a frame.
 #[derive(Clone, Copy, Debug)]
-pub struct Moment<'a> {
+pub struct FrameAnnotations<'a> {
     /// The objects of the frames up to this one, `(frame number, tracks)`, this frame's the last:
     /// as many frames as a trail is long.
     pub recent: &'a [(u32, Vec<Track>)],
@@ -26,7 +26,7 @@ pub struct Moment<'a> {
     pub events: &'a [Event],
 }
 
-impl<'a> Moment<'a> {
+impl<'a> FrameAnnotations<'a> {
     /// The moment at `index` of a sequence: what of it is recent enough to be drawn.
     pub fn at(index: usize, tracks: &'a [(u32, Vec<Track>)], events: &'a [Event], fps: f32) -> Self {
         let start = (index + 1).saturating_sub(((TRAIL_SECONDS * fps).round() as usize).max(2));
@@ -42,7 +42,7 @@ impl<'a> Moment<'a> {
 
 /// Draws boxes in the identities' colours (dashed where they are predicted), labels, trails,
 /// groups, and a banner with the frame's number and events.
-pub fn annotate(frame: &mut Frame, moment: &Moment<'_>) {
+pub fn annotate(frame: &mut Frame, moment: &FrameAnnotations<'_>) {
     let number = frame.number;
     let mut canvas = Canvas::new(frame);
     let style = Style::of(canvas.size().shorter_side());
@@ -262,7 +262,7 @@ mod tests {
     fn a_box_stands_in_its_identity_s_colour_and_the_object_stays_clear() {
         let tracks = vec![(9, vec![Track { bbox: Rect::new(40.0, 50.0, 20.0, 40.0), ..track(4, 0.0, 0.0) }])];
         let mut frame = grey(9, Size::new(200, 120));
-        annotate(&mut frame, &Moment::at(0, &tracks, &[], 10.0));
+        annotate(&mut frame, &FrameAnnotations::at(0, &tracks, &[], 10.0));
         assert_eq!(frame.pixel(39, 70), Some(identity_colour(4)));
         assert_eq!(frame.pixel(60, 70), Some(identity_colour(4)));
         for y in 53..87 {
@@ -285,7 +285,7 @@ mod tests {
         };
         let tracks = vec![(9, vec![hidden])];
         let mut frame = grey(9, Size::new(200, 120));
-        annotate(&mut frame, &Moment::at(0, &tracks, &[], 10.0));
+        annotate(&mut frame, &FrameAnnotations::at(0, &tracks, &[], 10.0));
         let coloured = (40..100).filter(|&y| frame.pixel(100, y) == Some(identity_colour(1))).count();
         assert!((15..45).contains(&coloured), "{coloured} of 60");
     }
@@ -294,10 +294,10 @@ mod tests {
     fn a_moment_holds_what_is_recent() {
         let tracks: Vec<_> = (1..=50).map(|number| (number, vec![track(1, 0.0, 0.0)])).collect();
         let events: Vec<_> = (1..=50).map(|frame| event(frame, EventKind::Merge, &[1, 2])).collect();
-        let moment = Moment::at(39, &tracks, &events, 10.0);
+        let moment = FrameAnnotations::at(39, &tracks, &events, 10.0);
         assert_eq!((moment.recent[0].0, moment.recent.last().unwrap().0), (21, 40));
         assert_eq!((moment.events[0].frame, moment.events.last().unwrap().frame), (31, 40));
-        let first = Moment::at(0, &tracks, &events, 10.0);
+        let first = FrameAnnotations::at(0, &tracks, &events, 10.0);
         assert_eq!((first.recent.len(), first.events.len()), (1, 1));
     }
 
@@ -323,7 +323,7 @@ mod tests {
         let frames = vec![(1, tracks)];
         let events = vec![event(1, EventKind::Merge, &group); 30];
         for size in [Size::new(1, 1), Size::new(20, 300), Size::new(333, 21)] {
-            annotate(&mut grey(1, size), &Moment::at(0, &frames, &events, 25.0));
+            annotate(&mut grey(1, size), &FrameAnnotations::at(0, &frames, &events, 25.0));
         }
     }
 }

@@ -3,11 +3,11 @@
 use std::io::{self, Write};
 
 use super::number::significant;
-use crate::mixture::tuning::{Axis, Map};
+use crate::mixture::tuning::{SettingAxis, VerdictMap};
 use crate::truth::decisions::Decisions;
 
 /// Writes a map: 1 where the pixel is foreground, else 0.
-pub fn write_map(out: &mut impl Write, map: &Map) -> io::Result<()> {
+pub fn write_map(out: &mut impl Write, map: &VerdictMap) -> io::Result<()> {
     header(out, &map.axes, "foreground")?;
     each(&map.axes, |column, row, values| {
         writeln!(out, "{values},{}", u8::from(map.is_foreground(column, row)))
@@ -15,7 +15,7 @@ pub fn write_map(out: &mut impl Write, map: &Map) -> io::Result<()> {
 }
 
 /// Writes the decisions of each cell, row by row, with what follows from them.
-pub fn write_decisions(out: &mut impl Write, axes: &[Axis; 2], cells: &[Decisions]) -> io::Result<()> {
+pub fn write_decisions(out: &mut impl Write, axes: &[SettingAxis; 2], cells: &[Decisions]) -> io::Result<()> {
     header(out, axes, "tp,fp,fn,tn,right,f_measure")?;
     let mut cells = cells.iter();
     each(axes, |_, _, values| {
@@ -26,12 +26,15 @@ pub fn write_decisions(out: &mut impl Write, axes: &[Axis; 2], cells: &[Decision
     })
 }
 
-fn header(out: &mut impl Write, [x, y]: &[Axis; 2], columns: &str) -> io::Result<()> {
+fn header(out: &mut impl Write, [x, y]: &[SettingAxis; 2], columns: &str) -> io::Result<()> {
     writeln!(out, "{},{},{columns}", x.knob.key(), y.knob.key())
 }
 
 /// Gives `write` each cell with its column, its row, and the values of both settings.
-fn each([x, y]: &[Axis; 2], mut write: impl FnMut(usize, usize, String) -> io::Result<()>) -> io::Result<()> {
+fn each(
+    [x, y]: &[SettingAxis; 2],
+    mut write: impl FnMut(usize, usize, String) -> io::Result<()>,
+) -> io::Result<()> {
     for (row, &up) in y.values.iter().enumerate() {
         for (column, &across) in x.values.iter().enumerate() {
             // The shortest number that comes back to the bit.
@@ -48,14 +51,14 @@ mod tests {
 
     use super::*;
     use crate::mixture::Parameters;
-    use crate::mixture::tuning::{Knob, grid, map};
+    use crate::mixture::tuning::{TunableSetting, grid, map};
     use crate::settings::Settings;
 
     #[test]
     fn a_row_each_cell_with_values_that_come_back_to_the_bit() {
         let parameters = Parameters::new(&Settings::default());
         let values: Vec<_> = (0..40).map(|n| [if n > 36 { 200.0 } else { 60.0 }; 3]).collect();
-        let map = map(&values, &parameters, [Knob::Alpha, Knob::K]);
+        let map = map(&values, &parameters, [TunableSetting::Alpha, TunableSetting::K]);
         let mut text = Vec::new();
         write_map(&mut text, &map).unwrap();
         let text = String::from_utf8(text).unwrap();
@@ -73,7 +76,7 @@ mod tests {
         }
         assert_eq!(lines.next(), None);
 
-        let (axes, cells) = grid(&parameters, [Knob::K, Knob::T]);
+        let (axes, cells) = grid(&parameters, [TunableSetting::K, TunableSetting::T]);
         let decisions = vec![Decisions { tp: 1, fp: 1, fn_: 0, tn: 2 }; cells.len()];
         let mut text = Vec::new();
         write_decisions(&mut text, &axes, &decisions).unwrap();

@@ -5,7 +5,7 @@ use rayon::prelude::*;
 
 use super::image::{Mixture, Planes, Tiles};
 use super::pixel::Parameters;
-use super::tile::{Gaussians, LANES, Pasts, Vectors, raised};
+use super::tile::{Gaussians, LANES, Vectors, VerdictMemories, raised_t};
 use crate::settings::Space;
 
 /// The background at each pixel, in row order.
@@ -93,7 +93,7 @@ fn look<S: Simd, const N: usize>(
         let others = &tiles.others[tile * others..][..used.saturating_sub(1)];
         // Weights as they are now, of which the image keeps some as they were a few frames ago.
         let keep = tiles.keep(tile, mixture);
-        let t = raised_t(simd, tiles.pasts.get(tile), keep.len(), mixture.parameters());
+        let t = tile_t(simd, tiles.pasts.get(tile), keep.len(), mixture.parameters());
         let seen = look_at(simd, &tiles.first[tile], others, &keep, t);
         mean.copy_from_slice(&seen.mean[..mean.len()]);
         multi_mode.copy_from_slice(&seen.multi_mode[..multi_mode.len()]);
@@ -103,14 +103,19 @@ fn look<S: Simd, const N: usize>(
 
 /// T of each lane, `frames` after its past was settled.
 #[inline(always)]
-fn raised_t<S: Simd>(simd: S, pasts: Option<&Pasts>, frames: usize, parameters: &Parameters) -> f32x16<S> {
+fn tile_t<S: Simd>(
+    simd: S,
+    pasts: Option<&VerdictMemories>,
+    frames: usize,
+    parameters: &Parameters,
+) -> f32x16<S> {
     let t = f32x16::splat(simd, parameters.t);
     pasts.map_or(t, |pasts| {
         let mut unrest = pasts.unrest(simd);
         for _ in 0..frames {
             unrest *= parameters.feedback.keep();
         }
-        raised(t, unrest, &parameters.feedback)
+        raised_t(t, unrest, &parameters.feedback)
     })
 }
 

@@ -8,18 +8,18 @@
 
 use crate::settings::Settings;
 
-/// A pixel whose background recurs shows the same for at most this share of the frames that are learnt from. Of .06 to
+/// Largest share of the learnt frames for which a pixel with recurring background shows the same. Tried from .06 to
 /// .25: at .06 a lamp is too slow, at .15 people in the street who stand and fidget recur.
-const LONGEST_STAY: f32 = 0.1;
+const MAX_STAY_SHARE: f32 = 0.1;
 
-/// What a pixel remembers of the decisions about it.
+/// Memory of the verdicts about a pixel.
 ///
 /// While frames are only learnt from, nothing is decided: `run` is then the frame in which it last changed between
 /// component 1 and anything else, `unrest` the longest time in frames between two changes, and `strict` whether it last
 /// showed anything else.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Past {
-    /// For how many frames it has been foreground without a break, at most [`Past::LONGEST`].
+pub struct VerdictMemory {
+    /// For how many frames it has been foreground without a break, at most [`VerdictMemory::MAX_RUN_FRAMES`].
     pub run: f32,
     /// u, the unrest: the share of recent frames in which the verdict under T changed, 0..=1.
     pub unrest: f32,
@@ -27,12 +27,12 @@ pub struct Past {
     pub strict: bool,
 }
 
-impl Past {
-    /// Longer runs are not told apart.
-    pub const LONGEST: f32 = 1000.0;
+impl VerdictMemory {
+    /// Longest run, in frames, that is counted.
+    pub const MAX_RUN_FRAMES: f32 = 1000.0;
 
-    /// Takes in, of the `t`-th frame that is only learnt from, whether it shows anything but component 1.
-    pub(super) fn note_change(&mut self, other: bool, t: u32) {
+    /// Records for the `t`-th frame, which is only learnt from, whether it shows anything but component 1.
+    pub(super) fn record_change(&mut self, other: bool, t: u32) {
         if other != self.strict {
             self.unrest = self.unrest.max(t as f32 - self.run);
             self.run = t as f32;
@@ -40,14 +40,14 @@ impl Past {
         self.strict = other;
     }
 
-    /// Whether in the `learnt` frames that were learnt from, the pixel came back to component 1 and left it again and
-    /// again, never staying with either for long.
+    /// Whether in the `learnt` frames that were learnt from, the pixel returned to component 1 and left it
+    /// repeatedly, never staying with either for long.
     pub(super) fn recurs(&self, learnt: u32) -> bool {
-        self.unrest.max(learnt as f32 - self.run) <= LONGEST_STAY * learnt as f32
+        self.unrest.max(learnt as f32 - self.run) <= MAX_STAY_SHARE * learnt as f32
     }
 
-    /// Takes in whether the pixel is foreground under T.
-    pub(super) fn judge(&mut self, strict: bool, feedback: &Feedback) {
+    /// Records whether the pixel is foreground under T.
+    pub(super) fn record_verdict(&mut self, strict: bool, feedback: &Feedback) {
         self.unrest *= feedback.keep();
         if strict != self.strict {
             self.unrest += feedback.gain;
@@ -55,13 +55,13 @@ impl Past {
         self.strict = strict;
     }
 
-    /// Takes in what the pixel was taken for in the end.
-    pub(super) fn close(&mut self, foreground: bool) {
-        self.run = if foreground { (self.run + 1.0).min(Self::LONGEST) } else { 0.0 };
+    /// Records the final verdict.
+    pub(super) fn record_final(&mut self, foreground: bool) {
+        self.run = if foreground { (self.run + 1.0).min(Self::MAX_RUN_FRAMES) } else { 0.0 };
     }
 }
 
-/// How a pixel's past acts on its mixture.
+/// How a pixel's past verdicts act on its mixture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Feedback {
     /// The share of α with which foreground is learned that has lasted; 1 is no difference.
@@ -102,12 +102,12 @@ impl Feedback {
     }
 
     /// q, how restless a pixel is, 0..=1.
-    pub fn restlessness(&self, past: &Past) -> f32 {
+    pub fn restlessness(&self, past: &VerdictMemory) -> f32 {
         (past.unrest / self.full).min(1.0)
     }
 
-    /// What α is multiplied by for a pixel of this past.
-    pub fn factor(&self, past: &Past) -> f32 {
+    /// Factor on α for a pixel with this memory.
+    pub fn learning_factor(&self, past: &VerdictMemory) -> f32 {
         if past.run <= 0.0 {
             1.0
         } else if past.run <= self.hold_after {
@@ -117,8 +117,8 @@ impl Feedback {
         }
     }
 
-    /// T for a pixel of this past.
-    pub fn raised(&self, t: f32, past: &Past) -> f32 {
+    /// T for a pixel with this memory.
+    pub fn raised_t(&self, t: f32, past: &VerdictMemory) -> f32 {
         t + (self.t.max(t) - t) * self.restlessness(past)
     }
 }

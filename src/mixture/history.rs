@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use super::pixel::{Outcome, Parameters, Pixel, Value};
 use crate::frame::Frame;
-use crate::registration::{Applied, Seen};
+use crate::registration::{Applied, ObservedColour};
 use crate::settings::Space;
 
 /// A pixel's mixture after one frame's update, and what the update did.
@@ -29,9 +29,9 @@ pub struct PixelState {
     pub applied: Applied,
 }
 
-/// What one pixel learnt before the first frame that is judged.
+/// The state of one pixel after the frames that are only learnt from.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Learnt {
+pub struct LearntState {
     values: Vec<Value>,
     /// The mixture after the last of them.
     pixel: Pixel,
@@ -47,7 +47,7 @@ pub struct PixelHistory {
     /// The parameters under which the states came about.
     pub parameters: Parameters,
     /// What was learnt before the first state; `None` where that is of an unseen pixel.
-    pub learnt: Option<Arc<Learnt>>,
+    pub learnt: Option<Arc<LearntState>>,
     /// One state a frame, in order.
     pub states: Vec<PixelState>,
 }
@@ -67,13 +67,15 @@ impl PixelHistory {
 
     /// Learns from more colours before the first that is judged.
     pub fn learn_colours(&mut self, colours: impl IntoIterator<Item = [u8; 3]>) {
-        self.learn_seen(colours.into_iter().map(|rgb| Seen { colour: Some(rgb), applied: Applied::NOTHING }));
+        self.learn_seen(
+            colours.into_iter().map(|rgb| ObservedColour { colour: Some(rgb), applied: Applied::NOTHING }),
+        );
     }
 
-    /// Learns from what more frames show of the pixel before the first that is judged, which may be nothing.
-    pub fn learn_seen(&mut self, all: impl IntoIterator<Item = Seen>) {
+    /// Learns from the colours of more frames before the first that is classified; a frame may not show the pixel.
+    pub fn learn_seen(&mut self, all: impl IntoIterator<Item = ObservedColour>) {
         let unseen = Pixel::unseen(self.parameters.k);
-        let unseen = || Learnt { values: Vec::new(), pixel: unseen, start: unseen };
+        let unseen = || LearntState { values: Vec::new(), pixel: unseen, start: unseen };
         let mut learnt = self.learnt.take().map_or_else(unseen, Arc::unwrap_or_clone);
         for seen in all {
             let mean = learnt.pixel.components()[0].mean;
@@ -117,8 +119,8 @@ impl PixelHistory {
         }
     }
 
-    /// Takes in what frame `number` shows of the pixel, which may be nothing.
-    pub fn push_seen(&mut self, number: u32, Seen { colour, applied }: Seen) {
+    /// Processes the colour of the pixel in frame `number`; the frame may not show it.
+    pub fn push_seen(&mut self, number: u32, ObservedColour { colour, applied }: ObservedColour) {
         match (colour, self.states.last()) {
             (Some(rgb), _) => self.push_colour(number, rgb),
             (None, Some(last)) => {
@@ -161,10 +163,10 @@ impl PixelHistory {
         (moved(x, dx), moved(y, dy))
     }
 
-    /// Whether it is a later `before` of the same pixel, under the same parameters and over the same frames.
+    /// Whether it extends `before`: the same pixel, under the same parameters and over the same first frames.
     ///
     /// A state follows from all before it, so that the last one of `before` stands for them.
-    pub fn goes_on_from(&self, before: &Self) -> bool {
+    pub fn extends(&self, before: &Self) -> bool {
         let last = before.states.len().checked_sub(1);
         (self.at, self.parameters) == (before.at, before.parameters)
             && self.before(0) == before.before(0)
@@ -215,8 +217,8 @@ mod tests {
         }
         let values: Vec<_> = (1..=40).chain(1..=2).map(|n| parameters.value(colour(n))).collect();
         assert_eq!(history.values_until(1), Some(values));
-        assert!(history.goes_on_from(&PixelHistory { states: Vec::new(), ..history.clone() }));
-        assert!(!history.goes_on_from(&PixelHistory::new((3, 4), history.parameters)));
+        assert!(history.extends(&PixelHistory { states: Vec::new(), ..history.clone() }));
+        assert!(!history.extends(&PixelHistory::new((3, 4), history.parameters)));
     }
 
     #[test]
@@ -227,13 +229,13 @@ mod tests {
         };
         let settings = Settings::preset(Preset::Plain);
         let before = of(&settings, 1..20, 200);
-        assert!(of(&settings, 1..50, 200).goes_on_from(&before));
-        assert!(of(&settings, 1..20, 200).goes_on_from(&before));
-        assert!(before.goes_on_from(&of(&settings, 1..1, 200)), "anything goes on from nothing");
-        assert!(!of(&settings, 1..19, 200).goes_on_from(&before), "it is shorter");
-        assert!(!of(&settings, 1..50, 210).goes_on_from(&before), "another value long ago");
-        assert!(!of(&settings, 2..50, 200).goes_on_from(&before), "begun later");
-        assert!(!of(&Settings { alpha: 0.2, ..settings.clone() }, 1..50, 200).goes_on_from(&before));
-        assert!(!PixelHistory { at: (4, 4), ..of(&settings, 1..50, 200) }.goes_on_from(&before));
+        assert!(of(&settings, 1..50, 200).extends(&before));
+        assert!(of(&settings, 1..20, 200).extends(&before));
+        assert!(before.extends(&of(&settings, 1..1, 200)), "anything goes on from nothing");
+        assert!(!of(&settings, 1..19, 200).extends(&before), "it is shorter");
+        assert!(!of(&settings, 1..50, 210).extends(&before), "another value long ago");
+        assert!(!of(&settings, 2..50, 200).extends(&before), "begun later");
+        assert!(!of(&Settings { alpha: 0.2, ..settings.clone() }, 1..50, 200).extends(&before));
+        assert!(!PixelHistory { at: (4, 4), ..of(&settings, 1..50, 200) }.extends(&before));
     }
 }

@@ -10,7 +10,7 @@ use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
 
 use super::pixel::{Parameters, Pixel};
-use super::tile::{self, Constants, Gaussians, LANES, Moment, Pasts, Rgb, Tile};
+use super::tile::{self, Constants, FrameParameters, Gaussians, LANES, Rgb, Tile, VerdictMemories};
 use crate::frame::{Frame, Mask, Size};
 use crate::registration::Corrected;
 use crate::settings::{Rate, Space};
@@ -52,7 +52,7 @@ pub(super) struct Tiles<const N: usize> {
     /// For each tile the frame up to which the weights of `others` are brought.
     settled: Vec<u32>,
     /// For each tile what its pixels remember; empty where feedback is off.
-    pub(super) pasts: Vec<Pasts>,
+    pub(super) pasts: Vec<VerdictMemories>,
 }
 
 impl Mixture {
@@ -194,15 +194,16 @@ impl Mixture {
             );
         }
         let constants = Constants::new(&self.parameters);
-        let moments: Vec<_> = (self.t + 1..).take(frames.len()).map(|t| constants.moment(t)).collect();
+        let frame_parameters: Vec<_> =
+            (self.t + 1..).take(frames.len()).map(|t| constants.moment(t)).collect();
         self.t += frames.len() as u32;
         let k = self.parameters.k;
         match &mut self.planes {
             Planes::Rgb(tiles) => tiles.take(k, (frames, unknown), masks, |near, job| {
-                dispatch!(level, simd => run::<_, 3>(simd, near, job, &constants, &moments));
+                dispatch!(level, simd => run::<_, 3>(simd, near, job, &constants, &frame_parameters));
             }),
             Planes::Gray(tiles) => tiles.take(k, (frames, unknown), masks, |near, job| {
-                dispatch!(level, simd => run::<_, 1>(simd, near, job, &constants, &moments));
+                dispatch!(level, simd => run::<_, 1>(simd, near, job, &constants, &frame_parameters));
             }),
         }
         self.parameters.shadow.settle(level, masks);
@@ -240,7 +241,7 @@ struct Packed<const N: usize> {
     others: Vec<Gaussians<N>>,
     used: Vec<u8>,
     settled: Vec<u32>,
-    pasts: Vec<Pasts>,
+    pasts: Vec<VerdictMemories>,
 }
 
 impl Snapshot {
@@ -262,12 +263,12 @@ impl<const N: usize> Packed<N> {
     const fn bytes(&self) -> usize {
         (self.first.len() + self.others.len()) * size_of::<Gaussians<N>>()
             + self.used.len() * 5
-            + self.pasts.len() * size_of::<Pasts>()
+            + self.pasts.len() * size_of::<VerdictMemories>()
     }
 }
 
 /// Some consecutive tiles, and their part of a few consecutive frames and masks.
-struct Job<'a, const N: usize> {
+struct TileJob<'a, const N: usize> {
     state: State<'a, N>,
     /// Of each frame.
     rgb: Vec<&'a [u8]>,
@@ -284,7 +285,7 @@ struct State<'a, const N: usize> {
     used: &'a mut [u8],
     settled: &'a mut [u32],
     /// Empty where feedback is off.
-    pasts: &'a mut [Pasts],
+    pasts: &'a mut [VerdictMemories],
 }
 
 impl<const N: usize> State<'_, N> {
@@ -310,14 +311,14 @@ impl<const N: usize> Tiles<N> {
             others: vec![Gaussians::UNUSED; tiles * (parameters.k - 1)],
             used: vec![0; tiles],
             settled: vec![0; tiles],
-            pasts: vec![Pasts::NONE; if parameters.feedback.is_on() { tiles } else { 0 }],
+            pasts: vec![VerdictMemories::NONE; if parameters.feedback.is_on() { tiles } else { 0 }],
         }
     }
 
     const fn bytes(&self) -> usize {
         (self.first.len() + self.others.len()) * size_of::<Gaussians<N>>()
             + self.used.len() * 5
-            + self.pasts.len() * size_of::<Pasts>()
+            + self.pasts.len() * size_of::<VerdictMemories>()
     }
 
     fn pack(&self, k: usize) -> Packed<N> {
@@ -371,7 +372,7 @@ impl<const N: usize> Tiles<N> {
                 self.used[tile] = 1;
                 self.first[tile].make_certain();
                 if let Some(pasts) = self.pasts.get_mut(tile) {
-                    *pasts = Pasts::NONE;
+                    *pasts = VerdictMemories::NONE;
                 }
                 continue;
             }
@@ -408,7 +409,7 @@ impl<const N: usize> Tiles<N> {
         k: usize,
         (frames, unknown): (&[&Frame], &[Option<&[bool]>]),
         masks: &mut [Mask],
-        run: impl Fn(&mut Near, Job<'_, N>) + Send + Sync,
+        run: impl Fn(&mut JobBuffers, TileJob<'_, N>) + Send + Sync,
     ) {
         const PIXELS: usize = LANES * TILES_A_JOB;
         let mut masks: Vec<_> = masks.iter_mut().map(|mask| mask.data.chunks_mut(PIXELS)).collect();
@@ -423,7 +424,7 @@ impl<const N: usize> Tiles<N> {
                     ..((part + 1) * PIXELS).min(frames.first().map_or(0, |frame| frame.size.pixels()));
                 let others = others.next().unwrap_or_default();
                 let pasts = pasts.next().unwrap_or_default();
-                Job {
+                TileJob {
                     state: State { first, others, used, settled, pasts },
                     rgb: frames.iter().map(|frame| &frame.rgb[3 * pixels.start..3 * pixels.end]).collect(),
                     unknown: unknown.iter().map(|unknown| unknown.map(|all| &all[pixels.clone()])).collect(),
@@ -431,19 +432,19 @@ impl<const N: usize> Tiles<N> {
                 }
             })
             .collect();
-        jobs.into_par_iter().for_each_init(Near::default, run);
+        jobs.into_par_iter().for_each_init(JobBuffers::default, run);
     }
 }
 
-/// Room for a job's part of its frames and masks, tile after tile and frame after frame: memory gives what lies in a row
-/// the fastest, and a tile needs little of each frame.
+/// Buffers for a job's part of its frames and masks, tile after tile and frame after frame: consecutive memory is the
+/// fastest, and a tile needs little of each frame.
 #[derive(Default)]
-struct Near {
+struct JobBuffers {
     rgb: Vec<Rgb>,
     marks: Vec<[u8; LANES]>,
 }
 
-impl Near {
+impl JobBuffers {
     /// Brings the frames near. The last tile of an image may have fewer pixels than lanes; its spare lanes run along on
     /// zeros, and their results are not read.
     #[inline(always)]
@@ -480,32 +481,32 @@ impl Near {
 #[inline(always)]
 fn run<S: Simd, const N: usize>(
     simd: S,
-    near: &mut Near,
-    mut job: Job<'_, N>,
+    near: &mut JobBuffers,
+    mut job: TileJob<'_, N>,
     constants: &Constants,
-    moments: &[Moment],
+    frame_parameters: &[FrameParameters],
 ) {
     near.take(&job.rgb, job.state.first.len());
-    let frames_a_turn = if constants.rate() == Rate::Density { 1 } else { moments.len() };
-    for start in (0..moments.len()).step_by(frames_a_turn.max(1)) {
-        let frames = start..moments.len().min(start + frames_a_turn);
+    let frames_a_turn = if constants.rate() == Rate::Density { 1 } else { frame_parameters.len() };
+    for start in (0..frame_parameters.len()).step_by(frames_a_turn.max(1)) {
+        let frames = start..frame_parameters.len().min(start + frames_a_turn);
         for index in 0..job.state.first.len() {
-            run_tile(simd, near, &mut job, index, frames.clone(), constants, moments);
+            run_tile(simd, near, &mut job, index, frames.clone(), constants, frame_parameters);
         }
     }
     near.give(&mut job.masks);
 }
 
-/// Takes a tile through some of the frames, of which `moments` has all.
+/// Takes a tile through some of the frames, of which `frame_parameters` has all.
 #[inline(always)]
 fn run_tile<S: Simd, const N: usize>(
     simd: S,
-    near: &mut Near,
-    job: &mut Job<'_, N>,
+    near: &mut JobBuffers,
+    job: &mut TileJob<'_, N>,
     index: usize,
     frames: Range<usize>,
     constants: &Constants,
-    moments: &[Moment],
+    frame_parameters: &[FrameParameters],
 ) {
     let start = index * LANES;
     let hidden = |unknown: Option<&[bool]>| match unknown.map(|all| &all[start..]) {
@@ -514,10 +515,10 @@ fn run_tile<S: Simd, const N: usize>(
         None => false,
     };
     if job.unknown.get(frames.clone()).is_some_and(|unknown| unknown.iter().copied().any(hidden)) {
-        run_partly_known(simd, near, job, index, frames, constants, moments);
+        run_partly_known(simd, near, job, index, frames, constants, frame_parameters);
         return;
     }
-    run_known(simd, near, job, index, frames, constants, moments);
+    run_known(simd, near, job, index, frames, constants, frame_parameters);
 }
 
 /// Takes a tile of which some frame does not show all pixels through the frames one by one: what such a frame does to
@@ -526,21 +527,21 @@ fn run_tile<S: Simd, const N: usize>(
 #[inline(never)]
 fn run_partly_known<S: Simd, const N: usize>(
     simd: S,
-    near: &mut Near,
-    job: &mut Job<'_, N>,
+    near: &mut JobBuffers,
+    job: &mut TileJob<'_, N>,
     index: usize,
     frames: Range<usize>,
     constants: &Constants,
-    moments: &[Moment],
+    frame_parameters: &[FrameParameters],
 ) {
     let (start, others) = (index * LANES, constants.k() - 1);
     for frame in frames {
         let unknown = job.unknown[frame].map(|all| &all[start..all.len().min(start + LANES)]);
         let Some(unknown) = unknown.filter(|unknown| unknown.contains(&true)) else {
-            run_known(simd, near, job, index, frame..frame + 1, constants, moments);
+            run_known(simd, near, job, index, frame..frame + 1, constants, frame_parameters);
             continue;
         };
-        let t = moments[frame].t();
+        let t = frame_parameters[frame].t();
         settle(simd, job, index, t - 1, constants);
         let range = index * others..(index + 1) * others;
         let before = (
@@ -548,7 +549,7 @@ fn run_partly_known<S: Simd, const N: usize>(
             job.state.others[range.clone()].to_vec(),
             job.state.pasts.get(index).copied(),
         );
-        run_known(simd, near, job, index, frame..frame + 1, constants, moments);
+        run_known(simd, near, job, index, frame..frame + 1, constants, frame_parameters);
         settle(simd, job, index, t, constants);
         for (lane, _) in unknown.iter().enumerate().filter(|(_, unknown)| **unknown) {
             job.state.first[index].take_lane(lane, &before.0);
@@ -558,7 +559,7 @@ fn run_partly_known<S: Simd, const N: usize>(
             if let Some((pasts, before)) = job.state.pasts.get_mut(index).zip(before.2.as_ref()) {
                 pasts.take_lane(lane, before);
             }
-            near.marks[index * moments.len() + frame][lane] = Mask::BACKGROUND;
+            near.marks[index * frame_parameters.len() + frame][lane] = Mask::BACKGROUND;
         }
     }
 }
@@ -566,7 +567,7 @@ fn run_partly_known<S: Simd, const N: usize>(
 /// Brings a tile's weights to frame `t`.
 fn settle<S: Simd, const N: usize>(
     simd: S,
-    job: &mut Job<'_, N>,
+    job: &mut TileJob<'_, N>,
     index: usize,
     t: u32,
     constants: &Constants,
@@ -577,16 +578,16 @@ fn settle<S: Simd, const N: usize>(
 #[inline(always)]
 fn run_known<S: Simd, const N: usize>(
     simd: S,
-    near: &mut Near,
-    job: &mut Job<'_, N>,
+    near: &mut JobBuffers,
+    job: &mut TileJob<'_, N>,
     index: usize,
     frames: Range<usize>,
     constants: &Constants,
-    moments: &[Moment],
+    frame_parameters: &[FrameParameters],
 ) {
-    let places = index * moments.len() + frames.start..index * moments.len() + frames.end;
+    let places = index * frame_parameters.len() + frames.start..index * frame_parameters.len() + frames.end;
     let (rgb, marks) = (&near.rgb[places.clone()], &mut near.marks[places]);
-    job.state.tile(index, constants.k()).run(simd, constants, &moments[frames], rgb, marks);
+    job.state.tile(index, constants.k()).run(simd, constants, &frame_parameters[frames], rgb, marks);
 }
 
 #[cfg(test)]

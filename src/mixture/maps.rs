@@ -9,7 +9,7 @@ use super::tile::LANES;
 use crate::frame::Frame;
 use crate::registration::corrected;
 
-/// What a [`Map`] holds of each pixel.
+/// The quantity in a [`QuantityMap`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Quantity {
     /// σ of component 1, in levels.
@@ -24,23 +24,24 @@ pub enum Quantity {
     Matched,
     /// How many frames ago the pixel was last foreground in the model's mask, before cleaning: 0 where it is now,
     /// infinite where it never was.
-    Since,
+    #[serde(rename = "Since")]
+    SinceForeground,
 }
 
 impl Quantity {
     /// All of them in order.
     pub const ALL: [Self; 6] =
-        [Self::Sigma, Self::Weight, Self::Used, Self::BackgroundCount, Self::Matched, Self::Since];
+        [Self::Sigma, Self::Weight, Self::Used, Self::BackgroundCount, Self::Matched, Self::SinceForeground];
 
     /// Whether it is a number of the mixture: other models have none.
     pub const fn is_of_mixture(self) -> bool {
-        !matches!(self, Self::Since)
+        !matches!(self, Self::SinceForeground)
     }
 }
 
-/// A number of each pixel, after one frame's update.
+/// A quantity of each pixel, after one frame's update.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Map {
+pub struct QuantityMap {
     /// Which number.
     pub quantity: Quantity,
     /// In row order.

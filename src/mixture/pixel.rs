@@ -7,7 +7,7 @@
 use std::f32::consts::PI;
 
 use super::exponential::exp_of_negative;
-use super::feedback::{Feedback, Past};
+use super::feedback::{Feedback, VerdictMemory};
 use super::hysteresis::Hysteresis;
 use super::shadow::Shadow;
 use crate::registration;
@@ -54,7 +54,7 @@ pub struct Parameters {
     /// How a pixel's past acts on its mixture.
     pub feedback: Feedback,
     /// What of a frame's alignment is taken out before X is read.
-    pub registration: registration::Choice,
+    pub registration: registration::CorrectionChoice,
 }
 
 impl Parameters {
@@ -76,7 +76,7 @@ impl Parameters {
             shadow: Shadow::new(settings),
             hysteresis: Hysteresis::new(settings),
             feedback: Feedback::new(settings),
-            registration: registration::Choice::new(settings),
+            registration: registration::CorrectionChoice::new(settings),
         }
     }
 
@@ -122,14 +122,14 @@ impl Parameters {
     }
 
     /// α of the t-th frame for a pixel of this past. The warm-up is the same for all.
-    pub fn alpha_of(&self, past: &Past, t: u32) -> f32 {
+    pub fn alpha_of(&self, past: &VerdictMemory, t: u32) -> f32 {
         let alpha = self.alpha_at(t);
-        if self.is_warming(t) { alpha } else { (alpha * self.feedback.factor(past)).min(1.0) }
+        if self.is_warming(t) { alpha } else { (alpha * self.feedback.learning_factor(past)).min(1.0) }
     }
 
     /// T for a pixel of this past.
-    pub fn t_of(&self, past: &Past) -> f32 {
-        self.feedback.raised(self.t, past)
+    pub fn t_of(&self, past: &VerdictMemory) -> f32 {
+        self.feedback.raised_t(self.t, past)
     }
 
     /// X of an RGB pixel.
@@ -233,13 +233,17 @@ pub struct Outcome {
 pub struct Pixel {
     components: [Component; MAX_K],
     k: usize,
-    past: Past,
+    past: VerdictMemory,
 }
 
 impl Pixel {
     /// A pixel that has seen nothing, with room for `k` components.
     pub fn unseen(k: usize) -> Self {
-        Self { components: [Component::default(); MAX_K], k: k.clamp(1, MAX_K), past: Past::default() }
+        Self {
+            components: [Component::default(); MAX_K],
+            k: k.clamp(1, MAX_K),
+            past: VerdictMemory::default(),
+        }
     }
 
     /// A pixel with these components, in rank order, unused ones last; at most [`MAX_K`].
@@ -255,11 +259,11 @@ impl Pixel {
     }
 
     /// What it remembers of the decisions about it; nothing while feedback is off.
-    pub const fn past(&self) -> &Past {
+    pub const fn past(&self) -> &VerdictMemory {
         &self.past
     }
 
-    pub(super) const fn past_mut(&mut self) -> &mut Past {
+    pub(super) const fn past_mut(&mut self) -> &mut VerdictMemory {
         &mut self.past
     }
 
@@ -313,9 +317,9 @@ impl Pixel {
             return;
         }
         let recurs = feedback.is_on() && self.past.recurs(parameters.learnt);
-        let restless = Past { unrest: feedback.full, ..Past::default() };
+        let restless = VerdictMemory { unrest: feedback.full, ..VerdictMemory::default() };
         let kept = if recurs { self.background_count(parameters.t_of(&restless)).max(1) } else { 1 };
-        self.past = if kept > 1 { restless } else { Past::default() };
+        self.past = if kept > 1 { restless } else { VerdictMemory::default() };
         self.components_mut()[kept..].fill(Component::default());
         if kept == 1 {
             self.components[0].weight = 1.0;
@@ -366,16 +370,16 @@ impl Pixel {
         let is_foreground = |background_count: usize| matched.is_none() || rank > background_count;
         let (on, learning) = (parameters.feedback.is_on(), parameters.is_learning(t));
         if on && learning {
-            self.past.note_change(matched != Some(0), t);
+            self.past.record_change(matched != Some(0), t);
         } else if on {
             let strict = is_foreground(self.background_count(parameters.t));
-            self.past.judge(strict, &parameters.feedback);
+            self.past.record_verdict(strict, &parameters.feedback);
         }
         let raised = if learning { parameters.t } else { parameters.t_of(&self.past) };
         let background_count = self.background_count(raised);
         let foreground = is_foreground(background_count);
         if on && !learning {
-            self.past.close(foreground);
+            self.past.record_final(foreground);
         }
         Outcome {
             matched: matched.map_or(0, |index| index as u8 + 1),

@@ -1,25 +1,25 @@
-//! What a pixel was like over some of its frames, in a few numbers.
+//! Statistics of a pixel over some of its frames.
 
 use std::ops::Range;
 
-use super::follow::{Change, change};
+use super::component_slots::{ComponentChange, component_change};
 use super::history::PixelHistory;
 use super::pixel::Value;
 
-/// A pixel over some frames.
+/// Statistics of a pixel over some frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Statistics {
-    /// How many frames.
+    /// Number of frames.
     pub frames: usize,
     /// The mean of each channel, in levels.
     pub mean: Value,
     /// The variance of each channel, in squared levels: the mean squared distance from the mean.
     pub variance: Value,
-    /// In how many frames the mixture called it foreground.
+    /// Number of frames in which the mixture classified it as foreground.
     pub foreground: usize,
-    /// How often a component was made where there was room for one, the first frame's included.
+    /// How often a component was created in a free slot, the first frame's included.
     pub births: usize,
-    /// How often one was made in place of the last.
+    /// How often one replaced the last.
     pub replacements: usize,
     /// B, the number of background modes, on average.
     pub mean_modes: f32,
@@ -43,15 +43,16 @@ impl Statistics {
         let variance = std::array::from_fn(|channel| {
             mean(&|value| (f64::from(value[channel]) - means[channel]).powi(2)) as f32
         });
-        let count_of = |kind| range.clone().filter(|&index| change(history, index) == Some(kind)).count();
+        let count_of =
+            |kind| range.clone().filter(|&index| component_change(history, index) == Some(kind)).count();
         let modes = states.iter().map(|state| state.outcome.background_count);
         Self {
             frames: states.len(),
             mean: means.map(|mean| mean as f32),
             variance,
             foreground: states.iter().filter(|state| state.outcome.foreground).count(),
-            births: count_of(Change::Born),
-            replacements: count_of(Change::Replaced),
+            births: count_of(ComponentChange::Born),
+            replacements: count_of(ComponentChange::Replaced),
             mean_modes: (modes.clone().map(f64::from).sum::<f64>() / count) as f32,
             most_modes: modes.max().unwrap_or(0),
             used: last.pixel.used(),

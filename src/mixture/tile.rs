@@ -7,7 +7,7 @@
 
 use fearless_simd::{Simd, f32x16, i32x16, mask32x16, prelude::*, u8x16, u8x64, u32x16};
 
-use super::feedback::{Feedback, Past};
+use super::feedback::{Feedback, VerdictMemory};
 use super::hysteresis::Hysteresis;
 use super::pixel::{Component, MAX_K, Parameters, Pixel};
 use super::shadow::Shadow;
@@ -71,9 +71,9 @@ impl<const N: usize> Gaussians<N> {
     }
 }
 
-/// What each pixel of a tile remembers of the decisions about it.
+/// Memory of the verdicts about each pixel of a tile.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Pasts {
+pub(super) struct VerdictMemories {
     run: Plane,
     unrest: Plane,
     /// A bit for each lane.
@@ -82,7 +82,7 @@ pub(super) struct Pasts {
     busy: bool,
 }
 
-impl Pasts {
+impl VerdictMemories {
     /// Of pixels that have seen nothing.
     pub(super) const NONE: Self =
         Self { run: Plane([0.0; LANES]), unrest: Plane([0.0; LANES]), strict: 0, busy: false };
@@ -102,14 +102,18 @@ impl Pasts {
     }
 
     /// Puts what a pixel remembers as it begins into one lane.
-    pub(super) fn begin_lane(&mut self, lane: usize, past: &Past) {
+    pub(super) fn begin_lane(&mut self, lane: usize, past: &VerdictMemory) {
         (self.run.0[lane], self.unrest.0[lane]) = (past.run, past.unrest);
         (self.strict, self.busy) = (0, false);
     }
 
     /// The past of one lane, as it was when the tile was settled.
-    pub(super) fn lane(&self, lane: usize) -> Past {
-        Past { run: self.run.0[lane], unrest: self.unrest.0[lane], strict: self.strict >> lane & 1 > 0 }
+    pub(super) fn lane(&self, lane: usize) -> VerdictMemory {
+        VerdictMemory {
+            run: self.run.0[lane],
+            unrest: self.unrest.0[lane],
+            strict: self.strict >> lane & 1 > 0,
+        }
     }
 }
 
@@ -124,7 +128,7 @@ pub(super) struct Tile<'a, const N: usize> {
     /// The frame up to which the weights of `others` are brought.
     pub(super) settled: &'a mut u32,
     /// What its pixels remember, unrest brought to the same frame; `None` where feedback is off.
-    pub(super) pasts: Option<&'a mut Pasts>,
+    pub(super) pasts: Option<&'a mut VerdictMemories>,
     /// The tile's place: not all settle in the same frame.
     pub(super) place: u32,
 }
@@ -132,7 +136,7 @@ pub(super) struct Tile<'a, const N: usize> {
 /// The pixel of one lane after frame `t`, its components 2 to K as they were after frame `settled`.
 pub(super) fn read<const N: usize>(
     (first, others): (&Gaussians<N>, &[Gaussians<N>]),
-    (settled, pasts): (u32, Option<&Pasts>),
+    (settled, pasts): (u32, Option<&VerdictMemories>),
     lane: usize,
     (parameters, t): (&Parameters, u32),
 ) -> Pixel {
@@ -160,23 +164,23 @@ pub(super) fn read<const N: usize>(
 /// whoever reads them has few frames to make up for.
 const SETTLE: u32 = 32;
 
-/// What is the same for all tiles in one frame.
+/// Parameters of one frame, the same for all tiles.
 #[derive(Clone, Copy)]
-pub(super) struct Moment {
+pub(super) struct FrameParameters {
     t: u32,
     alpha: f32,
     /// Whether it is within the warm-up, in which all pixels learn alike.
     warming: bool,
 }
 
-impl Moment {
+impl FrameParameters {
     /// The frame's place since the model started, from 1.
     pub(super) const fn t(&self) -> u32 {
         self.t
     }
 }
 
-/// What is the same for all tiles in all frames.
+/// Constants of all tiles in all frames.
 pub(super) struct Constants {
     parameters: Parameters,
     lambda_squared: f32,
@@ -205,8 +209,8 @@ impl Constants {
         self.parameters.k
     }
 
-    pub(super) fn moment(&self, t: u32) -> Moment {
-        Moment { t, alpha: self.parameters.alpha_at(t), warming: self.parameters.is_warming(t) }
+    pub(super) fn moment(&self, t: u32) -> FrameParameters {
+        FrameParameters { t, alpha: self.parameters.alpha_at(t), warming: self.parameters.is_warming(t) }
     }
 
     /// ρ, from w after the update and the rest before it (§V).
@@ -311,12 +315,12 @@ impl<const N: usize> Tile<'_, N> {
         mut self,
         simd: S,
         constants: &Constants,
-        moments: &[Moment],
+        frame_parameters: &[FrameParameters],
         rgb: &[Rgb],
         marks: &mut [[u8; LANES]],
     ) {
         let mut first = Vectors::load(simd, self.first);
-        for ((&moment, rgb), marks) in moments.iter().zip(rgb).zip(marks) {
+        for ((&moment, rgb), marks) in frame_parameters.iter().zip(rgb).zip(marks) {
             let x = values::<S, N>(simd, rgb);
             let distance = first.distance_squared(&x);
             let calm = self.pasts.as_ref().is_none_or(|pasts| !pasts.busy);
@@ -357,7 +361,13 @@ impl<const N: usize> Tile<'_, N> {
 
     #[cold]
     #[inline(never)]
-    fn step<S: Simd>(&mut self, simd: S, rgb: &Rgb, moment: Moment, constants: &Constants) -> [u8; LANES] {
+    fn step<S: Simd>(
+        &mut self,
+        simd: S,
+        rgb: &Rgb,
+        moment: FrameParameters,
+        constants: &Constants,
+    ) -> [u8; LANES] {
         simd.vectorize(
             #[inline(always)]
             || {
@@ -407,7 +417,7 @@ impl<const N: usize> Tile<'_, N> {
         *self.used = 1;
         *self.settled = 1;
         if let Some(pasts) = &mut self.pasts {
-            **pasts = Pasts::NONE;
+            **pasts = VerdictMemories::NONE;
         }
     }
 
@@ -439,7 +449,7 @@ impl<const N: usize> Tile<'_, N> {
     fn step_open<S: Simd, const W: usize>(
         &mut self,
         x: &[f32x16<S>; N],
-        moment: Moment,
+        moment: FrameParameters,
         constants: &Constants,
     ) -> (mask32x16<S>, mask32x16<S>, bool) {
         let simd = x[0].token();
@@ -451,7 +461,7 @@ impl<const N: usize> Tile<'_, N> {
 
         let alpha = match &self.pasts {
             Some(pasts) if !moment.warming => {
-                let factor = factor(simd, pasts, &constants.parameters.feedback);
+                let factor = learning_factor(simd, pasts, &constants.parameters.feedback);
                 (factor * moment.alpha).min(1.0)
             }
             _ => f32x16::splat(simd, moment.alpha),
@@ -511,14 +521,14 @@ impl<const N: usize> Tile<'_, N> {
         let mut foreground = missed | beyond_background(&components, &at, t);
         if constants.parameters.is_learning(moment.t) {
             if let Some(pasts) = &mut self.pasts {
-                note_change(pasts, other, moment.t);
+                record_change(pasts, other, moment.t);
             }
         } else if let Some(pasts) = &mut self.pasts {
             let feedback = &constants.parameters.feedback;
-            let unrest = judge(pasts, foreground, feedback);
-            let t = raised(t, unrest, feedback);
+            let unrest = record_verdict(pasts, foreground, feedback);
+            let t = raised_t(t, unrest, feedback);
             foreground = missed | beyond_background(&components, &at, t);
-            close(pasts, foreground);
+            record_final(pasts, foreground);
         }
         for (k, component) in components.iter().enumerate() {
             component.store(if k == 0 { &mut *self.first } else { &mut self.others[k - 1] });
@@ -533,9 +543,9 @@ fn restlessness<S: Simd>(unrest: f32x16<S>, feedback: &Feedback) -> f32x16<S> {
     (unrest / feedback.full).min(1.0)
 }
 
-/// [`Feedback::factor`].
+/// [`Feedback::learning_factor`].
 #[inline(always)]
-fn factor<S: Simd>(simd: S, pasts: &Pasts, feedback: &Feedback) -> f32x16<S> {
+fn learning_factor<S: Simd>(simd: S, pasts: &VerdictMemories, feedback: &Feedback) -> f32x16<S> {
     let (one, run) = (f32x16::splat(simd, 1.0), f32x16::load_array_ref(simd, &pasts.run.0));
     let restless = restlessness(pasts.unrest(simd), feedback);
     let young = restless * (feedback.learning - 1.0) + 1.0;
@@ -543,9 +553,9 @@ fn factor<S: Simd>(simd: S, pasts: &Pasts, feedback: &Feedback) -> f32x16<S> {
     run.simd_le(0.0).select(one, run.simd_le(feedback.hold_after).select(young, lasting))
 }
 
-/// [`Past::note_change`].
+/// [`VerdictMemory::record_change`].
 #[inline(always)]
-fn note_change<S: Simd>(pasts: &mut Pasts, other: mask32x16<S>, t: u32) {
+fn record_change<S: Simd>(pasts: &mut VerdictMemories, other: mask32x16<S>, t: u32) {
     let simd = other.token();
     let bits = other.to_bitmask() as u16;
     let changed = mask32x16::from_bitmask(simd, u64::from(bits ^ pasts.strict));
@@ -557,9 +567,13 @@ fn note_change<S: Simd>(pasts: &mut Pasts, other: mask32x16<S>, t: u32) {
     pasts.busy = bits != 0;
 }
 
-/// [`Past::judge`]. Gives the unrest.
+/// [`VerdictMemory::record_verdict`]. Gives the unrest.
 #[inline(always)]
-fn judge<S: Simd>(pasts: &mut Pasts, strict: mask32x16<S>, feedback: &Feedback) -> f32x16<S> {
+fn record_verdict<S: Simd>(
+    pasts: &mut VerdictMemories,
+    strict: mask32x16<S>,
+    feedback: &Feedback,
+) -> f32x16<S> {
     let simd = strict.token();
     let bits = strict.to_bitmask() as u16;
     let changed = mask32x16::from_bitmask(simd, u64::from(bits ^ pasts.strict));
@@ -570,18 +584,18 @@ fn judge<S: Simd>(pasts: &mut Pasts, strict: mask32x16<S>, feedback: &Feedback) 
     unrest
 }
 
-/// [`Past::close`].
+/// [`VerdictMemory::record_final`].
 #[inline(always)]
-fn close<S: Simd>(pasts: &mut Pasts, foreground: mask32x16<S>) {
+fn record_final<S: Simd>(pasts: &mut VerdictMemories, foreground: mask32x16<S>) {
     let simd = foreground.token();
-    let longer = (f32x16::load_array_ref(simd, &pasts.run.0) + 1.0).min(Past::LONGEST);
+    let longer = (f32x16::load_array_ref(simd, &pasts.run.0) + 1.0).min(VerdictMemory::MAX_RUN_FRAMES);
     foreground.select(longer, f32x16::splat(simd, 0.0)).store_array(&mut pasts.run.0);
     pasts.busy = pasts.strict != 0 || foreground.any_true();
 }
 
-/// [`Feedback::raised`].
+/// [`Feedback::raised_t`].
 #[inline(always)]
-pub(super) fn raised<S: Simd>(t: f32x16<S>, unrest: f32x16<S>, feedback: &Feedback) -> f32x16<S> {
+pub(super) fn raised_t<S: Simd>(t: f32x16<S>, unrest: f32x16<S>, feedback: &Feedback) -> f32x16<S> {
     t + (t.max(feedback.t) - t) * restlessness(unrest, feedback)
 }
 

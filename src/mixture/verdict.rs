@@ -18,7 +18,7 @@ pub struct Verdict {
 }
 
 /// ‖X − μ‖ / σ: how many standard deviations `x` is from a component's mean.
-pub fn sigmas(component: &Component, x: Value) -> f32 {
+pub fn distance_in_sigmas(component: &Component, x: Value) -> f32 {
     (component.distance_squared(x) / component.variance).sqrt()
 }
 
@@ -54,7 +54,7 @@ pub fn verdict(history: &PixelHistory, index: usize) -> Verdict {
     verdict
 }
 
-/// About a pixel that the frame does not show.
+/// The verdict about a pixel that the frame does not show.
 fn not_shown(state: &PixelState) -> Verdict {
     Verdict {
         headline: "Background: no data for this pixel in this frame; the model is not updated".to_owned(),
@@ -67,7 +67,7 @@ fn not_shown(state: &PixelState) -> Verdict {
     }
 }
 
-/// What was taken out of the frame before the mixture saw the value.
+/// The corrections of the frame before the mixture processed the value.
 fn taken_out(state: &PixelState) -> Vec<String> {
     let [dx, dy] = state.applied.shift;
     let mut sentences = Vec::new();
@@ -139,7 +139,7 @@ fn doubt(state: &PixelState, before: &Pixel, parameters: &Parameters) -> Option<
     ))
 }
 
-/// What a later step made of the mixture's verdict, where it decided otherwise; `None` where it did not.
+/// The later step that overruled the mixture's verdict; `None` where none did.
 ///
 /// `mixture` and `mask` say whether each has the pixel as foreground, `ignored` whether it lies outside what is
 /// analysed.
@@ -186,7 +186,7 @@ fn first_frame(state: &PixelState, parameters: &Parameters) -> Verdict {
 fn matched(state: &PixelState, before: &Pixel, parameters: &Parameters) -> Verdict {
     let (from, rank) = (usize::from(state.outcome.matched), usize::from(state.outcome.rank));
     let old = before.components()[from - 1];
-    let distance = apart(sigmas(&old, state.value), parameters.lambda, 1);
+    let distance = apart(distance_in_sigmas(&old, state.value), parameters.lambda, 1);
     let limit = number(parameters.lambda);
     let t = parameters.t_of(state.pixel.past());
     let background = background_words(&state.pixel, state.outcome.background_count, t);
@@ -239,7 +239,7 @@ fn unmatched(state: &PixelState, before: &Pixel, parameters: &Parameters) -> Ver
         .iter()
         .enumerate()
         .filter(|(_, component)| component.is_used())
-        .map(|(index, component)| (index + 1, sigmas(component, state.value)))
+        .map(|(index, component)| (index + 1, distance_in_sigmas(component, state.value)))
         .min_by(|a, b| a.1.total_cmp(&b.1));
     let nearest = nearest.map_or_else(String::new, |(rank, distance)| {
         format!(
@@ -318,14 +318,14 @@ fn background_words(pixel: &Pixel, count: u8, t: f32) -> BackgroundWords {
 
 /// Says that a component of lower rank is nearer, where one is: the first that matches is taken, not the nearest.
 fn nearer(state: &PixelState, before: &Pixel, from: usize) -> Option<String> {
-    let taken = sigmas(&before.components()[from - 1], state.value);
+    let taken = distance_in_sigmas(&before.components()[from - 1], state.value);
     before
         .components()
         .iter()
         .enumerate()
         .skip(from)
         .filter(|(_, component)| component.is_used())
-        .map(|(index, component)| (index + 1, sigmas(component, state.value)))
+        .map(|(index, component)| (index + 1, distance_in_sigmas(component, state.value)))
         .filter(|&(_, distance)| distance < taken)
         .min_by(|a, b| a.1.total_cmp(&b.1))
         .map(|(rank, distance)| {

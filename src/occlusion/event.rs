@@ -1,10 +1,10 @@
-//! What can happen to objects, and why it was decided that it did.
+//! Events of objects, with the evidence for each.
 
 use serde::Serialize;
 
 use crate::tracking::Identity;
 
-/// The kinds of events, in the order in which those of one frame are told.
+/// The kinds of events, in their order within a frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum EventKind {
@@ -25,12 +25,11 @@ pub enum EventKind {
 }
 
 impl EventKind {
-    /// Whether what happens to an object can be of this kind where something of kind `before` happened to it or its
-    /// group earlier in the same frame.
+    /// Whether an event of this kind can follow one of kind `before` of the same object or group in the same frame.
     pub const fn may_follow(self, before: Self) -> bool {
         match (before, self) {
-            // Who comes is there from the frame's beginning on; and it does not matter in which order some leave a
-            // group, or whether one leaves it before others come to it.
+            // A new object is there from the frame's beginning on; and the order in which objects leave a group, or
+            // in which one leaves before others join, is irrelevant.
             (Self::Enter | Self::Appear | Self::Reappear, _)
             | (Self::Exit | Self::Disappear, Self::Exit | Self::Disappear)
             | (Self::Disappear, Self::Merge) => true,
@@ -42,7 +41,7 @@ impl EventKind {
     pub const ALL: [Self; 7] =
         [Self::Exit, Self::Demerge, Self::Merge, Self::Disappear, Self::Reappear, Self::Enter, Self::Appear];
 
-    /// The word for it on the screen.
+    /// Its name on the screen.
     pub const fn label(self) -> &'static str {
         match self {
             Self::Demerge => "split",
@@ -64,7 +63,7 @@ impl EventKind {
     }
 }
 
-/// The numbers that a decision compared, the thresholds, and the branch that was taken.
+/// The numbers that a decision compared, the thresholds, and the branch of the algorithm.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Evidence {
     /// The branch of the algorithm in words, a sentence with its numbers.
@@ -74,11 +73,11 @@ pub struct Evidence {
     pub objects_before: u32,
     /// See `objects_before`.
     pub objects_now: u32,
-    /// Each number that was looked at, with what it was compared to.
+    /// Each compared number with its threshold.
     pub comparisons: Vec<Comparison>,
 }
 
-/// On which side of its threshold a number speaks for a decision.
+/// The side of its threshold on which a number supports a decision.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Relation {
@@ -88,7 +87,7 @@ pub enum Relation {
     AtLeast,
 }
 
-/// One number that a decision looked at.
+/// One number of a decision.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Comparison {
     /// What was measured: `size change`, `distance to edge`, `ΔE of 3 with piece 2`.
@@ -98,12 +97,12 @@ pub struct Comparison {
     /// The threshold, where there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub threshold: Option<f32>,
-    /// How the number has to stand to the threshold, where there is one.
+    /// The relation to the threshold that supports the decision, where there is one.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub relation: Option<Relation>,
-    /// Whether it stands so, which speaks for the decision; true of a number without a threshold.
+    /// Whether the relation holds, which supports the decision; true for a number without a threshold.
     pub holds: bool,
-    /// Of several alternatives, whether this one was chosen; the choice is by all of their numbers together.
+    /// For one of several alternatives, whether it was chosen; the choice is by all of their numbers together.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub chosen: Option<bool>,
 }
@@ -114,13 +113,13 @@ impl Comparison {
         Self { what: what.into(), value, threshold: None, relation: None, holds: true, chosen: None }
     }
 
-    /// A number that speaks for the decision when it is at most `threshold`.
+    /// A number that supports the decision when it is at most `threshold`.
     pub fn at_most(what: impl Into<String>, value: f32, threshold: f32) -> Self {
         let (threshold, relation) = (Some(threshold), Some(Relation::AtMost));
         Self { threshold, relation, ..Self::note(what, value) }.judged()
     }
 
-    /// A number that speaks for the decision when it is at least `threshold`.
+    /// A number that supports the decision when it is at least `threshold`.
     pub fn at_least(what: impl Into<String>, value: f32, threshold: f32) -> Self {
         let (threshold, relation) = (Some(threshold), Some(Relation::AtLeast));
         Self { threshold, relation, ..Self::note(what, value) }.judged()
@@ -147,33 +146,33 @@ impl Evidence {
         Self { branch: branch.into(), ..Self::default() }
     }
 
-    /// Notes a number without a threshold.
+    /// Adds a number without a threshold.
     pub fn note(&mut self, what: impl Into<String>, value: f32) {
         self.comparisons.push(Comparison::note(what, value));
     }
 
-    /// Notes a number that speaks for the decision when it is at most `threshold`.
+    /// Adds a number that supports the decision when it is at most `threshold`.
     pub fn at_most(&mut self, what: impl Into<String>, value: f32, threshold: f32) {
         self.comparisons.push(Comparison::at_most(what, value, threshold));
     }
 
-    /// Notes a number that speaks for the decision when it is at least `threshold`.
+    /// Adds a number that supports the decision when it is at least `threshold`.
     pub fn at_least(&mut self, what: impl Into<String>, value: f32, threshold: f32) {
         self.comparisons.push(Comparison::at_least(what, value, threshold));
     }
 }
 
-/// Something that happened to objects in one frame.
+/// An event of objects in one frame.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Event {
-    /// The frame in which it happened, which may be earlier than the one in which it was decided.
+    /// The frame of the event, which may be earlier than the frame of the decision.
     pub frame: u32,
-    /// What happened.
+    /// The kind.
     pub kind: EventKind,
     /// The identities before: the members of a merge or demerge, the one of the others.
     pub objects: Vec<Identity>,
-    /// The identities after: for a merge the same members, for a demerge who came out, for a
-    /// reappear who it was.
+    /// The identities after: for a merge the same members, for a demerge those that left, for a reappear the
+    /// re-identified one.
     pub becomes: Vec<Identity>,
     /// Of a demerge, the partition of the group's members after it: one list of objects for each region.
     #[serde(skip_serializing_if = "Vec::is_empty")]
@@ -182,14 +181,14 @@ pub struct Event {
     pub x: f32,
     /// See `x`.
     pub y: f32,
-    /// Who is in front in a merge, where that can be told.
+    /// The object in front in a merge, where known.
     pub front: Option<Identity>,
-    /// Why.
+    /// The evidence.
     pub evidence: Evidence,
 }
 
 impl Event {
-    /// What happened to one object.
+    /// An event of one object.
     pub fn of_one(
         frame: u32,
         kind: EventKind,
@@ -201,7 +200,7 @@ impl Event {
         Self { frame, kind, objects, becomes, pieces: Vec::new(), x, y, front: None, evidence }
     }
 
-    /// Whether both tell of the same happening. Who was in front may be found out only later.
+    /// Whether both are the same event. The object in front may become known only later.
     pub fn is_same(&self, other: &Self) -> bool {
         (self.frame, self.kind) == (other.frame, other.kind)
             && self.objects == other.objects
@@ -220,7 +219,7 @@ pub enum EpisodeKind {
 }
 
 impl EpisodeKind {
-    /// The word for it in files and on the screen.
+    /// Its name in files and on the screen.
     pub const fn name(self) -> &'static str {
         match self {
             Self::InterObject => "inter-object",
@@ -232,23 +231,23 @@ impl EpisodeKind {
 /// An occlusion from its start to its end.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Episode {
-    /// Who hides whom.
+    /// The kind of occlusion.
     pub kind: EpisodeKind,
-    /// Everybody who took part.
+    /// All objects that took part.
     pub objects: Vec<Identity>,
-    /// The first frame in which somebody is occluded.
+    /// The first frame with an occluded object.
     pub start: u32,
     /// The last such frame; the video's last when it had not ended by then.
     pub end: u32,
-    /// The least share of its full size at which a member was seen, 0..=1.
+    /// The least visible share of a member, 0..=1.
     pub least_visible: f32,
-    /// Who was in front, where that can be told.
+    /// The object in front, where known.
     pub front: Option<Identity>,
-    /// Whether everybody came out with the identity they went in with.
+    /// Whether all objects kept their identities.
     pub identities_kept: bool,
 }
 
-/// How many events of each kind have been seen.
+/// The number of events of each kind.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Counters {
     /// Ended at a boundary.

@@ -1,30 +1,30 @@
 //! Merging, disappearing, demerging, reappearing: Algorithms 1–3, each decision with its evidence.
 //!
-//! [`reasoner`] takes a frame's regions through tracking and reasoning; it reads as its stages.
-//! [`partition`] finds which objects and regions have to do with each other, [`assign`] who is who
-//! among the pieces of a group; `splits` and `hidden` hold what is undecided or out of sight.
+//! [`tracker`] takes a frame's regions through tracking and reasoning. [`partition`] clusters objects and regions
+//! that interact, [`assign`] assigns the members of a group to the regions after a demerge; `demerges` and `occluded`
+//! hold pending demerges and objects without a region.
 
 #![deny(clippy::indexing_slicing)]
 
-mod abreast;
 pub mod assign;
 mod coherence;
-pub mod compare;
+pub mod counterfactual;
+mod demerges;
 pub mod event;
+pub mod event_pairs;
+mod frame_result;
+pub mod group_episodes;
 mod groups;
-mod hidden;
-pub mod lobes;
-pub mod meetings;
+pub mod head_count;
+mod head_split;
+pub mod localisation;
 mod members;
 pub mod object;
+mod occluded;
 pub mod partition;
 pub mod perspective;
-pub mod placing;
-mod readout;
-pub mod reasoner;
-mod splits;
 pub mod template;
-pub mod what_if;
+pub mod tracker;
 
 pub use event::{Comparison, Counters, Episode, EpisodeKind, Event, EventKind, Evidence, Relation};
-pub use reasoner::{Ending, Reasoner, Seen, Settled};
+pub use tracker::{FinalResult, FrameResult, SettledResults, Tracker};

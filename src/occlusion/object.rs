@@ -1,4 +1,4 @@
-//! What is remembered of an object: how large it is, what colours it wears, how it moves.
+//! The state of one object: size, appearance and motion.
 
 use std::sync::Arc;
 
@@ -10,31 +10,31 @@ use super::template::Template;
 use crate::regions::colour::delta_e;
 use crate::regions::{Histogram, Mosaic, Rect, Rgb};
 use crate::settings::{ColourMemory, Placing, Settings};
-use crate::tracking::Key;
-use crate::tracking::kalman::Model;
+use crate::tracking::TrackKey;
+use crate::tracking::kalman::KalmanModel;
 use crate::tracking::pool::Observation;
 
-/// How fast the memory of clear frames follows a new one, once it has seen a few.
-const CLEAR_RATE: f32 = 0.1;
-/// A frame is clear when the region has at least this share of the pixels that are remembered.
-const NEAR_FULL: f32 = 0.7;
-/// And at least this share of the height, which changes less than the width of somebody who walks.
-const NEAR_TALL: f32 = 0.8;
+/// Learning rate of the appearance, once a few clear frames were seen.
+const APPEARANCE_LEARNING_RATE: f32 = 0.1;
+/// A detection shows nearly the whole object from this share of its expected area on,
+const MIN_WHOLE_AREA_SHARE: f32 = 0.7;
+/// and from this share of its expected height on, which varies less than the width of a walking person.
+const MIN_WHOLE_HEIGHT_SHARE: f32 = 0.8;
 
-/// What is left of the speed of somebody unseen after a frame.
-const SLOWING: f32 = 0.9;
+/// Factor on the velocity of an unseen member in each frame.
+const VELOCITY_DAMPING: f32 = 0.9;
 
-/// An object has moved once the centre of its box is this part of √area from where it was first seen. What the mask leaves of
-/// a passing light, or where somebody stood in the first frame, stays in its place. Tried on four real sequences and 24
-/// variations of them: .75 gives the same, .25 half of the gain.
-const LEAST_TRAVEL: f32 = 0.5;
+/// An object has moved once its centre is this share of √area away from its first box: ghosts and remains of passing
+/// light stay in place. Tried on four real sequences and 24 variations of them: .75 gives the same, .25 half of the
+/// gain.
+const MIN_TRAVEL_SHARE: f32 = 0.5;
 
-/// What is seen for so many frames in succession is no flicker of the mask.
-pub(super) const LASTS: u32 = 3;
+/// Frames in succession after which an observation is no flicker of the mask.
+pub(super) const MIN_STABLE_FRAMES: u32 = 3;
 
-/// The region, or the regions taken together, by which an object was seen in a frame.
+/// The region of an object in one frame, or its joined fragments.
 #[derive(Clone, Debug)]
-pub struct View {
+pub struct Detection {
     /// Box of its regions.
     pub bbox: Rect,
     /// Pixels of its regions.
@@ -43,12 +43,12 @@ pub struct View {
     pub histogram: Histogram,
     /// The labels of its regions.
     pub labels: Vec<u32>,
-    /// Where in them which colours are.
+    /// The colours of its cells by position.
     pub mosaic: Arc<Mosaic>,
 }
 
-impl View {
-    /// Views of parts of one thing as one.
+impl Detection {
+    /// Joins the detections of one object's fragments.
     pub fn join(parts: &[&Self]) -> Self {
         let mut histogram = Histogram::default();
         for part in parts {
@@ -68,13 +68,13 @@ impl View {
         }
     }
 
-    /// What the tracker takes of it.
+    /// What the Kalman models observe of it.
     pub fn observation(&self) -> Observation {
         Observation { bbox: self.bbox, area: self.area }
     }
 }
 
-/// What an object looks like when nothing hides it: averages over its clear frames.
+/// An object's unoccluded appearance: running averages over its clear frames.
 #[derive(Clone, Debug)]
 pub struct Appearance {
     /// Width of its box in pixels.
@@ -83,290 +83,298 @@ pub struct Appearance {
     pub h: f32,
     /// Pixels.
     pub area: f32,
-    /// Where the centre of its box was, in pixels from the top of the image.
+    /// Mean y of its box's centre, in pixels from the top of the image.
     pub y: f32,
     /// Share of each colour.
     pub histogram: Histogram,
-    /// Pixels a frame to the right and down. The box of somebody who goes behind something shrinks
-    /// at its front, so that its centre falls behind.
+    /// Velocity in pixels a frame, to the right and down, from clear frames only: the box of an object that moves
+    /// behind an occluder shrinks at its front, so that its centre falls behind.
     pub velocity: [f32; 2],
-    /// Clear frames seen.
+    /// Number of clear frames.
     pub frames: u32,
 }
 
 impl Appearance {
-    /// From one sight of it.
-    pub fn first(view: &View, velocity: [f32; 2]) -> Self {
+    /// From one detection.
+    pub fn new(detection: &Detection, velocity: [f32; 2]) -> Self {
         let mut histogram = Histogram::default();
-        histogram.add_scaled(&view.histogram, 1.0 / view.area.max(1.0));
-        let Rect { w, h, .. } = view.bbox;
-        let [_, y] = view.bbox.centre();
-        Self { w, h, area: view.area, y, histogram, velocity, frames: 1 }
+        histogram.add_scaled(&detection.histogram, 1.0 / detection.area.max(1.0));
+        let Rect { w, h, .. } = detection.bbox;
+        let [_, y] = detection.bbox.centre();
+        Self { w, h, area: detection.area, y, histogram, velocity, frames: 1 }
     }
 
-    fn follow(&mut self, view: &View, velocity: [f32; 2]) {
-        let rate = CLEAR_RATE.max(1.0 / (self.frames + 1) as f32);
-        self.w += rate * (view.bbox.w - self.w);
-        self.h += rate * (view.bbox.h - self.h);
-        self.area += rate * (view.area - self.area);
-        self.y += rate * (view.bbox.centre()[1] - self.y);
+    fn update(&mut self, detection: &Detection, velocity: [f32; 2]) {
+        let rate = APPEARANCE_LEARNING_RATE.max(1.0 / (self.frames + 1) as f32);
+        self.w += rate * (detection.bbox.w - self.w);
+        self.h += rate * (detection.bbox.h - self.h);
+        self.area += rate * (detection.area - self.area);
+        self.y += rate * (detection.bbox.centre()[1] - self.y);
         for (mean, now) in self.velocity.iter_mut().zip(velocity) {
             *mean += rate * (now - *mean);
         }
         let mut histogram = Histogram::default();
         histogram.add_scaled(&self.histogram, 1.0 - rate);
-        histogram.add_scaled(&view.histogram, rate / view.area.max(1.0));
+        histogram.add_scaled(&detection.histogram, rate / detection.area.max(1.0));
         histogram.forget_below(0.002);
         self.histogram = histogram;
         self.frames += 1;
     }
 }
 
-/// An object, from its first region to its last.
+/// An object, from its first to its last detection.
 #[derive(Clone, Debug)]
 pub struct Object {
-    /// Under which its tracks are recorded; changes where who it is has yet to be decided.
-    pub key: Key,
-    /// The frame in which it was first seen.
-    pub born: u32,
+    /// Key under which its tracks are recorded; changes while its identity is undecided.
+    pub key: TrackKey,
+    /// Number of the first frame with a detection.
+    pub first_frame: u32,
     /// Its first box.
-    pub birthplace: Rect,
-    /// Frames in which it had a region.
-    pub seen: u32,
-    /// Whether it has an identity.
-    pub named: bool,
-    /// The last event that told of it or of its group: in which frame what happened.
-    pub told: Option<(u32, EventKind)>,
-    /// Its own motion: the blob's while it is alone, its own prediction otherwise.
-    pub model: Model,
-    /// What it looks like when nothing hides it, `None` before its first clear frame.
-    pub clear: Option<Appearance>,
-    /// How much larger it is where it is now than where it was seen clearly.
+    pub first_bbox: Rect,
+    /// Number of frames with a detection.
+    pub seen_frames: u32,
+    /// Whether it is confirmed: it has an identity.
+    pub confirmed: bool,
+    /// Frame and kind of the last emitted event of it or its group.
+    pub last_event: Option<(u32, EventKind)>,
+    /// Its own motion model: the blob's while it is alone, its own prediction otherwise.
+    pub model: KalmanModel,
+    /// Its unoccluded appearance, `None` before its first clear frame.
+    pub appearance: Option<Appearance>,
+    /// Scale from its mean clear place to its present place, by perspective.
     pub scale: f32,
-    /// What it looks like place by place, `None` before it was seen alone.
+    /// Appearance template by position in the box, `None` before it was seen alone.
     pub template: Option<Template>,
-    /// For how many frames its region has shown more heads than it has members.
-    pub crowded: u32,
-    /// How much of it was last seen in the region that it shares, 0..=1.
-    pub seen_share: f32,
-    /// Log odds that it exists where it is believed to be, in nats.
+    /// Score of the frames in which its region showed more heads than members.
+    pub extra_head_score: u32,
+    /// Its visible share in its group's region at the last localisation, 0..=1.
+    pub visible_share_in_group: f32,
+    /// Log odds that it exists at its believed place, in nats.
     pub existence: f32,
-    /// For how many frames nothing was seen of it in the region that it shares.
-    pub unseen: u32,
-    /// How it was last seen alone.
-    pub last: View,
-    /// For how many frames it has been seen in part only, or not at all.
-    pub partial: u32,
-    /// Where it was when only a part of it began to be seen.
-    pub partial_from: [f32; 2],
-    /// Why others that came in with it were taken for fragments of it, until its first event tells.
+    /// Frames in succession without visible pixels in its group's region.
+    pub unseen_frames: u32,
+    /// Its last detection while alone.
+    pub last_detection: Detection,
+    /// Frames in succession in which it was partly visible or not visible.
+    pub partial_frames: u32,
+    /// Its centre in the first frame of that series.
+    pub partial_start: [f32; 2],
+    /// Evidence for fragments that were joined to it, until its first event.
     pub fragments: Vec<Comparison>,
-    /// In how many frames more than not it has been seen as two who stand side by side.
-    pub beside: u32,
-    /// Where its own motion put it in this frame, if it was held inside a region from there.
-    pub held_from: Option<[f32; 2]>,
+    /// Counter of frames in which it looked like two objects side by side; others count down.
+    pub side_by_side_frames: u32,
+    /// The centre its motion model predicted in this frame, if it was constrained to a region.
+    pub unconstrained_centre: Option<[f32; 2]>,
 }
 
 impl Object {
-    /// Somebody new, under a key, whose first box was in frame `born`, with nothing known but how
-    /// they are seen and move.
-    pub fn new(key: Key, (born, birthplace): (u32, Rect), model: Model, last: View) -> Self {
+    /// A new tentative object with its key, first frame and box, motion model and detection.
+    pub fn new(
+        key: TrackKey,
+        (first_frame, first_bbox): (u32, Rect),
+        model: KalmanModel,
+        last_detection: Detection,
+    ) -> Self {
         Self {
             key,
-            born,
-            birthplace,
-            seen: 1,
-            named: false,
-            told: None,
-            partial_from: model.centre(),
-            held_from: None,
+            first_frame,
+            first_bbox,
+            seen_frames: 1,
+            confirmed: false,
+            last_event: None,
+            partial_start: model.centre(),
+            unconstrained_centre: None,
             model,
-            clear: None,
+            appearance: None,
             scale: 1.0,
             template: None,
-            crowded: 0,
-            unseen: 0,
-            seen_share: 1.0,
+            extra_head_score: 0,
+            unseen_frames: 0,
+            visible_share_in_group: 1.0,
             existence: 0.0,
-            last,
-            partial: 0,
+            last_detection,
+            partial_frames: 0,
             fragments: Vec::new(),
-            beside: 0,
+            side_by_side_frames: 0,
         }
     }
 
-    /// Whether it is away from where it was first seen.
+    /// Whether it has moved away from its first box.
     pub fn has_moved(&self) -> bool {
-        let ([x, y], [from_x, from_y]) = (self.last.bbox.centre(), self.birthplace.centre());
-        (x - from_x).hypot(y - from_y) >= LEAST_TRAVEL * self.last.area.sqrt()
+        let ([x, y], [from_x, from_y]) = (self.last_detection.bbox.centre(), self.first_bbox.centre());
+        (x - from_x).hypot(y - from_y) >= MIN_TRAVEL_SHARE * self.last_detection.area.sqrt()
     }
 
-    /// Whether it may turn out to be `known`, one who is hidden. Of what has not moved only who is nearly whole.
-    pub fn may_be(&self, known: &Self) -> bool {
-        self.has_moved() || known.is_nearly_whole(&self.last)
+    /// Whether it may be matched to the occluded object `known`: an object that has not moved only if nearly whole.
+    pub fn may_match(&self, known: &Self) -> bool {
+        self.has_moved() || known.is_nearly_whole(&self.last_detection)
     }
 
-    /// The size that its box should have: width and height.
+    /// Expected width and height of its box.
     pub fn size(&self) -> (f32, f32) {
         let size = |clear: &Appearance| (self.scale * clear.w, self.scale * clear.h);
-        self.clear.as_ref().map_or((self.last.bbox.w, self.last.bbox.h), size)
+        self.appearance.as_ref().map_or((self.last_detection.bbox.w, self.last_detection.bbox.h), size)
     }
 
-    /// The pixels that it should have.
+    /// Expected area in pixels.
     pub fn area(&self) -> f32 {
-        self.clear.as_ref().map_or(self.last.area, |clear| self.scale * self.scale * clear.area)
+        self.appearance
+            .as_ref()
+            .map_or(self.last_detection.area, |clear| self.scale * self.scale * clear.area)
     }
 
-    /// Takes in how size changes with place.
-    pub fn rescale(&mut self, perspective: &Perspective) {
-        if let Some(clear) = &self.clear {
+    /// Updates its scale by its place.
+    pub fn update_scale(&mut self, perspective: &Perspective) {
+        if let Some(clear) = &self.appearance {
             let [_, y] = self.model.centre();
             self.scale = perspective.scale(y, clear.y);
         }
     }
 
-    /// Where its own motion puts it.
+    /// Its predicted box.
     pub fn predicted_box(&self) -> Rect {
         let (w, h) = self.size();
         Rect::around(self.model.centre(), w, h)
     }
 
-    /// Goes on by its own motion for a frame.
-    pub fn go_on(&mut self) {
-        self.held_from = None;
+    /// Predicts its own motion by one frame.
+    pub fn predict(&mut self) {
+        self.unconstrained_centre = None;
         self.model.predict();
     }
 
-    /// Moves as a blob does that is its own.
-    pub fn follow(&mut self, model: &Model) {
-        self.held_from = None;
+    /// Takes the motion of its blob.
+    pub fn set_model(&mut self, model: &KalmanModel) {
+        self.unconstrained_centre = None;
         self.model = model.clone();
     }
 
-    /// Goes on with the velocity that it had when it was last seen clearly.
-    pub fn keep_pace(&mut self) {
-        if let Some(Appearance { velocity: [x, y], .. }) = self.clear {
+    /// Sets the velocity to the mean of its clear frames.
+    pub fn restore_clear_velocity(&mut self) {
+        if let Some(Appearance { velocity: [x, y], .. }) = self.appearance {
             self.model.set_velocity(Vector3::new(x, y, 0.0));
         }
     }
 
-    /// Goes on more slowly: somebody of whom nothing is seen may have stopped or turned.
-    pub fn slow_down(&mut self) {
+    /// Damps the velocity: an unseen object may have stopped or turned.
+    pub fn damp_velocity(&mut self) {
         let velocity = self.model.velocity();
-        self.model.set_velocity(SLOWING * velocity);
+        self.model.set_velocity(VELOCITY_DAMPING * velocity);
     }
 
-    /// The share of its full size that a region of `area` pixels shows, 0..=1.
+    /// The share of its expected area that `area` pixels show, 0..=1.
     pub fn visible_share(&self, area: f32) -> f32 {
         (area / self.area().max(1.0)).min(1.0)
     }
 
-    /// Takes in that only a part of it is seen: its own motion goes on, and its full extent holds
-    /// what is seen.
-    pub fn see_part(&mut self, view: &View) {
-        self.seen += 1;
-        if self.partial == 0 {
-            self.partial_from = self.model.centre();
+    /// Updates it with a detection of a part: its own motion continues, and its full extent is placed around the
+    /// detection.
+    pub fn update_partial(&mut self, detection: &Detection) {
+        self.seen_frames += 1;
+        if self.partial_frames == 0 {
+            self.partial_start = self.model.centre();
         }
-        self.partial += 1;
-        self.last = view.clone();
+        self.partial_frames += 1;
+        self.last_detection = detection.clone();
         if self.template.is_none() {
-            self.keep_pace();
+            self.restore_clear_velocity();
         }
         let (w, h) = self.size();
         let [x, y] = self.model.centre();
-        let [middle_x, middle_y] = view.bbox.centre();
-        self.hold_at([
-            close_to(middle_x, (w - view.bbox.w) / 2.0, x),
-            close_to(middle_y, (h - view.bbox.h) / 2.0, y),
+        let [middle_x, middle_y] = detection.bbox.centre();
+        self.constrain_centre([
+            clamp_around(middle_x, (w - detection.bbox.w) / 2.0, x),
+            clamp_around(middle_y, (h - detection.bbox.h) / 2.0, y),
         ]);
     }
 
-    /// Is found at a place, whatever its own motion says.
-    pub fn stand_at(&mut self, centre: [f32; 2]) {
-        self.held_from = None;
+    /// Moves it to a centre, independent of its motion.
+    pub fn set_centre(&mut self, centre: [f32; 2]) {
+        self.unconstrained_centre = None;
         self.model.set_centre(centre);
     }
 
-    /// Is held at a place that its own motion did not put it at.
-    pub fn hold_at(&mut self, centre: [f32; 2]) {
-        self.held_from.get_or_insert(self.model.centre());
+    /// Constrains it to a centre other than the predicted one.
+    pub fn constrain_centre(&mut self, centre: [f32; 2]) {
+        self.unconstrained_centre.get_or_insert(self.model.centre());
         self.model.set_centre(centre);
     }
 
-    /// Takes in where its looks show it, and how much of it is seen there, above 0 to 1. Its own motion is held
-    /// against that: against where it was held, whatever holds it back would speed it up frame by frame.
-    pub fn sight(&mut self, [x, y]: [f32; 2], seen: f32) {
-        self.unseen = 0;
-        if let Some(predicted) = self.held_from.take() {
+    /// Updates its motion with a localised centre and visible share, above 0 to 1. The innovation is taken against
+    /// the unconstrained prediction: against the constrained one, the constraint would accelerate it frame by frame.
+    pub fn update_position(&mut self, [x, y]: [f32; 2], seen: f32) {
+        self.unseen_frames = 0;
+        if let Some(predicted) = self.unconstrained_centre.take() {
             self.model.set_centre(predicted);
         }
         let scale = self.model.scale();
         self.model.update(&Vector3::new(x, y, scale), 1.0 / seen);
     }
 
-    /// Takes in whether it is seen as two side by side. When that is so in three frames more than not, it was two from
-    /// the start, who came in together: how the two looked as one is forgotten.
-    pub fn note_beside(&mut self, beside: bool) {
-        self.beside = if beside { self.beside + 1 } else { self.beside.saturating_sub(1) };
-        if self.beside >= LASTS {
-            self.forget_looks();
+    /// Counts frames in which it looks like two objects side by side. After `MIN_STABLE_FRAMES` more such frames than
+    /// others it was two from the start, and its joint appearance is dropped.
+    pub fn record_side_by_side(&mut self, beside: bool) {
+        self.side_by_side_frames =
+            if beside { self.side_by_side_frames + 1 } else { self.side_by_side_frames.saturating_sub(1) };
+        if self.side_by_side_frames >= MIN_STABLE_FRAMES {
+            self.reset_appearance();
         }
     }
 
-    /// Forgets how large it is and what it looks like: it is not what it was taken for.
-    pub fn forget_looks(&mut self) {
-        self.clear = None;
+    /// Drops its size and appearance: they belong to something else.
+    pub fn reset_appearance(&mut self) {
+        self.appearance = None;
         self.template = None;
         self.scale = 1.0;
-        self.partial = 0;
+        self.partial_frames = 0;
     }
 
-    /// Takes in that it is not seen: its own motion goes on.
-    pub fn miss(&mut self) {
-        self.partial += 1;
-        self.keep_pace();
+    /// Coasts for a frame without a detection.
+    pub fn coast(&mut self) {
+        self.partial_frames += 1;
+        self.restore_clear_velocity();
     }
 
-    /// Takes in how it is seen, alone. `cut_off` says that the image edge may hide a part of it.
-    pub fn see(&mut self, view: &View, cut_off: bool, settings: &Settings) {
-        self.seen += 1;
-        self.partial = 0;
-        self.last = view.clone();
+    /// Updates its appearance with a detection while alone. `cut_off` says that the image edge may hide a part of it.
+    pub fn update_appearance(&mut self, detection: &Detection, cut_off: bool, settings: &Settings) {
+        self.seen_frames += 1;
+        self.partial_frames = 0;
+        self.last_detection = detection.clone();
         let [x, y, _] = self.model.velocity().into();
-        match &mut self.clear {
-            // Until its whole was seen once, larger is clearer.
-            Some(clear) if cut_off && view.area > clear.area => clear.follow(view, [x, y]),
-            Some(clear) if !cut_off => clear.follow(view, [x, y]),
-            None if !cut_off => self.clear = Some(Appearance::first(view, [x, y])),
+        match &mut self.appearance {
+            // Until its whole was visible once, a larger detection is a clearer one.
+            Some(clear) if cut_off && detection.area > clear.area => clear.update(detection, [x, y]),
+            Some(clear) if !cut_off => clear.update(detection, [x, y]),
+            None if !cut_off => self.appearance = Some(Appearance::new(detection, [x, y])),
             Some(_) | None => {}
         }
         match &mut self.template {
-            Some(template) if !cut_off => template.follow(&view.mosaic, &view.bbox),
+            Some(template) if !cut_off => template.update(&detection.mosaic, &detection.bbox),
             Some(_) => {}
-            None => self.template = template_of(view, settings),
+            None => self.template = template_of(detection, settings),
         }
     }
 
-    /// Whether it went far while a part of it was seen: past anything that could hide the rest.
-    pub fn went_far(&self, view: &View) -> bool {
+    /// Whether it moved farther while partly visible than an occluder could hide the rest.
+    pub fn has_moved_while_partial(&self, detection: &Detection) -> bool {
         let [x, y] = self.model.centre();
-        (x - self.partial_from[0]).hypot(y - self.partial_from[1])
-            > self.size().0.min(view.bbox.w.max(0.5 * self.size().0))
+        (x - self.partial_start[0]).hypot(y - self.partial_start[1])
+            > self.size().0.min(detection.bbox.w.max(0.5 * self.size().0))
     }
 
-    /// What seemed a part of it has been the whole for long: what it looked like before is forgotten.
-    pub fn relearn(&mut self, view: &View, settings: &Settings) {
+    /// Learns its appearance anew from a detection that seemed a part for long.
+    pub fn relearn_appearance(&mut self, detection: &Detection, settings: &Settings) {
         let [x, y, _] = self.model.velocity().into();
-        self.clear = Some(Appearance::first(view, [x, y]));
-        self.template = template_of(view, settings);
+        self.appearance = Some(Appearance::new(detection, [x, y]));
+        self.template = template_of(detection, settings);
         self.scale = 1.0;
     }
 
-    /// Whether a view shows nearly the whole of it.
-    pub fn is_nearly_whole(&self, view: &View) -> bool {
-        self.clear.is_none()
-            || (view.area >= NEAR_FULL * self.area() && view.bbox.h >= NEAR_TALL * self.size().1)
+    /// Whether a detection shows nearly the whole of it.
+    pub fn is_nearly_whole(&self, detection: &Detection) -> bool {
+        self.appearance.is_none()
+            || (detection.area >= MIN_WHOLE_AREA_SHARE * self.area()
+                && detection.bbox.h >= MIN_WHOLE_HEIGHT_SHARE * self.size().1)
     }
 
     /// Its dominant colours as Algorithm 1 compares them, the most frequent first.
@@ -376,41 +384,39 @@ impl Object {
 
     /// Its colours as Algorithm 1 compares them.
     pub fn histogram(&self, settings: &Settings) -> &Histogram {
-        match (&self.clear, settings.colour_memory) {
+        match (&self.appearance, settings.colour_memory) {
             (Some(clear), ColourMemory::Clear) => &clear.histogram,
-            _ => &self.last.histogram,
+            _ => &self.last_detection.histogram,
         }
     }
 
-    /// How well a view's colours agree with its own, 0..=1.2, and the least ΔE between two of
-    /// their dominant colours.
-    pub fn agreement(&self, seen: &Histogram, settings: &Settings) -> (f32, f32) {
+    /// Colour similarity to a detection, 0..=1.2, and the least ΔE between two of their dominant colours.
+    pub fn colour_similarity(&self, seen: &Histogram, settings: &Settings) -> (f32, f32) {
         let mine = self.histogram(settings);
         let least = dominant_colours(mine, settings)
             .iter()
             .flat_map(|&a| dominant_colours(seen, settings).into_iter().map(move |b| delta_e(a, b)))
             .fold(f32::INFINITY, f32::min);
         let same = if least <= settings.same_colour { 1.0 } else { 0.0 };
-        let agreement = match settings.colour_memory {
+        let similarity = match settings.colour_memory {
             ColourMemory::Frame => same,
-            // Several dominant colours often share one, dark trousers say; the whole histogram
-            // tells by how much they agree.
+            // Several objects often share one dominant colour, such as dark trousers; the whole histogram measures
+            // the degree of similarity.
             ColourMemory::Clear => mine.likeness(seen) + 0.2 * same,
         };
-        (agreement, least)
+        (similarity, least)
     }
 }
 
-/// `value`, or the nearest to it that is at most `slack` away from `middle`; `middle` where `slack`
-/// is negative.
-pub(super) fn close_to(middle: f32, slack: f32, value: f32) -> f32 {
+/// `value` clamped to at most `slack` from `middle`; `middle` where `slack` is negative.
+pub(super) fn clamp_around(middle: f32, slack: f32, value: f32) -> f32 {
     let slack = slack.max(0.0);
     middle + (value - middle).clamp(-slack, slack)
 }
 
-/// What a first view says of the looks, where these are asked.
-pub(super) fn template_of(view: &View, settings: &Settings) -> Option<Template> {
-    (settings.placing == Placing::Looks).then(|| Template::first(&view.mosaic, &view.bbox))
+/// The template of a first detection, where the settings use templates.
+pub(super) fn template_of(detection: &Detection, settings: &Settings) -> Option<Template> {
+    (settings.placing == Placing::Looks).then(|| Template::new(&detection.mosaic, &detection.bbox))
 }
 
 fn dominant_colours(histogram: &Histogram, settings: &Settings) -> Vec<Rgb> {
@@ -429,15 +435,15 @@ mod tests {
     fn who_is_held_back_frame_by_frame_does_not_gather_speed() {
         let bbox = Rect::around([100.0, 100.0], 40.0, 100.0);
         let (histogram, mosaic) = (Histogram::default(), Arc::default());
-        let view = View { bbox, area: 2500.0, histogram, labels: vec![1], mosaic };
+        let detection = Detection { bbox, area: 2500.0, histogram, labels: vec![1], mosaic };
         let noise = Noise { process: 0.5, measurement: 2.0 };
-        let model = Model::new(Vector3::new(100.0, 100.0, 50.0), Vector3::zeros(), 1.0, noise);
-        let mut object = Object::new(1, (1, bbox), model, view);
-        // Its region is smaller than itself, and each frame its looks are found a little beside the region's middle.
+        let model = KalmanModel::new(Vector3::new(100.0, 100.0, 50.0), Vector3::zeros(), 1.0, noise);
+        let mut object = Object::new(1, (1, bbox), model, detection);
+        // Its region is smaller than its box, and each frame it is localised a little beside the region's middle.
         for _ in 0..100 {
-            object.go_on();
-            object.hold_at([100.0, 100.0]);
-            object.sight([106.0, 112.0], 0.5);
+            object.predict();
+            object.constrain_centre([100.0, 100.0]);
+            object.update_position([106.0, 112.0], 0.5);
         }
         let ([x, y], velocity) = (object.model.centre(), object.model.velocity());
         assert!(velocity.norm() < 0.1, "it stands still: {velocity}");
@@ -449,10 +455,10 @@ mod tests {
         let mut perspective = Perspective::default();
         for n in 0..500 {
             let y = (100 + n % 50) as f32;
-            perspective.see(y, 100.0 * (0.01 * (y - 100.0)).exp(), 100.0, 100.0);
+            perspective.update(y, 100.0 * (0.01 * (y - 100.0)).exp(), 100.0, 100.0);
         }
         let bbox = Rect::around([100.0, 100.0], 40.0, 100.0);
-        let view = View {
+        let detection = Detection {
             bbox,
             area: 2500.0,
             histogram: Histogram::default(),
@@ -460,12 +466,12 @@ mod tests {
             mosaic: Arc::default(),
         };
         let noise = Noise { process: 0.5, measurement: 2.0 };
-        let model = Model::new(Vector3::new(100.0, 100.0, 50.0), Vector3::zeros(), 1.0, noise);
-        let mut object = Object::new(1, (1, bbox), model, view.clone());
-        object.see(&view, false, &Settings::default());
-        object.stand_at([100.0, 110.0]);
+        let model = KalmanModel::new(Vector3::new(100.0, 100.0, 50.0), Vector3::zeros(), 1.0, noise);
+        let mut object = Object::new(1, (1, bbox), model, detection.clone());
+        object.update_appearance(&detection, false, &Settings::default());
+        object.set_centre([100.0, 110.0]);
         for _ in 0..20 {
-            object.rescale(&perspective);
+            object.update_scale(&perspective);
         }
         assert!((object.scale.ln() - 0.1).abs() < 0.01, "{}", object.scale);
     }

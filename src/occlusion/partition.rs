@@ -1,23 +1,23 @@
-//! Which objects and which regions have to do with each other in a frame.
+//! Clusters of blobs and detections that interact in a frame, and joining of fragments.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::regions::Rect;
 
-/// What was expected where: a blob, alone or a group.
+/// The expected region of a blob, alone or a group.
 #[derive(Clone, Debug)]
-pub struct Expected {
-    /// Where its region should be.
+pub struct ExpectedRegion {
+    /// Its expected box.
     pub bbox: Rect,
-    /// Pixels that it should have.
+    /// Its expected area in pixels.
     pub area: f32,
-    /// The observation that the tracker matched it with.
+    /// The observation that the pool matched it with.
     pub matched: Option<usize>,
-    /// Whether it stands for several objects.
+    /// Whether it has several members.
     pub group: bool,
 }
 
-/// Blobs and observations that have to do with each other.
+/// Blobs and observations that interact.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Cluster {
     /// Indices of blobs.
@@ -26,14 +26,14 @@ pub struct Cluster {
     pub observations: Vec<usize>,
 }
 
-/// A region of at most this share of somebody's pixels may be a part of them that is set off.
-const CRUMB: f32 = 0.4;
-/// How far it may be set off, over their height.
-const CLOSE: f32 = 0.15;
+/// A region of at most this share of an object's area may be a separate fragment of it.
+const MAX_SMALL_FRAGMENT_SHARE: f32 = 0.4;
+/// Largest gap of such a fragment, over the object's height.
+const MAX_FRAGMENT_GAP: f32 = 0.15;
 
 /// Fragments of one object together are at most this multiple of its size. Tried from 1.25 to 2.5 on pedestrians far and
 /// near and on fish; less loses objects that a post cuts, more joins neighbours.
-const MAX_UNION: f32 = 1.6;
+const MAX_UNION_RATIO: f32 = 1.6;
 
 /// Each of two side by side has at least this share of the height, and this share of the pixels, of what was taken for one
 /// object. The heights were tried from .4 to .6, on people near and far, forwards, backwards and mirrored, and on fish.
@@ -44,13 +44,13 @@ const MIN_BESIDE_WIDTH: f32 = 0.27;
 /// They share at most this part of the narrower one's columns.
 const MAX_SHARED_COLUMNS: f32 = 0.3;
 
-/// Joins blobs and observations: by the tracker's match, and by place where the tracker has none.
-/// `size_step` is the growth that speaks for a merge where the place alone does not decide.
-pub fn clusters(expected: &[Expected], observed: &[(Rect, f32)], size_step: f32) -> Vec<Cluster> {
+/// Clusters blobs and observations: by the pool's match, and by place where the pool has none. `size_step` is the
+/// growth that suggests a merge where the place alone does not decide.
+pub fn clusters(expected: &[ExpectedRegion], observed: &[(Rect, f32)], size_step: f32) -> Vec<Cluster> {
     let blobs = expected.len();
-    let mut sets = Sets::new(blobs + observed.len());
+    let mut sets = DisjointSets::new(blobs + observed.len());
     let owner = |observation| expected.iter().find(|it| it.matched == Some(observation));
-    let owners: Vec<Option<&Expected>> = (0..observed.len()).map(owner).collect();
+    let owners: Vec<Option<&ExpectedRegion>> = (0..observed.len()).map(owner).collect();
     for (blob, expected) in expected.iter().enumerate() {
         if let Some(observation) = expected.matched {
             sets.join(blob, blobs + observation);
@@ -58,7 +58,7 @@ pub fn clusters(expected: &[Expected], observed: &[(Rect, f32)], size_step: f32)
     }
     for (observation, ((bbox, area), owner)) in observed.iter().zip(&owners).enumerate() {
         if owner.is_none()
-            && let Some(blob) = piece_of(bbox, *area, expected)
+            && let Some(blob) = owner_of_unclaimed(bbox, *area, expected)
         {
             sets.join(blob, blobs + observation);
         }
@@ -66,9 +66,11 @@ pub fn clusters(expected: &[Expected], observed: &[(Rect, f32)], size_step: f32)
     for (blob, it) in expected.iter().enumerate() {
         for (observation, ((bbox, area), owner)) in observed.iter().zip(&owners).enumerate() {
             let belongs = match owner {
-                None => it.matched.is_none() && (is_piece_of(bbox, it) || held_share(&it.bbox, bbox) >= 0.5),
+                None => {
+                    it.matched.is_none() && (lies_inside(bbox, it) || contained_share(&it.bbox, bbox) >= 0.5)
+                }
                 Some(owner) if it.matched.is_none() => {
-                    let held = held_share(&it.bbox, bbox);
+                    let held = contained_share(&it.bbox, bbox);
                     let grown = *area >= (1.0 + size_step) * owner.area;
                     held >= 0.5 || (held >= 0.2 && grown)
                 }
@@ -82,36 +84,35 @@ pub fn clusters(expected: &[Expected], observed: &[(Rect, f32)], size_step: f32)
     sets.into_clusters(blobs)
 }
 
-/// Of whom a region that nobody claims is a part: that lies inside what was expected of them, or
-/// that is small and close to it.
-fn piece_of(bbox: &Rect, area: f32, expected: &[Expected]) -> Option<usize> {
-    let near = |it: &Expected| {
-        let small = area <= CRUMB * it.area && it.area > 0.0;
-        small && gap(bbox, &it.bbox) <= CLOSE * it.bbox.h
+/// The blob that an unclaimed region is a fragment of: it lies inside the expected box, or is small and close to it.
+fn owner_of_unclaimed(bbox: &Rect, area: f32, expected: &[ExpectedRegion]) -> Option<usize> {
+    let near = |it: &ExpectedRegion| {
+        let small = area <= MAX_SMALL_FRAGMENT_SHARE * it.area && it.area > 0.0;
+        small && gap(bbox, &it.bbox) <= MAX_FRAGMENT_GAP * it.bbox.h
     };
-    let belongs = |it: &Expected| is_piece_of(bbox, it) || near(it);
+    let belongs = |it: &ExpectedRegion| lies_inside(bbox, it) || near(it);
     let candidates = expected.iter().enumerate().filter(|(_, it)| belongs(it));
-    let nearer = |a: &Expected, b: &Expected| {
-        let held = |it: &Expected| held_share(bbox, &it.bbox);
+    let nearer = |a: &ExpectedRegion, b: &ExpectedRegion| {
+        let held = |it: &ExpectedRegion| contained_share(bbox, &it.bbox);
         held(b).total_cmp(&held(a)).then(gap(bbox, &a.bbox).total_cmp(&gap(bbox, &b.bbox)))
     };
     candidates.min_by(|a, b| nearer(a.1, b.1)).map(|(blob, _)| blob)
 }
 
-/// Whether a region nobody claims lies so far inside what was expected that it is a part of it.
-fn is_piece_of(bbox: &Rect, expected: &Expected) -> bool {
+/// Whether an unclaimed region lies inside the expected box.
+fn lies_inside(bbox: &Rect, expected: &ExpectedRegion) -> bool {
     let (grow, least) = if expected.group { (0.1, 0.3) } else { (0.2, 0.5) };
     let it = expected.bbox;
     let around = Rect::around(it.centre(), it.w * (1.0 + grow), it.h * (1.0 + grow));
-    held_share(bbox, &around) >= least
+    contained_share(bbox, &around) >= least
 }
 
 /// The share of `inner` that lies within `outer`, 0..=1.
-pub fn held_share(inner: &Rect, outer: &Rect) -> f32 {
+pub fn contained_share(inner: &Rect, outer: &Rect) -> f32 {
     inner.intersection(outer).area() / inner.area().max(f32::MIN_POSITIVE)
 }
 
-/// How large the objects are that a set of regions can show.
+/// The sizes of the objects that a set of regions can show.
 #[derive(Clone, Copy, Debug)]
 pub struct Extent {
     /// Width of the widest.
@@ -122,62 +123,62 @@ pub struct Extent {
     pub least_area: f32,
 }
 
-/// Joins regions that are parts of one object: one above the other within an object's extent (a
-/// pole or a belt of the background's colour cut it), or too small to be anybody. `inside` is the
-/// box of the only object that is expected, where there is only one: all that lies in it is its own.
-/// Two that stand [`beside`] each other are never joined, nor by way of a third.
-/// Gives pieces as lists of indices into `observed`, each by rising index, largest area first.
-pub fn pieces(observed: &[(Rect, f32)], extent: Extent, inside: Option<Rect>) -> Vec<Vec<usize>> {
+/// Joins regions that are fragments of one object: one above the other within an object's extent (cut by a pole, or a
+/// belt of the background's colour), or too small to be an object. `inside` is the box of the only expected object,
+/// where there is only one: all regions in it are its own. Two regions [`are_side_by_side`] are never joined, nor by
+/// way of a third. Returns detections as lists of indices into `observed`, each by rising index, largest area first.
+pub fn join_fragments(observed: &[(Rect, f32)], extent: Extent, inside: Option<Rect>) -> Vec<Vec<usize>> {
     let mut joins: Vec<(f32, usize, usize)> = Vec::new();
-    let mut sets = Sets::new(observed.len());
+    let mut sets = DisjointSets::new(observed.len());
     for (i, first) in observed.iter().enumerate() {
         for (j, second) in observed.iter().enumerate().skip(i + 1) {
             let ((a, a_area), (b, b_area)) = (first, second);
             let both = a.union(b);
             let stacked =
                 a.shared_columns(b) >= 0.5 && both.h <= 1.25 * extent.h && both.w <= 1.25 * extent.w;
-            let fits = both.w <= MAX_UNION * extent.w
-                && both.h <= MAX_UNION * extent.h
+            let fits = both.w <= MAX_UNION_RATIO * extent.w
+                && both.h <= MAX_UNION_RATIO * extent.h
                 && gap(a, b) <= max_gap(*a_area, *b_area);
             let within = fits
                 && inside.is_some_and(|it| {
                     let around = Rect::around(it.centre(), it.w * 1.2, it.h * 1.2);
                     let mine = |it: &(Rect, f32)| {
-                        held_share(&it.0, &around) >= 0.5 || it.1 <= CRUMB * extent.least_area
+                        contained_share(&it.0, &around) >= 0.5
+                            || it.1 <= MAX_SMALL_FRAGMENT_SHARE * extent.least_area
                     };
                     mine(first) && mine(second)
                 });
-            if beside(first, second, extent) {
+            if are_side_by_side(first, second, extent) {
                 sets.keep_apart(i, j);
             } else if stacked || within {
                 joins.push((gap(a, b), i, j));
             }
         }
     }
-    // The nearest first, so that what lies between two who stand side by side goes to the nearer one.
+    // The nearest first, so that a region between two people side by side goes to the nearer one.
     joins.sort_by(|a, b| a.0.total_cmp(&b.0).then((a.1, a.2).cmp(&(b.1, b.2))));
     for (_, i, j) in joins {
         sets.join(i, j);
     }
-    let mut pieces: Vec<Vec<usize>> =
+    let mut join_fragments: Vec<Vec<usize>> =
         sets.into_clusters(0).into_iter().map(|cluster| cluster.observations).collect();
     let area = |piece: &[usize]| piece.iter().filter_map(|&at| observed.get(at)).map(|it| it.1).sum::<f32>();
-    pieces.sort_by(|a, b| area(b).total_cmp(&area(a)).then(a.cmp(b)));
+    join_fragments.sort_by(|a, b| area(b).total_cmp(&area(a)).then(a.cmp(b)));
     if inside.is_none() {
-        join_crumbs(&mut pieces, observed, 0.3 * extent.least_area);
+        join_small_fragments(&mut join_fragments, observed, 0.3 * extent.least_area);
     }
-    pieces
+    join_fragments
 }
 
-/// How far apart, in pixels, two regions of one object may be: regions far apart against their own sizes are never one.
+/// Largest gap in pixels between two fragments of one object: it is limited by their own sizes.
 fn max_gap(a_area: f32, b_area: f32) -> f32 {
     let (smaller, larger) = (a_area.min(b_area).sqrt(), a_area.max(b_area).sqrt());
     smaller.max(0.5 * larger)
 }
 
-/// Whether two regions look like two who stand side by side: each at least half as tall as what was taken
-/// for one object, each too wide for the half of somebody that a pole leaves, in other columns.
-pub fn beside((a, a_area): &(Rect, f32), (b, b_area): &(Rect, f32), extent: Extent) -> bool {
+/// Whether two regions look like two objects side by side: each at least half as tall as the expected object, each
+/// too wide for the half of a person that a pole leaves, in different columns.
+pub fn are_side_by_side((a, a_area): &(Rect, f32), (b, b_area): &(Rect, f32), extent: Extent) -> bool {
     let whole = |it: &Rect, area: f32| {
         it.h >= MIN_BESIDE_HEIGHT * extent.h
             && it.w >= MIN_BESIDE_WIDTH * it.h
@@ -186,18 +187,18 @@ pub fn beside((a, a_area): &(Rect, f32), (b, b_area): &(Rect, f32), extent: Exte
     whole(a, *a_area) && whole(b, *b_area) && a.shared_columns(b) <= MAX_SHARED_COLUMNS
 }
 
-/// Gives pieces of fewer than `least` pixels to the nearest larger one.
-fn join_crumbs(pieces: &mut Vec<Vec<usize>>, observed: &[(Rect, f32)], least: f32) {
-    while let [_, .., crumb] = pieces.as_slice() {
-        if crumb.iter().filter_map(|&at| observed.get(at)).map(|it| it.1).sum::<f32>() >= least {
+/// Joins detections of fewer than `least` pixels to the nearest larger one.
+fn join_small_fragments(join_fragments: &mut Vec<Vec<usize>>, observed: &[(Rect, f32)], least: f32) {
+    while let [_, .., fragment] = join_fragments.as_slice() {
+        if fragment.iter().filter_map(|&at| observed.get(at)).map(|it| it.1).sum::<f32>() >= least {
             break;
         }
-        let crumb_box = bounding_box(crumb, observed);
-        let distance = |piece: &Vec<usize>| gap(&bounding_box(piece, observed), &crumb_box);
-        let crumb = pieces.pop().unwrap_or_default();
-        let nearest = pieces.iter_mut().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let fragment_box = bounding_box(fragment, observed);
+        let distance = |piece: &Vec<usize>| gap(&bounding_box(piece, observed), &fragment_box);
+        let fragment = join_fragments.pop().unwrap_or_default();
+        let nearest = join_fragments.iter_mut().min_by(|a, b| distance(a).total_cmp(&distance(b)));
         if let Some(nearest) = nearest {
-            nearest.extend(crumb);
+            nearest.extend(fragment);
             nearest.sort_unstable();
         }
     }
@@ -220,14 +221,14 @@ fn gap(a: &Rect, b: &Rect) -> f32 {
 }
 
 /// Disjoint sets, some of which must not become one.
-struct Sets {
-    /// Of each member the first of its set.
+struct DisjointSets {
+    /// For each member the first of its set.
     firsts: Vec<usize>,
-    /// Of each first of a set the firsts of those that it must not be joined with.
+    /// For each first of a set the firsts of the sets that it must not be joined with.
     apart: Vec<BTreeSet<usize>>,
 }
 
-impl Sets {
+impl DisjointSets {
     fn new(count: usize) -> Self {
         Self { firsts: (0..count).collect(), apart: vec![BTreeSet::new(); count] }
     }
@@ -284,8 +285,8 @@ mod tests {
         Rect::new(x, y, 20.0, 60.0)
     }
 
-    fn alone(bbox: Rect, matched: Option<usize>) -> Expected {
-        Expected { bbox, area: 800.0, matched, group: false }
+    fn alone(bbox: Rect, matched: Option<usize>) -> ExpectedRegion {
+        ExpectedRegion { bbox, area: 800.0, matched, group: false }
     }
 
     const PERSON: Extent = Extent { w: 20.0, h: 60.0, least_area: 800.0 };
@@ -324,15 +325,18 @@ mod tests {
     fn two_side_by_side_are_no_one_but_the_halves_that_a_pole_leaves_are() {
         let pair = Extent { w: 50.0, h: 62.0, least_area: 1600.0 };
         let (left, right) = ((person(100.0, 50.0), 800.0), (person(127.0, 51.0), 780.0));
-        assert!(beside(&left, &right, pair));
-        assert_eq!(pieces(&[left, right], pair, Some(Rect::new(100.0, 50.0, 47.0, 62.0))), [[0], [1]]);
+        assert!(are_side_by_side(&left, &right, pair));
+        assert_eq!(
+            join_fragments(&[left, right], pair, Some(Rect::new(100.0, 50.0, 47.0, 62.0))),
+            [[0], [1]]
+        );
         let half = |x: f32| (Rect::new(x, 50.0, 9.0, 60.0), 400.0);
-        assert!(!beside(&half(100.0), &half(112.0), PERSON), "too narrow for two");
+        assert!(!are_side_by_side(&half(100.0), &half(112.0), PERSON), "too narrow for two");
         let low = (Rect::new(127.0, 90.0, 20.0, 22.0), 420.0);
-        assert!(!beside(&left, &low, pair), "not as tall");
+        assert!(!are_side_by_side(&left, &low, pair), "not as tall");
         let cars = Extent { w: 130.0, h: 42.0, least_area: 4000.0 };
         let car = |x: f32| (Rect::new(x, 50.0, 60.0, 40.0), 2000.0);
-        assert!(beside(&car(100.0), &car(168.0), cars), "wide things are two, too");
+        assert!(are_side_by_side(&car(100.0), &car(168.0), cars), "wide things are two, too");
     }
 
     #[test]
@@ -341,7 +345,7 @@ mod tests {
         let (left, right) = ((person(100.0, 50.0), 800.0), (person(127.0, 51.0), 780.0));
         let shadow = (Rect::new(124.0, 108.0, 30.0, 6.0), 120.0);
         let all = Some(Rect::new(100.0, 50.0, 47.0, 64.0));
-        assert_eq!(pieces(&[left, right, shadow], pair, all), [vec![1, 2], vec![0]]);
+        assert_eq!(join_fragments(&[left, right, shadow], pair, all), [vec![1, 2], vec![0]]);
     }
 
     #[test]
@@ -354,12 +358,12 @@ mod tests {
     #[test]
     fn a_person_cut_by_a_pole_is_one_piece_and_two_side_by_side_are_two() {
         let cut = [(Rect::new(100.0, 50.0, 20.0, 25.0), 400.0), (Rect::new(101.0, 80.0, 18.0, 30.0), 350.0)];
-        assert_eq!(pieces(&cut, PERSON, None), [[0, 1]]);
+        assert_eq!(join_fragments(&cut, PERSON, None), [[0, 1]]);
         let two = [(person(100.0, 50.0), 800.0), (person(125.0, 50.0), 790.0)];
-        assert_eq!(pieces(&two, PERSON, None), [[0], [1]]);
+        assert_eq!(join_fragments(&two, PERSON, None), [[0], [1]]);
         let split_lengthwise =
             [(Rect::new(100.0, 50.0, 8.0, 60.0), 400.0), (Rect::new(111.0, 50.0, 8.0, 60.0), 400.0)];
-        assert_eq!(pieces(&split_lengthwise, PERSON, Some(person(100.0, 50.0))), [[0, 1]]);
+        assert_eq!(join_fragments(&split_lengthwise, PERSON, Some(person(100.0, 50.0))), [[0, 1]]);
     }
 
     #[test]
@@ -369,6 +373,6 @@ mod tests {
             (person(150.0, 50.0), 790.0),
             (Rect::new(145.0, 100.0, 4.0, 4.0), 12.0),
         ];
-        assert_eq!(pieces(&observed, PERSON, None), [vec![0], vec![1, 2]]);
+        assert_eq!(join_fragments(&observed, PERSON, None), [vec![0], vec![1, 2]]);
     }
 }

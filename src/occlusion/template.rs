@@ -1,4 +1,4 @@
-//! What an object looks like, place by place: how often each part of its box is covered, and by which colour.
+//! Appearance template of an object: how often each element of its box is covered, and its colour.
 
 use crate::regions::{Mosaic, Rect};
 
@@ -6,15 +6,15 @@ use crate::regions::{Mosaic, Rect};
 pub const COLUMNS: usize = 8;
 /// Elements from top to bottom.
 pub const ROWS: usize = 20;
-/// How fast a template follows what is seen, once it has seen a few frames.
-const RATE: f32 = 0.1;
+/// Learning rate of a template, once it has seen a few frames.
+const LEARNING_RATE: f32 = 0.1;
 
-/// What is known of one part of an object's box.
+/// One element of an object's box.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Element {
-    /// How likely a point of it belongs to the object, 0..=1.
+    /// Probability that a point of it belongs to the object, 0..=1.
     pub cover: f32,
-    /// The mean colour of those that do.
+    /// The mean colour of those points.
     pub colour: [f32; 3],
 }
 
@@ -26,14 +26,14 @@ pub struct Template {
 }
 
 impl Template {
-    /// From the first sight of it.
-    pub fn first(mosaic: &Mosaic, bbox: &Rect) -> Self {
+    /// From a first detection.
+    pub fn new(mosaic: &Mosaic, bbox: &Rect) -> Self {
         Self { elements: sample(mosaic, bbox), frames: 1 }
     }
 
-    /// Takes in how it is seen now.
-    pub fn follow(&mut self, mosaic: &Mosaic, bbox: &Rect) {
-        let rate = RATE.max(1.0 / (self.frames + 1) as f32);
+    /// Updates it with a detection.
+    pub fn update(&mut self, mosaic: &Mosaic, bbox: &Rect) {
+        let rate = LEARNING_RATE.max(1.0 / (self.frames + 1) as f32);
         self.frames += 1;
         for (mine, now) in self.elements.iter_mut().zip(sample(mosaic, bbox)) {
             let cover = mine.cover + rate * (now.cover - mine.cover);
@@ -47,7 +47,7 @@ impl Template {
         }
     }
 
-    /// The part at (u, v), each 0..1 from left and top.
+    /// The element at (u, v), each 0..1 from left and top.
     pub fn at(&self, u: f32, v: f32) -> Element {
         let column = ((u * COLUMNS as f32) as usize).min(COLUMNS - 1);
         let row = ((v * ROWS as f32) as usize).min(ROWS - 1);
@@ -55,7 +55,7 @@ impl Template {
     }
 }
 
-/// What a mosaic shows of each element of a box.
+/// Samples a mosaic at each element of a box.
 fn sample(mosaic: &Mosaic, bbox: &Rect) -> Vec<Element> {
     let mut elements = vec![Element::default(); COLUMNS * ROWS];
     for (index, element) in elements.iter_mut().enumerate() {

@@ -8,18 +8,18 @@ use rayon::prelude::*;
 
 /// What of a frame's alignment is taken out.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Choice {
+pub struct CorrectionChoice {
     pub(super) stabilise: Stabilise,
     pub(super) light: LightCorrection,
 }
 
-impl Default for Choice {
+impl Default for CorrectionChoice {
     fn default() -> Self {
         Self::NOTHING
     }
 }
 
-impl Choice {
+impl CorrectionChoice {
     /// Nothing is.
     pub const NOTHING: Self = Self { stabilise: Stabilise::Off, light: LightCorrection::Off };
 
@@ -40,12 +40,12 @@ impl Choice {
     }
 
     /// What the mixture sees at a pixel; `None` outside the image.
-    pub fn pixel(self, frame: &Frame, (x, y): (u32, u32)) -> Option<Seen> {
+    pub fn pixel(self, frame: &Frame, (x, y): (u32, u32)) -> Option<ObservedColour> {
         let rgb = frame.pixel(x, y)?;
         Some(match self.correction(&frame.alignment, frame.size) {
-            None => Seen { colour: Some(rgb), applied: Applied::NOTHING },
+            None => ObservedColour { colour: Some(rgb), applied: Applied::NOTHING },
             Some(correction) => {
-                Seen { colour: correction.pixel(frame, x, y), applied: correction.applied(x, y) }
+                ObservedColour { colour: correction.pixel(frame, x, y), applied: correction.applied(x, y) }
             }
         })
     }
@@ -63,16 +63,16 @@ impl Choice {
     }
 }
 
-/// One pixel of a frame as the mixture sees it.
+/// The colour of one pixel as the mixture processes it.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Seen {
+pub struct ObservedColour {
     /// Its colour, `None` where the frame does not show it.
     pub colour: Option<[u8; 3]>,
     /// What was taken out.
     pub applied: Applied,
 }
 
-/// What was taken out of a frame at one pixel.
+/// The correction applied to one pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Applied {
     /// How far to the right and down the pixel was, in pixels.
@@ -106,7 +106,7 @@ pub struct Corrected {
 }
 
 /// The frame as the mixture is to see it, `None` where that is as it is.
-pub fn corrected(frame: &Frame, choice: Choice) -> Option<Corrected> {
+pub fn corrected(frame: &Frame, choice: CorrectionChoice) -> Option<Corrected> {
     choice.correction(&frame.alignment, frame.size).map(|correction| correction.apply(frame))
 }
 

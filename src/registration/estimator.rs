@@ -5,36 +5,37 @@ use std::collections::VecDeque;
 use super::geometry::{self, Pyramid};
 use super::plane::{Plane, reduction};
 use super::robust;
-use super::{Alignment, Choice, Light, Motion, light};
+use super::{Alignment, CorrectionChoice, Light, Motion, light};
 use crate::frame::{Frame, Size};
 use crate::settings::{LightCorrection, Stabilise};
 
-/// Least sides of an image in which motion is looked for, on the size of the estimate.
-const LEAST_SIDE: usize = 48;
-/// So many frames are the beginning: the motion of each is found, and what they show of a shake holds from the first on.
-pub(super) const BEGINNING: u32 = 50;
-/// After it each of so many frames is a sample.
-const EVERY: u32 = 6;
-/// Samples are kept for so many frames: a camera that moved has to stay there for as long.
-const SPAN: u32 = 96;
-/// Fewer samples do not say that the camera shakes.
-const LEAST_SAMPLES: usize = 16;
+/// Least side of an image in which motion is estimated, in pixels at the scale of the estimate.
+const MIN_SIDE_PX: usize = 48;
+/// Number of frames of the beginning: the motion of each is estimated, and a shake detected in them holds from the
+/// first on.
+pub(super) const BEGINNING_FRAMES: u32 = 50;
+/// Interval of samples after the beginning, in frames.
+const SAMPLE_INTERVAL_FRAMES: u32 = 6;
+/// Window of samples, in frames: a camera that moved has to stay there for as long.
+const SAMPLE_WINDOW_FRAMES: u32 = 96;
+/// Least number of samples from which a shake is detected.
+const MIN_SAMPLES: usize = 16;
 /// Frames over which the reference is averaged.
-const MEMORY: f32 = 100.0;
+const AVERAGE_MEMORY_FRAMES: f32 = 100.0;
 /// The average takes in each of so many frames, and then one of so many, fewer where the camera shakes.
-const FIRST: u32 = 16;
-const RENEWAL: u32 = 24;
-const RENEWAL_SHAKEN: u32 = 12;
+const INITIAL_AVERAGE_FRAMES: u32 = 16;
+const RENEWAL_INTERVAL_FRAMES: u32 = 24;
+const RENEWAL_INTERVAL_SHAKEN_FRAMES: u32 = 12;
 /// After so many frames the reference is good enough for a look at its points alone.
-const SETTLED: u32 = 8;
-/// A frame is shaken where the image's centre or edge is so many pixels from rest.
-const SHAKEN: f32 = 0.7;
-/// The camera shakes where so large a share of the samples is shaken.
-const SHAKES: f32 = 0.3;
-/// Below this correlation the frame shows something else than the reference.
-const LOST: f32 = 0.35;
-/// The camera has moved for good where it rests so far from where it was, as a share of the width.
-const MOVED: f32 = 0.012;
+const MIN_REFERENCE_FRAMES: u32 = 8;
+/// Least distance from rest, in pixels, of the image's centre or edge in a shaken frame.
+const MIN_SHAKE_PX: f32 = 0.7;
+/// Least share of shaken samples of a shaking camera.
+const MIN_SHAKEN_SHARE: f32 = 0.3;
+/// Least correlation of a frame with the reference; below it the frame shows something else.
+const MIN_CORRELATION: f32 = 0.35;
+/// Least distance of a new rest of the camera from the old one, as a share of the width.
+const MIN_MOVED_SHARE: f32 = 0.012;
 
 /// Of which frames the motion is found. Samples are among them in any case, and all else follows from samples alone: the
 /// rest, the light and the report that the camera moved do not depend on it.
@@ -48,8 +49,8 @@ enum Extent {
     Samples,
 }
 
-/// What was found in a sample.
-struct Seen {
+/// The estimate of a sample.
+struct MotionSample {
     motion: Motion,
     correlation: f32,
     /// Whether the motion explains far more than none does.
@@ -59,7 +60,8 @@ struct Seen {
     at: u32,
 }
 
-/// Measures the frames of a sequence, in order; each frame's result depends on it and those before it alone.
+/// Estimates the alignment of the frames of a sequence, in order; each result depends on its frame and those before
+/// it only.
 pub struct Estimator {
     size: Size,
     factor: usize,
@@ -69,7 +71,7 @@ pub struct Estimator {
     reference: Option<geometry::Reference>,
     light: Option<light::Reference>,
     /// What was seen lately, in samples.
-    window: VecDeque<Seen>,
+    window: VecDeque<MotionSample>,
     rest: Option<Motion>,
     /// Where the camera was last known to rest.
     settled: Motion,
@@ -96,7 +98,7 @@ impl Estimator {
     }
 
     /// Measures no more than what is to be taken out, and, in samples, whether the camera moved for good.
-    pub fn of(size: Size, choice: Choice) -> Self {
+    pub fn of(size: Size, choice: CorrectionChoice) -> Self {
         let no_light = choice.light == LightCorrection::Off;
         let extent = match choice.stabilise {
             Stabilise::Off if no_light => Extent::Samples,
@@ -120,11 +122,11 @@ impl Estimator {
         }
         let (width, height) =
             (self.size.width as usize / self.factor, self.size.height as usize / self.factor);
-        if width.min(height) < LEAST_SIDE {
+        if width.min(height) < MIN_SIDE_PX {
             return Alignment { light: self.light_of(frame, &Motion::NONE), ..Alignment::default() };
         }
         self.frames += 1;
-        let is_sample = self.frames <= BEGINNING || self.frames.is_multiple_of(EVERY);
+        let is_sample = self.frames <= BEGINNING_FRAMES || self.frames.is_multiple_of(SAMPLE_INTERVAL_FRAMES);
         let is_wanted = match self.extent {
             Extent::All => true,
             Extent::Shaken => self.rest.is_some(),
@@ -142,7 +144,7 @@ impl Estimator {
             }
         }
         // Between samples motion is known where it is wanted alone.
-        let is_known = self.rest.is_some() || self.frames <= BEGINNING;
+        let is_known = self.rest.is_some() || self.frames <= BEGINNING_FRAMES;
         let place = if is_known { motion } else { Motion::NONE };
         let light = self.light_of(frame, &place);
         Alignment { motion, light, rest: self.rest, moved_since }
@@ -153,12 +155,12 @@ impl Estimator {
     }
 
     /// Where the frame lies, on the size of the estimate. Changes nothing.
-    fn find(&self, frame: &Frame, pyramid: &mut Option<Pyramid>) -> geometry::Found {
+    fn find(&self, frame: &Frame, pyramid: &mut Option<Pyramid>) -> geometry::MotionEstimate {
         let usable = self.reference.as_ref().filter(|reference| reference.is_usable());
         let Some(reference) = usable else {
-            return geometry::Found::NOTHING;
+            return geometry::MotionEstimate::NOTHING;
         };
-        let calm = self.frames > SETTLED
+        let calm = self.frames > MIN_REFERENCE_FRAMES
             && self.rest.is_none()
             && self.window.iter().all(|seen| seen.motion == Motion::NONE);
         let still = if calm { reference.find_still(frame, self.factor, self.usual) } else { None };
@@ -172,25 +174,32 @@ impl Estimator {
     fn take_sample(
         &mut self,
         frame: &Frame,
-        found: &geometry::Found,
+        found: &geometry::MotionEstimate,
         motion: &Motion,
         pyramid: Option<Pyramid>,
     ) -> Option<u32> {
         self.usual = found.cost.min(1.01 * self.usual);
-        let &geometry::Found { correlation, is_clear, .. } = found;
-        let renewal = if self.rest.is_some() { RENEWAL_SHAKEN } else { RENEWAL };
-        let renews = self.frames <= FIRST || self.frames.is_multiple_of(renewal);
-        if renews && (correlation >= LOST || self.frames == 1) {
+        let &geometry::MotionEstimate { correlation, is_clear, .. } = found;
+        let renewal =
+            if self.rest.is_some() { RENEWAL_INTERVAL_SHAKEN_FRAMES } else { RENEWAL_INTERVAL_FRAMES };
+        let renews = self.frames <= INITIAL_AVERAGE_FRAMES || self.frames.is_multiple_of(renewal);
+        if renews && (correlation >= MIN_CORRELATION || self.frames == 1) {
             let plane = pyramid.map_or_else(|| Plane::luma(frame, self.factor), |Pyramid([.., plane])| plane);
-            self.learn(plane, found, if self.frames <= FIRST { 1 } else { renewal });
+            self.learn(plane, found, if self.frames <= INITIAL_AVERAGE_FRAMES { 1 } else { renewal });
         }
         let at = self.frames;
-        self.window.push_back(Seen { motion: *motion, correlation, is_clear, number: frame.number, at });
-        while self.window.front().is_some_and(|seen| seen.at + SPAN <= at) {
+        self.window.push_back(MotionSample {
+            motion: *motion,
+            correlation,
+            is_clear,
+            number: frame.number,
+            at,
+        });
+        while self.window.front().is_some_and(|seen| seen.at + SAMPLE_WINDOW_FRAMES <= at) {
             self.window.pop_front();
         }
         let moved_since = self.moved_since(frame);
-        let enough = if at <= BEGINNING { BEGINNING as usize / 2 } else { LEAST_SAMPLES };
+        let enough = if at <= BEGINNING_FRAMES { BEGINNING_FRAMES as usize / 2 } else { MIN_SAMPLES };
         if self.rest.is_none() && self.window.len() >= enough {
             self.rest = self.shakes_around();
         }
@@ -198,9 +207,9 @@ impl Estimator {
     }
 
     /// Takes the frame into the average, for so many.
-    fn learn(&mut self, plane: Plane, found: &geometry::Found, frames: u32) {
+    fn learn(&mut self, plane: Plane, found: &geometry::MotionEstimate, frames: u32) {
         if self.average.data.len() == plane.data.len() {
-            let rate = (frames as f32 / MEMORY).max(1.0 / self.frames as f32);
+            let rate = (frames as f32 / AVERAGE_MEMORY_FRAMES).max(1.0 / self.frames as f32);
             blend(&mut self.average, &plane, found, rate);
         } else {
             self.average = plane;
@@ -212,14 +221,15 @@ impl Estimator {
     fn shakes_around(&self) -> Option<Motion> {
         let rest = self.middle();
         let half = 0.5 * self.size.width as f32;
-        let shaken = |seen: &&Seen| {
+        let shaken = |seen: &&MotionSample| {
             let motion = &seen.motion;
             let away = Motion { dx: motion.dx - rest.dx, dy: motion.dy - rest.dy, ..*motion };
-            let far = away.length() > SHAKEN || half * (motion.turn - rest.turn).abs() > 2.0 * SHAKEN;
-            far && (seen.is_clear || motion.length() < SHAKEN)
+            let far =
+                away.length() > MIN_SHAKE_PX || half * (motion.turn - rest.turn).abs() > 2.0 * MIN_SHAKE_PX;
+            far && (seen.is_clear || motion.length() < MIN_SHAKE_PX)
         };
         let count = self.window.iter().filter(shaken).count();
-        (count as f32 > SHAKES * self.window.len() as f32).then_some(rest)
+        (count as f32 > MIN_SHAKEN_SHARE * self.window.len() as f32).then_some(rest)
     }
 
     /// The median of each number over the samples.
@@ -238,12 +248,12 @@ impl Estimator {
 
     /// Whether all samples show that the camera looks elsewhere, and since which of them.
     fn moved_since(&mut self, frame: &Frame) -> Option<u32> {
-        if self.frames <= BEGINNING {
+        if self.frames <= BEGINNING_FRAMES {
             self.settled = self.middle();
             return None;
         }
         let first = self.window.front().map_or(0, |seen| seen.number);
-        if self.window.iter().all(|seen| seen.correlation < LOST) {
+        if self.window.iter().all(|seen| seen.correlation < MIN_CORRELATION) {
             // What was there before is no longer in view: what is now becomes the reference.
             self.average = Plane::luma(frame, self.factor);
             self.reference = Some(geometry::Reference::new(&self.average));
@@ -263,10 +273,10 @@ impl Estimator {
             shift.max(edge)
         };
         let away = far(&middle, &self.settled);
-        let settled_elsewhere = |seen: &Seen| {
+        let settled_elsewhere = |seen: &MotionSample| {
             far(&seen.motion, &self.settled) > 0.5 * away && far(&seen.motion, &middle) < 0.25 * away
         };
-        let moved = away > (MOVED * width).max(2.0) && self.window.iter().all(settled_elsewhere);
+        let moved = away > (MIN_MOVED_SHARE * width).max(2.0) && self.window.iter().all(settled_elsewhere);
         if moved {
             self.settled = middle;
         }
@@ -275,8 +285,8 @@ impl Estimator {
 }
 
 /// Moves the average towards a frame that was found so, in the average's light.
-fn blend(average: &mut Plane, frame: &Plane, found: &geometry::Found, rate: f32) {
-    let geometry::Found { motion, light: (gain, offset), .. } = found;
+fn blend(average: &mut Plane, frame: &Plane, found: &geometry::MotionEstimate, rate: f32) {
+    let geometry::MotionEstimate { motion, light: (gain, offset), .. } = found;
     let relit = |value: f32| (value - offset) / gain;
     if *motion == Motion::NONE {
         for (mean, value) in average.data.iter_mut().zip(&frame.data) {

@@ -7,22 +7,23 @@ use super::plane::{Plane, square};
 use super::robust;
 use crate::frame::Frame;
 
-/// The coarse search goes so many pixels of a quarter of the size to each side, and no more than a quarter of the image.
-const REACH: usize = 8;
-/// What a pixel farther has to bring in the coarse search, as a share.
-const FARTHER: f32 = 0.01;
-/// Radius of the mean that is taken away for the coarse search.
-const AROUND: usize = 5;
-/// Beyond so many levels a difference says "something else", and how large it is does not matter.
-const CAP: f32 = 20.0;
-/// One point in each square of so many pixels.
-const CELL: usize = 8;
+/// Range of the coarse search to each side, in pixels at a quarter of the size, and no more than a quarter of the
+/// image.
+const MAX_SEARCH_PX: usize = 8;
+/// Improvement that a pixel of greater distance needs in the coarse search, as a share.
+const SHARE_PER_PIXEL: f32 = 0.01;
+/// Radius of the mean that is subtracted for the coarse search, in pixels.
+const MEAN_RADIUS_PX: usize = 5;
+/// Largest residual in levels: beyond it a point shows something else, and the amount is irrelevant.
+const MAX_RESIDUAL_LEVELS: f32 = 20.0;
+/// Side of the squares with one point each, in pixels.
+const POINT_CELL_PX: usize = 8;
 /// Least contrast of a point, in levels a pixel.
-const CONTRAST: f32 = 3.0;
-/// Fewer points give no motion.
-const LEAST_POINTS: usize = 24;
-/// The camera of a fixed place turns and zooms by no more, in radians and as a share.
-const TILT: f32 = 0.1;
+const MIN_CONTRAST: f32 = 3.0;
+/// Least number of points for an estimate.
+const MIN_POINTS: usize = 24;
+/// Largest turn and zoom of a camera of fixed place, in radians and as a share.
+const MAX_TURN_AND_ZOOM: f32 = 0.1;
 /// The numbers of a fit.
 const DX: usize = 0;
 const DY: usize = 1;
@@ -32,14 +33,14 @@ const GAIN: usize = 4;
 const OFFSET: usize = 5;
 /// A motion is clear where it leaves no more than this share of what none leaves unexplained, in the whole image and in its
 /// quarters: leaves and water that move pull at the estimate, too, but explain little of the image, or one side of it.
-const CLEAR: f32 = 0.8;
-const CLEAR_PART: f32 = 0.95;
+const MAX_UNEXPLAINED: f32 = 0.8;
+const MAX_UNEXPLAINED_QUARTER: f32 = 0.95;
 /// Steps of least squares on each size.
-const STEPS: usize = 6;
+const LEAST_SQUARES_STEPS: usize = 6;
 /// A motion has to explain the image better than none does by this factor, as long as the camera is not known to shake.
-const BETTER: f32 = 0.93;
+const MAX_RESIDUAL_RATIO: f32 = 0.93;
 /// The camera stands still where that explains the image as well as it usually is, up to this factor.
-const USUAL: f32 = 1.25;
+const MAX_STILL_RATIO: f32 = 1.25;
 
 /// A point of the reference on one size of it: from the image's centre, its value and gradient.
 #[derive(Clone, Copy)]
@@ -73,7 +74,7 @@ impl Pyramid {
 
 /// Where the frame was found in the reference, and how well.
 #[derive(Clone, Copy)]
-pub(super) struct Found {
+pub(super) struct MotionEstimate {
     pub(super) motion: Motion,
     /// Correlation of the points of strong contrast, −1..=1.
     pub(super) correlation: f32,
@@ -85,7 +86,7 @@ pub(super) struct Found {
     pub(super) light: (f32, f32),
 }
 
-impl Found {
+impl MotionEstimate {
     /// What is said where there is nothing to be found.
     pub(super) const NOTHING: Self =
         Self { motion: Motion::NONE, correlation: 1.0, cost: f32::MAX, is_clear: false, light: (1.0, 0.0) };
@@ -99,22 +100,22 @@ impl Reference {
         let places = places(plane);
         let points =
             [(&quarter, 4), (&half, 2), (plane, 1)].map(|(plane, part)| points(plane, &places, part));
-        Self { coarse: quarter.contrast(AROUND), points, places }
+        Self { coarse: quarter.contrast(MEAN_RADIUS_PX), points, places }
     }
 
     /// Whether there is contrast enough to find anything.
     pub(super) fn is_usable(&self) -> bool {
-        self.points.iter().all(|points| points.len() >= LEAST_POINTS)
+        self.points.iter().all(|points| points.len() >= MIN_POINTS)
     }
 
     /// What is found where the camera stands still and the image differs no more than it does by `usual`.
-    pub(super) fn find_still(&self, frame: &Frame, factor: usize, usual: f32) -> Option<Found> {
+    pub(super) fn find_still(&self, frame: &Frame, factor: usize, usual: f32) -> Option<MotionEstimate> {
         let values: Vec<_> = self.places.iter().map(|&(x, y)| square(frame, factor, x, y)).collect();
         let seen = || self.points[2].iter().copied().zip(values.iter().copied());
-        let mut still = Fit::of(Motion::NONE);
+        let mut still = MotionFit::of(Motion::NONE);
         still.relight(seen());
         let cost = still.cost(seen());
-        (cost <= USUAL * usual).then(|| Found {
+        (cost <= MAX_STILL_RATIO * usual).then(|| MotionEstimate {
             motion: Motion::NONE,
             correlation: correlation(seen()),
             cost,
@@ -124,9 +125,9 @@ impl Reference {
     }
 
     /// Finds how the frame has moved against the reference; where the camera is known to shake, with less reserve.
-    pub(super) fn find(&self, frame: &Pyramid, shakes: bool) -> Found {
-        let (dx, dy) = self.search(&frame.0[0].contrast(AROUND));
-        let mut fit = Fit::of(Motion { dx: dx as f32, dy: dy as f32, ..Motion::NONE });
+    pub(super) fn find(&self, frame: &Pyramid, shakes: bool) -> MotionEstimate {
+        let (dx, dy) = self.search(&frame.0[0].contrast(MEAN_RADIUS_PX));
+        let mut fit = MotionFit::of(Motion { dx: dx as f32, dy: dy as f32, ..Motion::NONE });
         for (level, (plane, points)) in frame.0.iter().zip(&self.points).enumerate() {
             if level > 0 {
                 fit.motion.dx *= 2.0;
@@ -137,11 +138,11 @@ impl Reference {
         let mut turned = fit;
         turned.improve(&frame.0[2], &self.points[2], &[DX, DY, TURN, ZOOM, GAIN, OFFSET]);
         let (plane, points) = (&frame.0[2], &self.points[2]);
-        let mut still = Fit::of(Motion::NONE);
+        let mut still = MotionFit::of(Motion::NONE);
         still.relight(still.seen(plane, points));
         let cost_still = still.cost(still.seen(plane, points));
         let (mut best, mut cost) = (still, cost_still);
-        let better = if shakes { 1.0 } else { BETTER };
+        let better = if shakes { 1.0 } else { MAX_RESIDUAL_RATIO };
         for mut fit in [fit, turned] {
             fit.relight(fit.seen(plane, points));
             let left = fit.cost(fit.seen(plane, points));
@@ -150,13 +151,13 @@ impl Reference {
             }
         }
         let fit = best;
-        let is_clear = cost < CLEAR * cost_still && self.is_clear(&fit, &still, plane);
+        let is_clear = cost < MAX_UNEXPLAINED * cost_still && self.is_clear(&fit, &still, plane);
         let correlation = correlation(fit.seen(plane, points));
-        Found { motion: fit.motion, correlation, cost, is_clear, light: (fit.gain, fit.offset) }
+        MotionEstimate { motion: fit.motion, correlation, cost, is_clear, light: (fit.gain, fit.offset) }
     }
 
     /// Whether `fit` explains the quarters of the image better than `still` does, all but one.
-    fn is_clear(&self, fit: &Fit, still: &Fit, plane: &Plane) -> bool {
+    fn is_clear(&self, fit: &MotionFit, still: &MotionFit, plane: &Plane) -> bool {
         let (mut judged, mut better) = (0, 0);
         for quarter in [(true, true), (true, false), (false, true), (false, false)] {
             let points: Vec<_> = self.points[2]
@@ -167,7 +168,7 @@ impl Reference {
             let [with, without] = [fit, still].map(|fit| fit.cost(fit.seen(plane, &points)));
             if with < f32::MAX && without < f32::MAX {
                 judged += 1;
-                better += usize::from(with < CLEAR_PART * without);
+                better += usize::from(with < MAX_UNEXPLAINED_QUARTER * without);
             }
         }
         better + 1 >= judged.max(2)
@@ -176,7 +177,7 @@ impl Reference {
     /// The shift in pixels of a quarter of the size under which the contrasts agree best.
     fn search(&self, frame: &Plane) -> (i32, i32) {
         let (width, height) = (self.coarse.width, self.coarse.height);
-        let (reach_x, reach_y) = (REACH.min(width / 4), REACH.min(height / 4));
+        let (reach_x, reach_y) = (MAX_SEARCH_PX.min(width / 4), MAX_SEARCH_PX.min(height / 4));
         let columns = reach_x..width - reach_x;
         let cost = |dx: usize, dy: usize| {
             let mut sum = 0.0;
@@ -191,7 +192,7 @@ impl Reference {
         // Of places that look alike, as along a fence, the nearer one.
         let cost = |dx: usize, dy: usize| {
             let away = dx.abs_diff(reach_x) + dy.abs_diff(reach_y);
-            cost(dx, dy) * (1.0 + FARTHER * away as f32)
+            cost(dx, dy) * (1.0 + SHARE_PER_PIXEL * away as f32)
         };
         let mut best = (cost(reach_x, reach_y), (reach_x, reach_y));
         let try_at = |best: &mut (f32, (usize, usize)), dx: usize, dy: usize| {
@@ -224,11 +225,11 @@ fn row_cost(one: &[f32], other: &[f32]) -> f32 {
     let (other, other_rest) = other.as_chunks::<8>();
     for (a, b) in one.iter().zip(other) {
         for ((sum, a), b) in sums.iter_mut().zip(a).zip(b) {
-            *sum += (a - b).abs().min(CAP);
+            *sum += (a - b).abs().min(MAX_RESIDUAL_LEVELS);
         }
     }
     for ((sum, a), b) in sums.iter_mut().zip(one_rest).zip(other_rest) {
-        *sum += (a - b).abs().min(CAP);
+        *sum += (a - b).abs().min(MAX_RESIDUAL_LEVELS);
     }
     sums.iter().sum()
 }
@@ -236,11 +237,11 @@ fn row_cost(one: &[f32], other: &[f32]) -> f32 {
 /// In each cell the pixel of the strongest contrast.
 fn places(plane: &Plane) -> Vec<(usize, usize)> {
     let mut places = Vec::new();
-    for top in (2..plane.height.saturating_sub(CELL + 2)).step_by(CELL) {
-        for left in (2..plane.width.saturating_sub(CELL + 2)).step_by(CELL) {
-            let mut best = (CONTRAST * CONTRAST, None);
-            for y in top..top + CELL {
-                for x in left..left + CELL {
+    for top in (2..plane.height.saturating_sub(POINT_CELL_PX + 2)).step_by(POINT_CELL_PX) {
+        for left in (2..plane.width.saturating_sub(POINT_CELL_PX + 2)).step_by(POINT_CELL_PX) {
+            let mut best = (MIN_CONTRAST * MIN_CONTRAST, None);
+            for y in top..top + POINT_CELL_PX {
+                for x in left..left + POINT_CELL_PX {
                     let (across, down) = gradient(plane, x, y);
                     let strength = across * across + down * down;
                     if strength > best.0 {
@@ -279,13 +280,13 @@ fn centre(plane: &Plane) -> (f32, f32) {
 
 /// A motion, and the light that goes with it.
 #[derive(Clone, Copy)]
-struct Fit {
+struct MotionFit {
     motion: Motion,
     gain: f32,
     offset: f32,
 }
 
-impl Fit {
+impl MotionFit {
     const fn of(motion: Motion) -> Self {
         Self { motion, gain: 1.0, offset: 0.0 }
     }
@@ -306,7 +307,7 @@ impl Fit {
 
     /// Steps of robust least squares, over these numbers alone, until they are short.
     fn improve<const N: usize>(&mut self, plane: &Plane, points: &[Point], numbers: &[usize; N]) {
-        for _ in 0..STEPS {
+        for _ in 0..LEAST_SQUARES_STEPS {
             match self.improved(plane, points, numbers) {
                 Some((better, length)) => {
                     *self = better;
@@ -327,7 +328,7 @@ impl Fit {
         numbers: &[usize; N],
     ) -> Option<(Self, f32)> {
         let seen: Vec<_> = self.seen(plane, points).collect();
-        if seen.len() < LEAST_POINTS {
+        if seen.len() < MIN_POINTS {
             return None;
         }
         let mut sizes: Vec<f32> =
@@ -375,7 +376,8 @@ impl Fit {
         let corner = 0.5 * plane.width as f32;
         let length = dx.abs() + dy.abs() + corner * (turn.abs() + zoom.abs());
         let tilt = better.motion.turn.abs().max(better.motion.zoom.abs());
-        let sound = steps.iter().all(|number| number.is_finite()) && tilt < TILT && length < corner;
+        let sound =
+            steps.iter().all(|number| number.is_finite()) && tilt < MAX_TURN_AND_ZOOM && length < corner;
         sound.then_some((better, length))
     }
 
@@ -393,10 +395,10 @@ impl Fit {
     fn cost(&self, seen: impl Iterator<Item = (Point, f32)>) -> f32 {
         let (mut sum, mut count) = (0.0, 0.0);
         for (point, value) in seen {
-            sum += self.residual(&point, value).abs().min(CAP);
+            sum += self.residual(&point, value).abs().min(MAX_RESIDUAL_LEVELS);
             count += 1.0;
         }
-        if count < LEAST_POINTS as f32 { f32::MAX } else { sum / count }
+        if count < MIN_POINTS as f32 { f32::MAX } else { sum / count }
     }
 }
 

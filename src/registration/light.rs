@@ -38,12 +38,12 @@ const STARTS: f32 = 0.04;
 const ENDS: f32 = 0.01;
 
 /// Column, row and part of the image.
-type Place = (u32, u32, usize);
+type SamplePoint = (u32, u32, usize);
 
 /// The colours of some places of the image, and the light in which they were last seen.
 pub(super) struct Reference {
     size: Size,
-    places: Vec<Place>,
+    places: Vec<SamplePoint>,
     /// As they were in the light of the beginning.
     colours: Vec<[f32; 3]>,
     /// The light against that of the beginning: as it is, and as it was in the recent past.
@@ -56,13 +56,13 @@ pub(super) struct Reference {
 
 /// A place of the reference as the frame shows it.
 #[derive(Clone, Copy)]
-struct Pair {
+struct ColourPair {
     part: usize,
     before: [f32; 3],
     now: [f32; 3],
 }
 
-impl Pair {
+impl ColourPair {
     fn luma(&self) -> (f32, f32) {
         let luma = |[r, g, b]: [f32; 3]| (0.299 * r + 0.587 * g) + 0.114 * b;
         (luma(self.before), luma(self.now))
@@ -112,7 +112,7 @@ impl Reference {
         }
         let seen = self.places.iter().zip(&self.colours).zip(&now);
         let pairs: Vec<_> = seen
-            .filter_map(|((&(_, _, part), &before), now)| Some(Pair { part, before, now: (*now)? }))
+            .filter_map(|((&(_, _, part), &before), now)| Some(ColourPair { part, before, now: (*now)? }))
             .filter(|pair| {
                 let (before, now) = pair.luma();
                 [before, now].iter().all(|level| (DARKEST..BRIGHTEST).contains(level))
@@ -126,7 +126,7 @@ impl Reference {
     }
 
     /// The colour that the frame, moved by `motion`, shows at a place.
-    fn colour(&self, frame: &Frame, motion: &Motion, &(x, y, _): &Place) -> Option<[f32; 3]> {
+    fn colour(&self, frame: &Frame, motion: &Motion, &(x, y, _): &SamplePoint) -> Option<[f32; 3]> {
         let (centre_x, centre_y) =
             (0.5 * (self.size.width as f32 - 1.0), 0.5 * (self.size.height as f32 - 1.0));
         let (x, y) = motion.apply(x as f32 - centre_x, y as f32 - centre_y);
@@ -140,7 +140,8 @@ impl Reference {
         let (gain, offset) = self.light.luma();
         let pairs = self.places.iter().zip(&self.colours).step_by(GLANCE);
         let off = pairs.filter_map(|(place, &before)| {
-            let (before, now) = Pair { part: 0, before, now: self.colour(frame, motion, place)? }.luma();
+            let (before, now) =
+                ColourPair { part: 0, before, now: self.colour(frame, motion, place)? }.luma();
             Some(now - (gain * before + offset))
         });
         robust::median(&mut off.collect::<Vec<_>>()).abs() < ALIKE
@@ -174,11 +175,11 @@ impl Reference {
     }
 
     /// The new light where the parts of the image agree on it; else that of the frame before.
-    fn measure(&self, pairs: &[Pair]) -> Light {
+    fn measure(&self, pairs: &[ColourPair]) -> Light {
         if pairs.len() < self.places.len() / 4 {
             return self.light;
         }
-        let levels: Vec<_> = pairs.iter().map(Pair::luma).collect();
+        let levels: Vec<_> = pairs.iter().map(ColourPair::luma).collect();
         let (was_gain, was_offset) = self.light.luma();
         let Some((gain, offset)) = fit(&levels) else { return self.light };
         let mut parts = vec![Vec::new(); PARTS.0 * PARTS.1];

@@ -18,6 +18,6 @@ mod robust;
 mod tests;
 
 pub use alignment::{Alignment, Light, Motion};
-pub use correction::{Applied, Choice, Corrected, Correction, Seen, corrected};
+pub use correction::{Applied, Corrected, Correction, CorrectionChoice, ObservedColour, corrected};
 pub use estimator::Estimator;
 pub use registered::{Registered, measure_all};

@@ -2,8 +2,8 @@
 
 use std::collections::VecDeque;
 
-use super::estimator::BEGINNING;
-use super::{Choice, Estimator};
+use super::estimator::BEGINNING_FRAMES;
+use super::{CorrectionChoice, Estimator};
 use crate::frame::Frame;
 use crate::source::{Source, SourceError, SourceInfo};
 
@@ -11,12 +11,12 @@ use crate::source::{Source, SourceError, SourceInfo};
 const HELD_BYTES: usize = 256 << 20;
 
 /// Measures frames that are all there, as [`Registered`] does those of a file.
-pub fn measure_all(frames: &mut [Frame], choice: Choice) {
+pub fn measure_all(frames: &mut [Frame], choice: CorrectionChoice) {
     let Some(size) = frames.first().map(|frame| frame.size) else { return };
     let mut estimator = Estimator::of(size, choice);
     for at in 0..frames.len() {
         frames[at].alignment = estimator.step(&frames[at]);
-        if at + 1 == frames.len().min(BEGINNING as usize) {
+        if at + 1 == frames.len().min(BEGINNING_FRAMES as usize) {
             tell_rest(&mut frames[..=at], &estimator);
         }
     }
@@ -58,7 +58,7 @@ impl Registered {
     pub fn by(source: Box<dyn Source>, estimator: Estimator, first: u32) -> Self {
         let info = source.info();
         let room = HELD_BYTES / (3 * info.size.pixels()).max(1);
-        let ahead = if info.live { 0 } else { room.min(BEGINNING as usize) };
+        let ahead = if info.live { 0 } else { room.min(BEGINNING_FRAMES as usize) };
         Self { source, estimator, first, held: VecDeque::new(), end: None, ahead, warnings: Vec::new() }
     }
 

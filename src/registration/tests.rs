@@ -55,7 +55,8 @@ fn frame(number: u32, motion: &Motion, (gain, offset): (f32, f32), object: Optio
     Frame::new(number, SIZE, rgb)
 }
 
-const EVERYTHING: Choice = Choice { stabilise: Stabilise::Similarity, light: LightCorrection::Gain };
+const EVERYTHING: CorrectionChoice =
+    CorrectionChoice { stabilise: Stabilise::Similarity, light: LightCorrection::Gain };
 
 fn still(number: u32) -> Frame {
     frame(number, &Motion::NONE, (1.0, 0.0), None)
@@ -254,7 +255,7 @@ fn pixels_that_a_frame_does_not_show_are_background_and_teach_nothing() {
         let settings = Settings { background_model: model, ..settings.clone() };
         let mut pipeline = Pipeline::new(&settings, SIZE, 25.0).unwrap();
         for frame in &frames {
-            let choice = Choice::new(&settings);
+            let choice = CorrectionChoice::new(&settings);
             let mask = pipeline.masks(&[frame]).unwrap().swap_remove(0);
             let Some(correction) = choice.correction(&frame.alignment, SIZE) else { continue };
             let back = correction.motion().inverse();
@@ -369,14 +370,14 @@ fn what_is_not_taken_out_is_not_measured_and_changes_nothing_of_what_is() {
         };
         let all = measured(EVERYTHING);
         for settings in choices() {
-            let choice = Choice::new(&settings);
+            let choice = CorrectionChoice::new(&settings);
             for (number, (alignment, all)) in measured(choice).iter().zip(&all).enumerate() {
                 assert_eq!((alignment.rest, alignment.moved_since), (all.rest, all.moved_since), "{number}");
                 let lit = choice.light == LightCorrection::Gain;
                 assert_eq!(alignment.light, if lit { all.light } else { Light::SAME }, "{number}");
                 let correction = |alignment| choice.correction(alignment, SIZE).map(|it| *it.motion());
                 assert_eq!(correction(alignment), correction(all), "{number}");
-                let off = choice == Choice::NOTHING && number >= 50 && (number + 1) % 6 != 0;
+                let off = choice == CorrectionChoice::NOTHING && number >= 50 && (number + 1) % 6 != 0;
                 assert!(!off || alignment.motion == Motion::NONE, "{number}");
             }
         }

@@ -10,9 +10,9 @@ use std::time::Instant;
 use super::*;
 use crate::export::video::VideoFile;
 use crate::frame::Size;
-use crate::mixture::bins::bins;
-use crate::mixture::follow::slots;
-use crate::mixture::tuning::Knob;
+use crate::mixture::component_slots::slots_by_rank;
+use crate::mixture::downsampled_history::downsample;
+use crate::mixture::tuning::TunableSetting;
 use crate::truth::Truth;
 use crate::truth::masks::{Label, TrueMask, TrueMasks};
 
@@ -64,7 +64,10 @@ fn a_pixels_whole_history() {
             let whole =
                 |history: &Arc<PixelHistory>| history.at == at && history.states.len() as u32 == FRAMES;
             let history = until(&|state| state.pixel.as_ref().is_some_and(whole)).pixel.unwrap();
-            assert_eq!(bins(&history, &slots(&history), 0..FRAMES as usize, COLUMNS).len(), COLUMNS);
+            assert_eq!(
+                downsample(&history, &slots_by_rank(&history), 0..FRAMES as usize, COLUMNS).len(),
+                COLUMNS
+            );
             clicked.elapsed().as_secs_f64() * 1000.0
         })
         .collect();
@@ -76,7 +79,8 @@ fn a_pixels_whole_history() {
     let mask = Arc::new(TrueMask::new(SIZE, labels));
     let masks = TrueMasks::new((1..=FRAMES).map(|number| (number, Arc::clone(&mask))).collect());
     session.set_truth(Some(Arc::new(Truth { boxes: None, masks: masks.map(Arc::new) })));
-    for knobs in [[Knob::Alpha, Knob::T], [Knob::Alpha, Knob::Lambda]] {
+    for knobs in [[TunableSetting::Alpha, TunableSetting::T], [TunableSetting::Alpha, TunableSetting::Lambda]]
+    {
         session.tune(Some(knobs));
         for side in [1, 9, 15] {
             let asked = Instant::now();

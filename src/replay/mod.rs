@@ -1,28 +1,28 @@
-//! Time travel: a worker that analyses ahead, remembers, and shows any frame as it was.
+//! Random access in time: a worker that analyses ahead, keeps records and checkpoints, and shows any frame as it was.
 //!
-//! The window holds a [`Session`] and asks; the worker publishes a [`State`] whenever something
-//! changed. Neither waits for the other.
+//! The window holds a [`Session`] and sends requests; the worker publishes a [`State`] after every change. Neither
+//! waits for the other.
 
-mod gather;
-mod inspector;
-mod lane;
+mod analysis_pass;
+mod analysis_record;
+mod compared_pass;
+mod counterfactual;
+mod frame_consumer;
+mod last_foreground;
+mod local_checkpoints;
 mod memory;
-mod near;
+mod model_timeline;
 mod pictures;
-mod pins;
-mod record;
-mod region;
+mod pin_follower;
+mod pixel_follower;
+mod region_shares;
 mod region_tuner;
-mod rival;
-mod run;
-mod runs;
-mod scoring;
+mod rle;
+mod scorer;
 mod session;
-mod since;
-mod spaced;
-mod timeline;
+mod strided_checkpoints;
+mod timeline_builder;
 mod tuner;
-mod what_if;
 mod worker;
 
 #[cfg(test)]
@@ -33,10 +33,10 @@ mod tests;
 use std::sync::Arc;
 
 use crate::frame::Frame;
-use crate::mixture::tuning::{self, Axis, Flip};
-use crate::mixture::{Map, Parameters, PixelHistory};
+use crate::mixture::tuning::{self, SettingAxis, VerdictFlip};
+use crate::mixture::{Parameters, PixelHistory, QuantityMap};
 use crate::occlusion::Event;
-use crate::occlusion::what_if::WhatIf;
+use crate::occlusion::counterfactual::Counterfactual;
 use crate::pipeline::Analysis;
 use crate::regions::Roi;
 use crate::registration::Alignment;
@@ -48,7 +48,7 @@ use crate::truth::masks::TrueMask;
 use crate::truth::summary::Score;
 
 pub use memory::memory;
-pub use region::{RegionShares, around};
+pub use region_shares::{RegionShares, region_bounds};
 pub use session::Session;
 
 /// Which frame comes into view after opening. The first frame is shown until it is reached.
@@ -63,7 +63,7 @@ pub enum Start {
     Frame(u32),
 }
 
-/// How far a session has come.
+/// The phase of a session.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Phase {
     /// The source is being opened.
@@ -74,7 +74,7 @@ pub enum Phase {
     Failed(String),
 }
 
-/// What the worker last published. Cheap to clone and to read.
+/// The state that the worker published last. Cheap to clone and to read.
 #[derive(Clone, Debug)]
 pub struct State {
     /// How far the session has come.
@@ -84,7 +84,7 @@ pub struct State {
     /// What went wrong without ending the work, a sentence each, in order.
     pub warnings: Arc<Vec<String>>,
     /// The frame in view: everything of one moment and one choice of settings.
-    pub shown: Option<Arc<Shown>>,
+    pub shown: Option<Arc<ShownFrame>>,
     /// The chosen pixel through all frames that are known, under the settings chosen last; `None` when
     /// no pixel is chosen or the model has no mixture. After a change of settings it is there at
     /// once, before the frame in view.
@@ -95,60 +95,60 @@ pub struct State {
     /// Of the chosen pixel and the pinned ones those whose histories cannot be known, as they begin with first frames
     /// that a live source no longer has.
     pub lost: Vec<(u32, u32)>,
-    /// The share of foreground around the pixel that [`Session::region`] named, as far as it is counted.
+    /// The share of foreground in the region that [`Session::region`] named, as far as it is counted.
     pub region: Option<Arc<RegionShares>>,
     /// What the chosen pixel would be under other settings, if [`Session::tune`] asked for it. It may
     /// be of another frame, pixel or choice of settings than the one in view: then the new one is on its way.
     pub tuning: Option<Arc<Tuning>>,
-    /// How right the mixture would be around a pixel under other settings, if [`Session::tune_region`] asked for it and
-    /// there are true masks. It may be the answer to an earlier question, as [`Self::tuning`] may.
+    /// Accuracy of the mixture in a region under other settings, if [`Session::tune_region`] asked for it and there
+    /// are true masks. It may belong to an earlier request, as [`Self::tuning`] may.
     pub region_tuning: Option<Arc<RegionTuning>>,
-    /// What would have kept an event from happening, if [`Session::explain`] asked for it, as far as that is known.
-    pub what_if: Option<Arc<WhatIf>>,
-    /// What is known of the whole sequence so far under the settings of the frame in view, which it
-    /// holds. It follows the work at most ten times a second.
+    /// Counterfactuals of an event, if [`Session::explain`] asked for them, as far as known.
+    pub counterfactual: Option<Arc<Counterfactual>>,
+    /// The timeline of the sequence so far under the settings of the frame in view, which it contains. It is updated
+    /// at most ten times a second.
     pub timeline: Arc<Timeline>,
-    /// What is known of the sequence under the settings that [`Session::compare`] named; `None` where nothing is
-    /// compared, or the same settings.
-    pub beside: Option<Arc<Beside>>,
-    /// What the worker is doing, `None` when it rests.
+    /// The sequence under the settings that [`Session::compare`] named; `None` where nothing is compared, or the same
+    /// settings.
+    pub compared: Option<Arc<ComparedSequence>>,
+    /// The current work of the worker, `None` when it is idle.
     pub busy: Option<Progress>,
     /// Frames a second of analysis, averaged over about the last second of work; 0 when unknown.
     pub analysis_fps: f32,
 }
 
-/// The sequence under settings that are compared with those in view.
+/// The sequence under the compared settings.
 #[derive(Clone, Debug)]
-pub struct Beside {
+pub struct ComparedSequence {
     /// The settings.
     pub settings: Arc<Settings>,
-    /// What is known so far.
+    /// The timeline so far.
     pub timeline: Timeline,
 }
 
-/// What one pixel would be in one frame under other settings of the mixture.
+/// The state of one pixel in one frame under other settings of the mixture.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Tuning {
     /// The pixel: column and row.
     pub at: (u32, u32),
     /// The frame's place in the sequence, from 0.
     pub position: u32,
-    /// The parameters around which was looked.
+    /// The present parameters.
     pub parameters: Parameters,
     /// Foreground or background over a grid of two settings.
-    pub map: tuning::Map,
-    /// What flips the verdict, a setting each.
-    pub flips: Vec<Flip>,
+    pub map: tuning::VerdictMap,
+    /// For each setting the nearest value that flips the verdict.
+    pub flips: Vec<VerdictFlip>,
 }
 
-/// How right the mixture is about the pixels around one, by true masks and before any cleaning, under other settings.
+/// Accuracy of the mixture in a region, against true masks and before cleaning, under other settings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RegionTuning {
     /// The pixel in the middle: column and row.
     pub at: (u32, u32),
     /// Pixels along each side; at the image's edge there are fewer.
     pub side: u32,
-    /// The parameters around which was looked.
+    /// The present parameters.
     pub parameters: Parameters,
     /// How many columns and rows of pixels were judged.
     pub extent: [u32; 2],
@@ -157,12 +157,12 @@ pub struct RegionTuning {
     /// What is decided under [`Self::parameters`].
     pub present: Decisions,
     /// What changes along a row, and from row to row.
-    pub axes: [Axis; 2],
+    pub axes: [SettingAxis; 2],
     /// What is decided in each cell, row by row.
     pub cells: Vec<Decisions>,
 }
 
-/// Work under way.
+/// Work in progress.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Progress {
     /// What: `analysing`, `going back to frame 203`.
@@ -173,18 +173,18 @@ pub struct Progress {
     pub total: Option<u32>,
 }
 
-/// One frame with everything that was made of it.
+/// One frame with all results for it.
 #[derive(Clone, Debug)]
-pub struct Shown {
+pub struct ShownFrame {
     /// The frame's place in the sequence, from 0.
     pub position: u32,
-    /// The settings under which all of this came about.
+    /// The settings of all these results.
     pub settings: Arc<Settings>,
-    /// What was analysed, the whole image without one.
+    /// The area of interest; `None` for the whole image.
     pub roi: Option<Arc<Roi>>,
     /// The input.
     pub frame: Arc<Frame>,
-    /// What the stages made of it.
+    /// The results of the stages.
     pub analysis: Arc<Analysis>,
     /// The mean of component 1 at each pixel, after this frame's update. What MOG2 and KNN give
     /// instead cannot be had again later: of them each frame's is kept while there is memory, then
@@ -193,19 +193,19 @@ pub struct Shown {
     /// The weighted mean of the B background components; `None` where the model has no mixture.
     pub multi_mode: Option<Arc<Frame>>,
     /// A number of each pixel after this frame's update, if [`Session::map`] asks for one that the model has.
-    pub map: Option<Arc<Map>>,
+    pub map: Option<Arc<QuantityMap>>,
     /// The chosen pixel through all frames up to the last that is known, under `settings`;
     /// `None` when no pixel is chosen or the model has no mixture. Its state of this frame is the
-    /// one at index [`Shown::position`].
+    /// one at index [`ShownFrame::position`].
     pub pixel: Option<Arc<PixelHistory>>,
     /// What each pixel truly is, where [`Session::set_truth`] named a mask of this frame.
     pub truth: Option<Arc<TrueMask>>,
     /// The same frame under the settings that are compared with `settings`; `None` while nothing is compared, or it
     /// has not been analysed under them.
-    pub beside: Option<Arc<Shown>>,
+    pub compared: Option<Arc<ShownFrame>>,
 }
 
-/// What is known of the whole sequence: for the timeline and the event list.
+/// The results of the whole sequence so far: for the timeline and the event list.
 #[derive(Clone, Debug, Default)]
 pub struct Timeline {
     /// The frame numbers of the positions known so far.
@@ -223,16 +223,16 @@ pub struct Timeline {
     pub alignments: Vec<Alignment>,
     /// All events so far, by frame and kind, with the position at which each happened.
     pub events: Vec<(u32, Event)>,
-    /// Each identity's life, by identity.
-    pub life_lines: Vec<LifeLine>,
-    /// How right it is by the truth that [`Session::set_truth`] named, once all has been analysed.
+    /// The track of each identity over time, by identity.
+    pub track_timelines: Vec<TrackTimeline>,
+    /// Its score against the ground truth that [`Session::set_truth`] named, once all has been analysed.
     pub score: Option<Arc<Score>>,
 }
 
-/// When an object was seen, and how.
+/// The states of a track over time.
 #[derive(Clone, Debug, PartialEq)]
-pub struct LifeLine {
-    /// Who.
+pub struct TrackTimeline {
+    /// Its identity.
     pub id: Identity,
     /// Positions `first..=last` in which its state was the same, in order.
     pub spans: Vec<(u32, u32, TrackState)>,

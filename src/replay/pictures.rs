@@ -1,18 +1,18 @@
-//! The pictures that a model gives at one frame.
+//! The pictures of a model at one frame.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
 
 use crate::frame::Frame;
-use crate::mixture::{Map, Mixture, Quantity};
+use crate::mixture::{Mixture, Quantity, QuantityMap};
 
-/// What a model shows of itself after a frame.
+/// The pictures of a model after a frame.
 #[derive(Clone)]
 pub(super) struct Pictures {
     pub(super) background: Arc<Frame>,
     pub(super) multi_mode: Option<Arc<Frame>>,
-    /// What was asked for, where the model has it.
-    pub(super) map: Option<Arc<Map>>,
+    /// The requested map, where the model has it.
+    pub(super) map: Option<Arc<QuantityMap>>,
 }
 
 impl Pictures {
@@ -28,7 +28,7 @@ impl Pictures {
             Some(Quantity::BackgroundCount) => {
                 Some(appearance.background_count.iter().map(|&count| f32::from(count)).collect())
             }
-            Some(Quantity::Matched | Quantity::Since) | None => None,
+            Some(Quantity::Matched | Quantity::SinceForeground) | None => None,
         };
         let pictures = Self {
             background: picture(appearance.mean),
@@ -40,7 +40,7 @@ impl Pictures {
 
     /// The same with these values of a quantity.
     pub(super) fn with_map(self, quantity: Option<Quantity>, values: Option<Vec<f32>>) -> Self {
-        let map = quantity.zip(values).map(|(quantity, values)| Arc::new(Map { quantity, values }));
+        let map = quantity.zip(values).map(|(quantity, values)| Arc::new(QuantityMap { quantity, values }));
         Self { map: map.or(self.map), ..self }
     }
 
@@ -49,7 +49,7 @@ impl Pictures {
         self.map.as_ref().is_some_and(|map| map.quantity == quantity)
     }
 
-    /// That of a model which has a background image alone.
+    /// The picture of a model that has a background image only.
     pub(super) const fn of_background(background: Arc<Frame>) -> Self {
         Self { background, multi_mode: None, map: None }
     }
@@ -58,18 +58,18 @@ impl Pictures {
 /// The last pictures that were made, by position: stepping back passes by frames that were
 /// replayed a moment ago.
 #[derive(Clone)]
-pub(super) struct Recent {
+pub(super) struct RecentPictures {
     pictures: VecDeque<(u32, Pictures)>,
     room: usize,
 }
 
-impl Recent {
+impl RecentPictures {
     pub(super) const fn new(room: usize) -> Self {
         Self { pictures: VecDeque::new(), room }
     }
 
-    /// Room for so many.
-    pub(super) fn set_room(&mut self, room: usize) {
+    /// Changes the capacity, in pictures.
+    pub(super) fn set_capacity(&mut self, room: usize) {
         self.room = room;
         while self.pictures.len() > self.room {
             self.pictures.pop_front();

@@ -1,39 +1,39 @@
-//! How right the mixture would be under other settings about the pixels around one, worked out in small pieces.
+//! Accuracy of the mixture in a region under other settings, in short steps.
 
 use std::ops::Range;
 use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::gather::Follower;
-use super::{RegionTuning, around};
+use super::frame_consumer::FrameConsumer;
+use super::{RegionTuning, region_bounds};
 use crate::frame::{Frame, Size};
 use crate::mixture::Parameters;
-use crate::mixture::tuning::{Axis, Knob, grid};
-use crate::registration::{Choice, corrected};
+use crate::mixture::tuning::{SettingAxis, TunableSetting, grid};
+use crate::registration::{CorrectionChoice, corrected};
 use crate::settings::{BackgroundModel, Settings};
 use crate::truth::decisions::{Decisions, of_mixture};
 use crate::truth::masks::{TrueMask, TrueMasks};
 
-/// So many values are a piece of some milliseconds.
-const PIECE: usize = 1_000_000;
+/// Values of all runs in a step of some milliseconds.
+const MAX_VALUES_PER_STEP: usize = 1_000_000;
 
-/// Works out a [`RegionTuning`], and keeps the last one.
+/// Computes a [`RegionTuning`], and keeps the last one.
 #[derive(Default)]
 pub(super) struct RegionTuner {
-    region: Option<Region>,
-    /// So many of the first frames are learnt from before the first is judged.
+    region: Option<RegionFrames>,
+    /// Number of first frames that are learnt from before the first is classified.
     to_learn: u32,
-    /// What is done to the frames that are gathered.
-    registration: Choice,
-    knobs: Option<[Knob; 2]>,
+    /// The registration of the collected frames.
+    registration: CorrectionChoice,
+    knobs: Option<[TunableSetting; 2]>,
     truth: Option<Arc<TrueMasks>>,
-    job: Option<Job>,
-    done: Option<(Question, Arc<RegionTuning>)>,
+    job: Option<RegionTuningJob>,
+    done: Option<(RegionTuningQuery, Arc<RegionTuning>)>,
 }
 
-/// The pixels around one, in all frames that were seen.
-struct Region {
+/// The pixels of the region in all frames so far.
+struct RegionFrames {
     at: (u32, u32),
     side: u32,
     columns: Range<u32>,
@@ -41,20 +41,20 @@ struct Region {
     frames: Vec<Frame>,
 }
 
-/// What an answer is an answer to.
+/// The inputs of a tuning.
 #[derive(Clone, PartialEq)]
-struct Question {
+struct RegionTuningQuery {
     at: (u32, u32),
     side: u32,
-    knobs: [Knob; 2],
+    knobs: [TunableSetting; 2],
     parameters: Parameters,
     frames: usize,
 }
 
-/// A [`RegionTuning`] under way.
-struct Job {
-    question: Question,
-    axes: [Axis; 2],
+/// A [`RegionTuning`] in progress.
+struct RegionTuningJob {
+    query: RegionTuningQuery,
+    axes: [SettingAxis; 2],
     truth: Vec<Option<TrueMask>>,
     /// The present parameters, then those of each cell.
     runs: Vec<Parameters>,
@@ -67,16 +67,16 @@ impl RegionTuner {
         let region = region.filter(|&((x, y), _)| size.index(x, y).is_some());
         if self.region.as_ref().map(|region| (region.at, region.side)) != region {
             self.region = region.map(|(at, side)| {
-                let (columns, rows) = around(at, side, size);
-                Region { at, side, columns, rows, frames: Vec::new() }
+                let (columns, rows) = region_bounds(at, side, size);
+                RegionFrames { at, side, columns, rows, frames: Vec::new() }
             });
             (self.job, self.done) = (None, None);
         }
     }
 
-    /// Sees frames from now on as the settings have it; those that were seen otherwise are forgotten.
+    /// Takes the registration of the settings; frames collected under another one are dropped.
     pub(super) fn register(&mut self, settings: &Settings) {
-        let registration = Choice::new(settings);
+        let registration = CorrectionChoice::new(settings);
         if registration != self.registration {
             self.registration = registration;
             if let Some(region) = &mut self.region {
@@ -86,31 +86,30 @@ impl RegionTuner {
         }
     }
 
-    /// Chooses what changes along the sides of the grid; `None` where nobody wants one.
-    pub(super) const fn tune(&mut self, knobs: Option<[Knob; 2]>) {
+    /// Chooses the two settings along the sides of the grid; `None` for no grid.
+    pub(super) const fn tune(&mut self, knobs: Option<[TunableSetting; 2]>) {
         self.knobs = knobs;
     }
 
-    /// So many of the first frames are learnt from under the settings in view.
+    /// Sets the number of first frames that are learnt from.
     pub(super) const fn set_to_learn(&mut self, to_learn: u32) {
         self.to_learn = to_learn;
     }
 
-    /// Takes the masks that are right; they are as large as the frames.
+    /// Sets the true masks; they have the size of the frames.
     pub(super) fn set_truth(&mut self, truth: Option<Arc<TrueMasks>>) {
         self.truth = truth;
         (self.job, self.done) = (None, None);
     }
 
-    /// Forgets what was seen, as after another first frame.
+    /// Drops all frames and results, as after another first frame.
     pub(super) fn forget(&mut self) {
         self.lose();
         (self.job, self.done) = (None, None);
     }
 
-    /// Does a piece of work on the frames that were seen; how many runs are done and how many there are, if there was
-    /// any to do.
-    pub(super) fn piece(&mut self, settings: &Settings) -> Option<(usize, usize)> {
+    /// Advances on the collected frames; the number of finished runs and of all runs, if there was anything to do.
+    pub(super) fn advance(&mut self, settings: &Settings) -> Option<(usize, usize)> {
         let mixture = settings.background_model == BackgroundModel::Mixture;
         let (Some(region), Some(knobs), Some(truth)) = (&self.region, self.knobs, &self.truth) else {
             return None;
@@ -118,29 +117,29 @@ impl RegionTuner {
         let (at, side, frames) = (region.at, region.side, region.frames.len());
         let learnt = self.to_learn.min(frames as u32);
         let parameters = Parameters { learnt, ..Parameters::new(settings) };
-        let question = Question { at, side, knobs, parameters, frames };
-        let known = self.done.as_ref().is_some_and(|(done, _)| *done == question);
+        let query = RegionTuningQuery { at, side, knobs, parameters, frames };
+        let known = self.done.as_ref().is_some_and(|(done, _)| *done == query);
         if known || frames == 0 || !mixture {
             return None;
         }
         let job = match self.job.take() {
-            Some(job) if job.question == question => self.job.insert(job),
-            _ => self.job.insert(Job::new(question, region, truth)),
+            Some(job) if job.query == query => self.job.insert(job),
+            _ => self.job.insert(RegionTuningJob::new(query, region, truth)),
         };
         let progress = (job.decisions.len(), job.runs.len());
-        if let Some(tuning) = job.go_on(&region.frames) {
-            self.done = self.job.take().map(|job| (job.question, Arc::new(tuning)));
+        if let Some(tuning) = job.advance(&region.frames) {
+            self.done = self.job.take().map(|job| (job.query, Arc::new(tuning)));
         }
         Some(progress)
     }
 
-    /// The newest answer, which may be to an earlier question.
+    /// The newest tuning, which may have other inputs.
     pub(super) fn latest(&self) -> Option<Arc<RegionTuning>> {
         self.done.as_ref().map(|(_, tuning)| Arc::clone(tuning))
     }
 }
 
-impl Follower for RegionTuner {
+impl FrameConsumer for RegionTuner {
     fn next(&self) -> Option<u32> {
         let (region, truth) = self.region.as_ref().zip(self.truth.as_ref())?;
         let more = region.frames.len() < self.to_learn as usize
@@ -164,23 +163,23 @@ impl Follower for RegionTuner {
     }
 }
 
-impl Job {
-    fn new(question: Question, region: &Region, truth: &TrueMasks) -> Self {
-        let (axes, cells) = grid(&question.parameters, question.knobs);
+impl RegionTuningJob {
+    fn new(query: RegionTuningQuery, region: &RegionFrames, truth: &TrueMasks) -> Self {
+        let (axes, cells) = grid(&query.parameters, query.knobs);
         let truth = region
             .frames
             .iter()
             .map(|frame| truth.of(frame.number).map(|mask| mask.cut(&region.columns, &region.rows)));
-        let mut runs = vec![question.parameters];
+        let mut runs = vec![query.parameters];
         runs.extend(cells);
-        Self { question, axes, truth: truth.collect(), runs, decisions: Vec::new() }
+        Self { query, axes, truth: truth.collect(), runs, decisions: Vec::new() }
     }
 
-    /// The answer, if this was the last piece.
-    fn go_on(&mut self, frames: &[Frame]) -> Option<RegionTuning> {
+    /// The tuning, if this was the last step.
+    fn advance(&mut self, frames: &[Frame]) -> Option<RegionTuning> {
         let values = frames.first().map_or(1, |frame| frame.size.pixels()) * frames.len();
         // At least a run for each thread, however long they are.
-        let most = (PIECE / values.max(1)).max(rayon::current_num_threads());
+        let most = (MAX_VALUES_PER_STEP / values.max(1)).max(rayon::current_num_threads());
         let done = self.decisions.len();
         let next = &self.runs[done..self.runs.len().min(done + most)];
         let truth = &self.truth;
@@ -188,7 +187,7 @@ impl Job {
         if self.decisions.len() < self.runs.len() {
             return None;
         }
-        let Question { at, side, parameters, .. } = self.question;
+        let RegionTuningQuery { at, side, parameters, .. } = self.query;
         let extent = frames.first().map_or([0; 2], |frame| [frame.size.width, frame.size.height]);
         let mut decisions = std::mem::take(&mut self.decisions).into_iter();
         Some(RegionTuning {
@@ -230,17 +229,18 @@ mod tests {
         let settings = Settings::preset(Preset::Plain);
         let mut tuner = RegionTuner::default();
         tuner.choose(Some(((30, 30), 5)), frames[0].size);
-        assert!(tuner.next().is_none() && tuner.piece(&settings).is_none(), "nothing to judge by");
+        assert!(tuner.next().is_none() && tuner.advance(&settings).is_none(), "nothing to judge by");
         tuner.set_truth(Some(Arc::clone(&truth)));
         while let Some(next) = tuner.next() {
             tuner.push(next, &frames[next as usize]);
         }
         assert_eq!(tuner.region.as_ref().unwrap().frames.len(), 76, "no frame after the last that is judged");
-        assert!(tuner.piece(&settings).is_none(), "nobody asked");
-        for knobs in [[Knob::Alpha, Knob::T], [Knob::K, Knob::Lambda]] {
+        assert!(tuner.advance(&settings).is_none(), "nobody asked");
+        for knobs in [[TunableSetting::Alpha, TunableSetting::T], [TunableSetting::K, TunableSetting::Lambda]]
+        {
             tuner.tune(Some(knobs));
-            let pieces = std::iter::from_fn(|| tuner.piece(&settings)).count();
-            assert!(pieces > usize::from(knobs[0] == Knob::Alpha), "{pieces}");
+            let pieces = std::iter::from_fn(|| tuner.advance(&settings)).count();
+            assert!(pieces > usize::from(knobs[0] == TunableSetting::Alpha), "{pieces}");
             let tuning = tuner.latest().unwrap();
             let [across, up] = &tuning.axes;
             assert_eq!(tuning.cells.len(), across.values.len() * up.values.len());
@@ -257,8 +257,8 @@ mod tests {
             assert_eq!(tuning.present, of_mixture(&part, &labels, tuning.parameters));
         }
         let other = Settings { alpha: 0.2, ..settings };
-        assert!(tuner.piece(&other).is_some(), "another question");
+        assert!(tuner.advance(&other).is_some(), "another question");
         tuner.forget();
-        assert!(tuner.latest().is_none() && tuner.piece(&other).is_none());
+        assert!(tuner.latest().is_none() && tuner.advance(&other).is_none());
     }
 }

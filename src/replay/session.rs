@@ -1,4 +1,4 @@
-//! The window's side: asks, and reads what was last published.
+//! The window's side of a session: requests, and the state published last.
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -10,7 +10,7 @@ use std::time::Duration;
 use super::worker::Worker;
 use super::{Phase, Start, State, Timeline, memory};
 use crate::mixture::Quantity;
-use crate::mixture::tuning::Knob;
+use crate::mixture::tuning::TunableSetting;
 use crate::occlusion::Event;
 use crate::regions::Roi;
 use crate::settings::Settings;
@@ -27,50 +27,50 @@ pub struct Session {
     ended: Receiver<()>,
 }
 
-/// What the window wants that has not been done yet.
+/// Requests of the window that are not applied yet.
 #[derive(Default)]
 pub(super) struct Requests {
     pub(super) show: Option<u32>,
     pub(super) settings: Option<Settings>,
-    pub(super) beside: Option<Rival>,
-    pub(super) truth: Option<Known>,
-    pub(super) explain: Option<Explained>,
-    pub(super) roi: Option<Analysed>,
-    pub(super) inspect: Option<Pixel>,
-    pub(super) tune: Option<Knobs>,
+    pub(super) compared: Option<CompareRequest>,
+    pub(super) truth: Option<TruthRequest>,
+    pub(super) explain: Option<ExplainRequest>,
+    pub(super) roi: Option<RoiRequest>,
+    pub(super) inspect: Option<PixelRequest>,
+    pub(super) tune: Option<TuneRequest>,
     pub(super) analyse_ahead: Option<bool>,
-    pub(super) map: Option<Mapped>,
+    pub(super) map: Option<MapRequest>,
     pub(super) pins: Option<Vec<(u32, u32)>>,
-    pub(super) region: Option<Around>,
-    pub(super) tune_region: Option<Around>,
+    pub(super) region: Option<RegionRequest>,
+    pub(super) tune_region: Option<RegionRequest>,
     stop: bool,
 }
 
-/// Which pixel to follow, `None` for none.
-pub(super) struct Pixel(pub(super) Option<(u32, u32)>);
+/// Request: the pixel to follow, `None` for none.
+pub(super) struct PixelRequest(pub(super) Option<(u32, u32)>);
 
-/// What to change along the sides of a map, `None` for no map.
-pub(super) struct Knobs(pub(super) Option<[Knob; 2]>);
+/// Request: the two settings along the sides of a map, `None` for no map.
+pub(super) struct TuneRequest(pub(super) Option<[TunableSetting; 2]>);
 
-/// What to compare with what is in view, `None` for nothing.
-pub(super) struct Rival(pub(super) Option<Settings>);
+/// Request: the settings to compare with those in view, `None` for none.
+pub(super) struct CompareRequest(pub(super) Option<Settings>);
 
-/// What is known to be right, `None` for nothing.
-pub(super) struct Known(pub(super) Option<Arc<Truth>>);
+/// Request: the ground truth, `None` for none.
+pub(super) struct TruthRequest(pub(super) Option<Arc<Truth>>);
 
-/// Which event to explain, `None` for none.
-pub(super) struct Explained(pub(super) Option<Event>);
+/// Request: the event to explain, `None` for none.
+pub(super) struct ExplainRequest(pub(super) Option<Event>);
 
-/// Around which pixel to count or to judge, and how many pixels to a side, `None` for none.
-pub(super) struct Around(pub(super) Option<((u32, u32), u32)>);
+/// Request: the middle and side of a region to count or to score, `None` for none.
+pub(super) struct RegionRequest(pub(super) Option<((u32, u32), u32)>);
 
-/// What number of each pixel to map, `None` for none.
-pub(super) struct Mapped(pub(super) Option<Quantity>);
+/// Request: the quantity to map, `None` for none.
+pub(super) struct MapRequest(pub(super) Option<Quantity>);
 
-/// What is to be analysed, `None` for the whole image.
-pub(super) struct Analysed(pub(super) Option<Arc<Roi>>);
+/// Request: the area of interest, `None` for the whole image.
+pub(super) struct RoiRequest(pub(super) Option<Arc<Roi>>);
 
-/// What both sides hold.
+/// The state shared by both threads.
 pub(super) struct Shared {
     requests: Mutex<Requests>,
     asked: Condvar,
@@ -127,7 +127,7 @@ impl Session {
         Self { shared, ended }
     }
 
-    /// What was last published.
+    /// The state published last.
     pub fn state(&self) -> State {
         self.shared.state()
     }
@@ -149,36 +149,36 @@ impl Session {
     pub fn compare(&self, settings: Settings, beside: Option<Settings>) {
         self.shared.ask(|requests| {
             requests.settings = Some(settings);
-            requests.beside = Some(Rival(beside));
+            requests.compared = Some(CompareRequest(beside));
         });
     }
 
     /// Says what is known to be right, so that what was analysed is scored; `None` for no scores. Masks of another size
     /// than the frames' are left out, with a warning.
     pub fn set_truth(&self, truth: Option<Arc<Truth>>) {
-        self.shared.ask(|requests| requests.truth = Some(Known(truth)));
+        self.shared.ask(|requests| requests.truth = Some(TruthRequest(truth)));
     }
 
     /// Asks what would have kept an event from happening under the settings in view; `None` to ask no more.
     pub fn explain(&self, event: Option<Event>) {
-        self.shared.ask(|requests| requests.explain = Some(Explained(event)));
+        self.shared.ask(|requests| requests.explain = Some(ExplainRequest(event)));
     }
 
     /// Asks for another part of the image to be analysed, the whole without one; it must be as large as the frames.
     /// The model is not run again, whose masks are kept.
     pub fn set_roi(&self, roi: Option<Arc<Roi>>) {
-        self.shared.ask(|requests| requests.roi = Some(Analysed(roi)));
+        self.shared.ask(|requests| requests.roi = Some(RoiRequest(roi)));
     }
 
     /// Chooses the pixel whose history is shown; `None`, or one outside the image, chooses none.
     pub fn inspect(&self, at: Option<(u32, u32)>) {
-        self.shared.ask(|requests| requests.inspect = Some(Pixel(at)));
+        self.shared.ask(|requests| requests.inspect = Some(PixelRequest(at)));
     }
 
     /// Asks what the chosen pixel would be in the frame in view under other values of these two
     /// settings, and of each alone; `None` to ask no more.
-    pub fn tune(&self, knobs: Option<[Knob; 2]>) {
-        self.shared.ask(|requests| requests.tune = Some(Knobs(knobs)));
+    pub fn tune(&self, knobs: Option<[TunableSetting; 2]>) {
+        self.shared.ask(|requests| requests.tune = Some(TuneRequest(knobs)));
     }
 
     /// Goes on analysing beyond the frame in view, as it does from the start, or stops that and gives up a frame that
@@ -200,18 +200,18 @@ impl Session {
     /// Asks which share of the pixels around one is foreground in each frame, `side` of them along each side; `None` to
     /// ask no more.
     pub fn region(&self, region: Option<((u32, u32), u32)>) {
-        self.shared.ask(|requests| requests.region = Some(Around(region)));
+        self.shared.ask(|requests| requests.region = Some(RegionRequest(region)));
     }
 
     /// Asks how right the mixture would be about the pixels around one, `side` of them along each side, over the same
     /// grid as [`Self::tune`]; `None` to ask no more. It takes true masks, and is worked out when all else is done.
     pub fn tune_region(&self, region: Option<((u32, u32), u32)>) {
-        self.shared.ask(|requests| requests.tune_region = Some(Around(region)));
+        self.shared.ask(|requests| requests.tune_region = Some(RegionRequest(region)));
     }
 
     /// Asks for a map of a number of each pixel with every frame that is shown; `None` to ask no more.
     pub fn map(&self, quantity: Option<Quantity>) {
-        self.shared.ask(|requests| requests.map = Some(Mapped(quantity)));
+        self.shared.ask(|requests| requests.map = Some(MapRequest(quantity)));
     }
 }
 
@@ -226,7 +226,7 @@ impl Drop for Session {
 }
 
 impl Shared {
-    /// Nothing asked and nothing known; `wake` is called after every change of the state.
+    /// Without requests and state; `wake` is called after every change of the state.
     pub(super) fn new(wake: impl Fn() + Send + Sync + 'static) -> Self {
         let state = State {
             phase: Phase::Opening,
@@ -240,8 +240,8 @@ impl Shared {
             region_tuning: None,
             tuning: None,
             timeline: Arc::new(Timeline::default()),
-            beside: None,
-            what_if: None,
+            compared: None,
+            counterfactual: None,
             busy: None,
             analysis_fps: 0.0,
         };
@@ -253,7 +253,7 @@ impl Shared {
         }
     }
 
-    /// What was last published.
+    /// The state published last.
     pub(super) fn state(&self) -> State {
         lock(&self.state).clone()
     }
@@ -263,8 +263,8 @@ impl Shared {
         self.asked.notify_one();
     }
 
-    /// What has been asked since the last time; `None` when the session is over. With `wait`, it
-    /// sleeps until something is asked.
+    /// Takes the requests since the previous call; `None` when the session is over. With `wait`, it sleeps until
+    /// there is a request.
     pub(super) fn take_requests(&self, wait: bool) -> Option<Requests> {
         let mut requests = lock(&self.requests);
         if wait {
@@ -294,7 +294,7 @@ impl Requests {
     const fn is_anything(&self) -> bool {
         self.show.is_some()
             || self.settings.is_some()
-            || self.beside.is_some()
+            || self.compared.is_some()
             || self.truth.is_some()
             || self.explain.is_some()
             || self.roi.is_some()

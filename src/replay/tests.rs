@@ -7,22 +7,22 @@ use std::time::{Duration, Instant};
 
 use image::{Rgb, RgbImage};
 
-use super::gather::Follower as _;
+use super::frame_consumer::FrameConsumer as _;
 use super::*;
 use crate::frame::{Mask, Size};
 use crate::mixture::Parameters;
-use crate::mixture::tuning::{self, Knob};
+use crate::mixture::tuning::{self, TunableSetting};
 use crate::pipeline::Pipeline;
-use crate::registration::{Choice, Registered, corrected};
+use crate::registration::{CorrectionChoice, Registered, corrected};
 use crate::settings::{BackgroundModel, Preset, Span};
 use crate::source::cache::FrameCache;
 use crate::source::{self, Options, Source, SourceError};
 
-mod beside;
 mod compare;
+mod compared;
+mod counterfactual;
 mod maps;
 mod truth;
-mod what_if;
 
 pub(super) const FRAMES: u32 = 60;
 pub(super) const WIDTH: u32 = 96;
@@ -142,7 +142,7 @@ impl Watched {
         })
     }
 
-    fn shown(&self, position: u32) -> Arc<Shown> {
+    fn shown(&self, position: u32) -> Arc<ShownFrame> {
         self.session.show(position);
         self.until(|state| shows(state, position)).shown.unwrap()
     }
@@ -153,7 +153,7 @@ fn shows(state: &State, position: u32) -> bool {
 }
 
 /// What one pass forward gives at each position, with nothing kept and nothing replayed.
-pub(super) fn straight(video: &Path, settings: &Settings) -> Vec<Shown> {
+pub(super) fn straight(video: &Path, settings: &Settings) -> Vec<ShownFrame> {
     straight_within(video, settings, None)
 }
 
@@ -185,7 +185,7 @@ pub(super) fn learnt(at: (u32, u32), settings: &Settings, first: &[Frame]) -> Pi
 }
 
 /// The same where only a part of the image is analysed.
-pub(super) fn straight_within(video: &Path, settings: &Settings, roi: Option<&Arc<Roi>>) -> Vec<Shown> {
+pub(super) fn straight_within(video: &Path, settings: &Settings, roi: Option<&Arc<Roi>>) -> Vec<ShownFrame> {
     let (info, frames, first) = decoded(video, settings);
     let mut pipeline = begun(settings, &info, &frames[..first]);
     pipeline.set_roi(roi.cloned()).unwrap();
@@ -197,7 +197,7 @@ pub(super) fn straight_within(video: &Path, settings: &Settings, roi: Option<&Ar
         history.push(&frame);
         let picture = |rgb| Arc::new(Frame::new(frame.number, frame.size, rgb));
         let mixture = pipeline.mixture();
-        all.push(Shown {
+        all.push(ShownFrame {
             position: all.len() as u32,
             settings: Arc::clone(&shared),
             roi: roi.cloned(),
@@ -208,13 +208,13 @@ pub(super) fn straight_within(video: &Path, settings: &Settings, roi: Option<&Ar
             pixel: mixture.is_some().then(|| Arc::new(history.clone())),
             frame: Arc::new(frame),
             truth: None,
-            beside: None,
+            compared: None,
         });
     }
     all
 }
 
-pub(super) fn assert_same(got: &Shown, expected: &Shown) {
+pub(super) fn assert_same(got: &ShownFrame, expected: &ShownFrame) {
     let position = expected.position;
     assert_eq!(got.position, position);
     assert_eq!((&got.settings, &got.roi), (&expected.settings, &expected.roi));
@@ -268,14 +268,14 @@ fn any_walk_shows_what_one_pass_forward_gives_where_camera_and_light_are_restles
         ..settings()
     };
     let expected = straight(folder.path(), &settings);
-    let corrected = |shown: &&Shown| corrected(&shown.frame, Choice::new(&settings)).is_some();
+    let corrected = |shown: &&ShownFrame| corrected(&shown.frame, CorrectionChoice::new(&settings)).is_some();
     assert!(expected.iter().filter(corrected).count() > 20, "there is something to take out");
     for budget in [1 << 30, 0] {
         any_walk_shows(folder.path(), &settings, &expected, budget);
     }
 }
 
-fn any_walk_shows(folder: &Path, settings: &Settings, expected: &[Shown], budget: usize) {
+fn any_walk_shows(folder: &Path, settings: &Settings, expected: &[ShownFrame], budget: usize) {
     let watched = Watched::open(folder, settings.clone(), Start::First, budget);
     watched.session.inspect(Some(PIXEL));
     for position in walk() {
@@ -419,20 +419,20 @@ fn the_chosen_pixel_answers_new_settings_without_the_frames() {
     let folder = scene();
     let expected = straight(folder.path(), &settings());
     let other = Settings { k: 2, alpha: 0.2, bootstrap: Span::Frames(40), ..settings() };
-    let mut inspector = super::inspector::Inspector::default();
+    let mut pixel_follower = super::pixel_follower::PixelFollower::default();
     let (info, ..) = decoded(folder.path(), &settings());
-    inspector.choose(Some(PIXEL), &settings(), &info);
+    pixel_follower.choose(Some(PIXEL), &settings(), &info);
     for shown in &expected {
-        inspector.push(shown.position, &shown.frame);
+        pixel_follower.push(shown.position, &shown.frame);
     }
-    assert_eq!(inspector.latest(), expected.last().unwrap().pixel);
-    inspector.choose(Some(PIXEL), &other, &info);
+    assert_eq!(pixel_follower.latest(), expected.last().unwrap().pixel);
+    pixel_follower.choose(Some(PIXEL), &other, &info);
     let straight = straight(folder.path(), &other);
-    assert_eq!(inspector.latest(), straight.last().unwrap().pixel);
-    inspector.choose(Some((3, 4)), &other, &info);
-    assert_eq!(inspector.frames(), Some(0));
-    inspector.choose(None, &other, &info);
-    assert_eq!((inspector.frames(), inspector.latest()), (None, None));
+    assert_eq!(pixel_follower.latest(), straight.last().unwrap().pixel);
+    pixel_follower.choose(Some((3, 4)), &other, &info);
+    assert_eq!(pixel_follower.frames(), Some(0));
+    pixel_follower.choose(None, &other, &info);
+    assert_eq!((pixel_follower.frames(), pixel_follower.latest()), (None, None));
 }
 
 #[test]
@@ -448,7 +448,7 @@ fn tracking_again_gives_the_events_of_a_whole_run() {
     let fresh = fresh.until_done();
     assert!(!fresh.timeline.events.is_empty());
     assert_eq!(again.timeline.events, fresh.timeline.events);
-    assert_eq!(again.timeline.life_lines, fresh.timeline.life_lines);
+    assert_eq!(again.timeline.track_timelines, fresh.timeline.track_timelines);
     assert_eq!(again.timeline.foreground_share, fresh.timeline.foreground_share);
 }
 
@@ -594,8 +594,8 @@ fn the_start_can_be_the_first_occlusion() {
         done.timeline.events.iter().find(|(_, event)| event.kind == crate::occlusion::EventKind::Merge);
     let (position, event) = merged.expect("the squares cross");
     assert_eq!(event.frame, done.timeline.numbers[*position as usize]);
-    assert!(done.timeline.life_lines.len() >= 2);
-    for life in &done.timeline.life_lines {
+    assert!(done.timeline.track_timelines.len() >= 2);
+    for life in &done.timeline.track_timelines {
         assert!(life.spans.windows(2).all(|pair| pair[0].1 < pair[1].0), "{life:?}");
     }
     assert!(!first.timeline.complete || first.timeline.analysed == FRAMES);
@@ -724,9 +724,9 @@ fn the_worker_says_what_the_pixel_would_be_under_other_settings() {
     let watched = Watched::open(folder.path(), settings(), Start::First, 1 << 30);
     watched.session.inspect(Some(PIXEL));
     for (knobs, position, settings) in [
-        ([Knob::Alpha, Knob::T], 31, settings()),
-        ([Knob::Lambda, Knob::K], 33, settings()),
-        ([Knob::Lambda, Knob::K], 33, Settings { alpha: 0.1, ..settings() }),
+        ([TunableSetting::Alpha, TunableSetting::T], 31, settings()),
+        ([TunableSetting::Lambda, TunableSetting::K], 33, settings()),
+        ([TunableSetting::Lambda, TunableSetting::K], 33, Settings { alpha: 0.1, ..settings() }),
     ] {
         watched.session.tune(Some(knobs));
         watched.session.set_settings(settings.clone());

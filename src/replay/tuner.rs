@@ -1,4 +1,4 @@
-//! What the chosen pixel would be in the frame in view under other settings, worked out in small pieces.
+//! The chosen pixel's state in the frame in view under other settings, in short steps.
 
 use std::sync::Arc;
 
@@ -6,112 +6,114 @@ use rayon::prelude::*;
 
 use super::Tuning;
 use crate::mixture::pixel::Value;
-use crate::mixture::tuning::{Axis, Ending, Flip, Flips, Knob, Map, run};
+use crate::mixture::tuning::{
+    FlipSearch, RunOutcome, SettingAxis, TunableSetting, VerdictFlip, VerdictMap, run,
+};
 use crate::mixture::{Parameters, PixelHistory};
 
-/// So many frames of runs are a piece of some milliseconds.
-const PIECE: usize = 60_000;
+/// Frames of all runs in a step of some milliseconds.
+const MAX_FRAMES_PER_STEP: usize = 60_000;
 
-/// Works out a [`Tuning`], and keeps the last one.
+/// Computes a [`Tuning`], and keeps the last one.
 #[derive(Default)]
 pub(super) struct Tuner {
-    knobs: Option<[Knob; 2]>,
-    job: Option<Job>,
+    knobs: Option<[TunableSetting; 2]>,
+    job: Option<TuningJob>,
     done: Option<Arc<Tuning>>,
 }
 
-/// A [`Tuning`] under way.
-struct Job {
-    question: Question,
+/// A [`Tuning`] in progress.
+struct TuningJob {
+    query: TuningQuery,
     values: Vec<Value>,
-    axes: [Axis; 2],
+    axes: [SettingAxis; 2],
     runs: Vec<Parameters>,
-    endings: Vec<Ending>,
-    search: Flips,
-    /// What the search found.
-    flips: Option<Vec<Flip>>,
+    outcomes: Vec<RunOutcome>,
+    search: FlipSearch,
+    /// The result of the search.
+    flips: Option<Vec<VerdictFlip>>,
 }
 
-/// What an answer is an answer to.
+/// The inputs of a tuning.
 #[derive(Clone, PartialEq)]
-struct Question {
+struct TuningQuery {
     at: (u32, u32),
     position: u32,
     parameters: Parameters,
-    knobs: [Knob; 2],
+    knobs: [TunableSetting; 2],
 }
 
 impl Tuner {
-    /// Chooses what changes along the sides of the map; `None` where nobody wants one.
-    pub(super) fn choose(&mut self, knobs: Option<[Knob; 2]>) {
+    /// Chooses the two settings along the sides of the map; `None` for no map.
+    pub(super) fn choose(&mut self, knobs: Option<[TunableSetting; 2]>) {
         self.knobs = knobs;
     }
 
-    /// Forgets what was worked out, as after another first frame.
+    /// Drops all results, as after another first frame.
     pub(super) fn forget(&mut self) {
         (self.job, self.done) = (None, None);
     }
 
-    /// Does a piece of work on the state of `history` at `position`; whether there was any to do.
-    pub(super) fn piece(&mut self, history: &PixelHistory, position: u32) -> bool {
+    /// Advances for the state of `history` at `position`; whether there was anything to do.
+    pub(super) fn advance(&mut self, history: &PixelHistory, position: u32) -> bool {
         let Some(knobs) = self.knobs else {
             self.forget();
             return false;
         };
-        let question = Question { at: history.at, position, parameters: history.parameters, knobs };
-        if self.done.as_ref().is_some_and(|done| Question::of(done) == question) {
+        let query = TuningQuery { at: history.at, position, parameters: history.parameters, knobs };
+        if self.done.as_ref().is_some_and(|done| TuningQuery::of(done) == query) {
             return false;
         }
         let job = match self.job.take() {
-            Some(job) if job.question == question => self.job.insert(job),
+            Some(job) if job.query == query => self.job.insert(job),
             _ => {
                 let Some(values) = history.values_until(position as usize) else { return false };
-                self.job.insert(Job::new(question, values))
+                self.job.insert(TuningJob::new(query, values))
             }
         };
-        if let Some(tuning) = job.go_on() {
+        if let Some(tuning) = job.advance() {
             (self.job, self.done) = (None, Some(Arc::new(tuning)));
         }
         true
     }
 
-    /// The newest answer, which may be to an earlier question.
+    /// The newest tuning, which may have other inputs.
     pub(super) fn latest(&self) -> Option<Arc<Tuning>> {
         self.done.clone()
     }
 }
 
-impl Question {
+impl TuningQuery {
     fn of(tuning: &Tuning) -> Self {
         let knobs = tuning.map.axes.each_ref().map(|axis| axis.knob);
         Self { at: tuning.at, position: tuning.position, parameters: tuning.parameters, knobs }
     }
 }
 
-impl Job {
-    fn new(question: Question, values: Vec<Value>) -> Self {
-        let axes = Map::axes(&question.parameters, question.knobs);
-        let runs = Map::runs(&question.parameters, &axes);
-        let search = Flips::new(&question.parameters, &Knob::ALL);
-        Self { question, values, axes, runs, endings: Vec::new(), search, flips: None }
+impl TuningJob {
+    fn new(query: TuningQuery, values: Vec<Value>) -> Self {
+        let axes = VerdictMap::axes(&query.parameters, query.knobs);
+        let runs = VerdictMap::runs(&query.parameters, &axes);
+        let search = FlipSearch::new(&query.parameters, &TunableSetting::ALL);
+        Self { query, values, axes, runs, outcomes: Vec::new(), search, flips: None }
     }
 
-    /// The answer, if this was the last piece.
-    fn go_on(&mut self) -> Option<Tuning> {
-        let Question { at, position, parameters, .. } = self.question;
+    /// The tuning, if this was the last step.
+    fn advance(&mut self) -> Option<Tuning> {
+        let TuningQuery { at, position, parameters, .. } = self.query;
         if self.flips.is_none() {
-            self.flips = self.search.go_on(&self.values);
+            self.flips = self.search.advance(&self.values);
             return None;
         }
-        let done = self.endings.len();
+        let done = self.outcomes.len();
         // At least a run for each thread, however long the history.
-        let most = (PIECE / self.values.len().max(1)).max(rayon::current_num_threads());
+        let most = (MAX_FRAMES_PER_STEP / self.values.len().max(1)).max(rayon::current_num_threads());
         let next = &self.runs[done..self.runs.len().min(done + most)];
-        self.endings.par_extend(next.par_iter().map(|parameters| run(&self.values, parameters)));
-        if self.endings.len() < self.runs.len() {
+        self.outcomes.par_extend(next.par_iter().map(|parameters| run(&self.values, parameters)));
+        if self.outcomes.len() < self.runs.len() {
             return None;
         }
-        let map = Map::of(&parameters, self.axes.clone(), &self.endings);
+        let map = VerdictMap::of(&parameters, self.axes.clone(), &self.outcomes);
         Some(Tuning { at, position, parameters, map, flips: self.flips.take().unwrap_or_default() })
     }
 }
@@ -131,41 +133,51 @@ mod tests {
     }
 
     fn all_pieces(tuner: &mut Tuner, history: &PixelHistory, position: u32) -> usize {
-        (0..2000).take_while(|_| tuner.piece(history, position)).count()
+        (0..2000).take_while(|_| tuner.advance(history, position)).count()
     }
 
     #[test]
     fn in_pieces_it_comes_to_the_same_and_is_done_once() {
         let (mut tuner, history) = (Tuner::default(), history(0.01));
-        assert!(!tuner.piece(&history, 200), "nobody asked");
-        for knobs in [[Knob::Alpha, Knob::Lambda], [Knob::T, Knob::K], [Knob::InitialSigma, Knob::T]] {
+        assert!(!tuner.advance(&history, 200), "nobody asked");
+        for knobs in [
+            [TunableSetting::Alpha, TunableSetting::Lambda],
+            [TunableSetting::T, TunableSetting::K],
+            [TunableSetting::InitialSigma, TunableSetting::T],
+        ] {
             tuner.choose(Some(knobs));
             for position in [0, 145, 299] {
                 let pieces = all_pieces(&mut tuner, &history, position);
-                assert!(pieces > Knob::ALL.len());
+                assert!(pieces > TunableSetting::ALL.len());
                 assert!(pieces > 16, "no more than one run on either side of a value at a time: {pieces}");
                 let tuning = tuner.latest().unwrap();
                 let values: Vec<_> = history.states[..=position as usize].iter().map(|s| s.value).collect();
                 assert_eq!(tuning.map, map(&values, &history.parameters, knobs));
-                assert_eq!(tuning.flips, Knob::ALL.map(|knob| flip(&values, &history.parameters, knob)));
+                assert_eq!(
+                    tuning.flips,
+                    TunableSetting::ALL.map(|knob| flip(&values, &history.parameters, knob))
+                );
                 assert_eq!((tuning.at, tuning.position), ((2, 3), position));
-                assert!(!tuner.piece(&history, position));
+                assert!(!tuner.advance(&history, position));
             }
         }
-        assert!(!tuner.piece(&history, 300), "a frame that is not known yet");
+        assert!(!tuner.advance(&history, 300), "a frame that is not known yet");
     }
 
     #[test]
     fn another_question_in_the_middle_takes_the_place_of_the_first() {
         let (mut tuner, one, other) = (Tuner::default(), history(0.01), history(0.2));
-        tuner.choose(Some([Knob::Alpha, Knob::Lambda]));
+        tuner.choose(Some([TunableSetting::Alpha, TunableSetting::Lambda]));
         for _ in 0..7 {
-            tuner.piece(&one, 250);
+            tuner.advance(&one, 250);
         }
         all_pieces(&mut tuner, &other, 245);
         let tuning = tuner.latest().unwrap();
         let values: Vec<_> = other.states[..=245].iter().map(|s| s.value).collect();
-        assert_eq!(tuning.map, map(&values, &other.parameters, [Knob::Alpha, Knob::Lambda]));
+        assert_eq!(
+            tuning.map,
+            map(&values, &other.parameters, [TunableSetting::Alpha, TunableSetting::Lambda])
+        );
         assert_eq!(tuning.parameters, other.parameters);
     }
 }

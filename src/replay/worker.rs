@@ -1,16 +1,15 @@
-//! The worker's side: one small piece of work after another, the most urgent first.
+//! The worker's side of a session: one short step of work after another, the most urgent first.
 //!
-//! In this order: the frame that is wanted in view, under both settings where two are compared; what the chosen pixel
-//! would be in it under other settings; the pixel's history, those of the pinned pixels, and what is seen around the
-//! chosen one; the analysis ahead, of both abreast; and when all that is done, scores, what would have kept an event from
-//! happening, and how right other settings would be around a pixel.
-//! `view` is the way to the frame in view, `change` takes other settings, `publish` tells the window.
-//! Between two pieces it looks at what was asked meanwhile. A piece takes some milliseconds, or as long as a frame
-//! takes to decode or to analyse where that is more.
+//! In this order: the frame to show, under both settings where two are compared; the tuning of the chosen pixel in
+//! it; the histories of the chosen and the pinned pixels, and the region around the chosen one; the analysis ahead,
+//! of both passes in parallel; and when all that is done, scores, counterfactuals, and the tuning of the region.
+//! `view` seeks the frame to show, `change` applies other settings, `publish` informs the window. Requests are read
+//! between two steps. A step takes some milliseconds, or the time to decode or analyse one frame where that is
+//! longer.
 
 mod change;
-mod meter;
 mod publish;
+mod speed_meter;
 #[cfg(test)]
 mod tests;
 mod view;
@@ -18,19 +17,22 @@ mod view;
 use std::sync::Arc;
 use std::time::Instant;
 
-use self::meter::Meter;
 use self::publish::Outbox;
-use super::gather::{self, Follower as _};
-use super::lane::{Lane, Step};
-use super::pins::Pins;
-use super::region::Region;
+use self::speed_meter::SpeedMeter;
+use super::analysis_pass::{AnalysisPass, PassStep};
+use super::compared_pass::ComparedPass;
+use super::counterfactual::CounterfactualTask;
+use super::frame_consumer::{self, FrameConsumer as _};
+use super::pin_follower::PinFollower;
+use super::region_shares::RegionShareCounter;
 use super::region_tuner::RegionTuner;
-use super::rival::Rival;
-use super::scoring::Scored;
-use super::session::{self, Analysed, Around, Explained, Knobs, Known, Mapped, Pixel, Requests, Shared};
+use super::scorer::ScoreStep;
+use super::session::{
+    self, ExplainRequest, MapRequest, PixelRequest, RegionRequest, Requests, RoiRequest, Shared,
+    TruthRequest, TuneRequest,
+};
 use super::tuner::Tuner;
-use super::what_if::Asker;
-use super::{Phase, Progress, Shown, Start, same};
+use super::{Phase, Progress, ShownFrame, Start, same};
 use crate::mixture::Quantity;
 use crate::regions::Roi;
 use crate::settings::Settings;
@@ -39,19 +41,19 @@ use crate::source::{SourceError, SourceInfo};
 use crate::tracking::Identity;
 use crate::truth::Truth;
 
-/// Which of two choices of settings.
+/// One of the two passes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Which {
-    /// The one in view.
+enum PassSlot {
+    /// The pass in view.
     InView,
-    /// The one that is compared with it.
-    Rival,
+    /// The pass that is compared with it.
+    Compared,
 }
 
-/// What stops the work on a choice of settings, in words for the user.
-struct Stopped(String);
+/// Why the work on a choice of settings stopped, in words for the user.
+struct StopReason(String);
 
-impl<E: std::error::Error> From<E> for Stopped {
+impl<E: std::error::Error> From<E> for StopReason {
     fn from(error: E) -> Self {
         Self(error.to_string())
     }
@@ -61,52 +63,52 @@ pub(super) struct Worker<'a> {
     shared: &'a Shared,
     frames: FrameCache,
     info: Arc<SourceInfo>,
-    /// Memory for going back in time, in bytes.
+    /// Memory for checkpoints and records, in bytes.
     model_budget: usize,
-    /// What is in view.
-    lane: Lane,
-    /// What is compared with it.
-    rival: Rival,
-    /// The position that the window wants to see.
-    wanted: u32,
-    /// What will be wanted once it is found.
-    aim: Option<Aim>,
-    /// A live source: the newest frame is what is wanted.
+    /// The pass in view.
+    pass: AnalysisPass,
+    /// The pass that is compared with it.
+    compared: ComparedPass,
+    /// The position that the window wants to show.
+    target_position: u32,
+    /// The frame to show at the start, until its position is known.
+    start_target: Option<StartTarget>,
+    /// Whether the newest frame is shown, of a live source.
     follow: bool,
-    ahead: Ahead,
+    ahead: AheadMode,
     pixel: Option<(u32, u32)>,
-    pins: Pins,
-    region: Region,
+    pins: PinFollower,
+    region: RegionShareCounter,
     tuner: Tuner,
     region_tuner: RegionTuner,
-    asker: Asker,
-    /// What is mapped of the frame in view.
+    counterfactual_task: CounterfactualTask,
+    /// The quantity mapped in the frame in view.
     map: Option<Quantity>,
-    /// By what results are scored.
+    /// The ground truth for scores.
     truth: Option<Arc<Truth>>,
     stopped: bool,
-    shown: Option<Arc<Shown>>,
+    shown: Option<Arc<ShownFrame>>,
     busy: Option<Progress>,
-    meter: Meter,
+    speed_meter: SpeedMeter,
     outbox: Outbox,
 }
 
-/// What is analysed beyond what is asked for.
+/// How far the analysis goes beyond the requested frame.
 #[derive(PartialEq)]
-enum Ahead {
+enum AheadMode {
     All,
     Nothing,
 }
 
-/// A frame to show that is not known yet.
-enum Aim {
+/// A frame to show at the start whose position is not known yet.
+enum StartTarget {
     Number(u32),
     /// The first occlusion: the position at which it was decided, and who takes part.
     Occlusion(Option<(u32, Vec<Identity>)>),
 }
 
 impl<'a> Worker<'a> {
-    /// Opens the frames and works until the session is over.
+    /// Opens the source and works until the session is over.
     pub(super) fn open_and_run(
         shared: &'a Shared,
         open: impl FnOnce() -> Result<FrameCache, SourceError>,
@@ -116,7 +118,7 @@ impl<'a> Worker<'a> {
     ) {
         match Self::open(shared, open, under, start, model_budget) {
             Ok(mut worker) => worker.work(),
-            Err(Stopped(why)) => shared.fail(why),
+            Err(StopReason(why)) => shared.fail(why),
         }
     }
 
@@ -126,10 +128,10 @@ impl<'a> Worker<'a> {
         (settings, roi): (Settings, Option<Arc<Roi>>),
         start: Start,
         model_budget: usize,
-    ) -> Result<Self, Stopped> {
+    ) -> Result<Self, StopReason> {
         let frames = open()?;
         let info = Arc::clone(frames.info());
-        let lane = Lane::new(Arc::new(settings), roi, &info, model_budget)?;
+        let pass = AnalysisPass::new(Arc::new(settings), roi, &info, model_budget)?;
         shared.publish(|state| {
             state.phase = Phase::Ready;
             state.info = Some(Arc::clone(&info));
@@ -138,29 +140,29 @@ impl<'a> Worker<'a> {
             shared,
             frames,
             follow: info.live,
-            ahead: Ahead::All,
+            ahead: AheadMode::All,
             info,
             model_budget,
-            lane,
-            rival: Rival::default(),
-            wanted: 0,
-            aim: match start {
+            pass,
+            compared: ComparedPass::default(),
+            target_position: 0,
+            start_target: match start {
                 Start::First => None,
-                Start::FirstOcclusion => Some(Aim::Occlusion(None)),
-                Start::Frame(number) => Some(Aim::Number(number)),
+                Start::FirstOcclusion => Some(StartTarget::Occlusion(None)),
+                Start::Frame(number) => Some(StartTarget::Number(number)),
             },
             pixel: None,
-            pins: Pins::default(),
-            region: Region::default(),
+            pins: PinFollower::default(),
+            region: RegionShareCounter::default(),
             tuner: Tuner::default(),
             region_tuner: RegionTuner::default(),
-            asker: Asker::default(),
+            counterfactual_task: CounterfactualTask::default(),
             map: None,
             truth: None,
             stopped: false,
             shown: None,
             busy: None,
-            meter: Meter::default(),
+            speed_meter: SpeedMeter::default(),
             outbox: Outbox::new(),
         })
     }
@@ -168,8 +170,8 @@ impl<'a> Worker<'a> {
     fn work(&mut self) {
         let mut resting = false;
         while let Some(requests) = self.shared.take_requests(resting) {
-            let worked = self.take(requests).and_then(|()| self.piece());
-            resting = !worked.unwrap_or_else(|Stopped(why)| {
+            let worked = self.apply_requests(requests).and_then(|()| self.work_once());
+            resting = !worked.unwrap_or_else(|StopReason(why)| {
                 self.stopped = true;
                 self.shared.fail(why);
                 false
@@ -178,111 +180,118 @@ impl<'a> Worker<'a> {
         }
     }
 
-    fn take(&mut self, requests: Requests) -> Result<(), Stopped> {
+    fn apply_requests(&mut self, requests: Requests) -> Result<(), StopReason> {
         if let Some(ahead) = requests.analyse_ahead {
-            // Where nothing is left to stop, other settings are run through as ever.
-            let through = |lane: &Lane| lane.is_through(&self.frames);
-            let nothing = through(&self.lane) && self.rival.lane.as_ref().is_none_or(through);
-            self.ahead = if ahead || nothing { Ahead::All } else { Ahead::Nothing };
+            // Where nothing is left to stop, other settings are still analysed to the end.
+            let through = |pass: &AnalysisPass| pass.has_analysed_all(&self.frames);
+            let nothing = through(&self.pass) && self.compared.pass.as_ref().is_none_or(through);
+            self.ahead = if ahead || nothing { AheadMode::All } else { AheadMode::Nothing };
             if !ahead {
-                self.stay();
+                self.cancel_seek();
             }
         }
         if let Some(position) = requests.show {
-            self.aim = None;
-            self.wanted = position;
-            self.follow = self.info.live && position >= self.lane.run.front().saturating_sub(1);
+            self.start_target = None;
+            self.target_position = position;
+            self.follow = self.info.live && position >= self.pass.model.front().saturating_sub(1);
         }
-        if let Some(Pixel(pixel)) = requests.inspect {
+        if let Some(PixelRequest(pixel)) = requests.inspect {
             self.pixel = pixel.filter(|&(x, y)| self.info.size.index(x, y).is_some());
-            self.lane.inspect(self.pixel);
-            if let Some(lane) = &mut self.rival.lane {
-                lane.inspect(self.pixel);
+            self.pass.inspect(self.pixel);
+            if let Some(pass) = &mut self.compared.pass {
+                pass.inspect(self.pixel);
             }
             self.show_pixel();
         }
-        if let Some(Knobs(knobs)) = requests.tune {
+        if let Some(TuneRequest(knobs)) = requests.tune {
             self.tuner.choose(knobs);
             self.region_tuner.tune(knobs);
         }
-        if let Some(Mapped(quantity)) = requests.map {
+        if let Some(MapRequest(quantity)) = requests.map {
             self.map = quantity;
         }
         if let Some(mut pins) = requests.pins {
             pins.retain(|&(x, y)| self.info.size.index(x, y).is_some());
-            self.pins.choose(&pins, self.lane.settings(), &self.info);
+            self.pins.choose(&pins, self.pass.settings(), &self.info);
             self.outbox.pixel_grew = true;
         }
-        if let Some(Around(region)) = requests.region {
+        if let Some(RegionRequest(region)) = requests.region {
             self.region.choose(region, self.info.size);
             self.outbox.pixel_grew = true;
         }
-        if let Some(Around(region)) = requests.tune_region {
+        if let Some(RegionRequest(region)) = requests.tune_region {
             self.region_tuner.choose(region, self.info.size);
-            self.region_tuner.register(self.lane.settings());
+            self.region_tuner.register(self.pass.settings());
             self.publish_region_tuning();
         }
-        if let Some(Explained(event)) = requests.explain {
-            self.asker.ask(event);
-            self.publish_what_if();
+        if let Some(ExplainRequest(event)) = requests.explain {
+            self.counterfactual_task.set_event(event);
+            self.publish_counterfactual();
         }
-        if let Some(Known(truth)) = requests.truth {
-            self.take_truth(truth);
+        if let Some(TruthRequest(truth)) = requests.truth {
+            self.set_truth_data(truth);
         }
-        if requests.settings.is_none() && requests.roi.is_none() && requests.beside.is_none() {
+        if requests.settings.is_none() && requests.roi.is_none() && requests.compared.is_none() {
             return Ok(());
         }
-        let settings = requests.settings.unwrap_or_else(|| Settings::clone(self.lane.settings()));
-        let roi = requests.roi.map_or_else(|| self.lane.run.roi().cloned(), |Analysed(roi)| roi);
-        let beside =
-            requests.beside.map_or_else(|| self.rival.settings.clone(), |session::Rival(beside)| beside);
-        self.change(settings, roi, beside)
+        let settings = requests.settings.unwrap_or_else(|| Settings::clone(self.pass.settings()));
+        let roi = requests.roi.map_or_else(|| self.pass.model.roi().cloned(), |RoiRequest(roi)| roi);
+        let beside = requests
+            .compared
+            .map_or_else(|| self.compared.settings.clone(), |session::CompareRequest(beside)| beside);
+        self.apply_settings(settings, roi, beside)
     }
 
-    /// Does the most urgent piece of work; whether there was any.
-    fn piece(&mut self) -> Result<bool, Stopped> {
+    /// Does the most urgent step of work; whether there was any.
+    fn work_once(&mut self) -> Result<bool, StopReason> {
         if self.stopped {
             return Ok(false);
         }
-        self.find_aim();
-        if self.follow && self.ahead == Ahead::All {
-            self.wanted = self.lane.run.front().saturating_sub(1);
+        self.resolve_start_target();
+        if self.follow && self.ahead == AheadMode::All {
+            self.target_position = self.pass.model.front().saturating_sub(1);
         }
         if self.frames.is_complete() {
-            self.wanted = self.wanted.min((self.frames.numbers().len() as u32).saturating_sub(1));
+            self.target_position =
+                self.target_position.min((self.frames.numbers().len() as u32).saturating_sub(1));
         }
         if !self.is_view_current() {
-            self.approach_view()?;
-        } else if self.tune() || self.gather()? || self.gather_beside()? {
-            // What came of it is published at once, or in time.
-        } else if let Some(which) = self.due() {
+            self.advance_view()?;
+        } else if self.advance_tuning() || self.follow_pixel()? || self.follow_pins()? {
+            // Its results are published at once, or in time.
+        } else if let Some(which) = self.next_due() {
             self.analyse(which)?;
         } else {
-            // The way to the frame in view, or to the end, is behind it.
+            // The frame in view, or the end, has been reached.
             self.busy = None;
-            return Ok(self.score() || self.explain() || self.tune_region());
+            return Ok(self.advance_scores()
+                || self.advance_counterfactual()
+                || self.advance_region_tuning());
         }
         Ok(true)
     }
 
-    /// Which of both is to be analysed further. They keep abreast, so that a frame is there for both when it is decoded.
-    fn due(&self) -> Option<Which> {
-        let in_view = self.is_due(&self.lane);
-        let rival = self.rival.lane.as_ref().filter(|lane| self.is_due(lane));
-        match rival {
-            Some(rival) if !in_view || rival.next() < self.lane.next() => Some(Which::Rival),
-            _ => in_view.then_some(Which::InView),
+    /// The pass to be advanced next. Both stay at the same position, so that each decoded frame serves both.
+    fn next_due(&self) -> Option<PassSlot> {
+        let in_view = self.is_due(&self.pass);
+        let compared = self.compared.pass.as_ref().filter(|pass| self.is_due(pass));
+        match compared {
+            Some(compared) if !in_view || compared.next_position() < self.pass.next_position() => {
+                Some(PassSlot::Compared)
+            }
+            _ => in_view.then_some(PassSlot::InView),
         }
     }
 
-    /// Works on what would have kept an event from happening; whether there was anything to do.
-    fn explain(&mut self) -> bool {
-        let before = self.asker.latest();
+    /// Advances the counterfactual search; whether there was anything to do.
+    fn advance_counterfactual(&mut self) -> bool {
+        let before = self.counterfactual_task.latest();
         let numbers = self.frames.numbers();
-        let worked = self.asker.piece(&self.lane.run, numbers, self.info.size, self.info.fps);
-        let answer = self.asker.latest();
+        let worked =
+            self.counterfactual_task.advance(&self.pass.model, numbers, self.info.size, self.info.fps);
+        let answer = self.counterfactual_task.latest();
         if !same(before.as_ref(), answer.as_ref()) {
-            self.publish_what_if();
+            self.publish_counterfactual();
         }
         if worked {
             let (done, total) = answer.map_or((0, 0), |answer| answer.tried);
@@ -295,18 +304,18 @@ impl<'a> Worker<'a> {
         worked
     }
 
-    /// Whether there is more to analyse: all, or what is looked at.
-    fn is_due(&self, lane: &Lane) -> bool {
-        if lane.is_through(&self.frames) {
-            // The end may have been found on the other's way.
-            return !lane.is_finished();
+    /// Whether there is more to analyse: everything, or up to the requested frame.
+    fn is_due(&self, pass: &AnalysisPass) -> bool {
+        if pass.has_analysed_all(&self.frames) {
+            // The end may have been found by the other pass.
+            return !pass.is_finished();
         }
-        self.ahead == Ahead::All || lane.run.front() <= self.wanted
+        self.ahead == AheadMode::All || pass.model.front() <= self.target_position
     }
 
-    /// Takes the chosen pixel through the frames that are known; whether there was anything to do.
-    fn gather(&mut self) -> Result<bool, SourceError> {
-        if gather::gather(&mut self.lane.inspector, &mut self.frames)? {
+    /// Follows the chosen pixel through the known frames; whether there was anything to do.
+    fn follow_pixel(&mut self) -> Result<bool, SourceError> {
+        if frame_consumer::feed_frames(&mut self.pass.pixel_follower, &mut self.frames)? {
             self.outbox.pixel_grew = true;
             if let Some(shown) = &self.shown
                 && shown.pixel.as_ref().map(|history| history.at) != self.pixel
@@ -315,43 +324,43 @@ impl<'a> Worker<'a> {
             }
             return Ok(true);
         }
-        let Some(lane) = &mut self.rival.lane else { return Ok(false) };
-        let worked = lane.inspector.catch_up(&self.lane.inspector)
-            || gather::gather(&mut lane.inspector, &mut self.frames)?;
-        if let Some(shown) = self.shown.clone().filter(|_| worked && self.rival.takes_pixel(self.pixel)) {
-            self.show(Shown::clone(&shown));
+        let Some(pass) = &mut self.compared.pass else { return Ok(false) };
+        let worked = pass.pixel_follower.copy_colours_from(&self.pass.pixel_follower)
+            || frame_consumer::feed_frames(&mut pass.pixel_follower, &mut self.frames)?;
+        if let Some(shown) = self.shown.clone().filter(|_| worked && self.compared.needs_pixel(self.pixel)) {
+            self.show(ShownFrame::clone(&shown));
         }
         Ok(worked)
     }
 
-    /// Takes the pinned pixels through the frames that are known, counts the foreground around the chosen one, and
-    /// gathers the colours there; whether there was anything to do.
-    fn gather_beside(&mut self) -> Result<bool, SourceError> {
-        self.region_tuner.set_to_learn(self.info.bootstrap(self.lane.settings()));
-        let run = &self.lane.run;
-        let worked = gather::gather(&mut self.pins, &mut self.frames)?
-            || self.region.gather(run.record(), run.front(), self.info.size);
+    /// Follows the pinned pixels through the known frames, counts the foreground around the chosen one, and collects
+    /// the colours there; whether there was anything to do.
+    fn follow_pins(&mut self) -> Result<bool, SourceError> {
+        self.region_tuner.set_to_learn(self.info.bootstrap(self.pass.settings()));
+        let run = &self.pass.model;
+        let worked = frame_consumer::feed_frames(&mut self.pins, &mut self.frames)?
+            || self.region.count(run.record(), run.front(), self.info.size);
         self.outbox.pixel_grew |= worked;
-        Ok(worked || gather::gather(&mut self.region_tuner, &mut self.frames)?)
+        Ok(worked || frame_consumer::feed_frames(&mut self.region_tuner, &mut self.frames)?)
     }
 
-    /// Scores what has been analysed in full; whether there was anything to do.
-    fn score(&mut self) -> bool {
+    /// Advances the scores of complete analyses; whether there was anything to do.
+    fn advance_scores(&mut self) -> bool {
         let Some(truth) = &self.truth else { return false };
-        let in_view = self.lane.score(truth);
-        self.outbox.timeline_grew |= in_view == Scored::Now;
-        let Some(lane) = self.rival.lane.as_mut().filter(|_| in_view == Scored::Already) else {
-            return in_view != Scored::Already;
+        let in_view = self.pass.score(truth);
+        self.outbox.timeline_grew |= in_view == ScoreStep::Finished;
+        let Some(pass) = self.compared.pass.as_mut().filter(|_| in_view == ScoreStep::Idle) else {
+            return in_view != ScoreStep::Idle;
         };
-        let beside = lane.score(truth);
-        self.outbox.beside_grew |= beside == Scored::Now;
-        beside != Scored::Already
+        let beside = pass.score(truth);
+        self.outbox.compared_grew |= beside == ScoreStep::Finished;
+        beside != ScoreStep::Idle
     }
 
-    /// Works on how right the mixture would be under other settings; whether there was anything to do.
-    fn tune_region(&mut self) -> bool {
+    /// Advances the tuning of the region; whether there was anything to do.
+    fn advance_region_tuning(&mut self) -> bool {
         let before = self.region_tuner.latest();
-        let Some((done, total)) = self.region_tuner.piece(self.lane.settings()) else { return false };
+        let Some((done, total)) = self.region_tuner.advance(self.pass.settings()) else { return false };
         if !same(before.as_ref(), self.region_tuner.latest().as_ref()) {
             self.publish_region_tuning();
         }
@@ -363,12 +372,12 @@ impl<'a> Worker<'a> {
         true
     }
 
-    /// Works on what the chosen pixel would be under other settings; whether there was anything to do.
-    fn tune(&mut self) -> bool {
+    /// Advances the tuning of the chosen pixel; whether there was anything to do.
+    fn advance_tuning(&mut self) -> bool {
         let history = self.shown.as_ref().and_then(|shown| shown.pixel.as_ref().map(|pixel| (pixel, shown)));
         let Some((history, shown)) = history else { return false };
         let before = self.tuner.latest();
-        let worked = self.tuner.piece(history, shown.position);
+        let worked = self.tuner.advance(history, shown.position);
         let tuning = self.tuner.latest();
         if !same(tuning.as_ref(), before.as_ref()) {
             self.shared.publish(|state| state.tuning = tuning);
@@ -376,45 +385,45 @@ impl<'a> Worker<'a> {
         worked
     }
 
-    fn lane(&mut self, which: Which) -> Option<&mut Lane> {
+    fn pass(&mut self, which: PassSlot) -> Option<&mut AnalysisPass> {
         match which {
-            Which::InView => Some(&mut self.lane),
-            Which::Rival => self.rival.lane.as_mut(),
+            PassSlot::InView => Some(&mut self.pass),
+            PassSlot::Compared => self.compared.pass.as_mut(),
         }
     }
 
-    /// Analyses the next frames that are there, or decodes one on the way to them.
-    fn analyse(&mut self, which: Which) -> Result<(), Stopped> {
+    /// Analyses the next available frames, or decodes one on the way to them.
+    fn analyse(&mut self, which: PassSlot) -> Result<(), StopReason> {
         let started = Instant::now();
-        let (last, both) = (self.last_of(which), self.due_both());
-        // The other one comes by soon, and is to find it there.
+        let (last, both) = (self.last_position_of(which), self.are_both_due());
+        // The other pass needs the same frame soon.
         let keep = if both { Keep::Yes } else { Keep::IfRoom };
-        let lane = match which {
-            Which::InView => &mut self.lane,
-            Which::Rival => {
-                let Some(lane) = &mut self.rival.lane else { return Ok(()) };
-                lane
+        let pass = match which {
+            PassSlot::InView => &mut self.pass,
+            PassSlot::Compared => {
+                let Some(pass) = &mut self.compared.pass else { return Ok(()) };
+                pass
             }
         };
-        let (position, learnt) = (lane.run.front(), lane.run.learns());
+        let (position, learnt) = (pass.model.front(), pass.model.next_to_learn());
         let (pins, region_tuner) = (&mut self.pins, &mut self.region_tuner);
-        let step = lane.go_on(&mut self.frames, last, keep, |position, frame| {
+        let step = pass.advance(&mut self.frames, last, keep, |position, frame| {
             pins.push(position, frame);
             region_tuner.push(position, frame);
         });
-        let front = lane.run.front();
-        let to_learn = lane.run.to_learn();
+        let front = pass.model.front();
+        let to_learn = pass.model.to_learn();
         self.outbox.warnings.extend(self.frames.take_warnings());
         // The end of the sequence may have been found.
         self.outbox.timeline_grew = true;
         match step? {
-            Step::On => {}
-            // After a change of settings, frames of a live source that the new run needs.
-            Step::Gone => return self.start_over_live(),
+            PassStep::Advanced => {}
+            // After a change of settings, the new pass needs frames that a live source has lost.
+            PassStep::FrameLost => return self.start_over_live(),
         }
         match which {
-            Which::InView => self.find_occlusion(position..front),
-            Which::Rival => self.outbox.beside_grew = true,
+            PassSlot::InView => self.find_occlusion(position..front),
+            PassSlot::Compared => self.outbox.compared_grew = true,
         }
         if let Some(learnt) = learnt {
             self.busy = Some(Progress {
@@ -424,43 +433,49 @@ impl<'a> Worker<'a> {
             });
         }
         if front > position {
-            self.meter.add(started.elapsed(), front - position);
+            self.speed_meter.add(started.elapsed(), front - position);
             let total = if self.frames.is_complete() {
                 Some(self.frames.numbers().len() as u32)
             } else {
                 self.info.frames.map(|frames| frames.max(front))
             };
             let what = match which {
-                Which::InView if self.wanted >= front && !self.follow => {
-                    format!("analysing up to frame {}", self.number_of(self.wanted))
+                PassSlot::InView if self.target_position >= front && !self.follow => {
+                    format!("analysing up to frame {}", self.number_of(self.target_position))
                 }
                 _ if both => "analysing A and B".to_owned(),
-                Which::Rival => "analysing other settings".to_owned(),
-                Which::InView => "analysing".to_owned(),
+                PassSlot::Compared => "analysing other settings".to_owned(),
+                PassSlot::InView => "analysing".to_owned(),
             };
             self.busy = Some(Progress { what, done: front, total });
         }
         Ok(())
     }
 
-    /// The last position up to which one of both is to be analysed in one piece, if there is one.
-    fn last_of(&self, which: Which) -> Option<u32> {
-        let (pass, next) = self.lane.next();
-        match (which, &self.rival.lane) {
-            // What is wanted in view comes first.
-            (Which::InView, _) if !self.follow && pass > 0 && next <= self.wanted => Some(self.wanted),
-            // No farther than what it passes is still kept when the other comes by.
-            (Which::InView, Some(rival)) if rival.next() <= (pass, next) => {
+    /// The last position for one step of a pass, if it is limited.
+    fn last_position_of(&self, which: PassSlot) -> Option<u32> {
+        let (pass, next) = self.pass.next_position();
+        match (which, &self.compared.pass) {
+            // The requested frame comes first.
+            (PassSlot::InView, _) if !self.follow && pass > 0 && next <= self.target_position => {
+                Some(self.target_position)
+            }
+            // No farther than the frames that are still kept when the other pass needs them.
+            (PassSlot::InView, Some(compared)) if compared.next_position() <= (pass, next) => {
                 Some(next.saturating_add(self.frames.room().saturating_sub(2) as u32))
             }
-            (Which::Rival, Some(rival)) if rival.next().0 == pass && rival.next().1 < next => Some(next - 1),
+            (PassSlot::Compared, Some(compared))
+                if compared.next_position().0 == pass && compared.next_position().1 < next =>
+            {
+                Some(next - 1)
+            }
             _ => None,
         }
     }
 
-    /// Whether both are being analysed.
-    fn due_both(&self) -> bool {
-        self.is_due(&self.lane) && self.rival.lane.as_ref().is_some_and(|lane| self.is_due(lane))
+    /// Whether both passes have more to analyse.
+    fn are_both_due(&self) -> bool {
+        self.is_due(&self.pass) && self.compared.pass.as_ref().is_some_and(|pass| self.is_due(pass))
     }
 
     /// The frame number of a position; a guess beyond the frames that are known.

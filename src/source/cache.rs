@@ -41,14 +41,14 @@ pub enum Keep {
 /// Decoding so many frames in order takes no longer than to open a source again and jump.
 const FAR: u32 = 48;
 /// A jump goes so many frames before the one that is wanted: whoever steps back will want those next.
-const RUN_UP: u32 = 24;
-/// So many equal frames in a row leave it open where a jump landed.
-const MOST_TO_LAND: usize = 8;
-/// At most so many frames are decoded ahead.
-const MOST_AHEAD: usize = 32;
+const RUN_UP_FRAMES: u32 = 24;
+/// Number of equal frames in a row that leave the position after a jump undecided.
+const MAX_EQUAL_FRAMES: usize = 8;
+/// Largest number of frames that are decoded ahead.
+const MAX_FRAMES_AHEAD: usize = 32;
 
-/// A reader of frames that were dropped.
-struct Again {
+/// A second reader of the source, for frames that were dropped.
+struct RewoundSource {
     source: Box<dyn Source>,
     /// The position that it gives next.
     next: u32,
@@ -69,7 +69,7 @@ pub struct FrameCache {
     complete: bool,
     /// Why there are no more frames, for who asks for one next.
     failed: Option<SourceError>,
-    again: Option<Again>,
+    again: Option<RewoundSource>,
     /// Whether jumps have been of use so far.
     jumps: bool,
     kept: HashMap<u32, (Arc<Frame>, u64)>,
@@ -97,7 +97,7 @@ impl FrameCache {
         let info = Arc::new(front.info().clone());
         let frame_bytes = (info.size.pixels() * 3).max(1);
         let room = budget / frame_bytes;
-        let ahead = (room / 4).clamp(1, if info.live { 2 } else { MOST_AHEAD });
+        let ahead = (room / 4).clamp(1, if info.live { 2 } else { MAX_FRAMES_AHEAD });
         let front = Ahead::start(front, ahead).map_err(|error| {
             SourceError::unusable(&info.name, format!("no thread to decode it can be started ({error})"))
         })?;
@@ -255,13 +255,13 @@ impl FrameCache {
             _ => {
                 let mut source = (self.open)()?;
                 if self.jumps && position > FAR {
-                    self.jumps = source.seek(position - RUN_UP.min(self.room as u32 / 2));
+                    self.jumps = source.seek(position - RUN_UP_FRAMES.min(self.room as u32 / 2));
                     if self.jumps {
                         return self.land(source, position);
                     }
                     source = (self.open)()?;
                 }
-                Again { source, next: 0, jumped: false }
+                RewoundSource { source, next: 0, jumped: false }
             }
         };
         let here = again.next;
@@ -294,7 +294,7 @@ impl FrameCache {
     fn land(&mut self, mut source: Box<dyn Source>, position: u32) -> Result<Fetched, SourceError> {
         let mut seen = Vec::new();
         self.jumps = false;
-        while seen.len() < MOST_TO_LAND {
+        while seen.len() < MAX_EQUAL_FRAMES {
             let Some(frame) = source.next_frame()?.filter(|frame| frame.size == self.info.size) else {
                 break;
             };
@@ -312,7 +312,7 @@ impl FrameCache {
             }
             if another.is_none() {
                 self.jumps = true;
-                self.again = Some(Again { source, next, jumped: true });
+                self.again = Some(RewoundSource { source, next, jumped: true });
                 break;
             }
         }

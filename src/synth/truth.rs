@@ -56,19 +56,19 @@ pub struct Truth {
 #[derive(Clone, Debug)]
 pub struct Recorder {
     shortest_break: f32,
-    moments: Vec<Moment>,
+    moments: Vec<FrameRecord>,
 }
 
 /// What is kept of a frame.
 #[derive(Clone, Debug)]
-struct Moment {
+struct FrameRecord {
     number: u32,
     silhouettes: Vec<Silhouette>,
     touching: Vec<(Identity, Identity)>,
     depth: Vec<Identity>,
 }
 
-impl Moment {
+impl FrameRecord {
     fn silhouette(&self, id: Identity) -> Option<&Silhouette> {
         self.silhouettes.iter().find(|silhouette| silhouette.id == id)
     }
@@ -112,7 +112,7 @@ impl Recorder {
 
     /// Takes in the next frame.
     pub fn push(&mut self, frame: &FrameTruth) {
-        self.moments.push(Moment {
+        self.moments.push(FrameRecord {
             number: frame.number,
             silhouettes: frame.silhouettes.clone(),
             touching: frame.touching.clone(),
@@ -125,7 +125,7 @@ impl Recorder {
         let people = self.presences();
         let groups = self.groups(&people);
         let mut events = self.comings_and_goings(&people);
-        events.extend(self.meetings(&people, &groups));
+        events.extend(self.open_episodes(&people, &groups));
         events.sort_by(|a, b| (a.frame, a.kind, &a.objects).cmp(&(b.frame, b.kind, &b.objects)));
         let mut episodes = self.inter_object_episodes(&groups);
         episodes.extend(self.scene_episodes(&people));
@@ -221,7 +221,7 @@ impl Recorder {
         events
     }
 
-    fn meetings(&self, people: &[Presence], groups: &[Vec<Vec<Identity>>]) -> Vec<TruthEvent> {
+    fn open_episodes(&self, people: &[Presence], groups: &[Vec<Vec<Identity>>]) -> Vec<TruthEvent> {
         let mut events = Vec::new();
         let none = Vec::new();
         for (at, now) in groups.iter().enumerate() {
@@ -254,25 +254,25 @@ impl Recorder {
 
     /// A meeting lasts as long as at least two of those who were together still are; who joins takes part.
     fn inter_object_episodes(&self, groups: &[Vec<Vec<Identity>>]) -> Vec<Episode> {
-        struct Meeting {
+        struct OpenEpisode {
             episode: Episode,
             last: usize,
             groups: Vec<Vec<Identity>>,
         }
-        let mut meetings: Vec<Meeting> = Vec::new();
+        let mut open_episodes: Vec<OpenEpisode> = Vec::new();
         for (at, now) in groups.iter().enumerate() {
             let number = self.moments[at].number;
             for group in now {
-                let goes_on = |meeting: &Meeting| {
+                let continues = |open_episode: &OpenEpisode| {
                     let both = |old: &Vec<Identity>| group.iter().filter(|id| old.contains(id)).count() > 1;
-                    meeting.last + 1 == at && meeting.groups.iter().any(both)
-                        || meeting.last == at
+                    open_episode.last + 1 == at && open_episode.groups.iter().any(both)
+                        || open_episode.last == at
                             && at > 0
                             && groups[at - 1].iter().any(|old| {
-                                both(old) && meeting.episode.objects.iter().any(|id| old.contains(id))
+                                both(old) && open_episode.episode.objects.iter().any(|id| old.contains(id))
                             })
                 };
-                let place = meetings.iter().position(goes_on).unwrap_or_else(|| {
+                let place = open_episodes.iter().position(continues).unwrap_or_else(|| {
                     let episode = Episode {
                         kind: EpisodeKind::InterObject,
                         objects: Vec::new(),
@@ -282,24 +282,24 @@ impl Recorder {
                         front: self.front(at, group),
                         identities_kept: true,
                     };
-                    meetings.push(Meeting { episode, last: at, groups: Vec::new() });
-                    meetings.len() - 1
+                    open_episodes.push(OpenEpisode { episode, last: at, groups: Vec::new() });
+                    open_episodes.len() - 1
                 });
-                let meeting = &mut meetings[place];
-                if meeting.last < at {
-                    meeting.groups.clear();
+                let open_episode = &mut open_episodes[place];
+                if open_episode.last < at {
+                    open_episode.groups.clear();
                 }
-                meeting.groups.push(group.clone());
-                (meeting.last, meeting.episode.end) = (at, number);
-                let objects = &mut meeting.episode.objects;
+                open_episode.groups.push(group.clone());
+                (open_episode.last, open_episode.episode.end) = (at, number);
+                let objects = &mut open_episode.episode.objects;
                 objects.extend(group);
                 objects.sort_unstable();
                 objects.dedup();
                 let least = group.iter().map(|&id| self.visibility(at, id)).fold(1.0, f32::min);
-                meeting.episode.least_visible = meeting.episode.least_visible.min(least);
+                open_episode.episode.least_visible = open_episode.episode.least_visible.min(least);
             }
         }
-        meetings.into_iter().map(|meeting| meeting.episode).collect()
+        open_episodes.into_iter().map(|open_episode| open_episode.episode).collect()
     }
 
     fn scene_episodes(&self, people: &[Presence]) -> Vec<Episode> {
@@ -407,10 +407,14 @@ mod tests {
                 let at = |kind| truth.events.iter().find(|event| event.kind == kind).unwrap();
                 let (merge, demerge) = (at(EventKind::Merge), at(EventKind::Demerge));
                 assert_eq!((merge.front, &merge.becomes), (Some(2), &vec![1, 2]));
-                let [meeting] = truth.episodes.as_slice() else { panic!("{:?}", truth.episodes) };
-                assert_eq!(meeting.kind, EpisodeKind::InterObject);
-                assert_eq!((meeting.start, meeting.end + 1), (merge.frame, demerge.frame));
-                assert!(meeting.least_visible < 0.6, "a full merge hides much: {}", meeting.least_visible);
+                let [open_episode] = truth.episodes.as_slice() else { panic!("{:?}", truth.episodes) };
+                assert_eq!(open_episode.kind, EpisodeKind::InterObject);
+                assert_eq!((open_episode.start, open_episode.end + 1), (merge.frame, demerge.frame));
+                assert!(
+                    open_episode.least_visible < 0.6,
+                    "a full merge hides much: {}",
+                    open_episode.least_visible
+                );
                 assert!(truth.boxes[0].0 > catalogue::SETTLE);
             }
         }
@@ -459,8 +463,10 @@ mod tests {
             assert!(truth.events.iter().filter(all).any(|event| event.kind == EventKind::Merge));
             assert!(truth.events.iter().filter(all).any(|event| event.kind == EventKind::Demerge));
             assert_eq!((count(&truth, EventKind::Enter), count(&truth, EventKind::Exit)), (3, 3));
-            let [meeting] = truth.episodes.as_slice() else { panic!("{parameters:?} {:?}", truth.episodes) };
-            assert_eq!(meeting.objects, [1, 2, 3]);
+            let [open_episode] = truth.episodes.as_slice() else {
+                panic!("{parameters:?} {:?}", truth.episodes)
+            };
+            assert_eq!(open_episode.objects, [1, 2, 3]);
         }
     }
 
@@ -553,7 +559,7 @@ mod tests {
             };
             frame(number, &[(1, 100), (2, 100), (3, 100)], pairs)
         }));
-        let meetings: Vec<_> = truth
+        let open_episodes: Vec<_> = truth
             .events
             .iter()
             .skip(3)
@@ -565,7 +571,7 @@ mod tests {
             (20, EventKind::Demerge, &[1, 2, 3], &[1, 2, 3]),
             (30, EventKind::Demerge, &[1, 2], &[1, 2]),
         ];
-        assert_eq!(meetings, expected);
+        assert_eq!(open_episodes, expected);
         let [episode] = truth.episodes.as_slice() else { panic!("{:?}", truth.episodes) };
         assert_eq!((episode.objects.as_slice(), episode.start, episode.end), ([1, 2, 3].as_slice(), 5, 29));
     }

@@ -32,13 +32,13 @@ impl Innovation {
 
 /// State (x, y, s, vx, vy, vs) with its covariance.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Model {
+pub struct KalmanModel {
     state: Vector6<f32>,
     covariance: Matrix6<f32>,
     noise: Noise,
 }
 
-impl Model {
+impl KalmanModel {
     /// A model that starts at a measurement with a velocity (vx, vy, vs), known to `velocity_sigma`
     /// pixels a frame.
     pub fn new(at: Measurement, velocity: Vector3<f32>, velocity_sigma: f32, noise: Noise) -> Self {
@@ -122,7 +122,7 @@ impl Model {
     }
 
     /// Stands at a measurement from now on, keeping its velocity.
-    pub fn stand_at(&mut self, measured: &Measurement) {
+    pub fn restart_at(&mut self, measured: &Measurement) {
         *self = Self::new(*measured, self.velocity(), self.noise.measurement, self.noise);
     }
 
@@ -180,12 +180,12 @@ impl Model {
 
 /// From this √area on, in pixels, the noise grows with the object's size. Tried from 40 to 100 on people from 30 to 300
 /// pixels tall.
-const LARGE: f32 = 80.0;
+const LARGE_OBJECT_PX: f32 = 80.0;
 
 /// How much larger the noise of a region of this √area is than that of a small one: of what is large in the image, mask
 /// and motion err in proportion to its size.
 fn noise_scale(size: f32) -> f32 {
-    (size / LARGE).clamp(1.0, 10.0)
+    (size / LARGE_OBJECT_PX).clamp(1.0, 10.0)
 }
 
 /// The χ² quantile with 3 degrees of freedom, by bisection of the distribution function
@@ -228,7 +228,8 @@ mod tests {
 
     #[test]
     fn two_measurements_give_a_line() {
-        let mut model = Model::through(Vector3::new(10.0, 5.0, 8.0), Vector3::new(13.0, 4.0, 8.0), NOISE);
+        let mut model =
+            KalmanModel::through(Vector3::new(10.0, 5.0, 8.0), Vector3::new(13.0, 4.0, 8.0), NOISE);
         model.predict();
         assert_eq!(model.measurement(), Vector3::new(16.0, 3.0, 8.0));
         assert_eq!(model.distance_squared(&Vector3::new(16.0, 3.0, 8.0)), 0.0);
@@ -237,11 +238,11 @@ mod tests {
     #[test]
     fn of_two_models_that_predict_alike_the_surer_one_is_likelier() {
         let at = Vector3::new(100.0, 50.0, 20.0);
-        let sure = Model::new(at, Vector3::zeros(), 1.0, NOISE);
+        let sure = KalmanModel::new(at, Vector3::zeros(), 1.0, NOISE);
         let mut vague = sure.clone();
         (0..5).for_each(|_| vague.predict());
         let near = Vector3::new(101.0, 50.0, 20.0);
-        let likelihood = |model: &Model| model.innovation(&near, 0.0).log_likelihood();
+        let likelihood = |model: &KalmanModel| model.innovation(&near, 0.0).log_likelihood();
         assert!(likelihood(&sure) > likelihood(&vague) + 1.0);
         let far = Vector3::new(112.0, 50.0, 20.0);
         let of = |manoeuvre: f32| sure.innovation(&far, manoeuvre).log_likelihood();
@@ -250,7 +251,8 @@ mod tests {
 
     #[test]
     fn a_manoeuvre_turns_the_velocity_at_once() {
-        let mut model = Model::new(Vector3::new(100.0, 50.0, 20.0), Vector3::new(3.0, 0.0, 0.0), 0.5, NOISE);
+        let mut model =
+            KalmanModel::new(Vector3::new(100.0, 50.0, 20.0), Vector3::new(3.0, 0.0, 0.0), 0.5, NOISE);
         let mut steady = model.clone();
         let darted = Vector3::new(96.0, 60.0, 20.0);
         for each in [&mut model, &mut steady] {
@@ -270,7 +272,7 @@ mod tests {
     #[test]
     fn what_is_large_in_the_image_may_err_in_proportion() {
         let gate = |size: f32| {
-            Model::new(Vector3::new(0.0, 0.0, size), Vector3::zeros(), 1.0, NOISE).gate_ellipse(11.3)[0]
+            KalmanModel::new(Vector3::new(0.0, 0.0, size), Vector3::zeros(), 1.0, NOISE).gate_ellipse(11.3)[0]
         };
         assert_eq!(gate(20.0), gate(60.0));
         assert!((gate(240.0) / gate(60.0) - 3.0).abs() < 0.01);
@@ -279,7 +281,7 @@ mod tests {
     #[test]
     fn it_settles_on_a_constant_velocity_and_grows_sure_of_it() {
         let at = |frame: f32| Vector3::new(2.5 * frame, 100.0 - frame, 20.0);
-        let mut model = Model::through(at(0.0), at(1.0) + Vector3::new(2.0, -1.0, 0.0), NOISE);
+        let mut model = KalmanModel::through(at(0.0), at(1.0) + Vector3::new(2.0, -1.0, 0.0), NOISE);
         let unsure = {
             model.predict();
             model.gate_ellipse(11.3)[0]

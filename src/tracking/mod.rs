@@ -1,17 +1,16 @@
 //! Correspondence of regions between frames: linearly predictive multiple hypothesis tracking (§VIII).
 //!
-//! [`kalman`] is one model, [`pool`] the competing models of each moving region and how they are
-//! matched, [`seeds`] where new ones come from. The tracker follows regions; who is in them is for
-//! [`crate::occlusion`] to say.
+//! [`kalman`] is one model, [`pool`] the competing models of each moving region and their matching, [`seed_finder`]
+//! starts new ones. These follow regions; [`crate::occlusion`] decides which objects are in them.
 
 #![deny(clippy::indexing_slicing)]
 
 pub mod fragments;
+pub mod identity_map;
 pub mod kalman;
-pub mod naming;
 pub mod pool;
-pub mod seeds;
+pub mod seed_finder;
 pub mod track;
 
-pub use naming::{Key, Naming};
-pub use track::{Competing, Identity, Track, TrackState};
+pub use identity_map::{IdentityMap, TrackKey};
+pub use track::{HypothesisSummary, Identity, Track, TrackState};

@@ -6,21 +6,21 @@ use nalgebra::Vector3;
 use pathfinding::matrix::Matrix;
 use pathfinding::prelude::kuhn_munkres;
 
-use super::Competing;
-use super::kalman::{Measurement, Model, Noise, chi_squared_3};
+use super::HypothesisSummary;
+use super::kalman::{KalmanModel, Measurement, Noise, chi_squared_3};
 use crate::regions::Rect;
 use crate::settings::Settings;
 
-/// The most hypotheses that compete for one moving region.
-const MOST_A_BLOB: usize = 6;
-/// A hypothesis this much less likely than the best (a factor of e⁸) is not worth keeping.
-const WORST_SCORE: f32 = -8.0;
+/// Most hypotheses of one blob.
+const MAX_HYPOTHESES_PER_BLOB: usize = 6;
+/// Least score of a hypothesis relative to the shown one (a factor of e⁻⁸).
+const MIN_SCORE: f32 = -8.0;
 
 /// Standard deviation of a sudden manoeuvre over the object's √area: the gate lets it go about as far in a frame as it
 /// is long. Tried from .3 to .6 on fish that dart; people and cars hardly need it.
-const MANOEUVRE: f32 = 0.4;
+const MANOEUVRE_SIGMA: f32 = 0.4;
 
-/// What a hypothesis can be matched to: one region, or several that are one thing.
+/// What a hypothesis can be matched to: one region, or the joined fragments of one object.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Observation {
     /// Box of all its regions.
@@ -40,9 +40,10 @@ impl Observation {
 /// Mean squared Mahalanobis length of the errors of a model that predicts as well as its covariance says: 3 degrees of
 /// freedom.
 const EXPECTED_ERROR: f32 = 3.0;
-/// `null_factor` is of a frame at this many frames a second.
-const NULL_FACTOR_RATE: f32 = 25.0;
-/// The most that a single frame without a match counts for, at a lower rate: a mask can fail for two frames at any rate.
+/// Frame rate to which the setting `null_factor` refers.
+const NULL_FACTOR_FPS: f32 = 25.0;
+/// Largest multiple of `null_factor`'s frame that one unmatched frame counts for, at a lower rate: a mask can fail
+/// for two frames at any rate.
 const MAX_NULL_FRAMES: f32 = 5.0 / 3.0;
 
 /// Inverse of the variance of the prediction error: of its squared Mahalanobis length, averaged.
@@ -64,12 +65,12 @@ impl Fitness {
         self.nulls / self.mean_error.max(EXPECTED_ERROR)
     }
 
-    fn matched(&mut self, distance_squared: f32, memory: u32) {
+    fn record_match(&mut self, distance_squared: f32, memory: u32) {
         self.mean_error += (distance_squared - self.mean_error) / memory as f32;
         self.nulls = 1.0;
     }
 
-    fn missed(&mut self, null_factor: f32) {
+    fn record_miss(&mut self, null_factor: f32) {
         self.nulls *= null_factor;
     }
 }
@@ -77,13 +78,13 @@ impl Fitness {
 /// One explanation of a moving region's past.
 #[derive(Clone, Debug)]
 pub struct Hypothesis {
-    /// Where it says the region is and goes.
-    pub model: Model,
-    /// How well it predicted.
+    /// Its motion model.
+    pub model: KalmanModel,
+    /// Its fitness.
     pub fitness: Fitness,
     /// Sum of its log-likelihoods, relative to the reading that is shown.
     pub score: f32,
-    /// The observation that it took in this frame, `None` for a null match.
+    /// The observation that it matched in this frame, `None` for a null match.
     pub matched: Option<usize>,
 }
 
@@ -101,7 +102,7 @@ pub struct Blob {
 
 impl Blob {
     /// A blob with one hypothesis, standing at an observation.
-    pub fn new(model: Model, observation: &Observation) -> Self {
+    pub fn new(model: KalmanModel, observation: &Observation) -> Self {
         let shown = Hypothesis { model, fitness: Fitness::expected(), score: 0.0, matched: None };
         Self { shown, others: Vec::new(), lost: 0, bbox: observation.bbox }
     }
@@ -123,7 +124,7 @@ impl Blob {
         }
     }
 
-    /// Shows the one of these that has this match, or else the first, and counts the others' scores from its own.
+    /// Shows the hypothesis with this match, or else the first, and makes the others' scores relative to it.
     fn show(&mut self, mut hypotheses: Vec<Hypothesis>, matched: Option<usize>) {
         if let Some(at) = hypotheses.iter().position(|hypothesis| hypothesis.matched == matched) {
             hypotheses.swap(0, at);
@@ -135,25 +136,25 @@ impl Blob {
         self.others = hypotheses.map(|other| Hypothesis { score: other.score - best, ..other }).collect();
     }
 
-    /// What competes, the shown hypothesis first; `gate` is χ² at the edge of the gate.
-    pub fn competing(&self, gate: f32) -> Vec<Competing> {
+    /// Summaries of all hypotheses, the shown one first; `gate` is χ² at the edge of the gate.
+    pub fn summaries(&self, gate: f32) -> Vec<HypothesisSummary> {
         let most = self.hypotheses().map(|each| each.score).fold(f32::NEG_INFINITY, f32::max);
         let likelihood = |each: &Hypothesis| (each.score - most).exp();
         let total: f32 = self.hypotheses().map(likelihood).sum();
-        let competing = self.hypotheses().enumerate().map(|(rank, each)| Competing {
+        let summaries = self.hypotheses().enumerate().map(|(rank, each)| HypothesisSummary {
             centre: each.model.centre(),
             gate: each.model.gate_ellipse(gate),
             fitness: each.fitness.value(),
             probability: likelihood(each) / total,
-            // The one that is shown may have been given its region from outside, in place of its own match.
+            // The shown one may have been updated from outside, in place of its own match.
             matched: if rank == 0 { self.lost == 0 } else { each.matched.is_some() },
         });
-        competing.collect()
+        summaries.collect()
     }
 
-    /// Keeps the shown hypothesis alone and lets `change` correct its model: what follows an
-    /// interaction is no longer what the others competed about.
-    pub fn settle(&mut self, observation: &Observation, change: impl FnOnce(&mut Model)) {
+    /// Drops all but the shown hypothesis and lets `change` correct its model: after an interaction the others no
+    /// longer apply.
+    pub fn settle(&mut self, observation: &Observation, change: impl FnOnce(&mut KalmanModel)) {
         self.others.clear();
         change(&mut self.shown.model);
         self.shown.score = 0.0;
@@ -180,7 +181,7 @@ pub struct PoolSettings {
 impl PoolSettings {
     /// The pool's part of `settings`, for `fps` frames a second.
     pub fn new(settings: &Settings, fps: f32) -> Self {
-        let frames = (NULL_FACTOR_RATE / fps.max(1.0)).min(MAX_NULL_FRAMES);
+        let frames = (NULL_FACTOR_FPS / fps.max(1.0)).min(MAX_NULL_FRAMES);
         Self {
             noise: Noise { process: settings.process_noise, measurement: settings.measurement_noise },
             gate: chi_squared_3(settings.gate),
@@ -191,8 +192,8 @@ impl PoolSettings {
         }
     }
 
-    /// Whether a blob's shown model is no longer fit to be believed.
-    pub fn unfit(&self, blob: &Blob) -> bool {
+    /// Whether a blob's shown model is below the least fitness.
+    pub fn is_unfit(&self, blob: &Blob) -> bool {
         blob.shown().fitness.value() < self.min_fitness
     }
 
@@ -203,14 +204,14 @@ impl PoolSettings {
         }
     }
 
-    /// Branches every hypothesis into one for each observation in its gate and one null match,
-    /// and chooses the reading of greatest total likelihood in which no observation is explained
-    /// twice. Gives for each blob the observation that the reading has for it.
+    /// Branches every hypothesis into one for each observation in its gate and one null match, and chooses the joint
+    /// matching of greatest total likelihood in which no observation is explained twice. Returns for each blob the
+    /// observation matched to it.
     pub fn match_observations(&self, blobs: &mut [Blob], observations: &[Observation]) -> Vec<Option<usize>> {
         let measurements: Vec<_> = observations.iter().map(Observation::measurement).collect();
         let branches: Vec<Vec<Hypothesis>> =
             blobs.iter().map(|blob| self.branch(blob.hypotheses(), &measurements)).collect();
-        let chosen = best_reading(&branches, observations.len());
+        let chosen = best_joint_matching(&branches, observations.len());
         for ((blob, branches), &matched) in blobs.iter_mut().zip(branches).zip(&chosen) {
             blob.show(branches, matched);
             if let Some(observation) = matched.and_then(|at| observations.get(at)) {
@@ -234,7 +235,8 @@ impl PoolSettings {
         for (row, blob) in blobs.iter().enumerate() {
             let model = &blob.shown().model;
             for (column, observation) in observations.iter().enumerate() {
-                let innovation = model.innovation(&observation.measurement(), MANOEUVRE * model.scale());
+                let innovation =
+                    model.innovation(&observation.measurement(), MANOEUVRE_SIGMA * model.scale());
                 if innovation.distance_squared <= self.gate {
                     pairs.push((innovation.log_likelihood(), row, column));
                 }
@@ -253,9 +255,9 @@ impl PoolSettings {
         pairs.into_iter().map(|(_, row, column)| (row, column)).collect()
     }
 
-    /// Takes in the region after a manoeuvre.
-    pub fn manoeuvre(blob: &mut Blob, observation: &Observation) {
-        let manoeuvre = MANOEUVRE * blob.shown().model.scale();
+    /// Updates a blob with an observation after a manoeuvre.
+    pub fn update_after_manoeuvre(blob: &mut Blob, observation: &Observation) {
+        let manoeuvre = MANOEUVRE_SIGMA * blob.shown().model.scale();
         blob.settle(observation, |model| model.update_after_manoeuvre(&observation.measurement(), manoeuvre));
     }
 
@@ -272,7 +274,7 @@ impl PoolSettings {
                 (innovation.distance_squared <= self.gate).then(|| {
                     let mut child = parent.clone();
                     child.model.update(measured, 1.0);
-                    child.fitness.matched(innovation.distance_squared, self.fitness_memory);
+                    child.fitness.record_match(innovation.distance_squared, self.fitness_memory);
                     child.score += innovation.log_likelihood();
                     child.matched = Some(index);
                     child
@@ -280,7 +282,7 @@ impl PoolSettings {
             });
             // A null match is as likely as a match at the edge of the gate.
             let mut null = parent.clone();
-            null.fitness.missed(self.null_factor);
+            null.fitness.record_miss(self.null_factor);
             null.score -= 0.5 * self.gate;
             null.matched = None;
             for child in matches.chain([null]) {
@@ -297,10 +299,9 @@ impl PoolSettings {
     /// Drops the hypotheses that cannot win any more, and the least probable beyond the cap.
     fn prune(&self, blobs: &mut [Blob]) {
         for blob in blobs.iter_mut() {
-            blob.others
-                .retain(|other| other.score >= WORST_SCORE && other.fitness.value() >= self.min_fitness);
+            blob.others.retain(|other| other.score >= MIN_SCORE && other.fitness.value() >= self.min_fitness);
             blob.others.sort_by(|a, b| b.score.total_cmp(&a.score));
-            blob.others.truncate(MOST_A_BLOB - 1);
+            blob.others.truncate(MAX_HYPOTHESES_PER_BLOB - 1);
         }
         let total: usize = blobs.iter().map(|blob| 1 + blob.others.len()).sum();
         if total <= self.max_hypotheses {
@@ -318,16 +319,16 @@ impl PoolSettings {
 }
 
 /// In thousandths of a nat: far below what any sum of real scores reaches.
-const IMPOSSIBLE: i64 = -1_000_000_000;
+const IMPOSSIBLE_SCORE: i64 = -1_000_000_000;
 
-/// For each blob, of whose hypotheses these are the branches, the observation (or none) that maximises the total score; blobs come oldest
-/// first, and on a tie the older keeps what it has.
-fn best_reading(branches: &[Vec<Hypothesis>], observations: usize) -> Vec<Option<usize>> {
+/// For each blob, of whose hypotheses these are the branches, the observation (or none) that maximises the total
+/// score; blobs come oldest first, and on a tie the older keeps its match.
+fn best_joint_matching(branches: &[Vec<Hypothesis>], observations: usize) -> Vec<Option<usize>> {
     if branches.is_empty() {
         return Vec::new();
     }
     let thousandths = |score: f32| (f64::from(score) * 1000.0).round() as i64;
-    let mut scores = Matrix::new(branches.len(), observations + branches.len(), IMPOSSIBLE);
+    let mut scores = Matrix::new(branches.len(), observations + branches.len(), IMPOSSIBLE_SCORE);
     for (row, hypotheses) in branches.iter().enumerate() {
         for hypothesis in hypotheses {
             let column = hypothesis.matched.unwrap_or(observations + row);
@@ -355,7 +356,8 @@ mod tests {
     }
 
     fn blob(x: f32, y: f32, vx: f32) -> Blob {
-        let model = Model::through(at(x - vx, y).measurement(), at(x, y).measurement(), settings().noise);
+        let model =
+            KalmanModel::through(at(x - vx, y).measurement(), at(x, y).measurement(), settings().noise);
         Blob::new(model, &at(x, y))
     }
 
@@ -390,7 +392,7 @@ mod tests {
             let mut blobs = [blob(100.0, 50.0, 3.0)];
             blobs[0].shown.fitness.mean_error = mean_error;
             let mut frames = 0;
-            while !settings.unfit(&blobs[0]) {
+            while !settings.is_unfit(&blobs[0]) {
                 settings.predict(&mut blobs);
                 settings.match_observations(&mut blobs, &[]);
                 frames += 1;
@@ -405,7 +407,7 @@ mod tests {
 
     #[test]
     fn what_was_given_a_region_has_taken_one() {
-        let took = |blob: &Blob| blob.competing(12.0).iter().map(|each| each.matched).collect::<Vec<_>>();
+        let took = |blob: &Blob| blob.summaries(12.0).iter().map(|each| each.matched).collect::<Vec<_>>();
         let mut blobs = [blob(100.0, 50.0, 3.0)];
         assert_eq!(took(&blobs[0]), [true], "it stands at one");
         step(&mut blobs, &[]);
@@ -425,7 +427,7 @@ mod tests {
         assert_eq!(settings.match_observations(&mut blobs, &[darted.clone(), strange.clone()]), [None, None]);
         let lost: Vec<&Blob> = blobs.iter().collect();
         assert_eq!(settings.match_manoeuvres(&lost, &[&strange, &darted]), [(0, 1)]);
-        PoolSettings::manoeuvre(&mut blobs[0], &darted);
+        PoolSettings::update_after_manoeuvre(&mut blobs[0], &darted);
         assert_eq!(blobs[0].lost, 0);
         let [x, y] = blobs[0].shown().model.centre();
         assert!((x - 118.0).abs() < 2.0 && (y - 62.0).abs() < 2.0);

@@ -1,16 +1,16 @@
-//! What is known of an object in one frame: the reading of the hypotheses that is shown.
+//! The track of an object in one frame: the state of its shown hypothesis.
 
 use std::sync::Arc;
 
 use serde::Serialize;
 
-use super::naming::Key;
+use super::identity_map::TrackKey;
 use crate::regions::{Rect, Rgb};
 
-/// The number under which an object is known throughout a video, from 1.
+/// Identity of a confirmed object throughout a video, from 1.
 pub type Identity = u32;
 
-/// How an object is seen.
+/// The visibility of an object.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
 #[serde(rename_all = "lowercase")]
 pub enum TrackState {
@@ -18,12 +18,12 @@ pub enum TrackState {
     Visible,
     /// It shares a region with others.
     Merged,
-    /// It has no region; where it is drawn is where it is predicted.
+    /// It has no region; its box is the predicted one.
     Hidden,
 }
 
 impl TrackState {
-    /// The word for it on the screen.
+    /// Its name on the screen.
     pub const fn label(self) -> &'static str {
         match self {
             Self::Hidden => "occluded",
@@ -43,29 +43,29 @@ impl TrackState {
 
 /// One of the hypotheses that compete for an object (§VIII).
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Competing {
+pub struct HypothesisSummary {
     /// Its Kalman model's centre (x, y).
     pub centre: [f32; 2],
     /// Half axes and angle (radians) of the ellipse within which its next region may lie.
     pub gate: [f32; 3],
     /// Inverse of the variance of its prediction error.
     pub fitness: f32,
-    /// Its share of the likelihood of all that compete, 0..=1. The one that is shown need not have the most: the reading
-    /// of all objects together is the likeliest.
+    /// Its share of the likelihood of all competing hypotheses, 0..=1. The shown one need not have the greatest: the
+    /// joint matching of all objects is the likeliest.
     pub probability: f32,
-    /// Whether it took a region in this frame, or none (a null match).
+    /// Whether it matched a region in this frame, or none (a null match).
     pub matched: bool,
 }
 
 /// An object in one frame.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Track {
-    /// Who it is; 0 while it has no identity yet.
+    /// Its identity; 0 while it is tentative.
     pub id: Identity,
-    /// Its number before and after it has an identity.
+    /// Its track key, also before it is confirmed.
     #[serde(skip)]
-    pub key: Key,
-    /// How it is seen.
+    pub key: TrackKey,
+    /// Its visibility.
     pub state: TrackState,
     /// Its box, the predicted one while merged or hidden.
     pub bbox: Rect,
@@ -81,8 +81,8 @@ pub struct Track {
     pub fitness: f32,
     /// The hypotheses that compete for it, the one that is shown first; none while no region is followed for it.
     #[serde(skip)]
-    pub hypotheses: Arc<[Competing]>,
-    /// The share of its full size that is seen, 0..=1.
+    pub hypotheses: Arc<[HypothesisSummary]>,
+    /// Its visible share, 0..=1.
     pub visible_share: f32,
     /// Its dominant colours, the most frequent first.
     pub colours: Vec<Rgb>,

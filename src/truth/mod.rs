@@ -1,13 +1,13 @@
 //! Ground truth, and how far what was found agrees with it.
 //!
 //! [`boxes`] reads tracks as MOTChallenge has them, [`clear_mot`] and [`survival`] score them, [`summary`] by both;
-//! [`masks`] reads masks as CDnet has them, [`decisions`] and [`mask_score`] judge pixels by them; [`happenings`] scores
-//! events and episodes of made-up scenes.
+//! [`masks`] reads masks as CDnet has them, [`decisions`] and [`mask_score`] score pixels by them; [`event_scoring`]
+//! scores events and episodes of rendered scenes.
 
 pub mod boxes;
 pub mod clear_mot;
 pub mod decisions;
-pub mod happenings;
+pub mod event_scoring;
 pub mod mask_score;
 pub mod masks;
 pub mod summary;
@@ -36,9 +36,9 @@ impl TruthError {
     }
 }
 
-/// What lies at a path that is given as ground truth.
+/// The kind of ground truth at a path.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub enum Place {
+pub enum TruthSource {
     /// A file of boxes.
     Boxes(PathBuf),
     /// A CDnet folder.
@@ -47,8 +47,8 @@ pub enum Place {
     Scene(PathBuf),
 }
 
-impl Place {
-    /// Looks what it is.
+impl TruthSource {
+    /// Detects the kind.
     pub fn of(path: &Path) -> Result<Self, TruthError> {
         if path.is_file() {
             return Ok(Self::Boxes(path.to_owned()));
@@ -80,7 +80,7 @@ pub fn masks_of_scene(folder: &Path) -> Result<Option<MaskFiles>, TruthError> {
     identities.is_dir().then(|| MaskFiles::of_identities(&identities)).transpose()
 }
 
-/// What is known to be right of a sequence.
+/// The ground truth of a sequence.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Truth {
     /// Where objects are.
@@ -92,12 +92,12 @@ pub struct Truth {
 impl Truth {
     /// Reads whatever lies at `path`: a MOTChallenge file, a CDnet folder, or a scene written by `synth`.
     pub fn read(path: &Path) -> Result<Self, TruthError> {
-        let truth = match Place::of(path)? {
-            Place::Boxes(file) => Self { boxes: Some(boxes::read(&file)?), masks: None },
-            Place::Cdnet(folder) => {
+        let truth = match TruthSource::of(path)? {
+            TruthSource::Boxes(file) => Self { boxes: Some(boxes::read(&file)?), masks: None },
+            TruthSource::Cdnet(folder) => {
                 Self { boxes: None, masks: MaskFiles::of_cdnet(&folder)?.read_all()?.map(Arc::new) }
             }
-            Place::Scene(folder) => {
+            TruthSource::Scene(folder) => {
                 let masks = masks_of_scene(&folder)?;
                 let masks = masks.map(|files| files.read_all()).transpose()?.flatten();
                 Self { boxes: Some(boxes_of_scene(&folder)?), masks: masks.map(Arc::new) }

@@ -8,7 +8,7 @@ use super::boxes::{Bounds, Boxes};
 use super::clear_mot::{self, ClearMot};
 use super::mask_score::MaskScore;
 use super::survival::{self, Survival};
-use crate::pipeline::Reading;
+use crate::pipeline::OfflineResult;
 
 /// How right tracks are.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -42,7 +42,7 @@ pub fn score(truth: &Boxes, found: &Boxes) -> TrackScore {
 }
 
 /// The boxes of a reading, as its file of tracks holds them.
-pub fn boxes_of(reading: &Reading) -> Boxes {
+pub fn boxes_of(reading: &OfflineResult) -> Boxes {
     let mut boxes = Boxes::new();
     for (number, tracks) in &reading.tracks {
         let of_frame: BTreeMap<_, _> = tracks

@@ -12,15 +12,15 @@ use serde::Serialize;
 use super::boxes::{Bounds, Boxes};
 
 /// Shared area of the smaller box from which two overlap.
-const OVERLAP: f64 = 0.15;
+const MIN_OVERLAP_SHARE: f64 = 0.15;
 /// Frames apart from which it is another episode.
-const APART: u32 = 7;
+const MIN_GAP_FRAMES: u32 = 7;
 /// The shortest episode in frames.
-const SHORTEST: u32 = 3;
+const MIN_EPISODE_FRAMES: u32 = 3;
 /// Frames before and after an episode in which is asked who was who.
-const AROUND: u32 = 10;
+const FRAMES_AROUND_EPISODE: u32 = 10;
 /// A box is on an object from this IoU on.
-const ON: f64 = 0.3;
+const MIN_IOU: f64 = 0.3;
 
 /// What became of the identities of objects that met.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
@@ -51,8 +51,8 @@ pub fn score(truth: &Boxes, found: &Boxes) -> Survival {
                 survival.episodes += 1;
                 survival.identities += 2;
                 let most = |object: u32, from: u32, to: u32| mostly(&on, object, from, to);
-                let before = [a, b].map(|id| most(*id, start.saturating_sub(AROUND), start));
-                let after = [a, b].map(|id| most(*id, end + 1, end + 1 + AROUND));
+                let before = [a, b].map(|id| most(*id, start.saturating_sub(FRAMES_AROUND_EPISODE), start));
+                let after = [a, b].map(|id| most(*id, end + 1, end + 1 + FRAMES_AROUND_EPISODE));
                 for (me, other) in [(0, 1), (1, 0)] {
                     let kept = before[me].is_some() && before[me] == after[me];
                     let mine = before[me] != before[other] && after[me] != after[other];
@@ -70,19 +70,19 @@ fn episodes(a: &BTreeMap<u32, Bounds>, b: &BTreeMap<u32, Bounds>) -> Vec<(u32, u
     let mut runs: Vec<(u32, u32)> = Vec::new();
     for (&frame, mine) in a {
         let Some(theirs) = b.get(&frame) else { continue };
-        if mine.shared(theirs) < OVERLAP * mine.area().min(theirs.area()) {
+        if mine.shared(theirs) < MIN_OVERLAP_SHARE * mine.area().min(theirs.area()) {
             continue;
         }
         match runs.last_mut() {
-            Some((_, end)) if frame - *end < APART => *end = frame,
+            Some((_, end)) if frame - *end < MIN_GAP_FRAMES => *end = frame,
             _ => runs.push((frame, frame)),
         }
     }
     let both_within = |from: u32, to: u32| [a, b].iter().all(|boxes| boxes.range(from..to).next().is_some());
     runs.retain(|&(start, end)| {
-        end - start + 1 >= SHORTEST
-            && both_within(start.saturating_sub(AROUND), start)
-            && both_within(end + 1, end + 1 + AROUND)
+        end - start + 1 >= MIN_EPISODE_FRAMES
+            && both_within(start.saturating_sub(FRAMES_AROUND_EPISODE), start)
+            && both_within(end + 1, end + 1 + FRAMES_AROUND_EPISODE)
     });
     runs
 }
@@ -99,7 +99,7 @@ fn on(truth: &Boxes, found: &Boxes) -> BTreeMap<(u32, u32), u32> {
         pairs.sort_by(|a, b| b.0.total_cmp(&a.0).then((b.1, b.2).cmp(&(a.1, a.2))));
         let mut taken = Vec::new();
         for (iou, object, identity) in pairs {
-            if iou >= ON && !on.contains_key(&(*frame, object)) && !taken.contains(&identity) {
+            if iou >= MIN_IOU && !on.contains_key(&(*frame, object)) && !taken.contains(&identity) {
                 on.insert((*frame, object), identity);
                 taken.push(identity);
             }

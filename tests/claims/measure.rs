@@ -2,7 +2,7 @@
 
 use occluscope::frame::{Mask, Size};
 use occluscope::pipeline::Pipeline;
-use occluscope::registration::{Choice, Estimator};
+use occluscope::registration::{CorrectionChoice, Estimator};
 use occluscope::settings::Settings;
 use occluscope::synth::noise::Noise;
 use occluscope::synth::render::FrameTruth;
@@ -23,7 +23,7 @@ pub(crate) fn deserted(name: &str, frames: u32) -> Scene {
 /// Takes a scene through all stages and shows each frame's truth, mask and model after it.
 pub(crate) fn watch(scene: &Scene, settings: &Settings, mut see: impl FnMut(&FrameTruth, &Mask, &Pipeline)) {
     let mut pipeline = Pipeline::new(settings, scene.size, scene.fps).expect("settings in range");
-    let mut estimator = Estimator::of(scene.size, Choice::new(settings));
+    let mut estimator = Estimator::of(scene.size, CorrectionChoice::new(settings));
     for (mut frame, truth) in render(scene) {
         frame.alignment = estimator.step(&frame);
         let analysis = pipeline.step(&frame).expect("a frame of the scene's size");

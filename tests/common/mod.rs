@@ -14,9 +14,9 @@ pub const WIDTH: u32 = 96;
 pub const HEIGHT: u32 = 72;
 
 /// A folder that goes away with the test.
-pub struct Place(TempDir);
+pub struct TestFolder(TempDir);
 
-impl Place {
+impl TestFolder {
     pub fn new() -> Self {
         Self(tempfile::tempdir().unwrap())
     }

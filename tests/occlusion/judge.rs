@@ -6,9 +6,9 @@ use std::sync::Arc;
 use occluscope::frame::{Frame, Mask, Size};
 use occluscope::mixture::BATCH;
 use occluscope::occlusion::EventKind;
-use occluscope::pipeline::{Analysis, Pipeline, Reading, final_reading};
+use occluscope::pipeline::{Analysis, OfflineResult, Pipeline, offline_result};
 use occluscope::regions::Rect;
-use occluscope::registration::{Choice, measure_all};
+use occluscope::registration::{CorrectionChoice, measure_all};
 use occluscope::settings::Settings;
 use occluscope::synth::{Parameters, Recorder, Scene, Truth, catalogue, render};
 use occluscope::tracking::Identity;
@@ -23,7 +23,7 @@ const TOLERANCE: f32 = 8.0;
 const CLEAR: f32 = 0.9;
 
 /// A scene through the whole analysis, as `run` takes a file through it.
-pub(crate) struct Run {
+pub(crate) struct JudgedRun {
     truth: Truth,
     analyses: Vec<Analysis>,
     pipeline: Pipeline,
@@ -34,7 +34,7 @@ pub(crate) struct Run {
     slowness: f32,
 }
 
-impl Run {
+impl JudgedRun {
     /// The analysis of a scene in which people walk at `speed` times their usual one in each frame.
     pub(crate) fn new(scene: &Scene, speed: f32, settings: &Settings) -> Self {
         let mut recorder = Recorder::new(scene.fps);
@@ -43,7 +43,7 @@ impl Run {
             recorder.push(&truth);
             frames.push(frame);
         }
-        measure_all(&mut frames, Choice::new(settings));
+        measure_all(&mut frames, CorrectionChoice::new(settings));
         let frames: Vec<&Frame> = frames.iter().collect();
         let mut pipeline = Pipeline::new(settings, scene.size, scene.fps).expect("settings in range");
         let learnt = frames.len().min(settings.bootstrap.frames(scene.fps) as usize);
@@ -76,7 +76,7 @@ impl Run {
 
     /// Everything in which the final reading differs from the truth, a line each.
     pub(crate) fn differences(&self) -> Vec<String> {
-        let (truth, found) = (&self.truth, &final_reading(&self.analyses, &self.pipeline));
+        let (truth, found) = (&self.truth, &offline_result(&self.analyses, &self.pipeline));
         let (mut differences, person_of) = confusions(truth, found);
         let people = |ids: &[Identity]| -> Vec<Identity> {
             let mut people: Vec<_> = ids.iter().map(|id| person_of.get(id).copied().unwrap_or(0)).collect();
@@ -107,7 +107,7 @@ impl Run {
 
     /// Identity confusions in the final reading, one line each.
     pub(crate) fn confusions(&self) -> Vec<String> {
-        confusions(&self.truth, &final_reading(&self.analyses, &self.pipeline)).0
+        confusions(&self.truth, &offline_result(&self.analyses, &self.pipeline)).0
     }
 
     /// The tracks of the final reading against the true boxes, at an IoU of .5.
@@ -117,7 +117,7 @@ impl Run {
             let Rect { x, y, w, h } = person.bbox;
             truth.entry(*frame).or_default().insert(person.id, Bounds([x, y, w, h].map(f64::from)));
         }
-        clear_mot::score(&truth, &boxes_of(&final_reading(&self.analyses, &self.pipeline)), 0.5)
+        clear_mot::score(&truth, &boxes_of(&offline_result(&self.analyses, &self.pipeline)), 0.5)
     }
 }
 
@@ -129,11 +129,11 @@ pub(crate) fn differences(scene: &str, parameters: &Parameters, settings: &Setti
 
 /// The same of a scene in which people walk at `speed` times their usual one.
 pub(crate) fn differences_in(scene: &Scene, speed: f32, settings: &Settings) -> Vec<String> {
-    Run::new(scene, speed, settings).differences()
+    JudgedRun::new(scene, speed, settings).differences()
 }
 
 /// Who was called by another's identity or by several, a line each, and which person each identity is.
-fn confusions(truth: &Truth, found: &Reading) -> (Vec<String>, BTreeMap<Identity, Identity>) {
+fn confusions(truth: &Truth, found: &OfflineResult) -> (Vec<String>, BTreeMap<Identity, Identity>) {
     let mut differences = Vec::new();
     let mut person_of = BTreeMap::new();
     for (person, ids) in &identities(truth, found) {
@@ -172,7 +172,7 @@ fn unmatched(
 }
 
 /// For each person the identities that lay on them where they were clearly seen.
-fn identities(truth: &Truth, found: &Reading) -> BTreeMap<Identity, BTreeSet<Identity>> {
+fn identities(truth: &Truth, found: &OfflineResult) -> BTreeMap<Identity, BTreeSet<Identity>> {
     let tracks: BTreeMap<u32, _> = found.tracks.iter().map(|(frame, tracks)| (*frame, tracks)).collect();
     let mut held: BTreeMap<Identity, BTreeSet<Identity>> = BTreeMap::new();
     for (frame, person) in &truth.boxes {

@@ -199,7 +199,7 @@ fn who_passes_a_glinting_pond_keeps_their_identity() {
     let confused = [(1, 0.8), (2, 1.4), (3, 1.0)].map(|(seed, speed)| {
         let parameters = parameters(seed, (320, 240), speed, 4.0);
         let scene = catalogue::scene("glints", &parameters).expect("a scene of the catalogue");
-        judge::Run::new(&scene, speed, &Settings::default()).confusions()
+        judge::JudgedRun::new(&scene, speed, &Settings::default()).confusions()
     });
     assert!(confused.iter().all(Vec::is_empty), "{confused:#?}");
 }
@@ -227,7 +227,7 @@ fn two_who_enter_as_one_keep_their_identities() {
     let confused = [1, 2, 3].map(|seed| {
         let parameters = parameters(seed, (320, 240), 1.4, 4.0);
         let scene = catalogue::scene("enter-together", &parameters).expect("a scene of the catalogue");
-        judge::Run::new(&scene, 1.4, &Settings::default()).confusions()
+        judge::JudgedRun::new(&scene, 1.4, &Settings::default()).confusions()
     });
     assert!(confused.iter().all(Vec::is_empty), "{confused:#?}");
 }

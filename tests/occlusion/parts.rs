@@ -3,7 +3,7 @@
 use occluscope::settings::Settings;
 use occluscope::synth::Scene;
 
-use super::judge::Run;
+use super::judge::JudgedRun;
 use super::mill::Mill;
 use super::parameters;
 
@@ -101,7 +101,7 @@ fn every_part_taken_away_makes_a_scene_wrong() {
 fn failures(row: &Row) -> Vec<String> {
     let scene = (row.scene)();
     let name = format!("{} {}", scene.name, scene.seed);
-    let mut run = Run::new(&scene, 1.0, &Settings::default());
+    let mut run = JudgedRun::new(&scene, 1.0, &Settings::default());
     let (differences, idf1) = (run.differences(), run.score().idf1);
     let mut wrong = Vec::new();
     let (least, most) = row.by_default;

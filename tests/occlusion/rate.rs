@@ -4,7 +4,7 @@ use occluscope::frame::Size;
 use occluscope::settings::Settings;
 use occluscope::synth::{Parameters, catalogue};
 
-use super::judge::Run;
+use super::judge::JudgedRun;
 
 #[test]
 fn identities_hold_at_any_frame_rate_and_told_a_wrong_one() {
@@ -25,7 +25,7 @@ fn differences(name: &str) -> Vec<String> {
         let parameters = Parameters { size: Size::new(240, 180), speed, ..Parameters::default() };
         let mut scene = catalogue::scene(name, &parameters).expect("a scene of the catalogue");
         scene.fps = fps;
-        let mut run = Run::new(&scene, speed, &settings);
+        let mut run = JudgedRun::new(&scene, speed, &settings);
         for told in [1.0, 0.5, 2.0] {
             if told != 1.0 {
                 run.track_again(&settings, told * fps);

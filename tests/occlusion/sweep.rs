@@ -78,7 +78,7 @@ fn every_seed() {
             .par_iter()
             .map(|&seed| {
                 let scene = kind.scene(seed);
-                let mut run = judge::Run::new(&scene, 1.0, &Settings::default());
+                let mut run = judge::JudgedRun::new(&scene, 1.0, &Settings::default());
                 let score = |(_, settings): &(&str, Settings)| {
                     run.track_again(settings, scene.fps);
                     (run.differences().len(), run.score().idf1)

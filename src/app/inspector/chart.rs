@@ -8,7 +8,7 @@ pub(super) use crate::export::figure::axis::ticks;
 /// Room at the left of a plot for its labels.
 pub(super) const GUTTER: f32 = 34.0;
 /// Between a label and the plot.
-pub(super) const APART: f32 = 4.0;
+pub(super) const LABEL_GAP: f32 = 4.0;
 /// Room at the right of a plot, so that the last tick's label stays inside.
 pub(super) const RIGHT: f32 = 8.0;
 /// Height of a row of tick labels.
@@ -16,13 +16,13 @@ pub(super) const TICKS: f32 = 13.0;
 
 /// A straight map from data to the screen; `screen` may run backwards, as y does.
 #[derive(Clone, Copy, Debug)]
-pub(super) struct Axis {
+pub(super) struct ChartAxis {
     pub(super) min: f64,
     pub(super) max: f64,
     pub(super) screen: (f32, f32),
 }
 
-impl Axis {
+impl ChartAxis {
     pub(super) fn x(min: f64, max: f64, rect: Rect) -> Self {
         Self { min, max, screen: (rect.left(), rect.right()) }
     }
@@ -68,7 +68,7 @@ pub(super) fn frame(painter: &Painter, rect: Rect, visuals: &Visuals) {
 pub(super) fn y_labels(painter: &Painter, left: f32, labels: &[(f32, String)], visuals: &Visuals) {
     for (y, label) in labels {
         painter.text(
-            Pos2::new(left - APART, *y),
+            Pos2::new(left - LABEL_GAP, *y),
             Align2::RIGHT_CENTER,
             label,
             style::tick_font(),
@@ -116,11 +116,11 @@ mod tests {
     #[test]
     fn an_axis_goes_there_and_back() {
         let rect = Rect::from_min_max(Pos2::new(30.0, 10.0), Pos2::new(330.0, 70.0));
-        let axis = Axis::x(0.0, 255.0, rect);
+        let axis = ChartAxis::x(0.0, 255.0, rect);
         assert_eq!(axis.at(0.0), 30.0);
         assert_eq!(axis.at(255.0), 330.0);
         assert!((axis.value(axis.at(100.0)) - 100.0).abs() < 1e-3);
-        assert_eq!(Axis::y(0.0, 1.0, rect).at(1.0), 10.0);
+        assert_eq!(ChartAxis::y(0.0, 1.0, rect).at(1.0), 10.0);
         assert_eq!(axis.clamped(400.0), 330.0);
     }
 }

@@ -4,7 +4,7 @@ use eframe::egui::{Align, Layout, Pos2, Rect, Sense, Stroke, Ui, UiBuilder, Vec2
 
 use super::Chosen;
 use super::style::{self, SMALL, small};
-use crate::mixture::standing::Standing;
+use crate::mixture::component_states::ComponentState;
 use crate::mixture::verdict::number;
 
 /// Columns of the table with their least widths, line by line.
@@ -17,7 +17,7 @@ const TWO_LINES: Lines =
     &[&[(0, 24.0), (2, 82.0), (3, 34.0), (6, 52.0)], &[(0, 24.0), (1, 50.0), (4, 62.0), (5, 56.0)]];
 
 /// The components of a mixture, a row each.
-pub(super) fn table(ui: &mut Ui, chosen: &Chosen<'_>, rows: &[Standing]) {
+pub(super) fn table(ui: &mut Ui, chosen: &Chosen<'_>, rows: &[ComponentState]) {
     let gray = chosen.channels().len() == 1;
     let heads = [
         ("", "Rank and plot colour of the component. The colour is kept when the rank changes."),
@@ -123,7 +123,7 @@ fn line(ui: &mut Ui, rank: Option<usize>, mut cell: impl FnMut(&mut Ui, usize)) 
     }
 }
 
-fn dot(ui: &mut Ui, row: &Standing) {
+fn dot(ui: &mut Ui, row: &ComponentState) {
     let (rect, _) = ui.allocate_exact_size(Vec2::new(11.0, 11.0), Sense::hover());
     let colour = style::component(ui.visuals(), row.slot);
     if row.background {

@@ -15,8 +15,8 @@ use super::style::{self, small};
 use crate::app::theme;
 use crate::export::figure::cube::{EXTENT, Look, Role as Line, Scene, Span, Turn, scene};
 use crate::export::figure::scatter::density;
-use crate::mixture::places::{Kind, Place, Space, place};
-use crate::mixture::standing::standings;
+use crate::mixture::component_states::component_states;
+use crate::mixture::scatter_points::{PointKind, ScatterPoint, ScatterSpace, coordinates_of};
 
 /// A press of a key or a button turns so far, in radians.
 const STEP: f64 = std::f64::consts::PI / 18.0;
@@ -37,16 +37,16 @@ impl Default for CubeView {
 }
 
 impl CubeView {
-    pub(super) fn ui(&mut self, ui: &mut Ui, chosen: &Chosen<'_>, places: &[Place]) {
+    pub(super) fn ui(&mut self, ui: &mut Ui, chosen: &Chosen<'_>, places: &[ScatterPoint]) {
         self.controls(ui);
         let side = ui.available_width().min(SIDE);
         let (area, response) = ui.allocate_exact_size(Vec2::splat(side), Sense::click_and_drag());
         self.turn(ui, &response);
 
-        let (standings, _) = standings(chosen.history, chosen.slots, chosen.index, false);
+        let (component_states, _) = component_states(chosen.history, chosen.slots, chosen.index, false);
         let lambda = chosen.history.parameters.lambda;
-        let span = if self.look.fit { Span::around(places, &standings, lambda) } else { Span::WHOLE };
-        let here = place(chosen.history, chosen.index, Space::Cube);
+        let span = if self.look.fit { Span::around(places, &component_states, lambda) } else { Span::WHOLE };
+        let here = coordinates_of(chosen.history, chosen.index, ScatterSpace::Cube);
         let Turn { yaw, pitch } = self.look.turn;
         response.widget_info(|| {
             let (yaw, pitch) = (yaw.to_degrees(), pitch.to_degrees());
@@ -61,7 +61,7 @@ impl CubeView {
             )
         });
         if ui.is_rect_visible(area) {
-            let scene = scene(places, &standings, here, lambda, span, self.look.turn);
+            let scene = scene(places, &component_states, here, lambda, span, self.look.turn);
             Drawing { ui, painter: ui.painter_at(area), area }.draw(&scene);
         }
         if response.has_focus() {
@@ -152,7 +152,7 @@ impl Drawing<'_> {
         }
         for spot in &scene.spots {
             let nearness = spot.nearness as f32;
-            let hollow = matches!(spot.place.kind, Kind::Component { foreground: true, .. });
+            let hollow = matches!(spot.place.kind, PointKind::Component { foreground: true, .. });
             let strength = [0.55, 0.75, 0.95][density(spot.place.count)];
             let (place, radius) = (self.at(spot.at), 1.3 + 1.0 * nearness);
             let colour = colour(visuals, spot.place.kind);

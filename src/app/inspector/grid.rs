@@ -10,7 +10,7 @@ use super::InspectorAction;
 use super::chart::{self, Columns, TICKS};
 use super::style::{self, small};
 use crate::mixture::Parameters;
-use crate::mixture::tuning::{Axis, Knob};
+use crate::mixture::tuning::{SettingAxis, TunableSetting};
 use crate::mixture::verdict::number;
 
 /// Room for the name of the axis across.
@@ -21,7 +21,7 @@ const SIDE: f32 = 380.0;
 /// A grid that is known.
 pub(super) struct Grid<'a> {
     /// What changes across, and up.
-    pub(super) axes: &'a [Axis; 2],
+    pub(super) axes: &'a [SettingAxis; 2],
     /// The present settings.
     pub(super) parameters: &'a Parameters,
     /// The colour of a cell, by column and row.
@@ -89,14 +89,14 @@ pub(super) fn legend_of_ring(ui: &mut Ui) {
     ui.label(style::aside(ui, "best"));
 }
 
-fn cell_rect(plot: Rect, axes: &[Axis; 2], column: usize, row: usize) -> Rect {
+fn cell_rect(plot: Rect, axes: &[SettingAxis; 2], column: usize, row: usize) -> Rect {
     let [columns, rows] = axes.each_ref().map(|axis| axis.values.len().max(1) as f32);
     let x = |column: usize| plot.left() + plot.width() * column as f32 / columns;
     let y = |row: usize| plot.bottom() - plot.height() * row as f32 / rows;
     Rect::from_x_y_ranges(Rangef::new(x(column), x(column + 1)), Rangef::new(y(row + 1), y(row)))
 }
 
-fn axes(painter: &Painter, ui: &Ui, plot: Rect, [x, y]: &[Axis; 2]) {
+fn axes(painter: &Painter, ui: &Ui, plot: Rect, [x, y]: &[SettingAxis; 2]) {
     let visuals = ui.visuals();
     chart::frame(painter, plot, visuals);
     let labels: Vec<_> = ticks(x, (plot.width() / 50.0) as usize)
@@ -120,7 +120,7 @@ fn axes(painter: &Painter, ui: &Ui, plot: Rect, [x, y]: &[Axis; 2]) {
 }
 
 /// Round values along an axis.
-fn ticks(axis: &Axis, most: usize) -> Vec<f32> {
+fn ticks(axis: &SettingAxis, most: usize) -> Vec<f32> {
     let (low, high) = (axis.value_at(0.0), axis.value_at(1.0));
     if !axis.knob.is_logarithmic() {
         let round = chart::ticks(low.into(), high.into(), most).into_iter().map(|value| value as f32);
@@ -147,12 +147,15 @@ fn cross(painter: &Painter, ui: &Ui, at: Pos2) {
 }
 
 /// The values of a cell.
-pub(super) fn values([x, y]: &[Axis; 2], (column, row): (usize, usize)) -> Option<[(Knob, f32); 2]> {
+pub(super) fn values(
+    [x, y]: &[SettingAxis; 2],
+    (column, row): (usize, usize),
+) -> Option<[(TunableSetting, f32); 2]> {
     Some([(x.knob, *x.values.get(column)?), (y.knob, *y.values.get(row)?)])
 }
 
 /// The same in words.
-pub(super) fn words(values: [(Knob, f32); 2]) -> String {
+pub(super) fn words(values: [(TunableSetting, f32); 2]) -> String {
     values.map(|(knob, value)| format!("{} = {}", knob.symbol(), number(value))).join(",  ")
 }
 

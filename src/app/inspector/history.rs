@@ -8,16 +8,16 @@ use eframe::egui::{
     Align2, Pos2, Rangef, Rect, Response, Sense, Shape, Stroke, Tooltip, Ui, Vec2, WidgetInfo,
 };
 
-use super::chart::{self, Axis, Columns, TICKS};
+use super::chart::{self, ChartAxis, Columns, TICKS};
 use super::menu;
 use super::plot::Plot;
 use super::rows::{LANE, changes_plot, channel_plot, count_plot, rates_plot, weights_plot, x_range};
 use super::style::{self, small};
 use super::{Chosen, InspectorAction};
-use crate::export::figure::through_time::Choice;
+use crate::export::figure::through_time::HistorySelection;
 use crate::mixture::PixelHistory;
-use crate::mixture::bins::{Bin, bins, value_range};
-use crate::mixture::follow::{Change, change};
+use crate::mixture::component_slots::{ComponentChange, component_change};
+use crate::mixture::downsampled_history::{HistoryColumn, downsample, value_range};
 use crate::mixture::verdict::{number, verdict};
 
 /// The fewest frames that can be zoomed to.
@@ -47,7 +47,7 @@ struct Cache {
     history: Arc<PixelHistory>,
     frames: Range<usize>,
     columns: usize,
-    bins: Vec<Bin>,
+    bins: Vec<HistoryColumn>,
 }
 
 impl HistoryView {
@@ -72,7 +72,7 @@ impl HistoryView {
         self.look_around(ui, &response, plot, chosen);
 
         let (from, to) = self.range(total);
-        let axis = Axis::x(from, to, plot);
+        let axis = ChartAxis::x(from, to, plot);
         let frame_at = |x: f32| (axis.value(x).max(0.0) as usize).min(total.saturating_sub(1));
         if ui.is_rect_visible(area) {
             self.draw(ui, chosen, area, axis);
@@ -94,11 +94,11 @@ impl HistoryView {
     }
 
     /// What a figure of the frames in view shows.
-    fn choice(&self, chosen: &Chosen<'_>) -> Choice {
+    fn choice(&self, chosen: &Chosen<'_>) -> HistorySelection {
         let total = chosen.history.states.len();
         let (from, to) = self.range(total);
         let frames = from.floor() as usize..(to.ceil() as usize).min(total);
-        Choice { frames, index: chosen.index, fit: self.fit }
+        HistorySelection { frames, index: chosen.index, fit: self.fit }
     }
 
     fn controls(&mut self, ui: &mut Ui, chosen: &Chosen<'_>) -> Option<InspectorAction> {
@@ -171,7 +171,7 @@ impl HistoryView {
             let (zoom, scroll) = ui.input(|input| (input.zoom_delta(), input.smooth_scroll_delta().x));
             shift -= f64::from(scroll) * frames_per_point;
             if zoom != 1.0 {
-                let centre = Axis::x(from, to, plot).value(pointer.x);
+                let centre = ChartAxis::x(from, to, plot).value(pointer.x);
                 self.zoom(f64::from(1.0 / zoom), centre, total);
                 return;
             }
@@ -181,7 +181,7 @@ impl HistoryView {
         }
     }
 
-    fn draw(&mut self, ui: &Ui, chosen: &Chosen<'_>, area: Rect, axis: Axis) {
+    fn draw(&mut self, ui: &Ui, chosen: &Chosen<'_>, area: Rect, axis: ChartAxis) {
         let frames = axis.min.floor() as usize..axis.max.ceil() as usize;
         let plot = chart::inner(area);
         let fit = self.fit;
@@ -204,7 +204,7 @@ impl HistoryView {
         let names: &[&str] = if chosen.channels().len() == 1 { &["luma"] } else { &["red", "green", "blue"] };
         for (channel, name) in names.iter().enumerate() {
             let rect = row(name, CHANNEL);
-            let values = Axis::y(low, high, rect);
+            let values = ChartAxis::y(low, high, rect);
             channel_plot(
                 &painter.with_clip_rect(rect.expand2(Vec2::new(0.0, 1.0)).intersect(painter.clip_rect())),
                 visuals,
@@ -277,13 +277,13 @@ impl HistoryView {
         self.cache = None;
     }
 
-    fn bins(&mut self, chosen: &Chosen<'_>, frames: Range<usize>, columns: usize) -> &[Bin] {
+    fn bins(&mut self, chosen: &Chosen<'_>, frames: Range<usize>, columns: usize) -> &[HistoryColumn] {
         let fits = self.cache.as_mut().is_some_and(|cache| {
             let same = (&cache.frames, cache.columns) == (&frames, columns);
             same && chosen.shares(&mut cache.history, frames.end)
         });
         if !fits {
-            let bins = bins(chosen.history, chosen.slots, frames.clone(), columns);
+            let bins = downsample(chosen.history, chosen.slots, frames.clone(), columns);
             self.cache = Some(Cache { history: Arc::clone(chosen.history), frames, columns, bins });
         }
         self.cache.as_ref().map_or(&[], |cache| &cache.bins)
@@ -323,11 +323,11 @@ fn frame_words(ui: &mut Ui, chosen: &Chosen<'_>, frame: usize) {
     ui.label(small(&format!("{}, B = {}", values.join("  "), state.outcome.background_count)));
     ui.label(small(&words.headline));
     let rank = state.outcome.rank;
-    let changed = match change(chosen.history, frame) {
+    let changed = match component_change(chosen.history, frame) {
         None => return,
-        Some(Change::Born) => format!("Component {rank} was created."),
-        Some(Change::Replaced) => format!("Component {rank} replaced the last one."),
-        Some(Change::Rose { from, to }) => format!("It moved up from rank {from} to {to}."),
+        Some(ComponentChange::Born) => format!("Component {rank} was created."),
+        Some(ComponentChange::Replaced) => format!("Component {rank} replaced the last one."),
+        Some(ComponentChange::Rose { from, to }) => format!("It moved up from rank {from} to {to}."),
     };
     ui.label(small(&changed));
 }
@@ -338,7 +338,7 @@ mod tests {
 
     use super::*;
     use crate::mixture::Parameters;
-    use crate::mixture::follow::slots;
+    use crate::mixture::component_slots::slots_by_rank;
     use crate::settings::Settings;
 
     fn of_level(level: u8) -> Arc<PixelHistory> {
@@ -350,7 +350,7 @@ mod tests {
     fn columns_are_made_anew_only_for_another_history_part_or_width() {
         let mut view = HistoryView::default();
         let mut made = |history: &Arc<PixelHistory>, frames: Range<usize>, columns: usize| {
-            let slots = Arc::new(slots(history));
+            let slots = Arc::new(slots_by_rank(history));
             let chosen = Chosen { history, slots: &slots, index: 3, state: &history.states[3], fps: 25.0 };
             let bins = view.bins(&chosen, frames, columns);
             (bins.as_ptr(), bins.len(), bins[0].value[0].0)

@@ -12,21 +12,21 @@ use super::table::Table;
 /// Room for the button of a menu.
 const WIDTH: f32 = 24.0;
 
-/// What is asked of a plot.
+/// An export of a plot.
 #[derive(Clone, Copy)]
-enum Asked {
+enum PlotExport {
     CopyPicture,
     Save(Format),
     CopyTable,
     SaveTable,
 }
 
-const OF_PLOTS: [(Asked, &str, &str); 5] = [
-    (Asked::CopyPicture, "Copy image", "Copy as an image of 300 dpi on white."),
-    (Asked::Save(Format::Png), "Save PNG…", "Save as a PNG image of 300 dpi on white."),
-    (Asked::Save(Format::Svg), "Save SVG…", "Save as a vector image on white."),
-    (Asked::CopyTable, "Copy CSV", "Copy the plotted data as a table."),
-    (Asked::SaveTable, "Save CSV…", "Save the plotted data as a table."),
+const OF_PLOTS: [(PlotExport, &str, &str); 5] = [
+    (PlotExport::CopyPicture, "Copy image", "Copy as an image of 300 dpi on white."),
+    (PlotExport::Save(Format::Png), "Save PNG…", "Save as a PNG image of 300 dpi on white."),
+    (PlotExport::Save(Format::Svg), "Save SVG…", "Save as a vector image on white."),
+    (PlotExport::CopyTable, "Copy CSV", "Copy the plotted data as a table."),
+    (PlotExport::SaveTable, "Save CSV…", "Save the plotted data as a table."),
 ];
 
 /// A plot's caption with its menu at the right. What it takes more than a line to say stands in the caption's
@@ -77,10 +77,10 @@ pub(super) fn of_plot(ui: &mut Ui, what: &str, plot: impl Fn() -> Plot) -> Optio
             }
             if entry(ui, name, meaning).clicked() {
                 asked = Some(match ask {
-                    Asked::CopyPicture => InspectorAction::CopyPicture(Box::new(plot())),
-                    Asked::Save(format) => InspectorAction::SavePicture(Box::new(plot()), format),
-                    Asked::CopyTable => InspectorAction::Copy(plot().table()),
-                    Asked::SaveTable => InspectorAction::Save(plot().table()),
+                    PlotExport::CopyPicture => InspectorAction::CopyPicture(Box::new(plot())),
+                    PlotExport::Save(format) => InspectorAction::SavePicture(Box::new(plot()), format),
+                    PlotExport::CopyTable => InspectorAction::Copy(plot().table()),
+                    PlotExport::SaveTable => InspectorAction::Save(plot().table()),
                 });
             }
         }

@@ -10,14 +10,14 @@ mod components;
 mod cube;
 mod grid;
 mod history;
-mod judged;
 mod menu;
-mod now;
+mod mixture_view;
 mod pixels;
 mod plot;
+mod region_accuracy;
+mod region_size;
 mod rows;
 mod scatter;
-mod side;
 mod statistics;
 mod style;
 mod table;
@@ -31,16 +31,16 @@ use eframe::egui;
 use eframe::egui::{RichText, ScrollArea, Ui};
 use egui_material_icons::icons;
 
-use self::pixels::Here;
+use self::pixels::FramePosition;
 pub use self::plot::{Format, Plot};
 pub use self::table::Table;
 use super::pins;
-use crate::mixture::follow;
+use crate::mixture::component_slots;
 use crate::mixture::pixel::MAX_K;
-use crate::mixture::tuning::Knob;
+use crate::mixture::tuning::TunableSetting;
 use crate::mixture::verdict::{Verdict, overruled, verdict};
 use crate::mixture::{PixelHistory, PixelState};
-use crate::replay::{RegionShares, RegionTuning, Shown, Tuning};
+use crate::replay::{RegionShares, RegionTuning, ShownFrame, Tuning};
 use crate::settings::{BackgroundModel, Space};
 
 /// What the person asked for in the inspector.
@@ -49,7 +49,7 @@ pub enum InspectorAction {
     /// Show the frame at this position of the sequence, from 0.
     GoTo(u32),
     /// Take these values of these settings.
-    Take([(Knob, f32); 2]),
+    Take([(TunableSetting, f32); 2]),
     /// Choose this pixel.
     Choose((u32, u32)),
     /// Pin the chosen pixel, or unpin it.
@@ -72,15 +72,15 @@ pub enum InspectorAction {
 #[derive(Default)]
 pub struct Inspector {
     tab: Tab,
-    now: now::Now,
+    now: mixture_view::MixtureView,
     history: history::HistoryView,
     scatter: scatter::Scatter,
     tuning: tuning::TuningView,
     statistics: statistics::StatisticsView,
-    pixels: pixels::Pixels,
+    pixels: pixels::PixelsView,
     /// The tab that was drawn since it was last asked what it wants to know.
     drawn: Option<Tab>,
-    followed: Option<Followed>,
+    followed: Option<SlottedHistory>,
     /// The same under the settings that are compared with those in view.
     other: Other,
     /// What the two are called: those in view first.
@@ -90,24 +90,24 @@ pub struct Inspector {
 /// How the pixel under the other settings is looked at.
 #[derive(Default)]
 struct Other {
-    now: now::Now,
-    followed: Option<Followed>,
+    now: mixture_view::MixtureView,
+    followed: Option<SlottedHistory>,
 }
 
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 enum Tab {
     #[default]
-    Now,
+    MixtureView,
     History,
     Scatter,
     Tuning,
     Statistics,
-    Pixels,
+    PixelsView,
 }
 
-/// What is shown beside the chosen pixel.
+/// The data that the inspector shows besides the chosen pixel's history.
 #[derive(Clone, Copy, Default)]
-pub struct Beside<'a> {
+pub struct InspectorContext<'a> {
     /// The chosen pixel.
     pub chosen: Option<(u32, u32)>,
     /// The pinned pixels with their numbers.
@@ -116,35 +116,35 @@ pub struct Beside<'a> {
     pub histories: &'a [Arc<PixelHistory>],
     /// Those of which no history can be known.
     pub lost: &'a [(u32, u32)],
-    /// The share of foreground around the chosen one, if [`Asks::around`] asks for it.
+    /// The share of foreground around the chosen one, if [`InspectorRequests::around`] asks for it.
     pub region: Option<&'a Arc<RegionShares>>,
     /// What is known by the ground truth.
-    pub judged: Judged<'a>,
+    pub judged: RegionAccuracy<'a>,
 }
 
-/// What is known of the pixels around the chosen one by the ground truth.
+/// Accuracy in the region around the chosen pixel, by the ground truth.
 #[derive(Clone, Copy, Default)]
-pub struct Judged<'a> {
+pub struct RegionAccuracy<'a> {
     /// Whether there are true masks.
     pub has_masks: bool,
-    /// How right they would be under other settings, if [`Asks::judge`] asks for it.
+    /// The tuning of the region, if [`InspectorRequests::judge`] requests it.
     pub tuning: Option<&'a Arc<RegionTuning>>,
 }
 
-/// What the tab that is seen wants to know.
+/// The data that the visible tab requests.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Asks {
+pub struct InspectorRequests {
     /// The two settings whose map is looked at.
-    pub tune: Option<[Knob; 2]>,
+    pub tune: Option<[TunableSetting; 2]>,
     /// How many pixels to a side are looked at for how right they would be.
     pub judge: Option<u32>,
     /// How many pixels to a side the share of foreground is counted of.
     pub around: Option<u32>,
 }
 
-/// A history with the slots of its components; worked out anew only when the history is another one.
+/// A history with the slots of its components; computed again only for another history.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Followed {
+pub struct SlottedHistory {
     history: Arc<PixelHistory>,
     slots: Arc<Vec<[u8; MAX_K]>>,
 }
@@ -164,8 +164,8 @@ struct Chosen<'a> {
 
 impl Chosen<'_> {
     /// The history with its slots, to outlive the frame.
-    fn followed(&self) -> Followed {
-        Followed { history: Arc::clone(self.history), slots: Arc::clone(self.slots) }
+    fn followed(&self) -> SlottedHistory {
+        SlottedHistory { history: Arc::clone(self.history), slots: Arc::clone(self.slots) }
     }
 
     /// Whether the states before `end` are those of a history that something was made of; it is taken in its place then.
@@ -174,7 +174,7 @@ impl Chosen<'_> {
             return true;
         }
         // A history only grows, many times a second while frames are taken in.
-        let shares = end <= made_of.states.len() && self.history.goes_on_from(made_of);
+        let shares = end <= made_of.states.len() && self.history.extends(made_of);
         if shares {
             *made_of = Arc::clone(self.history);
         }
@@ -196,11 +196,11 @@ impl Inspector {
     pub fn ui(
         &mut self,
         ui: &mut Ui,
-        shown: Option<&Shown>,
+        shown: Option<&ShownFrame>,
         newest: Option<&Arc<PixelHistory>>,
         tuning: Option<&Tuning>,
         fps: f32,
-        beside: &Beside<'_>,
+        context: &InspectorContext<'_>,
     ) -> Option<InspectorAction> {
         let Some(shown) = shown else {
             empty(ui, "No frame yet", "The inspector shows data after the first frame is analysed.");
@@ -224,9 +224,9 @@ impl Inspector {
         let index = shown.position as usize;
         let ahead =
             newest.filter(|newest| !newest.parameters.are_of(&shown.settings) && newest.states.len() > index);
-        let here = Here { index, fps };
+        let here = FramePosition { index, fps };
         let Some(history) = ahead.or(shown.pixel.as_ref()) else {
-            return self.without_history(ui, here, beside);
+            return self.without_history(ui, here, context);
         };
         let Some(state) = history.states.get(index) else {
             let (x, y) = history.at;
@@ -247,7 +247,7 @@ impl Inspector {
         let ignored = ahead.is_none() && shown.roi.as_ref().is_some_and(|roi| !roi.contains(x, y));
         words.details.splice(0..0, overruled(words.foreground, mask, ignored, &shown.settings));
 
-        let other = shown.beside.as_deref().filter(|_| ahead.is_none());
+        let other = shown.compared.as_deref().filter(|_| ahead.is_none());
         let other = other.and_then(|other| Some((other, other.pixel.as_ref()?)));
         let other = other.and_then(|(other, history)| Some((other, history, history.states.get(index)?)));
         let other_slots = other.map(|(_, history, _)| followed(&mut self.other.followed, history));
@@ -260,7 +260,7 @@ impl Inspector {
             (Chosen { history, slots, index, state, fps }, words, mask)
         });
 
-        let pinned = beside.pins.iter().find(|(_, at)| *at == history.at).map(|&(number, _)| number);
+        let pinned = context.pins.iter().find(|(_, at)| *at == history.at).map(|&(number, _)| number);
         let pin = header(ui, &chosen, pinned);
         ui.add_space(4.0);
         let names = self.names;
@@ -275,12 +275,12 @@ impl Inspector {
             ui.spacing_mut().item_spacing.x = 2.0;
             ui.spacing_mut().button_padding.x = 6.0;
             for (tab, name) in [
-                (Tab::Now, "Mixture"),
+                (Tab::MixtureView, "Mixture"),
                 (Tab::History, "History"),
                 (Tab::Scatter, "Scatter"),
                 (Tab::Tuning, "Tuning"),
                 (Tab::Statistics, "Statistics"),
-                (Tab::Pixels, "Pixels"),
+                (Tab::PixelsView, "Pixels"),
             ] {
                 ui.selectable_value(&mut self.tab, tab, name);
             }
@@ -294,7 +294,7 @@ impl Inspector {
             .min_scrolled_height(0.0);
         let asked = scrolled
             .show(ui, |ui| match tab {
-                Tab::Now => {
+                Tab::MixtureView => {
                     let asked = self.now.ui(ui, &chosen, &words);
                     let Some((chosen, words, _)) = &other else { return asked };
                     ui.add_space(8.0);
@@ -305,23 +305,28 @@ impl Inspector {
                 }
                 Tab::History => self.history.ui(ui, &chosen),
                 Tab::Scatter => self.scatter.ui(ui, &chosen),
-                Tab::Tuning => self.tuning.ui(ui, &chosen, tuning, &beside.judged),
+                Tab::Tuning => self.tuning.ui(ui, &chosen, tuning, &context.judged),
                 Tab::Statistics => self.statistics.ui(ui, &chosen),
-                Tab::Pixels => self.pixels.ui(ui, history, here, beside),
+                Tab::PixelsView => self.pixels.ui(ui, history, here, context),
             })
             .inner;
         pin.or(asked)
     }
 
     /// Why there is no history of the chosen pixel, and the pinned ones.
-    fn without_history(&mut self, ui: &mut Ui, here: Here, beside: &Beside<'_>) -> Option<InspectorAction> {
-        let (title, text) = match beside.chosen {
-            Some((x, y)) if beside.lost.contains(&(x, y)) => (format!("Pixel {x}, {y}"), LOST),
-            Some((x, y)) => (format!("Pixel {x}, {y}"), ON_THE_WAY),
-            None if beside.pins.is_empty() => ("No pixel selected".to_owned(), CLICK),
+    fn without_history(
+        &mut self,
+        ui: &mut Ui,
+        here: FramePosition,
+        context: &InspectorContext<'_>,
+    ) -> Option<InspectorAction> {
+        let (title, text) = match context.chosen {
+            Some((x, y)) if context.lost.contains(&(x, y)) => (format!("Pixel {x}, {y}"), LOST),
+            Some((x, y)) => (format!("Pixel {x}, {y}"), MAX_COPIES_IN_FLIGHT),
+            None if context.pins.is_empty() => ("No pixel selected".to_owned(), CLICK),
             None => ("No pixel selected".to_owned(), CLICK_OR_PIN),
         };
-        if beside.pins.is_empty() {
+        if context.pins.is_empty() {
             empty(ui, &title, text);
             return None;
         }
@@ -330,7 +335,7 @@ impl Inspector {
         ui.add_space(8.0);
         let scrolled =
             ScrollArea::vertical().id_salt("pins alone").auto_shrink(false).min_scrolled_height(0.0);
-        scrolled.show(ui, |ui| self.pixels.pins_ui(ui, here, beside)).inner
+        scrolled.show(ui, |ui| self.pixels.pins_ui(ui, here, context)).inner
     }
 
     /// Lets go of all that was drawn: it belongs to a video that is no longer there.
@@ -343,36 +348,40 @@ impl Inspector {
     }
 
     /// What the tab wants to know that was drawn since this was last called; nothing where none was.
-    pub fn asks(&mut self) -> Asks {
+    pub fn asks(&mut self) -> InspectorRequests {
         match self.drawn.take() {
-            Some(Tab::Tuning) => {
-                Asks { tune: Some(self.tuning.knobs), judge: Some(self.tuning.judged.side), around: None }
+            Some(Tab::Tuning) => InspectorRequests {
+                tune: Some(self.tuning.knobs),
+                judge: Some(self.tuning.judged.side),
+                around: None,
+            },
+            Some(Tab::PixelsView) => {
+                InspectorRequests { around: Some(self.pixels.side), ..InspectorRequests::default() }
             }
-            Some(Tab::Pixels) => Asks { around: Some(self.pixels.side), ..Asks::default() },
-            _ => Asks::default(),
+            _ => InspectorRequests::default(),
         }
     }
 }
 
 const CLICK: &str = "Click a pixel in any view to inspect its mixture, its history and its verdict.";
 const CLICK_OR_PIN: &str = "Click a pixel in any view, or a pinned one below, to inspect its mixture.";
-const ON_THE_WAY: &str = "Computing pixel history…";
+const MAX_COPIES_IN_FLIGHT: &str = "Computing pixel history…";
 const LOST: &str = "Pixel history not available: it needs the first frames, which this live source no \
      longer has. A changed mixture setting restarts it with the next frame; use a recording to keep all \
      frames.";
 
-fn followed(known: &mut Option<Followed>, history: &Arc<PixelHistory>) -> Arc<Vec<[u8; MAX_K]>> {
+fn followed(known: &mut Option<SlottedHistory>, history: &Arc<PixelHistory>) -> Arc<Vec<[u8; MAX_K]>> {
     match known {
         // The old history is kept alive, so that an equal address is the same history.
         Some(followed) if Arc::ptr_eq(&followed.history, history) => Arc::clone(&followed.slots),
-        Some(followed) if history.goes_on_from(&followed.history) => {
-            follow::go_on(Arc::make_mut(&mut followed.slots), history);
+        Some(followed) if history.extends(&followed.history) => {
+            component_slots::extend_slots(Arc::make_mut(&mut followed.slots), history);
             followed.history = Arc::clone(history);
             Arc::clone(&followed.slots)
         }
         _ => {
-            let slots = Arc::new(follow::slots(history));
-            *known = Some(Followed { history: Arc::clone(history), slots: Arc::clone(&slots) });
+            let slots = Arc::new(component_slots::slots_by_rank(history));
+            *known = Some(SlottedHistory { history: Arc::clone(history), slots: Arc::clone(&slots) });
             slots
         }
     }
@@ -380,12 +389,12 @@ fn followed(known: &mut Option<Followed>, history: &Arc<PixelHistory>) -> Arc<Ve
 
 const fn name_of(tab: Tab) -> &'static str {
     match tab {
-        Tab::Now => "now",
+        Tab::MixtureView => "now",
         Tab::History => "history",
         Tab::Scatter => "scatter",
         Tab::Tuning => "tuning",
         Tab::Statistics => "statistics",
-        Tab::Pixels => "pixels",
+        Tab::PixelsView => "pixels",
     }
 }
 

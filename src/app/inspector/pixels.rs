@@ -10,14 +10,14 @@ use eframe::egui::{
 };
 use egui_material_icons::icons as m;
 
-use super::chart::{self, Axis, Columns, TICKS};
+use super::chart::{self, ChartAxis, Columns, TICKS};
 use super::menu;
 use super::plot::Plot;
 use super::style::{self, small};
-use super::{Beside, InspectorAction, side};
+use super::{InspectorAction, InspectorContext, region_size};
 use crate::app::{pins, theme};
 use crate::export::figure::region::{Peak, peaks};
-use crate::mixture::sparks::{Spark, levels, sparks};
+use crate::mixture::sparklines::{SparklineColumn, level_range, sparkline};
 use crate::mixture::{PixelHistory, PixelState};
 use crate::replay::RegionShares;
 
@@ -26,7 +26,7 @@ const SPARK: f32 = 34.0;
 const STRIP: f32 = 5.0;
 
 /// How large the region is, and the columns that were drawn last.
-pub(super) struct Pixels {
+pub(super) struct PixelsView {
     /// Pixels along a side of the region.
     pub(super) side: u32,
     cache: Vec<Cache>,
@@ -40,7 +40,7 @@ struct Curve {
     peaks: Vec<Peak>,
 }
 
-impl Default for Pixels {
+impl Default for PixelsView {
     fn default() -> Self {
         Self { side: 5, cache: Vec::new(), curve: None }
     }
@@ -52,33 +52,33 @@ struct Cache {
     columns: usize,
     /// Of how many frames they are, of which the history may have fewer.
     frames: usize,
-    sparks: Vec<Spark>,
+    sparks: Vec<SparklineColumn>,
 }
 
-const ON_THE_WAY: &str = "Computing history…";
+const MAX_COPIES_IN_FLIGHT: &str = "Computing history…";
 const LOST: &str = "Not available: this live source no longer has the first frames.";
 
-/// Where the frame in view is.
+/// The position of the frame in view.
 #[derive(Clone, Copy)]
-pub(super) struct Here {
+pub(super) struct FramePosition {
     /// Its position.
     pub(super) index: usize,
     /// The source's frames a second.
     pub(super) fps: f32,
 }
 
-impl Pixels {
+impl PixelsView {
     /// The region around `chosen` and the pins.
     pub(super) fn ui(
         &mut self,
         ui: &mut Ui,
         chosen: &Arc<PixelHistory>,
-        here: Here,
-        beside: &Beside<'_>,
+        here: FramePosition,
+        context: &InspectorContext<'_>,
     ) -> Option<InspectorAction> {
-        let region = self.region_ui(ui, chosen, here, beside.region);
+        let region = self.region_ui(ui, chosen, here, context.region);
         ui.add_space(10.0);
-        self.pins_ui(ui, here, beside).or(region)
+        self.pins_ui(ui, here, context).or(region)
     }
 
     /// Lets go of what was drawn.
@@ -91,7 +91,7 @@ impl Pixels {
         &mut self,
         ui: &mut Ui,
         chosen: &Arc<PixelHistory>,
-        here: Here,
+        here: FramePosition,
         shares: Option<&Arc<RegionShares>>,
     ) -> Option<InspectorAction> {
         let shares = shares.filter(|shares| shares.side == self.side && shares.at == chosen.at);
@@ -108,7 +108,7 @@ impl Pixels {
                  less noisy than the verdict of a single pixel.",
             );
             ui.add_space(4.0);
-            side::choice(ui, &mut self.side);
+            region_size::choice(ui, &mut self.side);
         });
         let asked = self.shares_ui(ui, here, shares);
         ui.horizontal_wrapped(|ui| {
@@ -127,15 +127,15 @@ impl Pixels {
     pub(super) fn pins_ui(
         &mut self,
         ui: &mut Ui,
-        here: Here,
-        beside: &Beside<'_>,
+        here: FramePosition,
+        context: &InspectorContext<'_>,
     ) -> Option<InspectorAction> {
         self.cache
-            .retain(|cache| beside.histories.iter().any(|history| Arc::ptr_eq(&cache.history, history)));
-        let known = |at| beside.histories.iter().find(|history| history.at == at);
+            .retain(|cache| context.histories.iter().any(|history| Arc::ptr_eq(&cache.history, history)));
+        let known = |at| context.histories.iter().find(|history| history.at == at);
         let taken = |ui: &mut Ui| {
             let pins =
-                || beside.pins.iter().filter_map(|&(number, at)| Some((number, Arc::clone(known(at)?))));
+                || context.pins.iter().filter_map(|&(number, at)| Some((number, Arc::clone(known(at)?))));
             pins().next()?;
             menu::of_plot(ui, "the pinned pixels", || Plot::Pins(pins().collect(), here.index))
         };
@@ -145,7 +145,7 @@ impl Pixels {
                  of each background component, and the mixture verdict below. Click to go to a frame.",
             );
         });
-        if beside.pins.is_empty() {
+        if context.pins.is_empty() {
             ui.label(style::aside(
                 ui,
                 "No pinned pixels. Pin the selected pixel (D, or the pin icon above) to compare it with \
@@ -153,12 +153,12 @@ impl Pixels {
             ));
             return None;
         }
-        let frames = beside.histories.iter().map(|history| history.states.len()).max().unwrap_or(0);
-        for &(number, at) in beside.pins {
+        let frames = context.histories.iter().map(|history| history.states.len()).max().unwrap_or(0);
+        for &(number, at) in context.pins {
             ui.add_space(4.0);
             let history = known(at);
             let state = history.and_then(|history| history.states.get(here.index));
-            asked = pin_row(ui, number, at, state, beside.chosen == Some(at)).or(asked);
+            asked = pin_row(ui, number, at, state, context.chosen == Some(at)).or(asked);
             let (area, response) =
                 ui.allocate_exact_size(vec2(ui.available_width(), SPARK + STRIP + 3.0), Sense::click());
             let (x, y) = at;
@@ -167,7 +167,7 @@ impl Pixels {
                     format!("Pinned pixel {number} at {x}, {y} over all frames; click to go to a frame");
                 WidgetInfo::labeled(Role::Image, true, name)
             });
-            let axis = Axis::x(0.0, frames.max(1) as f64, area);
+            let axis = ChartAxis::x(0.0, frames.max(1) as f64, area);
             match history {
                 Some(history) if ui.is_rect_visible(area) => {
                     let sparks = self.sparks(history, area.width() as usize, frames);
@@ -175,7 +175,7 @@ impl Pixels {
                 }
                 Some(_) => {}
                 None => {
-                    let text = if beside.lost.contains(&at) { LOST } else { ON_THE_WAY };
+                    let text = if context.lost.contains(&at) { LOST } else { MAX_COPIES_IN_FLIGHT };
                     let text = Label::new(style::aside(ui, text)).wrap();
                     ui.new_child(UiBuilder::new().max_rect(area)).add(text);
                 }
@@ -196,7 +196,7 @@ impl Pixels {
     fn shares_ui(
         &mut self,
         ui: &mut Ui,
-        here: Here,
+        here: FramePosition,
         shares: Option<&Arc<RegionShares>>,
     ) -> Option<InspectorAction> {
         let size = vec2(ui.available_width(), SHARES + TICKS + 4.0);
@@ -212,8 +212,8 @@ impl Pixels {
         });
         let plot = chart::inner(Rect::from_min_size(area.min + vec2(0.0, 4.0), vec2(area.width(), SHARES)));
         let (painter, visuals) = (ui.painter_at(area), ui.visuals());
-        let axis = Axis::x(0.0, frames.max(1) as f64, plot);
-        let share = Axis::y(0.0, 1.0, plot);
+        let axis = ChartAxis::x(0.0, frames.max(1) as f64, plot);
+        let share = ChartAxis::y(0.0, 1.0, plot);
         if let Some(shares) = shares {
             let (mut after, mut line) = (Columns::default(), Vec::new());
             for peak in self.peaks(shares, plot.width() as usize) {
@@ -263,7 +263,7 @@ impl Pixels {
         self.curve.as_ref().map_or(&[], |of| &of.peaks)
     }
 
-    fn sparks(&mut self, history: &Arc<PixelHistory>, columns: usize, frames: usize) -> &[Spark] {
+    fn sparks(&mut self, history: &Arc<PixelHistory>, columns: usize, frames: usize) -> &[SparklineColumn] {
         let fits = |cache: &Cache| Arc::ptr_eq(&cache.history, history);
         let known = self.cache.iter().position(fits);
         let at = known.unwrap_or_else(|| {
@@ -278,7 +278,7 @@ impl Pixels {
         let cache = &mut self.cache[at];
         if (cache.columns, cache.frames) != (columns, frames) {
             (cache.columns, cache.frames) = (columns, frames);
-            cache.sparks = sparks(history, columns, frames);
+            cache.sparks = sparkline(history, columns, frames);
         }
         &cache.sparks
     }
@@ -339,12 +339,19 @@ fn pin_row(
     asked
 }
 
-fn draw(ui: &Ui, area: Rect, sparks: &[Spark], colour: Color32, axis: Axis, here: Here) {
+fn draw(
+    ui: &Ui,
+    area: Rect,
+    sparks: &[SparklineColumn],
+    colour: Color32,
+    axis: ChartAxis,
+    here: FramePosition,
+) {
     let (painter, visuals) = (ui.painter_at(area.expand(1.0)), ui.visuals());
     let plot = Rect::from_min_size(area.min, vec2(area.width(), SPARK));
     painter.rect_filled(plot, 2.0, visuals.faint_bg_color);
-    let (low, high) = levels(sparks);
-    let levels = Axis::y(low.into(), high.into(), plot.shrink2(vec2(0.0, 2.0)));
+    let (low, high) = level_range(sparks);
+    let levels = ChartAxis::y(low.into(), high.into(), plot.shrink2(vec2(0.0, 2.0)));
     let (mut bands, mut lines, mut verdicts) = (Columns::default(), Columns::default(), Columns::default());
     let strip = Rangef::new(plot.bottom() + 2.0, plot.bottom() + 2.0 + STRIP);
     for spark in sparks {
@@ -364,7 +371,7 @@ fn draw(ui: &Ui, area: Rect, sparks: &[Spark], colour: Color32, axis: Axis, here
 }
 
 /// The frame in view.
-fn mark(painter: &Painter, visuals: &Visuals, axis: Axis, here: Here, y: Rangef) {
+fn mark(painter: &Painter, visuals: &Visuals, axis: ChartAxis, here: FramePosition, y: Rangef) {
     let x = axis.at(here.index as f64 + 0.5);
     painter.vline(x, y, Stroke::new(3.0, visuals.panel_fill.gamma_multiply(0.6)));
     painter.vline(x, y, Stroke::new(1.5, style::ink(visuals)));
@@ -374,7 +381,7 @@ fn mark(painter: &Painter, visuals: &Visuals, axis: Axis, here: Here, y: Rangef)
 fn go_to(
     ui: &Ui,
     response: &Response,
-    axis: Axis,
+    axis: ChartAxis,
     frames: usize,
     words: impl FnOnce(&mut Ui, usize),
 ) -> Option<InspectorAction> {
@@ -409,7 +416,7 @@ mod tests {
             let (model, cleaned) = (vec![share; 90], vec![share / 2.0; 90]);
             Arc::new(RegionShares { at: (0, 0), side: 5, pixels: 25, model, cleaned })
         };
-        let (mut pixels, one) = (Pixels::default(), shares(0.5));
+        let (mut pixels, one) = (PixelsView::default(), shares(0.5));
         let first = pixels.peaks(&one, 30).as_ptr();
         assert_eq!(pixels.peaks(&Arc::clone(&one), 30).as_ptr(), first, "the same columns, not equal ones");
         assert_eq!(pixels.peaks(&one, 20).len(), 20);
@@ -418,7 +425,7 @@ mod tests {
 
     #[test]
     fn columns_are_made_anew_only_for_another_history_or_width() {
-        let (mut pixels, history) = (Pixels::default(), history(100));
+        let (mut pixels, history) = (PixelsView::default(), history(100));
         let first = pixels.sparks(&history, 50, 100).as_ptr();
         assert_eq!(pixels.sparks(&Arc::clone(&history), 50, 100).as_ptr(), first);
         assert_eq!(pixels.sparks(&history, 20, 100).len(), 20);

@@ -4,14 +4,14 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::{fs, io};
 
-use super::Followed;
+use super::SlottedHistory;
 use super::table::{Table, borrowed};
-use crate::app::whole_file;
+use crate::app::atomic_write;
 use crate::export::figure::cube::{self, Look};
-use crate::export::figure::mixture::{self, Moment};
+use crate::export::figure::mixture::{self, UpdateSide};
 use crate::export::figure::{Figure, pins, raster, region, scatter, svg, through_time, tuning};
 use crate::frame::Frame;
-use crate::mixture::{PixelHistory, places};
+use crate::mixture::{PixelHistory, scatter_points};
 use crate::replay::{RegionShares, RegionTuning, Tuning};
 use crate::truth::decisions::Measure;
 
@@ -19,19 +19,19 @@ use crate::truth::decisions::Measure;
 #[derive(Clone, Debug, PartialEq)]
 pub enum Plot {
     /// The densities at a position.
-    Densities(Followed, usize, Moment),
+    Densities(SlottedHistory, usize, UpdateSide),
     /// The weights at a position.
-    Weights(Followed, usize, Moment),
+    Weights(SlottedHistory, usize, UpdateSide),
     /// Values and mixture through time.
-    History(Followed, through_time::Choice),
+    History(SlottedHistory, through_time::HistorySelection),
     /// A plane of the channels, with the frame in view.
-    Scatter(Followed, places::Choice, usize),
+    Scatter(SlottedHistory, scatter_points::ScatterSelection, usize),
     /// All three channels, with the frame in view.
-    Cube(Followed, places::Choice, usize, Look),
+    Cube(SlottedHistory, scatter_points::ScatterSelection, usize, Look),
     /// The tuning map.
-    Map(Followed, Box<Tuning>),
+    Map(SlottedHistory, Box<Tuning>),
     /// How right the pixels around it would be.
-    Judged(Followed, Arc<RegionTuning>, Measure),
+    RegionAccuracy(SlottedHistory, Arc<RegionTuning>, Measure),
     /// The share of foreground around a pixel, with the frame in view.
     Region(Arc<PixelHistory>, Arc<RegionShares>, usize),
     /// Pinned pixels with their numbers, with the frame in view.
@@ -77,7 +77,7 @@ impl Plot {
                 cube::figure(&of.history, &of.slots, choice, *index, *look)
             }
             Self::Map(of, map) => tuning::figure(&of.history, &map.map, map.position as usize),
-            Self::Judged(of, judged, measure) => {
+            Self::RegionAccuracy(of, judged, measure) => {
                 let [width, height] = judged.extent;
                 let about = format!("{width}×{height} pixels, {} frames", judged.frames);
                 tuning::of_decisions(&of.history, &about, (&judged.axes, &judged.cells), *measure)
@@ -96,13 +96,13 @@ impl Plot {
                 let (from, to) = sides.fold((usize::MAX, 0), |(from, to), at| (from.min(at), to.max(at + 1)));
                 Table::History(Arc::clone(&of.history), from.min(to)..to)
             }
-            Self::History(of, through_time::Choice { frames, .. })
-            | Self::Scatter(of, places::Choice { frames, .. }, _)
-            | Self::Cube(of, places::Choice { frames, .. }, ..) => {
+            Self::History(of, through_time::HistorySelection { frames, .. })
+            | Self::Scatter(of, scatter_points::ScatterSelection { frames, .. }, _)
+            | Self::Cube(of, scatter_points::ScatterSelection { frames, .. }, ..) => {
                 Table::History(Arc::clone(&of.history), frames.clone())
             }
             Self::Map(_, tuning) => Table::Map(tuning.clone()),
-            Self::Judged(_, judged, _) => Table::Judged(Arc::clone(judged)),
+            Self::RegionAccuracy(_, judged, _) => Table::RegionAccuracy(Arc::clone(judged)),
             Self::Region(of, shares, _) => Table::Region(Arc::clone(of), Arc::clone(shares)),
             Self::Pins(pins, _) => Table::Pins(pins.clone()),
         }
@@ -117,7 +117,7 @@ impl Plot {
             Self::Scatter(of, ..) => ("scatter", &of.history),
             Self::Cube(of, ..) => ("scatter-3d", &of.history),
             Self::Map(of, _) => ("tuning", &of.history),
-            Self::Judged(of, ..) => ("right", &of.history),
+            Self::RegionAccuracy(of, ..) => ("right", &of.history),
             Self::Region(of, ..) => ("region", of),
             Self::Pins(..) => return format!("pins.{}", format.ending()),
         };
@@ -133,7 +133,7 @@ impl Plot {
 
     /// Writes it to a file, or says why it could not be.
     pub(crate) fn save(&self, path: PathBuf, format: Format) -> Result<PathBuf, String> {
-        whole_file::write(path, format.ending(), |at: &Path| match format {
+        atomic_write::write(path, format.ending(), |at: &Path| match format {
             Format::Svg => fs::write(at, svg::write(&self.figure())),
             Format::Png => raster::write_png(at, &self.drawn().map_err(io::Error::other)?),
         })

@@ -2,17 +2,19 @@
 
 use eframe::egui::{Color32, Painter, Pos2, Rangef, Rect, Shape, Stroke, Visuals};
 
-use super::chart::{self, Axis, Columns};
+use super::chart::{self, ChartAxis, Columns};
 use super::style;
 use crate::export::figure::axis::power_of_ten;
-use crate::mixture::bins::{Bin, FEW, STEP, rate_range};
+use crate::mixture::downsampled_history::{
+    HistoryColumn, LEVELS_PER_BIN, MAX_FRAMES_WITHOUT_LEVELS, rate_range,
+};
 use crate::mixture::verdict::number;
 
 /// Height of a lane of changes; each sort has one.
 pub(super) const LANE: f32 = 9.0;
 
 /// The part of the axis that a bin takes.
-pub(super) fn x_range(bin: &Bin, axis: Axis) -> Rangef {
+pub(super) fn x_range(bin: &HistoryColumn, axis: ChartAxis) -> Rangef {
     Rangef::new(axis.at(bin.frames.start as f64), axis.at(bin.frames.end as f64))
 }
 
@@ -20,10 +22,10 @@ pub(super) fn x_range(bin: &Bin, axis: Axis) -> Rangef {
 pub(super) fn channel_plot(
     painter: &Painter,
     visuals: &Visuals,
-    bins: &[Bin],
+    bins: &[HistoryColumn],
     channel: usize,
-    axis: Axis,
-    values: Axis,
+    axis: ChartAxis,
+    values: ChartAxis,
 ) {
     let (mut columns, mut means) = (Columns::default(), Columns::default());
     for bin in bins {
@@ -47,14 +49,14 @@ pub(super) fn channel_plot(
         for &(step, count) in &bin.levels[channel] {
             // Even a single frame among a thousand leaves a trace.
             let share = count as f32 / bin.frames.len() as f32;
-            let low = f64::from(step) * f64::from(STEP);
-            let (low, high) = (values.at(low), values.at(low + f64::from(STEP)));
+            let low = f64::from(step) * f64::from(LEVELS_PER_BIN);
+            let (low, high) = (values.at(low), values.at(low + f64::from(LEVELS_PER_BIN)));
             levels.add(x_range(bin, axis), low, high, ink.gamma_multiply(0.12 + 0.88 * share.sqrt()));
         }
     }
     levels.paint(painter);
     means.paint(painter);
-    if bins.iter().any(|bin| bin.frames.len() > FEW) {
+    if bins.iter().any(|bin| bin.frames.len() > MAX_FRAMES_WITHOUT_LEVELS) {
         return;
     }
 
@@ -86,13 +88,13 @@ pub(super) fn channel_plot(
 pub(super) fn weights_plot(
     painter: &Painter,
     visuals: &Visuals,
-    bins: &[Bin],
-    axis: Axis,
+    bins: &[HistoryColumn],
+    axis: ChartAxis,
     rect: Rect,
     t: f32,
 ) {
     let clipped = painter.with_clip_rect(rect.intersect(painter.clip_rect()));
-    let share = Axis::y(0.0, 1.0, rect);
+    let share = ChartAxis::y(0.0, 1.0, rect);
     let mut columns = Columns::default();
     for bin in bins {
         let mut sum = 0.0;
@@ -116,9 +118,15 @@ pub(super) fn weights_plot(
 }
 
 /// ρ on a logarithmic scale where something matched.
-pub(super) fn rates_plot(painter: &Painter, visuals: &Visuals, bins: &[Bin], axis: Axis, rect: Rect) {
+pub(super) fn rates_plot(
+    painter: &Painter,
+    visuals: &Visuals,
+    bins: &[HistoryColumn],
+    axis: ChartAxis,
+    rect: Rect,
+) {
     let (low, high) = rate_range(bins);
-    let scale = Axis::y(low.log10(), high.log10(), rect);
+    let scale = ChartAxis::y(low.log10(), high.log10(), rect);
     let at = |rho: f32| scale.clamped(f64::from(rho).max(f64::MIN_POSITIVE).log10());
     let clipped = painter.with_clip_rect(rect.intersect(painter.clip_rect()));
     let colour = style::ink(visuals).gamma_multiply(0.8);
@@ -140,7 +148,13 @@ fn rate_words(rate: f64) -> String {
 }
 
 /// A stroke in the component's colour for each that was born, replaced another, or rose, in lanes of their own.
-pub(super) fn changes_plot(painter: &Painter, visuals: &Visuals, bins: &[Bin], axis: Axis, rect: Rect) {
+pub(super) fn changes_plot(
+    painter: &Painter,
+    visuals: &Visuals,
+    bins: &[HistoryColumn],
+    axis: ChartAxis,
+    rect: Rect,
+) {
     let clipped = painter.with_clip_rect(rect.intersect(painter.clip_rect()));
     let mut labels = Vec::new();
     for (lane, name) in ["new", "repl.", "up"].into_iter().enumerate() {
@@ -167,12 +181,12 @@ pub(super) fn changes_plot(painter: &Painter, visuals: &Visuals, bins: &[Bin], a
 pub(super) fn count_plot(
     painter: &Painter,
     visuals: &Visuals,
-    bins: &[Bin],
-    axis: Axis,
+    bins: &[HistoryColumn],
+    axis: ChartAxis,
     rect: Rect,
     k: usize,
 ) {
-    let count = Axis::y(0.0, k as f64, rect);
+    let count = ChartAxis::y(0.0, k as f64, rect);
     let clipped = painter.with_clip_rect(rect.intersect(painter.clip_rect()));
     let colour = visuals.text_color().gamma_multiply(0.45);
     let mut columns = Columns::default();
@@ -195,8 +209,8 @@ mod tests {
     use eframe::egui::{Color32, Context, RawInput};
 
     use super::*;
-    use crate::mixture::bins::bins;
-    use crate::mixture::follow::slots;
+    use crate::mixture::component_slots::slots_by_rank;
+    use crate::mixture::downsampled_history::downsample;
     use crate::mixture::{Parameters, PixelHistory};
     use crate::settings::{Preset, Settings};
 
@@ -206,7 +220,7 @@ mod tests {
         let parameters = Parameters::new(&Settings::preset(Preset::Paper));
         let colours = (1..=200).map(|n| (n, if n % 9 == 0 { [124, 131, 119] } else { [100; 3] }));
         let history = PixelHistory::of_colours((0, 0), parameters, colours);
-        let (low, _) = rate_range(&bins(&history, &slots(&history), 0..200, 50));
+        let (low, _) = rate_range(&downsample(&history, &slots_by_rank(&history), 0..200, 50));
         assert!(low < 1e-4, "a case in point: {low}");
         let rates = (-12..=0).map(|power| 10_f64.powi(power)).chain([low]);
         let ctx = Context::default();
@@ -215,7 +229,7 @@ mod tests {
                 let words = rate_words(rate);
                 let width =
                     ui.painter().layout_no_wrap(words.clone(), style::tick_font(), Color32::WHITE).size().x;
-                assert!(width <= chart::GUTTER - chart::APART, "{words} takes {width}");
+                assert!(width <= chart::GUTTER - chart::LABEL_GAP, "{words} takes {width}");
             }
         });
         output.textures_delta.clear();

@@ -19,24 +19,27 @@ use super::style::{self, small};
 use super::{Chosen, InspectorAction};
 use crate::export::figure::{cube, scatter};
 use crate::mixture::PixelHistory;
-use crate::mixture::places::{AGES, By, Choice, Kind, Place, Space, place, places};
-use crate::mixture::standing::standings;
+use crate::mixture::component_states::component_states;
+use crate::mixture::scatter_points::{
+    AGES, PointGrouping, PointKind, ScatterPoint, ScatterSelection, ScatterSpace, coordinates_of,
+    scatter_points,
+};
 use crate::mixture::verdict::number;
 
 /// Which space and which frames are shown.
 pub(super) struct Scatter {
     /// Of a value of three channels.
-    space: Space,
+    space: ScatterSpace,
     /// The last so many frames up to the one in view, 0 for all of the history.
     last: usize,
-    by: By,
+    by: PointGrouping,
     cube: CubeView,
     cache: Option<Cache>,
 }
 
 impl Default for Scatter {
     fn default() -> Self {
-        let (space, by) = (Space::Plane(0, 1), By::Component);
+        let (space, by) = (ScatterSpace::Plane(0, 1), PointGrouping::Component);
         Self { space, last: 500, by, cube: CubeView::default(), cache: None }
     }
 }
@@ -44,14 +47,14 @@ impl Default for Scatter {
 /// Places are only counted anew for another history or choice.
 struct Cache {
     history: Arc<PixelHistory>,
-    choice: Choice,
-    places: Vec<Place>,
+    choice: ScatterSelection,
+    places: Vec<ScatterPoint>,
     groups: Vec<Group>,
 }
 
 /// Points of one look.
 struct Group {
-    kind: Kind,
+    kind: PointKind,
     /// 0..=2: how many frames share the place, on a logarithmic scale.
     density: usize,
     points: Vec<PlotPoint>,
@@ -63,7 +66,7 @@ impl Scatter {
         let choice = self.choice(chosen);
         let look = self.cube.look;
         let plot = || match choice.space {
-            Space::Cube => plot::Plot::Cube(chosen.followed(), choice.clone(), chosen.index, look),
+            ScatterSpace::Cube => plot::Plot::Cube(chosen.followed(), choice.clone(), chosen.index, look),
             _ => plot::Plot::Scatter(chosen.followed(), choice.clone(), chosen.index),
         };
         let asked = menu::row(
@@ -77,10 +80,10 @@ impl Scatter {
                 ui.spacing_mut().item_spacing.x = 2.0;
                 ui.spacing_mut().button_padding.x = 6.0;
                 for (space, name, meaning) in [
-                    (Space::Plane(0, 1), "R–G", "X axis: red, Y axis: green"),
-                    (Space::Plane(1, 2), "G–B", "X axis: green, Y axis: blue"),
-                    (Space::Plane(0, 2), "R–B", "X axis: red, Y axis: blue"),
-                    (Space::Cube, "3-D", "All three channels, rotatable"),
+                    (ScatterSpace::Plane(0, 1), "R–G", "X axis: red, Y axis: green"),
+                    (ScatterSpace::Plane(1, 2), "G–B", "X axis: green, Y axis: blue"),
+                    (ScatterSpace::Plane(0, 2), "R–B", "X axis: red, Y axis: blue"),
+                    (ScatterSpace::Cube, "3-D", "All three channels, rotatable"),
                 ] {
                     ui.selectable_value(&mut self.space, space, name).on_hover_text(meaning);
                 }
@@ -111,12 +114,16 @@ impl Scatter {
             ui.spacing_mut().item_spacing.x = 2.0;
             ui.spacing_mut().button_padding.x = 6.0;
             ui.label(style::aside(ui, "colour"));
-            for (by, name) in [(By::Component, "component"), (By::Verdict, "verdict"), (By::Time, "time")] {
+            for (by, name) in [
+                (PointGrouping::Component, "component"),
+                (PointGrouping::Verdict, "verdict"),
+                (PointGrouping::Time, "time"),
+            ] {
                 ui.selectable_value(&mut self.by, by, small(name));
             }
         });
         let choice = self.choice(chosen);
-        let cube = choice.space == Space::Cube;
+        let cube = choice.space == ScatterSpace::Cube;
         self.count(chosen, choice);
         let cache = self.cache.as_ref();
         if cube {
@@ -129,12 +136,12 @@ impl Scatter {
         asked
     }
 
-    fn choice(&self, chosen: &Chosen<'_>) -> Choice {
+    fn choice(&self, chosen: &Chosen<'_>) -> ScatterSelection {
         let end = chosen.index + 1;
         let frames: Range<usize> =
             if self.last == 0 { 0..chosen.history.states.len() } else { end.saturating_sub(self.last)..end };
-        let space = if chosen.channels().len() == 1 { Space::Next } else { self.space };
-        Choice { space, frames, by: self.by }
+        let space = if chosen.channels().len() == 1 { ScatterSpace::Next } else { self.space };
+        ScatterSelection { space, frames, by: self.by }
     }
 
     /// Lets go of what was drawn.
@@ -142,9 +149,9 @@ impl Scatter {
         self.cache = None;
     }
 
-    fn count(&mut self, chosen: &Chosen<'_>, choice: Choice) {
+    fn count(&mut self, chosen: &Chosen<'_>, choice: ScatterSelection) {
         // The next value belongs to a place, too.
-        let end = choice.frames.end + usize::from(choice.space == Space::Next);
+        let end = choice.frames.end + usize::from(choice.space == ScatterSpace::Next);
         let fits = self
             .cache
             .as_mut()
@@ -152,8 +159,8 @@ impl Scatter {
         if fits {
             return;
         }
-        let cube = choice.space == Space::Cube;
-        let count = if cube { cube::spots } else { places };
+        let cube = choice.space == ScatterSpace::Cube;
+        let count = if cube { cube::spots } else { scatter_points };
         let places = count(chosen.history, chosen.slots, &choice);
         let groups = if cube { Vec::new() } else { groups(&places) };
         self.cache = Some(Cache { history: Arc::clone(chosen.history), choice, places, groups });
@@ -162,16 +169,16 @@ impl Scatter {
     fn caption(&self, chosen: &Chosen<'_>) -> String {
         let lambda = number(chosen.history.parameters.lambda);
         let reach = match self.choice(chosen).space {
-            Space::Next => "Squares",
-            Space::Plane(..) => "Circles",
-            Space::Cube => "Spheres",
+            ScatterSpace::Next => "Squares",
+            ScatterSpace::Plane(..) => "Circles",
+            ScatterSpace::Cube => "Spheres",
         };
         let colours = match self.by {
-            By::Component => "filled dots: background, rings: foreground",
-            By::Verdict => "green: background, orange: foreground",
-            By::Time => "stronger dots: later frames",
+            PointGrouping::Component => "filled dots: background, rings: foreground",
+            PointGrouping::Verdict => "green: background, orange: foreground",
+            PointGrouping::Time => "stronger dots: later frames",
         };
-        let cross = match place(chosen.history, chosen.index, self.choice(chosen).space) {
+        let cross = match coordinates_of(chosen.history, chosen.index, self.choice(chosen).space) {
             Some(_) => "cross: current value",
             None => "no cross: the next value is not available yet",
         };
@@ -183,15 +190,16 @@ impl Scatter {
 }
 
 /// A plane of two channels, or of a value and the next, to be panned and zoomed.
-fn plane(ui: &mut Ui, chosen: &Chosen<'_>, choice: &Choice, groups: &[Group]) {
-    let (x, y) = if let Space::Plane(x, y) = choice.space { (x, y) } else { (0, 0) };
-    let gray = choice.space == Space::Next;
+fn plane(ui: &mut Ui, chosen: &Chosen<'_>, choice: &ScatterSelection, groups: &[Group]) {
+    let (x, y) = if let ScatterSpace::Plane(x, y) = choice.space { (x, y) } else { (0, 0) };
+    let gray = choice.space == ScatterSpace::Next;
     let visuals = ui.visuals().clone();
     let lambda = chosen.history.parameters.lambda;
-    let (standings, _) = standings(chosen.history, chosen.slots, chosen.index, false);
+    let (component_states, _) = component_states(chosen.history, chosen.slots, chosen.index, false);
     let names = if gray { ("luma", "next") } else { (chosen.channels()[x], chosen.channels()[y]) };
     let side = (ui.available_width() - 4.0).min(440.0);
-    let cross = place(chosen.history, chosen.index, choice.space).map(|[x, y, _]| [x, y].map(f64::from));
+    let cross =
+        coordinates_of(chosen.history, chosen.index, choice.space).map(|[x, y, _]| [x, y].map(f64::from));
 
     // A plane is looked at with its own pan and zoom.
     let response = Plot::new(("scatter", x, y, gray))
@@ -218,7 +226,7 @@ fn plane(ui: &mut Ui, chosen: &Chosen<'_>, choice: &Choice, groups: &[Group]) {
         .show(ui, |plot| {
             for group in groups {
                 // Rings have little ink, and foreground is rare and must be found.
-                let hollow = matches!(group.kind, Kind::Component { foreground: true, .. });
+                let hollow = matches!(group.kind, PointKind::Component { foreground: true, .. });
                 let strength = if hollow { 1.0 } else { [0.45, 0.65, 0.9][group.density.min(2)] };
                 let colour = colour(&visuals, group.kind).gamma_multiply(strength);
                 plot.points(
@@ -229,16 +237,16 @@ fn plane(ui: &mut Ui, chosen: &Chosen<'_>, choice: &Choice, groups: &[Group]) {
                         .allow_hover(false),
                 );
             }
-            for standing in &standings {
-                let component = standing.component;
+            for component_state in &component_states {
+                let component = component_state.component;
                 let (mx, my) = (f64::from(component.mean[x]), f64::from(component.mean[y]));
                 let reach = f64::from(component.reach(lambda));
                 let outline = scatter::outline([mx, my], reach, gray);
-                let colour = style::component(&visuals, standing.slot);
+                let colour = style::component(&visuals, component_state.slot);
                 let dashed = LineStyle::Dashed { length: 6.0 };
-                let style = if standing.background { LineStyle::Solid } else { dashed };
+                let style = if component_state.background { LineStyle::Solid } else { dashed };
                 plot.line(Line::new("", outline).color(colour).width(1.5).style(style).allow_hover(false));
-                let name = egui::RichText::new(standing.rank.to_string()).size(12.0).strong();
+                let name = egui::RichText::new(component_state.rank.to_string()).size(12.0).strong();
                 let top = PlotPoint::new(mx, my + reach);
                 plot.text(
                     egui_plot::Text::new("", top, name)
@@ -269,11 +277,11 @@ fn plane(ui: &mut Ui, chosen: &Chosen<'_>, choice: &Choice, groups: &[Group]) {
 }
 
 /// The colour of a point.
-pub(super) fn colour(visuals: &Visuals, kind: Kind) -> Color32 {
+pub(super) fn colour(visuals: &Visuals, kind: PointKind) -> Color32 {
     match kind {
-        Kind::Component { slot, .. } => style::component(visuals, slot),
-        Kind::Verdict { foreground } => style::verdict_colour(visuals, foreground),
-        Kind::Age(age) => {
+        PointKind::Component { slot, .. } => style::component(visuals, slot),
+        PointKind::Verdict { foreground } => style::verdict_colour(visuals, foreground),
+        PointKind::Age(age) => {
             let share = f32::from(age + 1) / f32::from(AGES);
             visuals.panel_fill.lerp_to_gamma(visuals.strong_text_color(), 0.15 + 0.85 * share)
         }
@@ -297,7 +305,7 @@ fn marks(input: &GridInput) -> Vec<GridMark> {
 }
 
 /// The places of one look together.
-fn groups(places: &[Place]) -> Vec<Group> {
+fn groups(places: &[ScatterPoint]) -> Vec<Group> {
     let mut groups: Vec<Group> = Vec::new();
     let mut sorted: Vec<_> =
         places.iter().map(|place| (place.kind, scatter::density(place.count), place.at)).collect();

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::{fs, io};
 
-use crate::app::whole_file;
+use crate::app::atomic_write;
 use crate::export::{pixel_csv, shares_csv, statistics_csv, tuning_csv};
 use crate::mixture::PixelHistory;
 use crate::replay::{RegionShares, RegionTuning, Tuning};
@@ -18,7 +18,7 @@ pub enum Table {
     /// A tuning map, a cell a row.
     Map(Box<Tuning>),
     /// How right the pixels around one would be, a cell a row.
-    Judged(Arc<RegionTuning>),
+    RegionAccuracy(Arc<RegionTuning>),
     /// What is counted over these states of a pixel, in one row.
     Statistics(Arc<PixelHistory>, Range<usize>),
     /// The share of foreground around a pixel, a frame a row.
@@ -36,7 +36,7 @@ impl Table {
             Self::Region(history, shares) => history.states.len().min(shares.cleaned.len()),
             Self::Pins(pins) => pins.iter().map(|(_, history)| history.states.len()).sum(),
             Self::Map(tuning) => tuning.map.axes.iter().map(|axis| axis.values.len()).product(),
-            Self::Judged(judged) => judged.cells.len(),
+            Self::RegionAccuracy(judged) => judged.cells.len(),
         }
     }
 
@@ -45,7 +45,7 @@ impl Table {
         match self {
             Self::History(history, _) => format!("pixel-{}-{}.csv", history.at.0, history.at.1),
             Self::Map(tuning) => format!("tuning-{}-{}.csv", tuning.at.0, tuning.at.1),
-            Self::Judged(judged) => format!("right-{}-{}.csv", judged.at.0, judged.at.1),
+            Self::RegionAccuracy(judged) => format!("right-{}-{}.csv", judged.at.0, judged.at.1),
             Self::Statistics(history, _) => format!("statistics-{}-{}.csv", history.at.0, history.at.1),
             Self::Region(history, _) => format!("region-{}-{}.csv", history.at.0, history.at.1),
             Self::Pins(_) => "pins.csv".to_owned(),
@@ -64,7 +64,7 @@ impl Table {
             Self::Region(history, shares) => shares_csv::write(out, history, shares),
             Self::Pins(pins) => pixel_csv::write_pins(out, &borrowed(pins)),
             Self::Map(tuning) => tuning_csv::write_map(out, &tuning.map),
-            Self::Judged(judged) => tuning_csv::write_decisions(out, &judged.axes, &judged.cells),
+            Self::RegionAccuracy(judged) => tuning_csv::write_decisions(out, &judged.axes, &judged.cells),
         }
     }
 
@@ -77,7 +77,7 @@ impl Table {
 
     /// Writes it to a file, or says why it could not be.
     pub(crate) fn save(&self, path: PathBuf) -> Result<PathBuf, String> {
-        whole_file::write(path, "csv", |at: &Path| {
+        atomic_write::write(path, "csv", |at: &Path| {
             let mut out = io::BufWriter::new(fs::File::create(at)?);
             self.write(&mut out)?;
             io::Write::flush(&mut out)

@@ -13,17 +13,17 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 
 use super::super::golden::looks_as_before;
-use super::{Beside, Followed, Format, Inspector, InspectorAction, Table};
+use super::{Format, Inspector, InspectorAction, InspectorContext, SlottedHistory, Table};
 use crate::frame::{Frame, Mask, Size};
-use crate::mixture::follow::{Change, change};
+use crate::mixture::component_slots::{ComponentChange, component_change};
 use crate::mixture::statistics::Statistics;
-use crate::mixture::tuning::{Knob, flip, map};
-use crate::mixture::verdict::{number, sigmas, verdict};
+use crate::mixture::tuning::{TunableSetting, flip, map};
+use crate::mixture::verdict::{distance_in_sigmas, number, verdict};
 use crate::mixture::{Parameters, PixelHistory};
 use crate::occlusion::Counters;
 use crate::pipeline::Analysis;
 use crate::regions::Labels;
-use crate::replay::{RegionShares, Shown, Tuning};
+use crate::replay::{RegionShares, ShownFrame, Tuning};
 use crate::settings::{BackgroundModel, Preset, Settings, Space};
 
 const SIZE: Size = Size::new(8, 6);
@@ -51,7 +51,7 @@ fn history_of(settings: &Settings, frames: u32) -> PixelHistory {
     PixelHistory::of_colours(AT, Parameters::new(settings), colours)
 }
 
-fn shown_of(settings: Settings, history: Option<PixelHistory>, position: u32) -> Shown {
+fn shown_of(settings: Settings, history: Option<PixelHistory>, position: u32) -> ShownFrame {
     let rgb = history.as_ref().and_then(|h| h.states.get(position as usize)).map_or([0; 3], |s| s.rgb);
     let foreground = history
         .as_ref()
@@ -60,7 +60,7 @@ fn shown_of(settings: Settings, history: Option<PixelHistory>, position: u32) ->
     let mut mask = Mask::empty(SIZE);
     mask.data[SIZE.index(AT.0, AT.1).unwrap()] = if foreground { Mask::FOREGROUND } else { Mask::BACKGROUND };
     let frame = Arc::new(Frame::new(position + 1, SIZE, rgb.repeat(SIZE.pixels())));
-    Shown {
+    ShownFrame {
         position,
         settings: Arc::new(settings),
         roi: None,
@@ -83,7 +83,7 @@ fn shown_of(settings: Settings, history: Option<PixelHistory>, position: u32) ->
         map: None,
         pixel: history.map(Arc::new),
         truth: None,
-        beside: None,
+        compared: None,
     }
 }
 
@@ -91,13 +91,13 @@ fn settings() -> Settings {
     Settings { t: 0.8, k: 4, alpha: 0.01, median: 5, ..Settings::preset(Preset::Plain) }
 }
 
-fn shown(position: u32) -> Shown {
+fn shown(position: u32) -> ShownFrame {
     let settings = settings();
     let history = history_of(&settings, 600);
     shown_of(settings, Some(history), position)
 }
 
-fn tuning_of(shown: &Shown, knobs: [Knob; 2]) -> Option<Tuning> {
+fn tuning_of(shown: &ShownFrame, knobs: [TunableSetting; 2]) -> Option<Tuning> {
     let history = shown.pixel.as_ref()?;
     let states = history.states.get(..=shown.position as usize)?;
     // A long history is tried elsewhere.
@@ -108,20 +108,21 @@ fn tuning_of(shown: &Shown, knobs: [Knob; 2]) -> Option<Tuning> {
         position: shown.position,
         parameters,
         map: map(&values, &parameters, knobs),
-        flips: Knob::ALL.iter().map(|&knob| flip(&values, &parameters, knob)).collect(),
+        flips: TunableSetting::ALL.iter().map(|&knob| flip(&values, &parameters, knob)).collect(),
     })
 }
 
 /// The panel about `shown` in a harness, and what it asked for.
 fn harness(
-    shown: Option<Shown>,
+    shown: Option<ShownFrame>,
     size: Vec2,
     theme: Theme,
 ) -> (Harness<'static>, Rc<RefCell<Vec<InspectorAction>>>) {
     let actions = Rc::new(RefCell::new(Vec::new()));
     let (asked, mut inspector) = (Rc::clone(&actions), Inspector::default());
     // As the worker answers when the tab is open.
-    let tuning = shown.as_ref().and_then(|shown| tuning_of(shown, [Knob::Alpha, Knob::T]));
+    let tuning =
+        shown.as_ref().and_then(|shown| tuning_of(shown, [TunableSetting::Alpha, TunableSetting::T]));
     let mut harness = Harness::builder()
         .with_size(size)
         .with_theme(theme)
@@ -135,7 +136,7 @@ fn harness(
                     None,
                     tuning.as_ref(),
                     10.0,
-                    &Beside::default(),
+                    &InspectorContext::default(),
                 ));
             });
         });
@@ -143,7 +144,7 @@ fn harness(
     (harness, actions)
 }
 
-fn tall(shown: Option<Shown>) -> (Harness<'static>, Rc<RefCell<Vec<InspectorAction>>>) {
+fn tall(shown: Option<ShownFrame>) -> (Harness<'static>, Rc<RefCell<Vec<InspectorAction>>>) {
     harness(shown, Vec2::new(380.0, 1000.0), Theme::Dark)
 }
 
@@ -275,8 +276,9 @@ fn a_choice_of_frames_outlives_a_short_history() {
         .with_size(Vec2::new(380.0, 1000.0))
         .with_context_setup(crate::app::theme::install)
         .build_ui(move |ui| {
-            egui::CentralPanel::default()
-                .show(ui, |ui| inspector.ui(ui, Some(&seen.borrow()), None, None, 10.0, &Beside::default()));
+            egui::CentralPanel::default().show(ui, |ui| {
+                inspector.ui(ui, Some(&seen.borrow()), None, None, 10.0, &InspectorContext::default())
+            });
         });
     open(&mut harness, "Scatter");
     let last =
@@ -376,7 +378,7 @@ fn what_is_shown_equals_the_state() {
         if state.outcome.matched > 0 {
             let before = history.before(position as usize).unwrap();
             let matched = before.components()[usize::from(state.outcome.matched) - 1];
-            assert!(all.contains(&format!("{:.1} σ", sigmas(&matched, state.value))));
+            assert!(all.contains(&format!("{:.1} σ", distance_in_sigmas(&matched, state.value))));
             assert!(all.iter().any(|text| text == "match") && !all.iter().any(|text| text == "new"));
         } else {
             assert!(all.iter().any(|text| text == "new") && !all.iter().any(|text| text == "match"));
@@ -400,7 +402,7 @@ fn the_mixture_before_the_update_is_the_one_of_the_frame_before() {
 
 #[test]
 fn both_mixtures_stand_side_by_side_where_there_is_room() {
-    for (width, beside) in [(500.0, true), (240.0, false)] {
+    for (width, context) in [(500.0, true), (240.0, false)] {
         let shown = shown(430);
         let history = Arc::clone(shown.pixel.as_ref().unwrap());
         let (mut harness, _) = harness(Some(shown), Vec2::new(width, 1400.0), Theme::Light);
@@ -415,8 +417,8 @@ fn both_mixtures_stand_side_by_side_where_there_is_room() {
         let plots: Vec<_> =
             harness.get_all_by_label_contains("Densities of").map(|node| node.rect()).collect();
         assert_eq!(plots.len(), 2);
-        assert_eq!(plots[1].left() > plots[0].right(), beside);
-        assert_eq!(plots[1].top() > plots[0].bottom(), !beside);
+        assert_eq!(plots[1].left() > plots[0].right(), context);
+        assert_eq!(plots[1].top() > plots[0].bottom(), !context);
     }
 }
 
@@ -427,13 +429,13 @@ fn what_happened_to_components_is_told_where_the_history_marks_it() {
     let (mut harness, _) = tall(Some(shown));
     open(&mut harness, "History");
     let mut told = Vec::new();
-    for index in (0..600).filter(|&index| change(&history, index).is_some()) {
+    for index in (0..600).filter(|&index| component_change(&history, index).is_some()) {
         harness.hover_at(on_history(&harness, (index as f32 + 0.5) / 600.0));
         harness.run();
-        let words = match change(&history, index).unwrap() {
-            Change::Born => "was created",
-            Change::Replaced => "replaced the last",
-            Change::Rose { .. } => "It moved up from rank",
+        let words = match component_change(&history, index).unwrap() {
+            ComponentChange::Born => "was created",
+            ComponentChange::Replaced => "replaced the last",
+            ComponentChange::Rose { .. } => "It moved up from rank",
         };
         assert!(says(&harness, words), "frame {index}: {words:?} in {:?}", texts(&harness));
         told.push(words);
@@ -482,8 +484,9 @@ fn new_settings_answer_before_the_frame_has_them() {
         .with_size(Vec2::new(380.0, 1000.0))
         .with_context_setup(crate::app::theme::install)
         .build_ui(move |ui| {
-            egui::CentralPanel::default()
-                .show(ui, |ui| inspector.ui(ui, Some(&shown), Some(&newest), None, 10.0, &Beside::default()));
+            egui::CentralPanel::default().show(ui, |ui| {
+                inspector.ui(ui, Some(&shown), Some(&newest), None, 10.0, &InspectorContext::default())
+            });
         });
     assert!(texts(&harness).contains(&expected), "{expected}");
 }
@@ -551,17 +554,20 @@ fn a_zoomed_history_shows_single_frames_and_fits_its_values() {
 fn components_are_followed_on_from_where_a_history_ended_before() {
     let (settings, other) = (settings(), Settings { k: 3, ..settings() });
     let [short, long] = [300, 600].map(|frames| Arc::new(history_of(&settings, frames)));
-    let expected = crate::mixture::follow::slots(&long);
+    let expected = crate::mixture::component_slots::slots_by_rank(&long);
     let mut followed = None;
     super::followed(&mut followed, &short);
     assert_eq!(*super::followed(&mut followed, &long), expected);
     // Slots that nobody would find again show what was kept.
     let marked = Arc::new(vec![[7; crate::mixture::MAX_K]; 300]);
-    let mut followed = Some(Followed { history: Arc::clone(&short), slots: marked });
+    let mut followed = Some(SlottedHistory { history: Arc::clone(&short), slots: marked });
     let slots = super::followed(&mut followed, &long);
     assert_eq!((slots.len(), slots[0], slots[299]), (600, [7; 8], [7; 8]));
     let another = Arc::new(history_of(&other, 600));
-    assert_eq!(*super::followed(&mut followed, &another), crate::mixture::follow::slots(&another));
+    assert_eq!(
+        *super::followed(&mut followed, &another),
+        crate::mixture::component_slots::slots_by_rank(&another)
+    );
 }
 
 #[test]
@@ -598,7 +604,7 @@ fn on_map(harness: &Harness<'_>, share: Vec2) -> Pos2 {
 #[test]
 fn a_click_into_the_tuning_map_takes_the_cell_that_its_tip_names() {
     let shown = shown(430);
-    let tuning = tuning_of(&shown, [Knob::Alpha, Knob::T]).unwrap();
+    let tuning = tuning_of(&shown, [TunableSetting::Alpha, TunableSetting::T]).unwrap();
     let share = tuning.map.foreground_share();
     assert!(share > 0.05 && share < 0.95, "a case in point: {share}");
     let (mut harness, actions) = tall(Some(shown));
@@ -621,14 +627,17 @@ fn a_click_into_the_tuning_map_takes_the_cell_that_its_tip_names() {
         harness.drag_at(at);
         harness.drop_at(at);
         harness.run();
-        assert_eq!(actions.take(), [InspectorAction::Take([(Knob::Alpha, alpha), (Knob::T, t)])]);
+        assert_eq!(
+            actions.take(),
+            [InspectorAction::Take([(TunableSetting::Alpha, alpha), (TunableSetting::T, t)])]
+        );
     }
 }
 
 #[test]
 fn what_flips_the_verdict_is_named_and_taken() {
     let shown = shown(430);
-    let tuning = tuning_of(&shown, [Knob::Alpha, Knob::T]).unwrap();
+    let tuning = tuning_of(&shown, [TunableSetting::Alpha, TunableSetting::T]).unwrap();
     let (mut harness, actions) = tall(Some(shown));
     open(&mut harness, "Tuning");
     let mut taken = 0;
@@ -648,26 +657,30 @@ fn a_map_of_other_settings_is_asked_for_and_waited_for() {
     let (shown, mut inspector) = (shown(430), Inspector::default());
     assert_eq!(inspector.asks().tune, None, "nobody looks");
     let asked = Rc::new(RefCell::new(None));
-    let (noted, tuning) = (Rc::clone(&asked), tuning_of(&shown, [Knob::Alpha, Knob::T]));
+    let (noted, tuning) = (Rc::clone(&asked), tuning_of(&shown, [TunableSetting::Alpha, TunableSetting::T]));
     let mut harness = Harness::builder()
         .with_size(Vec2::new(380.0, 900.0))
         .with_context_setup(crate::app::theme::install)
         .build_ui(move |ui| {
             egui::CentralPanel::default().show(ui, |ui| {
-                inspector.ui(ui, Some(&shown), None, tuning.as_ref(), 10.0, &Beside::default());
+                inspector.ui(ui, Some(&shown), None, tuning.as_ref(), 10.0, &InspectorContext::default());
                 *noted.borrow_mut() = inspector.asks().tune;
             });
         });
     open(&mut harness, "Tuning");
-    assert_eq!(*asked.borrow(), Some([Knob::Alpha, Knob::T]));
+    assert_eq!(*asked.borrow(), Some([TunableSetting::Alpha, TunableSetting::T]));
     // λ in the lower row of choices: up.
     harness.get_all_by_label("λ").last().unwrap().click();
     harness.run();
-    assert_eq!(*asked.borrow(), Some([Knob::Alpha, Knob::Lambda]));
+    assert_eq!(*asked.borrow(), Some([TunableSetting::Alpha, TunableSetting::Lambda]));
     assert!(says(&harness, "Tuning map, X axis α, Y axis λ, not computed yet"), "{:?}", texts(&harness));
     harness.get_all_by_label("α").last().unwrap().click();
     harness.run();
-    assert_eq!(*asked.borrow(), Some([Knob::Lambda, Knob::Alpha]), "the sides change places");
+    assert_eq!(
+        *asked.borrow(),
+        Some([TunableSetting::Lambda, TunableSetting::Alpha]),
+        "the sides change places"
+    );
 }
 
 #[test]

@@ -6,36 +6,40 @@ use std::time::Duration;
 use eframe::egui::{Align2, Pos2, Rect, RichText, Sense, Ui, Vec2};
 
 use super::grid::{self, Grid};
-use super::judged::{FLAT, JudgedView};
 use super::menu;
 use super::plot::Plot;
+use super::region_accuracy::{PAIRED_MAP_ASPECT, RegionAccuracyView};
 use super::style::{self, small};
-use super::{Chosen, InspectorAction, Judged};
-use crate::mixture::tuning::{Flip, Knob, Map};
+use super::{Chosen, InspectorAction, RegionAccuracy};
+use crate::mixture::tuning::{TunableSetting, VerdictFlip, VerdictMap};
 use crate::mixture::verdict::number;
 use crate::replay::Tuning;
 
 /// Height of the map as a share of its width where it is the only one: what flips the verdict should be in sight below.
-const ALONE: f32 = 0.62;
+const SINGLE_MAP_ASPECT: f32 = 0.62;
 /// From this width on, what is right stands beside the map; below, under it.
 const BESIDE: f32 = 560.0;
 /// An answer that is older than the question for so many seconds is drawn pale.
-const LATE: f64 = 0.15;
+const STALE_AFTER_SECONDS: f64 = 0.15;
 
 /// How strongly background and foreground are drawn: much of either must not outshine the cross.
 const STRENGTHS: [f32; 2] = [0.34, 0.72];
 
 /// Which settings the map is about.
 pub(super) struct TuningView {
-    pub(super) knobs: [Knob; 2],
-    pub(super) judged: JudgedView,
+    pub(super) knobs: [TunableSetting; 2],
+    pub(super) judged: RegionAccuracyView,
     /// Since when the answer belongs to another question, in the window's seconds.
     late_since: Option<f64>,
 }
 
 impl Default for TuningView {
     fn default() -> Self {
-        Self { knobs: [Knob::Alpha, Knob::T], judged: JudgedView::default(), late_since: None }
+        Self {
+            knobs: [TunableSetting::Alpha, TunableSetting::T],
+            judged: RegionAccuracyView::default(),
+            late_since: None,
+        }
     }
 }
 
@@ -45,7 +49,7 @@ impl TuningView {
         ui: &mut Ui,
         chosen: &Chosen<'_>,
         tuning: Option<&Tuning>,
-        judged: &Judged<'_>,
+        judged: &RegionAccuracy<'_>,
     ) -> Option<InspectorAction> {
         let tuning = tuning.filter(|tuning| tuning.at == chosen.history.at);
         let of_knobs = tuning.filter(|tuning| tuning.map.axes.each_ref().map(|axis| axis.knob) == self.knobs);
@@ -57,7 +61,7 @@ impl TuningView {
         let of_knobs =
             of_knobs.filter(|tuning| tuning.map.axes.each_ref().map(|axis| axis.knob) == self.knobs);
         let pale = self.is_late(ui, of_knobs.is_some() && current.is_none());
-        let flat = if judged.has_masks { FLAT } else { ALONE };
+        let flat = if judged.has_masks { PAIRED_MAP_ASPECT } else { SINGLE_MAP_ASPECT };
         let map = |ui: &mut Ui| {
             let taken = map_ui(ui, chosen, self.knobs, of_knobs.map(|tuning| &tuning.map), pale, flat);
             ui.horizontal_wrapped(legend);
@@ -110,7 +114,7 @@ impl TuningView {
         let (rect, _) = ui.allocate_exact_size(Vec2::new(38.0, 16.0), Sense::hover());
         let (painter, visuals) = (ui.painter(), ui.visuals());
         painter.text(rect.left_center(), Align2::LEFT_CENTER, name, style::font(), style::muted(visuals));
-        for knob in Knob::ALL {
+        for knob in TunableSetting::ALL {
             let label = ui.selectable_label(self.knobs[side] == knob, knob.symbol());
             let label = label.on_hover_text(format!("{}: {}, {name}", knob.symbol(), knob.name()));
             if label.clicked() && self.knobs[side] != knob {
@@ -133,8 +137,8 @@ impl TuningView {
         }
         let now = ui.input(|input| input.time);
         let since = *self.late_since.get_or_insert(now);
-        ui.ctx().request_repaint_after(Duration::from_secs_f64(LATE));
-        now - since > LATE
+        ui.ctx().request_repaint_after(Duration::from_secs_f64(STALE_AFTER_SECONDS));
+        now - since > STALE_AFTER_SECONDS
     }
 }
 
@@ -155,12 +159,12 @@ fn legend(ui: &mut Ui) {
 fn map_ui(
     ui: &mut Ui,
     chosen: &Chosen<'_>,
-    knobs: [Knob; 2],
-    map: Option<&Map>,
+    knobs: [TunableSetting; 2],
+    map: Option<&VerdictMap>,
     pale: bool,
     flat: f32,
 ) -> Option<InspectorAction> {
-    let [across, up] = knobs.map(Knob::symbol);
+    let [across, up] = knobs.map(TunableSetting::symbol);
     let share = map.map_or("not computed yet".to_owned(), |map| {
         format!("foreground in {:.0} % of cells", map.foreground_share() * 100.0)
     });
@@ -180,13 +184,13 @@ fn map_ui(
 }
 
 /// For each setting alone the nearest value that flips the verdict.
-fn flips_ui(ui: &mut Ui, chosen: &Chosen<'_>, flips: Option<&[Flip]>) -> Option<InspectorAction> {
+fn flips_ui(ui: &mut Ui, chosen: &Chosen<'_>, flips: Option<&[VerdictFlip]>) -> Option<InspectorAction> {
     ui.label(RichText::new("Single changes that flip this pixel").strong()).on_hover_text(
         "For each setting, the nearest value at which the mixture's verdict for this pixel in this frame \
          is the other one. Computed by re-running the pixel from the first frame.",
     );
     let mut taken = None;
-    for (at, knob) in Knob::ALL.into_iter().enumerate() {
+    for (at, knob) in TunableSetting::ALL.into_iter().enumerate() {
         let flip = flips.and_then(|flips| flips.iter().find(|flip| flip.knob == knob));
         let present = knob.get(&chosen.history.parameters);
         let height = style::SMALL + 9.0;
@@ -211,7 +215,7 @@ fn flips_ui(ui: &mut Ui, chosen: &Chosen<'_>, flips: Option<&[Flip]>) -> Option<
                 None => {
                     ui.label(style::aside(ui, "…"));
                 }
-                Some(flip @ Flip { value: Some(value), .. }) => {
+                Some(flip @ VerdictFlip { value: Some(value), .. }) => {
                     let button = ui.small_button(small(&flip.words()));
                     let says = format!("Set {} to {value}", knob.symbol());
                     if button.on_hover_text(says).clicked() {

@@ -3,7 +3,7 @@
 use eframe::egui::{PointerButton, Pos2};
 
 use super::*;
-use crate::app::areas::Change;
+use crate::app::areas::AreaEdit;
 use crate::app::views::Canvas;
 use crate::regions::Roi;
 
@@ -32,12 +32,12 @@ fn click(harness: &mut Harness<'_, Window>, [x, y]: [f32; 2]) {
 fn asked(scene: &Scene) -> Option<Arc<Roi>> {
     let asked = scene.asked.borrow();
     let mut rois = asked.iter().rev();
-    rois.find_map(|asked| if let Asked::Roi(roi) = asked { Some(roi.clone()) } else { None })
+    rois.find_map(|asked| if let PlayerCall::Roi(roi) = asked { Some(roi.clone()) } else { None })
         .expect("no area was asked for")
 }
 
 fn how_often(scene: &Scene) -> usize {
-    scene.asked.borrow().iter().filter(|asked| matches!(asked, Asked::Roi(_))).count()
+    scene.asked.borrow().iter().filter(|asked| matches!(asked, PlayerCall::Roi(_))).count()
 }
 
 #[test]
@@ -114,7 +114,7 @@ fn areas_are_given_up_chosen_deleted_and_cleared() {
             &ctx,
             Command::Act(crate::app::command::Action::DrawArea(crate::regions::roi::Purpose::Ignore)),
         );
-        harness.state_mut().apply(&ctx, Command::Area(Change::Rectangle(a, b)));
+        harness.state_mut().apply(&ctx, Command::Area(AreaEdit::Rectangle(a, b)));
     }
     harness.key_press(Key::Escape);
     harness.run_steps(3);
@@ -147,10 +147,10 @@ fn a_mask_of_another_size_is_refused_and_one_that_fits_is_taken() {
         Arc::new(Roi::new(Mask { size, data }).unwrap())
     };
     let ctx = harness.ctx.clone();
-    harness.state_mut().answered(&ctx, Answer::Mask(Ok(mask(20, 10))));
+    harness.state_mut().answered(&ctx, DialogResult::Mask(Ok(mask(20, 10))));
     harness.run_steps(3);
     assert_eq!(how_often(&scene), 0);
-    harness.state_mut().answered(&ctx, Answer::Mask(Ok(mask(160, 120))));
+    harness.state_mut().answered(&ctx, DialogResult::Mask(Ok(mask(160, 120))));
     settle(&mut harness);
     assert_eq!(asked(&scene), Some(mask(160, 120)));
     picture(&mut harness, "area-mask");
@@ -178,7 +178,7 @@ fn escape_shuts_an_open_menu_before_it_lets_go_of_an_area() {
         &ctx,
         Command::Act(crate::app::command::Action::DrawArea(crate::regions::roi::Purpose::Ignore)),
     );
-    harness.state_mut().apply(&ctx, Command::Area(Change::Rectangle([5.0, 5.0], [40.0, 40.0])));
+    harness.state_mut().apply(&ctx, Command::Area(AreaEdit::Rectangle([5.0, 5.0], [40.0, 40.0])));
     harness.run_steps(3);
     assert_eq!(harness.state().model.areas.chosen, Some(0));
     harness.get_by_label("View").click();

@@ -147,7 +147,7 @@ fn the_analysis_is_stopped_and_goes_on_beside_its_progress() {
     picture(&mut harness, "analysing");
     harness.get_by_label("Pause analysis").click();
     harness.run_steps(3);
-    assert_eq!(asked(&scene), Some(Asked::Ahead(false)));
+    assert_eq!(asked(&scene), Some(PlayerCall::Ahead(false)));
     scene.state.borrow_mut().busy = None;
     harness.run_steps(3);
     harness.get_by_label("paused  70 / 120");
@@ -160,13 +160,13 @@ fn the_analysis_is_stopped_and_goes_on_beside_its_progress() {
     harness.run_steps(3);
     harness.key_press_modifiers(Modifiers::SHIFT, Key::Space);
     harness.run_steps(3);
-    assert_eq!(asked(&scene), Some(Asked::Ahead(false)));
-    assert_eq!(harness.state().model.wanted, None);
+    assert_eq!(asked(&scene), Some(PlayerCall::Ahead(false)));
+    assert_eq!(harness.state().model.requested_position, None);
     scene.state.borrow_mut().busy = None;
     harness.run_steps(3);
     harness.get_by_label("Resume analysis").click();
     harness.run_steps(3);
-    assert_eq!(asked(&scene), Some(Asked::Ahead(true)));
+    assert_eq!(asked(&scene), Some(PlayerCall::Ahead(true)));
     assert!(harness.query_by_label_contains("paused").is_none());
 }
 
@@ -174,7 +174,8 @@ fn the_analysis_is_stopped_and_goes_on_beside_its_progress() {
 fn a_video_that_is_left_is_not_waited_for() {
     let (mut harness, scene) = ready(58);
     let ctx = harness.ctx.clone();
-    let left = |scene: &Scene| scene.asked.borrow().iter().filter(|asked| **asked == Asked::Leave).count();
+    let left =
+        |scene: &Scene| scene.asked.borrow().iter().filter(|asked| **asked == PlayerCall::Leave).count();
     harness.state_mut().apply(&ctx, Command::Open("/videos/other.mp4".into(), Start::First));
     assert_eq!(left(&scene), 1);
     act(&mut harness, Action::CloseVideo);
@@ -201,7 +202,7 @@ fn pixels_and_the_timeline_have_their_keys() {
     assert_eq!(chosen(&mut harness, Modifiers::ALT, Key::ArrowLeft), Some((80, 60)), "the middle at first");
     assert_eq!(chosen(&mut harness, Modifiers::ALT, Key::ArrowLeft), Some((79, 60)));
     assert_eq!(chosen(&mut harness, Modifiers::ALT, Key::ArrowDown), Some((79, 61)));
-    assert_eq!(scene.asked.borrow().last(), Some(&Asked::Inspect(Some((79, 61)))));
+    assert_eq!(scene.asked.borrow().last(), Some(&PlayerCall::Inspect(Some((79, 61)))));
     harness.state_mut().model.chosen = Some((159, 0));
     assert_eq!(chosen(&mut harness, Modifiers::ALT, Key::ArrowRight), Some((159, 0)), "at the edge");
     assert_eq!(chosen(&mut harness, Modifiers::ALT, Key::ArrowUp), Some((159, 0)));
@@ -237,5 +238,7 @@ fn a_rate_that_nothing_says_is_said_to_be_assumed_and_can_be_typed() {
     let model = &harness.state().model;
     assert_eq!(model.rates.get("/videos/walk.mp4"), Some(&12.5));
     assert_eq!(model.chosen, Some((30, 60)), "what was chosen stays");
-    assert!(scene.asked.borrow()[said..].iter().any(|asked| matches!(asked, Asked::Inspect(Some((30, 60))))));
+    assert!(
+        scene.asked.borrow()[said..].iter().any(|asked| matches!(asked, PlayerCall::Inspect(Some((30, 60)))))
+    );
 }

@@ -2,9 +2,9 @@
 
 use super::*;
 use crate::app::command::Action;
-use crate::app::compared::{Listing, Read};
+use crate::app::event_comparison::{ComparisonFilter, EventRef};
 use crate::app::views::{Canvas, Layout, loupe_words};
-use crate::replay::Beside;
+use crate::replay::ComparedSequence;
 use crate::truth::Truth;
 use crate::truth::boxes::Boxes;
 use crate::truth::clear_mot::ClearMot;
@@ -12,7 +12,7 @@ use crate::truth::summary::{Score, TrackScore};
 use crate::truth::survival::Survival;
 
 /// Under settings with another K than the default, the third object is not seen and events are others.
-fn under(mut shown: Shown, settings: &Settings) -> Shown {
+fn under(mut shown: ShownFrame, settings: &Settings) -> ShownFrame {
     shown.settings = Arc::new(settings.clone());
     if settings.k == Settings::default().k {
         return shown;
@@ -23,7 +23,7 @@ fn under(mut shown: Shown, settings: &Settings) -> Shown {
         mask.data[run.pixels()].fill(Mask::BACKGROUND);
     }
     Arc::make_mut(&mut analysis.tracks).retain(|track| track.id != 3);
-    Shown { analysis: Arc::new(analysis), ..shown }
+    ShownFrame { analysis: Arc::new(analysis), ..shown }
 }
 
 fn timeline_under(settings: &Settings) -> Timeline {
@@ -61,17 +61,17 @@ fn score(mota: f64) -> TrackScore {
 /// What the worker publishes when it is given settings.
 pub(super) fn answer(state: &mut State, settings: &Settings, beside: Option<Settings>) {
     let Some(position) = state.shown.as_ref().map(|shown| shown.position) else { return };
-    if beside.is_none() && state.beside.is_none() {
+    if beside.is_none() && state.compared.is_none() {
         return;
     }
     let mut shown = under(shown_at(position), settings);
-    shown.beside = beside.as_ref().map(|other| Arc::new(under(shown_at(position), other)));
+    shown.compared = beside.as_ref().map(|other| Arc::new(under(shown_at(position), other)));
     state.shown = Some(Arc::new(shown));
     state.timeline = Arc::new(timeline_under(settings));
     let other = beside.filter(|other| other != settings);
-    state.beside = other.map(|other| {
+    state.compared = other.map(|other| {
         let timeline = timeline_under(&other);
-        Arc::new(Beside { settings: Arc::new(other), timeline })
+        Arc::new(ComparedSequence { settings: Arc::new(other), timeline })
     });
 }
 
@@ -91,7 +91,7 @@ fn comparing() -> (Harness<'static, Window>, Scene) {
 fn beside(scene: &Scene) -> Option<Settings> {
     let asked = scene.asked.borrow();
     let last = asked.iter().rev().find_map(|asked| match asked {
-        Asked::Beside(beside) => Some(beside.clone()),
+        PlayerCall::Compare(beside) => Some(beside.clone()),
         _ => None,
     });
     last.flatten().map(|settings| *settings)
@@ -132,14 +132,14 @@ fn the_loupe_tells_of_the_settings_whose_picture_it_shows() {
     {
         let mut state = scene.state.borrow_mut();
         let shown = state.shown.as_deref().unwrap();
-        let history = |level: u8, shown: &Shown| {
+        let history = |level: u8, shown: &ShownFrame| {
             let colours = (1..=FRAMES).map(|n| (n, if n == 31 { [level; 3] } else { [90; 3] }));
             Some(Arc::new(PixelHistory::of_colours(third, Parameters::new(&shown.settings), colours)))
         };
-        let other = shown.beside.as_deref().unwrap();
-        let other = Shown { pixel: history(250, other), ..Shown::clone(other) };
+        let other = shown.compared.as_deref().unwrap();
+        let other = ShownFrame { pixel: history(250, other), ..ShownFrame::clone(other) };
         let pixel = history(90, shown);
-        let shown = Shown { pixel, beside: Some(Arc::new(other)), ..Shown::clone(shown) };
+        let shown = ShownFrame { pixel, compared: Some(Arc::new(other)), ..ShownFrame::clone(shown) };
         state.shown = Some(Arc::new(shown));
     }
     settle(&mut harness);
@@ -150,7 +150,7 @@ fn the_loupe_tells_of_the_settings_whose_picture_it_shows() {
     let at = |(x, y): (u32, u32)| format!("{x}, {y}");
     for (view, pixel, value, verdict) in [
         (View::Foreground, third, "0", "background, rank 1"),
-        (View::BesideForeground, third, "255", "foreground, no match"),
+        (View::ComparedForeground, third, "255", "foreground, no match"),
         (View::Agreement, third, "255 0", "foreground in A only"),
         (View::Agreement, first, "255 255", "foreground in A and B"),
         (View::Agreement, wall, "0 0", "foreground in neither"),
@@ -161,7 +161,7 @@ fn the_loupe_tells_of_the_settings_whose_picture_it_shows() {
             "{view:?}"
         );
     }
-    for view in [View::BesideBackground, View::BesideTracks] {
+    for view in [View::ComparedBackground, View::ComparedTracks] {
         assert_eq!(told(&harness, view, third)[2], "foreground, no match", "{view:?}");
     }
     let rect = harness.get_by_label("A vs B difference view").rect();
@@ -190,7 +190,7 @@ fn views_of_the_other_say_what_is_missing() {
     harness.run_steps(3);
     {
         let mut state = scene.state.borrow_mut();
-        let alone = Shown { beside: None, ..Shown::clone(state.shown.as_ref().unwrap()) };
+        let alone = ShownFrame { compared: None, ..ShownFrame::clone(state.shown.as_ref().unwrap()) };
         state.shown = Some(Arc::new(alone));
     }
     settle(&mut harness);
@@ -236,9 +236,9 @@ fn slots_are_copied_swapped_and_given_up_and_that_is_taken_back() {
     assert_eq!(act(&mut harness, Action::CopySettings), (2, Some(2)));
     assert_eq!(act(&mut harness, Action::Undo), (2, Some(k)));
     assert_eq!(act(&mut harness, Action::KeepSettings), (2, None));
-    assert_eq!(harness.state().model.slots.in_view, Slot::A);
+    assert_eq!(harness.state().model.ab_settings.in_view, AbSlot::A);
     assert_eq!(act(&mut harness, Action::Undo), (2, Some(k)));
-    assert_eq!(harness.state().model.slots.in_view, Slot::B);
+    assert_eq!(harness.state().model.ab_settings.in_view, AbSlot::B);
 }
 
 #[test]
@@ -253,12 +253,12 @@ fn events_are_listed_by_whose_they_are() {
     right_panel_looks_as_before(&mut harness, "compare-events");
     harness.get_by_label("Events under A only").click();
     harness.run_steps(3);
-    assert_eq!(harness.state().model.listing, Listing::OnlyBeside);
+    assert_eq!(harness.state().model.listing, ComparisonFilter::OnlyCompared);
     assert!(harness.query_by_label_contains("exit 1").is_none());
     // An event of the other settings is gone to and read like any.
     harness.get_by_label("disappear 3, frame 41, A").click();
     harness.run_steps(3);
-    assert_eq!(harness.state().model.reading, Some(Read::Beside(2)));
+    assert_eq!(harness.state().model.reading, Some(EventRef::Compared(2)));
     assert_eq!(shows(&scene).last(), Some(&40));
     harness.get_by_label("Evidence for disappear 3");
 }
@@ -268,9 +268,9 @@ fn both_are_scored_by_the_truth_that_was_loaded() {
     let (mut harness, scene) = comparing();
     let ctx = harness.ctx.clone();
     let boxes = Truth { boxes: Some(Boxes::new()), masks: None };
-    harness.state_mut().answered(&ctx, Answer::Truth(Ok(Arc::new(boxes))));
+    harness.state_mut().answered(&ctx, DialogResult::Truth(Ok(Arc::new(boxes))));
     settle(&mut harness);
-    assert!(scene.asked.borrow().contains(&Asked::Truth(true)));
+    assert!(scene.asked.borrow().contains(&PlayerCall::Truth(true)));
     harness.get_all_by_label("0.900").next().unwrap();
     harness.get_all_by_label("0.400").next().unwrap();
     picture(&mut harness, "compare-scores");
@@ -283,17 +283,20 @@ fn the_inspector_shows_the_mixtures_of_both() {
     harness.state_mut().apply(&ctx, Command::Act(Action::InspectorPanel));
     {
         let mut state = scene.state.borrow_mut();
-        let shown = Shown::clone(state.shown.as_ref().unwrap());
+        let shown = ShownFrame::clone(state.shown.as_ref().unwrap());
         let history = |settings: &Settings| {
             let colours = (0..FRAMES)
                 .map(|n| (n + 1, if n == 30 { [180, 60, 60] } else { [90, 90 + (n % 3) as u8, 95] }));
             Some(Arc::new(PixelHistory::of_colours((50, 60), Parameters::new(settings), colours)))
         };
-        let other = shown.beside.as_ref().unwrap();
+        let other = shown.compared.as_ref().unwrap();
         let tight = Settings { match_sigmas: 9.0, ..Settings::default() };
-        let other = Shown { pixel: history(&tight), ..Shown::clone(other) };
-        state.shown =
-            Some(Arc::new(Shown { pixel: history(&shown.settings), beside: Some(Arc::new(other)), ..shown }));
+        let other = ShownFrame { pixel: history(&tight), ..ShownFrame::clone(other) };
+        state.shown = Some(Arc::new(ShownFrame {
+            pixel: history(&shown.settings),
+            compared: Some(Arc::new(other)),
+            ..shown
+        }));
     }
     settle(&mut harness);
     harness.run_steps(4);

@@ -18,11 +18,11 @@ pub(super) fn inspected_state(position: u32) -> State {
         at: AT,
         position,
         parameters,
-        map: map(&values, &parameters, [Knob::Alpha, Knob::T]),
-        flips: Knob::ALL.iter().map(|&knob| flip(&values, &parameters, knob)).collect(),
+        map: map(&values, &parameters, [TunableSetting::Alpha, TunableSetting::T]),
+        flips: TunableSetting::ALL.iter().map(|&knob| flip(&values, &parameters, knob)).collect(),
     };
     let history = Some(Arc::new(history));
-    let shown = Shown { pixel: history.clone(), ..shown_at(position) };
+    let shown = ShownFrame { pixel: history.clone(), ..shown_at(position) };
     State {
         shown: Some(Arc::new(shown)),
         pixel: history,
@@ -35,11 +35,11 @@ fn inspected(position: u32) -> (Harness<'static, Window>, Scene) {
     window(Some(inspected_state(position)), (1600.0, 1000.0), Theme::Dark)
 }
 
-fn tuned(scene: &Scene) -> Vec<Option<[Knob; 2]>> {
+fn tuned(scene: &Scene) -> Vec<Option<[TunableSetting; 2]>> {
     let asked = scene.asked.borrow();
     asked
         .iter()
-        .filter_map(|asked| if let Asked::Tune(knobs) = asked { Some(*knobs) } else { None })
+        .filter_map(|asked| if let PlayerCall::Tune(knobs) = asked { Some(*knobs) } else { None })
         .collect()
 }
 
@@ -50,7 +50,7 @@ fn the_worker_is_asked_for_a_map_while_it_is_looked_at_and_a_cell_becomes_the_se
     harness.get_by_label("Tuning").click();
     harness.run_steps(4);
     picture(&mut harness, "tuning");
-    assert_eq!(tuned(&scene), [Some([Knob::Alpha, Knob::T])], "once, not in every frame");
+    assert_eq!(tuned(&scene), [Some([TunableSetting::Alpha, TunableSetting::T])], "once, not in every frame");
 
     let at = harness.get_by_label_contains("Tuning map, ").rect().center();
     harness.hover_at(at);

@@ -47,7 +47,13 @@ fn layouts_put_views_and_panels_in_their_places() {
         (
             Layout::Compare,
             "compare",
-            &[View::Foreground, View::Tracks, View::Agreement, View::BesideForeground, View::BesideTracks],
+            &[
+                View::Foreground,
+                View::Tracks,
+                View::Agreement,
+                View::ComparedForeground,
+                View::ComparedTracks,
+            ],
         ),
         (Layout::Inspect, "inspect", &[View::Input, View::Background, View::Foreground]),
         (Layout::All, "all", &[View::Input, View::Background, View::Foreground, View::Regions, View::Tracks]),
@@ -97,7 +103,7 @@ fn ground_truth_lies_over_the_tracks_of_its_frame() {
     std::fs::write(&path, "59,1,20,20,30,50,1,1,1\n60,2,90,20,30,50,1,1,1\n").unwrap();
     let truth = crate::truth::Truth::read(&path).unwrap();
     let ctx = harness.ctx.clone();
-    harness.state_mut().answered(&ctx, Answer::Truth(Ok(Arc::new(truth))));
+    harness.state_mut().answered(&ctx, DialogResult::Truth(Ok(Arc::new(truth))));
     // The message about it comes and goes.
     harness.state_mut().toasts = crate::app::toasts::Toasts::default();
     harness.run_steps(2);

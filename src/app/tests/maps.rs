@@ -13,7 +13,7 @@ fn act(harness: &mut Harness<'_, Window>, action: Action) {
 
 fn maps_asked(scene: &Scene) -> Vec<Option<Quantity>> {
     let asked = scene.asked.borrow();
-    asked.iter().filter_map(|asked| if let Asked::Map(of) = asked { Some(*of) } else { None }).collect()
+    asked.iter().filter_map(|asked| if let PlayerCall::Map(of) = asked { Some(*of) } else { None }).collect()
 }
 
 #[test]
@@ -64,7 +64,7 @@ fn each_number_has_its_colour_and_is_written_out() {
         let row: Vec<_> = (0..8).map(|step| light(colour((step * 20 + 10, 60)))).collect();
         match quantity {
             Quantity::Sigma | Quantity::Weight => assert!(row.is_sorted() && row[7] > 2 * row[0], "{row:?}"),
-            Quantity::Since => {
+            Quantity::SinceForeground => {
                 assert!(row.is_sorted_by(|a, b| a > b), "{row:?}");
                 assert!(light(colour((10, 5))) < row[7] && colour((10, 5)) == colour((150, 5)));
             }
@@ -92,7 +92,7 @@ fn a_map_can_be_read_in_small_windows_and_in_light() {
     for (theme, name) in [(Theme::Dark, "dark"), (Theme::Light, "light")] {
         for size in [(1024.0, 640.0), (1600.0, 1000.0)] {
             let (mut harness, _) = window(Some(state(Phase::Ready, Some(58))), size, theme);
-            act(&mut harness, Action::Map(Quantity::Since));
+            act(&mut harness, Action::Map(Quantity::SinceForeground));
             picture(&mut harness, &format!("map-{}-{name}", size.0));
             harness.get_by_label_contains("Map of").click();
             harness.run_steps(4);
@@ -108,11 +108,11 @@ fn a_model_without_a_mixture_says_so() {
     settle(&mut harness);
     let settings =
         Settings { background_model: crate::settings::BackgroundModel::Knn, ..Settings::default() };
-    let shown = Shown { settings: Arc::new(settings), map: None, ..shown_at(58) };
+    let shown = ShownFrame { settings: Arc::new(settings), map: None, ..shown_at(58) };
     scene.state.borrow_mut().shown = Some(Arc::new(shown));
     settle(&mut harness);
     let empty = harness.render().unwrap();
-    harness.state_mut().model.quantity = Quantity::Since;
+    harness.state_mut().model.quantity = Quantity::SinceForeground;
     harness.step();
     scene.state.borrow_mut().shown.as_mut().map(|shown| Arc::make_mut(shown).map.take());
     settle(&mut harness);

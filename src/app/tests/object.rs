@@ -2,7 +2,7 @@
 
 use super::*;
 use crate::app::command::Action;
-use crate::app::compared::Read;
+use crate::app::event_comparison::EventRef;
 use crate::app::state::Subject;
 use crate::app::views::Canvas;
 
@@ -42,7 +42,7 @@ fn a_click_on_an_object_explains_it_with_its_numbers() {
     right_panel_looks_as_before(&mut harness, "object");
     harness.get_by_label("#51  merge 1 + 2").click();
     settle(&mut harness);
-    assert_eq!(harness.state().model.reading, Some(Read::InView(3)));
+    assert_eq!(harness.state().model.reading, Some(EventRef::InView(3)));
     assert_eq!(shows(&scene), [50]);
     right_panel_looks_as_before(&mut harness, "object-merged");
     harness.get_by_label_contains("Shares region 1 with 2;");
@@ -107,13 +107,13 @@ fn the_panel_can_be_drawn_small_and_light() {
 
 #[test]
 fn what_would_have_kept_an_event_from_happening_is_asked_told_and_taken() {
-    use crate::occlusion::what_if::{Prevention, WhatIf};
+    use crate::occlusion::counterfactual::{Counterfactual, Prevention};
     use crate::settings::Value;
     let (mut harness, scene) = tall();
     harness.get_by_label("merge 1 + 2, frame 51").click();
     harness.run_steps(4);
     let (_, merge) = timeline().events[3].clone();
-    assert!(scene.asked.borrow().contains(&Asked::Explain(Some(Box::new(merge.clone())))));
+    assert!(scene.asked.borrow().contains(&PlayerCall::Explain(Some(Box::new(merge.clone())))));
     let prevention = |setting, value, above| Prevention { setting, value, above };
     let preventions = vec![
         prevention("size_step", Value::Real(0.42), Some(true)),
@@ -121,13 +121,13 @@ fn what_would_have_kept_an_event_from_happening_is_asked_told_and_taken() {
     ];
     let answer = |tried, done| {
         let (event, preventions) = (merge.clone(), preventions.clone());
-        Some(Arc::new(WhatIf { event, preventions, tried, happens: true, done, until: 143 }))
+        Some(Arc::new(Counterfactual { event, preventions, tried, happens: true, done, until: 143 }))
     };
-    scene.state.borrow_mut().what_if = answer((12, 40), false);
+    scene.state.borrow_mut().counterfactual = answer((12, 40), false);
     harness.run_steps(4);
     harness.get_by_label("… tested 12 of 40");
     right_panel_looks_as_before(&mut harness, "prevented");
-    scene.state.borrow_mut().what_if = answer((40, 40), true);
+    scene.state.borrow_mut().counterfactual = answer((40, 40), true);
     harness.run_steps(4);
     harness.get_by_label("Apply placing = predicted");
     harness.get_by_label("tested up to frame 143");
@@ -143,11 +143,11 @@ fn what_would_have_kept_an_event_from_happening_is_asked_told_and_taken() {
 fn the_event_that_is_read_stays_the_same_where_others_come_before_it() {
     let (mut harness, scene) = tall();
     let ctx = harness.ctx.clone();
-    harness.state_mut().apply(&ctx, Command::Read(Some(Read::InView(3))));
+    harness.state_mut().apply(&ctx, Command::OpenEvent(Some(EventRef::InView(3))));
     settle(&mut harness);
     harness.get_by_label("Evidence for merge 1 + 2");
     let explained = |scene: &Scene| {
-        scene.asked.borrow().iter().filter(|asked| matches!(asked, Asked::Explain(Some(_)))).count()
+        scene.asked.borrow().iter().filter(|asked| matches!(asked, PlayerCall::Explain(Some(_)))).count()
     };
     assert_eq!(explained(&scene), 1);
     // An event that was decided late, and who was in front.
@@ -156,28 +156,29 @@ fn the_event_that_is_read_stays_the_same_where_others_come_before_it() {
     later.events.insert(2, event(EventKind::Appear, 20, &[3], (120.0, 38.0)));
     scene.state.borrow_mut().timeline = Arc::new(later.clone());
     settle(&mut harness);
-    assert_eq!(harness.state().model.reading, Some(Read::InView(4)));
+    assert_eq!(harness.state().model.reading, Some(EventRef::InView(4)));
     harness.get_by_label("Evidence for merge 1 + 2");
     harness.get_by_label("Occluder: 2");
     assert_eq!(explained(&scene), 1, "it is the same question");
     // What is known of it is shown, though it was asked before that was known.
     let mut asked = timeline().events[3].1.clone();
     asked.front = None;
-    scene.state.borrow_mut().what_if = Some(Arc::new(crate::occlusion::what_if::WhatIf {
-        event: asked,
-        happens: true,
-        preventions: Vec::new(),
-        tried: (3, 3),
-        done: true,
-        until: 143,
-    }));
+    scene.state.borrow_mut().counterfactual =
+        Some(Arc::new(crate::occlusion::counterfactual::Counterfactual {
+            event: asked,
+            happens: true,
+            preventions: Vec::new(),
+            tried: (3, 3),
+            done: true,
+            until: 143,
+        }));
     settle(&mut harness);
     harness.get_by_label("Settings that would prevent this event");
     later.events.remove(4);
     scene.state.borrow_mut().timeline = Arc::new(later);
     settle(&mut harness);
     assert_eq!(harness.state().model.reading, None, "it did not happen after all");
-    harness.state_mut().apply(&ctx, Command::Read(Some(Read::InView(3))));
+    harness.state_mut().apply(&ctx, Command::OpenEvent(Some(EventRef::InView(3))));
     settle(&mut harness);
     assert_eq!(explained(&scene), 2);
 }
@@ -194,7 +195,7 @@ fn the_chosen_object_is_followed_by_its_place_into_other_settings() {
             track.id = names[track.id as usize - 1];
         }
         let settings = Arc::new(Settings { alpha, ..Settings::default() });
-        Shown { analysis: Arc::new(analysis), settings, ..shown }
+        ShownFrame { analysis: Arc::new(analysis), settings, ..shown }
     };
     scene.state.borrow_mut().shown = Some(Arc::new(renamed([2, 7, 1], 0.01)));
     settle(&mut harness);

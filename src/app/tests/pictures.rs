@@ -39,13 +39,13 @@ fn at(picture: &RgbaImage, at: Pos2) -> [u8; 3] {
 }
 
 /// The colour of a pixel of a frame in a view.
-type Expected = fn(&Shown, (u32, u32)) -> [u8; 3];
+type Expected = fn(&ShownFrame, (u32, u32)) -> [u8; 3];
 
 /// Sees that pixels all over the image have the colour that `expected` gives, to a level or two.
 fn compare(
     harness: &mut Harness<'_, Window>,
     canvas: &Canvas,
-    expected: impl Fn(&Shown, (u32, u32)) -> [u8; 3],
+    expected: impl Fn(&ShownFrame, (u32, u32)) -> [u8; 3],
 ) {
     settle(harness);
     let picture = harness.render().unwrap();
@@ -104,11 +104,11 @@ fn each_view_shows_its_layer() {
 fn the_background_view_shows_the_kind_that_is_chosen() {
     let (mut harness, scene, canvas) = alone(View::Background, 10);
     let modes = Arc::new(Frame::new(11, SIZE, [40, 90, 200].repeat(SIZE.pixels())));
-    let shown = Shown { multi_mode: Some(modes), ..shown_at(10) };
+    let shown = ShownFrame { multi_mode: Some(modes), ..shown_at(10) };
     scene.state.borrow_mut().shown = Some(Arc::new(shown));
     harness.state_mut().model.background = Background::MultiMode;
     compare(&mut harness, &canvas, |_, _| [40, 90, 200]);
-    let shown = Shown { multi_mode: None, ..shown_at(10) };
+    let shown = ShownFrame { multi_mode: None, ..shown_at(10) };
     scene.state.borrow_mut().shown = Some(Arc::new(shown));
     settle(&mut harness);
     picture(&mut harness, "no-mixture");
@@ -120,7 +120,7 @@ fn the_mask_lies_over_the_input_as_strong_as_is_asked() {
     harness.key_press(Key::O);
     harness.run_steps(2);
     let over = |opacity: f32| {
-        move |shown: &Shown, (x, y): (u32, u32)| {
+        move |shown: &ShownFrame, (x, y): (u32, u32)| {
             let under = shown.frame.pixel(x, y).unwrap();
             if !shown.analysis.mask.is_foreground(x, y) {
                 return under;
@@ -173,11 +173,11 @@ fn only_layers_that_changed_and_that_a_view_needs_are_sent() {
     scene.show(11);
     assert_eq!(bytes(&mut harness), 2 * colour + mask + labels + palette);
     // The same frame with another history of its pixel.
-    let same = Shown::clone(scene.state.borrow().shown.as_ref().unwrap());
+    let same = ShownFrame::clone(scene.state.borrow().shown.as_ref().unwrap());
     scene.state.borrow_mut().shown = Some(Arc::new(same.clone()));
     assert_eq!(bytes(&mut harness), 0);
     // Under other settings the input stays.
-    scene.state.borrow_mut().shown = Some(Arc::new(Shown { frame: same.frame, ..shown_at(11) }));
+    scene.state.borrow_mut().shown = Some(Arc::new(ShownFrame { frame: same.frame, ..shown_at(11) }));
     assert_eq!(bytes(&mut harness), colour + mask + labels + palette);
     harness.state_mut().model.maximised = Some(View::Foreground);
     settle(&mut harness);
@@ -243,18 +243,18 @@ fn trails_go_with_their_frame_and_start_anew_under_other_settings() {
     }
     settle(&mut harness);
     let trails = |harness: &Harness<'_, Window>| {
-        let moment = harness.state().model.moment.clone().unwrap();
+        let moment = harness.state().model.in_view.clone().unwrap();
         moment.trails.keys().copied().collect::<Vec<_>>()
     };
     assert_eq!(trails(&harness), [10, 11, 12, 13]);
     let settings = Arc::new(Settings { t: 0.9, ..Settings::default() });
-    scene.state.borrow_mut().shown = Some(Arc::new(Shown { settings, ..shown_at(13) }));
+    scene.state.borrow_mut().shown = Some(Arc::new(ShownFrame { settings, ..shown_at(13) }));
     settle(&mut harness);
     assert_eq!(trails(&harness), [13]);
 }
 
 /// A frame of another size whose mask `is` foreground.
-fn shown_with_mask(size: Size, is: impl Fn(u32, u32) -> bool) -> Shown {
+fn shown_with_mask(size: Size, is: impl Fn(u32, u32) -> bool) -> ShownFrame {
     let shown = shown_at(0);
     let pixels = || (0..size.height).flat_map(|y| (0..size.width).map(move |x| (x, y)));
     let data = pixels().map(|(x, y)| if is(x, y) { Mask::FOREGROUND } else { Mask::BACKGROUND }).collect();
@@ -264,7 +264,7 @@ fn shown_with_mask(size: Size, is: impl Fn(u32, u32) -> bool) -> Shown {
         labels: Arc::new(Labels::none(size)),
         ..Analysis::clone(&shown.analysis)
     };
-    Shown { frame: frame.clone(), background: frame, analysis: Arc::new(analysis), ..shown }
+    ShownFrame { frame: frame.clone(), background: frame, analysis: Arc::new(analysis), ..shown }
 }
 
 /// How bright a row of the foreground view is in all, in pixels of the image.

@@ -21,7 +21,7 @@ fn apply(harness: &mut Harness<'_, Window>, command: Command) {
 /// The scene with a chosen pixel.
 fn inspected(size: (f32, f32), theme: Theme) -> (Harness<'static, Window>, Scene) {
     let history = Some(history_of(AT));
-    let shown = Shown { pixel: history.clone(), ..shown_at(58) };
+    let shown = ShownFrame { pixel: history.clone(), ..shown_at(58) };
     let state = State { shown: Some(Arc::new(shown)), pixel: history, ..state(Phase::Ready, Some(58)) };
     let (mut harness, scene) = window(Some(state), size, theme);
     apply(&mut harness, Command::Choose(Some(AT)));
@@ -32,7 +32,7 @@ fn pins_asked(scene: &Scene) -> Vec<Vec<(u32, u32)>> {
     let asked = scene.asked.borrow();
     asked
         .iter()
-        .filter_map(|asked| if let Asked::Pin(pins) = asked { Some(pins.clone()) } else { None })
+        .filter_map(|asked| if let PlayerCall::Pin(pins) = asked { Some(pins.clone()) } else { None })
         .collect()
 }
 
@@ -40,7 +40,7 @@ fn regions_asked(scene: &Scene) -> Vec<Option<((u32, u32), u32)>> {
     let asked = scene.asked.borrow();
     asked
         .iter()
-        .filter_map(|asked| if let Asked::Region(region) = asked { Some(*region) } else { None })
+        .filter_map(|asked| if let PlayerCall::Region(region) = asked { Some(*region) } else { None })
         .collect()
 }
 

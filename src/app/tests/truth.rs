@@ -32,7 +32,7 @@ fn truth(position: u32) -> Arc<Truth> {
 /// As if the worker had found it: better to the right and in the middle.
 fn tuning_of(state: &State, side: u32) -> RegionTuning {
     let parameters = state.pixel.as_ref().unwrap().parameters;
-    let (axes, cells) = grid(&parameters, [Knob::Alpha, Knob::T]);
+    let (axes, cells) = grid(&parameters, [TunableSetting::Alpha, TunableSetting::T]);
     let all = u64::from(side * side * 50);
     let decide = |index: usize| {
         let (column, row) = (index % 24, index / 24);
@@ -58,7 +58,7 @@ fn judged(size: (f32, f32), theme: Theme) -> (Harness<'static, Window>, Scene) {
 
 fn load(harness: &mut Harness<'_, Window>, truth: Arc<Truth>) {
     let ctx = harness.ctx.clone();
-    harness.state_mut().answered(&ctx, Answer::Truth(Ok(truth)));
+    harness.state_mut().answered(&ctx, DialogResult::Truth(Ok(truth)));
     harness.state_mut().toasts = crate::app::toasts::Toasts::default();
     settle(harness);
 }
@@ -67,7 +67,7 @@ fn asked(scene: &Scene) -> Vec<Option<((u32, u32), u32)>> {
     let asked = scene.asked.borrow();
     asked
         .iter()
-        .filter_map(|asked| if let Asked::TuneRegion(region) = asked { Some(*region) } else { None })
+        .filter_map(|asked| if let PlayerCall::TuneRegion(region) = asked { Some(*region) } else { None })
         .collect()
 }
 
@@ -82,7 +82,7 @@ fn masks_of_the_truth_show_what_is_right_and_what_is_wrong() {
     picture(&mut harness, "right-all-views");
     harness.key_press(Key::Num9);
     settle(&mut harness);
-    assert_eq!(harness.state().model.maximised, Some(View::Right));
+    assert_eq!(harness.state().model.maximised, Some(View::MaskErrors));
     let (mask, truth) = (shown_at(58).analysis.mask.clone(), true_mask(58));
     let mut judge = truth.judge();
     mask.runs().for_each(|run| judge.take(run));
@@ -169,7 +169,7 @@ fn nothing_is_asked_about_a_tab_that_is_not_seen() {
         let last = asked
             .iter()
             .rev()
-            .find_map(|asked| if let Asked::Tune(knobs) = asked { Some(*knobs) } else { None });
+            .find_map(|asked| if let PlayerCall::Tune(knobs) = asked { Some(*knobs) } else { None });
         last.flatten()
     };
     assert!(tuned(&scene).is_some());
@@ -233,7 +233,7 @@ fn what_is_dropped_on_a_video_may_be_its_truth() {
         std::thread::sleep(std::time::Duration::from_millis(10));
     }
     assert!(harness.state().model.truth.as_ref().unwrap().boxes.is_some());
-    assert!(scene.asked.borrow().contains(&Asked::Truth(true)));
+    assert!(scene.asked.borrow().contains(&PlayerCall::Truth(true)));
 }
 
 #[derive(Debug)]

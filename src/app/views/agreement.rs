@@ -2,11 +2,11 @@
 
 use eframe::egui::Color32;
 
-use super::{Compose, Look, Pane, draw};
-use crate::app::slots::Slot;
+use super::{Compose, ComposeStyle, Pane, draw};
+use crate::app::ab_settings::AbSlot;
 use crate::app::theme;
 use crate::frame::Mask;
-use crate::replay::Shown;
+use crate::replay::ShownFrame;
 
 /// Where both are foreground.
 pub(super) const BOTH: [u8; 3] = [228, 232, 238];
@@ -40,19 +40,19 @@ impl Agreement {
 }
 
 /// How it is composed.
-pub(super) fn look(pane: &Pane<'_>) -> Look {
-    let in_view = pane.model.slots.in_view;
+pub(super) fn look(pane: &Pane<'_>) -> ComposeStyle {
+    let in_view = pane.model.ab_settings.in_view;
     let share = |[r, g, b]: [u8; 3]| [r, g, b, 255].map(|channel| f32::from(channel) / 255.0);
-    Look {
+    ComposeStyle {
         overlay: share(in_view.colour()),
-        beside: share(in_view.other().colour()),
-        ..Look::plain(Compose::Agreement)
+        other_colour: share(in_view.other().colour()),
+        ..ComposeStyle::plain(Compose::Agreement)
     }
 }
 
 /// Paints it.
-pub(super) fn paint(pane: &Pane<'_>, beside: &Shown) {
-    let in_view = pane.model.slots.in_view;
+pub(super) fn paint(pane: &Pane<'_>, beside: &ShownFrame) {
+    let in_view = pane.model.ab_settings.in_view;
     pane.compose(look(pane));
     let (first, second) = (&pane.shown.analysis.mask, &beside.analysis.mask);
     let ground = |(x, y)| match (first.is_foreground(x, y), second.is_foreground(x, y)) {
@@ -68,29 +68,32 @@ pub(super) fn paint(pane: &Pane<'_>, beside: &Shown) {
 }
 
 /// What the colours mean, with the number of pixels of each.
-fn legend(pane: &Pane<'_>, in_view: Slot, agreement: Agreement) {
+fn legend(pane: &Pane<'_>, in_view: AbSlot, agreement: Agreement) {
     let (a, b) = match in_view {
-        Slot::A => (agreement.first, agreement.second),
-        Slot::B => (agreement.second, agreement.first),
+        AbSlot::A => (agreement.first, agreement.second),
+        AbSlot::B => (agreement.second, agreement.first),
     };
-    let rows =
-        [(Slot::A.colour(), "A only", a), (Slot::B.colour(), "B only", b), (BOTH, "both", agreement.both)];
+    let rows = [
+        (AbSlot::A.colour(), "A only", a),
+        (AbSlot::B.colour(), "B only", b),
+        (BOTH, "both", agreement.both),
+    ];
     let rows = rows.map(|(colour, word, count)| (colour, format!("{word}  {count} px")));
     draw::legend(pane.painter, pane.canvas.rect, &rows);
 }
 
 /// Whether a pixel is foreground in A and in B; `None` where nothing is compared.
-pub(super) fn of_pixel(shown: &Shown, in_view: Slot, (x, y): (u32, u32)) -> Option<[bool; 2]> {
-    let beside = shown.beside.as_ref()?;
+pub(super) fn of_pixel(shown: &ShownFrame, in_view: AbSlot, (x, y): (u32, u32)) -> Option<[bool; 2]> {
+    let beside = shown.compared.as_ref()?;
     let [seen, other] = [&shown.analysis, &beside.analysis].map(|of| of.mask.is_foreground(x, y));
     Some(match in_view {
-        Slot::A => [seen, other],
-        Slot::B => [other, seen],
+        AbSlot::A => [seen, other],
+        AbSlot::B => [other, seen],
     })
 }
 
 /// 0 or 255 in A and in B.
-pub(super) fn value(shown: &Shown, in_view: Slot, at: (u32, u32)) -> String {
+pub(super) fn value(shown: &ShownFrame, in_view: AbSlot, at: (u32, u32)) -> String {
     let level = |foreground| if foreground { Mask::FOREGROUND } else { Mask::BACKGROUND };
     let levels = of_pixel(shown, in_view, at).map(|both| both.map(level));
     levels.map_or_else(String::new, |[a, b]| format!("{a} {b}"))

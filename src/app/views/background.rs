@@ -1,12 +1,12 @@
 //! The background model: the mean of component 1, or of the background components.
 
-use super::{Background, Look, NO_MIXTURE, Pane, draw};
+use super::{Background, ComposeStyle, NO_MIXTURE, Pane, draw};
 use crate::app::theme;
-use crate::replay::Shown;
+use crate::replay::ShownFrame;
 
 /// How it is composed.
-pub(super) fn look(pane: &Pane<'_>) -> Look {
-    Look::plain(in_view(pane).compose())
+pub(super) fn look(pane: &Pane<'_>) -> ComposeStyle {
+    ComposeStyle::plain(in_view(pane).compose())
 }
 
 /// Paints it.
@@ -21,7 +21,7 @@ pub(super) fn paint(pane: &Pane<'_>) {
         draw::message(pane.painter, &pane.canvas, NO_MIXTURE, pane.colours.weak);
         return;
     };
-    pane.compose(Look::plain(kind.compose()));
+    pane.compose(ComposeStyle::plain(kind.compose()));
     let ground = |(x, y)| theme::rgb(frame.pixel(x, y).unwrap_or_default());
     draw::values(pane.painter, &pane.canvas, |at| value(shown, kind, at), ground);
 }
@@ -36,7 +36,7 @@ fn in_view(pane: &Pane<'_>) -> Background {
 }
 
 /// Red, green and blue.
-pub(super) fn value(shown: &Shown, kind: Background, (x, y): (u32, u32)) -> String {
+pub(super) fn value(shown: &ShownFrame, kind: Background, (x, y): (u32, u32)) -> String {
     let colour = match kind {
         Background::Mean => shown.background.pixel(x, y),
         Background::MultiMode => shown.multi_mode.as_ref().and_then(|frame| frame.pixel(x, y)),

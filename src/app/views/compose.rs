@@ -7,7 +7,7 @@ use eframe::egui_wgpu::wgpu::{self, util::DeviceExt as _};
 use eframe::egui_wgpu::{Callback, CallbackResources, CallbackTrait, RenderState, ScreenDescriptor};
 
 use super::layer::Layer;
-use super::pictures::Set;
+use super::pictures::UploadedFrame;
 use super::{Canvas, View};
 
 /// What is composed, in the order of the shader's.
@@ -30,13 +30,13 @@ pub(crate) enum Compose {
     /// How far the input is from the mean.
     Difference,
     /// The mean of component 1 under the other settings.
-    BesideMean,
+    ComparedMean,
     /// Their mask.
-    BesideMask,
+    ComparedMask,
     /// Both masks in two colours over a dark input.
     Agreement,
     /// Where the mask is wrong, in two colours over a dark input.
-    Right,
+    MaskErrors,
 }
 
 impl Compose {
@@ -50,10 +50,10 @@ impl Compose {
         Self::Mask,
         Self::Regions,
         Self::Difference,
-        Self::BesideMean,
-        Self::BesideMask,
+        Self::ComparedMean,
+        Self::ComparedMask,
         Self::Agreement,
-        Self::Right,
+        Self::MaskErrors,
     ];
 
     /// The layers that it is made from.
@@ -67,34 +67,34 @@ impl Compose {
             Self::Mask => &[Layer::Mask],
             Self::Regions => &[Layer::Input, Layer::Labels, Layer::Palette],
             Self::Difference => &[Layer::Input, Layer::Mean],
-            Self::BesideMean => &[Layer::BesideMean],
-            Self::BesideMask => &[Layer::BesideMask],
-            Self::Agreement => &[Layer::Input, Layer::Mask, Layer::BesideMask],
-            Self::Right => &[Layer::Input, Layer::Mask, Layer::Truth],
+            Self::ComparedMean => &[Layer::ComparedMean],
+            Self::ComparedMask => &[Layer::ComparedMask],
+            Self::Agreement => &[Layer::Input, Layer::Mask, Layer::ComparedMask],
+            Self::MaskErrors => &[Layer::Input, Layer::Mask, Layer::Truth],
         }
     }
 }
 
 /// How it is composed.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Look {
+pub(crate) struct ComposeStyle {
     /// What.
     pub(crate) what: Compose,
     /// All colours are multiplied by this.
     pub(crate) tint: f32,
     /// What lies over the foreground of [`Compose::Masked`], and the colour of what is foreground in the mask alone in
-    /// [`Compose::Agreement`] and [`Compose::Right`]: red, green, blue and opacity, each 0..=1.
+    /// [`Compose::Agreement`] and [`Compose::MaskErrors`]: red, green, blue and opacity, each 0..=1.
     pub(crate) overlay: [f32; 4],
     /// The colour of what is foreground in the other mask, or in truth, alone.
-    pub(crate) beside: [f32; 4],
+    pub(crate) other_colour: [f32; 4],
     /// How the numbers of [`Compose::Map`] become colours.
     pub(crate) scale: [f32; 4],
 }
 
-impl Look {
+impl ComposeStyle {
     /// Without tint, overlay or scale.
     pub(crate) const fn plain(what: Compose) -> Self {
-        Self { what, tint: 1.0, overlay: [0.0; 4], beside: [0.0; 4], scale: [0.0; 4] }
+        Self { what, tint: 1.0, overlay: [0.0; 4], other_colour: [0.0; 4], scale: [0.0; 4] }
     }
 }
 
@@ -262,10 +262,10 @@ impl Composer {
 pub(crate) struct Composition {
     composer: Arc<Composer>,
     /// Kept until it is painted, so that nothing is written into its layers before.
-    set: Arc<Set>,
+    set: Arc<UploadedFrame>,
     /// Which of the places for values is its own.
     slot: u64,
-    look: Look,
+    look: ComposeStyle,
     canvas: Canvas,
 }
 
@@ -273,9 +273,9 @@ impl Composition {
     /// What a painter paints into the part of the image that is seen; nothing where none is.
     pub(crate) fn shape(
         composer: &Arc<Composer>,
-        set: &Arc<Set>,
+        set: &Arc<UploadedFrame>,
         view: View,
-        look: Look,
+        look: ComposeStyle,
         canvas: Canvas,
     ) -> Option<PaintCallback> {
         Self::of_slot(composer, set, view as u64, look, canvas)
@@ -284,8 +284,8 @@ impl Composition {
     /// The same for the loupe.
     pub(crate) fn loupe(
         composer: &Arc<Composer>,
-        set: &Arc<Set>,
-        look: Look,
+        set: &Arc<UploadedFrame>,
+        look: ComposeStyle,
         canvas: Canvas,
     ) -> Option<PaintCallback> {
         Self::of_slot(composer, set, SLOTS - 1, look, canvas)
@@ -293,9 +293,9 @@ impl Composition {
 
     fn of_slot(
         composer: &Arc<Composer>,
-        set: &Arc<Set>,
+        set: &Arc<UploadedFrame>,
         slot: u64,
-        look: Look,
+        look: ComposeStyle,
         canvas: Canvas,
     ) -> Option<PaintCallback> {
         let seen: Rect = canvas.whole().intersect(canvas.rect);
@@ -318,7 +318,7 @@ impl Composition {
         let [width, height] = screen.size_in_pixels.map(|side| side as f32);
         let texels = self.set.texels();
         let [r, g, b, a] = self.look.overlay;
-        let beside = self.look.beside;
+        let other_colour = self.look.other_colour;
         let [kind, offset, low, high] = self.look.scale;
         let values = [
             whole.left() * dense,
@@ -341,10 +341,10 @@ impl Composition {
             self.look.tint,
             dense,
             0.0,
-            beside[0],
-            beside[1],
-            beside[2],
-            beside[3],
+            other_colour[0],
+            other_colour[1],
+            other_colour[2],
+            other_colour[3],
         ];
         let mut bytes = [0; VALUES as usize];
         for (four, value) in bytes.chunks_exact_mut(4).zip(values) {

@@ -142,7 +142,7 @@ fn add_column(mesh: &mut Mesh, at: Pos2, across: Vec2, colour: Color32, width: f
 
 /// A word on a filled ground, its lower left corner at `at`, kept within `bounds`. Returns its place.
 pub(crate) fn tag(painter: &Painter, at: Pos2, text: &str, fill: Color32, bounds: Rect) -> Rect {
-    let mut taken = Taken::default();
+    let mut taken = OccupiedRects::default();
     free_tag(painter, at, text, fill, bounds, &mut taken)
 }
 
@@ -153,7 +153,7 @@ pub(crate) fn free_tag(
     text: &str,
     fill: Color32,
     bounds: Rect,
-    taken: &mut Taken,
+    taken: &mut OccupiedRects,
 ) -> Rect {
     let ink = theme::ink_on(fill);
     let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(theme::MONO), ink);
@@ -172,12 +172,12 @@ pub(crate) fn free_tag(
 
 /// Places that are covered, by the bands of the window that they lie in: a crowd's tags look for room among hundreds.
 #[derive(Default)]
-pub(crate) struct Taken(HashMap<i32, Vec<Rect>>);
+pub(crate) struct OccupiedRects(HashMap<i32, Vec<Rect>>);
 
 /// Height of a band, in points: about that of a tag.
 const BAND: f32 = 24.0;
 
-impl Taken {
+impl OccupiedRects {
     fn bands(rect: Rect) -> RangeInclusive<i32> {
         (rect.top() / BAND).floor() as i32..=(rect.bottom() / BAND).floor() as i32
     }
@@ -197,7 +197,7 @@ impl Taken {
 }
 
 /// The place nearest to `rect`, above or below, that covers nothing `taken`; itself where a crowd leaves none.
-fn free_place(rect: Rect, bounds: Rect, taken: &Taken) -> Rect {
+fn free_place(rect: Rect, bounds: Rect, taken: &OccupiedRects) -> Rect {
     let step = rect.height() / 4.0;
     (0..48)
         .flat_map(|steps| [-step * steps as f32, step * steps as f32])
@@ -303,7 +303,7 @@ mod tests {
     fn tags_move_up_or_down_until_they_cover_nothing() {
         let bounds = Rect::from_min_size(Pos2::ZERO, vec2(100.0, 100.0));
         let wanted = Rect::from_min_size(pos2(10.0, 20.0), vec2(30.0, 15.0));
-        let (mut taken, mut places) = (Taken::default(), Vec::new());
+        let (mut taken, mut places) = (OccupiedRects::default(), Vec::new());
         for _ in 0..5 {
             let place = free_place(wanted, bounds, &taken);
             assert!(bounds.contains_rect(place));

@@ -1,19 +1,19 @@
 //! The frame as it came.
 
-use super::{Compose, Look, Pane, draw};
+use super::{Compose, ComposeStyle, Pane, draw};
 use crate::app::theme;
-use crate::replay::Shown;
+use crate::replay::ShownFrame;
 
 /// The colour that lies over foreground: rare in video, and nobody's identity.
 const OVERLAY: [u8; 3] = [255, 45, 149];
 
 /// How it is composed.
-pub(super) fn look(pane: &Pane<'_>) -> Look {
+pub(super) fn look(pane: &Pane<'_>) -> ComposeStyle {
     let overlay = pane.model.overlay;
     let opacity = if overlay.on { f32::from(overlay.opacity) / 100.0 } else { 0.0 };
     let [r, g, b] = OVERLAY.map(|channel| f32::from(channel) / 255.0);
     let what = if overlay.on { Compose::Masked } else { Compose::Input };
-    Look { overlay: [r, g, b, opacity], ..Look::plain(what) }
+    ComposeStyle { overlay: [r, g, b, opacity], ..ComposeStyle::plain(what) }
 }
 
 /// Paints it.
@@ -31,6 +31,6 @@ pub(super) fn paint(pane: &Pane<'_>) {
 }
 
 /// Red, green and blue.
-pub(super) fn value(shown: &Shown, (x, y): (u32, u32)) -> String {
+pub(super) fn value(shown: &ShownFrame, (x, y): (u32, u32)) -> String {
     shown.frame.pixel(x, y).map_or_else(String::new, |[r, g, b]| format!("{r} {g} {b}"))
 }

@@ -7,7 +7,7 @@ use eframe::egui_wgpu::wgpu::TextureFormat;
 use super::{ramp, regions};
 use crate::frame::{Frame, Size};
 use crate::regions::Labels;
-use crate::replay::Shown;
+use crate::replay::ShownFrame;
 use crate::truth::masks::Label;
 
 /// One of them.
@@ -30,9 +30,9 @@ pub(crate) enum Layer {
     /// Where nothing is analysed.
     Ignored,
     /// The mean of component 1 under the settings that are compared with those in view.
-    BesideMean,
+    ComparedMean,
     /// Their mask.
-    BesideMask,
+    ComparedMask,
     /// Where foreground truly is, and where truth is known.
     Truth,
 }
@@ -55,19 +55,19 @@ impl Layer {
         Self::Labels,
         Self::Palette,
         Self::Ignored,
-        Self::BesideMean,
-        Self::BesideMask,
+        Self::ComparedMean,
+        Self::ComparedMask,
         Self::Truth,
     ];
 
     /// How a texel is kept.
     pub(crate) const fn format(self) -> TextureFormat {
         match self {
-            Self::Input | Self::Mean | Self::Modes | Self::Palette | Self::BesideMean => {
+            Self::Input | Self::Mean | Self::Modes | Self::Palette | Self::ComparedMean => {
                 TextureFormat::Rgba8Unorm
             }
             Self::Map => TextureFormat::R32Float,
-            Self::Mask | Self::Ignored | Self::BesideMask => TextureFormat::R8Unorm,
+            Self::Mask | Self::Ignored | Self::ComparedMask => TextureFormat::R8Unorm,
             Self::Labels => TextureFormat::R16Uint,
             Self::Truth => TextureFormat::Rg8Unorm,
         }
@@ -76,32 +76,32 @@ impl Layer {
     /// How many bytes a texel takes.
     pub(crate) const fn texel_bytes(self) -> usize {
         match self {
-            Self::Input | Self::Mean | Self::Modes | Self::Map | Self::Palette | Self::BesideMean => 4,
-            Self::Mask | Self::Ignored | Self::BesideMask => 1,
+            Self::Input | Self::Mean | Self::Modes | Self::Map | Self::Palette | Self::ComparedMean => 4,
+            Self::Mask | Self::Ignored | Self::ComparedMask => 1,
             Self::Labels | Self::Truth => 2,
         }
     }
 
     /// Whether the frame has it: a model without a mixture has no modes, a frame without a map or truth none, the
     /// whole image nothing ignored.
-    pub(crate) const fn is_in(self, shown: &Shown) -> bool {
+    pub(crate) const fn is_in(self, shown: &ShownFrame) -> bool {
         match self {
             Self::Modes => shown.multi_mode.is_some(),
             Self::Map => shown.map.is_some(),
             Self::Ignored => shown.roi.is_some(),
-            Self::BesideMean | Self::BesideMask => shown.beside.is_some(),
+            Self::ComparedMean | Self::ComparedMask => shown.compared.is_some(),
             Self::Truth => shown.truth.is_some(),
             _ => true,
         }
     }
 
     /// Whether it is made from the same data in both.
-    pub(crate) fn is_same(self, a: &Shown, b: &Shown) -> bool {
+    pub(crate) fn is_same(self, a: &ShownFrame, b: &ShownFrame) -> bool {
         fn both<T>(a: Option<&Arc<T>>, b: Option<&Arc<T>>) -> bool {
             a.zip(b).is_some_and(|(a, b)| Arc::ptr_eq(a, b))
         }
-        fn beside<'a>(a: &'a Shown, b: &'a Shown) -> Option<(&'a Shown, &'a Shown)> {
-            a.beside.as_deref().zip(b.beside.as_deref())
+        fn beside<'a>(a: &'a ShownFrame, b: &'a ShownFrame) -> Option<(&'a ShownFrame, &'a ShownFrame)> {
+            a.compared.as_deref().zip(b.compared.as_deref())
         }
         match self {
             Self::Input => Arc::ptr_eq(&a.frame, &b.frame),
@@ -112,14 +112,14 @@ impl Layer {
             Self::Labels => Arc::ptr_eq(&a.analysis.labels, &b.analysis.labels),
             Self::Palette => Arc::ptr_eq(&a.analysis, &b.analysis),
             Self::Ignored => both(a.roi.as_ref(), b.roi.as_ref()),
-            Self::BesideMean => beside(a, b).is_some_and(|(a, b)| Self::Mean.is_same(a, b)),
-            Self::BesideMask => beside(a, b).is_some_and(|(a, b)| Self::Mask.is_same(a, b)),
+            Self::ComparedMean => beside(a, b).is_some_and(|(a, b)| Self::Mean.is_same(a, b)),
+            Self::ComparedMask => beside(a, b).is_some_and(|(a, b)| Self::Mask.is_same(a, b)),
             Self::Truth => both(a.truth.as_ref(), b.truth.as_ref()),
         }
     }
 
     /// Width and height in texels when every `every`-th pixel of each row and column is kept.
-    pub(crate) fn texels(self, shown: &Shown, every: u32) -> Size {
+    pub(crate) fn texels(self, shown: &ShownFrame, every: u32) -> Size {
         if self == Self::Palette {
             let labels = regions::colours(&shown.analysis).len().min(LAST_LABEL as usize + 1);
             return Size::new(PALETTE_WIDTH as u32, PALETTE_ROWS + labels.div_ceil(PALETTE_WIDTH) as u32);
@@ -128,7 +128,7 @@ impl Layer {
     }
 
     /// Gives `put` each row of texels with its number, from the top.
-    pub(crate) fn write(self, shown: &Shown, every: u32, put: &mut dyn FnMut(usize, &[u8])) {
+    pub(crate) fn write(self, shown: &ShownFrame, every: u32, put: &mut dyn FnMut(usize, &[u8])) {
         let (width, every) = (shown.frame.size.width as usize, every as usize);
         match self {
             Self::Input => colours(&shown.frame, every, put),
@@ -162,9 +162,9 @@ impl Layer {
                     numbers(&truth.labels(), width, every, bytes, put);
                 }
             }
-            Self::BesideMean | Self::BesideMask => {
-                if let Some(beside) = &shown.beside {
-                    let like = if self == Self::BesideMean { Self::Mean } else { Self::Mask };
+            Self::ComparedMean | Self::ComparedMask => {
+                if let Some(beside) = &shown.compared {
+                    let like = if self == Self::ComparedMean { Self::Mean } else { Self::Mask };
                     like.write(beside, every as u32, put);
                 }
             }

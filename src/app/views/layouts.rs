@@ -34,47 +34,50 @@ impl Layout {
     /// The views in it. Each is there once, some behind another's tab.
     pub(crate) fn tree(self) -> Tree<View> {
         use View::{
-            Agreement, Background, BesideBackground, BesideForeground, BesideTracks, Difference, Foreground,
-            Input, Map, Regions, Right, Tracks,
+            Agreement, Background, ComparedBackground, ComparedForeground, ComparedTracks, Difference,
+            Foreground, Input, Map, MaskErrors, Regions, Tracks,
         };
         let rows: &[(f32, &[&[View]])] = match self {
             Self::All => &[
-                (1.0, &[&[Input], &[Background, Difference, Map, BesideBackground]]),
-                (1.0, &[&[Foreground, BesideForeground], &[Regions, Right, Agreement]]),
-                (1.6, &[&[Tracks, BesideTracks]]),
+                (1.0, &[&[Input], &[Background, Difference, Map, ComparedBackground]]),
+                (1.0, &[&[Foreground, ComparedForeground], &[Regions, MaskErrors, Agreement]]),
+                (1.6, &[&[Tracks, ComparedTracks]]),
             ],
             Self::Figure => &[
-                (1.0, &[&[Input], &[Background, BesideBackground], &[Difference, Map, Right, Agreement]]),
-                (1.0, &[&[Foreground, BesideForeground], &[Regions], &[Tracks, BesideTracks]]),
+                (
+                    1.0,
+                    &[&[Input], &[Background, ComparedBackground], &[Difference, Map, MaskErrors, Agreement]],
+                ),
+                (1.0, &[&[Foreground, ComparedForeground], &[Regions], &[Tracks, ComparedTracks]]),
             ],
             Self::Tuning => &[
                 (
                     1.0,
                     &[
-                        &[Input, Background, Difference, Map, BesideBackground],
-                        &[Foreground, Right, Regions, BesideForeground, Agreement],
+                        &[Input, Background, Difference, Map, ComparedBackground],
+                        &[Foreground, MaskErrors, Regions, ComparedForeground, Agreement],
                     ],
                 ),
-                (1.0, &[&[Tracks, BesideTracks]]),
+                (1.0, &[&[Tracks, ComparedTracks]]),
             ],
             Self::Compare => &[
                 (
                     1.0,
                     &[
-                        &[Foreground, Right, Background, Regions],
+                        &[Foreground, MaskErrors, Background, Regions],
                         &[Agreement, Input, Difference, Map],
-                        &[BesideForeground, BesideBackground],
+                        &[ComparedForeground, ComparedBackground],
                     ],
                 ),
-                (1.0, &[&[Tracks], &[BesideTracks]]),
+                (1.0, &[&[Tracks], &[ComparedTracks]]),
             ],
             Self::Inspect => &[
-                (1.6, &[&[Input, Tracks, BesideTracks]]),
+                (1.6, &[&[Input, Tracks, ComparedTracks]]),
                 (
                     1.0,
                     &[
-                        &[Background, Difference, BesideBackground],
-                        &[Foreground, Right, Regions, BesideForeground],
+                        &[Background, Difference, ComparedBackground],
+                        &[Foreground, MaskErrors, Regions, ComparedForeground],
                         &[Map, Agreement],
                     ],
                 ),

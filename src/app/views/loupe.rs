@@ -10,7 +10,7 @@ use crate::app::state::Model;
 use crate::app::theme;
 use crate::mixture::Quantity;
 use crate::palette::verdict_colour;
-use crate::replay::Shown;
+use crate::replay::ShownFrame;
 
 /// Its side, in points.
 const SIDE: f32 = 143.0;
@@ -20,7 +20,7 @@ const PIXEL: (f32, f32) = (13.0, 47.0);
 const LINE: f32 = 15.0;
 const LINES: f32 = 3.0;
 /// How far from the pointer it stands.
-const AWAY: f32 = 22.0;
+const POINTER_DISTANCE: f32 = 22.0;
 
 const INK: Color32 = Color32::from_rgb(236, 240, 246);
 const WEAK: Color32 = Color32::from_rgb(170, 178, 190);
@@ -28,8 +28,9 @@ const WEAK: Color32 = Color32::from_rgb(170, 178, 190);
 /// Where it stands: below and to the right of the pointer, or on the other side where there is no room.
 pub(crate) fn place(pointer: Pos2, window: Rect) -> Rect {
     let size = vec2(SIDE + 8.0, SIDE + LINES * LINE + 12.0);
-    let along =
-        |at: f32, size: f32, end: f32| if at + AWAY + size > end { at - AWAY - size } else { at + AWAY };
+    let along = |at: f32, size: f32, end: f32| {
+        if at + POINTER_DISTANCE + size > end { at - POINTER_DISTANCE - size } else { at + POINTER_DISTANCE }
+    };
     let corner = pos2(
         along(pointer.x, size.x, window.right()).max(window.left()),
         along(pointer.y, size.y, window.bottom()).max(window.top()),
@@ -80,21 +81,26 @@ pub(super) fn paint(ui: &Ui, pane: &Pane<'_>, pointer: Pos2, pixel: (u32, u32)) 
 }
 
 /// Its lines: where the pixel is, its value in the view, and what was decided about it under the settings of the view.
-pub(crate) fn words(view: View, model: &Model, shown: &Shown, pixel: (u32, u32)) -> [(String, Color32); 3] {
+pub(crate) fn words(
+    view: View,
+    model: &Model,
+    shown: &ShownFrame,
+    pixel: (u32, u32),
+) -> [(String, Color32); 3] {
     let (x, y) = pixel;
     let value = view.value(model, shown, pixel);
     [(format!("{x}, {y}"), WEAK), (value, INK), verdict(view, model, shown, pixel)]
 }
 
-fn verdict(view: View, model: &Model, shown: &Shown, pixel: (u32, u32)) -> (String, Color32) {
+fn verdict(view: View, model: &Model, shown: &ShownFrame, pixel: (u32, u32)) -> (String, Color32) {
     let (x, y) = pixel;
     let colour = |foreground| theme::rgb(verdict_colour(foreground, true));
     if shown.roi.as_ref().is_some_and(|roi| !roi.contains(x, y)) {
         return ("ignored".to_owned(), WEAK);
     }
-    let shown = match (view, &shown.beside) {
+    let shown = match (view, &shown.compared) {
         (View::Agreement, _) => {
-            let both = agreement::of_pixel(shown, model.slots.in_view, pixel);
+            let both = agreement::of_pixel(shown, model.ab_settings.in_view, pixel);
             let where_it_is = both.map(|both| match both {
                 [true, true] => "in A and B",
                 [true, false] => "in A only",
@@ -104,8 +110,8 @@ fn verdict(view: View, model: &Model, shown: &Shown, pixel: (u32, u32)) -> (Stri
             let text = where_it_is.map_or_else(String::new, |words| format!("foreground {words}"));
             return (text, colour(both.is_some_and(|both| both.contains(&true))));
         }
-        (View::BesideBackground | View::BesideForeground | View::BesideTracks, Some(beside)) => beside,
-        (View::BesideBackground | View::BesideForeground | View::BesideTracks, None) => {
+        (View::ComparedBackground | View::ComparedForeground | View::ComparedTracks, Some(beside)) => beside,
+        (View::ComparedBackground | View::ComparedForeground | View::ComparedTracks, None) => {
             return (String::new(), WEAK);
         }
         _ => shown,
@@ -122,7 +128,7 @@ fn verdict(view: View, model: &Model, shown: &Shown, pixel: (u32, u32)) -> (Stri
 
 /// The rank that the pixel's value matched, 0 for none, where it is known: of all pixels while they are mapped, else of
 /// the chosen and of the pinned ones.
-fn matched(model: &Model, shown: &Shown, pixel: (u32, u32)) -> Option<u8> {
+fn matched(model: &Model, shown: &ShownFrame, pixel: (u32, u32)) -> Option<u8> {
     if let Some(map) = shown.map.as_ref().filter(|map| map.quantity == Quantity::Matched) {
         let index = shown.frame.size.index(pixel.0, pixel.1)?;
         return map.values.get(index).map(|&rank| rank as u8);
@@ -145,7 +151,7 @@ mod tests {
                 let pointer = pos2(x as f32, y as f32);
                 let place = place(pointer, window);
                 assert!(window.contains_rect(place), "{pointer:?} {place:?}");
-                assert!(!place.expand(AWAY - 1.0).contains(pointer), "{pointer:?} {place:?}");
+                assert!(!place.expand(POINTER_DISTANCE - 1.0).contains(pointer), "{pointer:?} {place:?}");
             }
         }
     }

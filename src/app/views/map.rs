@@ -5,10 +5,10 @@ use eframe::egui::{
 };
 
 use super::ramp::{NEVER, RAMP, STEPS, Scale, ramp};
-use super::{Compose, Look, NO_MIXTURE, Pane, draw};
+use super::{Compose, ComposeStyle, NO_MIXTURE, Pane, draw};
 use crate::app::theme;
 use crate::mixture::Quantity;
-use crate::replay::Shown;
+use crate::replay::ShownFrame;
 use crate::settings::{BackgroundModel, Settings};
 
 /// Why a frame of a camera, which gives each only once, may have no map.
@@ -25,7 +25,7 @@ pub(crate) const fn name(quantity: Quantity) -> &'static str {
         Quantity::Used => "Components in use",
         Quantity::BackgroundCount => "B",
         Quantity::Matched => "Matched rank",
-        Quantity::Since => "Frames since foreground",
+        Quantity::SinceForeground => "Frames since foreground",
     }
 }
 
@@ -37,7 +37,7 @@ pub(super) const fn symbol(quantity: Quantity) -> &'static str {
         Quantity::Used => "used",
         Quantity::BackgroundCount => "B",
         Quantity::Matched => "match",
-        Quantity::Since => "since",
+        Quantity::SinceForeground => "since",
     }
 }
 
@@ -49,7 +49,7 @@ const fn caption(quantity: Quantity) -> &'static str {
         Quantity::Used => "in use",
         Quantity::BackgroundCount => "B",
         Quantity::Matched => "match",
-        Quantity::Since => "frames ago",
+        Quantity::SinceForeground => "frames ago",
     }
 }
 
@@ -62,7 +62,7 @@ fn scale(quantity: Quantity, settings: &Settings) -> Scale {
         }
         Quantity::Weight => Scale::Linear { low: 0.0, high: 1.0 },
         // What was foreground a moment ago is brightest.
-        Quantity::Since => Scale::Log { offset: 1.0, low: LONG_AGO, high: 0.0 },
+        Quantity::SinceForeground => Scale::Log { offset: 1.0, low: LONG_AGO, high: 0.0 },
         Quantity::Used | Quantity::BackgroundCount | Quantity::Matched => Scale::Steps,
     }
 }
@@ -73,15 +73,15 @@ fn number(quantity: Quantity, value: f32) -> String {
         Quantity::Sigma => format!("{value:.2}"),
         Quantity::Weight => format!("{value:.3}"),
         Quantity::Matched if value == 0.0 => "none".into(),
-        Quantity::Since if value.is_infinite() => "never".into(),
+        Quantity::SinceForeground if value.is_infinite() => "never".into(),
         _ => format!("{value:.0}"),
     }
 }
 
 /// How it is composed; not at all, where there is none.
-pub(super) fn look(pane: &Pane<'_>) -> Option<Look> {
+pub(super) fn look(pane: &Pane<'_>) -> Option<ComposeStyle> {
     let scale = scale(pane.shown.map.as_ref()?.quantity, &pane.shown.settings);
-    Some(Look { scale: scale.values(), ..Look::plain(Compose::Map) })
+    Some(ComposeStyle { scale: scale.values(), ..ComposeStyle::plain(Compose::Map) })
 }
 
 /// Paints it.
@@ -109,13 +109,13 @@ pub(super) fn paint(pane: &Pane<'_>) {
     legend(pane.painter, pane.canvas.rect, map.quantity, scale);
 }
 
-fn at_pixel(shown: &Shown, (x, y): (u32, u32)) -> Option<f32> {
+fn at_pixel(shown: &ShownFrame, (x, y): (u32, u32)) -> Option<f32> {
     let index = shown.frame.size.index(x, y)?;
     shown.map.as_ref()?.values.get(index).copied()
 }
 
 /// The number with what it is.
-pub(super) fn value(shown: &Shown, at: (u32, u32)) -> String {
+pub(super) fn value(shown: &ShownFrame, at: (u32, u32)) -> String {
     let quantity = shown.map.as_ref().map(|map| map.quantity);
     let value = quantity.zip(at_pixel(shown, at));
     value.map_or_else(String::new, |(of, value)| format!("{}={}", symbol(of), number(of, value)))
@@ -130,7 +130,7 @@ const MARGIN: f32 = 6.0;
 /// Views narrower than this do without the caption: the title bar has it.
 const CAPTION_FROM: f32 = 290.0;
 /// From one number under the bar to the next.
-const APART: f32 = 22.0;
+const NUMBER_SPACING: f32 = 22.0;
 
 /// The colours with their numbers on a dark plate in the lower left corner, where it is small enough for the view.
 fn legend(painter: &Painter, view: Rect, quantity: Quantity, scale: Scale) {
@@ -160,7 +160,7 @@ fn legend(painter: &Painter, view: Rect, quantity: Quantity, scale: Scale) {
         for tick in ticks(quantity, scale) {
             let at = bar.left() + scale.share(tick).unwrap_or(0.0) * bar.width();
             if at >= free {
-                free = at + APART;
+                free = at + NUMBER_SPACING;
                 painter.vline(at, bar.bottom()..=bar.bottom() + 3.0, (1.0, INK));
                 text(painter, pos2(at, bar.bottom() + 9.0), Align2::CENTER_CENTER, &format!("{tick}"));
             }
@@ -195,7 +195,7 @@ fn swatches(quantity: Quantity) -> Vec<(Color32, String)> {
     match quantity {
         Quantity::Used | Quantity::BackgroundCount => counts.collect(),
         Quantity::Matched => counts.chain([(STEPS[0], "none".to_owned())]).collect(),
-        Quantity::Since => vec![(NEVER, "never".to_owned())],
+        Quantity::SinceForeground => vec![(NEVER, "never".to_owned())],
         Quantity::Sigma | Quantity::Weight => Vec::new(),
     }
 }
@@ -203,7 +203,7 @@ fn swatches(quantity: Quantity) -> Vec<(Color32, String)> {
 /// The numbers that stand under the ramp.
 fn ticks(quantity: Quantity, scale: Scale) -> Vec<f32> {
     match (quantity, scale) {
-        (Quantity::Since, _) => vec![1000.0, 100.0, 10.0, 0.0],
+        (Quantity::SinceForeground, _) => vec![1000.0, 100.0, 10.0, 0.0],
         (Quantity::Weight, _) => vec![0.0, 0.5, 1.0],
         (_, Scale::Log { low, high, .. }) => {
             let decades = [0.1, 1.0, 10.0, 100.0].into_iter();
@@ -252,7 +252,7 @@ mod tests {
             );
         }
         assert_eq!(number(Quantity::Matched, 0.0), "none");
-        assert_eq!(number(Quantity::Since, f32::INFINITY), "never");
+        assert_eq!(number(Quantity::SinceForeground, f32::INFINITY), "never");
         assert_eq!(number(Quantity::Sigma, 5.3125), "5.31");
     }
 }

@@ -3,23 +3,23 @@
 mod agreement;
 mod areas;
 mod background;
-mod beside;
 mod canvas;
+mod compared;
 mod compose;
 mod difference;
 mod draw;
 mod foreground;
 mod input;
 mod layer;
+mod layer_upload;
 mod layouts;
 mod loupe;
 mod map;
+mod mask_errors;
 mod pictures;
 mod pins;
 mod ramp;
 mod regions;
-mod right;
-mod sender;
 mod tiles;
 mod tracks;
 
@@ -36,13 +36,13 @@ use std::sync::Arc;
 use eframe::egui::Painter;
 use serde::{Deserialize, Serialize};
 
-use self::compose::{Compose, Composer, Composition, Look};
+use self::compose::{Compose, ComposeStyle, Composer, Composition};
 use self::layer::Layer;
-use self::pictures::Set;
-use super::slots::{Slot, Slots};
+use self::pictures::UploadedFrame;
+use super::ab_settings::{AbSettings, AbSlot};
 use super::state::Model;
 use super::theme::Colours;
-use crate::replay::Shown;
+use crate::replay::ShownFrame;
 
 /// A view of the frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
@@ -62,15 +62,19 @@ pub(crate) enum View {
     /// One number of each pixel as a colour.
     Map,
     /// The background model under the settings that are compared with those in view.
-    BesideBackground,
+    #[serde(rename = "BesideBackground")]
+    ComparedBackground,
     /// Their foreground mask.
-    BesideForeground,
+    #[serde(rename = "BesideForeground")]
+    ComparedForeground,
     /// Their objects, groups, occlusions and events.
-    BesideTracks,
+    #[serde(rename = "BesideTracks")]
+    ComparedTracks,
     /// In what the two masks agree.
     Agreement,
     /// Where the mask is right by the ground truth.
-    Right,
+    #[serde(rename = "Right")]
+    MaskErrors,
 }
 
 impl View {
@@ -83,11 +87,11 @@ impl View {
         Self::Tracks,
         Self::Difference,
         Self::Map,
-        Self::BesideBackground,
-        Self::BesideForeground,
-        Self::BesideTracks,
+        Self::ComparedBackground,
+        Self::ComparedForeground,
+        Self::ComparedTracks,
         Self::Agreement,
-        Self::Right,
+        Self::MaskErrors,
     ];
 
     /// Its title.
@@ -100,28 +104,28 @@ impl View {
             Self::Tracks => "Tracks and occlusions",
             Self::Difference => "Difference",
             Self::Map => "Map",
-            Self::BesideBackground => "Background (B)",
-            Self::BesideForeground => "Foreground (B)",
-            Self::BesideTracks => "Tracks (B)",
+            Self::ComparedBackground => "Background (B)",
+            Self::ComparedForeground => "Foreground (B)",
+            Self::ComparedTracks => "Tracks (B)",
             Self::Agreement => "A vs B difference",
-            Self::Right => "Mask errors",
+            Self::MaskErrors => "Mask errors",
         }
     }
 
     /// Its title while there are two sets of settings, of which this one is in view.
-    pub(crate) fn titled(self, in_view: Slot) -> String {
+    pub(crate) fn titled(self, in_view: AbSlot) -> String {
         let (title, slot) = match self {
             Self::Input | Self::Agreement => return self.title().to_owned(),
-            Self::BesideBackground => (Self::Background.title(), in_view.other()),
-            Self::BesideForeground => (Self::Foreground.title(), in_view.other()),
-            Self::BesideTracks => (Self::Tracks.title(), in_view.other()),
+            Self::ComparedBackground => (Self::Background.title(), in_view.other()),
+            Self::ComparedForeground => (Self::Foreground.title(), in_view.other()),
+            Self::ComparedTracks => (Self::Tracks.title(), in_view.other()),
             _ => (self.title(), in_view),
         };
         format!("{title} ({})", slot.name())
     }
 
     /// Its title for a screen reader and the status line: with the slot where it shows the other settings.
-    pub(crate) fn label(self, slots: &Slots) -> String {
+    pub(crate) fn label(self, slots: &AbSettings) -> String {
         if self.compares() && slots.other.is_some() {
             self.titled(slots.in_view)
         } else {
@@ -131,12 +135,15 @@ impl View {
 
     /// Whether it needs settings to compare with.
     pub(crate) const fn compares(self) -> bool {
-        matches!(self, Self::BesideBackground | Self::BesideForeground | Self::BesideTracks | Self::Agreement)
+        matches!(
+            self,
+            Self::ComparedBackground | Self::ComparedForeground | Self::ComparedTracks | Self::Agreement
+        )
     }
 
     /// Whether it is there from the start, without anything to compare with.
     pub(crate) const fn is_there_at_first(self) -> bool {
-        !self.compares() && !matches!(self, Self::Right)
+        !self.compares() && !matches!(self, Self::MaskErrors)
     }
 
     /// What is seen in it.
@@ -157,11 +164,11 @@ impl View {
             Self::Map => {
                 "One quantity per pixel as a colour, of its mixture or its past; selected in the title bar."
             }
-            Self::BesideBackground => "Background model after this frame, under the other settings.",
-            Self::BesideForeground => "Foreground mask under the other settings.",
-            Self::BesideTracks => "Objects, groups and events under the other settings.",
+            Self::ComparedBackground => "Background model after this frame, under the other settings.",
+            Self::ComparedForeground => "Foreground mask under the other settings.",
+            Self::ComparedTracks => "Objects, groups and events under the other settings.",
             Self::Agreement => "Pixels that are foreground under A only, B only and both, over a dark input.",
-            Self::Right => {
+            Self::MaskErrors => {
                 "Foreground after post-processing against the ground truth: true positives (TP), false \
                  positives (FP), false negatives (FN)."
             }
@@ -174,7 +181,7 @@ impl View {
     }
 
     /// The value of a pixel in it, its parts apart by a space.
-    pub(crate) fn value(self, model: &Model, shown: &Shown, at: (u32, u32)) -> String {
+    pub(crate) fn value(self, model: &Model, shown: &ShownFrame, at: (u32, u32)) -> String {
         match self {
             Self::Input | Self::Tracks => input::value(shown, at),
             Self::Background => background::value(shown, model.background, at),
@@ -182,13 +189,13 @@ impl View {
             Self::Regions => regions::value(shown, at),
             Self::Difference => difference::value(shown, at),
             Self::Map => map::value(shown, at),
-            Self::Agreement => agreement::value(shown, model.slots.in_view, at),
-            Self::Right => right::value(shown, at),
-            Self::BesideBackground | Self::BesideForeground | Self::BesideTracks => {
-                let Some(beside) = &shown.beside else { return String::new() };
+            Self::Agreement => agreement::value(shown, model.ab_settings.in_view, at),
+            Self::MaskErrors => mask_errors::value(shown, at),
+            Self::ComparedBackground | Self::ComparedForeground | Self::ComparedTracks => {
+                let Some(beside) = &shown.compared else { return String::new() };
                 match self {
-                    Self::BesideBackground => background::value(beside, Background::Mean, at),
-                    Self::BesideForeground => foreground::value(beside, at),
+                    Self::ComparedBackground => background::value(beside, Background::Mean, at),
+                    Self::ComparedForeground => foreground::value(beside, at),
                     _ => input::value(beside, at),
                 }
             }
@@ -203,30 +210,30 @@ impl View {
             Self::Background => background.compose().layers(),
             Self::Foreground => Compose::Mask.layers(),
             Self::Regions => Compose::Regions.layers(),
-            Self::Tracks | Self::BesideTracks => Compose::Input.layers(),
+            Self::Tracks | Self::ComparedTracks => Compose::Input.layers(),
             Self::Difference => Compose::Difference.layers(),
             Self::Map => Compose::Map.layers(),
-            Self::BesideBackground => Compose::BesideMean.layers(),
-            Self::BesideForeground => Compose::BesideMask.layers(),
+            Self::ComparedBackground => Compose::ComparedMean.layers(),
+            Self::ComparedForeground => Compose::ComparedMask.layers(),
             Self::Agreement => Compose::Agreement.layers(),
-            Self::Right => Compose::Right.layers(),
+            Self::MaskErrors => Compose::MaskErrors.layers(),
         }
     }
 
     /// How its picture is composed, without what is drawn over it.
-    fn look(self, pane: &Pane<'_>) -> Option<Look> {
+    fn look(self, pane: &Pane<'_>) -> Option<ComposeStyle> {
         match self {
             Self::Input => Some(input::look(pane)),
             Self::Background => Some(background::look(pane)),
-            Self::Foreground => Some(Look::plain(Compose::Mask)),
-            Self::Regions => Some(Look::plain(Compose::Regions)),
-            Self::Tracks | Self::BesideTracks => Some(tracks::look()),
-            Self::Difference => Some(Look::plain(Compose::Difference)),
+            Self::Foreground => Some(ComposeStyle::plain(Compose::Mask)),
+            Self::Regions => Some(ComposeStyle::plain(Compose::Regions)),
+            Self::Tracks | Self::ComparedTracks => Some(tracks::look()),
+            Self::Difference => Some(ComposeStyle::plain(Compose::Difference)),
             Self::Map => map::look(pane),
-            Self::BesideBackground => Some(Look::plain(Compose::BesideMean)),
-            Self::BesideForeground => Some(Look::plain(Compose::BesideMask)),
-            Self::Agreement => pane.shown.beside.as_ref().map(|_| agreement::look(pane)),
-            Self::Right => pane.shown.truth.as_ref().map(|_| right::look()),
+            Self::ComparedBackground => Some(ComposeStyle::plain(Compose::ComparedMean)),
+            Self::ComparedForeground => Some(ComposeStyle::plain(Compose::ComparedMask)),
+            Self::Agreement => pane.shown.compared.as_ref().map(|_| agreement::look(pane)),
+            Self::MaskErrors => pane.shown.truth.as_ref().map(|_| mask_errors::look()),
         }
     }
 
@@ -239,9 +246,9 @@ impl View {
             Self::Tracks => tracks::paint(pane),
             Self::Difference => difference::paint(pane),
             Self::Map => map::paint(pane),
-            Self::Right => right::paint(pane),
-            Self::BesideBackground | Self::BesideForeground | Self::BesideTracks | Self::Agreement => {
-                beside::paint(pane);
+            Self::MaskErrors => mask_errors::paint(pane),
+            Self::ComparedBackground | Self::ComparedForeground | Self::ComparedTracks | Self::Agreement => {
+                compared::paint(pane);
             }
         }
     }
@@ -303,15 +310,15 @@ struct Pane<'a> {
     painter: &'a Painter,
     canvas: Canvas,
     model: &'a Model,
-    shown: &'a Shown,
+    shown: &'a ShownFrame,
     composer: &'a Arc<Composer>,
-    set: &'a Arc<Set>,
+    set: &'a Arc<UploadedFrame>,
     colours: Colours,
 }
 
 impl Pane<'_> {
     /// Paints a picture of the frame.
-    fn compose(&self, look: Look) {
+    fn compose(&self, look: ComposeStyle) {
         let shape = Composition::shape(self.composer, self.set, self.view, look, self.canvas);
         if let Some(shape) = shape {
             self.painter.add(shape);

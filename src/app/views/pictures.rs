@@ -15,19 +15,19 @@ use eframe::egui_wgpu::{RenderState, wgpu};
 use super::agreement::Agreement;
 use super::compose::Composer;
 use super::layer::{self, Layer, Layers};
-use super::right;
-use super::sender::{Sender, Sents};
+use super::layer_upload::{LayerUploader, UploadedLayers};
+use super::mask_errors;
 use super::{Background, View};
-use crate::app::state::Moment;
+use crate::app::state::FrameWithTrails;
 use crate::frame::Size;
 use crate::truth::decisions::Decisions;
 
-/// A frame whose layers are on the card.
-pub(crate) struct Set {
-    moment: Arc<Moment>,
+/// A frame whose layers are on the graphics card.
+pub(crate) struct UploadedFrame {
+    moment: Arc<FrameWithTrails>,
     video: u32,
     every: u32,
-    sents: Sents,
+    uploaded: UploadedLayers,
     group: wgpu::BindGroup,
     agreement: Option<Agreement>,
     decisions: Option<Decisions>,
@@ -35,15 +35,15 @@ pub(crate) struct Set {
     bytes: u64,
 }
 
-impl Set {
+impl UploadedFrame {
     /// The frame.
-    pub(crate) const fn moment(&self) -> &Arc<Moment> {
+    pub(crate) const fn moment(&self) -> &Arc<FrameWithTrails> {
         &self.moment
     }
 
     /// Whether a layer is there.
     pub(crate) const fn has(&self, layer: Layer) -> bool {
-        self.sents[layer as usize].is_some()
+        self.uploaded[layer as usize].is_some()
     }
 
     /// Every which pixel became a texel.
@@ -82,17 +82,17 @@ impl Set {
     }
 }
 
-/// What the thread is asked for.
+/// A request to the thread.
 #[derive(Clone)]
 struct Request {
-    moment: Arc<Moment>,
+    moment: Arc<FrameWithTrails>,
     layers: Layers,
     /// Which video it is of, counted from the first: what comes too late from one before is not shown.
     video: u32,
 }
 
-/// Where a set waits for the window; a newer one takes its place.
-type Ready = Arc<Mutex<Option<Set>>>;
+/// The uploaded frame that waits for the window; a newer one replaces it.
+type Ready = Arc<Mutex<Option<UploadedFrame>>>;
 
 /// The window's side.
 pub(crate) struct Pictures {
@@ -103,7 +103,7 @@ pub(crate) struct Pictures {
     asked: Option<Request>,
     video: u32,
     layers: Layers,
-    in_view: Option<Arc<Set>>,
+    in_view: Option<Arc<UploadedFrame>>,
 }
 
 impl Pictures {
@@ -113,7 +113,7 @@ impl Pictures {
         let (requests, received) = mpsc::channel();
         let ready = Ready::default();
         let worker = Worker {
-            sender: Sender::new(gpu.device.clone(), gpu.queue.clone()),
+            sender: LayerUploader::new(gpu.device.clone(), gpu.queue.clone()),
             device: gpu.device.clone(),
             composer: Arc::clone(&composer),
             ready: Arc::clone(&ready),
@@ -138,7 +138,7 @@ impl Pictures {
     }
 
     /// The frame in view.
-    pub(crate) const fn in_view(&self) -> Option<&Arc<Set>> {
+    pub(crate) const fn in_view(&self) -> Option<&Arc<UploadedFrame>> {
         self.in_view.as_ref()
     }
 
@@ -153,7 +153,7 @@ impl Pictures {
     }
 
     /// Asks for a frame, unless it was asked for last.
-    pub(crate) fn ask(&mut self, moment: &Arc<Moment>) {
+    pub(crate) fn ask(&mut self, moment: &Arc<FrameWithTrails>) {
         let (layers, video) = (self.layers, self.video);
         let known = self.asked.as_ref().is_some_and(|asked| {
             Arc::ptr_eq(&asked.moment, moment) && asked.layers.covers(layers) && asked.video == video
@@ -229,7 +229,7 @@ impl Drop for Pictures {
 
 /// The thread's side.
 struct Worker {
-    sender: Sender,
+    sender: LayerUploader,
     device: wgpu::Device,
     composer: Arc<Composer>,
     ready: Ready,
@@ -238,7 +238,7 @@ struct Worker {
 
 impl Worker {
     fn work(mut self, requests: &mpsc::Receiver<Request>) {
-        let mut last: Option<(Arc<Moment>, u32, Sents)> = None;
+        let mut last: Option<(Arc<FrameWithTrails>, u32, UploadedLayers)> = None;
         while let Ok(mut request) = requests.recv() {
             while let Ok(newer) = requests.try_recv() {
                 request = newer;
@@ -247,17 +247,17 @@ impl Worker {
             let shown = &request.moment.shown;
             let every = layer::thinning(shown.frame.size, self.device.limits().max_texture_dimension_2d);
             let known = |layer: Layer| {
-                let (before, thinned, sents) = last.as_ref()?;
-                let sent = sents[layer as usize].as_ref()?;
+                let (before, thinned, uploaded) = last.as_ref()?;
+                let sent = uploaded[layer as usize].as_ref()?;
                 (*thinned == every && layer.is_same(&before.shown, shown)).then(|| Arc::clone(sent))
             };
-            let Ok((sents, bytes)) = self.sender.send(shown, request.layers, every, known) else { return };
-            let view = |layer: Layer| sents[layer as usize].as_ref().map(|sent| &sent.view);
-            let beside = shown.beside.as_ref().filter(|_| request.layers.has(Layer::BesideMask));
+            let Ok((uploaded, bytes)) = self.sender.send(shown, request.layers, every, known) else { return };
+            let view = |layer: Layer| uploaded[layer as usize].as_ref().map(|sent| &sent.view);
+            let beside = shown.compared.as_ref().filter(|_| request.layers.has(Layer::ComparedMask));
             let agreement = beside.map(|beside| Agreement::of(&shown.analysis.mask, &beside.analysis.mask));
             let truth = shown.truth.as_ref().filter(|_| request.layers.has(Layer::Truth));
-            let decisions = truth.map(|truth| right::judge(&shown.analysis.mask, truth));
-            let set = Set {
+            let decisions = truth.map(|truth| mask_errors::judge(&shown.analysis.mask, truth));
+            let set = UploadedFrame {
                 agreement,
                 decisions,
                 group: self.composer.bind(&self.device, view),
@@ -266,9 +266,9 @@ impl Worker {
                 every,
                 took: started.elapsed(),
                 bytes,
-                sents: sents.clone(),
+                uploaded: uploaded.clone(),
             };
-            last = Some((request.moment, every, sents));
+            last = Some((request.moment, every, uploaded));
             *self.ready.lock().unwrap_or_else(PoisonError::into_inner) = Some(set);
             self.ctx.request_repaint();
         }

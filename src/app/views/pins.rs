@@ -6,7 +6,7 @@ use super::{Canvas, draw};
 use crate::app::pins::{self, Pins};
 use crate::app::state::Model;
 use crate::regions;
-use crate::replay::around;
+use crate::replay::region_bounds;
 
 /// From this size on, in points, a pixel has room for a frame of its own.
 const FRAME_FROM: f32 = 8.0;
@@ -17,7 +17,7 @@ const RING: f32 = 4.5;
 pub(super) fn paint(painter: &Painter, canvas: &Canvas, model: &Model) {
     let judged = model.judged.filter(|_| model.has_true_masks());
     if let Some((at, side)) = model.region.or(judged).filter(|&(_, side)| side > 1) {
-        let (columns, rows) = around(at, side, canvas.size);
+        let (columns, rows) = region_bounds(at, side, canvas.size);
         let (width, height) = (columns.len() as f32, rows.len() as f32);
         let place = canvas.place(&regions::Rect::new(columns.start as f32, rows.start as f32, width, height));
         draw::dashed_rect(painter, place, Stroke::new(3.0, Color32::from_black_alpha(90)), 4.0);

@@ -2,12 +2,12 @@
 
 use eframe::egui::{Color32, Rect, Stroke, StrokeKind, pos2, vec2};
 
-use super::{Compose, Look, Pane, draw};
+use super::{Compose, ComposeStyle, Pane, draw};
 use crate::app::theme;
 use crate::mixture::pixel::luma;
 use crate::palette::identity_colour;
 use crate::pipeline::Analysis;
-use crate::replay::Shown;
+use crate::replay::ShownFrame;
 
 const UNKNOWN: Color32 = Color32::from_rgb(150, 156, 170);
 const GROUP: Color32 = Color32::from_rgb(244, 246, 250);
@@ -29,7 +29,7 @@ pub(super) fn colours(analysis: &Analysis) -> Vec<Color32> {
 
 /// Paints them.
 pub(super) fn paint(pane: &Pane<'_>) {
-    pane.compose(Look::plain(Compose::Regions));
+    pane.compose(ComposeStyle::plain(Compose::Regions));
     let (frame, analysis) = (&pane.shown.frame, &pane.shown.analysis);
     let colours = colours(analysis);
     let colour_of = |label: u32| colours.get(label as usize).copied().unwrap_or(UNKNOWN);
@@ -79,7 +79,7 @@ pub(super) fn paint(pane: &Pane<'_>) {
 }
 
 /// The label.
-pub(super) fn value(shown: &Shown, (x, y): (u32, u32)) -> String {
+pub(super) fn value(shown: &ShownFrame, (x, y): (u32, u32)) -> String {
     match shown.analysis.labels.at(x, y) {
         None => String::new(),
         Some(0) => "-".to_owned(),

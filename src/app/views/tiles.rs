@@ -10,7 +10,7 @@ use egui_tiles::{Behavior, SimplificationOptions, TabState, Tabs, TileId, Tiles,
 
 use super::layer::{Layer, Layers};
 use super::{Background, Canvas, Pane, Pictures, View, areas, draw, loupe, map, pins};
-use crate::app::areas::Change;
+use crate::app::areas::AreaEdit;
 use crate::app::command::{Action, Command};
 use crate::app::overlays::Drawn;
 use crate::app::state::{Camera, Hover, Model, Subject};
@@ -88,7 +88,7 @@ impl Panes<'_> {
         let rect = ui.available_rect_before_wrap();
         let response = ui.allocate_rect(rect, Sense::click_and_drag());
         response.widget_info(|| {
-            WidgetInfo::labeled(Role::Image, true, format!("{} view", view.label(&self.model.slots)))
+            WidgetInfo::labeled(Role::Image, true, format!("{} view", view.label(&self.model.ab_settings)))
         });
         let colours = theme::colours(ui.visuals());
         let painter = ui.painter().with_clip_rect(rect);
@@ -104,7 +104,7 @@ impl Panes<'_> {
             self.fitted = Some((area, canvas.fitted()));
         }
         if camera != self.model.camera {
-            self.commands.push(Command::Look(camera));
+            self.commands.push(Command::SetCamera(camera));
         }
         let pane = Pane {
             view,
@@ -166,15 +166,15 @@ impl Panes<'_> {
             } else if let Some((from, to)) =
                 from.zip(pointer).filter(|_| response.drag_stopped_by(PointerButton::Primary))
             {
-                let corners = Change::Rectangle(canvas.image(from), canvas.image(to));
+                let corners = AreaEdit::Rectangle(canvas.image(from), canvas.image(to));
                 self.commands.push(Command::Area(corners));
             } else if response.double_clicked() {
-                self.commands.push(Command::Area(Change::Close));
+                self.commands.push(Command::Area(AreaEdit::Close));
             } else if response.clicked()
                 && let Some(at) = pointer
             {
                 let closes = areas::closes(canvas, draft, at);
-                let change = if closes { Change::Close } else { Change::Corner(canvas.image(at)) };
+                let change = if closes { AreaEdit::Close } else { AreaEdit::Corner(canvas.image(at)) };
                 self.commands.push(Command::Area(change));
             }
         }
@@ -213,7 +213,7 @@ impl Panes<'_> {
                 if response.clicked() && !drawing {
                     let area = self.model.areas.at(canvas.image(at), OUTLINE / canvas.scale);
                     self.commands.push(match area {
-                        Some(_) => Command::Area(Change::Choose(area)),
+                        Some(_) => Command::Area(AreaEdit::Choose(area)),
                         None => Command::Choose(Some(pixel)),
                     });
                     let object = self.object_at(view, pixel, canvas.image(at));
@@ -269,7 +269,7 @@ impl Panes<'_> {
                 },
             );
             let response =
-                ui.add(button).accessible_name(format!("{word}: {}", view.label(&self.model.slots)));
+                ui.add(button).accessible_name(format!("{word}: {}", view.label(&self.model.ab_settings)));
             if response.on_hover_text(text).clicked() {
                 self.commands.push(Command::Act(Action::Maximise(view)));
             }
@@ -312,7 +312,7 @@ impl Panes<'_> {
         let button = Button::new(m::ICON_CLOSE.rich_text().size(14.0)).frame_when_inactive(false);
         let response = ui
             .add_enabled(!last, button)
-            .accessible_name(format!("Close: {}", view.label(&self.model.slots)));
+            .accessible_name(format!("Close: {}", view.label(&self.model.ab_settings)));
         let text = "Close this view; reopen it with the menu View, Views";
         if response.on_hover_text(text).clicked() {
             self.commands.push(Command::Act(action));
@@ -383,7 +383,7 @@ impl Behavior<View> for Panes<'_> {
     }
 
     fn tab_title_for_pane(&mut self, view: &View) -> WidgetText {
-        let slots = &self.model.slots;
+        let slots = &self.model.ab_settings;
         match slots.other {
             Some(_) => RichText::new(view.titled(slots.in_view)).into(),
             None => RichText::new(view.title()).into(),

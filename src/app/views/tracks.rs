@@ -4,8 +4,8 @@ use std::collections::HashMap;
 
 use eframe::egui::{Align2, Color32, FontId, Mesh, Rect, Stroke, pos2, vec2};
 
-use super::draw::Taken;
-use super::{Compose, Look, Pane, draw};
+use super::draw::OccupiedRects;
+use super::{Compose, ComposeStyle, Pane, draw};
 use crate::app::overlays::Drawn;
 use crate::app::{icons, theme};
 use crate::palette::{event_colour, identity_colour};
@@ -14,8 +14,8 @@ use crate::tracking::{Identity, Track, TrackState};
 use crate::truth::boxes::Bounds;
 
 /// How what lies under them is composed: a little darker, so that boxes stand out.
-pub(super) fn look() -> Look {
-    Look { tint: 205.0 / 255.0, ..Look::plain(Compose::Input) }
+pub(super) fn look() -> ComposeStyle {
+    ComposeStyle { tint: 205.0 / 255.0, ..ComposeStyle::plain(Compose::Input) }
 }
 
 /// Paints them.
@@ -67,7 +67,7 @@ pub(super) fn paint(pane: &Pane<'_>) {
         draw::dashed_rect(pane.painter, place, stroke(1.5, Color32::WHITE), 2.5);
     }
     // Words last, so that no box runs through them.
-    let mut taken = Taken::default();
+    let mut taken = OccupiedRects::default();
     for track in tracks.iter().filter(|_| drawn.has(Drawn::Names)) {
         let word = match track.state {
             TrackState::Visible => track.id.to_string(),
@@ -211,8 +211,8 @@ fn trails(pane: &Pane<'_>) {
 }
 
 /// The events of the frame, beside what is `taken`.
-fn flags(pane: &Pane<'_>, mut taken: Taken) {
-    let timeline = if pane.view.compares() { pane.model.beside() } else { pane.model.timeline() };
+fn flags(pane: &Pane<'_>, mut taken: OccupiedRects) {
+    let timeline = if pane.view.compares() { pane.model.compared_timeline() } else { pane.model.timeline() };
     let Some(timeline) = timeline.or_else(|| pane.model.timeline()) else { return };
     let here = pane.shown.position;
     let first = timeline.events.partition_point(|(position, _)| *position < here);

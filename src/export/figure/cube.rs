@@ -9,12 +9,14 @@ use super::scatter::{legend, look, title};
 use super::{
     Anchor, Axis, Figure, Frame, GRAY, INK, NARROW, Panel, Shape, Sign, axis, component, parameters,
 };
-use crate::mixture::places::{Choice, Place, Space, place, places, thinned};
-use crate::mixture::standing::{Standing, standings};
+use crate::mixture::component_states::{ComponentState, component_states};
+use crate::mixture::scatter_points::{
+    ScatterPoint, ScatterSelection, ScatterSpace, coordinates_of, scatter_points, thin_points,
+};
 use crate::mixture::{MAX_K, PixelHistory};
 
 /// More places than this are put together: so many can neither be told apart nor turned smoothly.
-pub const MOST: usize = 6000;
+pub const MAX_POINTS: usize = 6000;
 /// The names of the axes.
 pub const NAMES: [&str; 3] = ["R", "G", "B"];
 /// In each direction the cube takes up as much whatever its turn: half its diagonal.
@@ -22,7 +24,7 @@ pub const EXTENT: f64 = 0.866_025_403_784_438_6;
 /// Room for words around a figure's cube, in points.
 const WORDS: f64 = 27.0;
 /// An axis that is seen shorter than this from its end has no numbers.
-const LEAST: f64 = 0.3;
+const MIN_AXIS_LENGTH: f64 = 0.3;
 
 /// From where the cube is looked at, in radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -69,10 +71,13 @@ impl Span {
     pub const WHOLE: Self = Self { low: [0.0; 3], side: 255.0 };
 
     /// As little as holds these places and components.
-    pub fn around(places: &[Place], standings: &[Standing], lambda: f32) -> Self {
+    pub fn around(places: &[ScatterPoint], component_states: &[ComponentState], lambda: f32) -> Self {
         let mut ends = [(f64::INFINITY, f64::NEG_INFINITY); 3];
-        let reaches = standings.iter().map(|standing| {
-            (standing.component.mean.map(f64::from), f64::from(standing.component.reach(lambda)))
+        let reaches = component_states.iter().map(|component_state| {
+            (
+                component_state.component.mean.map(f64::from),
+                f64::from(component_state.component.reach(lambda)),
+            )
         });
         let values = places.iter().map(|place| (place.at.map(f64::from), 1.0));
         for (at, reach) in values.chain(reaches) {
@@ -122,7 +127,7 @@ pub struct Spot {
     /// 0 at the back, 1 at the front.
     pub nearness: f64,
     /// What lies there.
-    pub place: Place,
+    pub place: ScatterPoint,
 }
 
 /// Something to be read in a scene.
@@ -157,8 +162,8 @@ pub struct Scene {
 
 /// The scene of these places and components.
 pub fn scene(
-    places: &[Place],
-    standings: &[Standing],
+    places: &[ScatterPoint],
+    component_states: &[ComponentState],
     here: Option<[u8; 3]>,
     lambda: f32,
     span: Span,
@@ -176,11 +181,11 @@ pub fn scene(
         })
         .collect();
     scene.spots.sort_by(|a, b| a.nearness.total_cmp(&b.nearness));
-    for standing in standings {
-        let mean = standing.component.mean.map(f64::from);
-        let reach = f64::from(standing.component.reach(lambda));
+    for component_state in component_states {
+        let mean = component_state.component.mean.map(f64::from);
+        let reach = f64::from(component_state.component.reach(lambda));
         let angles = || (0..=60).map(|step| (f64::from(step) / 60.0 * TAU).sin_cos());
-        let (slot, background) = (standing.slot, standing.background);
+        let (slot, background) = (component_state.slot, component_state.background);
         for plane in [[0, 1], [1, 2], [0, 2]] {
             let around = angles().map(|(sin, cos)| {
                 let mut at = mean;
@@ -194,7 +199,7 @@ pub fn scene(
         let ([x, y], radius) = (seen(mean).0, reach / span.side);
         let outline = angles().map(|(sin, cos)| [x + radius * cos, y + radius * sin]).collect();
         scene.above.push((Role::Reach { slot, background }, outline));
-        let text = standing.rank.to_string();
+        let text = component_state.rank.to_string();
         scene.labels.push(Label {
             at: [x, y + radius],
             out: [0.0, 1.0],
@@ -236,7 +241,7 @@ fn cube(scene: &mut Scene, span: Span, turn: Turn) {
         let length = mx.hypot(my).max(1e-9);
         let out = [mx / length, my / length];
         let [[x0, y0], [x1, y1]] = [-0.5, 0.5].map(|along| corner(axis, along, others, side));
-        let short = (x1 - x0).hypot(y1 - y0) < LEAST;
+        let short = (x1 - x0).hypot(y1 - y0) < MIN_AXIS_LENGTH;
         let ends = (span.low[axis], span.low[axis] + span.side);
         for value in axis::ticks(ends.0, ends.1, 5) {
             let along = (value - span.low[axis]) / span.side - 0.5;
@@ -256,7 +261,7 @@ fn cube(scene: &mut Scene, span: Span, turn: Turn) {
     scene.below.sort_by_key(|(role, _)| *role == Role::Edge);
 }
 
-/// What the figure shows besides its [`Choice`].
+/// What the figure shows besides its [`ScatterSelection`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Look {
     /// From where.
@@ -266,25 +271,28 @@ pub struct Look {
 }
 
 /// The places of a choice, few enough to be turned.
-pub fn spots(history: &PixelHistory, slots: &[[u8; MAX_K]], choice: &Choice) -> Vec<Place> {
-    thinned(places(history, slots, &Choice { space: Space::Cube, ..choice.clone() }), MOST)
+pub fn spots(history: &PixelHistory, slots: &[[u8; MAX_K]], choice: &ScatterSelection) -> Vec<ScatterPoint> {
+    thin_points(
+        scatter_points(history, slots, &ScatterSelection { space: ScatterSpace::Cube, ..choice.clone() }),
+        MAX_POINTS,
+    )
 }
 
 /// The figure: the cube as it is turned in the window.
 pub fn figure(
     history: &PixelHistory,
     slots: &[[u8; MAX_K]],
-    choice: &Choice,
+    choice: &ScatterSelection,
     index: usize,
     look_at: Look,
 ) -> Figure {
     let places = spots(history, slots, choice);
-    let (standings, _) = standings(history, slots, index, false);
+    let (component_states, _) = component_states(history, slots, index, false);
     let lambda = history.parameters.lambda;
-    let span = if look_at.fit { Span::around(&places, &standings, lambda) } else { Span::WHOLE };
-    let here = place(history, index, Space::Cube);
-    let scene = scene(&places, &standings, here, lambda, span, look_at.turn);
-    let mut keys = legend(history, choice, &standings, false);
+    let span = if look_at.fit { Span::around(&places, &component_states, lambda) } else { Span::WHOLE };
+    let here = coordinates_of(history, index, ScatterSpace::Cube);
+    let scene = scene(&places, &component_states, here, lambda, span, look_at.turn);
+    let mut keys = legend(history, choice, &component_states, false);
     for key in &mut keys {
         key.name = key.name.replace("circles", "spheres");
     }
@@ -408,8 +416,8 @@ mod tests {
 
     #[test]
     fn nearer_values_are_drawn_over_those_behind() {
-        use crate::mixture::places::Kind;
-        let place = |at| Place { kind: Kind::Verdict { foreground: false }, at, count: 1 };
+        use crate::mixture::scatter_points::PointKind;
+        let place = |at| ScatterPoint { kind: PointKind::Verdict { foreground: false }, at, count: 1 };
         let places = [place([10, 10, 10]), place([10, 250, 10]), place([10, 120, 10])];
         let scene = scene(&places, &[], None, 2.5, Span::WHOLE, Turn { yaw: 0.0, pitch: 0.0 });
         let order: Vec<_> = scene.spots.iter().map(|spot| spot.place.at[1]).collect();
@@ -420,10 +428,10 @@ mod tests {
     #[test]
     fn a_span_holds_all_values_and_reaches_and_is_a_cube() {
         use crate::mixture::Component;
-        use crate::mixture::places::Kind;
-        let place = Place { kind: Kind::Age(0), at: [100, 90, 80], count: 1 };
+        use crate::mixture::scatter_points::PointKind;
+        let place = ScatterPoint { kind: PointKind::Age(0), at: [100, 90, 80], count: 1 };
         let component = Component { weight: 1.0, mean: [110.0, 90.0, 80.0], variance: 16.0 };
-        let standing = Standing {
+        let component_state = ComponentState {
             rank: 1,
             slot: 0,
             component,
@@ -432,7 +440,7 @@ mod tests {
             matched: false,
             new: false,
         };
-        let span = Span::around(&[place], &[standing], 2.5);
+        let span = Span::around(&[place], &[component_state], 2.5);
         assert_eq!((span.side, span.low), (21.0, [99.0, 79.5, 69.5]));
         assert_eq!(Span::around(&[], &[], 2.5), Span::WHOLE);
     }

@@ -3,13 +3,13 @@
 use super::{
     Anchor, Axis, Figure, GRAY, INK, Key, NARROW, Panel, Shape, Sign, WIDE, component, parameters, pixel_name,
 };
-use crate::mixture::standing::{Standing, standings, t_at};
+use crate::mixture::component_states::{ComponentState, component_states, t_at};
 use crate::mixture::verdict::number;
 use crate::mixture::{MAX_K, PixelHistory};
 
 /// Which mixture of a frame is shown.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Moment {
+pub enum UpdateSide {
     /// The one that the value was compared with.
     Before,
     /// The one with the value learned, which decides B.
@@ -19,7 +19,7 @@ pub enum Moment {
     Both,
 }
 
-impl Moment {
+impl UpdateSide {
     /// Whether each of the mixtures that are shown is the one before the update.
     pub const fn sides(self) -> &'static [bool] {
         match self {
@@ -33,41 +33,46 @@ impl Moment {
 const STEPS: usize = 510;
 
 /// w·η of each component in each channel, with the value, and under them μ ± λσ.
-pub fn densities(history: &PixelHistory, slots: &[[u8; MAX_K]], index: usize, moment: Moment) -> Figure {
-    let sides: Vec<_> =
-        moment.sides().iter().map(|&before| (before, standings(history, slots, index, before).0)).collect();
-    let peaks = sides.iter().flat_map(|(_, standings)| standings.iter().map(Standing::peak));
+pub fn densities(history: &PixelHistory, slots: &[[u8; MAX_K]], index: usize, moment: UpdateSide) -> Figure {
+    let sides: Vec<_> = moment
+        .sides()
+        .iter()
+        .map(|&before| (before, component_states(history, slots, index, before).0))
+        .collect();
+    let peaks =
+        sides.iter().flat_map(|(_, component_states)| component_states.iter().map(ComponentState::peak));
     let top = peaks.fold(f64::MIN_POSITIVE, f64::max) * 1.08;
     let lambda = number(history.parameters.lambda);
-    let mut legend = legend(&sides.iter().map(|(_, standings)| &standings[..]).collect::<Vec<_>>());
+    let mut legend =
+        legend(&sides.iter().map(|(_, component_states)| &component_states[..]).collect::<Vec<_>>());
     legend.push(Key { sign: Sign::Line, colour: INK, name: "value X".to_owned() });
     legend.push(Key { sign: Sign::Plate(0.5), colour: GRAY, name: format!("bars: μ ± {lambda}σ") });
     let mut figure = start(history, index, moment, legend);
-    for (column, (before, standings)) in sides.iter().enumerate() {
+    for (column, (before, component_states)) in sides.iter().enumerate() {
         let mut panels = Vec::new();
         for (channel, name) in history.parameters.channel_names().iter().enumerate() {
             let mut y = Axis::new(format!("w·η ({name})"), (0.0, top), 3);
             // Room for the bars under the curves.
             let lane = top * 0.07;
-            y.ends.0 = -lane * (standings.len() as f64 + 0.4);
+            y.ends.0 = -lane * (component_states.len() as f64 + 0.4);
             let levels = [0, 64, 128, 192, 255].map(|level| (f64::from(level), level.to_string()));
             let x = Axis::new("X (levels)", (0.0, 255.0), 4).with_ticks(levels.to_vec());
             let mut panel = Panel::new(x, y);
             if channel == 0 {
                 panel.caption = caption(moment, *before);
             }
-            for (at, standing) in standings.iter().enumerate() {
-                curve(&mut panel, standing, channel);
-                let reach = f64::from(standing.component.reach(history.parameters.lambda));
-                let mean = f64::from(standing.component.mean[channel]);
+            for (at, component_state) in component_states.iter().enumerate() {
+                curve(&mut panel, component_state, channel);
+                let reach = f64::from(component_state.component.reach(history.parameters.lambda));
+                let mean = f64::from(component_state.component.mean[channel]);
                 let (low, high) = (-lane * (at as f64 + 1.2), -lane * (at as f64 + 0.4));
-                let colour = component(standing.slot);
-                let strength = if standing.background { 0.55 } else { 0.25 };
+                let colour = component(component_state.slot);
+                let strength = if component_state.background { 0.55 } else { 0.25 };
                 let bar = Shape::Rects(vec![[mean - reach, low, mean + reach, high]]);
-                panel.draw(format!("band of rank {}", standing.rank), bar, colour, strength);
+                panel.draw(format!("band of rank {}", component_state.rank), bar, colour, strength);
                 let middle =
                     Shape::Line { points: vec![[mean, low], [mean, high]], width: 1.2, dashed: false };
-                panel.draw(format!("mean of rank {}", standing.rank), middle, colour, 1.0);
+                panel.draw(format!("mean of rank {}", component_state.rank), middle, colour, 1.0);
             }
             let value = history.states.get(index).map_or(0.0, |state| state.value[channel]);
             panel.upright("value", value.into(), 1.0, false);
@@ -79,36 +84,46 @@ pub fn densities(history: &PixelHistory, slots: &[[u8; MAX_K]], index: usize, mo
 }
 
 /// The weights as bars in rank order, each beginning where the sum of those above ends, with T and the cut at B.
-pub fn weights(history: &PixelHistory, slots: &[[u8; MAX_K]], index: usize, moment: Moment) -> Figure {
+pub fn weights(history: &PixelHistory, slots: &[[u8; MAX_K]], index: usize, moment: UpdateSide) -> Figure {
     const BAR: f64 = 15.0;
-    let sides: Vec<_> =
-        moment.sides().iter().map(|&before| (before, standings(history, slots, index, before))).collect();
-    let mut legend = legend(&sides.iter().map(|(_, (standings, _))| &standings[..]).collect::<Vec<_>>());
+    let sides: Vec<_> = moment
+        .sides()
+        .iter()
+        .map(|&before| (before, component_states(history, slots, index, before)))
+        .collect();
+    let mut legend =
+        legend(&sides.iter().map(|(_, (component_states, _))| &component_states[..]).collect::<Vec<_>>());
     legend.push(Key {
         sign: Sign::Dashed,
         colour: INK,
-        name: format!("T = {}", number(t_at(history, index, moment == Moment::Before))),
+        name: format!("T = {}", number(t_at(history, index, moment == UpdateSide::Before))),
     });
     let mut figure = start(history, index, moment, legend);
-    let most = sides.iter().map(|(_, (standings, _))| standings.len()).max().unwrap_or(0).max(1);
-    for (column, (before, (standings, count))) in sides.iter().enumerate() {
-        let ranks = standings
-            .iter()
-            .map(|standing| (most as f64 - standing.rank as f64 + 0.5, standing.rank.to_string()));
+    let most =
+        sides.iter().map(|(_, (component_states, _))| component_states.len()).max().unwrap_or(0).max(1);
+    for (column, (before, (component_states, count))) in sides.iter().enumerate() {
+        let ranks = component_states.iter().map(|component_state| {
+            (most as f64 - component_state.rank as f64 + 0.5, component_state.rank.to_string())
+        });
         let y = Axis::new("rank", (0.0, most as f64), 1).with_ticks(ranks.collect());
         let x = Axis::new("w, cumulative in rank order", (0.0, 1.0), 4);
         let mut panel = Panel { grid: false, caption: caption(moment, *before), ..Panel::new(x, y) };
         let mut sum = 0.0;
-        for standing in standings {
-            let (from, top) = (sum, (most + 1 - standing.rank) as f64);
-            sum += f64::from(standing.component.weight);
+        for component_state in component_states {
+            let (from, top) = (sum, (most + 1 - component_state.rank) as f64);
+            sum += f64::from(component_state.component.weight);
             let bar = Shape::Rects(vec![[from, top - 0.88, sum, top - 0.12]]);
-            let strength = if standing.background { 0.75 } else { 0.28 };
-            panel.draw(format!("weight of rank {}", standing.rank), bar, component(standing.slot), strength);
+            let strength = if component_state.background { 0.75 } else { 0.28 };
+            panel.draw(
+                format!("weight of rank {}", component_state.rank),
+                bar,
+                component(component_state.slot),
+                strength,
+            );
             // Where there is room: beside the bar on the side that has more of it.
             let (at, anchor) =
                 if from > 1.0 - sum { (from - 0.015, Anchor::End) } else { (sum + 0.015, Anchor::Start) };
-            let text = format!("{:.3}", standing.component.weight);
+            let text = format!("{:.3}", component_state.component.weight);
             panel.draw("", Shape::Words { at: [at, top - 0.66], text, anchor }, INK, 1.0);
         }
         panel.upright("T", t_at(history, index, *before).into(), 1.0, true);
@@ -121,59 +136,61 @@ pub fn weights(history: &PixelHistory, slots: &[[u8; MAX_K]], index: usize, mome
     figure
 }
 
-fn start(history: &PixelHistory, index: usize, moment: Moment, legend: Vec<Key>) -> Figure {
+fn start(history: &PixelHistory, index: usize, moment: UpdateSide, legend: Vec<Key>) -> Figure {
     let number = history.states.get(index).map_or(0, |state| state.number);
     let when = match moment {
-        Moment::Before => " before the update",
-        Moment::After => " after the update",
-        Moment::Both => "",
+        UpdateSide::Before => " before the update",
+        UpdateSide::After => " after the update",
+        UpdateSide::Both => "",
     };
     let title = format!("{}, frame {number}{when}", pixel_name(history));
-    Figure::new(if moment == Moment::Both { WIDE } else { NARROW }, title, parameters(history), legend)
+    Figure::new(if moment == UpdateSide::Both { WIDE } else { NARROW }, title, parameters(history), legend)
 }
 
-fn caption(moment: Moment, before: bool) -> String {
+fn caption(moment: UpdateSide, before: bool) -> String {
     match (moment, before) {
-        (Moment::Both, true) => "before the update".to_owned(),
-        (Moment::Both, false) => "after the update".to_owned(),
+        (UpdateSide::Both, true) => "before the update".to_owned(),
+        (UpdateSide::Both, false) => "after the update".to_owned(),
         _ => String::new(),
     }
 }
 
 /// The components of the last mixture by rank, each with its rank in the one before where that was another.
-fn legend(sides: &[&[Standing]]) -> Vec<Key> {
+fn legend(sides: &[&[ComponentState]]) -> Vec<Key> {
     let mut keys: Vec<Key> = Vec::new();
     let Some((last, before)) = sides.split_last() else { return keys };
-    for standing in *last {
+    for component_state in *last {
         // A new component has the colour of the one that it replaced, not its place.
-        let same = |other: &&Standing| other.slot == standing.slot && !standing.new;
+        let same = |other: &&ComponentState| other.slot == component_state.slot && !component_state.new;
         let ranked = before.iter().flat_map(|side| side.iter()).find(same).map(|other| other.rank);
         let rank = match ranked {
-            Some(ranked) if ranked != standing.rank => format!("{} (was {ranked})", standing.rank),
-            None if standing.new && !before.is_empty() => format!("{} (new)", standing.rank),
-            _ => standing.rank.to_string(),
+            Some(ranked) if ranked != component_state.rank => {
+                format!("{} (was {ranked})", component_state.rank)
+            }
+            None if component_state.new && !before.is_empty() => format!("{} (new)", component_state.rank),
+            _ => component_state.rank.to_string(),
         };
         let name = if keys.is_empty() { format!("component of rank {rank}") } else { rank };
-        let sign = if standing.background { Sign::Band } else { Sign::Dashed };
-        keys.push(Key { sign, colour: component(standing.slot), name });
+        let sign = if component_state.background { Sign::Band } else { Sign::Dashed };
+        keys.push(Key { sign, colour: component(component_state.slot), name });
     }
     keys.push(Key { sign: Sign::Dashed, colour: GRAY, name: "foreground component".to_owned() });
     keys
 }
 
 /// A component's curve where it is not nothing: filled for background, broken for foreground.
-fn curve(panel: &mut Panel, standing: &Standing, channel: usize) {
+fn curve(panel: &mut Panel, component_state: &ComponentState, channel: usize) {
     let least = panel.y.ends.1 * 1e-3;
     let points: Vec<[f64; 2]> = (0..=STEPS)
         .map(|step| step as f64 * 255.0 / STEPS as f64)
-        .map(|x| [x, standing.marginal(channel, x)])
+        .map(|x| [x, component_state.marginal(channel, x)])
         .collect();
-    let colour = component(standing.slot);
+    let colour = component(component_state.slot);
     for run in points.chunk_by(|a, b| (a[1] > least) == (b[1] > least)).filter(|run| run[0][1] > least) {
         let ends = [[run[run.len() - 1][0], 0.0], [run[0][0], 0.0]];
-        let strength = if standing.background { 0.38 } else { 0.10 };
+        let strength = if component_state.background { 0.38 } else { 0.10 };
         panel.draw("", Shape::Area([run, &ends].concat()), colour, strength);
-        let line = Shape::Line { points: run.to_vec(), width: 1.0, dashed: !standing.background };
-        panel.draw(format!("density of rank {}", standing.rank), line, colour, 1.0);
+        let line = Shape::Line { points: run.to_vec(), width: 1.0, dashed: !component_state.background };
+        panel.draw(format!("density of rank {}", component_state.rank), line, colour, 1.0);
     }
 }

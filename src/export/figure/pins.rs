@@ -3,7 +3,7 @@
 use super::through_time::{COLUMNS, number_at};
 use super::{Axis, Figure, GRAY, INK, Key, Panel, Shape, Sign, WIDE, frames_axis, parameters, verdicts};
 use crate::mixture::PixelHistory;
-use crate::mixture::sparks::{Spark, levels, sparks};
+use crate::mixture::sparklines::{SparklineColumn, level_range, sparkline};
 use crate::palette::identity_on_light;
 
 /// How strongly the band of component 1, and those of the others, are drawn.
@@ -25,14 +25,15 @@ pub fn figure(pins: &[(u8, &PixelHistory)], index: usize) -> Figure {
         key(Sign::Plate(STRENGTHS[0]), GRAY, &band),
         key(Sign::Dashed, INK, "current frame"),
     ];
-    let columns: Vec<Vec<Spark>> = pins.iter().map(|(_, history)| sparks(history, COLUMNS, frames)).collect();
+    let columns: Vec<Vec<SparklineColumn>> =
+        pins.iter().map(|(_, history)| sparkline(history, COLUMNS, frames)).collect();
     legend.extend(verdicts::legend(columns.iter().flatten().map(|spark| spark.foreground)));
     let description = longest.map(parameters).unwrap_or_default();
     let mut figure = Figure::new(WIDE, title, description, legend);
     let ends = if frames == 0 { (0.5, 1.5) } else { (f64::from(first) - 0.5, f64::from(last) + 0.5) };
     let mut panels = Vec::new();
     for ((pin, history), sparks) in pins.iter().zip(&columns) {
-        let (low, high) = levels(sparks);
+        let (low, high) = level_range(sparks);
         let mut panel = Panel::new(
             frames_axis(ends),
             Axis::new(format!("P{pin} (levels)"), (low.into(), high.into()), 3),
@@ -63,13 +64,13 @@ pub fn figure(pins: &[(u8, &PixelHistory)], index: usize) -> Figure {
 }
 
 /// A frame takes from half before its number to half after it.
-fn edges(history: &PixelHistory, spark: &Spark) -> [f64; 2] {
+fn edges(history: &PixelHistory, spark: &SparklineColumn) -> [f64; 2] {
     let from = f64::from(number_at(history, spark.frames.start)) - 0.5;
     [from, f64::from(number_at(history, spark.frames.end.saturating_sub(1))) + 0.5]
 }
 
 /// The reach of the background components, those of one rank as one thing.
-fn bands(panel: &mut Panel, history: &PixelHistory, sparks: &[Spark], colour: crate::regions::Rgb) {
+fn bands(panel: &mut Panel, history: &PixelHistory, sparks: &[SparklineColumn], colour: crate::regions::Rgb) {
     let most = sparks.iter().map(|spark| spark.bands.len()).max().unwrap_or(0);
     for rank in 0..most {
         let rects = sparks.iter().filter_map(|spark| {

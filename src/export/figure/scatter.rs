@@ -3,31 +3,42 @@
 use super::{
     Anchor, Axis, Figure, GRAY, INK, Key, NARROW, Panel, Shape, Sign, component, parameters, pixel_name,
 };
-use crate::mixture::places::{AGES, By, Choice, Kind, Place, Space, place, places};
-use crate::mixture::standing::{Standing, standings};
+use crate::mixture::component_states::{ComponentState, component_states};
+use crate::mixture::scatter_points::{
+    AGES, PointGrouping, PointKind, ScatterPoint, ScatterSelection, ScatterSpace, coordinates_of,
+    scatter_points,
+};
 use crate::mixture::verdict::number;
 use crate::mixture::{MAX_K, PixelHistory};
 use crate::palette::verdict_colour;
 use crate::regions::Rgb;
 
 /// The figure of a plane: the places, each component's reach λσ at the frame in view, and its value.
-pub fn figure(history: &PixelHistory, slots: &[[u8; MAX_K]], choice: &Choice, index: usize) -> Figure {
+pub fn figure(
+    history: &PixelHistory,
+    slots: &[[u8; MAX_K]],
+    choice: &ScatterSelection,
+    index: usize,
+) -> Figure {
     let (x, y) = match choice.space {
-        Space::Plane(x, y) => (x.min(2), y.min(2)),
-        Space::Cube | Space::Next => (0, 0),
+        ScatterSpace::Plane(x, y) => (x.min(2), y.min(2)),
+        ScatterSpace::Cube | ScatterSpace::Next => (0, 0),
     };
     let gray = x == y;
-    let mut places = places(history, slots, choice);
-    let (standings, _) = standings(history, slots, index, false);
-    let here = place(history, index, choice.space);
+    let mut places = scatter_points(history, slots, choice);
+    let (component_states, _) = component_states(history, slots, index, false);
+    let here = coordinates_of(history, index, choice.space);
 
     let mut range = Range::default();
     for place in &places {
         range.take([place.at[0].into(), place.at[1].into()], 2.0);
     }
-    for standing in &standings {
-        let reach = f64::from(standing.component.reach(history.parameters.lambda));
-        range.take([standing.component.mean[x].into(), standing.component.mean[y].into()], reach + 2.0);
+    for component_state in &component_states {
+        let reach = f64::from(component_state.component.reach(history.parameters.lambda));
+        range.take(
+            [component_state.component.mean[x].into(), component_state.component.mean[y].into()],
+            reach + 2.0,
+        );
     }
     let [across, up] = range.square();
     let names = if gray {
@@ -39,7 +50,7 @@ pub fn figure(history: &PixelHistory, slots: &[[u8; MAX_K]], choice: &Choice, in
         NARROW,
         title(history, choice),
         parameters(history),
-        legend(history, choice, &standings, gray),
+        legend(history, choice, &component_states, gray),
     );
     let [x_name, y_name] = names;
     let mut panel = Panel::new(Axis::new(x_name, across, 6), Axis::new(y_name, up, 6));
@@ -49,18 +60,19 @@ pub fn figure(history: &PixelHistory, slots: &[[u8; MAX_K]], choice: &Choice, in
         let radius = if sign == Sign::Ring { 1.5 } else { 1.2 };
         panel.draw(name, Shape::Dots { places, radius, sign }, colour, opacity);
     }
-    for standing in &standings {
-        let reach = f64::from(standing.component.reach(history.parameters.lambda));
-        let (mx, my) = (f64::from(standing.component.mean[x]), f64::from(standing.component.mean[y]));
+    for component_state in &component_states {
+        let reach = f64::from(component_state.component.reach(history.parameters.lambda));
+        let (mx, my) =
+            (f64::from(component_state.component.mean[x]), f64::from(component_state.component.mean[y]));
         let points = outline([mx, my], reach, gray);
-        let (colour, dashed) = (component(standing.slot), !standing.background);
+        let (colour, dashed) = (component(component_state.slot), !component_state.background);
         panel.draw(
-            format!("reach of rank {}", standing.rank),
+            format!("reach of rank {}", component_state.rank),
             Shape::Line { points, width: 1.1, dashed },
             colour,
             1.0,
         );
-        let (text, anchor) = (standing.rank.to_string(), Anchor::Middle);
+        let (text, anchor) = (component_state.rank.to_string(), Anchor::Middle);
         let lift = (up.1 - up.0) * 0.012;
         panel.draw("", Shape::Words { at: [mx, my + reach + lift], text, anchor }, colour, 1.0);
     }
@@ -74,7 +86,7 @@ pub fn figure(history: &PixelHistory, slots: &[[u8; MAX_K]], choice: &Choice, in
 }
 
 /// `pixel (5, 4), frames 1–500`.
-pub(super) fn title(history: &PixelHistory, choice: &Choice) -> String {
+pub(super) fn title(history: &PixelHistory, choice: &ScatterSelection) -> String {
     let states = history.states.get(choice.frames.start..choice.frames.end.min(history.states.len()));
     let numbers = states.and_then(|states| Some((states.first()?.number, states.last()?.number)));
     let (from, to) = numbers.unwrap_or((0, 0));
@@ -82,20 +94,20 @@ pub(super) fn title(history: &PixelHistory, choice: &Choice) -> String {
 }
 
 /// Places of one look together, in the order in which they are drawn.
-fn groups(places: &mut [Place]) -> impl Iterator<Item = (String, &[Place])> {
+fn groups(places: &mut [ScatterPoint]) -> impl Iterator<Item = (String, &[ScatterPoint])> {
     places.sort_by_key(|place| (place.kind, density(place.count)));
     let runs = places.chunk_by(|a, b| a.kind == b.kind && density(a.count) == density(b.count));
     runs.map(|run| (kind_name(run[0].kind), run))
 }
 
-fn kind_name(kind: Kind) -> String {
+fn kind_name(kind: PointKind) -> String {
     let verdict = |foreground| if foreground { "foreground" } else { "background" };
     match kind {
-        Kind::Component { slot, foreground } => {
+        PointKind::Component { slot, foreground } => {
             format!("values of component {}, {}", slot + 1, verdict(foreground))
         }
-        Kind::Verdict { foreground } => format!("values, {}", verdict(foreground)),
-        Kind::Age(age) => format!("values of age {} of {AGES}", age + 1),
+        PointKind::Verdict { foreground } => format!("values, {}", verdict(foreground)),
+        PointKind::Age(age) => format!("values of age {} of {AGES}", age + 1),
     }
 }
 
@@ -109,13 +121,13 @@ pub const fn density(count: u32) -> usize {
 }
 
 /// Colour, sign and opacity of a place.
-pub(super) fn look(place: &Place) -> (Rgb, Sign, f64) {
+pub(super) fn look(place: &ScatterPoint) -> (Rgb, Sign, f64) {
     let strength = [0.5, 0.7, 0.95][density(place.count)];
     match place.kind {
-        Kind::Component { slot, foreground: true } => (component(slot), Sign::Ring, 1.0),
-        Kind::Component { slot, .. } => (component(slot), Sign::Dot, strength),
-        Kind::Verdict { foreground } => (verdict_colour(foreground, false), Sign::Dot, strength),
-        Kind::Age(age) => (age_colour(age), Sign::Dot, strength.max(0.8)),
+        PointKind::Component { slot, foreground: true } => (component(slot), Sign::Ring, 1.0),
+        PointKind::Component { slot, .. } => (component(slot), Sign::Dot, strength),
+        PointKind::Verdict { foreground } => (verdict_colour(foreground, false), Sign::Dot, strength),
+        PointKind::Age(age) => (age_colour(age), Sign::Dot, strength.max(0.8)),
     }
 }
 
@@ -128,29 +140,29 @@ fn age_colour(age: u8) -> Rgb {
 /// What the signs of a scatter plot mean.
 pub(super) fn legend(
     history: &PixelHistory,
-    choice: &Choice,
-    standings: &[Standing],
+    choice: &ScatterSelection,
+    component_states: &[ComponentState],
     gray: bool,
 ) -> Vec<Key> {
     let key = |sign, colour, name: &str| Key { sign, colour, name: name.to_owned() };
     let mut keys = Vec::new();
     match choice.by {
-        By::Component => {
-            for standing in standings {
-                let name = if standing.rank == 1 {
+        PointGrouping::Component => {
+            for component_state in component_states {
+                let name = if component_state.rank == 1 {
                     "component of rank 1".to_owned()
                 } else {
-                    standing.rank.to_string()
+                    component_state.rank.to_string()
                 };
-                keys.push(key(Sign::Dot, component(standing.slot), &name));
+                keys.push(key(Sign::Dot, component(component_state.slot), &name));
             }
             keys.push(key(Sign::Ring, GRAY, "foreground"));
         }
-        By::Verdict => {
+        PointGrouping::Verdict => {
             keys.push(key(Sign::Dot, verdict_colour(false, false), "background"));
             keys.push(key(Sign::Dot, verdict_colour(true, false), "foreground"));
         }
-        By::Time => {
+        PointGrouping::Time => {
             keys.push(key(Sign::Dot, age_colour(0), "first frames"));
             keys.push(key(Sign::Dot, age_colour(AGES - 1), "last frames"));
         }

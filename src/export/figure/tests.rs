@@ -7,13 +7,13 @@ use std::collections::BTreeSet;
 use ::svg::parser::Event;
 
 use super::cube::{Look, Turn};
-use super::mixture::{Moment, densities, weights};
+use super::mixture::{UpdateSide, densities, weights};
 use super::{Figure, Sign, cube, pins, region, scatter, svg, through_time, tuning};
 use crate::export::pixel_csv;
-use crate::mixture::follow::{Change, change, slots};
-use crate::mixture::places::{By, Choice, Space};
-use crate::mixture::standing::standings;
-use crate::mixture::tuning::{Knob, map};
+use crate::mixture::component_slots::{ComponentChange, component_change, slots_by_rank};
+use crate::mixture::component_states::component_states;
+use crate::mixture::scatter_points::{PointGrouping, ScatterSelection, ScatterSpace};
+use crate::mixture::tuning::{TunableSetting, map};
 use crate::mixture::{MAX_K, Parameters, PixelHistory};
 use crate::palette::component_on_light;
 use crate::replay::RegionShares;
@@ -138,8 +138,8 @@ fn csv(history: &PixelHistory) -> impl Fn(&str) -> Vec<f64> {
 fn a_history_drawn_and_the_table_of_the_command_line_have_the_same_numbers() {
     let history = history_of(&settings(), 400);
     let column = csv(&history);
-    let choice = through_time::Choice { frames: 0..400, index: 230, fit: false };
-    let panels = panels(&svg::write(&through_time::figure(&history, &slots(&history), &choice)));
+    let choice = through_time::HistorySelection { frames: 0..400, index: 230, fit: false };
+    let panels = panels(&svg::write(&through_time::figure(&history, &slots_by_rank(&history), &choice)));
     assert_eq!(panels.len(), 8, "three channels, weights, B, ρ, changes, verdict");
     let frames = column("frame");
     for (panel, channel) in panels.iter().zip(["r", "g", "b"]) {
@@ -195,8 +195,8 @@ fn a_history_drawn_and_the_table_of_the_command_line_have_the_same_numbers() {
 #[test]
 fn a_part_of_a_history_has_its_own_frames_and_a_long_one_loses_nothing_brief() {
     let history = history_of(&settings(), 400);
-    let choice = through_time::Choice { frames: 100..150, index: 10, fit: true };
-    let part = through_time::figure(&history, &slots(&history), &choice);
+    let choice = through_time::HistorySelection { frames: 100..150, index: 10, fit: true };
+    let part = through_time::figure(&history, &slots_by_rank(&history), &choice);
     assert_eq!(part.title, "pixel (5, 4), frames 101–150");
     let panels_of_part = panels(&svg::write(&part));
     near(panels_of_part[0].ends[0][0], 100.5, 0.0);
@@ -205,8 +205,8 @@ fn a_part_of_a_history_has_its_own_frames_and_a_long_one_loses_nothing_brief() {
 
     let colours = (1..=20_000).map(|n| (n, if n == 7777 { [250; 3] } else { [60 + (n % 4) as u8; 3] }));
     let long = PixelHistory::of_colours((1, 1), Parameters::new(&settings()), colours);
-    let choice = through_time::Choice { frames: 0..20_000, index: 3, fit: false };
-    let text = svg::write(&through_time::figure(&long, &slots(&long), &choice));
+    let choice = through_time::HistorySelection { frames: 0..20_000, index: 3, fit: false };
+    let text = svg::write(&through_time::figure(&long, &slots_by_rank(&long), &choice));
     assert!(text.len() < 2_000_000, "{}", text.len());
     let line = panels(&text)[0].corners("value R").remove(0);
     let highest = line.iter().max_by(|a, b| a[1].total_cmp(&b[1])).unwrap();
@@ -217,29 +217,29 @@ fn a_part_of_a_history_has_its_own_frames_and_a_long_one_loses_nothing_brief() {
 #[test]
 fn densities_and_weights_are_those_of_the_mixture() {
     let history = history_of(&settings(), 400);
-    let slots = slots(&history);
-    for (moment, index) in [(Moment::Before, 225), (Moment::After, 225), (Moment::Both, 300)] {
+    let slots = slots_by_rank(&history);
+    for (moment, index) in [(UpdateSide::Before, 225), (UpdateSide::After, 225), (UpdateSide::Both, 300)] {
         let text = svg::write(&densities(&history, &slots, index, moment));
         let panels_of = panels(&text);
         let weights = panels(&svg::write(&weights(&history, &slots, index, moment)));
         for (column, &before) in moment.sides().iter().enumerate() {
-            let (standings, count) = standings(&history, &slots, index, before);
+            let (component_states, count) = component_states(&history, &slots, index, before);
             let mut sum = 0.0;
-            for standing in &standings {
+            for component_state in &component_states {
                 for channel in 0..3 {
                     let panel = &panels_of[3 * column + channel];
-                    for point in &panel.corners(&format!("density of rank {}", standing.rank))[0] {
-                        near(point[1], standing.marginal(channel, point[0]), 2e-5);
+                    for point in &panel.corners(&format!("density of rank {}", component_state.rank))[0] {
+                        near(point[1], component_state.marginal(channel, point[0]), 2e-5);
                     }
-                    let band = &panel.corners(&format!("band of rank {}", standing.rank))[0];
-                    let reach = 2.5 * f64::from(standing.component.sigma());
-                    near(band[0][0], f64::from(standing.component.mean[channel]) - reach, 5e-3);
-                    near(band[1][0], f64::from(standing.component.mean[channel]) + reach, 5e-3);
+                    let band = &panel.corners(&format!("band of rank {}", component_state.rank))[0];
+                    let reach = 2.5 * f64::from(component_state.component.sigma());
+                    near(band[0][0], f64::from(component_state.component.mean[channel]) - reach, 5e-3);
+                    near(band[1][0], f64::from(component_state.component.mean[channel]) + reach, 5e-3);
                     near(panel.corners("value")[0][0][0], history.states[index].value[channel].into(), 5e-3);
                 }
-                let bar = &weights[column].corners(&format!("weight of rank {}", standing.rank))[0];
+                let bar = &weights[column].corners(&format!("weight of rank {}", component_state.rank))[0];
                 near(bar[0][0], sum, 1e-4);
-                sum += f64::from(standing.component.weight);
+                sum += f64::from(component_state.component.weight);
                 near(bar[1][0], sum, 1e-4);
             }
             let cut = weights[column].corners("B")[0][0][1];
@@ -259,8 +259,8 @@ fn a_long_history_shows_how_much_of_a_column_is_foreground() {
     let parameters = Parameters::new(&settings());
     let long = PixelHistory::of_colours((1, 1), parameters, (1..=20_000).map(|n| (n, colour(n))));
     let of = |history: &PixelHistory, frames: usize| {
-        let choice = through_time::Choice { frames: 0..frames, index: 3, fit: false };
-        let figure = through_time::figure(history, &slots(history), &choice);
+        let choice = through_time::HistorySelection { frames: 0..frames, index: 3, fit: false };
+        let figure = through_time::figure(history, &slots_by_rank(history), &choice);
         let strip = figure.panels.last().unwrap();
         let strengths: Vec<_> = strip
             .marks
@@ -289,31 +289,34 @@ fn a_long_history_shows_how_much_of_a_column_is_foreground() {
 #[test]
 fn a_legend_of_both_mixtures_has_both_ranks() {
     let history = history_of(&settings(), 400);
-    let slots = slots(&history);
-    let rose = |index: &usize| matches!(change(&history, *index), Some(Change::Rose { .. }));
+    let slots = slots_by_rank(&history);
+    let rose =
+        |index: &usize| matches!(component_change(&history, *index), Some(ComponentChange::Rose { .. }));
     let index = (1..400).find(rose).unwrap();
-    let (was, is) = match change(&history, index) {
-        Some(Change::Rose { from, to }) => (from, to),
+    let (was, is) = match component_change(&history, index) {
+        Some(ComponentChange::Rose { from, to }) => (from, to),
         other => panic!("{other:?}"),
     };
-    for figure in [densities, weights].map(|of| of(&history, &slots, index, Moment::Both)) {
+    for figure in [densities, weights].map(|of| of(&history, &slots, index, UpdateSide::Both)) {
         let names: Vec<_> = figure.legend.iter().map(|key| key.name.as_str()).collect();
         assert!(names.iter().any(|name| name.ends_with(&format!("{is} (was {was})"))), "{names:?}");
-        for standing in standings(&history, &slots, index, false).0 {
-            let key = &figure.legend[standing.rank - 1];
-            assert_eq!(key.colour, component_on_light(standing.slot.into()), "{names:?}");
-            assert!(key.name.contains(&standing.rank.to_string()), "{names:?}");
-            assert_eq!(key.sign == Sign::Band, standing.background, "as after the update: {names:?}");
+        for component_state in component_states(&history, &slots, index, false).0 {
+            let key = &figure.legend[component_state.rank - 1];
+            assert_eq!(key.colour, component_on_light(component_state.slot.into()), "{names:?}");
+            assert!(key.name.contains(&component_state.rank.to_string()), "{names:?}");
+            assert_eq!(key.sign == Sign::Band, component_state.background, "as after the update: {names:?}");
         }
     }
-    let made = (1..400).find(|&index| change(&history, index) == Some(Change::Replaced)).unwrap_or(1);
+    let made = (1..400)
+        .find(|&index| component_change(&history, index) == Some(ComponentChange::Replaced))
+        .unwrap_or(1);
     let new = usize::from(history.states[made].outcome.rank);
     let names: Vec<_> =
-        weights(&history, &slots, made, Moment::Both).legend.into_iter().map(|key| key.name).collect();
+        weights(&history, &slots, made, UpdateSide::Both).legend.into_iter().map(|key| key.name).collect();
     let expected = history.states[made].outcome.matched == 0;
     assert_eq!(names[new - 1].ends_with("(new)"), expected, "frame {made}: {names:?}");
     // One mixture has one set of ranks.
-    for moment in [Moment::Before, Moment::After] {
+    for moment in [UpdateSide::Before, UpdateSide::After] {
         let legend = densities(&history, &slots, index, moment).legend;
         assert!(legend.iter().all(|key| !key.name.contains('(')), "{legend:?}");
     }
@@ -395,8 +398,8 @@ fn the_shares_around_a_pixel_and_pinned_pixels_are_drawn_frame_by_frame() {
     }
 }
 
-fn everywhere(space: Space, by: By) -> Choice {
-    Choice { space, frames: 0..400, by }
+fn everywhere(space: ScatterSpace, by: PointGrouping) -> ScatterSelection {
+    ScatterSelection { space, frames: 0..400, by }
 }
 
 /// All dots of a panel, as whole levels.
@@ -409,13 +412,17 @@ fn dots(panel: &Panel) -> BTreeSet<[i32; 2]> {
 #[test]
 fn every_value_is_a_dot_of_a_scatter_plot() {
     let history = history_of(&settings(), 400);
-    let slots = slots(&history);
+    let slots = slots_by_rank(&history);
     let values: Vec<[i32; 3]> =
         history.states.iter().map(|state| state.value.map(|level| level as i32)).collect();
-    for by in [By::Component, By::Verdict, By::Time] {
+    for by in [PointGrouping::Component, PointGrouping::Verdict, PointGrouping::Time] {
         for (x, y) in [(0, 1), (1, 2), (0, 2)] {
-            let text =
-                svg::write(&scatter::figure(&history, &slots, &everywhere(Space::Plane(x, y), by), 230));
+            let text = svg::write(&scatter::figure(
+                &history,
+                &slots,
+                &everywhere(ScatterSpace::Plane(x, y), by),
+                230,
+            ));
             let expected = values.iter().map(|value| [value[x], value[y]]).collect();
             let panel = &panels(&text)[0];
             assert_eq!(dots(panel), expected, "{x} {y} {by:?}");
@@ -429,8 +436,13 @@ fn every_value_is_a_dot_of_a_scatter_plot() {
         }
     }
     let gray = history_of(&Settings { space: Channels::Gray, ..settings() }, 400);
-    let slots = self::slots(&gray);
-    let text = svg::write(&scatter::figure(&gray, &slots, &everywhere(Space::Next, By::Verdict), 230));
+    let slots = self::slots_by_rank(&gray);
+    let text = svg::write(&scatter::figure(
+        &gray,
+        &slots,
+        &everywhere(ScatterSpace::Next, PointGrouping::Verdict),
+        230,
+    ));
     let expected =
         gray.states.windows(2).map(|pair| [pair[0].value[0] as i32, pair[1].value[0] as i32]).collect();
     assert_eq!(dots(&panels(&text)[0]), expected);
@@ -439,9 +451,10 @@ fn every_value_is_a_dot_of_a_scatter_plot() {
 #[test]
 fn a_cube_seen_from_the_front_is_the_plane_of_r_and_b() {
     let history = history_of(&settings(), 400);
-    let slots = slots(&history);
+    let slots = slots_by_rank(&history);
     let look = Look { turn: Turn { yaw: 0.0, pitch: 0.0 }, fit: false };
-    let figure = cube::figure(&history, &slots, &everywhere(Space::Cube, By::Verdict), 230, look);
+    let figure =
+        cube::figure(&history, &slots, &everywhere(ScatterSpace::Cube, PointGrouping::Verdict), 230, look);
     let panel = &panels(&svg::write(&figure))[0];
     let drawn: BTreeSet<[i32; 2]> = panel
         .corners("values")
@@ -458,7 +471,7 @@ fn a_cube_seen_from_the_front_is_the_plane_of_r_and_b() {
 fn every_cell_of_a_map_is_drawn_once_with_its_verdict() {
     let history = history_of(&settings(), 230);
     let values: Vec<_> = history.states.iter().map(|state| state.value).collect();
-    let map = map(&values, &history.parameters, [Knob::T, Knob::K]);
+    let map = map(&values, &history.parameters, [TunableSetting::T, TunableSetting::K]);
     let panel = &panels(&svg::write(&tuning::figure(&history, &map, 229)))[0];
     let mut seen = 0;
     for (foreground, name) in [(false, "background"), (true, "foreground")] {
@@ -477,32 +490,55 @@ fn every_cell_of_a_map_is_drawn_once_with_its_verdict() {
 /// One figure of each sort, in colour and in gray.
 fn all() -> Vec<(&'static str, Figure)> {
     let history = history_of(&settings(), 400);
-    let of = slots(&history);
+    let of = slots_by_rank(&history);
     let crowded = Settings { space: Channels::Gray, k: 8, initial_sigma: 4.0, min_sigma: 1.0, ..settings() };
     let gray = history_of(&crowded, 300);
-    let of_gray = slots(&gray);
+    let of_gray = slots_by_rank(&gray);
     let values: Vec<_> = history.states[..=230].iter().map(|state| state.value).collect();
-    let maps = [[Knob::Alpha, Knob::T], [Knob::Lambda, Knob::K]]
+    let maps = [[TunableSetting::Alpha, TunableSetting::T], [TunableSetting::Lambda, TunableSetting::K]]
         .map(|knobs| map(&values, &history.parameters, knobs));
     let look = Look { turn: Turn::default(), fit: true };
-    let part = |frames, fit| through_time::Choice { frames, index: 230, fit };
+    let part = |frames, fit| through_time::HistorySelection { frames, index: 230, fit };
     vec![
         ("history", through_time::figure(&history, &of, &part(0..400, false))),
         ("history-part", through_time::figure(&history, &of, &part(200..260, true))),
         ("history-gray", through_time::figure(&gray, &of_gray, &part(0..300, false))),
-        ("densities", densities(&history, &of, 230, Moment::After)),
-        ("densities-both", densities(&history, &of, 230, Moment::Both)),
-        ("densities-gray", densities(&gray, &of_gray, 230, Moment::Before)),
-        ("weights", weights(&history, &of, 230, Moment::After)),
-        ("weights-both", weights(&history, &of, 230, Moment::Both)),
-        ("weights-gray", weights(&gray, &of_gray, 230, Moment::After)),
-        ("scatter", scatter::figure(&history, &of, &everywhere(Space::Plane(0, 1), By::Component), 230)),
-        ("scatter-time", scatter::figure(&history, &of, &everywhere(Space::Plane(1, 2), By::Time), 230)),
-        ("scatter-gray", scatter::figure(&gray, &of_gray, &everywhere(Space::Next, By::Verdict), 230)),
-        ("cube", cube::figure(&history, &of, &everywhere(Space::Cube, By::Component), 230, look)),
+        ("densities", densities(&history, &of, 230, UpdateSide::After)),
+        ("densities-both", densities(&history, &of, 230, UpdateSide::Both)),
+        ("densities-gray", densities(&gray, &of_gray, 230, UpdateSide::Before)),
+        ("weights", weights(&history, &of, 230, UpdateSide::After)),
+        ("weights-both", weights(&history, &of, 230, UpdateSide::Both)),
+        ("weights-gray", weights(&gray, &of_gray, 230, UpdateSide::After)),
+        (
+            "scatter",
+            scatter::figure(
+                &history,
+                &of,
+                &everywhere(ScatterSpace::Plane(0, 1), PointGrouping::Component),
+                230,
+            ),
+        ),
+        (
+            "scatter-time",
+            scatter::figure(&history, &of, &everywhere(ScatterSpace::Plane(1, 2), PointGrouping::Time), 230),
+        ),
+        (
+            "scatter-gray",
+            scatter::figure(&gray, &of_gray, &everywhere(ScatterSpace::Next, PointGrouping::Verdict), 230),
+        ),
+        (
+            "cube",
+            cube::figure(&history, &of, &everywhere(ScatterSpace::Cube, PointGrouping::Component), 230, look),
+        ),
         (
             "cube-time",
-            cube::figure(&history, &of, &everywhere(Space::Cube, By::Time), 230, Look { fit: false, ..look }),
+            cube::figure(
+                &history,
+                &of,
+                &everywhere(ScatterSpace::Cube, PointGrouping::Time),
+                230,
+                Look { fit: false, ..look },
+            ),
         ),
         ("tuning", tuning::figure(&history, &maps[0], 230)),
         ("tuning-k", tuning::figure(&history, &maps[1], 230)),

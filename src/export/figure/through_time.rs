@@ -6,8 +6,8 @@ use super::{
     Axis, Figure, GRAY, INK, Key, Panel, Shape, Sign, WIDE, component, frames_axis, parameters, pixel_name,
     verdicts,
 };
-use crate::mixture::bins::{Bin, bins, rate_range, value_range};
-use crate::mixture::standing::standings;
+use crate::mixture::component_states::component_states;
+use crate::mixture::downsampled_history::{HistoryColumn, downsample, rate_range, value_range};
 use crate::mixture::verdict::number;
 use crate::mixture::{MAX_K, PixelHistory};
 
@@ -16,7 +16,7 @@ pub const COLUMNS: usize = 1500;
 
 /// What is drawn of a history.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Choice {
+pub struct HistorySelection {
     /// Positions of the frames.
     pub frames: Range<usize>,
     /// The position of the frame in view.
@@ -26,8 +26,8 @@ pub struct Choice {
 }
 
 /// The figure. Up to [`COLUMNS`] frames are drawn one by one, more as the range that some of them span.
-pub fn figure(history: &PixelHistory, slots: &[[u8; MAX_K]], choice: &Choice) -> Figure {
-    let bins = bins(history, slots, choice.frames.clone(), COLUMNS);
+pub fn figure(history: &PixelHistory, slots: &[[u8; MAX_K]], choice: &HistorySelection) -> Figure {
+    let bins = downsample(history, slots, choice.frames.clone(), COLUMNS);
     let drawing = Drawing { history, bins: &bins };
     let ends = drawing.ends();
     let title = format!("{}, frames {}–{}", pixel_name(history), number_at(history, choice.frames.start), {
@@ -94,38 +94,38 @@ pub(super) fn number_at(history: &PixelHistory, index: usize) -> u32 {
     history.states.get(index).map_or(0, |state| state.number)
 }
 
-fn legend(history: &PixelHistory, slots: &[[u8; MAX_K]], bins: &[Bin], index: usize) -> Vec<Key> {
+fn legend(history: &PixelHistory, slots: &[[u8; MAX_K]], bins: &[HistoryColumn], index: usize) -> Vec<Key> {
     let lambda = number(history.parameters.lambda);
     let key = |sign, colour, name: &str| Key { sign, colour, name: name.to_owned() };
     let mut keys = vec![key(Sign::Line, INK, "value X")];
     // A component keeps its colour through changes of rank.
-    for standing in standings(history, slots, index, false).0 {
-        let name = if standing.rank == 1 {
+    for component_state in component_states(history, slots, index, false).0 {
+        let name = if component_state.rank == 1 {
             format!("μ ± {lambda}σ and w of rank 1 at frame {}", number_at(history, index))
         } else {
-            standing.rank.to_string()
+            component_state.rank.to_string()
         };
-        keys.push(key(Sign::Band, component(standing.slot), &name));
+        keys.push(key(Sign::Band, component(component_state.slot), &name));
     }
     keys.push(key(Sign::Dashed, GRAY, "foreground component (pale)"));
-    keys.extend(verdicts::legend(bins.iter().map(Bin::foreground_share)));
+    keys.extend(verdicts::legend(bins.iter().map(HistoryColumn::foreground_share)));
     keys.push(key(Sign::Dashed, INK, "T; current frame"));
     keys
 }
 
 struct Drawing<'a> {
     history: &'a PixelHistory,
-    bins: &'a [Bin],
+    bins: &'a [HistoryColumn],
 }
 
 impl Drawing<'_> {
     /// A frame takes from half before its number to half after it.
-    fn edges(&self, bin: &Bin) -> (f64, f64) {
+    fn edges(&self, bin: &HistoryColumn) -> (f64, f64) {
         let from = f64::from(number_at(self.history, bin.frames.start)) - 0.5;
         (from, f64::from(number_at(self.history, bin.frames.end.saturating_sub(1))) + 0.5)
     }
 
-    fn middle(&self, bin: &Bin) -> f64 {
+    fn middle(&self, bin: &HistoryColumn) -> f64 {
         let (from, to) = self.edges(bin);
         f64::midpoint(from, to)
     }
@@ -141,20 +141,21 @@ impl Drawing<'_> {
     fn bands(&self, panel: &mut Panel, channel: usize) {
         let mut means = Vec::new();
         for slot in 0..MAX_K {
-            let side = |bin: &Bin| bin.bands[slot].map(|band| band.background);
+            let side = |bin: &HistoryColumn| bin.bands[slot].map(|band| band.background);
             for run in self.bins.chunk_by(|a, b| side(a) == side(b) && !b.made[slot]) {
                 let (Some(first), Some(last)) = (run.first(), run.last()) else { continue };
                 let Some(background) = side(first) else { continue };
                 let (from, to) = (self.edges(first).0, self.edges(last).1);
-                let along = |of: &dyn Fn(&crate::mixture::bins::Band) -> f32| -> Vec<[f64; 2]> {
-                    let middle = run
-                        .iter()
-                        .filter_map(|bin| Some([self.middle(bin), f64::from(of(bin.bands[slot].as_ref()?))]));
-                    let middle: Vec<_> = middle.collect();
-                    let ends = middle.first().zip(middle.last()).map(|(a, b)| ([from, a[1]], [to, b[1]]));
-                    let Some((start, end)) = ends else { return middle };
-                    [vec![start], middle, vec![end]].concat()
-                };
+                let along =
+                    |of: &dyn Fn(&crate::mixture::downsampled_history::Band) -> f32| -> Vec<[f64; 2]> {
+                        let middle = run.iter().filter_map(|bin| {
+                            Some([self.middle(bin), f64::from(of(bin.bands[slot].as_ref()?))])
+                        });
+                        let middle: Vec<_> = middle.collect();
+                        let ends = middle.first().zip(middle.last()).map(|(a, b)| ([from, a[1]], [to, b[1]]));
+                        let Some((start, end)) = ends else { return middle };
+                        [vec![start], middle, vec![end]].concat()
+                    };
                 let mut area = along(&|band| band.range[channel].1);
                 area.extend(along(&|band| band.range[channel].0).into_iter().rev());
                 let (colour, name) = (component(slot as u8), slot + 1);
@@ -186,12 +187,12 @@ impl Drawing<'_> {
     /// The weights stacked in rank order.
     fn weights(&self, panel: &mut Panel) {
         for rank in 0..MAX_K {
-            let here = |bin: &Bin| {
+            let here = |bin: &HistoryColumn| {
                 bin.weights.get(rank).map(|&(slot, _)| (slot, rank < usize::from(bin.background_count)))
             };
             for run in self.bins.chunk_by(|a, b| here(a) == here(b)) {
                 let Some((slot, background)) = run.first().and_then(here) else { continue };
-                let sum = |bin: &Bin, ranks: usize| -> f64 {
+                let sum = |bin: &HistoryColumn, ranks: usize| -> f64 {
                     bin.weights.iter().take(ranks).map(|&(_, weight)| f64::from(weight)).sum()
                 };
                 let steps = |ranks: usize| {

@@ -2,7 +2,7 @@
 
 use super::{Axis, Figure, INK, Key, NARROW, Panel, Shape, Sign, parameters, pixel_name};
 use crate::mixture::PixelHistory;
-use crate::mixture::tuning::{Axis as Side, Map};
+use crate::mixture::tuning::{SettingAxis as Side, VerdictMap};
 use crate::palette::{ramp, verdict_colour};
 use crate::truth::decisions::{Decisions, Measure};
 
@@ -12,7 +12,7 @@ const STRENGTHS: [f64; 2] = [0.34, 0.8];
 const STEPS: usize = 17;
 
 /// The figure of the map about `history` at the frame in view.
-pub fn figure(history: &PixelHistory, map: &Map, index: usize) -> Figure {
+pub fn figure(history: &PixelHistory, map: &VerdictMap, index: usize) -> Figure {
     let frame = history.states.get(index).map_or(0, |state| state.number);
     let colour = |foreground| verdict_colour(foreground, false);
     let legend = vec![

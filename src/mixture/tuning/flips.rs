@@ -2,22 +2,22 @@
 
 use rayon::prelude::*;
 
-use super::{Ending, Knob, Round, rounded, run};
+use super::{Rounding, RunOutcome, TunableSetting, rounded, run};
 use crate::mixture::pixel::{Parameters, Value};
 
-/// In so many steps the nearest flip is looked for on each side of the present value.
-const STEPS: usize = 24;
-/// How often the step with the flip is halved.
-const HALVINGS: usize = 14;
-/// A value is given with as few significant digits as will do, of these.
-const FEWEST_DIGITS: i32 = 3;
-const MOST_DIGITS: i32 = 5;
+/// Steps of the search on each side of the present value.
+const MAX_STEPS: usize = 24;
+/// Bisections of the step with the flip.
+const MAX_BISECTIONS: usize = 14;
+/// A value is rounded to as few significant digits as keep the flip, at least and at most these.
+const MIN_DIGITS: i32 = 3;
+const MAX_DIGITS: i32 = 5;
 
-/// What it takes of one setting alone to flip a verdict.
+/// The nearest value of one setting that flips a verdict.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Flip {
+pub struct VerdictFlip {
     /// The setting.
-    pub knob: Knob,
+    pub knob: TunableSetting,
     /// The value nearest to the present one at which the verdict is the other one; by ratio where
     /// the setting is logarithmic. `None` if none was found.
     pub value: Option<f32>,
@@ -25,7 +25,7 @@ pub struct Flip {
     pub above: bool,
 }
 
-impl Flip {
+impl VerdictFlip {
     /// In a few signs: `α ≥ 0.013`, `no T does`.
     pub fn words(&self) -> String {
         let symbol = self.knob.symbol();
@@ -41,40 +41,42 @@ impl Flip {
 /// Each side of the present value is looked through in steps, and the first step whose end flips is
 /// halved down; a flip and a flip back within one step are not seen. The value that is given
 /// flips the verdict for certain: it has been tried.
-pub fn flip(values: &[Value], parameters: &Parameters, knob: Knob) -> Flip {
-    let mut search = Flips::new(parameters, &[knob]);
+pub fn flip(values: &[Value], parameters: &Parameters, knob: TunableSetting) -> VerdictFlip {
+    let mut search = FlipSearch::new(parameters, &[knob]);
     loop {
-        if let Some(&[found]) = search.go_on(values).as_deref() {
+        if let Some(&[found]) = search.advance(values).as_deref() {
             return found;
         }
     }
 }
 
 /// The search of [`flip`] for several settings side by side, which goes on by a run each.
-pub struct Flips {
+pub struct FlipSearch {
     parameters: Parameters,
     /// The pixel under the present settings.
-    present: Option<Ending>,
+    present: Option<RunOutcome>,
     /// Both sides of the present value of each setting.
-    sides: Vec<[Side; 2]>,
+    sides: Vec<[SearchSide; 2]>,
 }
 
-impl Flips {
-    /// Nothing tried yet.
-    pub fn new(parameters: &Parameters, knobs: &[Knob]) -> Self {
-        let sides = |&knob: &Knob| [false, true].map(|above| Side::new(knob, knob.get(parameters), above));
+impl FlipSearch {
+    /// A search before its first trial.
+    pub fn new(parameters: &Parameters, knobs: &[TunableSetting]) -> Self {
+        let sides = |&knob: &TunableSetting| {
+            [false, true].map(|above| SearchSide::new(knob, knob.get(parameters), above))
+        };
         Self { parameters: *parameters, present: None, sides: knobs.iter().map(sides).collect() }
     }
 
     /// Tries the next value on each side of each setting: a run of the pixel through all of `values` for each, at most.
     /// What was found, in the order of the settings, if those were the last.
-    pub fn go_on(&mut self, values: &[Value]) -> Option<Vec<Flip>> {
+    pub fn advance(&mut self, values: &[Value]) -> Option<Vec<VerdictFlip>> {
         let parameters = self.parameters;
         let present = *self.present.get_or_insert_with(|| run(values, &parameters));
         let now = present.is_foreground(parameters.t);
         self.sides.as_flattened_mut().par_iter_mut().for_each(|side| {
             if let Some(value) = side.next() {
-                let foreground = if side.knob.is_free(&parameters) {
+                let foreground = if side.knob.is_decision_only(&parameters) {
                     present.is_foreground(value)
                 } else {
                     run(values, &side.knob.with(&parameters, value)).is_foreground(parameters.t)
@@ -87,28 +89,28 @@ impl Flips {
 }
 
 /// The nearer of what both sides have found; `None` while they search.
-fn nearest(sides: &[Side; 2]) -> Option<Flip> {
-    let [Stage::Done(below), Stage::Done(above)] = sides.each_ref().map(|side| side.stage) else {
+fn nearest(sides: &[SearchSide; 2]) -> Option<VerdictFlip> {
+    let [SearchStage::Done(below), SearchStage::Done(above)] = sides.each_ref().map(|side| side.stage) else {
         return None;
     };
-    let Side { knob, from, .. } = sides[0];
+    let SearchSide { knob, from, .. } = sides[0];
     let distance = |value: f32| (knob.scaled(value) - knob.scaled(from)).abs();
     let found = [below, above].into_iter().flatten().min_by(|a, b| distance(*a).total_cmp(&distance(*b)));
-    Some(Flip { knob, value: found, above: found.is_some_and(|value| value > from) })
+    Some(VerdictFlip { knob, value: found, above: found.is_some_and(|value| value > from) })
 }
 
 /// One side of the present value of a setting.
-struct Side {
-    knob: Knob,
+struct SearchSide {
+    knob: TunableSetting,
     /// The present value.
     from: f32,
     above: bool,
-    stage: Stage,
+    stage: SearchStage,
 }
 
-/// How far the search on one side is.
+/// The state of the search on one side.
 #[derive(Clone, Copy)]
-enum Stage {
+enum SearchStage {
     /// The verdict stays up to this step.
     Stepping(usize),
     /// It stays at `inner` and flips at `outer`.
@@ -119,12 +121,12 @@ enum Stage {
     Done(Option<f32>),
 }
 
-impl Side {
-    fn new(knob: Knob, from: f32, above: bool) -> Self {
-        let mut side = Self { knob, from, above, stage: Stage::Stepping(0) };
+impl SearchSide {
+    fn new(knob: TunableSetting, from: f32, above: bool) -> Self {
+        let mut side = Self { knob, from, above, stage: SearchStage::Stepping(0) };
         let end = side.end();
         if (above && from >= end) || (!above && from <= end) {
-            side.stage = Stage::Done(None);
+            side.stage = SearchStage::Done(None);
         }
         side
     }
@@ -137,7 +139,7 @@ impl Side {
 
     /// How many steps there are to the end.
     fn steps(&self) -> usize {
-        if self.knob == Knob::K { (self.end() - self.from).abs() as usize } else { STEPS }
+        if self.knob == TunableSetting::K { (self.end() - self.from).abs() as usize } else { MAX_STEPS }
     }
 
     /// The value after so many steps.
@@ -145,12 +147,12 @@ impl Side {
         let Self { knob, from, above, .. } = *self;
         match step {
             0 => from,
-            _ if knob == Knob::K && above => from + step as f32,
-            _ if knob == Knob::K => from - step as f32,
-            STEPS => self.end(),
+            _ if knob == TunableSetting::K && above => from + step as f32,
+            _ if knob == TunableSetting::K => from - step as f32,
+            MAX_STEPS => self.end(),
             _ => {
                 let (start, width) = (knob.scaled(from), knob.scaled(self.end()) - knob.scaled(from));
-                knob.unscaled(start + width * step as f64 / STEPS as f64)
+                knob.unscaled(start + width * step as f64 / MAX_STEPS as f64)
             }
         }
     }
@@ -159,50 +161,52 @@ impl Side {
     fn next(&self) -> Option<f32> {
         let knob = self.knob;
         match self.stage {
-            Stage::Stepping(step) => Some(self.at(step + 1)),
-            Stage::Halving { inner, outer, .. } => {
+            SearchStage::Stepping(step) => Some(self.at(step + 1)),
+            SearchStage::Halving { inner, outer, .. } => {
                 Some(knob.unscaled(f64::midpoint(knob.scaled(inner), knob.scaled(outer))))
             }
-            Stage::Rounding { outer, digits } => Some(self.short(outer, digits)),
-            Stage::Done(_) => None,
+            SearchStage::Rounding { outer, digits } => Some(self.short(outer, digits)),
+            SearchStage::Done(_) => None,
         }
     }
 
-    /// Takes in whether the verdict flips at the value that was tried.
+    /// Records whether the verdict flips at the tried value.
     fn learn(&mut self, value: f32, flips: bool) {
         self.stage = match self.stage {
-            Stage::Stepping(_) if flips && self.knob == Knob::K => Stage::Done(Some(value)),
-            Stage::Stepping(step) if flips => {
-                Stage::Halving { inner: self.at(step), outer: value, left: HALVINGS }
+            SearchStage::Stepping(_) if flips && self.knob == TunableSetting::K => {
+                SearchStage::Done(Some(value))
             }
-            Stage::Stepping(step) if step + 1 < self.steps() => Stage::Stepping(step + 1),
-            Stage::Stepping(_) => Stage::Done(None),
-            Stage::Halving { inner, outer, left } => {
+            SearchStage::Stepping(step) if flips => {
+                SearchStage::Halving { inner: self.at(step), outer: value, left: MAX_BISECTIONS }
+            }
+            SearchStage::Stepping(step) if step + 1 < self.steps() => SearchStage::Stepping(step + 1),
+            SearchStage::Stepping(_) => SearchStage::Done(None),
+            SearchStage::Halving { inner, outer, left } => {
                 let (inner, outer) = if flips { (inner, value) } else { (value, outer) };
                 if left > 1 {
-                    Stage::Halving { inner, outer, left: left - 1 }
+                    SearchStage::Halving { inner, outer, left: left - 1 }
                 } else {
-                    self.rounding(outer, FEWEST_DIGITS)
+                    self.rounding(outer, MIN_DIGITS)
                 }
             }
-            Stage::Rounding { .. } if flips => Stage::Done(Some(value)),
-            Stage::Rounding { outer, digits } => self.rounding(outer, digits + 1),
-            Stage::Done(found) => Stage::Done(found),
+            SearchStage::Rounding { .. } if flips => SearchStage::Done(Some(value)),
+            SearchStage::Rounding { outer, digits } => self.rounding(outer, digits + 1),
+            SearchStage::Done(found) => SearchStage::Done(found),
         };
     }
 
     /// The value with so many digits, away from the present one.
     fn short(&self, value: f32, digits: i32) -> f32 {
-        rounded(value, digits, if self.above { Round::Up } else { Round::Down })
+        rounded(value, digits, if self.above { Rounding::Up } else { Rounding::Down })
     }
 
     /// What comes after halving: the first number of digits, from `digits` on, that is not beyond what the setting takes.
-    fn rounding(&self, outer: f32, digits: i32) -> Stage {
+    fn rounding(&self, outer: f32, digits: i32) -> SearchStage {
         let (low, high) = self.knob.range();
         let inside = |digits: &i32| (low..=high).contains(&self.short(outer, *digits));
-        match (digits..=MOST_DIGITS).find(inside) {
-            Some(digits) => Stage::Rounding { outer, digits },
-            None => Stage::Done(Some(outer)),
+        match (digits..=MAX_DIGITS).find(inside) {
+            Some(digits) => SearchStage::Rounding { outer, digits },
+            None => SearchStage::Done(Some(outer)),
         }
     }
 }

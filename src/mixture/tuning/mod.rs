@@ -1,5 +1,5 @@
-//! What a pixel would be under other settings: a map over two of them, and the nearest value of
-//! each at which the verdict flips.
+//! A pixel's verdict under other settings: a map over two of them, and the nearest value of each at which the verdict
+//! flips.
 //!
 //! Every answer is a re-run of the one pixel over its values, from the model's start up to a frame.
 //! Only T needs none: it decides what is background and changes nothing of the mixture, so one run
@@ -14,14 +14,14 @@ use rayon::prelude::*;
 use super::pixel::{MAX_K, Outcome, Parameters, Pixel, Value};
 use crate::settings::{Setting, SettingError, Settings, Value as SettingValue};
 
-pub use flips::{Flip, Flips, flip};
+pub use flips::{FlipSearch, VerdictFlip, flip};
 
 /// Cells along one axis of a map, of settings that are no whole numbers.
 pub const CELLS: usize = 24;
 
 /// A setting that is tuned.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub enum Knob {
+pub enum TunableSetting {
     /// α, the learning rate.
     Alpha,
     /// T, the least portion of the data that the background accounts for.
@@ -34,7 +34,7 @@ pub enum Knob {
     InitialSigma,
 }
 
-impl Knob {
+impl TunableSetting {
     /// All of them.
     pub const ALL: [Self; 5] = [Self::Alpha, Self::T, Self::K, Self::Lambda, Self::InitialSigma];
 
@@ -76,8 +76,8 @@ impl Knob {
         matches!(self, Self::Alpha)
     }
 
-    /// Whether it changes nothing of the mixture, so that one run answers for all of its values.
-    fn is_free(self, parameters: &Parameters) -> bool {
+    /// Whether it changes the decision but not the mixture, so that one run answers for all of its values.
+    fn is_decision_only(self, parameters: &Parameters) -> bool {
         self == Self::T && !parameters.feedback.is_on()
     }
 
@@ -138,25 +138,25 @@ impl Knob {
 
 /// One side of a map.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Axis {
+pub struct SettingAxis {
     /// What changes along it.
-    pub knob: Knob,
+    pub knob: TunableSetting,
     /// The value of each cell, rising.
     pub values: Vec<f32>,
     ends: (f32, f32),
 }
 
-impl Axis {
+impl SettingAxis {
     /// The axis of `knob` wide enough for its value `present`.
-    pub fn new(knob: Knob, present: f32) -> Self {
+    pub fn new(knob: TunableSetting, present: f32) -> Self {
         let (low, high) = knob.range();
-        if knob == Knob::K {
+        if knob == TunableSetting::K {
             return Self { knob, values: (1..=MAX_K).map(|k| k as f32).collect(), ends: (0.5, high + 0.5) };
         }
         let ends = (low.min(present), high.max(present));
         let mut axis = Self { knob, values: Vec::new(), ends };
         let centres = (0..CELLS).map(|cell| (cell as f32 + 0.5) / CELLS as f32);
-        axis.values = centres.map(|share| rounded(axis.value_at(share), 3, Round::Nearest)).collect();
+        axis.values = centres.map(|share| rounded(axis.value_at(share), 3, Rounding::Nearest)).collect();
         axis
     }
 
@@ -181,7 +181,7 @@ impl Axis {
 
 /// The pixel after the last of its values.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Ending {
+pub struct RunOutcome {
     pixel: Pixel,
     outcome: Outcome,
     /// Whether T was at work in the run, and only its own T can be asked for.
@@ -190,7 +190,7 @@ pub struct Ending {
     frames: usize,
 }
 
-impl Ending {
+impl RunOutcome {
     /// Whether the pixel is foreground for this T, which must be that of the run where feedback is on.
     pub fn is_foreground(&self, t: f32) -> bool {
         if self.bound {
@@ -203,18 +203,18 @@ impl Ending {
 }
 
 /// Runs one pixel through all of `values` from an unseen one.
-pub fn run(values: &[Value], parameters: &Parameters) -> Ending {
+pub fn run(values: &[Value], parameters: &Parameters) -> RunOutcome {
     let mut pixel = Pixel::unseen(parameters.k);
     let mut outcome = Outcome::default();
     for (t, &value) in (1..).zip(values) {
         outcome = pixel.step(value, t, parameters);
     }
-    Ending { pixel, outcome, bound: parameters.feedback.is_on(), frames: values.len() }
+    RunOutcome { pixel, outcome, bound: parameters.feedback.is_on(), frames: values.len() }
 }
 
 /// The axes of a grid of two settings around `parameters`, and the parameters of each cell, row by row.
-pub fn grid(parameters: &Parameters, knobs: [Knob; 2]) -> ([Axis; 2], Vec<Parameters>) {
-    let axes = Map::axes(parameters, knobs);
+pub fn grid(parameters: &Parameters, knobs: [TunableSetting; 2]) -> ([SettingAxis; 2], Vec<Parameters>) {
+    let axes = VerdictMap::axes(parameters, knobs);
     let [across, along] = &axes;
     let rows = along.values.iter().map(|&y| along.knob.with(parameters, y));
     let cells = rows.flat_map(|row| across.values.iter().map(move |&x| across.knob.with(&row, x)));
@@ -224,24 +224,24 @@ pub fn grid(parameters: &Parameters, knobs: [Knob; 2]) -> ([Axis; 2], Vec<Parame
 
 /// Whether a pixel is foreground, over a grid of two settings.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Map {
+pub struct VerdictMap {
     /// What changes along a row, and from row to row: two different settings.
-    pub axes: [Axis; 2],
+    pub axes: [SettingAxis; 2],
     /// Row by row.
     foreground: Vec<bool>,
 }
 
-impl Map {
+impl VerdictMap {
     /// The axes of a map around `parameters`.
-    pub fn axes(parameters: &Parameters, knobs: [Knob; 2]) -> [Axis; 2] {
-        knobs.map(|knob| Axis::new(knob, knob.get(parameters)))
+    pub fn axes(parameters: &Parameters, knobs: [TunableSetting; 2]) -> [SettingAxis; 2] {
+        knobs.map(|knob| SettingAxis::new(knob, knob.get(parameters)))
     }
 
     /// The runs that a map takes: one a cell, or one a row or column where the other setting is T and changes nothing
     /// of the mixture.
-    pub fn runs(parameters: &Parameters, axes: &[Axis; 2]) -> Vec<Parameters> {
-        let values = |axis: &Axis| {
-            if axis.knob.is_free(parameters) { vec![parameters.t] } else { axis.values.clone() }
+    pub fn runs(parameters: &Parameters, axes: &[SettingAxis; 2]) -> Vec<Parameters> {
+        let values = |axis: &SettingAxis| {
+            if axis.knob.is_decision_only(parameters) { vec![parameters.t] } else { axis.values.clone() }
         };
         let (across, along) = (values(&axes[0]), values(&axes[1]));
         let rows = along.iter().map(|&y| axes[1].knob.with(parameters, y));
@@ -251,20 +251,20 @@ impl Map {
     }
 
     /// The map that follows from what [`Self::runs`] ended in, in the same order.
-    pub fn of(parameters: &Parameters, axes: [Axis; 2], endings: &[Ending]) -> Self {
+    pub fn of(parameters: &Parameters, axes: [SettingAxis; 2], outcomes: &[RunOutcome]) -> Self {
         let [across, along] = &axes;
         let mut foreground = Vec::with_capacity(across.values.len() * along.values.len());
         for (row, &y) in along.values.iter().enumerate() {
             for (column, &x) in across.values.iter().enumerate() {
-                let at = if across.knob.is_free(parameters) {
+                let at = if across.knob.is_decision_only(parameters) {
                     row
-                } else if along.knob.is_free(parameters) {
+                } else if along.knob.is_decision_only(parameters) {
                     column
                 } else {
                     row * across.values.len() + column
                 };
                 let cell = along.knob.with(&across.knob.with(parameters, x), y);
-                foreground.push(endings.get(at).is_some_and(|ending| ending.is_foreground(cell.t)));
+                foreground.push(outcomes.get(at).is_some_and(|outcome| outcome.is_foreground(cell.t)));
             }
         }
         Self { axes, foreground }
@@ -283,22 +283,22 @@ impl Map {
 }
 
 /// The map of `knobs` around `parameters` for a pixel that saw `values`.
-pub fn map(values: &[Value], parameters: &Parameters, knobs: [Knob; 2]) -> Map {
-    let axes = Map::axes(parameters, knobs);
-    let endings: Vec<_> =
-        Map::runs(parameters, &axes).par_iter().map(|parameters| run(values, parameters)).collect();
-    Map::of(parameters, axes, &endings)
+pub fn map(values: &[Value], parameters: &Parameters, knobs: [TunableSetting; 2]) -> VerdictMap {
+    let axes = VerdictMap::axes(parameters, knobs);
+    let outcomes: Vec<_> =
+        VerdictMap::runs(parameters, &axes).par_iter().map(|parameters| run(values, parameters)).collect();
+    VerdictMap::of(parameters, axes, &outcomes)
 }
 
 #[derive(Clone, Copy, PartialEq)]
-enum Round {
+enum Rounding {
     Nearest,
     Up,
     Down,
 }
 
 /// The positive `value` with so many significant digits.
-fn rounded(value: f32, digits: i32, how: Round) -> f32 {
+fn rounded(value: f32, digits: i32, how: Rounding) -> f32 {
     let value = f64::from(value);
     if value <= 0.0 {
         return value as f32;
@@ -308,9 +308,9 @@ fn rounded(value: f32, digits: i32, how: Round) -> f32 {
     let power = 10_f64.powi(places.abs());
     let whole = if places >= 0 { value * power } else { value / power };
     let whole = match how {
-        Round::Nearest => whole.round(),
-        Round::Up => whole.ceil(),
-        Round::Down => whole.floor(),
+        Rounding::Nearest => whole.round(),
+        Rounding::Up => whole.ceil(),
+        Rounding::Down => whole.floor(),
     };
     (if places >= 0 { whole / power } else { whole * power }) as f32
 }

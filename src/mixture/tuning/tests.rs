@@ -42,8 +42,12 @@ fn every_cell_of_every_map_is_what_a_plain_run_says() {
     let (mut foreground, mut background) = (0, 0);
     for (parameters, frames) in [(parameters(), 312), (gray, 204), (feedback, 204)] {
         let values = values(frames, &parameters);
-        for (at, x) in Knob::ALL.into_iter().enumerate() {
-            for y in Knob::ALL.into_iter().skip(at + 1).chain(Knob::ALL.into_iter().take(at.min(1))) {
+        for (at, x) in TunableSetting::ALL.into_iter().enumerate() {
+            for y in TunableSetting::ALL
+                .into_iter()
+                .skip(at + 1)
+                .chain(TunableSetting::ALL.into_iter().take(at.min(1)))
+            {
                 let map = map(&values, &parameters, [x, y]);
                 // A few cells of each: a plain run of all would take long.
                 for cell in (0..map.foreground.len()).step_by(7) {
@@ -64,9 +68,9 @@ fn every_cell_of_every_map_is_what_a_plain_run_says() {
 #[test]
 fn the_first_frame_is_background_everywhere() {
     let values = values(1, &parameters());
-    let map = map(&values, &parameters(), [Knob::Alpha, Knob::T]);
+    let map = map(&values, &parameters(), [TunableSetting::Alpha, TunableSetting::T]);
     assert_eq!(map.foreground_share(), 0.0);
-    for knob in Knob::ALL {
+    for knob in TunableSetting::ALL {
         assert_eq!(flip(&values, &parameters(), knob).value, None, "{knob:?}");
     }
 }
@@ -78,12 +82,12 @@ fn a_flip_is_tried_and_nothing_nearer_flips() {
     for frames in [40, 150, 301, 310, 325, 339, 345, 400] {
         let values = values(frames, &parameters);
         let now = plainly(&values, &parameters);
-        for knob in Knob::ALL {
+        for knob in TunableSetting::ALL {
             let flip = flip(&values, &parameters, knob);
             let from = knob.get(&parameters);
             let Some(value) = flip.value else {
                 // Then none of a map's values does either.
-                for value in Axis::new(knob, from).values {
+                for value in SettingAxis::new(knob, from).values {
                     let there = knob.with(&parameters, value);
                     assert!(
                         value != value.clamp(knob.range().0, knob.range().1)
@@ -99,7 +103,7 @@ fn a_flip_is_tried_and_nothing_nearer_flips() {
             let reach = knob.scaled(value) - knob.scaled(from);
             for step in 0..=20 {
                 let near = knob.unscaled(knob.scaled(from) + reach * f64::from(step) / 20.0);
-                let near = if knob == Knob::K { from } else { near };
+                let near = if knob == TunableSetting::K { from } else { near };
                 if (near / value - 1.0).abs() < 0.01 {
                     continue;
                 }
@@ -111,12 +115,17 @@ fn a_flip_is_tried_and_nothing_nearer_flips() {
 }
 
 /// The nearest flip on one side, value after value.
-fn plain_nearest(values: &[Value], parameters: &Parameters, knob: Knob, above: bool) -> Option<f32> {
+fn plain_nearest(
+    values: &[Value],
+    parameters: &Parameters,
+    knob: TunableSetting,
+    above: bool,
+) -> Option<f32> {
     let now = plainly(values, parameters);
     let flips = |value: f32| plainly(values, &knob.with(parameters, value)) != now;
     let (from, (low, high)) = (knob.get(parameters), knob.range());
     let end = if above { high } else { low };
-    if knob == Knob::K {
+    if knob == TunableSetting::K {
         let one = if above { 1.0 } else { -1.0 };
         let mut all = (1..=(end - from).abs() as usize).map(|step| from + one * step as f32);
         return all.find(|&k| flips(k)).filter(|_| above == (end > from));
@@ -137,7 +146,7 @@ fn plain_nearest(values: &[Value], parameters: &Parameters, knob: Knob, above: b
         let middle = knob.unscaled(f64::midpoint(knob.scaled(inner), knob.scaled(outer)));
         *(if flips(middle) { &mut outer } else { &mut inner }) = middle;
     }
-    let how = if above { Round::Up } else { Round::Down };
+    let how = if above { Rounding::Up } else { Rounding::Down };
     let mut short = (3..=5).map(|digits| rounded(outer, digits, how));
     short.find(|&value| (low..=high).contains(&value) && flips(value)).or(Some(outer))
 }
@@ -151,7 +160,7 @@ fn in_trials_a_flip_is_what_a_plain_search_finds() {
         [(parameters(), 301), (parameters(), 325), (parameters(), 345), (gray, 204), (at_the_end, 310)]
     {
         let values = values(frames, &parameters);
-        for knob in Knob::ALL {
+        for knob in TunableSetting::ALL {
             let flip = flip(&values, &parameters, knob);
             let [below, above] = [false, true].map(|above| plain_nearest(&values, &parameters, knob, above));
             let from = knob.scaled(knob.get(&parameters));
@@ -178,26 +187,26 @@ fn the_flip_of_lambda_is_the_distance_of_the_nearest_background_component() {
     let sigma = history.before(40).unwrap().components()[0].sigma();
     let distance = 18.0 * 3_f32.sqrt() / sigma;
     assert!(history.states[40].outcome.foreground && distance > parameters.lambda);
-    let flip = flip(&values, &parameters, Knob::Lambda);
+    let flip = flip(&values, &parameters, TunableSetting::Lambda);
     let value = flip.value.unwrap();
     assert!(flip.above && value >= distance && value < distance * 1.01, "{value} {distance}");
     assert_eq!(flip.words(), format!("λ ≥ {value}"));
-    let no = super::flip(&values, &parameters, Knob::T);
+    let no = super::flip(&values, &parameters, TunableSetting::T);
     assert_eq!(no.words(), "no value of T");
 }
 
 #[test]
 fn an_axis_covers_the_present_value_and_gives_only_values_that_a_setting_takes() {
     for (knob, present) in [
-        (Knob::Alpha, 0.01),
-        (Knob::Alpha, 0.9),
-        (Knob::Alpha, 0.000_01),
-        (Knob::T, 0.999),
-        (Knob::K, 5.0),
-        (Knob::Lambda, 0.5),
-        (Knob::InitialSigma, 128.0),
+        (TunableSetting::Alpha, 0.01),
+        (TunableSetting::Alpha, 0.9),
+        (TunableSetting::Alpha, 0.000_01),
+        (TunableSetting::T, 0.999),
+        (TunableSetting::K, 5.0),
+        (TunableSetting::Lambda, 0.5),
+        (TunableSetting::InitialSigma, 128.0),
     ] {
-        let axis = Axis::new(knob, present);
+        let axis = SettingAxis::new(knob, present);
         assert!((-0.001..=1.001).contains(&axis.share_of(present)), "{knob:?}");
         assert!(axis.values.is_sorted_by(|a, b| a < b));
         for (cell, &value) in axis.values.iter().enumerate() {
@@ -207,13 +216,13 @@ fn an_axis_covers_the_present_value_and_gives_only_values_that_a_setting_takes()
             assert_eq!(axis.cell_at(axis.share_of(value)), cell, "{knob:?} {value}");
         }
     }
-    assert!(Knob::T.set(&mut Settings::default(), 1.5).is_err());
+    assert!(TunableSetting::T.set(&mut Settings::default(), 1.5).is_err());
 }
 
 #[test]
 fn rounding_goes_where_it_is_told() {
-    assert_eq!(rounded(0.012_345, 3, Round::Up), 0.0124);
-    assert_eq!(rounded(0.012_345, 3, Round::Down), 0.0123);
-    assert_eq!(rounded(3.0, 3, Round::Up), 3.0);
-    assert_eq!(rounded(12_345.0, 3, Round::Nearest), 12_300.0);
+    assert_eq!(rounded(0.012_345, 3, Rounding::Up), 0.0124);
+    assert_eq!(rounded(0.012_345, 3, Rounding::Down), 0.0123);
+    assert_eq!(rounded(3.0, 3, Rounding::Up), 3.0);
+    assert_eq!(rounded(12_345.0, 3, Rounding::Nearest), 12_300.0);
 }

@@ -1,7 +1,7 @@
 //! Two choices of settings on the same frames.
 
 use super::*;
-use crate::pipeline::final_reading;
+use crate::pipeline::offline_result;
 use crate::truth::Truth;
 use crate::truth::boxes::Boxes;
 use crate::truth::summary;
@@ -11,20 +11,20 @@ pub(super) fn other() -> Settings {
 }
 
 /// Both at a position.
-fn both(watched: &Watched, position: u32) -> (Arc<Shown>, Arc<Shown>) {
+fn both(watched: &Watched, position: u32) -> (Arc<ShownFrame>, Arc<ShownFrame>) {
     watched.session.show(position);
     let shown = watched
-        .until(|state| shows(state, position) && state.shown.as_ref().unwrap().beside.is_some())
+        .until(|state| shows(state, position) && state.shown.as_ref().unwrap().compared.is_some())
         .shown
         .unwrap();
-    let beside = shown.beside.clone().unwrap();
+    let beside = shown.compared.clone().unwrap();
     (shown, beside)
 }
 
 /// All analysed under both.
 fn until_both_done(watched: &Watched) -> State {
     watched.until(|state| {
-        let beside = state.beside.as_ref().is_some_and(|beside| beside.timeline.analysed == FRAMES);
+        let beside = state.compared.as_ref().is_some_and(|beside| beside.timeline.analysed == FRAMES);
         beside && state.timeline.complete && state.timeline.analysed == FRAMES && state.busy.is_none()
     })
 }
@@ -33,7 +33,7 @@ fn boxes(video: &Path, settings: &Settings) -> Boxes {
     let (info, frames, first) = decoded(video, settings);
     let mut pipeline = begun(settings, &info, &frames[..first]);
     let all: Vec<_> = frames.iter().map(|frame| pipeline.step(frame).unwrap()).collect();
-    summary::boxes_of(&final_reading(all.iter(), &pipeline))
+    summary::boxes_of(&offline_result(all.iter(), &pipeline))
 }
 
 #[test]
@@ -41,7 +41,7 @@ fn both_are_what_each_is_alone() {
     let folder = scene();
     let (a, b) = (settings(), other());
     let expected = [straight(folder.path(), &a), straight(folder.path(), &b)];
-    let differ = |(a, b): &(Shown, Shown)| a.analysis.mask != b.analysis.mask;
+    let differ = |(a, b): &(ShownFrame, ShownFrame)| a.analysis.mask != b.analysis.mask;
     assert!(expected[0].iter().cloned().zip(expected[1].iter().cloned()).filter(differ).count() > 20);
     let frame_bytes = (WIDTH * HEIGHT * 3) as usize;
     for budget in [1 << 30, frame_bytes * 160, 0] {
@@ -56,7 +56,7 @@ fn both_are_what_each_is_alone() {
             assert_same(&beside, &expected[1][position as usize]);
         }
         let last = until_both_done(&watched);
-        let beside = last.beside.unwrap();
+        let beside = last.compared.unwrap();
         for (got, expected) in [(&*last.timeline, &expected[0]), (&beside.timeline, &expected[1])] {
             let shares: Vec<_> =
                 expected.iter().map(|shown| shown.analysis.mask.foreground_share()).collect();
@@ -64,10 +64,10 @@ fn both_are_what_each_is_alone() {
         }
         let with_pixel = |state: &State| {
             let shown = state.shown.as_ref().unwrap();
-            shown.pixel.is_some() && shown.beside.as_ref().unwrap().pixel.is_some()
+            shown.pixel.is_some() && shown.compared.as_ref().unwrap().pixel.is_some()
         };
         let shown = watched.until(with_pixel).shown.unwrap();
-        for (shown, expected) in [(&shown, &expected[0]), (shown.beside.as_ref().unwrap(), &expected[1])] {
+        for (shown, expected) in [(&shown, &expected[0]), (shown.compared.as_ref().unwrap(), &expected[1])] {
             let (history, straight) = (shown.pixel.as_ref().unwrap(), &expected[shown.position as usize]);
             let straight = straight.pixel.as_ref().unwrap();
             assert_eq!(history.parameters, straight.parameters);
@@ -76,10 +76,11 @@ fn both_are_what_each_is_alone() {
         watched.session.inspect(Some((1, 1)));
         watched.until(|state| {
             with_pixel(state)
-                && state.shown.as_ref().unwrap().beside.as_ref().unwrap().pixel.as_ref().unwrap().at == (1, 1)
+                && state.shown.as_ref().unwrap().compared.as_ref().unwrap().pixel.as_ref().unwrap().at
+                    == (1, 1)
         });
         watched.session.compare(a.clone(), None);
-        watched.until(|state| state.shown.as_ref().unwrap().beside.is_none() && state.beside.is_none());
+        watched.until(|state| state.shown.as_ref().unwrap().compared.is_none() && state.compared.is_none());
     }
 }
 
@@ -93,16 +94,16 @@ fn what_was_compared_comes_into_view_without_being_run_again() {
     watched.until_done();
     // The first copy is the same run.
     watched.session.compare(a.clone(), Some(a.clone()));
-    let equal = watched.until(|state| state.shown.as_ref().unwrap().beside.is_some());
-    assert_same(equal.shown.unwrap().beside.as_ref().unwrap(), &expected[0][30]);
-    assert!(equal.beside.is_none());
+    let equal = watched.until(|state| state.shown.as_ref().unwrap().compared.is_some());
+    assert_same(equal.shown.unwrap().compared.as_ref().unwrap(), &expected[0][30]);
+    assert!(equal.compared.is_none());
     // Other settings in view: what was there is what they are compared with.
     watched.session.compare(b.clone(), Some(a.clone()));
     watched.until(|state| {
         let shown = state.shown.as_ref().unwrap();
-        let kept = state.beside.as_ref().is_none_or(|beside| beside.timeline.analysed == FRAMES);
+        let kept = state.compared.as_ref().is_none_or(|beside| beside.timeline.analysed == FRAMES);
         assert!(kept, "what was analysed stays");
-        *shown.settings == b && shown.beside.is_some()
+        *shown.settings == b && shown.compared.is_some()
     });
     until_both_done(&watched);
     for (in_view, beside, at) in [(&a, &b, 0), (&b, &a, 1), (&a, &b, 0)] {
@@ -111,12 +112,12 @@ fn what_was_compared_comes_into_view_without_being_run_again() {
             assert_eq!(state.timeline.analysed, FRAMES, "nothing is run again");
             let shown = state.shown.as_ref().unwrap();
             *shown.settings == *in_view
-                && shown.beside.as_ref().is_some_and(|shown| *shown.settings == *beside)
-                && state.beside.as_ref().is_some_and(|now| *now.settings == *beside)
+                && shown.compared.as_ref().is_some_and(|shown| *shown.settings == *beside)
+                && state.compared.as_ref().is_some_and(|now| *now.settings == *beside)
         });
         let shown = state.shown.unwrap();
         assert_same(&shown, &expected[at][30]);
-        assert_same(shown.beside.as_ref().unwrap(), &expected[1 - at][30]);
+        assert_same(shown.compared.as_ref().unwrap(), &expected[1 - at][30]);
     }
     // Settings that touch neither mask nor regions, on either side.
     let (late, area) = (Settings { gate: 0.9, ..a.clone() }, half(true));
@@ -145,12 +146,12 @@ fn both_are_scored_by_the_truth() {
     watched.session.compare(a, Some(b));
     watched.session.set_truth(Some(truth));
     let state = watched.until(|state| {
-        let beside = state.beside.as_ref();
+        let beside = state.compared.as_ref();
         state.timeline.score.is_some() && beside.is_some_and(|beside| beside.timeline.score.is_some())
     });
     let score = |timeline: &Timeline| Score::clone(timeline.score.as_ref().unwrap());
     assert_eq!(score(&state.timeline).tracks.unwrap().strict.mota, 1.0);
-    assert_eq!(score(&state.beside.unwrap().timeline), Score { tracks: Some(expected), masks: None });
+    assert_eq!(score(&state.compared.unwrap().timeline), Score { tracks: Some(expected), masks: None });
     watched.session.set_truth(None);
     watched.until(|state| state.timeline.score.is_none());
 }

@@ -32,7 +32,7 @@ fn expected(quantity: Quantity, history: &PixelHistory, index: usize) -> f32 {
         Quantity::Used => state.pixel.used() as f32,
         Quantity::BackgroundCount => f32::from(state.outcome.background_count),
         Quantity::Matched => f32::from(state.outcome.matched),
-        Quantity::Since => {
+        Quantity::SinceForeground => {
             let past = history.states[..=index].iter().rev();
             past.into_iter()
                 .position(|state| state.outcome.foreground)
@@ -41,7 +41,7 @@ fn expected(quantity: Quantity, history: &PixelHistory, index: usize) -> f32 {
     }
 }
 
-fn of(state: &State, position: u32) -> Option<&Map> {
+fn of(state: &State, position: u32) -> Option<&QuantityMap> {
     state.shown.as_ref().filter(|shown| shown.position == position)?.map.as_deref()
 }
 
@@ -74,7 +74,7 @@ fn every_map_equals_the_histories_of_its_pixels_forwards_and_after_jumping_back(
             }
         }
         // One quantity from frame to frame, as when playing, forwards and back.
-        for quantity in [Quantity::Matched, Quantity::Since] {
+        for quantity in [Quantity::Matched, Quantity::SinceForeground] {
             watched.session.map(Some(quantity));
             for position in (10..30).chain((10..30).rev()) {
                 watched.session.show(position);
@@ -126,7 +126,7 @@ fn another_model_has_the_time_since_foreground_alone() {
     let watched = Watched::open(folder.path(), settings, Start::First, 1 << 30);
     watched.session.map(Some(Quantity::Used));
     assert!(watched.shown(40).map.is_none());
-    watched.session.map(Some(Quantity::Since));
+    watched.session.map(Some(Quantity::SinceForeground));
     let state = watched.until(|state| of(state, 40).is_some());
     let values = &of(&state, 40).unwrap().values;
     assert!(values.contains(&0.0) && values.iter().any(|&since| since > 20.0));

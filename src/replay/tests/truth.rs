@@ -9,7 +9,7 @@ use crate::truth::mask_score::MaskScore;
 use crate::truth::masks::{Label, TrueMask, TrueMasks};
 
 /// The masks of some frames as they came out, but for the first row, which does not count.
-fn masks_of(straight: &[Shown]) -> Arc<TrueMasks> {
+fn masks_of(straight: &[ShownFrame]) -> Arc<TrueMasks> {
     let masks = straight.iter().step_by(3).map(|shown| {
         let mask = &shown.analysis.mask;
         let label = |(at, &level): (usize, &u8)| match level {
@@ -47,13 +47,13 @@ fn masks_are_scored_and_come_with_their_frames() {
     watched.session.compare(a, Some(b));
     watched.session.set_truth(Some(known(&truth)));
     let state = watched.until(|state| {
-        let beside = state.beside.as_ref().is_some_and(|beside| beside.timeline.score.is_some());
+        let beside = state.compared.as_ref().is_some_and(|beside| beside.timeline.score.is_some());
         beside && state.timeline.score.is_some() && state.shown.as_ref().unwrap().truth.is_some()
     });
     let score = |timeline: &Timeline| timeline.score.as_ref().unwrap().masks.unwrap();
     let of_view = score(&state.timeline);
     assert_eq!((of_view.f_measure, of_view.pwc, of_view.frames), (1.0, 0.0, 20));
-    assert_eq!(score(&state.beside.unwrap().timeline), MaskScore::new(20, decisions));
+    assert_eq!(score(&state.compared.unwrap().timeline), MaskScore::new(20, decisions));
     assert_eq!(watched.shown(30).truth.as_ref(), truth.of(FIRST + 30));
     assert_eq!(watched.shown(31).truth, None);
     assert!(watched.shown(33).truth.is_some());
@@ -67,7 +67,7 @@ fn a_region_is_judged_under_other_settings() {
     let settings = settings();
     let truth = masks_of(&straight(folder.path(), &settings));
     let frames: Vec<_> = (0..FRAMES).filter(|position| FIRST + position <= truth.last()).collect();
-    let (columns, rows) = around(PIXEL, 9, Size::new(WIDTH, HEIGHT));
+    let (columns, rows) = region_bounds(PIXEL, 9, Size::new(WIDTH, HEIGHT));
     let mut source = source::open(&name(folder.path()), Options::default()).unwrap();
     let part: Vec<_> =
         frames.iter().map(|_| source.next_frame().unwrap().unwrap().cut(&columns, &rows)).collect();
@@ -75,7 +75,7 @@ fn a_region_is_judged_under_other_settings() {
         part.iter().map(|frame| Some(truth.of(frame.number)?.cut(&columns, &rows))).collect();
 
     let watched = Watched::open(folder.path(), settings.clone(), Start::First, 0);
-    watched.session.tune(Some([Knob::K, Knob::T]));
+    watched.session.tune(Some([TunableSetting::K, TunableSetting::T]));
     watched.session.tune_region(Some((PIXEL, 9)));
     watched.session.set_truth(Some(known(&truth)));
     let tuned = |settings: &Settings| {

@@ -27,8 +27,8 @@ fn shared() -> Shared {
     Shared::new(|| {})
 }
 
-fn done<T>(result: Result<T, Stopped>) -> T {
-    result.map_err(|Stopped(why)| why).unwrap()
+fn done<T>(result: Result<T, StopReason>) -> T {
+    result.map_err(|StopReason(why)| why).unwrap()
 }
 
 /// A worker that does a piece when a test says so.
@@ -46,13 +46,13 @@ fn worker<'a>(shared: &'a Shared, video: &Path, settings: Settings) -> Worker<'a
 fn ask(worker: &mut Worker<'_>, change: impl FnOnce(&mut Requests)) {
     let mut requests = Requests::default();
     change(&mut requests);
-    done(worker.take(requests));
+    done(worker.apply_requests(requests));
 }
 
 fn compare(worker: &mut Worker<'_>, settings: Settings, beside: Option<Settings>) {
     ask(worker, |requests| {
         requests.settings = Some(settings);
-        requests.beside = Some(session::Rival(beside));
+        requests.compared = Some(session::CompareRequest(beside));
     });
 }
 
@@ -62,7 +62,7 @@ fn show(worker: &mut Worker<'_>, position: u32) {
 
 /// Works until there is nothing left, or `enough`.
 fn work_until(worker: &mut Worker<'_>, mut enough: impl FnMut(&Worker<'_>) -> bool) {
-    while !enough(worker) && done(worker.piece()) {}
+    while !enough(worker) && done(worker.work_once()) {}
 }
 
 fn rest(worker: &mut Worker<'_>) {
@@ -70,17 +70,17 @@ fn rest(worker: &mut Worker<'_>) {
     worker.publish_in_time(true);
 }
 
-fn rival<'a>(worker: &'a Worker<'_>) -> &'a Lane {
-    worker.rival.lane.as_ref().unwrap()
+fn compared<'a>(worker: &'a Worker<'_>) -> &'a AnalysisPass {
+    worker.compared.pass.as_ref().unwrap()
 }
 
 /// Both, and what they show of some frames, are what one pass forward gives.
-fn assert_both(worker: &mut Worker<'_>, expected: &[Vec<Shown>; 2]) {
+fn assert_both(worker: &mut Worker<'_>, expected: &[Vec<ShownFrame>; 2]) {
     rest(worker);
-    for (lane, expected) in [(&worker.lane, &expected[0]), (rival(worker), &expected[1])] {
-        assert_eq!(lane.run.front(), FRAMES);
+    for (pass, expected) in [(&worker.pass, &expected[0]), (compared(worker), &expected[1])] {
+        assert_eq!(pass.model.front(), FRAMES);
         for shown in expected {
-            let analysis = lane.run.analysis(shown.position).unwrap();
+            let analysis = pass.model.analysis(shown.position).unwrap();
             assert!(analysis.mask == shown.analysis.mask && analysis.tracks == shown.analysis.tracks);
         }
     }
@@ -89,7 +89,7 @@ fn assert_both(worker: &mut Worker<'_>, expected: &[Vec<Shown>; 2]) {
         rest(worker);
         let shown = worker.shown.clone().unwrap();
         assert_same(&shown, &expected[0][position as usize]);
-        assert_same(shown.beside.as_ref().unwrap(), &expected[1][position as usize]);
+        assert_same(shown.compared.as_ref().unwrap(), &expected[1][position as usize]);
     }
 }
 
@@ -99,13 +99,13 @@ fn what_is_compared_can_be_stopped() {
     let mut worker = worker(&shared, folder.path(), settings());
     rest(&mut worker);
     compare(&mut worker, settings(), Some(other()));
-    work_until(&mut worker, |worker| rival(worker).run.front() > 0);
+    work_until(&mut worker, |worker| compared(worker).model.front() > 0);
     ask(&mut worker, |requests| requests.analyse_ahead = Some(false));
     rest(&mut worker);
-    assert!(rival(&worker).run.front() < FRAMES / 2, "no more than what is in view");
+    assert!(compared(&worker).model.front() < FRAMES / 2, "no more than what is in view");
     ask(&mut worker, |requests| requests.analyse_ahead = Some(true));
     rest(&mut worker);
-    assert_eq!(rival(&worker).run.front(), FRAMES);
+    assert_eq!(compared(&worker).model.front(), FRAMES);
 }
 
 #[test]
@@ -114,13 +114,13 @@ fn an_area_drawn_while_both_are_equal_does_not_run_the_model_again() {
     let mut worker = worker(&shared, folder.path(), settings());
     compare(&mut worker, settings(), Some(settings()));
     rest(&mut worker);
-    ask(&mut worker, |requests| requests.roi = Some(Analysed(Some(half(true)))));
-    assert_eq!((worker.lane.run.modelled(), worker.lane.run.front()), (FRAMES, 0));
-    assert!(worker.rival.lane.is_none());
+    ask(&mut worker, |requests| requests.roi = Some(RoiRequest(Some(half(true)))));
+    assert_eq!((worker.pass.model.modelled(), worker.pass.model.front()), (FRAMES, 0));
+    assert!(worker.compared.pass.is_none());
     rest(&mut worker);
     let expected = straight_within(folder.path(), &settings(), Some(&half(true)));
     for shown in &expected {
-        let analysis = worker.lane.run.analysis(shown.position).unwrap();
+        let analysis = worker.pass.model.analysis(shown.position).unwrap();
         assert!(analysis.mask == shown.analysis.mask && analysis.tracks == shown.analysis.tracks);
     }
     assert_same(worker.shown.as_ref().unwrap(), &expected[0]);
@@ -135,24 +135,24 @@ fn a_late_setting_pulled_away_from_equal_ones_runs_no_model_again() {
         for analysed in [20, FRAMES] {
             let shared = shared();
             let mut worker = worker(&shared, folder.path(), settings());
-            ask(&mut worker, |requests| requests.inspect = Some(Pixel(Some(PIXEL))));
-            work_until(&mut worker, |worker| worker.lane.run.front() >= analysed);
-            let modelled = worker.lane.run.modelled();
+            ask(&mut worker, |requests| requests.inspect = Some(PixelRequest(Some(PIXEL))));
+            work_until(&mut worker, |worker| worker.pass.model.front() >= analysed);
+            let modelled = worker.pass.model.modelled();
             assert!(modelled >= analysed && (modelled < FRAMES) == (analysed < FRAMES));
             compare(&mut worker, settings(), Some(settings()));
             compare(&mut worker, late.clone(), Some(settings()));
-            assert_eq!((worker.lane.run.modelled(), worker.lane.run.front()), (modelled, 0));
-            let before = &rival(&worker).run;
+            assert_eq!((worker.pass.model.modelled(), worker.pass.model.front()), (modelled, 0));
+            let before = &compared(&worker).model;
             assert_eq!((before.modelled(), before.front()), (modelled, modelled), "what was analysed stays");
             assert_both(&mut worker, &expected);
         }
         // The same on the other side.
         let shared = shared();
         let mut worker = worker(&shared, folder.path(), settings());
-        work_until(&mut worker, |worker| worker.lane.run.front() >= 20);
-        let modelled = worker.lane.run.modelled();
+        work_until(&mut worker, |worker| worker.pass.model.front() >= 20);
+        let modelled = worker.pass.model.modelled();
         compare(&mut worker, settings(), Some(late));
-        assert_eq!((rival(&worker).run.modelled(), rival(&worker).run.front()), (modelled, 0));
+        assert_eq!((compared(&worker).model.modelled(), compared(&worker).model.front()), (modelled, 0));
         assert_both(&mut worker, &[expected[1].clone(), expected[0].clone()]);
     }
 }
@@ -167,7 +167,7 @@ fn a_model_that_cannot_be_copied_is_run_again_for_what_is_compared_and_not_for_t
     rest(&mut worker);
     compare(&mut worker, knn.clone(), Some(knn.clone()));
     compare(&mut worker, late, Some(knn));
-    assert_eq!((worker.lane.run.modelled(), rival(&worker).run.modelled()), (FRAMES, 0));
+    assert_eq!((worker.pass.model.modelled(), compared(&worker).model.modelled()), (FRAMES, 0));
     assert_both(&mut worker, &expected);
 }
 
@@ -184,15 +184,18 @@ fn what_is_in_view_is_never_compared_with_itself() {
         loop {
             worker.publish_in_time(true);
             let state = shared.state();
-            let now = state.beside.unwrap();
+            let now = state.compared.unwrap();
             assert_ne!(now.settings, state.shown.as_ref().unwrap().settings, "after {pieces} pieces");
             pieces += 1;
-            if !done(worker.piece()) {
+            if !done(worker.work_once()) {
                 break;
             }
         }
         let state = shared.state();
-        assert_eq!((&*state.shown.unwrap().settings, &*state.beside.unwrap().settings), (&in_view, &beside));
+        assert_eq!(
+            (&*state.shown.unwrap().settings, &*state.compared.unwrap().settings),
+            (&in_view, &beside)
+        );
     }
 }
 
@@ -210,10 +213,10 @@ fn the_status_tells_of_the_work_under_way() {
     show(&mut worker, 20);
     work_until(&mut worker, going_back);
     assert!(going_back(&worker));
-    ask(&mut worker, |requests| requests.explain = Some(Explained(Some(merge))));
+    ask(&mut worker, |requests| requests.explain = Some(ExplainRequest(Some(merge))));
     let mut told = Vec::new();
     work_until(&mut worker, |worker| {
-        if worker.asker.latest().is_some_and(|answer| !answer.done) {
+        if worker.counterfactual_task.latest().is_some_and(|answer| !answer.done) {
             told.push(worker.busy.clone().unwrap());
         }
         false
@@ -228,11 +231,11 @@ fn the_status_tells_of_the_work_under_way() {
     work_until(&mut worker, going_back);
     assert!(going_back(&worker));
     let truth = Truth { boxes: Some(Boxes::new()), masks: None };
-    ask(&mut worker, |requests| requests.truth = Some(Known(Some(Arc::new(truth)))));
+    ask(&mut worker, |requests| requests.truth = Some(TruthRequest(Some(Arc::new(truth)))));
     while !worker.is_view_current() {
-        assert!(done(worker.piece()));
+        assert!(done(worker.work_once()));
     }
-    assert!(done(worker.piece()) && worker.busy.is_none(), "scoring is no way back: {:?}", worker.busy);
+    assert!(done(worker.work_once()) && worker.busy.is_none(), "scoring is no way back: {:?}", worker.busy);
 }
 
 #[test]
@@ -245,9 +248,9 @@ fn the_last_truth_is_what_is_scored_by() {
         Some(Arc::new(Truth { boxes: Some(boxes.collect()), masks: None }))
     });
     let mut ask_for = |truth: &Option<Arc<Truth>>, pieces: bool| {
-        ask(&mut worker, |requests| requests.truth = Some(Known(truth.clone())));
+        ask(&mut worker, |requests| requests.truth = Some(TruthRequest(truth.clone())));
         if pieces {
-            done(worker.piece());
+            done(worker.work_once());
         } else {
             rest(&mut worker);
         }
@@ -323,16 +326,16 @@ fn frames_are_decoded_once_for_both() {
         };
         assert!(again <= most, "room for {room}: {again}");
         // A pixel that is chosen afterwards takes one more pass at most.
-        ask(&mut worker, |requests| requests.inspect = Some(Pixel(Some(PIXEL))));
+        ask(&mut worker, |requests| requests.inspect = Some(PixelRequest(Some(PIXEL))));
         rest(&mut worker);
         let again = decoded.load(Ordering::Relaxed);
         assert!(again <= FRAMES, "room for {room}: {again}");
         let shown = worker.shown.clone().unwrap();
-        for (shown, expected) in [&shown, shown.beside.as_ref().unwrap()].into_iter().zip(&expected) {
+        for (shown, expected) in [&shown, shown.compared.as_ref().unwrap()].into_iter().zip(&expected) {
             let (history, straight) = (shown.pixel.as_ref().unwrap(), expected.last().unwrap());
             assert_eq!(Some(history), straight.pixel.as_ref());
         }
-        assert_eq!(rival(&worker).run.front(), FRAMES);
+        assert_eq!(compared(&worker).model.front(), FRAMES);
     }
 }
 

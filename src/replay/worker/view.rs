@@ -1,27 +1,27 @@
-//! The way to the frame that is wanted in view, and which frame that is at the start.
+//! Seeking of the frame to show, and the choice of the first one.
 
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::{Aim, Stopped, Which, Worker};
+use super::{PassSlot, StartTarget, StopReason, Worker};
 use crate::frame::Frame;
 use crate::mixture::Quantity;
 use crate::occlusion::EventKind;
-use crate::replay::run::Towards;
-use crate::replay::{Progress, Shown};
+use crate::replay::model_timeline::SeekStep;
+use crate::replay::{Progress, ShownFrame};
 use crate::source::SourceError;
 use crate::source::cache::{Fetched, Keep};
 use crate::tracking::{Identity, TrackState};
 
-/// After the first occlusion was decided, so many more frames show how it goes on.
-const INTO_OCCLUSION: u32 = 10;
+/// Frames after the decision of the first occlusion before a frame within it is chosen.
+const FRAMES_INTO_OCCLUSION: u32 = 10;
 
 impl Worker<'_> {
     pub(super) fn is_view_current(&self) -> bool {
-        self.shown.as_ref().is_some_and(|shown| self.is_current(shown) && self.rival.is_beside(shown))
+        self.shown.as_ref().is_some_and(|shown| self.is_current(shown) && self.compared.is_current_in(shown))
     }
 
-    pub(super) fn is_current(&self, shown: &Shown) -> bool {
+    pub(super) fn is_current(&self, shown: &ShownFrame) -> bool {
         self.is_current_but_for_its_map(shown)
             && self.map.is_none_or(|quantity| match &shown.map {
                 Some(map) => map.quantity == quantity,
@@ -29,62 +29,64 @@ impl Worker<'_> {
             })
     }
 
-    pub(super) fn is_current_but_for_its_map(&self, shown: &Shown) -> bool {
-        shown.position == self.wanted && Arc::ptr_eq(&shown.settings, self.lane.settings())
+    pub(super) fn is_current_but_for_its_map(&self, shown: &ShownFrame) -> bool {
+        shown.position == self.target_position && Arc::ptr_eq(&shown.settings, self.pass.settings())
     }
 
     /// Whether the wanted frame can have a map of `quantity`: for a camera's, what came before it must still be kept.
     pub(super) fn can_map(&self, quantity: Quantity) -> bool {
-        let run = &self.lane.run;
+        let run = &self.pass.model;
         let kept = |mut positions: Range<u32>| positions.all(|position| self.frames.has(position));
-        run.has(quantity) && (!self.info.live || run.way_to(self.wanted, quantity).is_some_and(kept))
+        run.has(quantity)
+            && (!self.info.live || run.frames_needed(self.target_position, quantity).is_some_and(kept))
     }
 
     /// The frame in view without its map, where that is of another quantity than is asked for and none can be made.
-    pub(super) fn without_map(&self) -> Option<Shown> {
+    pub(super) fn without_map(&self) -> Option<ShownFrame> {
         let shown = self.shown.as_ref().filter(|shown| self.is_current_but_for_its_map(shown))?;
         let other =
             shown.map.as_ref().is_some_and(|map| self.map.is_some_and(|quantity| map.quantity != quantity));
         (other && !self.map.is_some_and(|quantity| self.can_map(quantity)))
-            .then(|| Shown { map: None, ..Shown::clone(shown) })
+            .then(|| ShownFrame { map: None, ..ShownFrame::clone(shown) })
     }
 
-    /// One step towards showing the wanted frame. Where both have been analysed, both come into view together.
-    pub(super) fn approach_view(&mut self) -> Result<(), Stopped> {
-        if self.rival.lags_behind(self.wanted) {
-            if let Some(shown) = self.look(Which::Rival)? {
-                self.rival.shown = Some(Arc::new(shown));
+    /// One step towards showing the requested frame. Where both passes have analysed it, both come into view
+    /// together.
+    pub(super) fn advance_view(&mut self) -> Result<(), StopReason> {
+        if self.compared.needs_frame(self.target_position) {
+            if let Some(shown) = self.seek_frame(PassSlot::Compared)? {
+                self.compared.shown = Some(Arc::new(shown));
             }
         } else if let Some(shown) = self.shown.clone().filter(|shown| self.is_current(shown)) {
-            self.show(Shown::clone(&shown));
+            self.show(ShownFrame::clone(&shown));
         } else if let Some(shown) = self.without_map() {
             self.show(shown);
-        } else if self.wanted >= self.lane.run.front() {
-            self.analyse(Which::InView)?;
-        } else if let Some(shown) = self.look(Which::InView)? {
+        } else if self.target_position >= self.pass.model.front() {
+            self.analyse(PassSlot::InView)?;
+        } else if let Some(shown) = self.seek_frame(PassSlot::InView)? {
             self.show(shown);
         }
         Ok(())
     }
 
-    /// One step towards the wanted frame under some settings; the frame when it is there.
-    pub(super) fn look(&mut self, which: Which) -> Result<Option<Shown>, Stopped> {
-        let position = self.wanted;
+    /// One step of seeking the requested frame in a pass; the frame when it is complete.
+    pub(super) fn seek_frame(&mut self, which: PassSlot) -> Result<Option<ShownFrame>, StopReason> {
+        let position = self.target_position;
         let Some(frame) = self.fetch(position)? else { return Ok(None) };
-        let quantity = self.map.filter(|_| which == Which::InView);
-        let Some(lane) = self.lane(which) else { return Ok(None) };
-        match lane.run.towards(position, &frame, quantity)? {
-            Towards::Pictures(pictures) => return Ok(lane.shown(position, frame, pictures)),
-            Towards::GoesOn => {}
-            Towards::Needs(needed) => {
+        let quantity = self.map.filter(|_| which == PassSlot::InView);
+        let Some(pass) = self.pass(which) else { return Ok(None) };
+        match pass.model.seek(position, &frame, quantity)? {
+            SeekStep::Pictures(pictures) => return Ok(pass.shown(position, frame, pictures)),
+            SeekStep::Continues => {}
+            SeekStep::NeedsFrames(needed) => {
                 if let Some(passed) = self.fetch(needed.start)? {
                     let mut passed = vec![passed];
                     for position in needed.start + 1..needed.end {
                         let Some(frame) = self.frames.kept(position) else { break };
                         passed.push(frame);
                     }
-                    if let Some(lane) = self.lane(which) {
-                        lane.run.replay_frames(needed.start, &passed, position);
+                    if let Some(pass) = self.pass(which) {
+                        pass.model.replay_frames(needed.start, &passed, position);
                     }
                 }
                 let what = format!("computing frame {}", frame.number);
@@ -94,7 +96,7 @@ impl Worker<'_> {
         Ok(None)
     }
 
-    /// A frame that has been analysed, or `None` while it is on its way.
+    /// A decoded frame, or `None` while it is being decoded.
     pub(super) fn fetch(&mut self, position: u32) -> Result<Option<Arc<Frame>>, SourceError> {
         match self.frames.fetch(position, Keep::Yes)? {
             Fetched::Frame(frame) => return Ok(Some(frame)),
@@ -103,9 +105,9 @@ impl Worker<'_> {
                 self.busy = Some(Progress { what, done: 0, total: None });
             }
             Fetched::Gone | Fetched::End => {
-                // Only a live source forgets: the oldest thing that surely is there is the newest.
-                self.wanted = self.lane.run.modelled().saturating_sub(1);
-                if !std::mem::replace(&mut self.outbox.told_of.gone, true) {
+                // Only a live source drops frames: the newest one is certain to be available.
+                self.target_position = self.pass.model.modelled().saturating_sub(1);
+                if !std::mem::replace(&mut self.outbox.warned.gone, true) {
                     self.outbox.warnings.push(format!(
                         "earlier frames of {} are no longer kept: the newest one is shown",
                         self.info.name
@@ -116,11 +118,11 @@ impl Worker<'_> {
         Ok(None)
     }
 
-    /// Notes the first occlusion among frames that were just analysed, if that is aimed at.
+    /// Records the first occlusion among frames that were just analysed, if the start needs it.
     pub(super) fn find_occlusion(&mut self, positions: Range<u32>) {
-        let Some(Aim::Occlusion(found @ None)) = &mut self.aim else { return };
+        let Some(StartTarget::Occlusion(found @ None)) = &mut self.start_target else { return };
         for position in positions {
-            let Some((analysis, _)) = self.lane.run.outline(position) else { break };
+            let Some((analysis, _)) = self.pass.model.outline(position) else { break };
             let occlusion = analysis
                 .events
                 .iter()
@@ -132,28 +134,31 @@ impl Worker<'_> {
         }
     }
 
-    /// Wants what the start aims at, once it is known and the first frame has been seen.
-    pub(super) fn find_aim(&mut self) {
-        let Some(aim) = &self.aim else { return };
+    /// Requests the frame to start with, once it is known and the first frame was shown.
+    pub(super) fn resolve_start_target(&mut self) {
+        let Some(start_target) = &self.start_target else { return };
         if self.shown.is_none() {
             return;
         }
         let numbers = self.frames.numbers();
-        let found = match aim {
-            Aim::Number(number) => {
+        let found = match start_target {
+            StartTarget::Number(number) => {
                 let position = numbers.partition_point(|known| known < number);
                 (position < numbers.len() || self.frames.is_complete()).then_some(position as u32)
             }
-            Aim::Occlusion(Some((decided, objects))) => {
-                let front = self.lane.run.front();
-                (front > decided.saturating_add(INTO_OCCLUSION) || self.lane.is_through(&self.frames))
-                    .then(|| self.within_occlusion(*decided, objects))
+            StartTarget::Occlusion(Some((decided, objects))) => {
+                let front = self.pass.model.front();
+                (front > decided.saturating_add(FRAMES_INTO_OCCLUSION)
+                    || self.pass.has_analysed_all(&self.frames))
+                .then(|| self.within_occlusion(*decided, objects))
             }
-            Aim::Occlusion(None) => self.lane.is_through(&self.frames).then_some(self.wanted),
+            StartTarget::Occlusion(None) => {
+                self.pass.has_analysed_all(&self.frames).then_some(self.target_position)
+            }
         };
         if let Some(position) = found {
-            self.wanted = position;
-            self.aim = None;
+            self.target_position = position;
+            self.start_target = None;
         }
     }
 
@@ -161,13 +166,13 @@ impl Worker<'_> {
     /// at which that was decided.
     pub(super) fn within_occlusion(&self, decided: u32, objects: &[Identity]) -> u32 {
         let occluded = |position: &u32| {
-            self.lane.run.outline(*position).is_some_and(|(analysis, _)| {
+            self.pass.model.outline(*position).is_some_and(|(analysis, _)| {
                 let mut tracks = analysis.tracks.iter();
                 tracks.any(|track| objects.contains(&track.id) && track.state != TrackState::Visible)
             })
         };
-        let Some(first) = (decided..self.lane.run.front()).find(occluded) else { return decided };
-        let length = (first..self.lane.run.front()).take_while(occluded).count() as u32;
+        let Some(first) = (decided..self.pass.model.front()).find(occluded) else { return decided };
+        let length = (first..self.pass.model.front()).take_while(occluded).count() as u32;
         first + length / 2
     }
 }

@@ -1,6 +1,6 @@
 //! Scenes whose background does what makes it hard to model.
 
-use super::stage::{Stage, Way};
+use super::stage::{Stage, WalkPlan};
 use super::{Background, Entry, people};
 use crate::synth::light::Shade;
 use crate::synth::motion::MotionKind;
@@ -129,7 +129,7 @@ fn car(stage: &mut Stage) {
 fn passes(stage: &mut Stage, outfit: usize) {
     stage.settle = LEARNING;
     let meeting = stage.earliest_meeting(&[1.0]);
-    stage.person(outfit, Way::right(1.0).meeting(meeting), 0.86);
+    stage.person(outfit, WalkPlan::right(1.0).meeting(meeting), 0.86);
 }
 
 fn swaying_tree(stage: &mut Stage) {
@@ -205,7 +205,7 @@ fn passers_by(stage: &mut Stage) {
         // Four come again and again.
         let who = number as usize % 4;
         let pace = 0.8 + 0.5 * stage.chance(who, 5);
-        let way = if number.is_multiple_of(2) { Way::right(pace) } else { Way::left(pace) };
+        let way = if number.is_multiple_of(2) { WalkPlan::right(pace) } else { WalkPlan::left(pace) };
         let middle = meeting + (number * EVERY) as f32;
         stage.person(who, way.meeting(middle), 0.76 + 0.1 * stage.chance(who, 6));
     }

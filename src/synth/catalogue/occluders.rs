@@ -1,6 +1,6 @@
 //! Scenes of people who pass behind something.
 
-use super::stage::{Stage, Way};
+use super::stage::{Stage, WalkPlan};
 use super::{Background, Entry};
 use crate::synth::occluder::OccluderKind;
 use crate::synth::path::Turn;
@@ -35,19 +35,19 @@ pub(super) const ENTRIES: [Entry; 4] = [
 
 fn tree(stage: &mut Stage) {
     let meeting = stage.earliest_meeting(&[1.0]);
-    stage.person(3, Way::right(1.0).meeting(meeting), 0.80);
+    stage.person(3, WalkPlan::right(1.0).meeting(meeting), 0.80);
     stage.occluder(OccluderKind::Tree, 0.93, 1.16, 3.2);
 }
 
 fn pole(stage: &mut Stage) {
     let meeting = stage.earliest_meeting(&[1.0]);
-    stage.person(1, Way::left(1.0).meeting(meeting), 0.80);
+    stage.person(1, WalkPlan::left(1.0).meeting(meeting), 0.80);
     stage.occluder(OccluderKind::Pole, 0.89, 0.11, 2.9);
 }
 
 fn wall(stage: &mut Stage) {
     let meeting = stage.earliest_meeting(&[1.0]);
-    stage.person(2, Way::right(1.0).meeting(meeting), 0.80);
+    stage.person(2, WalkPlan::right(1.0).meeting(meeting), 0.80);
     stage.occluder(OccluderKind::Wall, 0.86, 1.7, 0.55);
 }
 
@@ -55,7 +55,7 @@ fn wall_edge(stage: &mut Stage) {
     let behind = 0.45 * stage.body();
     let arrival = stage.earliest(&[1.0], 0.5 * stage.width() / stage.body());
     let stay = stage.while_usual(30.0);
-    let actor = stage.person(0, Way::left(1.0).meeting(arrival), 0.80);
+    let actor = stage.person(0, WalkPlan::left(1.0).meeting(arrival), 0.80);
     let [speed, _] = actor.path.velocity;
     actor.path.at[0] = behind;
     let stop = Turn { frame: arrival, velocity: [0.0; 2] };

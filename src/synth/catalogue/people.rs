@@ -1,6 +1,6 @@
 //! Scenes of people who meet, or of one alone.
 
-use super::stage::{Stage, Way};
+use super::stage::{Stage, WalkPlan};
 use super::{Background, Entry};
 use crate::synth::path::{Path, Turn};
 use crate::synth::scene::Actor;
@@ -102,14 +102,14 @@ pub(super) const ENTRIES: [Entry; 15] = [
 /// Two cross in the middle.
 pub(super) fn crossing(stage: &mut Stage) {
     let meeting = stage.earliest_meeting(&[0.9, 0.97]);
-    stage.person(0, Way::right(0.9).meeting(meeting), 0.80);
-    stage.person(1, Way::left(0.97).meeting(meeting), 0.845);
+    stage.person(0, WalkPlan::right(0.9).meeting(meeting), 0.80);
+    stage.person(1, WalkPlan::left(0.97).meeting(meeting), 0.845);
 }
 
 fn crossing_alike(stage: &mut Stage) {
     let meeting = stage.earliest_meeting(&[0.8, 1.4]);
-    stage.person(0, Way::right(0.8).meeting(meeting), 0.80);
-    stage.person(0, Way::left(1.4).meeting(meeting), 0.845);
+    stage.person(0, WalkPlan::right(0.8).meeting(meeting), 0.80);
+    stage.person(0, WalkPlan::left(1.4).meeting(meeting), 0.845);
     // Nearly the same: a shade lighter, a dye apart.
     let clothes = &mut stage.actors[1].clothes;
     for colour in [&mut clothes.shirt, &mut clothes.trousers] {
@@ -119,23 +119,23 @@ fn crossing_alike(stage: &mut Stage) {
 
 fn overtake(stage: &mut Stage) {
     let meeting = stage.earliest_meeting(&[0.75, 1.4]);
-    stage.person(0, Way::right(0.75).meeting(meeting), 0.80);
-    stage.person(1, Way::right(1.4).meeting(meeting), 0.845);
+    stage.person(0, WalkPlan::right(0.75).meeting(meeting), 0.80);
+    stage.person(1, WalkPlan::right(1.4).meeting(meeting), 0.845);
 }
 
 fn group(stage: &mut Stage) {
     let meeting = stage.earliest_meeting(&[0.85, 0.95, 1.25]);
-    stage.person(0, Way::right(0.85).meeting(meeting), 0.785);
-    stage.person(1, Way::left(0.95).meeting(meeting), 0.82);
-    stage.person(2, Way::right(1.25).meeting(meeting), 0.855);
+    stage.person(0, WalkPlan::right(0.85).meeting(meeting), 0.785);
+    stage.person(1, WalkPlan::left(0.95).meeting(meeting), 0.82);
+    stage.person(2, WalkPlan::right(1.25).meeting(meeting), 0.855);
 }
 
 fn pair(stage: &mut Stage) {
     stage.pace_spread = 0.0;
     let meeting = stage.earliest_meeting(&[0.95]);
-    stage.person(0, Way::right(0.95).meeting(meeting), 0.805);
+    stage.person(0, WalkPlan::right(0.95).meeting(meeting), 0.805);
     let behind = 1.0 / (0.95 * stage.pace());
-    stage.person(1, Way::right(0.95).meeting(meeting + behind), 0.835);
+    stage.person(1, WalkPlan::right(0.95).meeting(meeting + behind), 0.835);
 }
 
 /// The row in which the plaza's slabs would meet the sky, as a share of the image's height.
@@ -146,21 +146,21 @@ fn crossing_diagonal(stage: &mut Stage) {
     let horizon = PLAZA_HORIZON * stage.height();
     // From edge to edge they come nearer by so much.
     let slope = 0.36 * stage.height() / stage.width();
-    let mut goes = |outfit, way: Way, foot| {
+    let mut goes = |outfit, way: WalkPlan, foot| {
         let actor = stage.person(outfit, way.meeting(meeting), foot);
         actor.path.velocity[1] = slope * actor.path.velocity[0].abs();
         actor.horizon = Some(horizon);
     };
-    goes(0, Way::right(0.9), 0.725);
-    goes(1, Way::left(1.1), 0.785);
+    goes(0, WalkPlan::right(0.9), 0.725);
+    goes(1, WalkPlan::left(1.1), 0.785);
 }
 
 fn crossing_steep(stage: &mut Stage) {
     let (meeting, horizon) = (stage.earliest_meeting(&[0.8]), PLAZA_HORIZON * stage.height());
     let height = stage.height();
-    stage.person(0, Way::right(0.8).meeting(meeting), 0.68);
+    stage.person(0, WalkPlan::right(0.8).meeting(meeting), 0.68);
     let (before, after) = (stage.while_usual(16.0), stage.while_usual(22.0));
-    let actor = stage.person(1, Way::left(1.0).meeting(meeting), 0.80);
+    let actor = stage.person(1, WalkPlan::left(1.0).meeting(meeting), 0.80);
     let [speed, _] = actor.path.velocity;
     // Three times as much upwards as to the left while they cross the other's way.
     let upwards = [0.35 * speed, speed];
@@ -182,16 +182,16 @@ fn meet_and_part(stage: &mut Stage) {
         let stop = Turn { frame: meeting, velocity: [0.0; 2] };
         actor.path.turns = vec![stop, Turn { frame: meeting + talk, velocity: [-speed, 0.0] }];
     };
-    turns_back(stage.person(0, Way::right(0.9).meeting(meeting), 0.80));
-    turns_back(stage.person(1, Way::left(1.0).meeting(meeting), 0.83));
+    turns_back(stage.person(0, WalkPlan::right(0.9).meeting(meeting), 0.80));
+    turns_back(stage.person(1, WalkPlan::left(1.0).meeting(meeting), 0.83));
 }
 
 fn child(stage: &mut Stage) {
     stage.pace_spread = 0.0;
     let joining = stage.earliest_meeting(&[0.7]);
     let beside = 0.10 * stage.body();
-    let [walk, _] = stage.person(0, Way::right(0.7).meeting(joining), 0.80).path.velocity;
-    let child = stage.person(1, Way::right(1.4).meeting(joining), 0.825);
+    let [walk, _] = stage.person(0, WalkPlan::right(0.7).meeting(joining), 0.80).path.velocity;
+    let child = stage.person(1, WalkPlan::right(1.4).meeting(joining), 0.825);
     child.height *= 0.58;
     child.path.at[0] -= beside;
     child.path.turns.push(Turn { frame: joining, velocity: [walk, 0.0] });
@@ -201,16 +201,16 @@ fn enter_together(stage: &mut Stage) {
     stage.pace_spread = 0.02;
     let abreast = stage.earliest_meeting(&[0.8, 1.5]);
     let near_edge = 0.97 * stage.body();
-    stage.person(0, Way::right(0.8).meeting(abreast), 0.80).path.at[0] = near_edge;
-    stage.person(1, Way::right(1.5).meeting(abreast), 0.845).path.at[0] = near_edge;
+    stage.person(0, WalkPlan::right(0.8).meeting(abreast), 0.80).path.at[0] = near_edge;
+    stage.person(1, WalkPlan::right(1.5).meeting(abreast), 0.845).path.at[0] = near_edge;
 }
 
 fn leave_together(stage: &mut Stage) {
     stage.pace_spread = 0.02;
     let at_edge = stage.width() + 0.1 * stage.body();
     let abreast = stage.earliest(&[0.8, 1.4], 0.5 * stage.width() / stage.body());
-    stage.person(0, Way::right(0.8).meeting(abreast), 0.80).path.at[0] = at_edge;
-    stage.person(1, Way::right(1.4).meeting(abreast), 0.845).path.at[0] = at_edge;
+    stage.person(0, WalkPlan::right(0.8).meeting(abreast), 0.80).path.at[0] = at_edge;
+    stage.person(1, WalkPlan::right(1.4).meeting(abreast), 0.845).path.at[0] = at_edge;
 }
 
 fn crowd(stage: &mut Stage) {
@@ -221,7 +221,7 @@ fn crowd(stage: &mut Stage) {
         // Four rows, each with its own way and pace; who is nearer is larger.
         let row = number % rows.len();
         let (foot, size) = (0.58 + 0.12 * row as f32, 0.85 + 0.15 * row as f32);
-        let way = if row.is_multiple_of(2) { Way::right(rows[row]) } else { Way::left(rows[row]) };
+        let way = if row.is_multiple_of(2) { WalkPlan::right(rows[row]) } else { WalkPlan::left(rows[row]) };
         let middle = first + stage.while_usual(25.0 * number as f32);
         stage.person(number, way.meeting(middle), foot).height *= size;
     }
@@ -232,13 +232,13 @@ const BAG: [u8; 3] = [182, 179, 173];
 
 fn bag(stage: &mut Stage) {
     let meeting = stage.earliest_meeting(&[1.0]);
-    stage.person(0, Way::right(1.0).meeting(meeting), 0.82).bag = Some(BAG);
+    stage.person(0, WalkPlan::right(1.0).meeting(meeting), 0.82).bag = Some(BAG);
 }
 
 fn arms(stage: &mut Stage) {
     let meeting = stage.earliest_meeting(&[1.0]);
     let (lift, lower, stay) = (stage.while_usual(8.0), stage.while_usual(58.0), stage.while_usual(66.0));
-    let actor = stage.person(0, Way::left(1.0).meeting(meeting), 0.80);
+    let actor = stage.person(0, WalkPlan::left(1.0).meeting(meeting), 0.80);
     let walk = actor.path.velocity;
     actor.arms_out = Some([meeting + lift, meeting + lower]);
     let stop = Turn { frame: meeting, velocity: [0.0; 2] };

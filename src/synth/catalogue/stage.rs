@@ -15,15 +15,15 @@ const BODY: f32 = 0.36;
 /// An unhurried walk: 1.25 m/s for 1.75 m, in body heights a frame.
 const WALK: f32 = 0.0286;
 
-/// Which way somebody goes and how fast, over the usual walk, and when they are in the middle.
+/// Direction and pace of a walk, relative to the usual one, and the frame in which it passes the middle.
 #[derive(Clone, Copy)]
-pub(super) struct Way {
+pub(super) struct WalkPlan {
     direction: f32,
     pace: f32,
     middle: f32,
 }
 
-impl Way {
+impl WalkPlan {
     pub(super) fn right(pace: f32) -> Self {
         Self { direction: 1.0, pace, middle: 0.0 }
     }
@@ -121,7 +121,7 @@ impl Stage {
 
     /// Adds somebody in outfit `outfit` (the seed decides which that is) whose feet are at `foot` of
     /// the image's height.
-    pub(super) fn person(&mut self, outfit: usize, way: Way, foot: f32) -> &mut Actor {
+    pub(super) fn person(&mut self, outfit: usize, way: WalkPlan, foot: f32) -> &mut Actor {
         let number = self.actors.len();
         let size = self.parameters.size;
         let spread = |chance: f32, share: f32| 1.0 + share * (2.0 * chance - 1.0);

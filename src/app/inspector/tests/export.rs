@@ -20,7 +20,7 @@ fn the_frames_of_a_zoomed_history_are_what_is_copied() {
 #[test]
 fn a_map_is_saved_cell_by_cell() {
     let shown = shown(430);
-    let tuning = tuning_of(&shown, [Knob::Alpha, Knob::T]).unwrap();
+    let tuning = tuning_of(&shown, [TunableSetting::Alpha, TunableSetting::T]).unwrap();
     let (mut harness, actions) = tall(Some(shown));
     open(&mut harness, "Tuning");
     choose(&mut harness, "Copy or save the map", "Save CSV…");
@@ -117,15 +117,15 @@ fn the_region_and_the_pins_can_be_taken_along_as_picture_drawing_and_table() {
         .with_context_setup(crate::app::theme::install)
         .wgpu()
         .build_ui(move |ui| {
-            let beside = Beside {
+            let context = InspectorContext {
                 chosen: Some(AT),
                 pins: &[(2, AT), (5, (1, 2)), (6, (3, 3))],
                 histories: &histories,
                 region: Some(&shares),
-                ..Beside::default()
+                ..InspectorContext::default()
             };
             egui::CentralPanel::default().show(ui, |ui| {
-                asked.borrow_mut().extend(inspector.ui(ui, Some(&shown), None, None, 10.0, &beside));
+                asked.borrow_mut().extend(inspector.ui(ui, Some(&shown), None, None, 10.0, &context));
             });
         });
     open(&mut harness, "Pixels");

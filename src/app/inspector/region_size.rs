@@ -1,0 +1,20 @@
+//! Side of the region around the chosen pixel.
+
+use eframe::egui::Ui;
+
+use super::style::{self, small};
+
+/// The sides that can be chosen, in pixels.
+const SIDES_PX: [u32; 5] = [1, 3, 5, 9, 15];
+
+/// The sides to choose from, in a line.
+pub(super) fn choice(ui: &mut Ui, chosen: &mut u32) {
+    for side in SIDES_PX {
+        let text = format!("{side}×{side}");
+        let label = ui.selectable_label(*chosen == side, small(&side.to_string())).accessible_name(&text);
+        if label.on_hover_text(format!("{text} pixels around the selected pixel")).clicked() {
+            *chosen = side;
+        }
+    }
+    ui.label(style::aside(ui, "px"));
+}

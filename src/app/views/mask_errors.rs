@@ -1,0 +1,86 @@
+//! True and false decisions of the mask against the ground truth.
+
+use eframe::egui::Color32;
+
+use super::{Compose, ComposeStyle, Pane, draw};
+use crate::app::theme;
+use crate::frame::Mask;
+use crate::replay::ShownFrame;
+use crate::truth::decisions::Decisions;
+use crate::truth::masks::{Label, TrueMask};
+
+/// Foreground that was found.
+const TRUE_POSITIVE: [u8; 3] = super::agreement::BOTH;
+/// Background that was taken for foreground.
+const FALSE_POSITIVE: [u8; 3] = [232, 92, 28];
+/// Foreground that was missed.
+const FALSE_NEGATIVE: [u8; 3] = [86, 180, 233];
+/// What does not count; on the card it is as dark.
+const IGNORED: [u8; 3] = [58, 52, 66];
+
+/// Judges a mask of the frame.
+pub(super) fn judge(mask: &Mask, truth: &TrueMask) -> Decisions {
+    let mut judge = truth.judge();
+    mask.runs().for_each(|run| judge.take(run));
+    judge.decisions()
+}
+
+/// How it is composed.
+pub(super) fn look() -> ComposeStyle {
+    let share = |[r, g, b]: [u8; 3]| [r, g, b, 255].map(|channel| f32::from(channel) / 255.0);
+    ComposeStyle {
+        overlay: share(FALSE_POSITIVE),
+        other_colour: share(FALSE_NEGATIVE),
+        ..ComposeStyle::plain(Compose::MaskErrors)
+    }
+}
+
+/// Paints it, or why there is nothing to paint.
+pub(super) fn paint(pane: &Pane<'_>) {
+    let Some(truth) = &pane.shown.truth else {
+        let why = if pane.model.has_true_masks() {
+            "No ground-truth mask for this frame."
+        } else {
+            "No ground-truth masks.\nFile, Load ground truth folder… loads a CDnet folder\nor a scene \
+             written by synth."
+        };
+        draw::message(pane.painter, &pane.canvas, why, pane.colours.weak);
+        return;
+    };
+    pane.compose(look());
+    let mask = &pane.shown.analysis.mask;
+    let ground = |(x, y)| match (truth.at(x, y), mask.is_foreground(x, y)) {
+        (Some(Label::Foreground), true) => theme::rgb(TRUE_POSITIVE),
+        (Some(Label::Foreground), false) => theme::rgb(FALSE_NEGATIVE),
+        (Some(Label::Background), true) => theme::rgb(FALSE_POSITIVE),
+        (Some(Label::Background), false) => Color32::BLACK,
+        (Some(Label::Uncounted) | None, _) => theme::rgb(IGNORED),
+    };
+    draw::values(pane.painter, &pane.canvas, |at| value(pane.shown, at), ground);
+    if let Some(decisions) = pane.set.decisions() {
+        let uncounted = truth.size().pixels() as u64 - decisions.all();
+        let mut rows = vec![
+            (TRUE_POSITIVE, format!("TP  {} px", decisions.tp)),
+            (FALSE_POSITIVE, format!("FP  {} px", decisions.fp)),
+            (FALSE_NEGATIVE, format!("FN  {} px", decisions.fn_)),
+        ];
+        if uncounted > 0 {
+            rows.push((IGNORED, format!("ignored  {uncounted} px")));
+        }
+        draw::legend(pane.painter, pane.canvas.rect, &rows);
+    }
+}
+
+/// What was decided, and whether that is right.
+pub(super) fn value(shown: &ShownFrame, (x, y): (u32, u32)) -> String {
+    let found = shown.analysis.mask.is_foreground(x, y);
+    match shown.truth.as_ref().and_then(|truth| truth.at(x, y)) {
+        None => "",
+        Some(Label::Uncounted) => "ignored",
+        Some(Label::Foreground) if found => "true positive",
+        Some(Label::Foreground) => "false negative",
+        Some(Label::Background) if found => "false positive",
+        Some(Label::Background) => "true negative",
+    }
+    .to_owned()
+}

@@ -1,0 +1,212 @@
+//! Which component is which: a pixel's components followed through their changes of rank.
+//!
+//! An update moves one component at most, so nothing has to be guessed. Every component gets a
+//! *slot* 0..K that it keeps while it lives; a new component takes the slot of the one that it
+//! replaces, or the first free one.
+
+use super::history::{PixelHistory, PixelState};
+use super::pixel::MAX_K;
+
+/// Ranks, from 0, before and after the update of the component that the update of `state` matched or created.
+///
+/// A new component has the last rank before, where it replaced what was there.
+fn rank_move(state: &PixelState) -> (usize, usize) {
+    let last = state.pixel.components().len() - 1;
+    let from = usize::from(state.outcome.matched).checked_sub(1).unwrap_or(last).min(last);
+    (from, usize::from(state.outcome.rank).saturating_sub(1).min(from))
+}
+
+/// A change of the number or order of a pixel's components by an update.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ComponentChange {
+    /// A component was created in a free slot.
+    Born,
+    /// A component was created in place of the last.
+    Replaced,
+    /// A component rose in rank. Ranks from 1.
+    Rose {
+        /// Its rank before.
+        from: u8,
+        /// Its rank after.
+        to: u8,
+    },
+}
+
+/// The change of the components by the update of the state at `index`; `None` where only their numbers changed.
+pub fn component_change(history: &PixelHistory, index: usize) -> Option<ComponentChange> {
+    let outcome = history.states.get(index)?.outcome;
+    if outcome.matched == 0 {
+        let room = history.before(index).is_none_or(|before| before.used() < before.components().len());
+        return Some(if room { ComponentChange::Born } else { ComponentChange::Replaced });
+    }
+    (outcome.rank < outcome.matched)
+        .then_some(ComponentChange::Rose { from: outcome.matched, to: outcome.rank })
+}
+
+/// The rank (from 0) before the update of `state` of the component that has `rank` (from 0) after
+/// it; `None` for the component that is new in this frame.
+pub fn rank_before(state: &PixelState, rank: usize) -> Option<usize> {
+    let (from, to) = rank_move(state);
+    if state.t <= 1 {
+        return None;
+    }
+    if rank == to {
+        (state.outcome.matched > 0).then_some(from)
+    } else if rank > to && rank <= from {
+        Some(rank - 1)
+    } else {
+        Some(rank)
+    }
+}
+
+/// The slots by rank before the first frame.
+pub(super) const FIRST_SLOTS: [u8; MAX_K] = [0, 1, 2, 3, 4, 5, 6, 7];
+
+/// For every state of a history the slots of its components by rank; those beyond K mean nothing.
+pub fn slots_by_rank(history: &PixelHistory) -> Vec<[u8; MAX_K]> {
+    let mut all = Vec::with_capacity(history.states.len());
+    extend_slots(&mut all, history);
+    all
+}
+
+/// Extends the slots of a history's first states by those of the others.
+pub fn extend_slots(all: &mut Vec<[u8; MAX_K]>, history: &PixelHistory) {
+    let mut slots = all.last().copied().unwrap_or(FIRST_SLOTS);
+    for (index, state) in history.states.iter().enumerate().skip(all.len()) {
+        if let Some(before) = history.before(index) {
+            let (from, to) = rank_move(state);
+            let used = before.used();
+            if state.outcome.matched == 0 && used <= from {
+                // Room was left: of the free slots, which stand last, the new one takes the first.
+                let first = (used..=from).min_by_key(|&rank| slots[rank]).unwrap_or(from);
+                slots.swap(first, from);
+            }
+            slots[to..=from].rotate_right(1);
+        }
+        all.push(slots);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+    use crate::mixture::Parameters;
+    use crate::settings::{Preset, Settings};
+
+    /// Three surfaces of a pixel that take turns, in an order that makes ranks change and components die.
+    fn history() -> PixelHistory {
+        let parameters = Parameters::new(&Settings::preset(Preset::Plain));
+        let colours = (0..900_u32).map(|number| {
+            let wobble = (number * 7919 % 5) as u8;
+            let gray = match (number / 30) % 7 {
+                0 | 1 => 40,
+                2 => 220,
+                3 | 4 => 130,
+                5 => (number % 251) as u8,
+                _ => 90,
+            };
+            (number + 1, [gray + wobble % (255 - gray).max(1), gray, gray])
+        });
+        PixelHistory::of_colours((3, 4), parameters, colours)
+    }
+
+    #[test]
+    fn a_followed_component_keeps_its_mean_unless_it_learned() {
+        let history = history();
+        let (mut moved, mut replaced) = (0, 0);
+        for (index, state) in history.states.iter().enumerate().skip(1) {
+            let before = history.before(index).unwrap();
+            let touched = usize::from(state.outcome.rank) - 1;
+            for (rank, component) in state.pixel.components().iter().enumerate() {
+                match rank_before(state, rank) {
+                    Some(old) if rank != touched => {
+                        assert_eq!(before.components()[old].mean, component.mean, "frame {index}");
+                    }
+                    Some(old) => moved += usize::from(old != rank),
+                    None => replaced += 1,
+                }
+            }
+        }
+        assert!(moved > 3 && replaced > 5, "the history tries it: {moved} moved, {replaced} new");
+    }
+
+    #[test]
+    fn a_change_is_what_became_of_the_components() {
+        let history = history();
+        let k = history.parameters.k;
+        let (mut born, mut replaced, mut rose) = (0, 0, 0);
+        for index in 1..history.states.len() {
+            let (before, after) = (history.before(index).unwrap(), history.states[index].pixel);
+            match component_change(&history, index) {
+                Some(ComponentChange::Born) => {
+                    born += 1;
+                    assert_eq!(after.used(), before.used() + 1);
+                }
+                Some(ComponentChange::Replaced) => {
+                    replaced += 1;
+                    assert_eq!((before.used(), after.used()), (k, k));
+                    let gone = before.components()[k - 1].mean;
+                    let lives_on = after.components().iter().any(|component| component.mean == gone);
+                    assert!(!lives_on || history.states[index].value == gone, "frame {index}");
+                }
+                Some(ComponentChange::Rose { from, to }) => {
+                    rose += 1;
+                    let passed = before.components()[usize::from(to) - 1];
+                    assert_eq!(after.components()[usize::from(to)].mean, passed.mean, "frame {index}");
+                    assert!(from > to);
+                }
+                None => assert_eq!(after.used(), before.used()),
+            }
+        }
+        assert!(
+            born == k - 1 && replaced > 3 && rose > 1,
+            "tried: {born} born, {replaced} replaced, {rose} rose"
+        );
+        assert_eq!(component_change(&history, 0), Some(ComponentChange::Born));
+        assert_eq!(component_change(&history, history.states.len()), None);
+    }
+
+    #[test]
+    fn slots_stay_with_their_component_and_are_never_shared() {
+        let history = history();
+        let slots = slots_by_rank(&history);
+        assert_eq!(slots.len(), history.states.len());
+        for (index, state) in history.states.iter().enumerate().skip(1) {
+            let k = state.pixel.components().len();
+            let mut sorted = slots[index][..k].to_vec();
+            sorted.sort_unstable();
+            assert!(sorted.iter().enumerate().all(|(slot, &found)| slot == usize::from(found)));
+            for rank in 0..state.pixel.used() {
+                if let Some(old) = rank_before(state, rank) {
+                    assert_eq!(slots[index][rank], slots[index - 1][old], "frame {index} rank {rank}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn slots_of_a_history_that_grew_go_on_from_those_before() {
+        let whole = history();
+        let mut grown = Vec::new();
+        for end in [0, 1, 2, 450, 451, 900] {
+            let part = PixelHistory { states: whole.states[..end].to_vec(), ..whole.clone() };
+            extend_slots(&mut grown, &part);
+            assert_eq!(grown, slots_by_rank(&part), "{end} frames");
+        }
+    }
+
+    #[test]
+    fn new_components_take_the_slots_in_order_while_there_is_room() {
+        let parameters = Parameters::new(&Settings::preset(Preset::Plain));
+        let colours = [[10; 3], [100; 3], [200; 3]].into_iter().enumerate();
+        let history =
+            PixelHistory::of_colours((0, 0), parameters, colours.map(|(at, rgb)| (at as u32 + 1, rgb)));
+        let slots = slots_by_rank(&history);
+        for (frame, expected) in [(0, 0), (1, 1), (2, 2)] {
+            let rank = usize::from(history.states[frame].outcome.rank) - 1;
+            assert_eq!(slots[frame][rank], expected);
+        }
+    }
+}

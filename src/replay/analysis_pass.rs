@@ -1,0 +1,252 @@
+//! One pass of the analysis through the sequence under one choice of settings, with its results.
+
+use std::sync::Arc;
+
+use super::frame_consumer::FrameConsumer as _;
+use super::model_timeline::ModelTimeline;
+use super::pixel_follower::PixelFollower;
+use super::scorer::{ScoreStep, Scorer};
+use super::timeline_builder::TimelineBuilder;
+use super::{ShownFrame, Timeline, pictures::Pictures};
+use crate::frame::Frame;
+use crate::pipeline::PipelineError;
+use crate::regions::Roi;
+use crate::settings::{Settings, Stage};
+use crate::source::cache::{Fetched, FrameCache, Keep};
+use crate::source::{SourceError, SourceInfo};
+use crate::truth::Truth;
+use crate::truth::boxes::Boxes;
+use crate::truth::summary;
+
+/// A pass through the sequence under one choice of settings.
+pub(super) struct AnalysisPass {
+    /// Its progress, its record and its model at any frame.
+    pub(super) model: ModelTimeline,
+    /// The chosen pixel under the same settings.
+    pub(super) pixel_follower: PixelFollower,
+    timeline_builder: TimelineBuilder,
+    /// The boxes of the offline result, once it has replaced the online one.
+    finished: Option<Arc<Boxes>>,
+    scorer: Scorer,
+}
+
+/// Why a pass cannot continue.
+#[derive(Debug, thiserror::Error)]
+pub(super) enum PassError {
+    /// The source gives no frame.
+    #[error(transparent)]
+    Source(#[from] SourceError),
+    /// A stage fails.
+    #[error(transparent)]
+    Pipeline(#[from] PipelineError),
+}
+
+/// The result of a step.
+pub(super) enum PassStep {
+    /// Frames were analysed, or are being decoded.
+    Advanced,
+    /// The next frame is no longer kept, of a live source.
+    FrameLost,
+}
+
+impl AnalysisPass {
+    /// A pass before the first frame; `budget` is the memory for checkpoints and the record, in bytes.
+    pub(super) fn new(
+        settings: Arc<Settings>,
+        roi: Option<Arc<Roi>>,
+        info: &Arc<SourceInfo>,
+        budget: usize,
+    ) -> Result<Self, PipelineError> {
+        Ok(Self {
+            model: ModelTimeline::new(settings, roi, info, budget)?,
+            pixel_follower: PixelFollower::default(),
+            timeline_builder: TimelineBuilder::default(),
+            finished: None,
+            scorer: Scorer::default(),
+        })
+    }
+
+    /// A copy at the same position, with its own `budget`; `None` where the model's state cannot be copied.
+    pub(super) fn fork(&self, budget: usize) -> Option<Self> {
+        Some(Self {
+            model: self.model.fork(budget)?,
+            pixel_follower: self.pixel_follower.clone(),
+            timeline_builder: self.timeline_builder.clone(),
+            finished: self.finished.clone(),
+            scorer: Scorer::default(),
+        })
+    }
+
+    /// A pass under other settings, which reuses the masks of this one where the model's settings are the same.
+    pub(super) fn fork_under(
+        &self,
+        settings: Arc<Settings>,
+        roi: Option<Arc<Roi>>,
+        info: &Arc<SourceInfo>,
+        budget: usize,
+    ) -> Result<Self, PipelineError> {
+        let stage = self.first_difference(&settings, roi.as_ref()).filter(|&stage| stage > Stage::Mixture);
+        match stage.and_then(|stage| Some((stage, self.fork(budget)?))) {
+            Some((stage, mut fork)) => fork.restart_at(stage, settings, roi).map(|()| fork),
+            None => Self::new(settings, roi, info, budget),
+        }
+    }
+
+    /// Its settings.
+    pub(super) const fn settings(&self) -> &Arc<Settings> {
+        self.model.settings()
+    }
+
+    /// Follows a pixel, or none.
+    pub(super) fn inspect(&mut self, at: Option<(u32, u32)>) {
+        self.pixel_follower.choose(at, self.model.settings(), self.model.info());
+    }
+
+    /// The first stage affected by other settings or another area of interest; `None` where they are the same.
+    pub(super) fn first_difference(&self, settings: &Settings, roi: Option<&Arc<Roi>>) -> Option<Stage> {
+        let of_settings = self.settings().first_difference(settings);
+        let of_roi = (self.model.roi() != roi).then_some(Stage::Cleaning);
+        [of_settings, of_roi].into_iter().flatten().min()
+    }
+
+    /// Restarts at `stage` under other settings, of which those before `stage` are the same; the model itself stays.
+    pub(super) fn restart_at(
+        &mut self,
+        stage: Stage,
+        settings: Arc<Settings>,
+        roi: Option<Arc<Roi>>,
+    ) -> Result<(), PipelineError> {
+        self.timeline_builder = TimelineBuilder::default();
+        (self.finished, self.scorer) = (None, Scorer::default());
+        self.model.restart_at(stage, settings, roi)
+    }
+
+    /// Whether all frames of the source have been analysed.
+    pub(super) fn has_analysed_all(&self, frames: &FrameCache) -> bool {
+        frames.is_complete() && self.model.front() as usize == frames.numbers().len()
+    }
+
+    /// Whether the offline result of all frames is complete.
+    pub(super) const fn is_finished(&self) -> bool {
+        self.finished.is_some()
+    }
+
+    /// Its progress: 0 while it learns from the first frames and 1 after that, and the position of the next frame.
+    pub(super) fn next_position(&self) -> (u32, u32) {
+        self.model.next_to_learn().map_or_else(|| (1, self.model.front()), |position| (0, position))
+    }
+
+    /// Learns from or analyses the next frames that are available, or lets one be decoded on the way to them: not
+    /// beyond the position `last`, where there is one before the end. Frames to be decoded again are kept as `keep`
+    /// says; `passed` is called with each frame and its position.
+    pub(super) fn advance(
+        &mut self,
+        frames: &mut FrameCache,
+        last: Option<u32>,
+        keep: Keep,
+        mut passed: impl FnMut(u32, &Frame),
+    ) -> Result<PassStep, PassError> {
+        if let Some(position) = self.model.next_to_learn() {
+            match frames.fetch(position, keep)? {
+                Fetched::Frame(frame) => {
+                    let frames = self.with_buffered_frames(frames, position, frame, last);
+                    self.model.learn(&frames)?;
+                    for (position, frame) in (position..).zip(&frames) {
+                        self.pixel_follower.push(position, frame);
+                        passed(position, frame);
+                    }
+                }
+                Fetched::OnTheWay => {}
+                Fetched::End => self.model.begin(),
+                Fetched::Gone => return Ok(PassStep::FrameLost),
+            }
+            return Ok(PassStep::Advanced);
+        }
+        let position = self.model.front();
+        if self.model.needs_tracking_only() {
+            self.model.track_next();
+        } else {
+            match frames.fetch(position, keep)? {
+                Fetched::Frame(frame) => {
+                    let frames = self.with_buffered_frames(frames, position, frame, last);
+                    self.model.step(&frames)?;
+                    for (position, frame) in (position..).zip(&frames) {
+                        self.pixel_follower.push(position, frame);
+                        passed(position, frame);
+                    }
+                }
+                Fetched::OnTheWay | Fetched::End => {}
+                Fetched::Gone => return Ok(PassStep::FrameLost),
+            }
+        }
+        for position in position..self.model.front() {
+            let Some((analysis, share)) = self.model.outline(position) else { break };
+            self.timeline_builder.push(analysis, share);
+        }
+        if self.has_analysed_all(frames) && self.finished.is_none() {
+            let reading = self.model.offline_result();
+            self.finished = Some(Arc::new(summary::boxes_of(&reading)));
+            self.timeline_builder.finish(reading);
+        }
+        Ok(PassStep::Advanced)
+    }
+
+    /// The next frame, and the buffered frames after it, as many as may be analysed together.
+    fn with_buffered_frames(
+        &self,
+        frames: &mut FrameCache,
+        position: u32,
+        frame: Arc<Frame>,
+        last: Option<u32>,
+    ) -> Vec<Arc<Frame>> {
+        let most = match last.and_then(|last| last.checked_sub(position)) {
+            Some(before_last) => self.model.max_next_frames().min(before_last as usize + 1),
+            None => self.model.max_next_frames(),
+        };
+        let mut passed = vec![frame];
+        while passed.len() < most {
+            let Some(frame) = frames.at_hand(position + passed.len() as u32) else { break };
+            passed.push(frame);
+        }
+        passed
+    }
+
+    /// The frame to show at a position with these pictures; `None` where it has not been analysed.
+    pub(super) fn shown(
+        &mut self,
+        position: u32,
+        frame: Arc<Frame>,
+        pictures: Pictures,
+    ) -> Option<ShownFrame> {
+        let analysis = self.model.analysis(position)?;
+        Some(ShownFrame {
+            position,
+            settings: Arc::clone(self.settings()),
+            roi: self.model.roi().cloned(),
+            frame,
+            analysis: Arc::new(analysis),
+            background: pictures.background,
+            multi_mode: pictures.multi_mode,
+            map: pictures.map,
+            pixel: self.pixel_follower.history_covering(position),
+            truth: None,
+            compared: None,
+        })
+    }
+
+    /// Advances the score of the offline result and the masks against `truth`, if both are complete.
+    pub(super) fn score(&mut self, truth: &Arc<Truth>) -> ScoreStep {
+        let Some(found) = &self.finished else { return ScoreStep::Idle };
+        self.scorer.advance(truth, found, self.model.record())
+    }
+
+    /// The timeline so far; its score is against `truth`.
+    pub(super) fn timeline(&self, frames: &FrameCache, truth: Option<&Arc<Truth>>) -> Timeline {
+        Timeline {
+            decoded: frames.kept_ranges(),
+            alignments: frames.alignments().to_vec(),
+            score: truth.and_then(|truth| self.scorer.by(truth)),
+            ..self.timeline_builder.timeline(frames.numbers(), frames.is_complete())
+        }
+    }
+}

@@ -1,0 +1,146 @@
+//! The record of every analysed frame: everything but the pixels; masks are run-length encoded.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use super::rle;
+use crate::frame::{Mask, Size};
+use crate::pipeline::Analysis;
+use crate::regions::{Labels, Region};
+use crate::tracking::{HypothesisSummary, Track};
+
+/// The analyses of a sequence from its first frame on. A copy shares the large parts.
+#[derive(Clone)]
+pub(super) struct AnalysisRecord {
+    size: Size,
+    entries: Vec<Entry>,
+    /// Memory of the entries, in bytes.
+    bytes: usize,
+    empty_mask: Arc<Mask>,
+    empty_labels: Arc<Labels>,
+}
+
+#[derive(Clone)]
+struct Entry {
+    /// With an empty mask and empty labels.
+    analysis: Analysis,
+    /// Its mask and labels.
+    labels: Arc<[u8]>,
+    /// The model's mask, before cleaning.
+    raw: Arc<[u8]>,
+    foreground_share: f32,
+}
+
+impl Entry {
+    fn bytes(&self) -> usize {
+        let regions = self.analysis.regions.iter().map(Region::bytes).sum::<usize>();
+        let tracks = self.analysis.tracks.len() + self.analysis.objects.len() + self.analysis.tentative.len();
+        size_of::<Self>()
+            + self.labels.len()
+            + self.raw.len()
+            + regions
+            + tracks * size_of::<Track>()
+            + self.analysis.objects.iter().map(|track| track.hypotheses.len()).sum::<usize>()
+                * size_of::<HypothesisSummary>()
+    }
+}
+
+impl AnalysisRecord {
+    pub(super) fn new(size: Size) -> Self {
+        let none = Size::new(0, 0);
+        Self {
+            size,
+            entries: Vec::new(),
+            bytes: 0,
+            empty_mask: Arc::new(Mask::empty(none)),
+            empty_labels: Arc::new(Labels::none(none)),
+        }
+    }
+
+    /// Number of frames on record.
+    pub(super) fn len(&self) -> u32 {
+        self.entries.len() as u32
+    }
+
+    /// Adds the analysis of the next frame, and the model's mask before cleaning.
+    pub(super) fn push(&mut self, analysis: Analysis, raw: Box<[u8]>) {
+        let entry = self.entry(analysis, raw.into());
+        self.bytes += entry.bytes();
+        self.entries.push(entry);
+    }
+
+    /// The memory that it takes, in bytes, to some kilobytes a frame.
+    pub(super) const fn bytes(&self) -> usize {
+        self.bytes
+    }
+
+    /// Replaces an analysis after regions were found again; its raw mask stays.
+    pub(super) fn replace_regions(&mut self, position: u32, analysis: Analysis) {
+        let Some(raw) = self.entries.get(position as usize).map(|entry| Arc::clone(&entry.raw)) else {
+            return;
+        };
+        let entry = self.entry(analysis, raw);
+        self.change(position, |before| *before = entry);
+    }
+
+    /// Changes an entry and counts what it takes afterwards.
+    fn change(&mut self, position: u32, change: impl FnOnce(&mut Entry)) {
+        if let Some(entry) = self.entries.get_mut(position as usize) {
+            self.bytes -= entry.bytes();
+            change(entry);
+            self.bytes += entry.bytes();
+        }
+    }
+
+    fn entry(&self, analysis: Analysis, raw: Arc<[u8]>) -> Entry {
+        let labels = rle::encode_labels(&analysis.labels).into();
+        let foreground_share = analysis.mask.foreground_share();
+        let analysis = Analysis {
+            mask: Arc::clone(&self.empty_mask),
+            labels: Arc::clone(&self.empty_labels),
+            ..analysis
+        };
+        Entry { analysis, labels, raw, foreground_share }
+    }
+
+    /// The model's mask of a frame, before cleaning.
+    pub(super) fn raw(&self, position: u32) -> Option<Mask> {
+        self.entries.get(position as usize).map(|entry| rle::decode_mask(&entry.raw, self.size))
+    }
+
+    /// Gives `take` the pixels of each run of the model's mask of a frame, before cleaning.
+    pub(super) fn for_each_raw_run(&self, position: u32, take: impl FnMut(Range<usize>)) {
+        if let Some(entry) = self.entries.get(position as usize) {
+            rle::for_each_run(&entry.raw, take);
+        }
+    }
+
+    /// Gives `take` the pixels of each run of foreground of a frame, after cleaning.
+    pub(super) fn for_each_run(&self, position: u32, take: impl FnMut(Range<usize>)) {
+        if let Some(entry) = self.entries.get(position as usize) {
+            rle::for_each_labelled_run(&entry.labels, take);
+        }
+    }
+
+    /// Puts another reading in the place of one whose mask and regions stay.
+    pub(super) fn replace(&mut self, position: u32, analysis: Analysis) {
+        self.change(position, |entry| entry.analysis = analysis);
+    }
+
+    /// The analysis of a frame without its mask and labels, and its share of foreground.
+    pub(super) fn outline(&self, position: u32) -> Option<(&Analysis, f32)> {
+        self.entries.get(position as usize).map(|entry| (&entry.analysis, entry.foreground_share))
+    }
+
+    /// All analyses without their masks and labels.
+    pub(super) fn outlines(&self) -> impl Iterator<Item = &Analysis> {
+        self.entries.iter().map(|entry| &entry.analysis)
+    }
+
+    /// The analysis of a frame as it was.
+    pub(super) fn analysis(&self, position: u32) -> Option<Analysis> {
+        let entry = self.entries.get(position as usize)?;
+        let (mask, labels) = rle::decode_labels(&entry.labels, self.size);
+        Some(Analysis { mask: Arc::new(mask), labels: Arc::new(labels), ..entry.analysis.clone() })
+    }
+}

@@ -1,0 +1,92 @@
+//! The counterfactual search of an event, in short steps when there is nothing else to do.
+
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use super::model_timeline::ModelTimeline;
+use crate::frame::Size;
+use crate::occlusion::Event;
+use crate::occlusion::counterfactual::{Counterfactual, CounterfactualQuery, CounterfactualSearch};
+use crate::occlusion::event_pairs::EventTolerance;
+
+/// Seconds before the event in which the tracker can learn the objects that take part, as far as the video goes back,
+const SECONDS_BEFORE_EVENT: f32 = 12.0;
+/// and the least number of frames.
+const MIN_FRAMES_BEFORE_EVENT: u32 = 100;
+/// Seconds after the event in which a preventing value must prevent it, as far as the video has been analysed.
+const SECONDS_AFTER_EVENT: f32 = 10.0;
+/// Least interval between two published reports.
+const MIN_PUBLISH_INTERVAL: Duration = Duration::from_millis(200);
+
+/// The task of finding the counterfactuals of one event at a time.
+#[derive(Default)]
+pub(super) struct CounterfactualTask {
+    event: Option<Event>,
+    search: Option<CounterfactualSearch>,
+    report: Option<Arc<Counterfactual>>,
+    published_at: Option<Instant>,
+}
+
+impl CounterfactualTask {
+    /// Sets the event, or none.
+    pub(super) fn set_event(&mut self, event: Option<Event>) {
+        if self.event != event {
+            *self = Self { event, ..Self::default() };
+        }
+    }
+
+    /// Advances for a short time on the record of `run`; whether there was anything to do.
+    pub(super) fn advance(&mut self, run: &ModelTimeline, numbers: &[u32], size: Size, fps: f32) -> bool {
+        let Some(event) = &self.event else { return false };
+        if self.report.as_ref().is_some_and(|report| report.done) {
+            return false;
+        }
+        let search = match &mut self.search {
+            Some(search) => search,
+            none => none.insert(CounterfactualSearch::new(query(event, run, numbers, size, fps))),
+        };
+        let worked = search.advance();
+        if !worked
+            || self.published_at.is_none_or(|published_at| published_at.elapsed() > MIN_PUBLISH_INTERVAL)
+        {
+            let report = search.report();
+            if !worked || report.done {
+                self.search = None;
+            }
+            self.report = Some(Arc::new(Counterfactual { done: report.done || !worked, ..report }));
+            self.published_at = Some(Instant::now());
+        }
+        true
+    }
+
+    /// The newest report.
+    pub(super) fn latest(&self) -> Option<Arc<Counterfactual>> {
+        self.report.clone()
+    }
+}
+
+fn query(event: &Event, run: &ModelTimeline, numbers: &[u32], size: Size, fps: f32) -> CounterfactualQuery {
+    let at = numbers.partition_point(|&number| number < event.frame) as u32;
+    let tolerance = EventTolerance::of(size, fps);
+    // The decision may come some frames after the event.
+    let decides = |position: &u32| {
+        run.outline(*position)
+            .is_some_and(|(analysis, _)| analysis.events.iter().any(|other| tolerance.matches(event, other)))
+    };
+    let most = (at + 60.max(10 * tolerance.frames)).min(run.front());
+    let decided = (at..most).find(decides).unwrap_or(at);
+    let from = at.saturating_sub(((SECONDS_BEFORE_EVENT * fps) as u32).max(MIN_FRAMES_BEFORE_EVENT));
+    let after = ((SECONDS_AFTER_EVENT * fps) as u32).max(tolerance.frames);
+    let to = (decided + after + 1).min(run.front());
+    let frames = (from..to).filter_map(|position| {
+        let (analysis, _) = run.outline(position)?;
+        Some((analysis.number, Arc::clone(&analysis.regions)))
+    });
+    CounterfactualQuery {
+        event: event.clone(),
+        settings: (**run.settings()).clone(),
+        frames: Arc::new(frames.collect()),
+        size,
+        fps,
+    }
+}

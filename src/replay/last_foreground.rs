@@ -1,0 +1,83 @@
+//! The last frame in which each pixel was foreground, from the masks on record.
+
+use super::analysis_record::AnalysisRecord;
+use super::strided_checkpoints::StridedCheckpoints;
+use crate::frame::Size;
+
+/// Frames of one step, and the smallest distance of checkpoints.
+const FRAMES_PER_STEP: u32 = 64;
+/// Marks a pixel that was never foreground.
+const NEVER: u32 = u32::MAX;
+
+/// The position at which each pixel was last foreground before some frame. It advances from frame to frame;
+/// checkpoints serve seeking back.
+pub(super) struct LastForeground {
+    size: Size,
+    /// Number of frames processed.
+    frames_taken: u32,
+    /// Empty until the first request.
+    last: Vec<u32>,
+    checkpoints: StridedCheckpoints<Vec<u32>>,
+}
+
+impl LastForeground {
+    /// An empty state.
+    pub(super) const fn new(size: Size) -> Self {
+        Self {
+            size,
+            frames_taken: 0,
+            last: Vec::new(),
+            checkpoints: StridedCheckpoints::new(FRAMES_PER_STEP, 0),
+        }
+    }
+
+    /// Limits the memory of checkpoints, in bytes.
+    pub(super) fn set_capacity(&mut self, room: usize) {
+        self.checkpoints.set_capacity(room);
+    }
+
+    /// Advances towards the frame at `position`; whether it was reached. A frame that is not on record is never
+    /// reached.
+    pub(super) fn advance_to(&mut self, position: u32, record: &AnalysisRecord) -> bool {
+        let Some(wanted) = position.checked_add(1).filter(|&wanted| wanted <= record.len()) else {
+            return false;
+        };
+        self.seek(wanted);
+        let end = wanted.min(self.frames_taken + FRAMES_PER_STEP - self.frames_taken % FRAMES_PER_STEP);
+        for position in self.frames_taken..end {
+            record.for_each_raw_run(position, |run| {
+                if let Some(pixels) = self.last.get_mut(run) {
+                    pixels.fill(position);
+                }
+            });
+        }
+        self.frames_taken = end;
+        if self.checkpoints.accepts(end) {
+            self.checkpoints.insert(end, self.last.clone(), self.last.len() * size_of::<u32>());
+        }
+        end == wanted
+    }
+
+    /// For each pixel the number of frames since it was last foreground at `position`, which has been reached;
+    /// infinite where it never was.
+    pub(super) fn frames_since(&self, position: u32) -> Vec<f32> {
+        let ago = |&last: &u32| match last {
+            NEVER => f32::INFINITY,
+            _ => position.saturating_sub(last) as f32,
+        };
+        self.last.iter().map(ago).collect()
+    }
+
+    /// Continues at the nearest checkpoint or the present state before `wanted` frames.
+    fn seek(&mut self, wanted: u32) {
+        let checkpoints = self.checkpoints.at_or_before(wanted);
+        let nearest = checkpoints.map_or(0, |(frames_taken, _)| frames_taken);
+        if self.last.is_empty() || !(nearest..=wanted).contains(&self.frames_taken) {
+            self.frames_taken = nearest;
+            match checkpoints {
+                Some((_, last)) => self.last.clone_from(last),
+                None => self.last = vec![NEVER; self.size.pixels()],
+            }
+        }
+    }
+}

@@ -1,0 +1,549 @@
+//! The model over the sequence under one choice of settings: its progress, its record, and its state at any past
+//! frame.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use rayon::prelude::*;
+
+use super::analysis_record::AnalysisRecord;
+use super::last_foreground::LastForeground;
+use super::local_checkpoints::LocalCheckpoints;
+use super::pictures::{Pictures, RecentPictures};
+use super::rle;
+use super::strided_checkpoints::StridedCheckpoints;
+use crate::frame::{Frame, Mask, Size};
+use crate::mixture::{BATCH, Mixture, Parameters, Quantity, Snapshot};
+use crate::pipeline::{Analysis, OfflineResult, Pipeline, PipelineError, offline_result};
+use crate::regions::Roi;
+use crate::settings::{Settings, Stage};
+use crate::source::SourceInfo;
+
+/// Smallest distance of checkpoints: replaying fewer frames takes no time worth the memory.
+const MIN_CHECKPOINT_SPACING_FRAMES: u32 = 2 * BATCH as u32;
+
+/// Pixels of the frames that one step processes together at most, and one frame at least: a step must not delay a
+/// newer request.
+const MAX_PIXELS_PER_STEP: usize = 8 << 20;
+
+/// Most frames of this size in one step.
+fn max_frames_per_step(size: Size) -> usize {
+    (MAX_PIXELS_PER_STEP / size.pixels().max(1)).clamp(1, BATCH)
+}
+
+/// The analysis of a sequence under one choice of settings.
+///
+/// A mixture at a past frame is that of the nearest checkpoint, taken forward frame by frame:
+/// the same bits as when it passed there first. The state of MOG2 and KNN cannot be copied: of
+/// them the background images are kept, every frame's while there is room, then every second, and
+/// so on; a frame whose image is not kept gets that of the nearest earlier one that is.
+pub(super) struct ModelTimeline {
+    settings: Arc<Settings>,
+    roi: Option<Arc<Roi>>,
+    info: Arc<SourceInfo>,
+    pipeline: Pipeline,
+    record: AnalysisRecord,
+    /// Number of first frames from which the model learns before it begins; fewer where the source has fewer.
+    to_learn: u32,
+    /// Number of frames it has learnt from.
+    learnt: u32,
+    /// The mixture at its beginning, where it learnt from any frames.
+    start: Option<Arc<Snapshot>>,
+    /// Frames analysed in full; fewer than on record while the stages after the model are redone.
+    front: u32,
+    /// Whether redoing starts with the regions, and not with tracking.
+    redoing_regions: bool,
+    /// Memory for checkpoints and the record, in bytes.
+    model_budget_bytes: usize,
+    /// Snapshots of the mixture by the number of processed frames.
+    checkpoints: StridedCheckpoints<Arc<Snapshot>>,
+    /// Snapshots around frames that were shown, by the number of processed frames.
+    local_checkpoints: LocalCheckpoints<Snapshot>,
+    /// Background images by position, for models that cannot be copied.
+    backgrounds: StridedCheckpoints<Arc<Frame>>,
+    /// A mixture that is replayed, and the number of its processed frames.
+    replay: Option<(u32, Mixture)>,
+    /// Buffers for the masks of a replay, which are not used.
+    masks: Vec<Mask>,
+    recent: RecentPictures,
+    last_foreground: LastForeground,
+}
+
+/// The result of a step of seeking to a frame.
+pub(super) enum SeekStep {
+    /// The pictures of that frame.
+    Pictures(Pictures),
+    /// Another step is needed.
+    Continues,
+    /// The frames at these positions have to be passed to [`ModelTimeline::replay_frames`] first, at least one.
+    NeedsFrames(Range<u32>),
+}
+
+impl ModelTimeline {
+    /// A timeline before the first frame; `budget` is the memory for checkpoints and the record, in bytes.
+    pub(super) fn new(
+        settings: Arc<Settings>,
+        roi: Option<Arc<Roi>>,
+        info: &Arc<SourceInfo>,
+        budget: usize,
+    ) -> Result<Self, PipelineError> {
+        let mut pipeline = Pipeline::new(&settings, info.size, info.fps)?;
+        pipeline.set_roi(roi.clone())?;
+        let to_learn = info.bootstrap(&settings);
+        let mut run = Self {
+            model_budget_bytes: 0,
+            checkpoints: StridedCheckpoints::new(MIN_CHECKPOINT_SPACING_FRAMES, 0),
+            local_checkpoints: LocalCheckpoints::new(0),
+            backgrounds: StridedCheckpoints::new(1, 0),
+            record: AnalysisRecord::new(info.size),
+            info: Arc::clone(info),
+            settings,
+            roi,
+            pipeline,
+            to_learn,
+            learnt: 0,
+            start: None,
+            front: 0,
+            redoing_regions: false,
+            replay: None,
+            masks: Vec::new(),
+            recent: RecentPictures::new(1),
+            last_foreground: LastForeground::new(info.size),
+        };
+        run.set_budget(budget);
+        Ok(run)
+    }
+
+    /// A copy at the same position with its own `budget`; the record and checkpoints are shared. `None` where the
+    /// model's state cannot be copied.
+    pub(super) fn fork(&self, budget: usize) -> Option<Self> {
+        let mut fork = Self {
+            pipeline: self.pipeline.try_clone()?,
+            settings: Arc::clone(&self.settings),
+            roi: self.roi.clone(),
+            info: Arc::clone(&self.info),
+            start: self.start.clone(),
+            record: self.record.clone(),
+            checkpoints: self.checkpoints.clone(),
+            local_checkpoints: LocalCheckpoints::new(0),
+            backgrounds: self.backgrounds.clone(),
+            replay: None,
+            masks: Vec::new(),
+            recent: self.recent.clone(),
+            last_foreground: LastForeground::new(self.info.size),
+            ..*self
+        };
+        fork.set_budget(budget);
+        Some(fork)
+    }
+
+    /// Limits the memory for checkpoints and the record, in bytes.
+    pub(super) fn set_budget(&mut self, budget: usize) {
+        let frame_bytes = (self.info.size.pixels() * 3).max(1);
+        let (for_pictures, for_local, for_last_foreground) = (budget / 8, budget / 8, budget / 16);
+        self.model_budget_bytes = budget / 16 * 11;
+        self.last_foreground.set_capacity(for_last_foreground);
+        self.local_checkpoints.set_capacity(for_local);
+        self.recent.set_capacity((for_pictures / (frame_bytes * 10 / 3).max(1)).clamp(1, 512));
+        self.update_capacity();
+    }
+
+    /// Gives checkpoints the memory that the record leaves: every frame's record is kept.
+    fn update_capacity(&mut self) {
+        let start = self.start.as_ref().map_or(0, |start| start.bytes());
+        let room = self.model_budget_bytes.saturating_sub(self.record.bytes() + start);
+        self.checkpoints.set_capacity(room);
+        self.backgrounds.set_capacity(room);
+    }
+
+    pub(super) const fn settings(&self) -> &Arc<Settings> {
+        &self.settings
+    }
+
+    pub(super) const fn info(&self) -> &Arc<SourceInfo> {
+        &self.info
+    }
+
+    pub(super) const fn roi(&self) -> Option<&Arc<Roi>> {
+        self.roi.as_ref()
+    }
+
+    /// Number of frames analysed under these settings.
+    pub(super) const fn front(&self) -> u32 {
+        self.front
+    }
+
+    /// Position of the next frame to learn from before the model begins; `None` when it has begun.
+    pub(super) fn next_to_learn(&self) -> Option<u32> {
+        (self.learnt < self.to_learn).then_some(self.learnt)
+    }
+
+    /// Number of first frames to learn from, as far as known.
+    pub(super) const fn to_learn(&self) -> u32 {
+        self.to_learn
+    }
+
+    /// Learns from the next frames, from that at [`Self::next_to_learn`] on: no more than [`Self::max_next_frames`].
+    pub(super) fn learn(&mut self, frames: &[Arc<Frame>]) -> Result<(), PipelineError> {
+        let borrowed: Vec<_> = frames.iter().map(Arc::as_ref).collect();
+        self.pipeline.learn(&borrowed)?;
+        self.learnt += frames.len() as u32;
+        if self.learnt == self.to_learn {
+            self.begin();
+        }
+        Ok(())
+    }
+
+    /// Begins with the learnt model: there are no more frames to learn from.
+    pub(super) fn begin(&mut self) {
+        self.to_learn = self.learnt;
+        self.pipeline.begin();
+        self.start = self.pipeline.mixture().map(|mixture| Arc::new(mixture.snapshot()));
+        self.update_capacity();
+    }
+
+    /// Number of frames that the model has classified.
+    pub(super) fn modelled(&self) -> u32 {
+        self.record.len()
+    }
+
+    /// Whether the next frame needs tracking only, by [`Self::track_next`].
+    pub(super) fn needs_tracking_only(&self) -> bool {
+        self.front < self.record.len() && !self.redoing_regions
+    }
+
+    /// Takes other settings, of which those before `stage` are the same: what comes before it stays.
+    /// Another `roi` needs a stage no later than cleaning. The model itself has to run again in another [`ModelTimeline`].
+    pub(super) fn restart_at(
+        &mut self,
+        stage: Stage,
+        settings: Arc<Settings>,
+        roi: Option<Arc<Roi>>,
+    ) -> Result<(), PipelineError> {
+        self.pipeline.set_roi(roi.clone())?;
+        self.roi = roi;
+        // Frames that were not reached yet still have regions of the settings before.
+        let half_done = self.redoing_regions && self.front < self.record.len();
+        self.redoing_regions = half_done || stage <= Stage::Regions;
+        self.pipeline.restart_finding(&settings, self.info.fps);
+        self.settings = settings;
+        self.front = 0;
+        Ok(())
+    }
+
+    /// Tracks the next frame that is on record.
+    pub(super) fn track_next(&mut self) {
+        if let Some((analysis, _)) = self.record.outline(self.front) {
+            let analysis = self.pipeline.track_again(analysis);
+            self.record.replace(self.front, analysis);
+            self.front += 1;
+            self.update_capacity();
+        }
+    }
+
+    /// How many of the next frames [`Self::learn`] or [`Self::step`] may take at a time: after the last of them the
+    /// model may have to be kept.
+    pub(super) fn max_next_frames(&self) -> usize {
+        let until_kept = match self.pipeline.mixture() {
+            _ if self.learnt < self.to_learn => self.to_learn - self.learnt,
+            _ if self.front < self.record.len() => self.record.len() - self.front,
+            Some(_) => self.checkpoints.until_next(self.front),
+            None => 1,
+        };
+        max_frames_per_step(self.info.size).min(until_kept as usize).max(1)
+    }
+
+    /// Analyses the next frames, up to [`Self::max_next_frames`] of them.
+    pub(super) fn step(&mut self, frames: &[Arc<Frame>]) -> Result<(), PipelineError> {
+        let borrowed: Vec<_> = frames.iter().map(Arc::as_ref).collect();
+        let position = self.front;
+        self.front += frames.len() as u32;
+        if position < self.record.len() {
+            let raw =
+                (position..).map_while(|position| self.record.raw(position)).take(frames.len()).collect();
+            for (position, analysis) in (position..).zip(self.pipeline.find_many(&borrowed, raw)?) {
+                self.record.replace_regions(position, analysis);
+            }
+            self.update_capacity();
+            return Ok(());
+        }
+        let raw = self.pipeline.masks(&borrowed)?;
+        let kept: Vec<_> = raw.par_iter().map(rle::encode_mask).collect();
+        for (analysis, raw) in self.pipeline.find_many(&borrowed, raw)?.into_iter().zip(kept) {
+            self.record.push(analysis, raw);
+        }
+        self.keep_model(frames.last())
+    }
+
+    /// Stores a checkpoint of the model after this frame, if there is room.
+    fn keep_model(&mut self, last: Option<&Arc<Frame>>) -> Result<(), PipelineError> {
+        let Some((last, position)) = last.zip(self.front.checked_sub(1)) else { return Ok(()) };
+        self.update_capacity();
+        if let Some(mixture) = self.pipeline.mixture() {
+            if self.checkpoints.accepts(self.front) {
+                let snapshot = mixture.snapshot();
+                let bytes = snapshot.bytes();
+                self.checkpoints.insert(self.front, Arc::new(snapshot), bytes);
+            }
+        } else if self.backgrounds.accepts(position) {
+            let background = self.background(last.number, last.size)?;
+            let bytes = background.rgb.len();
+            self.backgrounds.insert(position, background, bytes);
+        }
+        Ok(())
+    }
+
+    /// The record of the frames.
+    pub(super) const fn record(&self) -> &AnalysisRecord {
+        &self.record
+    }
+
+    /// The analysis of a frame, without mask and labels, and its share of foreground.
+    pub(super) fn outline(&self, position: u32) -> Option<(&Analysis, f32)> {
+        self.record.outline(position)
+    }
+
+    /// The analysis of a frame in full.
+    pub(super) fn analysis(&self, position: u32) -> Option<Analysis> {
+        self.record.analysis(position)
+    }
+
+    /// The offline result of all analysed frames.
+    pub(super) fn offline_result(&self) -> OfflineResult {
+        offline_result(self.record.outlines(), &self.pipeline)
+    }
+
+    /// One step of seeking to the pictures at `position`, whose frame is `frame`, with a map of `quantity` where the
+    /// model has it.
+    pub(super) fn seek(
+        &mut self,
+        position: u32,
+        frame: &Frame,
+        quantity: Option<Quantity>,
+    ) -> Result<SeekStep, PipelineError> {
+        if quantity != Some(Quantity::SinceForeground) {
+            return self.seek_model(position, frame, quantity.filter(|_| self.pipeline.mixture().is_some()));
+        }
+        if !self.last_foreground.advance_to(position, &self.record) {
+            return Ok(SeekStep::Continues);
+        }
+        // The map is made when the pictures are there: before that it would be discarded.
+        Ok(match self.seek_model(position, frame, None)? {
+            SeekStep::Pictures(pictures) => SeekStep::Pictures(
+                pictures.with_map(quantity, Some(self.last_foreground.frames_since(position))),
+            ),
+            on_the_way => on_the_way,
+        })
+    }
+
+    /// Whether the model has this quantity.
+    pub(super) fn has(&self, quantity: Quantity) -> bool {
+        !quantity.is_of_mixture() || self.pipeline.mixture().is_some()
+    }
+
+    /// The positions whose frames are needed for the pictures at `position` with a map of `quantity`, its own the
+    /// last of them; `None` where the mixture before it is not available.
+    pub(super) fn frames_needed(&self, position: u32, quantity: Quantity) -> Option<Range<u32>> {
+        // The time since foreground needs masks alone, and the pictures have none of its numbers.
+        let quantity = Some(quantity).filter(|quantity| quantity.is_of_mixture());
+        let before = quantity == Some(Quantity::Matched);
+        let at_hand = self.recent.get(position);
+        let at_hand = at_hand.is_some_and(|pictures| quantity.is_none_or(|quantity| pictures.has(quantity)));
+        if at_hand || self.pipeline.mixture().is_none() {
+            return Some(position..position + 1);
+        }
+        let is_last = position + 1 == self.record.len();
+        if is_last && !before {
+            return Some(position..position + 1);
+        }
+        if is_last && !self.is_close_behind(position) {
+            return None;
+        }
+        let wanted = if before { position } else { position + 1 };
+        let kept = checkpoint(&self.checkpoints, &self.local_checkpoints, wanted).map_or(0, |(kept, _)| kept);
+        let come =
+            self.replay.as_ref().map(|(taken, _)| *taken).filter(|taken| (kept..=wanted).contains(taken));
+        Some(come.unwrap_or(kept).min(position)..position + 1)
+    }
+
+    fn seek_model(
+        &mut self,
+        position: u32,
+        frame: &Frame,
+        quantity: Option<Quantity>,
+    ) -> Result<SeekStep, PipelineError> {
+        if let Some(pictures) = self.recent.get(position)
+            && quantity.is_none_or(|quantity| pictures.has(quantity))
+        {
+            return Ok(SeekStep::Pictures(pictures));
+        }
+        let is_last = position + 1 == self.record.len();
+        // The matched rank is not contained in the mixture after the update.
+        let is_there = is_last && quantity != Some(Quantity::Matched);
+        let pictures = match self.pipeline.mixture() {
+            Some(mixture) if is_there => Pictures::of_mixture(mixture, frame, quantity),
+            // Earlier frames of a camera may be lost: the next frame can have the map that this one cannot.
+            Some(mixture) if is_last && self.info.live && !self.is_close_behind(position) => {
+                self.replay = Some((self.record.len(), mixture.clone()));
+                Pictures::of_mixture(mixture, frame, None)
+            }
+            Some(_) => return Ok(self.seek_past(position, frame, quantity)),
+            None if is_last => Pictures::of_background(self.background(frame.number, frame.size)?),
+            None => {
+                let kept = self.backgrounds.at_or_before(position).map(|(_, kept)| Arc::clone(kept));
+                Pictures::of_background(match kept {
+                    Some(kept) => kept,
+                    None => self.background(frame.number, frame.size)?,
+                })
+            }
+        };
+        Ok(SeekStep::Pictures(pictures))
+    }
+
+    /// Whether the replay is at most a checkpoint distance before `position`.
+    fn is_close_behind(&self, position: u32) -> bool {
+        let close = position.saturating_sub(MIN_CHECKPOINT_SPACING_FRAMES)..=position;
+        self.replay.as_ref().is_some_and(|(taken, _)| close.contains(taken))
+    }
+
+    fn seek_past(&mut self, position: u32, frame: &Frame, quantity: Option<Quantity>) -> SeekStep {
+        // The matched component of a frame follows from the mixture before it.
+        let before = quantity == Some(Quantity::Matched);
+        let wanted = if before { position } else { position + 1 };
+        let parameters = self
+            .pipeline
+            .mixture()
+            .map_or_else(|| Parameters::new(&self.settings), |mixture| *mixture.parameters());
+        let new = || {
+            let mut mixture = Mixture::new(self.info.size, parameters);
+            if let Some(start) = &self.start {
+                mixture.restore(start);
+            }
+            (0, mixture)
+        };
+        let (taken, mixture) = self.replay.get_or_insert_with(new);
+        let checkpoint = checkpoint(&self.checkpoints, &self.local_checkpoints, wanted);
+        // A replay that has come farther, yet not too far, is nearer.
+        let nearest = checkpoint.map_or(0, |(kept, _)| kept);
+        if !(nearest..=wanted).contains(taken) {
+            match checkpoint {
+                Some((kept, snapshot)) if mixture.restore(snapshot) => *taken = kept,
+                _ => (*taken, *mixture) = new(),
+            }
+        }
+        if *taken < wanted {
+            // Not beyond where the model may be kept.
+            let most = (max_frames_per_step(self.info.size) as u32)
+                .min(MIN_CHECKPOINT_SPACING_FRAMES - *taken % MIN_CHECKPOINT_SPACING_FRAMES);
+            return SeekStep::NeedsFrames(*taken..wanted.min(*taken + most));
+        }
+        let matches = before.then(|| mixture.matches(frame));
+        if before {
+            self.masks.resize_with(1, || Mask::empty(self.info.size));
+            mixture.replay(&[frame], &mut self.masks);
+            *taken += 1;
+        }
+        let pictures = Pictures::of_mixture(mixture, frame, quantity).with_map(quantity, matches);
+        self.recent.insert(position, pictures.clone());
+        SeekStep::Pictures(pictures)
+    }
+
+    /// Takes the replay on by the frames from `position` on, on the way to the one at `wanted`.
+    pub(super) fn replay_frames(&mut self, position: u32, frames: &[Arc<Frame>], wanted: u32) {
+        if let Some((taken, mixture)) = &mut self.replay
+            && *taken == position
+        {
+            let borrowed: Vec<_> = frames.iter().map(Arc::as_ref).collect();
+            self.masks.resize_with(frames.len(), || Mask::empty(self.info.size));
+            mixture.replay(&borrowed, &mut self.masks);
+            *taken += frames.len() as u32;
+            // Checkpoints may have become few: some of the way is kept, for the next step back.
+            if taken.is_multiple_of(MIN_CHECKPOINT_SPACING_FRAMES) && !self.local_checkpoints.has(*taken) {
+                let snapshot = mixture.snapshot();
+                let bytes = snapshot.bytes();
+                self.local_checkpoints.insert(*taken, snapshot, bytes, wanted);
+            }
+        }
+    }
+
+    fn background(&self, number: u32, size: Size) -> Result<Arc<Frame>, PipelineError> {
+        Ok(Arc::new(Frame::new(number, size, self.pipeline.background_image()?)))
+    }
+}
+
+/// The mixture that is kept nearest before so many frames.
+fn checkpoint<'a>(
+    checkpoints: &'a StridedCheckpoints<Arc<Snapshot>>,
+    near: &'a LocalCheckpoints<Snapshot>,
+    wanted: u32,
+) -> Option<(u32, &'a Snapshot)> {
+    let spaced = checkpoints.at_or_before(wanted).map(|(kept, snapshot)| (kept, &**snapshot));
+    [spaced, near.at_or_before(wanted)].into_iter().flatten().max_by_key(|(kept, _)| *kept)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+    use crate::replay::tests::{scene, settings, straight};
+
+    /// So many frames that the model is kept twice on the way.
+    const FRAMES: usize = 2 * MIN_CHECKPOINT_SPACING_FRAMES as usize + 6;
+
+    #[test]
+    fn what_a_second_pass_finds_is_counted_and_models_make_room_for_it() {
+        let folder = scene();
+        let frames: Vec<_> =
+            straight(folder.path(), &settings()).into_iter().map(|shown| shown.frame).collect();
+        let size = frames[0].size;
+        let info = SourceInfo {
+            name: "scene".into(),
+            size,
+            fps: 25.0,
+            fps_from: crate::source::FpsFrom::Video,
+            frames: None,
+            live: false,
+        };
+        let few = Arc::new(Settings { median: 5, min_area: 2000, ..settings() });
+        let many = Arc::new(Settings { median: 0, min_area: 0, ..settings() });
+        let pass = |run: &mut ModelTimeline| {
+            for frame in frames.iter().cycle().take(FRAMES) {
+                run.step(std::slice::from_ref(frame)).unwrap();
+            }
+        };
+        let run = |settings: &Arc<Settings>, budget| {
+            let mut run =
+                ModelTimeline::new(Arc::clone(settings), None, &Arc::new(info.clone()), budget).unwrap();
+            pass(&mut run);
+            run
+        };
+        let [first, second] = [&few, &many].map(|settings| run(settings, 1 << 30));
+        let (one_pass, two_passes) = (first.record.bytes(), second.record.bytes());
+        assert!(two_passes > one_pass + 10_000, "{one_pass} {two_passes}");
+        let models = [MIN_CHECKPOINT_SPACING_FRAMES, 2 * MIN_CHECKPOINT_SPACING_FRAMES]
+            .map(|at| first.checkpoints.at_or_before(at).unwrap().1.bytes());
+        let model_budget_bytes = models.iter().sum::<usize>() + usize::midpoint(one_pass, two_passes);
+
+        let mut run = run(&few, model_budget_bytes.div_ceil(11) * 16);
+        assert!(
+            run.checkpoints.at_or_before(MIN_CHECKPOINT_SPACING_FRAMES).is_some(),
+            "there is room for both"
+        );
+        run.restart_at(Stage::Cleaning, Arc::clone(&many), None).unwrap();
+        pass(&mut run);
+        assert_eq!(run.record.bytes(), two_passes);
+        assert!(run.checkpoints.at_or_before(MIN_CHECKPOINT_SPACING_FRAMES).is_none(), "one has to go");
+        let late = Settings { max_hypotheses: 1, ..settings() };
+        let late = Arc::new(Settings { median: 0, min_area: 0, ..late });
+        let fresh = self::ModelTimeline::new(Arc::clone(&late), None, &Arc::new(info.clone()), 1 << 30);
+        let mut fresh = fresh.unwrap();
+        pass(&mut fresh);
+        run.restart_at(Stage::Tracking, late, None).unwrap();
+        while run.needs_tracking_only() {
+            run.track_next();
+        }
+        assert_eq!(run.record.bytes(), fresh.record.bytes());
+        assert_ne!(fresh.record.bytes(), two_passes);
+    }
+}

@@ -1,0 +1,78 @@
+//! The histories of the pinned pixels.
+
+use std::sync::Arc;
+
+use super::frame_consumer::FrameConsumer;
+use super::pixel_follower::PixelFollower;
+use crate::frame::Frame;
+use crate::mixture::PixelHistory;
+use crate::settings::Settings;
+use crate::source::SourceInfo;
+
+/// Follows several pixels. They consume frames together, so that each frame is decoded once for all of them.
+#[derive(Default)]
+pub(super) struct PinFollower(Vec<((u32, u32), PixelFollower)>);
+
+impl PinFollower {
+    /// Follows these pixels and no others. The colours of pixels that were followed before stay.
+    pub(super) fn choose(&mut self, pixels: &[(u32, u32)], settings: &Settings, info: &SourceInfo) {
+        let mut before = std::mem::take(&mut self.0);
+        for &at in pixels {
+            let known = before.iter().position(|(pixel, _)| *pixel == at);
+            let pixel_follower = known.map(|known| before.swap_remove(known).1).unwrap_or_default();
+            self.0.push((at, pixel_follower));
+        }
+        self.run_again(settings, info);
+    }
+
+    /// Runs the mixtures again where their parameters differ.
+    pub(super) fn run_again(&mut self, settings: &Settings, info: &SourceInfo) {
+        for (at, pixel_follower) in &mut self.0 {
+            pixel_follower.choose(Some(*at), settings, info);
+        }
+    }
+
+    /// Drops all colours, as after another first frame.
+    pub(super) fn forget(&mut self, settings: &Settings, info: &SourceInfo) {
+        for (_, pixel_follower) in &mut self.0 {
+            *pixel_follower = PixelFollower::default();
+        }
+        self.run_again(settings, info);
+    }
+
+    /// The pixels whose histories cannot be known.
+    pub(super) fn lost(&self) -> impl Iterator<Item = (u32, u32)> {
+        self.0.iter().filter_map(|(_, pixel_follower)| pixel_follower.lost())
+    }
+
+    /// Their histories of all known frames; those that cannot be known are left out.
+    pub(super) fn latest(&mut self) -> Vec<Arc<PixelHistory>> {
+        self.0.iter_mut().filter_map(|(_, pixel_follower)| pixel_follower.latest()).collect()
+    }
+}
+
+impl FrameConsumer for PinFollower {
+    /// The first frame that some pixel lacks.
+    fn next(&self) -> Option<u32> {
+        self.0.iter().filter_map(|(_, pixel_follower)| pixel_follower.next()).min()
+    }
+
+    fn push(&mut self, position: u32, frame: &Frame) {
+        for (_, pixel_follower) in &mut self.0 {
+            pixel_follower.push(position, frame);
+        }
+    }
+
+    fn end(&mut self) -> bool {
+        self.0.iter_mut().fold(false, |news, (_, pixel_follower)| pixel_follower.end() || news)
+    }
+
+    fn lose(&mut self) {
+        let lost = self.next();
+        for (_, pixel_follower) in
+            self.0.iter_mut().filter(|(_, pixel_follower)| pixel_follower.next() == lost)
+        {
+            pixel_follower.lose();
+        }
+    }
+}

@@ -1,0 +1,129 @@
+//! The history of the chosen pixel.
+
+use std::sync::Arc;
+
+use super::frame_consumer::FrameConsumer;
+use crate::frame::Frame;
+use crate::mixture::{Parameters, PixelHistory};
+use crate::registration::{CorrectionChoice, ObservedColour};
+use crate::settings::{BackgroundModel, Settings};
+use crate::source::SourceInfo;
+
+/// Follows one pixel through all known frames, whether these are analysed or not.
+#[derive(Clone, Default)]
+pub(super) struct PixelFollower {
+    history: Option<Arc<PixelHistory>>,
+    /// Number and colour of the pixel in each frame, as the mixture sees it. `history` may lag behind: it is extended
+    /// on request, as it has to be copied while the previous one is shared.
+    colours: Vec<(u32, ObservedColour)>,
+    /// Number of first frames that are learnt from before the first is classified.
+    to_learn: u32,
+    /// Whether `colours` covers all frames of the source.
+    complete: bool,
+    /// The pixel whose history cannot be known.
+    lost: Option<(u32, u32)>,
+}
+
+impl PixelFollower {
+    /// Chooses a pixel, or none; the colours of the same pixel stay, and go through the mixture again where its
+    /// parameters differ.
+    pub(super) fn choose(&mut self, at: Option<(u32, u32)>, settings: &Settings, info: &SourceInfo) {
+        let at = at.filter(|_| settings.background_model == BackgroundModel::Mixture);
+        self.lost = None;
+        let registration = CorrectionChoice::new(settings);
+        let seen = |history: &Arc<PixelHistory>| (history.at, history.parameters.registration);
+        if self.history.as_ref().map(seen) != at.map(|at| (at, registration)) {
+            self.colours.clear();
+            self.complete = false;
+        }
+        self.to_learn = info.bootstrap(settings);
+        let same =
+            |history: &Arc<PixelHistory>| Some(history.at) == at && history.parameters.are_of(settings);
+        if !self.history.as_ref().is_some_and(same) {
+            self.history = at.map(|at| Arc::new(PixelHistory::new(at, Parameters::new(settings))));
+        }
+    }
+
+    /// The pixel whose history cannot be known, as the first frames are lost.
+    pub(super) const fn lost(&self) -> Option<(u32, u32)> {
+        self.lost
+    }
+
+    /// Copies the further colours of the same pixel from another follower; whether there were any.
+    pub(super) fn copy_colours_from(&mut self, other: &Self) -> bool {
+        let seen = |history: &Arc<PixelHistory>| (history.at, history.parameters.registration);
+        let at = |pixel_follower: &Self| pixel_follower.history.as_ref().map(seen);
+        let known = self.colours.len();
+        if at(self).is_none() || at(self) != at(other) || other.colours.len() <= known {
+            return false;
+        }
+        self.colours.extend_from_slice(&other.colours[known..]);
+        self.complete = other.complete;
+        true
+    }
+
+    /// Number of known frames, `None` when no pixel is chosen.
+    pub(super) fn frames(&self) -> Option<u32> {
+        self.history.as_ref().map(|_| self.colours.len() as u32)
+    }
+
+    /// The history, extended if `position` is not in it yet; `None` while that is not known.
+    pub(super) fn history_covering(&mut self, position: u32) -> Option<Arc<PixelHistory>> {
+        if self.frames()? <= position || !self.has_learnt() {
+            return None;
+        }
+        if self.history.as_ref()?.states.len() as u32 <= position {
+            self.latest()
+        } else {
+            self.history.clone()
+        }
+    }
+
+    /// Whether all frames before the first classified one are known.
+    const fn has_learnt(&self) -> bool {
+        self.complete || self.colours.len() >= self.to_learn as usize
+    }
+
+    /// The history of all known frames.
+    pub(super) fn latest(&mut self) -> Option<Arc<PixelHistory>> {
+        let has_learnt = self.has_learnt();
+        let history = self.history.as_mut()?;
+        if has_learnt && history.states.len() < self.colours.len() {
+            let history = Arc::make_mut(history);
+            if history.states.is_empty() && history.parameters.learnt == 0 {
+                let first = self.colours.iter().take(self.to_learn as usize);
+                history.learn_seen(first.map(|&(_, seen)| seen));
+            }
+            for &(number, seen) in &self.colours[history.states.len()..] {
+                history.push_seen(number, seen);
+            }
+        }
+        Some(Arc::clone(history))
+    }
+}
+
+impl FrameConsumer for PixelFollower {
+    fn next(&self) -> Option<u32> {
+        self.frames()
+    }
+
+    fn push(&mut self, position: u32, frame: &Frame) {
+        if let Some(history) = &self.history
+            && self.frames() == Some(position)
+            && let Some(seen) = history.parameters.registration.pixel(frame, history.at)
+        {
+            self.colours.push((frame.number, seen));
+        }
+    }
+
+    fn end(&mut self) -> bool {
+        let waits = self.history.is_some() && !self.has_learnt();
+        self.complete |= self.history.is_some();
+        waits
+    }
+
+    fn lose(&mut self) {
+        let lost = self.history.as_ref().map(|history| history.at);
+        *self = Self { lost, ..Self::default() };
+    }
+}

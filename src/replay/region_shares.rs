@@ -1,0 +1,116 @@
+//! The share of foreground in a small region through time, from the masks on record.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use super::analysis_record::AnalysisRecord;
+use crate::frame::Size;
+
+/// Frames of one step.
+const FRAMES_PER_STEP: u32 = 256;
+
+/// The share of foreground of the pixels around one, in every frame that was analysed.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RegionShares {
+    /// The pixel in the middle: column and row.
+    pub at: (u32, u32),
+    /// Pixels along each side; at the image's edge there are fewer.
+    pub side: u32,
+    /// Number of pixels.
+    pub pixels: u32,
+    /// The share of foreground in the model's mask, before cleaning, by position.
+    pub model: Vec<f32>,
+    /// The share of foreground after cleaning, by position.
+    pub cleaned: Vec<f32>,
+}
+
+/// The columns and rows of the `side`×`side` pixels around one that lie within the image.
+pub fn region_bounds((x, y): (u32, u32), side: u32, size: Size) -> (Range<u32>, Range<u32>) {
+    let half = side / 2;
+    let range = |at: u32, end: u32| at.saturating_sub(half)..at.saturating_add(half + 1).min(end);
+    (range(x, size.width), range(y, size.height))
+}
+
+/// Counts [`RegionShares`].
+#[derive(Default)]
+pub(super) struct RegionShareCounter(Option<Arc<RegionShares>>);
+
+impl RegionShareCounter {
+    /// Chooses a region of an image of `size`, by its middle and its side, or none.
+    pub(super) fn choose(&mut self, region: Option<((u32, u32), u32)>, size: Size) {
+        let region = region.filter(|&((x, y), _)| size.index(x, y).is_some());
+        let same = self.0.as_ref().map(|shares| (shares.at, shares.side)) == region;
+        if !same {
+            self.0 = region.map(|(at, side)| {
+                let (columns, rows) = region_bounds(at, side, size);
+                let pixels = (columns.len() * rows.len()) as u32;
+                Arc::new(RegionShares { at, side, pixels, model: Vec::new(), cleaned: Vec::new() })
+            });
+        }
+    }
+
+    /// Drops the counts, as masks are made again.
+    pub(super) fn forget(&mut self) {
+        if let Some(shares) = &mut self.0 {
+            let shares = Arc::make_mut(shares);
+            shares.model.clear();
+            shares.cleaned.clear();
+        }
+    }
+
+    /// Counts some of the `front` analysed frames; whether there was anything to do.
+    pub(super) fn count(&mut self, record: &AnalysisRecord, front: u32, size: Size) -> bool {
+        let Some(shares) = self.0.as_mut().filter(|shares| (shares.model.len() as u32) < front) else {
+            return false;
+        };
+        let shares = Arc::make_mut(shares);
+        let (columns, rows) = region_bounds(shares.at, shares.side, size);
+        let start = shares.model.len() as u32;
+        for position in start..front.min(start + FRAMES_PER_STEP) {
+            let [mut model, mut cleaned] = [0, 0];
+            record.for_each_raw_run(position, |run| model += inside(&run, &columns, &rows, size));
+            record.for_each_run(position, |run| cleaned += inside(&run, &columns, &rows, size));
+            let share = |count: usize| count as f32 / shares.pixels.max(1) as f32;
+            shares.model.push(share(model));
+            shares.cleaned.push(share(cleaned));
+        }
+        true
+    }
+
+    /// The shares so far.
+    pub(super) fn latest(&self) -> Option<Arc<RegionShares>> {
+        self.0.clone()
+    }
+}
+
+/// Number of pixels of a run, which may continue from row to row, in a rectangle.
+fn inside(run: &Range<usize>, columns: &Range<u32>, rows: &Range<u32>, size: Size) -> usize {
+    let width = size.width.max(1) as usize;
+    let (first, last) = (run.start / width, run.end.saturating_sub(1) / width);
+    let of_row = |row: usize| {
+        let start = run.start.max(row * width + columns.start as usize);
+        run.end.min(row * width + columns.end as usize).saturating_sub(start)
+    };
+    (first.max(rows.start as usize)..(last + 1).min(rows.end as usize)).map(of_row).sum()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_run_is_counted_where_it_crosses_the_region() {
+        let size = Size::new(10, 6);
+        let (columns, rows) = region_bounds((4, 2), 3, size);
+        assert_eq!((columns.clone(), rows.clone()), (3..6, 1..4));
+        for start in 0..60 {
+            for end in start + 1..=60 {
+                let expected = (start..end)
+                    .filter(|at| columns.contains(&(*at as u32 % 10)) && rows.contains(&(*at as u32 / 10)));
+                assert_eq!(inside(&(start..end), &columns, &rows, size), expected.count(), "{start}..{end}");
+            }
+        }
+        assert_eq!(region_bounds((0, 5), 5, size), (0..3, 3..6), "cut at the edges");
+        assert_eq!(region_bounds((9, 0), 1, size), (9..10, 0..1));
+    }
+}

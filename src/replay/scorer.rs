@@ -1,0 +1,119 @@
+//! Scores of an analysis against ground truth, computed in short steps.
+
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::sync::Arc;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::thread;
+use std::time::Instant;
+
+use super::analysis_record::AnalysisRecord;
+use super::frame_consumer::MAX_TURN;
+use crate::truth::Truth;
+use crate::truth::boxes::Boxes;
+use crate::truth::decisions::Decisions;
+use crate::truth::mask_score::MaskScore;
+use crate::truth::summary::{self, Score, TrackScore};
+
+/// Scores a complete analysis, and keeps the last score.
+#[derive(Default)]
+pub(super) struct Scorer {
+    job: Option<ScoreJob>,
+    /// The ground truth and the score against it.
+    done: Option<(Arc<Truth>, Arc<Score>)>,
+}
+
+/// The result of a step.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum ScoreStep {
+    /// There is nothing to do.
+    Idle,
+    /// Another step is needed.
+    Working,
+    /// The score is complete.
+    Finished,
+}
+
+/// A [`Score`] in progress.
+struct ScoreJob {
+    truth: Arc<Truth>,
+    /// Receives the score of the tracks, where there are true boxes, or the payload of its panic.
+    tracks: Option<Receiver<thread::Result<TrackScore>>>,
+    /// Number of frames processed and of frames with true masks, and the decisions in those.
+    looked_at: u32,
+    judged: usize,
+    decisions: Decisions,
+}
+
+impl Scorer {
+    /// Advances the score of an analysis on `record`, whose offline result is `found`, against `truth`.
+    pub(super) fn advance(
+        &mut self,
+        truth: &Arc<Truth>,
+        found: &Arc<Boxes>,
+        record: &AnalysisRecord,
+    ) -> ScoreStep {
+        if self.by(truth).is_some() {
+            return ScoreStep::Idle;
+        }
+        let job = match self.job.take() {
+            Some(job) if Arc::ptr_eq(&job.truth, truth) => self.job.insert(job),
+            _ => self.job.insert(ScoreJob::new(truth, found)),
+        };
+        let Some(score) = job.advance(record) else { return ScoreStep::Working };
+        (self.job, self.done) = (None, Some((Arc::clone(truth), Arc::new(score))));
+        ScoreStep::Finished
+    }
+
+    /// The score against a ground truth, if it is complete.
+    pub(super) fn by(&self, truth: &Arc<Truth>) -> Option<Arc<Score>> {
+        let score = self.done.as_ref().filter(|(by, _)| Arc::ptr_eq(by, truth));
+        score.map(|(_, score)| Arc::clone(score))
+    }
+}
+
+impl ScoreJob {
+    fn new(truth: &Arc<Truth>, found: &Arc<Boxes>) -> Self {
+        let tracks = truth.boxes.is_some().then(|| {
+            let (answer, answered) = channel();
+            let (truth, found) = (Arc::clone(truth), Arc::clone(found));
+            // All frames are matched one after the other, which may delay a newer request.
+            rayon::spawn(move || {
+                let score = || truth.boxes.as_ref().map(|boxes| summary::score(boxes, &found));
+                // The receiver is gone where another truth was loaded meanwhile.
+                if let Some(score) = catch_unwind(AssertUnwindSafe(score)).transpose() {
+                    let _ = answer.send(score);
+                }
+            });
+            answered
+        });
+        Self { truth: Arc::clone(truth), tracks, looked_at: 0, judged: 0, decisions: Decisions::default() }
+    }
+
+    /// The score, if this was the last step.
+    fn advance(&mut self, record: &AnalysisRecord) -> Option<Score> {
+        let started = Instant::now();
+        while let Some((masks, (analysis, _))) = self.truth.masks.as_ref().zip(record.outline(self.looked_at))
+        {
+            // The masks in which regions are found are scored.
+            if let Some(truth) = masks.of(analysis.number) {
+                let mut judge = truth.judge();
+                record.for_each_run(self.looked_at, |run| judge.take(run));
+                self.decisions += judge.decisions();
+                self.judged += 1;
+            }
+            self.looked_at += 1;
+            if started.elapsed() > MAX_TURN {
+                return None;
+            }
+        }
+        // There is nothing else to do meanwhile.
+        let tracks = match self.tracks.as_ref().map(|answered| answered.recv_timeout(MAX_TURN)) {
+            Some(Ok(Ok(tracks))) => Some(tracks),
+            Some(Ok(Err(panic))) => resume_unwind(panic),
+            Some(Err(RecvTimeoutError::Timeout)) => return None,
+            Some(Err(RecvTimeoutError::Disconnected)) | None => None,
+        };
+        let masks = self.truth.masks.as_ref().map(|_| MaskScore::new(self.judged, self.decisions));
+        Some(Score { tracks, masks })
+    }
+}

@@ -1,0 +1,165 @@
+//! Scores of events and occlusion episodes against the truth of a rendered scene: each once, at its time, with its
+//! objects.
+
+use std::collections::{BTreeMap, BTreeSet};
+use std::fs;
+use std::path::Path;
+
+use serde::{Deserialize, Serialize};
+
+use super::TruthError;
+use super::boxes::Boxes;
+
+/// Least IoU at which a reported box belongs to a true object.
+const MIN_IOU: f64 = 0.5;
+
+/// An event or episode, reported or true.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct ScoredEvent {
+    /// The kind of event or episode.
+    pub kind: String,
+    /// The objects, in order.
+    pub objects: Vec<u32>,
+    /// The first and last frame; an event has one.
+    pub span: (u32, u32),
+}
+
+/// The score of the events of one kind.
+#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+pub struct EventScore {
+    /// Number of true ones.
+    pub truth: usize,
+    /// Number of reported ones.
+    pub reported: usize,
+    /// Number of matches, each counted once.
+    pub matched: usize,
+    /// matched / reported, 1 where nothing was.
+    pub precision: f64,
+    /// matched / truth, 1 where nothing happened.
+    pub recall: f64,
+}
+
+/// Reads `events.jsonl`.
+pub fn read_events(path: &Path) -> Result<Vec<ScoredEvent>, TruthError> {
+    #[derive(Deserialize)]
+    struct Line {
+        frame: u32,
+        kind: String,
+        objects: Vec<u32>,
+    }
+    let text = fs::read_to_string(path).map_err(|error| TruthError::new(path, error))?;
+    let line = |(line, number): (&str, usize)| {
+        let Line { frame, kind, mut objects } = serde_json::from_str(line)
+            .map_err(|error| TruthError::new(path, format!("line {number} is not an event ({error})")))?;
+        objects.sort_unstable();
+        Ok(ScoredEvent { kind, objects, span: (frame, frame) })
+    };
+    text.lines().zip(1..).filter(|(line, _)| !line.trim().is_empty()).map(line).collect()
+}
+
+/// Reads `episodes.csv`.
+pub fn read_episodes(path: &Path) -> Result<Vec<ScoredEvent>, TruthError> {
+    #[derive(Deserialize)]
+    struct Row {
+        kind: String,
+        objects: String,
+        start: u32,
+        end: u32,
+    }
+    let mut reader = csv::Reader::from_path(path).map_err(|error| TruthError::new(path, error))?;
+    let row = |row: Result<Row, csv::Error>| {
+        let Row { kind, objects, start, end } = row.map_err(|error| TruthError::new(path, error))?;
+        let objects: Result<Vec<u32>, _> = objects.split('+').map(str::parse).collect();
+        let mut objects = objects.map_err(|error| TruthError::new(path, format!("objects: {error}")))?;
+        objects.sort_unstable();
+        Ok(ScoredEvent { kind, objects, span: (start, end) })
+    };
+    reader.deserialize().map(row).collect()
+}
+
+/// Which person each identity was on most often, 0 where none.
+pub fn people(truth: &Boxes, found: &Boxes) -> BTreeMap<u32, u32> {
+    let mut counts: BTreeMap<u32, BTreeMap<u32, usize>> = BTreeMap::new();
+    for (frame, found_ones) in found {
+        let Some(true_ones) = truth.get(frame) else { continue };
+        for (identity, place) in found_ones {
+            let best = true_ones.iter().map(|(person, true_place)| (place.iou(true_place), person));
+            if let Some((iou, person)) = best.max_by(|a, b| a.0.total_cmp(&b.0))
+                && iou >= MIN_IOU
+            {
+                *counts.entry(*identity).or_default().entry(*person).or_default() += 1;
+            }
+        }
+    }
+    let most = |people: BTreeMap<u32, usize>| {
+        people.into_iter().max_by_key(|(_, count)| *count).map(|(person, _)| person)
+    };
+    counts.into_iter().filter_map(|(identity, people)| Some((identity, most(people)?))).collect()
+}
+
+/// Compares by kind: the same people, and every end within `tolerance` frames. `people` says who the
+/// identities of `reported` are.
+pub fn compare(
+    truth: &[ScoredEvent],
+    reported: &[ScoredEvent],
+    people: &BTreeMap<u32, u32>,
+    tolerance: u32,
+) -> BTreeMap<String, EventScore> {
+    let named = |event: &ScoredEvent| {
+        let mut objects: Vec<_> =
+            event.objects.iter().map(|id| people.get(id).copied().unwrap_or(0)).collect();
+        objects.sort_unstable();
+        ScoredEvent { objects, ..event.clone() }
+    };
+    let mut open: Vec<ScoredEvent> = reported.iter().map(named).collect();
+    let kinds: BTreeSet<&String> = truth.iter().chain(reported).map(|it| &it.kind).collect();
+    let mut all: BTreeMap<String, EventScore> =
+        kinds.into_iter().map(|kind| (kind.clone(), EventScore::default())).collect();
+    for it in reported {
+        all.entry(it.kind.clone()).or_default().reported += 1;
+    }
+    for it in truth {
+        let found = all.entry(it.kind.clone()).or_default();
+        found.truth += 1;
+        let off =
+            |other: &ScoredEvent| it.span.0.abs_diff(other.span.0).max(it.span.1.abs_diff(other.span.1));
+        let same = |other: &&(usize, &ScoredEvent)| other.1.kind == it.kind && other.1.objects == it.objects;
+        let nearest =
+            open.iter().enumerate().filter(|other| same(&other)).min_by_key(|(_, other)| off(other));
+        if let Some((at, other)) = nearest
+            && off(other) <= tolerance
+        {
+            found.matched += 1;
+            open.remove(at);
+        }
+    }
+    let share = |part: usize, whole: usize| if whole > 0 { part as f64 / whole as f64 } else { 1.0 };
+    for found in all.values_mut() {
+        found.precision = share(found.matched, found.reported);
+        found.recall = share(found.matched, found.truth);
+    }
+    all
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn merge(objects: &[u32], frame: u32) -> ScoredEvent {
+        ScoredEvent { kind: "merge".into(), objects: objects.to_vec(), span: (frame, frame) }
+    }
+
+    #[test]
+    fn each_counts_once_in_time_and_about_its_people() {
+        let people = BTreeMap::from([(11, 1), (12, 2), (13, 3)]);
+        let truth = [merge(&[1, 2], 100), merge(&[1, 2], 200), merge(&[2, 3], 300)];
+        // Right; twice for one; too late; about others.
+        let reported =
+            [merge(&[12, 11], 104), merge(&[11, 12], 96), merge(&[11, 12], 209), merge(&[11, 13], 300)];
+        let score = &compare(&truth, &reported, &people, 8)["merge"];
+        assert_eq!((score.truth, score.reported, score.matched), (3, 4, 1));
+        assert_eq!((score.precision, score.recall), (0.25, 1.0 / 3.0));
+        let nothing = &compare(&[], &reported, &people, 8)["merge"];
+        assert_eq!((nothing.precision, nothing.recall), (0.0, 1.0));
+    }
+}
