@@ -667,8 +667,8 @@ impl Preset {
         match self {
             Self::Plain => "the published method, all additions off",
             Self::Paper => "`plain` with the paper's own learning rate ρ = α·η",
-            Self::OpencvMog => "OpenCV's bgsegm MOG with its default parameters",
-            Self::Default => "tuned on test sequences",
+            Self::OpencvMog => "imitates OpenCV's bgsegm MOG",
+            Self::Default => "the additions on, with values for many kinds of footage",
         }
     }
 }

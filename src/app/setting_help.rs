@@ -328,7 +328,7 @@ static HELP: &[Help] = &[
     ),
     of(
         "perspective",
-        "h = h₀ · exp(b · (y − y₀)), y of the feet, b learnt from all, ½ ≤ h / h₀ ≤ 2",
+        "h = h₀ · exp(b · (y − y₀)), y of the centre, b learnt from all, ½ ≤ h / h₀ ≤ 2",
         "on: the remembered size depends on the position; camera motion or tilt makes b wrong. off: \
          objects keep the size of their last detection.",
     ),
