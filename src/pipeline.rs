@@ -341,11 +341,6 @@ impl Pipeline {
             ..*self
         })
     }
-
-    /// The memory that a copy takes, in bytes, to the nearest few kilobytes.
-    pub fn state_bytes(&self) -> usize {
-        self.mixture().map_or(0, Mixture::state_bytes) + self.tracker.state_bytes()
-    }
 }
 
 /// The offline result of all `analyses`, in order, after `pipeline` has processed the last of them: identities from

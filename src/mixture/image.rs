@@ -81,14 +81,6 @@ impl Mixture {
         self.t
     }
 
-    /// The memory that it takes, in bytes.
-    pub const fn state_bytes(&self) -> usize {
-        match &self.planes {
-            Planes::Rgb(tiles) => tiles.bytes(),
-            Planes::Gray(tiles) => tiles.bytes(),
-        }
-    }
-
     /// A copy of its state without what was never used.
     pub fn snapshot(&self) -> Snapshot {
         let packed = match &self.planes {
@@ -313,12 +305,6 @@ impl<const N: usize> Tiles<N> {
             settled: vec![0; tiles],
             pasts: vec![VerdictMemories::NONE; if parameters.feedback.is_on() { tiles } else { 0 }],
         }
-    }
-
-    const fn bytes(&self) -> usize {
-        (self.first.len() + self.others.len()) * size_of::<Gaussians<N>>()
-            + self.used.len() * 5
-            + self.pasts.len() * size_of::<VerdictMemories>()
     }
 
     fn pack(&self, k: usize) -> Packed<N> {

@@ -157,9 +157,4 @@ impl GroupEpisodes {
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
-
-    /// Approximate memory in bytes.
-    pub fn bytes(&self) -> usize {
-        (self.open.len() + self.closed.len()) * size_of::<GroupEpisode>() + 32 * self.len()
-    }
 }

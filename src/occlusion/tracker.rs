@@ -317,23 +317,6 @@ impl Tracker {
         scene + open + untold + names + self.region_counts.len() + self.seeds.len()
     }
 
-    /// Approximate memory of a copy, in bytes.
-    pub fn state_bytes(&self) -> usize {
-        size_of::<Self>()
-            + self.objects.len() * (size_of::<Object>() + 4096)
-            + self.blobs.len() * (size_of::<TrackedBlob>() + 2048)
-            + self.occluded.len() * size_of::<OccludedObject>()
-            + self.pending_reappearances.len() * (size_of::<PendingReappearance>() + 512)
-            + self.occluders.len() * size_of::<Rect>()
-            + self.pending_demerges.len() * (size_of::<PendingDemerge>() + 4096)
-            + self.episodes.len() * (size_of::<Episode>() + 16)
-            + self.events.len() * (size_of::<Event>() + 512)
-            + self.region_counts.len() * size_of::<(u32, u32)>()
-            + self.seeds.len() * size_of::<UnexplainedDetection>()
-            + (self.identities.len() + self.identity_map.len()) * 16
-            + self.group_episodes.bytes()
-    }
-
     /// The identity of an object, also of an ended one that events can still refer to.
     pub(super) fn identity(&self, id: ObjectId) -> Option<u32> {
         self.identities.get(&id).copied()

@@ -52,11 +52,6 @@ impl IdentityMap {
         self.identities.is_empty()
     }
 
-    /// Number of identities assigned so far.
-    pub const fn count(&self) -> u32 {
-        self.last
-    }
-
     /// Assigns an identity to a key.
     pub fn set(&mut self, key: TrackKey, identity: Identity) {
         self.identities.insert(key, identity);

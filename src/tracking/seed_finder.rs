@@ -34,13 +34,8 @@ pub struct SeedFinder {
 
 impl SeedFinder {
     /// Number of retained detections.
-    pub fn len(&self) -> usize {
+    pub(crate) fn len(&self) -> usize {
         self.before_last.len() + self.last.len()
-    }
-
-    /// Whether none are.
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
     }
 
     /// Processes the frame's unexplained detections, and returns the models that explain one of them, the best for
