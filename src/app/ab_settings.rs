@@ -1,18 +1,18 @@
-//! Two sets of settings on one video, A and B, of which one is in view.
+//! Two sets of settings, A and B, on one video. One of them is in view.
 
 use crate::settings::{SETTINGS, Setting, Settings};
 
-/// One of the two.
+/// A slot for settings.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum AbSlot {
-    /// The one to start with.
+    /// The initial slot.
     A,
-    /// The one to compare it with.
+    /// The slot to compare with A.
     B,
 }
 
 impl AbSlot {
-    /// Both in order.
+    /// Both slots in order.
     pub(crate) const ALL: [Self; 2] = [Self::A, Self::B];
 
     /// The other one.
@@ -23,7 +23,7 @@ impl AbSlot {
         }
     }
 
-    /// Its colour wherever the two are compared; apart for colour-blind eyes, too.
+    /// The slot's colour in comparisons, distinguishable by colour-blind readers.
     pub(crate) const fn colour(self) -> [u8; 3] {
         match self {
             Self::A => [230, 159, 0],
@@ -31,7 +31,7 @@ impl AbSlot {
         }
     }
 
-    /// Its letter.
+    /// The slot's letter.
     pub(crate) const fn name(self) -> &'static str {
         match self {
             Self::A => "A",
@@ -40,23 +40,23 @@ impl AbSlot {
     }
 }
 
-/// The slot in view, and the settings of the other. The settings in view are the model's own.
+/// The slot in view, and the settings of the other slot. The model holds the settings in view.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) struct AbSettings {
     /// The slot in view.
     pub(crate) in_view: AbSlot,
-    /// The settings of the other; none before there is a B.
+    /// The settings of the other slot; `None` before B exists.
     pub(crate) other: Option<Settings>,
 }
 
 impl AbSettings {
-    /// A in view and no B.
+    /// Slot A in view, without B.
     pub(crate) const fn new() -> Self {
         Self { in_view: AbSlot::A, other: None }
     }
 
-    /// Brings a slot into view: the settings in view are stored, and `settings` become the slot's own. A slot without
-    /// settings begins as a copy of the one in view.
+    /// Brings a slot into view: stores the settings in view and loads the slot's own into `settings`. A slot without
+    /// settings starts as a copy of the settings in view.
     pub(crate) fn show(&mut self, slot: AbSlot, settings: &mut Settings) {
         if slot == self.in_view {
             return;
@@ -69,7 +69,7 @@ impl AbSettings {
     }
 }
 
-/// In which settings the two differ, in a line.
+/// Names the settings in which the two sets differ, in one line.
 pub(crate) fn difference(one: &Settings, other: &Settings) -> String {
     let names: Vec<_> = SETTINGS
         .iter()
@@ -89,7 +89,7 @@ mod tests {
     use crate::settings::Preset;
 
     #[test]
-    fn b_begins_as_a_copy_and_each_keeps_its_own() {
+    fn b_starts_as_a_copy_and_each_slot_keeps_its_settings() {
         let mut settings = Settings { k: 3, ..Settings::default() };
         let mut slots = AbSettings::new();
         slots.show(AbSlot::A, &mut settings);
@@ -108,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn the_difference_is_named() {
+    fn the_difference_names_the_settings() {
         let start = Settings::default();
         assert_eq!(difference(&start, &start), "A and B are equal");
         let other = Settings { k: start.k + 1, t: 0.9, ..start.clone() };

@@ -1,4 +1,4 @@
-//! What the program is and what it runs on: for a report of a bug, or of a measurement.
+//! The About dialog: version, build and graphics adapter, for bug reports and measurements.
 
 use eframe::egui::{Context, Grid, Id, Modal, RichText, vec2};
 use eframe::egui_wgpu::wgpu;
@@ -6,16 +6,16 @@ use eframe::egui_wgpu::wgpu;
 use super::theme;
 use crate::replay::memory;
 
-/// The sheet about the program.
+/// The About dialog.
 #[derive(Default)]
 pub(crate) struct About {
-    /// Whether it is open.
+    /// Whether the dialog is open.
     pub(crate) open: bool,
     graphics: String,
 }
 
 impl About {
-    /// On this graphics card.
+    /// The dialog for this graphics adapter.
     pub(crate) fn on(card: &wgpu::AdapterInfo) -> Self {
         let driver = [card.driver.as_str(), card.driver_info.as_str()].join(" ");
         let driver = driver.split_whitespace().collect::<Vec<_>>().join(" ");
@@ -23,7 +23,7 @@ impl About {
         Self { open: false, graphics: format!("{} ({}{driver})", card.name, card.backend) }
     }
 
-    /// What there is to tell, by name.
+    /// The rows of the dialog, each with its label.
     fn lines(&self) -> [(&'static str, String); 6] {
         let opencv = opencv::core::get_version_string().unwrap_or_else(|_| "unknown".to_owned());
         [
@@ -36,7 +36,7 @@ impl About {
         ]
     }
 
-    /// Shows it while it is open.
+    /// Draws the dialog while it is open.
     pub(crate) fn ui(&mut self, ctx: &Context) {
         if !self.open {
             return;

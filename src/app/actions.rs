@@ -1,4 +1,4 @@
-//! The one table of actions, from which menus, palette, keys, tooltips and help are made.
+//! The table of actions, from which menus, command palette, shortcuts, tooltips and help are made.
 
 use eframe::egui::Key;
 use egui_material_icons::icons as m;
@@ -12,7 +12,7 @@ use super::views::{Layout, View};
 use crate::mixture::Quantity;
 use crate::regions::roi::Purpose;
 
-/// Every action, in the order of the menus.
+/// All actions, in menu order.
 pub(crate) static ACTIONS: &[Entry] = &[
     entry(
         Menu::File,
@@ -1069,7 +1069,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
 ];
 
 impl Action {
-    /// All that is said of it.
+    /// The action's entry in the table.
     pub(crate) fn entry(self) -> Option<&'static Entry> {
         ACTIONS.iter().find(|entry| entry.action == self)
     }
@@ -1084,7 +1084,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn no_two_actions_share_a_key_a_name_or_a_meaning() {
+    fn no_two_actions_share_a_shortcut_a_name_or_an_action() {
         for (i, a) in ACTIONS.iter().enumerate() {
             for b in &ACTIONS[i + 1..] {
                 assert_ne!(a.action, b.action);
@@ -1103,7 +1103,7 @@ mod tests {
     }
 
     #[test]
-    fn shift_and_ctrl_tell_shortcuts_apart() {
+    fn shift_and_ctrl_distinguish_shortcuts() {
         let press = |key, modifiers| {
             ACTIONS
                 .iter()
@@ -1120,7 +1120,7 @@ mod tests {
         assert!(press(Key::F, Modifiers::ALT).is_empty());
     }
 
-    /// The keys in the first cell of a row of the README's table, written as in the menus.
+    /// The shortcuts in the first cell of a row of the README's table, written as in the menus.
     fn keys_of(cell: &str) -> Vec<String> {
         let mut keys: Vec<String> = Vec::new();
         let mut before = String::new();
@@ -1150,7 +1150,7 @@ mod tests {
     }
 
     #[test]
-    fn the_readme_lists_the_keys_that_there_are() {
+    fn the_readme_lists_every_shortcut() {
         let rows = include_str!("../../README.md").lines().filter(|line| line.starts_with("| <kbd>"));
         let listed: Vec<String> = rows.flat_map(|row| keys_of(row.split('|').nth(1).unwrap())).collect();
         let texts = |entry: &Entry| entry.shortcuts.iter().map(|key| key.text()).collect::<Vec<_>>();

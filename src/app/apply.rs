@@ -1,4 +1,4 @@
-//! The one place where what was asked for is done.
+//! Execution of commands; the only place where they change the window's state.
 
 use std::sync::Arc;
 
@@ -20,7 +20,7 @@ use crate::replay::Start;
 use crate::settings::Settings;
 
 impl Window {
-    /// Does what was asked for.
+    /// Executes a command.
     pub(super) fn apply(&mut self, ctx: &Context, command: Command) {
         let model = &mut self.model;
         match command {
@@ -53,7 +53,7 @@ impl Window {
             Command::SetCamera(camera) => model.camera = camera,
             Command::Hover(hover) => {
                 model.hovered = hover;
-                // The status line was drawn before the pointer was looked at.
+                // The status line was drawn before the pointer position was read.
                 ctx.request_repaint();
             }
             Command::ShowBackground(kind) => model.background = kind,
@@ -235,7 +235,7 @@ impl Window {
             Action::NextMap => {
                 let all = Quantity::ALL.iter().cycle();
                 let next = all.skip_while(|&&quantity| quantity != model.quantity).nth(1);
-                // The first time it shows what would be the first to go on from.
+                // The first call shows the current quantity instead of the next one.
                 let next = next.filter(|_| model.mapped.is_some()).copied();
                 let next = next.unwrap_or(model.quantity);
                 self.show_map(next);
@@ -283,7 +283,7 @@ impl Window {
         }
     }
 
-    /// Shows a number of each pixel, in front of what hides the map.
+    /// Shows the map of a per-pixel quantity and brings the map view to the front.
     fn show_map(&mut self, quantity: Quantity) {
         self.model.quantity = quantity;
         if self.model.maximised.is_some() {
@@ -303,7 +303,7 @@ impl Window {
         }
     }
 
-    /// Changes what is analysed, or tells why not.
+    /// Edits the areas, or shows why the edit is rejected.
     pub(super) fn change_areas(&mut self, ctx: &Context, change: AreaEdit) {
         let model = &mut self.model;
         let Some(size) = model.size() else { return };
@@ -324,7 +324,7 @@ impl Window {
         }
     }
 
-    /// Makes what was changed as it was.
+    /// Restores the state of an undo or redo.
     fn again(&mut self, again: Option<RestoredState>) {
         let model = &mut self.model;
         match again {
@@ -343,16 +343,16 @@ impl Window {
         }
     }
 
-    /// Gives the worker what is to be analysed.
+    /// Sends the region of interest to the worker.
     fn send_areas(&mut self) {
-        // Other events stand at its place.
+        // Event indices are invalid after the change.
         self.model.read(None);
         if let Some(player) = &self.model.player {
             player.set_roi(self.model.areas.roi.clone());
         }
     }
 
-    /// Ends the work on the video that is there, or on opening it.
+    /// Closes the video, or cancels opening it.
     fn close(&mut self, ctx: &Context) {
         self.pictures.clear();
         self.inspector.forget();
@@ -360,8 +360,8 @@ impl Window {
         ctx.send_viewport_cmd(ViewportCommand::Title("Occluscope".into()));
     }
 
-    /// Says how many frames a second the video has, and starts on it anew where that is another number: all that is given
-    /// in seconds is.
+    /// Sets the video's frame rate. Restarts the analysis if the rate differs, because settings in seconds depend on
+    /// it.
     fn set_rate(&mut self, ctx: &Context, fps: f32) {
         let model = &mut self.model;
         let Some(name) = model.opened.clone() else { return };
@@ -380,7 +380,7 @@ impl Window {
         }
     }
 
-    /// Starts a worker on a video in place of the one that is there.
+    /// Opens a video with a new worker, which replaces the present one.
     fn open(&mut self, ctx: &Context, name: &str, start: Start) {
         let roi = self.model.areas_for(name);
         let options = self.model.options_of(name);

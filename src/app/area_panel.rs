@@ -1,4 +1,4 @@
-//! The list of areas, and the buttons to draw, load and save them.
+//! The list of areas, with buttons to draw, load and save them.
 
 use eframe::egui::{Align, Button, CollapsingHeader, Layout, RichText, Ui, vec2};
 use egui_material_icons::icons as m;
@@ -10,7 +10,7 @@ use super::state::Model;
 use super::{icons, theme, top_bar, views};
 use crate::regions::roi::{Area, Purpose};
 
-/// What an area is called in a list.
+/// The label of an area's purpose in the list.
 const fn word(purpose: Purpose) -> &'static str {
     match purpose {
         Purpose::Analyse => "Analyse",
@@ -18,7 +18,7 @@ const fn word(purpose: Purpose) -> &'static str {
     }
 }
 
-/// Shows them.
+/// Draws the panel.
 pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let areas = &model.areas;
     let title = match &areas.roi {
@@ -78,7 +78,7 @@ const fn icon(area: &Area) -> Icon {
     }
 }
 
-/// One area; whether it was clicked, and whether it is to go.
+/// The row of one area. Returns whether it was clicked, and whether it is to be deleted.
 fn row(ui: &mut Ui, icon: Icon, colour: eframe::egui::Color32, name: &str, chosen: bool) -> (bool, bool) {
     ui.horizontal(|ui| {
         let delete = ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
@@ -115,7 +115,7 @@ fn act(
     }
 }
 
-/// A share in per cent: never 0 or 100 for what is neither.
+/// A share in per cent. Only the exact shares 0 and 1 are written as 0 and 100.
 fn percent(share: f32) -> String {
     let percent = share * 100.0;
     if (0.1..=99.9).contains(&percent) { format!("{percent:.1}") } else { format!("{percent:.2}") }

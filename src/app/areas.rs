@@ -1,80 +1,80 @@
-//! Areas to analyse or to ignore: those that were drawn, the one that is being drawn, and a mask under them.
+//! Areas to analyse or to ignore: the drawn areas, the draft, and a mask from a file.
 
 use std::sync::Arc;
 
 use crate::frame::Size;
 use crate::regions::roi::{self, Area, Purpose, Roi};
 
-/// Least number of corners of an area.
+/// Minimum number of corners of an area.
 const MIN_CORNERS: usize = 3;
-/// Least distance of two corners in pixels: a double click sets none beside the last.
+/// Minimum distance of two corners in pixels, so that a double click adds only one corner.
 const MIN_CORNER_DISTANCE_PX: f32 = 0.75;
 
 /// An edit of the areas.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum AreaEdit {
-    /// Begin to draw one.
+    /// Start drawing an area.
     Begin(Purpose),
-    /// Its next corner, in pixels.
+    /// Add a corner, in pixels.
     Corner([f32; 2]),
-    /// It is the rectangle between two corners.
+    /// Make the draft the rectangle between two corners.
     Rectangle([f32; 2], [f32; 2]),
-    /// It is whole.
+    /// Complete the draft.
     Close,
-    /// Take back its last corner, or choose none.
+    /// Remove the draft's last corner; without a draft, clear the selection.
     Back,
     /// Cancel drawing.
     Cancel,
-    /// Choose one by its place, or none.
+    /// Select an area by its index, or none.
     Choose(Option<usize>),
-    /// Take one away.
+    /// Delete the area of this index.
     Delete(usize),
-    /// Take the mask away that lies under them.
+    /// Delete the mask.
     DeleteMask,
-    /// Take this mask in place of all that is there.
+    /// Replace mask and areas by this mask.
     Load(Arc<Roi>),
-    /// Take everything away.
+    /// Delete all areas and the mask.
     Clear,
 }
 
 /// Why an edit was rejected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, thiserror::Error)]
 pub(crate) enum AreaError {
-    /// It has no inside.
+    /// The area has too few distinct corners or no interior.
     #[error("An area needs at least three corners; add corners, or cancel with Esc")]
     Corners,
-    /// Nothing would be left to analyse.
+    /// No pixel would be left to analyse.
     #[error("No pixels would be left to analyse; draw a smaller ignore area, or delete another first")]
     Nothing,
 }
 
-/// The areas over a video.
+/// The areas of a video.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Areas {
-    /// A mask from a file, which lies under all that is drawn.
+    /// A mask from a file, to which the drawn areas are applied.
     pub(crate) mask: Option<Arc<Roi>>,
-    /// Those that were drawn, in order.
+    /// The drawn areas, in order of creation.
     pub(crate) drawn: Vec<Area>,
-    /// The place of the one that is chosen.
+    /// The index of the selected area.
     pub(crate) chosen: Option<usize>,
-    /// The one that is being drawn.
+    /// The area that is being drawn.
     pub(crate) draft: Option<Area>,
-    /// All of it together; none where the whole image is analysed.
+    /// The region of interest, composed of mask and areas; `None` where the whole image is analysed.
     pub(crate) roi: Option<Arc<Roi>>,
 }
 
 impl Areas {
-    /// A mask alone.
+    /// Areas with a mask only.
     pub(crate) fn of_mask(mask: Option<Arc<Roi>>) -> Self {
         Self { roi: mask.clone(), mask, ..Self::default() }
     }
 
-    /// Whether there is nothing.
+    /// Whether there is neither a mask nor an area.
     pub(crate) const fn is_empty(&self) -> bool {
         self.mask.is_none() && self.drawn.is_empty()
     }
 
-    /// Makes a change over frames of `size`; whether other pixels are analysed from then on.
+    /// Applies an edit to areas over frames of `size`. Returns whether the region of interest changed.
     pub(crate) fn change(&mut self, change: AreaEdit, size: Size) -> Result<bool, AreaError> {
         let before = (self.mask.clone(), self.drawn.clone());
         match change {
@@ -132,7 +132,7 @@ impl Areas {
         self.compose(before, size)
     }
 
-    /// Puts together what is analysed; what leaves nothing is taken back.
+    /// Composes the region of interest. Restores `before` if no pixel would be left.
     fn compose(&mut self, before: (Option<Arc<Roi>>, Vec<Area>), size: Size) -> Result<bool, AreaError> {
         if before == (self.mask.clone(), self.drawn.clone()) {
             return Ok(false);
@@ -157,7 +157,7 @@ impl Areas {
         Ok(changed)
     }
 
-    /// The place of the area whose outline passes nearest to a point, within `reach` pixels.
+    /// The index of the area whose outline is nearest to a point, within `reach` pixels.
     pub(crate) fn at(&self, point: [f32; 2], reach: f32) -> Option<usize> {
         let near = |area: &Area| {
             let next = area.corners.iter().cycle().skip(1);
@@ -172,7 +172,7 @@ fn is_same(a: [f32; 2], b: [f32; 2]) -> bool {
     (a[0] - b[0]).hypot(a[1] - b[1]) < MIN_CORNER_DISTANCE_PX
 }
 
-/// How far a point is from the line between two others.
+/// The distance of a point from the line segment between `a` and `b`.
 fn distance(point: [f32; 2], a: [f32; 2], b: [f32; 2]) -> f32 {
     let (along, to) = ([b[0] - a[0], b[1] - a[1]], [point[0] - a[0], point[1] - a[1]]);
     let length = along[0] * along[0] + along[1] * along[1];
@@ -199,7 +199,7 @@ mod tests {
     const TRIANGLE: [[f32; 2]; 3] = [[0.0, 0.0], [20.0, 0.0], [0.0, 20.0]];
 
     #[test]
-    fn areas_are_drawn_chosen_and_taken_away() {
+    fn areas_are_drawn_selected_and_deleted() {
         let mut areas = Areas::default();
         assert_eq!(draw(&mut areas, Purpose::Ignore, &TRIANGLE), Ok(true));
         assert_eq!((areas.chosen, areas.draft.is_none()), (Some(0), true));
@@ -218,16 +218,16 @@ mod tests {
     }
 
     #[test]
-    fn what_has_no_inside_or_leaves_nothing_is_refused() {
+    fn an_area_without_interior_or_without_remaining_pixels_is_rejected() {
         let mut areas = Areas::default();
         assert_eq!(draw(&mut areas, Purpose::Analyse, &TRIANGLE[..2]), Err(AreaError::Corners));
         areas.change(AreaEdit::Corner([0.0, 20.0]), SIZE).unwrap();
-        assert_eq!(areas.change(AreaEdit::Close, SIZE), Ok(true), "drawing went on");
+        assert_eq!(areas.change(AreaEdit::Close, SIZE), Ok(true), "the area is completed");
         let all = [[-1.0, -1.0], [50.0, -1.0], [50.0, 50.0], [-1.0, 50.0]];
         let before = areas.roi.clone();
         assert_eq!(draw(&mut areas, Purpose::Ignore, &all), Err(AreaError::Nothing));
         assert_eq!((areas.drawn.len(), &areas.roi), (1, &before));
-        // A double click sets its last corner once.
+        // A double click adds its corner once.
         areas.change(AreaEdit::Begin(Purpose::Ignore), SIZE).unwrap();
         for corner in [[1.0, 1.0], [8.0, 1.0], [8.0, 1.0], [8.0, 8.0]] {
             areas.change(AreaEdit::Corner(corner), SIZE).unwrap();

@@ -1,11 +1,11 @@
-//! Atomic writing of one file at a chosen path: the whole file or nothing.
+//! Atomic writing of one file at a chosen path: the complete file or nothing.
 
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Lets `write` fill a file beside `path` and puts it there when it is whole, so that what stands
-/// there is never replaced by half a file. A name without an ending gets `ending`. Returns where
-/// the file stands, or why it does not, in a sentence.
+/// Writes a temporary file beside `path` with `write`, then renames it to `path` when it is complete, so that an
+/// existing file is never replaced by an incomplete one. A name without an extension gets `ending`. Returns the final
+/// path, or an error in a sentence.
 pub(crate) fn write(
     path: PathBuf,
     ending: &str,
@@ -34,16 +34,16 @@ fn place(
     let suffix = format!(".{ending}");
     let mut builder = tempfile::Builder::new();
     builder.suffix(&suffix);
-    // A temporary file is its owner's alone; this one is to be read by whom the user lets read files.
+    // Temporary files are readable by their owner only; this file gets the default permissions of the user's umask.
     #[cfg(unix)]
     builder.permissions(std::os::unix::fs::PermissionsExt::from_mode(0o666));
     let file = builder.tempfile_in(folder).map_err(|error| {
-        // The temporary file's own name would only puzzle.
+        // The error would name the temporary file, which the user does not know.
         let why = if folder.is_dir() { error.kind().to_string() } else { "its folder does not exist".into() };
         io::Error::new(error.kind(), why)
     })?;
     write(file.path())?;
-    // The dialog asked before replacing the name it was given, not the one with the ending added.
+    // The dialog asked before replacing the name that it was given, not the name with the extension.
     if replace {
         file.persist(path).map_err(|error| error.error)?;
     } else {
@@ -61,7 +61,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_failure_leaves_what_was_there_and_nothing_beside_it() {
+    fn a_failure_keeps_the_existing_file_and_leaves_no_temporary_file() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.txt");
         fs::write(&path, "before").unwrap();
@@ -81,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn an_ending_is_added_but_replaces_nothing_that_nobody_was_asked_about() {
+    fn an_added_extension_replaces_no_existing_file() {
         let folder = tempfile::tempdir().unwrap();
         let (bare, whole) = (folder.path().join("mine"), folder.path().join("mine.toml"));
         assert_eq!(write(bare.clone(), "toml", |at| fs::write(at, "one")), Ok(whole.clone()));
@@ -92,7 +92,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn it_may_be_read_like_any_other_file() {
+    fn the_file_has_default_permissions() {
         use std::os::unix::fs::PermissionsExt;
         let folder = tempfile::tempdir().unwrap();
         let usual = folder.path().join("usual.txt");

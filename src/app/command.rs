@@ -1,4 +1,4 @@
-//! What can be asked for: actions by name or key, and the commands that panels hand to [`super::apply`].
+//! Actions, called by name or shortcut, and the commands that panels pass to [`super::apply`].
 
 use std::path::PathBuf;
 
@@ -17,18 +17,18 @@ use crate::replay::Start;
 use crate::settings::Settings;
 use crate::tracking::Identity;
 
-/// A change of the size of everything in the window.
+/// A change of the user interface's scale.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Scale {
-    /// By a tenth up.
+    /// Larger by a tenth.
     Larger,
-    /// By a tenth down.
+    /// Smaller by a tenth.
     Smaller,
-    /// As the system has it.
+    /// The scale of the system.
     Usual,
 }
 
-/// Something that a person can ask for by name or key.
+/// An action of the table, called by name or shortcut.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Action {
     /// Choose a video file.
@@ -37,205 +37,205 @@ pub(crate) enum Action {
     OpenFolder,
     /// Open the bundled scene.
     OpenSample,
-    /// Close the video, or give up opening it.
+    /// Close the video, or cancel opening it.
     CloseVideo,
-    /// Write the annotated frame as a picture.
+    /// Write the annotated frame to a file.
     ExportFrame,
-    /// The frame's number and the chosen pixel, as text.
+    /// Copy video, frame, time and chosen pixel as text.
     CopyPlace,
-    /// The annotated frame, as a picture.
+    /// Copy the annotated frame as an image.
     CopyPicture,
-    /// Write the settings as a file.
+    /// Write the settings to a file.
     SaveSettings,
     /// Read the settings from a file.
     LoadSettings,
     /// End the program.
     Quit,
-    /// Take back the last change of settings.
+    /// Undo the last edit.
     Undo,
-    /// Make it again.
+    /// Redo the last undone edit.
     Redo,
-    /// All settings to their defaults.
+    /// Reset all settings to their defaults.
     DefaultSettings,
-    /// Analyse under the settings of this slot.
+    /// Bring the settings of this slot into view.
     AbSlot(AbSlot),
-    /// Analyse under the settings of the other slot while a key is held.
+    /// Show the other slot while a key is held.
     VerdictFlip,
-    /// The other slot gets a copy of the settings in view.
+    /// Copy the settings in view to the other slot.
     CopySettings,
-    /// The settings of the two slots change places.
+    /// Swap the settings of the two slots.
     SwapSettings,
-    /// Only the settings in view are left.
+    /// Keep only the settings in view.
     KeepSettings,
-    /// Draw an area over the views.
+    /// Start drawing an area.
     DrawArea(Purpose),
-    /// The area that is being drawn is whole.
+    /// Complete the area that is being drawn.
     CloseArea,
-    /// Take back its last corner.
+    /// Remove its last corner.
     UndoCorner,
-    /// Give up drawing, or choose no area any more.
+    /// Cancel drawing, or clear the selection of an area.
     CancelArea,
-    /// Take the chosen area away.
+    /// Delete the selected area.
     DeleteArea,
-    /// Take all areas away.
+    /// Delete all areas.
     ClearAreas,
-    /// Take what is analysed from a picture.
+    /// Read the region of interest from an image.
     LoadMask,
-    /// Write what is analysed as a picture.
+    /// Write the region of interest as an image.
     SaveMask,
-    /// Take boxes that are known to be right from a file.
+    /// Read ground-truth boxes from a file.
     LoadTruth,
-    /// Take masks, or boxes and masks, that are known to be right from a folder.
+    /// Read ground-truth masks, or boxes and masks, from a folder.
     LoadTruthFolder,
-    /// Stop the analysis beyond the frame in view, or go on with it.
+    /// Pause the analysis beyond the frame in view, or resume it.
     AnalyseAhead,
     /// Start or stop playing.
     Play,
-    /// Go so many frames on, or back.
+    /// Go this many frames forward, or back if negative.
     Step(i32),
-    /// Show a shorter part of the timeline around the frame in view, or a longer one.
+    /// Zoom the timeline around the frame in view: in if true, else out.
     ZoomTimeline(bool),
     /// Go to the next event.
     NextEvent,
-    /// Go to the event before.
+    /// Go to the previous event.
     PreviousEvent,
     /// Go to the first frame.
     First,
-    /// Go to the last frame that is known.
+    /// Go to the last known frame.
     Last,
-    /// Playing begins here, or at the first frame again.
+    /// Set the start of playback at this frame, or clear it.
     StartHere,
-    /// Playing ends here, or at the last frame again.
+    /// Set the end of playback at this frame, or clear it.
     EndHere,
-    /// A bookmark at this frame, or none.
+    /// Add or remove a bookmark at this frame.
     Bookmark,
     /// Go to the next bookmark.
     NextBookmark,
-    /// Go to the bookmark before.
+    /// Go to the previous bookmark.
     PreviousBookmark,
-    /// The timeline shows the whole video.
+    /// Show the whole video in the timeline.
     WholeTimeline,
     /// Play slower.
     Slower,
     /// Play faster.
     Faster,
-    /// One view alone, or all again.
+    /// Maximise a view, or restore all views.
     Maximise(View),
-    /// A view is there, or is not.
+    /// Open or close a view.
     Open(View),
-    /// Views and panels in places for a purpose.
+    /// Arrange views and panels in a layout.
     Arrange(Layout),
-    /// The whole image in each view.
+    /// Fit the whole image into each view.
     Fit,
-    /// A pixel of the image takes one of the screen.
+    /// Draw each image pixel as one screen pixel.
     Actual,
-    /// Nearer.
+    /// Zoom in.
     ZoomIn,
-    /// Farther.
+    /// Zoom out.
     ZoomOut,
-    /// What the background view shows.
+    /// Show the next kind of background.
     Background,
-    /// The map shows this number.
+    /// Show the map of this quantity.
     Map(Quantity),
-    /// The map shows the next number.
+    /// Show the map of the next quantity.
     NextMap,
-    /// The mask over the input, or none.
+    /// Show or hide the mask over the input.
     Overlay,
-    /// Another opacity of the mask over the input.
+    /// Use the next opacity of the mask over the input.
     OverlayOpacity,
-    /// Choose the pixel so many columns and rows away.
+    /// Move the chosen pixel by columns and rows.
     MovePixel(i32, i32),
-    /// No pixel chosen any more.
+    /// Clear the choice of a pixel.
     ClearPixel,
-    /// No object chosen any more.
+    /// Clear the choice of an object.
     ClearObject,
-    /// A loupe beside the pointer, or none.
+    /// Show or hide the loupe beside the pointer.
     Loupe,
-    /// The chosen pixel is pinned, or is not.
+    /// Pin or unpin the chosen pixel.
     Pin,
-    /// No pixel is pinned any more.
+    /// Unpin all pixels.
     ClearPins,
-    /// The panel with the settings.
+    /// Show or hide the settings panel.
     SettingsPanel,
-    /// The panel with the inspector and the events.
+    /// Show or hide the panel with inspector and events.
     InspectorPanel,
-    /// Something drawn over the tracks is there, or is not.
+    /// Show or hide an overlay of the tracks view.
     Draw(Drawn),
-    /// Everything in the window larger, smaller, or as large as at first.
+    /// Change the scale of the user interface.
     Scale(Scale),
-    /// Dark or light.
+    /// Switch between the dark and the light theme.
     Theme,
-    /// All that was told.
+    /// Show or hide the messages.
     Messages,
-    /// Version, graphics card and the like.
+    /// Show or hide the About dialog.
     About,
-    /// The list of keys.
+    /// Show or hide the list of shortcuts.
     Help,
-    /// Find an action by its name.
+    /// Open or close the command palette.
     Palette,
 }
 
-/// Something that a panel asks for.
+/// A command of a panel.
 #[derive(Clone, Debug)]
 pub(crate) enum Command {
-    /// Put a table on the clipboard.
+    /// Copy a table to the clipboard.
     CopyTable(Table),
-    /// Choose a file for a table.
+    /// Save a table to a file.
     SaveTable(Table),
-    /// Put a plot on the clipboard.
+    /// Copy a plot to the clipboard.
     CopyPlot(Box<Plot>),
-    /// Choose a file for a plot.
+    /// Save a plot to a file.
     SavePlot(Box<Plot>, Format),
-    /// An action of the table.
+    /// Execute an action of the table.
     Act(Action),
-    /// Open this video at this place.
+    /// Open this video at this position.
     Open(String, Start),
-    /// The video has so many frames a second.
+    /// Set the video's frame rate.
     Rate(f32),
-    /// Take what is known to be right from this file or folder.
+    /// Read ground truth from this file or folder.
     ReadTruth(PathBuf),
-    /// Open the bundled scene at its first occlusion.
+    /// Open the bundled sample at its first occlusion.
     OpenSample,
-    /// Show the frame at a position from 0.
+    /// Show the frame at this position, from 0.
     GoTo(u32),
-    /// Show the frame of this number, or the nearest that there is.
+    /// Show the frame of this number, or the nearest existing one.
     GoToNumber(u32),
-    /// The timeline shows these positions, from and to, or all.
+    /// Show these positions in the timeline, from and to; `None` for all.
     Span(Option<(f32, f32)>),
-    /// Play at the speed of this place in the list.
+    /// Play at the speed of this index.
     Speed(usize),
-    /// Analyse under these settings.
+    /// Analyse with these settings.
     Set(Box<Settings>),
     /// Choose a pixel.
     Choose(Option<(u32, u32)>),
     /// Choose an object by its identity.
     ChooseObject(Option<Identity>),
-    /// Explain this in the panel on the right.
+    /// Show this subject in the panel on the right.
     Explain(Subject),
     /// Unpin the pixel of this number.
     Unpin(u8),
-    /// Look elsewhere in all views.
+    /// Set the camera of all views.
     SetCamera(Camera),
-    /// The pointer is on this pixel.
+    /// The pointer moved to this pixel, or left the views.
     Hover(Option<Hover>),
     /// Show this kind of background.
     ShowBackground(Background),
-    /// The mask over the input covers so much of it, in per cent.
+    /// Set the opacity of the mask over the input, in per cent.
     Overlay(u8),
-    /// Change the areas that are analysed or ignored.
+    /// Edit the areas to analyse or ignore.
     Area(AreaEdit),
-    /// Bring the setting of this name into sight.
+    /// Scroll the setting of this name into view.
     RevealSetting(&'static str),
-    /// That setting has been seen.
+    /// That setting was scrolled into view.
     SettingRevealed,
-    /// The line on what to try first has been read.
+    /// Dismiss the hint.
     HideHint,
-    /// Read an event's evidence.
+    /// Show the evidence of an event.
     OpenEvent(Option<EventRef>),
-    /// The key that brought the other settings into view was let go: these are in view again.
+    /// The key that showed the other slot was released: bring this slot back into view.
     LetGo(AbSlot),
     /// List these events while settings are compared.
     List(ComparisonFilter),
-    /// Show or hide a kind of events, by its place in [`crate::occlusion::EventKind::ALL`].
+    /// Show or hide a kind of event, by its index in [`crate::occlusion::EventKind::ALL`].
     FilterEvents(usize, bool),
 }

@@ -26,7 +26,7 @@ impl PaletteEntry {
         }
     }
 
-    /// How well `text` matches its name, or the key of a setting in files.
+    /// How well `text` matches the entry's name, or the file key of a setting.
     fn score(self, text: &str) -> Option<u32> {
         let of_key = match self {
             Self::Action(_) => None,
@@ -42,7 +42,7 @@ impl PaletteEntry {
         }
     }
 
-    /// What stands behind the name: the key of an action, the stage of a setting.
+    /// The note beside the name: the shortcut of an action, the stage of a setting.
     fn note(self) -> String {
         match self {
             Self::Action(entry) => {
@@ -69,7 +69,7 @@ pub(crate) struct CommandPalette {
 }
 
 impl CommandPalette {
-    /// Opens it empty, or closes it.
+    /// Opens the palette with an empty text, or closes it.
     pub(crate) fn toggle(&mut self) {
         *self = Self { open: !self.open, ..Self::default() };
     }
@@ -79,7 +79,7 @@ impl CommandPalette {
         self.open
     }
 
-    /// Shows it while it is open.
+    /// Draws the palette while it is open.
     pub(crate) fn ui(&mut self, ctx: &Context, model: &Model, commands: &mut Vec<Command>) {
         if !self.open {
             return;
@@ -127,7 +127,7 @@ impl CommandPalette {
         if let Some(found) = response.inner {
             self.open = false;
             match found {
-                // The finder itself is shut by then: asking for it again would only open it anew.
+                // The palette is already closed: executing its own action would open it again.
                 PaletteEntry::Action(entry) if entry.action == Action::Palette => {}
                 PaletteEntry::Action(entry) => commands.push(Command::Act(entry.action)),
                 PaletteEntry::Setting(setting) => commands.push(Command::RevealSetting(setting.name)),
@@ -138,7 +138,7 @@ impl CommandPalette {
     }
 }
 
-/// The actions that make sense now and the settings whose name holds the letters, the best first.
+/// The available actions and the settings whose name contains the letters, best match first.
 fn find(text: &str, model: &Model) -> Vec<PaletteEntry> {
     let actions = ACTIONS.iter().filter(|entry| top_bar::allowed(model, entry)).map(PaletteEntry::Action);
     let mut found: Vec<_> = actions
@@ -149,8 +149,8 @@ fn find(text: &str, model: &Model) -> Vec<PaletteEntry> {
     found.into_iter().map(|(_, each)| each).collect()
 }
 
-/// How well the letters of `text` are found in order in `name`; `None` when they are not.
-/// Letters that start a word or follow the one before count more.
+/// How well `name` contains the letters of `text` in order; `None` where it does not. Letters that start a word or
+/// follow the previous match score higher.
 fn score(text: &str, name: &str) -> Option<u32> {
     let name: Vec<char> = name.to_lowercase().chars().collect();
     let (mut at, mut score, mut last) = (0, 0, None);
@@ -171,7 +171,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn letters_in_order_find_an_action_and_words_count_more() {
+    fn letters_in_order_match_and_word_starts_score_higher() {
         assert!(score("nxev", "Next event").is_some());
         assert!(score("vn", "Next event").is_some());
         assert!(score("xn n", "Next event").is_none());

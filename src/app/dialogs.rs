@@ -1,5 +1,4 @@
-//! File dialogs, and the reading and writing that follows them, on threads of their own, so that
-//! the window never waits for either.
+//! File dialogs and the file access that follows them. Both run on their own threads, so that the window never waits.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -17,24 +16,24 @@ use crate::regions::Roi;
 use crate::settings::Settings;
 use crate::truth::Truth;
 
-/// Least time after which a user can cancel a dialog: sooner, it was never shown.
+/// Minimum time in which a user can cancel a dialog. A dialog that ends sooner was never shown.
 const TOO_SOON: Duration = Duration::from_millis(250);
 
 /// The result of a dialog.
 pub(crate) enum DialogResult {
     /// A video or folder to open.
     Open(PathBuf),
-    /// A file was written, or why not, in a sentence.
+    /// A file was written, or an error in a sentence.
     Wrote(Result<PathBuf, String>),
-    /// A plot was drawn for the clipboard, or why not, in a sentence.
+    /// A plot was drawn for the clipboard, or an error in a sentence.
     Drawn(Result<ColorImage, String>),
-    /// A table was written for the clipboard, with how many rows, or why not, in a sentence.
+    /// A table was written for the clipboard, with its number of rows, or an error in a sentence.
     Tabled(Result<(String, usize), String>),
-    /// Settings were read from a file, or why not, in a sentence.
+    /// Settings were read from a file, or an error in a sentence.
     Settings(Result<(PathBuf, Box<Settings>), String>),
-    /// A mask was read from a file, or why not, in a sentence.
+    /// A mask was read from a file, or an error in a sentence.
     Mask(Result<Arc<Roi>, String>),
-    /// Ground truth was read, or why not, in a sentence.
+    /// Ground truth was read, or an error in a sentence.
     Truth(Result<Arc<Truth>, String>),
     /// This system has no file dialogs.
     NoDialog,
@@ -46,7 +45,7 @@ struct DialogOutcome {
     from_dialog: bool,
 }
 
-/// The dialogs that are open.
+/// The open dialog and pending results.
 pub(crate) struct Dialogs {
     sender: Sender<DialogOutcome>,
     receiver: Receiver<DialogOutcome>,
@@ -81,7 +80,7 @@ impl Dialogs {
         });
     }
 
-    /// Asks where to write a frame, and writes it there.
+    /// Asks for a path and writes a frame there.
     pub(crate) fn export_frame(&mut self, ctx: &Context, picture: FrameExport) {
         self.ask(ctx, move || {
             let dialog = FileDialog::new().set_title("Export frame").set_file_name(picture.name());
@@ -90,7 +89,7 @@ impl Dialogs {
         });
     }
 
-    /// Asks where to write settings, and writes them there.
+    /// Asks for a path and writes settings there.
     pub(crate) fn save_settings(&mut self, ctx: &Context, settings: Settings) {
         self.ask(ctx, move || {
             let dialog = FileDialog::new().set_title("Save settings").set_file_name(settings_file::NAME);
@@ -99,7 +98,7 @@ impl Dialogs {
         });
     }
 
-    /// Asks for a file of settings, and reads it.
+    /// Asks for a settings file and reads it.
     pub(crate) fn load_settings(&mut self, ctx: &Context) {
         self.ask(ctx, || {
             let dialog =
@@ -110,7 +109,7 @@ impl Dialogs {
         });
     }
 
-    /// Asks for a picture of what is to be analysed, and reads it.
+    /// Asks for an image of the region of interest and reads it.
     pub(crate) fn load_mask(&mut self, ctx: &Context) {
         self.ask(ctx, || {
             let dialog = FileDialog::new().set_title("Load area mask");
@@ -120,7 +119,7 @@ impl Dialogs {
         });
     }
 
-    /// Asks for a file of ground truth, and reads it.
+    /// Asks for a ground-truth file and reads it.
     pub(crate) fn load_truth(&mut self, ctx: &Context) {
         self.ask(ctx, || {
             let dialog = FileDialog::new().set_title("Load ground truth");
@@ -129,7 +128,7 @@ impl Dialogs {
         });
     }
 
-    /// Asks for a folder of ground truth, and reads it.
+    /// Asks for a ground-truth folder and reads it.
     pub(crate) fn load_truth_folder(&mut self, ctx: &Context) {
         self.ask(ctx, || {
             Some(truth(&FileDialog::new().set_title("Load ground truth folder").pick_folder()?))
@@ -141,7 +140,7 @@ impl Dialogs {
         self.make(ctx, move || truth(&path));
     }
 
-    /// Asks where to write a mask of what is analysed, and writes it there.
+    /// Asks for a path and writes the region of interest there as an image.
     pub(crate) fn save_mask(&mut self, ctx: &Context, roi: Arc<Roi>) {
         self.ask(ctx, move || {
             let dialog = FileDialog::new().set_title("Save area mask").set_file_name("roi.png");
@@ -152,7 +151,7 @@ impl Dialogs {
         });
     }
 
-    /// Asks where to write a table, and writes it there.
+    /// Asks for a path and writes a table there.
     pub(crate) fn save_table(&mut self, ctx: &Context, table: Table) {
         self.ask(ctx, move || {
             let dialog = FileDialog::new().set_title("Save table").set_file_name(table.name());
@@ -161,7 +160,7 @@ impl Dialogs {
         });
     }
 
-    /// Asks where to write a plot, draws it and writes it there.
+    /// Asks for a path, draws a plot and writes it there.
     pub(crate) fn save_plot(&mut self, ctx: &Context, plot: Box<Plot>, format: Format) {
         self.ask(ctx, move || {
             let dialog = FileDialog::new().set_title("Save figure").set_file_name(plot.name(format));
@@ -188,7 +187,7 @@ impl Dialogs {
         });
     }
 
-    /// No dialog, but more work than the window should wait for.
+    /// Runs work without a dialog on a thread of its own.
     fn make(&mut self, ctx: &Context, make: impl FnOnce() -> DialogResult + Send + 'static) {
         let (sender, ctx) = (self.sender.clone(), ctx.clone());
         std::thread::spawn(move || {
@@ -197,16 +196,16 @@ impl Dialogs {
         });
     }
 
-    /// What came back since this was last asked.
+    /// The next pending result.
     pub(crate) fn answer(&mut self) -> Option<DialogResult> {
         let brought = self.receiver.try_recv().ok()?;
-        // What goes to the clipboard comes from no dialog; one may be open still.
+        // Results for the clipboard come from no dialog; a dialog may still be open.
         self.open &= !brought.from_dialog;
         brought.answer
     }
 
     fn ask(&mut self, ctx: &Context, dialog: impl FnOnce() -> Option<DialogResult> + Send + 'static) {
-        // One at a time: a second would only lie over the first.
+        // Only one dialog at a time: a second one would cover the first.
         if self.open {
             return;
         }
@@ -215,7 +214,7 @@ impl Dialogs {
         std::thread::spawn(move || {
             let asked = Instant::now();
             let answer = dialog().or_else(|| (asked.elapsed() < TOO_SOON).then_some(DialogResult::NoDialog));
-            // The window may be gone by then; then nobody waits for the answer.
+            // Sending fails if the window is already closed; the result is then discarded.
             let _ = sender.send(DialogOutcome { answer, from_dialog: true });
             ctx.request_repaint();
         });
@@ -233,7 +232,7 @@ mod tests {
 
     use super::*;
 
-    /// What comes of a dialog, once it has.
+    /// The result of a dialog, once it has ended.
     fn brought(dialog: impl FnOnce() -> Option<DialogResult> + Send + 'static) -> Option<DialogResult> {
         let (ctx, mut dialogs) = (Context::default(), Dialogs::default());
         dialogs.ask(&ctx, dialog);
@@ -246,7 +245,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_made_for_the_clipboard_shuts_no_dialog() {
+    fn a_clipboard_result_closes_no_dialog() {
         let (ctx, mut dialogs) = (Context::default(), Dialogs::default());
         dialogs.open = true;
         dialogs.make(&ctx, || DialogResult::Tabled(Ok(("a,b\n".to_owned(), 0))));
@@ -256,7 +255,7 @@ mod tests {
     }
 
     #[test]
-    fn a_dialog_that_never_came_up_is_told_from_one_that_was_cancelled() {
+    fn a_dialog_that_was_never_shown_differs_from_a_cancelled_one() {
         assert!(matches!(brought(|| None), Some(DialogResult::NoDialog)));
         let cancelled = || {
             std::thread::sleep(2 * TOO_SOON);

@@ -10,8 +10,8 @@ use super::theme;
 use crate::replay::Start;
 use crate::truth::TruthSource;
 
-/// Shows that what is held over the window can be dropped, and opens what was dropped; ground truth is laid over the
-/// video that is there.
+/// Shows a hint while files are dragged over the window, and opens dropped files. Dropped ground truth is loaded for
+/// the open video.
 pub(crate) fn ui(ctx: &Context, model: &Model, commands: &mut Vec<Command>) {
     let (hovered, dropped) = ctx.input(|input| {
         let path = input.raw.dropped_files.first().map(|file| file.path().to_string_lossy().into_owned());
@@ -40,7 +40,7 @@ pub(crate) fn ui(ctx: &Context, model: &Model, commands: &mut Vec<Command>) {
     }
 }
 
-/// Whether it is no video but what is known to be right of one.
+/// Whether a path is ground truth rather than a video.
 fn is_truth(path: &Path) -> bool {
     let of_boxes = ["txt", "csv"].map(|ending| path.extension().is_some_and(|other| other == ending));
     if path.is_dir() { TruthSource::of(path).is_ok() } else { of_boxes.contains(&true) }

@@ -1,25 +1,25 @@
-//! What is said of an action wherever it can be called: name, keys, picture, menu.
+//! An entry of the table of actions: name, shortcuts, icon, menu.
 
 use eframe::egui::{Key, Modifiers};
 
 use super::command::Action;
 use super::icons::Icon;
 
-/// Under which menu an action stands.
+/// The menu of an action.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Menu {
-    /// Opening and writing.
+    /// Open and save.
     File,
-    /// What is seen.
+    /// Views and overlays.
     View,
-    /// Settings, playing and going from frame to frame.
+    /// Settings, playback and navigation.
     Analysis,
-    /// What there is to know.
+    /// Help and information.
     Help,
 }
 
 impl Menu {
-    /// All menus in order.
+    /// All menus, in order.
     pub(crate) const ALL: [Self; 4] = [Self::File, Self::View, Self::Analysis, Self::Help];
 
     /// The menu's name.
@@ -33,21 +33,21 @@ impl Menu {
     }
 }
 
-/// A key with what is held down with it.
+/// A key with its modifiers.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Shortcut {
-    /// Ctrl (on a Mac, command).
+    /// Ctrl, or Command on a Mac.
     pub(crate) ctrl: bool,
-    /// Shift, where the key itself does not need it.
+    /// Shift, where the key itself does not require it.
     pub(crate) shift: bool,
-    /// Alt (on a Mac, option).
+    /// Alt, or Option on a Mac.
     pub(crate) alt: bool,
     /// The key.
     pub(crate) key: Key,
 }
 
 impl Shortcut {
-    /// Whether a key press means this shortcut.
+    /// Whether a key press is this shortcut.
     pub(crate) fn matches(self, key: Key, modifiers: Modifiers) -> bool {
         let needs_shift = matches!(self.key, Key::Questionmark | Key::Plus);
         key == self.key
@@ -56,7 +56,7 @@ impl Shortcut {
             && (needs_shift || modifiers.shift == self.shift)
     }
 
-    /// As it is written in menus: `Ctrl+Shift+Z`.
+    /// The shortcut as written in menus: `Ctrl+Shift+Z`.
     pub(crate) fn text(self) -> String {
         let key = match self.key {
             Key::ArrowLeft => "Left",
@@ -81,7 +81,7 @@ impl Shortcut {
     }
 }
 
-/// A key alone.
+/// A key without modifiers.
 pub(super) const fn key(key: Key) -> Shortcut {
     Shortcut { ctrl: false, shift: false, alt: false, key }
 }
@@ -96,7 +96,7 @@ pub(super) const fn shift(k: Key) -> Shortcut {
     Shortcut { shift: true, ..key(k) }
 }
 
-/// A key with both.
+/// A key with Ctrl and Shift.
 pub(super) const fn ctrl_shift(k: Key) -> Shortcut {
     Shortcut { ctrl: true, shift: true, ..key(k) }
 }
@@ -106,31 +106,31 @@ pub(super) const fn alt(k: Key) -> Shortcut {
     Shortcut { alt: true, ..key(k) }
 }
 
-/// All that is said of an action anywhere.
+/// The description of an action.
 pub(crate) struct Entry {
-    /// What it does.
+    /// The action.
     pub(crate) action: Action,
-    /// Its name in menu, palette and help.
+    /// Its name in menus, command palette and help.
     pub(crate) text: &'static str,
     /// What it does, in a sentence.
     pub(crate) tooltip: &'static str,
-    /// The keys that call it.
+    /// Its shortcuts.
     pub(crate) shortcuts: &'static [Shortcut],
-    /// Its picture.
+    /// Its icon.
     pub(crate) icon: Icon,
-    /// The menu it stands in.
+    /// Its menu.
     pub(crate) menu: Menu,
-    /// The menu within that menu, if it stands in one.
+    /// Its submenu, if any.
     pub(crate) submenu: Option<&'static str>,
-    /// Whether a line goes before it in its menu.
+    /// Whether a separator precedes it in its menu.
     pub(crate) line_before: bool,
-    /// Whether it makes sense with nothing opened.
+    /// Whether it is available without an open video.
     pub(crate) always: bool,
-    /// Whether holding the key down repeats it.
+    /// Whether it repeats while the key is held.
     pub(crate) repeats: bool,
 }
 
-/// What is said of most actions; the rest is added to it.
+/// An entry with default options.
 pub(super) const fn entry(
     menu: Menu,
     action: Action,
@@ -154,31 +154,31 @@ pub(super) const fn entry(
 }
 
 impl Entry {
-    /// After a line in its menu.
+    /// Puts a separator before the entry.
     pub(super) const fn after_line(mut self) -> Self {
         self.line_before = true;
         self
     }
 
-    /// In a menu within its menu.
+    /// Puts the entry into a submenu.
     pub(super) const fn within(mut self, submenu: &'static str) -> Self {
         self.submenu = Some(submenu);
         self
     }
 
-    /// Also with nothing opened.
+    /// Makes the action available without an open video.
     pub(super) const fn always(mut self) -> Self {
         self.always = true;
         self
     }
 
-    /// Again and again while its key is held.
+    /// Lets the action repeat while its key is held.
     pub(super) const fn repeats(mut self) -> Self {
         self.repeats = true;
         self
     }
 
-    /// The sentence with the keys behind it: `One frame on (Right or .)`.
+    /// The tooltip with the shortcuts in brackets: `One frame on (Right or .)`.
     pub(crate) fn tooltip_with_keys(&self) -> String {
         let keys: Vec<String> = self.shortcuts.iter().map(|shortcut| shortcut.text()).collect();
         if keys.is_empty() {

@@ -8,9 +8,9 @@ use crate::replay::{ComparedSequence, State, Timeline};
 /// A reference to an event, by its index in its timeline.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum EventRef {
-    /// Of the settings in view.
+    /// An event of the settings in view.
     InView(usize),
-    /// Of the compared settings.
+    /// An event of the compared settings.
     Compared(usize),
 }
 
@@ -23,26 +23,26 @@ pub(crate) enum ComparisonFilter {
     OnlyInView,
     /// Events of the compared settings only.
     OnlyCompared,
-    /// Events of both at different frames.
+    /// Events of both settings at different frames.
     Moved,
 }
 
 impl ComparisonFilter {
-    /// All of them in order.
+    /// All filters in order.
     pub(crate) const ALL: [Self; 4] = [Self::All, Self::OnlyInView, Self::OnlyCompared, Self::Moved];
 }
 
-/// The paired events of two timelines, and the timelines of the pairs.
+/// The paired events of two timelines, with both timelines.
 #[derive(Clone, Debug)]
 pub(crate) struct EventComparison {
     in_view: Arc<Timeline>,
     compared: Arc<ComparedSequence>,
-    /// In order of time.
+    /// The pairs, in order of time.
     pub(crate) pairs: Vec<EventPair>,
 }
 
 impl EventComparison {
-    /// The comparison of a published state, if settings are compared; `before` where it is still valid.
+    /// The comparison of a published state; `None` where no settings are compared. Reuses `before` while it is valid.
     pub(crate) fn of(state: &State, fps: f32, before: Option<Self>) -> Option<Self> {
         let compared = state.compared.as_ref()?;
         let same = |before: &Self| {
@@ -66,7 +66,7 @@ impl EventComparison {
         }
     }
 
-    /// By how many frames the event under the other settings is later.
+    /// By how many frames the event of the compared settings is later.
     pub(crate) fn moved(&self, pair: EventPair) -> Option<i64> {
         let EventPair::Both(i, j) = pair else { return None };
         let (in_view, _) = self.in_view.events.get(i)?;

@@ -1,4 +1,4 @@
-//! The list of events, and the evidence behind the one that is read.
+//! The list of events, and the evidence of the selected event.
 
 use eframe::egui::text::{LayoutJob, TextWrapping};
 use eframe::egui::{
@@ -18,7 +18,7 @@ use crate::palette::{event_colour, identity_colour};
 use crate::replay::Timeline;
 use crate::settings::Setting;
 
-/// Shows them.
+/// Draws the panel.
 pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let Some(timeline) = model.timeline() else { return };
     ui.horizontal(|ui| {
@@ -51,7 +51,7 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let list = if read.is_some() { (height * 0.38).max(height - 320.0) } else { height };
     let here = model.shown().map(|shown| shown.position);
     let row_height = theme::ROW;
-    // Without a least height of its own: in a low panel the list would lie over the evidence.
+    // Without a minimum height: in a low panel the list would cover the evidence.
     let mut area = ScrollArea::vertical().id_salt("events").auto_shrink([false, true]);
     area = area.min_scrolled_height(0.0).max_height(list);
     let positions = listed.iter().filter_map(|row| Some(model.event(row.read)?.0));
@@ -81,11 +81,11 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 /// A row of the list.
 struct Listed {
     read: EventRef,
-    /// How the event stands to the other settings, while there are some.
+    /// The pair that contains the event, while settings are compared.
     pair: Option<EventPair>,
 }
 
-/// The events to list, in order of time.
+/// The listed events, in order of time.
 fn listed(model: &Model, timeline: &Timeline) -> Vec<Listed> {
     let shows = |listed: &Listed| model.event(listed.read).is_some_and(|(_, event)| model.lists(event.kind));
     let Some(compared) = &model.compared else {
@@ -104,7 +104,7 @@ fn listed(model: &Model, timeline: &Timeline) -> Vec<Listed> {
     rows.filter(shows).collect()
 }
 
-/// Which events are listed while two settings are compared, with how many there are of each.
+/// The filters of the list while settings are compared, with the number of events of each.
 fn listings(ui: &mut Ui, model: &Model, compared: &EventComparison, commands: &mut Vec<Command>) {
     let slot = model.ab_settings.in_view;
     ui.spacing_mut().item_spacing.x = theme::SPACE / 2.0;
@@ -132,7 +132,7 @@ fn listings(ui: &mut Ui, model: &Model, compared: &EventComparison, commands: &m
     }
 }
 
-/// What stands beside an event while two settings are compared: whose it is alone, or by how much it moved.
+/// The note beside an event while settings are compared: the slot that alone has it, or its shift in frames.
 fn aside(model: &Model, listed: &Listed) -> Option<(String, [u8; 3])> {
     let slot = model.ab_settings.in_view;
     match listed.pair? {
@@ -146,8 +146,7 @@ fn aside(model: &Model, listed: &Listed) -> Option<(String, [u8; 3])> {
     }
 }
 
-/// Where the list has to stand so that the events nearest to the frame in view are seen, when that
-/// frame is another than before.
+/// The scroll offset that shows the events nearest to the frame in view; `None` if that frame is unchanged.
 fn follow(
     ui: &Ui,
     mut positions: impl Iterator<Item = u32>,
@@ -197,7 +196,7 @@ fn filter(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     });
 }
 
-/// A palette colour as it is read on a panel: darker on a light one.
+/// A palette colour adapted to panels: darker on a light panel.
 fn readable(ui: &Ui, colour: [u8; 3]) -> Color32 {
     let colour = theme::rgb(colour);
     if ui.visuals().dark_mode {
@@ -207,7 +206,7 @@ fn readable(ui: &Ui, colour: [u8; 3]) -> Color32 {
     }
 }
 
-/// Who an event was about: `3 + 5`, `3 + 5 » 3, 7`.
+/// The participants of an event: `3 + 5`, `3 + 5 » 3, 7`.
 pub(crate) fn participants(event: &Event) -> String {
     let join = |ids: &[u32], with: &str| ids.iter().map(ToString::to_string).collect::<Vec<_>>().join(with);
     let before = join(&event.objects, " + ");
@@ -327,7 +326,7 @@ fn evidence(ui: &mut Ui, model: &Model, event: &Event, commands: &mut Vec<Comman
     });
 }
 
-/// What would have kept an event from happening, each to be taken with a click.
+/// The counterfactuals of an event, each with a button that applies it.
 fn prevented(ui: &mut Ui, model: &Model, event: &Event, commands: &mut Vec<Command>) {
     let what_if = model.state.as_ref().and_then(|state| state.counterfactual.as_ref());
     let Some(what_if) = what_if.filter(|what_if| what_if.event.is_same(event)) else { return };
@@ -349,7 +348,7 @@ fn prevented(ui: &mut Ui, model: &Model, event: &Event, commands: &mut Vec<Comma
             if response.on_hover_text("Apply this value; undo restores the current one").clicked() {
                 let mut settings = model.settings.clone();
                 let setting = Setting::named(prevention.setting);
-                // What was tried lies within the range.
+                // The tested value lies within the setting's range.
                 if setting.is_some_and(|setting| setting.set(&mut settings, prevention.value).is_ok()) {
                     commands.push(Command::Set(Box::new(settings)));
                 }
@@ -369,7 +368,7 @@ fn prevented(ui: &mut Ui, model: &Model, event: &Event, commands: &mut Vec<Comma
     }
 }
 
-/// What was compared to the left, the number and its limit to the right.
+/// A comparison: the compared quantity on the left, value and threshold on the right.
 fn compared(ui: &mut Ui, comparison: &Comparison) {
     let colours = theme::colours(ui.visuals());
     ui.horizontal(|ui| {
@@ -405,7 +404,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn participants_tell_who_became_whom() {
+    fn participants_show_identities_before_and_after() {
         let event = |kind, objects: &[u32], becomes: &[u32]| Event {
             frame: 1,
             kind,

@@ -1,4 +1,4 @@
-//! Writing the frame in view as a picture.
+//! Export of the frame in view as an image.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -12,7 +12,7 @@ use crate::occlusion::Event;
 use crate::replay::ShownFrame;
 use crate::tracking::Track;
 
-/// A frame with all that is drawn on it, held while a place to write it is chosen.
+/// A frame with its annotations, retained while a path is chosen.
 pub(crate) struct FrameExport {
     shown: Arc<ShownFrame>,
     recent: Vec<(u32, Vec<Track>)>,
@@ -35,19 +35,19 @@ impl FrameExport {
         Some(Self { shown, recent, events })
     }
 
-    /// The name that is proposed for it.
+    /// The proposed file name.
     pub(crate) fn name(&self) -> String {
         format!("frame-{:06}.png", self.shown.frame.number)
     }
 
-    /// The frame with all that is drawn on it.
+    /// The frame with its annotations drawn.
     pub(crate) fn drawn(&self) -> Frame {
         let mut frame = Frame::clone(&self.shown.frame);
         annotate(&mut frame, &FrameAnnotations { recent: &self.recent, events: &self.events });
         frame
     }
 
-    /// Writes it and returns where it stands, or why it does not, in a sentence.
+    /// Writes the image. Returns the path, or an error in a sentence.
     pub(crate) fn write(&self, path: PathBuf) -> Result<PathBuf, String> {
         let frame = self.drawn();
         atomic_write::write(path, "png", |at| picture::write_frame(at, &frame))

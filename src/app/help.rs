@@ -1,11 +1,11 @@
-//! The sheet of keys, made from the table of actions.
+//! The list of shortcuts, made from the table of actions.
 
 use eframe::egui::{Align, Context, Grid, Id, Layout, Modal, RichText, ScrollArea, Ui, vec2};
 
 use super::command::{ACTIONS, Menu};
 use super::theme;
 
-/// What the pointer does.
+/// The actions of the pointer.
 const POINTER: &[(&str, &str)] = &[
     ("Click", "select the pixel in all views"),
     ("Wheel", "zoom at the pointer"),
@@ -17,7 +17,7 @@ const POINTER: &[(&str, &str)] = &[
     ("Drop a file", "open a video or image folder"),
 ];
 
-/// What the keys do that belong to the control with the focus.
+/// The keys of the focused control.
 const FOCUS: &[(&str, &str)] = &[
     ("Tab", "next control"),
     ("Shift+Tab", "previous control"),
@@ -27,7 +27,7 @@ const FOCUS: &[(&str, &str)] = &[
     ("Esc", "leave control"),
 ];
 
-/// Shows the sheet while `open`.
+/// Draws the dialog while `open`.
 pub(crate) fn ui(ctx: &Context, open: &mut bool) {
     if !*open {
         return;

@@ -1,4 +1,4 @@
-//! Which picture stands for what.
+//! The icons of events and controls.
 
 use eframe::egui::{Color32, RichText};
 pub(crate) use egui_material_icons::MaterialIcon as Icon;
@@ -7,7 +7,7 @@ use egui_material_icons::icons as m;
 use super::theme;
 use crate::occlusion::EventKind;
 
-/// The picture of a kind of event.
+/// The icon of a kind of event.
 pub(crate) const fn of_event(kind: EventKind) -> Icon {
     match kind {
         EventKind::Exit => m::ICON_LOGOUT,
@@ -20,12 +20,12 @@ pub(crate) const fn of_event(kind: EventKind) -> Icon {
     }
 }
 
-/// A picture in a line of text.
+/// An icon in a line of text.
 pub(crate) fn text(icon: Icon) -> RichText {
     icon.rich_text().size(theme::ICON)
 }
 
-/// A picture in a line of text, in a colour.
+/// An icon in a line of text, in a colour.
 pub(crate) fn coloured(icon: Icon, colour: Color32) -> RichText {
     text(icon).color(colour)
 }

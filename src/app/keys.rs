@@ -1,4 +1,4 @@
-//! From key presses to actions, by the table.
+//! Translation of key presses to actions, by the table of actions.
 
 use eframe::egui::{Context, Event, Key, Modifiers, Popup};
 
@@ -6,11 +6,11 @@ use super::command::{ACTIONS, Command};
 use super::state::Model;
 use super::top_bar;
 
-/// While it is held, the other settings are in view.
+/// While this key is held, the other slot is in view.
 pub(crate) const FLIP: Key = Key::X;
 
-/// The actions that make sense now and whose keys were pressed. None while text is typed, and none of the keys that move
-/// or press a control while one has the focus.
+/// The available actions whose shortcuts were pressed. None while text is edited. While a control has the focus, none
+/// whose key moves or activates it.
 pub(crate) fn pressed(ctx: &Context, model: &Model, commands: &mut Vec<Command>) {
     if ctx.text_edit_focused() {
         return;
@@ -23,7 +23,7 @@ pub(crate) fn pressed(ctx: &Context, model: &Model, commands: &mut Vec<Command>)
     ctx.input_mut(|input| {
         input.events.retain(|event| {
             let Event::Key { key, pressed: true, repeat, modifiers, .. } = event else { return true };
-            // Esc shuts an open menu before it does anything else.
+            // Esc first closes an open menu.
             if menu && *key == Key::Escape {
                 return true;
             }
@@ -33,7 +33,7 @@ pub(crate) fn pressed(ctx: &Context, model: &Model, commands: &mut Vec<Command>)
             let called = ACTIONS
                 .iter()
                 .find(|entry| entry.shortcuts.iter().any(|shortcut| shortcut.matches(*key, *modifiers)))
-                // A key that has nothing to do is left to others.
+                // A key without an available action is left to other controls.
                 .filter(|entry| top_bar::allowed(model, entry));
             if let Some(entry) = called
                 && (!repeat || entry.repeats)

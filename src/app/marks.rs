@@ -1,4 +1,4 @@
-//! Places in a video that somebody marked: where playing begins and ends, bookmarks, and pinned pixels.
+//! Marks in a video: start and end of playback, bookmarks, and pinned pixels.
 
 use std::collections::BTreeSet;
 
@@ -6,15 +6,15 @@ use serde::{Deserialize, Serialize};
 
 use super::pins::Pins;
 
-/// Frames by their positions from 0, and pixels.
+/// The marks: frames by position from 0, and pixels.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(default)]
 pub(crate) struct Marks {
-    /// Playing begins here.
+    /// First position of playback.
     pub(crate) start: Option<u32>,
-    /// Playing goes no farther than this, and begins again.
+    /// Last position of playback, after which it restarts.
     pub(crate) end: Option<u32>,
-    /// Bookmarks.
+    /// Bookmarked positions.
     pub(crate) bookmarks: BTreeSet<u32>,
     /// Pinned pixels.
     pub(crate) pins: Pins,
@@ -26,19 +26,19 @@ impl Marks {
         *self == Self::default()
     }
 
-    /// Lets playing begin here; a second time, at the first frame again.
+    /// Sets the start of playback, or clears it if it is already here.
     pub(crate) fn toggle_start(&mut self, position: u32) {
         self.start = if self.start == Some(position) { None } else { Some(position) };
         self.end = self.end.filter(|&end| end > position);
     }
 
-    /// Lets playing end here; a second time, at the last frame again.
+    /// Sets the end of playback, or clears it if it is already here.
     pub(crate) fn toggle_end(&mut self, position: u32) {
         self.end = if self.end == Some(position) { None } else { Some(position) };
         self.start = self.start.filter(|&start| start < position);
     }
 
-    /// Sets a bookmark, or takes it away.
+    /// Adds or removes a bookmark.
     pub(crate) fn toggle_bookmark(&mut self, position: u32) {
         if !self.bookmarks.remove(&position) {
             self.bookmarks.insert(position);
@@ -54,7 +54,8 @@ impl Marks {
         }
     }
 
-    /// Where playing goes on at the end of the part that is played; `None` before it, and where no part is.
+    /// The position at which playback restarts once the end is reached; `None` before the end, or without a playback
+    /// range.
     pub(crate) fn loop_restart(&self, position: u32, last: bool) -> Option<u32> {
         let over = self.end.is_some_and(|end| position >= end) || (last && self.start.is_some());
         over.then(|| self.start.unwrap_or(0))
@@ -66,7 +67,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_part_that_is_played_never_ends_before_it_begins() {
+    fn the_playback_range_never_ends_before_it_starts() {
         let mut marks = Marks::default();
         marks.toggle_start(10);
         marks.toggle_end(30);
@@ -82,7 +83,7 @@ mod tests {
     }
 
     #[test]
-    fn bookmarks_are_gone_to_in_order() {
+    fn bookmarks_are_visited_in_order() {
         let mut marks = Marks::default();
         for position in [30, 10, 20, 10] {
             marks.toggle_bookmark(position);

@@ -1,8 +1,9 @@
-//! How long the window's thread works on a frame: a measurement to run by hand, not a test.
+//! A measurement of the window thread's time for each frame. It is run by hand and is not a test.
 //!
 //! `cargo test --release --locked --lib -- --ignored --nocapture the_windows_own_work`
 //!
-//! What the software adapter takes to draw is shown in brackets: it is not this thread's work, though it slows it.
+//! The drawing time of the software adapter is shown in brackets: it is not part of this thread's work, though it
+//! slows it down.
 
 #![allow(clippy::unwrap_used)]
 
@@ -33,12 +34,12 @@ use crate::tracking::Track;
 const SIZE: Size = Size::new(1920, 1080);
 const FRAMES: u32 = 10_000;
 const WINDOW: (f32, f32) = (2560.0, 1440.0);
-/// How many frames are prepared; each differs from the one before it in every layer.
+/// The number of prepared frames; consecutive frames differ in every layer.
 const PREPARED: u32 = 6;
 const WARM_UP: usize = 70;
 const MEASURED: usize = 120;
 
-/// A worker that has every frame ready.
+/// A worker with all frames ready.
 struct Ready {
     frames: Rc<Vec<ShownFrame>>,
     state: RefCell<State>,
@@ -79,7 +80,7 @@ impl Player for Ready {
     fn tune_region(&self, _: Option<((u32, u32), u32)>) {}
 }
 
-/// `count` people who walk in rows over the whole picture.
+/// A frame with `count` people who walk in rows across the image.
 fn shown_at(position: u32, count: u32) -> ShownFrame {
     let columns = (count as f32).sqrt().ceil() as u32;
     let (step_x, step_y) = (SIZE.width / columns, SIZE.height / columns.max(count.div_ceil(columns)));
@@ -175,21 +176,21 @@ fn ready(frames: Rc<Vec<ShownFrame>>) -> Ready {
     Ready { frames, state: RefCell::new(state) }
 }
 
-/// How long this thread has run: without what other threads and processes took of the processor.
+/// The CPU time of this thread, without other threads and processes.
 #[cfg(unix)]
 fn ran() -> Duration {
     let time = rustix::time::clock_gettime(rustix::time::ClockId::ThreadCPUTime);
     Duration::new(time.tv_sec as u64, time.tv_nsec as u32)
 }
 
-/// Where that is not known, the time that has gone by.
+/// Elapsed time, where the CPU time is not available.
 #[cfg(not(unix))]
 fn ran() -> Duration {
     static START: std::sync::LazyLock<Instant> = std::sync::LazyLock::new(Instant::now);
     START.elapsed()
 }
 
-/// Minimum, median, nineteen of twenty, and maximum, in milliseconds.
+/// Minimum, median, 95th percentile and maximum, in milliseconds.
 fn spread(took: &mut [Duration]) -> String {
     took.sort_unstable();
     let at = |share: f32| took[((took.len() - 1) as f32 * share) as usize].as_secs_f64() * 1e3;

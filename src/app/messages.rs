@@ -1,4 +1,4 @@
-//! All messages since the start.
+//! The log of all messages since the start.
 
 use std::collections::VecDeque;
 
@@ -10,25 +10,25 @@ use super::theme;
 /// Largest number of retained messages.
 const MAX_MESSAGES: usize = 500;
 
-/// One of them.
+/// A message.
 struct Message {
-    /// In seconds of the window's clock.
+    /// Time in seconds of the window's clock.
     at: f64,
     text: String,
     icon: Icon,
     colour: fn(&theme::Colours) -> eframe::egui::Color32,
 }
 
-/// The messages, the last at the end.
+/// The messages, oldest first.
 #[derive(Default)]
 pub(crate) struct Messages {
-    /// Whether they are shown.
+    /// Whether the list is shown.
     pub(crate) open: bool,
     all: VecDeque<Message>,
 }
 
 impl Messages {
-    /// Keeps a message.
+    /// Adds a message.
     pub(crate) fn add(
         &mut self,
         at: f64,
@@ -42,7 +42,7 @@ impl Messages {
         }
     }
 
-    /// Shows them while they are open.
+    /// Draws the list while it is open.
     pub(crate) fn ui(&mut self, ctx: &Context) {
         let mut open = self.open;
         let middle = ctx.content_rect().center();
@@ -83,7 +83,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_oldest_go_first_and_times_are_minutes_and_seconds() {
+    fn the_oldest_messages_are_dropped_and_times_are_in_minutes_and_seconds() {
         let mut messages = Messages::default();
         for count in 0..MAX_MESSAGES + 3 {
             messages.add(0.0, &count.to_string(), egui_material_icons::icons::ICON_CHECK, |c| c.good);

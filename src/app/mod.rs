@@ -1,7 +1,7 @@
 //! The window.
 //!
-//! Panels and views read the `state::Model` and push `command::Command`s; `apply` does what
-//! they ask. `actions::ACTIONS` is the one table of what can be done by name or key.
+//! Panels and views read the `state::Model` and push `command::Command`s; `apply` executes them. `actions::ACTIONS` is
+//! the table of everything that has a name or a shortcut.
 
 mod ab_settings;
 mod about;
@@ -78,30 +78,30 @@ use crate::settings::Settings;
 use crate::source::Options;
 use crate::truth::Truth;
 
-/// The picture that stands for the program.
+/// The program's icon.
 const ICON: &[u8] = include_bytes!("../../assets/occluscope.png");
 
-/// While a slider is pulled, the worker gets new settings no oftener than this.
+/// Minimum interval between settings sent to the worker while a slider is dragged.
 const SETTLE: Duration = Duration::from_millis(60);
 
-/// On what the window is opened.
+/// The initial state of the window.
 #[derive(Clone, Debug, Default)]
 pub struct Opening {
-    /// The video; the bundled scene at its first occlusion without one.
+    /// The video; `None` for the bundled sample at its first occlusion.
     pub video: Option<String>,
-    /// What is chosen of that video besides its name.
+    /// The options of that video.
     pub options: Options,
-    /// The settings under which it is analysed.
+    /// The initial settings.
     pub settings: Settings,
-    /// What of it is analysed, the whole image without one.
+    /// The region of interest; `None` for the whole image.
     pub roi: Option<Arc<Roi>>,
-    /// Where ground truth lies.
+    /// The path of the ground truth.
     pub truth: Option<PathBuf>,
-    /// How many bytes videos take, a quarter of the machine's memory where that is not said.
+    /// The memory limit for videos in bytes; `None` for a quarter of the machine's memory.
     pub memory: Option<usize>,
 }
 
-/// Opens the window and returns when it is shut.
+/// Opens the window and returns when it is closed.
 /// Fails with a sentence when there is no display or no graphics adapter.
 pub fn run(opening: Opening) -> anyhow::Result<()> {
     let Opening { video, options: of_video, settings, roi, truth, memory } = opening;
@@ -133,7 +133,7 @@ pub fn run(opening: Opening) -> anyhow::Result<()> {
     eframe::run_native("occluscope", options, Box::new(create)).map_err(|error| explain(&error))
 }
 
-/// Opens sessions that keep within so many bytes.
+/// An opener of sessions that stay within a memory limit in bytes.
 fn open_sessions(memory: Option<usize>) -> Opener {
     Box::new(move |name, options, under, start, ctx| {
         let ctx = ctx.clone();
@@ -141,7 +141,7 @@ fn open_sessions(memory: Option<usize>) -> Opener {
     })
 }
 
-/// Why there can be no window, in one line. The libraries' own words speak of their source files.
+/// The reason why the window cannot open, in one line. The libraries' messages name their source files.
 fn explain(error: &eframe::Error) -> anyhow::Error {
     match error {
         eframe::Error::Wgpu(_) => anyhow::anyhow!(
@@ -158,11 +158,11 @@ fn explain(error: &eframe::Error) -> anyhow::Error {
     }
 }
 
-/// The window and all that belongs to it besides the [`Model`].
+/// The window: the [`Model`], and the state of panels, views and dialogs.
 struct Window {
     model: Model,
     tree: egui_tiles::Tree<View>,
-    /// Points a pixel where the whole image fits: in the view under the pointer, or the largest.
+    /// Points per pixel of the fitted image: in the view under the pointer, or the largest view.
     fitted: Option<f32>,
     pictures: Pictures,
     toasts: Toasts,
@@ -174,18 +174,18 @@ struct Window {
     inspector: Inspector,
     sent_at: Option<Instant>,
     light: bool,
-    /// Whether it was told that the views cannot be drawn any more.
+    /// Whether the failure of the drawing thread has been reported.
     lost: bool,
-    /// For so many frames more the focus is a sheet's.
+    /// The number of further frames in which a dialog keeps the focus.
     under_sheet: u8,
-    /// What had the keyboard's focus before that.
+    /// The control that had the focus before the dialog.
     focused: Option<Id>,
-    /// How long this thread worked on the frame before, in seconds.
+    /// This thread's time for the previous frame, in seconds.
     worked: Option<f32>,
 }
 
 impl Window {
-    /// With nothing opened. Fails where no thread can be started.
+    /// A window without an open video. Fails if a thread cannot be started.
     fn new(ctx: &Context, gpu: &RenderState, settings: Settings, opener: Opener) -> io::Result<Self> {
         theme::install(ctx);
         Ok(Self {
@@ -209,7 +209,7 @@ impl Window {
         })
     }
 
-    /// Takes over how the window was left; what cannot be read is as in a first start.
+    /// Restores the persisted state. Unreadable parts have their initial values.
     fn restore(&mut self, ctx: &Context, storage: Option<&dyn eframe::Storage>) {
         let layout: Option<egui_tiles::Tree<View>> =
             storage.and_then(|storage| eframe::get_value(storage, LAYOUT));
@@ -221,7 +221,7 @@ impl Window {
         PersistedState::read(storage).restore(ctx, &mut self.model);
     }
 
-    /// Takes in what the worker, the dialogs and the clock have brought; draws nothing.
+    /// Takes new results of the worker, the dialogs and the clock. Draws nothing.
     fn advance(&mut self, ctx: &Context) {
         let failed = self.model.failure().is_some();
         for warning in self.model.take() {
@@ -252,7 +252,7 @@ impl Window {
         }
     }
 
-    /// Does what was chosen in a dialog, or tells what became of it.
+    /// Handles the result of a dialog.
     fn answered(&mut self, ctx: &Context, answer: DialogResult) {
         match answer {
             DialogResult::Open(path) => {
@@ -289,7 +289,7 @@ impl Window {
         }
     }
 
-    /// Takes ground truth, tells where it is seen, and opens the view of what is right by its masks.
+    /// Sets the ground truth, shows a message about it, and opens the mask-error view if it has masks.
     fn take_truth(&mut self, ctx: &Context, truth: Arc<Truth>) {
         let boxes = truth
             .boxes
@@ -307,8 +307,7 @@ impl Window {
         self.toasts.done(ctx, format!("Ground truth: {}", told.join("; ")));
     }
 
-    /// Gives the worker the settings that are asked for, the newest only, and notes them for undo
-    /// when they have come to rest.
+    /// Sends the latest settings to the worker, and records them for undo once they stop changing.
     fn send_settings(&mut self, ctx: &Context) {
         let busy = ctx.input(|input| input.pointer.any_down()) || ctx.text_edit_focused();
         if !busy {
@@ -325,7 +324,7 @@ impl Window {
         }
         self.sent_at = Some(Instant::now());
         self.model.sent = (self.model.settings.clone(), self.model.ab_settings.other.clone());
-        // Under other settings, other events stand at its place.
+        // Event indices are invalid under other settings.
         self.model.read(None);
         self.model.explained = None;
         if let Some(player) = &self.model.player {
@@ -371,8 +370,8 @@ impl Window {
         if model.settings_panel {
             let size = (wide * 0.165).clamp(244.0, 360.0);
             let panel = Panel::left("settings").frame(side).resizable(true).default_size(size);
-            // Sizes outlive the window that they were chosen in: the views must keep the better part of a smaller
-            // one, and nothing may be lost in a larger one.
+            // Panel sizes persist across windows of other sizes: the views must keep most of a smaller window, and
+            // nothing may be lost in a larger one.
             panel
                 .size_range((wide * 0.09).max(236.0)..=(wide * 0.3).max(236.0))
                 .show(ui, |ui| settings_panel::ui(ui, model, commands));
@@ -384,7 +383,8 @@ impl Window {
             let most = (wide * 0.36).min(ui.available_width() - VIEWS).max(220.0);
             panel.size_range((wide * 0.13).clamp(220.0, most)..=most).show(ui, |ui| {
                 let third = ui.available_height() * 0.36;
-                // The list outlives a taller window; a pixel's plots must keep room to be read in a lower one.
+                // The height of the list persists across windows; in a lower one, the pixel's plots must stay
+                // readable.
                 let least = if model.reading.is_some() { EVIDENCE } else { EVENTS };
                 let most = (ui.available_height() - INSPECTED).clamp(least, 1.4 * third.max(least));
                 let below = Frame::NONE.inner_margin(Margin { top: 8, ..Margin::ZERO });
@@ -394,7 +394,7 @@ impl Window {
                     .default_size(third.clamp(least, most));
                 list.size_range((0.5 * third).clamp(least, most)..=most).show(ui, |ui| {
                     events_panel::ui(ui, model, commands);
-                    // A panel is as large as what is in it: a short list must not shrink it.
+                    // A panel shrinks to its content: a short list must not shrink it.
                     ui.take_available_space();
                 });
                 object_panel::choice(ui, model, commands);
@@ -423,7 +423,7 @@ impl Window {
                     Some(InspectorAction::GoTo(position)) => commands.push(Command::GoTo(position)),
                     Some(InspectorAction::Take(values)) => {
                         let mut settings = model.settings.clone();
-                        // A map covers no value that the setting does not take.
+                        // The map covers only values that the setting accepts.
                         if values.iter().all(|&(knob, value)| knob.set(&mut settings, value).is_ok()) {
                             commands.push(Command::Set(Box::new(settings)));
                         }
@@ -457,17 +457,17 @@ impl Window {
     }
 }
 
-/// Width of the buttons left of the timeline.
+/// Width of the transport buttons left of the timeline.
 const TRANSPORT: f32 = 244.0;
-/// Width that the views cannot do without, in points: their titles and buttons would lie on the panel beside them.
+/// Minimum width of the views, in points: below it, titles and buttons would overlap the panel beside them.
 const VIEWS: f32 = 296.0;
-/// The least height of the events: heading, kinds, and two of them.
+/// Minimum height of the events panel: heading, filters, and two rows.
 const EVENTS: f32 = 112.0;
-/// The same while one of them is read: besides, its evidence down to the first numbers.
+/// Minimum height of the events panel with the evidence of an event, down to its first numbers.
 const EVIDENCE: f32 = 236.0;
-/// So much height of a low window is left to the inspector.
+/// Minimum height of the inspector in a low window.
 const INSPECTED: f32 = 330.0;
-/// Under which name the places of the views are kept from start to start.
+/// The storage key of the views' layout.
 const LAYOUT: &str = "layout";
 
 impl eframe::App for Window {
@@ -488,13 +488,13 @@ impl eframe::App for Window {
 }
 
 impl Window {
-    /// Whether a sheet lies over the window, which takes all keys.
+    /// Whether a dialog is open over the window and takes all keys.
     const fn has_sheet(&self) -> bool {
         self.help || self.about.open || self.command_palette.is_open()
     }
 
-    /// When no sheet lies over the window any more, what had the focus before it has it again. What lies under a sheet
-    /// takes no focus for a frame longer than the sheet is there.
+    /// Restores the focus once no dialog is open. Controls under a dialog get no focus until one frame after it is
+    /// closed.
     fn give_focus_back(&mut self, ctx: &Context) {
         if self.has_sheet() {
             self.under_sheet = 2;
@@ -512,7 +512,7 @@ impl Window {
         self.under_sheet = self.under_sheet.saturating_sub(1);
     }
 
-    /// Draws everything, then does what was asked for meanwhile.
+    /// Draws everything, then executes the commands.
     fn show(&mut self, ui: &mut Ui) {
         let ctx = ui.ctx().clone();
         self.light = ctx.theme() == egui::Theme::Light;
@@ -529,7 +529,7 @@ impl Window {
         self.model.explain();
         self.model.pin();
         self.model.map(self.pictures.shows_map().then_some(self.model.quantity));
-        // Views may have come into sight that need more of the frame.
+        // Newly visible views may need more layers of the frame.
         self.ask_for_pictures();
         help::ui(&ctx, &mut self.help);
         self.about.ui(&ctx);

@@ -1,4 +1,4 @@
-//! Why this object: how it is seen, what its model says, what competes for it, and what its regions look like.
+//! The object panel: state, motion model, competing hypotheses and appearance of the chosen object.
 
 use eframe::egui::{
     Align, Color32, CornerRadius, Grid, Layout, Rect, RichText, ScrollArea, Sense, Stroke, StrokeKind, Ui,
@@ -15,10 +15,10 @@ use crate::regions::{Region, colour::delta_e};
 use crate::replay::TrackTimeline;
 use crate::tracking::{HypothesisSummary, Identity, Track, TrackState};
 
-/// So many colours of a region's histogram are shown.
+/// The number of displayed colours of a region's histogram.
 const COLOURS: usize = 10;
 
-/// Which of the two is explained, once an object was chosen.
+/// The choice between pixel and object, once an object was chosen.
 pub(crate) fn choice(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let Some(id) = model.object else { return };
     ui.horizontal(|ui| {
@@ -34,7 +34,7 @@ pub(crate) fn choice(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.separator();
 }
 
-/// Shows the chosen object in the frame in view.
+/// Draws the chosen object in the frame in view.
 pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let Some((id, shown)) = model.object.zip(model.shown()) else { return };
     let life =
@@ -71,7 +71,7 @@ fn head(ui: &mut Ui, id: Identity, track: Option<&Track>) {
     });
 }
 
-/// How it is seen, with its numbers.
+/// The object's state in a sentence, with its numbers.
 fn sentence(track: &Track) -> String {
     let list = |numbers: &mut dyn Iterator<Item = u32>| {
         numbers.map(|number| number.to_string()).collect::<Vec<_>>().join(", ")
@@ -112,7 +112,7 @@ fn rows(ui: &mut Ui, name: &str, add: impl FnOnce(&mut Ui)) {
     Grid::new(name).num_columns(2).min_row_height(16.0).spacing([3.0 * theme::SPACE, 2.0]).show(ui, add);
 }
 
-/// The Kalman model's state and its gate.
+/// The state and the gate of the Kalman filter.
 fn motion(ui: &mut Ui, track: &Track, fps: f32, settings: &crate::settings::Settings) {
     section(ui, "Kalman model", "State (x, y, s) and its velocity; s is the square root of the area");
     let ([x, y], [vx, vy]) = (track.centre, track.velocity);
@@ -150,7 +150,7 @@ fn motion(ui: &mut Ui, track: &Track, fps: f32, settings: &crate::settings::Sett
     });
 }
 
-/// The hypotheses that compete for it.
+/// The association hypotheses that compete for the object.
 fn competing(ui: &mut Ui, hypotheses: &[HypothesisSummary]) {
     section(
         ui,
@@ -185,7 +185,7 @@ fn competing(ui: &mut Ui, hypotheses: &[HypothesisSummary]) {
     });
 }
 
-/// A region's shape and colours, against those that the object is known by.
+/// A region's shape and colours, compared with the object's appearance model.
 fn looks(ui: &mut Ui, region: &Region, track: &Track, same_colour: f32) {
     let title = format!("Region {}", region.label);
     section(
@@ -241,7 +241,7 @@ fn plate(ui: &mut Ui, colour: [u8; 3], side: f32) {
     ui.painter().rect(rect, CornerRadius::same(2), theme::rgb(colour), edge, StrokeKind::Inside);
 }
 
-/// The most frequent colours of a region, as bars as high as their share.
+/// The most frequent colours of a region, as bars of their ratio.
 fn histogram(ui: &mut Ui, region: &Region) {
     let total = region.histogram.total().max(1.0);
     let mut bins: Vec<_> = region.histogram.bins().map(|(_, bin)| (bin.count / total, bin.mean())).collect();
@@ -281,7 +281,7 @@ fn histogram(ui: &mut Ui, region: &Region) {
     }
 }
 
-/// When it was seen and how, with the frame in view; a click goes there.
+/// The object's states over time, with the frame in view. A click goes to a frame.
 fn lived(ui: &mut Ui, model: &Model, life: &TrackTimeline, commands: &mut Vec<Command>) {
     let first = life.spans.iter().map(|span| span.0).min().unwrap_or(0);
     let last = life.spans.iter().map(|span| span.1).max().unwrap_or(0);
@@ -329,7 +329,7 @@ fn lived(ui: &mut Ui, model: &Model, life: &TrackTimeline, commands: &mut Vec<Co
     ));
 }
 
-/// The events that it took part in; a click goes there and reads the evidence.
+/// The events of the object. A click goes to the event and shows its evidence.
 fn happened(ui: &mut Ui, model: &Model, id: Identity, commands: &mut Vec<Command>) {
     let Some(timeline) = model.timeline() else { return };
     let about = |(_, (_, event)): &(usize, &(u32, crate::occlusion::Event))| {

@@ -1,52 +1,52 @@
-//! What can be laid over the pictures.
+//! Overlays of the views.
 
 use serde::{Deserialize, Serialize};
 
 /// The mask over the input.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub(crate) struct Overlay {
-    /// Whether it is there.
+    /// Whether it is shown.
     pub(crate) on: bool,
-    /// How much of the input it covers, in per cent.
+    /// Its opacity, in per cent.
     pub(crate) opacity: u8,
 }
 
 impl Overlay {
-    /// Its opacities, in per cent, through which a key goes.
+    /// The opacities that a shortcut steps through, in per cent.
     const STEPS: [u8; 4] = [25, 50, 75, 100];
 
-    /// The next opacity of the steps; the first after the last.
+    /// The next of these opacities; the first after the last.
     pub(crate) fn next(self) -> u8 {
         Self::STEPS.into_iter().find(|&step| step > self.opacity).unwrap_or(Self::STEPS[0])
     }
 }
 
-/// Something that is drawn over the tracks view beside the boxes.
+/// An overlay of the tracks view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Drawn {
-    /// Where each object has been.
+    /// Past positions of each object.
     Trails,
-    /// Where a region may lie to belong to an object.
+    /// Gates of the motion model.
     Gates,
-    /// Which objects share a region.
+    /// Occlusion groups.
     Groups,
-    /// Where one object hides another.
+    /// Areas where one object occludes another.
     Occlusions,
     /// The objects' identities.
     Names,
-    /// The frame's events.
+    /// Events of the frame.
     Events,
-    /// The boxes of the ground truth, where one was loaded.
+    /// Ground-truth boxes, where ground truth is loaded.
     Truth,
 }
 
 impl Drawn {
-    /// All of them in order.
+    /// All overlays in order.
     pub(crate) const ALL: [Self; 7] =
         [Self::Trails, Self::Gates, Self::Groups, Self::Occlusions, Self::Names, Self::Events, Self::Truth];
 }
 
-/// Which of them are drawn.
+/// The set of shown overlays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub(crate) struct Overlays([bool; Drawn::ALL.len()]);
 
@@ -57,12 +57,12 @@ impl Default for Overlays {
 }
 
 impl Overlays {
-    /// Whether it is drawn.
+    /// Whether an overlay is shown.
     pub(crate) const fn has(self, what: Drawn) -> bool {
         self.0[what as usize]
     }
 
-    /// Draws it, or leaves it out.
+    /// Shows or hides an overlay.
     pub(crate) const fn toggle(&mut self, what: Drawn) {
         self.0[what as usize] = !self.0[what as usize];
     }

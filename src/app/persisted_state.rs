@@ -1,4 +1,4 @@
-//! The window's state that survives a restart, besides the layout of the views.
+//! The window's state that survives a restart, except the layout of the views.
 
 use std::collections::BTreeMap;
 
@@ -17,13 +17,13 @@ use crate::source::FPS_RANGE;
 /// The storage key.
 const NAME: &str = "window";
 
-/// The persisted state. What an older version did not persist has its initial value.
+/// The persisted state. Fields that an older version did not write have their initial values.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(default)]
 pub(crate) struct PersistedState {
     light: bool,
     hint: bool,
-    /// The settings, and the inspector with the events.
+    /// Visibility of the settings panel and of the inspector panel.
     panels: [bool; 2],
     background: Background,
     quantity: Quantity,
@@ -63,7 +63,7 @@ impl PersistedState {
         }
     }
 
-    /// Reads the state; what cannot be read has its initial value.
+    /// Reads the state. An unreadable state has its initial values.
     pub(crate) fn read(storage: Option<&dyn Storage>) -> Self {
         storage.and_then(|storage| eframe::get_value(storage, NAME)).unwrap_or_default()
     }

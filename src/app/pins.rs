@@ -1,4 +1,4 @@
-//! Pinned pixels: up to eight, each with a number and a colour that it keeps.
+//! Pinned pixels: up to eight, each with a fixed number and colour.
 
 use std::collections::BTreeMap;
 
@@ -16,7 +16,7 @@ pub(crate) const MAX_PINS: u8 = 8;
 pub(crate) struct Pins(BTreeMap<u8, (u32, u32)>);
 
 impl Pins {
-    /// Numbers and pixels, in the order of the numbers.
+    /// Numbers and pixels, by number.
     pub(crate) fn iter(&self) -> impl Iterator<Item = (u8, (u32, u32))> + '_ {
         self.0.iter().map(|(&number, &at)| (number, at))
     }
@@ -31,7 +31,7 @@ impl Pins {
         self.iter().find(|(_, pinned)| *pinned == at).map(|(number, _)| number)
     }
 
-    /// Pins a pixel under the first number that is free, or unpins it. Returns whether there was room.
+    /// Pins a pixel under the first free number, or unpins it. Returns false if all numbers are taken.
     pub(crate) fn toggle(&mut self, at: (u32, u32)) -> bool {
         if let Some(number) = self.number_of(at) {
             self.remove(number);
@@ -49,18 +49,18 @@ impl Pins {
         self.0.remove(&number);
     }
 
-    /// Unpins all.
+    /// Unpins all pixels.
     pub(crate) fn clear(&mut self) {
         self.0.clear();
     }
 }
 
-/// What is written on a pin: not a number alone, which would be an object's.
+/// The label of a pin. A number alone would be an object's identity.
 pub(crate) fn name(number: u8) -> String {
     format!("P{number}")
 }
 
-/// The colour of a pin, wherever it stands.
+/// The colour of a pin.
 pub(crate) fn colour(number: u8) -> Color32 {
     theme::rgb(identity_colour(number.into()))
 }
@@ -70,16 +70,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_pin_keeps_its_number_while_others_come_and_go() {
+    fn a_pin_keeps_its_number_while_others_change() {
         let mut pins = Pins::default();
         for x in 0..8 {
             assert!(pins.toggle((x, 5)));
         }
-        assert!(!pins.toggle((9, 9)), "there is no room for a ninth");
-        assert!(pins.toggle((2, 5)), "the same again takes it away");
+        assert!(!pins.toggle((9, 9)), "a ninth pin is rejected");
+        assert!(pins.toggle((2, 5)), "a second toggle unpins");
         pins.remove(6);
         assert_eq!((pins.number_of((2, 5)), pins.number_of((7, 5))), (None, Some(8)));
-        assert!(pins.toggle((9, 9)) && pins.number_of((9, 9)) == Some(3), "the first number that is free");
+        assert!(pins.toggle((9, 9)) && pins.number_of((9, 9)) == Some(3), "the first free number");
         assert_eq!(pins.iter().count(), 7);
         pins.clear();
         assert!(pins.is_empty());

@@ -1,16 +1,15 @@
-//! The bundled scene, put where the decoder can read it.
+//! The bundled sample video, unpacked for the decoder.
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Two people who cross.
+/// A video of two people who cross.
 const CROSSING: &[u8] = include_bytes!("../../sample_videos/crossing.mp4");
 const NAME: &str = "crossing.mp4";
-/// A pixel on whoever is in front when they cross: something to look into from the start.
+/// A pixel on the occluder during the crossing, chosen when the sample opens.
 pub(crate) const PIXEL: (u32, u32) = (160, 137);
 
-/// The path of the scene, written there unless it lies there already; or why that cannot be, in a
-/// sentence.
+/// The path of the sample, which is written if it is missing or differs. Returns an error in a sentence.
 pub(crate) fn unpacked() -> Result<PathBuf, String> {
     let mut why = String::new();
     for folder in folders() {
@@ -22,7 +21,7 @@ pub(crate) fn unpacked() -> Result<PathBuf, String> {
     Err(format!("{why}; open another video, or set TMPDIR to a writable folder"))
 }
 
-/// Where it may lie: the user's cache, else the folder for temporary files.
+/// The candidate folders: the user's cache, then the folder for temporary files.
 fn folders() -> Vec<PathBuf> {
     let home = |name: &str| std::env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute());
     let cache = home("XDG_CACHE_HOME").or_else(|| home("HOME").map(|home| home.join(".cache")));
@@ -49,7 +48,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn it_is_written_once_and_a_broken_copy_is_replaced() {
+    fn the_sample_is_written_once_and_a_broken_copy_is_replaced() {
         let folder = tempfile::tempdir().unwrap();
         let path = unpack_into(folder.path()).unwrap();
         assert_eq!(std::fs::read(&path).unwrap(), CROSSING);

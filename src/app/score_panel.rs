@@ -1,4 +1,4 @@
-//! How right tracks and masks are, by the ground truth that was loaded.
+//! The scores of tracks and masks against the loaded ground truth.
 
 use eframe::egui::{Align, Grid, Layout, Response, RichText, Ui, vec2};
 
@@ -8,7 +8,7 @@ use crate::replay::Timeline;
 use crate::truth::mask_score::MaskScore;
 use crate::truth::summary::TrackScore;
 
-/// What stands over a column, what it means, and its number of a score.
+/// A column: its heading, its meaning, and the text of a score in it.
 type Column<S> = (&'static str, &'static str, fn(&S) -> String);
 
 const OF_TRACKS: [Column<TrackScore>; 4] = [
@@ -41,16 +41,16 @@ const OF_MASKS: [Column<MaskScore>; 4] = [
     }),
 ];
 
-/// Width of the names of the rows, in points.
+/// Width of the row names, in points.
 const NAMES: f32 = 36.0;
 
-/// Shows the scores of the settings in view and of those that are compared, while there is truth.
+/// Draws the scores of the settings in view and of the compared settings, while there is ground truth.
 pub(crate) fn ui(ui: &mut Ui, model: &Model) {
     let Some(truth) = &model.truth else { return };
     let mut rows = vec![(None, model.timeline())];
     if let Some(other) = &model.ab_settings.other {
         let slot = model.ab_settings.in_view;
-        // Equal settings have one run.
+        // Equal settings share one run.
         let of_other = if *other == model.settings { model.timeline() } else { model.compared_timeline() };
         rows = vec![(Some(slot), model.timeline()), (Some(slot.other()), of_other)];
         rows.sort_by_key(|(slot, _)| *slot == Some(AbSlot::B));

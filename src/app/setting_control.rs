@@ -1,4 +1,4 @@
-//! One setting: its name and symbol, its value to type, a slider, and the way back to the default.
+//! The control of a setting: name and symbol, editable value, slider, and reset to the default.
 
 use eframe::egui::{
     Align, Button, ComboBox, DragValue, Layout, Response, RichText, Slider, SliderClamping, Ui, vec2,
@@ -8,10 +8,10 @@ use egui_material_icons::icons as m;
 use super::{setting_help, theme};
 use crate::settings::{Kind, Setting, Settings, Span, Value};
 
-/// From this ratio of its ends on, a range of whole numbers has a logarithmic slider.
+/// A range of integers whose ends have at least this ratio gets a logarithmic slider.
 const WIDE: u32 = 200;
 
-/// Shows it; a change goes into `settings`. Returns its place.
+/// Draws the control and writes a change to `settings`. Returns its response.
 pub(crate) fn ui(
     ui: &mut Ui,
     setting: &'static Setting,
@@ -43,7 +43,7 @@ pub(crate) fn ui(
         slider(ui, setting, &mut value);
     });
     if value != before {
-        // The controls keep to the ranges; what would still be refused leaves the setting as it was.
+        // The controls stay within the ranges. A value that is still rejected leaves the setting unchanged.
         let _ = setting.set(settings, value);
     }
     whole.response
@@ -80,7 +80,7 @@ fn reset(ui: &mut Ui, setting: &Setting, differs: bool, value: &mut Value, defau
     }
 }
 
-/// The value, to be typed or dragged.
+/// The value, edited by typing or dragging.
 fn exact(ui: &mut Ui, setting: &Setting, value: &mut Value, fps: f32, label: eframe::egui::Id) {
     match (setting.kind, *value) {
         (Kind::Integer { min, max }, Value::Integer(mut number)) => {
@@ -180,7 +180,7 @@ fn span_control(
     changed
 }
 
-/// A slider over the whole width, where there is one.
+/// A slider over the whole width, for settings that have one.
 fn slider(ui: &mut Ui, setting: &Setting, value: &mut Value) {
     let name = format!("{} slider", setting.label());
     let style = |ui: &mut Ui| {
@@ -232,7 +232,7 @@ fn suffix(setting: &Setting) -> String {
     }
 }
 
-/// The ends that a control can reach: those of an open range are left out.
+/// The ends that a control can reach. The ends of an open range are excluded.
 fn ends(min: f32, max: f32, open: bool) -> (f32, f32) {
     if open {
         let inset = (max - min) * 1e-4;
@@ -242,19 +242,19 @@ fn ends(min: f32, max: f32, open: bool) -> (f32, f32) {
     }
 }
 
-/// The f64 that is written like this f32: 0.01, not 0.009999999776.
+/// The f64 with the same decimal digits as this f32: 0.01, not 0.009999999776.
 fn exact_f64(number: f32) -> f64 {
     number.to_string().parse().unwrap_or(f64::from(number))
 }
 
-/// A number in at most five significant digits, without idle zeros.
+/// A number with at most five significant digits, without trailing zeros.
 fn short(number: f64) -> String {
     let digits = if number == 0.0 { 0 } else { (4 - number.abs().log10().floor() as i32).clamp(0, 6) };
     let text = format!("{number:.*}", digits as usize);
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }
 
-/// The odd size nearest to what was typed, or 0 for off.
+/// The nearest odd size, or 0 for off.
 fn odd(typed: f64, max: u32) -> u32 {
     let number = typed.round().max(0.0) as u32;
     if number < 2 { 0 } else { (number | 1).clamp(3, max) }
@@ -273,7 +273,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_are_written_without_idle_digits() {
+    fn numbers_are_written_without_trailing_zeros() {
         assert_eq!(short(exact_f64(0.01)), "0.01");
         assert_eq!(short(exact_f64(0.002)), "0.002");
         assert_eq!(short(51.96), "51.96");

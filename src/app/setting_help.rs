@@ -1,16 +1,16 @@
-//! What a setting does: where it stands in the method's equations, and what a greater value changes.
+//! Help on the settings: the equation or rule of each, and the effect of a larger value.
 
 /// The help on one setting.
 pub(crate) struct Help {
-    /// Its name in the table of settings.
+    /// Its key in the table of settings.
     name: &'static str,
     /// Its equation or rule.
     pub(crate) equation: &'static str,
-    /// What raising it does, or what choosing otherwise does.
+    /// The effect of a larger value, or of each option.
     pub(crate) raising: &'static str,
 }
 
-/// The help on the setting of this name, if there is any.
+/// The help on the setting of this key, if any.
 pub(crate) fn help(name: &str) -> Option<&'static Help> {
     HELP.iter().find(|help| help.name == name)
 }
@@ -19,7 +19,7 @@ const fn of(name: &'static str, equation: &'static str, raising: &'static str) -
     Help { name, equation, raising }
 }
 
-/// In the order of the table of settings.
+/// All help texts, in the order of the table of settings.
 static HELP: &[Help] = &[
     of(
         "stabilise",
@@ -346,7 +346,7 @@ mod tests {
     use crate::settings::{Kind, SETTINGS};
 
     #[test]
-    fn every_setting_has_its_help_with_a_rule_and_what_a_change_does() {
+    fn every_setting_has_help_with_a_rule_and_the_effect_of_a_change() {
         let named: Vec<_> = HELP.iter().map(|help| help.name).collect();
         let settings: Vec<_> = SETTINGS.iter().map(|setting| setting.name).collect();
         assert_eq!(named, settings);
@@ -362,7 +362,7 @@ mod tests {
     }
 
     #[test]
-    fn each_choice_is_told_from_the_others() {
+    fn the_help_names_every_option() {
         for setting in SETTINGS {
             let (Kind::Choice(words), Some(help)) = (setting.kind, help(setting.name)) else { continue };
             for word in words {

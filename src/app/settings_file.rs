@@ -1,4 +1,4 @@
-//! Settings as a file: the same TOML that the command line writes and reads.
+//! Settings files: the same TOML format as on the command line.
 
 use std::fs;
 use std::io::{self, Read};
@@ -7,20 +7,20 @@ use std::path::{Path, PathBuf};
 use super::atomic_write;
 use crate::settings::Settings;
 
-/// The name that is proposed for it.
+/// The proposed file name.
 pub(crate) const NAME: &str = "settings.toml";
-/// What it ends in.
+/// The file extension.
 pub(crate) const ENDING: &str = "toml";
-/// More than any settings file holds, in bytes.
+/// An upper bound of the size of a settings file, in bytes.
 const MAX_FILE_BYTES: u64 = 1 << 20;
 
-/// Writes settings and returns where they stand, or why they do not, in a sentence.
+/// Writes settings. Returns the path, or an error in a sentence.
 pub(crate) fn write(path: PathBuf, settings: &Settings) -> Result<PathBuf, String> {
     atomic_write::write(path, ENDING, |at| fs::write(at, settings.to_toml()))
 }
 
-/// The settings of a file; what it does not name has its default, as on the command line. Or why
-/// it cannot be used, in a sentence.
+/// Reads settings; a missing key has its default, as on the command line. Returns an error in a sentence if the file
+/// cannot be used.
 pub(crate) fn read(path: &Path) -> Result<Settings, String> {
     let text = text_of(path).map_err(|error| {
         format!("the settings file {} cannot be read: {error}; choose another file", path.display())
@@ -33,7 +33,7 @@ pub(crate) fn read(path: &Path) -> Result<Settings, String> {
 }
 
 fn text_of(path: &Path) -> io::Result<String> {
-    // A pipe or a video chosen by mistake must not be waited for or swallowed whole.
+    // A pipe would block and a video would be read in full, if chosen by mistake.
     let about = fs::metadata(path)?;
     if !about.is_file() || about.len() > MAX_FILE_BYTES {
         return Err(io::Error::other("it is not a settings file"));
@@ -57,7 +57,7 @@ mod tests {
     use crate::settings::Preset;
 
     #[test]
-    fn what_was_written_is_read_as_it_was() {
+    fn written_settings_are_read_unchanged() {
         let folder = tempfile::tempdir().unwrap();
         for preset in Preset::ALL {
             let settings = Settings { k: 7, ..Settings::preset(preset) };
@@ -68,7 +68,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_file_does_not_name_has_its_default() {
+    fn missing_keys_have_their_defaults() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.toml");
         fs::write(&path, "k = 6").unwrap();
@@ -76,7 +76,7 @@ mod tests {
     }
 
     #[test]
-    fn a_failure_names_the_file_and_what_is_wrong_and_what_to_do() {
+    fn an_error_names_the_file_the_cause_and_the_remedy() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("a.toml");
         for (bytes, what) in [

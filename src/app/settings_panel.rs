@@ -1,4 +1,4 @@
-//! Every setting, made from the table of settings, grouped by stage.
+//! The settings panel: all settings from the table, grouped by stage.
 
 use eframe::egui::containers::menu::MenuButton;
 use eframe::egui::{
@@ -14,7 +14,7 @@ use super::state::Model;
 use super::{area_panel, icons, score_panel, theme, top_bar};
 use crate::settings::{Preset, SETTINGS, Setting, Settings, Stage};
 
-/// Shows them.
+/// Draws the panel.
 pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let mut settings = model.settings.clone();
     head(ui, model, &mut settings, commands);
@@ -23,7 +23,7 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let fps = model.fps();
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         for stage in Stage::ALL {
-            // What is ignored is taken away before cleaning.
+            // Ignored areas are removed before post-processing.
             if stage == Stage::Cleaning && model.size().is_some() {
                 area_panel::ui(ui, model, commands);
             }
@@ -107,7 +107,7 @@ fn head(ui: &mut Ui, model: &Model, settings: &mut Settings, commands: &mut Vec<
     });
 }
 
-/// Which slot is in view, once there are two.
+/// The selector of the slot in view, once there are two.
 fn slots(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let Some(other) = &model.ab_settings.other else { return };
     ui.spacing_mut().item_spacing.x = theme::SPACE;

@@ -1,4 +1,4 @@
-//! The window's state and requests: data only, without drawing.
+//! The window's state and its requests to the worker: data only, without drawing.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -24,35 +24,35 @@ use crate::source::Options;
 use crate::tracking::{Identity, Track};
 use crate::truth::Truth;
 
-/// The worker as the window uses it.
+/// The interface of the worker.
 pub(crate) trait Player {
-    /// The state published last.
+    /// The latest published state.
     fn state(&self) -> State;
-    /// Asks for a frame.
+    /// Requests a frame.
     fn show(&self, position: u32);
-    /// Asks for settings in view, and for others to compare them with.
+    /// Sets the settings in view, and the settings to compare with them.
     fn set_settings(&self, settings: Settings, beside: Option<Settings>);
-    /// Asks for the counterfactuals of an event.
+    /// Requests the counterfactuals of an event.
     fn explain(&self, event: Option<Event>);
     /// Sets the ground truth.
     fn set_truth(&self, truth: Option<Arc<Truth>>);
-    /// Asks for another part of the image to be analysed, the whole without one.
+    /// Sets the region of interest; `None` for the whole image.
     fn set_roi(&self, roi: Option<Arc<Roi>>);
     /// Chooses a pixel.
     fn inspect(&self, at: Option<(u32, u32)>);
-    /// Asks for the chosen pixel's verdict under other values of these two settings.
+    /// Requests the chosen pixel's verdict under other values of these two settings.
     fn tune(&self, knobs: Option<[TunableSetting; 2]>);
-    /// Goes on analysing beyond the frame in view, or stops there.
+    /// Resumes or pauses the analysis beyond the frame in view.
     fn analyse_ahead(&self, ahead: bool);
-    /// Ends it without waiting for that.
+    /// Ends the worker without waiting for it.
     fn leave(self: Box<Self>);
-    /// Asks for a map of a number of each pixel with every frame.
+    /// Requests the map of a per-pixel quantity with every frame.
     fn map(&self, quantity: Option<Quantity>);
-    /// Asks for the histories of these pixels.
+    /// Requests the histories of these pixels.
     fn pin(&self, pixels: Vec<(u32, u32)>);
-    /// Asks for the share of foreground around a pixel, with so many to a side.
+    /// Requests the foreground ratio around a pixel, in a region of this side in pixels.
     fn region(&self, region: Option<((u32, u32), u32)>);
-    /// Asks for the accuracy of the mixture around a pixel, with this side, under other settings.
+    /// Requests the accuracy of the mixture around a pixel under other settings, in a region of this side in pixels.
     fn tune_region(&self, region: Option<((u32, u32), u32)>);
 }
 
@@ -94,7 +94,8 @@ impl Player for Session {
     }
 
     fn leave(self: Box<Self>) {
-        // Its worker may be inside a decoder, and gives gigabytes back. Without a thread it is waited for here.
+        // The worker may be inside a decoder, and frees gigabytes. If no thread can be started, this thread waits for
+        // it.
         let left = std::thread::Builder::new().name("leaving".into()).spawn(move || drop(self));
         drop(left);
     }
@@ -116,50 +117,50 @@ impl Player for Session {
     }
 }
 
-/// How a video's name becomes a worker.
+/// Starts a worker for a video name.
 pub(crate) type Opener =
     Box<dyn Fn(&str, Options, (Settings, Option<Arc<Roi>>), Start, &Context) -> Box<dyn Player>>;
 
-/// The speeds at which can be played.
+/// The playback speeds.
 pub(crate) const SPEEDS: [f32; 8] = [0.0625, 0.125, 0.25, 0.5, 1.0, 2.0, 4.0, 8.0];
-/// The place of ×1 among them.
+/// The index of ×1 in [`SPEEDS`].
 pub(crate) const NORMAL_SPEED: usize = 4;
 
-/// Largest number of remembered videos.
+/// Maximum number of recent videos.
 const MAX_RECENT_VIDEOS: usize = 10;
 
-/// Least IoU of two boxes of one object.
+/// Minimum IoU of two boxes of the same object.
 const MIN_SAME_OBJECT_IOU: f32 = 0.3;
 
 /// Length of a trail, in frames.
 const TRAIL_FRAMES: u32 = 60;
 
-/// Playing by the window's clock.
+/// Playback by the window's clock.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Playback {
     /// Whether it runs.
     pub(crate) playing: bool,
-    /// The place of its speed in [`SPEEDS`].
+    /// The index of its speed in [`SPEEDS`].
     pub(crate) speed: usize,
     /// When the next frame is due, in seconds of the window's clock.
     pub(crate) next_at: f64,
 }
 
-/// Requests to the worker that hold as long as it exists.
+/// Requests that remain valid for the worker's lifetime.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Work {
-    /// When it was asked to open its video, if it ever was.
+    /// The time of the request to open the video, if any.
     pub(crate) since: Option<Instant>,
-    /// Whether it analyses beyond what is looked at.
+    /// Whether the worker analyses frames beyond the frame in view.
     pub(crate) ahead: bool,
 }
 
-/// Where all views look: shared, so that they stay linked whatever their sizes.
+/// The camera of all views, independent of their sizes, so that the views stay linked.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Camera {
-    /// How much larger than fitted into its view the image is drawn.
+    /// The magnification relative to the fitted image.
     pub(crate) magnification: f32,
-    /// Which point stands in the middle of each view, as shares of width and height.
+    /// The image point at the centre of each view, as fractions of width and height.
     pub(crate) centre: [f32; 2],
 }
 
@@ -180,15 +181,15 @@ pub(crate) enum Subject {
 /// The pixel under the pointer.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) struct Hover {
-    /// In which view.
+    /// The view.
     pub(crate) view: View,
-    /// Which pixel.
+    /// The pixel, as column and row.
     pub(crate) pixel: (u32, u32),
-    /// How many points a pixel of the image takes there.
+    /// Points per image pixel in that view.
     pub(crate) scale: f32,
 }
 
-/// The number and the objects of each frame near the one in view that has been seen, by position.
+/// The number and the objects of each analysed frame near the frame in view, by position.
 pub(crate) type Trails = BTreeMap<u32, (u32, Arc<Vec<Track>>)>;
 
 /// A frame with the trails of its objects.
@@ -196,12 +197,12 @@ pub(crate) type Trails = BTreeMap<u32, (u32, Arc<Vec<Track>>)>;
 pub(crate) struct FrameWithTrails {
     /// The frame.
     pub(crate) shown: Arc<ShownFrame>,
-    /// Where its objects have been.
+    /// Past positions of its objects.
     pub(crate) trails: Arc<Trails>,
 }
 
 impl FrameWithTrails {
-    /// A frame after another, which it may follow directly or not.
+    /// The frame with its trails. `before` is the previously published frame, which need not be adjacent.
     fn after(before: Option<&Self>, shown: &Arc<ShownFrame>) -> Self {
         let mut trails = before.map(|before| Arc::clone(&before.trails)).unwrap_or_default();
         let kept = Arc::make_mut(&mut trails);
@@ -219,100 +220,100 @@ impl FrameWithTrails {
     }
 }
 
-/// Relation of the open video to the list of recent videos.
+/// The relation of the open video to the list of recent videos.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Origin {
-    /// It comes into the list once it is known to open.
+    /// The video is added to the list once it has opened.
     New,
-    /// It is in the list.
+    /// The video is in the list.
     Listed,
-    /// The bundled scene: it never comes into the list.
+    /// The bundled sample, which is never listed.
     Sample,
 }
 
 /// The complete state of the window.
-// Each is a switch of its own, which a key turns.
+// Each `bool` is a separate switch with its own shortcut.
 #[allow(clippy::struct_excessive_bools)]
 pub(crate) struct Model {
-    /// The worker, once something was opened.
+    /// The worker, once a video was opened.
     pub(crate) player: Option<Box<dyn Player>>,
-    /// The state the worker published last. Its frame may not be in view yet.
+    /// The latest state that the worker published. Its frame may not be in view yet.
     pub(crate) state: Option<State>,
-    /// The frame that the worker published last.
+    /// The latest frame that the worker published.
     pub(crate) newest: Option<Arc<FrameWithTrails>>,
-    /// The frame in view: the last whose pictures were ready.
+    /// The frame in view: the latest whose layers are uploaded.
     pub(crate) in_view: Option<Arc<FrameWithTrails>>,
-    /// What the worker was asked to do besides.
+    /// Further requests to the worker.
     pub(crate) work: Work,
-    /// What was opened, as it was named.
+    /// The name of the open video.
     pub(crate) opened: Option<String>,
-    /// What that is to the list of what was opened before.
+    /// The relation of that video to the list of recent videos.
     pub(crate) origin: Origin,
-    /// The settings that are asked for: those of the slot in view.
+    /// The requested settings: those of the slot in view.
     pub(crate) settings: Settings,
-    /// The slot in view, and what lies in the other.
+    /// The slot in view, and the settings of the other slot.
     pub(crate) ab_settings: AbSettings,
-    /// What the worker was last given: the settings in view, and those to compare them with.
+    /// The settings last sent to the worker: those in view, and those to compare with.
     pub(crate) sent: (Settings, Option<Settings>),
-    /// The settings whose map the worker was last asked for.
+    /// The axes of the tuning map last requested.
     pub(crate) tuned: Option<[TunableSetting; 2]>,
-    /// The pixels of which the worker was last asked for histories beside that of the chosen one.
+    /// The pinned pixels whose histories were last requested.
     pub(crate) pinned: Vec<(u32, u32)>,
-    /// The pixel, and how many to a side, around which the worker was last asked for the share of foreground.
+    /// The pixel and the side of the region whose foreground ratio was last requested.
     pub(crate) region: Option<((u32, u32), u32)>,
-    /// The pixel, and how many to a side, around which the worker was last asked for right decisions.
+    /// The pixel and the side of the region whose accuracy was last requested.
     pub(crate) judged: Option<((u32, u32), u32)>,
-    /// The number of which the worker was last asked for maps.
+    /// The quantity whose maps were last requested.
     pub(crate) mapped: Option<Quantity>,
-    /// Settings before and after, for undo.
+    /// Edits, for undo and redo.
     pub(crate) history: UndoHistory,
     /// The requested position that has not arrived yet.
     pub(crate) requested_position: Option<u32>,
-    /// What is analysed, and what is drawn to say so.
+    /// The region of interest, and the areas that define it.
     pub(crate) areas: Areas,
-    /// Playing.
+    /// Playback.
     pub(crate) playback: Playback,
-    /// What is marked in this video.
+    /// The marks in this video.
     pub(crate) marks: Marks,
-    /// What was marked in others, by their names.
+    /// The marks in other videos, by name.
     pub(crate) marks_of: BTreeMap<String, Marks>,
-    /// How many frames a second videos have, by their names, where that was typed.
+    /// Typed frame rates of videos, by name.
     pub(crate) rates: BTreeMap<String, f32>,
-    /// The video that the command line told the rate of: it holds for this time alone.
+    /// The video whose frame rate the command line sets, for this run only, with that rate.
     pub(crate) told_rate: Option<(String, f32)>,
-    /// Which positions the timeline shows, from and to; all of them where it is not said.
+    /// The visible positions of the timeline, from and to; `None` for all.
     pub(crate) span: Option<(f32, f32)>,
     /// The chosen pixel.
     pub(crate) chosen: Option<(u32, u32)>,
     /// The chosen object.
     pub(crate) object: Option<Identity>,
-    /// What the panel on the right explains.
+    /// The subject of the panel on the right.
     pub(crate) subject: Subject,
     /// The pixel under the pointer.
     pub(crate) hovered: Option<Hover>,
-    /// Where the views look.
+    /// The camera of all views.
     pub(crate) camera: Camera,
-    /// The view that is shown alone.
+    /// The maximised view.
     pub(crate) maximised: Option<View>,
     /// What the background view shows.
     pub(crate) background: Background,
-    /// What the map shows.
+    /// The quantity that the map view shows.
     pub(crate) quantity: Quantity,
     /// The mask over the input.
     pub(crate) overlay: Overlay,
-    /// Whether a loupe stands beside the pointer.
+    /// Whether the loupe is on.
     pub(crate) loupe: bool,
     /// The ground truth.
     pub(crate) truth: Option<Arc<Truth>>,
-    /// What is drawn over the tracks.
+    /// The overlays of the tracks view.
     pub(crate) drawn: Overlays,
     /// Which views are open, in the order of [`View::ALL`].
     pub(crate) open: [bool; View::ALL.len()],
-    /// What was opened before, the last first.
+    /// Recent videos, latest first.
     pub(crate) recent: Vec<String>,
-    /// Which kinds of events are listed and jumped to, in the order of [`EventKind::ALL`].
+    /// The kinds of events that are listed and visited by key, in the order of [`EventKind::ALL`].
     pub(crate) listed: [bool; EventKind::ALL.len()],
-    /// The event whose evidence is shown, by its present index.
+    /// The event whose evidence is shown, by its current index.
     pub(crate) reading: Option<EventRef>,
     /// That event, to find it again when its index changes.
     read: Option<Event>,
@@ -322,20 +323,20 @@ pub(crate) struct Model {
     pub(crate) explained: Option<Event>,
     /// The filter of that comparison.
     pub(crate) listing: ComparisonFilter,
-    /// The slot that comes into view again when a key is let go.
+    /// The slot to return to when a key is released.
     pub(crate) held: Option<AbSlot>,
-    /// The setting that is to be brought into sight.
+    /// The setting to scroll into view.
     pub(crate) looked_at: Option<&'static str>,
-    /// Whether the line on what to try first is still to be read.
+    /// Whether the hint is still to be shown.
     pub(crate) hint: bool,
-    /// Whether the panel on the left is there.
+    /// Whether the settings panel is open.
     pub(crate) settings_panel: bool,
-    /// Whether the panel on the right is there.
+    /// Whether the inspector panel is open.
     pub(crate) inspector_panel: bool,
 }
 
 impl Model {
-    /// Nothing opened yet.
+    /// A model without an open video.
     pub(crate) fn new(settings: Settings) -> Self {
         Self {
             player: None,
@@ -369,7 +370,7 @@ impl Model {
             camera: Camera::FIT,
             maximised: None,
             background: Background::Mean,
-            // σ is at its floor nearly everywhere under the defaults: a map of one colour tells a newcomer nothing.
+            // Under the defaults σ is at its floor nearly everywhere, and its map would be uniform.
             quantity: Quantity::Weight,
             overlay: Overlay { on: false, opacity: 50 },
             loupe: false,
@@ -391,7 +392,8 @@ impl Model {
         }
     }
 
-    /// What is analysed of a video that is about to be opened: what was said at the start, or was drawn over the same.
+    /// The region of interest of a video that is about to be opened: the one set at start, or the areas drawn over the
+    /// same video.
     pub(crate) fn areas_for(&mut self, name: &str) -> Option<Arc<Roi>> {
         let same = self.opened.as_deref() == Some(name) && self.size().is_some();
         if self.opened.is_some() && !same {
@@ -401,18 +403,18 @@ impl Model {
         self.areas.roi.clone()
     }
 
-    /// What was said of a video besides its name.
+    /// The options of a video.
     pub(crate) fn options_of(&self, name: &str) -> Options {
         let told = self.told_rate.as_ref().filter(|(of, _)| of == name).map(|(_, fps)| *fps);
         Options { fps: told.or_else(|| self.rates.get(name).copied()) }
     }
 
-    /// The size of the frames, once it is known.
+    /// The frame size, once it is known.
     pub(crate) fn size(&self) -> Option<Size> {
         self.state.as_ref()?.info.as_ref().map(|info| info.size)
     }
 
-    /// Another video has been opened in place of what was there.
+    /// Replaces the open video by another.
     pub(crate) fn opened(&mut self, name: &str, player: Box<dyn Player>) {
         self.state = Some(player.state());
         self.leave();
@@ -424,7 +426,7 @@ impl Model {
         self.span = None;
         self.opened = Some(name.to_owned());
         (self.origin, self.truth) = (Origin::New, None);
-        // A worker begins with the settings in view alone.
+        // A new worker has only the settings in view.
         (self.sent, self.tuned, self.mapped) = ((self.settings.clone(), None), None, None);
         (self.compared, self.explained) = (None, None);
         (self.pinned, self.region, self.judged) = (Vec::new(), None, None);
@@ -435,7 +437,7 @@ impl Model {
         self.camera = Camera::FIT;
     }
 
-    /// The video has been closed.
+    /// Closes the video.
     pub(crate) fn closed(&mut self) {
         self.put_marks_away();
         self.leave();
@@ -455,7 +457,7 @@ impl Model {
         }
     }
 
-    /// Stops what the worker is doing beyond the frame in view, or goes on with it.
+    /// Pauses the analysis beyond the frame in view, or resumes it.
     pub(crate) fn stop_or_go_on(&mut self) {
         let Some(player) = &self.player else { return };
         self.work.ahead = !self.work.ahead && !self.is_busy();
@@ -465,18 +467,18 @@ impl Model {
         }
     }
 
-    /// Whether the worker is doing anything.
+    /// Whether the worker is busy.
     pub(crate) fn is_busy(&self) -> bool {
         self.state.as_ref().is_some_and(|state| state.busy.is_some())
     }
 
-    /// Whether every frame has been analysed.
+    /// Whether all frames have been analysed.
     pub(crate) fn is_all_analysed(&self) -> bool {
         self.timeline()
             .is_some_and(|timeline| timeline.complete && timeline.analysed as usize >= timeline.numbers.len())
     }
 
-    /// Video, frame, time and the chosen pixel, in a line.
+    /// Video, frame, time and the chosen pixel, in one line.
     pub(crate) fn place(&self) -> Option<String> {
         let shown = self.shown()?;
         let name = self.opened.as_deref().map_or("", super::top_bar::short);
@@ -488,7 +490,7 @@ impl Model {
         Some(format!("{name}, frame {}, {seconds:.2} s{}", shown.frame.number, pixel.unwrap_or_default()))
     }
 
-    /// Keeps what is marked under the video's name.
+    /// Stores the marks under the video's name.
     pub(crate) fn put_marks_away(&mut self) {
         let Some(name) = &self.opened else { return };
         if self.marks.is_empty() {
@@ -500,7 +502,7 @@ impl Model {
 
     /// Brings the settings of a slot into view. Returns whether the slot is new.
     pub(crate) fn show_slot(&mut self, slot: AbSlot) -> bool {
-        // What was pulled at and not yet let go belongs to the slot that is left.
+        // An uncommitted edit belongs to the slot that is left.
         self.history.note(&self.settings);
         let first = self.ab_settings.other.is_none() && slot != self.ab_settings.in_view;
         self.ab_settings.show(slot, &mut self.settings);
@@ -508,7 +510,7 @@ impl Model {
         first
     }
 
-    /// Asks the worker about the event that is read, if it has not been asked before.
+    /// Requests the counterfactuals of the event whose evidence is shown, once.
     pub(crate) fn explain(&mut self) {
         let read = self.read.as_ref().filter(|_| matches!(self.reading, Some(EventRef::InView(_))));
         let asked = match (read, &self.explained) {
@@ -521,7 +523,7 @@ impl Model {
         }
     }
 
-    /// Changes both slots at once, so that it is taken back at once.
+    /// Changes both slots as one edit.
     pub(crate) fn change_slots(&mut self, change: impl FnOnce(&mut AbSettings, &mut Settings)) {
         self.history.note(&self.settings);
         let before = (self.ab_settings.clone(), self.settings.clone());
@@ -529,12 +531,12 @@ impl Model {
         self.history.note_slots(before, (self.ab_settings.clone(), self.settings.clone()));
     }
 
-    /// What the chosen pixel would be under other settings, as far as that is known.
+    /// The chosen pixel under other settings, if computed.
     pub(crate) fn tuning(&self) -> Option<&Tuning> {
         self.state.as_ref()?.tuning.as_deref()
     }
 
-    /// Asks the worker for the map of these settings, if it has not been asked before.
+    /// Requests the tuning map of these axes, once.
     pub(crate) fn tune(&mut self, knobs: Option<[TunableSetting; 2]>) {
         if let Some(player) = self.player.as_ref().filter(|_| self.tuned != knobs) {
             player.tune(knobs);
@@ -542,7 +544,7 @@ impl Model {
         }
     }
 
-    /// Asks the worker for the histories of the pinned pixels, if it has not been asked before.
+    /// Requests the histories of the pinned pixels, once.
     pub(crate) fn pin(&mut self) {
         let pins: Vec<_> = self.marks.pins.iter().map(|(_, at)| at).collect();
         if let Some(player) = self.player.as_ref().filter(|_| self.pinned != pins) {
@@ -551,8 +553,7 @@ impl Model {
         }
     }
 
-    /// Asks the worker for the share of foreground around the chosen pixel, so many to a `side`, if it has not been
-    /// asked before.
+    /// Requests the foreground ratio around the chosen pixel, in a region of this `side` in pixels, once.
     pub(crate) fn look_around(&mut self, side: Option<u32>) {
         let region = self.chosen.zip(side);
         if let Some(player) = self.player.as_ref().filter(|_| self.region != region) {
@@ -561,13 +562,13 @@ impl Model {
         }
     }
 
-    /// That share, if it is there.
+    /// The foreground ratio around the chosen pixel, if computed.
     pub(crate) fn region_shares(&self) -> Option<&Arc<RegionShares>> {
         let shares = self.state.as_ref()?.region.as_ref();
         shares.filter(|shares| Some(shares.at) == self.chosen)
     }
 
-    /// Asks the worker for maps of this number, if it has not been asked before.
+    /// Requests the maps of this quantity, once.
     pub(crate) fn map(&mut self, quantity: Option<Quantity>) {
         if let Some(player) = self.player.as_ref().filter(|_| self.mapped != quantity) {
             player.map(quantity);
@@ -575,8 +576,7 @@ impl Model {
         }
     }
 
-    /// Asks the worker how right the mixture would be around the chosen pixel, so many to a `side`, if it has not been
-    /// asked before.
+    /// Requests the accuracy around the chosen pixel, in a region of this `side` in pixels, once.
     pub(crate) fn judge(&mut self, side: Option<u32>) {
         let region = self.chosen.zip(side);
         if let Some(player) = self.player.as_ref().filter(|_| self.judged != region) {
@@ -585,19 +585,19 @@ impl Model {
         }
     }
 
-    /// How right it would be, if that is there.
+    /// The accuracy around the chosen pixel, if computed.
     pub(crate) fn region_tuning(&self) -> Option<&Arc<RegionTuning>> {
         let tuning = self.state.as_ref()?.region_tuning.as_ref();
         tuning.filter(|tuning| Some((tuning.at, tuning.side)) == self.judged)
     }
 
-    /// Whether there are true masks of the video.
+    /// Whether there are ground-truth masks of the video.
     pub(crate) fn has_true_masks(&self) -> bool {
         let masks = self.truth.as_ref().and_then(|truth| truth.masks.as_ref());
         masks.is_some_and(|masks| Some(masks.size()) == self.size())
     }
 
-    /// Takes what is known to be right.
+    /// Sets the ground truth.
     pub(crate) fn take_truth(&mut self, truth: Arc<Truth>) {
         if let Some(player) = &self.player {
             player.set_truth(Some(Arc::clone(&truth)));
@@ -605,7 +605,7 @@ impl Model {
         self.truth = Some(truth);
     }
 
-    /// Zooms all views at the chosen pixel, or at the middle.
+    /// Zooms all views around the chosen pixel, or around the centre.
     pub(crate) fn zoom_by(&mut self, factor: f32) {
         let magnification = (self.camera.magnification * factor).clamp(0.5, 400.0);
         let at_pixel = self.chosen.zip(self.shown().map(|shown| shown.frame.size));
@@ -620,7 +620,7 @@ impl Model {
         self.camera.magnification = magnification;
     }
 
-    /// The pixel so many columns and rows from the chosen one, within the image; its middle where none is chosen.
+    /// The pixel at an offset from the chosen one, clamped to the image; the centre pixel where none is chosen.
     pub(crate) fn pixel_beside(&self, columns: i32, rows: i32) -> Option<(u32, u32)> {
         let size = self.shown()?.frame.size;
         let Some((x, y)) = self.chosen else { return Some((size.width / 2, size.height / 2)) };
@@ -633,28 +633,29 @@ impl Model {
         self.in_view.as_ref().map(|moment| &*moment.shown)
     }
 
-    /// The chosen pixel under the settings chosen last, for which the frame in view may still wait.
+    /// The chosen pixel under the latest settings. The frame in view may still wait for these settings.
     pub(crate) fn pixel(&self) -> Option<&Arc<PixelHistory>> {
         self.state.as_ref()?.pixel.as_ref()
     }
 
-    /// What is known of the sequence.
+    /// The sequence's timeline under the settings in view.
     pub(crate) fn timeline(&self) -> Option<&Timeline> {
         self.state.as_ref().map(|state| &*state.timeline)
     }
 
-    /// What is known of the sequence under the settings of the slot that is not in view.
+    /// The sequence's timeline under the settings of the other slot.
     pub(crate) fn compared_timeline(&self) -> Option<&Timeline> {
         self.state.as_ref()?.compared.as_ref().map(|beside| &beside.timeline)
     }
 
-    /// Reads the evidence of an event, or of none any more.
+    /// Shows the evidence of an event, or of none.
     pub(crate) fn read(&mut self, read: Option<EventRef>) {
         self.reading = read;
         self.read = read.and_then(|read| Some(self.event(read)?.1.clone()));
     }
 
-    /// Late decisions come to stand before the event that is read, and some take others away.
+    /// Updates the index of the event whose evidence is shown. Late decisions insert events before it, and may remove
+    /// it.
     fn find_read_again(&mut self) {
         let (Some(reading), Some(event)) = (self.reading, &self.read) else { return };
         if self.event(reading).is_some_and(|(_, other)| other.is_same(event)) {
@@ -669,7 +670,8 @@ impl Model {
         self.read(found);
     }
 
-    /// Under other settings the number of the chosen object may be another's: it is whoever stands where it stood.
+    /// Updates the chosen object after a change of settings. The same object may have another identity: the object
+    /// with the largest IoU is chosen.
     fn find_object_again(&mut self, now: &ShownFrame) {
         let Some((id, newest)) = self.object.zip(self.newest.as_ref()) else { return };
         let before = &newest.shown;
@@ -695,7 +697,7 @@ impl Model {
         }
     }
 
-    /// Why the worker cannot go on, if that is so.
+    /// The worker's error, if it has failed.
     pub(crate) fn failure(&self) -> Option<&str> {
         match &self.state.as_ref()?.phase {
             Phase::Failed(why) => Some(why),
@@ -703,18 +705,18 @@ impl Model {
         }
     }
 
-    /// Whether there is something to look at.
+    /// Whether there is a frame to show.
     pub(crate) fn is_ready(&self) -> bool {
         self.state.as_ref().is_some_and(|state| state.phase == Phase::Ready)
     }
 
-    /// The video's frames a second, 25 until it is known.
+    /// The video's frame rate; 25 until it is known.
     pub(crate) fn fps(&self) -> f32 {
         let info = self.state.as_ref().and_then(|state| state.info.as_ref());
         info.map_or(25.0, |info| if info.fps.is_finite() && info.fps > 0.0 { info.fps } else { 25.0 })
     }
 
-    /// How many frames there are, or seem to be.
+    /// The number of frames, or its estimate.
     pub(crate) fn frames(&self) -> u32 {
         let Some(state) = &self.state else { return 0 };
         let known = state.timeline.numbers.len() as u32;
@@ -724,7 +726,7 @@ impl Model {
         state.info.as_ref().and_then(|info| info.frames).unwrap_or(0).max(known)
     }
 
-    /// The position that steps start from: the one asked for, or the one that is in view or about to be.
+    /// The position from which steps count: the requested one, else that of the latest frame.
     pub(crate) fn position(&self) -> u32 {
         self.requested_position
             .or_else(|| self.newest.as_ref().map(|newest| newest.shown.position))
@@ -737,13 +739,13 @@ impl Model {
         known.copied().unwrap_or(position + 1)
     }
 
-    /// The position of the frame with this number, or of the next that there is.
+    /// The position of the frame of this number, or of the next existing one.
     pub(crate) fn position_of(&self, number: u32) -> u32 {
         let numbers = self.timeline().map_or(&[][..], |timeline| &timeline.numbers);
         match numbers.binary_search(&number) {
             Ok(position) => position as u32,
             Err(position) if position < numbers.len() => position as u32,
-            // Beyond what is known: the numbers go on one by one, so far as can be told.
+            // Beyond the known frames, numbers are assumed to be consecutive.
             Err(_) => {
                 let (last, count) = (numbers.last().copied().unwrap_or(0), numbers.len() as u32);
                 (count + number.saturating_sub(last)).saturating_sub(1)
@@ -756,7 +758,7 @@ impl Model {
         EventKind::ALL.iter().zip(self.listed).any(|(&each, listed)| each == kind && listed)
     }
 
-    /// Takes what the worker has published; returns the warnings that are new in it.
+    /// Takes the state that the worker published. Returns its new warnings.
     pub(crate) fn take(&mut self) -> Vec<String> {
         let Some(player) = &self.player else { return Vec::new() };
         let state = player.state();
@@ -765,7 +767,7 @@ impl Model {
         let news = state.warnings.iter().skip(warned).cloned().collect();
         if let Some(shown) = &state.shown {
             if state.timeline.complete {
-                // A position that turned out not to exist is answered by the last that does.
+                // The last frame answers a request beyond the end.
                 let last = (state.timeline.numbers.len() as u32).saturating_sub(1);
                 self.requested_position =
                     self.requested_position.map(|requested_position| requested_position.min(last));
@@ -788,12 +790,12 @@ impl Model {
         news
     }
 
-    /// Puts what has just been opened before all others that were.
+    /// Moves the open video to the front of the recent videos.
     fn remember(&mut self) {
         let live = self.state.as_ref().and_then(|state| state.info.as_ref()).is_some_and(|info| info.live);
         self.origin = Origin::Listed;
         let Some(name) = self.opened.as_ref().filter(|_| !live) else { return };
-        // A name from the command line holds for the folder that it was said in.
+        // A relative name from the command line depends on the working directory.
         let whole = std::path::absolute(name).ok().filter(|path| path.exists());
         let name = whole.map_or_else(|| name.clone(), |path| path.to_string_lossy().into_owned());
         self.recent.retain(|other| *other != name);
@@ -801,7 +803,7 @@ impl Model {
         self.recent.truncate(MAX_RECENT_VIDEOS);
     }
 
-    /// Asks for the frame at a position.
+    /// Requests the frame at a position.
     pub(crate) fn go_to(&mut self, position: u32) {
         let frames = self.frames();
         let position = if frames > 0 { position.min(frames - 1) } else { position };
@@ -814,7 +816,7 @@ impl Model {
         }
     }
 
-    /// The position of the next listed event after the present one, or before it, and its place.
+    /// Index and position of the next or the previous listed event.
     pub(crate) fn event_beside(&self, forward: bool) -> Option<(usize, u32)> {
         let here = self.position();
         let events = &self.timeline()?.events;
@@ -832,8 +834,8 @@ impl Model {
         }
     }
 
-    /// Lets time pass while playing: asks for the next frame when it is due and the last has come.
-    /// Returns after how many seconds it wants to be called again.
+    /// Advances playback: requests the next frame when it is due and the previous one has arrived. Returns the seconds
+    /// until the next call.
     pub(crate) fn tick(&mut self, now: f64) -> Option<f64> {
         if !self.playback.playing {
             return None;
@@ -847,7 +849,7 @@ impl Model {
             self.playback.playing = false;
             return None;
         }
-        // The worker wakes the window when the frame has come.
+        // The worker wakes the window when the frame is published.
         if self.requested_position.is_some() {
             return None;
         }

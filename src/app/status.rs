@@ -1,4 +1,4 @@
-//! The line at the bottom: the pixel under the pointer, what the worker is doing, what went wrong.
+//! The status bar: the pixel under the pointer, the worker's progress, failures.
 
 use std::time::Duration;
 
@@ -9,16 +9,16 @@ use super::command::{Action, Command};
 use super::state::{Model, SPEEDS};
 use super::{icons, theme};
 
-/// The time that the last frame took.
+/// The processing times of the last frame.
 #[derive(Clone, Copy)]
 pub(crate) struct FrameTiming {
-    /// The window's thread on all of it, in seconds.
+    /// Time of the window's thread, in seconds.
     pub(crate) worked: Option<f32>,
-    /// Another thread on its pictures, and the bytes that it sent.
+    /// Time of the upload thread, and the number of uploaded bytes.
     pub(crate) pictures: Option<(Duration, u64)>,
 }
 
-/// Shows it.
+/// Draws the status bar.
 pub(crate) fn ui(ui: &mut Ui, model: &Model, pace: FrameTiming, commands: &mut Vec<Command>) {
     let colours = theme::colours(ui.visuals());
     ui.horizontal_centered(|ui| {
@@ -47,7 +47,7 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, pace: FrameTiming, commands: &mut V
     });
 }
 
-/// What ends the work that is told beside it, or goes on with it.
+/// The button that pauses or resumes the analysis, beside its progress.
 fn stop_or_go_on(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let action = Action::AnalyseAhead;
     let (icon, name, text) = if model.is_busy() {
@@ -85,7 +85,7 @@ fn right(ui: &mut Ui, model: &Model, pace: FrameTiming, commands: &mut Vec<Comma
         });
     }
     let stopped = !model.work.ahead && !model.is_all_analysed();
-    // The opening has its own button, in the middle of the window.
+    // Opening has its own button, in the middle of the window.
     if model.shown().is_some() && (state.busy.is_some() || stopped) {
         stop_or_go_on(ui, model, commands);
     }

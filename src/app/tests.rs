@@ -1,4 +1,4 @@
-//! The window driven through what a person or a screen reader finds in it.
+//! The window, driven by its controls and accessible names.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
@@ -52,7 +52,7 @@ mod truth;
 const SIZE: Size = Size::new(160, 120);
 const FRAMES: u32 = 120;
 
-/// What was asked of the worker.
+/// A recorded request to the worker.
 #[derive(Clone, Debug, PartialEq)]
 enum PlayerCall {
     Show(u32),
@@ -71,7 +71,7 @@ enum PlayerCall {
     TuneRegion(Option<((u32, u32), u32)>),
 }
 
-/// A worker that answers at once, and notes what it was asked.
+/// A worker that answers at once and records requests.
 #[derive(Clone)]
 struct Scene {
     state: Rc<RefCell<State>>,
@@ -155,12 +155,12 @@ impl Player for Scene {
 }
 
 impl Scene {
-    /// The true mask of a frame, where there is one.
+    /// The ground-truth mask of a frame, if any.
     fn truth_of(&self, shown: &ShownFrame) -> Option<Arc<TrueMask>> {
         self.truth.borrow().as_ref()?.masks.as_ref()?.of(shown.frame.number).cloned()
     }
 
-    /// The number of which a map was last asked for.
+    /// The quantity of the latest request for maps.
     fn asked_map(&self) -> Option<Quantity> {
         let asked = self.asked.borrow();
         let last =
@@ -169,7 +169,7 @@ impl Scene {
     }
 }
 
-/// A wall that somebody passes by now and then, later the farther to the right.
+/// The history of a wall pixel that is occluded at intervals, later for pixels farther right.
 fn history_of(at: (u32, u32)) -> Arc<PixelHistory> {
     let colour = |n: u32| {
         let passed = (n + FRAMES - at.0 / 2) % 50 < 9;
@@ -192,7 +192,7 @@ fn shares_of(at: (u32, u32), side: u32) -> RegionShares {
     }
 }
 
-/// Numbers that grow from left to right, with some that are special.
+/// A map whose values increase from left to right, with some special values.
 fn map_of(quantity: Quantity) -> Arc<QuantityMap> {
     let value = |at: usize| {
         let (x, y) = (at % 160, at / 160);
@@ -208,7 +208,7 @@ fn map_of(quantity: Quantity) -> Arc<QuantityMap> {
     Arc::new(QuantityMap { quantity, values: (0..SIZE.pixels()).map(value).collect() })
 }
 
-/// What competes for an object that stands there: a match and a null match, none while it is hidden.
+/// The hypotheses of an object at a position: a match and a null match, none while it is occluded.
 fn competing([x, y]: [f32; 2], state: TrackState) -> Vec<HypothesisSummary> {
     let each = |centre, probability, matched| HypothesisSummary {
         centre,
@@ -223,7 +223,7 @@ fn competing([x, y]: [f32; 2], state: TrackState) -> Vec<HypothesisSummary> {
     }
 }
 
-/// Two people walk towards each other and cross between frames 50 and 70; a third is hidden from 40 to 90.
+/// Two people who approach each other and cross between frames 50 and 70. A third is occluded from 40 to 90.
 fn tracks_at(position: u32) -> Vec<Track> {
     let t = position as f32;
     let merged = (50..70).contains(&position);
@@ -321,7 +321,7 @@ fn shown_at(position: u32) -> ShownFrame {
     }
 }
 
-/// The frame as it is where a part of the image alone is analysed.
+/// The frame as analysed with a region of interest.
 fn within(shown: ShownFrame, roi: Option<Arc<regions::Roi>>) -> ShownFrame {
     let Some(roi) = roi else { return shown };
     let mut analysis = Analysis::clone(&shown.analysis);
@@ -402,12 +402,12 @@ fn state(phase: Phase, shown: Option<u32>) -> State {
     }
 }
 
-/// The window on a scene; none opens it empty.
+/// A window on a scene; without a state nothing is open.
 fn window(state: Option<State>, size: (f32, f32), theme: Theme) -> (Harness<'static, Window>, Scene) {
     window_at(state, size, 1.0, theme)
 }
 
-/// The same on a screen with so many of its pixels a point.
+/// A window on a scene, at a scale in screen pixels per point.
 fn window_at(
     state: Option<State>,
     size: (f32, f32),
@@ -444,12 +444,12 @@ fn window_at(
     (harness, scene)
 }
 
-/// Goes on until the frame that the worker gave last is in view.
+/// Runs frames until the worker's latest frame is in view.
 fn settle(harness: &mut Harness<'_, Window>) {
     let started = Instant::now();
     harness.step();
     while !harness.state().pictures.is_settled() {
-        assert!(started.elapsed() < Duration::from_secs(20), "no picture comes");
+        assert!(started.elapsed() < Duration::from_secs(20), "no frame comes into view");
         std::thread::sleep(Duration::from_millis(2));
         harness.step();
     }
@@ -468,7 +468,7 @@ fn shows(scene: &Scene) -> Vec<u32> {
         .collect()
 }
 
-/// The settings that the worker was last given.
+/// The settings last sent to the worker.
 fn given(scene: &Scene) -> Option<Settings> {
     let asked = scene.asked.borrow();
     asked
@@ -477,18 +477,18 @@ fn given(scene: &Scene) -> Option<Settings> {
         .find_map(|asked| if let PlayerCall::Settings(s) = asked { Some((**s).clone()) } else { None })
 }
 
-/// Writes a picture to look at where `OCCLUSCOPE_PICTURES` names a folder, and sees that it is no empty one.
+/// Checks that the rendered image is not uniform, and writes it to the folder in `OCCLUSCOPE_PICTURES`, if set.
 fn picture(harness: &mut Harness<'_, Window>, name: &str) {
     settle(harness);
     let Ok(picture) = harness.render() else { return };
     let first = picture.get_pixel(0, 0);
-    assert!(picture.pixels().any(|pixel| pixel != first), "{name} is of one colour");
+    assert!(picture.pixels().any(|pixel| pixel != first), "{name} is uniform");
     if let Some(folder) = std::env::var_os("OCCLUSCOPE_PICTURES") {
         picture.save(Path::new(&folder).join(format!("{name}.png"))).unwrap();
     }
 }
 
-/// Sees that what is right of the views looks as it did when it was last looked at.
+/// Checks the part of the window right of the views against its golden image.
 fn right_panel_looks_as_before(harness: &mut Harness<'_, Window>, name: &str) {
     picture(harness, name);
     let view =
@@ -500,7 +500,7 @@ fn right_panel_looks_as_before(harness: &mut Harness<'_, Window>, name: &str) {
 }
 
 #[test]
-fn buttons_and_keys_ask_for_the_frames_they_name() {
+fn buttons_and_keys_request_the_frames_they_name() {
     let (mut harness, scene) = ready(10);
     harness.get_by_label("Next frame").click();
     harness.run_steps(3);
@@ -525,7 +525,7 @@ fn buttons_and_keys_ask_for_the_frames_they_name() {
 }
 
 #[test]
-fn playing_asks_for_one_frame_after_another_and_stops_at_the_end() {
+fn playback_requests_consecutive_frames_and_stops_at_the_end() {
     let (mut harness, scene) = ready(115);
     harness.key_press(Key::Space);
     harness.run_steps(60);
@@ -534,7 +534,7 @@ fn playing_asks_for_one_frame_after_another_and_stops_at_the_end() {
 }
 
 #[test]
-fn the_space_key_stops_playing() {
+fn the_space_key_stops_playback() {
     let (mut harness, scene) = ready(10);
     harness.key_press(Key::Space);
     harness.run_steps(12);
@@ -547,11 +547,11 @@ fn the_space_key_stops_playing() {
 }
 
 #[test]
-fn a_number_typed_into_the_frame_field_goes_there_and_calls_no_key() {
+fn typing_a_frame_number_goes_to_the_frame_and_triggers_no_shortcut() {
     let (mut harness, scene) = ready(10);
     harness.get_by_role_and_label(egui::Role::SpinButton, "Frame").focus();
     harness.run_steps(2);
-    // 5 would maximise a view, F would fit.
+    // As shortcuts, 5 would maximise a view and F would fit the image.
     harness.get_by_role_and_label(egui::Role::SpinButton, "Frame").type_text("57");
     harness.run_steps(2);
     assert_eq!(harness.state().model.maximised, None);
@@ -566,7 +566,7 @@ fn every_setting_has_a_control_and_sliders_change_them() {
     harness.state_mut().model.settings_panel = true;
     harness.run_steps(2);
     for stage in ["Registration", "Post-processing", "Regions", "Tracking", "Occlusion"] {
-        // The view of the regions has their name too; the settings stand to the left of it.
+        // The regions view has the same name; the settings are left of it.
         let left = |node: &egui_kittest::Node<'_>| node.rect().left() < 60.0;
         let header = harness.get_all_by_label_contains(stage).rfind(left).unwrap();
         header.click_accesskit();
@@ -589,7 +589,7 @@ fn every_setting_has_a_control_and_sliders_change_them() {
 }
 
 #[test]
-fn settings_can_be_taken_back_and_made_again() {
+fn settings_can_be_undone_and_redone() {
     let (mut harness, scene) = ready(10);
     harness.get_by_label("background ratio slider").set_value_accesskit(0.9);
     harness.run_steps(8);
@@ -610,14 +610,14 @@ fn a_click_in_the_event_list_jumps_and_shows_the_evidence() {
     harness.get_by_label("Evidence for merge 1 + 2");
     harness.get_by_label("merge because region 4 grew");
     harness.get_by_label("size change");
-    // Under other settings another event may stand at its place.
+    // Under other settings another event may have the same index.
     harness.get_by_label("background ratio slider").set_value_accesskit(0.9);
     harness.run_steps(8);
     assert!(harness.query_by_label("Evidence for merge 1 + 2").is_none());
 }
 
 #[test]
-fn kinds_that_are_not_listed_are_not_jumped_to() {
+fn unlisted_kinds_of_events_are_skipped_by_keys() {
     let (mut harness, scene) = ready(10);
     harness.get_by_label("Show disappear events").click();
     harness.run_steps(3);
@@ -650,7 +650,7 @@ fn a_click_in_a_view_chooses_the_pixel_and_the_wheel_zooms_all_views() {
 }
 
 #[test]
-fn number_keys_show_one_view_alone_and_all_again() {
+fn number_keys_maximise_and_restore_a_view() {
     let (mut harness, _) = ready(58);
     harness.key_press(Key::Num5);
     harness.run_steps(3);
@@ -666,7 +666,7 @@ fn number_keys_show_one_view_alone_and_all_again() {
 }
 
 #[test]
-fn close_up_pixels_carry_their_values() {
+fn magnified_pixels_show_their_values() {
     let (mut harness, _) = ready(58);
     harness.state_mut().model.camera = super::state::Camera { magnification: 30.0, centre: [0.5, 0.5] };
     harness.state_mut().model.chosen = Some((80, 60));
@@ -695,7 +695,7 @@ fn the_palette_finds_an_action_and_help_lists_the_keys() {
 }
 
 #[test]
-fn a_and_b_keep_their_own_settings_and_undo_goes_where_the_change_was_made() {
+fn a_and_b_have_separate_settings_and_undo_applies_to_the_edited_slot() {
     let (mut harness, scene) = ready(10);
     assert!(harness.query_by_label("Settings B").is_none());
     harness.get_by_label("background ratio slider").set_value_accesskit(0.8);
@@ -707,7 +707,7 @@ fn a_and_b_keep_their_own_settings_and_undo_goes_where_the_change_was_made() {
     press(&mut harness, Key::A);
     press(&mut harness, Key::B);
     assert_eq!(harness.state().model.ab_settings.in_view, AbSlot::B);
-    assert_eq!(given(&scene).map(|settings| settings.t), Some(0.8), "a copy is no other settings");
+    assert_eq!(given(&scene).map(|settings| settings.t), Some(0.8), "a copy has equal settings");
     harness.get_by_label("background ratio slider").set_value_accesskit(0.9);
     harness.run_steps(8);
     picture(&mut harness, "slot-b");
@@ -734,7 +734,7 @@ fn a_and_b_keep_their_own_settings_and_undo_goes_where_the_change_was_made() {
 }
 
 #[test]
-fn settings_of_a_file_are_taken_whole_and_a_bad_file_changes_nothing() {
+fn a_settings_file_replaces_all_settings_and_an_invalid_file_changes_nothing() {
     let (mut harness, scene) = ready(10);
     let folder = tempfile::tempdir().unwrap();
     let wanted = Settings { k: 6, t: 0.9, ..Settings::default() };

@@ -1,4 +1,4 @@
-//! The look of the window: colours, text sizes and distances, in one place.
+//! The theme of the window: colours, text sizes and distances.
 
 use eframe::egui::{
     Color32, CornerRadius, FontFamily, FontId, Frame, Margin, Shadow, Stroke, Style, TextStyle, Theme,
@@ -15,35 +15,35 @@ pub const BODY: f32 = 13.0;
 pub const MONO: f32 = 12.0;
 /// Size of a panel's heading.
 pub const HEADING: f32 = 15.0;
-/// Size of an icon that stands in a line of text.
+/// Size of an icon in a line of text.
 pub const ICON: f32 = 16.0;
-/// The least distance; all others are its multiples.
+/// The base distance; all others are its multiples.
 pub const SPACE: f32 = 4.0;
-/// Height of a row in lists, and of the title of a view.
+/// Height of a row in lists, and of a view's title bar.
 pub const ROW: f32 = 24.0;
 
-/// The colours that are not egui's own, for dark and light.
+/// The colours that egui does not define, for dark and light.
 #[derive(Clone, Copy, Debug)]
 pub struct Colours {
-    /// The one accent: the playhead, what is chosen, what is on.
+    /// The accent: playhead, selection, active controls.
     pub accent: Color32,
     /// Text on top of the accent.
     pub on_accent: Color32,
-    /// Behind pictures and plots.
+    /// Background of images and plots.
     pub canvas: Color32,
-    /// Panels.
+    /// Background of panels.
     pub panel: Color32,
-    /// Lines between things.
+    /// Separators.
     pub line: Color32,
     /// Ordinary text.
     pub text: Color32,
     /// Secondary text.
     pub weak: Color32,
-    /// What went well or holds.
+    /// Success, or a condition that holds.
     pub good: Color32,
-    /// What deserves attention.
+    /// A warning.
     pub warn: Color32,
-    /// What failed or does not hold.
+    /// Failure, or a condition that does not hold.
     pub bad: Color32,
 }
 
@@ -73,27 +73,27 @@ const LIGHT: Colours = Colours {
     bad: Color32::from_rgb(190, 44, 36),
 };
 
-/// The colours that go with these visuals.
+/// The colours of these visuals.
 pub fn colours(visuals: &Visuals) -> Colours {
     if visuals.dark_mode { DARK } else { LIGHT }
 }
 
-/// A palette colour as egui has it.
+/// A palette colour as an egui colour.
 pub const fn rgb(colour: [u8; 3]) -> Color32 {
     Color32::from_rgb(colour[0], colour[1], colour[2])
 }
 
-/// Black or white, whichever is better read on `background`.
+/// Black or white, whichever has the higher contrast on `background`.
 pub fn ink_on(background: Color32) -> Color32 {
     let [r, g, b, _] = background.to_array().map(|channel| (f32::from(channel) / 255.0).powf(2.2));
-    // Where black and white are read equally well, by the ratio of luminances.
+    // The luminance at which black and white have equal contrast ratios.
     if 0.2126 * r + 0.7152 * g + 0.0722 * b > 0.18 { Color32::from_rgb(12, 14, 18) } else { Color32::WHITE }
 }
 
-/// A bar that is filled to `share`, on panels and on the canvas.
+/// A progress bar filled to `share`, for panels and canvas.
 pub fn progress(ui: &mut eframe::egui::Ui, share: f32, width: f32) -> eframe::egui::Response {
     ui.scope(|ui| {
-        // The bar's ground is the canvas otherwise.
+        // By default the bar's background has the colour of the canvas.
         ui.visuals_mut().extreme_bg_color = colours(ui.visuals()).line;
         ui.visuals_mut().selection.bg_fill = colours(ui.visuals()).accent;
         ui.add(eframe::egui::ProgressBar::new(share).desired_width(width).desired_height(6.0))
@@ -101,7 +101,7 @@ pub fn progress(ui: &mut eframe::egui::Ui, share: f32, width: f32) -> eframe::eg
     .inner
 }
 
-/// The line around what has the keyboard's focus, where it is no control of egui's own.
+/// The outline of the keyboard focus, for controls that are not egui's own.
 pub fn focus(ui: &eframe::egui::Ui, response: &eframe::egui::Response) {
     if response.has_focus() {
         let stroke = eframe::egui::Stroke::new(1.5, colours(ui.visuals()).accent);
@@ -110,15 +110,15 @@ pub fn focus(ui: &eframe::egui::Ui, response: &eframe::egui::Response) {
     }
 }
 
-/// The frame of a sheet that lies over the window.
+/// The frame of a dialog over the window.
 pub fn sheet(ctx: &eframe::egui::Context) -> Frame {
     Frame::popup(&ctx.global_style()).inner_margin(4.0 * SPACE)
 }
 
-/// Puts fonts, sizes, distances and colours into `ctx`, for dark and light.
+/// Installs fonts, sizes, distances and colours in `ctx`, for dark and light.
 pub fn install(ctx: &eframe::egui::Context) {
     egui_material_icons::initialize(ctx);
-    // That is an action of the table.
+    // The table of actions has its own zoom actions.
     ctx.options_mut(|options| options.zoom_with_keyboard = false);
     ctx.style_mut_of(Theme::Dark, |style| apply(style, Visuals::dark(), &DARK));
     ctx.style_mut_of(Theme::Light, |style| apply(style, Visuals::light(), &LIGHT));
@@ -205,7 +205,7 @@ fn dressed(mut visuals: Visuals, colours: &Colours) -> Visuals {
         widget.expansion = 0.0;
     }
     if !dark {
-        // Gray on light gray has too little edge of its own.
+        // Gray on light gray has too little contrast without a border.
         widgets.inactive.bg_stroke = Stroke::new(1.0, colours.line);
     }
     widgets.noninteractive.bg_stroke = Stroke::new(1.0, colours.line);
@@ -235,7 +235,7 @@ mod tests {
     }
 
     #[test]
-    fn text_can_be_read_on_panels_and_on_the_canvas() {
+    fn text_is_readable_on_panels_and_on_the_canvas() {
         for (name, colours) in [("dark", DARK), ("light", LIGHT)] {
             for background in [colours.panel, colours.canvas] {
                 for (what, text) in [
@@ -255,7 +255,7 @@ mod tests {
     }
 
     #[test]
-    fn ink_is_read_on_every_identity() {
+    fn ink_is_readable_on_every_identity_colour() {
         for id in 1..=10 {
             let fill = rgb(crate::palette::identity_colour(id));
             assert!(contrast(ink_on(fill), fill) >= 3.5, "{id}");

@@ -1,4 +1,4 @@
-//! The whole sequence at a glance: what is analysed, how much moves, who lives when, what happened.
+//! The timeline of the sequence: analysis progress, foreground ratio, tracks, events.
 
 use std::ops::{Range, RangeInclusive};
 
@@ -21,23 +21,23 @@ use crate::tracking::TrackState;
 const MARKS: f32 = 16.0;
 /// Height of the row of frame numbers.
 const SCALE: f32 = 14.0;
-/// The bar that tells how far the analysis has come.
+/// Height of the bar of the analysis progress.
 const ANALYSED: f32 = 3.0;
 
-/// The fewest frames that the timeline shows.
+/// Minimum number of visible frames.
 const MIN_SHOWN_FRAMES: f32 = 8.0;
 
-/// Where positions stand from left to right.
+/// The map from positions to the screen's x axis.
 #[derive(Clone, Copy)]
 struct TimeAxis {
     rect: Rect,
     frames: u32,
-    /// Which positions are seen, from and to.
+    /// The visible positions, from and to.
     span: (f32, f32),
 }
 
 impl TimeAxis {
-    /// The middle of a position's column.
+    /// The centre of a position's column.
     fn x(&self, position: u32) -> f32 {
         self.edge(position as f32 + 0.5)
     }
@@ -53,12 +53,12 @@ impl TimeAxis {
         ((from + share * (to - from)) as u32).min(self.frames.saturating_sub(1))
     }
 
-    /// The positions that are seen, the last not among them.
+    /// The visible positions, end excluded.
     fn seen(&self) -> Range<u32> {
         self.span.0.floor() as u32..(self.span.1.ceil() as u32).min(self.frames)
     }
 
-    /// What is seen after zooming where the pointer is, and after moving by so many points.
+    /// The visible positions after zooming around `at` and panning by `by` points; `None` for all.
     fn moved(&self, at: f32, zoom: f32, by: f32) -> Option<(f32, f32)> {
         let (from, to) = self.span;
         let (length, all) = (to - from, self.frames as f32);
@@ -70,7 +70,7 @@ impl TimeAxis {
     }
 }
 
-/// The positions that are seen after zooming by two around the frame in view, `None` for all.
+/// The visible positions after zooming by two around the frame in view; `None` for all.
 pub(crate) fn zoomed(model: &Model, into: bool) -> Option<(f32, f32)> {
     let frames = model.frames().max(1);
     let unit = Rect::from_min_size(Pos2::ZERO, Vec2::splat(1.0));
@@ -79,12 +79,12 @@ pub(crate) fn zoomed(model: &Model, into: bool) -> Option<(f32, f32)> {
     axis.moved(here, if into { 2.0 } else { 0.5 }, 0.0)
 }
 
-/// Which positions are seen, from and to.
+/// The visible positions, from and to.
 fn seen(model: &Model, frames: u32) -> (f32, f32) {
     model.span.filter(|span| span.1 <= frames as f32).unwrap_or((0.0, frames as f32))
 }
 
-/// Shows it.
+/// Draws the timeline.
 pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let rect = ui.available_rect_before_wrap();
     let response = ui.allocate_rect(rect, Sense::click_and_drag());
@@ -138,7 +138,7 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
 }
 
-/// While it has the focus, the arrow keys go from frame to frame.
+/// The arrow keys step through frames while the timeline has the focus.
 fn arrows(ui: &Ui, response: &Response, commands: &mut Vec<Command>) {
     if !response.has_focus() {
         return;
@@ -152,7 +152,7 @@ fn arrows(ui: &Ui, response: &Response, commands: &mut Vec<Command>) {
     }
 }
 
-/// The wheel zooms where the pointer is; sideways, or with Shift, it pans.
+/// The wheel zooms around the pointer; horizontally, or with Shift, it pans.
 fn zoom(ui: &Ui, model: &Model, axis: &TimeAxis, at: f32, commands: &mut Vec<Command>) {
     let (wheel, pinch) = ui.input(|input| (input.smooth_scroll_delta(), input.zoom_delta()));
     let span = axis.moved(at, (wheel.y / 180.0).exp() * pinch, wheel.x);
@@ -161,7 +161,7 @@ fn zoom(ui: &Ui, model: &Model, axis: &TimeAxis, at: f32, commands: &mut Vec<Com
     }
 }
 
-/// While playing, the part that is seen goes along.
+/// Scrolls with the frame in view during playback.
 fn follow(model: &Model, axis: &TimeAxis, commands: &mut Vec<Command>) {
     let (from, to) = axis.span;
     let here = model.position() as f32 + 0.5;
@@ -172,7 +172,7 @@ fn follow(model: &Model, axis: &TimeAxis, commands: &mut Vec<Command>) {
     }
 }
 
-/// The part that is played, bookmarks, and which part of the whole is seen.
+/// The playback range, the bookmarks, and the visible part of the whole.
 fn marked(painter: &Painter, model: &Model, axis: &TimeAxis, ground: Rect, colours: &theme::Colours) {
     let marks = &model.marks;
     for (place, outside) in [
@@ -229,7 +229,7 @@ fn hover(ui: &mut Ui, model: &Model, timeline: &Timeline, near: Option<usize>, c
     }
 }
 
-/// Frame numbers at round distances.
+/// Frame numbers at round intervals.
 fn numbers(painter: &Painter, model: &Model, axis: &TimeAxis, row: Rect, text: Color32, line: Color32) {
     let room = (axis.rect.width() / 70.0).max(1.0);
     let rough = ((axis.span.1 - axis.span.0) / room).max(1.0);
@@ -242,7 +242,7 @@ fn numbers(painter: &Painter, model: &Model, axis: &TimeAxis, row: Rect, text: C
         let x = axis.x(position);
         let label = model.number(position).to_string();
         let font = FontId::proportional(theme::SMALL);
-        // Under the playhead's own number it could not be read.
+        // A number under the playhead's own label would be unreadable.
         if x < axis.rect.right() - 12.0 && (x - axis.x(model.position())).abs() > 26.0 {
             painter.text(pos2(x, row.center().y), Align2::CENTER_CENTER, label, font, text);
         }
@@ -251,7 +251,7 @@ fn numbers(painter: &Painter, model: &Model, axis: &TimeAxis, row: Rect, text: C
     }
 }
 
-/// How much of the image is foreground, as a curve over the ground.
+/// The foreground ratio of the image, as a curve in the background.
 fn foreground(painter: &Painter, timeline: &Timeline, axis: &TimeAxis, ground: Rect, colour: Color32) {
     let shares = &timeline.foreground_share;
     let most = shares.iter().copied().fold(0.01_f32, f32::max);
@@ -260,7 +260,7 @@ fn foreground(painter: &Painter, timeline: &Timeline, axis: &TimeAxis, ground: R
     let mut points: Vec<Pos2> = Vec::new();
     if per_column <= 1.0 {
         let seen = axis.seen();
-        // One more to either side, so that the curve goes on to the edge.
+        // One more position on either side extends the curve to the edges.
         for position in seen.start.saturating_sub(1)..seen.end.saturating_add(1) {
             let Some(share) = shares.get(position as usize) else { break };
             points.push(pos2(axis.x(position), height_of(*share, most, ground)));
@@ -273,7 +273,7 @@ fn foreground(painter: &Painter, timeline: &Timeline, axis: &TimeAxis, ground: R
             let Some(part) = shares.get(first..last.min(shares.len())).filter(|part| !part.is_empty()) else {
                 break;
             };
-            // The greatest of a column: a short burst must not be averaged away.
+            // The maximum of a column: an average would hide a short burst.
             let share = part.iter().copied().fold(0.0, f32::max);
             points.push(pos2(ground.left() + column as f32 + 0.5, height_of(share, most, ground)));
         }
@@ -291,12 +291,12 @@ fn foreground(painter: &Painter, timeline: &Timeline, axis: &TimeAxis, ground: R
     painter.add(Shape::line(points, Stroke::new(1.0, colour.gamma_multiply(0.7))));
 }
 
-/// Least motion that fills the plot, in pixels, and least change of light, as a share.
+/// Minimum motion that fills the plot, in pixels, and minimum change of illumination, as a ratio.
 const LEAST_MOTION: f32 = 3.0;
 const LEAST_LIGHT: f32 = 0.3;
 
-/// How far the camera was from rest, and how the light differed from the recent past: a line each, where there is
-/// anything to show.
+/// The camera's displacement from its reference, and the change of illumination relative to the recent past: one line
+/// each, if there is anything to show.
 fn alignments(
     painter: &Painter,
     timeline: &Timeline,
@@ -326,7 +326,7 @@ fn alignments(
             let value = part.iter().map(number).fold(0.0, f32::max);
             points.push(pos2(axis.x(first), height_of(value, most.max(least), ground)));
         }
-        // Quieter than the tracks, over which it may lie.
+        // Fainter than the tracks, which it may overlap.
         painter.add(Shape::line(points, Stroke::new(1.0, colour.gamma_multiply(0.4))));
     }
 }
@@ -340,7 +340,7 @@ fn light_of(alignment: &Alignment) -> f32 {
     (alignment.light.luma_gain() - 1.0).abs()
 }
 
-/// What is to be said of a frame's motion and light, if anything.
+/// Motion and illumination change of a frame in words, if there are any.
 fn alignment_words(alignment: &Alignment) -> Option<String> {
     let rest = alignment.rest.unwrap_or_default();
     let (dx, dy) = (alignment.motion.dx - rest.dx, alignment.motion.dy - rest.dy);
@@ -354,7 +354,7 @@ fn height_of(share: f32, most: f32, ground: Rect) -> f32 {
     ground.bottom() - ANALYSED - share / most * (ground.height() - ANALYSED - 4.0)
 }
 
-/// How far the analysis has come, bright where frames are kept decoded as well.
+/// The analysis progress; brighter where decoded frames are cached, too.
 fn analysed(painter: &Painter, timeline: &Timeline, axis: &TimeAxis, ground: Rect, colours: &theme::Colours) {
     let part = |from: u32, to: u32, colour: Color32| {
         let x = |at: u32| axis.edge(at as f32).clamp(axis.rect.left(), axis.rect.right());
@@ -369,7 +369,7 @@ fn analysed(painter: &Painter, timeline: &Timeline, axis: &TimeAxis, ground: Rec
     }
 }
 
-/// Which lane each life line takes, so that none covers another, and how many lanes there are.
+/// Assigns each track line to a lane so that lines do not overlap. Returns the lanes and their number.
 fn lanes(lives: &[RangeInclusive<u32>]) -> (Vec<usize>, usize) {
     let mut ends: Vec<u32> = Vec::new();
     let taken = lives
@@ -409,7 +409,7 @@ fn draw_track_timelines(
     let pitch = (room / count.max(1) as f32).min(11.0);
     let thick = (pitch * 0.55).clamp(1.0, 5.0);
     for (line, lane) in lines.iter().zip(taken) {
-        // Beside a chosen object all others step back.
+        // With a chosen object, all other lines are fainter.
         let strength = if model.object.is_none_or(|id| id == line.id) { 1.0 } else { 0.35 };
         let colour = theme::rgb(identity_colour(line.id)).gamma_multiply(strength);
         let y = ground.top() + 4.0 + (lane as f32 + 0.5) * pitch;
@@ -449,8 +449,8 @@ fn event_marks(painter: &Painter, model: &Model, timeline: &Timeline, axis: &Tim
     }
 }
 
-/// A form as well as a colour for each kind: down what comes together, up what parts, rings what
-/// vanishes or returns, dots what starts or ends.
+/// A shape as well as a colour for each kind: down for merging, up for splitting, rings for disappearing or
+/// reappearing, dots for start or end.
 fn mark(painter: &Painter, at: Pos2, kind: EventKind, colour: Color32, size: f32) {
     let edge = Stroke::new(1.0, Color32::from_black_alpha(140));
     match kind {
@@ -516,13 +516,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn lives_that_overlap_take_lanes_of_their_own() {
+    fn overlapping_track_lines_get_separate_lanes() {
         let (taken, count) = lanes(&[0..=10, 5..=20, 12..=15, 22..=30]);
         assert_eq!((taken, count), (vec![0, 1, 0, 0], 2));
     }
 
     #[test]
-    fn every_position_is_found_again_under_its_own_mark() {
+    fn every_position_maps_to_the_screen_and_back() {
         let rect = Rect::from_min_size(pos2(20.0, 0.0), vec2(777.0, 50.0));
         for span in [(0.0, 795.0), (100.0, 180.5), (780.0, 795.0)] {
             let axis = TimeAxis { rect, frames: 795, span };
@@ -545,7 +545,7 @@ mod tests {
         assert_eq!(left.0, 0.0);
         let right = near.moved(300.0, 1.0, -1e6).unwrap_or_default();
         assert_eq!(right.1, 795.0);
-        assert_eq!(near.moved(300.0, 0.01, 0.0), None, "all of it");
+        assert_eq!(near.moved(300.0, 0.01, 0.0), None, "all positions are visible");
         let nearest = near.moved(300.0, 1e6, 0.0).unwrap_or_default();
         assert_eq!(nearest.1 - nearest.0, MIN_SHOWN_FRAMES);
         let short = TimeAxis { rect, frames: 3, span: (0.0, 3.0) };

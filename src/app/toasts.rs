@@ -1,4 +1,4 @@
-//! Short messages that come and go: what was done, what went wrong.
+//! Short temporary messages about results and errors.
 
 use std::time::Duration;
 
@@ -9,22 +9,22 @@ use super::icons::Icon;
 use super::messages::Messages;
 use super::theme;
 
-/// How long something that was done is told.
+/// How long a confirmation is shown.
 const BRIEFLY: Duration = Duration::from_secs(4);
-/// How long something that went wrong is told; it stands elsewhere too.
+/// How long an error is shown; it is also shown elsewhere.
 const LONGER: Duration = Duration::from_secs(8);
 
-/// How many letters go into a line.
+/// Maximum number of characters in a line.
 const MAX_LINE_LETTERS: usize = 68;
 
-/// The messages that are shown, and all that were.
+/// The visible messages, and the log of all messages.
 pub(crate) struct Toasts {
     shown: egui_notify::Toasts,
-    /// All that was told.
+    /// The log of all messages.
     pub(crate) messages: Messages,
 }
 
-/// Which colour a message has.
+/// The colour of a message, by theme.
 type Colour = fn(&theme::Colours) -> Color32;
 
 impl Default for Toasts {
@@ -36,27 +36,27 @@ impl Default for Toasts {
 }
 
 impl Toasts {
-    /// Something was done.
+    /// Shows a confirmation.
     pub(crate) fn done(&mut self, ctx: &Context, text: impl Into<String>) {
         self.add(ctx, text, m::ICON_CHECK_CIRCLE, |colours| colours.good, BRIEFLY);
     }
 
-    /// Something went wrong without ending the work.
+    /// Shows a warning: an error that does not end the work.
     pub(crate) fn warn(&mut self, ctx: &Context, text: impl Into<String>) {
         self.add(ctx, text, m::ICON_WARNING, |colours| colours.warn, LONGER);
     }
 
-    /// Something failed.
+    /// Shows an error.
     pub(crate) fn fail(&mut self, ctx: &Context, text: impl Into<String>) {
         self.add(ctx, text, m::ICON_ERROR, |colours| colours.bad, LONGER);
     }
 
-    /// Keeps a failure that the window itself tells at length.
+    /// Logs an error that the window shows in full elsewhere.
     pub(crate) fn note_failure(&mut self, ctx: &Context, why: &str) {
         self.messages.add(ctx.input(|input| input.time), why, m::ICON_ERROR, |colours| colours.bad);
     }
 
-    /// Shows them.
+    /// Draws the visible messages.
     pub(crate) fn show(&mut self, ctx: &Context) {
         self.shown.show(ctx);
         self.messages.ui(ctx);
@@ -73,7 +73,7 @@ impl Toasts {
     }
 }
 
-/// The text in lines of at most so many letters; a path that is longer than a line is broken.
+/// Wraps the text to lines of at most this many characters. A longer path is broken.
 fn lines(text: &str, most: usize) -> String {
     let mut lines = vec![String::new()];
     let mut room = most;
@@ -103,7 +103,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn long_messages_are_broken_into_lines_that_lose_nothing() {
+    fn long_messages_are_wrapped_without_loss() {
         assert_eq!(lines("Wrote a.png", 20), "Wrote a.png");
         assert_eq!(lines("one two three", 7), "one two\nthree");
         assert_eq!(lines("in /a/very/long/path it is", 8), "in\n/a/very/\nlong/pat\nh it is");

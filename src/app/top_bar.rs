@@ -1,4 +1,4 @@
-//! The menus, made from the table of actions, and a line on what is open.
+//! The menus, made from the table of actions, and information about the open video.
 
 use std::path::Path;
 
@@ -12,7 +12,7 @@ use super::{icons, theme};
 use crate::replay::Start;
 use crate::source::{FPS_RANGE, FpsFrom};
 
-/// Shows it.
+/// Draws the bar.
 pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     MenuBar::new().ui(ui, |ui| {
         for menu in Menu::ALL {
@@ -31,7 +31,7 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     });
 }
 
-/// One action, or a menu of several.
+/// One action, or a submenu of several.
 fn items(ui: &mut Ui, model: &Model, group: &[&'static Entry], commands: &mut Vec<Command>) {
     if group.first().is_some_and(|entry| entry.line_before) {
         ui.separator();
@@ -56,7 +56,7 @@ fn items(ui: &mut Ui, model: &Model, group: &[&'static Entry], commands: &mut Ve
     }
 }
 
-/// What was opened before.
+/// The submenu of recent videos.
 fn recent(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     if model.recent.is_empty() {
         return;
@@ -76,7 +76,7 @@ pub(crate) fn short(name: &str) -> &str {
     Path::new(name).file_name().and_then(|last| last.to_str()).unwrap_or(name)
 }
 
-/// One action in a menu, marked where it is on.
+/// One action in a menu, with a check mark while it is on.
 pub(crate) fn item(ui: &mut Ui, model: &Model, entry: &'static Entry, commands: &mut Vec<Command>) {
     let shortcut = entry.shortcuts.first().map_or_else(String::new, |shortcut| shortcut.text());
     let on = is_on(model, entry.action);
@@ -90,7 +90,7 @@ pub(crate) fn item(ui: &mut Ui, model: &Model, entry: &'static Entry, commands: 
     }
 }
 
-/// Whether something that is on or off is on; `None` of what is neither.
+/// Whether a switch is on; `None` for actions that are not switches.
 fn is_on(model: &Model, action: Action) -> Option<bool> {
     match action {
         Action::Open(view) => Some(model.open[view.place()]),
@@ -113,7 +113,7 @@ fn is_on(model: &Model, action: Action) -> Option<bool> {
     }
 }
 
-/// Whether an action makes sense now.
+/// Whether an action is available.
 pub(crate) fn allowed(model: &Model, entry: &Entry) -> bool {
     match entry.action {
         Action::Undo => model.history.can().0,
@@ -129,7 +129,7 @@ pub(crate) fn allowed(model: &Model, entry: &Entry) -> bool {
         Action::ClearObject => model.object.is_some(),
         Action::Draw(Drawn::Truth) => model.truth.as_ref().is_some_and(|truth| truth.boxes.is_some()),
         Action::CloseVideo => model.player.is_some(),
-        // The last view stays.
+        // The last open view cannot be closed.
         Action::Open(view) => {
             let more = model.open.iter().filter(|open| **open).count() > 1;
             model.shown().is_some() && (more || !model.open[view.place()])
@@ -147,12 +147,12 @@ pub(crate) fn allowed(model: &Model, entry: &Entry) -> bool {
     }
 }
 
-/// Frames a second, to be typed where the source itself does not say.
+/// The frame rate, with a field to type it where the source does not specify it.
 fn rate(ui: &mut Ui, rounded: f32, from: FpsFrom, commands: &mut Vec<Command>) {
     let label = ui.weak(if from == FpsFrom::Assumed { "fps, assumed" } else { "fps" });
     let mut fps = f64::from(rounded);
     let (least, greatest) = FPS_RANGE;
-    // Another rate begins the analysis anew: it is typed, not dragged to.
+    // Another rate restarts the analysis: it can be typed but not dragged.
     let typed = DragValue::new(&mut fps)
         .range(f64::from(least)..=f64::from(greatest))
         .speed(0.0)
@@ -165,7 +165,7 @@ fn rate(ui: &mut Ui, rounded: f32, from: FpsFrom, commands: &mut Vec<Command>) {
     }
 }
 
-/// Name, size, frames a second and number of frames, from right to left.
+/// Name, size, frame rate and number of frames, from right to left.
 fn opened(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let Some(name) = &model.opened else { return };
     if let Some(info) = model.state.as_ref().and_then(|state| state.info.as_ref()) {

@@ -1,4 +1,4 @@
-//! Playing, stepping, and which frame is in view.
+//! Playback controls, and the frame in view.
 
 use eframe::egui::{Button, ComboBox, DragValue, RichText, Ui, vec2};
 use egui_material_icons::icons as m;
@@ -8,7 +8,7 @@ use super::icons::Icon;
 use super::state::{Model, SPEEDS};
 use super::theme;
 
-/// The buttons.
+/// The playback buttons.
 pub(crate) fn buttons(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.spacing_mut().item_spacing.x = theme::SPACE / 2.0;
     let play = if model.playback.playing { (m::ICON_PAUSE, "Pause") } else { (m::ICON_PLAY_ARROW, "Play") };
@@ -56,7 +56,7 @@ fn frame_field(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let first = model.number(0);
     let mut number = model.number(model.position());
     ui.spacing_mut().interact_size.x = 56.0;
-    // Frames that are typed are taken when the field is left, not digit by digit.
+    // A typed number applies when the field loses the focus, not digit by digit.
     let drag = DragValue::new(&mut number).range(first..=last.max(first)).update_while_editing(false);
     let response = ui.add(drag).labelled_by(label.id);
     if response.on_hover_text("Drag, or click to enter a frame number").changed() {

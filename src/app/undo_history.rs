@@ -10,18 +10,18 @@ const MAX_EDITS: usize = 200;
 /// An edit.
 #[derive(Clone, Debug)]
 enum Edit {
-    /// Of the settings in a slot.
+    /// Of the settings of a slot.
     Settings { slot: AbSlot, before: Box<Settings>, after: Box<Settings> },
     /// Of the areas.
     Areas { before: Areas, after: Areas },
-    /// Of both slots at once, with the settings in view.
+    /// Of both slots, with the settings in view.
     AbSettings { before: Box<(AbSettings, Settings)>, after: Box<(AbSettings, Settings)> },
 }
 
 /// The state that an undo or redo restores.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum RestoredState {
-    /// The settings in a slot.
+    /// The settings of a slot.
     Settings(AbSlot, Box<Settings>),
     /// The areas.
     Areas(Areas),
@@ -29,17 +29,17 @@ pub(crate) enum RestoredState {
     AbSettings(AbSettings, Box<Settings>),
 }
 
-/// Edits that were made, and those that were undone.
+/// The undo stack and the redo stack.
 #[derive(Clone, Debug)]
 pub(crate) struct UndoHistory {
-    /// The slot in view and what was last noted of it.
+    /// The slot in view, with the settings recorded last.
     present: (AbSlot, Settings),
     past: Vec<Edit>,
     future: Vec<Edit>,
 }
 
 impl UndoHistory {
-    /// A history that starts here.
+    /// An empty history.
     pub(crate) const fn new(present: Settings) -> Self {
         Self { present: (AbSlot::A, present), past: Vec::new(), future: Vec::new() }
     }
@@ -55,12 +55,12 @@ impl UndoHistory {
         self.add(Edit::Settings { slot, before, after: Box::new(settings.clone()) });
     }
 
-    /// Records other areas.
+    /// Records a change of the areas.
     pub(crate) fn note_areas(&mut self, before: Areas, after: Areas) {
         self.add(Edit::Areas { before, after });
     }
 
-    /// Records other slots, each with the settings in view.
+    /// Records a change of the slots, each with the settings in view.
     pub(crate) fn note_slots(&mut self, before: (AbSettings, Settings), after: (AbSettings, Settings)) {
         self.present = (after.0.in_view, after.1.clone());
         self.add(Edit::AbSettings { before: Box::new(before), after: Box::new(after) });
@@ -81,12 +81,12 @@ impl UndoHistory {
         self.future.clear();
     }
 
-    /// Another slot is in view, with these settings. That is no edit.
+    /// Sets the slot in view and its settings. This is no edit.
     pub(crate) fn look(&mut self, slot: AbSlot, settings: &Settings) {
         self.present = (slot, settings.clone());
     }
 
-    /// What was last changed, as it was before.
+    /// Undoes the last edit.
     pub(crate) fn undo(&mut self) -> Option<RestoredState> {
         let change = self.past.pop()?;
         let again = match &change {
@@ -98,7 +98,7 @@ impl UndoHistory {
         Some(again)
     }
 
-    /// What was last taken back, as it was after its change.
+    /// Redoes the edit that was undone last.
     pub(crate) fn redo(&mut self) -> Option<RestoredState> {
         let change = self.future.pop()?;
         let again = match &change {
@@ -120,7 +120,7 @@ impl UndoHistory {
         RestoredState::AbSettings(slots, Box::new(settings))
     }
 
-    /// Whether there is something to take back, and to make again.
+    /// Whether there is an edit to undo, and one to redo.
     pub(crate) fn can(&self) -> (bool, bool) {
         (!self.past.is_empty(), !self.future.is_empty())
     }
@@ -131,7 +131,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn changes_are_taken_back_and_made_again_until_another_is_made() {
+    fn edits_are_undone_and_redone_until_a_new_edit() {
         let start = Settings::default();
         let (two, five) = (Settings { k: 2, ..start.clone() }, Settings { k: 5, ..start.clone() });
         let mut history = UndoHistory::new(start.clone());
@@ -148,7 +148,7 @@ mod tests {
     }
 
     #[test]
-    fn a_change_is_taken_back_in_the_slot_where_it_was_made() {
+    fn an_edit_is_undone_in_its_own_slot() {
         let start = Settings::default();
         let (two, five) = (Settings { k: 2, ..start.clone() }, Settings { k: 5, ..start.clone() });
         let mut history = UndoHistory::new(start.clone());
@@ -166,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn slots_that_changed_places_come_back_together() {
+    fn a_swap_of_slots_is_undone_as_a_whole() {
         let start = Settings::default();
         let five = Settings { k: 5, ..start.clone() };
         let slots = |other: &Settings| AbSettings { in_view: AbSlot::A, other: Some(other.clone()) };
@@ -179,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn areas_are_taken_back_between_settings_until_another_video_is_opened() {
+    fn edits_of_areas_can_be_undone_until_another_video_is_opened() {
         let start = Settings::default();
         let five = Settings { k: 5, ..start.clone() };
         let chosen = Areas { chosen: Some(0), ..Areas::default() };

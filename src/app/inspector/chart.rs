@@ -1,20 +1,20 @@
-//! The little that the inspector's own plots need: an axis, its ticks, a frame, filled columns.
+//! Primitives of the inspector's own plots: axis, ticks, frame, filled columns.
 
 use eframe::egui::{Align2, Color32, Mesh, Painter, Pos2, Rangef, Rect, Shape, Visuals};
 
 use super::style;
 pub(super) use crate::export::figure::axis::ticks;
 
-/// Room at the left of a plot for its labels.
+/// Width of the label column on the left of a plot.
 pub(super) const GUTTER: f32 = 34.0;
-/// Between a label and the plot.
+/// Distance between a label and the plot.
 pub(super) const LABEL_GAP: f32 = 4.0;
-/// Room at the right of a plot, so that the last tick's label stays inside.
+/// Margin on the right of a plot, so that the last tick label stays inside.
 pub(super) const RIGHT: f32 = 8.0;
 /// Height of a row of tick labels.
 pub(super) const TICKS: f32 = 13.0;
 
-/// A straight map from data to the screen; `screen` may run backwards, as y does.
+/// A linear map from data to the screen; `screen` may be reversed, as for y.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct ChartAxis {
     pub(super) min: f64,
@@ -31,25 +31,25 @@ impl ChartAxis {
         Self { min, max, screen: (rect.bottom(), rect.top()) }
     }
 
-    /// Where `value` is on the screen.
+    /// The screen position of `value`.
     pub(super) fn at(&self, value: f64) -> f32 {
         let share = (value - self.min) / (self.max - self.min).max(f64::MIN_POSITIVE);
         self.screen.0 + (share as f32) * (self.screen.1 - self.screen.0)
     }
 
-    /// Where `value` is on the screen, or the end of the axis that it lies beyond.
+    /// The screen position of `value`, clamped to the ends of the axis.
     pub(super) fn clamped(&self, value: f64) -> f32 {
         self.at(value.clamp(self.min, self.max))
     }
 
-    /// The value at a place on the screen.
+    /// The value at a screen position.
     pub(super) fn value(&self, screen: f32) -> f64 {
         let share = f64::from((screen - self.screen.0) / (self.screen.1 - self.screen.0));
         self.min + share * (self.max - self.min)
     }
 }
 
-/// The plot's part of a row: without the gutter and the space at the right.
+/// The plot area of a row: without the label column and the right margin.
 pub(super) fn inner(row: Rect) -> Rect {
     Rect::from_x_y_ranges(
         Rangef::new(row.left() + GUTTER, (row.right() - RIGHT).max(row.left() + GUTTER + 1.0)),
@@ -57,14 +57,14 @@ pub(super) fn inner(row: Rect) -> Rect {
     )
 }
 
-/// A ground line and the left edge: all the frame that a small plot needs.
+/// The frame of a small plot: base line and left edge.
 pub(super) fn frame(painter: &Painter, rect: Rect, visuals: &Visuals) {
     let stroke = style::faint(visuals);
     painter.hline(rect.x_range(), rect.bottom(), stroke);
     painter.vline(rect.left(), rect.y_range(), stroke);
 }
 
-/// Labels left of a plot, `(where, what)`.
+/// Labels on the left of a plot, as `(position, text)`.
 pub(super) fn y_labels(painter: &Painter, left: f32, labels: &[(f32, String)], visuals: &Visuals) {
     for (y, label) in labels {
         painter.text(
@@ -77,7 +77,7 @@ pub(super) fn y_labels(painter: &Painter, left: f32, labels: &[(f32, String)], v
     }
 }
 
-/// Labels and small marks under a plot, `(where, what)`; one that would touch its left neighbour is left out.
+/// Tick labels and marks under a plot, as `(position, text)`. A label that would touch its left neighbour is skipped.
 pub(super) fn x_labels(painter: &Painter, rect: Rect, labels: &[(f32, String)], visuals: &Visuals) {
     let mut free = f32::NEG_INFINITY;
     for (x, label) in labels {
@@ -114,7 +114,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_axis_goes_there_and_back() {
+    fn an_axis_maps_values_to_the_screen_and_back() {
         let rect = Rect::from_min_max(Pos2::new(30.0, 10.0), Pos2::new(330.0, 70.0));
         let axis = ChartAxis::x(0.0, 255.0, rect);
         assert_eq!(axis.at(0.0), 30.0);

@@ -1,4 +1,4 @@
-//! The numbers of a frame: a table of the components, and what the update was made with.
+//! The numbers of a frame: a table of the components, and the parameters of the update.
 
 use eframe::egui::{Align, Layout, Pos2, Rect, Sense, Stroke, Ui, UiBuilder, Vec2};
 
@@ -7,16 +7,16 @@ use super::style::{self, SMALL, small};
 use crate::mixture::component_states::ComponentState;
 use crate::mixture::verdict::number;
 
-/// Columns of the table with their least widths, line by line.
+/// Columns of the table with their minimum widths, by line.
 type Lines = &'static [&'static [(usize, f32)]];
 
-/// What a panel of 320 points has room for.
+/// The layout for panels of at least 320 points.
 const ONE_LINE: Lines = &[&[(0, 22.0), (1, 33.0), (2, 80.0), (3, 27.0), (4, 43.0), (5, 40.0), (6, 50.0)]];
-/// In a narrower one a row takes two lines.
+/// The layout for narrower panels: two lines a row.
 const TWO_LINES: Lines =
     &[&[(0, 24.0), (2, 82.0), (3, 34.0), (6, 52.0)], &[(0, 24.0), (1, 50.0), (4, 62.0), (5, 56.0)]];
 
-/// The components of a mixture, a row each.
+/// The components of a mixture, one row each.
 pub(super) fn table(ui: &mut Ui, chosen: &Chosen<'_>, rows: &[ComponentState]) {
     let gray = chosen.channels().len() == 1;
     let heads = [
@@ -88,7 +88,7 @@ pub(super) fn table(ui: &mut Ui, chosen: &Chosen<'_>, rows: &[ComponentState]) {
     }
 }
 
-/// A row of the table: columns of fixed places, numbers at their right end.
+/// A row of the table: columns at fixed positions, numbers aligned right.
 fn line(ui: &mut Ui, rank: Option<usize>, mut cell: impl FnMut(&mut Ui, usize)) {
     const HEIGHT: f32 = SMALL + 6.0;
     let least = |columns: &[(usize, f32)]| columns.iter().map(|(_, width)| width).sum::<f32>();
@@ -105,7 +105,7 @@ fn line(ui: &mut Ui, rank: Option<usize>, mut cell: impl FnMut(&mut Ui, usize)) 
             let width = if column == 0 { width } else { width + spare };
             let place = Rect::from_min_size(Pos2::new(x, top), Vec2::new(width, HEIGHT));
             x += width;
-            // The rank stands in the first line alone.
+            // Only the first line has the rank.
             if column == 0 && at > 0 {
                 continue;
             }
@@ -114,7 +114,7 @@ fn line(ui: &mut Ui, rank: Option<usize>, mut cell: impl FnMut(&mut Ui, usize)) 
             } else {
                 Layout::right_to_left(Align::Center)
             };
-            // A child of its own place: the row has been allocated as a whole.
+            // Each cell gets its own child area: the row has been allocated as a whole.
             let mut cell_ui =
                 ui.new_child(UiBuilder::new().max_rect(place).layout(layout).id_salt((rank, column)));
             cell_ui.spacing_mut().item_spacing.x = 4.0;
@@ -133,7 +133,7 @@ fn dot(ui: &mut Ui, row: &ComponentState) {
     }
 }
 
-/// The other numbers of the frame's update, in columns.
+/// The other quantities of the frame's update, in columns.
 pub(super) fn numbers(ui: &mut Ui, chosen: &Chosen<'_>) {
     let (outcome, parameters) = (chosen.state.outcome, &chosen.history.parameters);
     let before = chosen.history.before(chosen.index).map(|before| *before.past()).unwrap_or_default();

@@ -1,4 +1,4 @@
-//! The values among all three channels: a cube that is turned by dragging, by keys or by buttons.
+//! The scatter plot of all three channels: a cube turned by dragging, keys or buttons.
 
 use std::f32::consts::PI;
 
@@ -18,14 +18,14 @@ use crate::export::figure::scatter::density;
 use crate::mixture::component_states::component_states;
 use crate::mixture::scatter_points::{PointKind, ScatterPoint, ScatterSpace, coordinates_of};
 
-/// A press of a key or a button turns so far, in radians.
+/// The angle that one key press or button turns, in radians.
 const STEP: f64 = std::f64::consts::PI / 18.0;
-/// Room for words around the cube.
+/// Margin for labels around the cube.
 const WORDS: f32 = 24.0;
-/// The view's greatest side.
+/// Maximum side of the plot.
 const SIDE: f32 = 440.0;
 
-/// How the cube is looked at.
+/// The orientation of the cube.
 pub(super) struct CubeView {
     pub(super) look: Look,
 }
@@ -96,7 +96,7 @@ impl CubeView {
         });
     }
 
-    /// Turns it by the pointer, or by the arrow keys while it has the focus.
+    /// Turns the cube by the pointer, or by the arrow keys while the plot has the focus.
     fn turn(&mut self, ui: &Ui, response: &Response) {
         if response.clicked() || response.drag_started() {
             response.request_focus();
@@ -105,7 +105,7 @@ impl CubeView {
             self.look.turn = Turn::default();
         }
         if response.dragged() {
-            // Half a turn across the view; what is in front follows the pointer.
+            // A drag across the whole plot turns by half a turn; the front side follows the pointer.
             let by = response.drag_delta() * PI / response.rect.width().max(1.0);
             self.look.turn = self.look.turn.by(f64::from(by.x), f64::from(by.y));
         }
@@ -159,7 +159,7 @@ impl Drawing<'_> {
             if hollow {
                 self.painter.circle_stroke(place, radius + 0.7, Stroke::new(1.0, colour));
             } else {
-                // What is at the back fades a little, as in haze.
+                // Distant points are fainter.
                 let haze = 0.6 + 0.4 * nearness;
                 self.painter.circle_filled(place, radius, colour.gamma_multiply(strength * haze));
             }

@@ -1,4 +1,4 @@
-//! A grid over two settings: its cells in their colours, a cross at the present settings, a click to take others.
+//! A grid over two settings: coloured cells, a cross at the present settings, a click that applies a cell.
 
 use eframe::egui::accesskit::Role;
 use eframe::egui::{
@@ -13,26 +13,26 @@ use crate::mixture::Parameters;
 use crate::mixture::tuning::{SettingAxis, TunableSetting};
 use crate::mixture::verdict::number;
 
-/// Room for the name of the axis across.
+/// Height of the x axis name.
 const NAME: f32 = 15.0;
-/// The grid's greatest side.
+/// Maximum side of the grid.
 const SIDE: f32 = 380.0;
 
-/// A grid that is known.
+/// A computed grid.
 pub(super) struct Grid<'a> {
-    /// What changes across, and up.
+    /// The settings of the x and y axes.
     pub(super) axes: &'a [SettingAxis; 2],
     /// The present settings.
     pub(super) parameters: &'a Parameters,
     /// The colour of a cell, by column and row.
     pub(super) colour: &'a dyn Fn(usize, usize) -> Color32,
-    /// What is said of it.
+    /// The description of a cell, by column and row.
     pub(super) words: &'a dyn Fn(usize, usize) -> String,
-    /// A cell that stands out.
+    /// A highlighted cell.
     pub(super) marked: Option<(usize, usize)>,
 }
 
-/// Shows a grid that is called `name`, or that it is on its way; `flat` is its height as a share of its width.
+/// Draws the grid called `name`, or a placeholder until it is computed; `flat` is the ratio of height to width.
 pub(super) fn ui(ui: &mut Ui, name: &str, flat: f32, grid: Option<&Grid<'_>>) -> Option<InspectorAction> {
     let side = (ui.available_width() - chart::GUTTER - chart::RIGHT).clamp(80.0, SIDE);
     let size = Vec2::new(side + chart::GUTTER + chart::RIGHT, 6.0 + side * flat + TICKS + NAME);
@@ -73,7 +73,7 @@ pub(super) fn ui(ui: &mut Ui, name: &str, flat: f32, grid: Option<&Grid<'_>>) ->
     pick(ui, &response, &painter, plot, grid)
 }
 
-/// What the cross stands for, to be shown in a line.
+/// The legend of the cross.
 pub(super) fn legend_of_cross(ui: &mut Ui) {
     let (rect, _) = ui.allocate_exact_size(Vec2::splat(12.0), Sense::hover());
     let (at, stroke) = (rect.center(), Stroke::new(2.0, style::ink(ui.visuals())));
@@ -82,7 +82,7 @@ pub(super) fn legend_of_cross(ui: &mut Ui) {
     ui.label(style::aside(ui, "current"));
 }
 
-/// What the ring stands for.
+/// The legend of the ring.
 pub(super) fn legend_of_ring(ui: &mut Ui) {
     let (rect, _) = ui.allocate_exact_size(Vec2::splat(12.0), Sense::hover());
     ui.painter().circle_stroke(rect.center(), 4.5, Stroke::new(2.0, style::ink(ui.visuals())));
@@ -111,7 +111,7 @@ fn axes(painter: &Painter, ui: &Ui, plot: Rect, [x, y]: &[SettingAxis; 2]) {
     let labels: Vec<_> = ticks(y, (plot.height() / 30.0) as usize)
         .into_iter()
         .map(|value| (plot.bottom() - plot.height() * y.share_of(value), number(value)))
-        // The axis' own name stands at its upper end.
+        // The upper end of the axis shows the axis name.
         .filter(|(at, _)| *at > plot.top() + 16.0)
         .collect();
     chart::y_labels(painter, plot.left(), &labels, visuals);
@@ -131,12 +131,12 @@ fn ticks(axis: &SettingAxis, most: usize) -> Vec<f32> {
     round.filter(|value| (low..=high).contains(value)).collect()
 }
 
-/// Widths and colours of a line with a rim, to be seen on all colours.
+/// Widths and colours of a line with a contrasting rim, visible on all colours.
 fn rimmed(ui: &Ui) -> [(f32, Color32); 2] {
     [(4.0, ui.visuals().panel_fill), (2.0, style::ink(ui.visuals()))]
 }
 
-/// The present settings.
+/// The cross at the present settings.
 fn cross(painter: &Painter, ui: &Ui, at: Pos2) {
     for (width, colour) in rimmed(ui) {
         let stroke = Stroke::new(width, colour);
@@ -146,7 +146,7 @@ fn cross(painter: &Painter, ui: &Ui, at: Pos2) {
     }
 }
 
-/// The values of a cell.
+/// The settings of a cell.
 pub(super) fn values(
     [x, y]: &[SettingAxis; 2],
     (column, row): (usize, usize),
@@ -154,12 +154,12 @@ pub(super) fn values(
     Some([(x.knob, *x.values.get(column)?), (y.knob, *y.values.get(row)?)])
 }
 
-/// The same in words.
+/// The settings of a cell as text.
 pub(super) fn words(values: [(TunableSetting, f32); 2]) -> String {
     values.map(|(knob, value)| format!("{} = {}", knob.symbol(), number(value))).join(",  ")
 }
 
-/// The cell under the pointer: its values, and on a click they are asked for.
+/// The cell under the pointer: shows its values, and applies them on a click.
 fn pick(
     ui: &Ui,
     response: &Response,

@@ -1,4 +1,4 @@
-//! How the mixture came about: values and components through time, weights, B, ρ, the changes of components, the verdict.
+//! The pixel history: values, components, weights, B, ρ, component changes and verdict over time.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -20,7 +20,7 @@ use crate::mixture::component_slots::{ComponentChange, component_change};
 use crate::mixture::downsampled_history::{HistoryColumn, downsample, value_range};
 use crate::mixture::verdict::{number, verdict};
 
-/// The fewest frames that can be zoomed to.
+/// Minimum number of visible frames.
 const LEAST_FRAMES: f64 = 8.0;
 const CAPTION: f32 = 15.0;
 const GAP: f32 = 5.0;
@@ -30,19 +30,19 @@ const COUNT: f32 = 26.0;
 const RATE: f32 = 34.0;
 const VERDICT: f32 = 10.0;
 
-/// Which frames are looked at, and the columns that were drawn last.
+/// The visible frames, and the cached columns.
 #[derive(Default)]
 pub(super) struct HistoryView {
-    /// First and last position in view, `None` for all there are.
+    /// First and last visible position; `None` for all.
     view: Option<(f64, f64)>,
-    /// Whether the value axes fit the values in view instead of showing 0..255.
+    /// Whether the value axes fit the visible values instead of 0..255.
     fit: bool,
-    /// The frame that was in view last, to notice when it leaves the part that is zoomed to.
+    /// The previous frame in view, to detect when it leaves the visible range.
     index: usize,
     cache: Option<Cache>,
 }
 
-/// Bins are only made anew when another history, part or width is shown.
+/// Cached columns, recomputed only for another history, range or width.
 struct Cache {
     history: Arc<PixelHistory>,
     frames: Range<usize>,
@@ -93,7 +93,7 @@ impl HistoryView {
         self.view.unwrap_or((0.0, total.max(1) as f64))
     }
 
-    /// What a figure of the frames in view shows.
+    /// The figure's selection of the visible frames.
     fn choice(&self, chosen: &Chosen<'_>) -> HistorySelection {
         let total = chosen.history.states.len();
         let (from, to) = self.range(total);
@@ -131,7 +131,7 @@ impl HistoryView {
         )
     }
 
-    /// Widens (factor over 1) or narrows the part in view, `centre` staying where it is.
+    /// Widens (factor over 1) or narrows the visible range around `centre`.
     fn zoom(&mut self, factor: f64, centre: f64, total: usize) {
         let (from, to) = self.range(total);
         let centre = centre.clamp(from, to);
@@ -149,11 +149,11 @@ impl HistoryView {
         self.view = (width < all).then_some((from, from + width));
     }
 
-    /// Pans and zooms by the pointer, and follows the frame in view when it leaves the part in view.
+    /// Pans and zooms by the pointer, and scrolls to the frame in view when it leaves the visible range.
     fn look_around(&mut self, ui: &Ui, response: &Response, plot: Rect, chosen: &Chosen<'_>) {
         let total = chosen.history.states.len();
         if let Some((from, to)) = self.view {
-            // Another video, or the same one run anew, may be shorter.
+            // Another video, or a repeated run, may be shorter.
             self.set(from, to, total);
             let here = chosen.index as f64 + 0.5;
             if chosen.index != self.index && !(from..=to).contains(&here) {
@@ -252,7 +252,7 @@ impl HistoryView {
         let labels: Vec<_> = chart::ticks(axis.min, axis.max, (plot.width() / 60.0) as usize)
             .into_iter()
             .filter_map(|tick| {
-                // Ticks are at positions from 1, which are the frame numbers of most videos.
+                // Ticks use positions from 1, which equal the frame numbers of most videos.
                 let position = (tick as usize).max(1) - 1;
                 let state = states.get(position)?;
                 Some((axis.at(position as f64 + 0.5), state.number.to_string()))
@@ -272,7 +272,7 @@ impl HistoryView {
         }
     }
 
-    /// Lets go of what was drawn.
+    /// Drops all cached columns.
     pub(super) fn forget(&mut self) {
         self.cache = None;
     }
@@ -290,7 +290,7 @@ impl HistoryView {
     }
 }
 
-/// Which colour is which component now.
+/// The legend of component colours in the frame in view.
 fn legend(ui: &mut Ui, chosen: &Chosen<'_>) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = Vec2::new(4.0, 1.0);
@@ -312,7 +312,7 @@ fn legend(ui: &mut Ui, chosen: &Chosen<'_>) {
     });
 }
 
-/// What the pointer is over, in words.
+/// The tooltip of the frame under the pointer.
 fn frame_words(ui: &mut Ui, chosen: &Chosen<'_>, frame: usize) {
     let Some(state) = chosen.history.states.get(frame) else { return };
     let words = verdict(chosen.history, frame);
@@ -347,7 +347,7 @@ mod tests {
     }
 
     #[test]
-    fn columns_are_made_anew_only_for_another_history_part_or_width() {
+    fn columns_are_recomputed_only_for_another_history_range_or_width() {
         let mut view = HistoryView::default();
         let mut made = |history: &Arc<PixelHistory>, frames: Range<usize>, columns: usize| {
             let slots = Arc::new(slots_by_rank(history));
@@ -357,16 +357,16 @@ mod tests {
         };
         let (one, other) = (of_level(10), of_level(200));
         let first = made(&one, 0..50, 20);
-        assert_eq!(first, made(&Arc::clone(&one), 0..50, 20), "the same columns, not equal ones");
+        assert_eq!(first, made(&Arc::clone(&one), 0..50, 20), "the cached columns are reused");
         assert_eq!(made(&one, 10..50, 5).1, 5);
         assert_eq!(made(&other, 10..50, 5).2, 200.0);
-        // Another that has the same states, as when it has grown.
+        // A copy with equal states, as after the history has grown.
         assert_eq!(made(&of_level(10), 10..50, 5).2, 10.0);
         let zoomed = made(&one, 10..40, 5);
         let mut grown = PixelHistory::clone(&one);
         (51..=60).for_each(|number| grown.push_colour(number, [77; 3]));
         let grown = Arc::new(grown);
-        assert_eq!(made(&grown, 10..40, 5), zoomed, "what is zoomed to is not touched by frames that come");
+        assert_eq!(made(&grown, 10..40, 5), zoomed, "new frames do not change the visible columns");
         assert_eq!(made(&grown, 0..60, 20).1, 20);
     }
 
@@ -376,7 +376,7 @@ mod tests {
         view.zoom(0.5, 75.0, 100);
         assert_eq!(view.view, Some((37.5, 87.5)));
         view.zoom(2.0, 75.0, 100);
-        assert_eq!(view.view, None, "all of it again");
+        assert_eq!(view.view, None, "the whole history is visible");
         for _ in 0..20 {
             view.zoom(0.5, 0.0, 100);
         }

@@ -1,4 +1,4 @@
-//! The small menu beside each plot: take it along as picture, drawing or numbers.
+//! The menu of each plot: copy or save as image, vector drawing or table.
 
 use eframe::egui::containers::menu::MenuButton;
 use eframe::egui::{Button, Label, Response, Ui};
@@ -9,7 +9,7 @@ use super::plot::{Format, Plot};
 use super::style;
 use super::table::Table;
 
-/// Room for the button of a menu.
+/// Width of the menu button.
 const WIDTH: f32 = 24.0;
 
 /// An export of a plot.
@@ -29,8 +29,7 @@ const OF_PLOTS: [(PlotExport, &str, &str); 5] = [
     (PlotExport::SaveTable, "Save CSV…", "Save the plotted data as a table."),
 ];
 
-/// A plot's caption with its menu at the right. What it takes more than a line to say stands in the caption's
-/// tip, out of the plot's way.
+/// A plot's caption with its menu at the right. Longer explanations are in the caption's tooltip.
 pub(super) fn caption(
     ui: &mut Ui,
     text: &str,
@@ -45,7 +44,7 @@ pub(super) fn caption(
     row(ui, |ui| of_plot(ui, what, plot), label)
 }
 
-/// A row with a menu at its right end; what stands before it goes on in a second line where there is no room.
+/// A row with a menu at its right end; content that does not fit wraps to a second line.
 pub(super) fn row(
     ui: &mut Ui,
     menu: impl FnOnce(&mut Ui) -> Option<InspectorAction>,
@@ -88,7 +87,7 @@ pub(super) fn of_plot(ui: &mut Ui, what: &str, plot: impl Fn() -> Plot) -> Optio
     })
 }
 
-/// The menu of tables, each with its name.
+/// The menu of named tables.
 pub(super) fn of_tables(
     ui: &mut Ui,
     what: &str,

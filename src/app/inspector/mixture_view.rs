@@ -1,4 +1,4 @@
-//! The mixture in the frame in view: densities, weights, a table, and the numbers of the update.
+//! The mixture in the frame in view: densities, weights, components, and the numbers of the update.
 
 use eframe::egui;
 use eframe::egui::accesskit::Role;
@@ -14,7 +14,7 @@ use crate::export::figure::mixture::UpdateSide;
 use crate::mixture::component_states::{ComponentState, component_states, t_at};
 use crate::mixture::verdict::{Verdict, number};
 
-/// From this width on, before and after stand side by side.
+/// Minimum width at which both mixtures are side by side.
 const BESIDE: f32 = 330.0;
 
 /// Which mixture is shown.
@@ -27,7 +27,7 @@ pub(super) struct MixtureView {
 struct MixtureSide {
     before: bool,
     rows: Vec<ComponentState>,
-    /// B.
+    /// The number of background components, B.
     count: usize,
 }
 
@@ -80,7 +80,7 @@ impl MixtureView {
         densities_asked.or(weights_asked)
     }
 
-    /// Asks which mixture is to be shown. The first frame that the model sees has none before it.
+    /// Selects the displayed mixture. The first frame of the model has none before the update.
     fn moment(&mut self, ui: &mut Ui, chosen: &Chosen<'_>) -> UpdateSide {
         let first = chosen.history.before(chosen.index).is_none();
         let shown = |moment| if first { UpdateSide::After } else { moment };
@@ -120,7 +120,7 @@ const DENSITIES: &str = "Each curve is the marginal density of a component in on
 const WEIGHTS: &str = "Each bar is a weight, placed at the cumulative sum Σ of the weights above it. B is \
      the first rank at which the sum exceeds T: components 1 to B are background, the others foreground.";
 
-/// Draws each mixture, two of them side by side where there is room.
+/// Draws each mixture, side by side where there is room.
 fn side_by_side(ui: &mut Ui, sides: &[MixtureSide], mut draw: impl FnMut(&mut Ui, &MixtureSide)) {
     let named = |ui: &mut Ui, side: &MixtureSide, draw: &mut dyn FnMut(&mut Ui, &MixtureSide)| {
         ui.label(style::aside(ui, name_of(side)));
@@ -141,7 +141,7 @@ const fn name_of(side: &MixtureSide) -> &'static str {
     if side.before { "before the update" } else { "after the update" }
 }
 
-/// What the verdict's headline leaves out, a sentence a line.
+/// The details of the verdict, one sentence a line.
 fn details(ui: &mut Ui, words: &Verdict) {
     ui.spacing_mut().item_spacing.y = 2.0;
     for detail in &words.details {
@@ -155,7 +155,7 @@ fn details(ui: &mut Ui, words: &Verdict) {
     ui.spacing_mut().item_spacing.y = 3.0;
 }
 
-/// A small plot for each channel, one under the other on the same 0..255.
+/// A small plot for each channel, stacked on a common axis 0..255.
 fn densities(ui: &mut Ui, chosen: &Chosen<'_>, side: &MixtureSide, top: f64) {
     const CURVES: f32 = 50.0;
     let rows = &side.rows;
@@ -234,7 +234,7 @@ fn densities(ui: &mut Ui, chosen: &Chosen<'_>, side: &MixtureSide, top: f64) {
     chart::x_labels(&painter, last, &labels, visuals);
 }
 
-/// One component's w·η: filled when it is background, dashed when it is not.
+/// One component's w·η: filled if background, dashed if foreground.
 fn curve(
     painter: &Painter,
     plot: Rect,
@@ -260,7 +260,7 @@ fn curve(
         }
     }
     columns.paint(painter);
-    // Where the density is nothing a line along the ground would only hide the axis.
+    // Where the density is zero, a line would only hide the axis.
     let rising: Vec<&[Pos2]> = points
         .chunk_by(|a, b| (a.y < plot.bottom() - 0.3) == (b.y < plot.bottom() - 0.3))
         .filter(|run| run[0].y < plot.bottom() - 0.3)
@@ -274,7 +274,7 @@ fn curve(
     }
 }
 
-/// The weights one after the other, each bar starting where the sum of those above it ends, with T and the B cut.
+/// The weights as stacked bars, each starting at the sum of those above it, with T and the B cut.
 fn weights(ui: &mut Ui, chosen: &Chosen<'_>, side: &MixtureSide) {
     const BAR: f32 = 13.0;
     let MixtureSide { before, rows, count } = side;
@@ -291,7 +291,7 @@ fn weights(ui: &mut Ui, chosen: &Chosen<'_>, side: &MixtureSide) {
         Vec2::new(area.width(), BAR * rows.len() as f32),
     );
     let mut plot = chart::inner(bars);
-    // Numbers stand in columns of their own, where neither a bar nor T is in the way.
+    // Numbers have their own columns, clear of bars and T.
     let columns: &[f32] = if area.width() < 170.0 { &[26.0] } else { &[26.0, 58.0] };
     plot.max.x -= columns.last().copied().unwrap_or(0.0);
     for (name, right) in ["w", "Σ"].into_iter().zip(columns) {
@@ -333,7 +333,7 @@ fn weights(ui: &mut Ui, chosen: &Chosen<'_>, side: &MixtureSide) {
     ));
     let text = format!("T = {}", number(t));
     let half = 24.0;
-    // In a plot that is narrower than the text there is no such place.
+    // A plot narrower than the text has no such position.
     let place = Pos2::new(x.min(plot.right() - half).max(plot.left() + half), plot.top() - 3.0);
     painter.text(place, Align2::CENTER_BOTTOM, text, style::font(), visuals.text_color());
     if *count < rows.len() {
@@ -349,7 +349,7 @@ fn plot_bottom(plot: Rect, x: f32) -> Pos2 {
     Pos2::new(x, plot.bottom())
 }
 
-/// Oblique lines across a bar: foreground even where colours cannot be told apart.
+/// Oblique lines across a bar: they mark foreground without colour.
 fn hatch(painter: &Painter, bar: Rect, colour: egui::Color32) {
     let painter = painter.with_clip_rect(bar.intersect(painter.clip_rect()));
     let mut x = bar.left() - bar.height();

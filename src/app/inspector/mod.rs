@@ -1,9 +1,9 @@
-//! The pixel inspector: one pixel's mixture now and through time, and why it was decided so.
+//! The pixel inspector: one pixel's mixture in the frame in view and over time, with the evidence of its verdict.
 //!
-//! `now` draws the mixture of the frame in view, `history` how it came about, `scatter`
-//! where the values lie among the channels, `tuning` what the pixel would be under other settings, `statistics` counts,
-//! `pixels` has it beside others. They draw; what they show is worked out in
-//! [`crate::mixture`]. Each plot has a `menu` that takes it along as a [`crate::export::figure`], or its `table`.
+//! `mixture_view` draws the mixture of the frame in view, `history` its past, `scatter` the values in the space of the
+//! channels, `tuning` the verdict under other settings, `statistics` counts over frames, `pixels` several pixels at
+//! once. These modules only draw; the data are computed in [`crate::mixture`]. Each plot has a `menu` that exports it
+//! as a [`crate::export::figure`], or its `table`.
 
 mod chart;
 mod components;
@@ -43,12 +43,12 @@ use crate::mixture::{PixelHistory, PixelState};
 use crate::replay::{RegionShares, RegionTuning, ShownFrame, Tuning};
 use crate::settings::{BackgroundModel, Space};
 
-/// What the person asked for in the inspector.
+/// An action that the inspector requests of the window.
 #[derive(Clone, Debug, PartialEq)]
 pub enum InspectorAction {
     /// Show the frame at this position of the sequence, from 0.
     GoTo(u32),
-    /// Take these values of these settings.
+    /// Apply these values of these settings.
     Take([(TunableSetting, f32); 2]),
     /// Choose this pixel.
     Choose((u32, u32)),
@@ -58,17 +58,17 @@ pub enum InspectorAction {
     Unpin(u8),
     /// Choose a folder of ground truth.
     LoadTruth,
-    /// Put the numbers behind a plot on the clipboard.
+    /// Copy the numbers behind a plot to the clipboard.
     Copy(Table),
     /// Write them to a file.
     Save(Table),
-    /// Put a plot on the clipboard as a picture.
+    /// Copy a plot to the clipboard as an image.
     CopyPicture(Box<Plot>),
     /// Write it to a file.
     SavePicture(Box<Plot>, Format),
 }
 
-/// The panel's own state: which tab is open, and how its plots are looked at.
+/// The state of the panel: the open tab, and the state of its plots.
 #[derive(Default)]
 pub struct Inspector {
     tab: Tab,
@@ -78,16 +78,16 @@ pub struct Inspector {
     tuning: tuning::TuningView,
     statistics: statistics::StatisticsView,
     pixels: pixels::PixelsView,
-    /// The tab that was drawn since it was last asked what it wants to know.
+    /// The tab drawn since the last call of [`Self::asks`].
     drawn: Option<Tab>,
     followed: Option<SlottedHistory>,
-    /// The same under the settings that are compared with those in view.
+    /// The state of the panel for the compared settings.
     other: Other,
-    /// What the two are called: those in view first.
+    /// The names of the two slots, the one in view first.
     pub names: [&'static str; 2],
 }
 
-/// How the pixel under the other settings is looked at.
+/// The panel's state for the pixel under the compared settings.
 #[derive(Default)]
 struct Other {
     now: mixture_view::MixtureView,
@@ -110,22 +110,22 @@ enum Tab {
 pub struct InspectorContext<'a> {
     /// The chosen pixel.
     pub chosen: Option<(u32, u32)>,
-    /// The pinned pixels with their numbers.
+    /// The pinned pixels, with their numbers.
     pub pins: &'a [(u8, (u32, u32))],
-    /// Their histories, as far as they are known.
+    /// The available histories of the pinned pixels.
     pub histories: &'a [Arc<PixelHistory>],
-    /// Those of which no history can be known.
+    /// The pinned pixels whose history can never be computed.
     pub lost: &'a [(u32, u32)],
-    /// The share of foreground around the chosen one, if [`InspectorRequests::around`] asks for it.
+    /// The foreground ratio around the chosen pixel, if [`InspectorRequests::around`] requests it.
     pub region: Option<&'a Arc<RegionShares>>,
-    /// What is known by the ground truth.
+    /// The accuracy around the chosen pixel, by the ground truth.
     pub judged: RegionAccuracy<'a>,
 }
 
 /// Accuracy in the region around the chosen pixel, by the ground truth.
 #[derive(Clone, Copy, Default)]
 pub struct RegionAccuracy<'a> {
-    /// Whether there are true masks.
+    /// Whether there are ground-truth masks.
     pub has_masks: bool,
     /// The tuning of the region, if [`InspectorRequests::judge`] requests it.
     pub tuning: Option<&'a Arc<RegionTuning>>,
@@ -134,15 +134,15 @@ pub struct RegionAccuracy<'a> {
 /// The data that the visible tab requests.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct InspectorRequests {
-    /// The two settings whose map is looked at.
+    /// The two settings of the tuning map.
     pub tune: Option<[TunableSetting; 2]>,
-    /// How many pixels to a side are looked at for how right they would be.
+    /// The side in pixels of the region whose accuracy is requested.
     pub judge: Option<u32>,
-    /// How many pixels to a side the share of foreground is counted of.
+    /// The side in pixels of the region whose foreground ratio is requested.
     pub around: Option<u32>,
 }
 
-/// A history with the slots of its components; computed again only for another history.
+/// A history with the slots of its components; recomputed only for another history.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SlottedHistory {
     history: Arc<PixelHistory>,
@@ -153,27 +153,28 @@ pub struct SlottedHistory {
 #[derive(Clone, Copy)]
 struct Chosen<'a> {
     history: &'a Arc<PixelHistory>,
-    /// Slots by rank, a set a state; a component's slot gives its colour.
+    /// Slots by rank, one set for each state; a component's slot determines its colour.
     slots: &'a Arc<Vec<[u8; MAX_K]>>,
     /// Index of the state of the frame in view.
     index: usize,
     state: &'a PixelState,
-    /// The source's frames a second.
+    /// The source's frame rate.
     fps: f32,
 }
 
 impl Chosen<'_> {
-    /// The history with its slots, to outlive the frame.
+    /// The history with its slots, with shared ownership.
     fn followed(&self) -> SlottedHistory {
         SlottedHistory { history: Arc::clone(self.history), slots: Arc::clone(self.slots) }
     }
 
-    /// Whether the states before `end` are those of a history that something was made of; it is taken in its place then.
+    /// Whether the first `end` states equal those of `made_of`, a history from which something was computed. If so,
+    /// the present history replaces `made_of`.
     fn shares(&self, made_of: &mut Arc<PixelHistory>, end: usize) -> bool {
         if Arc::ptr_eq(made_of, self.history) {
             return true;
         }
-        // A history only grows, many times a second while frames are taken in.
+        // A history only grows: many times a second during the analysis.
         let shares = end <= made_of.states.len() && self.history.extends(made_of);
         if shares {
             *made_of = Arc::clone(self.history);
@@ -188,11 +189,11 @@ impl Chosen<'_> {
 }
 
 impl Inspector {
-    /// Draws the panel about the pixel chosen in `shown`; gives what was asked for in it.
+    /// Draws the panel of the pixel chosen in `shown`. Returns the requested action.
     ///
-    /// `newest` is the pixel under the settings chosen last: it is shown in place of the frame's own
-    /// while the frame in view still waits for those. `fps` is the source's frame rate, to show
-    /// times in seconds beside frame numbers. `tuning` answers what [`Self::asks`], and `beside` has other pixels.
+    /// `newest` is the pixel under the latest settings. It is drawn in place of the frame's own while the frame in
+    /// view still waits for these settings. `fps` is the source's frame rate, to show times in seconds beside frame
+    /// numbers. `tuning` is the result of a request of [`Self::asks`], and `beside` holds other pixels.
     pub fn ui(
         &mut self,
         ui: &mut Ui,
@@ -242,7 +243,7 @@ impl Inspector {
         let chosen = Chosen { history, slots: &slots, index, state, fps };
         let mut words = verdict(history, index);
         let (x, y) = history.place(index);
-        // Of settings that the frame waits for, no mask is known yet.
+        // There is no mask yet under settings that the frame still waits for.
         let mask = if ahead.is_some() { words.foreground } else { shown.analysis.mask.is_foreground(x, y) };
         let ignored = ahead.is_none() && shown.roi.as_ref().is_some_and(|roi| !roi.contains(x, y));
         words.details.splice(0..0, overruled(words.foreground, mask, ignored, &shown.settings));
@@ -271,7 +272,7 @@ impl Inspector {
             ui.add_space(4.0);
         }
         ui.horizontal_wrapped(|ui| {
-            // All tabs have to stand in one line of a narrow panel.
+            // All tabs must fit into one line of a narrow panel.
             ui.spacing_mut().item_spacing.x = 2.0;
             ui.spacing_mut().button_padding.x = 6.0;
             for (tab, name) in [
@@ -313,7 +314,7 @@ impl Inspector {
         pin.or(asked)
     }
 
-    /// Why there is no history of the chosen pixel, and the pinned ones.
+    /// The reason why the chosen pixel has no history, and the pinned pixels.
     fn without_history(
         &mut self,
         ui: &mut Ui,
@@ -338,7 +339,7 @@ impl Inspector {
         scrolled.show(ui, |ui| self.pixels.pins_ui(ui, here, context)).inner
     }
 
-    /// Lets go of all that was drawn: it belongs to a video that is no longer there.
+    /// Drops all cached drawings, when their video is closed.
     pub fn forget(&mut self) {
         (self.followed, self.other.followed) = (None, None);
         self.history.forget();
@@ -347,7 +348,7 @@ impl Inspector {
         self.pixels.forget();
     }
 
-    /// What the tab wants to know that was drawn since this was last called; nothing where none was.
+    /// The data that the visible tab requests. Empty if no tab was drawn since the last call.
     pub fn asks(&mut self) -> InspectorRequests {
         match self.drawn.take() {
             Some(Tab::Tuning) => InspectorRequests {
@@ -372,7 +373,7 @@ const LOST: &str = "Pixel history not available: it needs the first frames, whic
 
 fn followed(known: &mut Option<SlottedHistory>, history: &Arc<PixelHistory>) -> Arc<Vec<[u8; MAX_K]>> {
     match known {
-        // The old history is kept alive, so that an equal address is the same history.
+        // The old history is kept alive, so that equal addresses imply the same history.
         Some(followed) if Arc::ptr_eq(&followed.history, history) => Arc::clone(&followed.slots),
         Some(followed) if history.extends(&followed.history) => {
             component_slots::extend_slots(Arc::make_mut(&mut followed.slots), history);
@@ -408,10 +409,10 @@ fn empty(ui: &mut Ui, title: &str, text: &str) {
     });
 }
 
-/// Beside the frame's number its time has room from this width on.
+/// Minimum width for the time beside the frame number.
 const WITH_SECONDS: f32 = 104.0;
 
-/// Value and place of the chosen pixel, with what pins it; whether that was asked for.
+/// Value and position of the chosen pixel, with the pin button. Returns the requested action.
 fn header(ui: &mut Ui, chosen: &Chosen<'_>, pinned: Option<u8>) -> Option<InspectorAction> {
     let mut pin = None;
     let state = chosen.state;
@@ -456,7 +457,7 @@ fn pin_button(ui: &mut Ui, pinned: Option<u8>) -> Option<InspectorAction> {
     response.clicked().then_some(InspectorAction::Pin)
 }
 
-/// Foreground or background, in a sentence; under which settings, where there are two.
+/// The verdict in a sentence, with the name of the slot where there are two.
 fn verdict_ui(ui: &mut Ui, words: &Verdict, mask: bool, name: Option<&str>) {
     let colour = style::verdict_colour(ui.visuals(), words.foreground);
     let frame = egui::Frame::new()

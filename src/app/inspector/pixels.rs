@@ -1,5 +1,4 @@
-//! Several pixels beside one another: the pinned ones as small multiples, and the share of foreground around the chosen
-//! one.
+//! Several pixels at once: the pinned pixels as small multiples, and the foreground ratio around the chosen pixel.
 
 use std::sync::Arc;
 
@@ -25,15 +24,15 @@ const SHARES: f32 = 64.0;
 const SPARK: f32 = 34.0;
 const STRIP: f32 = 5.0;
 
-/// How large the region is, and the columns that were drawn last.
+/// The side of the region, and the cached columns.
 pub(super) struct PixelsView {
-    /// Pixels along a side of the region.
+    /// Side of the region, in pixels.
     pub(super) side: u32,
     cache: Vec<Cache>,
     curve: Option<Curve>,
 }
 
-/// Columns of the region; made anew only for other shares or another width.
+/// Columns of the region, recomputed only for other ratios or another width.
 struct Curve {
     shares: Arc<RegionShares>,
     columns: usize,
@@ -46,11 +45,11 @@ impl Default for PixelsView {
     }
 }
 
-/// Columns of one pin; made anew only for another history or width.
+/// Columns of one pin, recomputed only for another history or width.
 struct Cache {
     history: Arc<PixelHistory>,
     columns: usize,
-    /// Of how many frames they are, of which the history may have fewer.
+    /// The number of frames on the axis; the history may have fewer.
     frames: usize,
     sparks: Vec<SparklineColumn>,
 }
@@ -58,17 +57,17 @@ struct Cache {
 const MAX_COPIES_IN_FLIGHT: &str = "Computing history…";
 const LOST: &str = "Not available: this live source no longer has the first frames.";
 
-/// The position of the frame in view.
+/// The frame in view.
 #[derive(Clone, Copy)]
 pub(super) struct FramePosition {
-    /// Its position.
+    /// Its position, from 0.
     pub(super) index: usize,
-    /// The source's frames a second.
+    /// The source's frame rate.
     pub(super) fps: f32,
 }
 
 impl PixelsView {
-    /// The region around `chosen` and the pins.
+    /// Draws the region around `chosen` and the pins.
     pub(super) fn ui(
         &mut self,
         ui: &mut Ui,
@@ -81,7 +80,7 @@ impl PixelsView {
         self.pins_ui(ui, here, context).or(region)
     }
 
-    /// Lets go of what was drawn.
+    /// Drops all cached columns.
     pub(super) fn forget(&mut self) {
         self.cache.clear();
         self.curve = None;
@@ -123,7 +122,7 @@ impl PixelsView {
         asked.or(taken)
     }
 
-    /// The pins, one below the other.
+    /// The pins, stacked.
     pub(super) fn pins_ui(
         &mut self,
         ui: &mut Ui,
@@ -192,7 +191,7 @@ impl PixelsView {
         asked
     }
 
-    /// The share of foreground in each frame: after cleaning as an area, before it as a line.
+    /// The foreground ratio of each frame: after post-processing as an area, before it as a line.
     fn shares_ui(
         &mut self,
         ui: &mut Ui,
@@ -293,7 +292,7 @@ fn values(state: &PixelState) -> String {
     format!("{r} {g} {b}")
 }
 
-/// Number, place and verdict of a pin, and what takes it away.
+/// Number, position and verdict of a pin, with the button that unpins it.
 fn pin_row(
     ui: &mut Ui,
     number: u8,
@@ -370,14 +369,14 @@ fn draw(
     mark(&painter, visuals, axis, here, plot.y_range());
 }
 
-/// The frame in view.
+/// A line at the frame in view.
 fn mark(painter: &Painter, visuals: &Visuals, axis: ChartAxis, here: FramePosition, y: Rangef) {
     let x = axis.at(here.index as f64 + 0.5);
     painter.vline(x, y, Stroke::new(3.0, visuals.panel_fill.gamma_multiply(0.6)));
     painter.vline(x, y, Stroke::new(1.5, style::ink(visuals)));
 }
 
-/// What a click or the pointer on a plot means: the frame there, told in words and gone to.
+/// The pointer on a plot: shows the frame under it, and goes to it on a click.
 fn go_to(
     ui: &Ui,
     response: &Response,
@@ -411,20 +410,20 @@ mod tests {
     }
 
     #[test]
-    fn columns_of_a_region_are_made_anew_only_for_other_shares_or_another_width() {
+    fn region_columns_are_recomputed_only_for_other_ratios_or_another_width() {
         let shares = |share: f32| {
             let (model, cleaned) = (vec![share; 90], vec![share / 2.0; 90]);
             Arc::new(RegionShares { at: (0, 0), side: 5, pixels: 25, model, cleaned })
         };
         let (mut pixels, one) = (PixelsView::default(), shares(0.5));
         let first = pixels.peaks(&one, 30).as_ptr();
-        assert_eq!(pixels.peaks(&Arc::clone(&one), 30).as_ptr(), first, "the same columns, not equal ones");
+        assert_eq!(pixels.peaks(&Arc::clone(&one), 30).as_ptr(), first, "the cached columns are reused");
         assert_eq!(pixels.peaks(&one, 20).len(), 20);
         assert_eq!(pixels.peaks(&shares(0.75), 20)[3].model, 0.75);
     }
 
     #[test]
-    fn columns_are_made_anew_only_for_another_history_or_width() {
+    fn columns_are_recomputed_only_for_another_history_or_width() {
         let (mut pixels, history) = (PixelsView::default(), history(100));
         let first = pixels.sparks(&history, 50, 100).as_ptr();
         assert_eq!(pixels.sparks(&Arc::clone(&history), 50, 100).as_ptr(), first);

@@ -1,4 +1,4 @@
-//! What can be taken along as a picture.
+//! Plots that can be exported.
 
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
@@ -15,7 +15,7 @@ use crate::mixture::{PixelHistory, scatter_points};
 use crate::replay::{RegionShares, RegionTuning, Tuning};
 use crate::truth::decisions::Measure;
 
-/// A plot as it stands in the window. Its figure is only made when it is asked for, on a thread of its own.
+/// A plot as drawn in the window. Its figure is made only on request, on another thread.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Plot {
     /// The densities at a position.
@@ -30,25 +30,25 @@ pub enum Plot {
     Cube(SlottedHistory, scatter_points::ScatterSelection, usize, Look),
     /// The tuning map.
     Map(SlottedHistory, Box<Tuning>),
-    /// How right the pixels around it would be.
+    /// The accuracy around the pixel under other settings.
     RegionAccuracy(SlottedHistory, Arc<RegionTuning>, Measure),
-    /// The share of foreground around a pixel, with the frame in view.
+    /// The foreground ratio around a pixel, with the frame in view.
     Region(Arc<PixelHistory>, Arc<RegionShares>, usize),
     /// Pinned pixels with their numbers, with the frame in view.
     Pins(Vec<(u8, Arc<PixelHistory>)>, usize),
 }
 
-/// Which file is written.
+/// The file format of a plot.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Format {
-    /// A picture of pixels.
+    /// A raster image.
     Png,
-    /// A drawing of lines.
+    /// A vector drawing.
     Svg,
 }
 
 impl Format {
-    /// The ending of its files.
+    /// The file extension.
     pub const fn ending(self) -> &'static str {
         match self {
             Self::Png => "png",
@@ -56,7 +56,7 @@ impl Format {
         }
     }
 
-    /// What it is called in dialogs.
+    /// The name in dialogs.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Png => "PNG image",
@@ -66,7 +66,7 @@ impl Format {
 }
 
 impl Plot {
-    /// The figure. May take a while.
+    /// Makes the figure. This may be slow.
     pub fn figure(&self) -> Figure {
         match self {
             Self::Densities(of, index, moment) => mixture::densities(&of.history, &of.slots, *index, *moment),
@@ -87,11 +87,11 @@ impl Plot {
         }
     }
 
-    /// The numbers behind it.
+    /// The numbers behind the plot.
     pub fn table(&self) -> Table {
         match self {
             Self::Densities(of, index, moment) | Self::Weights(of, index, moment) => {
-                // The mixture before the update is the one after that of the frame before.
+                // The mixture before the update is the mixture after the previous frame's update.
                 let sides = moment.sides().iter().map(|&before| index.saturating_sub(usize::from(before)));
                 let (from, to) = sides.fold((usize::MAX, 0), |(from, to), at| (from.min(at), to.max(at + 1)));
                 Table::History(Arc::clone(&of.history), from.min(to)..to)
@@ -108,7 +108,7 @@ impl Plot {
         }
     }
 
-    /// A name for its file.
+    /// A file name.
     pub fn name(&self, format: Format) -> String {
         let (what, of) = match self {
             Self::Densities(of, ..) => ("densities", &of.history),
@@ -125,13 +125,13 @@ impl Plot {
         format!("{what}-{x}-{y}.{}", format.ending())
     }
 
-    /// Draws it, or says why it could not be.
+    /// Draws the plot as an image, or returns an error in a sentence.
     pub(crate) fn drawn(&self) -> Result<Frame, String> {
         let failed = |error| format!("the image cannot be rendered: {error}; save it as SVG instead");
         raster::picture(&self.figure()).map_err(failed)
     }
 
-    /// Writes it to a file, or says why it could not be.
+    /// Writes the plot to a file, or returns an error in a sentence.
     pub(crate) fn save(&self, path: PathBuf, format: Format) -> Result<PathBuf, String> {
         atomic_write::write(path, format.ending(), |at: &Path| match format {
             Format::Svg => fs::write(at, svg::write(&self.figure())),

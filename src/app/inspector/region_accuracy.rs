@@ -1,4 +1,4 @@
-//! Accuracy of the mixture in the region around the chosen pixel under other settings, against true masks.
+//! Accuracy of the mixture in the region around the chosen pixel under other settings, against ground-truth masks.
 
 use std::sync::Arc;
 
@@ -15,12 +15,12 @@ use crate::palette;
 use crate::replay::RegionTuning;
 use crate::truth::decisions::{Decisions, Measure};
 
-/// Height of a map as a share of its width, where there are two.
+/// Ratio of height to width of each map where there are two.
 pub(super) const PAIRED_MAP_ASPECT: f32 = 0.48;
 
-/// The side of the region, and the measure.
+/// The side of the region, and the displayed measure.
 pub(super) struct RegionAccuracyView {
-    /// Pixels along a side of the region.
+    /// Side of the region, in pixels.
     pub(super) side: u32,
     measure: Measure,
 }
@@ -111,7 +111,7 @@ impl RegionAccuracyView {
         }
     }
 
-    /// A measure with what it is made of.
+    /// The value of the measure, with the counts behind it.
     fn words(&self, decisions: Decisions) -> String {
         let Decisions { fp, fn_, .. } = decisions;
         let value = match self.measure {
@@ -121,7 +121,7 @@ impl RegionAccuracyView {
         format!("{value}: FP {fp}, FN {fn_}.")
     }
 
-    /// How right it is now and at best, with a button that takes the best.
+    /// The present and the best accuracy, with a button that applies the best settings.
     fn summary(&self, ui: &mut Ui, tuning: &RegionTuning) -> Option<InspectorAction> {
         if tuning.present.all() == 0 {
             ui.label(style::aside(ui, "The ground truth ignores all of these pixels."));
@@ -147,7 +147,7 @@ impl RegionAccuracyView {
     }
 }
 
-/// What stands here without true masks.
+/// The message where there are no ground-truth masks.
 fn nothing(ui: &mut Ui) -> Option<InspectorAction> {
     ui.label(RichText::new("Accuracy in neighbourhood").strong());
     let text = "Requires ground-truth masks: maps the accuracy of each of these settings in the \
@@ -158,7 +158,7 @@ fn nothing(ui: &mut Ui) -> Option<InspectorAction> {
     button.clicked().then_some(InspectorAction::LoadTruth)
 }
 
-/// The least and the greatest value in the map and now.
+/// Minimum and maximum over the map and the present settings.
 fn ends(tuning: &RegionTuning, measure: Measure) -> (f64, f64) {
     let all = tuning.cells.iter().map(|&decisions| measure.of(decisions));
     all.fold((measure.of(tuning.present), measure.of(tuning.present)), |(low, high), value| {
@@ -166,7 +166,7 @@ fn ends(tuning: &RegionTuning, measure: Measure) -> (f64, f64) {
     })
 }
 
-/// The best cell, if it is better than the present settings; of equals the one nearest to them.
+/// The best cell, if it is better than the present settings. Of equal cells, the one nearest to them.
 fn best(tuning: &RegionTuning, measure: Measure) -> Option<(usize, usize)> {
     let [x, y] = &tuning.axes;
     let here = [x, y].map(|axis| axis.share_of(axis.knob.get(&tuning.parameters)));
@@ -183,7 +183,7 @@ fn best(tuning: &RegionTuning, measure: Measure) -> Option<(usize, usize)> {
     (best.1 > measure.of(tuning.present)).then_some(best.0)
 }
 
-/// The colours with the values at both ends.
+/// The colour scale, with the values at both ends.
 fn ramp(ui: &mut Ui, low: f64, high: f64) {
     ui.label(style::aside(ui, &format!("{low:.3}")));
     let (rect, _) = ui.allocate_exact_size(Vec2::new(64.0, 10.0), Sense::hover());
@@ -205,7 +205,7 @@ mod tests {
     use crate::settings::Settings;
 
     #[test]
-    fn the_best_is_better_than_now_and_of_equals_the_nearest() {
+    fn the_best_cell_beats_the_present_settings_and_ties_go_to_the_nearest() {
         let parameters = Parameters::new(&Settings::default());
         let (axes, cells) = grid(&parameters, [TunableSetting::Alpha, TunableSetting::T]);
         let present = Decisions { tp: 5, fp: 1, fn_: 5, tn: 9 };

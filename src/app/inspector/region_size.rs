@@ -1,13 +1,13 @@
-//! Side of the region around the chosen pixel.
+//! The side of the region around the chosen pixel.
 
 use eframe::egui::Ui;
 
 use super::style::{self, small};
 
-/// The sides that can be chosen, in pixels.
+/// The available sides, in pixels.
 const SIDES_PX: [u32; 5] = [1, 3, 5, 9, 15];
 
-/// The sides to choose from, in a line.
+/// A selector of the side, in one line.
 pub(super) fn choice(ui: &mut Ui, chosen: &mut u32) {
     for side in SIDES_PX {
         let text = format!("{side}×{side}");

@@ -1,4 +1,4 @@
-//! The rows of the history: each draws one thing over the frames, from columns.
+//! The rows of the history. Each draws one quantity over the frames, from columns.
 
 use eframe::egui::{Color32, Painter, Pos2, Rangef, Rect, Shape, Stroke, Visuals};
 
@@ -10,10 +10,10 @@ use crate::mixture::downsampled_history::{
 };
 use crate::mixture::verdict::number;
 
-/// Height of a lane of changes; each sort has one.
+/// Height of a lane of component changes; each kind of change has a lane.
 pub(super) const LANE: f32 = 9.0;
 
-/// The part of the axis that a bin takes.
+/// The horizontal range of a column.
 pub(super) fn x_range(bin: &HistoryColumn, axis: ChartAxis) -> Rangef {
     Rangef::new(axis.at(bin.frames.start as f64), axis.at(bin.frames.end as f64))
 }
@@ -47,7 +47,7 @@ pub(super) fn channel_plot(
     let mut levels = Columns::default();
     for bin in bins {
         for &(step, count) in &bin.levels[channel] {
-            // Even a single frame among a thousand leaves a trace.
+            // A single frame among a thousand stays visible.
             let share = count as f32 / bin.frames.len() as f32;
             let low = f64::from(step) * f64::from(LEVELS_PER_BIN);
             let (low, high) = (values.at(low), values.at(low + f64::from(LEVELS_PER_BIN)));
@@ -70,7 +70,7 @@ pub(super) fn channel_plot(
         }
     }
     painter.add(Shape::line(line, Stroke::new(1.0, ink.gamma_multiply(0.9))));
-    // With room between frames each value is a point of its own.
+    // With enough space between frames, each value is a point.
     for bin in bins.iter().filter(|bin| bin.frames.len() == 1) {
         let x = x_range(bin, axis);
         if x.span() >= 6.0 {
@@ -84,7 +84,7 @@ pub(super) fn channel_plot(
     }
 }
 
-/// The weights stacked in rank order, with T.
+/// The stacked weights in rank order, with T.
 pub(super) fn weights_plot(
     painter: &Painter,
     visuals: &Visuals,
@@ -117,7 +117,7 @@ pub(super) fn weights_plot(
     chart::y_labels(painter, rect.left(), &labels, visuals);
 }
 
-/// ρ on a logarithmic scale where something matched.
+/// ρ on a logarithmic scale, in frames where a component matched.
 pub(super) fn rates_plot(
     painter: &Painter,
     visuals: &Visuals,
@@ -142,12 +142,12 @@ pub(super) fn rates_plot(
     chart::y_labels(painter, rect.left(), &ends, visuals);
 }
 
-/// A power of ten beside its axis.
+/// The label of a power of ten beside its axis.
 fn rate_words(rate: f64) -> String {
     power_of_ten(rate.log10().round() as i32)
 }
 
-/// A stroke in the component's colour for each that was born, replaced another, or rose, in lanes of their own.
+/// A stroke in the component's colour for each that was created, replaced or moved up, in one lane each.
 pub(super) fn changes_plot(
     painter: &Painter,
     visuals: &Visuals,
@@ -161,7 +161,7 @@ pub(super) fn changes_plot(
         let top = rect.top() + LANE * lane as f32;
         for bin in bins {
             let Some(slot) = bin.changes[lane] else { continue };
-            // One frame among a hundred thousand is still to be seen.
+            // A single frame among a hundred thousand stays visible.
             let x = x_range(bin, axis);
             let half = (x.span() / 2.0).clamp(0.8, 2.5);
             let stroke = Rangef::new(x.center() - half, x.center() + half);
@@ -177,7 +177,7 @@ pub(super) fn changes_plot(
     chart::y_labels(painter, rect.left(), &labels, visuals);
 }
 
-/// B.
+/// The number of background components, B.
 pub(super) fn count_plot(
     painter: &Painter,
     visuals: &Visuals,
@@ -215,13 +215,13 @@ mod tests {
     use crate::settings::{Preset, Settings};
 
     #[test]
-    fn every_rate_is_written_in_the_room_beside_its_axis() {
-        // What the paper's own rate comes to: a surface of which many values were learned, then far outliers.
+    fn every_rate_label_fits_beside_its_axis() {
+        // The range of the paper's own ρ: a surface with many observed values, then far outliers.
         let parameters = Parameters::new(&Settings::preset(Preset::Paper));
         let colours = (1..=200).map(|n| (n, if n % 9 == 0 { [124, 131, 119] } else { [100; 3] }));
         let history = PixelHistory::of_colours((0, 0), parameters, colours);
         let (low, _) = rate_range(&downsample(&history, &slots_by_rank(&history), 0..200, 50));
-        assert!(low < 1e-4, "a case in point: {low}");
+        assert!(low < 1e-4, "the input must produce low rates: {low}");
         let rates = (-12..=0).map(|power| 10_f64.powi(power)).chain([low]);
         let ctx = Context::default();
         let mut output = ctx.run_ui(RawInput::default(), |ui| {

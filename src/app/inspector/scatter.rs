@@ -1,4 +1,4 @@
-//! Where a pixel's values lie in the space of its channels, with the reach of each component.
+//! Scatter plot of a pixel's values in the space of its channels, with the match radius of each component.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -26,11 +26,11 @@ use crate::mixture::scatter_points::{
 };
 use crate::mixture::verdict::number;
 
-/// Which space and which frames are shown.
+/// The displayed space and frames.
 pub(super) struct Scatter {
-    /// Of a value of three channels.
+    /// The space for pixels of three channels.
     space: ScatterSpace,
-    /// The last so many frames up to the one in view, 0 for all of the history.
+    /// The number of frames up to the frame in view; 0 for the whole history.
     last: usize,
     by: PointGrouping,
     cube: CubeView,
@@ -44,7 +44,7 @@ impl Default for Scatter {
     }
 }
 
-/// Places are only counted anew for another history or choice.
+/// Points are recomputed only for another history or selection.
 struct Cache {
     history: Arc<PixelHistory>,
     choice: ScatterSelection,
@@ -52,10 +52,10 @@ struct Cache {
     groups: Vec<Group>,
 }
 
-/// Points of one look.
+/// Points of one appearance.
 struct Group {
     kind: PointKind,
-    /// 0..=2: how many frames share the place, on a logarithmic scale.
+    /// 0..=2: the number of frames at the same point, on a logarithmic scale.
     density: usize,
     points: Vec<PlotPoint>,
 }
@@ -95,7 +95,7 @@ impl Scatter {
             ui.label(style::aside(ui, "frames"));
             let total = chosen.history.states.len();
             let mut last = if self.last == 0 { total } else { self.last };
-            // What was chosen stays while fewer frames are known.
+            // The chosen number is retained while fewer frames are available.
             let drag = DragValue::new(&mut last).range(2..=total.max(2)).clamp_existing_to_range(false);
             let drag = drag.prefix("last ");
             let drag = ui.add(drag).accessible_name("Frames up to the current one");
@@ -144,13 +144,13 @@ impl Scatter {
         ScatterSelection { space, frames, by: self.by }
     }
 
-    /// Lets go of what was drawn.
+    /// Drops the cached points.
     pub(super) fn forget(&mut self) {
         self.cache = None;
     }
 
     fn count(&mut self, chosen: &Chosen<'_>, choice: ScatterSelection) {
-        // The next value belongs to a place, too.
+        // A point of this space also needs the next frame's value.
         let end = choice.frames.end + usize::from(choice.space == ScatterSpace::Next);
         let fits = self
             .cache
@@ -189,7 +189,7 @@ impl Scatter {
     }
 }
 
-/// A plane of two channels, or of a value and the next, to be panned and zoomed.
+/// A plane of two channels, or of a value and the next, with pan and zoom.
 fn plane(ui: &mut Ui, chosen: &Chosen<'_>, choice: &ScatterSelection, groups: &[Group]) {
     let (x, y) = if let ScatterSpace::Plane(x, y) = choice.space { (x, y) } else { (0, 0) };
     let gray = choice.space == ScatterSpace::Next;
@@ -201,12 +201,12 @@ fn plane(ui: &mut Ui, chosen: &Chosen<'_>, choice: &ScatterSelection, groups: &[
     let cross =
         coordinates_of(chosen.history, chosen.index, choice.space).map(|[x, y, _]| [x, y].map(f64::from));
 
-    // A plane is looked at with its own pan and zoom.
+    // Each plane has its own pan and zoom.
     let response = Plot::new(("scatter", x, y, gray))
         .width(side)
         .height(side)
         .data_aspect(1.0)
-        // The number over a circle stands inside.
+        // The number above a circle must stay inside.
         .set_margin_fraction(egui::Vec2::splat(0.08))
         .allow_scroll(false)
         .allow_boxed_zoom(false)
@@ -225,7 +225,7 @@ fn plane(ui: &mut Ui, chosen: &Chosen<'_>, choice: &ScatterSelection, groups: &[
         })
         .show(ui, |plot| {
             for group in groups {
-                // Rings have little ink, and foreground is rare and must be found.
+                // Rings are faint, and foreground is rare and must be visible.
                 let hollow = matches!(group.kind, PointKind::Component { foreground: true, .. });
                 let strength = if hollow { 1.0 } else { [0.45, 0.65, 0.9][group.density.min(2)] };
                 let colour = colour(&visuals, group.kind).gamma_multiply(strength);
@@ -276,7 +276,7 @@ fn plane(ui: &mut Ui, chosen: &Chosen<'_>, choice: &ScatterSelection, groups: &[
     });
 }
 
-/// The colour of a point.
+/// The colour of a kind of point.
 pub(super) fn colour(visuals: &Visuals, kind: PointKind) -> Color32 {
     match kind {
         PointKind::Component { slot, .. } => style::component(visuals, slot),
@@ -296,7 +296,7 @@ fn axis<'a>(hints: AxisHints<'a>, name: &str, visuals: &Visuals) -> AxisHints<'a
         .tick_label_color(style::muted(visuals))
 }
 
-/// Grid lines of one kind, as many as leave room for their numbers.
+/// Grid lines of one kind, only as many as leave space for their numbers.
 fn marks(input: &GridInput) -> Vec<GridMark> {
     let (min, max) = input.bounds;
     let values = chart::ticks(min, max, 6);
@@ -304,7 +304,7 @@ fn marks(input: &GridInput) -> Vec<GridMark> {
     values.into_iter().map(|value| GridMark { value, step_size }).collect()
 }
 
-/// The places of one look together.
+/// Groups points by appearance.
 fn groups(places: &[ScatterPoint]) -> Vec<Group> {
     let mut groups: Vec<Group> = Vec::new();
     let mut sorted: Vec<_> =

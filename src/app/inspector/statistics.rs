@@ -1,4 +1,4 @@
-//! The pixel in a few numbers, over all of its frames or some.
+//! Statistics of the pixel over all frames or a range.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -13,10 +13,10 @@ use crate::mixture::PixelHistory;
 use crate::mixture::statistics::Statistics;
 use crate::mixture::verdict::number;
 
-/// Which frames are counted, and what was counted last.
+/// The range of frames, and the cached statistics.
 #[derive(Default)]
 pub(super) struct StatisticsView {
-    /// Positions, `None` for all there are.
+    /// The positions; `None` for all.
     part: Option<Range<usize>>,
     cache: Option<(Arc<PixelHistory>, Range<usize>, Statistics)>,
 }
@@ -108,7 +108,7 @@ impl StatisticsView {
     fn range(&self, chosen: &Chosen<'_>) -> Range<usize> {
         let total = chosen.history.states.len();
         match &self.part {
-            // Another video, or the same one run anew, may be shorter.
+            // Another video, or a repeated run, may be shorter.
             Some(part) if part.start < total => part.start..part.end.min(total),
             _ => 0..total,
         }
@@ -147,12 +147,12 @@ impl StatisticsView {
         });
     }
 
-    /// Lets go of what was counted.
+    /// Drops the cached statistics.
     pub(super) fn forget(&mut self) {
         self.cache = None;
     }
 
-    /// Counted anew only for another history or other frames.
+    /// The statistics, recomputed only for another history or range.
     fn statistics(&mut self, chosen: &Chosen<'_>, range: Range<usize>) -> Statistics {
         if let Some((of, frames, statistics)) = &mut self.cache
             && *frames == range

@@ -1,4 +1,4 @@
-//! What the inspector's drawings have in common: colours, text sizes, numbers.
+//! Common style of the inspector's plots: colours, text sizes, numbers.
 
 use eframe::egui::accesskit::Role;
 use eframe::egui::{
@@ -28,12 +28,12 @@ pub(super) fn component(visuals: &Visuals, slot: u8) -> Color32 {
     theme::rgb(colour(usize::from(slot)))
 }
 
-/// The colour of foreground or of background.
+/// The colour of foreground or background.
 pub(super) const fn verdict_colour(visuals: &Visuals, foreground: bool) -> Color32 {
     theme::rgb(palette::verdict_colour(foreground, visuals.dark_mode))
 }
 
-/// The colour of frames of which such a share is foreground: a single one among a hundred must still be seen.
+/// The colour of frames with this foreground ratio. A single foreground frame among a hundred stays visible.
 pub(super) fn verdict_share(visuals: &Visuals, share: f32) -> Color32 {
     if share > 0.0 {
         verdict_colour(visuals, true).gamma_multiply(0.45 + 0.55 * share)
@@ -42,17 +42,17 @@ pub(super) fn verdict_share(visuals: &Visuals, share: f32) -> Color32 {
     }
 }
 
-/// Lines and marks that carry the data itself.
+/// The colour of lines and marks that show the data itself.
 pub(super) fn ink(visuals: &Visuals) -> Color32 {
     visuals.strong_text_color()
 }
 
-/// Captions, ticks and asides.
+/// The colour of captions, ticks and notes.
 pub(super) fn muted(visuals: &Visuals) -> Color32 {
     theme::colours(visuals).weak
 }
 
-/// A caption or an aside.
+/// A caption or a note.
 pub(super) fn aside(ui: &Ui, text: &str) -> RichText {
     small(text).color(muted(ui.visuals()))
 }
@@ -62,7 +62,7 @@ pub(super) fn faint(visuals: &Visuals) -> Stroke {
     Stroke::new(1.0, visuals.text_color().gamma_multiply(0.22))
 }
 
-/// A plate of a colour with a thin edge, so that it stands out from any ground.
+/// A colour swatch with a thin border, visible on any background.
 pub(super) fn swatch(ui: &mut Ui, rgb: [u8; 3], side: f32, name: &str) {
     let (rect, response) = ui.allocate_exact_size(Vec2::splat(side), Sense::hover());
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, name));
@@ -76,7 +76,7 @@ pub(super) fn swatch(ui: &mut Ui, rgb: [u8; 3], side: f32, name: &str) {
     );
 }
 
-/// The time of a position in seconds, with a tenth.
+/// The time of a position in seconds, with one decimal.
 pub(super) fn seconds(position: usize, fps: f32) -> String {
     format!("{:.1}", position as f32 / fps.max(f32::MIN_POSITIVE))
 }

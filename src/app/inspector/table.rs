@@ -1,4 +1,4 @@
-//! The numbers behind a plot, to take along as CSV.
+//! The numbers behind a plot, for export as CSV.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -10,25 +10,25 @@ use crate::export::{pixel_csv, shares_csv, statistics_csv, tuning_csv};
 use crate::mixture::PixelHistory;
 use crate::replay::{RegionShares, RegionTuning, Tuning};
 
-/// What can be copied or saved. It is written only when it is asked for.
+/// A table that can be copied or saved. It is written only on request.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Table {
-    /// These states of a pixel, a frame a row, as `occluscope pixel` writes them.
+    /// These states of a pixel, one row a frame, as `occluscope pixel` writes them.
     History(Arc<PixelHistory>, Range<usize>),
-    /// A tuning map, a cell a row.
+    /// A tuning map, one row a cell.
     Map(Box<Tuning>),
-    /// How right the pixels around one would be, a cell a row.
+    /// The accuracy around a pixel, one row a cell.
     RegionAccuracy(Arc<RegionTuning>),
-    /// What is counted over these states of a pixel, in one row.
+    /// The statistics over these states of a pixel, in one row.
     Statistics(Arc<PixelHistory>, Range<usize>),
-    /// The share of foreground around a pixel, a frame a row.
+    /// The foreground ratio around a pixel, one row a frame.
     Region(Arc<PixelHistory>, Arc<RegionShares>),
-    /// Pinned pixels with their numbers, a frame of each a row.
+    /// Pinned pixels with their numbers, one row for each frame of each pixel.
     Pins(Vec<(u8, Arc<PixelHistory>)>),
 }
 
 impl Table {
-    /// How many rows it has without its header.
+    /// The number of rows without the header.
     pub fn rows(&self) -> usize {
         match self {
             Self::History(_, range) => range.len(),
@@ -40,7 +40,7 @@ impl Table {
         }
     }
 
-    /// A name for its file.
+    /// A file name.
     pub fn name(&self) -> String {
         match self {
             Self::History(history, _) => format!("pixel-{}-{}.csv", history.at.0, history.at.1),
@@ -52,7 +52,7 @@ impl Table {
         }
     }
 
-    /// Writes it as CSV.
+    /// Writes the table as CSV.
     pub fn write(&self, out: &mut impl io::Write) -> io::Result<()> {
         match self {
             Self::History(history, range) => {
@@ -68,14 +68,14 @@ impl Table {
         }
     }
 
-    /// As text.
+    /// The table as CSV text.
     pub fn csv(&self) -> io::Result<String> {
         let mut text = Vec::new();
         self.write(&mut text)?;
         String::from_utf8(text).map_err(io::Error::other)
     }
 
-    /// Writes it to a file, or says why it could not be.
+    /// Writes the table to a file, or returns an error in a sentence.
     pub(crate) fn save(&self, path: PathBuf) -> Result<PathBuf, String> {
         atomic_write::write(path, "csv", |at: &Path| {
             let mut out = io::BufWriter::new(fs::File::create(at)?);
@@ -85,7 +85,7 @@ impl Table {
     }
 }
 
-/// Pinned pixels as writers take them.
+/// Pinned pixels in the form that writers need.
 pub(super) fn borrowed(pins: &[(u8, Arc<PixelHistory>)]) -> Vec<(u8, &PixelHistory)> {
     pins.iter().map(|(number, history)| (*number, &**history)).collect()
 }

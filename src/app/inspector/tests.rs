@@ -29,8 +29,8 @@ use crate::settings::{BackgroundModel, Preset, Settings, Space};
 const SIZE: Size = Size::new(8, 6);
 const AT: (u32, u32) = (5, 4);
 
-/// A pixel that sees two surfaces in turn, as one under a swaying branch does, and from frame 420
-/// on for a while a person in dark clothes. With its noise.
+/// A noisy pixel that alternates between two surfaces, as under a swaying branch. From frame 420 a person in dark
+/// clothes covers it for a while.
 fn history_of(settings: &Settings, frames: u32) -> PixelHistory {
     let mut seed = 12_345_u32;
     let mut noise = move || {
@@ -100,7 +100,7 @@ fn shown(position: u32) -> ShownFrame {
 fn tuning_of(shown: &ShownFrame, knobs: [TunableSetting; 2]) -> Option<Tuning> {
     let history = shown.pixel.as_ref()?;
     let states = history.states.get(..=shown.position as usize)?;
-    // A long history is tried elsewhere.
+    // Other tests cover long histories.
     let values: Vec<_> = states.iter().take(1000).map(|state| state.value).collect();
     let parameters = history.parameters;
     Some(Tuning {
@@ -112,7 +112,7 @@ fn tuning_of(shown: &ShownFrame, knobs: [TunableSetting; 2]) -> Option<Tuning> {
     })
 }
 
-/// The panel about `shown` in a harness, and what it asked for.
+/// The panel of `shown` in a harness, with the actions that it requested.
 fn harness(
     shown: Option<ShownFrame>,
     size: Vec2,
@@ -120,7 +120,7 @@ fn harness(
 ) -> (Harness<'static>, Rc<RefCell<Vec<InspectorAction>>>) {
     let actions = Rc::new(RefCell::new(Vec::new()));
     let (asked, mut inspector) = (Rc::clone(&actions), Inspector::default());
-    // As the worker answers when the tab is open.
+    // The worker's result while the tab is open.
     let tuning =
         shown.as_ref().and_then(|shown| tuning_of(shown, [TunableSetting::Alpha, TunableSetting::T]));
     let mut harness = Harness::builder()
@@ -153,7 +153,7 @@ fn open(harness: &mut Harness<'_>, tab: &str) {
     harness.run();
 }
 
-/// Opens the menu of a plot and chooses in it.
+/// Opens the menu of a plot and selects an entry.
 fn choose(harness: &mut Harness<'_>, menu: &str, entry: &str) {
     harness.get_by_label(menu).click();
     harness.run();
@@ -161,7 +161,7 @@ fn choose(harness: &mut Harness<'_>, menu: &str, entry: &str) {
     harness.run();
 }
 
-/// Everything that is written or named in the panel.
+/// All texts and accessible names in the panel.
 fn texts(harness: &Harness<'_>) -> Vec<String> {
     let mut texts = Vec::new();
     let mut waiting = vec![harness.root()];
@@ -185,7 +185,7 @@ fn picture(harness: &mut Harness<'_>, name: &str) {
 }
 
 #[test]
-fn without_a_frame_a_pixel_a_mixture_or_a_state_it_says_what_is_missing() {
+fn without_frame_pixel_mixture_or_state_a_message_names_what_is_missing() {
     let history = history_of(&settings(), 20);
     let knn = Settings { background_model: BackgroundModel::Knn, ..settings() };
     let mog2 = Settings { background_model: BackgroundModel::Mog2, ..settings() };
@@ -221,7 +221,7 @@ fn every_tab_can_be_drawn_dark_and_light_narrow_and_wide() {
 }
 
 #[test]
-fn every_tab_looks_as_it_did_when_it_was_last_looked_at() {
+fn every_tab_matches_its_golden_image() {
     for (theme, look) in [(Theme::Dark, "dark"), (Theme::Light, "light")] {
         let (mut harness, _) = harness(Some(shown(430)), Vec2::new(340.0, 900.0), theme);
         for tab in ["Mixture", "both", "History", "Tuning", "Statistics", "Scatter", "3-D"] {
@@ -233,7 +233,7 @@ fn every_tab_looks_as_it_did_when_it_was_last_looked_at() {
 }
 
 #[test]
-fn one_channel_can_be_drawn_too() {
+fn one_channel_can_be_drawn() {
     let gray = Settings { space: Space::Gray, k: 8, min_sigma: 1.0, initial_sigma: 6.0, ..settings() };
     let history = history_of(&gray, 600);
     let state = history.states[330];
@@ -267,7 +267,7 @@ fn the_last_value_of_one_channel_has_no_next_and_no_cross() {
 }
 
 #[test]
-fn a_choice_of_frames_outlives_a_short_history() {
+fn a_selected_number_of_frames_is_retained_over_a_short_history() {
     let settings = settings();
     let (short, long) = (history_of(&settings, 40), history_of(&settings, 600));
     let shown = Rc::new(RefCell::new(shown_of(settings.clone(), Some(short), 39)));
@@ -286,7 +286,7 @@ fn a_choice_of_frames_outlives_a_short_history() {
     assert_eq!(last(&harness).as_deref(), Some("last 500"), "{:?}", texts(&harness));
     *shown.borrow_mut() = shown_of(settings, Some(long), 599);
     harness.run();
-    assert_eq!(last(&harness).as_deref(), Some("last 500"), "nobody touched it");
+    assert_eq!(last(&harness).as_deref(), Some("last 500"), "the selection is unchanged");
 }
 
 #[test]
@@ -325,7 +325,7 @@ fn a_low_panel_scrolls_under_the_verdict() {
         source: egui::MouseWheelSource::Wheel,
         modifiers: egui::Modifiers::NONE,
     });
-    // A scroll is smoothed over several frames.
+    // Scrolling is animated over several frames.
     harness.run_steps(8);
     assert_eq!(harness.get_by_label("Mixture").rect(), headline, "tabs and verdict stay");
     let after = harness.get_by_label_contains("Weights 0").rect();
@@ -343,7 +343,7 @@ fn the_first_frame_can_be_drawn() {
 }
 
 #[test]
-fn what_is_shown_equals_the_state() {
+fn displayed_numbers_equal_the_state() {
     for position in [150, 425, 430, 560] {
         let shown = shown(position);
         let history = Arc::clone(shown.pixel.as_ref().unwrap());
@@ -401,7 +401,7 @@ fn the_mixture_before_the_update_is_the_one_of_the_frame_before() {
 }
 
 #[test]
-fn both_mixtures_stand_side_by_side_where_there_is_room() {
+fn both_mixtures_are_side_by_side_in_a_wide_panel() {
     for (width, context) in [(500.0, true), (240.0, false)] {
         let shown = shown(430);
         let history = Arc::clone(shown.pixel.as_ref().unwrap());
@@ -423,7 +423,7 @@ fn both_mixtures_stand_side_by_side_where_there_is_room() {
 }
 
 #[test]
-fn what_happened_to_components_is_told_where_the_history_marks_it() {
+fn component_changes_are_described_where_the_history_marks_them() {
     let shown = shown(430);
     let history = Arc::clone(shown.pixel.as_ref().unwrap());
     let (mut harness, _) = tall(Some(shown));
@@ -442,12 +442,12 @@ fn what_happened_to_components_is_told_where_the_history_marks_it() {
     }
     assert!(
         told.contains(&"was created") && told.contains(&"It moved up from rank"),
-        "a case in point: {told:?}"
+        "the history must contain both changes: {told:?}"
     );
 }
 
 #[test]
-fn a_verdict_that_cleaning_overruled_is_marked() {
+fn a_verdict_changed_by_post_processing_is_marked() {
     let mut shown = shown(425);
     let (harness, _) = tall(Some(shown.clone()));
     assert!(!says(&harness, "Changed by a later stage"));
@@ -459,7 +459,7 @@ fn a_verdict_that_cleaning_overruled_is_marked() {
     assert!(says(&harness, "post-processing (median 5) this pixel is background"));
 }
 
-/// Where a share of the history's time axis is on the screen.
+/// The screen position of a fraction of the history's time axis.
 fn on_history(harness: &Harness<'_>, share: f32) -> Pos2 {
     let plot = super::chart::inner(harness.get_by_label_contains("History of").rect());
     Pos2::new(plot.left() + plot.width() * share, plot.center().y)
@@ -473,12 +473,12 @@ fn click_history(harness: &mut Harness<'_>, share: f32) {
 }
 
 #[test]
-fn new_settings_answer_before_the_frame_has_them() {
+fn new_settings_show_their_verdict_before_the_frame_is_analysed() {
     let shown = shown(300);
     let other = Settings { match_sigmas: 0.5, alpha: 0.2, ..settings() };
     let newest = Arc::new(history_of(&other, 600));
     let expected = verdict(&newest, 300).headline;
-    assert_ne!(expected, verdict(shown.pixel.as_ref().unwrap(), 300).headline, "a case in point");
+    assert_ne!(expected, verdict(shown.pixel.as_ref().unwrap(), 300).headline, "the settings must change the verdict");
     let mut inspector = Inspector::default();
     let harness = Harness::builder()
         .with_size(Vec2::new(380.0, 1000.0))
@@ -492,19 +492,19 @@ fn new_settings_answer_before_the_frame_has_them() {
 }
 
 #[test]
-fn a_click_into_the_history_goes_to_the_frame_under_it() {
+fn a_click_in_the_history_goes_to_the_frame_under_it() {
     let (mut harness, actions) = tall(Some(shown(430)));
     open(&mut harness, "History");
-    // 600 frames: the middle of frame 149 (from 0) is at 149.5 / 600.
+    // 600 frames: the centre of frame 149 (from 0) is at 149.5 / 600.
     harness.hover_at(on_history(&harness, 149.5 / 600.0));
     harness.run();
-    assert!(says(&harness, "Frame 150, 14.9 s"), "the tip names the frame: {:?}", texts(&harness));
-    assert!(actions.borrow().is_empty(), "looking is not asking");
+    assert!(says(&harness, "Frame 150, 14.9 s"), "the tooltip names the frame: {:?}", texts(&harness));
+    assert!(actions.borrow().is_empty(), "hovering requests nothing");
     picture(&mut harness, "history-hover");
     click_history(&mut harness, 149.5 / 600.0);
     assert_eq!(*actions.borrow(), [InspectorAction::GoTo(149)]);
 
-    // Half as wide, frame 430 staying in its place: from 215.25 on for 300 frames.
+    // Half as wide around frame 430: 300 frames from 215.25.
     harness.get_by_label("+").click();
     harness.run();
     actions.borrow_mut().clear();
@@ -514,16 +514,16 @@ fn a_click_into_the_history_goes_to_the_frame_under_it() {
     harness.run();
     actions.borrow_mut().clear();
     click_history(&mut harness, 1.0);
-    assert_eq!(*actions.borrow(), [InspectorAction::GoTo(599)], "the end is the last frame, not beyond it");
+    assert_eq!(*actions.borrow(), [InspectorAction::GoTo(599)], "the end of the axis is the last frame");
 }
 
 #[test]
-fn a_zoomed_history_is_dragged_along() {
+fn dragging_pans_a_zoomed_history() {
     let (mut harness, actions) = tall(Some(shown(430)));
     open(&mut harness, "History");
     harness.get_by_label("+").click();
     harness.run();
-    // From 215.25 on for 300 frames; a quarter to the right shows 75 frames earlier.
+    // 300 frames from 215.25; a drag to the right by a quarter shows 75 frames earlier.
     let (start, end) = (on_history(&harness, 0.5), on_history(&harness, 0.75));
     harness.hover_at(start);
     harness.drag_at(start);
@@ -551,14 +551,14 @@ fn a_zoomed_history_shows_single_frames_and_fits_its_values() {
 }
 
 #[test]
-fn components_are_followed_on_from_where_a_history_ended_before() {
+fn component_slots_are_extended_from_the_end_of_the_previous_history() {
     let (settings, other) = (settings(), Settings { k: 3, ..settings() });
     let [short, long] = [300, 600].map(|frames| Arc::new(history_of(&settings, frames)));
     let expected = crate::mixture::component_slots::slots_by_rank(&long);
     let mut followed = None;
     super::followed(&mut followed, &short);
     assert_eq!(*super::followed(&mut followed, &long), expected);
-    // Slots that nobody would find again show what was kept.
+    // Slots that no computation would produce show which were reused.
     let marked = Arc::new(vec![[7; crate::mixture::MAX_K]; 300]);
     let mut followed = Some(SlottedHistory { history: Arc::clone(&short), slots: marked });
     let slots = super::followed(&mut followed, &long);
@@ -591,7 +591,7 @@ fn a_long_history_is_drawn_with_few_vertices() {
     picture(&mut harness, "scatter-long");
 }
 
-/// Where a cell of the tuning map is on the screen.
+/// The screen position of a cell of the tuning map.
 fn on_map(harness: &Harness<'_>, share: Vec2) -> Pos2 {
     let area = harness.get_by_label_contains("Tuning map, ").rect();
     let plot = egui::Rect::from_min_max(
@@ -602,11 +602,11 @@ fn on_map(harness: &Harness<'_>, share: Vec2) -> Pos2 {
 }
 
 #[test]
-fn a_click_into_the_tuning_map_takes_the_cell_that_its_tip_names() {
+fn a_click_in_the_tuning_map_applies_the_cell_named_in_its_tooltip() {
     let shown = shown(430);
     let tuning = tuning_of(&shown, [TunableSetting::Alpha, TunableSetting::T]).unwrap();
     let share = tuning.map.foreground_share();
-    assert!(share > 0.05 && share < 0.95, "a case in point: {share}");
+    assert!(share > 0.05 && share < 0.95, "the map must contain both verdicts: {share}");
     let (mut harness, actions) = tall(Some(shown));
     open(&mut harness, "Tuning");
     assert!(says(&harness, &format!("foreground in {:.0} % of cells", share * 100.0)));
@@ -623,7 +623,7 @@ fn a_click_into_the_tuning_map_takes_the_cell_that_its_tip_names() {
         let verdict = if tuning.map.is_foreground(column, row) { "Foreground" } else { "Background" };
         assert!(says(&harness, &format!("{verdict}. Click to apply")));
         picture(&mut harness, &format!("tuning-hover-{column}"));
-        assert!(actions.borrow().is_empty(), "looking is not asking");
+        assert!(actions.borrow().is_empty(), "hovering requests nothing");
         harness.drag_at(at);
         harness.drop_at(at);
         harness.run();
@@ -635,7 +635,7 @@ fn a_click_into_the_tuning_map_takes_the_cell_that_its_tip_names() {
 }
 
 #[test]
-fn what_flips_the_verdict_is_named_and_taken() {
+fn settings_that_flip_the_verdict_are_listed_and_applied() {
     let shown = shown(430);
     let tuning = tuning_of(&shown, [TunableSetting::Alpha, TunableSetting::T]).unwrap();
     let (mut harness, actions) = tall(Some(shown));
@@ -649,11 +649,11 @@ fn what_flips_the_verdict_is_named_and_taken() {
         assert_eq!(actions.take(), [InspectorAction::Take([(flip.knob, value); 2])]);
         taken += 1;
     }
-    assert!(taken > 1, "a case in point: {:?}", tuning.flips);
+    assert!(taken > 1, "several settings must flip the verdict: {:?}", tuning.flips);
 }
 
 #[test]
-fn a_map_of_other_settings_is_asked_for_and_waited_for() {
+fn a_map_of_other_settings_is_requested_and_shown_when_computed() {
     let (shown, mut inspector) = (shown(430), Inspector::default());
     assert_eq!(inspector.asks().tune, None, "nobody looks");
     let asked = Rc::new(RefCell::new(None));
@@ -669,7 +669,7 @@ fn a_map_of_other_settings_is_asked_for_and_waited_for() {
         });
     open(&mut harness, "Tuning");
     assert_eq!(*asked.borrow(), Some([TunableSetting::Alpha, TunableSetting::T]));
-    // λ in the lower row of choices: up.
+    // λ in the lower row of options: the y axis.
     harness.get_all_by_label("λ").last().unwrap().click();
     harness.run();
     assert_eq!(*asked.borrow(), Some([TunableSetting::Alpha, TunableSetting::Lambda]));
@@ -679,12 +679,12 @@ fn a_map_of_other_settings_is_asked_for_and_waited_for() {
     assert_eq!(
         *asked.borrow(),
         Some([TunableSetting::Lambda, TunableSetting::Alpha]),
-        "the sides change places"
+        "the axes are swapped"
     );
 }
 
 #[test]
-fn statistics_are_of_the_frames_that_are_chosen_and_can_be_taken_along() {
+fn statistics_cover_the_selected_frames_and_can_be_exported() {
     let shown = shown(430);
     let history = Arc::clone(shown.pixel.as_ref().unwrap());
     let (mut harness, actions) = tall(Some(shown));
@@ -710,7 +710,7 @@ fn statistics_are_of_the_frames_that_are_chosen_and_can_be_taken_along() {
     harness.run();
     check(&harness, 0..431);
     choose(&mut harness, "Copy or save the numbers", "Copy CSV of frames");
-    let [InspectorAction::Copy(table)] = &actions.take()[..] else { panic!("one table is asked for") };
+    let [InspectorAction::Copy(table)] = &actions.take()[..] else { panic!("one table is requested") };
     assert_eq!(*table, Table::History(Arc::clone(&history), 0..431));
     let csv = table.csv().unwrap();
     assert_eq!((csv.lines().count(), table.rows()), (432, 431));

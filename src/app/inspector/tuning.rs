@@ -1,5 +1,5 @@
-//! What the pixel would be under other settings: a map over two of them, what flips the verdict, and, with ground truth,
-//! what is right.
+//! The pixel under other settings: a map of the verdict over two settings, the values that flip the verdict, and, with
+//! ground truth, the accuracy.
 
 use std::time::Duration;
 
@@ -15,21 +15,21 @@ use crate::mixture::tuning::{TunableSetting, VerdictFlip, VerdictMap};
 use crate::mixture::verdict::number;
 use crate::replay::Tuning;
 
-/// Height of the map as a share of its width where it is the only one: what flips the verdict should be in sight below.
+/// Ratio of height to width of a single map, so that the list below it stays visible.
 const SINGLE_MAP_ASPECT: f32 = 0.62;
-/// From this width on, what is right stands beside the map; below, under it.
+/// Minimum width at which the accuracy map is beside the verdict map; below, it is under it.
 const BESIDE: f32 = 560.0;
-/// An answer that is older than the question for so many seconds is drawn pale.
+/// A result that is outdated for this many seconds is drawn pale.
 const STALE_AFTER_SECONDS: f64 = 0.15;
 
-/// How strongly background and foreground are drawn: much of either must not outshine the cross.
+/// Opacities of background and foreground. A large area of either must not hide the cross.
 const STRENGTHS: [f32; 2] = [0.34, 0.72];
 
-/// Which settings the map is about.
+/// The settings of the map.
 pub(super) struct TuningView {
     pub(super) knobs: [TunableSetting; 2],
     pub(super) judged: RegionAccuracyView,
-    /// Since when the answer belongs to another question, in the window's seconds.
+    /// The time since which the result is outdated, in seconds of the window's clock.
     late_since: Option<f64>,
 }
 
@@ -57,7 +57,7 @@ impl TuningView {
             tuning.position as usize == chosen.index && tuning.parameters == chosen.history.parameters
         });
         let asked = self.controls(ui, chosen, of_knobs.filter(|_| current.is_some()));
-        // What was just chosen has no map yet.
+        // The settings selected in this frame have no map yet.
         let of_knobs =
             of_knobs.filter(|tuning| tuning.map.axes.each_ref().map(|axis| axis.knob) == self.knobs);
         let pale = self.is_late(ui, of_knobs.is_some() && current.is_none());
@@ -81,7 +81,7 @@ impl TuningView {
             ui.add_space(6.0);
             of_map.or(flips(ui))
         } else {
-            // What there is stands before what there might be.
+            // The map comes first, then the values that flip the verdict.
             let of_map = map(ui);
             ui.add_space(6.0);
             let of_map = if judged.has_masks { of_map.or(of_truth(ui)) } else { of_map.or(flips(ui)) };
@@ -118,7 +118,7 @@ impl TuningView {
             let label = ui.selectable_label(self.knobs[side] == knob, knob.symbol());
             let label = label.on_hover_text(format!("{}: {}, {name}", knob.symbol(), knob.name()));
             if label.clicked() && self.knobs[side] != knob {
-                // The two sides change places rather than show the same.
+                // Selecting the other axis' setting swaps the axes.
                 if self.knobs[1 - side] == knob {
                     self.knobs.swap(0, 1);
                 } else {
@@ -128,8 +128,8 @@ impl TuningView {
         }
     }
 
-    /// Whether the answer has been behind for so long that it must be seen: while a video plays it
-    /// is so for a moment in every frame, and would flicker.
+    /// Whether the result has been outdated for long enough to be drawn pale. During playback it is outdated for a
+    /// moment in every frame; drawing that pale would flicker.
     fn is_late(&mut self, ui: &Ui, behind: bool) -> bool {
         if !behind {
             self.late_since = None;
@@ -142,7 +142,7 @@ impl TuningView {
     }
 }
 
-/// What the colours and the cross stand for.
+/// The legend of the colours and the cross.
 fn legend(ui: &mut Ui) {
     ui.spacing_mut().item_spacing.x = 4.0;
     for (foreground, name) in [(true, "foreground"), (false, "background")] {
@@ -183,7 +183,7 @@ fn map_ui(
     grid::ui(ui, &name, flat, Some(&grid))
 }
 
-/// For each setting alone the nearest value that flips the verdict.
+/// For each setting alone, the nearest value that flips the verdict.
 fn flips_ui(ui: &mut Ui, chosen: &Chosen<'_>, flips: Option<&[VerdictFlip]>) -> Option<InspectorAction> {
     ui.label(RichText::new("Single changes that flip this pixel").strong()).on_hover_text(
         "For each setting, the nearest value at which the mixture's verdict for this pixel in this frame \
@@ -203,7 +203,7 @@ fn flips_ui(ui: &mut Ui, chosen: &Chosen<'_>, flips: Option<&[VerdictFlip]>) -> 
             let place = Pos2::new(row.left() + x, row.center().y);
             ui.painter().text(place, Align2::LEFT_CENTER, text, style::font(), colour);
         };
-        // A narrow panel has no room for the name; it stands over the map, too.
+        // A narrow panel has no space for the name; the map shows it too.
         let name = if row.width() < 270.0 { "" } else { knob.name() };
         let left = if name.is_empty() { 26.0 } else { 124.0 };
         text(6.0, knob.symbol(), visuals.text_color());
@@ -219,7 +219,7 @@ fn flips_ui(ui: &mut Ui, chosen: &Chosen<'_>, flips: Option<&[VerdictFlip]>) -> 
                     let button = ui.small_button(small(&flip.words()));
                     let says = format!("Set {} to {value}", knob.symbol());
                     if button.on_hover_text(says).clicked() {
-                        // The same setting twice: the other one stays as it is.
+                        // The same setting twice, so that no other setting changes.
                         taken = Some(InspectorAction::Take([(knob, *value); 2]));
                     }
                 }

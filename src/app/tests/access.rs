@@ -1,4 +1,4 @@
-//! The window for those who hear it or have no pointer: every control has a name and is reached by keys.
+//! Accessibility: every control has a name and is reached by keys.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -18,7 +18,7 @@ fn is_icon(letter: char) -> bool {
     matches!(letter, '\u{e000}'..='\u{f8ff}' | '\u{f0000}'..)
 }
 
-/// What a screen reader says of a node; a picture from the set of icons is no word.
+/// The text that a screen reader reads for a node. Icon glyphs do not count.
 fn said(node: &AccessKitNode<'_>) -> Option<String> {
     let text = [node.label(), node.value(), node.data().placeholder().map(str::to_owned)];
     text.into_iter()
@@ -26,8 +26,8 @@ fn said(node: &AccessKitNode<'_>) -> Option<String> {
         .find(|text| text.chars().any(|letter| !letter.is_whitespace() && !is_icon(letter)))
 }
 
-/// Text can be selected, the pointer scrolls, and it pulls at the lines between views; neither is a control. For
-/// views, there are layouts by name.
+/// Whether a node is a control that supports an action. Text can be selected, and scroll bars and the dividers between
+/// views can be dragged; these are not controls. Layouts, which have names, arrange views without dragging.
 fn takes(node: &AccessKitNode<'_>, action: egui::accesskit::Action) -> bool {
     let plain = matches!(node.role(), egui::Role::Label | egui::Role::ScrollBar) || is_line(node);
     !plain && node.data().supports_action(action) && !node.is_disabled() && !node.is_hidden()
@@ -37,13 +37,13 @@ fn takes_focus(node: &AccessKitNode<'_>) -> bool {
     takes(node, egui::accesskit::Action::Focus)
 }
 
-/// Whether it is the line between two views.
+/// Whether a node is the divider between two views.
 fn is_line(node: &AccessKitNode<'_>) -> bool {
     let thin = node.raw_bounds().is_some_and(|bounds| bounds.width().min(bounds.height()) < 8.0);
     node.role() == egui::Role::Unknown && thin
 }
 
-/// Everything that can be clicked or has the focus has a name.
+/// Checks that every control that can be clicked or focused has a name.
 fn all_named(harness: &Harness<'_, Window>, place: &str) {
     let mut controls = 0;
     for node in nodes(harness) {
@@ -88,7 +88,7 @@ fn every_control_has_a_name_in_every_state() {
         harness.run_steps(12);
         all_named(&harness, stage);
     }
-    // Whichever tabs there are: they stand in a line with the first.
+    // All tabs present: they share a line with the first tab.
     let tabs: Vec<String> = {
         let first = harness.get_all_by_label("Mixture").last().unwrap().rect();
         let line = |node: &AccessKitNode<'_>| {
@@ -134,7 +134,7 @@ fn every_control_has_a_name_in_menus_and_sheets() {
         act(&mut harness, action);
         assert!(harness.query_all_by_label(place).next().is_some(), "{action:?}");
         if action == Action::Messages {
-            // Its ground can be pulled to scroll.
+            // The scroll area's background can be dragged.
             harness.check_accessibility();
         } else {
             all_named(&harness, place);
@@ -145,7 +145,7 @@ fn every_control_has_a_name_in_menus_and_sheets() {
 }
 
 #[test]
-fn the_tab_key_reaches_every_control_and_comes_round() {
+fn the_tab_key_reaches_every_control_and_wraps_around() {
     let mut harness = inspected();
     let wanted: BTreeMap<String, String> = nodes(&harness)
         .filter(takes_focus)
@@ -170,8 +170,8 @@ fn the_tab_key_reaches_every_control_and_comes_round() {
     let reached: BTreeSet<&String> = order.iter().collect();
     let missed: Vec<_> =
         wanted.iter().filter(|(id, _)| !reached.contains(id)).map(|(_, name)| name).collect();
-    assert!(missed.is_empty(), "Tab never comes to {missed:?}; it comes to {names:?}");
-    // Menus first, then what belongs together in a row.
+    assert!(missed.is_empty(), "Tab does not reach {missed:?}; it reaches {names:?}");
+    // Menus first, then each row's controls together.
     assert_eq!(&names[..4], ["File", "View", "Analysis", "Help"]);
     let place = |name: &str| names.iter().position(|other| other == name).unwrap();
     assert_eq!(place("Next frame"), place("Play") + 1);
@@ -179,7 +179,7 @@ fn the_tab_key_reaches_every_control_and_comes_round() {
 }
 
 #[test]
-fn sheets_give_the_focus_back() {
+fn closing_a_dialog_restores_the_focus() {
     let mut harness = inspected();
     for (action, inside) in
         [(Action::Palette, "Command palette"), (Action::Help, "Close"), (Action::About, "Copy")]
@@ -188,7 +188,7 @@ fn sheets_give_the_focus_back() {
         harness.run_steps(2);
         act(&mut harness, action);
         harness.get_all_by_label(inside).next().unwrap();
-        // Tab stays within.
+        // Tab stays within the dialog.
         for _ in 0..4 {
             harness.key_press(Key::Tab);
             harness.run_steps(2);
@@ -197,7 +197,7 @@ fn sheets_give_the_focus_back() {
         harness.key_press(Key::Escape);
         harness.run_steps(3);
         if harness.query_all_by_label(inside).next().is_some() {
-            // The first Esc took the focus off a control within.
+            // The first Esc removed the focus from a control in the dialog.
             harness.key_press(Key::Escape);
             harness.run_steps(3);
         }
@@ -207,7 +207,7 @@ fn sheets_give_the_focus_back() {
 }
 
 #[test]
-fn views_and_the_timeline_answer_the_arrows_while_they_have_the_focus_and_show_it() {
+fn focused_views_and_timeline_handle_arrow_keys_and_show_the_focus() {
     let (mut harness, scene) = ready(58);
     settle(&mut harness);
     let before = harness.render().unwrap();
@@ -216,12 +216,12 @@ fn views_and_the_timeline_answer_the_arrows_while_they_have_the_focus_and_show_i
     let edge = harness.get_by_label("Foreground view").rect();
     let after = harness.render().unwrap();
     let at = |picture: &image::RgbaImage| *picture.get_pixel(edge.center().x as u32, edge.top() as u32);
-    assert_ne!(at(&before), at(&after), "a line around it");
+    assert_ne!(at(&before), at(&after), "the focus has an outline");
     for key in [Key::ArrowDown, Key::ArrowDown, Key::ArrowRight] {
         harness.key_press(key);
         harness.run_steps(2);
     }
-    assert_eq!(harness.state().model.chosen, Some((81, 61)), "from the middle");
+    assert_eq!(harness.state().model.chosen, Some((81, 61)), "the selection starts at the centre");
     assert!(harness.get_by_label("Foreground view").is_focused());
 
     harness.get_by_label("Timeline").focus();
@@ -235,7 +235,7 @@ fn views_and_the_timeline_answer_the_arrows_while_they_have_the_focus_and_show_i
 }
 
 #[test]
-fn what_ended_the_work_can_be_read_again() {
+fn the_error_that_ended_the_analysis_is_in_the_messages() {
     let (mut harness, scene) = ready(58);
     scene.state.borrow_mut().phase = Phase::Failed("the disk is gone; plug it in and open it again".into());
     harness.run_steps(3);

@@ -24,16 +24,16 @@ fn click(harness: &mut Harness<'_, Window>, [x, y]: [f32; 2]) {
     let at = canvas(harness).screen([x, y]);
     button(harness, at, true);
     button(harness, at, false);
-    // Two clicks within a moment would be one double click.
+    // Two clicks at once would be a double click.
     harness.run_steps(40);
 }
 
-/// What was last asked to be analysed.
+/// The region of interest last sent to the worker.
 fn asked(scene: &Scene) -> Option<Arc<Roi>> {
     let asked = scene.asked.borrow();
     let mut rois = asked.iter().rev();
     rois.find_map(|asked| if let PlayerCall::Roi(roi) = asked { Some(roi.clone()) } else { None })
-        .expect("no area was asked for")
+        .expect("no region of interest was sent")
 }
 
 fn how_often(scene: &Scene) -> usize {
@@ -41,7 +41,7 @@ fn how_often(scene: &Scene) -> usize {
 }
 
 #[test]
-fn a_polygon_takes_away_the_regions_inside_it() {
+fn an_ignored_polygon_removes_the_regions_inside_it() {
     let (mut harness, scene) = ready(10);
     assert_eq!(harness.state().model.shown().unwrap().analysis.regions.len(), 3);
     harness.key_press(Key::I);
@@ -49,18 +49,18 @@ fn a_polygon_takes_away_the_regions_inside_it() {
     for corner in [[5.0, 20.0], [60.0, 20.0], [60.0, 110.0], [5.0, 110.0]] {
         click(&mut harness, corner);
     }
-    assert_eq!(how_often(&scene), 0, "nothing is ignored before it is closed");
+    assert_eq!(how_often(&scene), 0, "an open draft ignores nothing");
     picture(&mut harness, "area-drawn");
     harness.key_press(Key::Enter);
     settle(&mut harness);
     let roi = asked(&scene).unwrap();
     assert!(!roi.contains(30, 60) && roi.contains(130, 60) && roi.contains(2, 2));
     let shown = harness.state().model.shown().unwrap().clone();
-    // The first who walks is at 30, 60.
+    // The first person is at 30, 60.
     assert_eq!(shown.analysis.regions.iter().map(|region| region.label).collect::<Vec<_>>(), [2, 3]);
     assert!(!shown.analysis.mask.is_foreground(30, 60));
-    assert_eq!(harness.state().model.chosen, None, "a click that draws chooses no pixel");
-    // What is ignored is darker in every view; what is analysed is as it was.
+    assert_eq!(harness.state().model.chosen, None, "a drawing click chooses no pixel");
+    // Ignored pixels are darker in every view; analysed pixels are unchanged.
     let picture = harness.render().unwrap();
     let at = |pixel| {
         let place = canvas(&harness).place_pixel(pixel).center();
@@ -75,7 +75,7 @@ fn a_polygon_takes_away_the_regions_inside_it() {
 }
 
 #[test]
-fn dragging_draws_a_rectangle_and_outside_of_areas_to_analyse_nothing_is() {
+fn dragging_draws_a_rectangle_and_pixels_outside_analysis_areas_are_ignored() {
     let (mut harness, scene) = ready(10);
     harness.key_press_modifiers(Modifiers::SHIFT, Key::I);
     harness.run_steps(3);
@@ -88,13 +88,13 @@ fn dragging_draws_a_rectangle_and_outside_of_areas_to_analyse_nothing_is() {
     settle(&mut harness);
     let roi = asked(&scene).unwrap();
     assert!(roi.contains(125, 60) && roi.contains(101, 11) && !roi.contains(98, 60) && !roi.contains(30, 60));
-    assert_eq!(harness.state().model.camera, camera, "a drag that draws does not pan");
+    assert_eq!(harness.state().model.camera, camera, "a drawing drag does not pan");
     assert!(harness.state().model.areas.draft.is_none());
     picture(&mut harness, "area-analysed");
 }
 
 #[test]
-fn areas_are_given_up_chosen_deleted_and_cleared() {
+fn areas_are_cancelled_selected_deleted_and_cleared() {
     let (mut harness, scene) = ready(10);
     harness.key_press(Key::I);
     harness.run_steps(2);
@@ -103,7 +103,7 @@ fn areas_are_given_up_chosen_deleted_and_cleared() {
     }
     harness.key_press(Key::Enter);
     harness.run_steps(3);
-    assert!(harness.state().model.areas.draft.is_some(), "two corners have no inside");
+    assert!(harness.state().model.areas.draft.is_some(), "two corners do not make an area");
     harness.key_press(Key::Escape);
     harness.run_steps(3);
     assert!(harness.state().model.areas.draft.is_none() && how_often(&scene) == 0);
@@ -125,7 +125,7 @@ fn areas_are_given_up_chosen_deleted_and_cleared() {
     settle(&mut harness);
     let roi = asked(&scene).unwrap();
     assert!(roi.contains(20, 20) && !roi.contains(75, 75));
-    // It may lie below what the panel shows.
+    // The button may be outside the visible part of the panel.
     harness.get_by_label("Clear all areas").click_accesskit();
     harness.run_steps(3);
     assert_eq!(asked(&scene), None);
@@ -139,7 +139,7 @@ fn areas_are_given_up_chosen_deleted_and_cleared() {
 }
 
 #[test]
-fn a_mask_of_another_size_is_refused_and_one_that_fits_is_taken() {
+fn a_mask_of_another_size_is_rejected_and_one_of_equal_size_is_loaded() {
     let (mut harness, scene) = ready(10);
     let mask = |width, height| {
         let size = Size::new(width, height);
@@ -154,13 +154,13 @@ fn a_mask_of_another_size_is_refused_and_one_that_fits_is_taken() {
     settle(&mut harness);
     assert_eq!(asked(&scene), Some(mask(160, 120)));
     picture(&mut harness, "area-mask");
-    // Another video is whole again.
+    // Another video has no areas.
     harness.state_mut().apply(&ctx, Command::Open("/videos/other.mp4".into(), Start::First));
     assert!(harness.state().model.areas.is_empty());
 }
 
 #[test]
-fn escape_is_left_to_menus_while_nothing_is_drawn() {
+fn escape_is_free_for_menus_while_no_area_is_drawn() {
     let (mut harness, _) = ready(10);
     harness.get_by_label("View").click();
     harness.run_steps(4);
@@ -171,7 +171,7 @@ fn escape_is_left_to_menus_while_nothing_is_drawn() {
 }
 
 #[test]
-fn escape_shuts_an_open_menu_before_it_lets_go_of_an_area() {
+fn escape_closes_an_open_menu_before_it_deselects_an_area() {
     let (mut harness, _) = ready(10);
     let ctx = harness.ctx.clone();
     harness.state_mut().apply(

@@ -1,4 +1,4 @@
-//! What stands around the work itself: opening and closing, messages, copying, the first minute.
+//! Opening and closing videos, messages, copying, the hint, and help on settings.
 
 use super::*;
 use crate::app::command::Action;
@@ -9,13 +9,13 @@ fn act(harness: &mut Harness<'_, Window>, action: Action) {
     harness.run_steps(3);
 }
 
-/// What was put on the clipboard in the last frame.
+/// The clipboard commands of the last frame.
 fn copied(harness: &Harness<'_, Window>) -> Vec<egui::OutputCommand> {
     harness.output().platform_output.commands.clone()
 }
 
 #[test]
-fn opening_can_be_given_up_and_a_video_closed() {
+fn opening_can_be_cancelled_and_a_video_closed() {
     let (mut harness, _) = window(Some(state(Phase::Opening, None)), (1600.0, 1000.0), Theme::Dark);
     harness.get_by_label("Cancel").click();
     harness.run_steps(3);
@@ -26,7 +26,7 @@ fn opening_can_be_given_up_and_a_video_closed() {
     harness.key_press_modifiers(Modifiers::COMMAND, Key::W);
     harness.run_steps(3);
     harness.get_by_label("Open a video");
-    // It is there to be opened again.
+    // The closed video is among the recent videos.
     harness.get_by_label("walk.mp4").click();
     harness.run_steps(3);
     settle(&mut harness);
@@ -57,7 +57,7 @@ fn frame_and_pixel_are_copied_as_text_and_the_frame_as_a_picture() {
 }
 
 #[test]
-fn messages_can_be_read_again() {
+fn the_message_log_lists_past_messages() {
     let (mut harness, scene) = ready(10);
     scene.state.borrow_mut().warnings = Arc::new(vec!["in000007.jpg cannot be read and was skipped".into()]);
     harness.run_steps(3);
@@ -70,12 +70,12 @@ fn messages_can_be_read_again() {
 }
 
 #[test]
-fn about_tells_version_and_graphics() {
+fn the_about_dialog_shows_version_and_graphics_adapter() {
     let (mut harness, _) = ready(10);
     act(&mut harness, Action::About);
     harness.get_by_label(env!("OCCLUSCOPE_VERSION"));
     picture(&mut harness, "about");
-    // Keys do nothing to what lies under it.
+    // Shortcuts do not act on what is under the dialog.
     harness.key_press(Key::Num5);
     harness.run_steps(2);
     assert_eq!(harness.state().model.maximised, None);
@@ -85,7 +85,7 @@ fn about_tells_version_and_graphics() {
 }
 
 #[test]
-fn the_sample_says_what_to_try_until_that_has_been_read() {
+fn the_sample_shows_a_hint_until_it_is_dismissed() {
     let (mut harness, _) = ready(58);
     assert!(harness.query_by_label("Hide hint").is_none(), "a video of one's own needs none");
     act(&mut harness, Action::OpenSample);
@@ -93,7 +93,7 @@ fn the_sample_says_what_to_try_until_that_has_been_read() {
     assert_eq!(
         harness.state().model.recent,
         ["/videos/walk.mp4"],
-        "the sample has its own place in the menu"
+        "the sample is not among the recent videos"
     );
     picture(&mut harness, "hint");
     harness.get_by_label("Hide hint").click();
@@ -102,9 +102,9 @@ fn the_sample_says_what_to_try_until_that_has_been_read() {
 }
 
 #[test]
-fn a_setting_s_name_tells_its_equation_and_what_raising_it_does() {
+fn a_settings_tooltip_shows_its_equation_and_the_effect_of_a_larger_value() {
     let (mut harness, _) = ready(58);
-    // The name stands at the left of what is typed.
+    // The name is left of the typed value.
     let typed = harness.get_by_label("learning rate").rect();
     harness.hover_at(egui::pos2(harness.get_by_label("Settings").rect().left() + 14.0, typed.center().y));
     harness.run_steps(10);
@@ -114,7 +114,7 @@ fn a_setting_s_name_tells_its_equation_and_what_raising_it_does() {
 }
 
 #[test]
-fn a_setting_is_found_by_its_name_and_brought_into_sight() {
+fn a_setting_is_found_by_name_and_scrolled_into_view() {
     let (mut harness, _) = ready(58);
     assert!(harness.query_by_label("colour threshold").is_none(), "its stage is shut");
     harness.key_press_modifiers(Modifiers::COMMAND, Key::K);
@@ -127,14 +127,14 @@ fn a_setting_is_found_by_its_name_and_brought_into_sight() {
     let panel = harness.get_by_label("Settings").rect();
     assert!(place.top() > panel.bottom() && place.bottom() < 860.0, "{place}");
     picture(&mut harness, "setting-found");
-    // The panel stays where its user takes it then.
+    // After that the panel stays at the user's scroll offset.
     harness.get_by_label("Input view").click();
     harness.run_steps(3);
     assert_eq!(harness.state().model.looked_at, None);
 }
 
 #[test]
-fn the_analysis_is_stopped_and_goes_on_beside_its_progress() {
+fn the_analysis_can_be_paused_and_resumed_beside_its_progress() {
     let (mut harness, scene) = ready(58);
     assert!(harness.query_by_label("Pause analysis").is_none(), "nothing is under way");
     let asked = |scene: &Scene| scene.asked.borrow().last().cloned();
@@ -152,7 +152,7 @@ fn the_analysis_is_stopped_and_goes_on_beside_its_progress() {
     harness.run_steps(3);
     harness.get_by_label("paused  70 / 120");
     picture(&mut harness, "paused");
-    // A frame beyond is asked for: on the way there it can be stopped again, and it is given up.
+    // A frame beyond the analysed ones is requested; a pause drops the request.
     harness.key_press(Key::End);
     harness.step();
     scene.state.borrow_mut().busy =
@@ -171,7 +171,7 @@ fn the_analysis_is_stopped_and_goes_on_beside_its_progress() {
 }
 
 #[test]
-fn a_video_that_is_left_is_not_waited_for() {
+fn closing_a_video_does_not_wait_for_its_worker() {
     let (mut harness, scene) = ready(58);
     let ctx = harness.ctx.clone();
     let left =
@@ -183,7 +183,7 @@ fn a_video_that_is_left_is_not_waited_for() {
 }
 
 #[test]
-fn opening_tells_how_far_it_is() {
+fn opening_shows_its_progress() {
     let mut opening = state(Phase::Opening, None);
     opening.busy = Some(Progress { what: "reading".into(), done: 3, total: Some(40) });
     let (harness, _) = window(Some(opening), (1600.0, 1000.0), Theme::Dark);
@@ -192,14 +192,14 @@ fn opening_tells_how_far_it_is() {
 }
 
 #[test]
-fn pixels_and_the_timeline_have_their_keys() {
+fn pixels_and_the_timeline_have_shortcuts() {
     let (mut harness, scene) = ready(58);
     let chosen = |harness: &mut Harness<'_, Window>, modifiers, key| {
         harness.key_press_modifiers(modifiers, key);
         harness.run_steps(2);
         harness.state().model.chosen
     };
-    assert_eq!(chosen(&mut harness, Modifiers::ALT, Key::ArrowLeft), Some((80, 60)), "the middle at first");
+    assert_eq!(chosen(&mut harness, Modifiers::ALT, Key::ArrowLeft), Some((80, 60)), "the centre at first");
     assert_eq!(chosen(&mut harness, Modifiers::ALT, Key::ArrowLeft), Some((79, 60)));
     assert_eq!(chosen(&mut harness, Modifiers::ALT, Key::ArrowDown), Some((79, 61)));
     assert_eq!(scene.asked.borrow().last(), Some(&PlayerCall::Inspect(Some((79, 61)))));
@@ -217,7 +217,7 @@ fn pixels_and_the_timeline_have_their_keys() {
 }
 
 #[test]
-fn a_rate_that_nothing_says_is_said_to_be_assumed_and_can_be_typed() {
+fn an_unknown_frame_rate_is_labelled_as_assumed_and_can_be_typed() {
     let (harness, _) = ready(10);
     assert!(harness.query_by_label_contains("assumed").is_none(), "the video says how many there are");
     let mut unsaid = state(Phase::Ready, Some(10));
@@ -231,13 +231,13 @@ fn a_rate_that_nothing_says_is_said_to_be_assumed_and_can_be_typed() {
     harness.run_steps(2);
     harness.get_by_role_and_label(field.0, field.1).type_text("12.5");
     harness.run_steps(2);
-    assert!(harness.state().model.rates.is_empty(), "not digit by digit");
+    assert!(harness.state().model.rates.is_empty(), "no rate is applied while typing");
     let said = scene.asked.borrow().len();
     harness.key_press(Key::Enter);
     harness.run_steps(3);
     let model = &harness.state().model;
     assert_eq!(model.rates.get("/videos/walk.mp4"), Some(&12.5));
-    assert_eq!(model.chosen, Some((30, 60)), "what was chosen stays");
+    assert_eq!(model.chosen, Some((30, 60)), "the chosen pixel is retained");
     assert!(
         scene.asked.borrow()[said..].iter().any(|asked| matches!(asked, PlayerCall::Inspect(Some((30, 60)))))
     );

@@ -1,4 +1,4 @@
-//! A against B.
+//! Comparison of the settings A and B.
 
 use super::*;
 use crate::app::command::Action;
@@ -11,7 +11,7 @@ use crate::truth::clear_mot::ClearMot;
 use crate::truth::summary::{Score, TrackScore};
 use crate::truth::survival::Survival;
 
-/// Under settings with another K than the default, the third object is not seen and events are others.
+/// The frame under settings with another K than the default: the third object is missing and events differ.
 fn under(mut shown: ShownFrame, settings: &Settings) -> ShownFrame {
     shown.settings = Arc::new(settings.clone());
     if settings.k == Settings::default().k {
@@ -58,7 +58,7 @@ fn score(mota: f64) -> TrackScore {
     TrackScore { strict: of.clone(), loose: of, occlusion }
 }
 
-/// What the worker publishes when it is given settings.
+/// The worker's published state after new settings.
 pub(super) fn answer(state: &mut State, settings: &Settings, beside: Option<Settings>) {
     let Some(position) = state.shown.as_ref().map(|shown| shown.position) else { return };
     if beside.is_none() && state.compared.is_none() {
@@ -75,7 +75,7 @@ pub(super) fn answer(state: &mut State, settings: &Settings, beside: Option<Sett
     });
 }
 
-/// The scene with K = 2 as B, which is in view, in the layout for it.
+/// A scene with K = 2 as B, which is in view, in the comparison layout.
 fn comparing() -> (Harness<'static, Window>, Scene) {
     let (mut harness, scene) = ready(30);
     harness.key_press(Key::B);
@@ -98,12 +98,12 @@ fn beside(scene: &Scene) -> Option<Settings> {
 }
 
 #[test]
-fn both_are_asked_for_and_seen_side_by_side() {
+fn both_slots_are_requested_and_shown_side_by_side() {
     let (mut harness, scene) = comparing();
     assert_eq!(given(&scene).unwrap().k, 2);
     assert_eq!(beside(&scene), Some(Settings::default()));
     picture(&mut harness, "compare");
-    // Where the third is: only A sees it; where the first is, both do.
+    // Only A has the third object; both have the first.
     let picture = harness.render().unwrap();
     let at = |view: &str, pixel: (u32, u32)| {
         let rect = harness.get_by_label(view).rect();
@@ -125,10 +125,10 @@ fn both_are_asked_for_and_seen_side_by_side() {
 }
 
 #[test]
-fn the_loupe_tells_of_the_settings_whose_picture_it_shows() {
+fn the_loupe_shows_the_verdict_of_the_settings_of_its_view() {
     let (mut harness, scene) = comparing();
     let (third, first, wall) = ((120, 36), (50, 60), (10, 10));
-    // What B, which is in view, learned of it is not what A did.
+    // The pixel histories of A and B differ.
     {
         let mut state = scene.state.borrow_mut();
         let shown = state.shown.as_deref().unwrap();
@@ -172,7 +172,7 @@ fn the_loupe_tells_of_the_settings_whose_picture_it_shows() {
     harness.key_press(Key::L);
     harness.run_steps(3);
     picture(&mut harness, "compare-loupe");
-    // With A in view, A still stands first.
+    // With A in view, A still comes first.
     harness.key_press(Key::A);
     harness.run_steps(5);
     settle(&mut harness);
@@ -180,7 +180,7 @@ fn the_loupe_tells_of_the_settings_whose_picture_it_shows() {
 }
 
 #[test]
-fn views_of_the_other_say_what_is_missing() {
+fn comparison_views_name_what_is_missing() {
     let (mut harness, scene) = ready(30);
     let ctx = harness.ctx.clone();
     harness.state_mut().apply(&ctx, Command::Act(Action::Arrange(Layout::Compare)));
@@ -198,7 +198,7 @@ fn views_of_the_other_say_what_is_missing() {
 }
 
 #[test]
-fn the_other_settings_are_in_view_while_a_key_is_held() {
+fn the_other_slot_is_in_view_while_a_key_is_held() {
     let (mut harness, scene) = comparing();
     harness.event(egui::Event::Key {
         key: Key::X,
@@ -222,7 +222,7 @@ fn the_other_settings_are_in_view_while_a_key_is_held() {
 }
 
 #[test]
-fn slots_are_copied_swapped_and_given_up_and_that_is_taken_back() {
+fn copying_swapping_and_dropping_a_slot_can_be_undone() {
     let (mut harness, scene) = comparing();
     let ctx = harness.ctx.clone();
     let act = |harness: &mut Harness<'_, Window>, action| {
@@ -242,7 +242,7 @@ fn slots_are_copied_swapped_and_given_up_and_that_is_taken_back() {
 }
 
 #[test]
-fn events_are_listed_by_whose_they_are() {
+fn events_are_filtered_by_slot() {
     let (mut harness, scene) = comparing();
     let ctx = harness.ctx.clone();
     harness.state_mut().apply(&ctx, Command::Act(Action::InspectorPanel));
@@ -255,7 +255,7 @@ fn events_are_listed_by_whose_they_are() {
     harness.run_steps(3);
     assert_eq!(harness.state().model.listing, ComparisonFilter::OnlyCompared);
     assert!(harness.query_by_label_contains("exit 1").is_none());
-    // An event of the other settings is gone to and read like any.
+    // An event of the compared settings is selected like any other.
     harness.get_by_label("disappear 3, frame 41, A").click();
     harness.run_steps(3);
     assert_eq!(harness.state().model.reading, Some(EventRef::Compared(2)));
@@ -264,7 +264,7 @@ fn events_are_listed_by_whose_they_are() {
 }
 
 #[test]
-fn both_are_scored_by_the_truth_that_was_loaded() {
+fn both_slots_are_scored_against_the_ground_truth() {
     let (mut harness, scene) = comparing();
     let ctx = harness.ctx.clone();
     let boxes = Truth { boxes: Some(Boxes::new()), masks: None };
@@ -277,7 +277,7 @@ fn both_are_scored_by_the_truth_that_was_loaded() {
 }
 
 #[test]
-fn the_inspector_shows_the_mixtures_of_both() {
+fn the_inspector_shows_the_mixtures_of_both_slots() {
     let (mut harness, scene) = comparing();
     let ctx = harness.ctx.clone();
     harness.state_mut().apply(&ctx, Command::Act(Action::InspectorPanel));

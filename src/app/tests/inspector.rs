@@ -1,4 +1,4 @@
-//! What is asked for in the inspector, and done by the window.
+//! Inspector requests and their execution by the window.
 
 use super::*;
 use crate::app::command::Action;
@@ -8,7 +8,7 @@ use crate::replay::Tuning;
 
 const AT: (u32, u32) = (80, 60);
 
-/// The scene with a pixel that was chosen, and what it would be under other settings.
+/// A scene with a chosen pixel and its tuning map.
 pub(super) fn inspected_state(position: u32) -> State {
     let parameters = Parameters::new(&Settings::default());
     let colour = |n: u32| if n > position - 10 { [40, 50, 60] } else { [100 + (n % 5) as u8, 90, 110] };
@@ -44,13 +44,13 @@ fn tuned(scene: &Scene) -> Vec<Option<[TunableSetting; 2]>> {
 }
 
 #[test]
-fn the_worker_is_asked_for_a_map_while_it_is_looked_at_and_a_cell_becomes_the_settings() {
+fn a_visible_tuning_map_is_requested_and_a_cell_becomes_the_settings() {
     let (mut harness, scene) = inspected(60);
     assert!(tuned(&scene).is_empty());
     harness.get_by_label("Tuning").click();
     harness.run_steps(4);
     picture(&mut harness, "tuning");
-    assert_eq!(tuned(&scene), [Some([TunableSetting::Alpha, TunableSetting::T])], "once, not in every frame");
+    assert_eq!(tuned(&scene), [Some([TunableSetting::Alpha, TunableSetting::T])], "requested once, not in every frame");
 
     let at = harness.get_by_label_contains("Tuning map, ").rect().center();
     harness.hover_at(at);
@@ -58,17 +58,17 @@ fn the_worker_is_asked_for_a_map_while_it_is_looked_at_and_a_cell_becomes_the_se
     harness.drag_at(at);
     harness.drop_at(at);
     harness.run_steps(8);
-    let settings = given(&scene).expect("a cell was taken");
+    let settings = given(&scene).expect("no cell was applied");
     let cell = harness.state().model.tuning().unwrap().map.clone();
     assert!(cell.axes[0].values.contains(&settings.alpha) && cell.axes[1].values.contains(&settings.t));
     assert_eq!(Settings { alpha: settings.alpha, t: settings.t, ..Settings::default() }, settings);
     harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     harness.run_steps(8);
-    assert_eq!(given(&scene), Some(Settings::default()), "and can be taken back");
+    assert_eq!(given(&scene), Some(Settings::default()), "the change can be undone");
 
     harness.get_all_by_label("Mixture").last().unwrap().click();
     harness.run_steps(4);
-    assert_eq!(tuned(&scene).last(), Some(&None), "nobody looks any more");
+    assert_eq!(tuned(&scene).last(), Some(&None), "the tab is no longer visible");
 }
 
 #[test]
@@ -85,7 +85,7 @@ fn a_copied_table_is_on_the_clipboard() {
     assert!(copied.starts_with("frame,value_r,value_g,value_b,matched,"));
 }
 
-/// Waits for a table.
+/// Waits for a table on the clipboard.
 pub(super) fn copied_text(harness: &mut Harness<'_, Window>) -> String {
     given_to_clipboard(harness, |command| {
         if let egui::OutputCommand::CopyText(text) = command { Some(text.clone()) } else { None }
@@ -93,7 +93,7 @@ pub(super) fn copied_text(harness: &mut Harness<'_, Window>) -> String {
 }
 
 #[test]
-fn nothing_is_kept_of_a_video_that_was_closed() {
+fn closing_a_video_frees_its_histories() {
     let (mut harness, scene) = inspected(60);
     let act = |harness: &mut Harness<'_, Window>, command| {
         let ctx = harness.ctx.clone();
@@ -115,14 +115,14 @@ fn nothing_is_kept_of_a_video_that_was_closed() {
         (pixel, pin, shares)
     };
     settle(&mut harness);
-    assert!(kept.0.upgrade().is_some(), "the plots would be drawn again at once");
+    assert!(kept.0.upgrade().is_some(), "the open plots share the history");
     act(&mut harness, Command::Act(Action::CloseVideo));
-    assert!(kept.0.upgrade().is_none(), "the chosen pixel's history");
-    assert!(kept.1.upgrade().is_none(), "a pinned one's");
-    assert!(kept.2.upgrade().is_none(), "the share around it");
+    assert!(kept.0.upgrade().is_none(), "the chosen pixel's history is freed");
+    assert!(kept.1.upgrade().is_none(), "the pinned pixel's history is freed");
+    assert!(kept.2.upgrade().is_none(), "the foreground ratio is freed");
 }
 
-/// Waits for the thread that makes what was asked for.
+/// Waits for the thread that prepares the clipboard's content.
 fn given_to_clipboard<T>(
     harness: &mut Harness<'_, Window>,
     find: impl Fn(&egui::OutputCommand) -> Option<T>,
@@ -138,7 +138,7 @@ fn given_to_clipboard<T>(
 }
 
 #[test]
-fn a_copied_plot_is_on_the_clipboard_as_a_picture() {
+fn a_copied_plot_is_on_the_clipboard_as_an_image() {
     let (mut harness, _) = inspected(60);
     harness.get_by_label("Copy or save the densities").click();
     harness.run_steps(4);

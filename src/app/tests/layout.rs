@@ -1,4 +1,4 @@
-//! Which views are open and where, what is drawn over them, and what of it is there at the next start.
+//! Open views and their layout, overlays, and the persisted state.
 
 use std::collections::HashMap;
 
@@ -18,7 +18,7 @@ fn is_seen(harness: &Harness<'_, Window>, view: View) -> bool {
 }
 
 #[test]
-fn a_view_is_closed_and_brought_back_and_the_last_stays() {
+fn a_view_can_be_closed_and_reopened_except_the_last() {
     let (mut harness, _) = ready(10);
     harness.get_by_label("Close: Regions").click();
     harness.run_steps(3);
@@ -39,7 +39,7 @@ fn a_view_is_closed_and_brought_back_and_the_last_stays() {
 }
 
 #[test]
-fn layouts_put_views_and_panels_in_their_places() {
+fn layouts_arrange_views_and_panels() {
     let (mut harness, _) = ready(58);
     for (layout, name, seen) in [
         (Layout::Figure, "figure", &View::ALL[..6]),
@@ -70,7 +70,7 @@ fn layouts_put_views_and_panels_in_their_places() {
 }
 
 #[test]
-fn what_is_drawn_over_the_tracks_can_be_left_out() {
+fn overlays_of_the_tracks_view_can_be_hidden() {
     let (mut harness, _) = ready(58);
     harness.state_mut().model.maximised = Some(View::Tracks);
     settle(&mut harness);
@@ -79,7 +79,7 @@ fn what_is_drawn_over_the_tracks_can_be_left_out() {
     for what in Drawn::ALL {
         act(&mut harness, Action::Draw(what));
         let less = harness.render().unwrap();
-        // One frame alone has no trail, no event happens in it, and no truth was loaded.
+        // A single frame has no trails and no events, and no ground truth is loaded.
         let nothing = matches!(what, Drawn::Trails | Drawn::Events | Drawn::Truth);
         assert_eq!(less == plain, nothing, "{what:?}");
         plain = less;
@@ -93,7 +93,7 @@ fn what_is_drawn_over_the_tracks_can_be_left_out() {
 }
 
 #[test]
-fn ground_truth_lies_over_the_tracks_of_its_frame() {
+fn ground_truth_boxes_are_drawn_over_the_tracks_of_their_frame() {
     let (mut harness, _) = ready(58);
     harness.state_mut().model.maximised = Some(View::Tracks);
     settle(&mut harness);
@@ -104,7 +104,7 @@ fn ground_truth_lies_over_the_tracks_of_its_frame() {
     let truth = crate::truth::Truth::read(&path).unwrap();
     let ctx = harness.ctx.clone();
     harness.state_mut().answered(&ctx, DialogResult::Truth(Ok(Arc::new(truth))));
-    // The message about it comes and goes.
+    // The toast about the ground truth would change the image.
     harness.state_mut().toasts = crate::app::toasts::Toasts::default();
     harness.run_steps(2);
     let with = harness.render().unwrap();
@@ -117,14 +117,14 @@ fn ground_truth_lies_over_the_tracks_of_its_frame() {
         pixels.filter(|&(x, y)| with.get_pixel(x, y) != without.get_pixel(x, y)).count()
     };
     assert!(differs(Rect::new(18.0, 18.0, 34.0, 54.0)) > 200);
-    assert_eq!(differs(Rect::new(100.0, 80.0, 30.0, 30.0)), 0, "another frame's box is not drawn");
+    assert_eq!(differs(Rect::new(100.0, 80.0, 30.0, 30.0)), 0, "boxes of other frames are not drawn");
     picture(&mut harness, "ground-truth");
     harness.state_mut().apply(&ctx, Command::Open("/videos/other.mp4".into(), Start::First));
     assert!(harness.state().model.truth.is_none());
 }
 
 #[test]
-fn actual_size_gives_each_pixel_one_of_the_screen() {
+fn actual_size_draws_each_pixel_as_one_screen_pixel() {
     let (mut harness, _) = ready(10);
     act(&mut harness, Action::Actual);
     let rect = harness.get_by_label("Tracks and occlusions view").rect();
@@ -152,7 +152,7 @@ impl eframe::Storage for Storage {
 }
 
 #[test]
-fn the_next_start_finds_the_window_as_it_was_left() {
+fn the_window_state_survives_a_restart() {
     use eframe::App as _;
     let (mut harness, _) = ready(10);
     act(&mut harness, Action::Arrange(Layout::Compare));
@@ -181,7 +181,7 @@ fn the_next_start_finds_the_window_as_it_was_left() {
     next.state_mut().apply(&ctx, Command::Open("/videos/other.mp4".into(), Start::First));
     assert!(next.state().model.marks.is_empty());
 
-    // What cannot be read is as in a first start.
+    // An unreadable state gives the initial values.
     storage.0.insert("window".into(), "(light: 7".into());
     storage.0.insert("layout".into(), "nothing".into());
     let (mut fresh, _) = window(None, (1600.0, 1000.0), Theme::Dark);
@@ -201,7 +201,7 @@ fn an_events_evidence_can_be_read_in_a_small_window() {
     picture(&mut harness, "evidence-small");
     let [row, why, because] = ["enter 2, frame 1", "Evidence for merge 1 + 2", "merge because region 4 grew"]
         .map(|label| harness.get_by_label(label).rect());
-    assert!(row.bottom() <= why.top(), "the list lies over the evidence: {row} {why}");
+    assert!(row.bottom() <= why.top(), "the list covers the evidence: {row} {why}");
     let below = harness.get_by_label("Tracks and occlusions view").rect().bottom();
-    assert!(because.bottom() + 30.0 < below, "there is room for numbers below {because}, above {below}");
+    assert!(because.bottom() + 30.0 < below, "no space for numbers below {because}, above {below}");
 }

@@ -4,7 +4,7 @@ use super::*;
 use crate::app::views::{Canvas, loupe_picture, loupe_place};
 
 #[test]
-fn the_loupe_enlarges_what_is_under_the_pointer_and_nothing_else_changes() {
+fn the_loupe_magnifies_the_pixel_under_the_pointer_and_changes_nothing_else() {
     for (view, name) in [(View::Input, "input"), (View::Regions, "regions"), (View::Map, "map")] {
         for (theme, size) in [(Theme::Dark, (1600.0, 1000.0)), (Theme::Light, (1024.0, 640.0))] {
             let (mut harness, _) = window(Some(state(Phase::Ready, Some(58))), size, theme);
@@ -17,10 +17,10 @@ fn the_loupe_enlarges_what_is_under_the_pointer_and_nothing_else_changes() {
             }
             let rect = harness.get_by_label(&format!("{} view", view.title())).rect();
             let canvas = Canvas::new(rect, SIZE, harness.state().model.camera);
-            // Away from where a step of the map ends: a small view mixes the colours of neighbours.
+            // Away from the edges of the map's steps: a small view blends adjacent colours.
             let pixel = if view == View::Map { (90, 60) } else { (80, 60) };
             let pointer = canvas.place_pixel(pixel).center();
-            // The pointer itself is drawn too.
+            // The pointer is drawn, too.
             let before = harness.render().unwrap();
             harness.hover_at(pointer);
             harness.run_steps(3);
@@ -38,7 +38,7 @@ fn the_loupe_enlarges_what_is_under_the_pointer_and_nothing_else_changes() {
             let (here, there) = (at(&before, pointer), at(&with, middle));
             let apart = here.iter().zip(there).map(|(a, b)| a.abs_diff(b)).max().unwrap();
             assert!(apart < 12, "{name}: {here:?} became {there:?}");
-            // The view itself is composed as before: the loupe has its own values.
+            // The composition of the view does not change: the loupe has its own uniforms.
             let mut changed = 0;
             for y in (rect.top() as u32..rect.bottom() as u32).step_by(3) {
                 for x in (rect.left() as u32..rect.right() as u32).step_by(3) {
@@ -56,7 +56,7 @@ fn the_loupe_enlarges_what_is_under_the_pointer_and_nothing_else_changes() {
 }
 
 #[test]
-fn holding_alt_shows_the_loupe_for_a_moment() {
+fn holding_alt_shows_the_loupe() {
     let (mut harness, _) = ready(58);
     let rect = harness.get_by_label("Tracks and occlusions view").rect();
     harness.hover_at(rect.center());

@@ -1,4 +1,4 @@
-//! The map of a number of each pixel: what it shows, and when it is asked for.
+//! Maps of per-pixel quantities: their content, and when they are requested.
 
 use super::*;
 use crate::app::command::Action;
@@ -17,9 +17,9 @@ fn maps_asked(scene: &Scene) -> Vec<Option<Quantity>> {
 }
 
 #[test]
-fn a_map_is_asked_for_only_while_it_is_seen() {
+fn a_map_is_requested_only_while_it_is_visible() {
     let (mut harness, scene) = ready(58);
-    assert!(maps_asked(&scene).is_empty(), "it stands behind another's tab");
+    assert!(maps_asked(&scene).is_empty(), "the map is behind another tab");
     act(&mut harness, Action::Map(Quantity::Used));
     assert_eq!(maps_asked(&scene), [Some(Quantity::Used)]);
     harness.get_by_label("Map view");
@@ -34,18 +34,18 @@ fn a_map_is_asked_for_only_while_it_is_seen() {
     harness.run_steps(3);
     let b = Some(Quantity::BackgroundCount);
     assert_eq!(maps_asked(&scene), [Some(Quantity::Used), b, None, b]);
-    // What hides the map goes away for it.
+    // Showing a map ends the maximisation of another view.
     harness.key_press(Key::Num1);
     harness.run_steps(3);
     act(&mut harness, Action::NextMap);
     assert_eq!(harness.state().model.maximised, Some(View::Map));
-    assert_eq!(harness.state().model.quantity, Quantity::BackgroundCount, "the one that was hidden");
+    assert_eq!(harness.state().model.quantity, Quantity::BackgroundCount, "the quantity shown last");
     act(&mut harness, Action::NextMap);
     assert_eq!(harness.state().model.quantity, Quantity::Matched);
 }
 
 #[test]
-fn each_number_has_its_colour_and_is_written_out() {
+fn each_value_has_its_colour_and_its_text() {
     let (mut harness, _) = window(Some(state(Phase::Ready, Some(58))), (1600.0, 1000.0), Theme::Dark);
     let view = "Map view";
     for quantity in Quantity::ALL {
@@ -88,7 +88,7 @@ fn each_number_has_its_colour_and_is_written_out() {
 }
 
 #[test]
-fn a_map_can_be_read_in_small_windows_and_in_light() {
+fn a_map_is_readable_in_small_windows_and_in_the_light_theme() {
     for (theme, name) in [(Theme::Dark, "dark"), (Theme::Light, "light")] {
         for size in [(1024.0, 640.0), (1600.0, 1000.0)] {
             let (mut harness, _) = window(Some(state(Phase::Ready, Some(58))), size, theme);
@@ -102,7 +102,7 @@ fn a_map_can_be_read_in_small_windows_and_in_light() {
 }
 
 #[test]
-fn a_model_without_a_mixture_says_so() {
+fn a_model_without_a_mixture_shows_a_message() {
     let (mut harness, scene) = ready(58);
     harness.state_mut().model.maximised = Some(View::Map);
     settle(&mut harness);
@@ -116,6 +116,6 @@ fn a_model_without_a_mixture_says_so() {
     harness.step();
     scene.state.borrow_mut().shown.as_mut().map(|shown| Arc::make_mut(shown).map.take());
     settle(&mut harness);
-    assert!(harness.render().unwrap() != empty, "the sentence is about numbers of the mixture");
+    assert!(harness.render().unwrap() != empty, "the message covers only quantities of the mixture");
     picture(&mut harness, "map-no-mixture");
 }

@@ -1,4 +1,4 @@
-//! The panel about an object.
+//! The object panel.
 
 use super::*;
 use crate::app::command::Action;
@@ -11,11 +11,11 @@ fn click(harness: &mut Harness<'_, Window>, view: &str, at: [f32; 2]) {
     let rect = harness.get_by_label(view).rect();
     let canvas = Canvas::new(rect, SIZE, harness.state().model.camera);
     click_at(harness, canvas.screen(at));
-    // Two clicks within a moment would be one double click.
+    // Two clicks at once would be a double click.
     harness.run_steps(40);
 }
 
-/// A window in which the whole panel is seen.
+/// A window that shows the whole panel.
 fn tall() -> (Harness<'static, Window>, Scene) {
     window(Some(state(Phase::Ready, Some(30))), (1600.0, 1700.0), Theme::Dark)
 }
@@ -25,7 +25,7 @@ fn a_click_on_an_object_explains_it_with_its_numbers() {
     let (mut harness, scene) = tall();
     click(&mut harness, "Tracks and occlusions view", [50.5, 60.5]);
     assert_eq!((harness.state().model.object, harness.state().model.subject), (Some(1), Subject::Object));
-    assert_eq!(harness.state().model.chosen, Some((50, 60)), "the pixel is chosen, too");
+    assert_eq!(harness.state().model.chosen, Some((50, 60)), "the click chooses the pixel, too");
     harness.get_by_label("Associated with region 1; 100 % of its full size is visible.");
     assert_eq!(harness.query_all_by_label("50.0, 60.0 px").count(), 2, "centre and centroid");
     harness.get_by_label("+1.00, +0.00 px/frame");
@@ -35,7 +35,7 @@ fn a_click_on_an_object_explains_it_with_its_numbers() {
     harness.get_by_label("0.20");
     harness.get_by_label("565 px");
     harness.get_by_label_contains("dominant colour R 200 G 70 B 60, 75 %");
-    // Its own colour is 200, 10, 10.
+    // The object's own colour is 200, 10, 10.
     let apart = regions::colour::delta_e([200, 10, 10], [200, 70, 60]);
     harness.get_by_label_contains(&format!("ΔE {apart:.1} to the dominant colour"));
     harness.get_by_label("frames 1–120, 4.8 s: 100 visible, 20 merged, 0 occluded");
@@ -59,9 +59,9 @@ fn a_click_on_an_object_explains_it_with_its_numbers() {
 }
 
 #[test]
-fn a_region_means_the_object_that_it_belongs_to_and_who_is_away_is_told() {
+fn clicking_a_region_chooses_its_object_and_an_absent_object_is_reported() {
     let (mut harness, scene) = tall();
-    // Where two boxes overlap, the region says whose pixel it is.
+    // Where two boxes overlap, the region determines the object.
     click(&mut harness, "Regions view", [110.0, 66.0]);
     assert_eq!(harness.state().model.object, Some(2));
     click(&mut harness, "Input view", [110.0, 66.0]);
@@ -93,7 +93,7 @@ fn click_at(harness: &mut Harness<'_, Window>, at: egui::Pos2) {
 }
 
 #[test]
-fn the_panel_can_be_drawn_small_and_light() {
+fn the_panel_fits_a_small_window_in_the_light_theme() {
     for (size, theme, name) in
         [((1024.0, 640.0), Theme::Dark, "object-small"), ((1600.0, 1000.0), Theme::Light, "object-light")]
     {
@@ -106,7 +106,7 @@ fn the_panel_can_be_drawn_small_and_light() {
 }
 
 #[test]
-fn what_would_have_kept_an_event_from_happening_is_asked_told_and_taken() {
+fn counterfactuals_of_an_event_are_requested_shown_and_applied() {
     use crate::occlusion::counterfactual::{Counterfactual, Prevention};
     use crate::settings::Value;
     let (mut harness, scene) = tall();
@@ -140,7 +140,7 @@ fn what_would_have_kept_an_event_from_happening_is_asked_told_and_taken() {
 }
 
 #[test]
-fn the_event_that_is_read_stays_the_same_where_others_come_before_it() {
+fn the_selected_event_stays_the_same_when_events_are_inserted_before_it() {
     let (mut harness, scene) = tall();
     let ctx = harness.ctx.clone();
     harness.state_mut().apply(&ctx, Command::OpenEvent(Some(EventRef::InView(3))));
@@ -150,7 +150,7 @@ fn the_event_that_is_read_stays_the_same_where_others_come_before_it() {
         scene.asked.borrow().iter().filter(|asked| matches!(asked, PlayerCall::Explain(Some(_)))).count()
     };
     assert_eq!(explained(&scene), 1);
-    // An event that was decided late, and who was in front.
+    // A late event with a known occluder.
     let mut later = timeline();
     later.events[3].1.front = Some(2);
     later.events.insert(2, event(EventKind::Appear, 20, &[3], (120.0, 38.0)));
@@ -159,8 +159,8 @@ fn the_event_that_is_read_stays_the_same_where_others_come_before_it() {
     assert_eq!(harness.state().model.reading, Some(EventRef::InView(4)));
     harness.get_by_label("Evidence for merge 1 + 2");
     harness.get_by_label("Occluder: 2");
-    assert_eq!(explained(&scene), 1, "it is the same question");
-    // What is known of it is shown, though it was asked before that was known.
+    assert_eq!(explained(&scene), 1, "the same event is requested once");
+    // A counterfactual result is shown although the occluder was unknown when it was requested.
     let mut asked = timeline().events[3].1.clone();
     asked.front = None;
     scene.state.borrow_mut().counterfactual =
@@ -177,14 +177,14 @@ fn the_event_that_is_read_stays_the_same_where_others_come_before_it() {
     later.events.remove(4);
     scene.state.borrow_mut().timeline = Arc::new(later);
     settle(&mut harness);
-    assert_eq!(harness.state().model.reading, None, "it did not happen after all");
+    assert_eq!(harness.state().model.reading, None, "the event was removed");
     harness.state_mut().apply(&ctx, Command::OpenEvent(Some(EventRef::InView(3))));
     settle(&mut harness);
     assert_eq!(explained(&scene), 2);
 }
 
 #[test]
-fn the_chosen_object_is_followed_by_its_place_into_other_settings() {
+fn the_chosen_object_is_matched_by_position_under_other_settings() {
     let (mut harness, scene) = tall();
     click(&mut harness, "Tracks and occlusions view", [50.5, 60.5]);
     assert_eq!(harness.state().model.object, Some(1));
@@ -199,10 +199,10 @@ fn the_chosen_object_is_followed_by_its_place_into_other_settings() {
     };
     scene.state.borrow_mut().shown = Some(Arc::new(renamed([2, 7, 1], 0.01)));
     settle(&mut harness);
-    assert_eq!(harness.state().model.object, Some(2), "1 is somebody else");
+    assert_eq!(harness.state().model.object, Some(2), "identity 1 is another object");
     let mut gone = renamed([2, 7, 1], 0.02);
     Arc::make_mut(&mut Arc::make_mut(&mut gone.analysis).tracks).retain(|track| track.id != 2);
     scene.state.borrow_mut().shown = Some(Arc::new(gone));
     settle(&mut harness);
-    assert_eq!(harness.state().model.object, None, "nobody stands there");
+    assert_eq!(harness.state().model.object, None, "no object is at that position");
 }

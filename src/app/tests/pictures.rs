@@ -1,4 +1,4 @@
-//! What the views show, pixel by pixel, and when it changes.
+//! The content of the views, pixel by pixel, and when it changes.
 
 use eframe::egui::{Pos2, pos2};
 use image::{Rgba, RgbaImage};
@@ -9,7 +9,7 @@ use crate::app::state::Camera;
 use crate::app::views::{Background, Canvas};
 use crate::palette::identity_colour;
 
-/// One view alone, each pixel of the image as large as some whole number of the screen's.
+/// One maximised view, with an integer number of screen pixels per image pixel.
 fn alone(view: View, position: u32) -> (Harness<'static, Window>, Scene, Canvas) {
     let (mut harness, scene) =
         window(Some(state(Phase::Ready, Some(position))), (1600.0, 1000.0), Theme::Dark);
@@ -38,10 +38,10 @@ fn at(picture: &RgbaImage, at: Pos2) -> [u8; 3] {
     [r, g, b]
 }
 
-/// The colour of a pixel of a frame in a view.
+/// The expected colour of a pixel of a frame in a view.
 type Expected = fn(&ShownFrame, (u32, u32)) -> [u8; 3];
 
-/// Sees that pixels all over the image have the colour that `expected` gives, to a level or two.
+/// Checks that pixels all over the image have the colour of `expected`, within two levels.
 fn compare(
     harness: &mut Harness<'_, Window>,
     canvas: &Canvas,
@@ -57,7 +57,7 @@ fn compare(
             let (there, wanted) = (at(&picture, middle), expected(&shown, (x, y)));
             let apart = there.iter().zip(wanted).map(|(a, b)| a.abs_diff(b)).max().unwrap();
             if apart > 2 {
-                // Boxes, tags, trails and hatching lie over a part of the picture.
+                // Boxes, tags, trails and hatching cover part of the image.
                 continue;
             }
             seen += 1;
@@ -115,7 +115,7 @@ fn the_background_view_shows_the_kind_that_is_chosen() {
 }
 
 #[test]
-fn the_mask_lies_over_the_input_as_strong_as_is_asked() {
+fn the_mask_overlay_has_the_requested_opacity() {
     let (mut harness, _, canvas) = alone(View::Input, 10);
     harness.key_press(Key::O);
     harness.run_steps(2);
@@ -142,7 +142,7 @@ fn the_mask_lies_over_the_input_as_strong_as_is_asked() {
 }
 
 #[test]
-fn zooming_panning_and_the_mask_over_the_input_send_nothing() {
+fn zooming_panning_and_the_mask_overlay_upload_nothing() {
     let (mut harness, _) = ready(58);
     let set = |harness: &Harness<'_, Window>| Arc::clone(harness.state().pictures.in_view().unwrap());
     let before = set(&harness);
@@ -161,22 +161,22 @@ fn zooming_panning_and_the_mask_over_the_input_send_nothing() {
 }
 
 #[test]
-fn only_layers_that_changed_and_that_a_view_needs_are_sent() {
+fn only_changed_layers_of_visible_views_are_uploaded() {
     let (mut harness, scene) = ready(10);
     let bytes = |harness: &mut Harness<'_, Window>| {
         settle(harness);
         harness.state().pictures.in_view().unwrap().bytes()
     };
-    // Rows are filled up to whole multiples of 256 bytes.
+    // Rows are padded to multiples of 256 bytes.
     let (colour, mask, labels) = (768 * 120, 256 * 120, 512 * 120);
     let palette = 1024 * 3;
     scene.show(11);
     assert_eq!(bytes(&mut harness), 2 * colour + mask + labels + palette);
-    // The same frame with another history of its pixel.
+    // The same frame with another pixel history.
     let same = ShownFrame::clone(scene.state.borrow().shown.as_ref().unwrap());
     scene.state.borrow_mut().shown = Some(Arc::new(same.clone()));
     assert_eq!(bytes(&mut harness), 0);
-    // Under other settings the input stays.
+    // Under other settings the input is unchanged.
     scene.state.borrow_mut().shown = Some(Arc::new(ShownFrame { frame: same.frame, ..shown_at(11) }));
     assert_eq!(bytes(&mut harness), colour + mask + labels + palette);
     harness.state_mut().model.maximised = Some(View::Foreground);
@@ -184,16 +184,16 @@ fn only_layers_that_changed_and_that_a_view_needs_are_sent() {
     scene.show(12);
     assert_eq!(bytes(&mut harness), mask);
     harness.state_mut().model.maximised = Some(View::Tracks);
-    assert_eq!(bytes(&mut harness), colour, "what comes into sight is sent when it does");
+    assert_eq!(bytes(&mut harness), colour, "a layer is uploaded when its view becomes visible");
 }
 
-/// From which column on there is something of this colour in a row, and how much is to its right.
+/// The first column of a row that has a colour accepted by `is`, and the number of such columns to its right.
 fn columns(picture: &RgbaImage, canvas: &Canvas, y: u32, is: impl Fn([u8; 3]) -> bool) -> Option<u32> {
     (0..SIZE.width).find(|&x| is(at(picture, canvas.place_pixel((x, y)).center())))
 }
 
 #[test]
-fn all_views_change_to_another_frame_at_once() {
+fn all_views_change_frame_at_the_same_time() {
     let (mut harness, _) = window(Some(state(Phase::Ready, Some(0))), (1600.0, 1000.0), Theme::Dark);
     harness.state_mut().model.playback.speed = 7;
     harness.key_press(Key::Space);
@@ -203,7 +203,7 @@ fn all_views_change_to_another_frame_at_once() {
         let picture = harness.render().unwrap();
         let shown = harness.state().model.shown().unwrap();
         let (input, foreground) = (canvas(&harness, View::Input), canvas(&harness, View::Foreground));
-        // The first who walks, in red, is at 20 + t and 9 pixels wide to either side.
+        // The first person, in red, is at 20 + t, 9 pixels wide to either side.
         let wanted = Some(20 + shown.position - 9);
         let y = 60;
         assert_eq!(columns(&picture, &input, y, |[r, g, b]| r > 150 && g < 110 && b < 100), wanted);
@@ -217,7 +217,7 @@ fn all_views_change_to_another_frame_at_once() {
 }
 
 #[test]
-fn a_frame_of_the_video_before_never_comes_into_view() {
+fn a_frame_of_the_previous_video_is_never_shown() {
     let (mut harness, scene) = ready(10);
     scene.show(30);
     harness.step();
@@ -235,7 +235,7 @@ fn a_frame_of_the_video_before_never_comes_into_view() {
 }
 
 #[test]
-fn trails_go_with_their_frame_and_start_anew_under_other_settings() {
+fn trails_belong_to_their_frame_and_restart_under_other_settings() {
     let (mut harness, scene) = ready(10);
     for position in [11, 12, 13] {
         scene.show(position);
@@ -253,7 +253,7 @@ fn trails_go_with_their_frame_and_start_anew_under_other_settings() {
     assert_eq!(trails(&harness), [13]);
 }
 
-/// A frame of another size whose mask `is` foreground.
+/// A frame of another size with foreground where `is` holds.
 fn shown_with_mask(size: Size, is: impl Fn(u32, u32) -> bool) -> ShownFrame {
     let shown = shown_at(0);
     let pixels = || (0..size.height).flat_map(|y| (0..size.width).map(move |x| (x, y)));
@@ -267,7 +267,7 @@ fn shown_with_mask(size: Size, is: impl Fn(u32, u32) -> bool) -> ShownFrame {
     ShownFrame { frame: frame.clone(), background: frame, analysis: Arc::new(analysis), ..shown }
 }
 
-/// How bright a row of the foreground view is in all, in pixels of the image.
+/// The total brightness of a row of the foreground view, in image pixels.
 fn brightness(harness: &mut Harness<'_, Window>) -> f32 {
     let canvas = canvas(harness, View::Foreground);
     let picture = harness.render().unwrap();
@@ -296,7 +296,7 @@ fn a_line_one_pixel_wide_neither_vanishes_nor_flickers_in_a_small_view() {
 }
 
 #[test]
-fn an_image_too_large_for_the_card_is_shown_nevertheless() {
+fn an_image_larger_than_the_texture_limit_is_shown() {
     let size = Size::new(20_000, 40);
     let mut first = state(Phase::Ready, Some(0));
     first.shown = Some(Arc::new(shown_with_mask(size, |x, _| x >= 10_000)));

@@ -1,4 +1,4 @@
-//! Pinned pixels and the region around the chosen one, from the keys to what the worker is asked.
+//! Pinned pixels and the region around the chosen pixel: shortcuts, display, and requests to the worker.
 
 use super::inspector::copied_text;
 use super::*;
@@ -18,7 +18,7 @@ fn apply(harness: &mut Harness<'_, Window>, command: Command) {
     harness.run_steps(3);
 }
 
-/// The scene with a chosen pixel.
+/// A scene with a chosen pixel.
 fn inspected(size: (f32, f32), theme: Theme) -> (Harness<'static, Window>, Scene) {
     let history = Some(history_of(AT));
     let shown = ShownFrame { pixel: history.clone(), ..shown_at(58) };
@@ -68,7 +68,7 @@ fn pixels_are_pinned_listed_chosen_and_unpinned() {
     harness.get_by_label("Unpin 1").click();
     harness.run_steps(3);
     assert_eq!(pins_asked(&scene).last().unwrap()[..], PINNED[1..]);
-    // A click in the small multiple goes to the frame there.
+    // A click in a small multiple goes to the frame under it.
     let spark = harness.get_by_label_contains("Pinned pixel 3 at 120, 50");
     let place = spark.rect();
     assert!(place.height() < 60.0, "{place}");
@@ -94,8 +94,8 @@ fn pins_belong_to_their_video() {
     apply(&mut harness, Command::Open("/videos/other.mp4".into(), Start::First));
     assert!(harness.state().model.marks.pins.is_empty());
     apply(&mut harness, Command::Open("/videos/walk.mp4".into(), Start::First));
-    assert_eq!(pins_asked(&scene), [vec![AT], vec![AT]], "asked of the new worker too");
-    // Where no pixel is chosen, the pins are there to choose from.
+    assert_eq!(pins_asked(&scene), [vec![AT], vec![AT]], "requested of the new worker, too");
+    // Without a chosen pixel, the pins are listed to choose from.
     scene.state.borrow_mut().pixel = None;
     scene.state.borrow_mut().shown = Some(Arc::new(shown_at(58)));
     settle(&mut harness);
@@ -106,13 +106,13 @@ fn pins_belong_to_their_video() {
 }
 
 #[test]
-fn pixels_whose_first_frames_are_gone_are_said_to_be_unknowable() {
+fn pixels_without_their_first_frames_are_reported_as_unavailable() {
     let (mut harness, scene) = inspected((1600.0, 1000.0), Theme::Dark);
     for at in &PINNED[..2] {
         apply(&mut harness, Command::Choose(Some(*at)));
         act(&mut harness, Action::Pin);
     }
-    // As a camera's that has been running for a while: neither is known, one not yet.
+    // As with a long-running camera: one history is lost, the other is not computed yet.
     {
         let mut state = scene.state.borrow_mut();
         (state.pixel, state.pins, state.lost) = (None, Arc::default(), vec![AT]);
@@ -142,7 +142,7 @@ fn pixels_whose_first_frames_are_gone_are_said_to_be_unknowable() {
 }
 
 #[test]
-fn what_is_seen_of_several_pixels_can_be_taken_along() {
+fn plots_of_several_pixels_can_be_exported() {
     let (mut harness, scene) = inspected((1600.0, 1000.0), Theme::Dark);
     for at in PINNED.into_iter().rev() {
         apply(&mut harness, Command::Choose(Some(at)));
@@ -167,11 +167,11 @@ fn what_is_seen_of_several_pixels_can_be_taken_along() {
     let copied = copied_text(&mut harness);
     assert_eq!(copied.lines().count() as u32, 3 * FRAMES + 1);
     assert!(copied.starts_with("pin,x,y,frame,value_r,"));
-    assert!(copied.lines().nth(1).unwrap().starts_with("1,120,50,1,"), "the number under which it is pinned");
+    assert!(copied.lines().nth(1).unwrap().starts_with("1,120,50,1,"), "the pin's number");
 }
 
 #[test]
-fn the_region_around_the_pixel_is_asked_for_while_it_is_looked_at() {
+fn the_region_is_requested_only_while_its_tab_is_visible() {
     let (mut harness, scene) = inspected((1600.0, 1000.0), Theme::Dark);
     assert!(regions_asked(&scene).is_empty());
     harness.get_by_label("Pixels").click();
@@ -182,14 +182,14 @@ fn the_region_around_the_pixel_is_asked_for_while_it_is_looked_at() {
     let curve = harness.get_by_label_contains("Foreground ratio in neighbourhood, ");
     curve.click();
     harness.run_steps(3);
-    assert!((50..70).contains(shows(&scene).last().unwrap()), "about the middle");
+    assert!((50..70).contains(shows(&scene).last().unwrap()), "near the middle");
     harness.get_all_by_label("Mixture").last().unwrap().click();
     harness.run_steps(4);
     assert_eq!(regions_asked(&scene).last(), Some(&None));
 }
 
 #[test]
-fn several_pixels_can_be_compared_dark_and_light_in_small_windows_and_large() {
+fn several_pixels_can_be_compared_in_both_themes_and_all_window_sizes() {
     for (theme, name) in [(Theme::Dark, "dark"), (Theme::Light, "light")] {
         for size in [(1024.0, 640.0), (1600.0, 1000.0)] {
             let (mut harness, _) = inspected(size, theme);

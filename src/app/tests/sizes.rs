@@ -1,9 +1,9 @@
-//! The window at every size, scale and theme: nothing is lost, and nothing lies over another.
+//! The window at every size, scale and theme: nothing is cut off and nothing overlaps.
 
 use super::inspector::inspected_state;
 use super::*;
 
-/// Sizes in points with the pixels a point: small, usual, large, and what 3840×2160 pixels are at a scale of two.
+/// Sizes in points with the pixels per point: small, usual, large, and 3840×2160 pixels at a scale of two.
 const SCREENS: [((f32, f32), f32); 7] = [
     ((1024.0, 640.0), 1.0),
     ((1024.0, 640.0), 1.5),
@@ -31,7 +31,7 @@ fn states() -> [(&'static str, Option<State>); 4] {
     ]
 }
 
-/// What is never scrolled away and has to be seen whole, by state.
+/// The controls that must be entirely visible without scrolling, by state.
 fn fixed(name: &str) -> &'static [&'static str] {
     match name {
         "empty" => &["Open video…", "Open folder of images…", "Open sample", "Settings"],
@@ -64,10 +64,10 @@ fn fixed(name: &str) -> &'static [&'static str] {
 }
 
 #[test]
-fn every_state_can_be_seen_whole_at_every_size_and_scale_in_both_themes() {
+fn every_state_fits_every_size_and_scale_in_both_themes() {
     for (theme, theme_name) in [(Theme::Dark, "dark"), (Theme::Light, "light")] {
         for ((width, height), scale) in SCREENS {
-            // A picture of the largest takes as long as all the others.
+            // Rendering the largest size takes as long as all others together.
             if width > 2000.0 && theme == Theme::Light {
                 continue;
             }
@@ -93,18 +93,18 @@ fn every_state_can_be_seen_whole_at_every_size_and_scale_in_both_themes() {
 }
 
 #[test]
-fn a_window_made_smaller_gives_every_panel_less() {
+fn shrinking_the_window_shrinks_every_panel() {
     let (mut harness, _) = window(Some(inspected_state(58)), (1600.0, 1400.0), Theme::Dark);
     harness.run_steps(4);
     let large = harness.get_by_label("Events").rect();
     harness.set_size(vec2(1024.0, 640.0));
     harness.run_steps(4);
     let small = harness.get_by_label("Events").rect();
-    // From the tabs down to the events a plot can be read, and the events are still a list.
+    // Between tabs and events there is space for a readable plot, and several events remain visible.
     let room = small.top() - harness.get_by_label("History").rect().bottom();
     assert!(room > 120.0, "{room} points are left to the inspector's tab");
     assert!(harness.get_by_label("Timeline").rect().top() - small.top() > 100.0, "{small} leaves no list");
-    assert!(small.left() > 1024.0 * 0.6, "{small} leaves the views no room");
+    assert!(small.left() > 1024.0 * 0.6, "{small} leaves no space for the views");
     assert!(large.top() > 0.38 * 1400.0, "{large}");
     picture(&mut harness, "made-smaller");
     harness.set_size(vec2(3840.0, 2160.0));
@@ -114,7 +114,7 @@ fn a_window_made_smaller_gives_every_panel_less() {
 }
 
 #[test]
-fn in_the_smallest_window_no_view_lies_over_the_panel_beside_it() {
+fn in_the_smallest_window_no_view_overlaps_a_panel() {
     let (mut harness, _) = window(Some(inspected_state(58)), (1600.0, 1000.0), Theme::Dark);
     harness.run_steps(4);
     harness.set_size(vec2(800.0, 560.0));
@@ -122,7 +122,7 @@ fn in_the_smallest_window_no_view_lies_over_the_panel_beside_it() {
     let panel = harness.get_by_label("Events").rect().left();
     for view in ["Regions", "Background", "Tracks and occlusions"] {
         let button = harness.get_by_label(&format!("Show alone: {view}")).rect();
-        assert!(button.right() <= panel, "{view}: {button} lies over the panel at {panel}");
+        assert!(button.right() <= panel, "{view}: {button} overlaps the panel at {panel}");
     }
     picture(&mut harness, "smallest");
 }
@@ -141,5 +141,5 @@ fn text_and_controls_can_be_made_larger_and_smaller() {
         harness.key_press_modifiers(Modifiers::COMMAND, Key::Minus);
         harness.step();
     }
-    assert!(harness.ctx.zoom_factor() > 0.4, "still to be read");
+    assert!(harness.ctx.zoom_factor() > 0.4, "the text remains readable");
 }

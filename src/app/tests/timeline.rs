@@ -1,4 +1,4 @@
-//! The timeline: near and far, marks, and what is played.
+//! The timeline: zoom, marks, and the playback range.
 
 use super::*;
 
@@ -14,7 +14,7 @@ fn wheel(harness: &mut Harness<'_, Window>, delta: egui::Vec2) {
 }
 
 #[test]
-fn the_wheel_zooms_and_pans_and_a_key_shows_the_whole_again() {
+fn the_wheel_zooms_and_pans_and_a_key_shows_the_whole_video() {
     let (mut harness, scene) = ready(10);
     let rect = harness.get_by_label("Timeline").rect();
     let middle = rect.center();
@@ -22,12 +22,12 @@ fn the_wheel_zooms_and_pans_and_a_key_shows_the_whole_again() {
     wheel(&mut harness, vec2(0.0, 300.0));
     let (from, to) = harness.state().model.span.unwrap();
     assert!(to - from < 40.0 && from > 30.0 && to < 90.0, "{from} to {to}");
-    assert_eq!(harness.state().model.camera.magnification, 1.0, "the views stay");
+    assert_eq!(harness.state().model.camera.magnification, 1.0, "the views' camera is unchanged");
     picture(&mut harness, "timeline-near");
     wheel(&mut harness, vec2(-200.0, 0.0));
     let moved = harness.state().model.span.unwrap();
     assert!(moved.0 > from + 2.0 && (moved.1 - moved.0 - (to - from)).abs() < 0.01, "{moved:?}");
-    // What is clicked is what is seen there.
+    // A click selects the position that is visible under the pointer.
     harness.event(egui::Event::PointerMoved(rect.left_center() + vec2(9.0, 20.0)));
     harness.step();
     for pressed in [true, false] {
@@ -44,7 +44,7 @@ fn the_wheel_zooms_and_pans_and_a_key_shows_the_whole_again() {
 }
 
 #[test]
-fn a_part_is_played_over_and_over() {
+fn a_playback_range_is_repeated() {
     let (mut harness, scene) = ready(40);
     harness.key_press_modifiers(Modifiers::SHIFT, Key::Home);
     harness.run_steps(3);
@@ -59,7 +59,7 @@ fn a_part_is_played_over_and_over() {
 }
 
 #[test]
-fn bookmarks_are_set_and_gone_to_by_key() {
+fn bookmarks_are_set_and_visited_by_key() {
     let (mut harness, scene) = ready(40);
     harness.key_press(Key::K);
     harness.run_steps(2);

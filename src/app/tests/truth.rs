@@ -1,4 +1,4 @@
-//! Ground truth that is loaded: boxes, masks, and what is right by them.
+//! Loaded ground truth: boxes, masks, and scores against them.
 
 use super::inspector::inspected_state;
 use super::*;
@@ -10,7 +10,7 @@ use crate::truth::masks::{Label, TrueMask, TrueMasks};
 
 const AT: (u32, u32) = (80, 60);
 
-/// The mask of a frame a little to the right, with a strip below that does not count.
+/// The frame's mask shifted slightly to the right, with an ignored strip at the bottom.
 fn true_mask(position: u32) -> TrueMask {
     let mask = shown_at(position).analysis.mask.clone();
     let label = |at: usize| {
@@ -29,7 +29,7 @@ fn truth(position: u32) -> Arc<Truth> {
     Arc::new(Truth { boxes: None, masks: TrueMasks::new(masks).map(Arc::new) })
 }
 
-/// As if the worker had found it: better to the right and in the middle.
+/// A result of the worker: best at the right and in the middle.
 fn tuning_of(state: &State, side: u32) -> RegionTuning {
     let parameters = state.pixel.as_ref().unwrap().parameters;
     let (axes, cells) = grid(&parameters, [TunableSetting::Alpha, TunableSetting::T]);
@@ -44,7 +44,7 @@ fn tuning_of(state: &State, side: u32) -> RegionTuning {
     RegionTuning { at: AT, side, parameters, extent: [side; 2], frames: 50, present, axes, cells }
 }
 
-/// The scene with its truth and a chosen pixel, whose tuning is looked at.
+/// A scene with ground truth and a chosen pixel whose tuning tab is open.
 fn judged(size: (f32, f32), theme: Theme) -> (Harness<'static, Window>, Scene) {
     let state = inspected_state(58);
     let (mut harness, scene) = window(Some(state), size, theme);
@@ -72,13 +72,13 @@ fn asked(scene: &Scene) -> Vec<Option<((u32, u32), u32)>> {
 }
 
 #[test]
-fn masks_of_the_truth_show_what_is_right_and_what_is_wrong() {
+fn ground_truth_masks_show_true_and_false_decisions() {
     let (mut harness, _) = ready(58);
     let ctx = harness.ctx.clone();
     let seen = |harness: &Harness<'_, Window>| harness.query_by_label("Mask errors view").is_some();
     assert!(!seen(&harness));
     load(&mut harness, truth(58));
-    assert!(seen(&harness), "it opens with the masks");
+    assert!(seen(&harness), "the view opens with the masks");
     picture(&mut harness, "right-all-views");
     harness.key_press(Key::Num9);
     settle(&mut harness);
@@ -113,7 +113,7 @@ fn masks_of_the_truth_show_what_is_right_and_what_is_wrong() {
         assert!(near && bound, "{label:?} {found}: {pixel:?} for {colour:?}");
     }
     picture(&mut harness, "right-alone");
-    // Another frame has no true mask.
+    // The other frame has no ground-truth mask.
     harness.state_mut().apply(&ctx, Command::GoTo(40));
     settle(&mut harness);
     assert_eq!(harness.state().pictures.in_view().unwrap().decisions(), None);
@@ -121,21 +121,21 @@ fn masks_of_the_truth_show_what_is_right_and_what_is_wrong() {
 }
 
 #[test]
-fn without_masks_the_views_say_how_to_come_by_them() {
+fn without_masks_the_views_show_how_to_load_them() {
     let (mut harness, scene) = judged((1600.0, 1000.0), Theme::Dark);
     harness.get_by_label("Load ground truth folder…");
     picture(&mut harness, "judged-without-masks");
-    // What no mask can answer is not marked in the views either.
+    // Ignored pixels have no mark in the views either.
     assert_eq!(asked(&scene), [Some((AT, 9))]);
     assert!(!harness.state().model.has_true_masks());
     let other =
         TrueMasks::new(BTreeMap::from([(1, Arc::new(TrueMask::of_identities(Size::new(2, 2), &[0; 4])))]));
     load(&mut harness, Arc::new(Truth { boxes: None, masks: other.map(Arc::new) }));
-    assert!(!harness.state().model.has_true_masks(), "those of another size are of another video");
+    assert!(!harness.state().model.has_true_masks(), "masks of another size are of another video");
 }
 
 #[test]
-fn how_right_other_settings_are_is_asked_for_shown_and_taken() {
+fn accuracy_under_other_settings_is_requested_shown_and_applied() {
     let (mut harness, scene) = judged((1600.0, 1600.0), Theme::Dark);
     load(&mut harness, truth(58));
     harness.get_by_label_contains("Map of accuracy against the ground truth");
@@ -153,7 +153,7 @@ fn how_right_other_settings_are_is_asked_for_shown_and_taken() {
     let number = crate::mixture::verdict::number;
     harness.get_by_label(&format!("α = {},  T = {}", number(alpha), number(t))).click();
     harness.run_steps(8);
-    let settings = given(&scene).expect("the best was taken");
+    let settings = given(&scene).expect("the best cell was not applied");
     assert_eq!((settings.alpha, settings.t), (alpha, t));
     harness.get_all_by_label("F").last().unwrap().click();
     harness.run_steps(4);
@@ -161,7 +161,7 @@ fn how_right_other_settings_are_is_asked_for_shown_and_taken() {
 }
 
 #[test]
-fn nothing_is_asked_about_a_tab_that_is_not_seen() {
+fn a_hidden_tab_requests_nothing() {
     use crate::app::state::Subject;
     let (mut harness, scene) = judged((1600.0, 1000.0), Theme::Dark);
     let tuned = |scene: &Scene| {
@@ -176,17 +176,17 @@ fn nothing_is_asked_about_a_tab_that_is_not_seen() {
     let ctx = harness.ctx.clone();
     harness.state_mut().apply(&ctx, Command::Explain(Subject::Object));
     harness.run_steps(3);
-    assert_eq!((tuned(&scene), asked(&scene).last().copied()), (None, Some(None)), "an object is explained");
+    assert_eq!((tuned(&scene), asked(&scene).last().copied()), (None, Some(None)), "the object panel is open");
     harness.state_mut().apply(&ctx, Command::Explain(Subject::Pixel));
     harness.run_steps(3);
     assert!(tuned(&scene).is_some());
     harness.state_mut().apply(&ctx, Command::Act(Action::InspectorPanel));
     harness.run_steps(3);
-    assert_eq!(tuned(&scene), None, "the panel is shut");
+    assert_eq!(tuned(&scene), None, "the panel is closed");
 }
 
 #[test]
-fn the_maps_stand_in_small_and_in_light_windows() {
+fn the_maps_fit_small_windows_and_the_light_theme() {
     for (size, theme, name) in
         [((1024.0, 640.0), Theme::Dark, "small"), ((2560.0, 1440.0), Theme::Light, "large-light")]
     {
@@ -219,7 +219,7 @@ fn masks_are_scored_beside_the_events() {
 }
 
 #[test]
-fn what_is_dropped_on_a_video_may_be_its_truth() {
+fn ground_truth_can_be_dropped_on_a_video() {
     let folder = tempfile::tempdir().unwrap();
     let path = folder.path().join("gt.txt");
     std::fs::write(&path, "59,1,20,20,30,50,1,1,1\n").unwrap();

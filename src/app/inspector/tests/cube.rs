@@ -21,7 +21,7 @@ fn a_cube_is_turned_by_dragging_by_keys_and_by_buttons() {
     harness.get_by_label("Reset").click();
     harness.run();
 
-    // Half the view's width is a quarter of a turn.
+    // Half the view's width is a quarter turn.
     let area = harness.get_by_label_contains("Scatter plot of R, G and B").rect();
     let (start, end) = (area.center(), area.center() + Vec2::new(area.width() / 4.0, 0.0));
     harness.hover_at(start);
@@ -34,7 +34,7 @@ fn a_cube_is_turned_by_dragging_by_keys_and_by_buttons() {
     assert_eq!(turned(&harness), "79°, elevation 24°");
     picture(&mut harness, "cube-turned");
 
-    // It has the focus now.
+    // The cube has the focus now.
     for key in [egui::Key::ArrowLeft, egui::Key::ArrowLeft, egui::Key::ArrowDown] {
         harness.key_press(key);
         harness.run();
@@ -44,7 +44,7 @@ fn a_cube_is_turned_by_dragging_by_keys_and_by_buttons() {
         harness.key_press(egui::Key::ArrowUp);
         harness.run();
     }
-    assert_eq!(turned(&harness), "59°, elevation 90°", "the pole is the end");
+    assert_eq!(turned(&harness), "59°, elevation 90°", "the elevation stops at the pole");
     for by in ["verdict", "time"] {
         open(&mut harness, by);
         picture(&mut harness, &format!("cube-{by}"));

@@ -1,15 +1,15 @@
-//! What is taken along of plots.
+//! Export of plots and tables.
 
 use super::*;
 
 #[test]
-fn the_frames_of_a_zoomed_history_are_what_is_copied() {
+fn a_zoomed_history_exports_its_visible_frames() {
     let (mut harness, actions) = tall(Some(shown(430)));
     open(&mut harness, "History");
     harness.get_by_label("+").click();
     harness.run();
     choose(&mut harness, "Copy or save the frames in view", "Save CSV…");
-    // From 215.25 on for 300 frames.
+    // 300 frames from 215.25.
     let [InspectorAction::Save(Table::History(_, frames))] = &actions.take()[..] else { panic!("no table") };
     assert_eq!(*frames, 215..516);
     choose(&mut harness, "Copy or save the frames in view", "Save SVG…");
@@ -24,7 +24,7 @@ fn a_map_is_saved_cell_by_cell() {
     let (mut harness, actions) = tall(Some(shown));
     open(&mut harness, "Tuning");
     choose(&mut harness, "Copy or save the map", "Save CSV…");
-    let [InspectorAction::Save(table)] = &actions.take()[..] else { panic!("one table is asked for") };
+    let [InspectorAction::Save(table)] = &actions.take()[..] else { panic!("one table is requested") };
     assert_eq!(table.name(), "tuning-5-4.csv");
     let folder = tempfile::tempdir().unwrap();
     let path = table.save(folder.path().join("map")).unwrap();
@@ -42,7 +42,7 @@ fn a_map_is_saved_cell_by_cell() {
 }
 
 #[test]
-fn every_plot_can_be_taken_along_as_picture_drawing_and_table() {
+fn every_plot_is_exported_as_png_svg_and_table() {
     let shown = shown(430);
     let history = Arc::clone(shown.pixel.as_ref().unwrap());
     let (mut harness, actions) = tall(Some(shown));
@@ -85,11 +85,11 @@ fn every_plot_can_be_taken_along_as_picture_drawing_and_table() {
             other => assert_eq!(other.name(), "tuning-5-4.csv"),
         }
     }
-    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 12, "and nothing beside them");
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 12, "no other files are written");
 }
 
 #[test]
-fn a_scatter_plot_takes_along_the_frames_that_it_shows() {
+fn a_scatter_plot_exports_its_displayed_frames() {
     let (mut harness, actions) = tall(Some(shown(430)));
     open(&mut harness, "Scatter");
     for (choice, expected) in [("100", 331..431), ("all", 0..600)] {
@@ -103,7 +103,7 @@ fn a_scatter_plot_takes_along_the_frames_that_it_shows() {
 }
 
 #[test]
-fn the_region_and_the_pins_can_be_taken_along_as_picture_drawing_and_table() {
+fn the_region_and_the_pins_are_exported_as_png_svg_and_table() {
     let shown = shown(430);
     let history = Arc::clone(shown.pixel.as_ref().unwrap());
     let other = Arc::new(PixelHistory { at: (1, 2), ..history_of(&settings(), 600) });
@@ -139,7 +139,7 @@ fn the_region_and_the_pins_can_be_taken_along_as_picture_drawing_and_table() {
         choose(&mut harness, menu, "Copy image");
         let [InspectorAction::CopyPicture(plot)] = &actions.take()[..] else { panic!("{file}: no picture") };
         let picture = plot.drawn().unwrap();
-        assert!(picture.size.width > 2000 && picture.rgb[..3] == [255; 3], "{file}: a page wide, on white");
+        assert!(picture.size.width > 2000 && picture.rgb[..3] == [255; 3], "{file}: page width on white");
         for (entry, format) in [("Save PNG…", Format::Png), ("Save SVG…", Format::Svg)] {
             choose(&mut harness, menu, entry);
             let [InspectorAction::SavePicture(same, asked)] = &actions.take()[..] else { panic!("no file") };
@@ -154,7 +154,7 @@ fn the_region_and_the_pins_can_be_taken_along_as_picture_drawing_and_table() {
         assert_eq!((table.name(), table.rows()), (format!("{file}.csv"), rows));
         assert_eq!(table.csv().unwrap().lines().count(), rows + 1);
     }
-    // Of a pin that is not known there is nothing to take along.
+    // The history of an unavailable pin cannot be exported.
     choose(&mut harness, "Copy or save the pinned pixels", "Copy CSV");
     let [InspectorAction::Copy(Table::Pins(pins))] = &actions.take()[..] else { panic!("no table") };
     assert_eq!(pins.iter().map(|(number, of)| (*number, of.at)).collect::<Vec<_>>(), [(2, AT), (5, (1, 2))]);
