@@ -1,4 +1,4 @@
-//! What stands in the middle while there is no frame to look at: nothing opened, opening, failed.
+//! The content in the middle while there is no frame: no open video, opening, failure.
 
 use std::time::Duration;
 
@@ -11,15 +11,15 @@ use super::state::{Model, Origin};
 use super::{theme, top_bar};
 use crate::replay::{Phase, Start};
 
-/// Opening takes longer than this only where something does not answer.
+/// The duration after which an opening counts as slow: the source may not respond.
 const SLOW_OPENING: Duration = Duration::from_secs(3);
 
-/// Shows it.
+/// Draws the content.
 pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let colours = theme::colours(ui.visuals());
     let rect = ui.available_rect_before_wrap();
     ui.painter().rect_filled(rect, 0.0, colours.canvas);
-    // In the middle of a large screen, ordinary text would be lost.
+    // On a large screen ordinary text would be too small.
     let scale = (rect.height() / 1000.0).clamp(1.0, 1.8);
     for font in ui.style_mut().text_styles.values_mut() {
         font.size *= scale;
@@ -52,7 +52,7 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     });
 }
 
-/// How far the opening of a video has come, and the way out of it.
+/// The progress of opening a video, with a button that cancels it.
 fn opening(ui: &mut Ui, model: &Model, scale: f32, commands: &mut Vec<Command>) {
     let colours = theme::colours(ui.visuals());
     ui.add(Spinner::new().size(36.0 * scale).color(colours.accent));
@@ -72,7 +72,7 @@ fn opening(ui: &mut Ui, model: &Model, scale: f32, commands: &mut Vec<Command>) 
         let total = total.map_or_else(String::new, |total| format!(" of {total}"));
         ui.weak(format!("{}: {}{total}", busy.what, busy.done));
     }
-    // The spinner has every frame drawn anew, and the seconds with it.
+    // The spinner repaints every frame, and with it the seconds.
     let waited = model.work.since.map(|at| at.elapsed()).unwrap_or_default();
     if waited >= SLOW_OPENING {
         let seconds = waited.as_secs();
@@ -84,7 +84,7 @@ fn opening(ui: &mut Ui, model: &Model, scale: f32, commands: &mut Vec<Command>) 
     }
 }
 
-/// What was opened before.
+/// The list of recent videos.
 fn recent(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     if model.recent.is_empty() {
         return;
@@ -98,7 +98,7 @@ fn recent(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
 }
 
-/// A line over the views of the bundled scene on what to try first, until somebody has read it.
+/// A hint over the views of the bundled sample on what to try first, until it is dismissed.
 pub(crate) fn hint(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     if !model.hint || model.origin != Origin::Sample {
         return;
@@ -124,7 +124,7 @@ pub(crate) fn hint(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     });
 }
 
-/// A strip over the views when the analysis has broken off while there was already something to see.
+/// A bar over the views after the analysis has failed while a frame was in view.
 pub(crate) fn stopped(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let Some(Phase::Failed(why)) = model.state.as_ref().map(|state| &state.phase) else { return };
     let colours = theme::colours(ui.visuals());

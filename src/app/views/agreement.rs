@@ -1,4 +1,4 @@
-//! Where two masks agree, and where only one of them is foreground.
+//! Comparison of two foreground masks: common foreground, and foreground of one mask only.
 
 use eframe::egui::Color32;
 
@@ -8,25 +8,25 @@ use crate::app::theme;
 use crate::frame::Mask;
 use crate::replay::ShownFrame;
 
-/// Where both are foreground.
+/// The colour of pixels that are foreground in both masks.
 pub(super) const BOTH: [u8; 3] = [228, 232, 238];
 
-/// How many pixels are foreground in which of two masks.
+/// Numbers of foreground pixels in two masks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub(crate) struct Agreement {
-    /// In the first alone.
+    /// In the first mask only.
     pub(crate) first: usize,
-    /// In the second alone.
+    /// In the second mask only.
     pub(crate) second: usize,
-    /// In both.
+    /// In both masks.
     pub(crate) both: usize,
 }
 
 impl Agreement {
-    /// Counts them in masks of one size.
+    /// Counts the pixels of two masks of equal size.
     pub(crate) fn of(first: &Mask, second: &Mask) -> Self {
         let mut counts = Self::default();
-        // Rows of sums small enough that the compiler adds bytes side by side.
+        // Chunks small enough for byte sums, which the compiler vectorises.
         for (a, b) in first.data.chunks(128).zip(second.data.chunks(128)) {
             let count = |of: fn(u8, u8) -> u8| {
                 a.iter().zip(b).map(|(&a, &b)| of(a, b) & 1).fold(0_u8, u8::wrapping_add)
@@ -39,7 +39,7 @@ impl Agreement {
     }
 }
 
-/// How it is composed.
+/// The composition of the view.
 pub(super) fn look(pane: &Pane<'_>) -> ComposeStyle {
     let in_view = pane.model.ab_settings.in_view;
     let share = |[r, g, b]: [u8; 3]| [r, g, b, 255].map(|channel| f32::from(channel) / 255.0);
@@ -50,7 +50,7 @@ pub(super) fn look(pane: &Pane<'_>) -> ComposeStyle {
     }
 }
 
-/// Paints it.
+/// Draws the view.
 pub(super) fn paint(pane: &Pane<'_>, beside: &ShownFrame) {
     let in_view = pane.model.ab_settings.in_view;
     pane.compose(look(pane));
@@ -67,7 +67,7 @@ pub(super) fn paint(pane: &Pane<'_>, beside: &ShownFrame) {
     }
 }
 
-/// What the colours mean, with the number of pixels of each.
+/// The legend of the colours, with the number of pixels of each.
 fn legend(pane: &Pane<'_>, in_view: AbSlot, agreement: Agreement) {
     let (a, b) = match in_view {
         AbSlot::A => (agreement.first, agreement.second),
@@ -82,7 +82,7 @@ fn legend(pane: &Pane<'_>, in_view: AbSlot, agreement: Agreement) {
     draw::legend(pane.painter, pane.canvas.rect, &rows);
 }
 
-/// Whether a pixel is foreground in A and in B; `None` where nothing is compared.
+/// Whether a pixel is foreground in A and in B; `None` where no settings are compared.
 pub(super) fn of_pixel(shown: &ShownFrame, in_view: AbSlot, (x, y): (u32, u32)) -> Option<[bool; 2]> {
     let beside = shown.compared.as_ref()?;
     let [seen, other] = [&shown.analysis, &beside.analysis].map(|of| of.mask.is_foreground(x, y));
@@ -92,7 +92,7 @@ pub(super) fn of_pixel(shown: &ShownFrame, in_view: AbSlot, (x, y): (u32, u32)) 
     })
 }
 
-/// 0 or 255 in A and in B.
+/// The mask values in A and in B, each 0 or 255.
 pub(super) fn value(shown: &ShownFrame, in_view: AbSlot, at: (u32, u32)) -> String {
     let level = |foreground| if foreground { Mask::FOREGROUND } else { Mask::BACKGROUND };
     let levels = of_pixel(shown, in_view, at).map(|both| both.map(level));

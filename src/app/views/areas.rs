@@ -1,4 +1,4 @@
-//! Outlines of the areas to analyse or to ignore, and the one that is being drawn.
+//! Outlines of the areas to analyse or to ignore, and of the area that is being drawn.
 
 use eframe::egui::{Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2};
 
@@ -7,10 +7,10 @@ use crate::app::areas::Areas;
 use crate::app::theme;
 use crate::regions::roi::{Area, Purpose};
 
-/// The first corner is caught within so many points: it closes the area.
+/// A click within this distance of the first corner closes the area, in points.
 const CATCH: f32 = 9.0;
 
-/// The colour of what an area is for.
+/// The colour of an area's purpose.
 pub(crate) const fn area_colour(purpose: Purpose) -> Color32 {
     match purpose {
         Purpose::Analyse => Color32::from_rgb(64, 196, 140),
@@ -18,7 +18,7 @@ pub(crate) const fn area_colour(purpose: Purpose) -> Color32 {
     }
 }
 
-/// Paints them; `pointer` is where the next corner would be, `drag` where a rectangle began.
+/// Draws the areas. `pointer` is the position of the next corner, `drag` the start of a rectangle.
 pub(super) fn paint(
     painter: &Painter,
     canvas: &Canvas,
@@ -63,7 +63,7 @@ pub(super) fn paint(
     }
 }
 
-/// What drawing asks for, at the foot of the view.
+/// A hint on drawing at the bottom of the view.
 pub(super) fn hint(painter: &Painter, canvas: &Canvas, draft: &Area) {
     let what = match draft.purpose {
         Purpose::Analyse => "Analysis area",

@@ -4,12 +4,12 @@ use super::{Background, ComposeStyle, NO_MIXTURE, Pane, draw};
 use crate::app::theme;
 use crate::replay::ShownFrame;
 
-/// How it is composed.
+/// The composition of the view.
 pub(super) fn look(pane: &Pane<'_>) -> ComposeStyle {
     ComposeStyle::plain(in_view(pane).compose())
 }
 
-/// Paints it.
+/// Draws the view.
 pub(super) fn paint(pane: &Pane<'_>) {
     let shown = pane.shown;
     let kind = in_view(pane);
@@ -26,7 +26,7 @@ pub(super) fn paint(pane: &Pane<'_>) {
     draw::values(pane.painter, &pane.canvas, |at| value(shown, kind, at), ground);
 }
 
-/// The kind that is chosen; until its layer is on the card, the one before it, so that the view is never empty.
+/// The selected kind. Until its layer is uploaded, the previous kind, so that the view is never empty.
 fn in_view(pane: &Pane<'_>) -> Background {
     let chosen = pane.model.background;
     let is_there = |kind: &Background| kind.compose().layers().iter().all(|&layer| pane.set.has(layer));
@@ -35,7 +35,7 @@ fn in_view(pane: &Pane<'_>) -> Background {
     other.filter(|_| is_on_its_way).unwrap_or(chosen)
 }
 
-/// Red, green and blue.
+/// Red, green and blue of a pixel.
 pub(super) fn value(shown: &ShownFrame, kind: Background, (x, y): (u32, u32)) -> String {
     let colour = match kind {
         Background::Mean => shown.background.pixel(x, y),

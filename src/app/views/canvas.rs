@@ -1,4 +1,4 @@
-//! Where the pixels of an image stand in a view, and how pointer and camera move them.
+//! The position of an image in a view, and its change by pointer and camera.
 
 use eframe::egui::{Pos2, Rect, Vec2, vec2};
 
@@ -6,21 +6,21 @@ use crate::app::state::Camera;
 use crate::frame::Size;
 use crate::regions;
 
-/// The greatest size of a pixel, in points.
+/// Maximum size of an image pixel, in points.
 const MAX_SCALE: f32 = 160.0;
-/// The image can be drawn smaller than its view by this.
+/// Minimum magnification relative to the fitted image.
 const MIN_MAGNIFICATION: f32 = 0.5;
-/// The share of the view that a fitted image fills.
+/// The fraction of the view that a fitted image fills.
 const FIT: f32 = 0.985;
 
-/// An image within a view.
+/// An image in a view.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Canvas {
-    /// The view.
+    /// The view's rectangle.
     pub(crate) rect: Rect,
-    /// The image.
+    /// The image's size.
     pub(crate) size: Size,
-    /// Points a pixel.
+    /// Points per image pixel.
     pub(crate) scale: f32,
     origin: Pos2,
     fitted: f32,
@@ -28,7 +28,7 @@ pub(crate) struct Canvas {
 }
 
 impl Canvas {
-    /// An image of `size` in the view `rect`, as `camera` has it.
+    /// The canvas of an image of `size` in the view `rect` for a camera.
     pub(crate) fn new(rect: Rect, size: Size, camera: Camera) -> Self {
         let (w, h) = (size.width.max(1) as f32, size.height.max(1) as f32);
         let fitted = (rect.width() / w).min(rect.height() / h).max(1e-3) * FIT;
@@ -37,53 +37,54 @@ impl Canvas {
         Self { rect, size, scale, origin: rect.center() - centre * scale, fitted, camera }
     }
 
-    /// An image of `size` in the view `rect` with one of its pixels in the middle, `scale` points large.
+    /// The canvas of an image of `size` in the view `rect` with a pixel at the centre; `scale` is in points per image
+    /// pixel.
     pub(crate) fn around(rect: Rect, size: Size, (x, y): (u32, u32), scale: f32) -> Self {
         let centre = [x as f32 + 0.5, y as f32 + 0.5];
         let whole = Self::new(rect, size, Camera::FIT);
         Self { scale, origin: rect.center() - vec2(centre[0], centre[1]) * scale, ..whole }
     }
 
-    /// Points a pixel where the whole image fits.
+    /// Points per image pixel of the fitted image.
     pub(crate) const fn fitted(&self) -> f32 {
         self.fitted
     }
 
-    /// Where a point of the image stands on the screen.
+    /// The screen position of an image point.
     pub(crate) fn screen(&self, [x, y]: [f32; 2]) -> Pos2 {
         self.origin + vec2(x, y) * self.scale
     }
 
-    /// Which point of the image stands here.
+    /// The image point at a screen position.
     pub(crate) fn image(&self, at: Pos2) -> [f32; 2] {
         let offset = (at - self.origin) / self.scale;
         [offset.x, offset.y]
     }
 
-    /// Which pixel stands here.
+    /// The pixel at a screen position; `None` outside the image.
     pub(crate) fn pixel(&self, at: Pos2) -> Option<(u32, u32)> {
         let [x, y] = self.image(at);
         let inside = x >= 0.0 && y >= 0.0 && x < self.size.width as f32 && y < self.size.height as f32;
         inside.then_some((x as u32, y as u32))
     }
 
-    /// Where the whole image stands.
+    /// The screen rectangle of the image.
     pub(crate) fn whole(&self) -> Rect {
         let size = vec2(self.size.width as f32, self.size.height as f32);
         Rect::from_min_size(self.origin, size * self.scale)
     }
 
-    /// Where a rectangle of the image stands.
+    /// The screen rectangle of an image rectangle.
     pub(crate) fn place(&self, rect: &regions::Rect) -> Rect {
         Rect::from_min_max(self.screen([rect.x, rect.y]), self.screen([rect.right(), rect.bottom()]))
     }
 
-    /// Where a pixel stands.
+    /// The screen rectangle of a pixel.
     pub(crate) fn place_pixel(&self, (x, y): (u32, u32)) -> Rect {
         self.place(&regions::Rect::new(x as f32, y as f32, 1.0, 1.0))
     }
 
-    /// The pixels that are seen: columns and rows, ends excluded.
+    /// The visible columns and rows, ends excluded.
     pub(crate) fn visible(&self) -> (std::ops::Range<u32>, std::ops::Range<u32>) {
         let (min, max) = (self.image(self.rect.min), self.image(self.rect.max));
         let columns = min[0].max(0.0) as u32..(max[0].ceil().max(0.0) as u32).min(self.size.width);
@@ -91,7 +92,7 @@ impl Canvas {
         (columns, rows)
     }
 
-    /// The camera after zooming by `factor` with the point under `at` staying where it is.
+    /// The camera after zooming by `factor` around the point under `at`.
     pub(crate) fn zoomed(&self, at: Pos2, factor: f32) -> Camera {
         let most = (MAX_SCALE / self.fitted).max(1.0);
         let magnification = (self.camera.magnification * factor).clamp(MIN_MAGNIFICATION, most);
@@ -101,7 +102,7 @@ impl Canvas {
         self.looking_at([pinned[0] - offset.x, pinned[1] - offset.y], magnification)
     }
 
-    /// The camera after the image was pulled by `delta` points.
+    /// The camera after the image was dragged by `delta` points.
     pub(crate) fn panned(&self, delta: Vec2) -> Camera {
         let middle = self.image(self.rect.center() - delta);
         self.looking_at(middle, self.camera.magnification)
@@ -124,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn a_fitted_image_is_whole_and_in_the_middle() {
+    fn a_fitted_image_is_complete_and_centred() {
         let canvas = canvas(Camera::FIT);
         assert!(canvas.rect.contains_rect(canvas.whole()));
         assert!((canvas.whole().center() - canvas.rect.center()).length() < 0.01);
@@ -143,7 +144,7 @@ mod tests {
     }
 
     #[test]
-    fn a_pixel_is_brought_into_the_middle() {
+    fn a_canvas_around_a_pixel_centres_it() {
         let rect = Rect::from_min_size(pos2(10.0, 20.0), vec2(90.0, 90.0));
         let canvas = Canvas::around(rect, Size::new(200, 100), (3, 99), 12.0);
         assert_eq!(canvas.pixel(rect.center()), Some((3, 99)));

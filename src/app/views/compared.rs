@@ -1,11 +1,11 @@
-//! The views of the settings that are compared with those in view.
+//! The views of the compared settings.
 
 use eframe::egui::{Align2, Color32, FontId};
 
 use super::{Compose, ComposeStyle, Pane, View, agreement, draw, foreground, tracks};
 use crate::app::theme;
 
-/// Paints one of them, or why there is nothing to paint.
+/// Draws a view, or a message where it has nothing to show.
 pub(super) fn paint(pane: &Pane<'_>) {
     let Some(beside) = &pane.shown.compared else {
         let in_view = pane.model.ab_settings.in_view;

@@ -1,4 +1,4 @@
-//! A view composed on the graphics card from the layers of a frame.
+//! Composition of a view on the graphics card from the layers of a frame.
 
 use std::sync::Arc;
 
@@ -10,37 +10,37 @@ use super::layer::Layer;
 use super::pictures::UploadedFrame;
 use super::{Canvas, View};
 
-/// What is composed, in the order of the shader's.
+/// The kind of composition, in the order of the shader's constants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Compose {
     /// The input.
     Input,
-    /// The input under the overlay.
+    /// The input under the mask overlay.
     Masked,
     /// The mean of component 1.
     Mean,
     /// The mean of the background components.
     Modes,
-    /// A number of each pixel in its colours.
+    /// A per-pixel quantity in the colours of its scale.
     Map,
     /// The mask.
     Mask,
     /// The regions in their colours over a dark input.
     Regions,
-    /// How far the input is from the mean.
+    /// The difference of the input from the mean.
     Difference,
-    /// The mean of component 1 under the other settings.
+    /// The mean of component 1 under the compared settings.
     ComparedMean,
-    /// Their mask.
+    /// The mask of the compared settings.
     ComparedMask,
     /// Both masks in two colours over a dark input.
     Agreement,
-    /// Where the mask is wrong, in two colours over a dark input.
+    /// False decisions of the mask, in two colours over a dark input.
     MaskErrors,
 }
 
 impl Compose {
-    /// All of it in order.
+    /// All kinds in order.
     const ALL: [Self; 12] = [
         Self::Input,
         Self::Masked,
@@ -56,7 +56,7 @@ impl Compose {
         Self::MaskErrors,
     ];
 
-    /// The layers that it is made from.
+    /// The layers that it needs.
     pub(crate) const fn layers(self) -> &'static [Layer] {
         match self {
             Self::Input => &[Layer::Input],
@@ -75,19 +75,19 @@ impl Compose {
     }
 }
 
-/// How it is composed.
+/// The parameters of a composition.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct ComposeStyle {
-    /// What.
+    /// The kind of composition.
     pub(crate) what: Compose,
-    /// All colours are multiplied by this.
+    /// A factor of all colours.
     pub(crate) tint: f32,
-    /// What lies over the foreground of [`Compose::Masked`], and the colour of what is foreground in the mask alone in
+    /// The colour over foreground in [`Compose::Masked`], and of pixels that are foreground in the mask only in
     /// [`Compose::Agreement`] and [`Compose::MaskErrors`]: red, green, blue and opacity, each 0..=1.
     pub(crate) overlay: [f32; 4],
-    /// The colour of what is foreground in the other mask, or in truth, alone.
+    /// The colour of pixels that are foreground only in the other mask, or only in the ground truth.
     pub(crate) other_colour: [f32; 4],
-    /// How the numbers of [`Compose::Map`] become colours.
+    /// The parameters of the colour scale of [`Compose::Map`].
     pub(crate) scale: [f32; 4],
 }
 
@@ -98,25 +98,25 @@ impl ComposeStyle {
     }
 }
 
-/// How many bytes apart the views' values lie: the largest alignment that a card may ask for.
+/// Offset between the uniforms of two views, in bytes: the largest alignment that a card may require.
 const SLOT: u64 = 256;
-/// A view each, and the loupe.
+/// The number of slots: one for each view, and one for the loupe.
 const SLOTS: u64 = View::ALL.len() as u64 + 1;
-/// How many bytes the shader's `View` takes.
+/// Size of the shader's `View` struct, in bytes.
 const VALUES: u64 = 96;
 
-/// The shader and what belongs to it, for all views.
+/// The shader, its pipeline and its uniforms, for all views.
 pub(crate) struct Composer {
     pipelines: [wgpu::RenderPipeline; Compose::ALL.len()],
     layers: wgpu::BindGroupLayout,
     values: wgpu::Buffer,
     views: wgpu::BindGroup,
-    /// Stands for layers that were not sent.
+    /// Replacements for layers that were not uploaded.
     blank: Vec<wgpu::TextureView>,
 }
 
 impl Composer {
-    /// For the card and the colours of this window.
+    /// Creates the pipeline for a graphics card and the window's colour format.
     pub(crate) fn new(gpu: &RenderState) -> Self {
         let device = &gpu.device;
         let module = device.create_shader_module(wgpu::include_wgsl!("compose.wgsl"));
@@ -240,7 +240,7 @@ impl Composer {
         Self { pipelines, layers, values, views, blank: blank.into() }
     }
 
-    /// Binds the layers of a frame; those that are missing are black.
+    /// Binds the layers of a frame. Missing layers are black.
     pub(crate) fn bind<'a>(
         &'a self,
         device: &wgpu::Device,
@@ -258,19 +258,19 @@ impl Composer {
     }
 }
 
-/// One view of one frame, painted by egui's painter when its turn comes.
+/// A view of a frame, drawn by an egui paint callback.
 pub(crate) struct Composition {
     composer: Arc<Composer>,
-    /// Kept until it is painted, so that nothing is written into its layers before.
+    /// Retained until it is drawn, so that its textures are not reused before.
     set: Arc<UploadedFrame>,
-    /// Which of the places for values is its own.
+    /// The index of its uniforms.
     slot: u64,
     look: ComposeStyle,
     canvas: Canvas,
 }
 
 impl Composition {
-    /// What a painter paints into the part of the image that is seen; nothing where none is.
+    /// The paint callback for the visible part of the image; `None` where no part is visible or a layer is missing.
     pub(crate) fn shape(
         composer: &Arc<Composer>,
         set: &Arc<UploadedFrame>,
@@ -281,7 +281,7 @@ impl Composition {
         Self::of_slot(composer, set, view as u64, look, canvas)
     }
 
-    /// The same for the loupe.
+    /// The paint callback of the loupe.
     pub(crate) fn loupe(
         composer: &Arc<Composer>,
         set: &Arc<UploadedFrame>,
@@ -306,12 +306,12 @@ impl Composition {
         })
     }
 
-    /// Where its values lie among those of all.
+    /// The offset of its uniforms, in bytes.
     const fn offset(&self) -> u64 {
         self.slot * SLOT
     }
 
-    /// The shader's `View`.
+    /// The bytes of the shader's `View` struct.
     fn values(&self, screen: &ScreenDescriptor) -> [u8; VALUES as usize] {
         let dense = screen.pixels_per_point;
         let whole = self.canvas.whole();
@@ -373,7 +373,7 @@ impl CallbackTrait for Composition {
         pass: &mut wgpu::RenderPass<'static>,
         _resources: &CallbackResources,
     ) {
-        // The shader places the image in the whole window, to the fraction of a pixel like all shapes over it.
+        // The shader positions the image in the whole window, with subpixel accuracy like the shapes over it.
         let [width, height] = info.screen_size_px.map(|side| side as f32);
         pass.set_viewport(0.0, 0.0, width, height, 0.0, 1.0);
         pass.set_pipeline(&self.composer.pipelines[self.look.what as usize]);

@@ -1,4 +1,4 @@
-//! How far the input is from the background.
+//! The difference of the input from the background.
 
 use eframe::egui::Color32;
 
@@ -9,7 +9,7 @@ fn difference(a: [u8; 3], b: [u8; 3]) -> u8 {
     a.iter().zip(b).map(|(a, b)| a.abs_diff(b)).max().unwrap_or(0)
 }
 
-/// Paints it.
+/// Draws the view.
 pub(super) fn paint(pane: &Pane<'_>) {
     pane.compose(ComposeStyle::plain(Compose::Difference));
     let ground = |pixel| {
@@ -23,7 +23,7 @@ fn pixel_difference(shown: &ShownFrame, (x, y): (u32, u32)) -> Option<u8> {
     Some(difference(shown.frame.pixel(x, y)?, shown.background.pixel(x, y)?))
 }
 
-/// The greatest difference of a channel.
+/// The maximum difference over the channels of a pixel.
 pub(super) fn value(shown: &ShownFrame, at: (u32, u32)) -> String {
     pixel_difference(shown, at).map_or_else(String::new, |value| value.to_string())
 }

@@ -10,20 +10,20 @@ use eframe::egui::{
 use super::canvas::Canvas;
 use crate::app::theme;
 
-/// Over how many points an edge fades.
+/// Width over which an edge fades, in points.
 const FEATHER: f32 = 1.0;
 
-/// From this size on, in points, a pixel's value is written into it.
+/// Minimum size of an image pixel for showing its value, in points.
 const VALUES_FROM: f32 = 40.0;
 
-/// An outline of dashes. What is not seen of it is not made: an outline much larger than the view has very many.
+/// A dashed outline. Dashes outside the view are not created: an outline much larger than the view has very many.
 pub(crate) fn dashed_rect(painter: &Painter, rect: Rect, stroke: Stroke, dash: f32) {
     painter.extend(dashes(rect, painter.clip_rect().expand(stroke.width), stroke, dash));
 }
 
 fn dashes(rect: Rect, seen: Rect, stroke: Stroke, dash: f32) -> Vec<Shape> {
     let gap = dash * 0.7;
-    // From the first dash that is seen to the last.
+    // From the first visible dash to the last.
     let part = |range: Rangef, seen: Rangef| {
         let before = ((seen.min - range.min).max(0.0) / (dash + gap)).floor() * (dash + gap);
         Rangef::new(range.min + before, range.max.min(seen.max))
@@ -39,7 +39,7 @@ fn dashes(rect: Rect, seen: Rect, stroke: Stroke, dash: f32) -> Vec<Shape> {
     rows.chain(columns).flat_map(|side| Shape::dashed_line(&side, stroke, dash, gap)).collect()
 }
 
-/// Colours with what they mean on a dark plate in the lower left corner of a view that has room for it.
+/// A legend of colours on a dark plate in the lower left corner, if the view has space for it.
 pub(crate) fn legend(painter: &Painter, view: Rect, rows: &[([u8; 3], String)]) {
     let font = FontId::proportional(theme::SMALL);
     let ink = Color32::from_rgb(228, 232, 238);
@@ -62,7 +62,7 @@ pub(crate) fn legend(painter: &Painter, view: Rect, rows: &[([u8; 3], String)]) 
     }
 }
 
-/// An outline with a dark edge, to be seen on any picture.
+/// An outline with a dark edge, visible on any image.
 pub(crate) fn outlined_rect(painter: &Painter, rect: Rect, stroke: Stroke) {
     let edge = Stroke::new(stroke.width + 2.0, Color32::from_black_alpha(110));
     painter.rect_stroke(rect, 1.0, edge, StrokeKind::Middle);
@@ -81,14 +81,14 @@ pub(crate) fn hatch(painter: &Painter, rect: Rect, stroke: Stroke, step: f32) {
     }
 }
 
-/// Adds a dotted ellipse with half axes and an angle to a mesh.
+/// Adds a dotted ellipse with semi-axes and an angle to a mesh.
 pub(crate) fn add_ellipse(mesh: &mut Mesh, centre: Pos2, axes: Vec2, angle: f32, stroke: Stroke) {
     let (sin, cos) = angle.sin_cos();
     let turned = |t: f32| {
         let (x, y) = (axes.x * t.cos(), axes.y * t.sin());
         centre + vec2(x * cos - y * sin, x * sin + y * cos)
     };
-    // Dots of three points, and two and a half between them.
+    // Dots of three points with gaps of two and a half.
     let dots = (std::f32::consts::TAU * axes.length() / 2.0_f32.sqrt() / 5.5).round().max(6.0);
     let part = std::f32::consts::TAU / dots;
     for dot in 0..dots as u32 {
@@ -99,10 +99,9 @@ pub(crate) fn add_ellipse(mesh: &mut Mesh, centre: Pos2, axes: Vec2, angle: f32,
     }
 }
 
-/// Adds a line to a mesh whose colour is its own at each point, with soft edges. What moves less than a point and a
-/// half adds nothing.
+/// Adds a line with a colour per point and antialiased edges to a mesh. Segments shorter than 1.5 points are merged.
 ///
-/// A crowd's trails have thousands of pieces; as shapes of their own each of them would be worked out anew.
+/// The trails of a crowd have thousands of segments; one shape for each would be tessellated anew in every frame.
 pub(crate) fn add_line(mesh: &mut Mesh, points: impl Iterator<Item = (Pos2, Color32)>, width: f32) {
     let mut line: Vec<(Pos2, Color32)> = Vec::new();
     for (at, colour) in points.filter(|(at, _)| at.is_finite()) {
@@ -116,14 +115,14 @@ pub(crate) fn add_line(mesh: &mut Mesh, points: impl Iterator<Item = (Pos2, Colo
         let after = line.get(index + 1).map(|(next, _)| (*next - at).normalized());
         let (Some(into), Some(out)) = (before.or(after), after.or(before)) else { return };
         let along = (into + out).normalized();
-        // Wider at a bend, so that the line keeps its width; not without limit where it turns back.
+        // Wider at a bend, so that the line keeps its width; limited where it turns back.
         let across = if along == Vec2::ZERO { out.rot90() } else { along.rot90() / along.dot(out).max(0.5) };
         add_column(mesh, at, across, colour, width, index > 0);
         before = after;
     }
 }
 
-/// Adds the points across a line at one of its points, and the line's piece from the ones before where it goes `on`.
+/// Adds the vertices across a line at one of its points, and, where `on`, the segment from the previous vertices.
 fn add_column(mesh: &mut Mesh, at: Pos2, across: Vec2, colour: Color32, width: f32, on: bool) {
     let inside = (width - FEATHER).max(0.0) / 2.0;
     let outside = inside + FEATHER;
@@ -140,13 +139,13 @@ fn add_column(mesh: &mut Mesh, at: Pos2, across: Vec2, colour: Color32, width: f
     }
 }
 
-/// A word on a filled ground, its lower left corner at `at`, kept within `bounds`. Returns its place.
+/// A text on a filled background with its lower left corner at `at`, kept within `bounds`. Returns its rectangle.
 pub(crate) fn tag(painter: &Painter, at: Pos2, text: &str, fill: Color32, bounds: Rect) -> Rect {
     let mut taken = OccupiedRects::default();
     free_tag(painter, at, text, fill, bounds, &mut taken)
 }
 
-/// The same, a little higher or lower where it would cover what is `taken`; its place is taken from then on.
+/// A tag, moved up or down where it would overlap a rectangle in `taken`. Adds its rectangle to `taken`.
 pub(crate) fn free_tag(
     painter: &Painter,
     at: Pos2,
@@ -170,11 +169,11 @@ pub(crate) fn free_tag(
     rect
 }
 
-/// Places that are covered, by the bands of the window that they lie in: a crowd's tags look for room among hundreds.
+/// Occupied rectangles, indexed by horizontal bands of the window, because a crowd has hundreds of tags.
 #[derive(Default)]
 pub(crate) struct OccupiedRects(HashMap<i32, Vec<Rect>>);
 
-/// Height of a band, in points: about that of a tag.
+/// Height of a band, in points: about the height of a tag.
 const BAND: f32 = 24.0;
 
 impl OccupiedRects {
@@ -182,21 +181,21 @@ impl OccupiedRects {
         (rect.top() / BAND).floor() as i32..=(rect.bottom() / BAND).floor() as i32
     }
 
-    /// Takes a place.
+    /// Adds an occupied rectangle.
     pub(crate) fn add(&mut self, rect: Rect) {
         for band in Self::bands(rect) {
             self.0.entry(band).or_default().push(rect);
         }
     }
 
-    /// Whether a place covers nothing. Tags that merely touch are told apart by their colours.
+    /// Whether a rectangle overlaps no occupied one. Tags may touch: their colours separate them.
     pub(crate) fn is_free(&self, rect: Rect) -> bool {
         let near = Self::bands(rect).filter_map(|band| self.0.get(&band)).flatten();
         !near.into_iter().any(|other| other.shrink(0.5).intersects(rect))
     }
 }
 
-/// The place nearest to `rect`, above or below, that covers nothing `taken`; itself where a crowd leaves none.
+/// The rectangle nearest to `rect`, above or below, that overlaps nothing in `taken`; `rect` itself if there is none.
 fn free_place(rect: Rect, bounds: Rect, taken: &OccupiedRects) -> Rect {
     let step = rect.height() / 4.0;
     (0..48)
@@ -206,7 +205,7 @@ fn free_place(rect: Rect, bounds: Rect, taken: &OccupiedRects) -> Rect {
         .unwrap_or(rect)
 }
 
-/// The cross through the chosen pixel, in all views.
+/// A cross through the chosen pixel, drawn in all views.
 pub(crate) fn cross(painter: &Painter, canvas: &Canvas, pixel: (u32, u32), accent: Color32) {
     let place = canvas.place_pixel(pixel);
     let centre = place.center();
@@ -228,7 +227,7 @@ pub(crate) fn cross(painter: &Painter, canvas: &Canvas, pixel: (u32, u32), accen
     }
 }
 
-/// Values written into pixels, where they are large enough.
+/// The values of pixels, drawn into them where they are large enough.
 pub(crate) fn values(
     painter: &Painter,
     canvas: &Canvas,
@@ -255,7 +254,7 @@ pub(crate) fn values(
     }
 }
 
-/// A sentence in the middle of a view that has nothing to show.
+/// A message in the middle of an empty view.
 pub(crate) fn message(painter: &Painter, canvas: &Canvas, text: &str, colour: Color32) {
     painter.text(
         canvas.rect.center(),
@@ -271,13 +270,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn of_dashes_only_those_are_made_that_are_seen() {
+    fn only_visible_dashes_are_created() {
         let seen = Rect::from_min_size(pos2(100.0, 50.0), vec2(800.0, 600.0));
         let stroke = Stroke::new(1.5, Color32::WHITE);
         let whole = |rect: Rect| dashes(rect, Rect::EVERYTHING, stroke, 4.0);
         let inside = Rect::from_min_size(pos2(300.0, 200.0), vec2(90.0, 60.0));
         assert_eq!(dashes(inside, seen, stroke, 4.0), whole(inside));
-        // A side that runs through the view has its dashes where they are in the whole outline.
+        // A side that crosses the view has its dashes at the same places as in the whole outline.
         let across = Rect::from_min_size(pos2(-500.0, 100.0), vec2(5000.0, 90.0));
         let (some, all) = (dashes(across, seen, stroke, 4.0), whole(across));
         assert!(some.len() < 260 && some.len() > 200, "{}", some.len());
@@ -300,7 +299,7 @@ mod tests {
     }
 
     #[test]
-    fn tags_move_up_or_down_until_they_cover_nothing() {
+    fn tags_move_up_or_down_until_they_overlap_nothing() {
         let bounds = Rect::from_min_size(Pos2::ZERO, vec2(100.0, 100.0));
         let wanted = Rect::from_min_size(pos2(10.0, 20.0), vec2(30.0, 15.0));
         let (mut taken, mut places) = (OccupiedRects::default(), Vec::new());
@@ -325,9 +324,9 @@ mod tests {
         let points = points.map(|[x, y]| (pos2(x, y), Color32::WHITE));
         add_line(&mut mesh, points.into_iter(), 2.0);
         assert!(mesh.is_valid());
-        assert_eq!(mesh.vertices.len(), 16, "what stands still is left out");
+        assert_eq!(mesh.vertices.len(), 16, "coincident points are merged");
         assert!(mesh.vertices.iter().all(|vertex| vertex.pos.x.is_finite() && vertex.pos.y.is_finite()));
-        // The bend's outer corner, as far out as both edges.
+        // The outer corner of the bend is as far out as both edges.
         let corner = mesh.vertices[4..8].iter().map(|v| v.pos).find(|p| p.x > 10.1 && p.y < -0.1).unwrap();
         assert!((corner - pos2(10.5, -0.5)).length() < 0.01, "{corner:?}");
     }

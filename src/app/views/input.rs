@@ -1,13 +1,13 @@
-//! The frame as it came.
+//! The input frame.
 
 use super::{Compose, ComposeStyle, Pane, draw};
 use crate::app::theme;
 use crate::replay::ShownFrame;
 
-/// The colour that lies over foreground: rare in video, and nobody's identity.
+/// The colour of the mask overlay: rare in video, and no identity's colour.
 const OVERLAY: [u8; 3] = [255, 45, 149];
 
-/// How it is composed.
+/// The composition of the view.
 pub(super) fn look(pane: &Pane<'_>) -> ComposeStyle {
     let overlay = pane.model.overlay;
     let opacity = if overlay.on { f32::from(overlay.opacity) / 100.0 } else { 0.0 };
@@ -16,7 +16,7 @@ pub(super) fn look(pane: &Pane<'_>) -> ComposeStyle {
     ComposeStyle { overlay: [r, g, b, opacity], ..ComposeStyle::plain(what) }
 }
 
-/// Paints it.
+/// Draws the view.
 pub(super) fn paint(pane: &Pane<'_>) {
     let look = look(pane);
     let opacity = look.overlay[3];
@@ -30,7 +30,7 @@ pub(super) fn paint(pane: &Pane<'_>) {
     draw::values(pane.painter, &pane.canvas, |at| value(pane.shown, at), ground);
 }
 
-/// Red, green and blue.
+/// Red, green and blue of a pixel.
 pub(super) fn value(shown: &ShownFrame, (x, y): (u32, u32)) -> String {
     shown.frame.pixel(x, y).map_or_else(String::new, |[r, g, b]| format!("{r} {g} {b}"))
 }

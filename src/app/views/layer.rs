@@ -1,4 +1,4 @@
-//! What the graphics card is given of a frame: raw layers, from which every view is composed there.
+//! The layers of a frame: raw textures, from which the graphics card composes every view.
 
 use std::sync::Arc;
 
@@ -10,7 +10,7 @@ use crate::regions::Labels;
 use crate::replay::ShownFrame;
 use crate::truth::masks::Label;
 
-/// One of them.
+/// A layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Layer {
     /// The input's colours.
@@ -19,29 +19,30 @@ pub(crate) enum Layer {
     Mean,
     /// The weighted mean of the background components.
     Modes,
-    /// One number of each pixel.
+    /// A per-pixel quantity.
     Map,
     /// The mask.
     Mask,
-    /// Each pixel's region.
+    /// The region label of each pixel.
     Labels,
-    /// The ramp of a map in its first row, its steps in the second, the colours of the regions from the third row on.
+    /// The colour ramp in the first row, the colours of counts in the second, the colours of the regions from the
+    /// third.
     Palette,
-    /// Where nothing is analysed.
+    /// The ignored pixels.
     Ignored,
-    /// The mean of component 1 under the settings that are compared with those in view.
+    /// The mean of component 1 under the compared settings.
     ComparedMean,
-    /// Their mask.
+    /// The mask of the compared settings.
     ComparedMask,
-    /// Where foreground truly is, and where truth is known.
+    /// The ground-truth foreground, and the pixels that are not ignored.
     Truth,
 }
 
-/// How many texels a row of the palette has.
+/// Texels in a row of the palette.
 const PALETTE_WIDTH: usize = 256;
-/// How many rows of it stand before those of the regions.
+/// Rows of the palette before the colours of the regions.
 const PALETTE_ROWS: u32 = 2;
-/// Labels share the last colour from here on.
+/// The largest label with its own colour; larger labels share it.
 const LAST_LABEL: u32 = u16::MAX as u32;
 
 impl Layer {
@@ -60,7 +61,7 @@ impl Layer {
         Self::Truth,
     ];
 
-    /// How a texel is kept.
+    /// The texture format.
     pub(crate) const fn format(self) -> TextureFormat {
         match self {
             Self::Input | Self::Mean | Self::Modes | Self::Palette | Self::ComparedMean => {
@@ -73,7 +74,7 @@ impl Layer {
         }
     }
 
-    /// How many bytes a texel takes.
+    /// Bytes per texel.
     pub(crate) const fn texel_bytes(self) -> usize {
         match self {
             Self::Input | Self::Mean | Self::Modes | Self::Map | Self::Palette | Self::ComparedMean => 4,
@@ -82,8 +83,8 @@ impl Layer {
         }
     }
 
-    /// Whether the frame has it: a model without a mixture has no modes, a frame without a map or truth none, the
-    /// whole image nothing ignored.
+    /// Whether a frame has the layer. `Modes` needs a mixture; `Map`, `Truth`, `Ignored` and the compared layers need
+    /// their data in the frame.
     pub(crate) const fn is_in(self, shown: &ShownFrame) -> bool {
         match self {
             Self::Modes => shown.multi_mode.is_some(),
@@ -95,7 +96,7 @@ impl Layer {
         }
     }
 
-    /// Whether it is made from the same data in both.
+    /// Whether the layer is made from the same data in both frames.
     pub(crate) fn is_same(self, a: &ShownFrame, b: &ShownFrame) -> bool {
         fn both<T>(a: Option<&Arc<T>>, b: Option<&Arc<T>>) -> bool {
             a.zip(b).is_some_and(|(a, b)| Arc::ptr_eq(a, b))
@@ -118,7 +119,7 @@ impl Layer {
         }
     }
 
-    /// Width and height in texels when every `every`-th pixel of each row and column is kept.
+    /// Width and height in texels if every `every`-th pixel of each row and column is sampled.
     pub(crate) fn texels(self, shown: &ShownFrame, every: u32) -> Size {
         if self == Self::Palette {
             let labels = regions::colours(&shown.analysis).len().min(LAST_LABEL as usize + 1);
@@ -127,7 +128,7 @@ impl Layer {
         texels(shown.frame.size, every)
     }
 
-    /// Gives `put` each row of texels with its number, from the top.
+    /// Calls `put` for each row of texels with the row's index, from the top.
     pub(crate) fn write(self, shown: &ShownFrame, every: u32, put: &mut dyn FnMut(usize, &[u8])) {
         let (width, every) = (shown.frame.size.width as usize, every as usize);
         match self {
@@ -140,7 +141,7 @@ impl Layer {
             }
             Self::Map => {
                 if let Some(map) = &shown.map {
-                    // Shaders need not know what is infinite.
+                    // The shader need not handle infinite values.
                     let bytes = |&value: &f32| if value.is_finite() { value } else { -1.0 }.to_le_bytes();
                     numbers(&map.values, width, every, bytes, put);
                 }
@@ -192,33 +193,33 @@ impl Layer {
     }
 }
 
-/// Which layers a view needs.
+/// A set of layers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) struct Layers([bool; Layer::ALL.len()]);
 
 impl Layers {
-    /// None.
+    /// The empty set.
     pub(crate) const NONE: Self = Self([false; Layer::ALL.len()]);
 
-    /// Adds some.
+    /// Adds layers.
     pub(crate) fn add(&mut self, layers: &[Layer]) {
         for &layer in layers {
             self.0[layer as usize] = true;
         }
     }
 
-    /// Whether a layer is among them.
+    /// Whether a layer is in the set.
     pub(crate) const fn has(self, layer: Layer) -> bool {
         self.0[layer as usize]
     }
 
-    /// Whether all of `others` are among them.
+    /// Whether the set contains all of `others`.
     pub(crate) fn covers(self, others: Self) -> bool {
         Layer::ALL.into_iter().all(|layer| self.has(layer) || !others.has(layer))
     }
 }
 
-/// Every which pixel is kept so that neither side has more than `most` texels.
+/// The smallest sampling step for which neither side has more than `most` texels.
 pub(crate) fn thinning(size: Size, most: u32) -> u32 {
     size.width.max(size.height).div_ceil(most.max(1)).max(1)
 }
@@ -251,7 +252,7 @@ fn labels(labels: &Labels, every: usize, put: &mut dyn FnMut(usize, &[u8])) {
     let mut runs = labels.runs.iter().peekable();
     for (y, start) in (0..labels.size.pixels()).step_by((width * every).max(1)).enumerate() {
         row.fill(0);
-        // Of the rows in between, nothing is kept.
+        // Rows between sampled rows are skipped.
         while runs.next_if(|run| run.pixels().end <= start).is_some() {}
         while let Some(run) = runs.next_if(|run| run.pixels().start < start + width) {
             let columns = run.pixels().start - start..run.pixels().end - start;
@@ -291,7 +292,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_image_too_large_for_the_card_is_thinned() {
+    fn an_image_larger_than_the_texture_limit_is_subsampled() {
         let size = Size::new(100, 30);
         let every = thinning(size, 40);
         assert_eq!((every, texels(size, every)), (3, Size::new(34, 10)));
@@ -314,7 +315,7 @@ mod tests {
     }
 
     #[test]
-    fn labels_are_thinned_like_all_else() {
+    fn labels_are_subsampled_like_other_layers() {
         let image =
             [0, 3, 3, 3, 0, 9, 1, 1, 0, 0, 0, 0, 5, 0, 4, 4, 4, 4, 7, 7, 7, 7, 7, 7, 8, 0, 8, 0, 0, 2];
         let size = Size::new(6, 5);

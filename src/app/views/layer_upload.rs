@@ -12,17 +12,17 @@ use crate::replay::ShownFrame;
 /// A layer on the graphics card.
 pub(crate) struct UploadedLayer {
     texture: wgpu::Texture,
-    /// For binding it.
+    /// The view for bindings.
     pub(crate) view: wgpu::TextureView,
 }
 
-/// The layers of a frame, by the order of [`Layer::ALL`].
+/// The layers of a frame, in the order of [`Layer::ALL`].
 pub(crate) type UploadedLayers = [Option<Arc<UploadedLayer>>; Layer::ALL.len()];
 
-/// Memory that both sides reach: filled here, copied from by the card.
+/// A staging buffer: mapped for writing here, and the source of a copy on the card.
 struct Staging {
     buffer: wgpu::Buffer,
-    /// Whether it may be filled: the card has copied what was in it.
+    /// Whether the buffer may be written: the card has copied its content.
     is_ours: Arc<AtomicBool>,
 }
 
@@ -38,13 +38,13 @@ struct LayerBuffers {
 
 /// Uploads layers.
 ///
-/// Not with the queue's own writing of textures: that keeps the queue locked while it copies, and the window's
-/// thread would wait for it.
+/// It does not use the queue's `write_texture`: that locks the queue during the copy, and the window's thread would
+/// wait for it.
 pub(crate) struct LayerUploader {
     device: wgpu::Device,
     queue: wgpu::Queue,
     stocks: [LayerBuffers; Layer::ALL.len()],
-    /// How many bytes were sent of the frame at hand.
+    /// Bytes uploaded for the current frame.
     bytes: u64,
 }
 
@@ -53,8 +53,8 @@ impl LayerUploader {
         Self { device, queue, stocks: Default::default(), bytes: 0 }
     }
 
-    /// Sends those `layers` of a frame that `known` does not have, of every `every`-th pixel. Returns all of them and
-    /// how many bytes were sent; fails where the card gives no memory to write into.
+    /// Uploads those `layers` of a frame that are not in `known`, sampled at every `every`-th pixel. Returns all
+    /// layers and the number of uploaded bytes. Fails where no staging buffer can be mapped.
     pub(crate) fn send(
         &mut self,
         shown: &ShownFrame,
@@ -136,7 +136,7 @@ impl LayerUploader {
 }
 
 impl LayerBuffers {
-    /// A texture that nobody else holds.
+    /// A texture that no frame uses.
     fn texture(&mut self, device: &wgpu::Device, layer: Layer, texels: Size) -> Arc<UploadedLayer> {
         let fits = |sent: &Arc<UploadedLayer>| {
             (sent.texture.width(), sent.texture.height()) == (texels.width, texels.height)
@@ -161,14 +161,14 @@ impl LayerBuffers {
         sent
     }
 
-    /// Memory of so many bytes that may be filled.
+    /// A staging buffer of this length that may be written.
     fn staging(&mut self, device: &wgpu::Device, length: u64) -> Staging {
         self.staging.retain(|staging| staging.buffer.size() == length);
         for poll in [wgpu::PollType::Poll, wgpu::PollType::wait_indefinitely()] {
             if poll.is_wait() && self.staging.len() < MAX_COPIES_IN_FLIGHT {
                 break;
             }
-            // A card that is lost is told of by what comes next.
+            // A lost device is reported by the next operation.
             let _ = device.poll(poll);
             if let Some(free) = self.staging.iter().position(|s| s.is_ours.load(Ordering::Acquire)) {
                 return self.staging.swap_remove(free);

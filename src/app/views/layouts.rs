@@ -1,27 +1,27 @@
-//! How the views can stand beside one another, and which of them are open.
+//! Layouts of the views, and the set of open views.
 
 use eframe::egui::Id;
 use egui_tiles::{Container, Linear, LinearDir, Tile, TileId, Tiles, Tree};
 
 use super::View;
 
-/// Places of the views for a purpose.
+/// A layout for a purpose.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub(crate) enum Layout {
-    /// Everything: where one starts.
+    /// All views: the initial layout.
     All,
-    /// Six pictures of one size and nothing beside them.
+    /// Six images of equal size without panels.
     Figure,
-    /// Settings beside what they change.
+    /// Settings beside the views that they affect.
     Tuning,
-    /// What two sets of settings make of the same frame.
+    /// The results of two sets of settings on the same frame.
     Compare,
-    /// One large picture beside the pixel's mixture.
+    /// One large image beside the pixel inspector.
     Inspect,
 }
 
 impl Layout {
-    /// Whether the settings, and the inspector with the events, are there.
+    /// Whether the settings panel and the inspector panel are open.
     pub(crate) const fn panels(self) -> (bool, bool) {
         match self {
             Self::All => (true, true),
@@ -31,7 +31,7 @@ impl Layout {
         }
     }
 
-    /// The views in it. Each is there once, some behind another's tab.
+    /// The tree of views. It contains each view once, some as background tabs.
     pub(crate) fn tree(self) -> Tree<View> {
         use View::{
             Agreement, Background, ComparedBackground, ComparedForeground, ComparedTracks, Difference,
@@ -107,7 +107,7 @@ impl Layout {
         }
         let root = tiles.insert_container(Container::Linear(column));
         let mut tree = Tree::new(Id::unique("views"), root, tiles);
-        // Without a second set of settings, or ground truth, there is nothing in them.
+        // Without compared settings or ground truth these views are empty.
         for view in View::ALL {
             if !(view.is_there_at_first() || view.compares() && self == Self::Compare) {
                 set_open(&mut tree, view, false);
@@ -117,12 +117,12 @@ impl Layout {
     }
 }
 
-/// Whether a view has a place that can be seen, if only behind another's tab.
+/// Whether a view is open, possibly as a background tab.
 pub(crate) fn is_open(tree: &Tree<View>, view: View) -> bool {
     tree.tiles.find_pane(&view).is_some_and(|tile| tree.tiles.is_visible(tile))
 }
 
-/// Opens a view in its place and in front of the others there, or closes it; its place is kept.
+/// Opens a view in its place as the active tab, or closes it and retains its place.
 pub(crate) fn set_open(tree: &mut Tree<View>, view: View, open: bool) {
     let Some(tile) = tree.tiles.find_pane(&view) else { return };
     tree.tiles.set_visible(tile, open);
@@ -150,12 +150,12 @@ mod tests {
     }
 
     #[test]
-    fn a_view_that_was_closed_comes_back_in_front() {
+    fn a_reopened_view_is_the_active_tab() {
         let mut tree = Layout::All.tree();
         set_open(&mut tree, View::Difference, false);
         assert!(!is_open(&tree, View::Difference) && is_open(&tree, View::Background));
         set_open(&mut tree, View::Difference, true);
         let tile = tree.tiles.find_pane(&View::Difference).unwrap();
-        assert!(tree.active_tiles().contains(&tile), "the background's tab was in front of it");
+        assert!(tree.active_tiles().contains(&tile), "the background's tab was active");
     }
 }

@@ -1,4 +1,4 @@
-//! A loupe beside the pointer: what is around a pixel, enlarged, with its value and what was decided about it.
+//! A loupe beside the pointer: the enlarged surroundings of a pixel, with its value and verdict.
 
 use eframe::egui::{
     Align2, Color32, FontId, Id, LayerId, Order, Pos2, Rect, Stroke, StrokeKind, Ui, Vec2, pos2, vec2,
@@ -12,20 +12,20 @@ use crate::mixture::Quantity;
 use crate::palette::verdict_colour;
 use crate::replay::ShownFrame;
 
-/// Its side, in points.
+/// Side of the loupe, in points.
 const SIDE: f32 = 143.0;
-/// A pixel in it is so many times larger than in the view, within bounds.
+/// Magnification relative to the view, before clamping to the limits of `PIXEL`.
 const LARGER: f32 = 3.0;
 const PIXEL: (f32, f32) = (13.0, 47.0);
 const LINE: f32 = 15.0;
 const LINES: f32 = 3.0;
-/// How far from the pointer it stands.
+/// Distance from the pointer, in points.
 const POINTER_DISTANCE: f32 = 22.0;
 
 const INK: Color32 = Color32::from_rgb(236, 240, 246);
 const WEAK: Color32 = Color32::from_rgb(170, 178, 190);
 
-/// Where it stands: below and to the right of the pointer, or on the other side where there is no room.
+/// The loupe's rectangle: below and to the right of the pointer, or on the opposite side at the window's edge.
 pub(crate) fn place(pointer: Pos2, window: Rect) -> Rect {
     let size = vec2(SIDE + 8.0, SIDE + LINES * LINE + 12.0);
     let along = |at: f32, size: f32, end: f32| {
@@ -38,12 +38,12 @@ pub(crate) fn place(pointer: Pos2, window: Rect) -> Rect {
     Rect::from_min_size(corner, size)
 }
 
-/// The part of it that shows the picture.
+/// The part of the rectangle that shows the image.
 pub(crate) fn picture(place: Rect) -> Rect {
     Rect::from_min_size(place.min + Vec2::splat(4.0), Vec2::splat(SIDE))
 }
 
-/// Paints it over everything else.
+/// Draws the loupe over everything else.
 pub(super) fn paint(ui: &Ui, pane: &Pane<'_>, pointer: Pos2, pixel: (u32, u32)) {
     let place = place(pointer, ui.ctx().content_rect());
     let layer = LayerId::new(Order::Tooltip, Id::unique("loupe"));
@@ -80,7 +80,7 @@ pub(super) fn paint(ui: &Ui, pane: &Pane<'_>, pointer: Pos2, pixel: (u32, u32)) 
     }
 }
 
-/// Its lines: where the pixel is, its value in the view, and what was decided about it under the settings of the view.
+/// The text of the loupe: the pixel's position, its value in the view, and its verdict under the settings of the view.
 pub(crate) fn words(
     view: View,
     model: &Model,
@@ -126,8 +126,8 @@ fn verdict(view: View, model: &Model, shown: &ShownFrame, pixel: (u32, u32)) -> 
     (text, colour(foreground))
 }
 
-/// The rank that the pixel's value matched, 0 for none, where it is known: of all pixels while they are mapped, else of
-/// the chosen and of the pinned ones.
+/// The rank of the component that the pixel's value matched, 0 for none. Known for all pixels while they are mapped,
+/// else for the chosen and the pinned pixels.
 fn matched(model: &Model, shown: &ShownFrame, pixel: (u32, u32)) -> Option<u8> {
     if let Some(map) = shown.map.as_ref().filter(|map| map.quantity == Quantity::Matched) {
         let index = shown.frame.size.index(pixel.0, pixel.1)?;
@@ -144,7 +144,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn it_never_covers_the_pointer_nor_leaves_the_window() {
+    fn the_loupe_never_covers_the_pointer_nor_leaves_the_window() {
         let window = Rect::from_min_size(Pos2::ZERO, vec2(800.0, 560.0));
         for x in (0..800).step_by(50) {
             for y in (0..560).step_by(40) {

@@ -1,4 +1,4 @@
-//! One number of each pixel as a colour: of its mixture, or how long ago it was foreground.
+//! A per-pixel quantity as a colour: of the mixture, or the frames since foreground.
 
 use eframe::egui::{
     Align2, Color32, FontId, Mesh, Painter, Pos2, Rangef, Rect, Shape, Stroke, StrokeKind, pos2, vec2,
@@ -11,13 +11,13 @@ use crate::mixture::Quantity;
 use crate::replay::ShownFrame;
 use crate::settings::{BackgroundModel, Settings};
 
-/// Why a frame of a camera, which gives each only once, may have no map.
+/// The message for a live source, which delivers each frame only once, so that a map may be unavailable.
 const NOT_AT_HAND: &str = "Previous frames are not available";
 
-/// How many frames ago is as dark as any time before.
+/// Number of frames since foreground from which the colour is constant.
 const LONG_AGO: f32 = 1000.0;
 
-/// Its name in a menu.
+/// The quantity's name in menus.
 pub(crate) const fn name(quantity: Quantity) -> &'static str {
     match quantity {
         Quantity::Sigma => "σ of component 1",
@@ -29,7 +29,7 @@ pub(crate) const fn name(quantity: Quantity) -> &'static str {
     }
 }
 
-/// What stands before its number.
+/// The symbol before a value.
 pub(super) const fn symbol(quantity: Quantity) -> &'static str {
     match quantity {
         Quantity::Sigma => "σ",
@@ -41,7 +41,7 @@ pub(super) const fn symbol(quantity: Quantity) -> &'static str {
     }
 }
 
-/// What stands beside its colours: the symbol with the unit.
+/// The caption of the legend: symbol and unit.
 const fn caption(quantity: Quantity) -> &'static str {
     match quantity {
         Quantity::Sigma => "σ₁, levels",
@@ -53,7 +53,7 @@ const fn caption(quantity: Quantity) -> &'static str {
     }
 }
 
-/// Its colours. They depend on settings and not on the frame, so that nothing flickers while a video plays.
+/// The colour scale. It depends on the settings but not on the frame, to avoid flicker during playback.
 fn scale(quantity: Quantity, settings: &Settings) -> Scale {
     match quantity {
         Quantity::Sigma => {
@@ -61,13 +61,13 @@ fn scale(quantity: Quantity, settings: &Settings) -> Scale {
             Scale::Log { offset: 0.0, low, high: (4.0 * settings.initial_sigma).max(2.0 * low) }
         }
         Quantity::Weight => Scale::Linear { low: 0.0, high: 1.0 },
-        // What was foreground a moment ago is brightest.
+        // Recent foreground is brightest.
         Quantity::SinceForeground => Scale::Log { offset: 1.0, low: LONG_AGO, high: 0.0 },
         Quantity::Used | Quantity::BackgroundCount | Quantity::Matched => Scale::Steps,
     }
 }
 
-/// A number as it is written.
+/// A value as text.
 fn number(quantity: Quantity, value: f32) -> String {
     match quantity {
         Quantity::Sigma => format!("{value:.2}"),
@@ -78,13 +78,13 @@ fn number(quantity: Quantity, value: f32) -> String {
     }
 }
 
-/// How it is composed; not at all, where there is none.
+/// The composition of the view; `None` without a map.
 pub(super) fn look(pane: &Pane<'_>) -> Option<ComposeStyle> {
     let scale = scale(pane.shown.map.as_ref()?.quantity, &pane.shown.settings);
     Some(ComposeStyle { scale: scale.values(), ..ComposeStyle::plain(Compose::Map) })
 }
 
-/// Paints it.
+/// Draws the view.
 pub(super) fn paint(pane: &Pane<'_>) {
     let Some((map, look)) = pane.shown.map.as_ref().zip(look(pane)) else {
         let other = pane.shown.settings.background_model != BackgroundModel::Mixture;
@@ -114,7 +114,7 @@ fn at_pixel(shown: &ShownFrame, (x, y): (u32, u32)) -> Option<f32> {
     shown.map.as_ref()?.values.get(index).copied()
 }
 
-/// The number with what it is.
+/// The value of a pixel, with its symbol.
 pub(super) fn value(shown: &ShownFrame, at: (u32, u32)) -> String {
     let quantity = shown.map.as_ref().map(|map| map.quantity);
     let value = quantity.zip(at_pixel(shown, at));
@@ -122,17 +122,17 @@ pub(super) fn value(shown: &ShownFrame, at: (u32, u32)) -> String {
 }
 
 const INK: Color32 = Color32::from_rgb(236, 240, 246);
-/// The bar of the ramp is as long as there is room, between these.
+/// Minimum and maximum length of the ramp in the legend, in points.
 const BAR: Rangef = Rangef { min: 60.0, max: 132.0 };
 /// Height of a line of the legend.
 const LINE: f32 = 14.0;
 const MARGIN: f32 = 6.0;
-/// Views narrower than this do without the caption: the title bar has it.
+/// Minimum width of a view for the caption; the title bar shows the name, too.
 const CAPTION_FROM: f32 = 290.0;
-/// From one number under the bar to the next.
+/// Minimum distance of two numbers under the ramp.
 const NUMBER_SPACING: f32 = 22.0;
 
-/// The colours with their numbers on a dark plate in the lower left corner, where it is small enough for the view.
+/// The legend on a dark plate in the lower left corner, if the view has space for it.
 fn legend(painter: &Painter, view: Rect, quantity: Quantity, scale: Scale) {
     let font = FontId::proportional(theme::SMALL);
     let word = if view.width() < CAPTION_FROM { "" } else { caption(quantity) };
@@ -185,7 +185,7 @@ fn text(painter: &Painter, at: Pos2, anchor: Align2, text: &str) {
     painter.text(at, anchor, text, FontId::proportional(theme::SMALL - 1.0), INK);
 }
 
-/// Colours that stand beside the ramp, or in its place.
+/// Swatches beside the ramp, or in its place.
 fn swatches(quantity: Quantity) -> Vec<(Color32, String)> {
     let step = |count: usize| {
         let more = if count + 1 == STEPS.len() { "+" } else { "" };
@@ -200,7 +200,7 @@ fn swatches(quantity: Quantity) -> Vec<(Color32, String)> {
     }
 }
 
-/// The numbers that stand under the ramp.
+/// The values labelled under the ramp.
 fn ticks(quantity: Quantity, scale: Scale) -> Vec<f32> {
     match (quantity, scale) {
         (Quantity::SinceForeground, _) => vec![1000.0, 100.0, 10.0, 0.0],
@@ -238,7 +238,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_quantity_has_colours_and_numbers_to_read_them_by() {
+    fn every_quantity_has_a_legend_with_colours_and_values() {
         let settings = Settings::default();
         for quantity in Quantity::ALL {
             let scale = scale(quantity, &settings);

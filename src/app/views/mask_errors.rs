@@ -9,23 +9,23 @@ use crate::replay::ShownFrame;
 use crate::truth::decisions::Decisions;
 use crate::truth::masks::{Label, TrueMask};
 
-/// Foreground that was found.
+/// True positive.
 const TRUE_POSITIVE: [u8; 3] = super::agreement::BOTH;
-/// Background that was taken for foreground.
+/// False positive.
 const FALSE_POSITIVE: [u8; 3] = [232, 92, 28];
-/// Foreground that was missed.
+/// False negative.
 const FALSE_NEGATIVE: [u8; 3] = [86, 180, 233];
-/// What does not count; on the card it is as dark.
+/// Ignored; the shader draws it equally dark.
 const IGNORED: [u8; 3] = [58, 52, 66];
 
-/// Judges a mask of the frame.
+/// Counts true and false decisions of a mask of the frame.
 pub(super) fn judge(mask: &Mask, truth: &TrueMask) -> Decisions {
     let mut judge = truth.judge();
     mask.runs().for_each(|run| judge.take(run));
     judge.decisions()
 }
 
-/// How it is composed.
+/// The composition of the view.
 pub(super) fn look() -> ComposeStyle {
     let share = |[r, g, b]: [u8; 3]| [r, g, b, 255].map(|channel| f32::from(channel) / 255.0);
     ComposeStyle {
@@ -35,7 +35,7 @@ pub(super) fn look() -> ComposeStyle {
     }
 }
 
-/// Paints it, or why there is nothing to paint.
+/// Draws the view, or a message where it has nothing to show.
 pub(super) fn paint(pane: &Pane<'_>) {
     let Some(truth) = &pane.shown.truth else {
         let why = if pane.model.has_true_masks() {
@@ -71,7 +71,7 @@ pub(super) fn paint(pane: &Pane<'_>) {
     }
 }
 
-/// What was decided, and whether that is right.
+/// The decision of a pixel: true or false, positive or negative.
 pub(super) fn value(shown: &ShownFrame, (x, y): (u32, u32)) -> String {
     let found = shown.analysis.mask.is_foreground(x, y);
     match shown.truth.as_ref().and_then(|truth| truth.at(x, y)) {

@@ -1,4 +1,4 @@
-//! The linked views in the middle: one file each, and the tiles in which they stand.
+//! The linked views in the middle, one file each, and the tiles that arrange them.
 
 mod agreement;
 mod areas;
@@ -47,32 +47,32 @@ use crate::replay::ShownFrame;
 /// A view of the frame.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub(crate) enum View {
-    /// The frame as it came.
+    /// The input frame.
     Input,
     /// The background model.
     Background,
     /// The foreground mask.
     Foreground,
-    /// Its connected regions.
+    /// Connected regions of the mask.
     Regions,
-    /// Objects, groups, occlusions and events.
+    /// Objects, occlusion groups, occlusions and events.
     Tracks,
-    /// How far the input is from the background.
+    /// Difference of the input from the background.
     Difference,
-    /// One number of each pixel as a colour.
+    /// A per-pixel quantity as a colour.
     Map,
-    /// The background model under the settings that are compared with those in view.
+    /// The background model under the compared settings.
     #[serde(rename = "BesideBackground")]
     ComparedBackground,
-    /// Their foreground mask.
+    /// The foreground mask under the compared settings.
     #[serde(rename = "BesideForeground")]
     ComparedForeground,
-    /// Their objects, groups, occlusions and events.
+    /// Objects, occlusion groups, occlusions and events under the compared settings.
     #[serde(rename = "BesideTracks")]
     ComparedTracks,
-    /// In what the two masks agree.
+    /// Comparison of the two masks.
     Agreement,
-    /// Where the mask is right by the ground truth.
+    /// True and false decisions of the mask against the ground truth.
     #[serde(rename = "Right")]
     MaskErrors,
 }
@@ -112,7 +112,7 @@ impl View {
         }
     }
 
-    /// Its title while there are two sets of settings, of which this one is in view.
+    /// Its title while there are two slots, of which `in_view` is in view.
     pub(crate) fn titled(self, in_view: AbSlot) -> String {
         let (title, slot) = match self {
             Self::Input | Self::Agreement => return self.title().to_owned(),
@@ -124,7 +124,7 @@ impl View {
         format!("{title} ({})", slot.name())
     }
 
-    /// Its title for a screen reader and the status line: with the slot where it shows the other settings.
+    /// Its title for screen readers and the status bar, with the slot's letter for compared settings.
     pub(crate) fn label(self, slots: &AbSettings) -> String {
         if self.compares() && slots.other.is_some() {
             self.titled(slots.in_view)
@@ -133,7 +133,7 @@ impl View {
         }
     }
 
-    /// Whether it needs settings to compare with.
+    /// Whether it needs compared settings.
     pub(crate) const fn compares(self) -> bool {
         matches!(
             self,
@@ -141,12 +141,12 @@ impl View {
         )
     }
 
-    /// Whether it is there from the start, without anything to compare with.
+    /// Whether it is open initially, without compared settings or ground truth.
     pub(crate) const fn is_there_at_first(self) -> bool {
         !self.compares() && !matches!(self, Self::MaskErrors)
     }
 
-    /// What is seen in it.
+    /// A description of its content.
     pub(crate) const fn meaning(self) -> &'static str {
         match self {
             Self::Input => "Input frame as decoded.",
@@ -175,12 +175,12 @@ impl View {
         }
     }
 
-    /// Its place among all.
+    /// Its index in [`Self::ALL`].
     pub(crate) fn place(self) -> usize {
         Self::ALL.iter().position(|&view| view == self).unwrap_or(0)
     }
 
-    /// The value of a pixel in it, its parts apart by a space.
+    /// The value of a pixel in it, with parts separated by spaces.
     pub(crate) fn value(self, model: &Model, shown: &ShownFrame, at: (u32, u32)) -> String {
         match self {
             Self::Input | Self::Tracks => input::value(shown, at),
@@ -202,10 +202,10 @@ impl View {
         }
     }
 
-    /// The layers of a frame that it is composed from.
+    /// The layers that it is composed from.
     const fn layers(self, background: Background) -> &'static [Layer] {
         match self {
-            // The mask too while it is off: it is switched on without sending anything.
+            // Includes the mask while the overlay is off, so that switching it on uploads nothing.
             Self::Input => Compose::Masked.layers(),
             Self::Background => background.compose().layers(),
             Self::Foreground => Compose::Mask.layers(),
@@ -220,7 +220,7 @@ impl View {
         }
     }
 
-    /// How its picture is composed, without what is drawn over it.
+    /// The composition of its image, without the overlays.
     fn look(self, pane: &Pane<'_>) -> Option<ComposeStyle> {
         match self {
             Self::Input => Some(input::look(pane)),
@@ -256,11 +256,11 @@ impl View {
 
 const NO_MIXTURE: &str = "No mixture in this background model";
 
-/// What the background view shows.
+/// The content of the background view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub(crate) enum Background {
     /// The mean of component 1.
-    // An earlier version kept B here, which has become a map.
+    // An earlier version had B here, which is a map now.
     #[serde(alias = "Count")]
     Mean,
     /// The weighted mean of the B background components.
@@ -271,7 +271,7 @@ impl Background {
     /// All kinds in order.
     pub(crate) const ALL: [Self; 2] = [Self::Mean, Self::MultiMode];
 
-    /// Its name on a button.
+    /// Its label on a button.
     pub(crate) const fn name(self) -> &'static str {
         match self {
             Self::Mean => "Mean",
@@ -279,7 +279,7 @@ impl Background {
         }
     }
 
-    /// What it is, in a sentence.
+    /// A description in a sentence.
     pub(crate) const fn meaning(self) -> &'static str {
         match self {
             Self::Mean => "The mean of component 1 at each pixel",
@@ -287,7 +287,7 @@ impl Background {
         }
     }
 
-    /// How it is composed.
+    /// Its composition.
     const fn compose(self) -> Compose {
         match self {
             Self::Mean => Compose::Mean,
@@ -304,7 +304,7 @@ impl Background {
     }
 }
 
-/// What a view needs in order to paint itself.
+/// The data that a view needs for drawing.
 struct Pane<'a> {
     view: View,
     painter: &'a Painter,
@@ -317,7 +317,7 @@ struct Pane<'a> {
 }
 
 impl Pane<'_> {
-    /// Paints a picture of the frame.
+    /// Draws the composed image.
     fn compose(&self, look: ComposeStyle) {
         let shape = Composition::shape(self.composer, self.set, self.view, look, self.canvas);
         if let Some(shape) = shape {

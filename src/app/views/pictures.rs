@@ -1,7 +1,7 @@
-//! The frame in view on the graphics card, and the thread that brings it there.
+//! The frame in view on the graphics card, and the thread that uploads it.
 //!
-//! The window's thread asks for a frame and goes on; the frame comes into view, in all views at once, when all of
-//! its layers are on the card.
+//! The window's thread requests a frame and does not wait. The frame comes into view, in all views at once, when all
+//! of its layers are uploaded.
 
 use std::io;
 use std::sync::mpsc;
@@ -22,7 +22,7 @@ use crate::app::state::FrameWithTrails;
 use crate::frame::Size;
 use crate::truth::decisions::Decisions;
 
-/// A frame whose layers are on the graphics card.
+/// A frame whose layers are uploaded.
 pub(crate) struct UploadedFrame {
     moment: Arc<FrameWithTrails>,
     video: u32,
@@ -46,7 +46,7 @@ impl UploadedFrame {
         self.uploaded[layer as usize].is_some()
     }
 
-    /// Every which pixel became a texel.
+    /// The sampling step from pixels to texels.
     pub(crate) const fn every(&self) -> u32 {
         self.every
     }
@@ -56,45 +56,45 @@ impl UploadedFrame {
         Layer::Input.texels(&self.moment.shown, self.every)
     }
 
-    /// The layers, bound for the shader.
+    /// The bind group of the layers.
     pub(crate) const fn group(&self) -> &wgpu::BindGroup {
         &self.group
     }
 
-    /// How far its mask agrees with the one of the settings that are compared, where both are there.
+    /// The agreement of its mask with the mask of the compared settings, if both exist.
     pub(crate) const fn agreement(&self) -> Option<Agreement> {
         self.agreement
     }
 
-    /// What the mask decides about its pixels, where there is truth and somebody looks.
+    /// The decisions of its mask against the ground truth, if there is a ground-truth mask and its view is visible.
     pub(crate) const fn decisions(&self) -> Option<Decisions> {
         self.decisions
     }
 
-    /// How long it took to bring it onto the card.
+    /// The duration of the upload.
     pub(crate) const fn took(&self) -> Duration {
         self.took
     }
 
-    /// How many bytes were sent of it; the rest was there from the frame before.
+    /// The number of uploaded bytes. Unchanged layers of the previous frame are reused.
     pub(crate) const fn bytes(&self) -> u64 {
         self.bytes
     }
 }
 
-/// A request to the thread.
+/// A request to the upload thread.
 #[derive(Clone)]
 struct Request {
     moment: Arc<FrameWithTrails>,
     layers: Layers,
-    /// Which video it is of, counted from the first: what comes too late from one before is not shown.
+    /// The index of its video. Late results of a previous video are not shown.
     video: u32,
 }
 
 /// The uploaded frame that waits for the window; a newer one replaces it.
 type Ready = Arc<Mutex<Option<UploadedFrame>>>;
 
-/// The window's side.
+/// The window's side of the upload.
 pub(crate) struct Pictures {
     composer: Arc<Composer>,
     requests: Option<mpsc::Sender<Request>>,
@@ -107,7 +107,7 @@ pub(crate) struct Pictures {
 }
 
 impl Pictures {
-    /// Starts the thread. It wakes the window whenever a frame is there.
+    /// Starts the thread. It wakes the window when a frame is uploaded.
     pub(crate) fn start(ctx: &Context, gpu: &RenderState) -> io::Result<Self> {
         let composer = Arc::new(Composer::new(gpu));
         let (requests, received) = mpsc::channel();
@@ -132,7 +132,7 @@ impl Pictures {
         })
     }
 
-    /// What composes the views.
+    /// The composer of the views.
     pub(crate) const fn composer(&self) -> &Arc<Composer> {
         &self.composer
     }
@@ -142,17 +142,17 @@ impl Pictures {
         self.in_view.as_ref()
     }
 
-    /// These layers are needed from now on.
+    /// Sets the layers that the views need.
     pub(crate) const fn need(&mut self, layers: Layers) {
         self.layers = layers;
     }
 
-    /// Whether a map is seen.
+    /// Whether a map is visible.
     pub(crate) const fn shows_map(&self) -> bool {
         self.layers.has(Layer::Map)
     }
 
-    /// Asks for a frame, unless it was asked for last.
+    /// Requests a frame, unless it was requested last.
     pub(crate) fn ask(&mut self, moment: &Arc<FrameWithTrails>) {
         let (layers, video) = (self.layers, self.video);
         let known = self.asked.as_ref().is_some_and(|asked| {
@@ -163,13 +163,13 @@ impl Pictures {
         }
         let request = Request { moment: Arc::clone(moment), layers, video };
         if let Some(requests) = &self.requests {
-            // Nobody listens when the thread is dead, which `is_dead` tells.
+            // Sending fails if the thread has ended, which `is_dead` reports.
             let _ = requests.send(request.clone());
         }
         self.asked = Some(request);
     }
 
-    /// Brings the newest frame that is on the card into view; whether there was any.
+    /// Brings the latest uploaded frame into view. Returns whether there was one.
     pub(crate) fn turn(&mut self) -> bool {
         let set = self.ready.lock().unwrap_or_else(PoisonError::into_inner).take();
         let set = set.filter(|set| set.video == self.video);
@@ -180,7 +180,7 @@ impl Pictures {
         turned
     }
 
-    /// Whether what was asked for last is in view.
+    /// Whether the last requested frame is in view.
     #[cfg(test)]
     pub(crate) fn is_settled(&self) -> bool {
         self.asked.as_ref().is_none_or(|asked| {
@@ -193,12 +193,12 @@ impl Pictures {
         })
     }
 
-    /// Whether the thread has ended, though nobody asked it to.
+    /// Whether the thread has ended unexpectedly.
     pub(crate) fn is_dead(&self) -> bool {
         self.thread.as_ref().is_some_and(JoinHandle::is_finished)
     }
 
-    /// Forgets the frame in view, for another video.
+    /// Drops the frame in view, for another video.
     pub(crate) fn clear(&mut self) {
         self.video += 1;
         self.in_view = None;
@@ -206,10 +206,10 @@ impl Pictures {
     }
 }
 
-/// What the views need that are there at first, so that the first frame comes whole.
+/// The layers of the initially open views, so that the first frame is complete.
 fn first_layers() -> Layers {
     let mut layers = Layers::NONE;
-    // A map is worked out once somebody sees it.
+    // A map is computed only once its view is visible.
     for view in View::ALL.into_iter().filter(|&view| view != View::Map) {
         layers.add(view.layers(Background::Mean));
     }
@@ -219,7 +219,7 @@ fn first_layers() -> Layers {
 
 impl Drop for Pictures {
     fn drop(&mut self) {
-        // A thread inside the card's driver must not meet the end of the process.
+        // The process must not end while the thread is inside the graphics driver.
         self.requests = None;
         if let Some(thread) = self.thread.take() {
             drop(thread.join());
@@ -227,7 +227,7 @@ impl Drop for Pictures {
     }
 }
 
-/// The thread's side.
+/// The thread's side of the upload.
 struct Worker {
     sender: LayerUploader,
     device: wgpu::Device,

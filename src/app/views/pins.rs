@@ -1,4 +1,4 @@
-//! Pinned pixels over a view, and the region around the chosen one.
+//! Pinned pixels in a view, and the region around the chosen pixel.
 
 use eframe::egui::{Color32, Painter, Rect, Stroke, Vec2, vec2};
 
@@ -8,12 +8,12 @@ use crate::app::state::Model;
 use crate::regions;
 use crate::replay::region_bounds;
 
-/// From this size on, in points, a pixel has room for a frame of its own.
+/// Minimum size of an image pixel for a frame around it, in points.
 const FRAME_FROM: f32 = 8.0;
-/// The ring around a smaller one.
+/// Radius of the ring around a smaller pixel, in points.
 const RING: f32 = 4.5;
 
-/// Paints them.
+/// Draws the pins and the region.
 pub(super) fn paint(painter: &Painter, canvas: &Canvas, model: &Model) {
     let judged = model.judged.filter(|_| model.has_true_masks());
     if let Some((at, side)) = model.region.or(judged).filter(|&(_, side)| side > 1) {
@@ -26,7 +26,7 @@ pub(super) fn paint(painter: &Painter, canvas: &Canvas, model: &Model) {
     pinned(painter, canvas, &model.marks.pins);
 }
 
-/// A ring around each, with its number.
+/// A mark around each pinned pixel, with its number.
 fn pinned(painter: &Painter, canvas: &Canvas, pins: &Pins) {
     for (number, (x, y)) in pins.iter().filter(|(_, (x, y))| canvas.size.index(*x, *y).is_some()) {
         let place = canvas.place_pixel((x, y));

@@ -1,20 +1,20 @@
-//! Which colour stands for which number: steps for counts, an even ramp for all else.
+//! Colour scales: steps for counts, a perceptually uniform ramp for other quantities.
 //!
-//! The tables go to the graphics card as they are here, and the shader looks numbers up in them as [`Scale`] does.
+//! The shader has the same tables as textures and looks values up as [`Scale`] does.
 
 use eframe::egui::Color32;
 
 use crate::app::theme;
 use crate::palette;
 
-/// How many colours the ramp has.
+/// The number of colours of the ramp.
 pub(super) const RAMP: usize = 255;
 
-/// The colour of what has no number, such as how long ago something was that never was.
+/// The colour of infinite values, such as the frames since foreground of a pixel that was never foreground.
 pub(super) const NEVER: Color32 = Color32::from_rgb(26, 28, 32);
 
-/// The colours of counts: white for none, dark for one, brighter for more, warm for many; the last for all that are
-/// greater.
+/// The colours of counts: white for zero, dark for one, brighter for more, warm for many. The last is for all larger
+/// counts.
 pub(super) const STEPS: [Color32; 6] = [
     Color32::from_rgb(255, 255, 255),
     Color32::from_rgb(38, 50, 72),
@@ -24,19 +24,19 @@ pub(super) const STEPS: [Color32; 6] = [
     Color32::from_rgb(213, 94, 0),
 ];
 
-/// How numbers become colours.
+/// A map from values to colours.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(crate) enum Scale {
-    /// A step of its own for each count.
+    /// A separate colour for each count.
     Steps,
     /// The ramp from `low` to `high`.
     Linear { low: f32, high: f32 },
-    /// The ramp over the logarithm of the number plus `offset`; it runs backwards where `low` is greater than `high`.
+    /// The ramp over the logarithm of the value plus `offset`. It is reversed where `low` is greater than `high`.
     Log { offset: f32, low: f32, high: f32 },
 }
 
 impl Scale {
-    /// Where a number lies on the ramp, 0 to 1; nowhere, if it is infinite.
+    /// The position of a value on the ramp, 0 to 1; `None` if it is not finite.
     pub(super) fn share(self, value: f32) -> Option<f32> {
         let share = match self {
             Self::Steps => value / (STEPS.len() - 1) as f32,
@@ -49,7 +49,7 @@ impl Scale {
         value.is_finite().then_some(share.clamp(0.0, 1.0))
     }
 
-    /// The colour of a number.
+    /// The colour of a value.
     pub(super) fn colour(self, value: f32) -> Color32 {
         if self == Self::Steps {
             return STEPS[(value.max(0.0) as usize).min(STEPS.len() - 1)];
@@ -57,7 +57,7 @@ impl Scale {
         self.share(value).map_or(NEVER, |share| ramp((share * (RAMP - 1) as f32).round() as usize))
     }
 
-    /// The shader's: 0 for steps, 1 for a line, 2 for a logarithm; what is added; both ends.
+    /// The shader's parameters: 0 for steps, 1 for linear, 2 for logarithmic; the offset; both ends.
     pub(super) fn values(self) -> [f32; 4] {
         match self {
             Self::Steps => [0.0; 4],
@@ -67,7 +67,7 @@ impl Scale {
     }
 }
 
-/// One of the ramp's colours, from dark to bright.
+/// A colour of the ramp, from dark to bright.
 pub(super) fn ramp(step: usize) -> Color32 {
     theme::rgb(palette::ramp(step.min(RAMP - 1) as f32 / (RAMP - 1) as f32))
 }
@@ -83,7 +83,7 @@ mod tests {
     }
 
     #[test]
-    fn the_ramp_grows_lighter_evenly() {
+    fn the_lightness_of_the_ramp_increases_evenly() {
         let all: Vec<f32> = (0..RAMP).map(|step| lightness(ramp(step))).collect();
         let whole = all[RAMP - 1] - all[0];
         assert!(whole > 70.0, "{whole}");
@@ -94,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn a_scale_reaches_from_one_end_to_the_other() {
+    fn a_scale_covers_the_whole_ramp() {
         let line = Scale::Linear { low: 0.0, high: 1.0 };
         assert_eq!((line.colour(-3.0), line.colour(7.0)), (ramp(0), ramp(RAMP - 1)));
         let log = Scale::Log { offset: 0.0, low: 4.0, high: 64.0 };

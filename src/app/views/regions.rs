@@ -1,4 +1,4 @@
-//! The regions: where they are, their numbers, and the colour that stands for each.
+//! The regions, with their labels and colours.
 
 use eframe::egui::{Color32, Rect, Stroke, StrokeKind, pos2, vec2};
 
@@ -12,7 +12,7 @@ use crate::replay::ShownFrame;
 const UNKNOWN: Color32 = Color32::from_rgb(150, 156, 170);
 const GROUP: Color32 = Color32::from_rgb(244, 246, 250);
 
-/// The colour of each label, by label: of the object it belongs to, of groups, of none.
+/// The colour of each label: of its object, of an occlusion group, or of a region without a track.
 pub(super) fn colours(analysis: &Analysis) -> Vec<Color32> {
     let most = analysis.regions.iter().map(|region| region.label).max().unwrap_or(0) as usize;
     let mut colours = vec![UNKNOWN; most + 1];
@@ -27,7 +27,7 @@ pub(super) fn colours(analysis: &Analysis) -> Vec<Color32> {
     colours
 }
 
-/// Paints them.
+/// Draws the view.
 pub(super) fn paint(pane: &Pane<'_>) {
     pane.compose(ComposeStyle::plain(Compose::Regions));
     let (frame, analysis) = (&pane.shown.frame, &pane.shown.analysis);
@@ -38,7 +38,7 @@ pub(super) fn paint(pane: &Pane<'_>) {
         match analysis.labels.at(x, y) {
             None | Some(0) => Color32::from_gray(gray / 4),
             Some(label) => {
-                // A little of the input's light keeps the region's inside readable.
+                // A fraction of the input's luma keeps the inside of the region recognisable.
                 let light = 0.55 + 0.45 * f32::from(gray) / 255.0;
                 let [r, g, b, _] =
                     colour_of(label).to_array().map(|channel| (f32::from(channel) * light) as u8);
@@ -53,7 +53,7 @@ pub(super) fn paint(pane: &Pane<'_>) {
         }
         let colour = colour_of(region.label);
         pane.painter.rect_stroke(place, 0.0, Stroke::new(1.0, colour), StrokeKind::Outside);
-        // Specks would only hide the picture under their numbers.
+        // The numbers of very small regions would hide the image.
         if place.width().max(place.height()) > 14.0 {
             let number = draw::tag(
                 pane.painter,
@@ -78,7 +78,7 @@ pub(super) fn paint(pane: &Pane<'_>) {
     draw::values(pane.painter, &pane.canvas, |at| value(pane.shown, at), ground);
 }
 
-/// The label.
+/// The label of a pixel.
 pub(super) fn value(shown: &ShownFrame, (x, y): (u32, u32)) -> String {
     match shown.analysis.labels.at(x, y) {
         None => String::new(),

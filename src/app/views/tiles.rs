@@ -1,4 +1,4 @@
-//! How the views stand beside one another, and what the pointer does in them.
+//! The arrangement of the views, and the pointer actions in them.
 
 use eframe::egui::containers::menu::MenuButton;
 use eframe::egui::{
@@ -18,25 +18,25 @@ use crate::app::{theme, top_bar};
 use crate::mixture::Quantity;
 use crate::tracking::{Identity, Track};
 
-/// From this width of a title on, in points, all kinds of background stand in it to choose from.
+/// Minimum width of a title bar for buttons of all kinds of background, in points.
 const CHOICES_FROM: f32 = 330.0;
-/// From this width on, the one that is chosen; below, the tabs need all the room.
+/// Minimum width for the selected kind only; below, the tabs need all the space.
 const CHOICE_FROM: f32 = 230.0;
 
-/// From this width on, the number that is mapped has its whole name; below, its symbol.
+/// Minimum width for the whole name of the mapped quantity; below, its symbol is shown.
 const NAME_FROM: f32 = 330.0;
 
-/// An area is chosen by a click within so many points of its outline.
+/// A click within this distance of an area's outline selects the area, in points.
 const OUTLINE: f32 = 4.0;
 
-/// From this width of a title on for each of its tabs, a view can be closed in it.
+/// Minimum width of a title bar per tab for the close button.
 const CLOSE_FROM: f32 = 130.0;
 
-/// From this width of a title on, the mask over the input can be switched in it.
+/// Minimum width of a title bar for the switch of the mask overlay.
 const OVERLAY_FROM: f32 = 120.0;
 
-/// Shows the views, or the one that is maximised. Returns how many points a pixel takes where the whole image fits: in
-/// the view under the pointer, or in the largest.
+/// Draws the views, or the maximised one. Returns the points per image pixel of the fitted image: in the view under
+/// the pointer, or in the largest view.
 pub(crate) fn show(
     ui: &mut Ui,
     tree: &mut Tree<View>,
@@ -59,7 +59,7 @@ pub(crate) fn show(
         });
         ui.scope_builder(UiBuilder::new().max_rect(rest), |ui| panes.view(ui, view));
     } else {
-        // Where a fraction of a pixel is left between two views.
+        // Fills gaps of a fraction of a pixel between views.
         ui.painter().rect_filled(ui.available_rect_before_wrap(), 0.0, ui.visuals().panel_fill);
         tree.ui(&mut panes, ui);
     }
@@ -76,10 +76,10 @@ struct Panes<'a> {
     pictures: &'a Pictures,
     commands: &'a mut Vec<Command>,
     hover: Option<Hover>,
-    /// What the views that are seen need of a frame.
+    /// The layers that the visible views need.
     layers: Layers,
-    /// The area of the largest view, boundless for the one under the pointer, and how many points a pixel takes there
-    /// where the whole image fits.
+    /// The area of the largest view, infinite for the view under the pointer, and its points per image pixel of the
+    /// fitted image.
     fitted: Option<(f32, f32)>,
 }
 
@@ -133,7 +133,7 @@ impl Panes<'_> {
         theme::focus(ui, &response);
     }
 
-    /// In the view that has the focus, the arrow keys choose the pixel.
+    /// In the focused view the arrow keys move the chosen pixel.
     fn arrows(&mut self, ui: &Ui, response: &Response) {
         if !response.has_focus() {
             return;
@@ -149,11 +149,11 @@ impl Panes<'_> {
         }
     }
 
-    /// The areas over a view, and what the pointer does to the one that is being drawn.
+    /// The areas over a view, and the pointer actions on the draft.
     fn areas(&mut self, painter: &Painter, canvas: &Canvas, view: View, response: &Response) {
         let areas = &self.model.areas;
         let pointer = response.hover_pos().or_else(|| response.interact_pointer_pos());
-        // Where a rectangle began; the pointer forgets it before the button is up.
+        // The start of a rectangle. egui drops the pointer's press position before the button is released.
         let began = response.id.with("began");
         let mut from = response.ctx.data(|data| data.get_temp::<Pos2>(began));
         if let Some(draft) = &areas.draft {
@@ -185,9 +185,8 @@ impl Panes<'_> {
         areas::paint(painter, canvas, areas, pointer, from);
     }
 
-    /// What the pointer does: the wheel zooms where it stands, dragging pans, a click chooses the
-    /// pixel or the area whose outline it is on, a double click fits. While an area is drawn, only the middle button
-    /// pans.
+    /// The pointer actions: the wheel zooms around the pointer, dragging pans, a click chooses the pixel or the area
+    /// whose outline it hits, a double click fits the image. While an area is drawn, only the middle button pans.
     fn pointer(&mut self, ui: &Ui, response: &Response, view: View, size: crate::frame::Size) -> Camera {
         let mut camera = self.model.camera;
         let canvas = Canvas::new(response.rect, size, camera);
@@ -227,7 +226,8 @@ impl Panes<'_> {
         camera
     }
 
-    /// The object that a click means: in the tracks, the smallest box around it; in the regions, whose region it is.
+    /// The object at a click: in the tracks view, the smallest box that contains it; in the regions view, the object
+    /// of the region.
     fn object_at(&self, view: View, (x, y): (u32, u32), at: [f32; 2]) -> Option<Identity> {
         let analysis = &self.model.shown()?.analysis;
         let meant = |track: &&Track| match view {
@@ -244,7 +244,7 @@ impl Panes<'_> {
         tracks.min_by(|a, b| a.bbox.area().total_cmp(&b.bbox.area())).map(|track| track.id)
     }
 
-    /// What stands at the right end of a title with so many tabs.
+    /// The controls at the right end of a title bar with this number of tabs.
     fn buttons(&mut self, ui: &mut Ui, view: View, tabs: usize) {
         ui.with_layout(eframe::egui::Layout::right_to_left(eframe::egui::Align::Center), |ui| {
             ui.spacing_mut().item_spacing.x = theme::SPACE / 2.0;
@@ -305,7 +305,7 @@ impl Panes<'_> {
         });
     }
 
-    /// What takes a view away.
+    /// The button that closes a view.
     fn close(&mut self, ui: &mut Ui, view: View) {
         let action = Action::Open(view);
         let last = action.entry().is_some_and(|entry| !top_bar::allowed(self.model, entry));
@@ -319,7 +319,7 @@ impl Panes<'_> {
         }
     }
 
-    /// What is drawn over the tracks.
+    /// The menu of the overlays.
     fn drawn(&mut self, ui: &mut Ui) {
         let icon = m::ICON_LAYERS.rich_text().size(theme::ICON);
         let button = Button::new(icon).frame_when_inactive(false);
@@ -334,7 +334,7 @@ impl Panes<'_> {
         response.accessible_name("Track overlays").on_hover_text("Select the track overlays");
     }
 
-    /// Which number a map shows.
+    /// The menu of the mapped quantity.
     fn quantity(&mut self, ui: &mut Ui) {
         let chosen = self.model.quantity;
         let narrow = ui.available_width() < NAME_FROM;
@@ -353,7 +353,7 @@ impl Panes<'_> {
         response.accessible_name(name).on_hover_text("Mapped quantity (Shift+M for the next)");
     }
 
-    /// The mask over the input: whether it is there and, while it is, how strong.
+    /// The switch of the mask overlay and, while it is on, its opacity.
     fn overlay(&mut self, ui: &mut Ui) {
         let overlay = self.model.overlay;
         if overlay.on {
@@ -420,8 +420,7 @@ impl Behavior<View> for Panes<'_> {
         }
     }
 
-    /// A view is moved by its title. What is free of a row of titles would be a control without a name, in the way of
-    /// the Tab key.
+    /// A view is moved by its title. A draggable tab bar would add an unnamed control to the Tab order.
     fn is_tile_draggable(&self, tiles: &Tiles<View>, tile_id: TileId) -> bool {
         tiles.get_pane(&tile_id).is_some()
     }

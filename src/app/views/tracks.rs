@@ -1,4 +1,4 @@
-//! Objects with their trails, groups, occlusions, and the events of the frame.
+//! Objects with their trails, occlusion groups, occlusions, and the events of the frame.
 
 use std::collections::HashMap;
 
@@ -13,16 +13,16 @@ use crate::regions;
 use crate::tracking::{Identity, Track, TrackState};
 use crate::truth::boxes::Bounds;
 
-/// How what lies under them is composed: a little darker, so that boxes stand out.
+/// The composition of the view: a darker input, so that boxes stand out.
 pub(super) fn look() -> ComposeStyle {
     ComposeStyle { tint: 205.0 / 255.0, ..ComposeStyle::plain(Compose::Input) }
 }
 
-/// Paints them.
+/// Draws the view.
 pub(super) fn paint(pane: &Pane<'_>) {
     pane.compose(look());
     let (tracks, drawn) = (&pane.shown.analysis.tracks, pane.model.drawn);
-    // Where objects have been is known of the settings in view alone.
+    // Trails exist only for the settings in view.
     if drawn.has(Drawn::Trails) && !pane.view.compares() {
         trails(pane);
     }
@@ -48,7 +48,7 @@ pub(super) fn paint(pane: &Pane<'_>) {
     for track in tracks.iter() {
         object(pane, track, &mut gates);
     }
-    // Under other settings the same number may be somebody else's.
+    // Under other settings the same identity may be another object.
     let object = pane.model.object.filter(|_| !pane.view.compares());
     if let Some(track) = tracks.iter().find(|track| object == Some(track.id)) {
         chosen(pane, track);
@@ -66,7 +66,7 @@ pub(super) fn paint(pane: &Pane<'_>) {
         draw::dashed_rect(pane.painter, place, stroke(3.0, Color32::from_black_alpha(120)), 2.5);
         draw::dashed_rect(pane.painter, place, stroke(1.5, Color32::WHITE), 2.5);
     }
-    // Words last, so that no box runs through them.
+    // Texts come last, so that no box crosses them.
     let mut taken = OccupiedRects::default();
     for track in tracks.iter().filter(|_| drawn.has(Drawn::Names)) {
         let word = match track.state {
@@ -108,13 +108,13 @@ fn object(pane: &Pane<'_>, track: &Track, gates: &mut Mesh) {
     let gate = vec2(major, minor) * pane.canvas.scale;
     if gate.x.is_finite() && gate.y.is_finite() && gate.length() < 4.0 * pane.canvas.rect.width() {
         let centre = pane.canvas.screen(track.centre);
-        // A gate grows while nothing is measured; large and strong it would hide the picture.
+        // A gate grows while the track coasts; at full opacity a large gate would hide the image.
         let strength = if track.state == TrackState::Visible { 0.8 } else { 0.4 };
         draw::add_ellipse(gates, centre, gate, angle, Stroke::new(1.0, colour.gamma_multiply(strength)));
     }
 }
 
-/// The chosen object: where it goes, and where the hypotheses that compete for it say that it is.
+/// The chosen object: its predicted motion, and the positions of the hypotheses that compete for it.
 fn chosen(pane: &Pane<'_>, track: &Track) {
     let colour = theme::rgb(identity_colour(track.id));
     let place = pane.canvas.place(&track.bbox).expand(3.0);
@@ -143,7 +143,7 @@ fn chosen(pane: &Pane<'_>, track: &Track) {
         }
     }
     pane.painter.add(gates);
-    // Where it will be in half a second, at the speed that its model has.
+    // The predicted position in half a second, at the model's velocity.
     let from = pane.canvas.screen(track.centre);
     let way = vec2(track.velocity[0], track.velocity[1]) * 0.5 * pane.model.fps() * pane.canvas.scale;
     if way.length() > 6.0 && way.length() < pane.canvas.rect.width() {
@@ -160,7 +160,7 @@ fn occlusion(pane: &Pane<'_>, place: &Rect) {
     }
 }
 
-/// The groups of merged objects, each once.
+/// The occlusion groups, each once.
 fn groups(tracks: &[Track]) -> Vec<Vec<&Track>> {
     let mut seen: Vec<&[Identity]> = Vec::new();
     for track in tracks {
@@ -171,7 +171,7 @@ fn groups(tracks: &[Track]) -> Vec<Vec<&Track>> {
     seen.into_iter().map(|ids| tracks.iter().filter(|track| ids.contains(&track.id)).collect()).collect()
 }
 
-/// The place of a group, a little larger than all its members.
+/// The rectangle of a group, slightly larger than the union of its members.
 fn around(pane: &Pane<'_>, members: &[&Track]) -> Rect {
     let places = members.iter().map(|track| pane.canvas.place(&track.bbox));
     places.fold(Rect::NOTHING, Rect::union).expand(6.0)
@@ -181,7 +181,7 @@ fn outline(pane: &Pane<'_>, members: &[&Track]) {
     draw::outlined_rect(pane.painter, around(pane, members), Stroke::new(1.5, Color32::WHITE));
 }
 
-/// Where each object has been, fainter the longer ago.
+/// The past positions of each object, fainter with age.
 fn trails(pane: &Pane<'_>) {
     let (here, tracks) = (pane.shown.position, &pane.shown.analysis.tracks);
     let mut lines: HashMap<Identity, Vec<(u32, [f32; 2])>> =
@@ -201,7 +201,7 @@ fn trails(pane: &Pane<'_>) {
             colour.gamma_multiply((1.0 - age).clamp(0.15, 1.0))
         };
         let line = lines.get(&track.id).map_or(&[][..], Vec::as_slice);
-        // One frame may be missing; over more, nobody saw where it went.
+        // A gap of one frame is bridged; over a longer gap the path is unknown.
         for piece in line.chunk_by(|(before, _), (after, _)| after - before <= 2) {
             let points = piece.iter().map(|&(position, at)| (pane.canvas.screen(at), faded(position)));
             draw::add_line(&mut mesh, points, 2.0);
@@ -210,7 +210,7 @@ fn trails(pane: &Pane<'_>) {
     pane.painter.add(mesh);
 }
 
-/// The events of the frame, beside what is `taken`.
+/// The flags of the frame's events, placed beside the rectangles in `taken`.
 fn flags(pane: &Pane<'_>, mut taken: OccupiedRects) {
     let timeline = if pane.view.compares() { pane.model.compared_timeline() } else { pane.model.timeline() };
     let Some(timeline) = timeline.or_else(|| pane.model.timeline()) else { return };
