@@ -223,7 +223,7 @@ fn competing([x, y]: [f32; 2], state: TrackState) -> Vec<HypothesisSummary> {
     }
 }
 
-/// Two people who approach each other and cross between frames 50 and 70. A third is occluded from 40 to 90.
+/// Two people approach each other and cross between frames 50 and 70. A third is occluded from 40 to 90.
 fn tracks_at(position: u32) -> Vec<Track> {
     let t = position as f32;
     let merged = (50..70).contains(&position);

@@ -327,7 +327,7 @@ fn a_low_panel_scrolls_under_the_verdict() {
     });
     // Scrolling is animated over several frames.
     harness.run_steps(8);
-    assert_eq!(harness.get_by_label("Mixture").rect(), headline, "tabs and verdict stay");
+    assert_eq!(harness.get_by_label("Mixture").rect(), headline, "tabs and verdict do not scroll");
     let after = harness.get_by_label_contains("Weights 0").rect();
     assert!(after.top() < before.top() - 100.0, "{before:?} to {after:?}");
     picture(&mut harness, "scrolled");
@@ -478,7 +478,7 @@ fn new_settings_show_their_verdict_before_the_frame_is_analysed() {
     let other = Settings { match_sigmas: 0.5, alpha: 0.2, ..settings() };
     let newest = Arc::new(history_of(&other, 600));
     let expected = verdict(&newest, 300).headline;
-    assert_ne!(expected, verdict(shown.pixel.as_ref().unwrap(), 300).headline, "the settings must change the verdict");
+    assert_ne!(expected, verdict(shown.pixel.as_ref().unwrap(), 300).headline, "the verdicts must differ");
     let mut inspector = Inspector::default();
     let harness = Harness::builder()
         .with_size(Vec2::new(380.0, 1000.0))
@@ -655,7 +655,7 @@ fn settings_that_flip_the_verdict_are_listed_and_applied() {
 #[test]
 fn a_map_of_other_settings_is_requested_and_shown_when_computed() {
     let (shown, mut inspector) = (shown(430), Inspector::default());
-    assert_eq!(inspector.asks().tune, None, "nobody looks");
+    assert_eq!(inspector.asks().tune, None, "the tab is hidden");
     let asked = Rc::new(RefCell::new(None));
     let (noted, tuning) = (Rc::clone(&asked), tuning_of(&shown, [TunableSetting::Alpha, TunableSetting::T]));
     let mut harness = Harness::builder()

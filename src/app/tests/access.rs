@@ -201,7 +201,7 @@ fn closing_a_dialog_restores_the_focus() {
             harness.key_press(Key::Escape);
             harness.run_steps(3);
         }
-        assert!(harness.query_all_by_label(inside).next().is_none(), "{action:?} is shut");
+        assert!(harness.query_all_by_label(inside).next().is_none(), "{action:?} is closed");
         assert!(harness.get_by_label("Play").is_focused(), "{action:?}");
     }
 }

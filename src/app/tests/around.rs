@@ -87,7 +87,7 @@ fn the_about_dialog_shows_version_and_graphics_adapter() {
 #[test]
 fn the_sample_shows_a_hint_until_it_is_dismissed() {
     let (mut harness, _) = ready(58);
-    assert!(harness.query_by_label("Hide hint").is_none(), "a video of one's own needs none");
+    assert!(harness.query_by_label("Hide hint").is_none(), "only the sample has a hint");
     act(&mut harness, Action::OpenSample);
     settle(&mut harness);
     assert_eq!(
@@ -116,7 +116,7 @@ fn a_settings_tooltip_shows_its_equation_and_the_effect_of_a_larger_value() {
 #[test]
 fn a_setting_is_found_by_name_and_scrolled_into_view() {
     let (mut harness, _) = ready(58);
-    assert!(harness.query_by_label("colour threshold").is_none(), "its stage is shut");
+    assert!(harness.query_by_label("colour threshold").is_none(), "its stage is collapsed");
     harness.key_press_modifiers(Modifiers::COMMAND, Key::K);
     harness.run_steps(4);
     harness.get_by_label("Command palette").type_text("same col");
@@ -136,7 +136,7 @@ fn a_setting_is_found_by_name_and_scrolled_into_view() {
 #[test]
 fn the_analysis_can_be_paused_and_resumed_beside_its_progress() {
     let (mut harness, scene) = ready(58);
-    assert!(harness.query_by_label("Pause analysis").is_none(), "nothing is under way");
+    assert!(harness.query_by_label("Pause analysis").is_none(), "the analysis is idle");
     let asked = |scene: &Scene| scene.asked.borrow().last().cloned();
     {
         let mut state = scene.state.borrow_mut();
@@ -219,7 +219,7 @@ fn pixels_and_the_timeline_have_shortcuts() {
 #[test]
 fn an_unknown_frame_rate_is_labelled_as_assumed_and_can_be_typed() {
     let (harness, _) = ready(10);
-    assert!(harness.query_by_label_contains("assumed").is_none(), "the video says how many there are");
+    assert!(harness.query_by_label_contains("assumed").is_none(), "the video specifies its rate");
     let mut unsaid = state(Phase::Ready, Some(10));
     let info = SourceInfo { fps_from: FpsFrom::Assumed, ..SourceInfo::clone(unsaid.info.as_ref().unwrap()) };
     unsaid.info = Some(Arc::new(info));

@@ -50,7 +50,7 @@ fn a_visible_tuning_map_is_requested_and_a_cell_becomes_the_settings() {
     harness.get_by_label("Tuning").click();
     harness.run_steps(4);
     picture(&mut harness, "tuning");
-    assert_eq!(tuned(&scene), [Some([TunableSetting::Alpha, TunableSetting::T])], "requested once, not in every frame");
+    assert_eq!(tuned(&scene), [Some([TunableSetting::Alpha, TunableSetting::T])], "one request in total");
 
     let at = harness.get_by_label_contains("Tuning map, ").rect().center();
     harness.hover_at(at);
@@ -115,7 +115,7 @@ fn closing_a_video_frees_its_histories() {
         (pixel, pin, shares)
     };
     settle(&mut harness);
-    assert!(kept.0.upgrade().is_some(), "the open plots share the history");
+    assert!(kept.0.upgrade().is_some(), "the plots' caches hold the history");
     act(&mut harness, Command::Act(Action::CloseVideo));
     assert!(kept.0.upgrade().is_none(), "the chosen pixel's history is freed");
     assert!(kept.1.upgrade().is_none(), "the pinned pixel's history is freed");
@@ -150,5 +150,5 @@ fn a_copied_plot_is_on_the_clipboard_as_an_image() {
     // 88 mm at 300 pixels an inch.
     assert_eq!(image.size[0], 1042);
     assert_eq!(image.pixels[0], egui::Color32::WHITE);
-    assert!(image.pixels.iter().any(|pixel| pixel.r() < 60 && pixel.g() < 60), "and ink");
+    assert!(image.pixels.iter().any(|pixel| pixel.r() < 60 && pixel.g() < 60), "the image is not empty");
 }

@@ -187,7 +187,7 @@ fn only_changed_layers_of_visible_views_are_uploaded() {
     assert_eq!(bytes(&mut harness), colour, "a layer is uploaded when its view becomes visible");
 }
 
-/// The first column of a row that has a colour accepted by `is`, and the number of such columns to its right.
+/// The first column of a row whose colour `is` accepts.
 fn columns(picture: &RgbaImage, canvas: &Canvas, y: u32, is: impl Fn([u8; 3]) -> bool) -> Option<u32> {
     (0..SIZE.width).find(|&x| is(at(picture, canvas.place_pixel((x, y)).center())))
 }

@@ -82,7 +82,7 @@ fn every_state_fits_every_size_and_scale_in_both_themes() {
                     assert!(whole.contains_rect(rect) && rect.is_positive(), "{at}: {rect}");
                     for (other, taken) in &seen {
                         let common = taken.intersect(rect.shrink(0.5));
-                        assert!(!common.is_positive(), "{at} lies over {other}: {rect}, {taken}");
+                        assert!(!common.is_positive(), "{at} overlaps {other}: {rect}, {taken}");
                     }
                     seen.push((label, rect));
                 }

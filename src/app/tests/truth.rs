@@ -176,7 +176,7 @@ fn a_hidden_tab_requests_nothing() {
     let ctx = harness.ctx.clone();
     harness.state_mut().apply(&ctx, Command::Explain(Subject::Object));
     harness.run_steps(3);
-    assert_eq!((tuned(&scene), asked(&scene).last().copied()), (None, Some(None)), "the object panel is open");
+    assert_eq!((tuned(&scene), asked(&scene).last().copied()), (None, Some(None)), "the object tab is open");
     harness.state_mut().apply(&ctx, Command::Explain(Subject::Pixel));
     harness.run_steps(3);
     assert!(tuned(&scene).is_some());

@@ -324,7 +324,7 @@ mod tests {
         let points = points.map(|[x, y]| (pos2(x, y), Color32::WHITE));
         add_line(&mut mesh, points.into_iter(), 2.0);
         assert!(mesh.is_valid());
-        assert_eq!(mesh.vertices.len(), 16, "coincident points are merged");
+        assert_eq!(mesh.vertices.len(), 16, "close points are merged");
         assert!(mesh.vertices.iter().all(|vertex| vertex.pos.x.is_finite() && vertex.pos.y.is_finite()));
         // The outer corner of the bend is as far out as both edges.
         let corner = mesh.vertices[4..8].iter().map(|v| v.pos).find(|p| p.x > 10.1 && p.y < -0.1).unwrap();

@@ -63,7 +63,7 @@ fn every_plot_is_exported_as_png_svg_and_table() {
         harness.run();
         let [InspectorAction::CopyPicture(plot)] = &actions.take()[..] else { panic!("{tab}: no picture") };
         let picture = plot.drawn().unwrap();
-        assert!(picture.size.width > 900 && picture.rgb[..3] == [255; 3], "{tab}: white ground");
+        assert!(picture.size.width > 900 && picture.rgb[..3] == [255; 3], "{tab}: white background");
         for (entry, format, begins) in
             [("Save PNG…", Format::Png, &b"\x89PNG"[..]), ("Save SVG…", Format::Svg, b"<svg")]
         {
