@@ -153,7 +153,7 @@ impl Panes<'_> {
     fn areas(&mut self, painter: &Painter, canvas: &Canvas, view: View, response: &Response) {
         let areas = &self.model.areas;
         let pointer = response.hover_pos().or_else(|| response.interact_pointer_pos());
-        // The start of a rectangle. egui drops the pointer's press position before the button is released.
+        // The start of a rectangle. egui clears the press origin before it reports the end of the drag.
         let began = response.id.with("began");
         let mut from = response.ctx.data(|data| data.get_temp::<Pos2>(began));
         if let Some(draft) = &areas.draft {
