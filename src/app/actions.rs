@@ -934,7 +934,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
     .always(),
     entry(
         Menu::Analysis,
-        Action::VerdictFlip,
+        Action::FlipSettings,
         m::ICON_SYNC_ALT,
         "Swap A and B while held",
         &[key(FLIP)],

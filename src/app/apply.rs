@@ -128,7 +128,7 @@ impl Window {
                     );
                 }
             }
-            Action::VerdictFlip => {
+            Action::FlipSettings => {
                 let other = model.ab_settings.in_view.other();
                 model.held = Some(model.ab_settings.in_view);
                 model.show_slot(other);

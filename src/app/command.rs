@@ -60,7 +60,7 @@ pub(crate) enum Action {
     /// Bring the settings of this slot into view.
     AbSlot(AbSlot),
     /// Show the other slot while a key is held.
-    VerdictFlip,
+    FlipSettings,
     /// Copy the settings in view to the other slot.
     CopySettings,
     /// Swap the settings of the two slots.

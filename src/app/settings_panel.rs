@@ -130,7 +130,7 @@ fn slots(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     }
     let button = Button::new(icons::text(m::ICON_MORE_HORIZ)).frame_when_inactive(false);
     let (response, _) = MenuButton::from_button(button).ui(ui, |ui| {
-        for action in [Action::VerdictFlip, Action::CopySettings, Action::SwapSettings, Action::KeepSettings]
+        for action in [Action::FlipSettings, Action::CopySettings, Action::SwapSettings, Action::KeepSettings]
         {
             if let Some(entry) = action.entry() {
                 top_bar::item(ui, model, entry, commands);

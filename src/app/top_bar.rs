@@ -119,7 +119,7 @@ pub(crate) fn allowed(model: &Model, entry: &Entry) -> bool {
         Action::Undo => model.history.can().0,
         Action::Redo => model.history.can().1,
         Action::AbSlot(slot) => model.ab_settings.in_view != slot,
-        Action::VerdictFlip => model.ab_settings.other.is_some() && model.held.is_none(),
+        Action::FlipSettings => model.ab_settings.other.is_some() && model.held.is_none(),
         Action::CopySettings | Action::SwapSettings => {
             model.ab_settings.other.as_ref().is_some_and(|other| *other != model.settings)
         }

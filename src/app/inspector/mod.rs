@@ -323,7 +323,7 @@ impl Inspector {
     ) -> Option<InspectorAction> {
         let (title, text) = match context.chosen {
             Some((x, y)) if context.lost.contains(&(x, y)) => (format!("Pixel {x}, {y}"), LOST),
-            Some((x, y)) => (format!("Pixel {x}, {y}"), MAX_COPIES_IN_FLIGHT),
+            Some((x, y)) => (format!("Pixel {x}, {y}"), COMPUTING_HISTORY),
             None if context.pins.is_empty() => ("No pixel selected".to_owned(), CLICK),
             None => ("No pixel selected".to_owned(), CLICK_OR_PIN),
         };
@@ -366,7 +366,7 @@ impl Inspector {
 
 const CLICK: &str = "Click a pixel in any view to inspect its mixture, its history and its verdict.";
 const CLICK_OR_PIN: &str = "Click a pixel in any view, or a pinned one below, to inspect its mixture.";
-const MAX_COPIES_IN_FLIGHT: &str = "Computing pixel history…";
+const COMPUTING_HISTORY: &str = "Computing pixel history…";
 const LOST: &str = "Pixel history not available: it needs the first frames, which this live source no \
      longer has. A changed mixture setting restarts it with the next frame; use a recording to keep all \
      frames.";

@@ -54,7 +54,7 @@ struct Cache {
     sparks: Vec<SparklineColumn>,
 }
 
-const MAX_COPIES_IN_FLIGHT: &str = "Computing history…";
+const COMPUTING_HISTORY: &str = "Computing history…";
 const LOST: &str = "Not available: this live source no longer has the first frames.";
 
 /// The frame in view.
@@ -174,7 +174,7 @@ impl PixelsView {
                 }
                 Some(_) => {}
                 None => {
-                    let text = if context.lost.contains(&at) { LOST } else { MAX_COPIES_IN_FLIGHT };
+                    let text = if context.lost.contains(&at) { LOST } else { COMPUTING_HISTORY };
                     let text = Label::new(style::aside(ui, text)).wrap();
                     ui.new_child(UiBuilder::new().max_rect(area)).add(text);
                 }
