@@ -1,21 +1,21 @@
-//! How many frames a second: from the user, the video, or MOTChallenge's `seqinfo.ini` beside images.
+//! The frame rate: from the user, the video, or MOTChallenge's `seqinfo.ini` beside images.
 
 use std::fs::{self, File};
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
-/// Frames a second where nothing says how many.
+/// Frames per second where no rate is given.
 pub(super) const ASSUMED: f32 = 25.0;
 
-/// The least and the greatest rate that can be meant.
+/// The accepted range of frame rates.
 pub const FPS_RANGE: (f32, f32) = (0.05, 1000.0);
 
-/// What a sequence of images says of itself, beside them or in the folder above.
+/// The file with a sequence's properties, in the folder of the images or its parent.
 const SEQINFO: &str = "seqinfo.ini";
-/// More than this of it is not read.
+/// Maximum number of bytes of it that are read.
 const MOST_BYTES: u64 = 1 << 16;
 
-/// Where a frame rate comes from.
+/// The origin of a frame rate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FpsFrom {
     /// The user named it.
