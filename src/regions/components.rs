@@ -48,7 +48,7 @@ impl Labels {
         Self { size, runs: Vec::new() }
     }
 
-    /// The labels of an image with this label at each pixel; none of the pixels is background.
+    /// The labels of a label image in row order, 0 being background.
     #[cfg(all(test, feature = "gui"))]
     pub(crate) fn of_image(size: Size, image: &[u32]) -> Self {
         let mut labels = Self::none(size);

@@ -6,8 +6,7 @@ use crate::frame::{Frame, Size};
 
 /// Approximate number of sample points of the image.
 const PLACES: usize = 1600;
-/// Time constant, in frames, of the average of the points' colours; the first frames up to this number are averaged
-/// with equal weights.
+/// Time constant, in frames, of the average of the points' colours; the first [`FIRST`] frames have equal weights.
 const MEMORY: f32 = 1000.0;
 const FIRST: u32 = 50;
 /// Number of image parts, across and down, that vote on a change.
