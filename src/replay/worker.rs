@@ -45,7 +45,7 @@ use crate::truth::Truth;
 enum PassSlot {
     /// The pass in view.
     InView,
-    /// The pass that is compared with it.
+    /// The pass of the candidate settings.
     Compared,
 }
 
