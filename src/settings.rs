@@ -1,21 +1,21 @@
-//! Every parameter once: its name, symbol, range, default and meaning.
+//! All parameters: name, symbol, range, default and meaning.
 //!
-//! Flags, the TOML file, the sliders of the window and the docs all read [`SETTINGS`]; nothing
-//! about a parameter is written down anywhere else.
+//! Flags, the TOML file, the sliders of the window and the docs all read [`SETTINGS`], which is the only definition
+//! of a parameter.
 
 use std::fmt::{self, Write as _};
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-/// The first stage of the way of a frame that a setting touches: it and all after it must run again.
+/// The first stage of the analysis that a setting affects: this stage and all later ones must run again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Stage {
-    /// What is done to the frame before the mixture: a shake of the camera and a change of light are taken out.
+    /// Correction of the frame before the mixture, for camera shake and changes of light.
     Registration,
-    /// The pixel process and the choice of background (§V–VI).
+    /// The pixel process and the selection of background components (§V–VI).
     Mixture,
-    /// What is done to the mask before regions are found in it.
+    /// Cleaning of the mask before regions are found in it.
     Cleaning,
     /// Connected components and their colours (§VII, Algorithm 1).
     Regions,
@@ -26,11 +26,11 @@ pub enum Stage {
 }
 
 impl Stage {
-    /// All stages in the order a frame meets them.
+    /// All stages in processing order.
     pub const ALL: [Self; 6] =
         [Self::Registration, Self::Mixture, Self::Cleaning, Self::Regions, Self::Tracking, Self::Occlusion];
 
-    /// The stage's name for a heading.
+    /// The stage's name in headings.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Registration => "Registration",
@@ -43,12 +43,12 @@ impl Stage {
     }
 }
 
-/// A length of time as a person gives it: in frames, or in seconds of the video.
+/// A duration: in frames, or in seconds of the video.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Span {
-    /// So many frames.
+    /// A number of frames.
     Frames(u32),
-    /// So many seconds at the video's frame rate.
+    /// A number of seconds, converted by the video's frame rate.
     Seconds(f32),
 }
 
@@ -62,7 +62,7 @@ impl Span {
         }
     }
 
-    /// The span in seconds of a video with `fps` frames a second.
+    /// The duration in seconds for a video with `fps` frames per second.
     pub fn seconds(self, fps: f32) -> f32 {
         match self {
             Self::Frames(frames) => frames as f32 / fps.max(f32::MIN_POSITIVE),
@@ -93,13 +93,13 @@ impl fmt::Display for Span {
 /// The value of any setting.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Value {
-    /// A whole number.
+    /// An integer.
     Integer(u32),
-    /// A number.
+    /// A floating-point number.
     Real(f32),
-    /// One of a few words.
+    /// One of several words.
     Choice(&'static str),
-    /// A length of time.
+    /// A duration.
     Span(Span),
 }
 
@@ -114,10 +114,10 @@ impl fmt::Display for Value {
     }
 }
 
-/// What values a setting takes.
+/// The range of a setting's values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Kind {
-    /// A whole number, both ends included.
+    /// An integer, in an inclusive range.
     Integer {
         /// The least value.
         min: u32,
@@ -126,7 +126,7 @@ pub enum Kind {
     },
     /// An odd number of pixels from 3 to `max`, or 0 for off.
     OddSize {
-        /// The greatest size.
+        /// The largest size.
         max: u32,
     },
     /// A number.
@@ -135,14 +135,14 @@ pub enum Kind {
         min: f32,
         /// The upper end.
         max: f32,
-        /// Whether the ends themselves are left out (`0 < α < 1`).
+        /// Whether the ends are excluded (`0 < α < 1`).
         open: bool,
-        /// Whether a slider should be logarithmic, as the quantity is.
+        /// Whether a slider should be logarithmic.
         logarithmic: bool,
     },
     /// One of these words.
     Choice(&'static [&'static str]),
-    /// Frames (`25`) or seconds (`"10s"`), up to so many of either.
+    /// Frames (`25`) or seconds (`"10s"`), up to a maximum of either.
     Span {
         /// The greatest number of frames.
         max_frames: u32,
@@ -169,7 +169,7 @@ impl Kind {
         }
     }
 
-    /// Reads a value of this kind and checks its range.
+    /// Parses a value of this kind and checks its range.
     fn parse(&self, text: &str) -> Option<Value> {
         let text = text.trim();
         let value = match *self {
@@ -200,19 +200,19 @@ impl Kind {
     }
 }
 
-/// One parameter: all that is known of it besides its present value.
+/// The definition of a parameter.
 pub struct Setting {
-    /// Its key in a settings file; with dashes for underscores, its flag.
+    /// Its key in a settings file; with dashes in place of underscores, its flag.
     pub name: &'static str,
-    /// The symbol in the paper, empty where it has none.
+    /// Its symbol in the paper; empty if it has none.
     pub symbol: &'static str,
-    /// What its number counts, empty where it is a pure number.
+    /// Its unit; empty if it is dimensionless.
     pub unit: &'static str,
-    /// The first stage that it touches.
+    /// The first stage that it affects.
     pub stage: Stage,
-    /// Which values it takes.
+    /// The range of its values.
     pub kind: Kind,
-    /// What it is, in a sentence.
+    /// Its meaning, one sentence.
     pub meaning: &'static str,
     get: fn(&Settings) -> Value,
     set: fn(&mut Settings, Value),
@@ -224,7 +224,7 @@ impl Setting {
         SETTINGS.iter().find(|setting| setting.name == name || setting.flag() == name)
     }
 
-    /// Its name on the screen: the standard term where the key is another one.
+    /// Its name on the screen: the standard term if that differs from the key.
     pub fn label(&self) -> String {
         let term = match self.name {
             "k" => "components",
@@ -258,7 +258,7 @@ impl Setting {
         (self.get)(settings)
     }
 
-    /// Puts `value` into `settings`, or says why it cannot be.
+    /// Sets its value in `settings`.
     pub fn set(&self, settings: &mut Settings, value: Value) -> Result<(), SettingError> {
         if !self.kind.contains(value) {
             return Err(self.refusal(&value.to_string()));
@@ -267,7 +267,7 @@ impl Setting {
         Ok(())
     }
 
-    /// Reads a value from text into `settings`, or says why it cannot be.
+    /// Parses its value from text and sets it in `settings`.
     pub fn set_text(&self, settings: &mut Settings, text: &str) -> Result<(), SettingError> {
         let value = self.kind.parse(text).ok_or_else(|| self.refusal(text))?;
         (self.set)(settings, value);
@@ -279,7 +279,7 @@ impl Setting {
     }
 }
 
-/// Why a setting could not be taken.
+/// An error of a setting.
 #[derive(Debug, thiserror::Error, PartialEq)]
 pub enum SettingError {
     /// No setting has this name.
@@ -290,25 +290,25 @@ pub enum SettingError {
     Refused {
         /// The setting.
         name: &'static str,
-        /// What was given.
+        /// The given value.
         given: String,
-        /// What it takes.
+        /// The accepted values.
         range: String,
     },
     /// No preset has this name.
     #[error("there is no preset `{0}`; choose plain, paper, opencv-mog or default")]
     UnknownPreset(String),
-    /// A settings file that is no TOML, or not a flat list of keys.
+    /// A settings file that is not TOML, or not a flat list of keys.
     #[error("the settings file {path} cannot be used: {why}")]
     File {
         /// The file.
         path: String,
-        /// What is wrong with it.
+        /// The cause.
         why: String,
     },
 }
 
-/// How a field of [`Settings`] turns into a [`Value`] and back.
+/// Converts a field of [`Settings`] to a [`Value`] and back.
 trait Parameter: Sized {
     fn to_value(&self) -> Value;
     fn from_value(value: Value) -> Option<Self>;
@@ -341,7 +341,7 @@ impl Parameter for Span {
     }
 }
 
-/// An enumeration whose variants have a word each.
+/// An enumeration whose variants each have a word.
 macro_rules! words {
     ($(#[$doc:meta])* $name:ident { $($(#[$variant_doc:meta])* $variant:ident = $word:literal),+ $(,)? }) => {
         $(#[$doc])*
@@ -481,7 +481,7 @@ macro_rules! settings {
         }
 
         impl Settings {
-            /// The method exactly as its tables have it, every addition switched off.
+            /// The values in the tables of the method, with every addition switched off.
             fn plain() -> Self {
                 Self { $($field: $plain,)+ }
             }
@@ -647,7 +647,7 @@ settings! {
 words! {
     /// A named set of values to start from.
     Preset {
-        /// The method exactly as its tables have it, every addition switched off.
+        /// The values in the tables of the method, with every addition switched off.
         Plain = "plain",
         /// `plain` with the paper's own rate, ρ = α·η.
         Paper = "paper",
