@@ -1,4 +1,4 @@
-//! The scenes of `synth`: what their truth says happens in them does, and can be seen in the pixels.
+//! The scenes of `synth`: the ground truth agrees with their descriptions and with the pixels.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
@@ -10,7 +10,7 @@ use occluscope::synth::render::FrameTruth;
 use occluscope::synth::{Parameters, Recorder, Renderer, Scene, Silhouette, Truth, catalogue, render, write};
 use occluscope::tracking::Identity;
 
-/// Small, without noise.
+/// Small parameters without noise.
 fn small(seed: u64) -> Parameters {
     let sizes = [Size::new(96, 72), Size::new(128, 72), Size::new(160, 120)];
     Parameters {
@@ -36,7 +36,7 @@ fn frame_of(truth: &Truth, kind: EventKind) -> u32 {
     truth.events.iter().find(|event| event.kind == kind).unwrap().frame
 }
 
-/// Grey levels by which a frame's pixel differs from another's, in its strongest channel.
+/// The largest absolute difference over the channels of a pixel in two frames, in levels.
 fn difference(a: &Frame, b: &Frame, at: usize) -> u8 {
     (3 * at..3 * at + 3).map(|channel| a.rgb[channel].abs_diff(b.rgb[channel])).max().unwrap()
 }
@@ -46,7 +46,7 @@ fn mean(frame: &Frame) -> f64 {
 }
 
 #[test]
-fn what_is_told_of_people_happens_once_and_to_the_right_ones() {
+fn scenes_have_the_described_events() {
     let meets: &[(EventKind, &[Identity])] =
         &[(Exit, &[1]), (Exit, &[2]), (Demerge, &[1, 2]), (Merge, &[1, 2]), (Enter, &[1]), (Enter, &[2])];
     let stays: &[(EventKind, &[Identity])] =
@@ -91,7 +91,7 @@ fn what_is_told_of_people_happens_once_and_to_the_right_ones() {
 }
 
 #[test]
-fn who_meets_turns_back_and_who_joins_stays() {
+fn meeting_people_turn_back_and_joining_people_stay() {
     for seed in 1..=4 {
         let parameters = small(seed);
         let truth = truth_of(&scene("meet-and-part", &parameters));
@@ -113,7 +113,7 @@ fn who_meets_turns_back_and_who_joins_stays() {
 }
 
 #[test]
-fn merging_happens_where_the_scene_says() {
+fn merges_are_at_the_scene_s_positions() {
     for seed in 1..=4 {
         let parameters = small(seed);
         let at_edge = |name: &str, frame: &dyn Fn(&Truth) -> u32| {
@@ -132,7 +132,7 @@ fn merging_happens_where_the_scene_says() {
 }
 
 #[test]
-fn diagonals_and_turns_change_how_large_somebody_is() {
+fn size_changes_on_diagonals_and_turns() {
     let heights = |name, id| -> Vec<f32> {
         let truth = truth_of(&scene(name, &small(3)));
         let whole = truth.boxes.iter().filter(|(_, who)| who.id == id && who.inside == who.full);
@@ -147,7 +147,7 @@ fn diagonals_and_turns_change_how_large_somebody_is() {
 }
 
 #[test]
-fn twelve_are_there_and_all_leave() {
+fn twelve_people_enter_and_exit() {
     for seed in 1..=3 {
         let scene = scene("crowd", &Parameters { size: Size::new(160, 120), ..small(seed) });
         let truth = truth_of(&scene);
@@ -166,7 +166,7 @@ fn twelve_are_there_and_all_leave() {
 }
 
 #[test]
-fn a_bag_splits_what_is_seen_of_its_bearer_and_arms_widen_it() {
+fn a_bag_splits_the_visible_silhouette_and_arms_widen_it() {
     let bag = scene("bag", &Parameters { size: Size::new(320, 240), seed: 1, ..small(1) });
     let empty = Renderer::new(&Scene { actors: Vec::new(), ..bag.clone() }).frame(1).0;
     let renderer = Renderer::new(&bag);
@@ -190,7 +190,7 @@ fn a_bag_splits_what_is_seen_of_its_bearer_and_arms_widen_it() {
 }
 
 #[test]
-fn a_parked_car_is_background_until_it_drives_on() {
+fn a_parked_car_is_background_until_it_moves() {
     for seed in 1..=3 {
         let scene = scene("car", &small(seed));
         let frames: Vec<FrameTruth> = render(&scene).map(|(_, truth)| truth).collect();
@@ -233,7 +233,7 @@ fn light_changes_by_forty_per_cent() {
 }
 
 #[test]
-fn shade_is_darker_and_less_noisy() {
+fn shadow_is_darker_and_less_noisy() {
     let parameters = Parameters { noise: Noise { sigma: 8.0, signal_dependent: false }, ..small(3) };
     let renderer = Renderer::new(&Scene { actors: Vec::new(), ..scene("shade", &parameters) });
     let (a, b) = (renderer.frame(1).0, renderer.frame(2).0);
@@ -253,7 +253,7 @@ fn shade_is_darker_and_less_noisy() {
 }
 
 #[test]
-fn what_moves_in_the_background_is_nobody() {
+fn moving_background_is_not_in_the_truth() {
     for name in ["flag", "lamp", "monitor", "glints", "swaying-tree"] {
         let moving = Scene { actors: Vec::new(), ..scene(name, &Parameters { seed: 2, ..small(3) }) };
         let renderer = Renderer::new(&moving);
@@ -272,7 +272,7 @@ fn what_moves_in_the_background_is_nobody() {
 }
 
 #[test]
-fn a_shaking_camera_moves_image_and_truth_alike() {
+fn camera_shake_moves_image_and_truth_equally() {
     let shaking = scene("jitter", &small(3));
     let still = Scene { jitter: 0, ..shaking.clone() };
     let (shaking, still) = (Renderer::new(&shaking), Renderer::new(&still));
@@ -302,7 +302,7 @@ fn difference_at(a: &Frame, at: usize, b: &Frame, other: usize) -> u8 {
 }
 
 #[test]
-fn somebody_passes_every_eight_seconds() {
+fn a_person_passes_every_eight_seconds() {
     let truth = truth_of(&scene("passers-by", &Parameters { frames: Some(900), ..small(3) }));
     let enters: Vec<u32> =
         truth.events.iter().filter(|event| event.kind == Enter).map(|event| event.frame).collect();

@@ -1,5 +1,5 @@
-//! "Effectively a per pixel/per distribution threshold", which "can be perturbed with little effect",
-//! and a small T, with which one component does the work.
+//! "Effectively a per pixel/per distribution threshold", which "can be perturbed with little effect", and a small T,
+//! with which a single component is background.
 
 use occluscope::settings::{Preset, Settings};
 use occluscope::synth::noise::Noise;
@@ -7,7 +7,7 @@ use occluscope::synth::{Parameters, Scene, catalogue};
 
 use crate::measure::{Counts, counts, scene, watch};
 
-/// F in the light and in the shade.
+/// F-measure in light and in shadow.
 fn lit_and_shaded(scene: &Scene, settings: &Settings) -> [f64; 2] {
     let width = scene.size.width as usize;
     let mut sides = [Counts::default(); 2];
@@ -21,7 +21,7 @@ fn lit_and_shaded(scene: &Scene, settings: &Settings) -> [f64; 2] {
 }
 
 #[test]
-fn a_walker_stays_whole_from_light_into_shade() {
+fn a_walker_is_segmented_in_light_and_in_shadow() {
     let noise = Noise { sigma: 6.0, signal_dependent: true };
     let parameters = Parameters { noise, size: scene("shade").size, ..Parameters::default() };
     let scene = catalogue::scene("shade", &parameters).expect("it is in the catalogue");
@@ -29,7 +29,7 @@ fn a_walker_stays_whole_from_light_into_shade() {
     let [lit, shaded] = lit_and_shaded(&scene, &plain);
     assert!(lit > 0.85 && shaded > 0.85, "F {lit} in the light, {shaded} in the shade");
 
-    // The σ that the light asks for, everywhere.
+    // The σ of the lit part, for all pixels.
     let mut sigmas = Vec::new();
     watch(&Scene { frames: 140, ..scene.clone() }, &plain, |truth, _, pipeline| {
         if truth.number == 140 {
@@ -60,7 +60,7 @@ fn the_threshold_may_be_perturbed_with_little_effect() {
 }
 
 #[test]
-fn with_a_small_t_one_component_does_the_work() {
+fn one_component_is_background_with_a_small_t() {
     let scene = scene("crossing");
     let masks = |t: f32| {
         let settings = Settings { t, ..Settings::preset(Preset::Plain) };

@@ -1,5 +1,5 @@
-//! Whether events balance: replayed from the first on, each changes what those before it have left, and tracks show
-//! those together whom the events have together.
+//! Checks that events are consistent: replayed in order, each changes the state left by the previous ones, and tracks
+//! show the same groups as the events.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -15,13 +15,13 @@ struct Replay {
     hidden: Set,
     gone: Set,
     groups: Vec<Set>,
-    /// For how many frames in succession a track has not shown what the events say.
+    /// The number of consecutive frames in which a track contradicts the events.
     differs: BTreeMap<Identity, u32>,
     faults: Vec<String>,
 }
 
-/// All in which events (by frame and kind) and tracks (by frame) do not fit each other, a line each. Who touch, part
-/// and touch within `same_episode` were together all the time, and who flickers in a gap was hidden.
+/// All contradictions between events (by frame and kind) and tracks (by frame), one line each. Objects that merge
+/// again within `same_episode` count as merged throughout, and objects that flicker in a gap as occluded.
 pub(crate) fn faults(
     events: &[Event],
     tracks: &[(u32, Vec<Track>)],
@@ -64,7 +64,7 @@ impl Replay {
         self.groups.retain(|group| group.len() > 1);
     }
 
-    /// The events of a frame. Who comes in it is there from its beginning.
+    /// Applies the events of a frame. Objects that enter in it exist from its beginning.
     fn take_in(&mut self, events: &[&Event]) {
         let (first, then): (Vec<&Event>, Vec<&Event>) = events.iter().partition(|event| match event.kind {
             EventKind::Enter | EventKind::Appear => true,
