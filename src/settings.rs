@@ -53,7 +53,7 @@ pub enum Span {
 }
 
 impl Span {
-    /// The span in frames of a video with `fps` frames a second, rounded, at least 1 unless it is zero.
+    /// The span in frames of a video with `fps` frames per second, rounded, at least 1 unless it is zero.
     pub fn frames(self, fps: f32) -> u32 {
         match self {
             Self::Frames(frames) => frames,

@@ -86,7 +86,7 @@ fn a_demerge_shortly_before_the_end_is_decided_at_the_end() {
         let demerges: Vec<&Event> = events.iter().filter(|event| event.kind == EventKind::Demerge).collect();
         assert_eq!(demerges.len(), 1, "{last}: {:?}", kinds(&events));
         assert!((50..=58).contains(&demerges[0].frame), "{}", demerges[0].frame);
-        assert!(tracker.finish().events.is_empty(), "nothing is left open");
+        assert!(tracker.finish().events.is_empty(), "no decision is pending");
     }
 }
 
@@ -105,8 +105,8 @@ fn an_invisible_member_leaves_its_group() {
         let [_, blue] = crossing(number);
         last = step(&mut tracker, number, &[blue]);
     }
-    assert_eq!(last.tracks.len(), 1, "one figure is seen: {:?}", last.tracks);
-    assert!(last.tracks[0].group.is_empty(), "it is alone: {:?}", last.tracks[0].group);
+    assert_eq!(last.tracks.len(), 1, "one figure is visible: {:?}", last.tracks);
+    assert!(last.tracks[0].group.is_empty(), "the figure is not in a group: {:?}", last.tracks[0].group);
 }
 
 #[test]

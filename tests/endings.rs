@@ -68,7 +68,7 @@ fn frames_of(endings: &[Vec<Event>], kind: EventKind) -> Vec<Option<u32>> {
 fn is_told_at_once(endings: &[Vec<Event>], kind: EventKind, after: u32) {
     let frames = frames_of(endings, kind);
     let whole = frames.last().copied().flatten();
-    let happens = whole.unwrap_or_else(|| panic!("{kind:?} is not told of the whole video"));
+    let happens = whole.unwrap_or_else(|| panic!("{kind:?} is missing for the whole video"));
     for (frame, last) in frames.into_iter().zip(1..) {
         if last >= happens + after {
             assert_eq!(frame, Some(happens), "{kind:?} at {happens} in a video of {last} frames");

@@ -396,7 +396,7 @@ fn the_background_before_a_stopped_object_is_kept_until_it_leaves() {
     let kept = *pixel.components().iter().find(|component| component.mean[0] < 100.0).unwrap();
     assert_eq!((kept.mean, kept.variance), (road.mean, road.variance), "absorbed after {absorbed} frames");
     let back = (1..100).find(|_| !show(&mut pixel, 60.0).foreground).expect("the road is background again");
-    assert!(back * 4 < absorbed, "{back} frames against {absorbed} for a new surface");
+    assert!(back * 4 < absorbed, "{back} frames, {absorbed} for a new surface");
 }
 
 /// A pixel of a calm scene under the default settings, for a minute at 25 frames per second.
@@ -422,10 +422,13 @@ fn lasting_foreground_is_held_and_flicker_is_absorbed() {
     };
     let stands: fn(u32) -> bool = |t| t > 500;
     assert_eq!(late(parameters(0.05, 1.0, 0.0), 2000, 1000, stands), 1000);
-    assert_eq!(late(parameters(1.0, 1.0, 0.0), 2000, 1000, stands), 0, "absorbed without");
+    assert_eq!(late(parameters(1.0, 1.0, 0.0), 2000, 1000, stands), 0, "absorbed without feedback");
     let sways: fn(u32) -> bool = |t| t % 9 < 2;
     assert_eq!(late(parameters(0.05, 4.0, 0.85), 400, 100, sways), 0);
-    assert!(late(parameters(1.0, 1.0, 0.0), 400, 100, sways) > 15, "foreground in each wave without");
+    assert!(
+        late(parameters(1.0, 1.0, 0.0), 400, 100, sways) > 15,
+        "foreground in each wave without feedback"
+    );
 }
 
 #[test]

@@ -288,7 +288,7 @@ fn the_table_equals_the_second_implementation() {
             several += u32::from(row[2] > 1.0);
         }
     }
-    assert!(replaced > 50 && several > 50, "the sequence is too tame: {replaced}, {several}");
+    assert!(replaced > 50 && several > 50, "the sequence has too few changes: {replaced}, {several}");
 }
 
 fn settings_of(flags: &[&str]) -> Settings {
@@ -358,5 +358,5 @@ fn with_a_range_learning_starts_at_its_first_frame() {
     }
     assert_eq!(some, of(&part, &[]));
     assert_eq!(some.len(), 30);
-    assert!(!some[0].contains(",0,1,1,0,0,0,1,"), "frame 21 is like any other: {}", some[0]);
+    assert!(!some[0].contains(",0,1,1,0,0,0,1,"), "frame 21 is not a first frame: {}", some[0]);
 }

@@ -425,7 +425,7 @@ fn an_object_in_the_first_frame_is_foreground_and_leaves_no_ghost() {
     };
     let without = of("without", "0", &[]);
     assert_eq!(share_at_the_block(&without, 1), 0.0);
-    assert!(share_at_the_block(&without, 40) > 0.9, "where it stood, a ghost stays");
+    assert!(share_at_the_block(&without, 40) > 0.9, "the block leaves a ghost");
     for (name, bootstrap) in [("frames", "60"), ("seconds", "2.4s"), ("all", "20s")] {
         let out = of(name, bootstrap, &[]);
         for t in [1, 2, 10, 20] {
@@ -439,7 +439,7 @@ fn an_object_in_the_first_frame_is_foreground_and_leaves_no_ghost() {
         let tracks = read(&out.join("tracks.csv"));
         assert!(
             tracks.starts_with("1,1,30,25,10,25,1,"),
-            "{name}: three frames find it, and it is told from the first of them on: {tracks}"
+            "{name}: the track is confirmed after three frames and starts at the first: {tracks}"
         );
     }
     let (frames, seconds) = (contents(&place.path("frames")), contents(&place.path("seconds")));
@@ -488,7 +488,7 @@ fn images_at_the_videos_rate_are_analysed_as_the_video() {
         TABLES.iter().filter(|name| **name != "summary.json").all(|name| files[*name] == expected[*name])
     };
     let (files, rate, told) = analysed(&[]);
-    assert!(!same(&files) && files["tracks.csv"].is_empty(), "it is seen for too few seconds");
+    assert!(!same(&files) && files["tracks.csv"].is_empty(), "the block is visible for too few seconds");
     assert_eq!(rate, (25.0, "assumed".to_owned()));
     assert!(told.contains("25 frames per second are assumed"), "{told}");
     let (files, rate, told) = analysed(&["--fps", "12.5"]);

@@ -85,7 +85,7 @@ fn scenes_have_the_described_events() {
                 truth.events.iter().map(|event| (event.kind, event.objects.as_slice())).collect();
             events.sort();
             assert_eq!(events, expected, "{name} {seed}");
-            assert!(truth.boxes[0].0 > catalogue::SETTLE, "{name} {seed}: the place is empty first");
+            assert!(truth.boxes[0].0 > catalogue::SETTLE, "{name} {seed}: the scene is empty at the start");
         }
     }
 }
@@ -97,7 +97,7 @@ fn meeting_people_turn_back_and_joining_people_stay() {
         let truth = truth_of(&scene("meet-and-part", &parameters));
         for event in truth.events.iter().filter(|event| matches!(event.kind, Enter | Exit)) {
             let left = event.x < parameters.size.width as f32 / 2.0;
-            assert_eq!(left, event.objects == [1], "each leaves where they came from: {event:?}");
+            assert_eq!(left, event.objects == [1], "people exit where they entered: {event:?}");
         }
         let seconds = (frame_of(&truth, Demerge) - frame_of(&truth, Merge)) as f32 / catalogue::FPS;
         assert!(seconds * parameters.speed > 1.0, "they stop for a while: {seconds} s");
@@ -108,7 +108,7 @@ fn meeting_people_turn_back_and_joining_people_stay() {
             whole.map(|(_, who)| who.bbox.h).fold(0.0, f32::max)
         };
         assert!((0.5..0.7).contains(&(height(2) / height(1))), "a child: {} {}", height(2), height(1));
-        assert_eq!(truth.episodes[0].end, frame_of(&truth, Exit), "until the first has left");
+        assert_eq!(truth.episodes[0].end, frame_of(&truth, Exit), "until the first person exits");
     }
 }
 
@@ -125,8 +125,8 @@ fn merges_are_at_the_scene_s_positions() {
             };
             truth.boxes.iter().any(|(number, who)| *number == frame && near(who))
         };
-        assert!(at_edge("enter-together", &|truth| frame_of(truth, Merge)), "one has hardly entered");
-        assert!(at_edge("leave-together", &|truth| truth.episodes[0].end), "one is leaving");
+        assert!(at_edge("enter-together", &|truth| frame_of(truth, Merge)), "one person has just entered");
+        assert!(at_edge("leave-together", &|truth| truth.episodes[0].end), "one person is exiting");
         assert!(!at_edge("crossing-steep", &|truth| frame_of(truth, Merge)), "both are inside");
     }
 }
@@ -158,7 +158,7 @@ fn twelve_people_enter_and_exit() {
             scene.actors.iter().map(|actor| (actor.clothes.shirt, actor.clothes.trousers)).collect();
         clothes.sort_unstable();
         clothes.dedup();
-        assert_eq!(clothes.len(), 12, "all are dressed differently");
+        assert_eq!(clothes.len(), 12, "all outfits differ");
         let at_once =
             |(number, _): &(u32, _)| truth.boxes.iter().filter(|(other, _)| other == number).count();
         assert!(truth.boxes.iter().map(at_once).max().unwrap() >= 8);
@@ -179,7 +179,7 @@ fn a_bag_splits_the_visible_silhouette_and_arms_widen_it() {
         pieces.push(find_regions(&frame, &Mask { size: frame.size, data }, large).1.len());
     }
     let count = |wanted| pieces.iter().filter(|&&pieces| pieces == wanted).count();
-    assert!(count(1) >= 3 && count(2) >= 3, "it splits and rejoins: {pieces:?}");
+    assert!(count(1) >= 3 && count(2) >= 3, "the silhouette splits and rejoins: {pieces:?}");
 
     let truth = truth_of(&scene("arms", &small(2)));
     let shape = |(_, who): &(u32, Silhouette)| who.bbox.w / who.bbox.h;
@@ -197,7 +197,7 @@ fn a_parked_car_is_background_until_it_moves() {
         let is_parked = |truth: &FrameTruth| truth.silhouettes.first().is_some_and(|car| car.parked);
         let parked: Vec<u32> = frames.iter().filter(|it| is_parked(it)).map(|it| it.number).collect();
         let (first, last) = (parked[0], parked[parked.len() - 1]);
-        assert_eq!(parked, (first..=last).collect::<Vec<_>>(), "it parks once");
+        assert_eq!(parked, (first..=last).collect::<Vec<_>>(), "the car parks once");
         assert_eq!(parked.len(), 200);
         for truth in &frames {
             let painted = truth.identities.contains(&1);
@@ -214,7 +214,7 @@ fn a_parked_car_is_background_until_it_moves() {
         }
         let boxes = write::boxes_text(&recorder.finish());
         let uncounted = boxes.lines().filter(|line| line.split(',').nth(6) == Some("0")).count();
-        assert_eq!(uncounted, parked.len(), "and its box does not count meanwhile");
+        assert_eq!(uncounted, parked.len(), "its box is not counted while it is parked");
     }
 }
 
@@ -290,11 +290,11 @@ fn camera_shake_moves_image_and_truth_equally() {
             })
         };
         let shift = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy))).find(fits);
-        shifts.push(shift.unwrap_or_else(|| panic!("frame {number} is no shifted one")));
+        shifts.push(shift.unwrap_or_else(|| panic!("frame {number} is not a shifted one")));
     }
     shifts.sort_unstable();
     shifts.dedup();
-    assert!(shifts.len() > 4, "it shakes to all sides: {shifts:?}");
+    assert!(shifts.len() > 4, "the camera moves in all directions: {shifts:?}");
 }
 
 fn difference_at(a: &Frame, at: usize, b: &Frame, other: usize) -> u8 {

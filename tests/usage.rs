@@ -200,7 +200,7 @@ fn a_stopped_run_leaves_no_output() {
     let at_work =
         || out.is_dir() && common::names(&out).iter().any(|name| out.join(name).join("masks").is_dir());
     while !at_work() {
-        assert!(Instant::now() < patience, "it never began");
+        assert!(Instant::now() < patience, "the run did not start");
         thread::sleep(Duration::from_millis(5));
     }
     assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());

@@ -129,7 +129,7 @@ mod tests {
                 }
             }
         }
-        assert!(moved > 3 && replaced > 5, "the history tries it: {moved} moved, {replaced} new");
+        assert!(moved > 3 && replaced > 5, "the history contains both: {moved} moved, {replaced} new");
     }
 
     #[test]
@@ -162,7 +162,7 @@ mod tests {
         }
         assert!(
             born == k - 1 && replaced > 3 && rose > 1,
-            "tried: {born} born, {replaced} replaced, {rose} rose"
+            "the history contains all: {born} born, {replaced} replaced, {rose} rose"
         );
         assert_eq!(component_change(&history, 0), Some(ComponentChange::Born));
         assert_eq!(component_change(&history, history.states.len()), None);

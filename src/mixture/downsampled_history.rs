@@ -224,7 +224,7 @@ mod tests {
         let history = history(1000);
         let slots = slots_by_rank(&history);
         let made: Vec<_> = (0..1000).filter(|&n| history.states[n].outcome.matched == 0).collect();
-        assert!(made.len() > 1, "a case in point: {made:?}");
+        assert!(made.len() > 1, "the history creates components: {made:?}");
         for columns in [1000, 64, 7] {
             for bin in downsample(&history, &slots, 0..1000, columns) {
                 let within: Vec<_> = made.iter().filter(|n| bin.frames.contains(n)).collect();

@@ -232,9 +232,9 @@ mod tests {
         let before = of(&settings, 1..20, 200);
         assert!(of(&settings, 1..50, 200).extends(&before));
         assert!(of(&settings, 1..20, 200).extends(&before));
-        assert!(before.extends(&of(&settings, 1..1, 200)), "anything goes on from nothing");
-        assert!(!of(&settings, 1..19, 200).extends(&before), "it is shorter");
-        assert!(!of(&settings, 1..50, 210).extends(&before), "another value long ago");
+        assert!(before.extends(&of(&settings, 1..1, 200)), "every history extends an empty one");
+        assert!(!of(&settings, 1..19, 200).extends(&before), "the history is shorter");
+        assert!(!of(&settings, 1..50, 210).extends(&before), "an earlier value differs");
         assert!(!of(&settings, 2..50, 200).extends(&before), "begun later");
         assert!(!of(&Settings { alpha: 0.2, ..settings.clone() }, 1..50, 200).extends(&before));
         assert!(!PixelHistory { at: (4, 4), ..of(&settings, 1..50, 200) }.extends(&before));

@@ -165,7 +165,7 @@ mod tests {
         let found = of(ScatterSpace::Next, 0..100, PointGrouping::Verdict);
         let count = |at| found.iter().filter(|place| place.at == at).map(|place| place.count).sum::<u32>();
         assert_eq!(count([20, 20, 0]), 80);
-        assert_eq!((count([20, 200, 0]), count([200, 20, 0])), (10, 9), "nothing follows the last");
+        assert_eq!((count([20, 200, 0]), count([200, 20, 0])), (10, 9), "the last frame has no next value");
     }
 
     #[test]
@@ -184,7 +184,7 @@ mod tests {
             let near = |other: &&ScatterPoint| other.at.iter().zip(place.at).all(|(a, b)| a.abs_diff(b) <= 8);
             assert!(few.iter().filter(near).any(|other| other.kind == place.kind), "{place:?}");
         }
-        assert_eq!(thin_points(places.clone(), 256), places, "no more than there has to be");
+        assert_eq!(thin_points(places.clone(), 256), places, "points are merged only as needed");
     }
 
     #[test]

@@ -196,7 +196,7 @@ mod tests {
         assert!(SHADOW.covers(&darkened(0.9), &surface));
         assert!(SHADOW.covers(&darkened(0.65), &surface));
         assert!(!SHADOW.covers(&darkened(0.5), &surface));
-        assert!(!SHADOW.covers(&darkened(1.1), &surface), "light is no shadow");
+        assert!(!SHADOW.covers(&darkened(1.1), &surface), "a brightened surface is not shadow");
         let light = Shadow { floor: 1.0, ceiling: 1.2, ..SHADOW };
         assert!(light.covers(&darkened(1.1), &surface));
         assert!(!light.covers(&darkened(1.3), &surface) && !light.covers(&darkened(0.9), &surface));
@@ -205,7 +205,7 @@ mod tests {
     #[test]
     fn another_colour_is_not_shadow() {
         assert!(!SHADOW.covers(&[150.0, 100.0, 100.0], &[180.0, 160.0, 120.0]));
-        assert!(SHADOW.covers(&[128.0, 118.0, 92.0], &[180.0, 160.0, 120.0]), "noise is allowed for");
+        assert!(SHADOW.covers(&[128.0, 118.0, 92.0], &[180.0, 160.0, 120.0]), "noise is tolerated");
     }
 
     #[test]

@@ -93,7 +93,7 @@ mod tests {
         let [r, g, b] = history.states[309].pixel.components()[0].mean;
         let first = 0.299 * r + 0.587 * g + 0.114 * b;
         assert!((f32::midpoint(low, high) - first).abs() < 1e-3, "component 1 comes first");
-        assert_eq!(sparkline(&history, 60, 1200).len(), 30, "half of the frames are known");
+        assert_eq!(sparkline(&history, 60, 1200).len(), 30, "the history has half of the frames");
         assert_eq!(sparkline(&history, 900, 600).len(), 600, "a frame each");
         assert!(sparkline(&self::history(0), 60, 100).is_empty());
     }

@@ -210,7 +210,7 @@ pub(super) mod tests {
         let after = Cleaning { fill_holes: 5, ..OFF }.apply(before.clone()).unwrap();
         assert!(after.is_foreground(1, 1), "one pixel, enclosed");
         assert!(!after.is_foreground(3, 1), "reaches the image edge");
-        assert!(!after.is_foreground(2, 3), "six pixels are too many");
+        assert!(!after.is_foreground(2, 3), "a hole of six pixels is too large");
         let after = Cleaning { fill_holes: 6, ..OFF }.apply(before).unwrap();
         assert!(after.is_foreground(2, 3));
     }

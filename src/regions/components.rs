@@ -247,7 +247,7 @@ mod tests {
         assert_eq!(labels.at(0, 0), Some(0));
         assert_eq!(regions.len(), 2);
         assert_eq!(labels.at(4, 4), Some(2));
-        assert_eq!(mask.foreground_pixels(), 6, "the mask keeps them");
+        assert_eq!(mask.foreground_pixels(), 6, "the mask keeps small regions");
     }
 
     #[test]

@@ -230,7 +230,7 @@ mod tests {
         assert_eq!(rows(ignored.mask())[..3], ["..######", "..######", "########"]);
         assert_eq!(corner.pixels(SIZE), 4);
         let over = of_areas(SIZE, Some(&ignored), std::slice::from_ref(&left)).unwrap();
-        assert_eq!(over.share(), 1.0, "what is to be analysed is added");
+        assert_eq!(over.share(), 1.0, "areas to analyse are added");
         let all = area(Purpose::Ignore, &[[-1.0, -1.0], [9.0, -1.0], [9.0, 9.0], [-1.0, 9.0]]);
         assert_eq!(of_areas(SIZE, None, &[left, all]), None);
     }
@@ -247,7 +247,7 @@ mod tests {
         assert!(roi.check(Size::new(4, 2)).is_ok());
         let other = roi.check(Size::new(4, 3)).unwrap_err().to_string();
         assert!(other.contains("4×2") && other.contains("4×3") && other.contains("mask.png"), "{other}");
-        assert_eq!(roi, Roi::new(roi.mask().clone()).unwrap(), "wherever it comes from");
+        assert_eq!(roi, Roi::new(roi.mask().clone()).unwrap(), "equality ignores the file");
         let mut mask = Mask { size: Size::new(4, 2), data: vec![255, 0, 255, 0, 255, 255, 0, 255] };
         roi.clear_outside(&mut mask);
         assert_eq!(rows(&mask), ["..#.", ".#.."]);

@@ -18,7 +18,7 @@ const MEAN_RADIUS_PX: usize = 5;
 const MAX_RESIDUAL_LEVELS: f32 = 20.0;
 /// Side of the squares with one point each, in pixels.
 const POINT_CELL_PX: usize = 8;
-/// Least contrast of a point, in levels a pixel.
+/// Least contrast of a point, in levels per pixel.
 const MIN_CONTRAST: f32 = 3.0;
 /// Least number of points for an estimate.
 const MIN_POINTS: usize = 24;

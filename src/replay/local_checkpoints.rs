@@ -78,7 +78,7 @@ mod tests {
         checkpoints.insert(5, 6, 20, 5);
         assert_eq!((checkpoints.at_or_before(9), checkpoints.used_bytes), (Some((5, &6)), 30));
         checkpoints.insert(7, 7, 31, 7);
-        assert!(checkpoints.entries.is_empty() && checkpoints.used_bytes == 0, "too large for any room");
+        assert!(checkpoints.entries.is_empty() && checkpoints.used_bytes == 0, "larger than the capacity");
     }
 
     #[test]

@@ -527,12 +527,12 @@ mod tests {
         let mut run = run(&few, model_budget_bytes.div_ceil(11) * 16);
         assert!(
             run.checkpoints.at_or_before(MIN_CHECKPOINT_SPACING_FRAMES).is_some(),
-            "there is room for both"
+            "the capacity is sufficient for both"
         );
         run.restart_at(Stage::Cleaning, Arc::clone(&many), None).unwrap();
         pass(&mut run);
         assert_eq!(run.record.bytes(), two_passes);
-        assert!(run.checkpoints.at_or_before(MIN_CHECKPOINT_SPACING_FRAMES).is_none(), "one has to go");
+        assert!(run.checkpoints.at_or_before(MIN_CHECKPOINT_SPACING_FRAMES).is_none(), "one is dropped");
         let late = Settings { max_hypotheses: 1, ..settings() };
         let late = Arc::new(Settings { median: 0, min_area: 0, ..late });
         let fresh = self::ModelTimeline::new(Arc::clone(&late), None, &Arc::new(info.clone()), 1 << 30);

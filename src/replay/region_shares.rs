@@ -110,7 +110,7 @@ mod tests {
                 assert_eq!(inside(&(start..end), &columns, &rows, size), expected.count(), "{start}..{end}");
             }
         }
-        assert_eq!(region_bounds((0, 5), 5, size), (0..3, 3..6), "cut at the edges");
+        assert_eq!(region_bounds((0, 5), 5, size), (0..3, 3..6), "clipped at the edges");
         assert_eq!(region_bounds((9, 0), 1, size), (9..10, 0..1));
     }
 }

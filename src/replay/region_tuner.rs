@@ -230,12 +230,12 @@ mod tests {
         let settings = Settings::preset(Preset::Plain);
         let mut tuner = RegionTuner::default();
         tuner.choose(Some(((30, 30), 5)), frames[0].size);
-        assert!(tuner.next().is_none() && tuner.advance(&settings).is_none(), "nothing to judge by");
+        assert!(tuner.next().is_none() && tuner.advance(&settings).is_none(), "without true masks");
         tuner.set_truth(Some(Arc::clone(&truth)));
         while let Some(next) = tuner.next() {
             tuner.push(next, &frames[next as usize]);
         }
-        assert_eq!(tuner.region.as_ref().unwrap().frames.len(), 76, "no frame after the last that is judged");
+        assert_eq!(tuner.region.as_ref().unwrap().frames.len(), 76, "no frame after the last scored one");
         assert!(tuner.advance(&settings).is_none(), "nobody asked");
         for knobs in [[TunableSetting::Alpha, TunableSetting::T], [TunableSetting::K, TunableSetting::Lambda]]
         {

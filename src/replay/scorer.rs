@@ -106,7 +106,7 @@ impl ScoreJob {
                 return None;
             }
         }
-        // Nothing else remains to be done meanwhile.
+        // No other work remains.
         let tracks = match self.tracks.as_ref().map(|answered| answered.recv_timeout(MAX_TURN)) {
             Some(Ok(Ok(tracks))) => Some(tracks),
             Some(Ok(Err(panic))) => resume_unwind(panic),

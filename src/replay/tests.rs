@@ -122,12 +122,7 @@ impl Watched {
                 return state;
             }
             let left = deadline.saturating_duration_since(Instant::now());
-            assert!(
-                self.woken.recv_timeout(left).is_ok(),
-                "waited in vain: {:?} {:?}",
-                state.phase,
-                state.busy
-            );
+            assert!(self.woken.recv_timeout(left).is_ok(), "timed out: {:?} {:?}", state.phase, state.busy);
         }
     }
 
@@ -269,7 +264,7 @@ fn frames_in_any_order_equal_those_of_a_single_pass_with_camera_shake_and_changi
     };
     let expected = straight(folder.path(), &settings);
     let corrected = |shown: &&ShownFrame| corrected(&shown.frame, CorrectionChoice::new(&settings)).is_some();
-    assert!(expected.iter().filter(corrected).count() > 20, "there is something to take out");
+    assert!(expected.iter().filter(corrected).count() > 20, "the frames need correction");
     for budget in [1 << 30, 0] {
         any_walk_shows(folder.path(), &settings, &expected, budget);
     }
@@ -551,13 +546,13 @@ fn a_panic_in_the_worker_becomes_a_failure() {
         Start::First,
         None,
         move || {
-            assert!(!once.swap(false, Ordering::Relaxed), "as this test wants it");
+            assert!(!once.swap(false, Ordering::Relaxed), "the panic of this test");
             let _ = wake.send(());
         },
     );
     woken.recv_timeout(Duration::from_secs(20)).unwrap();
     let Phase::Failed(why) = session.state().phase else { panic!("{:?}", session.state().phase) };
-    assert!(why.contains("as this test wants it") && !why.contains('\n'), "{why}");
+    assert!(why.contains("the panic of this test") && !why.contains('\n'), "{why}");
 }
 
 #[test]
@@ -664,10 +659,14 @@ fn a_camera_is_followed_until_an_earlier_frame_is_requested() {
     let earlier = watched.shown(12);
     assert_eq!(earlier.frame.number, 13);
     let later = watched.until(|state| state.timeline.analysed > 100);
-    assert_eq!(later.shown.unwrap().position, 12, "it stays in view");
+    assert_eq!(later.shown.unwrap().position, 12, "the frame stays in view");
     watched.session.set_settings(Settings { alpha: 0.1, ..settings() });
     let state = watched.until(|state| state.shown.as_ref().is_some_and(|shown| shown.settings.alpha == 0.1));
-    assert_eq!(state.shown.unwrap().position, 12, "all frames are kept, so it runs again from the first");
+    assert_eq!(
+        state.shown.unwrap().position,
+        12,
+        "all frames are cached, so the analysis restarts at the first"
+    );
 }
 
 #[test]
@@ -771,7 +770,7 @@ fn a_stopped_session_analyses_only_requested_frames() {
     for position in [1, 2, 3, 20, 21, 10, 22] {
         let state = watched.until_after(|session| session.show(position), |state| shows(state, position));
         let most = if position == 10 { 22 } else { position + 1 };
-        assert_eq!(state.timeline.analysed, most, "no more than was asked for at {position}");
+        assert_eq!(state.timeline.analysed, most, "analysed beyond the requested position {position}");
     }
     // Under other settings the frame in view is analysed again, and nothing beyond it.
     let changed = Settings { t: 0.6, ..settings() };
@@ -781,7 +780,7 @@ fn a_stopped_session_analyses_only_requested_frames() {
     );
     assert_eq!((state.shown.unwrap().position, state.timeline.analysed), (22, 23));
     watched.session.analyse_ahead(true);
-    assert!(shows(&watched.until_done(), 22), "it stays in view");
+    assert!(shows(&watched.until_done(), 22), "the frame stays in view");
 }
 
 #[test]

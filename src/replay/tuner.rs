@@ -149,7 +149,7 @@ mod tests {
             for position in [0, 145, 299] {
                 let pieces = all_pieces(&mut tuner, &history, position);
                 assert!(pieces > TunableSetting::ALL.len());
-                assert!(pieces > 16, "no more than one run on either side of a value at a time: {pieces}");
+                assert!(pieces > 16, "at most one run on each side of a value per step: {pieces}");
                 let tuning = tuner.latest().unwrap();
                 let values: Vec<_> = history.states[..=position as usize].iter().map(|s| s.value).collect();
                 assert_eq!(tuning.map, map(&values, &history.parameters, knobs));
@@ -161,7 +161,7 @@ mod tests {
                 assert!(!tuner.advance(&history, position));
             }
         }
-        assert!(!tuner.advance(&history, 300), "a frame that is not known yet");
+        assert!(!tuner.advance(&history, 300), "the frame is unknown");
     }
 
     #[test]

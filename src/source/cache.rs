@@ -417,7 +417,7 @@ mod tests {
         assert!(cache.kept(0).is_some() && cache.kept(1).is_none());
         assert_eq!(opened.load(Ordering::Relaxed), 1);
         cache.get(1).unwrap().unwrap();
-        assert_eq!(opened.load(Ordering::Relaxed), 2, "a dropped frame takes a fresh reader");
+        assert_eq!(opened.load(Ordering::Relaxed), 2, "an evicted frame needs a second reader");
     }
 
     #[test]

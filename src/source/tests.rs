@@ -33,7 +33,7 @@ fn read_all(path: impl AsRef<Path>) -> (Vec<Frame>, Vec<String>) {
         assert_eq!(frame.size, size);
         frames.push(frame);
     }
-    assert!(source.next_frame().unwrap().is_none(), "the end stays the end");
+    assert!(source.next_frame().unwrap().is_none(), "the end is final");
     (frames, source.take_warnings())
 }
 

@@ -255,7 +255,7 @@ mod tests {
     #[test]
     fn a_short_video_is_short_in_frames_and_in_time() {
         assert!(is_clearly_short(10, 20, 0.9, 10.0));
-        assert!(is_clearly_short(10, 20, 0.0, 10.0), "a file that gives no times");
+        assert!(is_clearly_short(10, 20, 0.0, 10.0), "a file without timestamps");
         assert!(!is_clearly_short(19, 20, 1.8, 10.0), "the count may be off by one");
         assert!(!is_clearly_short(97, 100, 9.6, 10.0), "or by a few in many");
         assert!(!is_clearly_short(60, 100, 9.9, 10.0), "variable frame rate: the time is full");

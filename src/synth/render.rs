@@ -400,7 +400,7 @@ mod tests {
     fn frames_differ_between_seeds_and_numbers() {
         let (one, other) = (Renderer::new(&scene("empty", 1)), Renderer::new(&scene("empty", 2)));
         assert_ne!(one.frame(1).0.rgb, other.frame(1).0.rgb);
-        assert_ne!(one.frame(1).0.rgb, one.frame(2).0.rgb, "noise is drawn anew");
+        assert_ne!(one.frame(1).0.rgb, one.frame(2).0.rgb, "noise differs");
     }
 
     #[test]

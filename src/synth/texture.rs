@@ -80,7 +80,7 @@ mod tests {
             (least, most) = (least.min(value), most.max(value));
             previous = value;
         }
-        assert!(least < 0.2 && most > 0.8, "it uses its range: {least}..{most}");
+        assert!(least < 0.2 && most > 0.8, "the noise covers its range: {least}..{most}");
         assert_ne!(value_noise(3, 0.3, 0.4), value_noise(4, 0.3, 0.4));
     }
 }

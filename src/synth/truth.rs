@@ -411,7 +411,7 @@ mod tests {
                 assert_eq!((open_episode.start, open_episode.end + 1), (merge.frame, demerge.frame));
                 assert!(
                     open_episode.least_visible < 0.6,
-                    "a full merge hides much: {}",
+                    "most of a member is occluded: {}",
                     open_episode.least_visible
                 );
                 assert!(truth.boxes[0].0 > catalogue::SETTLE);
@@ -429,7 +429,7 @@ mod tests {
             let [hidden] = truth.episodes.as_slice() else { panic!("{:?}", truth.episodes) };
             assert_eq!((hidden.kind, hidden.least_visible), (EpisodeKind::Scene, 0.0));
             let seconds = (hidden.end + 1 - hidden.start) as f32 / catalogue::FPS * parameters.speed;
-            assert!((0.9..2.0).contains(&seconds), "hidden for {seconds} s at usual speed");
+            assert!((0.9..2.0).contains(&seconds), "occluded for {seconds} s at normal speed");
         }
     }
 
@@ -445,7 +445,7 @@ mod tests {
                 );
                 let least = truth.boxes.iter().map(|(_, who)| who.unscreened as f32 / who.inside as f32);
                 let least = least.fold(1.0, f32::min);
-                assert!((0.2..0.85).contains(&least), "{name} hides a part: {least} is left");
+                assert!((0.2..0.85).contains(&least), "{name} occludes a part: {least} is visible");
             }
             let pair = truth_of("pair", &parameters);
             assert_eq!((count(&pair, EventKind::Enter), count(&pair, EventKind::Exit)), (2, 2));
@@ -528,7 +528,7 @@ mod tests {
         let open = |number: u32| if (5..20).contains(&number) && number != 9 { 4 } else { 100 };
         let truth = told((1..=30).map(|number| frame(number, &[(1, open(number))], &[])));
         let expected = [(1, EventKind::Enter), (5, EventKind::Disappear), (20, EventKind::Reappear)];
-        assert_eq!(frames_and_kinds(&truth), expected, "and nobody leaves who is still there");
+        assert_eq!(frames_and_kinds(&truth), expected, "there is no exit at the end");
         assert_eq!((truth.episodes[0].start, truth.episodes[0].end), (5, 19));
     }
 

@@ -426,6 +426,6 @@ mod tests {
         let stopped = write(&scene, &parameters, folder.path(), false, |_| ControlFlow::Break(()));
         assert!(matches!(stopped, Err(WriteError::Stopped)));
         let names: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|it| it.unwrap().file_name()).collect();
-        assert_eq!(names, ["truth"], "but for the empty folder of its truth");
+        assert_eq!(names, ["truth"], "only the empty truth folder remains");
     }
 }

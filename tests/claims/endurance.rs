@@ -28,7 +28,7 @@ fn the_model_does_not_drift_in_thousands_of_frames() {
                 for place in 0..90 {
                     let pixel = mixture.pixel(place + 20, place).expect("inside");
                     let sum: f32 = pixel.components().iter().map(|component| component.weight).sum();
-                    assert!((sum - 1.0).abs() < 1e-3, "weights are still shares: {pixel:?}");
+                    assert!((sum - 1.0).abs() < 1e-3, "weights sum to 1: {pixel:?}");
                 }
             }
         });

@@ -46,7 +46,7 @@ fn by_default_changes_of_light_are_not_foreground_and_walkers_are() {
     let sudden = counts(&scene("sudden-light"), &settings, 119, 200);
     let raw = counts(&scene("sudden-light"), &by_the_mixture_alone(), 119, 200);
     assert!(sudden.f() > 0.8 && sudden.false_share() < 0.005, "{sudden:?}");
-    assert!(raw.f() < 0.3, "there is something to take out: {raw:?}");
+    assert!(raw.f() < 0.3, "the uncorrected light causes foreground: {raw:?}");
     let slow = counts(&scene("slow-light"), &settings, 60, 400);
     assert!(slow.f() > 0.85 && slow.false_share() < 0.005, "{slow:?}");
     // The light of the recent past follows the change, and the mixture adapts to it meanwhile.

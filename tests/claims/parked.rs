@@ -82,7 +82,7 @@ fn a_parked_car_is_absorbed_and_the_previous_background_recovers_when_it_leaves(
         spots.iter().filter(|spot| spot.kept().is_some_and(|old| old.weight < spot.before.weight)).collect();
     assert!(kept.len() > 400 && 10 * kept.len() > 8 * spots.len(), "{} of {}", kept.len(), spots.len());
     let absorbed = median(kept.iter().map(|spot| spot.absorbed));
-    assert!((100..200).contains(&absorbed), "a new surface takes long: {absorbed} frames");
+    assert!((100..200).contains(&absorbed), "a new surface is absorbed slowly: {absorbed} frames");
     let at_once = kept.iter().filter(|spot| spot.recovered.is_some_and(|frames| frames <= 5)).count();
     assert!(100 * at_once > 95 * kept.len(), "{at_once} of {} are background again at once", kept.len());
 }

@@ -27,7 +27,7 @@ fn a_walker_is_segmented_in_light_and_in_shadow() {
     let scene = catalogue::scene("shade", &parameters).expect("it is in the catalogue");
     let plain = Settings::preset(Preset::Plain);
     let [lit, shaded] = lit_and_shaded(&scene, &plain);
-    assert!(lit > 0.85 && shaded > 0.85, "F {lit} in the light, {shaded} in the shade");
+    assert!(lit > 0.85 && shaded > 0.85, "F {lit} in light, {shaded} in shadow");
 
     // The σ of the lit part, for all pixels.
     let mut sigmas = Vec::new();
@@ -41,8 +41,8 @@ fn a_walker_is_segmented_in_light_and_in_shadow() {
     sigmas.sort_by(f32::total_cmp);
     let of_the_light = sigmas[sigmas.len() / 2];
     let [lit, shaded] = lit_and_shaded(&scene, &Settings { min_sigma: of_the_light, ..plain });
-    assert!(lit > 0.85, "F {lit} in the light");
-    assert!(shaded < 0.75, "one σ for all loses a walker in the shade: F {shaded}");
+    assert!(lit > 0.85, "F {lit} in light");
+    assert!(shaded < 0.75, "a global σ misses the walker in shadow: F {shaded}");
 }
 
 #[test]

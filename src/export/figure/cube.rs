@@ -411,7 +411,7 @@ mod tests {
         }
         let above = scene(&[], &[], None, 2.5, Span::WHOLE, Turn { yaw: 0.3, pitch: FRAC_PI_2 });
         let numbers = above.labels.iter().filter(|label| !label.name).count();
-        assert_eq!(numbers, 2 * 3, "B is seen from its end: only R and G have 0, 100 and 200");
+        assert_eq!(numbers, 2 * 3, "B is parallel to the line of sight: only R and G have 0, 100 and 200");
     }
 
     #[test]

@@ -201,7 +201,7 @@ fn a_part_of_a_history_has_its_own_frames_and_a_long_history_keeps_extremes() {
     let panels_of_part = panels(&svg::write(&part));
     near(panels_of_part[0].ends[0][0], 100.5, 0.0);
     assert_eq!(panels_of_part[1].corners("value G")[0].len(), 50);
-    assert!(panels_of_part[0].corners("current frame").is_empty(), "it is not among them");
+    assert!(panels_of_part[0].corners("current frame").is_empty(), "the current frame is outside the part");
 
     let colours = (1..=20_000).map(|n| (n, if n == 7777 { [250; 3] } else { [60 + (n % 4) as u8; 3] }));
     let long = PixelHistory::of_colours((1, 1), Parameters::new(&settings()), colours);
@@ -484,7 +484,7 @@ fn every_cell_of_a_map_is_drawn_once_with_its_verdict() {
         }
     }
     assert_eq!(seen, 24 * MAX_K);
-    assert!(map.foreground_share() > 0.0 && map.foreground_share() < 1.0, "a case in point");
+    assert!(map.foreground_share() > 0.0 && map.foreground_share() < 1.0, "the test has both verdicts");
 }
 
 /// One figure of each kind, in colour and in gray.

@@ -102,14 +102,14 @@ fn swapping_the_compared_settings_runs_nothing_again() {
     watched.until(|state| {
         let shown = state.shown.as_ref().unwrap();
         let kept = state.compared.as_ref().is_none_or(|beside| beside.timeline.analysed == FRAMES);
-        assert!(kept, "what was analysed stays");
+        assert!(kept, "the analysed frames are kept");
         *shown.settings == b && shown.compared.is_some()
     });
     until_both_done(&watched);
     for (in_view, beside, at) in [(&a, &b, 0), (&b, &a, 1), (&a, &b, 0)] {
         watched.session.compare(in_view.clone(), Some(beside.clone()));
         let state = watched.until(|state| {
-            assert_eq!(state.timeline.analysed, FRAMES, "nothing is run again");
+            assert_eq!(state.timeline.analysed, FRAMES, "no frame is analysed again");
             let shown = state.shown.as_ref().unwrap();
             *shown.settings == *in_view
                 && shown.compared.as_ref().is_some_and(|shown| *shown.settings == *beside)

@@ -34,7 +34,7 @@ fn a_counterfactual_prevents_the_event_in_the_whole_video() {
         let mut other = settings();
         Setting::named(prevention.setting).unwrap().set(&mut other, prevention.value).unwrap();
         assert!(!happens(&other), "{}", prevention.words());
-        assert!(merges(&other) < most, "{} does no more than delay it", prevention.words());
+        assert!(merges(&other) < most, "{} only delays the event", prevention.words());
     }
     // There are no counterfactuals yet under other settings.
     watched.session.set_settings(Settings { gate: 0.95, ..settings() });

@@ -102,7 +102,7 @@ fn the_compared_pass_can_be_stopped() {
     work_until(&mut worker, |worker| compared(worker).model.front() > 0);
     ask(&mut worker, |requests| requests.analyse_ahead = Some(false));
     rest(&mut worker);
-    assert!(compared(&worker).model.front() < FRAMES / 2, "no more than what is in view");
+    assert!(compared(&worker).model.front() < FRAMES / 2, "only the frame in view is analysed");
     ask(&mut worker, |requests| requests.analyse_ahead = Some(true));
     rest(&mut worker);
     assert_eq!(compared(&worker).model.front(), FRAMES);
@@ -143,7 +143,11 @@ fn a_setting_of_a_later_stage_does_not_run_the_model_again() {
             compare(&mut worker, late.clone(), Some(settings()));
             assert_eq!((worker.pass.model.modelled(), worker.pass.model.front()), (modelled, 0));
             let before = &compared(&worker).model;
-            assert_eq!((before.modelled(), before.front()), (modelled, modelled), "what was analysed stays");
+            assert_eq!(
+                (before.modelled(), before.front()),
+                (modelled, modelled),
+                "the analysed frames are kept"
+            );
             assert_both(&mut worker, &expected);
         }
         // The same for the compared settings.
@@ -235,7 +239,11 @@ fn the_status_names_the_current_work() {
     while !worker.is_view_current() {
         assert!(done(worker.work_once()));
     }
-    assert!(done(worker.work_once()) && worker.busy.is_none(), "scoring is no way back: {:?}", worker.busy);
+    assert!(
+        done(worker.work_once()) && worker.busy.is_none(),
+        "scoring does not seek back: {:?}",
+        worker.busy
+    );
 }
 
 #[test]
