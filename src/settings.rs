@@ -647,7 +647,7 @@ settings! {
 words! {
     /// A named set of values to start from.
     Preset {
-        /// The values in the tables of the method, with every addition switched off.
+        /// The method exactly as its tables have it, every addition switched off.
         Plain = "plain",
         /// `plain` with the paper's own rate, ρ = α·η.
         Paper = "paper",
@@ -662,7 +662,7 @@ impl Preset {
     /// All presets.
     pub const ALL: [Self; 4] = [Self::Default, Self::Plain, Self::Paper, Self::OpencvMog];
 
-    /// What the preset is, in a sentence.
+    /// A description of the preset, one sentence.
     pub const fn meaning(self) -> &'static str {
         match self {
             Self::Plain => "the published method, all additions off",
@@ -686,8 +686,8 @@ impl Settings {
         match preset {
             Preset::Plain => plain,
             Preset::Paper => Self { rate: Rate::Density, ..plain },
-            // bgsegm MOG keeps one variance a channel and compares their sum; ours is that sum,
-            // hence the √3 on its σ of 30 (new) and 15 (least).
+            // bgsegm MOG has one variance per channel and compares their sum. This implementation stores that sum,
+            // hence the factor √3 on its σ of 30 (new) and 15 (minimum).
             Preset::OpencvMog => Self {
                 k: 5,
                 alpha: 0.005,
@@ -703,7 +703,8 @@ impl Settings {
                 k: 3,
                 alpha: 0.002,
                 warm_up: 25,
-                // Of 5, 10, 20 and 60 seconds: people in the street who stood for ten seconds became background.
+                // 5, 10, 20 and 60 seconds were tried: with the shorter ones, people who stood in the street for ten
+                // seconds became background.
                 bootstrap: Span::Seconds(20.0),
                 min_sigma: 16.0,
                 hold: 0.05,
@@ -736,7 +737,7 @@ impl Settings {
         Setting::named(name).ok_or_else(|| SettingError::Unknown(name.to_owned()))?.set_text(self, text)
     }
 
-    /// Lays the keys of a TOML file over these settings. `path` is for messages only.
+    /// Overrides these settings by the keys of a TOML file. `path` is used in messages only.
     pub fn apply_toml(&mut self, text: &str, path: &Path) -> Result<(), SettingError> {
         let fail = |why: String| SettingError::File { path: path.display().to_string(), why };
         let table: toml::Table = text
@@ -780,7 +781,7 @@ impl Settings {
         text
     }
 
-    /// The first stage at which the two differ, `None` when they are equal.
+    /// The first stage at which the two differ; `None` if they are equal.
     pub fn first_difference(&self, other: &Self) -> Option<Stage> {
         SETTINGS
             .iter()
@@ -794,7 +795,7 @@ fn toml_value(value: Value) -> String {
     match value {
         Value::Choice(word) => format!("\"{word}\""),
         Value::Span(span @ Span::Seconds(_)) => format!("\"{span}\""),
-        // TOML tells `1.0` from `1`, and a reader expects a real to look like one.
+        // TOML distinguishes `1.0` from `1`, and a real number should have a decimal point.
         Value::Real(number) => format!("{number:?}"),
         other => other.to_string(),
     }
@@ -808,7 +809,7 @@ impl Serialize for Settings {
         for setting in SETTINGS {
             match setting.get(self) {
                 Value::Integer(value) => map.serialize_entry(setting.name, &value)?,
-                // The shortest decimal of the f32, not the digits of its f64 image.
+                // The shortest decimal of the f32, not the digits of its f64 value.
                 Value::Real(value) => map.serialize_entry(
                     setting.name,
                     &value.to_string().parse::<f64>().unwrap_or(f64::from(value)),
@@ -825,7 +826,7 @@ impl Serialize for Settings {
 }
 
 impl<'de> Deserialize<'de> for Settings {
-    /// The inverse of serialising: missing keys keep their default, unknown ones are refused.
+    /// The inverse of serialisation: missing keys keep their default, unknown ones are refused.
     fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         use serde::de::Error;
         let map = std::collections::BTreeMap::<String, serde_json::Value>::deserialize(deserializer)?;
@@ -856,7 +857,7 @@ mod tests {
     }
 
     #[test]
-    fn toml_and_json_come_back_as_they_were() {
+    fn toml_and_json_read_back_as_the_same() {
         for preset in Preset::ALL {
             let settings = Settings::preset(preset);
             let mut read = Settings::preset(Preset::Plain);
@@ -868,7 +869,7 @@ mod tests {
     }
 
     #[test]
-    fn refusals_name_the_setting_the_value_and_the_range() {
+    fn errors_name_the_setting_the_value_and_the_range() {
         let mut settings = Settings::default();
         let refused = settings.set("alpha", "1").unwrap_err().to_string();
         assert!(
@@ -891,7 +892,7 @@ mod tests {
     }
 
     #[test]
-    fn spans_read_frames_and_seconds() {
+    fn spans_are_parsed_from_frames_and_seconds() {
         let mut settings = Settings::default();
         settings.set("max_hidden", "25").unwrap();
         assert_eq!(settings.max_hidden.frames(10.0), 25);
@@ -901,7 +902,7 @@ mod tests {
     }
 
     #[test]
-    fn a_difference_names_the_first_stage_it_touches() {
+    fn a_difference_is_at_the_first_affected_stage() {
         let base = Settings::default();
         assert_eq!(base.first_difference(&base), None);
         let tracking = Settings { gate: 0.95, same_colour: 1.0, ..base.clone() };

@@ -226,7 +226,7 @@ pub(super) mod tests {
 
     proptest! {
         #[test]
-        fn the_median_is_opencv_s(
+        fn the_median_equals_that_of_opencv(
             (width, height) in (1_u32..50, 1_u32..40),
             half in 1_u32..16,
             density in 1_u32..100,

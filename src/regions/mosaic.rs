@@ -184,7 +184,7 @@ mod tests {
         /// Every cell equals a direct count over its pixels, and parts and joins of regions equal those of their
         /// pixels.
         #[test]
-        fn cells_hold_the_regions_pixels(
+        fn cells_equal_counts_over_the_regions_pixels(
             (width, height) in (3u32..40, 3u32..40),
             seed in any::<[u8; 32]>(),
         ) {

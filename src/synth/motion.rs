@@ -31,9 +31,9 @@ pub enum MotionKind {
     Flag,
     /// A lamp that is on for one half of its period and off for the other.
     Lamp,
-    /// A computer monitor, down whose picture a dark bar rolls.
+    /// A computer monitor with a dark bar that moves down the screen.
     Monitor,
-    /// A pond on whose water the light glints.
+    /// A pond with glints of light on its water.
     Glints,
 }
 

@@ -2,10 +2,10 @@
 //!
 //! | file | form |
 //! | --- | --- |
-//! | `NAME.mp4` | H.264 (MPEG-4 where OpenCV lacks it); lossless: `NAME.avi`, FFV1, every bit as rendered |
-//! | `truth/identities/000001.png` | 8 bit: the identity of who is seen at the pixel, 0 for the background, parked cars, and what stands in front |
-//! | `truth/gt.txt` | MOTChallenge, no header: `frame,id,x,y,w,h,1,1,visibility`; the box of the full silhouette clipped to the image, from enter to exit, hidden or not; the first pixel is (0, 0); the first 1 is 0 while a car is parked |
-//! | `truth/events.jsonl` | an event a line: `frame`, `kind`, `objects`, `becomes`, `x`, `y`, `front` |
+//! | `NAME.mp4` | H.264 (MPEG-4 where OpenCV lacks it); lossless: `NAME.avi`, FFV1, with exactly the rendered bits |
+//! | `truth/identities/000001.png` | 8 bit: the identity visible at the pixel, 0 for the background, parked cars and occluders |
+//! | `truth/gt.txt` | MOTChallenge, no header: `frame,id,x,y,w,h,1,1,visibility`; the box of the full silhouette clipped to the image, from enter to exit, occluded or not; the first pixel is (0, 0); the first 1 is 0 while a car is parked |
+//! | `truth/events.jsonl` | one event per line: `frame`, `kind`, `objects`, `becomes`, `x`, `y`, `front` |
 //! | `truth/episodes.csv` | header `kind,objects,start,end,least_visible,front,identities_kept` |
 //! | `scene.json` | name, seed, size, fps, frames, the video's name, the parameters, and everything that is in the scene |
 //!

@@ -321,7 +321,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn each_pixel_is_judged_once(
+        fn each_pixel_is_scored_once(
             truth in prop::collection::vec(0_u8..3, SIZE.pixels()),
             found in prop::collection::vec(prop::bool::weighted(0.4), SIZE.pixels()),
             columns in 0_u32..8,

@@ -63,7 +63,7 @@ const ROWS: &[Row] = &[
         by_default: (0.85, 6),
         changes: &[("size_step", "2", Loss::Differences(3))],
     },
-    // Somebody lost for a moment: without fitness their blob waits, and takes another's region.
+    // A short loss of detection: without the fitness its hypothesis is kept and takes another object's region.
     Row {
         scene: || Mill::Deep.scene(13),
         by_default: RIGHT,
