@@ -8,7 +8,7 @@ const EASE: i32 = 6;
 /// A path on the ground: piecewise straight, with constant speed on each piece.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Path {
-    /// The frame in which the first piece passes `at`; may be fractional and outside the scene.
+    /// The frame in which the first piece, extended if necessary, passes `at`; may be fractional and outside the scene.
     pub frame: f32,
     /// The point on the ground below the object's middle, in pixels.
     pub at: [f32; 2],

@@ -82,41 +82,41 @@ impl Replay {
         match event.kind {
             EventKind::Enter | EventKind::Appear => {
                 let known = [&self.here, &self.hidden, &self.gone].iter().any(|set| set.contains(&id));
-                self.expect(!known, event, "it was there before");
+                self.expect(!known, event, "the object existed before");
                 self.here.insert(id);
             }
             EventKind::Reappear => {
                 let hidden = self.hidden.remove(&id);
-                self.expect(hidden, event, "it was not hidden");
+                self.expect(hidden, event, "the object was not occluded");
                 self.here.insert(id);
             }
             EventKind::Exit | EventKind::Disappear => {
                 let here = self.here.remove(&id);
-                self.expect(here, event, "it was not there");
+                self.expect(here, event, "the object was not present");
                 self.leave(id);
                 let to = if event.kind == EventKind::Exit { &mut self.gone } else { &mut self.hidden };
                 to.insert(id);
             }
             EventKind::Merge => {
-                self.expect(objects.is_subset(&self.here), event, "not all were there");
-                self.expect(!objects.is_subset(&self.group_of(id)), event, "they were together");
+                self.expect(objects.is_subset(&self.here), event, "not all objects were present");
+                self.expect(!objects.is_subset(&self.group_of(id)), event, "the objects were already merged");
                 let all: Set = objects.iter().flat_map(|&id| self.group_of(id)).collect();
                 self.groups.retain(|group| group.is_disjoint(&all));
                 self.groups.push(all);
             }
             EventKind::Demerge => {
                 let group = self.group_of(id);
-                self.expect(objects == group, event, &format!("{group:?} were together"));
+                self.expect(objects == group, event, &format!("the group was {group:?}"));
                 let pieces: Vec<Set> =
                     event.pieces.iter().map(|piece| piece.iter().copied().collect()).collect();
                 let mut all: Vec<Identity> = event.pieces.concat();
                 all.sort_unstable();
                 self.expect(all == event.objects, event, &format!("the pieces are {pieces:?}"));
-                self.expect(pieces.len() > 1, event, "it did not part");
+                self.expect(pieces.len() > 1, event, "there is only one piece");
                 let alone: Set = pieces.iter().filter(|piece| piece.len() == 1).flatten().copied().collect();
                 let came_out = if alone.is_empty() { objects } else { alone };
                 let becomes: Set = event.becomes.iter().copied().collect();
-                self.expect(becomes == came_out, event, &format!("{becomes:?} came out"));
+                self.expect(becomes == came_out, event, &format!("{becomes:?} left the group"));
                 self.groups.retain(|other| other.is_disjoint(&group));
                 self.groups.extend(pieces.into_iter().filter(|piece| piece.len() > 1));
             }

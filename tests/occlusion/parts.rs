@@ -56,7 +56,8 @@ const ROWS: &[Row] = &[
         by_default: (0.85, 4),
         changes: &[("placing", "predicted", Loss::Idf1(0.1))],
     },
-    // One of two people walks behind a wall as they meet. The occluder is used only where it is known to occlude.
+    // One of two people walks behind a wall as they meet. The box includes an occluded part only where an occluder is
+    // known.
     Row { scene: || Mill::Mixed.scene(3), by_default: (0.8, 0), changes: &[] },
     Row {
         scene: || Mill::Mixed.scene(86),

@@ -144,7 +144,7 @@ const PLAZA_HORIZON: f32 = 40.0 / 240.0;
 fn crossing_diagonal(stage: &mut Stage) {
     let meeting = stage.earliest_meeting(&[0.9, 1.1]);
     let horizon = PLAZA_HORIZON * stage.height();
-    // Approach to the camera per horizontal distance between the image's edges.
+    // Vertical per horizontal displacement: 0.36 of the image's height between its edges.
     let slope = 0.36 * stage.height() / stage.width();
     let mut goes = |outfit, way: WalkPlan, foot| {
         let actor = stage.person(outfit, way.meeting(meeting), foot);
