@@ -1,6 +1,6 @@
-//! What each stage costs a frame, and how that grows: `cargo bench --bench stages`.
+//! The time of each stage per frame, and how it scales: `cargo bench --bench stages`.
 //!
-//! A rendered scene of walkers, enlarged to the sizes that videos have.
+//! A rendered scene of walkers, scaled to common sizes of video.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, missing_docs)]
 
@@ -76,7 +76,7 @@ fn mixture(c: &mut Criterion) {
     group.finish();
 }
 
-/// A mask with this many squares of foreground on a grid, and a speck here and there.
+/// A mask with this many squares of foreground on a grid, and occasional specks.
 fn squares(size: Size, count: u32) -> Mask {
     let mut mask = Mask::empty(size);
     let columns = (f64::from(count).sqrt().ceil() as u32).max(1);
@@ -113,7 +113,7 @@ fn regions(c: &mut Criterion) {
     group.finish();
 }
 
-/// Regions that drift, a little differently in each frame.
+/// Regions that drift with small variations between frames.
 fn drifting(size: Size, count: u32) -> Vec<Vec<Region>> {
     let frame = frames(size, 1).remove(0);
     (0..40_usize)

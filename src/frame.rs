@@ -1,4 +1,4 @@
-//! What every stage passes on: frames, their sizes, and masks.
+//! The data shared by all stages: frames, their sizes, and masks.
 
 use std::fmt;
 use std::iter;
@@ -11,9 +11,9 @@ use crate::registration::Alignment;
 /// Width and height of an image in pixels.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 pub struct Size {
-    /// Columns.
+    /// Number of columns.
     pub width: u32,
-    /// Rows.
+    /// Number of rows.
     pub height: u32,
 }
 
@@ -23,7 +23,7 @@ impl Size {
         Self { width, height }
     }
 
-    /// How many pixels an image of this size has.
+    /// Number of pixels of an image of this size.
     pub const fn pixels(self) -> usize {
         self.width as usize * self.height as usize
     }
@@ -33,7 +33,7 @@ impl Size {
         self.width.min(self.height)
     }
 
-    /// Where pixel (x, y) stands in row order, or `None` outside the image.
+    /// The index of pixel (x, y) in row order; `None` outside the image.
     pub fn index(self, x: u32, y: u32) -> Option<usize> {
         (x < self.width && y < self.height).then(|| y as usize * self.width as usize + x as usize)
     }
@@ -45,37 +45,36 @@ impl fmt::Display for Size {
     }
 }
 
-/// One 8-bit RGB image of a sequence, and the number that the source gives it. Equal frames show the same: how they were
-/// aligned does not count.
+/// An 8-bit RGB image of a sequence, and its frame number. Equality ignores the alignment.
 #[derive(Clone)]
 pub struct Frame {
-    /// The frame's number as a person and a file see it: from 1, or the number in an image's file name.
+    /// The frame number that is shown and written to files: from 1, or the number in an image's file name.
     pub number: u32,
     /// Width and height.
     pub size: Size,
-    /// Row after row, three bytes a pixel: red, green, blue.
+    /// Row by row, three bytes per pixel: red, green, blue.
     pub rgb: Vec<u8>,
-    /// How it lies against the frames before it, where that was measured.
+    /// The alignment to the frames before it, where it was estimated.
     pub alignment: Alignment,
 }
 
 impl Frame {
-    /// A frame from its bytes, row after row, three a pixel.
+    /// A frame from its bytes, row by row, three per pixel.
     ///
     /// # Panics
-    /// When the bytes do not fill the size exactly: a source that decodes wrongly is a bug.
+    /// If the number of bytes does not match the size: a source that decodes wrongly is a bug.
     pub fn new(number: u32, size: Size, rgb: Vec<u8>) -> Self {
         assert_eq!(rgb.len(), size.pixels() * 3, "three bytes for each pixel");
         Self { number, size, rgb, alignment: Alignment::default() }
     }
 
-    /// The colour at (x, y), or `None` outside the image.
+    /// The colour at (x, y); `None` outside the image.
     pub fn pixel(&self, x: u32, y: u32) -> Option<[u8; 3]> {
         let at = self.size.index(x, y)? * 3;
         Some([self.rgb[at], self.rgb[at + 1], self.rgb[at + 2]])
     }
 
-    /// The part within these columns and rows, which must lie within the image.
+    /// The part within these columns and rows, which must be inside the image.
     pub fn cut(&self, columns: &Range<u32>, rows: &Range<u32>) -> Self {
         let size = Size::new(columns.len() as u32, rows.len() as u32);
         let row = |row: u32| {
@@ -100,12 +99,12 @@ impl fmt::Debug for Frame {
     }
 }
 
-/// Which pixels are foreground: one byte a pixel in row order, 0 background, 255 foreground.
+/// A foreground mask: one byte per pixel in row order, 0 background, 255 foreground.
 #[derive(Clone, PartialEq, Eq)]
 pub struct Mask {
     /// Width and height.
     pub size: Size,
-    /// 0 or 255 for each pixel, row after row.
+    /// 0 or 255 for each pixel, row by row.
     pub data: Vec<u8>,
 }
 
@@ -120,12 +119,12 @@ impl Mask {
         Self { size, data: vec![Self::BACKGROUND; size.pixels()] }
     }
 
-    /// Whether (x, y) is foreground; outside the image nothing is.
+    /// Whether (x, y) is foreground; `false` outside the image.
     pub fn is_foreground(&self, x: u32, y: u32) -> bool {
         self.size.index(x, y).is_some_and(|at| self.data[at] != Self::BACKGROUND)
     }
 
-    /// The runs of foreground in row order, which go on from one row to the next.
+    /// The runs of foreground in row order; a run can continue in the next row.
     pub fn runs(&self) -> impl Iterator<Item = Range<usize>> {
         let mut end = 0;
         iter::from_fn(move || {
@@ -136,7 +135,7 @@ impl Mask {
         })
     }
 
-    /// How many pixels are foreground.
+    /// Number of foreground pixels.
     pub fn foreground_pixels(&self) -> usize {
         memchr_iter(Self::FOREGROUND, &self.data).count()
     }

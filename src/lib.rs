@@ -1,17 +1,17 @@
 //! Occluscope: a microscope for background models, moving regions, tracks and occlusions in video.
 //!
-//! The modules are the sections of the method, in the order in which a frame meets them:
+//! The modules are the stages of the method, in processing order:
 //!
 //! ```text
 //! source → mixture → regions → tracking → occlusion → (replay) → window, files
 //! ```
 //!
-//! [`source`] gives [`frame::Frame`]s. [`mixture`] keeps a mixture of Gaussians for every pixel
-//! and says which pixels are foreground. [`regions`] cleans that mask, finds its connected
-//! components and their colours. [`tracking`] follows the components with Kalman models, several
-//! hypotheses an object. [`occlusion`] reasons about those that come together, vanish, part and
-//! return. [`pipeline`] takes one frame through all of it; [`replay`] goes back and forth in time.
-//! [`truth`] scores results, [`export`] writes them, [`cli`] is the command line, `app` (feature `gui`) the window.
+//! [`source`] provides [`frame::Frame`]s. [`mixture`] models every pixel by a mixture of Gaussians and classifies it
+//! as foreground or background. [`regions`] cleans the foreground mask and finds its connected components and their
+//! colours. [`tracking`] follows the components with Kalman models, several hypotheses per object. [`occlusion`]
+//! resolves merges, disappearances, demerges and reappearances. [`pipeline`] runs all stages on a frame; [`replay`]
+//! provides random access in time. [`truth`] scores results, [`export`] writes them, [`cli`] is the command line,
+//! `app` (feature `gui`) the window.
 
 #[cfg(feature = "gui")]
 pub mod app;

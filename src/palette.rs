@@ -1,14 +1,13 @@
-//! The colours that stand for identities, components and kinds of events, wherever they are drawn.
+//! The colours of identities, components and kinds of events, wherever they are drawn.
 //!
-//! All are chosen to be told apart with the common kinds of colour blindness and to be seen on a
-//! dark picture; none is the only carrier of what it means (identities also carry their number,
-//! events their icon, components their rank).
+//! They can be distinguished with the common kinds of colour blindness and are visible on dark images. No meaning is
+//! carried by colour alone: identities also have their number, events their icon, components their rank.
 
 use crate::occlusion::EventKind;
 use crate::tracking::Identity;
 
-/// Okabe and Ito's colours without black, the dark blue lightened to be seen on dark pictures, and
-/// three more that keep their distance from them.
+/// Okabe and Ito's colours without black, with the dark blue lightened for dark images, and three more at a distance
+/// from them.
 const IDENTITIES: [[u8; 3]; 10] = [
     [230, 159, 0],
     [86, 180, 233],
@@ -22,8 +21,8 @@ const IDENTITIES: [[u8; 3]; 10] = [
     [153, 221, 255],
 ];
 
-/// A colour for each slot of a mixture of up to eight components. A component keeps its slot while
-/// its rank changes, so that its colour follows it through time.
+/// A colour for each slot of a mixture of up to eight components. A component keeps its slot while its rank changes,
+/// and so its colour is constant over time.
 const COMPONENTS: [[u8; 3]; 8] = [
     [86, 180, 233],
     [230, 159, 0],
@@ -40,17 +39,17 @@ pub fn identity_colour(id: Identity) -> [u8; 3] {
     IDENTITIES[(id.max(1) - 1) as usize % IDENTITIES.len()]
 }
 
-/// The same on light ground, darker.
+/// The same, darker, for light backgrounds.
 pub fn identity_on_light(id: Identity) -> [u8; 3] {
     on_light(identity_colour(id))
 }
 
-/// The colour of a mixture's component by the slot that it stands in, from 0.
+/// The colour of a mixture's component by its slot, from 0.
 pub fn component_colour(slot: usize) -> [u8; 3] {
     COMPONENTS[slot % COMPONENTS.len()]
 }
 
-/// The same on light ground, darker, where the palette's yellow would vanish.
+/// The same, darker, for light backgrounds, on which the palette's yellow has no contrast.
 pub fn component_on_light(slot: usize) -> [u8; 3] {
     on_light(component_colour(slot))
 }
@@ -59,7 +58,7 @@ fn on_light(colour: [u8; 3]) -> [u8; 3] {
     colour.map(|channel| (f32::from(channel) * 0.78) as u8)
 }
 
-/// Vermilion for foreground, bluish green for background: told apart with any kind of colour vision.
+/// Vermilion for foreground, bluish green for background, which can be distinguished with any kind of colour vision.
 pub const fn verdict_colour(foreground: bool, on_dark: bool) -> [u8; 3] {
     match (foreground, on_dark) {
         (true, true) => [232, 106, 23],
@@ -69,7 +68,8 @@ pub const fn verdict_colour(foreground: bool, on_dark: bool) -> [u8; 3] {
     }
 }
 
-/// The colour of a kind of event: what comes warm, what returns green and blue, what merely starts or ends gray.
+/// The colour of a kind of event: warm for merge, disappear and appear, blue and green for demerge and reappear, gray
+/// for enter and exit.
 pub const fn event_colour(kind: EventKind) -> [u8; 3] {
     match kind {
         EventKind::Merge => [230, 159, 0],
@@ -82,8 +82,8 @@ pub const fn event_colour(kind: EventKind) -> [u8; 3] {
     }
 }
 
-/// The colour of a number that lies at a share of a scale, 0..=1, from dark to bright: a polynomial through viridis, whose
-/// steps look equally large, with any kind of colour vision and in gray.
+/// The colour of a value at a position 0..=1 of a scale, from dark to bright: a polynomial approximation of viridis,
+/// which is perceptually uniform, with any kind of colour vision and in gray.
 pub fn ramp(share: f32) -> [u8; 3] {
     const POWERS: [[f32; 3]; 7] = [
         [0.277_727, 0.005_407, 0.334_100],

@@ -1,4 +1,4 @@
-//! One frame through all stages.
+//! The pipeline: all stages of the analysis of a frame.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -15,28 +15,28 @@ use crate::registration::{Correction, CorrectionChoice, corrected};
 use crate::settings::Settings;
 use crate::tracking::{IdentityMap, Track};
 
-/// Why a frame could not be analysed.
+/// An error of the analysis of a frame.
 #[derive(Debug, thiserror::Error)]
 pub enum PipelineError {
-    /// OpenCV refused; its words say why.
+    /// An error of OpenCV.
     #[error("OpenCV failed on frame {frame}: {source}")]
     Opencv {
         /// The frame's number, 0 before the first.
         frame: u32,
-        /// OpenCV's own error.
+        /// OpenCV's error.
         source: opencv::Error,
     },
-    /// A frame of another size than those before it.
+    /// A frame of another size than the previous ones.
     #[error("frame {frame} is {found}, expected {expected}; all frames must have the same size")]
     Size {
         /// The frame's number.
         frame: u32,
         /// Its size.
         found: Size,
-        /// The size of the frames before it.
+        /// The size of the previous frames.
         expected: Size,
     },
-    /// The mask of what is to be analysed belongs to other frames.
+    /// The region of interest has another size than the frames.
     #[error(transparent)]
     Roi(#[from] RoiError),
 }
@@ -44,9 +44,9 @@ pub enum PipelineError {
 /// The results of all stages for one frame: the online result, as known at that frame.
 #[derive(Clone, Debug)]
 pub struct Analysis {
-    /// The frame's number in its source.
+    /// The frame number in the source.
     pub number: u32,
-    /// The frame's position among the classified ones, from 1.
+    /// The frame's index among the classified ones, from 1.
     pub t: u32,
     /// The foreground in which regions were found: after cleaning, before `min_area`.
     pub mask: Arc<Mask>,
@@ -60,9 +60,9 @@ pub struct Analysis {
     pub tentative: Arc<Vec<Track>>,
     /// All objects by their track keys, for the offline result.
     pub objects: Arc<Vec<Track>>,
-    /// The events that were decided in this frame; some happened a few frames earlier.
+    /// The events decided in this frame; some happened a few frames earlier.
     pub events: Arc<Vec<Event>>,
-    /// The other results about earlier frames that were settled in this frame.
+    /// Other results about earlier frames that became final in this frame.
     pub settled: Arc<SettledResults>,
     /// All events decided up to this frame, by kind.
     pub counters: Counters,
@@ -71,11 +71,11 @@ pub struct Analysis {
 /// The offline result of a sequence: late decisions applied, short tracks removed.
 #[derive(Clone, Debug, Default)]
 pub struct OfflineResult {
-    /// For each frame in order its number, and the confirmed objects, by identity.
+    /// The number of each frame in order, and its confirmed objects by identity.
     pub tracks: Vec<(u32, Vec<Track>)>,
-    /// By frame, then in the order of the kinds.
+    /// The events by frame, then by kind.
     pub events: Vec<Event>,
-    /// By start.
+    /// The episodes by start.
     pub episodes: Vec<Episode>,
     /// The events by kind.
     pub counters: Counters,
@@ -102,7 +102,7 @@ impl BackgroundSubtractor {
         }
     }
 
-    /// Processes the next frames and returns the foreground mask of each, at the place of the frame.
+    /// Processes the next frames and returns the foreground mask of each, in the frame's own coordinates.
     fn masks(&mut self, frames: &[&Frame], choice: CorrectionChoice) -> Result<Vec<Mask>, PipelineError> {
         let corrections: Vec<_> =
             frames.iter().map(|frame| choice.correction(&frame.alignment, frame.size)).collect();
@@ -138,10 +138,10 @@ impl BackgroundSubtractor {
     }
 }
 
-/// How regions are found.
+/// Finds regions in masks.
 #[derive(Clone)]
 struct RegionFinder {
-    /// The area of interest; `None` for the whole image.
+    /// The region of interest; `None` for the whole image.
     roi: Option<Arc<Roi>>,
     cleaning: Cleaning,
     min_area: u32,
@@ -152,14 +152,14 @@ impl RegionFinder {
         Self { roi, cleaning: Cleaning::new(settings), min_area: settings.min_area }
     }
 
-    /// Finds the regions of a frame from the model's mask of it, without the frames before.
+    /// Finds the regions of a frame from the model's mask, independently of earlier frames.
     fn find(&self, frame: &Frame, mut raw: Mask) -> Result<FoundRegions, PipelineError> {
         let failed = |source| PipelineError::Opencv { frame: frame.number, source };
         if let Some(roi) = &self.roi {
             roi.clear_outside(&mut raw);
         }
         let mut mask = self.cleaning.apply(raw).map_err(failed)?;
-        // A closing extends beyond the area, and a filled hole may be one that is ignored.
+        // A closing extends beyond the region of interest, and a filled hole can be ignored.
         if let Some(roi) = &self.roi {
             roi.clear_outside(&mut mask);
         }
@@ -187,7 +187,7 @@ pub struct Pipeline {
 }
 
 impl Pipeline {
-    /// The stages before the first frame, for frames of `size` at `fps` frames a second.
+    /// The stages before the first frame, for frames of `size` at `fps` frames per second.
     pub fn new(settings: &Settings, size: Size, fps: f32) -> Result<Self, PipelineError> {
         let opencv =
             OpencvModel::new(settings, size).map_err(|source| PipelineError::Opencv { frame: 0, source })?;
@@ -205,23 +205,24 @@ impl Pipeline {
         })
     }
 
-    /// Sets the area of interest from the next frame on, `None` for the whole image: foreground outside it is removed
-    /// before cleaning. The model still learns every pixel. Fails where the mask has another size than the frames.
+    /// Sets the region of interest from the next frame on, `None` for the whole image: foreground outside it is
+    /// removed before cleaning. The model still learns every pixel. Fails if the mask has another size than the
+    /// frames.
     pub fn set_roi(&mut self, roi: Option<Arc<Roi>>) -> Result<(), PipelineError> {
         roi.as_ref().map_or(Ok(()), |roi| roi.check(self.size))?;
         self.region_finder.roi = roi;
         Ok(())
     }
 
-    /// Gives the model alone frames to learn from before the first step: those of [`Settings::bootstrap`], which come
-    /// again afterwards.
+    /// Lets only the model learn from frames before the first step: those of [`Settings::bootstrap`], which are
+    /// classified afterwards.
     pub fn learn(&mut self, frames: &[&Frame]) -> Result<(), PipelineError> {
         self.check_sizes(frames)?;
         self.model.learn(frames, self.registration)
     }
 
-    /// Begins with the learnt model after the last frame to learn from. Needed only to read the model before the
-    /// first step, which otherwise does the same.
+    /// Starts classification with the learned model after the last frame to learn from. Needed only to read the model
+    /// before the first step, which otherwise does the same.
     pub fn begin(&mut self) {
         if let BackgroundSubtractor::Mixture(mixture) = &mut self.model {
             mixture.begin();
@@ -235,28 +236,28 @@ impl Pipeline {
         })
     }
 
-    /// Takes the next frame through all stages.
+    /// Processes the next frame in all stages.
     pub fn step(&mut self, frame: &Frame) -> Result<Analysis, PipelineError> {
         let mut analyses = self.step_many(&[frame])?;
         // One frame gives one analysis.
         Ok(analyses.swap_remove(0))
     }
 
-    /// Takes the next frames through all stages, in order: what [`Self::step`] would give frame by
-    /// frame, in less time, as most of the work on a frame does not wait for the one before it.
+    /// Processes the next frames in all stages, in order: equal to [`Self::step`] frame by frame but faster, because
+    /// most of the work on a frame is independent of the previous one.
     pub fn step_many(&mut self, frames: &[&Frame]) -> Result<Vec<Analysis>, PipelineError> {
         let raw = self.masks(frames)?;
         self.find_many(frames, raw)
     }
 
-    /// The model's masks of the next frames, before cleaning: the first stage alone. Each has to be
-    /// given to [`Self::find_many`].
+    /// The model's masks of the next frames, before cleaning: the first stage only. Each has to be passed to
+    /// [`Self::find_many`].
     pub fn masks(&mut self, frames: &[&Frame]) -> Result<Vec<Mask>, PipelineError> {
         self.check_sizes(frames)?;
         self.model.masks(frames, self.registration)
     }
 
-    /// Takes frames through all stages after the model, whose masks of them are `raw`.
+    /// Processes frames in all stages after the model, whose masks are `raw`.
     pub fn find_many(&mut self, frames: &[&Frame], raw: Vec<Mask>) -> Result<Vec<Analysis>, PipelineError> {
         let region_finder = &self.region_finder;
         let found = frames.par_iter().zip(raw).map(|(frame, mask)| region_finder.find(frame, mask));
@@ -264,7 +265,7 @@ impl Pipeline {
         Ok(frames.iter().zip(found).map(|(frame, found)| self.follow(frame.number, found)).collect())
     }
 
-    /// Tracks and events of the next frame, from its regions.
+    /// Tracks the objects of the next frame and decides its events, from its regions.
     fn follow(&mut self, number: u32, FoundRegions { mask, labels, regions }: FoundRegions) -> Analysis {
         self.t += 1;
         let seen = self.tracker.step(number, &regions);
@@ -283,22 +284,22 @@ impl Pipeline {
         }
     }
 
-    /// Begins anew after the model under `settings`, of which those of the model must be the same:
-    /// frames go through [`Self::find_many`], in order, with the masks that the model gave.
+    /// Restarts the stages after the model under `settings`, which must be the same for the model. Frames then pass
+    /// through [`Self::find_many`] in order, with the model's masks.
     pub fn restart_finding(&mut self, settings: &Settings, fps: f32) {
         self.region_finder = RegionFinder::new(settings, self.region_finder.roi.take());
         self.restart_tracking(settings, fps);
     }
 
-    /// Begins tracking anew under `settings`, of which only those of tracking and occlusion may
-    /// differ; the model and all before tracking stay as they are.
+    /// Restarts tracking under `settings`, which may differ only in tracking and occlusion; the model and the other
+    /// stages before tracking are unchanged.
     pub fn restart_tracking(&mut self, settings: &Settings, fps: f32) {
         self.t = 0;
         self.tracker = Tracker::new(settings, self.size, fps);
     }
 
-    /// Takes the regions of a frame that was analysed before through tracking and occlusion alone,
-    /// after [`Self::restart_tracking`] and in the frames' order.
+    /// Processes the regions of an analysed frame in tracking and occlusion only, after [`Self::restart_tracking`]
+    /// and in the order of frames.
     pub fn track_again(&mut self, analysis: &Analysis) -> Analysis {
         self.t += 1;
         let seen = self.tracker.step(analysis.number, &analysis.regions);
@@ -313,7 +314,8 @@ impl Pipeline {
         }
     }
 
-    /// The model's background: the mean of component 1, or what MOG2 or KNN give; RGB bytes in row order.
+    /// The model's background: the mean of component 1, or the background image of MOG2 or KNN; RGB bytes in row
+    /// order.
     pub fn background_image(&self) -> Result<Vec<u8>, PipelineError> {
         match &self.model {
             BackgroundSubtractor::Mixture(mixture) => Ok(mixture.mean_image()),
@@ -323,7 +325,7 @@ impl Pipeline {
         }
     }
 
-    /// The mixtures, `None` when MOG2 or KNN stand in their place.
+    /// The mixture; `None` with MOG2 or KNN.
     pub const fn mixture(&self) -> Option<&Mixture> {
         match &self.model {
             BackgroundSubtractor::Mixture(mixture) => Some(mixture),
@@ -331,7 +333,7 @@ impl Pipeline {
         }
     }
 
-    /// A copy that goes on from here; `None` for MOG2 and KNN, whose state cannot be copied.
+    /// A copy of the current state; `None` for MOG2 and KNN, whose state cannot be copied.
     pub fn try_clone(&self) -> Option<Self> {
         let mixture = self.mixture()?.clone();
         Some(Self {
@@ -349,7 +351,7 @@ pub fn offline_result<'a>(
     analyses: impl IntoIterator<Item = &'a Analysis>,
     pipeline: &Pipeline,
 ) -> OfflineResult {
-    // Pending decisions at the last frame are made in a copy: the pipeline may continue.
+    // Pending decisions at the last frame are made in a copy, because the pipeline may continue.
     let late = pipeline.tracker.clone().finish();
     let analyses: Vec<&Analysis> = analyses.into_iter().collect();
     let mut identity_map = IdentityMap::default();
@@ -367,7 +369,7 @@ pub fn offline_result<'a>(
     reading.episodes.sort_by(|a, b| (a.start, &a.objects).cmp(&(b.start, &b.objects)));
     for analysis in analyses {
         let mut before = earlier.remove(&analysis.number).unwrap_or_default();
-        // An object that is followed in the frame itself has no earlier track there.
+        // An object tracked in this frame has no earlier track here.
         before.retain(|track| {
             let same = |followed: &Track| identity_map.of(followed.key) == identity_map.of(track.key);
             !analysis.objects.iter().any(same)

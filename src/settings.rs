@@ -1,21 +1,21 @@
-//! Every parameter once: its name, symbol, range, default and meaning.
+//! All parameters: name, symbol, range, default and meaning.
 //!
-//! Flags, the TOML file, the sliders of the window and the docs all read [`SETTINGS`]; nothing
-//! about a parameter is written down anywhere else.
+//! Flags, the TOML file, the sliders of the window and the docs all read [`SETTINGS`], which is the only definition
+//! of a parameter.
 
 use std::fmt::{self, Write as _};
 use std::path::Path;
 
 use serde::{Deserialize, Serialize};
 
-/// The first stage of the way of a frame that a setting touches: it and all after it must run again.
+/// The first stage of the analysis that a setting affects: this stage and all later ones must run again.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Stage {
-    /// What is done to the frame before the mixture: a shake of the camera and a change of light are taken out.
+    /// Correction of the frame before the mixture, for camera shake and changes of light.
     Registration,
-    /// The pixel process and the choice of background (§V–VI).
+    /// The pixel process and the selection of background components (§V–VI).
     Mixture,
-    /// What is done to the mask before regions are found in it.
+    /// Cleaning of the mask before regions are found in it.
     Cleaning,
     /// Connected components and their colours (§VII, Algorithm 1).
     Regions,
@@ -26,11 +26,11 @@ pub enum Stage {
 }
 
 impl Stage {
-    /// All stages in the order a frame meets them.
+    /// All stages in processing order.
     pub const ALL: [Self; 6] =
         [Self::Registration, Self::Mixture, Self::Cleaning, Self::Regions, Self::Tracking, Self::Occlusion];
 
-    /// The stage's name for a heading.
+    /// The stage's name in headings.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Registration => "Registration",
@@ -43,17 +43,17 @@ impl Stage {
     }
 }
 
-/// A length of time as a person gives it: in frames, or in seconds of the video.
+/// A duration: in frames, or in seconds of the video.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Span {
-    /// So many frames.
+    /// A number of frames.
     Frames(u32),
-    /// So many seconds at the video's frame rate.
+    /// A number of seconds, converted by the video's frame rate.
     Seconds(f32),
 }
 
 impl Span {
-    /// The span in frames of a video with `fps` frames a second, rounded, at least 1 unless it is zero.
+    /// The span in frames of a video with `fps` frames per second, rounded, at least 1 unless it is zero.
     pub fn frames(self, fps: f32) -> u32 {
         match self {
             Self::Frames(frames) => frames,
@@ -62,7 +62,7 @@ impl Span {
         }
     }
 
-    /// The span in seconds of a video with `fps` frames a second.
+    /// The duration in seconds for a video with `fps` frames per second.
     pub fn seconds(self, fps: f32) -> f32 {
         match self {
             Self::Frames(frames) => frames as f32 / fps.max(f32::MIN_POSITIVE),
@@ -93,13 +93,13 @@ impl fmt::Display for Span {
 /// The value of any setting.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Value {
-    /// A whole number.
+    /// An integer.
     Integer(u32),
-    /// A number.
+    /// A floating-point number.
     Real(f32),
-    /// One of a few words.
+    /// One of several words.
     Choice(&'static str),
-    /// A length of time.
+    /// A duration.
     Span(Span),
 }
 
@@ -114,10 +114,10 @@ impl fmt::Display for Value {
     }
 }
 
-/// What values a setting takes.
+/// The range of a setting's values.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Kind {
-    /// A whole number, both ends included.
+    /// An integer, in an inclusive range.
     Integer {
         /// The least value.
         min: u32,
@@ -126,7 +126,7 @@ pub enum Kind {
     },
     /// An odd number of pixels from 3 to `max`, or 0 for off.
     OddSize {
-        /// The greatest size.
+        /// The largest size.
         max: u32,
     },
     /// A number.
@@ -135,14 +135,14 @@ pub enum Kind {
         min: f32,
         /// The upper end.
         max: f32,
-        /// Whether the ends themselves are left out (`0 < α < 1`).
+        /// Whether the ends are excluded (`0 < α < 1`).
         open: bool,
-        /// Whether a slider should be logarithmic, as the quantity is.
+        /// Whether a slider should be logarithmic.
         logarithmic: bool,
     },
     /// One of these words.
     Choice(&'static [&'static str]),
-    /// Frames (`25`) or seconds (`"10s"`), up to so many of either.
+    /// Frames (`25`) or seconds (`"10s"`), up to a maximum of either.
     Span {
         /// The greatest number of frames.
         max_frames: u32,
@@ -169,7 +169,7 @@ impl Kind {
         }
     }
 
-    /// Reads a value of this kind and checks its range.
+    /// Parses a value of this kind and checks its range.
     fn parse(&self, text: &str) -> Option<Value> {
         let text = text.trim();
         let value = match *self {
@@ -200,19 +200,19 @@ impl Kind {
     }
 }
 
-/// One parameter: all that is known of it besides its present value.
+/// The definition of a parameter.
 pub struct Setting {
-    /// Its key in a settings file; with dashes for underscores, its flag.
+    /// Its key in a settings file; with dashes in place of underscores, its flag.
     pub name: &'static str,
-    /// The symbol in the paper, empty where it has none.
+    /// Its symbol in the paper; empty if it has none.
     pub symbol: &'static str,
-    /// What its number counts, empty where it is a pure number.
+    /// Its unit; empty if it is dimensionless.
     pub unit: &'static str,
-    /// The first stage that it touches.
+    /// The first stage that it affects.
     pub stage: Stage,
-    /// Which values it takes.
+    /// The range of its values.
     pub kind: Kind,
-    /// What it is, in a sentence.
+    /// Its meaning, one sentence.
     pub meaning: &'static str,
     get: fn(&Settings) -> Value,
     set: fn(&mut Settings, Value),
@@ -224,7 +224,7 @@ impl Setting {
         SETTINGS.iter().find(|setting| setting.name == name || setting.flag() == name)
     }
 
-    /// Its name on the screen: the standard term where the key is another one.
+    /// Its name on the screen: the standard term if that differs from the key.
     pub fn label(&self) -> String {
         let term = match self.name {
             "k" => "components",
@@ -258,7 +258,7 @@ impl Setting {
         (self.get)(settings)
     }
 
-    /// Puts `value` into `settings`, or says why it cannot be.
+    /// Sets its value in `settings`.
     pub fn set(&self, settings: &mut Settings, value: Value) -> Result<(), SettingError> {
         if !self.kind.contains(value) {
             return Err(self.refusal(&value.to_string()));
@@ -267,7 +267,7 @@ impl Setting {
         Ok(())
     }
 
-    /// Reads a value from text into `settings`, or says why it cannot be.
+    /// Parses its value from text and sets it in `settings`.
     pub fn set_text(&self, settings: &mut Settings, text: &str) -> Result<(), SettingError> {
         let value = self.kind.parse(text).ok_or_else(|| self.refusal(text))?;
         (self.set)(settings, value);
@@ -279,7 +279,7 @@ impl Setting {
     }
 }
 
-/// Why a setting could not be taken.
+/// An error of a setting.
 #[derive(Debug, thiserror::Error, PartialEq)]
 pub enum SettingError {
     /// No setting has this name.
@@ -290,25 +290,25 @@ pub enum SettingError {
     Refused {
         /// The setting.
         name: &'static str,
-        /// What was given.
+        /// The given value.
         given: String,
-        /// What it takes.
+        /// The accepted values.
         range: String,
     },
     /// No preset has this name.
     #[error("there is no preset `{0}`; choose plain, paper, opencv-mog or default")]
     UnknownPreset(String),
-    /// A settings file that is no TOML, or not a flat list of keys.
+    /// A settings file that is not TOML, or not a flat list of keys.
     #[error("the settings file {path} cannot be used: {why}")]
     File {
         /// The file.
         path: String,
-        /// What is wrong with it.
+        /// The cause.
         why: String,
     },
 }
 
-/// How a field of [`Settings`] turns into a [`Value`] and back.
+/// Converts a field of [`Settings`] to a [`Value`] and back.
 trait Parameter: Sized {
     fn to_value(&self) -> Value;
     fn from_value(value: Value) -> Option<Self>;
@@ -341,7 +341,7 @@ impl Parameter for Span {
     }
 }
 
-/// An enumeration whose variants have a word each.
+/// An enumeration whose variants each have a word.
 macro_rules! words {
     ($(#[$doc:meta])* $name:ident { $($(#[$variant_doc:meta])* $variant:ident = $word:literal),+ $(,)? }) => {
         $(#[$doc])*
@@ -481,7 +481,7 @@ macro_rules! settings {
         }
 
         impl Settings {
-            /// The method exactly as its tables have it, every addition switched off.
+            /// The values in the tables of the method, with every addition switched off.
             fn plain() -> Self {
                 Self { $($field: $plain,)+ }
             }
@@ -662,7 +662,7 @@ impl Preset {
     /// All presets.
     pub const ALL: [Self; 4] = [Self::Default, Self::Plain, Self::Paper, Self::OpencvMog];
 
-    /// What the preset is, in a sentence.
+    /// A description of the preset, one sentence.
     pub const fn meaning(self) -> &'static str {
         match self {
             Self::Plain => "the published method, all additions off",
@@ -686,8 +686,8 @@ impl Settings {
         match preset {
             Preset::Plain => plain,
             Preset::Paper => Self { rate: Rate::Density, ..plain },
-            // bgsegm MOG keeps one variance a channel and compares their sum; ours is that sum,
-            // hence the √3 on its σ of 30 (new) and 15 (least).
+            // bgsegm MOG has one variance per channel and compares their sum. This implementation stores that sum,
+            // hence the factor √3 on its σ of 30 (new) and 15 (minimum).
             Preset::OpencvMog => Self {
                 k: 5,
                 alpha: 0.005,
@@ -703,7 +703,8 @@ impl Settings {
                 k: 3,
                 alpha: 0.002,
                 warm_up: 25,
-                // Of 5, 10, 20 and 60 seconds: people in the street who stood for ten seconds became background.
+                // 5, 10, 20 and 60 seconds were tried: with the shorter ones, people who stood in the street for ten
+                // seconds became background.
                 bootstrap: Span::Seconds(20.0),
                 min_sigma: 16.0,
                 hold: 0.05,
@@ -736,7 +737,7 @@ impl Settings {
         Setting::named(name).ok_or_else(|| SettingError::Unknown(name.to_owned()))?.set_text(self, text)
     }
 
-    /// Lays the keys of a TOML file over these settings. `path` is for messages only.
+    /// Overrides these settings by the keys of a TOML file. `path` is used in messages only.
     pub fn apply_toml(&mut self, text: &str, path: &Path) -> Result<(), SettingError> {
         let fail = |why: String| SettingError::File { path: path.display().to_string(), why };
         let table: toml::Table = text
@@ -780,7 +781,7 @@ impl Settings {
         text
     }
 
-    /// The first stage at which the two differ, `None` when they are equal.
+    /// The first stage at which the two differ; `None` if they are equal.
     pub fn first_difference(&self, other: &Self) -> Option<Stage> {
         SETTINGS
             .iter()
@@ -794,7 +795,7 @@ fn toml_value(value: Value) -> String {
     match value {
         Value::Choice(word) => format!("\"{word}\""),
         Value::Span(span @ Span::Seconds(_)) => format!("\"{span}\""),
-        // TOML tells `1.0` from `1`, and a reader expects a real to look like one.
+        // TOML distinguishes `1.0` from `1`, and a real number should have a decimal point.
         Value::Real(number) => format!("{number:?}"),
         other => other.to_string(),
     }
@@ -808,7 +809,7 @@ impl Serialize for Settings {
         for setting in SETTINGS {
             match setting.get(self) {
                 Value::Integer(value) => map.serialize_entry(setting.name, &value)?,
-                // The shortest decimal of the f32, not the digits of its f64 image.
+                // The shortest decimal of the f32, not the digits of its f64 value.
                 Value::Real(value) => map.serialize_entry(
                     setting.name,
                     &value.to_string().parse::<f64>().unwrap_or(f64::from(value)),
@@ -825,7 +826,7 @@ impl Serialize for Settings {
 }
 
 impl<'de> Deserialize<'de> for Settings {
-    /// The inverse of serialising: missing keys keep their default, unknown ones are refused.
+    /// The inverse of serialisation: missing keys keep their default, unknown ones are refused.
     fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
         use serde::de::Error;
         let map = std::collections::BTreeMap::<String, serde_json::Value>::deserialize(deserializer)?;
@@ -856,7 +857,7 @@ mod tests {
     }
 
     #[test]
-    fn toml_and_json_come_back_as_they_were() {
+    fn toml_and_json_read_back_as_the_same() {
         for preset in Preset::ALL {
             let settings = Settings::preset(preset);
             let mut read = Settings::preset(Preset::Plain);
@@ -868,7 +869,7 @@ mod tests {
     }
 
     #[test]
-    fn refusals_name_the_setting_the_value_and_the_range() {
+    fn errors_name_the_setting_the_value_and_the_range() {
         let mut settings = Settings::default();
         let refused = settings.set("alpha", "1").unwrap_err().to_string();
         assert!(
@@ -891,7 +892,7 @@ mod tests {
     }
 
     #[test]
-    fn spans_read_frames_and_seconds() {
+    fn spans_are_parsed_from_frames_and_seconds() {
         let mut settings = Settings::default();
         settings.set("max_hidden", "25").unwrap();
         assert_eq!(settings.max_hidden.frames(10.0), 25);
@@ -901,7 +902,7 @@ mod tests {
     }
 
     #[test]
-    fn a_difference_names_the_first_stage_it_touches() {
+    fn a_difference_is_at_the_first_affected_stage() {
         let base = Settings::default();
         assert_eq!(base.first_difference(&base), None);
         let tracking = Settings { gate: 0.95, same_colour: 1.0, ..base.clone() };

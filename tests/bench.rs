@@ -1,4 +1,4 @@
-//! `bench`: the form of what it prints, and what it refuses. How fast anything is, no test asks.
+//! `bench`: the format of its output, and refused inputs. Speed itself is not tested.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
@@ -22,7 +22,7 @@ const KEYS: [&str; 11] = [
 ];
 
 #[test]
-fn figures_come_as_json_and_as_a_table() {
+fn results_are_printed_as_json_and_as_a_table() {
     let place = TestFolder::new();
     let video = place.path("images");
     write_images(&video, 40, 101);
@@ -47,7 +47,7 @@ fn figures_come_as_json_and_as_a_table() {
 }
 
 #[test]
-fn what_cannot_be_measured_fails_in_one_line() {
+fn unmeasurable_inputs_fail_in_one_line() {
     let place = TestFolder::new();
     let video = place.path("images");
     write_images(&video, 5, 1);

@@ -1,5 +1,5 @@
-//! Tracking and occlusion reasoning in a crowd of blocks that move, stop, flicker, cover each other
-//! and leave as they please: whatever comes, the bookkeeping stays sound.
+//! Tracking and occlusion reasoning on a random crowd of blocks that move, stop, flicker, occlude each other and
+//! leave: invariants of the results.
 
 #![allow(clippy::expect_used)]
 
@@ -19,7 +19,7 @@ use rand_pcg::Pcg32;
 
 const SIZE: Size = Size::new(160, 120);
 
-/// Somebody of one colour.
+/// A block of one colour.
 struct Block {
     at: [f32; 2],
     velocity: [f32; 2],
@@ -45,7 +45,7 @@ impl Block {
     }
 }
 
-/// Any values in their ranges for all that the reasoner reads, the ends of the ranges often.
+/// Random values within their ranges for all settings of tracking and occlusion, often at the ends of the ranges.
 fn any_settings(random: &mut Pcg32) -> Settings {
     let mut settings = Settings::default();
     let read = SETTINGS.iter().filter(|it| matches!(it.stage, Stage::Tracking | Stage::Occlusion));
@@ -66,7 +66,7 @@ fn any_settings(random: &mut Pcg32) -> Settings {
             Kind::Span { .. } => Value::Span(Span::Frames([0, 1, 7, 60][end])),
             Kind::OddSize { .. } => continue,
         };
-        // An end that is left out of its range is refused, and the default stands.
+        // An excluded end of a range is refused, and the default value is used.
         let _ = setting.set(&mut settings, value);
     }
     settings
@@ -75,7 +75,7 @@ fn any_settings(random: &mut Pcg32) -> Settings {
 fn draw(number: u32, blocks: &[Block], random: &mut Pcg32) -> (Frame, Mask) {
     let mut rgb = vec![90; 3 * SIZE.pixels()];
     let mut mask = vec![0; SIZE.pixels()];
-    // Now and then somebody is not seen at all.
+    // Occasionally blocks are not detected.
     let seen: Vec<&Block> = blocks.iter().filter(|_| random.random_bool(0.9)).collect();
     for (index, value) in mask.iter_mut().enumerate() {
         let (x, y) = (index % SIZE.width as usize, index / SIZE.width as usize);
@@ -91,7 +91,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 64, ..ProptestConfig::default() })]
 
     #[test]
-    fn everybody_is_in_one_place_and_every_event_is_about_somebody(seed: u64, count in 1_usize..14, fps in 2.0_f32..60.0, usual: bool) {
+    fn results_of_a_random_crowd_are_consistent(seed: u64, count in 1_usize..14, fps in 2.0_f32..60.0, usual: bool) {
         let mut random = Pcg32::seed_from_u64(seed);
         let mut blocks: Vec<Block> = (0..count).map(|_| Block::new(&mut random)).collect();
         let settings = if usual { Settings::default() } else { any_settings(&mut random) };

@@ -1,4 +1,4 @@
-//! The occlusion reasoning on drawn frames: flat figures on a flat ground, without a background model.
+//! Occlusion reasoning on drawn frames: flat figures on a flat background, without a background model.
 
 #![allow(clippy::expect_used, clippy::panic, missing_docs)]
 
@@ -13,10 +13,10 @@ const GREEN: [u8; 3] = [30, 220, 30];
 const BLUE: [u8; 3] = [30, 30, 220];
 const YELLOW: [u8; 3] = [230, 230, 30];
 
-/// A figure of 20×60 pixels with a narrow head: the column of its middle, its top row, its colour.
+/// A figure of 20×60 pixels with a narrow head: the column of its centre, its top row, its colour.
 type Figure = (i32, i32, [u8; 3]);
 
-/// A frame with these figures and its mask; a later figure is drawn over an earlier one.
+/// A frame with these figures and its mask; later figures occlude earlier ones.
 fn draw(number: u32, figures: &[Figure]) -> (Frame, Mask) {
     let mut rgb = vec![90; 3 * SIZE.pixels()];
     let mut mask = Mask::empty(SIZE);
@@ -43,7 +43,7 @@ fn step(tracker: &mut Tracker, number: u32, figures: &[Figure]) -> FrameResult {
     tracker.step(number, &regions)
 }
 
-/// Two figures that cross: apart at first, in one region from about frame 40, apart again from about 56.
+/// Two figures that cross: separate at first, in one region from about frame 40, separate again from about 56.
 fn crossing(number: u32) -> [Figure; 2] {
     let x = 2 * number as i32;
     [(40 + x, 100, RED), (220 - x, 104, BLUE)]
@@ -74,7 +74,7 @@ fn a_group_that_splits_while_another_object_joins_is_analysed() {
 }
 
 #[test]
-fn a_split_a_moment_before_the_end_is_decided_by_the_end() {
+fn a_demerge_shortly_before_the_end_is_decided_at_the_end() {
     for last in [58, 60, 62] {
         let mut tracker = Tracker::new(&Settings::default(), SIZE, 25.0);
         let mut events = Vec::new();
@@ -86,32 +86,32 @@ fn a_split_a_moment_before_the_end_is_decided_by_the_end() {
         let demerges: Vec<&Event> = events.iter().filter(|event| event.kind == EventKind::Demerge).collect();
         assert_eq!(demerges.len(), 1, "{last}: {:?}", kinds(&events));
         assert!((50..=58).contains(&demerges[0].frame), "{}", demerges[0].frame);
-        assert!(tracker.finish().events.is_empty(), "nothing is left open");
+        assert!(tracker.finish().events.is_empty(), "no decision is pending");
     }
 }
 
 #[test]
-fn a_member_of_which_nothing_is_seen_leaves_its_group() {
+fn an_invisible_member_leaves_its_group() {
     let mut tracker = Tracker::new(&Settings::default(), SIZE, 25.0);
     let mut number = 0;
     while number < 48 {
         number += 1;
         step(&mut tracker, number, &crossing(number));
     }
-    // The red one is gone for good; the blue one walks on alone.
+    // The red figure has left; the blue one walks on alone.
     let mut last = FrameResult::default();
     while number < 110 {
         number += 1;
         let [_, blue] = crossing(number);
         last = step(&mut tracker, number, &[blue]);
     }
-    assert_eq!(last.tracks.len(), 1, "one figure is seen: {:?}", last.tracks);
-    assert!(last.tracks[0].group.is_empty(), "it is alone: {:?}", last.tracks[0].group);
+    assert_eq!(last.tracks.len(), 1, "one figure is visible: {:?}", last.tracks);
+    assert!(last.tracks[0].group.is_empty(), "the figure is not in a group: {:?}", last.tracks[0].group);
 }
 
 #[test]
 fn a_detection_is_no_larger_than_its_object() {
-    // Two who stand close together are one region at first; then they walk apart, and others stand between.
+    // Two people close together are one region at first; then they separate, and others stand between them.
     let mut tracker = Tracker::new(&Settings::default(), SIZE, 25.0);
     let mut widest: f32 = 0.0;
     for number in 1..=120_u32 {
@@ -128,7 +128,7 @@ fn a_detection_is_no_larger_than_its_object() {
     assert!(widest < 60.0, "a box spans figures that are far apart: {widest} pixels");
 }
 
-/// All events of two figures that cross, to the end.
+/// All events of two crossing figures, including those at the end.
 fn events_of_crossing(last: u32) -> Vec<Event> {
     let mut tracker = Tracker::new(&Settings::default(), SIZE, 25.0);
     let mut events: Vec<Event> =
@@ -138,7 +138,7 @@ fn events_of_crossing(last: u32) -> Vec<Event> {
 }
 
 #[test]
-fn counters_fall_where_objects_merge_and_rise_where_they_part() {
+fn counters_decrease_at_a_merge_and_increase_at_a_demerge() {
     let events = events_of_crossing(100);
     let counted = |kind: EventKind| {
         let event = events.iter().find(|event| event.kind == kind).expect("they cross");
@@ -149,7 +149,7 @@ fn counters_fall_where_objects_merge_and_rise_where_they_part() {
 }
 
 #[test]
-fn what_evidence_says_follows_from_its_numbers() {
+fn evidence_is_consistent_with_its_numbers() {
     let events = events_of_crossing(100);
     let numbers = || events.iter().flat_map(|event| &event.evidence.comparisons);
     for number in numbers() {
@@ -161,7 +161,7 @@ fn what_evidence_says_follows_from_its_numbers() {
         };
         assert_eq!(number.holds, holds, "{number:?}");
     }
-    // Of the pieces of the group that parted, each member has one, whose colours agree best with its own.
+    // Each member has one of the regions after the demerge, the one of the most similar colours.
     let demerge = events.iter().find(|event| event.kind == EventKind::Demerge).expect("they cross");
     for id in &demerge.objects {
         let mine = |what: &str| {
@@ -176,7 +176,7 @@ fn what_evidence_says_follows_from_its_numbers() {
 }
 
 #[test]
-fn a_new_object_tells_which_hidden_one_it_was_not_taken_for() {
+fn a_new_object_names_the_rejected_occluded_object() {
     let mut tracker = Tracker::new(&Settings::default(), SIZE, 25.0);
     let mut events = Vec::new();
     for number in 1..=90 {
@@ -194,8 +194,8 @@ fn a_new_object_tells_which_hidden_one_it_was_not_taken_for() {
 }
 
 #[test]
-fn a_figure_in_a_region_with_room_for_one_is_not_found_again() {
-    // The second figure is gone; the first one turns, so that its remembered looks do not explain its region.
+fn a_region_of_one_figure_causes_no_reappearance() {
+    // The second figure has left; the first one turns, so that its appearance model does not explain its region.
     let mut tracker = Tracker::new(&Settings::default(), SIZE, 25.0);
     let mut seen = FrameResult::default();
     for number in 1..=80 {
@@ -207,11 +207,11 @@ fn a_figure_in_a_region_with_room_for_one_is_not_found_again() {
 }
 
 #[test]
-fn an_object_seen_in_part_is_drawn_where_it_is_seen() {
+fn a_partly_visible_object_has_a_box_of_its_visible_part() {
     let mut tracker = Tracker::new(&Settings::default(), SIZE, 25.0);
     for number in 1..=40 {
         let (frame, mut mask) = draw(number, &[(40 + 2 * number as i32, 100, RED)]);
-        // From frame 31 on its lower half has the ground's colour. Nothing has ever been hidden here.
+        // From frame 31 on its lower half has the background's colour. No occluder is known here.
         if number > 30 {
             mask.data[130 * SIZE.width as usize..].fill(Mask::BACKGROUND);
         }

@@ -17,10 +17,10 @@ const SIZE: Size = Size::new(320, 240);
 const FPS: f32 = 25.0;
 const FRAMES: u32 = 150;
 
-/// Where a walker's upper left cell is in a frame, `None` where nothing is seen of it.
+/// The upper left cell of a walker in a frame; `None` while it is not detected.
 type Trajectory = fn(i32) -> Option<(i32, i32)>;
 
-/// What happens until the last frame, each video ending after another number of frames.
+/// The events of the video ending at each frame.
 fn told_of(ways: &[Trajectory]) -> Vec<Vec<Event>> {
     let colours = [[200, 30, 30], [30, 30, 200], [30, 180, 30]];
     let settings = Settings::default();
@@ -51,7 +51,7 @@ fn told_of(ways: &[Trajectory]) -> Vec<Vec<Event>> {
     endings
 }
 
-/// Of each ending the frame of the event of this kind, `None` where it is not told.
+/// For each ending the frame of the event of this kind; `None` if it is not emitted.
 fn frames_of(endings: &[Vec<Event>], kind: EventKind) -> Vec<Option<u32>> {
     endings
         .iter()
@@ -68,7 +68,7 @@ fn frames_of(endings: &[Vec<Event>], kind: EventKind) -> Vec<Option<u32>> {
 fn is_told_at_once(endings: &[Vec<Event>], kind: EventKind, after: u32) {
     let frames = frames_of(endings, kind);
     let whole = frames.last().copied().flatten();
-    let happens = whole.unwrap_or_else(|| panic!("{kind:?} is not told of the whole video"));
+    let happens = whole.unwrap_or_else(|| panic!("{kind:?} is missing for the whole video"));
     for (frame, last) in frames.into_iter().zip(1..) {
         if last >= happens + after {
             assert_eq!(frame, Some(happens), "{kind:?} at {happens} in a video of {last} frames");
@@ -80,28 +80,28 @@ fn is_told_at_once(endings: &[Vec<Event>], kind: EventKind, after: u32) {
 }
 
 #[test]
-fn who_came_together_and_parted() {
+fn merge_and_demerge_are_emitted_at_the_end() {
     let endings = told_of(&[|t| Some((20 + t, 40)), |t| Some((128 - t, 44))]);
     is_told_at_once(&endings, EventKind::Merge, 0);
     is_told_at_once(&endings, EventKind::Demerge, 0);
 }
 
 #[test]
-fn who_left() {
+fn exits_are_emitted_at_the_end() {
     let endings = told_of(&[|t| Some((20 + t, 40)), |_| Some((20, 90))]);
     is_told_at_once(&endings, EventKind::Exit, 0);
 }
 
 #[test]
-fn who_was_hidden_and_came_back() {
+fn disappearance_and_reappearance_are_emitted_at_the_end() {
     let endings = told_of(&[|t| (!(50..80).contains(&t)).then_some((20 + t, 40)), |_| Some((20, 90))]);
     is_told_at_once(&endings, EventKind::Disappear, 2);
-    // Who it is that comes is known when it has been seen for a moment.
+    // The identity of a reappearing object is known after it has been detected for some frames.
     is_told_at_once(&endings, EventKind::Reappear, 12);
 }
 
 #[test]
-fn a_flicker_in_the_last_frames_is_nothing() {
+fn a_flicker_in_the_last_frames_causes_no_event() {
     let endings = told_of(&[|t| (t % 30 > 1).then_some((20 + t / 2, 40)), |_| Some((20, 90))]);
     assert!(frames_of(&endings, EventKind::Disappear).iter().all(Option::is_none));
 }

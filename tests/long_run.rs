@@ -1,4 +1,4 @@
-//! A camera that is open for a day: what is remembered does not grow with the time.
+//! A camera that runs for a day: memory does not grow with time.
 
 #[path = "common/blocks.rs"]
 mod blocks;
@@ -12,14 +12,14 @@ use rand_pcg::Pcg32;
 
 const SIZE: Size = Size::new(160, 120);
 
-/// A path of a walker through the image, in cells.
+/// A walker's path through the image, in cells.
 struct Passer {
     from: u32,
     left: bool,
     row: i32,
     pace: i32,
     colour: [u8; 3],
-    /// Frames of their way in which nothing is seen of them.
+    /// Frames in which the walker is not visible.
     behind: std::ops::Range<u32>,
 }
 
@@ -46,15 +46,15 @@ impl Passer {
     }
 }
 
-/// What happens at least, so that there is something to forget.
+/// Least numbers of identities and occlusions, so that the test is meaningful.
 struct Busy {
     identities: u32,
     occlusions: usize,
-    /// Occlusions of more than four.
+    /// Number of occlusions of more than four objects.
     large: usize,
 }
 
-/// How much a reasoner remembers at most in each thousand frames of people who come, meet, hide and leave.
+/// The maximum memory of the tracker in each thousand frames of people who enter, merge, disappear and exit.
 fn remembered(every: u32, frames: u32, least: &Busy) -> Vec<usize> {
     let mut random = Pcg32::seed_from_u64(7);
     let settings = Settings { max_hidden: Span::Frames(100), ..Settings::default() };
@@ -83,8 +83,8 @@ fn remembered(every: u32, frames: u32, least: &Busy) -> Vec<usize> {
 }
 
 #[test]
-fn what_is_remembered_does_not_grow() {
-    // Few at a time, and a crowd that hardly ever parts, so that its occlusions are few and large.
+fn memory_does_not_grow() {
+    // Few people at a time, and a crowd that is rarely separate, so that its occlusions are few and large.
     let few = Busy { identities: 600, occlusions: 400, large: 1 };
     let crowd = Busy { identities: 250, occlusions: 60, large: 4 };
     for (every, frames, least) in [(25, 20_000, few), (8, 6000, crowd)] {

@@ -1,4 +1,5 @@
-//! The mixture: the fast whole image against the plain pixel, and what holds for any settings and input.
+//! The mixture: the optimised image implementation against the reference implementation, and invariants for any
+//! settings and input.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
@@ -74,7 +75,7 @@ fn parameters() -> impl Strategy<Value = Parameters> {
         )
 }
 
-/// Pixels that mostly show one of two surfaces with noise, now and then anything.
+/// Pixels that mostly show one of two surfaces with noise, and occasionally random values.
 fn frames(seed: u64, size: Size, count: u32) -> Vec<Frame> {
     let mut random = Pcg32::seed_from_u64(seed);
     let surfaces: Vec<[[i32; 3]; 2]> = (0..size.pixels())
@@ -96,7 +97,7 @@ fn frames(seed: u64, size: Size, count: u32) -> Vec<Frame> {
         .collect()
 }
 
-/// All numbers of a pixel, to the last bit.
+/// All numbers of a pixel as bits.
 fn bits(pixel: &Pixel) -> Vec<[u32; 5]> {
     let numbers = |component: &Component| {
         let [r, g, b] = component.mean;
@@ -111,7 +112,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 48, ..ProptestConfig::default() })]
 
     #[test]
-    fn what_was_learnt_begins_in_the_image_as_in_the_plain_pixel(
+    fn the_learned_state_of_the_image_equals_the_reference(
         parameters in parameters(),
         seed in any::<u64>(),
         (width, height) in (1_u32..40, 1_u32..5),
@@ -142,7 +143,7 @@ proptest! {
                 pixel.update(value(frame, index), t, &parameters);
             }
         }
-        // A copy goes back to where it begins, and to anywhere after.
+        // A snapshot can be restored at the start and at any later frame.
         let mut copy = image.clone();
         copy.begin();
         let start = copy.snapshot();
@@ -168,7 +169,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 96, ..ProptestConfig::default() })]
 
     #[test]
-    fn the_whole_image_equals_the_plain_pixel_bit_for_bit(
+    fn the_image_equals_the_reference_bit_for_bit(
         parameters in parameters(),
         seed in any::<u64>(),
         (width, height) in (1_u32..40, 1_u32..5),
@@ -181,7 +182,7 @@ proptest! {
         let mut plain = vec![Pixel::unseen(parameters.k); size.pixels()];
         let frames = frames(seed, size, 60);
         let mut rest = &frames[..];
-        // Some frames one at a time, some in batches of any length.
+        // Some frames individually, some in batches of any length.
         for length in batches.into_iter().cycle() {
             let (batch, later) = rest.split_at(length.min(rest.len()));
             let mut masks = vec![Mask { size, data: vec![7; size.pixels()] }; batch.len()];
@@ -191,8 +192,8 @@ proptest! {
                 pool.install(|| image.replay(&batch.iter().collect::<Vec<_>>(), &mut masks));
             }
             for (frame, mask) in batch.iter().zip(&masks) {
-                // What each pixel is by itself: `None` background, the share of brightness of shadow or light in levels, 0
-                // other foreground. And which are doubtful.
+                // The result of each pixel by itself: `None` for background, the brightness in levels for shadow or
+                // highlight, 0 for other foreground; and which pixels are doubtful.
                 let mut doubtful = Vec::new();
                 let alone: Vec<Option<u32>> = plain
                     .iter_mut()
@@ -273,7 +274,7 @@ proptest! {
     }
 
     #[test]
-    fn every_state_is_a_mixture(parameters in parameters(), seed in any::<u64>()) {
+    fn every_state_is_a_valid_mixture(parameters in parameters(), seed in any::<u64>()) {
         let mut pixel = Pixel::unseen(parameters.k);
         for (frame, t) in frames(seed, Size::new(1, 1), 300).iter().zip(1..) {
             let before = pixel;
@@ -294,25 +295,25 @@ proptest! {
                 prop_assert!(component.sigma() >= parameters.min_sigma.min(parameters.initial_sigma) * 0.999_99);
             }
             for component in &components[used..] {
-                // A weight may fade to nothing after hundreds of frames at a large α; a component
-                // that was never used is all zeros, and neither stands above one in use.
+                // A weight can decay to 0 after hundreds of frames at a large α; an unused component is all zeros;
+                // neither is ranked above one in use.
                 prop_assert_eq!(component.weight, 0.0);
             }
-            // The moved component is not out-ranked by the neighbour that it passed.
+            // The updated component is ranked according to the neighbour that it passed.
             let rank = usize::from(outcome.rank);
             let started = if outcome.matched > 0 { usize::from(outcome.matched) } else { parameters.k };
             if rank < started {
                 prop_assert!(components[rank - 1].rank_value() > components[rank].rank_value());
             }
             if t > 1 && outcome.matched > 0 && rank == usize::from(outcome.matched) && parameters.k > 1 {
-                // Nothing is added; at an α near 1 others fade to nothing.
+                // No component is added; at an α near 1 other weights decay to 0.
                 prop_assert!(pixel.used() <= before.used());
             }
         }
     }
 }
 
-/// At a large α, weights fade to nothing, and a component of no weight may stand above others.
+/// At a large α, weights decay to 0, and a component of weight 0 can be ranked above others.
 #[test]
 fn faded_components_are_treated_alike() {
     for (k, alpha) in [(3, 0.6), (4, 0.9), (8, 0.8)] {
@@ -353,7 +354,7 @@ fn plain(k: usize) -> Parameters {
 }
 
 #[test]
-fn two_frames_by_hand() {
+fn two_frames_equal_values_computed_by_hand() {
     let parameters = plain(3);
     let mut pixel = Pixel::unseen(3);
     let first = pixel.update([100.0; 3], 1, &parameters);
@@ -372,14 +373,14 @@ fn two_frames_by_hand() {
     // P = (2π·400)^(-3/2)·e^(-1/8).
     assert!((second.p / 7.003e-6 - 1.0).abs() < 1e-3, "{}", second.p);
 
-    // Far away: a new component of weight w₀ / (.99 + w₀), renormalised, foreground.
+    // Far away: a new component of weight w₀ / (.99 + w₀), renormalised; the pixel is foreground.
     let third = pixel.update([255.0; 3], 3, &parameters);
     assert_eq!((third.matched, third.rank, third.background_count, third.foreground), (0, 2, 1, true));
     assert!((pixel.components()[1].weight - 0.05 / 1.04).abs() < 1e-6);
 }
 
 #[test]
-fn what_stood_before_a_stopped_object_is_still_there_when_it_leaves() {
+fn the_background_before_a_stopped_object_is_kept_until_it_leaves() {
     let parameters = plain(3);
     let mut pixel = Pixel::unseen(3);
     let mut t = 0;
@@ -395,12 +396,12 @@ fn what_stood_before_a_stopped_object_is_still_there_when_it_leaves() {
     let kept = *pixel.components().iter().find(|component| component.mean[0] < 100.0).unwrap();
     assert_eq!((kept.mean, kept.variance), (road.mean, road.variance), "absorbed after {absorbed} frames");
     let back = (1..100).find(|_| !show(&mut pixel, 60.0).foreground).expect("the road is background again");
-    assert!(back * 4 < absorbed, "{back} frames against {absorbed} for a new surface");
+    assert!(back * 4 < absorbed, "{back} frames, {absorbed} for a new surface");
 }
 
-/// A pixel of a calm place under the settings of `default`, for a minute at 25 frames a second.
+/// A pixel of a calm scene under the default settings, for a minute at 25 frames per second.
 #[test]
-fn foreground_that_stays_is_held_and_what_flickers_is_absorbed() {
+fn lasting_foreground_is_held_and_flicker_is_absorbed() {
     let parameters = |hold: f32, learning: f32, restless_t: f32| {
         let settings = occluscope::settings::Settings::default();
         Parameters::new(&occluscope::settings::Settings {
@@ -410,7 +411,7 @@ fn foreground_that_stays_is_held_and_what_flickers_is_absorbed() {
             ..settings
         })
     };
-    // How many of the last `count` frames are foreground.
+    // The number of foreground frames among the last `count`.
     let late = |parameters: Parameters, frames: u32, count: u32, other: fn(u32) -> bool| {
         let mut pixel = Pixel::unseen(parameters.k);
         let verdicts = (1..=frames).map(|t| {
@@ -421,10 +422,13 @@ fn foreground_that_stays_is_held_and_what_flickers_is_absorbed() {
     };
     let stands: fn(u32) -> bool = |t| t > 500;
     assert_eq!(late(parameters(0.05, 1.0, 0.0), 2000, 1000, stands), 1000);
-    assert_eq!(late(parameters(1.0, 1.0, 0.0), 2000, 1000, stands), 0, "absorbed without");
+    assert_eq!(late(parameters(1.0, 1.0, 0.0), 2000, 1000, stands), 0, "absorbed without feedback");
     let sways: fn(u32) -> bool = |t| t % 9 < 2;
     assert_eq!(late(parameters(0.05, 4.0, 0.85), 400, 100, sways), 0);
-    assert!(late(parameters(1.0, 1.0, 0.0), 400, 100, sways) > 15, "foreground in each wave without");
+    assert!(
+        late(parameters(1.0, 1.0, 0.0), 400, 100, sways) > 15,
+        "foreground in each wave without feedback"
+    );
 }
 
 #[test]
@@ -443,7 +447,7 @@ fn two_alternating_surfaces_are_background_at_a_higher_t_only() {
 }
 
 #[test]
-fn what_was_learnt_again_and_again_is_background_from_the_first_frame_and_who_stood_there_is_not() {
+fn recurring_background_is_learned_before_the_first_frame_and_standing_people_are_not() {
     let noise = |t: u32| (t * 7 % 5) as u8;
     let lamp =
         |t: u32| if (t / 18).is_multiple_of(2) { [90 + noise(t); 3] } else { [220 - noise(t), 190, 120] };

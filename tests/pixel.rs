@@ -1,4 +1,4 @@
-//! The CSV of `pixel` against the library's pixel, and against the pixel process written down a second time.
+//! The CSV of `pixel` against the library, and against a second implementation of the pixel process.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
@@ -14,7 +14,7 @@ use occluscope::settings::{Preset, Settings};
 const FRAMES: u32 = 80;
 const SIDE: u32 = 12;
 
-/// A pixel that flickers between two surfaces, hidden now and then by something else.
+/// A pixel that flickers between two surfaces and is occasionally occluded.
 fn colour(x: u32, y: u32, t: u32) -> [u8; 3] {
     let shake = |channel: u32| noise(x + 1000 * channel, y, t) / 24;
     let base = match noise(x, y, 7 * t + 1) {
@@ -37,7 +37,7 @@ fn table(csv: &str) -> Vec<Vec<f32>> {
     csv.lines().skip(1).map(|line| line.split(',').map(|cell| cell.parse().unwrap()).collect()).collect()
 }
 
-/// One Gaussian of the second writing.
+/// One Gaussian of the second implementation.
 #[derive(Clone, Default)]
 struct Gaussian {
     w: f32,
@@ -45,17 +45,17 @@ struct Gaussian {
     var: f32,
 }
 
-/// The pixel process of the method, written from its text alone.
+/// The pixel process, implemented from the text of the method only.
 struct Reference<'a> {
     settings: &'a Settings,
     mixture: Vec<Gaussian>,
     t: u32,
-    /// For how many frames it has been foreground, the share of frames with a change, and the last verdict under T.
+    /// The number of consecutive foreground frames, the share of frames with a change, and the last verdict under T.
     run: u32,
     unrest: f32,
     strict: bool,
     learnt: u32,
-    /// Of the frames that are learnt from, those in which it went from component 1 to anything else, or back.
+    /// Learned frames in which the pixel changed between component 1 and others.
     changes: Vec<u32>,
     away: bool,
 }
@@ -90,8 +90,8 @@ impl<'a> Reference<'a> {
             / (std::f64::consts::TAU * var).powf(n / 2.0)
     }
 
-    /// The first frames are learnt from: what each pixel was most is where the first one that is judged begins; all that
-    /// is background to a restless pixel where it never stayed with anything for long.
+    /// Learns from the first frames. Classification starts with the dominant component; for a pixel that never stayed
+    /// with any for long, with all components that are background to a restless pixel.
     fn learn(&mut self, colours: impl IntoIterator<Item = [u8; 3]>) {
         for rgb in colours {
             self.learnt = self.t + 1;
@@ -117,7 +117,7 @@ impl<'a> Reference<'a> {
         }
     }
 
-    /// One frame; gives the row of the table from `matched` on.
+    /// Processes one frame; returns the table's row from `matched` on.
     fn step(&mut self, rgb: [u8; 3]) -> Vec<f32> {
         let s = self.settings;
         let x = self.value(rgb);
@@ -193,7 +193,7 @@ impl<'a> Reference<'a> {
         self.row(matched.map_or(0, |index| index + 1), place + 1, background, foreground, rho, p)
     }
 
-    /// B under `t`.
+    /// B under this T.
     fn background(&self, t: f32) -> usize {
         let mut sum = 0.0;
         for (index, g) in self.mixture.iter().enumerate() {
@@ -236,7 +236,7 @@ fn distance(x: &[f32], mu: &[f32]) -> f32 {
 }
 
 #[test]
-fn the_table_is_the_method_s_pixel_process() {
+fn the_table_equals_the_second_implementation() {
     let place = TestFolder::new();
     let images = place.path("images");
     write_images(&images);
@@ -254,7 +254,7 @@ fn the_table_is_the_method_s_pixel_process() {
         (&["--preset", "plain", "--bootstrap", "30", "--warm-up", "50"], (3, 4)),
         (&["--preset", "default", "--bootstrap", "1.2s", "--space", "gray"], (9, 2)),
         (&["--preset", "paper", "--bootstrap", "1"], (5, 5)),
-        // All of a short clip.
+        // Learns from the whole of a short clip.
         (&["--preset", "plain", "--bootstrap", "9s"], (2, 2)),
     ] {
         let out = place.path("pixel.csv");
@@ -276,7 +276,7 @@ fn the_table_is_the_method_s_pixel_process() {
             let (row, expected) = (&row[x.len() + 1..], reference.step(colour(at.0, at.1, t)));
             assert_eq!(row.len(), expected.len());
             for (index, (&found, &expected)) in row.iter().zip(&expected).enumerate() {
-                // Densities go through an exponential, and so does whatever follows from ρ = α·η.
+                // Densities need an exponential, and so do all values that depend on ρ = α·η.
                 let exact = index < 4 || (index != 5 && !approximate);
                 let close = (found - expected).abs() <= 2e-5 * expected.abs();
                 assert!(
@@ -288,7 +288,7 @@ fn the_table_is_the_method_s_pixel_process() {
             several += u32::from(row[2] > 1.0);
         }
     }
-    assert!(replaced > 50 && several > 50, "the sequence is too tame: {replaced}, {several}");
+    assert!(replaced > 50 && several > 50, "the sequence has too few changes: {replaced}, {several}");
 }
 
 fn settings_of(flags: &[&str]) -> Settings {
@@ -300,12 +300,12 @@ fn settings_of(flags: &[&str]) -> Settings {
 }
 
 #[test]
-fn the_table_is_the_library_s_pixel_bit_for_bit() {
+fn the_table_equals_the_library_bit_for_bit() {
     let place = TestFolder::new();
     let images = place.path("images");
     write_images(&images);
     for preset in Preset::ALL {
-        // Without --out the table goes to stdout.
+        // Without --out the table is written to stdout.
         let rows = table(&works(&["pixel", text(&images), "--at", "4,7", "--preset", preset.word()]));
         let parameters = Parameters::new(&Settings::preset(preset));
         let mut pixel = Pixel::unseen(parameters.k);
@@ -342,7 +342,7 @@ fn a_range_starts_the_model_there_and_keeps_the_numbers() {
 }
 
 #[test]
-fn with_a_range_what_is_learnt_begins_there_too() {
+fn with_a_range_learning_starts_at_its_first_frame() {
     let place = TestFolder::new();
     let images = place.path("images");
     write_images(&images);
@@ -358,5 +358,5 @@ fn with_a_range_what_is_learnt_begins_there_too() {
     }
     assert_eq!(some, of(&part, &[]));
     assert_eq!(some.len(), 30);
-    assert!(!some[0].contains(",0,1,1,0,0,0,1,"), "frame 21 is like any other: {}", some[0]);
+    assert!(!some[0].contains(",0,1,1,0,0,0,1,"), "frame 21 is not a first frame: {}", some[0]);
 }

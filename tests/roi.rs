@@ -1,4 +1,4 @@
-//! A part of the image alone: what is outside is never foreground, and a run tells which part it was.
+//! Region of interest: pixels outside are never foreground, and a run records the region.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
@@ -17,7 +17,7 @@ use occluscope::settings::Settings;
 
 const SIZE: Size = Size::new(WIDTH, HEIGHT);
 
-/// The block walks through rows 25 to 49; the right half is ignored, and a window within the left.
+/// The block moves through rows 25 to 49. Ignored are the right half and a window in the left half.
 fn is_inside(x: u32, y: u32) -> bool {
     x < WIDTH / 2 && !((20..24).contains(&x) && (30..44).contains(&y))
 }
@@ -39,7 +39,7 @@ fn frames() -> impl Iterator<Item = Frame> {
 }
 
 #[test]
-fn what_lies_outside_is_never_foreground_and_no_event_happens_there() {
+fn pixels_outside_are_never_foreground_and_have_no_events() {
     let settings = Settings {
         median: 5,
         closing: 9,
@@ -69,7 +69,7 @@ fn what_lies_outside_is_never_foreground_and_no_event_happens_there() {
         for region in b.regions.iter() {
             assert!(region.shape.bbox.right() <= (WIDTH / 2) as f32, "{:?}", region.shape);
         }
-        // The model learns every pixel all the same.
+        // The model still learns every pixel.
         assert_eq!(whole.background_image().unwrap(), part.background_image().unwrap());
     }
     assert!(outside > 1000 && inside > 1000 && events > 0, "{outside} {inside} {events}");
@@ -82,7 +82,7 @@ fn a_mask_of_another_size_is_refused_before_any_frame() {
 }
 
 #[test]
-fn a_run_keeps_the_mask_that_repeats_it() {
+fn a_run_writes_its_mask_for_repetition() {
     let place = TestFolder::new();
     let images = place.path("images");
     write_images(&images, 60, 1);
@@ -123,7 +123,7 @@ fn a_run_keeps_the_mask_that_repeats_it() {
     let found = image::open(first.join("masks/bin000045.png")).unwrap().into_luma8();
     assert!(found.enumerate_pixels().all(|(x, y, level)| is_inside(x, y) || level.0 == [0]));
 
-    // A run of the whole image leaves the mask of another run alone, and says so.
+    // A run of the whole image keeps the mask of an earlier run, with a note.
     let output = occluscope(&["run", text(&images), "--out", text(&first)]).output().unwrap();
     let stderr = String::from_utf8(output.stderr).unwrap();
     assert!(stderr.contains("roi.png is not from this run"), "{stderr}");
@@ -132,7 +132,7 @@ fn a_run_keeps_the_mask_that_repeats_it() {
 }
 
 #[test]
-fn a_mask_that_cannot_be_used_is_told_and_leaves_nothing() {
+fn an_unusable_mask_is_reported_and_leaves_no_output() {
     let place = TestFolder::new();
     let images = place.path("images");
     write_images(&images, 3, 1);
@@ -159,7 +159,7 @@ fn a_mask_that_cannot_be_used_is_told_and_leaves_nothing() {
 }
 
 #[test]
-fn the_table_of_a_pixel_speaks_of_the_mixture_and_a_note_of_the_area() {
+fn the_table_of_a_pixel_ignores_the_region_with_a_note() {
     let place = TestFolder::new();
     let images = place.path("images");
     write_images(&images, 40, 1);

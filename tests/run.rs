@@ -1,4 +1,4 @@
-//! `run` from images to files: every file and its form, numbering, sameness.
+//! `run` from images to files: the format of every file, frame numbers, reproducibility.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
@@ -24,7 +24,7 @@ const TABLES: [&str; 7] = [
     "tracks.json",
 ];
 
-/// Settings under which the small scene's block is an object.
+/// Settings with which the small scene's block is an object.
 const SMALL: [&str; 8] = ["--median", "0", "--min-area", "10", "--track-min-area", "0.5", "--alpha", "0.01"];
 
 fn read(path: &Path) -> String {
@@ -39,7 +39,7 @@ fn run(video: &Path, out: &Path, more: &[&str]) -> String {
     works(&[&["run", text(video), "--out", text(out)], &SMALL[..], more].concat())
 }
 
-/// All files under a folder with their bytes, the summary without its timing.
+/// All files in a folder with their bytes; the summary without its timing.
 fn contents(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let mut all = BTreeMap::new();
     for name in common::names(folder) {
@@ -62,7 +62,7 @@ fn numbered(prefix: &str, numbers: std::ops::RangeInclusive<u32>) -> Vec<String>
 }
 
 #[test]
-fn every_file_has_its_form() {
+fn every_file_has_its_documented_format() {
     let place = TestFolder::new();
     let (images, out) = (place.path("images"), place.path("results/deep"));
     write_images(&images, 60, 1);
@@ -86,7 +86,7 @@ fn every_file_has_its_form() {
     assert_eq!(summary["settings"]["min_area"], 10);
     assert!(summary["timing"]["frames_per_second"].as_f64().unwrap() > 0.0);
 
-    // Pictures: numbered as the frames, masks of 0 and 255, their share that of the summary.
+    // Images: numbered like the frames, masks of 0 and 255, whose share of foreground is in the summary.
     assert_eq!(common::names(&out.join("masks")), numbered("bin", 1..=60));
     for folder in ["frames", "background", "plain-frames"] {
         assert_eq!(common::names(&out.join(folder)), numbered("", 1..=60));
@@ -119,7 +119,7 @@ fn every_file_has_its_form() {
     }
     assert_eq!((frames, sides), (60, (WIDTH as i32, HEIGHT as i32)));
 
-    // Regions: one row each, whole boxes that hold the centroid, the block among them.
+    // Regions: one row each, integer boxes that contain the centroid, the block among them.
     let regions = read(&out.join("regions.csv"));
     let mut lines = regions.lines();
     assert_eq!(
@@ -137,7 +137,7 @@ fn every_file_has_its_form() {
     }
     assert!(red > 20, "the block is found in {red} frames only:\n{regions}");
 
-    // The settings and the summary's are one.
+    // The settings file equals the settings in the summary.
     let toml = read(&out.join("settings.toml"));
     assert!(toml.contains("\nmin_area = 10\n") && toml.contains("\ntrack_min_area = 0.5\n"));
     assert_eq!(works(&["settings", "--settings", text(&out.join("settings.toml"))]), toml);
@@ -173,7 +173,7 @@ fn tracks_events_and_regions_agree() {
     assert!(last["frame"].as_u64().unwrap() >= 65, "{last}");
     assert!(last["colours"][0][0].as_u64().unwrap() > 150, "{last}");
 
-    // Whose a region is: what the tracks say of its label.
+    // The objects of a region are those that the tracks assign to its label.
     for line in read(&out.join("regions.csv")).lines().skip(1) {
         let cells: Vec<_> = line.split(',').collect();
         let owners: Vec<_> = tracks
@@ -215,7 +215,7 @@ fn tracks_events_and_regions_agree() {
 }
 
 #[test]
-fn threads_and_reruns_change_nothing() {
+fn results_are_independent_of_threads_and_reruns() {
     let place = TestFolder::new();
     let images = place.path("images");
     write_images(&images, 50, 1);
@@ -244,7 +244,7 @@ fn a_range_keeps_the_source_s_numbers_and_starts_the_model_there() {
     run(&images, &out, &["--masks", "--range", "490..500"]);
     assert_eq!(common::names(&out.join("masks")), numbered("bin", 490..=500));
 
-    // The same frames alone give the same files.
+    // The same frames on their own give the same files.
     let part = place.path("part");
     fs::create_dir(&part).unwrap();
     for number in 490..=500 {
@@ -264,7 +264,7 @@ fn a_range_keeps_the_source_s_numbers_and_starts_the_model_there() {
     );
     assert_eq!(input["sha256"], json(&alone.join("summary.json"))["input"]["sha256"]);
 
-    // An end beyond the last frame is cut, and told unless quiet.
+    // An end beyond the last frame is clamped, with a note unless quiet.
     let beyond = place.path("beyond");
     let arguments = ["run", text(&images), "--out", text(&beyond), "--range", "505..600"];
     let output = occluscope(&arguments).output().unwrap();
@@ -276,7 +276,7 @@ fn a_range_keeps_the_source_s_numbers_and_starts_the_model_there() {
 }
 
 #[test]
-fn a_rerun_replaces_its_own_files_only() {
+fn a_rerun_replaces_only_its_own_files() {
     let place = TestFolder::new();
     let (images, out) = (place.path("images"), place.path("out"));
     write_images(&images, 12, 1);
@@ -289,14 +289,14 @@ fn a_rerun_replaces_its_own_files_only() {
     expected.push("notes.txt".to_owned());
     assert_eq!(common::names(&out.join("masks")), expected);
 
-    // A failed run leaves the results that are there as they are.
+    // A failed run does not change existing results.
     let before = contents(&out);
     fails(&["run", text(&images), "--out", text(&out), "--masks", "--range", "90..99"], 1);
     assert!(contents(&out) == before);
 }
 
 #[test]
-fn an_image_that_cannot_be_read_is_warned_of_and_skipped_with_its_number() {
+fn an_unreadable_image_is_skipped_with_its_number_and_a_warning() {
     let place = TestFolder::new();
     let (images, out) = (place.path("images"), place.path("out"));
     write_images(&images, 8, 1);
@@ -325,7 +325,7 @@ fn write_video(path: &Path, frames: u32) {
 }
 
 #[test]
-fn a_video_that_breaks_off_is_analysed_to_the_break() {
+fn a_truncated_video_is_analysed_to_its_end() {
     let place = TestFolder::new();
     let (whole, broken) = (place.path("whole.avi"), place.path("broken.avi"));
     write_video(&whole, 30);
@@ -361,10 +361,10 @@ fn opencv_s_models_go_through_the_same_stages() {
     }
 }
 
-/// What the tutorial says of the bundled scene: with T = 0.95 a shirt becomes background, and its walker falls
-/// apart into two objects; with T = 0.88 both are the same throughout.
+/// The tutorial's claim about the bundled scene: with T = 0.95 a shirt becomes background, and its walker is split
+/// into two objects; with T = 0.88 both walkers keep their identities.
 #[test]
-fn the_tutorials_identity_is_lost_and_found_by_t() {
+fn the_tutorials_identity_depends_on_t() {
     let place = TestFolder::new();
     let sample = Path::new(env!("CARGO_MANIFEST_DIR")).join("sample_videos/crossing.mp4");
     let events = |t: &str| -> Vec<(String, u64)> {
@@ -382,7 +382,7 @@ fn the_tutorials_identity_is_lost_and_found_by_t() {
     assert_eq!(lost.iter().filter(|event| third(event)).count(), 1, "{lost:?}");
     let kinds: Vec<String> = events("0.88").into_iter().map(|(kind, _)| kind).collect();
     assert_eq!(kinds, ["enter", "enter", "merge", "demerge", "exit", "exit"]);
-    // The pixel that the tutorial asks: background under the one, foreground under the other.
+    // The tutorial's pixel: background under one T, foreground under the other.
     let foreground = |t: &str| {
         let out = place.path(&format!("pixel{t}.csv"));
         works(&["pixel", text(&sample), "--at", "160,137", "--t", t, "--out", text(&out)]);
@@ -395,7 +395,7 @@ fn the_tutorials_identity_is_lost_and_found_by_t() {
     assert_eq!((foreground("0.95"), foreground("0.88")), (false, true));
 }
 
-/// How much of the block's place in the next test is foreground in a frame.
+/// The share of foreground in a frame at the position of the next test's block.
 fn share_at_the_block(out: &Path, number: u32) -> f64 {
     let mask = image::open(out.join("masks").join(format!("bin{number:06}.png"))).unwrap().into_luma8();
     let at = (30..40).flat_map(|x| (25..50).map(move |y| (x, y)));
@@ -403,12 +403,12 @@ fn share_at_the_block(out: &Path, number: u32) -> f64 {
 }
 
 #[test]
-fn who_stands_in_the_first_frame_is_foreground_in_it_and_leaves_no_ghost() {
+fn an_object_in_the_first_frame_is_foreground_and_leaves_no_ghost() {
     let place = TestFolder::new();
     let images = place.path("images");
     fs::create_dir(&images).unwrap();
     for t in 1..=80 {
-        // It stands for twenty frames and walks away to the right.
+        // The block stands for twenty frames and moves away to the right.
         let left = 30 + 4 * 20_u32.max(t) - 80;
         let wall = scene(1);
         let picture = image::RgbImage::from_fn(WIDTH, HEIGHT, |x, y| {
@@ -425,7 +425,7 @@ fn who_stands_in_the_first_frame_is_foreground_in_it_and_leaves_no_ghost() {
     };
     let without = of("without", "0", &[]);
     assert_eq!(share_at_the_block(&without, 1), 0.0);
-    assert!(share_at_the_block(&without, 40) > 0.9, "where it stood, a ghost stays");
+    assert!(share_at_the_block(&without, 40) > 0.9, "the block leaves a ghost");
     for (name, bootstrap) in [("frames", "60"), ("seconds", "2.4s"), ("all", "20s")] {
         let out = of(name, bootstrap, &[]);
         for t in [1, 2, 10, 20] {
@@ -439,7 +439,7 @@ fn who_stands_in_the_first_frame_is_foreground_in_it_and_leaves_no_ghost() {
         let tracks = read(&out.join("tracks.csv"));
         assert!(
             tracks.starts_with("1,1,30,25,10,25,1,"),
-            "{name}: three frames find it, and it is told from the first of them on: {tracks}"
+            "{name}: the track is confirmed after three frames and starts at the first: {tracks}"
         );
     }
     let (frames, seconds) = (contents(&place.path("frames")), contents(&place.path("seconds")));
@@ -447,7 +447,7 @@ fn who_stands_in_the_first_frame_is_foreground_in_it_and_leaves_no_ghost() {
         let says_how = file == "summary.json" || file == "settings.toml";
         assert!(says_how || seconds[file] == *bytes, "{file}");
     }
-    // Threads change nothing, and pictures of the model do not either, for which frames go one at a time.
+    // Neither the number of threads nor images of the model, which need single frames, change the results.
     let one = contents(&of("one", "60", &["--threads", "1", "--background", "--frames"]));
     for (file, bytes) in &frames {
         assert!(one[file] == *bytes, "{file}");
@@ -455,11 +455,11 @@ fn who_stands_in_the_first_frame_is_foreground_in_it_and_leaves_no_ghost() {
 }
 
 #[test]
-fn pictures_with_the_videos_rate_are_analysed_as_the_video() {
+fn images_at_the_videos_rate_are_analysed_as_the_video() {
     let place = TestFolder::new();
     let (video, out) = (place.path("video.avi"), place.path("out"));
     write_video(&video, 60);
-    // As many frames as the block is seen in, if there are 12.5 a second.
+    // The number of frames in which the block is visible at 12.5 frames per second.
     let flags = ["--min-track", "1.8s", "--max-hidden", "1s"];
     run(&video, &out, &[&flags[..], &["--plain-frames"]].concat());
     assert_eq!(json(&out.join("summary.json"))["input"]["fps_from"], "video");
@@ -488,7 +488,7 @@ fn pictures_with_the_videos_rate_are_analysed_as_the_video() {
         TABLES.iter().filter(|name| **name != "summary.json").all(|name| files[*name] == expected[*name])
     };
     let (files, rate, told) = analysed(&[]);
-    assert!(!same(&files) && files["tracks.csv"].is_empty(), "it is seen for too few seconds");
+    assert!(!same(&files) && files["tracks.csv"].is_empty(), "the block is visible for too few seconds");
     assert_eq!(rate, (25.0, "assumed".to_owned()));
     assert!(told.contains("25 frames per second are assumed"), "{told}");
     let (files, rate, told) = analysed(&["--fps", "12.5"]);
@@ -500,7 +500,7 @@ fn pictures_with_the_videos_rate_are_analysed_as_the_video() {
     let (files, rate, told) = analysed(&[]);
     assert!(same(&files) && !told.contains("assumed"), "{told}");
     assert_eq!(rate, (12.5, "seqinfo.ini".to_owned()));
-    // A video's own rate gives way, too.
+    // A given rate also overrides that of a video.
     let slow = place.path("slow");
     run(&video, &slow, &["--fps", "5"]);
     assert_eq!(json(&slow.join("summary.json"))["input"]["fps"], 5.0);
@@ -515,7 +515,7 @@ fn pictures_with_the_videos_rate_are_analysed_as_the_video() {
 }
 
 #[test]
-fn a_rate_that_cannot_be_is_refused() {
+fn an_invalid_rate_is_refused() {
     let place = TestFolder::new();
     let images = place.path("images");
     write_images(&images, 3, 1);

@@ -1,4 +1,4 @@
-//! The scenes of `synth`: what their truth says happens in them does, and can be seen in the pixels.
+//! The scenes of `synth`: the ground truth agrees with their descriptions and with the pixels.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
@@ -10,7 +10,7 @@ use occluscope::synth::render::FrameTruth;
 use occluscope::synth::{Parameters, Recorder, Renderer, Scene, Silhouette, Truth, catalogue, render, write};
 use occluscope::tracking::Identity;
 
-/// Small, without noise.
+/// Small parameters without noise.
 fn small(seed: u64) -> Parameters {
     let sizes = [Size::new(96, 72), Size::new(128, 72), Size::new(160, 120)];
     Parameters {
@@ -36,7 +36,7 @@ fn frame_of(truth: &Truth, kind: EventKind) -> u32 {
     truth.events.iter().find(|event| event.kind == kind).unwrap().frame
 }
 
-/// Grey levels by which a frame's pixel differs from another's, in its strongest channel.
+/// The largest absolute difference over the channels of a pixel in two frames, in levels.
 fn difference(a: &Frame, b: &Frame, at: usize) -> u8 {
     (3 * at..3 * at + 3).map(|channel| a.rgb[channel].abs_diff(b.rgb[channel])).max().unwrap()
 }
@@ -46,7 +46,7 @@ fn mean(frame: &Frame) -> f64 {
 }
 
 #[test]
-fn what_is_told_of_people_happens_once_and_to_the_right_ones() {
+fn scenes_have_the_described_events() {
     let meets: &[(EventKind, &[Identity])] =
         &[(Exit, &[1]), (Exit, &[2]), (Demerge, &[1, 2]), (Merge, &[1, 2]), (Enter, &[1]), (Enter, &[2])];
     let stays: &[(EventKind, &[Identity])] =
@@ -85,19 +85,19 @@ fn what_is_told_of_people_happens_once_and_to_the_right_ones() {
                 truth.events.iter().map(|event| (event.kind, event.objects.as_slice())).collect();
             events.sort();
             assert_eq!(events, expected, "{name} {seed}");
-            assert!(truth.boxes[0].0 > catalogue::SETTLE, "{name} {seed}: the place is empty first");
+            assert!(truth.boxes[0].0 > catalogue::SETTLE, "{name} {seed}: the scene is empty at the start");
         }
     }
 }
 
 #[test]
-fn who_meets_turns_back_and_who_joins_stays() {
+fn meeting_people_turn_back_and_joining_people_stay() {
     for seed in 1..=4 {
         let parameters = small(seed);
         let truth = truth_of(&scene("meet-and-part", &parameters));
         for event in truth.events.iter().filter(|event| matches!(event.kind, Enter | Exit)) {
             let left = event.x < parameters.size.width as f32 / 2.0;
-            assert_eq!(left, event.objects == [1], "each leaves where they came from: {event:?}");
+            assert_eq!(left, event.objects == [1], "people exit where they entered: {event:?}");
         }
         let seconds = (frame_of(&truth, Demerge) - frame_of(&truth, Merge)) as f32 / catalogue::FPS;
         assert!(seconds * parameters.speed > 1.0, "they stop for a while: {seconds} s");
@@ -108,12 +108,12 @@ fn who_meets_turns_back_and_who_joins_stays() {
             whole.map(|(_, who)| who.bbox.h).fold(0.0, f32::max)
         };
         assert!((0.5..0.7).contains(&(height(2) / height(1))), "a child: {} {}", height(2), height(1));
-        assert_eq!(truth.episodes[0].end, frame_of(&truth, Exit), "until the first has left");
+        assert_eq!(truth.episodes[0].end, frame_of(&truth, Exit), "until the first person exits");
     }
 }
 
 #[test]
-fn merging_happens_where_the_scene_says() {
+fn merges_are_at_the_scene_s_positions() {
     for seed in 1..=4 {
         let parameters = small(seed);
         let at_edge = |name: &str, frame: &dyn Fn(&Truth) -> u32| {
@@ -125,14 +125,14 @@ fn merging_happens_where_the_scene_says() {
             };
             truth.boxes.iter().any(|(number, who)| *number == frame && near(who))
         };
-        assert!(at_edge("enter-together", &|truth| frame_of(truth, Merge)), "one has hardly entered");
-        assert!(at_edge("leave-together", &|truth| truth.episodes[0].end), "one is leaving");
+        assert!(at_edge("enter-together", &|truth| frame_of(truth, Merge)), "one person has just entered");
+        assert!(at_edge("leave-together", &|truth| truth.episodes[0].end), "one person is exiting");
         assert!(!at_edge("crossing-steep", &|truth| frame_of(truth, Merge)), "both are inside");
     }
 }
 
 #[test]
-fn diagonals_and_turns_change_how_large_somebody_is() {
+fn size_changes_on_diagonals_and_turns() {
     let heights = |name, id| -> Vec<f32> {
         let truth = truth_of(&scene(name, &small(3)));
         let whole = truth.boxes.iter().filter(|(_, who)| who.id == id && who.inside == who.full);
@@ -147,7 +147,7 @@ fn diagonals_and_turns_change_how_large_somebody_is() {
 }
 
 #[test]
-fn twelve_are_there_and_all_leave() {
+fn twelve_people_enter_and_exit() {
     for seed in 1..=3 {
         let scene = scene("crowd", &Parameters { size: Size::new(160, 120), ..small(seed) });
         let truth = truth_of(&scene);
@@ -158,7 +158,7 @@ fn twelve_are_there_and_all_leave() {
             scene.actors.iter().map(|actor| (actor.clothes.shirt, actor.clothes.trousers)).collect();
         clothes.sort_unstable();
         clothes.dedup();
-        assert_eq!(clothes.len(), 12, "all are dressed differently");
+        assert_eq!(clothes.len(), 12, "all outfits differ");
         let at_once =
             |(number, _): &(u32, _)| truth.boxes.iter().filter(|(other, _)| other == number).count();
         assert!(truth.boxes.iter().map(at_once).max().unwrap() >= 8);
@@ -166,7 +166,7 @@ fn twelve_are_there_and_all_leave() {
 }
 
 #[test]
-fn a_bag_splits_what_is_seen_of_its_bearer_and_arms_widen_it() {
+fn a_bag_splits_the_visible_silhouette_and_arms_widen_it() {
     let bag = scene("bag", &Parameters { size: Size::new(320, 240), seed: 1, ..small(1) });
     let empty = Renderer::new(&Scene { actors: Vec::new(), ..bag.clone() }).frame(1).0;
     let renderer = Renderer::new(&bag);
@@ -179,7 +179,7 @@ fn a_bag_splits_what_is_seen_of_its_bearer_and_arms_widen_it() {
         pieces.push(find_regions(&frame, &Mask { size: frame.size, data }, large).1.len());
     }
     let count = |wanted| pieces.iter().filter(|&&pieces| pieces == wanted).count();
-    assert!(count(1) >= 3 && count(2) >= 3, "it splits and rejoins: {pieces:?}");
+    assert!(count(1) >= 3 && count(2) >= 3, "the silhouette splits and rejoins: {pieces:?}");
 
     let truth = truth_of(&scene("arms", &small(2)));
     let shape = |(_, who): &(u32, Silhouette)| who.bbox.w / who.bbox.h;
@@ -190,14 +190,14 @@ fn a_bag_splits_what_is_seen_of_its_bearer_and_arms_widen_it() {
 }
 
 #[test]
-fn a_parked_car_is_background_until_it_drives_on() {
+fn a_parked_car_is_background_until_it_moves() {
     for seed in 1..=3 {
         let scene = scene("car", &small(seed));
         let frames: Vec<FrameTruth> = render(&scene).map(|(_, truth)| truth).collect();
         let is_parked = |truth: &FrameTruth| truth.silhouettes.first().is_some_and(|car| car.parked);
         let parked: Vec<u32> = frames.iter().filter(|it| is_parked(it)).map(|it| it.number).collect();
         let (first, last) = (parked[0], parked[parked.len() - 1]);
-        assert_eq!(parked, (first..=last).collect::<Vec<_>>(), "it parks once");
+        assert_eq!(parked, (first..=last).collect::<Vec<_>>(), "the car parks once");
         assert_eq!(parked.len(), 200);
         for truth in &frames {
             let painted = truth.identities.contains(&1);
@@ -214,7 +214,7 @@ fn a_parked_car_is_background_until_it_drives_on() {
         }
         let boxes = write::boxes_text(&recorder.finish());
         let uncounted = boxes.lines().filter(|line| line.split(',').nth(6) == Some("0")).count();
-        assert_eq!(uncounted, parked.len(), "and its box does not count meanwhile");
+        assert_eq!(uncounted, parked.len(), "its box is not counted while it is parked");
     }
 }
 
@@ -233,7 +233,7 @@ fn light_changes_by_forty_per_cent() {
 }
 
 #[test]
-fn shade_is_darker_and_less_noisy() {
+fn shadow_is_darker_and_less_noisy() {
     let parameters = Parameters { noise: Noise { sigma: 8.0, signal_dependent: false }, ..small(3) };
     let renderer = Renderer::new(&Scene { actors: Vec::new(), ..scene("shade", &parameters) });
     let (a, b) = (renderer.frame(1).0, renderer.frame(2).0);
@@ -253,7 +253,7 @@ fn shade_is_darker_and_less_noisy() {
 }
 
 #[test]
-fn what_moves_in_the_background_is_nobody() {
+fn moving_background_is_not_in_the_truth() {
     for name in ["flag", "lamp", "monitor", "glints", "swaying-tree"] {
         let moving = Scene { actors: Vec::new(), ..scene(name, &Parameters { seed: 2, ..small(3) }) };
         let renderer = Renderer::new(&moving);
@@ -272,7 +272,7 @@ fn what_moves_in_the_background_is_nobody() {
 }
 
 #[test]
-fn a_shaking_camera_moves_image_and_truth_alike() {
+fn camera_shake_moves_image_and_truth_equally() {
     let shaking = scene("jitter", &small(3));
     let still = Scene { jitter: 0, ..shaking.clone() };
     let (shaking, still) = (Renderer::new(&shaking), Renderer::new(&still));
@@ -290,11 +290,11 @@ fn a_shaking_camera_moves_image_and_truth_alike() {
             })
         };
         let shift = (-1..=1).flat_map(|dy| (-1..=1).map(move |dx| (dx, dy))).find(fits);
-        shifts.push(shift.unwrap_or_else(|| panic!("frame {number} is no shifted one")));
+        shifts.push(shift.unwrap_or_else(|| panic!("frame {number} is not a shifted one")));
     }
     shifts.sort_unstable();
     shifts.dedup();
-    assert!(shifts.len() > 4, "it shakes to all sides: {shifts:?}");
+    assert!(shifts.len() > 4, "the camera moves in all directions: {shifts:?}");
 }
 
 fn difference_at(a: &Frame, at: usize, b: &Frame, other: usize) -> u8 {
@@ -302,7 +302,7 @@ fn difference_at(a: &Frame, at: usize, b: &Frame, other: usize) -> u8 {
 }
 
 #[test]
-fn somebody_passes_every_eight_seconds() {
+fn a_person_passes_every_eight_seconds() {
     let truth = truth_of(&scene("passers-by", &Parameters { frames: Some(900), ..small(3) }));
     let enters: Vec<u32> =
         truth.events.iter().filter(|event| event.kind == Enter).map(|event| event.frame).collect();

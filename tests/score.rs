@@ -1,4 +1,4 @@
-//! `score`: figures that motmetrics gives, a scene of known truth from video to scores, and what cannot be scored.
+//! `score`: agreement with motmetrics, a rendered scene from video to scores, and refused inputs.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
@@ -10,8 +10,8 @@ use std::fs;
 use common::{TestFolder, fails, text, works};
 use serde_json::Value;
 
-/// Three who walk, two of them across each other, and tracks of them with misses, other boxes,
-/// identities that change, and ghosts.
+/// Three walkers, two of whom cross, and tracks of them with false negatives, shifted boxes, identity switches, and
+/// false positives.
 fn tracks() -> (String, String) {
     let (mut truth, mut found) = (String::new(), String::new());
     for f in 1..=60_i32 {
@@ -39,7 +39,7 @@ fn tracks() -> (String, String) {
 }
 
 #[test]
-fn tracks_score_as_motmetrics_scores_them() {
+fn scores_of_tracks_equal_those_of_motmetrics() {
     let place = TestFolder::new();
     let (truth, found) = tracks();
     let results = place.path("results");
@@ -49,7 +49,7 @@ fn tracks_score_as_motmetrics_scores_them() {
     let (results, truth) = (text(&results).to_owned(), place.path("gt.txt"));
     let json: Value =
         serde_json::from_str(&works(&["score", &results, "--truth", text(&truth), "--json"])).unwrap();
-    // As motmetrics 1.4 gives them for these very files, rounded to four places.
+    // The results of motmetrics 1.4 for the same files, rounded to four places.
     let expected = [
         ("mota", 0.8529),
         ("motp", 0.2427),
@@ -73,7 +73,7 @@ fn tracks_score_as_motmetrics_scores_them() {
 }
 
 #[test]
-fn a_made_up_scene_is_scored_from_video_to_masks() {
+fn a_rendered_scene_is_scored_from_video_to_masks() {
     let place = TestFolder::new();
     let (scene, results) = (place.path("scene"), place.path("results"));
     works(&["synth", "crossing", "--noise", "6", "--out", text(&scene), "--quiet"]);
@@ -92,7 +92,7 @@ fn a_made_up_scene_is_scored_from_video_to_masks() {
 }
 
 #[test]
-fn what_cannot_be_scored_fails_in_one_line() {
+fn unusable_inputs_of_score_fail_in_one_line() {
     let place = TestFolder::new();
     let results = place.path("results");
     fs::create_dir(&results).unwrap();

@@ -1,4 +1,4 @@
-//! What the program says to wrong usage and to inputs that cannot be used, and what it leaves behind: nothing.
+//! Messages for wrong usage and for unusable inputs, which leave no output.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
@@ -68,9 +68,9 @@ fn the_command_line_itself_is_checked() {
 }
 
 #[test]
-fn help_and_version_tell_what_there_is() {
+fn help_and_version_are_printed() {
     let version = works(&["--version"]);
-    // A release build tells its commit as well.
+    // A release build also prints its commit.
     assert_eq!(version.trim(), format!("occluscope {}", env!("OCCLUSCOPE_VERSION")));
     assert!(version.starts_with(concat!("occluscope ", env!("CARGO_PKG_VERSION"))));
     let short = works(&["run", "-h"]);
@@ -87,7 +87,7 @@ fn help_and_version_tell_what_there_is() {
 }
 
 #[test]
-fn inputs_that_cannot_be_used_fail_in_one_line_and_leave_nothing() {
+fn unusable_inputs_fail_in_one_line_and_leave_no_output() {
     let place = TestFolder::new();
     let file = |name: &str, content: &str| {
         fs::write(place.path(name), content).unwrap();
@@ -114,7 +114,7 @@ fn inputs_that_cannot_be_used_fail_in_one_line_and_leave_nothing() {
 }
 
 #[test]
-fn a_range_beyond_the_end_leaves_nothing() {
+fn a_range_beyond_the_end_leaves_no_output() {
     let place = TestFolder::new();
     write_images(&place.path("images"), 4, 10);
     let images = place.path("images");
@@ -125,7 +125,7 @@ fn a_range_beyond_the_end_leaves_nothing() {
 }
 
 #[test]
-fn a_pixel_outside_the_image_is_told_the_size() {
+fn the_error_of_a_pixel_outside_the_image_names_the_size() {
     let place = TestFolder::new();
     write_images(&place.path("images"), 2, 1);
     let images = place.path("images");
@@ -138,7 +138,7 @@ fn a_pixel_outside_the_image_is_told_the_size() {
 }
 
 #[test]
-fn results_that_cannot_be_written_fail_in_one_line() {
+fn unwritable_results_fail_in_one_line() {
     let place = TestFolder::new();
     write_images(&place.path("images"), 2, 1);
     let images = place.path("images");
@@ -150,7 +150,7 @@ fn results_that_cannot_be_written_fail_in_one_line() {
 }
 
 #[test]
-fn settings_print_a_file_that_says_the_same_again() {
+fn printed_settings_read_back_as_the_same() {
     let place = TestFolder::new();
     let toml = works(&["settings", "--preset", "paper", "--k", "5"]);
     assert!(toml.contains("\nk = 5\n") && toml.contains("\nrate = \"density\"\n"));
@@ -159,7 +159,7 @@ fn settings_print_a_file_that_says_the_same_again() {
 }
 
 #[test]
-fn a_reader_that_goes_away_is_no_failure() {
+fn a_closed_pipe_is_not_a_failure() {
     let place = TestFolder::new();
     let images = place.path("images");
     fs::create_dir(&images).unwrap();
@@ -182,7 +182,7 @@ fn a_reader_that_goes_away_is_no_failure() {
 
 #[cfg(unix)]
 #[test]
-fn a_run_that_is_stopped_leaves_nothing() {
+fn a_stopped_run_leaves_no_output() {
     let place = TestFolder::new();
     let images = place.path("images");
     fs::create_dir(&images).unwrap();
@@ -200,7 +200,7 @@ fn a_run_that_is_stopped_leaves_nothing() {
     let at_work =
         || out.is_dir() && common::names(&out).iter().any(|name| out.join(name).join("masks").is_dir());
     while !at_work() {
-        assert!(Instant::now() < patience, "it never began");
+        assert!(Instant::now() < patience, "the run did not start");
         thread::sleep(Duration::from_millis(5));
     }
     assert!(Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap().success());
@@ -213,13 +213,13 @@ fn a_run_that_is_stopped_leaves_nothing() {
 
 #[cfg(not(feature = "gui"))]
 #[test]
-fn a_build_without_a_window_says_so() {
+fn a_build_without_the_window_reports_it() {
     assert!(fails(&["video.avi"], 1).contains("no window"));
     assert!(fails(&[], 1).contains("occluscope run"));
 }
 
 #[test]
-fn truth_that_is_not_there_is_told_before_any_window() {
+fn missing_truth_is_reported_before_the_window_opens() {
     let why = fails(&["video.avi", "--truth", "no/such/truth"], 1);
     assert!(why.contains("no/such/truth") && why.contains("does not exist"), "{why}");
     let place = TestFolder::new();

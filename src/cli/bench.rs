@@ -1,7 +1,7 @@
-//! `occluscope bench`: how fast decoding, the mixture, OpenCV's models and the whole analysis are.
+//! `occluscope bench`: measures the speed of decoding, the mixture, OpenCV's models and the whole analysis.
 //!
-//! All contenders take the same decoded frames in turn, a batch each, and the median over the
-//! batches counts: what else the machine does meanwhile meets all of them alike.
+//! All models process the same decoded frames in turn, batch by batch, and the median over the batches counts, so
+//! that other load on the machine affects all of them alike.
 
 use std::hint::black_box;
 use std::io::{self, Write};
@@ -26,17 +26,17 @@ use crate::replay::memory;
 use crate::settings::{BackgroundModel, Settings};
 use crate::source::{self, Options, SourceInfo};
 
-/// Frames that are kept decoded where the flags do not say, if they are no larger than this.
+/// Number of frames that are kept decoded by default, if they are no larger than this.
 const FRAMES: u32 = 320;
 const FRAMES_BYTES: usize = 1 << 30;
 
-/// Fewer batches have no median to speak of.
+/// Least number of frames for a meaningful median.
 const LEAST_FRAMES: u32 = 2 * BATCH as u32;
 
-/// How often the whole analysis goes through the frames.
+/// Number of passes of the whole analysis.
 const PASSES: usize = 3;
 
-/// The subcommand.
+/// Defines the subcommand.
 pub fn command() -> Command {
     let command = Command::new("bench")
         .about("Measure the speed of decoding, the mixture, OpenCV's MOG2 and KNN, and the whole analysis")
@@ -71,7 +71,7 @@ pub fn command() -> Command {
     flags::with_settings(flags::with_common(flags::with_source(command)))
 }
 
-/// Measures and prints.
+/// Runs the measurement and prints it.
 pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let settings = flags::settings(matches)?;
     let scale = scale(matches)?;
@@ -112,7 +112,7 @@ fn scale(matches: &ArgMatches) -> Result<Option<Size>, flags::UsageError> {
     }
 }
 
-/// Decoded frames, and how long each batch of them took to decode.
+/// Decoded frames, and the time of decoding each batch of them.
 struct Sequence {
     info: SourceInfo,
     frames: Vec<Frame>,
@@ -198,7 +198,7 @@ fn stop_if_asked(video: &str) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// What is told in JSON; `_mpx_s` is megapixels a second.
+/// The JSON output; `_mpx_s` is megapixels per second.
 #[derive(Serialize)]
 struct Figures {
     frames: usize,
@@ -212,7 +212,7 @@ struct Figures {
     mog2_mpx_s: f64,
     knn_mpx_s: f64,
     pipeline_fps: f64,
-    /// Frames a second of decoding with nothing but the mixture behind it.
+    /// Frames per second of decoding followed by the mixture only.
     #[serde(skip)]
     decode_and_mixture_fps: f64,
 }
@@ -231,7 +231,7 @@ impl Figures {
         let (mut streamed, mut replayed) = (Mixture::new(size, parameters), Mixture::new(size, parameters));
         let mut mog2 = opencv_model(settings, size, BackgroundModel::Mog2)?;
         let mut knn = opencv_model(settings, size, BackgroundModel::Knn)?;
-        // All begin with what they learnt, as in an analysis; learning itself is not timed.
+        // All models start after learning, as in an analysis; learning itself is not timed.
         let first: Vec<&Frame> = frames.iter().take(sequence.info.bootstrap(settings) as usize).collect();
         streamed.learn(&first);
         replayed.learn(&first);
@@ -317,7 +317,7 @@ fn opencv_model(settings: &Settings, size: Size, model: BackgroundModel) -> anyh
     OpencvModel::new(&settings, size)?.context("OpenCV has this model")
 }
 
-/// Pixels and how long they took, measurement after measurement.
+/// Pixels and duration of each measurement.
 #[derive(Default)]
 struct Meter(Vec<(usize, Duration)>);
 
@@ -329,8 +329,8 @@ impl Meter {
         result
     }
 
-    /// One way through the video as `run` goes it, decoding ahead on a thread of its own; scaled
-    /// frames are taken from memory.
+    /// A pass over the video as in `run`, with decoding ahead on a separate thread; scaled frames are taken from
+    /// memory.
     fn pass(
         &mut self,
         video: &str,
@@ -360,7 +360,7 @@ impl Meter {
                 match after {
                     Some(Item::End) => break,
                     Some(Item::Failed(error)) => return Err(error),
-                    // Told when the frames were decoded first.
+                    // Already reported when the frames were decoded first.
                     Some(Item::Warning(_) | Item::Frame(_)) | None => {}
                 }
             }
@@ -369,7 +369,7 @@ impl Meter {
         Ok(())
     }
 
-    /// The median in megapixels a second.
+    /// The median in megapixels per second.
     fn median(&self) -> f64 {
         let speed = |(pixels, took): &(usize, Duration)| *pixels as f64 / 1e6 / took.as_secs_f64().max(1e-9);
         let mut speeds: Vec<_> = self.0.iter().map(speed).collect();
@@ -383,7 +383,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_median_is_of_speeds_and_one_slow_batch_does_not_move_it() {
+    fn one_slow_batch_does_not_change_the_median() {
         let second = Duration::from_secs(1);
         let meter = Meter(vec![(2_000_000, second), (3_000_000, second), (2_000_000, 100 * second)]);
         assert_eq!(meter.median(), 2.0);

@@ -1,11 +1,11 @@
-//! What is said on stderr: notes, warnings, progress.
+//! Messages on stderr: notes, warnings, progress.
 
 use std::io::{self, Write};
 
 use clap::ArgMatches;
 use indicatif::{ProgressBar, ProgressStyle};
 
-/// How much is said.
+/// The verbosity of messages.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Console {
     quiet: bool,
@@ -13,27 +13,27 @@ pub(super) struct Console {
 }
 
 impl Console {
-    /// As `--quiet` and `-v` ask for.
+    /// As set by `--quiet` and `-v`.
     pub(super) fn new(matches: &ArgMatches) -> Self {
         Self { quiet: matches.get_flag("quiet"), verbose: matches.get_flag("verbose") }
     }
 
-    /// Something that is good to know.
+    /// Prints a note.
     pub(super) fn note(self, text: &str) {
         if !self.quiet {
-            // Where stderr is closed, there is nobody to tell.
+            // Where stderr is closed, the message is dropped.
             let _ = writeln!(io::stderr(), "{text}");
         }
     }
 
-    /// Something that only those who ask want to know.
+    /// Prints a detail, shown only with `-v`.
     pub(super) fn detail(self, text: &str) {
         if self.verbose {
             self.note(text);
         }
     }
 
-    /// A bar over `total` frames, or a counter where the total is not known. Seen on a terminal only.
+    /// A progress bar over `total` frames, or a counter where the total is unknown. Shown on a terminal only.
     pub(super) fn progress(self, what: &'static str, total: Option<u32>) -> Progress {
         let bar = if self.quiet { ProgressBar::hidden() } else { ProgressBar::no_length() };
         if let Some(total) = total {
@@ -51,19 +51,19 @@ impl Console {
     }
 }
 
-/// A progress bar, taken away when dropped.
+/// A progress bar, removed when dropped.
 pub(super) struct Progress {
     bar: ProgressBar,
     console: Console,
 }
 
 impl Progress {
-    /// So many more frames are done.
+    /// Advances by this many frames.
     pub(super) fn advance(&self, frames: usize) {
         self.bar.inc(frames as u64);
     }
 
-    /// Something went wrong without ending the work.
+    /// Prints a warning of a problem that did not end the work.
     pub(super) fn warn(&self, text: &str) {
         self.bar.suspend(|| self.console.note(&format!("warning: {text}")));
     }

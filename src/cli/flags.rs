@@ -1,4 +1,4 @@
-//! What the subcommands take in common: settings, threads, how much to say, a range of frames.
+//! Arguments shared by the subcommands: settings, threads, verbosity, a range of frames.
 
 use std::fmt;
 use std::path::PathBuf;
@@ -12,12 +12,12 @@ use crate::regions::Roi;
 use crate::settings::{Kind, Preset, SETTINGS, Settings};
 use crate::source::{FPS_RANGE, FpsFrom, Options, SourceInfo, parse_fps};
 
-/// The user asked for what makes no sense, whatever the files hold: exit status 2.
+/// An error of usage, independent of the contents of files: exit status 2.
 #[derive(Debug, thiserror::Error)]
 #[error("{0}")]
 pub struct UsageError(pub String);
 
-/// VIDEO, as the first argument.
+/// The first argument, VIDEO.
 pub(super) fn video() -> Arg {
     Arg::new("video")
         .value_name("VIDEO")
@@ -71,7 +71,7 @@ pub(super) fn with_settings(command: Command) -> Command {
     })
 }
 
-/// The settings that were asked for: the preset, the file over it, the flags over both.
+/// The requested settings: the preset, overridden by the file, overridden by the flags.
 pub(super) fn settings(matches: &ArgMatches) -> anyhow::Result<Settings> {
     let preset = match matches.get_one::<String>("preset") {
         Some(word) => Preset::from_word(word)
@@ -121,7 +121,7 @@ pub(super) fn with_common(command: Command) -> Command {
         )
 }
 
-/// Gives the thread pool the size that was asked for.
+/// Sets the size of the thread pool.
 pub(super) fn start_threads(matches: &ArgMatches) -> anyhow::Result<()> {
     let Some(&threads) = matches.get_one::<u16>("threads") else { return Ok(()) };
     rayon::ThreadPoolBuilder::new()
@@ -131,7 +131,7 @@ pub(super) fn start_threads(matches: &ArgMatches) -> anyhow::Result<()> {
     opencv::core::set_num_threads(i32::from(threads)).map_err(|error| anyhow!("OpenCV: {error}"))
 }
 
-/// Adds what is chosen of the source besides its name: `--fps`.
+/// Adds the options of the source: `--fps`.
 pub(super) fn with_source(command: Command) -> Command {
     command.arg(Arg::new("fps").long("fps").value_name("N").allow_hyphen_values(true).help(
         "Frames per second, if the source has none or a wrong value [default: from the video, or \
@@ -139,7 +139,7 @@ pub(super) fn with_source(command: Command) -> Command {
     ))
 }
 
-/// What was chosen of the source besides its name.
+/// The options of the source.
 pub(super) fn source_options(matches: &ArgMatches) -> Result<Options, UsageError> {
     let Some(text) = matches.get_one::<String>("fps") else { return Ok(Options::default()) };
     let (least, greatest) = FPS_RANGE;
@@ -149,7 +149,7 @@ pub(super) fn source_options(matches: &ArgMatches) -> Result<Options, UsageError
     Ok(Options { fps: Some(fps) })
 }
 
-/// Says that nothing says how many frames a second there are, if so.
+/// Prints a note if the frame rate is assumed.
 pub(super) fn note_assumed_fps(info: &SourceInfo, console: Console) {
     if info.fps_from == FpsFrom::Assumed {
         console.note(&format!(
@@ -170,7 +170,7 @@ pub(super) fn with_range(command: Command) -> Command {
     )
 }
 
-/// The frames that were asked for, `None` for all.
+/// The requested frames, `None` for all.
 pub(super) fn range(matches: &ArgMatches) -> Result<Option<Range>, UsageError> {
     let Some(text) = matches.get_one::<String>("range") else { return Ok(None) };
     let parsed = text.split_once("..").and_then(|(first, last)| {
@@ -192,13 +192,13 @@ pub(super) fn with_roi(command: Command) -> Command {
     ))
 }
 
-/// What is to be analysed, `None` for the whole image.
+/// The region of interest, `None` for the whole image.
 pub(super) fn roi(matches: &ArgMatches) -> anyhow::Result<Option<Arc<Roi>>> {
     let path = matches.get_one::<PathBuf>("roi");
     Ok(path.map(|path| Roi::read(path)).transpose()?.map(Arc::new))
 }
 
-/// A range of frame numbers, both ends included.
+/// An inclusive range of frame numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Range {
     /// The first number.
@@ -231,7 +231,7 @@ mod tests {
     }
 
     #[test]
-    fn flags_go_over_the_file_and_the_file_over_the_preset() {
+    fn flags_override_the_file_and_the_file_overrides_the_preset() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("my.toml");
         std::fs::write(&path, "k = 6\nalpha = 0.25\n").unwrap();
@@ -252,7 +252,7 @@ mod tests {
     }
 
     #[test]
-    fn a_negative_number_is_refused_by_the_setting_not_taken_for_a_flag() {
+    fn a_negative_number_is_refused_as_a_value_and_not_parsed_as_a_flag() {
         let error = settings(&parsed(&["--alpha", "-1"])).unwrap_err().to_string();
         assert!(error.contains("0 < α < 1"), "{error}");
     }

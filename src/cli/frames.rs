@@ -1,4 +1,4 @@
-//! Frames decoded on a thread of their own, ahead of whoever takes them.
+//! Decodes frames on a separate thread, ahead of the consumer.
 
 use std::collections::VecDeque;
 use std::{iter, thread};
@@ -15,44 +15,44 @@ use crate::registration::{CorrectionChoice, Estimator, Registered};
 use crate::settings::Settings;
 use crate::source::{self, Options, Source, SourceInfo};
 
-/// How many frames are decoded ahead, at most and at least, and how much memory they may take in between.
+/// Largest and least number of frames decoded ahead, and the memory that limits it in between.
 const MAX_FRAMES_AHEAD: usize = 2 * BATCH;
 const MIN_FRAMES_AHEAD: usize = 4;
 const MAX_BYTES_AHEAD: usize = 256 << 20;
 
-/// What comes from a source.
+/// An item from a source.
 pub(super) enum Item {
     /// The next frame.
     Frame(Frame),
-    /// Something went wrong without ending the sequence.
+    /// A warning of a problem that did not end the sequence.
     Warning(String),
-    /// The sequence cannot go on.
+    /// An error that ends the sequence.
     Failed(anyhow::Error),
-    /// There are no more: without it, decoding broke off.
+    /// The end; a sequence without it was interrupted.
     End,
 }
 
-/// So much memory may frames take that are learnt from and kept for when they are judged; where they take more, they
-/// are decoded again.
+/// Largest memory of frames that are learned from and kept until they are classified; beyond it they are decoded
+/// again.
 const MAX_KEPT_BYTES: usize = 512 << 20;
 
 /// The frames of a source, or of a range of it.
 pub(super) struct Frames {
-    /// What is known of the source.
+    /// Properties of the source.
     pub info: SourceInfo,
-    /// How many frames there will be, as far as it is known.
+    /// Number of frames, as far as known.
     pub total: Option<u32>,
     options: Options,
     range: Option<Range>,
-    /// What is done to them before the mixture, if they are measured for that.
+    /// The correction of frames before the mixture, if they are measured for it.
     choice: Option<CorrectionChoice>,
-    /// What was taken ahead and comes before `items`.
+    /// Items that were read ahead and come before `items`.
     held: VecDeque<Item>,
     items: Receiver<Item>,
 }
 
 impl Frames {
-    /// Opens `video` and starts to decode it; where `choice` is given, frames are measured for what it takes out of them.
+    /// Opens `video` and starts decoding; with `choice`, alignments are estimated as far as it needs them.
     pub(super) fn open(
         video: &str,
         options: Options,
@@ -80,8 +80,8 @@ impl Frames {
         Ok(Self { info, total, options, range, choice, held: VecDeque::new(), items })
     }
 
-    /// Gives `learn` the first frames, as many as `settings` have for the model to learn from, some at a time and in
-    /// order. They come again afterwards, the first one next.
+    /// Calls `learn` with the first frames in order, in batches, as many as `settings` have for learning. The
+    /// sequence then starts with the first of them again.
     pub(super) fn learn(
         &mut self,
         settings: &Settings,
@@ -105,7 +105,8 @@ impl Frames {
         })
     }
 
-    /// Gives `learn` the first frames, up to `most`. They come again, from up to `bytes` of memory, or decoded again.
+    /// Calls `learn` with the first frames, up to `most`. They are repeated from up to `bytes` of memory, or decoded
+    /// again.
     fn learn_within(
         &mut self,
         bytes: usize,
@@ -127,19 +128,19 @@ impl Frames {
             if let Some(held) = &mut held {
                 held.extend(frames.into_iter().map(Item::Frame).chain(after));
             }
-            // A video may have more frames than it says.
+            // A video can have more frames than its header says.
             held = held.filter(|held| held.len() <= room + BATCH);
         }
         match held {
             Some(held) => self.held = held,
-            // Where its frames were not kept, the decoder is beyond them.
+            // Without the kept frames, the decoder is already past them.
             None => *self = Self::open(&self.info.name, self.options, self.range, self.choice)?,
         }
         Ok(())
     }
 
-    /// The frames that are there, at least one and up to `most`, or none where something else comes
-    /// first; and what comes after them, if it is there and no frame.
+    /// The available frames, up to `most` and, unless another item comes first, at least one; and the item after
+    /// them, if it is available and not a frame.
     pub(super) fn batch(&mut self, most: usize) -> (Vec<Frame>, Option<Item>) {
         let mut frames = Vec::new();
         while frames.len() < most {
@@ -167,7 +168,7 @@ impl Frames {
         Item::Failed(anyhow!("decoding {} failed", self.info.name))
     }
 
-    /// The frames and what else comes, in order, to the end.
+    /// All remaining frames and other items, in order.
     pub(super) fn items(&mut self) -> impl Iterator<Item = Item> {
         let mut over = false;
         iter::from_fn(move || {
@@ -187,11 +188,11 @@ impl Frames {
     }
 }
 
-/// Sends everything within `range`; returns early when nobody takes it any more.
+/// Sends all frames within `range`; returns early when the receiver is dropped.
 fn decode(mut source: Box<dyn Source>, range: Option<Range>, items: &Sender<Item>) {
     let mut last_number = None;
     let mut sent = false;
-    // Whether the source ended before the range did.
+    // Whether the source ended within the range.
     let mut ended_within = true;
     loop {
         let next = source.next_frame();
@@ -200,7 +201,7 @@ fn decode(mut source: Box<dyn Source>, range: Option<Range>, items: &Sender<Item
                 return;
             }
         }
-        // A camera has no end: to stop is how a recording ends.
+        // A camera has no end: interrupting it ends the recording.
         if source.info().live && interrupt::asked() {
             break;
         }
@@ -233,7 +234,7 @@ fn decode(mut source: Box<dyn Source>, range: Option<Range>, items: &Sender<Item
     let _ = items.send(Item::End);
 }
 
-/// What is to be said of a sequence that ended before its range did.
+/// The warning of a sequence that ended before its range did.
 fn at_the_end(info: &SourceInfo, range: Option<Range>, last_number: Option<u32>, sent: bool) -> Option<Item> {
     let name = &info.name;
     let failed = |why: String| Some(Item::Failed(anyhow!(why)));
@@ -258,7 +259,7 @@ mod tests {
 
     const PICTURES: u32 = 40;
 
-    /// Numbers of frames, and W for a warning.
+    /// Frame numbers, and W for a warning.
     fn told(item: &Item) -> String {
         match item {
             Item::Frame(frame) => frame.number.to_string(),
@@ -269,7 +270,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_learnt_from_comes_again_from_memory_or_decoded_again() {
+    fn learned_frames_are_repeated_from_memory_or_decoded_again() {
         let folder = tempfile::tempdir().unwrap();
         for number in 1..=PICTURES {
             let path = folder.path().join(format!("{number:03}.png"));

@@ -1,15 +1,15 @@
-//! Ctrl-C: the work stops at the next frame, so that it can clean up behind itself.
+//! Ctrl-C: the work stops at the next frame, so that temporary files are removed.
 
 use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
 
 static ASKED: AtomicBool = AtomicBool::new(false);
 
-/// From now on Ctrl-C (and a polite end of the process) asks to stop; a second one insists.
+/// Installs the handler: the first Ctrl-C (or SIGTERM) requests a stop, the second ends the process.
 pub(super) fn watch() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
-        // Where no handler can be set, Ctrl-C ends the process at once, as ever.
+        // Without a handler, Ctrl-C ends the process at once.
         let _ = ctrlc::set_handler(|| {
             if ASKED.swap(true, Ordering::SeqCst) {
                 std::process::exit(1);
@@ -18,7 +18,7 @@ pub(super) fn watch() {
     });
 }
 
-/// Whether somebody asked to stop.
+/// Whether a stop was requested.
 pub(super) fn asked() -> bool {
     ASKED.load(Ordering::SeqCst)
 }

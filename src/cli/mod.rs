@@ -1,6 +1,6 @@
-//! The command line: one file per subcommand, and what they share.
+//! The command line: one file per subcommand, and shared code.
 //!
-//! Exit status 0: done, 1: the work failed, 2: wrong usage. A failure is one line on stderr.
+//! Exit status 0 is success, 1 a failure of the work, 2 wrong usage. A failure prints one line to stderr.
 
 pub mod bench;
 mod console;
@@ -41,7 +41,7 @@ Examples:
 VIDEO is a video file, a folder of images, a pattern such as in%06d.png, or camera:0.
 `occluscope COMMAND --help` shows details; `--help` lists every setting, `-h` omits them.";
 
-/// The whole command line.
+/// Defines the whole command line.
 pub fn command() -> Command {
     let program = Command::new("occluscope")
         .version(env!("OCCLUSCOPE_VERSION"))
@@ -59,19 +59,19 @@ pub fn command() -> Command {
     window::with_arguments(program)
 }
 
-/// Runs the program with these arguments, the first being its own name.
+/// Runs the program with these arguments, the first being the program's name.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     crate::source::silence_libraries();
     let matches = match command().try_get_matches_from(arguments) {
         Ok(matches) => matches,
         Err(error) => {
-            // A closed pipe after `--help | head` is nobody's failure.
+            // A closed pipe, as after `--help | head`, is not a failure.
             let _ = error.print();
             return ExitCode::from(error.exit_code() as u8);
         }
     };
     tell_bugs_in_one_line();
-    // Unwinding takes away what was half written.
+    // Unwinding removes incomplete output.
     match panic::catch_unwind(AssertUnwindSafe(|| dispatch(&matches))) {
         Ok(Ok(())) => ExitCode::SUCCESS,
         Ok(Err(error)) => report(&error),
@@ -91,7 +91,7 @@ fn dispatch(matches: &ArgMatches) -> anyhow::Result<()> {
     }
 }
 
-/// A bug is told in one line, too; who asks for a backtrace gets it.
+/// Reports a panic in one line; with a backtrace if one is requested.
 fn tell_bugs_in_one_line() {
     if env::var_os("RUST_BACKTRACE").is_none() {
         panic::set_hook(Box::new(|bug| {
@@ -104,7 +104,7 @@ fn tell_bugs_in_one_line() {
     }
 }
 
-/// Tells what went wrong in one line and gives the exit status.
+/// Prints the error in one line and returns the exit status.
 fn report(error: &anyhow::Error) -> ExitCode {
     let closed_pipe = error
         .chain()
@@ -114,7 +114,7 @@ fn report(error: &anyhow::Error) -> ExitCode {
         return ExitCode::SUCCESS;
     }
     let line = format!("{error:#}").split_whitespace().collect::<Vec<_>>().join(" ");
-    // Where stderr is closed, there is nobody to tell.
+    // Where stderr is closed, the message is dropped.
     let _ = writeln!(io::stderr(), "error: {line}");
     let wrong_usage = error.chain().any(|cause| {
         cause.downcast_ref::<UsageError>().is_some() || cause.downcast_ref::<SettingError>().is_some()
@@ -127,7 +127,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_command_line_is_sound() {
+    fn the_command_line_is_valid() {
         command().debug_assert();
     }
 }

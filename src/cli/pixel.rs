@@ -19,7 +19,7 @@ use crate::registration::CorrectionChoice;
 use crate::settings::{BackgroundModel, Settings};
 use crate::source::Options;
 
-/// The subcommand.
+/// Defines the subcommand.
 pub fn command() -> Command {
     let command = Command::new("pixel")
         .about("Write one pixel's mixture at every frame as CSV")
@@ -91,7 +91,7 @@ fn at(matches: &ArgMatches) -> Result<(u32, u32), UsageError> {
         .ok_or_else(|| UsageError(format!("--at cannot be `{text}`: give column and row, as in 320,240")))
 }
 
-/// Writes beside `path` and moves the whole there; a device or a pipe is written to as it is.
+/// Writes a temporary file next to `path` and renames it; writes directly to a device or a pipe.
 fn to_file(path: &Path, follow: &Follow<'_>) -> anyhow::Result<()> {
     let fail = || format!("{} cannot be written", path.display());
     let mut frames = follow.open()?;

@@ -1,9 +1,8 @@
 //! `occluscope run`: the whole analysis without a display.
 //!
-//! Decoding runs ahead on its own thread, pictures are encoded on others. What tables need of each
-//! frame is kept until the end, because only then is it known who was who; the annotated pictures
-//! are drawn in a second pass over the video for the same reason. A camera has no second pass:
-//! its pictures show what was known at the time.
+//! Decoding runs ahead on its own thread, images are encoded on others. The data for tables is kept until the end,
+//! because the offline result needs all frames; annotated frames are drawn in a second pass over the video for the
+//! same reason. A camera has no second pass: its annotated frames show the online result.
 
 use std::collections::BTreeSet;
 use std::fs::File;
@@ -38,10 +37,10 @@ use crate::source::{Options, SourceInfo};
 use crate::tracking::Track;
 
 const SUMMARY: &str = "summary.json";
-/// What was analysed, where that was not the whole image.
+/// The region of interest, if it is not the whole image.
 const ROI: &str = "roi.png";
 
-/// A file or folder that is written only when asked for.
+/// A file or folder that is written only on request.
 struct BulkyOutput {
     flag: &'static str,
     file: &'static str,
@@ -69,7 +68,7 @@ const PLAIN_FRAMES: BulkyOutput = BulkyOutput {
 };
 const ALL_BULKY: [BulkyOutput; 5] = [MASKS, FRAMES, ANNOTATED, BACKGROUND, PLAIN_FRAMES];
 
-/// The subcommand.
+/// Defines the subcommand.
 pub fn command() -> Command {
     let command = Command::new("run")
         .about("Analyse a video without a display and write tracks, regions, events and episodes")
@@ -97,7 +96,7 @@ pub fn command() -> Command {
     flags::with_settings(flags::with_common(flags::with_roi(flags::with_range(flags::with_source(command)))))
 }
 
-/// Analyses and writes.
+/// Analyses the video and writes the output.
 pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let job = RunJob::new(matches)?;
     flags::start_threads(matches)?;
@@ -137,7 +136,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     Ok(())
 }
 
-/// What is to be done.
+/// The inputs of a run.
 struct RunJob {
     video: String,
     out: PathBuf,
@@ -146,7 +145,7 @@ struct RunJob {
     range: Option<Range>,
     options: Options,
     console: Console,
-    /// The flags of the bulky files that were asked for.
+    /// The flags of the requested bulky files.
     bulky: Vec<&'static str>,
 }
 
@@ -168,7 +167,7 @@ impl RunJob {
         format!("{} cannot be written to", self.out.display())
     }
 
-    /// Whether anything is to be drawn onto frames.
+    /// Whether annotated frames are requested.
     fn draws(&self) -> bool {
         self.wants(&FRAMES) || self.wants(&ANNOTATED)
     }
@@ -178,17 +177,17 @@ impl RunJob {
     }
 }
 
-/// What is kept of the whole sequence.
+/// The recorded results of the whole sequence.
 struct RunRecord {
     reading: OfflineResult,
     regions: Vec<(u32, Vec<regions_csv::Row>)>,
     foreground_share: f64,
     warnings: Vec<String>,
-    /// Of all frames as they were decoded; none of a camera or a video file, which has a hash of its own.
+    /// The hash of all decoded frames; `None` for a camera or a video file, which has its own hash.
     frames_hash: Option<String>,
 }
 
-/// The first pass: every frame through all stages. Pictures that need no later knowledge are written on the way.
+/// The first pass: every frame through all stages. Images that do not need the offline result are written during it.
 fn analyse(job: &RunJob, frames: &mut Frames, staging: &Staging) -> anyhow::Result<RunRecord> {
     let info = &frames.info.clone();
     let mut pipeline = Pipeline::new(&job.settings, info.size, info.fps)?;
@@ -211,10 +210,10 @@ fn analyse(job: &RunJob, frames: &mut Frames, staging: &Staging) -> anyhow::Resu
     let no_regions = Arc::new(Vec::new());
 
     let progress = job.console.progress("analysing", frames.total);
-    // Pictures of the model show it after each frame.
+    // Images of the model are of the state after each frame.
     let most = if pictures.background.is_some() { 1 } else { BATCH };
     loop {
-        // A recording ends when it is stopped; anything else is then not done.
+        // Stopping ends a recording; any other work is then incomplete.
         if interrupt::asked() && !info.live {
             bail!("stopped before the end of {}; nothing was written", job.video);
         }
@@ -234,7 +233,7 @@ fn analyse(job: &RunJob, frames: &mut Frames, staging: &Staging) -> anyhow::Resu
             }
             foreground += analysis.mask.foreground_pixels();
             regions.push((frame.number, analysis.regions.iter().map(regions_csv::Row::from).collect()));
-            // Masks, labels and histograms would fill the memory, and the final reading needs none.
+            // Masks, labels and histograms would exceed the memory, and the offline result does not need them.
             kept.push(Analysis {
                 mask: no_mask.clone(),
                 labels: no_labels.clone(),
@@ -270,7 +269,7 @@ fn analyse(job: &RunJob, frames: &mut Frames, staging: &Staging) -> anyhow::Resu
     })
 }
 
-/// The bulky pictures that are written as frames pass.
+/// The bulky images that are written during the first pass.
 struct Pictures {
     masks: Option<PathBuf>,
     background: Option<PathBuf>,
@@ -310,7 +309,7 @@ fn numbered(folder: &Path, number: u32) -> PathBuf {
     folder.join(format!("{number:06}.png"))
 }
 
-/// Where annotated frames go.
+/// The destination of annotated frames.
 struct Drawing {
     frames: Option<PathBuf>,
     video: Option<VideoFile>,
@@ -349,7 +348,7 @@ impl Drawing {
     }
 }
 
-/// Draws as frames pass what is known at the time.
+/// Draws the online result onto each frame during the first pass.
 struct LiveDrawing {
     drawing: Drawing,
     fps: f32,
@@ -365,7 +364,7 @@ impl LiveDrawing {
     fn draw(&mut self, mut frame: Frame, analysis: &Analysis) -> anyhow::Result<()> {
         self.tracks.push((analysis.number, analysis.tracks.to_vec()));
         self.events.extend(analysis.events.iter().cloned());
-        // An event may be decided some frames after it happened.
+        // An event can be decided some frames after it happened.
         self.events.sort_by_key(|event| event.frame);
         annotate(
             &mut frame,
@@ -379,7 +378,7 @@ impl LiveDrawing {
     }
 }
 
-/// The second pass: the final reading drawn onto the frames, decoded once more.
+/// The second pass: decodes the frames again and draws the offline result.
 fn draw(job: &RunJob, record: &RunRecord, staging: &Staging) -> anyhow::Result<()> {
     let mut frames = Frames::open(&job.video, job.options, job.range, None)?;
     let fps = frames.info.fps;
@@ -390,7 +389,7 @@ fn draw(job: &RunJob, record: &RunRecord, staging: &Staging) -> anyhow::Result<(
 
     let mut pictures = frames.items().filter_map(|item| match item {
         Item::Frame(frame) => Some(Ok(frame)),
-        // The first pass has told it.
+        // Already reported by the first pass.
         Item::Warning(_) | Item::End => None,
         Item::Failed(error) => Some(Err(error)),
     });
@@ -422,7 +421,7 @@ fn is_images(info: &SourceInfo) -> bool {
     !info.live && !Path::new(&info.name).is_file()
 }
 
-/// Starts to hash a video file; `None` of anything else.
+/// Starts hashing a video file; `None` for other sources.
 fn hash_of_file(video: &str) -> Option<JoinHandle<io::Result<String>>> {
     let path = Path::new(video).is_file().then(|| PathBuf::from(video))?;
     let hash = move || {
@@ -519,7 +518,7 @@ fn summarise(
     }
 }
 
-/// Says what came of it.
+/// Prints a summary of the results.
 fn tell(job: &RunJob, summary: &Summary) {
     job.console.note(&format!(
         "{} frames, {} objects, {} occlusion episodes, {:.0} frames/s; written to {}",

@@ -1,4 +1,4 @@
-//! `occluscope score`: what `run` wrote against ground truth.
+//! `occluscope score`: scores the output of `run` against ground truth.
 
 use std::collections::BTreeMap;
 use std::io::{self, Write};
@@ -17,10 +17,10 @@ use crate::truth::summary::{self, TrackScore};
 use crate::truth::survival::Survival;
 use crate::truth::{self, TruthSource};
 
-/// Events and the ends of episodes may be so many frames off.
+/// Largest deviation in frames of events and of the ends of episodes.
 const TOLERANCE: u32 = 8;
 
-/// The subcommand.
+/// Defines the subcommand.
 pub fn command() -> Command {
     let command = Command::new("score")
         .about("Score the results of `run` against ground truth")
@@ -56,7 +56,7 @@ pub fn command() -> Command {
     flags::with_common(command)
 }
 
-/// Scores and prints.
+/// Computes and prints the scores.
 pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     flags::start_threads(matches)?;
     let path = |name: &str| matches.get_one::<PathBuf>(name).cloned().unwrap_or_default();
@@ -71,7 +71,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     Ok(out.flush()?)
 }
 
-/// Whatever the truth allows to score.
+/// All scores that the ground truth permits.
 #[derive(Default, Serialize)]
 struct Scores {
     #[serde(flatten)]

@@ -6,7 +6,7 @@ use clap::{ArgMatches, Command};
 
 use super::flags;
 
-/// The subcommand.
+/// Defines the subcommand.
 pub fn command() -> Command {
     let command = Command::new("settings")
         .about("Print every setting with its range, default and meaning, as a settings file")
@@ -16,7 +16,7 @@ pub fn command() -> Command {
     flags::with_settings(command)
 }
 
-/// Prints the settings that the flags ask for.
+/// Prints the requested settings.
 pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let settings = flags::settings(matches)?;
     let mut out = io::stdout().lock();

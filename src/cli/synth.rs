@@ -13,7 +13,7 @@ use crate::frame::Size;
 use crate::synth::noise::Noise;
 use crate::synth::{self, Parameters, catalogue};
 
-/// What the command line takes. Every wrong value is found here, as wrong usage.
+/// Defines the subcommand. All invalid values are detected here, as wrong usage.
 pub fn command() -> Command {
     let names = catalogue::entries().map(|entry| entry.name);
     Command::new("synth")
@@ -94,13 +94,13 @@ pub fn command() -> Command {
         )
 }
 
-/// Runs it. Errors are failures of the work; wrong usage never comes so far.
+/// Runs the subcommand. Its errors are failures of the work; wrong usage is detected earlier.
 pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     if matches.get_flag("list") {
         return list();
     }
     let parameters = parameters(matches);
-    // Both are given and known: the command line demands it.
+    // Both are required by the command line.
     let (Some(name), Some(out)) = (matches.get_one::<String>("scene"), matches.get_one::<PathBuf>("out"))
     else {
         anyhow::bail!("synth needs SCENE and --out DIR; see `occluscope synth --help`");
@@ -148,7 +148,7 @@ fn list() -> anyhow::Result<()> {
     let mut out = std::io::stdout().lock();
     for entry in catalogue::entries() {
         match writeln!(out, "{:17} {}", entry.name, entry.description) {
-            // Whoever reads has seen enough.
+            // A reader that closes the pipe is not a failure.
             Err(error) if error.kind() == ErrorKind::BrokenPipe => return Ok(()),
             written => written?,
         }
@@ -185,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn the_command_is_sound_and_its_defaults_are_the_library_s() {
+    fn the_command_is_valid_and_its_defaults_equal_the_library_s() {
         command().debug_assert();
         let matches = parse("crossing --out there").unwrap();
         assert_eq!(parameters(&matches), Parameters::default());

@@ -1,4 +1,4 @@
-//! `occluscope [VIDEO]`: the window.
+//! `occluscope [VIDEO]`: opens the window.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -11,7 +11,7 @@ use crate::settings::Settings;
 use crate::source::Options;
 use crate::truth::TruthSource;
 
-/// Adds what the window takes.
+/// Adds the arguments of the window.
 pub(super) fn with_arguments(command: Command) -> Command {
     let video = flags::video().help(
         "Video file, folder of images, pattern such as in%06d.png, or camera:0 to open in the window \
@@ -39,7 +39,7 @@ pub(super) fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let roi = flags::roi(matches)?;
     let truth = matches.get_one::<PathBuf>("truth").cloned();
     if let Some(truth) = &truth {
-        // What is in it is read beside the window.
+        // Only its kind is detected here; the session reads it.
         TruthSource::of(truth)?;
     }
     flags::start_threads(matches)?;

@@ -1,4 +1,4 @@
-//! What was found, drawn onto the frame it was found in.
+//! Draws results onto frames.
 
 use super::canvas::{Canvas, Paint, text_width};
 use super::joined;
@@ -8,40 +8,39 @@ use crate::palette::{event_colour, identity_colour};
 use crate::regions::Rect;
 use crate::tracking::{Identity, Track, TrackState};
 
-/// How long a trail is, in seconds.
+/// The length of a trail, in seconds.
 pub const TRAIL_SECONDS: f32 = 2.0;
-/// How long an event stays in the banner, in seconds: one frame of a video is too short to read.
+/// The time that an event stays in the banner, in seconds: one frame of a video is too short to read.
 pub const EVENT_SECONDS: f32 = 1.0;
 
 const BLACK: [u8; 3] = [0; 3];
 const WHITE: [u8; 3] = [255; 3];
 
-/// What is drawn onto a frame.
+/// The annotations of a frame.
 #[derive(Clone, Copy, Debug)]
 pub struct FrameAnnotations<'a> {
-    /// The objects of the frames up to this one, `(frame number, tracks)`, this frame's the last:
-    /// as many frames as a trail is long.
+    /// The objects of the last frames up to this one, `(frame number, tracks)`, for the length of a trail.
     pub recent: &'a [(u32, Vec<Track>)],
-    /// The events of this frame, and of those shortly before it.
+    /// The events of this frame and of those shortly before it.
     pub events: &'a [Event],
 }
 
 impl<'a> FrameAnnotations<'a> {
-    /// The moment at `index` of a sequence: what of it is recent enough to be drawn.
+    /// The annotations of the frame at `index`, from the results of a sequence.
     pub fn at(index: usize, tracks: &'a [(u32, Vec<Track>)], events: &'a [Event], fps: f32) -> Self {
         let start = (index + 1).saturating_sub(((TRAIL_SECONDS * fps).round() as usize).max(2));
         let recent = tracks.get(start..=index).unwrap_or_default();
         let now = recent.last().map_or(0, |(number, _)| *number);
         let shown = ((EVENT_SECONDS * fps).round() as u32).max(1);
-        // Events are in the order of their frames.
+        // Events are in order of frames.
         let first = events.partition_point(|event| event.frame + shown <= now);
         let end = events.partition_point(|event| event.frame <= now);
         Self { recent, events: events.get(first..end).unwrap_or_default() }
     }
 }
 
-/// Draws boxes in the identities' colours (dashed where they are predicted), labels, trails,
-/// groups, and a banner with the frame's number and events.
+/// Draws boxes in the identities' colours (dashed where they are predicted), labels, trails, groups, and a banner
+/// with the frame's number and events.
 pub fn annotate(frame: &mut Frame, moment: &FrameAnnotations<'_>) {
     let number = frame.number;
     let mut canvas = Canvas::new(frame);
@@ -68,7 +67,7 @@ pub fn annotate(frame: &mut Frame, moment: &FrameAnnotations<'_>) {
     draw_labels(&mut canvas, tracks, &groups, banner, style);
 }
 
-/// Sizes in pixels that suit the picture's.
+/// Sizes in pixels, scaled to the image.
 #[derive(Clone, Copy)]
 struct Style {
     line: f32,
@@ -108,18 +107,18 @@ fn draw_trail(canvas: &mut Canvas<'_>, track: &Track, recent: &[(u32, Vec<Track>
 
 fn draw_box(canvas: &mut Canvas<'_>, track: &Track, style: Style) {
     let dash = if track.state == TrackState::Visible { 0.0 } else { style.line * 4.0 };
-    // Whole pixels around the object, so that lines are sharp and hide none of it.
+    // Whole pixels around the object, so that lines are sharp and do not cover it.
     let Rect { x, y, .. } = track.bbox;
     let (left, top) = (x.round() - style.line / 2.0, y.round() - style.line / 2.0);
     let (right, bottom) =
         (track.bbox.right().round() + style.line / 2.0, track.bbox.bottom().round() + style.line / 2.0);
     let around = Rect::new(left, top, right - left, bottom - top);
-    // A dark rim keeps the colour apart from a background that resembles it.
+    // A dark rim separates the line from a background of similar colour.
     canvas.outline(&around, style.line + 2.0, dash, Paint::sheer(BLACK, 0.35));
     canvas.outline(&around, style.line, dash, Paint::solid(identity_colour(track.id)));
 }
 
-/// The groups among these objects, and the rectangle around each.
+/// The groups among these objects, and the bounding rectangle of each.
 fn groups(tracks: &[Track]) -> Vec<(Vec<Identity>, Rect)> {
     let mut groups: Vec<(Vec<Identity>, Rect)> = Vec::new();
     for track in tracks.iter().filter(|track| track.group.len() > 1) {
@@ -140,10 +139,10 @@ fn groups(tracks: &[Track]) -> Vec<(Vec<Identity>, Rect)> {
     groups
 }
 
-/// Draws the banner into the upper left corner and gives the places it takes.
+/// Draws the banner into the upper left corner; returns the rectangles that it covers.
 fn draw_banner(canvas: &mut Canvas<'_>, number: u32, events: &[Event], style: Style) -> Vec<Rect> {
     let mut chips = vec![(format!("frame {number}"), Paint::sheer(BLACK, 0.7), WHITE)];
-    // The newest first: it is what the picture shows.
+    // The newest first.
     for event in events.iter().rev() {
         let what = if event.objects == event.becomes || event.becomes.is_empty() || event.objects.is_empty() {
             let who = if event.objects.is_empty() { &event.becomes } else { &event.objects };
@@ -165,7 +164,7 @@ fn draw_banner(canvas: &mut Canvas<'_>, number: u32, events: &[Event], style: St
         if x > style.gap && x + width + style.gap > size.width as f32 {
             (x, y) = (style.gap, y + style.chip_height() + style.gap);
         }
-        // More than a third of a picture is not a banner any more.
+        // The banner covers at most a third of the image's height.
         if y + style.chip_height() > size.height as f32 / 3.0 && !places.is_empty() {
             break;
         }
@@ -177,7 +176,7 @@ fn draw_banner(canvas: &mut Canvas<'_>, number: u32, events: &[Event], style: St
     places
 }
 
-/// Puts every identity beside its object, where it hides the least.
+/// Draws each object's label next to the object, at the position of the least overlap.
 fn draw_labels(
     canvas: &mut Canvas<'_>,
     tracks: &[Track],
@@ -259,7 +258,7 @@ mod tests {
     }
 
     #[test]
-    fn a_box_stands_in_its_identity_s_colour_and_the_object_stays_clear() {
+    fn a_box_has_the_colour_of_its_identity_and_does_not_cover_the_object() {
         let tracks = vec![(9, vec![Track { bbox: Rect::new(40.0, 50.0, 20.0, 40.0), ..track(4, 0.0, 0.0) }])];
         let mut frame = grey(9, Size::new(200, 120));
         annotate(&mut frame, &FrameAnnotations::at(0, &tracks, &[], 10.0));
@@ -291,7 +290,7 @@ mod tests {
     }
 
     #[test]
-    fn a_moment_holds_what_is_recent() {
+    fn annotations_contain_recent_tracks_and_events() {
         let tracks: Vec<_> = (1..=50).map(|number| (number, vec![track(1, 0.0, 0.0)])).collect();
         let events: Vec<_> = (1..=50).map(|frame| event(frame, EventKind::Merge, &[1, 2])).collect();
         let moment = FrameAnnotations::at(39, &tracks, &events, 10.0);

@@ -1,4 +1,4 @@
-//! Anti-aliased lines, areas and text on an RGB picture.
+//! Anti-aliased lines, areas and text on an RGB image.
 
 use std::sync::LazyLock;
 
@@ -7,40 +7,40 @@ use ab_glyph::{Font, FontRef, Glyph, PxScale, ScaleFont, point};
 use crate::frame::{Frame, Size};
 use crate::regions::{Rect, Rgb};
 
-/// Hack, a typeface that stays readable at ten pixels.
+/// Hack, a typeface that is legible at ten pixels.
 static FONT: LazyLock<Option<FontRef<'static>>> =
     LazyLock::new(|| FontRef::try_from_slice(epaint_default_fonts::HACK_REGULAR).ok());
 
-/// A picture to draw on. Coordinates are in pixels, pixel (x, y) covering [x, x + 1) × [y, y + 1);
-/// what lies outside is cut off.
+/// An image to draw on. Coordinates are in pixels, pixel (x, y) covering [x, x + 1) × [y, y + 1); drawing is clipped
+/// to the image.
 pub struct Canvas<'a> {
     size: Size,
     rgb: &'a mut [u8],
 }
 
-/// How something is painted.
+/// Colour and opacity of a drawing operation.
 #[derive(Clone, Copy, Debug)]
 pub struct Paint {
     /// Its colour.
     pub colour: Rgb,
-    /// How much it covers what is below, 0..=1.
+    /// The opacity, 0..=1.
     pub opacity: f32,
 }
 
 impl Paint {
-    /// Covers what is below.
+    /// An opaque paint.
     pub const fn solid(colour: Rgb) -> Self {
         Self { colour, opacity: 1.0 }
     }
 
-    /// Lets some of what is below through.
+    /// A translucent paint.
     pub const fn sheer(colour: Rgb, opacity: f32) -> Self {
         Self { colour, opacity }
     }
 }
 
 impl<'a> Canvas<'a> {
-    /// Draws on this frame.
+    /// A canvas on this frame.
     pub fn new(frame: &'a mut Frame) -> Self {
         Self { size: frame.size, rgb: &mut frame.rgb }
     }
@@ -55,7 +55,7 @@ impl<'a> Canvas<'a> {
         self.lines(&[from, to], width, paint);
     }
 
-    /// Lines from point to point, covering each pixel once however they overlap.
+    /// A polyline, which covers each pixel once even where it overlaps itself.
     pub fn lines(&mut self, points: &[[f32; 2]], width: f32, paint: Paint) {
         if points.iter().flatten().any(|value| !value.is_finite()) {
             return;
@@ -81,7 +81,7 @@ impl<'a> Canvas<'a> {
         }
     }
 
-    /// The outline of a rectangle, `dash` pixels drawn and as many left out; solid where it is 0.
+    /// The outline of a rectangle, with dashes and gaps of `dash` pixels; solid if it is 0.
     pub fn outline(&mut self, rect: &Rect, width: f32, dash: f32, paint: Paint) {
         let corners = [
             [rect.x, rect.y],
@@ -120,7 +120,7 @@ impl<'a> Canvas<'a> {
         self.lines(&points, width, paint);
     }
 
-    /// A filled rectangle, its edges blended where they cut through pixels.
+    /// A filled rectangle with anti-aliased edges.
     pub fn fill(&mut self, rect: &Rect, paint: Paint) {
         let share =
             |at: u32, from: f32, to: f32| ((at as f32 + 1.0).min(to) - (at as f32).max(from)).clamp(0.0, 1.0);
@@ -132,7 +132,7 @@ impl<'a> Canvas<'a> {
         }
     }
 
-    /// A line of text `height` pixels high, its upper left corner at (x, y).
+    /// A line of text `height` pixels high, with its upper left corner at (x, y).
     pub fn text(&mut self, [x, y]: [f32; 2], height: f32, text: &str, paint: Paint) {
         for glyph in glyphs(x, y, height, text) {
             let Some(outline) = FONT.as_ref().and_then(|font| font.outline_glyph(glyph)) else { continue };
@@ -164,7 +164,7 @@ impl<'a> Canvas<'a> {
     }
 }
 
-/// How wide `text` is at this height.
+/// The width of `text` at this height.
 pub fn text_width(height: f32, text: &str) -> f32 {
     let Some(font) = FONT.as_ref() else { return 0.0 };
     let font = font.as_scaled(PxScale::from(height));
@@ -223,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_outside_the_picture_is_touched_or_panics() {
+    fn drawing_is_clipped_to_the_image() {
         let mut frame = black(8, 8);
         let mut canvas = Canvas::new(&mut frame);
         canvas.line([-1e9, -5.0], [1e9, 20.0], 2.0, WHITE);

@@ -1,4 +1,4 @@
-//! Occlusion episodes, an episode a row.
+//! Occlusion episodes, one per row.
 
 use std::io::{self, Write};
 
@@ -6,7 +6,7 @@ use super::joined;
 use super::number::significant;
 use crate::occlusion::Episode;
 
-/// Writes the episodes in the order in which they are given.
+/// Writes the episodes in the given order.
 pub fn write(out: &mut impl Write, episodes: &[Episode]) -> io::Result<()> {
     writeln!(out, "kind,objects,start,end,least_visible,front,identities_kept")?;
     for episode in episodes {
@@ -32,7 +32,7 @@ mod tests {
     use crate::occlusion::EpisodeKind;
 
     #[test]
-    fn a_row_has_the_agreed_columns() {
+    fn a_row_has_the_documented_columns() {
         let scene = Episode {
             kind: EpisodeKind::Scene,
             objects: vec![7],

@@ -1,10 +1,10 @@
-//! Events, each a JSON object on a line of its own, with its evidence.
+//! Events with their evidence, one JSON object per line.
 
 use std::io::{self, Write};
 
 use crate::occlusion::Event;
 
-/// Writes the events in the order in which they are given.
+/// Writes the events in the given order.
 pub fn write(out: &mut impl Write, events: &[Event]) -> io::Result<()> {
     for event in events {
         serde_json::to_writer(&mut *out, event)?;
@@ -20,7 +20,7 @@ mod tests {
     use crate::occlusion::{EventKind, Evidence};
 
     #[test]
-    fn a_line_has_the_agreed_keys() {
+    fn a_line_has_the_documented_keys() {
         let mut evidence = Evidence { branch: "the region grew".into(), ..Evidence::default() };
         evidence.at_least("size change", 0.5, 0.2);
         let event = Event {

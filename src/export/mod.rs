@@ -1,7 +1,7 @@
-//! What a run leaves behind: one file per format, each from data to bytes.
+//! Output files: one module per format, each from data to bytes.
 //!
-//! Writers take the data and anything to write to; [`Staging`] sees to it that files appear under
-//! their names only when they are whole.
+//! Writers take the data and an output stream; with [`Staging`] files appear under their names only when they are
+//! complete.
 
 pub mod annotate;
 pub mod canvas;
@@ -26,7 +26,7 @@ pub use staging::Staging;
 
 use crate::tracking::Identity;
 
-/// Several identities in one cell of a table: `3+5`.
+/// Several identities in one table cell: `3+5`.
 fn joined(identities: &[Identity]) -> String {
     identities.iter().map(Identity::to_string).collect::<Vec<_>>().join("+")
 }

@@ -1,7 +1,7 @@
-//! Numbers in tables: nine significant digits, which bring every f32 back to the bit.
+//! Numbers in tables: nine significant digits, from which every f32 is restored exactly.
 
-/// The number as C's `%.9g` writes it: at most nine significant digits, no trailing zeros, an
-/// exponent only below 10⁻⁴ and from 10⁹ on.
+/// The number as in C's `%.9g`: at most nine significant digits, no trailing zeros, an exponent only below 10⁻⁴ and
+/// from 10⁹ on.
 pub fn significant(value: f64) -> String {
     const DIGITS: i32 = 9;
     if value == 0.0 {
@@ -17,7 +17,7 @@ pub fn significant(value: f64) -> String {
         }
         .to_owned();
     }
-    // Rounding to nine digits may carry into the next power of ten, so the exponent is read after it.
+    // Rounding to nine digits can carry into the next power of ten, so the exponent is read after it.
     let rounded = format!("{value:.8e}");
     let (mantissa, exponent) = rounded.split_once('e').unwrap_or((&rounded, "0"));
     let exponent: i32 = exponent.parse().unwrap_or(0);
@@ -39,8 +39,8 @@ mod tests {
     use super::significant;
 
     #[test]
-    fn writes_as_c_does() {
-        // The right side is what `printf("%.9g")` gives.
+    fn numbers_are_written_as_in_c() {
+        // The right side is the output of `printf("%.9g")`.
         for (value, text) in [
             (0.0, "0"),
             (1.0, "1"),
@@ -61,7 +61,7 @@ mod tests {
     }
 
     #[test]
-    fn every_f32_comes_back_to_the_bit() {
+    fn every_f32_is_restored_exactly() {
         let mut bits = 1_u32;
         for _ in 0..200_000 {
             bits = bits.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);

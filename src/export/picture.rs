@@ -1,4 +1,4 @@
-//! Pictures as PNG files.
+//! Images as PNG files.
 
 use std::fs::File;
 use std::io::{self, BufWriter};
@@ -9,14 +9,14 @@ use image::{ExtendedColorType, ImageEncoder};
 
 use crate::frame::{Frame, Mask};
 
-/// Writes an RGB picture.
+/// Writes an RGB image.
 pub fn write_frame(path: &Path, frame: &Frame) -> io::Result<()> {
     let size = frame.size;
-    // Without a filter, natural images grow by half.
+    // PNG filters reduce the size of natural images by a third.
     write(path, &frame.rgb, size.width, size.height, ExtendedColorType::Rgb8, FilterType::Sub)
 }
 
-/// Writes a mask as CDnet has it: 8-bit gray, 0 background, 255 foreground.
+/// Writes a mask in CDnet's format: 8-bit gray, 0 background, 255 foreground.
 pub fn write_mask(path: &Path, mask: &Mask) -> io::Result<()> {
     let size = mask.size;
     write(path, &mask.data, size.width, size.height, ExtendedColorType::L8, FilterType::NoFilter)
@@ -31,7 +31,7 @@ fn write(
     filter: FilterType,
 ) -> io::Result<()> {
     let out = BufWriter::new(File::create(path)?);
-    // A run writes thousands: the fast level costs a tenth of the time for a few per cent of size.
+    // A run writes thousands of images: the fast level takes a tenth of the time for a few per cent more size.
     let encoder = PngEncoder::new_with_quality(out, CompressionType::Fast, filter);
     encoder.write_image(bytes, width, height, colour).map_err(|error| match error {
         image::ImageError::IoError(error) => error,
@@ -46,7 +46,7 @@ mod tests {
     use crate::frame::Size;
 
     #[test]
-    fn pictures_come_back_as_they_were() {
+    fn images_are_restored_exactly() {
         let folder = tempfile::tempdir().unwrap();
         let size = Size::new(5, 3);
         let frame = Frame::new(1, size, (0..45).map(|value| value * 5).collect());

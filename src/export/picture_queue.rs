@@ -1,4 +1,4 @@
-//! Pictures encoded on threads of their own while the analysis goes on.
+//! Encodes images on separate threads during the analysis.
 
 use std::path::PathBuf;
 use std::sync::Arc;
@@ -10,7 +10,7 @@ use crossbeam_channel::{Receiver, Sender, bounded};
 use super::picture::{write_frame, write_mask};
 use crate::frame::{Frame, Mask};
 
-/// What a picture shows.
+/// An image to be written.
 pub enum Picture {
     /// An RGB image.
     Frame(Arc<Frame>),
@@ -18,17 +18,17 @@ pub enum Picture {
     Mask(Arc<Mask>),
 }
 
-/// Threads that write pictures. Dropped, they finish what they have.
+/// Threads that write images. Dropping it completes the queued images.
 pub struct PictureQueue {
     jobs: Option<Sender<(PathBuf, Picture)>>,
     threads: Vec<JoinHandle<io::Result<()>>>,
 }
 
 impl PictureQueue {
-    /// Starts so many threads, at least one.
+    /// Starts this many threads, at least one.
     pub fn start(threads: usize) -> io::Result<Self> {
         let threads = threads.max(1);
-        // A short queue: pictures are large, and a disk that is slower than the analysis sets the pace.
+        // The queue is short: images are large, and a disk slower than the analysis has to limit its speed.
         let (jobs, waiting) = bounded(2 * threads);
         let threads = (0..threads)
             .map(|_| {
@@ -39,14 +39,14 @@ impl PictureQueue {
         Ok(Self { jobs: Some(jobs), threads })
     }
 
-    /// Has a picture written to `path`; waits while too many are on their way.
+    /// Queues an image for writing to `path`; blocks while the queue is full.
     pub fn write(&mut self, path: PathBuf, picture: Picture) -> io::Result<()> {
         let taken = self.jobs.as_ref().is_some_and(|jobs| jobs.send((path, picture)).is_ok());
-        // Nobody is there to take it: all have failed, and say why.
+        // All threads have failed; joining them returns the error.
         if taken { Ok(()) } else { self.join() }
     }
 
-    /// Waits until all pictures are written.
+    /// Waits until all images are written.
     pub fn finish(mut self) -> io::Result<()> {
         self.join()
     }
@@ -86,7 +86,7 @@ mod tests {
     use crate::frame::Size;
 
     #[test]
-    fn all_pictures_are_there_when_it_has_finished() {
+    fn all_images_are_written_at_the_end() {
         let folder = tempfile::tempdir().unwrap();
         let mut queue = PictureQueue::start(3).unwrap();
         let mask = Arc::new(Mask::empty(Size::new(40, 30)));
@@ -98,7 +98,7 @@ mod tests {
     }
 
     #[test]
-    fn a_failure_comes_out_and_nothing_waits_for_ever() {
+    fn an_error_is_returned_and_nothing_blocks() {
         let mut queue = PictureQueue::start(2).unwrap();
         let mask = Arc::new(Mask::empty(Size::new(4, 3)));
         let mut refused = Ok(());

@@ -1,4 +1,4 @@
-//! One pixel's mixture at every frame, a frame a row.
+//! The mixture of one pixel, one frame per row.
 
 use std::io::{self, Write};
 
@@ -46,7 +46,7 @@ pub fn write_row(out: &mut impl Write, parameters: &Parameters, state: &PixelSta
     writeln!(out)
 }
 
-/// Writes several pixels one after the other, each with its number and its place before every row. All are under the
+/// Writes several pixels in sequence, with the pixel's number and coordinates before every row. All have the
 /// parameters of the first.
 pub fn write_pins(out: &mut impl Write, pins: &[(u8, &PixelHistory)]) -> io::Result<()> {
     let Some((_, first)) = pins.first() else { return Ok(()) };
@@ -80,7 +80,7 @@ mod tests {
     }
 
     #[test]
-    fn rgb_has_three_columns_a_value_and_a_mean() {
+    fn rgb_has_three_columns_per_value_and_mean() {
         let settings = Settings { k: 2, ..Settings::preset(Preset::Plain) };
         let rows = table(&settings, &[[10, 20, 30], [10, 20, 30], [200, 20, 30]]);
         assert_eq!(
@@ -95,7 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn pins_have_their_number_and_place_before_the_columns_of_one_pixel() {
+    fn rows_of_pins_begin_with_number_and_coordinates() {
         let parameters = Parameters::new(&Settings { k: 1, ..Settings::preset(Preset::Plain) });
         let of = |at, level| PixelHistory::of_colours(at, parameters, (1..=2).map(|n| (n, [level; 3])));
         let (one, other) = (of((3, 4), 90), of((70, 8), 20));
@@ -114,7 +114,7 @@ mod tests {
     }
 
     #[test]
-    fn gray_has_one() {
+    fn gray_has_one_column_per_value_and_mean() {
         let settings = Settings { k: 1, space: Space::Gray, ..Settings::preset(Preset::Plain) };
         let rows = table(&settings, &[[10, 10, 10]]);
         assert_eq!(rows[0], "frame,value,matched,rank,background_count,foreground,rho,p,w1,mu1,var1");

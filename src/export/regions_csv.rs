@@ -1,4 +1,4 @@
-//! Regions with their shape, colour and object, a region a row.
+//! Regions with shape, colour and objects, one per row.
 
 use std::io::{self, Write};
 
@@ -7,11 +7,11 @@ use super::number::significant;
 use crate::regions::{Region, Rgb, Shape};
 use crate::tracking::{Identity, Track};
 
-/// The header's columns.
+/// The columns of the header.
 const HEADER: &str =
     "frame,label,area,x,y,w,h,cx,cy,mu20,mu11,mu02,orientation,eccentricity,extent,r,g,b,object";
 
-/// What a table keeps of a region: small, so that a long video's regions fit in memory.
+/// A row's data of a region: small, so that a long video's regions fit in memory.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {
     label: u32,
@@ -58,7 +58,7 @@ fn write_row(out: &mut impl Write, number: u32, row: &Row, objects: &[Identity])
     )
 }
 
-/// Whose region it is: the identities, rising, of the objects that the region explains.
+/// The identities, ascending, of the objects that the region is assigned to.
 fn objects_of(label: u32, tracks: &[Track]) -> Vec<Identity> {
     let mut objects: Vec<_> =
         tracks.iter().filter(|track| track.regions.contains(&label)).map(|track| track.id).collect();
@@ -74,7 +74,7 @@ mod tests {
     use crate::regions::Rect;
 
     #[test]
-    fn a_row_names_the_objects_of_its_region() {
+    fn a_row_has_the_objects_of_its_region() {
         let shape = Shape {
             area: 12,
             bbox: Rect::new(1.0, 2.0, 3.0, 4.0),

@@ -1,4 +1,4 @@
-//! The share of foreground around a pixel, a frame a row.
+//! The share of foreground around a pixel, one frame per row.
 
 use std::io::{self, Write};
 
@@ -6,8 +6,8 @@ use super::number::significant;
 use crate::mixture::PixelHistory;
 use crate::replay::RegionShares;
 
-/// Writes header and rows: each frame's number, and the shares before and after cleaning. `history` is that of the pixel
-/// in the middle, which has the numbers.
+/// Writes header and rows: the number of each frame, and the shares before and after cleaning. `history` is that of
+/// the centre pixel, which has the frame numbers.
 pub fn write(out: &mut impl Write, history: &PixelHistory, shares: &RegionShares) -> io::Result<()> {
     writeln!(out, "frame,model,cleaned")?;
     let both = shares.model.iter().zip(&shares.cleaned);
@@ -24,7 +24,7 @@ mod tests {
     use crate::settings::{Preset, Settings};
 
     #[test]
-    fn a_row_is_a_frame_with_both_shares() {
+    fn a_row_has_both_shares_of_a_frame() {
         let parameters = Parameters::new(&Settings::preset(Preset::Plain));
         let history = PixelHistory::of_colours((4, 5), parameters, (11..=13).map(|n| (n, [90; 3])));
         let (model, cleaned) = (vec![0.0, 1.0 / 3.0, 1.0], vec![0.0, 0.25]);

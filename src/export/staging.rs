@@ -1,4 +1,4 @@
-//! Files that appear under their names only when all of them are whole.
+//! Output files that appear under their names only when all of them are complete.
 
 use std::fs;
 use std::io;
@@ -6,21 +6,21 @@ use std::path::{Path, PathBuf};
 
 use tempfile::TempDir;
 
-/// A hidden folder inside the folder that is to receive results.
+/// A hidden folder inside the output folder.
 ///
-/// Files are written into it and, when all went well, moved out by [`Staging::publish`]. Dropped
-/// before that, it takes everything with it, and the receiving folder too if it was made for it.
+/// Files are written into it and, after success, moved out by [`Staging::publish`]. Dropping it before that removes
+/// it with its contents, and the output folder as well if it was created here.
 #[derive(Debug)]
 pub struct Staging {
     folder: PathBuf,
-    // Taken when published or dropped; `None` only then.
+    // `None` only after publishing or dropping.
     hidden: Option<TempDir>,
-    /// Folders that were made for this, the outermost first.
+    /// Folders that were created here, the outermost first.
     made: Vec<PathBuf>,
 }
 
 impl Staging {
-    /// Makes `folder` if it is not there, and the hidden folder within.
+    /// Creates `folder` if it does not exist, and the hidden folder within.
     pub fn new(folder: &Path) -> io::Result<Self> {
         let mut staging = Self { folder: folder.to_owned(), hidden: None, made: Vec::new() };
         let missing: Vec<_> = folder
@@ -35,22 +35,22 @@ impl Staging {
         Ok(staging)
     }
 
-    /// Where a file or folder of this name is to be written for now.
+    /// The temporary path of a file or folder of this name.
     pub fn path(&self, name: impl AsRef<Path>) -> PathBuf {
         self.hidden.as_ref().map_or(self.folder.as_path(), |hidden| hidden.path()).join(name)
     }
 
-    /// Makes a folder of this name among the staged files and gives its path.
+    /// Creates a folder of this name among the staged files and returns its path.
     pub fn folder(&self, name: &str) -> io::Result<PathBuf> {
         let path = self.path(name);
         fs::create_dir_all(&path)?;
         Ok(path)
     }
 
-    /// Moves everything to its place, `last` at the very end: where it stands, all stands.
+    /// Moves everything to its final path, `last` at the end: where it exists, all files are complete.
     ///
-    /// A staged file takes the place of one with its name. A staged folder takes the place of the
-    /// numbered pictures of an earlier one; whatever else lies in that folder stays.
+    /// A staged file replaces one of its name. A staged folder replaces the numbered images in a folder of its name;
+    /// other files in that folder stay.
     pub fn publish(mut self, last: impl AsRef<Path>) -> io::Result<()> {
         let Some(hidden) = self.hidden.take() else { return Ok(()) };
         self.made.clear();
@@ -69,13 +69,13 @@ impl Drop for Staging {
     fn drop(&mut self) {
         drop(self.hidden.take());
         for folder in self.made.iter().rev() {
-            // Fails where somebody has put something into it meanwhile, which then stays.
+            // Fails if the folder is not empty, in which case it stays.
             let _ = fs::remove_dir(folder);
         }
     }
 }
 
-/// Removes the numbered pictures in `to` and moves those of `from` there.
+/// Removes the numbered images in `to` and moves those of `from` there.
 fn replace_numbered(from: &Path, to: &Path) -> io::Result<()> {
     for entry in fs::read_dir(to)? {
         let entry = entry?;
@@ -90,7 +90,7 @@ fn replace_numbered(from: &Path, to: &Path) -> io::Result<()> {
     Ok(())
 }
 
-/// `000012.png`, `bin000012.png`.
+/// Matches `000012.png`, `bin000012.png`.
 fn is_numbered_picture(name: &str) -> bool {
     name.strip_suffix(".png")
         .map(|stem| stem.strip_prefix("bin").unwrap_or(stem))
@@ -112,7 +112,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_left_of_what_was_not_published() {
+    fn unpublished_files_are_removed() {
         let root = tempfile::tempdir().unwrap();
         let folder = root.path().join("a/b");
         let staging = Staging::new(&folder).unwrap();
@@ -123,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_that_was_there_stays_with_all_that_is_in_it() {
+    fn an_existing_folder_stays_with_its_contents() {
         let root = tempfile::tempdir().unwrap();
         fs::write(root.path().join("x.csv"), "old").unwrap();
         let staging = Staging::new(root.path()).unwrap();
@@ -134,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn publishing_replaces_its_own_files_only() {
+    fn publishing_replaces_only_its_own_files() {
         let root = tempfile::tempdir().unwrap();
         let masks = root.path().join("masks");
         fs::create_dir(&masks).unwrap();

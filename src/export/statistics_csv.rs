@@ -1,4 +1,4 @@
-//! What is counted over some frames of a pixel, in one row.
+//! Statistics over a range of frames of a pixel, in one row.
 
 use std::io::{self, Write};
 use std::ops::Range;
@@ -7,7 +7,7 @@ use super::number::significant;
 use crate::mixture::PixelHistory;
 use crate::mixture::statistics::Statistics;
 
-/// Writes header and row: the first and last frame's numbers, and the statistics over the states between.
+/// Writes header and row: the numbers of the first and last frame, and the statistics over the states between.
 pub fn write(out: &mut impl Write, history: &PixelHistory, range: Range<usize>) -> io::Result<()> {
     let statistics = Statistics::new(history, range.clone());
     let end = range.end.min(history.states.len());
@@ -57,7 +57,7 @@ mod tests {
     }
 
     #[test]
-    fn a_row_is_what_the_statistics_say() {
+    fn a_row_equals_the_statistics() {
         let rows = table(&Settings { alpha: 0.01, ..Settings::preset(Preset::Plain) }, 0..10);
         assert_eq!(
             rows[0],
@@ -69,7 +69,7 @@ mod tests {
     }
 
     #[test]
-    fn gray_has_one_mean_and_a_part_its_own_frames() {
+    fn gray_has_one_mean_and_a_range_has_its_own_frames() {
         let gray = Settings { alpha: 0.01, space: Space::Gray, ..Settings::preset(Preset::Plain) };
         let rows = table(&gray, 2..5);
         assert!(rows[0].starts_with("from,to,frames,mean,variance,foreground"));

@@ -1,4 +1,4 @@
-//! What was analysed, how, and what came of it, in one JSON file.
+//! The input, settings and results of a run, as one JSON file.
 
 use std::io::{self, Write};
 
@@ -8,59 +8,59 @@ use crate::frame::Size;
 use crate::occlusion::Counters;
 use crate::settings::Settings;
 
-/// All that `summary.json` says. Equal inputs and settings give equal summaries, [`Summary::timing`] apart.
+/// The contents of `summary.json`. Equal inputs and settings give equal summaries, apart from [`Summary::timing`].
 #[derive(Clone, Debug, Serialize)]
 pub struct Summary {
     /// The program's version.
     pub version: &'static str,
-    /// What was analysed.
+    /// The input.
     pub input: Input,
     /// The value of every setting.
     pub settings: Settings,
-    /// The share of the image that was analysed, where `--roi` said which: `roi.png` beside this file.
+    /// The analysed share of the image, with `--roi`; the region is `roi.png` next to this file.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub analysed_share: Option<f32>,
-    /// How many objects were given an identity.
+    /// Number of identities.
     pub objects: usize,
-    /// Events of each kind.
+    /// Number of events of each kind.
     pub events: Counters,
-    /// Occlusion episodes.
+    /// Number of occlusion episodes.
     pub episodes: usize,
     /// Mean share of foreground pixels, 0..=1.
     pub foreground_share: f64,
-    /// What went wrong with the input without ending the work, a sentence each.
+    /// Warnings about the input, one sentence each.
     pub warnings: Vec<String>,
-    /// How long it took.
+    /// The duration of the analysis.
     pub timing: Timing,
 }
 
-/// The frames that were analysed.
+/// The analysed input.
 #[derive(Clone, Debug, Serialize)]
 pub struct Input {
-    /// As the user named it.
+    /// The name given by the user.
     pub path: String,
     /// Width and height in pixels.
     pub size: Size,
-    /// Frames a second.
+    /// Frames per second.
     pub fps: f32,
-    /// What says so: `--fps`, `video`, `seqinfo.ini`, or `assumed` where nothing does.
+    /// The origin of the rate: `--fps`, `video`, `seqinfo.ini`, or `assumed`.
     pub fps_from: &'static str,
-    /// How many frames were analysed.
+    /// Number of analysed frames.
     pub frames: u32,
-    /// The number of the first of them.
+    /// The first frame number.
     pub first_frame: u32,
-    /// The number of the last of them.
+    /// The last frame number.
     pub last_frame: u32,
-    /// SHA-256 of the file, of a folder's or pattern's images one after the other in order; none of a camera.
+    /// SHA-256 of the file, or of a folder's or pattern's images concatenated in order; `None` for a camera.
     pub sha256: Option<String>,
 }
 
-/// How long the analysis took, decoding and writing included.
+/// The duration of the analysis, including decoding and writing.
 #[derive(Clone, Copy, Debug, Serialize)]
 pub struct Timing {
     /// Wall time in seconds.
     pub seconds: f64,
-    /// Frames by wall time.
+    /// Frames per second of wall time.
     pub frames_per_second: f64,
 }
 

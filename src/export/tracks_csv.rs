@@ -1,4 +1,4 @@
-//! Tracks as MOTChallenge has them: `frame,id,x,y,w,h,conf,-1,-1,-1`, no header.
+//! Tracks in MOTChallenge's format: `frame,id,x,y,w,h,conf,-1,-1,-1`, no header.
 
 use std::io::{self, Write};
 
@@ -18,7 +18,7 @@ pub fn write(out: &mut impl Write, frames: &[(u32, Vec<Track>)]) -> io::Result<(
     Ok(())
 }
 
-/// 1 for an object that is seen, 0.5 where its box is predicted.
+/// 1 for a visible object, 0.5 where its box is predicted.
 pub fn confidence(state: TrackState) -> f32 {
     match state {
         TrackState::Visible => 1.0,
@@ -33,7 +33,7 @@ mod tests {
     use crate::export::tests::track;
 
     #[test]
-    fn a_row_is_a_motchallenge_row() {
+    fn rows_are_in_motchallenge_format() {
         let hidden = Track { state: TrackState::Hidden, ..track(7, 10.5, 20.25) };
         let frames = vec![(4, vec![track(3, 1.0, 2.0)]), (5, vec![]), (6, vec![track(3, 2.0, 2.0), hidden])];
         let mut text = Vec::new();

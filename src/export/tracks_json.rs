@@ -1,4 +1,4 @@
-//! Tracks with all that is known of them: an array of objects, one a line.
+//! Tracks with all their data: a JSON array of objects, one per line.
 
 use std::io::{self, Write};
 
@@ -64,7 +64,7 @@ mod tests {
     use crate::export::tests::track;
 
     #[test]
-    fn it_is_json_with_a_record_a_line() {
+    fn output_is_json_with_one_record_per_line() {
         let mut text = Vec::new();
         write(&mut text, &[(4, vec![track(3, 1.0, 2.0), track(5, 1.0, 2.0)])]).unwrap();
         assert_eq!(String::from_utf8_lossy(&text).lines().count(), 4);

@@ -1,4 +1,4 @@
-//! What a pixel, or those around it, would be under other settings, a cell of the grid a row.
+//! Results for a pixel or a region under other settings, one cell of the grid per row.
 
 use std::io::{self, Write};
 
@@ -14,7 +14,7 @@ pub fn write_map(out: &mut impl Write, map: &VerdictMap) -> io::Result<()> {
     })
 }
 
-/// Writes the decisions of each cell, row by row, with what follows from them.
+/// Writes the decisions of each cell, row by row, and the measures computed from them.
 pub fn write_decisions(out: &mut impl Write, axes: &[SettingAxis; 2], cells: &[Decisions]) -> io::Result<()> {
     header(out, axes, "tp,fp,fn,tn,right,f_measure")?;
     let mut cells = cells.iter();
@@ -30,14 +30,14 @@ fn header(out: &mut impl Write, [x, y]: &[SettingAxis; 2], columns: &str) -> io:
     writeln!(out, "{},{},{columns}", x.knob.key(), y.knob.key())
 }
 
-/// Gives `write` each cell with its column, its row, and the values of both settings.
+/// Calls `write` with each cell: its column, its row, and the values of both settings.
 fn each(
     [x, y]: &[SettingAxis; 2],
     mut write: impl FnMut(usize, usize, String) -> io::Result<()>,
 ) -> io::Result<()> {
     for (row, &up) in y.values.iter().enumerate() {
         for (column, &across) in x.values.iter().enumerate() {
-            // The shortest number that comes back to the bit.
+            // The shortest number from which the value is restored exactly.
             let values = format!("{across},{up}");
             write(column, row, values)?;
         }
@@ -55,7 +55,7 @@ mod tests {
     use crate::settings::Settings;
 
     #[test]
-    fn a_row_each_cell_with_values_that_come_back_to_the_bit() {
+    fn each_cell_has_a_row_with_exact_values() {
         let parameters = Parameters::new(&Settings::default());
         let values: Vec<_> = (0..40).map(|n| [if n > 36 { 200.0 } else { 60.0 }; 3]).collect();
         let map = map(&values, &parameters, [TunableSetting::Alpha, TunableSetting::K]);

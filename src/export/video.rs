@@ -1,4 +1,4 @@
-//! A video written frame by frame.
+//! Writes a video frame by frame.
 
 use std::path::Path;
 
@@ -8,25 +8,25 @@ use opencv::videoio::VideoWriter;
 
 use crate::frame::{Frame, Size};
 
-/// An MPEG-4 video being written: what every player, every FFmpeg and OpenCV itself reads.
+/// An MPEG-4 video in progress, a format that FFmpeg, OpenCV and common players read.
 pub struct VideoFile {
     writer: VideoWriter,
     size: Size,
     bgr: Vec<u8>,
 }
 
-/// Why a video cannot be written.
+/// An error of writing a video.
 #[derive(Debug, thiserror::Error)]
 pub enum VideoError {
-    /// OpenCV was built without an encoder, or the size or rate is beyond it.
+    /// OpenCV was built without an encoder, or the encoder does not support the size or rate.
     #[error("OpenCV cannot encode an MPEG-4 video of {size} at {fps} frames per second; omit `--annotated`")]
     Encoder {
-        /// Of the video.
+        /// The video's size.
         size: Size,
-        /// Of the video.
+        /// The video's frame rate.
         fps: f32,
     },
-    /// Everything else OpenCV complains of.
+    /// Any other error of OpenCV.
     #[error("OpenCV failed to write the video: {0}")]
     OpenCv(#[from] opencv::Error),
 }
@@ -65,7 +65,7 @@ mod tests {
     use opencv::videoio::{CAP_ANY, VideoCapture};
 
     #[test]
-    fn a_video_has_its_frames_in_order_whatever_its_size() {
+    fn a_video_of_any_size_has_its_frames_in_order() {
         let folder = tempfile::tempdir().unwrap();
         for size in [Size::new(64, 48), Size::new(65, 47)] {
             let path = folder.path().join("video.mp4");

@@ -1,4 +1,4 @@
-//! What the background of a whole image looks like: its means, and how many components it has.
+//! Images of the background model: its means, and the number of background components.
 
 use fearless_simd::{Simd, dispatch, f32x16, prelude::*};
 use rayon::prelude::*;
@@ -8,10 +8,10 @@ use super::pixel::Parameters;
 use super::tile::{Gaussians, LANES, Vectors, VerdictMemories, raised_t};
 use crate::settings::Space;
 
-/// The background at each pixel, in row order.
+/// The background model at each pixel, in row order.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Appearance {
-    /// The mean of component 1: RGB bytes (gray repeated).
+    /// The mean of component 1: RGB bytes, luma repeated.
     pub mean: Vec<u8>,
     /// The weighted mean of the B background components: RGB bytes.
     pub multi_mode: Vec<u8>,
@@ -19,19 +19,19 @@ pub struct Appearance {
     pub background_count: Vec<u8>,
 }
 
-/// The part of an [`Appearance`] that a tile gives.
+/// The part of an [`Appearance`] that belongs to one tile.
 struct TileAppearance {
     mean: [u8; 3 * LANES],
     multi_mode: [u8; 3 * LANES],
     background_count: [u8; LANES],
 }
 
-/// Tiles a piece of work for a thread.
+/// Number of tiles in a thread's job.
 const TILES_A_JOB: usize = 256;
 
 impl Mixture {
-    /// What its background looks like now: at each pixel what [`Pixel::background_mean`] and
-    /// [`Pixel::background_count`] say under the pixel's own T.
+    /// The current background: at each pixel the result of [`Pixel::background_mean`] and [`Pixel::background_count`]
+    /// under the pixel's own T.
     ///
     /// [`Pixel::background_mean`]: super::Pixel::background_mean
     /// [`Pixel::background_count`]: super::Pixel::background_count
@@ -58,7 +58,7 @@ impl Mixture {
         all
     }
 
-    /// The mean of component 1 at each pixel: RGB bytes in row order (gray repeated).
+    /// The mean of component 1 at each pixel: RGB bytes in row order, luma repeated.
     pub fn mean_image(&self) -> Vec<u8> {
         let gray = self.parameters().space == Space::Gray;
         let mut rgb = vec![0; self.size().pixels() * 3];
@@ -91,7 +91,7 @@ fn look<S: Simd, const N: usize>(
     for (tile, ((mean, multi_mode), count)) in (start..).zip(places) {
         let used = usize::from(tiles.used[tile]);
         let others = &tiles.others[tile * others..][..used.saturating_sub(1)];
-        // Weights as they are now, of which the image keeps some as they were a few frames ago.
+        // Brings the weights up to date, some of which are stored as of an earlier frame.
         let keep = tiles.keep(tile, mixture);
         let t = tile_t(simd, tiles.pasts.get(tile), keep.len(), mixture.parameters());
         let seen = look_at(simd, &tiles.first[tile], others, &keep, t);
@@ -101,7 +101,7 @@ fn look<S: Simd, const N: usize>(
     }
 }
 
-/// T of each lane, `frames` after its past was settled.
+/// T of each lane, `frames` frames after its memory was last brought up to date.
 #[inline(always)]
 fn tile_t<S: Simd>(
     simd: S,
@@ -136,7 +136,7 @@ fn look_at<S: Simd, const N: usize>(
         }
         other
     };
-    // Sums over the background components: of their weights, then of w/total·μ.
+    // Sums over the background components: of the weights, then of w/total·μ.
     let mut sum = zero;
     let mut count = zero;
     let mut used = zero;
@@ -175,7 +175,7 @@ fn look_at<S: Simd, const N: usize>(
     }
 }
 
-/// RGB bytes of rounded means, gray repeated.
+/// RGB bytes of rounded means, luma repeated.
 #[inline(always)]
 fn bytes<S: Simd, const N: usize>(means: [f32x16<S>; N]) -> [u8; 3 * LANES] {
     let means: [[f32; LANES]; N] = means.map(|mean| mean.round().to_array());

@@ -1,15 +1,14 @@
-//! Which component is which: a pixel's components followed through their changes of rank.
+//! Follows the components of a pixel through their changes of rank.
 //!
-//! An update moves one component at most, so nothing has to be guessed. Every component gets a
-//! *slot* 0..K that it keeps while it lives; a new component takes the slot of the one that it
-//! replaces, or the first free one.
+//! An update moves at most one component, so the result is exact. Every component has a *slot* 0..K that it keeps as
+//! long as it exists. A new component takes the slot of the one that it replaces, or the first free one.
 
 use super::history::{PixelHistory, PixelState};
 use super::pixel::MAX_K;
 
-/// Ranks, from 0, before and after the update of the component that the update of `state` matched or created.
+/// The ranks, from 0, before and after the update, of the component that the update of `state` matched or created.
 ///
-/// A new component has the last rank before, where it replaced what was there.
+/// The rank before of a new component is the last one where it replaced another.
 fn rank_move(state: &PixelState) -> (usize, usize) {
     let last = state.pixel.components().len() - 1;
     let from = usize::from(state.outcome.matched).checked_sub(1).unwrap_or(last).min(last);
@@ -32,7 +31,7 @@ pub enum ComponentChange {
     },
 }
 
-/// The change of the components by the update of the state at `index`; `None` where only their numbers changed.
+/// The change by the update of the state at `index`; `None` where no component was created or changed its rank.
 pub fn component_change(history: &PixelHistory, index: usize) -> Option<ComponentChange> {
     let outcome = history.states.get(index)?.outcome;
     if outcome.matched == 0 {
@@ -43,8 +42,8 @@ pub fn component_change(history: &PixelHistory, index: usize) -> Option<Componen
         .then_some(ComponentChange::Rose { from: outcome.matched, to: outcome.rank })
 }
 
-/// The rank (from 0) before the update of `state` of the component that has `rank` (from 0) after
-/// it; `None` for the component that is new in this frame.
+/// The rank (from 0), before the update of `state`, of the component that has `rank` (from 0) after it; `None` for a
+/// component created in this frame.
 pub fn rank_before(state: &PixelState, rank: usize) -> Option<usize> {
     let (from, to) = rank_move(state);
     if state.t <= 1 {
@@ -62,14 +61,15 @@ pub fn rank_before(state: &PixelState, rank: usize) -> Option<usize> {
 /// The slots by rank before the first frame.
 pub(super) const FIRST_SLOTS: [u8; MAX_K] = [0, 1, 2, 3, 4, 5, 6, 7];
 
-/// For every state of a history the slots of its components by rank; those beyond K mean nothing.
+/// The slots of the components by rank, for every state of a history; those beyond the components in use have no
+/// meaning.
 pub fn slots_by_rank(history: &PixelHistory) -> Vec<[u8; MAX_K]> {
     let mut all = Vec::with_capacity(history.states.len());
     extend_slots(&mut all, history);
     all
 }
 
-/// Extends the slots of a history's first states by those of the others.
+/// Extends the slots of a history's first states by those of its other states.
 pub fn extend_slots(all: &mut Vec<[u8; MAX_K]>, history: &PixelHistory) {
     let mut slots = all.last().copied().unwrap_or(FIRST_SLOTS);
     for (index, state) in history.states.iter().enumerate().skip(all.len()) {
@@ -77,7 +77,7 @@ pub fn extend_slots(all: &mut Vec<[u8; MAX_K]>, history: &PixelHistory) {
             let (from, to) = rank_move(state);
             let used = before.used();
             if state.outcome.matched == 0 && used <= from {
-                // Room was left: of the free slots, which stand last, the new one takes the first.
+                // There was room: the new component takes the first of the free slots, which are the last ones.
                 let first = (used..=from).min_by_key(|&rank| slots[rank]).unwrap_or(from);
                 slots.swap(first, from);
             }
@@ -95,7 +95,7 @@ mod tests {
     use crate::mixture::Parameters;
     use crate::settings::{Preset, Settings};
 
-    /// Three surfaces of a pixel that take turns, in an order that makes ranks change and components die.
+    /// A pixel that shows three surfaces in turn, in an order that causes changes of rank and replacements.
     fn history() -> PixelHistory {
         let parameters = Parameters::new(&Settings::preset(Preset::Plain));
         let colours = (0..900_u32).map(|number| {
@@ -113,7 +113,7 @@ mod tests {
     }
 
     #[test]
-    fn a_followed_component_keeps_its_mean_unless_it_learned() {
+    fn a_followed_component_keeps_its_mean_unless_it_was_updated() {
         let history = history();
         let (mut moved, mut replaced) = (0, 0);
         for (index, state) in history.states.iter().enumerate().skip(1) {
@@ -129,11 +129,11 @@ mod tests {
                 }
             }
         }
-        assert!(moved > 3 && replaced > 5, "the history tries it: {moved} moved, {replaced} new");
+        assert!(moved > 3 && replaced > 5, "the history contains both: {moved} moved, {replaced} new");
     }
 
     #[test]
-    fn a_change_is_what_became_of_the_components() {
+    fn a_component_change_agrees_with_the_components_before_and_after() {
         let history = history();
         let k = history.parameters.k;
         let (mut born, mut replaced, mut rose) = (0, 0, 0);
@@ -162,14 +162,14 @@ mod tests {
         }
         assert!(
             born == k - 1 && replaced > 3 && rose > 1,
-            "tried: {born} born, {replaced} replaced, {rose} rose"
+            "the history contains all: {born} born, {replaced} replaced, {rose} rose"
         );
         assert_eq!(component_change(&history, 0), Some(ComponentChange::Born));
         assert_eq!(component_change(&history, history.states.len()), None);
     }
 
     #[test]
-    fn slots_stay_with_their_component_and_are_never_shared() {
+    fn slots_are_unique_and_constant_for_a_component() {
         let history = history();
         let slots = slots_by_rank(&history);
         assert_eq!(slots.len(), history.states.len());
@@ -187,7 +187,7 @@ mod tests {
     }
 
     #[test]
-    fn slots_of_a_history_that_grew_go_on_from_those_before() {
+    fn extended_slots_equal_those_of_the_whole_history() {
         let whole = history();
         let mut grown = Vec::new();
         for end in [0, 1, 2, 450, 451, 900] {

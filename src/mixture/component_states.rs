@@ -1,4 +1,4 @@
-//! The components of one frame as tables and plots show them.
+//! The components of one frame, as data of tables and plots.
 
 use std::f64::consts::TAU;
 
@@ -18,7 +18,7 @@ pub struct ComponentState {
     pub component: Component,
     /// Whether its rank is at most B.
     pub background: bool,
-    /// Distance of the value from it before the update, in σ; `None` for a component that did not exist.
+    /// Distance of the value from the component before the update, in σ; `None` for a new component.
     pub distance: Option<f32>,
     /// Whether the value matched it.
     pub matched: bool,
@@ -27,20 +27,20 @@ pub struct ComponentState {
 }
 
 impl ComponentState {
-    /// w·η in one channel: the component's share of the density there, with its variance σ².
+    /// w·η in one channel: the component's contribution to the density of that channel, with variance σ².
     pub fn marginal(&self, channel: usize, x: f64) -> f64 {
         let variance = f64::from(self.component.variance);
         let off = x - f64::from(self.component.mean[channel]);
         f64::from(self.component.weight) * (-0.5 * off * off / variance).exp() / (TAU * variance).sqrt()
     }
 
-    /// The greatest w·η in a channel.
+    /// The maximum of w·η in a channel.
     pub fn peak(&self) -> f64 {
         f64::from(self.component.weight) / (TAU * f64::from(self.component.variance)).sqrt()
     }
 }
 
-/// T of the pixel at the state at `index`, after its update or `before` it.
+/// T of the pixel for the state at `index`, after its update or `before` it.
 pub fn t_at(history: &PixelHistory, index: usize, before: bool) -> f32 {
     let after = history.states.get(index).map(|state| &state.pixel);
     let pixel = if before { history.before(index) } else { after };
@@ -49,8 +49,8 @@ pub fn t_at(history: &PixelHistory, index: usize, before: bool) -> f32 {
 
 /// The components in use at the state at `index`, in rank order, and B.
 ///
-/// They are those after the update, or `before` it: the ones that the value was compared with. Before
-/// the first frame there are none.
+/// These are the components after the update, or `before` it: the ones that the value was compared with. There are
+/// none before the first frame.
 pub fn component_states(
     history: &PixelHistory,
     slots: &[[u8; MAX_K]],
@@ -105,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn after_the_update_and_before_it_speak_of_the_same_components() {
+    fn components_before_and_after_the_update_correspond() {
         let history = history();
         let slots = slots_by_rank(&history);
         let (after, count) = component_states(&history, &slots, 40, false);
@@ -128,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn a_new_component_has_no_distance_and_the_first_frame_no_before() {
+    fn a_new_component_has_no_distance_and_the_first_frame_no_components_before() {
         let history = history();
         let slots = slots_by_rank(&history);
         let (after, _) = component_states(&history, &slots, 1, false);

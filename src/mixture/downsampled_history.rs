@@ -1,5 +1,5 @@
-//! Downsampling of long histories to as many columns as the screen has. Each column holds the extremes of its frames,
-//! so that nothing brief is lost.
+//! Downsampling of pixel histories to the number of columns on the screen. Each column holds the extremes of its
+//! frames, so that short events remain visible.
 
 use std::ops::Range;
 
@@ -7,36 +7,36 @@ use super::component_slots::{ComponentChange, component_change};
 use super::history::PixelHistory;
 use super::pixel::MAX_K;
 
-/// Levels of a value that are counted together in [`HistoryColumn::levels`].
+/// Number of levels per bin of [`HistoryColumn::levels`].
 pub const LEVELS_PER_BIN: u8 = 4;
-/// Columns of more frames than this count their levels.
+/// Largest number of frames of a column without [`HistoryColumn::levels`].
 pub const MAX_FRAMES_WITHOUT_LEVELS: usize = 4;
 
-/// Some consecutive frames of a history, drawn as one column.
+/// Consecutive frames of a history, drawn as one column.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HistoryColumn {
     /// Positions of its frames.
     pub frames: Range<usize>,
     /// Least and greatest value of each channel.
     pub value: [(f32, f32); 3],
-    /// How many frames have a value in each step of [`LEVELS_PER_BIN`] levels, for each channel; `(step, frames)`,
-    /// only those that occur, and none for columns of few frames.
+    /// Histogram of each channel in bins of [`LEVELS_PER_BIN`] levels: `(bin, frames)` of the non-empty bins; empty
+    /// for columns of few frames.
     pub levels: [Vec<(u8, u32)>; 3],
     /// The matching range of each component, by slot.
     pub bands: [Option<Band>; MAX_K],
-    /// Slot and weight in the column's last frame, in rank order, used components only.
+    /// Slot and weight of the components in use in the column's last frame, in rank order.
     pub weights: Vec<(u8, f32)>,
     /// B in the last frame.
     pub background_count: u8,
     /// The greatest B.
     pub most_background: u8,
-    /// How many of its frames are foreground.
+    /// Number of foreground frames.
     pub foreground: usize,
-    /// Least and greatest ρ of the frames in which a component learned, `None` if none did.
+    /// Least and greatest ρ of the frames in which a component was updated; `None` if there are none.
     pub rho: Option<(f32, f32)>,
-    /// The slot of the last component that was born, that replaced one, and that rose in rank.
+    /// The slot of the last component that was created in a free slot, that replaced another, and that rose in rank.
     pub changes: [Option<u8>; 3],
-    /// Which slots got a new component.
+    /// The slots in which a component was created.
     pub made: [bool; MAX_K],
 }
 
@@ -58,7 +58,7 @@ pub struct Band {
     pub background: bool,
 }
 
-/// `frames` of the history in at most `columns` columns of nearly equal length.
+/// Downsamples `frames` of the history to at most `columns` columns of nearly equal length.
 pub fn downsample(
     history: &PixelHistory,
     slots: &[[u8; MAX_K]],
@@ -136,7 +136,7 @@ fn column(history: &PixelHistory, slots: &[[u8; MAX_K]], frames: Range<usize>) -
     bin
 }
 
-/// The range of the values of these columns with a margin, and of the background that they are compared with.
+/// The range of the values of these columns and of the background's bands, with a margin.
 pub fn value_range(bins: &[HistoryColumn], channels: usize) -> (f64, f64) {
     let values = bins.iter().flat_map(|bin| bin.value[..channels].iter().copied());
     let bands = bins.iter().flat_map(|bin| bin.bands.iter().flatten()).filter(|band| band.background);
@@ -146,12 +146,12 @@ pub fn value_range(bins: &[HistoryColumn], channels: usize) -> (f64, f64) {
     if low > high { (0.0, 255.0) } else { (f64::from(low) - 3.0, f64::from(high) + 3.0) }
 }
 
-/// Powers of ten between which all ρ of these columns lie, the upper one 1.
+/// The powers of ten between which all ρ of these columns lie; the upper one is 1.
 pub fn rate_range(bins: &[HistoryColumn]) -> (f64, f64) {
     let least = bins.iter().filter_map(|bin| bin.rho).map(|(low, _)| low).filter(|&rho| rho > 0.0);
-    // Shown as decimal fractions, 0.01 is a little more than the f32 nearest to it.
+    // 0.01 in f64 is slightly more than the nearest f32.
     let power = (f64::from(least.fold(0.1_f32, f32::min)).log10() + 1e-6).floor();
-    // The paper's ρ = α·η can be as good as nothing.
+    // The paper's ρ = α·η can be almost 0.
     (10_f64.powf(power.max(-12.0)), 1.0)
 }
 
@@ -180,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn bins_cover_every_frame_once_and_keep_the_extremes() {
+    fn columns_cover_every_frame_once_and_keep_the_extremes() {
         let history = history(1000);
         let bins = downsample(&history, &slots_by_rank(&history), 100..900, 64);
         assert_eq!(bins.len(), 64);
@@ -189,7 +189,7 @@ mod tests {
         let foreground = history.states[100..900].iter().filter(|state| state.outcome.foreground).count();
         assert_eq!(bins.iter().map(|bin| bin.foreground).sum::<usize>(), foreground);
         assert!(foreground > 0);
-        // Each brief flash to red is still seen, and only where it is.
+        // Each flash to red is visible, and only in its own column.
         for bin in &bins {
             let flash = bin.frames.clone().any(|n| n % 97 == 50);
             assert_eq!(bin.value[0].1 == 250.0, flash);
@@ -201,7 +201,7 @@ mod tests {
     }
 
     #[test]
-    fn a_bin_of_one_frame_is_that_frame() {
+    fn a_column_of_one_frame_equals_that_frame() {
         let history = history(60);
         let slots = slots_by_rank(&history);
         let bins = downsample(&history, &slots, 0..60, 400);
@@ -220,11 +220,11 @@ mod tests {
     }
 
     #[test]
-    fn what_happened_to_components_is_never_lost() {
+    fn every_component_change_is_kept() {
         let history = history(1000);
         let slots = slots_by_rank(&history);
         let made: Vec<_> = (0..1000).filter(|&n| history.states[n].outcome.matched == 0).collect();
-        assert!(made.len() > 1, "a case in point: {made:?}");
+        assert!(made.len() > 1, "the history creates components: {made:?}");
         for columns in [1000, 64, 7] {
             for bin in downsample(&history, &slots, 0..1000, columns) {
                 let within: Vec<_> = made.iter().filter(|n| bin.frames.contains(n)).collect();
@@ -238,11 +238,12 @@ mod tests {
     }
 
     #[test]
-    fn a_value_range_holds_values_and_background() {
+    fn a_value_range_contains_values_and_background() {
         let history = history(300);
         let all = downsample(&history, &slots_by_rank(&history), 0..300, 50);
         let (low, high) = value_range(&all, 3);
-        // The flashes to red, [250, 10, 10]; the background's widest band, 80 − λσ₀ = 30, is within.
+        // The values include the flashes to red, [250, 10, 10]; the background's widest band, 80 − λσ₀ = 30, is
+        // within their range.
         assert_eq!((low, high), (7.0, 253.0));
         assert_eq!(value_range(&[], 3), (0.0, 255.0));
     }
@@ -261,7 +262,7 @@ mod tests {
     }
 
     #[test]
-    fn ranges_beyond_the_history_are_cut() {
+    fn ranges_are_clamped_to_the_history() {
         let history = history(10);
         let slots = slots_by_rank(&history);
         assert_eq!(downsample(&history, &slots, 5..50, 400).len(), 5);

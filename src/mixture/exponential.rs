@@ -1,20 +1,20 @@
-//! One exponential for scalar and vector code, so that results do not depend on the machine.
+//! One implementation of the exponential for scalar and vector code, so that results do not depend on the machine.
 
-// x = n·ln 2 + r with |r| ≤ ln 2 / 2; ln 2 in two parts keeps r exact.
+// x = n·ln 2 + r with |r| ≤ ln 2 / 2; ln 2 is split in two parts so that r is exact.
 pub(super) const LN_2_HIGH: f32 = 0.693_359_4;
 pub(super) const LN_2_LOW: f32 = -2.121_944_4e-4;
-/// Adding and taking away 1.5·2²³ rounds to the nearest whole number without a branch.
+/// Adding and subtracting 1.5·2²³ rounds to the nearest integer without a branch.
 pub(super) const ROUND: f32 = 12_582_912.0;
-/// Below this, f32 runs out of range.
+/// The exponential of a smaller number is subnormal or 0 in f32.
 pub(super) const LEAST: f32 = -87.0;
 /// Minimax polynomial of (eʳ − 1 − r) / r² (Cephes, S. Moshier), from the highest power down.
 pub(super) const COEFFICIENTS: [f32; 6] =
     [1.987_569_1e-4, 1.398_199_9e-3, 8.333_452e-3, 4.166_579_6e-2, 1.666_666_5e-1, 5e-1];
 
-/// eˣ for x ≤ 0 in f32, within 2 units in the last place; 0 below −87, where f32 runs out of range.
+/// eˣ for x ≤ 0 in f32, within 2 units in the last place; 0 below −87, the limit of the range of f32.
 ///
-/// Only additions, multiplications and bit shifts, each rounded once and in this order: any
-/// processor and any vector width gives the same bits.
+/// It uses only additions, multiplications and bit shifts, each rounded once and in this order, so that any processor
+/// and any vector width gives the same bits.
 #[inline(always)]
 pub fn exp_of_negative(x: f32) -> f32 {
     let clamped = if x >= LEAST { x } else { LEAST };

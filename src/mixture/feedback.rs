@@ -1,29 +1,29 @@
-//! Feedback: what was decided about a pixel changes how fast it learns and what is background to it.
+//! Feedback: the past classification of a pixel controls its learning rate and its T.
 //!
-//! Leaves, water and the edges of a shaken picture flicker: they are foreground for a few frames, again and
-//! again. A person who stands still is foreground without a break. So a pixel remembers for how long it has been
-//! foreground, and how often the verdict changed lately. Foreground that lasts is learned slowly, and is not
-//! taken for background within seconds; the first frames of a foreground that comes and goes are learned fast,
-//! and more of what a restless pixel shows counts as background.
+//! Leaves, water and edges under camera shake flicker: they are repeatedly foreground for a few frames. A person who
+//! stands still is foreground continuously. A pixel therefore stores how long it has been foreground, and how often
+//! its classification changed recently. Lasting foreground is learned slowly and does not become background within
+//! seconds. The first frames of recurring foreground are learned fast, and more components of a restless pixel count
+//! as background.
 
 use crate::settings::Settings;
 
-/// Largest share of the learnt frames for which a pixel with recurring background shows the same. Tried from .06 to
-/// .25: at .06 a lamp is too slow, at .15 people in the street who stand and fidget recur.
+/// Largest share of the learned frames for which a pixel with recurring background shows the same. Values from .06 to
+/// .25 were tried: at .06 a lamp is learned too slowly, at .15 people who stand and fidget in the street recur.
 const MAX_STAY_SHARE: f32 = 0.1;
 
-/// Memory of the verdicts about a pixel.
+/// The past classification of a pixel.
 ///
-/// While frames are only learnt from, nothing is decided: `run` is then the frame in which it last changed between
-/// component 1 and anything else, `unrest` the longest time in frames between two changes, and `strict` whether it last
-/// showed anything else.
+/// While frames are only learned from, pixels are not classified. `run` is then the frame of the last change between
+/// component 1 and others, `unrest` the longest time in frames between two changes, and `strict` whether the last
+/// value matched another component than 1 or none.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct VerdictMemory {
-    /// For how many frames it has been foreground without a break, at most [`VerdictMemory::MAX_RUN_FRAMES`].
+    /// Number of frames of uninterrupted foreground, at most [`VerdictMemory::MAX_RUN_FRAMES`].
     pub run: f32,
-    /// u, the unrest: the share of recent frames in which the verdict under T changed, 0..=1.
+    /// u, the unrest: a moving average of changes of the verdict under T, 0..=1.
     pub unrest: f32,
-    /// Whether the last verdict under T itself was foreground.
+    /// Whether the last verdict under the parameter T was foreground.
     pub strict: bool,
 }
 
@@ -31,7 +31,7 @@ impl VerdictMemory {
     /// Longest run, in frames, that is counted.
     pub const MAX_RUN_FRAMES: f32 = 1000.0;
 
-    /// Records for the `t`-th frame, which is only learnt from, whether it shows anything but component 1.
+    /// Records for the `t`-th frame, which is only learned from, whether the value is not of component 1.
     pub(super) fn record_change(&mut self, other: bool, t: u32) {
         if other != self.strict {
             self.unrest = self.unrest.max(t as f32 - self.run);
@@ -40,13 +40,13 @@ impl VerdictMemory {
         self.strict = other;
     }
 
-    /// Whether in the `learnt` frames that were learnt from, the pixel returned to component 1 and left it
-    /// repeatedly, never staying with either for long.
+    /// Whether, in the `learnt` frames that were learned from, the pixel repeatedly left component 1 and returned,
+    /// and never stayed with either for long.
     pub(super) fn recurs(&self, learnt: u32) -> bool {
         self.unrest.max(learnt as f32 - self.run) <= MAX_STAY_SHARE * learnt as f32
     }
 
-    /// Records whether the pixel is foreground under T.
+    /// Records whether the pixel is foreground under the parameter T.
     pub(super) fn record_verdict(&mut self, strict: bool, feedback: &Feedback) {
         self.unrest *= feedback.keep();
         if strict != self.strict {
@@ -61,25 +61,25 @@ impl VerdictMemory {
     }
 }
 
-/// How a pixel's past verdicts act on its mixture.
+/// The parameters of feedback on a pixel's mixture.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Feedback {
-    /// The share of α with which foreground is learned that has lasted; 1 is no difference.
+    /// The factor on α for lasting foreground; 1 has no effect.
     pub hold: f32,
-    /// For how many frames foreground has to have lasted.
+    /// Number of frames after which foreground is lasting.
     pub hold_after: f32,
-    /// How many times α is the rate of a restless pixel while foreground is young; 1 is no difference.
+    /// The factor on α of a restless pixel in the first frames of foreground; 1 has no effect.
     pub learning: f32,
-    /// T of a restless pixel, where it is above T.
+    /// T of a restless pixel; no effect where it is not above T.
     pub t: f32,
-    /// What one change of the verdict adds to the unrest: 1 / `unrest_memory`.
+    /// The increase of the unrest per change of the verdict: 1 / `unrest_memory`.
     pub gain: f32,
-    /// The unrest from which on a pixel is restless in full.
+    /// The unrest from which on the restlessness is 1.
     pub full: f32,
 }
 
 impl Feedback {
-    /// The part of `settings` about feedback.
+    /// The feedback parameters in `settings`.
     pub fn new(settings: &Settings) -> Self {
         Self {
             hold: settings.hold,
@@ -91,17 +91,17 @@ impl Feedback {
         }
     }
 
-    /// Whether the past makes any difference, whatever T is.
+    /// Whether the past has any effect, for any T.
     pub fn is_on(&self) -> bool {
         self.hold != 1.0 || self.learning != 1.0 || self.t > 0.0
     }
 
-    /// By what the unrest is multiplied in each frame.
+    /// The factor by which the unrest decays per frame.
     pub(super) fn keep(&self) -> f32 {
         1.0 - self.gain
     }
 
-    /// q, how restless a pixel is, 0..=1.
+    /// q, the restlessness of a pixel, 0..=1.
     pub fn restlessness(&self, past: &VerdictMemory) -> f32 {
         (past.unrest / self.full).min(1.0)
     }

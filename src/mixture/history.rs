@@ -1,4 +1,4 @@
-//! One pixel through many frames: what the inspector plots and `occluscope pixel` writes.
+//! The history of one pixel: the data that the inspector plots and `occluscope pixel` writes.
 
 use std::sync::Arc;
 
@@ -7,48 +7,49 @@ use crate::frame::Frame;
 use crate::registration::{Applied, ObservedColour};
 use crate::settings::Space;
 
-/// A pixel's mixture after one frame's update, and what the update did.
+/// A pixel's mixture after one frame's update, and the outcome of the update.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct PixelState {
     /// The frame's number in its source.
     pub number: u32,
-    /// t, how many frames the model has seen, this one and those that were learnt from before the first included.
+    /// t, the number of frames that the model has seen, including this one and those that were learned from before
+    /// the first.
     pub t: u32,
     /// The pixel's colour in the frame.
     pub rgb: [u8; 3],
-    /// X, the value that the model saw: three channels, or luma and two zeros.
+    /// X, the mixture's input: three channels, or luma and two zeros.
     pub value: Value,
     /// The mixture after the update, in rank order.
     pub pixel: Pixel,
-    /// What the update did.
+    /// The outcome of the update.
     pub outcome: Outcome,
-    /// Whether the frame shows the pixel: false where it came in from outside as a shake was taken out, or is cut off by
-    /// too much light. Then nothing is learnt, and colour and value are those of component 1.
+    /// Whether the frame shows the pixel: false where the pixel lies outside a frame that was corrected for shake, or
+    /// is clipped by overexposure. Nothing is then learned, and colour and value are those of component 1.
     pub known: bool,
-    /// What was taken out of the frame here before the mixture saw it.
+    /// The correction of the frame at this pixel.
     pub applied: Applied,
 }
 
-/// The state of one pixel after the frames that are only learnt from.
+/// The state of one pixel after the frames that are only learned from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LearntState {
     values: Vec<Value>,
     /// The mixture after the last of them.
     pixel: Pixel,
-    /// The mixture as it begins with that.
+    /// The mixture with which classification starts.
     start: Pixel,
 }
 
-/// The states of one pixel, a state a frame that is judged.
+/// The states of one pixel, one per classified frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PixelHistory {
     /// The pixel: column and row.
     pub at: (u32, u32),
-    /// The parameters under which the states came about.
+    /// The parameters of the mixture.
     pub parameters: Parameters,
-    /// What was learnt before the first state; `None` where that is of an unseen pixel.
+    /// The state before the first classified frame; `None` if no frames were learned from.
     pub learnt: Option<Arc<LearntState>>,
-    /// One state a frame, in order.
+    /// One state per frame, in order.
     pub states: Vec<PixelState>,
 }
 
@@ -58,21 +59,21 @@ impl PixelHistory {
         Self { at, parameters, learnt: None, states: Vec::new() }
     }
 
-    /// Learns from one more frame before the first that is judged. A frame that does not hold the pixel is passed over.
+    /// Learns from one frame before the first classified one. Ignores a frame that does not contain the pixel.
     pub fn learn(&mut self, frame: &Frame) {
         if let Some(seen) = self.parameters.registration.pixel(frame, self.at) {
             self.learn_seen([seen]);
         }
     }
 
-    /// Learns from more colours before the first that is judged.
+    /// Learns from colours before the first classified frame.
     pub fn learn_colours(&mut self, colours: impl IntoIterator<Item = [u8; 3]>) {
         self.learn_seen(
             colours.into_iter().map(|rgb| ObservedColour { colour: Some(rgb), applied: Applied::NOTHING }),
         );
     }
 
-    /// Learns from the colours of more frames before the first that is classified; a frame may not show the pixel.
+    /// Learns from the colours of frames before the first that is classified; a frame may not show the pixel.
     pub fn learn_seen(&mut self, all: impl IntoIterator<Item = ObservedColour>) {
         let unseen = Pixel::unseen(self.parameters.k);
         let unseen = || LearntState { values: Vec::new(), pixel: unseen, start: unseen };
@@ -92,8 +93,8 @@ impl PixelHistory {
         self.learnt = (!learnt.values.is_empty()).then(|| Arc::new(learnt));
     }
 
-    /// The values that were learnt from, and those of the first states up to the one at `index`: all that the mixture
-    /// after that one has seen; `None` where there is no such state.
+    /// The values that were learned from, and those of the states up to `index`: all inputs of the mixture after that
+    /// state. `None` where there is no such state.
     pub fn values_until(&self, index: usize) -> Option<Vec<Value>> {
         let judged = self.states.get(..=index)?.iter().map(|state| state.value);
         Some(self.learnt.iter().flat_map(|learnt| learnt.values.iter().copied()).chain(judged).collect())
@@ -112,7 +113,7 @@ impl PixelHistory {
         history
     }
 
-    /// Takes one more frame in. A frame that does not hold the pixel is passed over.
+    /// Adds a frame. Ignores a frame that does not contain the pixel.
     pub fn push(&mut self, frame: &Frame) {
         if let Some(seen) = self.parameters.registration.pixel(frame, self.at) {
             self.push_seen(frame.number, seen);
@@ -135,7 +136,7 @@ impl PixelHistory {
                 let t = self.parameters.learnt + self.states.len() as u32 + 1;
                 self.states.push(PixelState { number, t, rgb, value, pixel, outcome, known: false, applied });
             }
-            // No frame before it that it could have moved against.
+            // There is no earlier frame, hence no motion.
             (None, None) => self.push_colour(number, [0; 3]),
         }
         if let Some(state) = self.states.last_mut() {
@@ -143,7 +144,7 @@ impl PixelHistory {
         }
     }
 
-    /// Takes one more colour in, that of frame `number`.
+    /// Adds the pixel's colour in frame `number`.
     pub fn push_colour(&mut self, number: u32, rgb: [u8; 3]) {
         let t = self.parameters.learnt + self.states.len() as u32 + 1;
         let value = self.parameters.value(rgb);
@@ -154,8 +155,8 @@ impl PixelHistory {
         self.states.push(PixelState { number, t, rgb, value, pixel, outcome, known: true, applied });
     }
 
-    /// Where the pixel is in the frame of the state at `index`: elsewhere than in the reference where the camera moved and
-    /// that was taken out.
+    /// The pixel's position in the frame of the state at `index`, which differs from the reference where camera
+    /// motion was corrected.
     pub fn place(&self, index: usize) -> (u32, u32) {
         let (x, y) = self.at;
         let [dx, dy] = self.states.get(index).map_or([0.0; 2], |state| state.applied.shift);
@@ -163,9 +164,9 @@ impl PixelHistory {
         (moved(x, dx), moved(y, dy))
     }
 
-    /// Whether it extends `before`: the same pixel, under the same parameters and over the same first frames.
+    /// Whether it extends `before`: the same pixel, the same parameters and the same first frames.
     ///
-    /// A state follows from all before it, so that the last one of `before` stands for them.
+    /// A state depends on all earlier ones, so that comparing the last one of `before` is sufficient.
     pub fn extends(&self, before: &Self) -> bool {
         let last = before.states.len().checked_sub(1);
         (self.at, self.parameters) == (before.at, before.parameters)
@@ -173,7 +174,7 @@ impl PixelHistory {
             && last.is_none_or(|last| self.states.get(last) == before.states.last())
     }
 
-    /// The mixture before the update of the state at `index`; `None` where that is the first frame it sees.
+    /// The mixture before the update of the state at `index`; `None` for the first frame of the mixture.
     pub fn before(&self, index: usize) -> Option<&Pixel> {
         match index.checked_sub(1) {
             Some(previous) => self.states.get(previous).map(|state| &state.pixel),
@@ -190,12 +191,12 @@ mod tests {
     use crate::settings::{Preset, Settings};
 
     #[test]
-    fn what_was_learnt_is_before_the_first_state_and_not_among_the_states() {
+    fn learned_frames_have_no_states() {
         let parameters = Parameters::new(&Settings::preset(Preset::Plain));
         let colour = |n: u32| [if n < 30 { 90 } else { 180 } + (n % 3) as u8; 3];
         let mut history = PixelHistory::new((3, 4), parameters);
         assert_eq!((history.before(0), history.values_until(0)), (None, None));
-        // In parts or at once.
+        // Learning in parts is equal to learning at once.
         history.learn_colours((1..=7).map(colour));
         history.learn_colours((8..=40).map(colour));
         let mut at_once = PixelHistory::new((3, 4), parameters);
@@ -222,7 +223,7 @@ mod tests {
     }
 
     #[test]
-    fn a_history_goes_on_from_an_earlier_one_of_the_same_frames_alone() {
+    fn a_history_extends_only_an_earlier_one_of_the_same_frames() {
         let of = |settings: &Settings, frames: std::ops::Range<u32>, level: u8| {
             let colours = frames.map(|n| (n, [if n == 7 { level } else { 90 }; 3]));
             PixelHistory::of_colours((3, 4), Parameters::new(settings), colours)
@@ -231,9 +232,9 @@ mod tests {
         let before = of(&settings, 1..20, 200);
         assert!(of(&settings, 1..50, 200).extends(&before));
         assert!(of(&settings, 1..20, 200).extends(&before));
-        assert!(before.extends(&of(&settings, 1..1, 200)), "anything goes on from nothing");
-        assert!(!of(&settings, 1..19, 200).extends(&before), "it is shorter");
-        assert!(!of(&settings, 1..50, 210).extends(&before), "another value long ago");
+        assert!(before.extends(&of(&settings, 1..1, 200)), "every history extends an empty one");
+        assert!(!of(&settings, 1..19, 200).extends(&before), "the history is shorter");
+        assert!(!of(&settings, 1..50, 210).extends(&before), "an earlier value differs");
         assert!(!of(&settings, 2..50, 200).extends(&before), "begun later");
         assert!(!of(&Settings { alpha: 0.2, ..settings.clone() }, 1..50, 200).extends(&before));
         assert!(!PixelHistory { at: (4, 4), ..of(&settings, 1..50, 200) }.extends(&before));

@@ -1,4 +1,4 @@
-//! Hysteresis: a second, narrower band around the background, which counts where there is foreground already.
+//! Hysteresis: a second, narrower band around the background, which applies near foreground.
 
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
@@ -7,28 +7,28 @@ use super::neighbours;
 use crate::frame::{Mask, Size};
 use crate::settings::Settings;
 
-/// When a pixel that is background by its mixture is foreground all the same.
+/// Reclassifies background pixels near foreground.
 ///
-/// The band of λσ has to be wide enough that noise stays background everywhere. Beside foreground a pixel is more
-/// likely foreground, too: clothes of nearly the background's colour, a hole in a body, an edge. As in Canny's edges,
-/// a second threshold is used there: a *doubtful* pixel is one that matches the background but lies farther from its
-/// component's mean. It becomes foreground where enough of the square around it is foreground. The threshold is in
-/// levels, not in σ: where σ is large (water), the background says little about what is seen.
+/// The band of λσ has to be wide enough that noise is background everywhere. Near foreground a pixel is more likely
+/// to be foreground: clothes of nearly the background's colour, a hole in a body, an edge. There a second threshold
+/// is used, as in Canny's edge detector. A *doubtful* pixel matches the background but is farther from its
+/// component's mean than this threshold. It becomes foreground where enough of the square around it is foreground.
+/// The threshold is in levels, not in σ: where σ is large (water), the background says little about the pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hysteresis {
-    /// How far, in levels, a value may be from the mean of the component that it matches and not be doubtful; 0 is off.
+    /// Largest distance in levels, from the mean of the matched component, of a pixel that is not doubtful; 0 is off.
     pub distance: f32,
     /// Side of the square, in pixels.
     pub window: u32,
-    /// The share of the square's pixels inside the image that has to be foreground.
+    /// Least share of foreground among the square's pixels inside the image.
     pub share: f32,
 }
 
 impl Hysteresis {
-    /// What a mask holds of a doubtful pixel until its neighbours are counted. Marks of shadow stay below it.
+    /// The mask's value of a doubtful pixel before the vote. Marks of shadow are below it.
     pub const DOUBTFUL: u8 = 254;
 
-    /// The part of `settings` about hysteresis.
+    /// The hysteresis parameters in `settings`.
     pub const fn new(settings: &Settings) -> Self {
         Self {
             distance: settings.hysteresis,
@@ -47,7 +47,8 @@ impl Hysteresis {
         if self.is_on() { self.distance * self.distance } else { f32::INFINITY }
     }
 
-    /// Lets the neighbours decide about the doubtful pixels in each mask. All instruction sets give the same.
+    /// Decides the doubtful pixels of each mask by the vote of their neighbours. All instruction sets give the same
+    /// result.
     pub(super) fn settle(self, level: Level, masks: &mut [Mask]) {
         if self.is_on() {
             masks.par_iter_mut().for_each(|mask| dispatch!(level, _simd => self.settle_mask(mask)));
@@ -80,7 +81,7 @@ impl Hysteresis {
     }
 }
 
-/// How many pixels of the square around (x, y) lie inside the image.
+/// Number of pixels of the square around (x, y) inside the image.
 fn pixels_of_square(size: Size, radius: usize, x: usize, y: usize) -> usize {
     let side = |at: usize, length: u32| (at + radius + 1).min(length as usize) - at.saturating_sub(radius);
     side(x, size.width) * side(y, size.height)
@@ -106,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn a_hole_is_filled_and_doubt_alone_is_background() {
+    fn doubtful_pixels_are_foreground_only_near_foreground() {
         let filled = settled([
             "..............????",
             "..######......????",
@@ -133,7 +134,7 @@ mod tests {
     }
 
     #[test]
-    fn off_is_off() {
+    fn hysteresis_of_distance_zero_changes_nothing() {
         let off = |hysteresis: Hysteresis| hysteresis.distance_squared() == f32::INFINITY;
         assert!(
             off(Hysteresis { distance: 0.0, ..HYSTERESIS }) && off(Hysteresis { window: 0, ..HYSTERESIS })

@@ -1,8 +1,8 @@
-//! The whole image's mixtures, fast: equal to [`Pixel::update`] bit for bit.
+//! The mixtures of a whole image, optimised: equal to [`Pixel::update`] bit for bit.
 //!
-//! Pixels are independent, but for the counts of neighbours that decide about shadow and doubt, which come last. So they are kept sixteen to a `tile`, and a tile is taken
-//! through many frames while its mixtures are in the nearest cache: [`Mixture::replay`] moves the
-//! state of a pixel once for all of them, [`Mixture::step`] once a frame.
+//! Pixels are independent, except for the votes of neighbours on shadow and doubt, which come last. They are stored
+//! in tiles of sixteen, and a tile processes many frames while its mixtures are in the nearest cache.
+//! [`Mixture::replay`] loads and stores the state of a pixel once for all frames, [`Mixture::step`] once per frame.
 
 use std::ops::Range;
 
@@ -15,21 +15,21 @@ use crate::frame::{Frame, Mask, Size};
 use crate::registration::Corrected;
 use crate::settings::{Rate, Space};
 
-/// Tiles a piece of work for a thread: its values of a batch of frames stay in the nearest caches.
+/// Number of tiles in a thread's job: the values of a batch of frames then fit the nearest caches.
 const TILES_A_JOB: usize = 64;
 
-/// Frames that a tile goes through before the next one does.
+/// Number of frames that a tile processes before the next tile.
 pub const BATCH: usize = 16;
 
 /// One mixture for every pixel of an image.
 ///
-/// Memory: K·(n + 2) numbers of 4 bytes a pixel, 60 bytes for K = 3 in colour, and 12 bytes with feedback. Of them a frame moves
-/// those of component 1, 20 bytes there and back, wherever all of a tile matches it.
+/// Memory: K·(n + 2) numbers of 4 bytes per pixel, 60 bytes for K = 3 in colour, and 12 bytes with feedback. Where
+/// all pixels of a tile match component 1, a frame loads and stores only component 1: 20 bytes per pixel each way.
 #[derive(Clone)]
 pub struct Mixture {
     size: Size,
     parameters: Parameters,
-    /// Frames taken in so far.
+    /// Number of frames processed so far.
     t: u32,
     pub(super) planes: Planes,
 }
@@ -43,20 +43,20 @@ pub(super) enum Planes {
 /// All tiles of an image, in row order of their pixels.
 #[derive(Clone)]
 pub(super) struct Tiles<const N: usize> {
-    /// Component 1 apart: it is all that most tiles of a frame touch.
+    /// Component 1, stored separately: in most tiles a frame touches nothing else.
     pub(super) first: Vec<Gaussians<N>>,
-    /// Components 2 to K, tile after tile.
+    /// Components 2 to K, tile by tile.
     pub(super) others: Vec<Gaussians<N>>,
-    /// For each tile how many components were ever in use in any of its pixels.
+    /// For each tile the number of components that were ever in use in any of its pixels.
     pub(super) used: Vec<u8>,
-    /// For each tile the frame up to which the weights of `others` are brought.
+    /// For each tile the frame as of which the weights of `others` are stored.
     settled: Vec<u32>,
-    /// For each tile what its pixels remember; empty where feedback is off.
+    /// For each tile the past classification of its pixels; empty where feedback is off.
     pub(super) pasts: Vec<VerdictMemories>,
 }
 
 impl Mixture {
-    /// Mixtures that have seen nothing, for images of `size`.
+    /// New mixtures for images of `size`.
     pub fn new(size: Size, parameters: Parameters) -> Self {
         let tiles = size.pixels().div_ceil(LANES);
         let planes = match parameters.space {
@@ -76,12 +76,12 @@ impl Mixture {
         &self.parameters
     }
 
-    /// Frames taken in so far.
+    /// Number of frames processed so far.
     pub const fn frames_seen(&self) -> u32 {
         self.t
     }
 
-    /// A copy of its state without what was never used.
+    /// A snapshot of the state, without components that were never used.
     pub fn snapshot(&self) -> Snapshot {
         let packed = match &self.planes {
             Planes::Rgb(tiles) => PackedPlanes::Rgb(tiles.pack(self.parameters.k)),
@@ -90,8 +90,8 @@ impl Mixture {
         Snapshot { t: self.t, packed }
     }
 
-    /// Goes back, or forward, to where it was when `snapshot` was taken of it, or of another of the
-    /// same size and parameters; of any other it takes nothing, and says so by `false`.
+    /// Restores the state of `snapshot`, which was taken of this mixture or of one of the same size and parameters.
+    /// Otherwise returns `false` and changes nothing.
     pub fn restore(&mut self, snapshot: &Snapshot) -> bool {
         let k = self.parameters.k;
         let restored = match (&mut self.planes, &snapshot.packed) {
@@ -105,21 +105,22 @@ impl Mixture {
         restored
     }
 
-    /// Takes the next frame in and says which pixels are foreground, at the reference's place where a shake is taken out.
+    /// Processes the next frame and returns its foreground mask, in the reference's coordinates where shake is
+    /// corrected.
     ///
     /// # Panics
-    /// When the frame has another size than the mixture.
+    /// If the frame has another size than the mixture.
     pub fn step(&mut self, frame: &Frame) -> Mask {
         let mut mask = Mask::empty(self.size);
         self.replay(&[frame], std::slice::from_mut(&mut mask));
         mask
     }
 
-    /// Takes the next frames in, in order, and says of each which pixels are foreground: what
-    /// [`Mixture::step`] would say frame by frame, in a fraction of the time.
+    /// Processes the next frames in order and writes their foreground masks: equal to [`Mixture::step`] frame by
+    /// frame, but several times faster.
     ///
     /// # Panics
-    /// When a frame has another size than the mixture, or there are not as many masks as frames.
+    /// If a frame has another size than the mixture, or the numbers of masks and frames differ.
     pub fn replay(&mut self, frames: &[&Frame], masks: &mut [Mask]) {
         assert_eq!(frames.len(), masks.len(), "a mask for each frame");
         self.begin();
@@ -128,10 +129,11 @@ impl Mixture {
         }
     }
 
-    /// Takes frames in before the first that is judged: a file's first ones, which come again afterwards.
+    /// Learns from frames before the first classified one: the first frames of a file, which are classified
+    /// afterwards.
     ///
     /// # Panics
-    /// When a frame has another size than the mixture.
+    /// If a frame has another size than the mixture.
     pub fn learn(&mut self, frames: &[&Frame]) {
         let mut masks = vec![Mask::empty(self.size); frames.len().min(BATCH)];
         for frames in frames.chunks(BATCH) {
@@ -140,8 +142,8 @@ impl Mixture {
         }
     }
 
-    /// After the last frame to learn from, what was learnt becomes the beginning, for who looks before the next frame
-    /// is taken in, which does it otherwise.
+    /// Makes the learned state the start of classification, after the last frame to learn from. The next frame does
+    /// this otherwise; needed only to read the state before it.
     pub fn begin(&mut self) {
         if !self.parameters.begins_at(self.t + 1) {
             return;
@@ -152,7 +154,7 @@ impl Mixture {
         }
     }
 
-    /// Takes frames in as they are after registration.
+    /// Processes frames after registration.
     fn take_corrected(&mut self, frames: &[&Frame], masks: &mut [Mask]) {
         let choice = self.parameters.registration;
         let corrections: Vec<_> =
@@ -176,8 +178,8 @@ impl Mixture {
         self.take(Level::new(), &seen, &unknown, masks);
     }
 
-    /// `level` is the instruction set to use; all give the same bits. `unknown` is empty, or has of each frame the pixels
-    /// that it does not show, if any: they stay as they are.
+    /// Processes frames with the instruction set `level`; all give the same bits. `unknown` is empty, or has for each
+    /// frame the pixels that it does not show, if any; their mixtures do not change.
     fn take(&mut self, level: Level, frames: &[&Frame], unknown: &[Option<&[bool]>], masks: &mut [Mask]) {
         for (frame, mask) in frames.iter().zip(&*masks) {
             assert!(
@@ -215,7 +217,7 @@ impl Mixture {
     }
 }
 
-/// The state of a [`Mixture`] at one moment, in less memory: most pixels use one or two components.
+/// The state of a [`Mixture`], packed: most pixels use one or two components.
 pub struct Snapshot {
     t: u32,
     packed: PackedPlanes,
@@ -226,10 +228,10 @@ enum PackedPlanes {
     Gray(Packed<1>),
 }
 
-/// All tiles of an image, of their components only those that were ever used.
+/// All tiles of an image, with only the components that were ever used.
 struct Packed<const N: usize> {
     first: Vec<Gaussians<N>>,
-    /// Tile after tile, components 2 to the last that is used.
+    /// For each tile, components 2 to the last one in use.
     others: Vec<Gaussians<N>>,
     used: Vec<u8>,
     settled: Vec<u32>,
@@ -237,12 +239,12 @@ struct Packed<const N: usize> {
 }
 
 impl Snapshot {
-    /// Frames that the mixture had taken in.
+    /// Number of frames that the mixture had processed.
     pub const fn frames_seen(&self) -> u32 {
         self.t
     }
 
-    /// The memory that it takes, in bytes.
+    /// Size in memory, in bytes.
     pub const fn bytes(&self) -> usize {
         match &self.packed {
             PackedPlanes::Rgb(packed) => packed.bytes(),
@@ -259,18 +261,18 @@ impl<const N: usize> Packed<N> {
     }
 }
 
-/// Some consecutive tiles, and their part of a few consecutive frames and masks.
+/// Consecutive tiles, and their part of consecutive frames and masks.
 struct TileJob<'a, const N: usize> {
     state: State<'a, N>,
-    /// Of each frame.
+    /// The bytes of each frame.
     rgb: Vec<&'a [u8]>,
-    /// Of each frame the pixels that it does not show; empty where all frames show all.
+    /// For each frame the pixels that it does not show; empty where all frames show all pixels.
     unknown: Vec<Option<&'a [bool]>>,
-    /// Of each mask.
+    /// The bytes of each mask.
     masks: Vec<&'a mut [u8]>,
 }
 
-/// What a job's tiles hold.
+/// The state of a job's tiles.
 struct State<'a, const N: usize> {
     first: &'a mut [Gaussians<N>],
     others: &'a mut [Gaussians<N>],
@@ -332,7 +334,7 @@ impl<const N: usize> Tiles<N> {
             let (mine, rest) = others.split_at(usize::from(used).saturating_sub(1));
             others = rest;
             tile[..mine.len()].copy_from_slice(mine);
-            // What was used since is unused again.
+            // Components that came into use since the snapshot are reset.
             if old > &used {
                 tile[mine.len()..usize::from(*old) - 1].fill(Gaussians::UNUSED);
             }
@@ -344,7 +346,7 @@ impl<const N: usize> Tiles<N> {
         true
     }
 
-    /// By what the weights of a tile's components 2 to K are still to be multiplied, in order.
+    /// The factors, in order, by which the stored weights of a tile's components 2 to K are to be multiplied.
     pub(super) fn keep(&self, tile: usize, mixture: &Mixture) -> Vec<f32> {
         (self.settled[tile] + 1..=mixture.t).map(|t| 1.0 - mixture.parameters.alpha_at(t)).collect()
     }
@@ -389,7 +391,7 @@ impl<const N: usize> Tiles<N> {
         tile::read((&self.first[tile], others), past, index % LANES, (parameters, t))
     }
 
-    /// Divides the image among the threads.
+    /// Divides the image among threads.
     fn take(
         &mut self,
         k: usize,
@@ -422,8 +424,8 @@ impl<const N: usize> Tiles<N> {
     }
 }
 
-/// Buffers for a job's part of its frames and masks, tile after tile and frame after frame: consecutive memory is the
-/// fastest, and a tile needs little of each frame.
+/// Buffers for a job's part of its frames and masks, ordered by tile and then by frame: access to contiguous memory
+/// is fastest, and a tile needs little of each frame.
 #[derive(Default)]
 struct JobBuffers {
     rgb: Vec<Rgb>,
@@ -431,8 +433,8 @@ struct JobBuffers {
 }
 
 impl JobBuffers {
-    /// Brings the frames near. The last tile of an image may have fewer pixels than lanes; its spare lanes run along on
-    /// zeros, and their results are not read.
+    /// Copies the frames into the buffer. The last tile of an image may have fewer pixels than lanes; its spare lanes
+    /// process zeros, and their results are not read.
     #[inline(always)]
     fn take(&mut self, frames: &[&[u8]], tiles: usize) {
         self.rgb.resize(tiles * frames.len(), [0; 3 * LANES]);
@@ -448,7 +450,7 @@ impl JobBuffers {
         }
     }
 
-    /// Brings what was found to the masks.
+    /// Copies the results to the masks.
     #[inline(always)]
     fn give(&self, masks: &mut [&mut [u8]]) {
         let frames = masks.len();
@@ -461,9 +463,8 @@ impl JobBuffers {
     }
 }
 
-/// Takes the tiles of a job through its frames, one tile after the other; where what a frame gives
-/// takes long to compute and the next one needs it, one frame after the other, so that the tiles
-/// fill one another's waiting times.
+/// Processes the job's frames tile by tile; where the result of a frame has a long latency and the next frame needs
+/// it, frame by frame, so that the tiles overlap their latencies.
 #[inline(always)]
 fn run<S: Simd, const N: usize>(
     simd: S,
@@ -483,7 +484,7 @@ fn run<S: Simd, const N: usize>(
     near.give(&mut job.masks);
 }
 
-/// Takes a tile through some of the frames, of which `frame_parameters` has all.
+/// Processes some of the frames with one tile; `frame_parameters` has those of all frames.
 #[inline(always)]
 fn run_tile<S: Simd, const N: usize>(
     simd: S,
@@ -496,7 +497,7 @@ fn run_tile<S: Simd, const N: usize>(
 ) {
     let start = index * LANES;
     let hidden = |unknown: Option<&[bool]>| match unknown.map(|all| &all[start..]) {
-        // Of a number of pixels that the compiler knows it makes one comparison.
+        // A length known at compile time makes this a single comparison.
         Some(all) => all.first_chunk().map_or_else(|| all.contains(&true), |lanes| *lanes != [false; LANES]),
         None => false,
     };
@@ -507,8 +508,8 @@ fn run_tile<S: Simd, const N: usize>(
     run_known(simd, near, job, index, frames, constants, frame_parameters);
 }
 
-/// Takes a tile of which some frame does not show all pixels through the frames one by one: what such a frame does to
-/// those pixels is undone.
+/// Processes frames one by one with a tile of which some frame does not show all pixels: the effect of such a frame
+/// on those pixels is undone.
 #[cold]
 #[inline(never)]
 fn run_partly_known<S: Simd, const N: usize>(
@@ -550,7 +551,7 @@ fn run_partly_known<S: Simd, const N: usize>(
     }
 }
 
-/// Brings a tile's weights to frame `t`.
+/// Brings a tile's weights up to date as of frame `t`.
 fn settle<S: Simd, const N: usize>(
     simd: S,
     job: &mut TileJob<'_, N>,
@@ -581,7 +582,7 @@ mod tests {
     use super::*;
     use crate::settings::{Preset, Settings};
 
-    /// Those that this machine has, the plainest first.
+    /// The instruction sets of this machine, the most basic first.
     #[cfg(target_arch = "x86_64")]
     fn levels() -> Vec<Level> {
         let best = Level::new();

@@ -1,4 +1,4 @@
-//! One number of every pixel's mixture, over the whole image.
+//! Maps of one quantity of every pixel's mixture.
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};
@@ -9,42 +9,42 @@ use super::tile::LANES;
 use crate::frame::Frame;
 use crate::registration::corrected;
 
-/// The quantity in a [`QuantityMap`].
+/// The quantity of a [`QuantityMap`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 pub enum Quantity {
     /// σ of component 1, in levels.
     Sigma,
     /// w of component 1, 0..=1.
     Weight,
-    /// How many components are in use, 1..=K.
+    /// The number of components in use, 1..=K.
     Used,
-    /// B, how many components are background, 1..=K.
+    /// B, the number of background components, 1..=K.
     BackgroundCount,
-    /// The rank of the component that the frame's value matched, before the update; 0 where none did.
+    /// The rank, before the update, of the component that the frame's value matched; 0 if none did.
     Matched,
-    /// How many frames ago the pixel was last foreground in the model's mask, before cleaning: 0 where it is now,
-    /// infinite where it never was.
+    /// The number of frames since the pixel was last foreground in the model's mask, before cleaning: 0 if it is now,
+    /// infinite if it never was.
     #[serde(rename = "Since")]
     SinceForeground,
 }
 
 impl Quantity {
-    /// All of them in order.
+    /// All quantities in order.
     pub const ALL: [Self; 6] =
         [Self::Sigma, Self::Weight, Self::Used, Self::BackgroundCount, Self::Matched, Self::SinceForeground];
 
-    /// Whether it is a number of the mixture: other models have none.
+    /// Whether it is a quantity of the mixture, which other models do not have.
     pub const fn is_of_mixture(self) -> bool {
         !matches!(self, Self::SinceForeground)
     }
 }
 
-/// A quantity of each pixel, after one frame's update.
+/// A quantity at each pixel, after one frame's update.
 #[derive(Clone, Debug, PartialEq)]
 pub struct QuantityMap {
-    /// Which number.
+    /// The quantity.
     pub quantity: Quantity,
-    /// In row order.
+    /// Its values in row order.
     pub values: Vec<f32>,
 }
 
@@ -65,7 +65,7 @@ impl Mixture {
         })
     }
 
-    /// How many components are in use at each pixel, in row order.
+    /// The number of components in use at each pixel, in row order.
     pub fn used_counts(&self) -> Vec<f32> {
         let count = |components: &[Component]| {
             components.iter().filter(|component| component.is_used()).count() as f32
@@ -73,11 +73,11 @@ impl Mixture {
         self.of_components(|components, _| count(components))
     }
 
-    /// The rank from 1 of the component that each pixel of the next frame, `frame`, matches; 0 where it matches none,
+    /// The rank from 1 of the component that each pixel of the next frame, `frame`, matches; 0 if it matches none,
     /// and everywhere before the first frame.
     ///
     /// # Panics
-    /// When the frame has another size than the mixture.
+    /// If the frame has another size than the mixture.
     pub fn matches(&self, frame: &Frame) -> Vec<f32> {
         assert_eq!(frame.size, self.size(), "a frame of the mixture's size");
         let parameters = *self.parameters();
@@ -85,7 +85,7 @@ impl Mixture {
         let frame = corrected.as_ref().map_or(frame, |corrected| &corrected.frame);
         let unknown = corrected.as_ref().and_then(|corrected| corrected.unknown.as_deref());
         self.of_components(|components, index| {
-            // As [`super::Pixel::skip`] has it.
+            // As in [`super::Pixel::skip`].
             if unknown.is_some_and(|unknown| unknown[index]) {
                 return 1.0;
             }
@@ -97,7 +97,7 @@ impl Mixture {
         })
     }
 
-    /// What `value` gives for the tile and the lane of each pixel.
+    /// `value` of the tile and the lane of each pixel.
     fn of_tiles(&self, value: impl Fn(usize, usize) -> f32 + Sync) -> Vec<f32> {
         let mut values = vec![0.0; self.size().pixels()];
         values.par_chunks_mut(LANES).with_min_len(64).enumerate().for_each(|(tile, values)| {
@@ -108,7 +108,8 @@ impl Mixture {
         values
     }
 
-    /// What `value` gives for the components in rank order that were ever in use near each pixel, and its index.
+    /// `value` of the components, in rank order, that were ever in use in each pixel's tile, and of the pixel's
+    /// index.
     fn of_components(&self, value: impl Fn(&[Component], usize) -> f32 + Sync) -> Vec<f32> {
         let mut values = vec![0.0; self.size().pixels()];
         values.par_chunks_mut(LANES).with_min_len(64).enumerate().for_each(|(tile, values)| {
@@ -132,7 +133,7 @@ impl<const N: usize> Tiles<N> {
         let others = mixture.parameters().k - 1;
         let in_use = usize::from(self.used[tile]).saturating_sub(1);
         let others = &self.others[tile * others..][..in_use];
-        // Weights as they are now, of which the image keeps some as they were a few frames ago.
+        // Brings the weights up to date, some of which are stored as of an earlier frame.
         let keep = self.keep(tile, mixture);
         let mut components = [Component::default(); super::MAX_K];
         for (lane, to) in values.iter_mut().enumerate() {
@@ -156,7 +157,7 @@ mod tests {
     use crate::settings::{Preset, Settings, Space};
 
     #[test]
-    fn a_map_has_the_numbers_of_every_pixel() {
+    fn maps_equal_the_mixture_of_every_pixel() {
         let size = Size::new(37, 5);
         let frames: Vec<_> = (1..=90_u32)
             .map(|number| {

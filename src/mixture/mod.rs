@@ -1,10 +1,10 @@
-//! The pixel process: each pixel an adaptive mixture of Gaussians, and which of them are background (§V–VI).
+//! The pixel process: each pixel is an adaptive mixture of Gaussians, some of which are background (§V–VI).
 //!
-//! [`pixel`] is the definition, one pixel in plain words. [`image`] does the same to a whole image, bit for bit,
-//! fast: sixteen pixels of a `tile` side by side, many frames at a time. [`history`] follows one pixel through many
-//! frames, [`component_slots`] its components through their changes of rank, [`verdict`] explains its classification
-//! in words, and [`tuning`] finds the settings that change it. [`component_states`], [`downsampled_history`],
-//! [`sparklines`] and [`scatter_points`] are the data of plots.
+//! [`pixel`] is the reference implementation for one pixel. [`image`] is equal to it bit for bit and optimised for a
+//! whole image: it processes sixteen pixels of a `tile` at once, and many frames per tile. [`history`] follows one
+//! pixel through a sequence, [`component_slots`] its components through their changes of rank, [`verdict`] explains
+//! its classification in words, and [`tuning`] finds the settings that change it. [`component_states`],
+//! [`downsampled_history`], [`sparklines`] and [`scatter_points`] are the data of plots.
 
 mod appearance;
 pub mod component_slots;

@@ -1,14 +1,15 @@
-//! Decisions about a pixel of a mask by a vote of the pixels around it.
+//! Decides pixels of a mask by a vote of the surrounding pixels.
 
 use crate::frame::Mask;
 
-/// Pixels of a row that are looked at together, so that they fill vectors.
+/// Number of pixels of a row that are processed together as vectors.
 pub(super) const BLOCK: usize = 32;
 
-/// Lets the square of pixels around each pixel that `waits`, within `radius`, decide what it becomes.
+/// Decides each pixel for which `waits` holds by the sum of the votes in the square around it, of the given `radius`.
 ///
-/// `vote` gives the votes of a row's pixels, and `decide` what a pixel becomes by the sum of the votes of its square, x
-/// and y. Votes of a row may look at the rows beside it. Only rows near pixels that wait are looked at.
+/// `vote` computes the votes of a row's pixels, and `decide` the new value of a pixel from the sum of the votes in
+/// its square, x and y. The votes of a row may depend on the adjacent rows. Only rows near undecided pixels are
+/// processed.
 #[inline(always)]
 pub(super) fn settle(
     mask: &mut Mask,
@@ -23,7 +24,7 @@ pub(super) fn settle(
     let rows: Vec<usize> = rows.filter(|(_, row)| any_waits(row)).map(|(y, _)| y).collect();
     let kept = 2 * radius + 1;
     let mut votes = vec![0_i8; kept * width];
-    // The votes of the rows from `top` up to, but not, `bottom`; pixels outside the image have no vote.
+    // The sum of the votes of rows `top..bottom` in each column; pixels outside the image do not vote.
     let mut columns = vec![0_i16; width + 2 * radius + BLOCK];
     let (mut top, mut bottom) = (0, 0);
     for y in rows {
@@ -43,7 +44,7 @@ pub(super) fn settle(
             sums.iter_mut().zip(&*votes).for_each(|(sum, &vote)| *sum += i16::from(vote));
         }
         (top, bottom) = (from, to);
-        // Rows that have yet to vote look no further back than the row after this one.
+        // Votes of later rows depend on no row before the one after this, so this row can be changed.
         let row = &mut mask.data[y * width..][..width];
         for (block, bytes) in row.chunks_mut(BLOCK).enumerate() {
             if !any_waits(bytes) {

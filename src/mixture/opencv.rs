@@ -1,4 +1,4 @@
-//! OpenCV's MOG2 and KNN in the mixture's place, for comparison.
+//! OpenCV's MOG2 and KNN background subtractors, as alternatives to the mixture.
 
 use opencv::boxed_ref::BoxedRef;
 use opencv::core::{Mat, Ptr, Vec3b, set_rng_seed};
@@ -26,7 +26,7 @@ pub struct OpencvModel {
 }
 
 impl OpencvModel {
-    /// The subtractor that `settings` name; `None` where they name the mixture.
+    /// The subtractor in `settings`; `None` if they name the mixture.
     pub fn new(settings: &Settings, size: Size) -> opencv::Result<Option<Self>> {
         let history = (1.0 / settings.alpha).round() as i32;
         let subtractor = match settings.background_model {
@@ -42,19 +42,19 @@ impl OpencvModel {
         Ok(Some(Self { subtractor, size, alpha: f64::from(settings.alpha), t: 0 }))
     }
 
-    /// Takes a frame in before the first that is judged, with the learning rate that the mixture has in it.
+    /// Learns from a frame before the first classified one, with the mixture's learning rate for that frame.
     pub fn learn(&mut self, frame: &Frame) -> opencv::Result<()> {
         self.take(frame, self.alpha.max(1.0 / (self.t + 1) as f64)).map(drop)
     }
 
-    /// Takes the next frame in and says which pixels are foreground.
+    /// Processes the next frame and returns its foreground mask.
     pub fn step(&mut self, frame: &Frame) -> opencv::Result<Mask> {
         self.take(frame, self.alpha)
     }
 
     fn take(&mut self, frame: &Frame, alpha: f64) -> opencv::Result<Mask> {
         self.t += 1;
-        // The first frame has nothing before it: OpenCV takes it whole at any learning rate.
+        // The first frame initialises OpenCV's model at any learning rate.
         let rgb = rgb_mat(frame)?;
         let mut mask = Mat::default();
         match &mut self.subtractor {
@@ -62,7 +62,7 @@ impl OpencvModel {
                 BackgroundSubtractorMOG2Trait::apply(mog2, &rgb, &mut mask, alpha)?;
             }
             Subtractor::Knn(knn) => {
-                // KNN draws which samples to replace: seeded by the frame, two runs agree.
+                // KNN replaces random samples: the frame number as seed makes runs reproducible.
                 set_rng_seed(self.t as i32)?;
                 BackgroundSubtractorTrait::apply(knn, &rgb, &mut mask, alpha)?;
             }

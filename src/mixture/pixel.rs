@@ -1,8 +1,8 @@
-//! One pixel in plain words: the definition that every faster path has to equal bit for bit.
+//! The mixture of one pixel: the reference implementation, which every optimised one has to equal bit for bit.
 //!
-//! A pixel's value X is a vector of n channels in 0..=255; its recent history is a mixture of K
-//! Gaussians, each with weight w, mean μ and covariance σ²I, kept in rank order (falling w/σ).
-//! Arithmetic is f32, in the order in which it is written here.
+//! A pixel's value X is a vector of n channels in 0..=255. Its recent history is modelled by K Gaussians, each with
+//! weight w, mean μ and covariance σ²I, in rank order (descending w/σ). Arithmetic is f32, in the order in which it
+//! is written here.
 
 use std::f32::consts::PI;
 
@@ -36,29 +36,29 @@ pub struct Parameters {
     pub initial_weight: f32,
     /// σ_min, the least standard deviation.
     pub min_sigma: f32,
-    /// How ρ is found.
+    /// The formula of ρ.
     pub rate: Rate,
-    /// What X is.
+    /// The colour space of X.
     pub space: Space,
     /// While t ≤ `warm_up`, α is max(α, 1/t).
     pub warm_up: u32,
-    /// How much of a file is to be learnt from before its first frame is judged.
+    /// The part of a file to learn from before its first frame is classified.
     pub bootstrap: Span,
-    /// How many frames were: all that there are of a shorter file, and none of a camera. t counts them, and in them,
-    /// too, α is max(α, 1/t), so that each weighs as much as any other.
+    /// The number of frames that were learned from: at most all frames of a file, and none of a camera. t counts
+    /// them, and in them, too, α is max(α, 1/t), so that all have equal weight.
     pub learnt: u32,
-    /// What foreground is shadow.
+    /// The detection of shadows in the foreground.
     pub shadow: Shadow,
-    /// What background is foreground beside foreground.
+    /// The reclassification of background near foreground.
     pub hysteresis: Hysteresis,
-    /// How a pixel's past acts on its mixture.
+    /// The effect of past classification on the mixture.
     pub feedback: Feedback,
-    /// What of a frame's alignment is taken out before X is read.
+    /// The correction of the frame before X is read.
     pub registration: registration::CorrectionChoice,
 }
 
 impl Parameters {
-    /// The parameters within `settings`, before anything is learnt.
+    /// The parameters in `settings`, before any frame is learned from.
     pub fn new(settings: &Settings) -> Self {
         Self {
             k: settings.k as usize,
@@ -80,7 +80,7 @@ impl Parameters {
         }
     }
 
-    /// Whether they are those within `settings`, whatever was learnt.
+    /// Whether they equal those in `settings`, apart from the number of learned frames.
     pub fn are_of(&self, settings: &Settings) -> bool {
         Self { learnt: 0, ..*self } == Self::new(settings)
     }
@@ -93,7 +93,7 @@ impl Parameters {
         }
     }
 
-    /// The names of the value's channels, as many as it has.
+    /// The names of X's n channels.
     pub const fn channel_names(&self) -> &'static [&'static str] {
         match self.space {
             Space::Rgb => &["R", "G", "B"],
@@ -101,33 +101,33 @@ impl Parameters {
         }
     }
 
-    /// α of the t-th frame, t counting from 1.
+    /// α of the t-th frame, t from 1.
     pub fn alpha_at(&self, t: u32) -> f32 {
         if self.is_warming(t) { self.alpha.max(1.0 / t as f32) } else { self.alpha }
     }
 
-    /// Whether the t-th frame is of the warm-up, or learnt from before the first that is judged.
+    /// Whether the t-th frame is in the warm-up, or learned from before the first classified one.
     pub fn is_warming(&self, t: u32) -> bool {
         t <= self.warm_up.max(self.learnt)
     }
 
-    /// Whether the t-th frame is only learnt from.
+    /// Whether the t-th frame is only learned from.
     pub const fn is_learning(&self, t: u32) -> bool {
         t <= self.learnt
     }
 
-    /// Whether the t-th frame is the first that is judged, after others that were learnt from.
+    /// Whether the t-th frame is the first classified one after frames that were learned from.
     pub const fn begins_at(&self, t: u32) -> bool {
         self.learnt > 0 && t == self.learnt + 1
     }
 
-    /// α of the t-th frame for a pixel of this past. The warm-up is the same for all.
+    /// α of the t-th frame for a pixel with this memory. In the warm-up it is the same for all pixels.
     pub fn alpha_of(&self, past: &VerdictMemory, t: u32) -> f32 {
         let alpha = self.alpha_at(t);
         if self.is_warming(t) { alpha } else { (alpha * self.feedback.learning_factor(past)).min(1.0) }
     }
 
-    /// T for a pixel of this past.
+    /// T for a pixel with this memory.
     pub fn t_of(&self, past: &VerdictMemory) -> f32 {
         self.feedback.raised_t(self.t, past)
     }
@@ -141,7 +141,7 @@ impl Parameters {
     }
 }
 
-/// BT.601 luma in 8 bits, rounded as OpenCV's `COLOR_RGB2GRAY` rounds it.
+/// BT.601 luma in 8 bits, rounded as in OpenCV's `COLOR_RGB2GRAY`.
 #[inline(always)]
 pub fn luma([r, g, b]: [u8; 3]) -> u8 {
     ((9798 * u32::from(r) + 19235 * u32::from(g) + 3735 * u32::from(b) + (1 << 14)) >> 15) as u8
@@ -150,11 +150,11 @@ pub fn luma([r, g, b]: [u8; 3]) -> u8 {
 /// One Gaussian of a mixture. A component that was never used is all zeros.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Component {
-    /// w, the share of the recent data that it accounts for.
+    /// w, the share of the recent data that the component accounts for.
     pub weight: f32,
     /// μ.
     pub mean: Value,
-    /// σ², the same for each channel; it follows the squared distance summed over the channels.
+    /// σ², equal in all channels; it is estimated from the squared distance summed over the channels.
     pub variance: f32,
 }
 
@@ -164,17 +164,17 @@ impl Component {
         self.variance.sqrt()
     }
 
-    /// λσ: how far from μ a value may be to match.
+    /// λσ: the largest distance from μ of a value that matches.
     pub fn reach(&self, lambda: f32) -> f32 {
         lambda * self.sigma()
     }
 
-    /// w/σ, by which components are ranked; 0 for an unused one.
+    /// w/σ, the sort key of the ranks; 0 for an unused component.
     pub fn rank_value(&self) -> f32 {
         if self.is_used() { self.weight / self.sigma() } else { 0.0 }
     }
 
-    /// Whether it stands for any data at all.
+    /// Whether the component is in use.
     pub fn is_used(&self) -> bool {
         self.weight > 0.0
     }
@@ -208,23 +208,23 @@ pub(super) fn first_match(components: &[Component], x: Value, lambda: f32) -> Op
     })
 }
 
-/// What happened to a pixel in one frame.
+/// The result of one update.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Outcome {
-    /// The rank (from 1) before the update of the component that matched, 0 if none did.
+    /// The rank (from 1), before the update, of the matched component; 0 if none matched.
     pub matched: u8,
-    /// The matched or new component's rank (from 1) after the update.
+    /// The rank (from 1), after the update, of the matched or new component.
     pub rank: u8,
-    /// B, how many components are background after the update.
+    /// B, the number of background components after the update.
     pub background_count: u8,
     /// Whether the pixel is foreground.
     pub foreground: bool,
-    /// Whether it is background, but farther from its component's mean, as it was before the update, than hysteresis
-    /// allows beside foreground.
+    /// Whether the pixel is background, but farther from the mean of its component before the update than hysteresis
+    /// allows near foreground.
     pub doubtful: bool,
-    /// ρ, 0 where nothing matched.
+    /// ρ, 0 if nothing matched.
     pub rho: f32,
-    /// P(X), the mixture's density at the value, from the state before the update; 0 in the first frame.
+    /// P(X), the density of the mixture at the value, before the update; 0 in the first frame.
     pub p: f32,
 }
 
@@ -237,7 +237,7 @@ pub struct Pixel {
 }
 
 impl Pixel {
-    /// A pixel that has seen nothing, with room for `k` components.
+    /// A pixel without data, with room for `k` components.
     pub fn unseen(k: usize) -> Self {
         Self {
             components: [Component::default(); MAX_K],
@@ -258,7 +258,7 @@ impl Pixel {
         &self.components[..self.k]
     }
 
-    /// What it remembers of the decisions about it; nothing while feedback is off.
+    /// The pixel's past classification; constant while feedback is off.
     pub const fn past(&self) -> &VerdictMemory {
         &self.past
     }
@@ -271,7 +271,7 @@ impl Pixel {
         &mut self.components[..self.k]
     }
 
-    /// How many components are in use.
+    /// The number of components in use.
     pub fn used(&self) -> usize {
         self.components().iter().filter(|component| component.is_used()).count()
     }
@@ -307,13 +307,13 @@ impl Pixel {
         mean
     }
 
-    /// What was learnt becomes the beginning: component 1 alone, and certain, as in a first frame; of a pixel that showed
-    /// something else again and again (a lamp, a flag), all that is background to a restless pixel, which it is from here
-    /// on. Nothing was decided yet.
+    /// Makes the learned state the start of classification: component 1 alone, with weight 1, as after a first frame.
+    /// A pixel with recurring changes (a lamp, a flag) keeps all components that are background to a restless pixel,
+    /// and starts as one. The past classification is reset.
     pub fn begin(&mut self, parameters: &Parameters) {
         let feedback = &parameters.feedback;
         if feedback.is_on() && self.past.run <= 0.0 && self.used() > 1 {
-            // It has begun: who shows anything but component 1 while it learns remembers when.
+            // Classification has already started: a pixel that is still learning has recorded a change.
             return;
         }
         let recurs = feedback.is_on() && self.past.recurs(parameters.learnt);
@@ -328,8 +328,8 @@ impl Pixel {
         }
     }
 
-    /// Takes the value of the `t`-th frame (from 1) into the mixture and decides about it. The first after those that
-    /// were learnt from meets what [`Self::begin`] leaves.
+    /// Updates the mixture by the value of the `t`-th frame (from 1) and classifies the pixel. The first frame after
+    /// those that were learned from is processed after [`Self::begin`].
     pub fn update(&mut self, x: Value, t: u32, parameters: &Parameters) -> Outcome {
         if parameters.begins_at(t) {
             self.begin(parameters);
@@ -338,13 +338,13 @@ impl Pixel {
         Outcome { p, ..self.step(x, t, parameters) }
     }
 
-    /// What a frame does that does not show the pixel: nothing is learnt, and it is background.
+    /// The outcome of a frame that does not show the pixel: nothing is learned, and the pixel is background.
     pub fn skip(&self, parameters: &Parameters) -> Outcome {
         let background_count = self.background_count(parameters.t_of(&self.past)) as u8;
         Outcome { matched: 1, rank: 1, background_count, ..Outcome::default() }
     }
 
-    /// [`Pixel::update`] without P(X), which costs K exponentials and changes nothing.
+    /// [`Pixel::update`] without P(X), which costs K exponentials and has no effect on the state.
     pub(super) fn step(&mut self, x: Value, t: u32, parameters: &Parameters) -> Outcome {
         if t <= 1 {
             return self.first_frame(x, parameters);
@@ -392,7 +392,7 @@ impl Pixel {
         }
     }
 
-    /// One certain component around the first value; every pixel starts as background.
+    /// One component of weight 1 around the first value; every pixel starts as background.
     fn first_frame(&mut self, x: Value, parameters: &Parameters) -> Outcome {
         *self = Self::unseen(parameters.k);
         self.components[0] =
@@ -400,7 +400,7 @@ impl Pixel {
         Outcome { rank: 1, background_count: 1, ..Outcome::default() }
     }
 
-    /// w ← (1 − α)·w + α·M, M being 1 for the matched component and 0 for the others.
+    /// w ← (1 − α)·w + α·M; M is 1 for the matched component and 0 for the others.
     fn update_weights(&mut self, matched: Option<usize>, alpha: f32) {
         for (index, component) in self.components[..self.k].iter_mut().enumerate() {
             component.weight *= 1.0 - alpha;
@@ -410,7 +410,7 @@ impl Pixel {
         }
     }
 
-    /// μ ← (1 − ρ)μ + ρX, then with the new μ, σ² ← (1 − ρ)σ² + ρ‖X − μ‖², not below σ_min². Gives ρ.
+    /// μ ← (1 − ρ)μ + ρX, then with the new μ, σ² ← (1 − ρ)σ² + ρ‖X − μ‖², at least σ_min². Returns ρ.
     fn learn(&mut self, index: usize, x: Value, alpha: f32, parameters: &Parameters) -> f32 {
         let component = &mut self.components[index];
         let rho = match parameters.rate {
@@ -428,7 +428,7 @@ impl Pixel {
         rho
     }
 
-    /// The least probable component gives way to (w₀, X, σ₀²).
+    /// Replaces the least probable component by (w₀, X, σ₀²).
     fn replace_last(&mut self, x: Value, parameters: &Parameters) {
         self.components[self.k - 1] = Component {
             weight: parameters.initial_weight,
@@ -437,8 +437,8 @@ impl Pixel {
         };
     }
 
-    /// Divides the weights by their sum. Only a replacement changes it: after a match
-    /// (1 − α)·1 + α = 1, and rounding errors shrink by 1 − α in every frame.
+    /// Divides the weights by their sum. Only a replacement changes the sum: after a match (1 − α)·1 + α = 1, and
+    /// rounding errors decay by 1 − α per frame.
     fn renormalise(&mut self) {
         let components = &mut self.components[..self.k];
         let sum = components.iter().fold(0.0, |sum, component| sum + component.weight);
@@ -447,10 +447,9 @@ impl Pixel {
         }
     }
 
-    /// Moves a component up while its w/σ is greater than its upper neighbour's; gives where it ends.
+    /// Moves a component up while its w/σ is greater than that of the one above; returns its final index.
     ///
-    /// As the paper sorts upwards only, a matched component whose σ grew may stay above a
-    /// neighbour of larger w/σ.
+    /// As the paper sorts upwards only, a matched component whose σ grew may stay above one of larger w/σ.
     fn sort_upwards(&mut self, mut index: usize) -> usize {
         while index > 0 && self.components[index].rank_value() > self.components[index - 1].rank_value() {
             self.components.swap(index, index - 1);

@@ -1,4 +1,4 @@
-//! Where a pixel's values lie among its channels: what a scatter plot shows.
+//! The values of a pixel as points in its colour space: the data of scatter plots.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -6,13 +6,13 @@ use std::ops::Range;
 use super::history::PixelHistory;
 use super::pixel::MAX_K;
 
-/// Steps of age when points are grouped by time.
+/// Number of age groups when points are grouped by time.
 pub const AGES: u8 = 6;
 
 /// How points are grouped by colour.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum PointGrouping {
-    /// The component that was matched or made, and the verdict.
+    /// The matched or new component, and the verdict.
     #[default]
     Component,
     /// The mixture's verdict.
@@ -73,7 +73,7 @@ pub struct ScatterPoint {
     pub count: u32,
 }
 
-/// The coordinates of the state at `index` in a space, in levels; `None` where there is no such state or no next one.
+/// The coordinates of the state at `index` in a space, in levels; `None` if there is no such state or no next one.
 pub fn coordinates_of(history: &PixelHistory, index: usize, space: ScatterSpace) -> Option<[u8; 3]> {
     let value = history.states.get(index)?.value.map(|level| level as u8);
     Some(match space {
@@ -83,7 +83,7 @@ pub fn coordinates_of(history: &PixelHistory, index: usize, space: ScatterSpace)
     })
 }
 
-/// The points of `choice` by kind, equal ones of a kind once: values are whole numbers, so even a hundred thousand
+/// The distinct points of `choice` of each kind, with their counts. Values are integers, so that a hundred thousand
 /// frames give few points.
 pub fn scatter_points(
     history: &PixelHistory,
@@ -111,13 +111,13 @@ pub fn scatter_points(
     counts.into_iter().map(|((kind, at), count)| ScatterPoint { kind, at, count }).collect()
 }
 
-/// Reduces points to at most `most`: points of a kind in one cell are joined, of cells that grow.
+/// Reduces points to at most `most`: merges points of a kind in cells of increasing size.
 pub fn thin_points(mut places: Vec<ScatterPoint>, most: usize) -> Vec<ScatterPoint> {
     let mut cell = 2;
     while places.len() > most && cell < 128 {
         let mut counts: BTreeMap<(PointKind, [u8; 3]), u32> = BTreeMap::new();
         for place in &places {
-            // The middle of its cell.
+            // The centre of its cell.
             let at = place.at.map(|level| level / cell * cell + cell / 2);
             *counts.entry((place.kind, at)).or_default() += place.count;
         }
@@ -161,15 +161,15 @@ mod tests {
     }
 
     #[test]
-    fn the_next_value_is_across_from_each_but_the_last() {
+    fn the_delayed_space_has_a_point_for_each_frame_but_the_last() {
         let found = of(ScatterSpace::Next, 0..100, PointGrouping::Verdict);
         let count = |at| found.iter().filter(|place| place.at == at).map(|place| place.count).sum::<u32>();
         assert_eq!(count([20, 20, 0]), 80);
-        assert_eq!((count([20, 200, 0]), count([200, 20, 0])), (10, 9), "nothing follows the last");
+        assert_eq!((count([20, 200, 0]), count([200, 20, 0])), (10, 9), "the last frame has no next value");
     }
 
     #[test]
-    fn thinning_loses_no_frame_and_moves_no_place_far() {
+    fn thinning_keeps_counts_and_moves_points_little() {
         let places: Vec<_> = (0..=255_u8)
             .map(|level| ScatterPoint {
                 kind: PointKind::Age(level % 2),
@@ -184,7 +184,7 @@ mod tests {
             let near = |other: &&ScatterPoint| other.at.iter().zip(place.at).all(|(a, b)| a.abs_diff(b) <= 8);
             assert!(few.iter().filter(near).any(|other| other.kind == place.kind), "{place:?}");
         }
-        assert_eq!(thin_points(places.clone(), 256), places, "no more than there has to be");
+        assert_eq!(thin_points(places.clone(), 256), places, "points are merged only as needed");
     }
 
     #[test]

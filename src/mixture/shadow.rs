@@ -1,4 +1,4 @@
-//! Foreground that is light: the surface behind it, darkened by a shadow or brightened.
+//! Detects shadows and highlights in the foreground.
 
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;
@@ -8,38 +8,37 @@ use super::neighbours::{self, BLOCK};
 use crate::frame::Mask;
 use crate::settings::Settings;
 
-/// Which values are shadow, or more light, on a surface.
+/// The colours of shadow, or highlight, on a surface.
 ///
-/// A shadow takes light away from all channels alike. So its value lies on the line from black to
-/// the surface's colour μ, not too near to black: X ≈ s·μ with τ ≤ s < 1 (Horprasert et al. 1999,
-/// whose s is the brightness distortion, and ‖X − s·μ‖ the chromaticity distortion). A lamp, or a camera that opens
-/// its iris, gives s > 1.
+/// A shadow attenuates all channels by the same factor. Its value lies on the line from black to the surface's colour
+/// μ, not too near black: X ≈ s·μ with τ ≤ s < 1 (Horprasert et al. 1999, where s is the brightness distortion and ‖X
+/// − s·μ‖ the chromaticity distortion). A lamp, or a camera that opens its iris, gives s > 1.
 ///
-/// An object may by chance have such a colour here and there: a dark car on a road, the blurred outline of a fish. But a
-/// shadow darkens a surface evenly: s is about the same in neighbouring pixels, whatever the surface's pattern is,
-/// while an object's s has its own pattern. So such a pixel leaves the mask only where, in the square around it, there
-/// are at least as many *even* pixels of its kind as there is other foreground; a shadow's soft edge lies beside its
-/// even inside. The decision of one pixel then hangs on its neighbours in the same frame, and on nothing before.
+/// Parts of an object may have such a colour by chance: a dark car on a road, the blurred outline of a fish. A shadow
+/// darkens a surface evenly: s is about the same in neighbouring pixels, whatever the surface's pattern, while an
+/// object's s follows the object's own pattern. Such a pixel is therefore removed from the mask only where the square
+/// around it has at least as many *even* candidates as other foreground pixels. The soft edge of a shadow is near its
+/// even interior. The decision depends only on neighbours in the same frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Shadow {
-    /// τ, the darkest shadow as a share of the surface's brightness; 1 where there is none.
+    /// τ, the darkest shadow as a share of the surface's brightness; 1 is off.
     pub floor: f32,
-    /// The brightest light as a multiple of the surface's brightness; 1 where there is none.
+    /// The brightest highlight as a multiple of the surface's brightness; 1 is off.
     pub ceiling: f32,
-    /// How far, in levels, X may lie from the line.
+    /// Largest distance of X from the line, in levels.
     pub colour: f32,
-    /// Side of the square of neighbours that are counted, in pixels; 0 where none are.
+    /// Side of the voting square in pixels; 0 is no vote.
     pub window: u32,
-    /// The largest standard deviation of s in 3 × 3 pixels that are even.
+    /// Largest standard deviation of s in 3 × 3 pixels of an even candidate.
     pub spread: f32,
 }
 
 impl Shadow {
-    /// While neighbours are not counted yet, a mask holds 1 and so many levels for each unit of s where a pixel is
-    /// light by its colour. s is at most 4: this stays below `Hysteresis::DOUBTFUL`.
+    /// Before the vote, a mask has 1 plus this many levels per unit of s at each candidate. s is at most 4, which
+    /// stays below `Hysteresis::DOUBTFUL`.
     pub const LEVELS: f32 = 60.0;
 
-    /// The part of `settings` about shadow and light.
+    /// The shadow parameters in `settings`.
     pub const fn new(settings: &Settings) -> Self {
         Self {
             floor: settings.shadow_floor,
@@ -50,12 +49,12 @@ impl Shadow {
         }
     }
 
-    /// Whether anything is taken for shadow or light at all.
+    /// Whether shadows or highlights are detected at all.
     pub fn is_on(self) -> bool {
         self.floor < 1.0 || self.ceiling > 1.0
     }
 
-    /// Whether `value` has the colour of a shadow, or of more light, on a surface of the colour `mean`.
+    /// Whether `value` has the colour of a shadow or a highlight on a surface of the colour `mean`.
     pub fn covers(self, value: &[f32], mean: &[f32]) -> bool {
         let (share, off) = self.of(value, mean);
         let darker = self.floor <= share && share < 1.0;
@@ -63,8 +62,7 @@ impl Shadow {
         self.is_on() && (darker || brighter) && off <= self.colour
     }
 
-    /// The share of the surface's brightness that is nearest to `value`, and how far, in levels,
-    /// the value is from the surface's colour at that brightness.
+    /// The brightness distortion s of `value`, and its chromaticity distortion in levels.
     pub fn of(self, value: &[f32], mean: &[f32]) -> (f32, f32) {
         let dot = |a: &[f32], b: &[f32]| a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + a * b);
         let (along, surface) = (dot(value, mean), dot(mean, mean));
@@ -72,8 +70,7 @@ impl Shadow {
         (share, (dot(value, value) - share * along).max(0.0).sqrt())
     }
 
-    /// What a mask holds of a foreground pixel of this value on a surface of the colour `mean`, until neighbours are
-    /// counted.
+    /// The mask's value, before the vote, of a foreground pixel of this colour on a surface of the colour `mean`.
     pub fn mark(self, value: &[f32], mean: &[f32]) -> u8 {
         match self.covers(value, mean) {
             true if self.window > 0 => 1 + (Self::LEVELS * self.of(value, mean).0) as u8,
@@ -82,18 +79,19 @@ impl Shadow {
         }
     }
 
-    /// Lets the neighbours decide about the candidates in each mask. All instruction sets give the same.
+    /// Decides the candidates of each mask by the vote of their neighbours. All instruction sets give the same
+    /// result.
     pub(super) fn settle(self, level: Level, masks: &mut [Mask]) {
         if self.is_on() && self.window > 0 {
             masks.par_iter_mut().for_each(|mask| dispatch!(level, _simd => self.settle_mask(mask)));
         }
     }
 
-    /// A candidate becomes background where no fewer even candidates than other foreground lie in the square around it,
-    /// itself among them, and foreground elsewhere. Only rows near candidates are looked at.
+    /// A candidate becomes background where the square around it, itself included, has at least as many even
+    /// candidates as other foreground pixels; else foreground. Only rows near candidates are processed.
     #[inline(always)]
     fn settle_mask(self, mask: &mut Mask) {
-        // Even candidates are 1, other foreground is -1, all else 0: their sum over the square decides.
+        // Even candidates vote 1, other foreground −1, all others 0; the sum over the square decides.
         neighbours::settle(
             mask,
             self.window as usize / 2,
@@ -125,8 +123,8 @@ impl Shadow {
         }
     }
 
-    /// Whether the surface is darkened, or brightened, evenly in the 3 × 3 pixels around each of those from (x, y) on: at
-    /// least half of them are candidates, and their s is about the same.
+    /// Whether each pixel from (x, y) on is even: at least half of the 3 × 3 pixels around it are candidates, and
+    /// their s is about the same.
     #[inline(always)]
     fn even(self, mask: &Mask, x: usize, y: usize) -> [bool; BLOCK] {
         let (width, height) = (mask.size.width as usize, mask.size.height as usize);
@@ -155,10 +153,10 @@ impl Shadow {
     }
 }
 
-/// [`BLOCK`] pixels, those beside them, and as many more as vectors have room for.
+/// [`BLOCK`] pixels, their neighbours, and padding to whole vectors.
 const WIDE: usize = BLOCK + 16;
 
-/// The pixels of a row from the one before x on, 0 where there are none.
+/// The pixels of a row from the one before x on, 0 outside the image.
 #[inline(always)]
 fn from_before(row: &[u8], x: usize) -> [u8; WIDE] {
     if let Some(inside) = x.checked_sub(1).and_then(|before| row[before..].first_chunk()) {
@@ -176,7 +174,7 @@ fn holds_candidate(pixels: &[u8]) -> bool {
     pixels.iter().fold(false, |found, &byte| found | is_candidate(byte))
 }
 
-/// Whether a pixel waits for its neighbours to decide.
+/// Whether a pixel is an undecided candidate.
 #[inline(always)]
 const fn is_candidate(byte: u8) -> bool {
     byte != Mask::BACKGROUND && byte < Hysteresis::DOUBTFUL
@@ -192,26 +190,26 @@ mod tests {
     const SHADOW: Shadow = Shadow { floor: 0.6, ceiling: 1.0, colour: 12.0, window: 0, spread: 0.08 };
 
     #[test]
-    fn a_surface_darkened_is_shadow_until_it_is_too_dark() {
+    fn a_darkened_surface_is_shadow_above_the_floor() {
         let surface = [180.0, 160.0, 120.0];
         let darkened = |share: f32| surface.map(|channel| share * channel);
         assert!(SHADOW.covers(&darkened(0.9), &surface));
         assert!(SHADOW.covers(&darkened(0.65), &surface));
         assert!(!SHADOW.covers(&darkened(0.5), &surface));
-        assert!(!SHADOW.covers(&darkened(1.1), &surface), "light is no shadow");
+        assert!(!SHADOW.covers(&darkened(1.1), &surface), "a brightened surface is not shadow");
         let light = Shadow { floor: 1.0, ceiling: 1.2, ..SHADOW };
         assert!(light.covers(&darkened(1.1), &surface));
         assert!(!light.covers(&darkened(1.3), &surface) && !light.covers(&darkened(0.9), &surface));
     }
 
     #[test]
-    fn another_colour_is_no_shadow() {
+    fn another_colour_is_not_shadow() {
         assert!(!SHADOW.covers(&[150.0, 100.0, 100.0], &[180.0, 160.0, 120.0]));
-        assert!(SHADOW.covers(&[128.0, 118.0, 92.0], &[180.0, 160.0, 120.0]), "noise is allowed for");
+        assert!(SHADOW.covers(&[128.0, 118.0, 92.0], &[180.0, 160.0, 120.0]), "noise is tolerated");
     }
 
     #[test]
-    fn on_black_there_is_none_and_off_is_off() {
+    fn black_has_no_shadow_and_no_shadow_is_detected_when_off() {
         assert!(!SHADOW.covers(&[0.0; 3], &[0.0; 3]));
         let off = Shadow { floor: 1.0, ..SHADOW };
         assert!(!off.covers(&[90.0; 3], &[100.0; 3]));
@@ -222,7 +220,7 @@ mod tests {
         Shadow { window: 7, ..SHADOW }.mark(&[share * 200.0], &[200.0])
     }
 
-    /// A block of 10 × 8 pixels whose s is `share`, alone.
+    /// An isolated block of 10 × 8 candidates whose s is `share`.
     fn block(share: impl Fn(u32, u32) -> f32) -> Mask {
         let mut mask = Mask::empty(Size::new(30, 12));
         for (x, y) in (2..10).flat_map(|y| (2..12).map(move |x| (x, y))) {
@@ -237,7 +235,7 @@ mod tests {
     }
 
     #[test]
-    fn an_area_of_light_goes_and_a_patch_on_an_object_stays() {
+    fn an_area_of_candidates_is_removed_and_a_patch_on_an_object_is_kept() {
         let mut mask = block(|_, _| 0.7);
         for (x, y) in (2..10).flat_map(|y| (16..28).map(move |x| (x, y))) {
             let patch = (4..7).contains(&y) && (20..23).contains(&x);
@@ -249,7 +247,7 @@ mod tests {
     }
 
     #[test]
-    fn what_darkens_evenly_is_shadow_and_what_has_a_pattern_is_an_object() {
+    fn even_candidates_are_shadow_and_patterned_ones_foreground() {
         let bare = Mask::empty(Size::new(30, 12));
         assert_eq!(settled(block(|_, _| 0.7)), bare);
         assert_eq!(
@@ -257,7 +255,7 @@ mod tests {
             bare,
             "with a soft edge"
         );
-        // Uneven candidates have no voice: beside other foreground they are part of it.
+        // Uneven candidates do not vote: near other foreground they become foreground.
         let patterned = |x: u32, y: u32| if (x + y).is_multiple_of(2) { 0.65 } else { 0.95 };
         let mut car = block(patterned);
         car.data[5 * 30 + 12] = Mask::FOREGROUND;

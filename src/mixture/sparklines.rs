@@ -1,4 +1,4 @@
-//! A pixel's brightness through time in few columns: what small multiples of several pixels are drawn from.
+//! A pixel's brightness over time, downsampled for small multiples of several pixels.
 
 use std::ops::Range;
 
@@ -6,7 +6,7 @@ use super::history::PixelHistory;
 use super::pixel::{Component, luma};
 use crate::settings::Space;
 
-/// Some consecutive frames of a pixel, drawn as one column of a sparkline.
+/// Consecutive frames of a pixel, drawn as one column of a sparkline.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct SparklineColumn {
     /// Positions of its frames.
@@ -19,7 +19,8 @@ pub struct SparklineColumn {
     pub foreground: f32,
 }
 
-/// The columns of a history, of which `columns` stand for `frames`; there are fewer while it has fewer frames.
+/// The sparkline of a history, at a scale of `columns` columns for `frames` frames; it has fewer columns while the
+/// history has fewer frames.
 pub fn sparkline(history: &PixelHistory, columns: usize, frames: usize) -> Vec<SparklineColumn> {
     let count = frames.min(columns.max(1));
     let edge = |column: usize| (frames * column / count.max(1)).min(history.states.len());
@@ -50,15 +51,15 @@ fn sparkline_column(history: &PixelHistory, frames: Range<usize>) -> SparklineCo
     SparklineColumn { frames, values, bands, foreground: foreground as f32 / states.len().max(1) as f32 }
 }
 
-/// The range of brightness that these columns are drawn in: all that occur with the bands around them, and at least
-/// `MIN_LEVELS` levels, so that noise stays small.
+/// The range of brightness of the plot: all values and bands of these columns, and at least `MIN_LEVELS` levels, so
+/// that noise remains small.
 pub fn level_range(sparks: &[SparklineColumn]) -> (f32, f32) {
     const MIN_LEVELS: f32 = 48.0;
     let all = sparks.iter().flat_map(|spark| spark.bands.iter().copied().chain([spark.values]));
     let (low, high) =
         all.fold((f32::INFINITY, f32::NEG_INFINITY), |(low, high), (a, b)| (low.min(a), high.max(b)));
     let (low, high) = (low.max(0.0), high.min(255.0));
-    // A little more, so that the bands' edges are seen as such.
+    // A margin, so that the bands' edges are visible.
     let missing = ((MIN_LEVELS - (high - low)) / 2.0).max(0.14 * (high - low));
     if low <= high { (low - missing, high + missing) } else { (0.0, 255.0) }
 }
@@ -76,7 +77,7 @@ mod tests {
     }
 
     #[test]
-    fn columns_keep_what_is_brief_and_leave_room_for_frames_to_come() {
+    fn columns_keep_extremes_and_leave_room_for_later_frames() {
         let history = history(600);
         let all = sparkline(&history, 60, 600);
         assert_eq!(all.len(), 60);
@@ -92,13 +93,13 @@ mod tests {
         let [r, g, b] = history.states[309].pixel.components()[0].mean;
         let first = 0.299 * r + 0.587 * g + 0.114 * b;
         assert!((f32::midpoint(low, high) - first).abs() < 1e-3, "component 1 comes first");
-        assert_eq!(sparkline(&history, 60, 1200).len(), 30, "half of the frames are known");
+        assert_eq!(sparkline(&history, 60, 1200).len(), 30, "the history has half of the frames");
         assert_eq!(sparkline(&history, 900, 600).len(), 600, "a frame each");
         assert!(sparkline(&self::history(0), 60, 100).is_empty());
     }
 
     #[test]
-    fn what_is_drawn_has_room_and_noise_stays_small() {
+    fn the_level_range_contains_all_columns_and_a_minimum_of_levels() {
         let spark = |values, bands: &[(f32, f32)]| SparklineColumn {
             values,
             bands: bands.to_vec(),

@@ -17,20 +17,20 @@ pub struct Statistics {
     pub variance: Value,
     /// Number of frames in which the mixture classified it as foreground.
     pub foreground: usize,
-    /// How often a component was created in a free slot, the first frame's included.
+    /// Number of components created in a free slot, including that of the first frame.
     pub births: usize,
-    /// How often one replaced the last.
+    /// Number of components that replaced another.
     pub replacements: usize,
-    /// B, the number of background modes, on average.
+    /// The mean of B, the number of background components.
     pub mean_modes: f32,
     /// The greatest B.
     pub most_modes: u8,
-    /// How many components were in use at the end.
+    /// Number of components in use after the last frame.
     pub used: usize,
 }
 
 impl Statistics {
-    /// The statistics of these states of a history, as many of them as there are.
+    /// The statistics of these states of a history; positions beyond the history are ignored.
     pub fn new(history: &PixelHistory, range: Range<usize>) -> Self {
         let end = range.end.min(history.states.len());
         let range = range.start.min(end)..end;
@@ -59,7 +59,7 @@ impl Statistics {
         }
     }
 
-    /// The share of frames in which it was foreground, 0..=1.
+    /// The share of foreground frames, 0..=1.
     pub fn foreground_share(&self) -> f32 {
         self.foreground as f32 / self.frames.max(1) as f32
     }
@@ -83,20 +83,20 @@ mod tests {
     }
 
     #[test]
-    fn numbers_are_those_worked_out_by_hand() {
+    fn statistics_equal_values_computed_by_hand() {
         let all = Statistics::new(&history(), 0..20);
         // Red: 18 × 20, 200, 10: mean 28.5, squares (18·400 + 40 000 + 100) / 20 − 28.5².
         assert_eq!((all.frames, all.mean[0]), (20, 28.5));
         assert_eq!(all.variance[0], 47_300.0 / 20.0 - 28.5 * 28.5);
         assert_eq!(all.mean[2], (18.0 * 20.0 + 130.0) / 20.0);
-        // The first frame's and the bright one's; the third colour finds no room.
+        // Births: the first frame and the bright one. The third colour replaces a component.
         assert_eq!((all.births, all.replacements, all.foreground), (2, 1, 2));
         assert_eq!(all.foreground_share(), 0.1);
         assert_eq!((all.used, all.most_modes, all.mean_modes), (2, 1, 1.0));
     }
 
     #[test]
-    fn a_part_counts_only_its_own_frames_and_knows_what_was_before() {
+    fn statistics_of_a_range_count_only_its_frames() {
         let part = Statistics::new(&history(), 11..25);
         assert_eq!((part.frames, part.births, part.replacements, part.foreground), (9, 0, 1, 1));
         let steady = Statistics::new(&history(), 1..10);

@@ -1,9 +1,9 @@
-//! Sixteen pixels side by side: the arithmetic of [`super::pixel`] on vectors of sixteen numbers.
+//! Sixteen pixels at once: the arithmetic of [`super::pixel`] on vectors of sixteen numbers.
 //!
-//! In almost every tile of almost every frame all sixteen pixels match their component 1. That case
-//! is short, has no choices, and touches component 1 alone: what the others lose of their weights
-//! meanwhile is made up for, multiplication by multiplication, when they are next needed. Any other
-//! case makes every choice of the plain pixel by selecting lanes, so that all go the same way.
+//! In almost every tile of almost every frame all sixteen pixels match their component 1. That path is short, has no
+//! branches, and touches component 1 alone: the decay of the other weights is applied, multiplication by
+//! multiplication, when they are next needed. The general path makes every decision of the scalar implementation by
+//! selecting lanes.
 
 use fearless_simd::{Simd, f32x16, i32x16, mask32x16, prelude::*, u8x16, u8x64, u32x16};
 
@@ -14,13 +14,13 @@ use super::shadow::Shadow;
 use crate::frame::Mask;
 use crate::settings::Rate;
 
-/// Pixels a tile.
+/// Number of pixels of a tile.
 pub(super) const LANES: usize = 16;
 
-/// The bytes of a tile's pixels in a frame.
+/// The bytes of a tile in a frame.
 pub(super) type Rgb = [u8; 3 * LANES];
 
-/// One number for each pixel of a tile.
+/// One number per pixel of a tile.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
 struct Plane([f32; LANES]);
@@ -34,7 +34,7 @@ pub(super) struct Gaussians<const N: usize> {
 }
 
 impl<const N: usize> Gaussians<N> {
-    /// Components that were never used.
+    /// Components that are not in use.
     pub(super) const UNUSED: Self =
         Self { weight: Plane([0.0; LANES]), variance: Plane([0.0; LANES]), mean: [Plane([0.0; LANES]); N] };
 
@@ -43,7 +43,7 @@ impl<const N: usize> Gaussians<N> {
         self.weight = Plane([1.0; LANES]);
     }
 
-    /// Puts a component into one lane.
+    /// Writes a component to one lane.
     pub(super) fn set_lane(&mut self, lane: usize, component: &Component) {
         self.weight.0[lane] = component.weight;
         self.variance.0[lane] = component.variance;
@@ -52,7 +52,7 @@ impl<const N: usize> Gaussians<N> {
         }
     }
 
-    /// Takes over the component of one lane of another.
+    /// Copies one lane of another.
     pub(super) fn take_lane(&mut self, lane: usize, other: &Self) {
         self.weight.0[lane] = other.weight.0[lane];
         self.variance.0[lane] = other.variance.0[lane];
@@ -71,29 +71,29 @@ impl<const N: usize> Gaussians<N> {
     }
 }
 
-/// Memory of the verdicts about each pixel of a tile.
+/// The past classification of each pixel of a tile.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct VerdictMemories {
     run: Plane,
     unrest: Plane,
-    /// A bit for each lane.
+    /// One bit per lane.
     strict: u16,
-    /// Whether any lane was foreground, in the end or under T itself.
+    /// Whether any lane was foreground, in the final result or under the parameter T.
     busy: bool,
 }
 
 impl VerdictMemories {
-    /// Of pixels that have seen nothing.
+    /// The memory of pixels without data.
     pub(super) const NONE: Self =
         Self { run: Plane([0.0; LANES]), unrest: Plane([0.0; LANES]), strict: 0, busy: false };
 
-    /// u of each lane, as it was when the tile was settled.
+    /// u of each lane, as of the frame of `settled`.
     #[inline(always)]
     pub(super) fn unrest<S: Simd>(&self, simd: S) -> f32x16<S> {
         f32x16::load_array_ref(simd, &self.unrest.0)
     }
 
-    /// Takes over the past of one lane of another.
+    /// Copies one lane of another.
     pub(super) fn take_lane(&mut self, lane: usize, other: &Self) {
         (self.run.0[lane], self.unrest.0[lane]) = (other.run.0[lane], other.unrest.0[lane]);
         let bit = 1 << lane;
@@ -101,13 +101,13 @@ impl VerdictMemories {
         self.busy |= other.busy;
     }
 
-    /// Puts what a pixel remembers as it begins into one lane.
+    /// Writes the initial memory of a pixel to one lane.
     pub(super) fn begin_lane(&mut self, lane: usize, past: &VerdictMemory) {
         (self.run.0[lane], self.unrest.0[lane]) = (past.run, past.unrest);
         (self.strict, self.busy) = (0, false);
     }
 
-    /// The past of one lane, as it was when the tile was settled.
+    /// The memory of one lane, as of the frame of `settled`.
     pub(super) fn lane(&self, lane: usize) -> VerdictMemory {
         VerdictMemory {
             run: self.run.0[lane],
@@ -117,23 +117,23 @@ impl VerdictMemories {
     }
 }
 
-/// A tile's mixtures, as they lie in the image's.
+/// A tile's mixtures, borrowed from the image's.
 pub(super) struct Tile<'a, const N: usize> {
     /// Component 1.
     pub(super) first: &'a mut Gaussians<N>,
     /// Components 2 to K.
     pub(super) others: &'a mut [Gaussians<N>],
-    /// How many components were ever used in any lane; those beyond are all zeros.
+    /// The number of components that were ever in use in any lane; the others are all zeros.
     pub(super) used: &'a mut u8,
-    /// The frame up to which the weights of `others` are brought.
+    /// The frame as of which the weights of `others` are stored.
     pub(super) settled: &'a mut u32,
-    /// What its pixels remember, unrest brought to the same frame; `None` where feedback is off.
+    /// The past classification, with the unrest as of the same frame; `None` where feedback is off.
     pub(super) pasts: Option<&'a mut VerdictMemories>,
-    /// The tile's place: not all settle in the same frame.
+    /// The tile's index, which determines when its weights are brought up to date.
     pub(super) place: u32,
 }
 
-/// The pixel of one lane after frame `t`, its components 2 to K as they were after frame `settled`.
+/// The pixel of one lane after frame `t`, whose components 2 to K are stored as of frame `settled`.
 pub(super) fn read<const N: usize>(
     (first, others): (&Gaussians<N>, &[Gaussians<N>]),
     (settled, pasts): (u32, Option<&VerdictMemories>),
@@ -160,8 +160,8 @@ pub(super) fn read<const N: usize>(
     pixel
 }
 
-/// Weights of components 2 to K are brought to the present at least once in so many frames, so that
-/// whoever reads them has few frames to make up for.
+/// Largest number of frames after which the weights of components 2 to K are brought up to date, so that a reader has
+/// few frames to apply.
 const SETTLE: u32 = 32;
 
 /// Parameters of one frame, the same for all tiles.
@@ -169,18 +169,18 @@ const SETTLE: u32 = 32;
 pub(super) struct FrameParameters {
     t: u32,
     alpha: f32,
-    /// Whether it is within the warm-up, in which all pixels learn alike.
+    /// Whether the frame is in the warm-up, in which all pixels have the same α.
     warming: bool,
 }
 
 impl FrameParameters {
-    /// The frame's place since the model started, from 1.
+    /// The number of the frame since the model started, from 1.
     pub(super) const fn t(&self) -> u32 {
         self.t
     }
 }
 
-/// Constants of all tiles in all frames.
+/// Constants of all tiles and frames.
 pub(super) struct Constants {
     parameters: Parameters,
     lambda_squared: f32,
@@ -213,7 +213,7 @@ impl Constants {
         FrameParameters { t, alpha: self.parameters.alpha_at(t), warming: self.parameters.is_warming(t) }
     }
 
-    /// ρ, from w after the update and the rest before it (§V).
+    /// ρ, from w after the update and the state before it (§V).
     #[inline(always)]
     fn rho<S: Simd, const N: usize>(
         &self,
@@ -272,13 +272,13 @@ impl<S: Simd, const N: usize> Vectors<S, N> {
         sum
     }
 
-    /// Which lanes this component is used in and the value lies within λσ of it: ‖X − μ‖² ≤ λ²σ².
+    /// The lanes in which this component is in use and matches: ‖X − μ‖² ≤ λ²σ².
     #[inline(always)]
     fn matches(&self, distance_squared: f32x16<S>, constants: &Constants) -> mask32x16<S> {
         distance_squared.simd_le(self.variance * constants.lambda_squared) & self.weight.simd_gt(0.0)
     }
 
-    /// μ ← (1 − ρ)μ + ρX, then with the new μ, σ² ← (1 − ρ)σ² + ρ‖X − μ‖², not below σ_min².
+    /// μ ← (1 − ρ)μ + ρX, then with the new μ, σ² ← (1 − ρ)σ² + ρ‖X − μ‖², at least σ_min².
     #[inline(always)]
     fn learn(&mut self, x: &[f32x16<S>; N], rho: f32x16<S>, constants: &Constants) {
         let keep = f32x16::splat(rho.token(), 1.0) - rho;
@@ -289,14 +289,14 @@ impl<S: Simd, const N: usize> Vectors<S, N> {
         self.variance = variance.max(constants.least_variance);
     }
 
-    /// w/σ, 0 where it is unused.
+    /// w/σ, 0 if unused.
     #[inline(always)]
     fn rank_value(&self) -> f32x16<S> {
         let zero = f32x16::splat(self.weight.token(), 0.0);
         self.weight.simd_gt(0.0).select(self.weight / self.variance.sqrt(), zero)
     }
 
-    /// Takes over another's lanes.
+    /// Copies these lanes of another.
     #[inline(always)]
     fn take(&mut self, lanes: mask32x16<S>, other: &Self) {
         self.weight = lanes.select(other.weight, self.weight);
@@ -308,8 +308,7 @@ impl<S: Simd, const N: usize> Vectors<S, N> {
 }
 
 impl<const N: usize> Tile<'_, N> {
-    /// Takes the tile through consecutive frames: `rgb` has its bytes in each, and `marks` takes a byte for each of its
-    /// pixels.
+    /// Processes consecutive frames: `rgb` has the tile's bytes in each, and `marks` receives one byte per pixel.
     #[inline(always)]
     pub(super) fn run<S: Simd>(
         mut self,
@@ -326,7 +325,7 @@ impl<const N: usize> Tile<'_, N> {
             let calm = self.pasts.as_ref().is_none_or(|pasts| !pasts.busy);
             if calm && first.matches(distance, constants).all_true() {
                 first.weight = first.weight * (1.0 - moment.alpha) + moment.alpha;
-                // Of the distance only the paper's own rate makes use, and only there it stays in a register.
+                // Only the paper's own rate uses the distance, and only there it is kept in a register.
                 let rho = constants.rho::<S, N>(
                     f32x16::splat(simd, moment.alpha),
                     first.weight,
@@ -377,8 +376,8 @@ impl<const N: usize> Tile<'_, N> {
                     return [0; LANES];
                 }
                 self.settle(simd, moment.t - 1, constants);
-                // Room for the component that replaces another or, while there is any, is new. A number
-                // that the compiler knows lets it unroll what runs over them.
+                // Components in use in any lane, and one more, if there is room, for a new one. A constant known at
+                // compile time lets the compiler unroll loops over them.
                 let open = (usize::from(*self.used) + 1).min(constants.parameters.k);
                 let (foreground, doubtful, missed) = match open {
                     1 => self.step_open::<S, 1>(&x, moment, constants),
@@ -404,7 +403,7 @@ impl<const N: usize> Tile<'_, N> {
         )
     }
 
-    /// One certain component around the first value; every pixel starts as background.
+    /// One component of weight 1 around the first value; every pixel starts as background.
     #[inline(always)]
     fn begin<S: Simd>(&mut self, x: &[f32x16<S>; N], constants: &Constants) {
         let simd = x[0].token();
@@ -421,7 +420,7 @@ impl<const N: usize> Tile<'_, N> {
         }
     }
 
-    /// Brings the weights of components 2 to K to frame `t`, in which none of them matched.
+    /// Brings the weights of components 2 to K up to date as of frame `t`; none of them matched since.
     #[inline(always)]
     pub(super) fn settle<S: Simd>(&mut self, simd: S, t: u32, constants: &Constants) {
         let used = usize::from(*self.used);
@@ -443,8 +442,8 @@ impl<const N: usize> Tile<'_, N> {
         *self.settled = t;
     }
 
-    /// All of §V–VI on the first `W` components, of which the last is unused or may be replaced.
-    /// Gives which pixels are foreground, which are doubtful, and whether any of them matched nothing.
+    /// All of §V–VI on the first `W` components, of which the last is unused or may be replaced. Returns which pixels
+    /// are foreground, which are doubtful, and whether any of them matched nothing.
     #[inline(always)]
     fn step_open<S: Simd, const W: usize>(
         &mut self,
@@ -468,10 +467,10 @@ impl<const N: usize> Tile<'_, N> {
         };
         let keep = f32x16::splat(simd, 1.0) - alpha;
 
-        // The matched component of each lane, with its weight after and the rest before the update.
+        // The matched component of each lane, with its weight after the update and all else before it.
         let mut changed = components[0];
         let mut distance = f32x16::splat(simd, 0.0);
-        // In which lanes the component of each rank is the one that changes.
+        // The lanes in which the component of each rank is the updated one.
         let mut at = [no_lane; W];
         let mut matched = no_lane;
         for (component, at) in components.iter_mut().zip(&mut at) {
@@ -567,7 +566,7 @@ fn record_change<S: Simd>(pasts: &mut VerdictMemories, other: mask32x16<S>, t: u
     pasts.busy = bits != 0;
 }
 
-/// [`VerdictMemory::record_verdict`]. Gives the unrest.
+/// [`VerdictMemory::record_verdict`]. Returns the unrest.
 #[inline(always)]
 fn record_verdict<S: Simd>(
     pasts: &mut VerdictMemories,
@@ -599,7 +598,7 @@ pub(super) fn raised_t<S: Simd>(t: f32x16<S>, unrest: f32x16<S>, feedback: &Feed
     t + (t.max(feedback.t) - t) * restlessness(unrest, feedback)
 }
 
-/// Moves the component that changed up while its w/σ is greater than its upper neighbour's.
+/// Moves the updated component up while its w/σ is greater than that of the one above.
 #[inline(always)]
 fn sort_upwards<S: Simd, const N: usize, const W: usize>(
     components: &mut [Vectors<S, N>; W],
@@ -625,8 +624,8 @@ fn sort_upwards<S: Simd, const N: usize, const W: usize>(
     }
 }
 
-/// In which lanes the component that changed has a rank greater than B: the smallest b with
-/// w₁ + … + w_b > T, all used components if none reaches it.
+/// The lanes in which the updated component has a rank greater than B: the smallest b with w₁ + … + w_b > T, all used
+/// components if none reaches it.
 #[inline(always)]
 fn beyond_background<S: Simd, const N: usize, const W: usize>(
     components: &[Vectors<S, N>; W],
@@ -648,8 +647,8 @@ fn beyond_background<S: Simd, const N: usize, const W: usize>(
     beyond | (!reached & rank.simd_gt(used))
 }
 
-/// [`Shadow::mark`] in each lane of the foreground, [`Hysteresis::DOUBTFUL`] in doubtful ones that are no shadow, 0 in
-/// the others.
+/// [`Shadow::mark`] in foreground lanes, [`Hysteresis::DOUBTFUL`] in doubtful ones that are not shadow, 0 in all
+/// others.
 #[inline(always)]
 fn marks_of<S: Simd, const N: usize>(
     foreground: mask32x16<S>,
@@ -682,7 +681,7 @@ fn marks_of<S: Simd, const N: usize>(
     all.map(|mark| mark as u8)
 }
 
-/// X of each pixel: three channels, or BT.601 luma in 8 bits as [`super::pixel::luma`] gives it.
+/// X of each pixel: three channels, or BT.601 luma in 8 bits as in [`super::pixel::luma`].
 #[inline(always)]
 fn values<S: Simd, const N: usize>(simd: S, rgb: &Rgb) -> [f32x16<S>; N] {
     let [r, g, b] = channels(simd, rgb);
@@ -700,7 +699,7 @@ fn values<S: Simd, const N: usize>(simd: S, rgb: &Rgb) -> [f32x16<S>; N] {
 /// Red, green and blue of each pixel.
 #[inline(always)]
 fn channels<S: Simd>(simd: S, rgb: &Rgb) -> [u32x16<S>; 3] {
-    // Four pixels a block of 16 bytes; the last block starts 4 bytes early, to end where they end.
+    // Four pixels per block of 16 bytes; the last block starts 4 bytes early so that it ends with the data.
     const SPREAD: [u8; 64] = [
         0, 1, 2, 3, 3, 4, 5, 6, 6, 7, 8, 9, 9, 10, 11, 12, //
         0, 1, 2, 3, 3, 4, 5, 6, 6, 7, 8, 9, 9, 10, 11, 12, //

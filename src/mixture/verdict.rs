@@ -1,4 +1,4 @@
-//! Why a pixel is what it is at one frame, in words with the numbers that were compared.
+//! Explains the classification of a pixel in one frame, in words with the compared numbers.
 
 use super::history::{PixelHistory, PixelState};
 use super::hysteresis::Hysteresis;
@@ -6,26 +6,26 @@ use super::pixel::{Component, Parameters, Pixel, Value};
 use super::shadow::Shadow;
 use crate::settings::{Rate, SETTINGS, Setting, Settings, Stage, Value as SettingValue};
 
-/// The mixture's verdict about one pixel in one frame, before any later step.
+/// The mixture's classification of a pixel in one frame, before any later stage.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Verdict {
-    /// The verdict and the comparison that decided it, one sentence without a full stop.
+    /// The classification and the comparison that decided it, one sentence without a full stop.
     pub headline: String,
-    /// What else happened in this frame, a sentence each, the most telling first.
+    /// Further events of this frame, one sentence each, the most important first.
     pub details: Vec<String>,
     /// Whether the mixture calls the pixel foreground.
     pub foreground: bool,
 }
 
-/// ‖X − μ‖ / σ: how many standard deviations `x` is from a component's mean.
+/// ‖X − μ‖ / σ: the distance of `x` from a component's mean in standard deviations.
 pub fn distance_in_sigmas(component: &Component, x: Value) -> f32 {
     (component.distance_squared(x) / component.variance).sqrt()
 }
 
-/// The verdict about the state at `index` of a history, as the paper's rules gave it.
+/// The verdict at the state at `index` of a history, by the paper's rules.
 ///
-/// Ranks are those after the update unless the sentence says otherwise, but all distances are to
-/// the components as they were before it: those are the ones that the value was compared with.
+/// Ranks are those after the update unless stated otherwise. All distances are to the components before the update,
+/// because those were compared with the value.
 pub fn verdict(history: &PixelHistory, index: usize) -> Verdict {
     let Some(state) = history.states.get(index) else {
         return Verdict {
@@ -67,7 +67,7 @@ fn not_shown(state: &PixelState) -> Verdict {
     }
 }
 
-/// The corrections of the frame before the mixture processed the value.
+/// The corrections of the frame at this pixel.
 fn taken_out(state: &PixelState) -> Vec<String> {
     let [dx, dy] = state.applied.shift;
     let mut sentences = Vec::new();
@@ -85,7 +85,7 @@ fn taken_out(state: &PixelState) -> Vec<String> {
     sentences
 }
 
-/// Whether the foreground pixel has the colour of a shadow, or of more light, in words.
+/// Whether the foreground pixel has the colour of a shadow or a highlight, in words.
 fn shadow(state: &PixelState, parameters: &Parameters) -> Option<String> {
     let channels = parameters.channels();
     let surface = state.pixel.components().first()?;
@@ -118,7 +118,7 @@ fn shadow(state: &PixelState, parameters: &Parameters) -> Option<String> {
     })
 }
 
-/// Whether the pixel is background only as long as few of its neighbours are foreground, in words.
+/// Whether the pixel is doubtful, i.e. background only as long as few of its neighbours are foreground, in words.
 fn doubt(state: &PixelState, before: &Pixel, parameters: &Parameters) -> Option<String> {
     let channels = parameters.channels();
     let surface = state.pixel.components().first()?;
@@ -139,16 +139,16 @@ fn doubt(state: &PixelState, before: &Pixel, parameters: &Parameters) -> Option<
     ))
 }
 
-/// The later step that overruled the mixture's verdict; `None` where none did.
+/// The later stage that overruled the mixture's verdict; `None` if none did.
 ///
-/// `mixture` and `mask` say whether each has the pixel as foreground, `ignored` whether it lies outside what is
-/// analysed.
+/// `mixture` and `mask` are whether the pixel is foreground in each, `ignored` whether it lies outside the region of
+/// interest.
 pub fn overruled(mixture: bool, mask: bool, ignored: bool, settings: &Settings) -> Option<String> {
     if ignored {
         let made = "Changed by a later stage: the pixel lies outside the analysed area.";
         return mixture.then(|| made.to_owned());
     }
-    // An opening only takes foreground away, a closing and the filling of holes only add to it.
+    // Opening only removes foreground; closing and the filling of holes only add it.
     let powerless = if mixture { ["closing", "fill_holes"] } else { ["opening", ""] };
     let shadow = mixture && Shadow::new(settings).is_on();
     let hysteresis = !mixture && Hysteresis::new(settings).is_on();
@@ -287,7 +287,7 @@ fn unmatched(state: &PixelState, before: &Pixel, parameters: &Parameters) -> Ver
     }
 }
 
-/// Which components are background and why, to end the headline and as a sentence of its own.
+/// Which components are background and why, as the end of the headline and as a separate sentence.
 struct BackgroundWords {
     headline: String,
     sentence: String,
@@ -316,7 +316,7 @@ fn background_words(pixel: &Pixel, count: u8, t: f32) -> BackgroundWords {
     }
 }
 
-/// Says that a component of lower rank is nearer, where one is: the first that matches is taken, not the nearest.
+/// States that a component of lower rank is nearer, if one is: the first match in rank order counts, not the nearest.
 fn nearer(state: &PixelState, before: &Pixel, from: usize) -> Option<String> {
     let taken = distance_in_sigmas(&before.components()[from - 1], state.value);
     before
@@ -337,7 +337,7 @@ fn nearer(state: &PixelState, before: &Pixel, from: usize) -> Option<String> {
         })
 }
 
-/// Says that T is another one for this pixel, where it is.
+/// States that the pixel's T differs from the parameter, if it does.
 fn raised(state: &PixelState, parameters: &Parameters) -> Option<String> {
     let past = state.pixel.past();
     let t = parameters.t_of(past);
@@ -352,7 +352,7 @@ fn raised(state: &PixelState, parameters: &Parameters) -> Option<String> {
     })
 }
 
-/// Says why α is another one for this pixel, where it is.
+/// States why the pixel's α differs from the parameter, if it does.
 fn paced(before: &Pixel, t: u32, parameters: &Parameters) -> Option<String> {
     let past = before.past();
     let (alpha, plain) = (parameters.alpha_of(past, t), parameters.alpha_at(t));
@@ -388,7 +388,7 @@ fn learning(state: &PixelState, before: &Pixel, parameters: &Parameters) -> Stri
     };
     let warming =
         if state.t <= parameters.warm_up && alpha > parameters.alpha { " = 1/t (warm-up)" } else { "" };
-    // α·η has no bound of its own: where σ is small η exceeds 1/α.
+    // α·η is unbounded: where σ is small, η exceeds 1/α.
     let limited = if state.outcome.rho >= 1.0 { "limited to 1" } else { how };
     format!("Updated with ρ = {} ({limited}), α = {}{warming}.", number(state.outcome.rho), number(alpha))
 }
@@ -401,7 +401,7 @@ fn changed_count(state: &PixelState, before: &Pixel, parameters: &Parameters) ->
     (old != new).then(|| format!("B changed from {old} to {new} in this frame."))
 }
 
-/// A number in at most four significant digits, without needless zeros; very small ones as `1.2e-7`.
+/// A number with at most four significant digits and no trailing zeros; very small ones as `1.2e-7`.
 pub fn number(value: f32) -> String {
     if value == 0.0 || !value.is_finite() {
         return format!("{value}");
@@ -418,8 +418,8 @@ fn number_with(value: f32, decimals: usize) -> String {
     format!("{value:.decimals$}")
 }
 
-/// `value` in `decimals` digits, or in as many more as it takes to stay on its own side of `limit`,
-/// which is shown as [`number`] shows it: 2.503 beside a limit of 2.5 must not be shown as 2.5.
+/// `value` with `decimals` digits, or with as many more as keep it on its side of `limit`, which is formatted by
+/// [`number`]: 2.503 beside a limit of 2.5 must not be shown as 2.5.
 fn apart(value: f32, limit: f32, decimals: usize) -> String {
     let limit = number(limit).parse().unwrap_or(limit);
     (decimals..=decimals + 5)
@@ -430,7 +430,7 @@ fn apart(value: f32, limit: f32, decimals: usize) -> String {
         .unwrap_or_else(|| format!("{value}"))
 }
 
-/// Two numbers in the same count of digits, at least `decimals`, as many as it takes to tell them apart.
+/// Two numbers with the same number of digits, at least `decimals`, and enough to differ.
 fn pair(a: f32, b: f32, decimals: usize) -> (String, String) {
     (decimals..=decimals + 5)
         .map(|decimals| (format!("{a:.decimals$}"), format!("{b:.decimals$}")))
@@ -438,7 +438,7 @@ fn pair(a: f32, b: f32, decimals: usize) -> (String, String) {
         .unwrap_or_else(|| (format!("{a}"), format!("{b}")))
 }
 
-/// `0.61 + 0.22`, in as many digits as it takes for what is shown to exceed `t`.
+/// `0.61 + 0.22`, with enough digits that the shown sum exceeds `t`.
 fn sum_above(weights: &[f32], t: f32) -> String {
     let shown = |decimals: usize| -> Vec<String> {
         weights.iter().map(|weight| format!("{weight:.decimals$}")).collect()
@@ -463,7 +463,7 @@ mod tests {
         Component { weight, mean: [mean, 0.0, 0.0], variance: sigma * sigma }
     }
 
-    /// The verdict about a gray value that meets a mixture made by hand, long after the start.
+    /// The verdict on a gray value for a given mixture, long after the start.
     fn meets(components: &[Component], level: u8, parameters: Parameters) -> (Verdict, PixelState) {
         let mut history = PixelHistory::new((0, 0), Parameters { k: components.len(), ..parameters });
         history.push_colour(1, [0; 3]);
@@ -479,7 +479,7 @@ mod tests {
     }
 
     #[test]
-    fn the_first_frame_after_learning_is_judged_like_any_other() {
+    fn the_first_frame_after_learning_is_classified_like_any_other() {
         let mut history = PixelHistory::new((0, 0), parameters());
         history.learn_colours((1..=40).map(|n| if n < 9 { [200; 3] } else { [50; 3] }));
         history.push_colour(1, [200; 3]);
@@ -494,7 +494,7 @@ mod tests {
     }
 
     #[test]
-    fn the_first_frame_says_so() {
+    fn the_first_frame_is_named_as_such() {
         let history = PixelHistory::of_colours((0, 0), parameters(), [(7, [50; 3])]);
         let words = verdict(&history, 0);
         assert!(!words.foreground && words.headline.starts_with("Background: first frame of the model"));
@@ -521,7 +521,7 @@ mod tests {
     }
 
     #[test]
-    fn a_match_beyond_b_says_which_weights_suffice() {
+    fn a_match_beyond_b_names_the_sufficient_weights() {
         let mixture = [gray(0.61, 100.0, 10.0), gray(0.22, 150.0, 10.0), gray(0.17, 230.0, 10.0)];
         let (words, state) = meets(&mixture, 242, parameters());
         assert!(words.foreground && state.outcome.matched == 3);
@@ -533,7 +533,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_matched_names_the_nearest_and_what_was_replaced() {
+    fn no_match_names_the_nearest_and_the_replaced_component() {
         let mixture = [gray(0.7, 100.0, 10.0), gray(0.2, 200.0, 10.0), gray(0.1, 20.0, 4.0)];
         let (words, _) = meets(&mixture, 169, parameters());
         assert!(words.foreground);
@@ -546,7 +546,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_matched_with_room_says_that_one_was_added() {
+    fn no_match_with_a_free_slot_reports_an_added_component() {
         let mixture = [gray(1.0, 100.0, 10.0), Component::default(), Component::default()];
         let (words, state) = meets(&mixture, 200, parameters());
         assert_eq!(state.outcome.rank, 2);
@@ -554,14 +554,14 @@ mod tests {
     }
 
     #[test]
-    fn a_new_component_within_b_is_foreground_still() {
+    fn a_new_component_within_b_is_foreground() {
         let (words, state) = meets(&[gray(0.02, 100.0, 60.0)], 255, parameters());
         assert!(words.foreground && state.outcome.rank <= state.outcome.background_count);
         assert!(detail(&words, "without a match is foreground").contains("rank is 1"));
     }
 
     #[test]
-    fn a_new_component_that_rises_at_once_says_so() {
+    fn the_rise_of_a_new_component_is_reported() {
         let mixture = [gray(0.9, 100.0, 10.0), gray(0.099, 200.0, 90.0), gray(0.001, 20.0, 4.0)];
         let (words, state) =
             meets(&mixture, 140, Parameters { initial_weight: 0.4, lambda: 0.6, ..parameters() });
@@ -570,7 +570,7 @@ mod tests {
     }
 
     #[test]
-    fn a_change_of_rank_and_of_b_is_told() {
+    fn changes_of_rank_and_of_b_are_reported() {
         let fast = Parameters { alpha: 0.3, ..parameters() };
         let (words, state) = meets(&[gray(0.72, 100.0, 10.0), gray(0.28, 200.0, 5.0)], 200, fast);
         assert_eq!((state.outcome.matched, state.outcome.rank), (2, 1));
@@ -587,7 +587,7 @@ mod tests {
     }
 
     #[test]
-    fn a_component_that_should_sink_and_cannot_is_told() {
+    fn a_component_above_one_of_larger_rank_value_is_reported() {
         let (words, _) = meets(&[gray(0.5, 100.0, 10.0), gray(0.5, 200.0, 10.0)], 100, parameters());
         assert!(!words.details.iter().any(|detail| detail.contains("stays above")));
         let (words, _) = meets(
@@ -599,7 +599,7 @@ mod tests {
     }
 
     #[test]
-    fn the_floor_of_sigma_is_told() {
+    fn the_limit_of_sigma_is_reported() {
         let (words, state) = meets(&[gray(1.0, 100.0, 4.0)], 100, parameters());
         assert_eq!(state.pixel.components()[0].sigma(), 4.0);
         assert!(detail(&words, "clamped").contains("minimum 4 (min sigma); without the limit it is 3.98"));
@@ -608,7 +608,7 @@ mod tests {
     }
 
     #[test]
-    fn a_limited_rho_is_told() {
+    fn a_limited_rho_is_reported() {
         let sharp = Parameters { rate: Rate::Density, alpha: 0.9, min_sigma: 0.1, ..parameters() };
         let (words, state) = meets(&[gray(1.0, 100.0, 0.1)], 100, sharp);
         assert_eq!(state.outcome.rho, 1.0);
@@ -618,7 +618,7 @@ mod tests {
     }
 
     #[test]
-    fn doubt_is_told_with_its_distance_and_what_it_takes() {
+    fn doubt_is_reported_with_its_distance_and_limits() {
         let settings = Settings { hysteresis: 24.0, min_sigma: 16.0, ..Settings::preset(Preset::Plain) };
         let mut history = PixelHistory::new((0, 0), Parameters::new(&settings));
         (1..=50).for_each(|number| history.push_colour(number, [100, 100, 100]));
@@ -640,7 +640,7 @@ mod tests {
     }
 
     #[test]
-    fn shadow_is_told_with_what_it_was_measured_by() {
+    fn shadow_is_reported_with_its_measurements() {
         let parameters = Parameters::new(&Settings {
             shadow_floor: 0.6,
             shadow_colour: 12.0,
@@ -672,7 +672,7 @@ mod tests {
     }
 
     #[test]
-    fn what_the_past_changes_is_told() {
+    fn the_effect_of_feedback_is_reported() {
         let settings = Settings {
             hold: 0.1,
             restless_learning: 3.0,
@@ -713,13 +713,13 @@ mod tests {
     }
 
     #[test]
-    fn warm_up_shows_the_alpha_that_was_used() {
+    fn the_alpha_of_the_warm_up_is_reported() {
         let (words, _) = meets(&[gray(1.0, 100.0, 10.0)], 100, Parameters { warm_up: 100, ..parameters() });
         assert!(detail(&words, "Updated with").contains("α = 0.5 = 1/t (warm-up)"));
     }
 
     #[test]
-    fn a_sum_that_never_exceeds_t_is_told() {
+    fn a_sum_that_never_exceeds_t_is_reported() {
         let (words, state) = meets(
             &[gray(0.5, 100.0, 10.0), gray(0.2, 200.0, 10.0)],
             100,
@@ -738,7 +738,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_are_short() {
+    fn numbers_have_few_digits() {
         for (value, text) in [
             (0.7, "0.7"),
             (20.0, "20"),
@@ -755,7 +755,7 @@ mod tests {
     }
 
     #[test]
-    fn a_later_step_that_overrules_names_the_filters_that_could() {
+    fn overruling_stages_name_the_filters_that_could_cause_it() {
         let settings = Settings { median: 5, opening: 3, closing: 7, ..Settings::preset(Preset::Plain) };
         assert_eq!(overruled(true, true, false, &settings), None);
         assert_eq!(overruled(false, false, false, &settings), None);

@@ -1,4 +1,4 @@
-//! What is done to the mask before regions are found in it: filters against specks, gaps and holes.
+//! Cleaning of the mask before regions are found: filters against specks, gaps and holes.
 
 use fearless_simd::{Level, dispatch};
 use opencv::boxed_ref::{BoxedRef, BoxedRefMut};
@@ -12,21 +12,21 @@ use opencv::prelude::*;
 use crate::frame::Mask;
 use crate::settings::Settings;
 
-/// Which filters, and how large; a size of 0 leaves one out. They run in the order of the fields.
+/// The filters and their sizes; a size of 0 turns a filter off. They run in the order of the fields.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Cleaning {
-    /// Side of the median filter in pixels.
+    /// Side of the median filter's window in pixels.
     pub median: u32,
-    /// Side of the opening's disc in pixels.
+    /// Diameter of the opening's disc in pixels.
     pub opening: u32,
-    /// Side of the closing's disc in pixels.
+    /// Diameter of the closing's disc in pixels.
     pub closing: u32,
-    /// Holes up to this many pixels are filled.
+    /// Size in pixels up to which holes are filled.
     pub fill_holes: u32,
 }
 
 impl Cleaning {
-    /// The filters that `settings` ask for.
+    /// The filters in the settings.
     pub const fn new(settings: &Settings) -> Self {
         Self {
             median: settings.median,
@@ -55,11 +55,11 @@ impl Cleaning {
     }
 }
 
-/// Pixels of a row that are counted around together.
+/// Number of pixels of a row that are processed together.
 const BLOCK: usize = 32;
 
-/// The median of a mask: foreground where more than half of the pixels around are; those outside the image are as the
-/// nearest inside.
+/// The median of a mask: foreground where more than half of the pixels in the window are. Pixels outside the image
+/// equal the nearest inside.
 fn majority(mask: &Mask, side: usize) -> Mask {
     let mut result = Mask::empty(mask.size);
     dispatch!(Level::new(), _simd => majority_into(mask, side, &mut result));
@@ -75,7 +75,8 @@ fn majority_into(mask: &Mask, side: usize, result: &mut Mask) {
     let half = (side * side / 2) as u16;
     let (outside, inside) = (vec![Mask::BACKGROUND; width], radius..radius + width);
     let row = |y: usize| &mask.data[y.saturating_sub(radius).min(height - 1) * width..][..width];
-    // How many of the rows around are foreground in each column, those beside the image as the nearest inside.
+    // For each column, the number of foreground rows in the window; columns beside the image equal the nearest
+    // inside.
     let mut counts = vec![0_u16; width + 2 * radius + BLOCK];
     for y in 0..side - 1 {
         change(&mut counts[inside.clone()], &outside, row(y));
@@ -98,7 +99,7 @@ fn majority_into(mask: &Mask, side: usize, result: &mut Mask) {
     }
 }
 
-/// Counts the foreground of one row in place of another's.
+/// Moves the window by a row: subtracts the leaving row and adds the entering one.
 #[inline(always)]
 fn change(counts: &mut [u16], leaving: &[u8], entering: &[u8]) {
     for ((count, leaving), entering) in counts.iter_mut().zip(leaving).zip(entering) {
@@ -106,7 +107,7 @@ fn change(counts: &mut [u16], leaving: &[u8], entering: &[u8]) {
     }
 }
 
-/// What a filter that keeps size and type makes of a mask.
+/// Applies a filter that preserves size and type.
 fn filtered(
     mask: &Mask,
     filter: impl FnOnce(&BoxedRef<'_, Mat>, &mut BoxedRefMut<'_, Mat>) -> opencv::Result<()>,
@@ -126,8 +127,8 @@ fn morphed(mask: &Mask, operation: i32, side: u32) -> opencv::Result<Mask> {
     filtered(mask, |from, to| morphology_ex(from, to, operation, &disc, centre, 1, BORDER_CONSTANT, border))
 }
 
-/// Fills background areas of at most `largest` pixels that the foreground encloses. A hole is
-/// 4-connected, as the foreground around it is 8-connected; one that reaches the image edge is open.
+/// Fills holes: background areas of at most `largest` pixels that foreground encloses. A hole is 4-connected, because
+/// foreground is 8-connected; an area that reaches the image edge is not a hole.
 fn fill_holes(mask: &mut Mask, largest: u32) -> opencv::Result<()> {
     let inverse = Mask { size: mask.size, data: mask.data.iter().map(|value| 255 - value).collect() };
     let (labels, count) = connected_components(&inverse, 4)?;
@@ -147,8 +148,7 @@ fn fill_holes(mask: &mut Mask, largest: u32) -> opencv::Result<()> {
     Ok(())
 }
 
-/// OpenCV's labelling: a label for each pixel, 0 for
-/// background, and how many labels there are, background among them.
+/// OpenCV's labelling: a label for each pixel, 0 for background, and the number of labels, background included.
 pub(super) fn connected_components(mask: &Mask, connectivity: i32) -> opencv::Result<(Vec<u32>, usize)> {
     let mut labels = Mat::default();
     let count =
@@ -157,7 +157,7 @@ pub(super) fn connected_components(mask: &Mask, connectivity: i32) -> opencv::Re
     Ok((labels, count as usize))
 }
 
-/// The mask as OpenCV sees it, without a copy.
+/// The mask as an OpenCV matrix, without a copy.
 pub(super) fn mat(mask: &Mask) -> opencv::Result<BoxedRef<'_, Mat>> {
     Mat::new_rows_cols_with_bytes::<u8>(mask.size.height as i32, mask.size.width as i32, &mask.data)
 }
@@ -171,7 +171,7 @@ pub(super) mod tests {
     use super::*;
     use crate::frame::Size;
 
-    /// Foreground here and there, of so many pixels in a hundred.
+    /// Random foreground with a density in percent.
     pub(crate) fn noise(size: Size, density: u32, seed: u32) -> Mask {
         let mut noise = seed | 1;
         let data = (0..size.pixels()).map(|_| {
@@ -191,7 +191,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn nothing_asked_for_changes_nothing() {
+    fn cleaning_without_filters_changes_nothing() {
         let speckled = mask(&["#..", ".#.", "..#"]);
         assert_eq!(OFF.apply(speckled.clone()).unwrap(), speckled);
     }
@@ -210,13 +210,13 @@ pub(super) mod tests {
         let after = Cleaning { fill_holes: 5, ..OFF }.apply(before.clone()).unwrap();
         assert!(after.is_foreground(1, 1), "one pixel, enclosed");
         assert!(!after.is_foreground(3, 1), "reaches the image edge");
-        assert!(!after.is_foreground(2, 3), "six pixels are too many");
+        assert!(!after.is_foreground(2, 3), "a hole of six pixels is too large");
         let after = Cleaning { fill_holes: 6, ..OFF }.apply(before).unwrap();
         assert!(after.is_foreground(2, 3));
     }
 
     #[test]
-    fn opening_removes_and_closing_joins_what_is_thin() {
+    fn opening_removes_thin_parts_and_closing_joins_thin_gaps() {
         let before = mask(&["..........", ".###.###..", ".###.#####", ".###.###..", ".........."]);
         let closed = Cleaning { closing: 3, ..OFF }.apply(before.clone()).unwrap();
         assert!(closed.is_foreground(4, 2));
@@ -226,7 +226,7 @@ pub(super) mod tests {
 
     proptest! {
         #[test]
-        fn the_median_is_opencv_s(
+        fn the_median_equals_that_of_opencv(
             (width, height) in (1_u32..50, 1_u32..40),
             half in 1_u32..16,
             density in 1_u32..100,

@@ -13,7 +13,7 @@ pub fn delta_e(a: Rgb, b: Rgb) -> f32 {
     lab(a).distance(lab(b))
 }
 
-/// How many pixels fall into one bin, and the sum of their colours.
+/// The number of pixels in one bin, and the sum of their colours.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bin {
     /// Pixels, or an average of pixels over frames.
@@ -29,14 +29,14 @@ impl Bin {
     }
 }
 
-/// A colour histogram of 16 levels a channel (4096 bins), keeping only bins that hold something.
+/// A colour histogram of 16 levels per channel (4096 bins), sparse.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Histogram {
     bins: BTreeMap<u16, Bin>,
 }
 
 impl Histogram {
-    /// Takes pixels of one colour in.
+    /// Adds pixels of one colour.
     pub(super) fn add_many(&mut self, colour: Rgb, pixels: u32) {
         let bin = self.bins.entry(index(colour)).or_default();
         bin.count += pixels as f32;
@@ -45,7 +45,7 @@ impl Histogram {
         }
     }
 
-    /// Adds another histogram, `share` times.
+    /// Adds another histogram, scaled by `share`.
     pub fn add_scaled(&mut self, other: &Self, share: f32) {
         for (&index, bin) in &other.bins {
             let mine = self.bins.entry(index).or_default();
@@ -56,28 +56,28 @@ impl Histogram {
         }
     }
 
-    /// Drops the bins that hold less than this share of the whole.
+    /// Drops the bins below this share of the total.
     pub fn forget_below(&mut self, share: f32) {
         let least = share * self.total();
         self.bins.retain(|_, bin| bin.count >= least);
     }
 
-    /// How many pixels it holds.
+    /// Number of pixels.
     pub fn total(&self) -> f32 {
         self.bins.values().map(|bin| bin.count).sum()
     }
 
-    /// Its bins by rising index, which is `r·256 + g·16 + b` of the levels.
+    /// The bins by ascending index, `r·256 + g·16 + b` of the quantised levels.
     pub fn bins(&self) -> impl Iterator<Item = (u16, &Bin)> {
         self.bins.iter().map(|(&index, bin)| (index, bin))
     }
 
-    /// The mean colour of the fullest bin, the lower index on a tie; `None` of an empty histogram.
+    /// The mean colour of the fullest bin, the lower index on a tie; `None` if empty.
     pub fn dominant(&self) -> Option<Rgb> {
         self.dominant_at_least(1.0).first().copied()
     }
 
-    /// The mean colours of all bins at least `share` as full as the fullest, fullest first.
+    /// The mean colours of all bins at least `share` times as full as the fullest, fullest first.
     pub fn dominant_at_least(&self, share: f32) -> Vec<Rgb> {
         let fullest = self.bins.values().map(|bin| bin.count).fold(0.0, f32::max);
         let mut full: Vec<_> =
@@ -86,13 +86,13 @@ impl Histogram {
         full.into_iter().map(|(_, bin)| bin.mean()).collect()
     }
 
-    /// How much of the two, each taken as shares of its total, is the same: 0..=1.
+    /// Appearance similarity: the intersection of the two normalised histograms, 0..=1.
     pub fn likeness(&self, other: &Self) -> f32 {
         let (mine, theirs) = (self.smoothed(), other.smoothed());
         mine.iter().filter_map(|(index, a)| theirs.get(index).map(|b| a.min(*b))).sum()
     }
 
-    /// How much of `area` pixels coloured as `other` could be among the pixels of this one: 0..=1.
+    /// The share of `area` pixels with the colours of `other` that this histogram can contain: 0..=1.
     pub fn holds(&self, other: &Self, area: f32) -> f32 {
         let scale = area / other.total().max(f32::MIN_POSITIVE);
         let due = other.bins.iter().map(|(index, bin)| (scale * bin.count, self.bins.get(index)));
@@ -100,8 +100,8 @@ impl Histogram {
         (held / area.max(f32::MIN_POSITIVE)).min(1.0)
     }
 
-    /// Shares of the total over coarser, overlapping bins, so that a colour at the edge of a bin
-    /// does not count as another colour when noise moves it across.
+    /// Normalised counts over coarser, overlapping bins, so that noise that moves a colour across a bin's edge has
+    /// little effect.
     fn smoothed(&self) -> BTreeMap<u16, f32> {
         let total = self.total().max(f32::MIN_POSITIVE);
         let mut shares = BTreeMap::new();
@@ -123,11 +123,11 @@ fn index(colour: Rgb) -> u16 {
     r << 8 | g << 4 | b
 }
 
-/// Counts the pixels of one region after another.
+/// Accumulates the histogram of one region at a time.
 pub(super) struct Tally {
-    /// Pixels, and their sums of red, green and blue, for each bin.
+    /// Number of pixels and sums of red, green and blue of each bin.
     bins: Vec<[u64; 4]>,
-    /// The bins that hold something.
+    /// The bins that are not empty.
     touched: Vec<u16>,
 }
 
@@ -138,7 +138,7 @@ impl Default for Tally {
 }
 
 impl Tally {
-    /// Takes pixels in, three bytes each.
+    /// Adds pixels, three bytes each.
     pub(super) fn add(&mut self, rgb: &[u8]) {
         for pixel in rgb.chunks_exact(3) {
             let index = index([pixel[0], pixel[1], pixel[2]]);
@@ -153,7 +153,7 @@ impl Tally {
         }
     }
 
-    /// What was taken in; the next region begins with nothing.
+    /// Takes the histogram and resets the sums for the next region.
     pub(super) fn take(&mut self) -> Histogram {
         let bins = self.touched.drain(..).map(|index| {
             let [count, r, g, b] = std::mem::take(&mut self.bins[usize::from(index)]);
@@ -176,7 +176,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn the_fullest_bin_wins_and_gives_its_mean() {
+    fn the_dominant_colour_is_the_mean_of_the_fullest_bin() {
         let mut colours = histogram(&[([200, 10, 10], 5), ([202, 12, 14], 5), ([10, 10, 200], 9)]);
         assert_eq!(colours.dominant(), Some([201, 11, 12]));
         colours.add_scaled(&histogram(&[([10, 10, 200], 1)]), 1.0);
@@ -199,7 +199,7 @@ pub(crate) mod tests {
     }
 
     #[test]
-    fn likeness_is_one_for_the_same_and_zero_for_nothing_shared() {
+    fn likeness_is_one_for_equal_and_zero_for_disjoint_histograms() {
         let red = histogram(&[([200, 0, 0], 10)]);
         assert!((red.likeness(&histogram(&[([200, 0, 0], 3)])) - 1.0).abs() < 1e-5);
         assert_eq!(red.likeness(&histogram(&[([0, 0, 200], 3)])), 0.0);

@@ -1,6 +1,7 @@
-//! Two-pass connected components of a mask (§VII), and the regions that they are.
+//! Two-pass connected components of a mask (§VII), and the regions that they form.
 //!
-//! What the passes go over are not pixels but runs of foreground in a row: most of a mask is
+//! The passes process runs of foreground pixels in a row. Most of a mask is background, which is skipped many pixels
+//! at a time.
 //! background, and that is skipped many pixels at a time.
 
 use std::ops::Range;
@@ -14,40 +15,40 @@ use super::mosaic::{MosaicSums, cell_side};
 use super::shape::ShapeSums;
 use crate::frame::{Frame, Mask, Size};
 
-/// To which region each pixel belongs.
+/// The label image, run-length encoded: the region of each pixel.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Labels {
     /// Width and height.
     pub size: Size,
-    /// The foreground, run after run in raster order; none goes over the end of a row.
+    /// The runs of foreground in raster order; no run crosses the end of a row.
     pub runs: Vec<LabelRun>,
 }
 
-/// Pixels beside one another in a row that are foreground.
+/// A run: consecutive foreground pixels in a row.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct LabelRun {
-    /// Where the first of them stands in row order.
+    /// Index of the first pixel in row order.
     pub start: u32,
-    /// How many there are.
+    /// Number of pixels.
     pub length: u32,
-    /// The label of their region, 0 where that is too small to be one.
+    /// The label of their region; 0 where it is too small.
     pub label: u32,
 }
 
 impl LabelRun {
-    /// Where its pixels stand in row order.
+    /// The pixels' indices in row order.
     pub const fn pixels(self) -> Range<usize> {
         self.start as usize..(self.start + self.length) as usize
     }
 }
 
 impl Labels {
-    /// Those of an image without foreground.
+    /// The labels of an image without foreground.
     pub const fn none(size: Size) -> Self {
         Self { size, runs: Vec::new() }
     }
 
-    /// Those of an image in which each pixel has this label, none of background.
+    /// The labels of a label image in row order, 0 being background.
     #[cfg(all(test, feature = "gui"))]
     pub(crate) fn of_image(size: Size, image: &[u32]) -> Self {
         let mut labels = Self::none(size);
@@ -64,14 +65,14 @@ impl Labels {
         labels
     }
 
-    /// The label at (x, y): 0 where there is no region, `None` outside the image.
+    /// The label at (x, y): 0 outside all regions, `None` outside the image.
     pub fn at(&self, x: u32, y: u32) -> Option<u32> {
         let index = self.size.index(x, y)?;
         let after = self.runs.partition_point(|run| run.pixels().end <= index);
         Some(self.runs.get(after).filter(|run| run.pixels().contains(&index)).map_or(0, |run| run.label))
     }
 
-    /// A label for each pixel in row order, 0 where there is no region.
+    /// The label of each pixel in row order, 0 outside all regions.
     #[cfg(test)]
     pub(crate) fn image(&self) -> Vec<u32> {
         let mut image = vec![0; self.size.pixels()];
@@ -82,7 +83,7 @@ impl Labels {
     }
 }
 
-/// Foreground pixels `start..end` of row `y`, and the run under which those connected to it are filed.
+/// Foreground pixels `start..end` of row `y`, and the index of the run's parent in the union-find forest.
 struct Run {
     y: u32,
     start: u32,
@@ -102,7 +103,7 @@ struct Run {
 pub fn find_regions(frame: &Frame, mask: &Mask, min_area: u32) -> (Labels, Vec<Region>) {
     let mut runs = runs(mask);
     connect(&mut runs);
-    // A region is filed under its first run, which in raster order comes before its others.
+    // The root of a region is its first run in raster order.
     let mut areas = vec![0; runs.len()];
     for index in 0..runs.len() {
         let root = root(&mut runs, index);
@@ -112,7 +113,7 @@ pub fn find_regions(frame: &Frame, mask: &Mask, min_area: u32) -> (Labels, Vec<R
     let mut members: Vec<Vec<&Run>> = Vec::new();
     let mut labels = Labels { size: mask.size, runs: Vec::with_capacity(runs.len()) };
     for (index, run) in runs.iter().enumerate() {
-        // Every run now points at its root.
+        // Every parent is now a root.
         if run.parent == index && areas[index] >= min_area {
             places[index] = Some(members.len());
             members.push(Vec::new());
@@ -153,19 +154,19 @@ pub fn find_regions(frame: &Frame, mask: &Mask, min_area: u32) -> (Labels, Vec<R
     (labels, regions)
 }
 
-/// The columns of pixels that a region's runs reach over.
+/// The columns that a region's runs span.
 fn columns(runs: &[&Run]) -> Range<u32> {
     let left = runs.iter().map(|run| run.start).min().unwrap_or_default();
     left..runs.iter().map(|run| run.end).max().unwrap_or_default()
 }
 
-/// The rows of pixels that a region's runs, which are in raster order, reach over.
+/// The rows that a region's runs, in raster order, span.
 fn rows(runs: &[&Run]) -> Range<u32> {
     let top = runs.first().map_or(0, |run| run.y);
     top..runs.last().map_or(0, |run| run.y + 1)
 }
 
-/// The runs of foreground in raster order, each filed under itself.
+/// The runs of foreground in raster order, each its own parent.
 fn runs(mask: &Mask) -> Vec<Run> {
     let mut runs = Vec::new();
     for (y, row) in (0..).zip(mask.data.chunks_exact((mask.size.width as usize).max(1))) {
@@ -179,7 +180,7 @@ fn runs(mask: &Mask) -> Vec<Run> {
     runs
 }
 
-/// The first pass: files runs that touch, corners included, under the earliest of them.
+/// The first pass: unites runs that touch, diagonally as well, under the earliest of them.
 fn connect(runs: &mut [Run]) {
     let mut above = 0;
     for below in 0..runs.len() {
@@ -195,7 +196,7 @@ fn connect(runs: &mut [Run]) {
     }
 }
 
-/// The run under which another is filed in the end; on the way there, paths are made short.
+/// The root of a run, with path compression.
 fn root(runs: &mut [Run], run: usize) -> usize {
     let mut root = run;
     while runs[root].parent != root {
@@ -246,7 +247,7 @@ mod tests {
         assert_eq!(labels.at(0, 0), Some(0));
         assert_eq!(regions.len(), 2);
         assert_eq!(labels.at(4, 4), Some(2));
-        assert_eq!(mask.foreground_pixels(), 6, "the mask keeps them");
+        assert_eq!(mask.foreground_pixels(), 6, "the mask keeps small regions");
     }
 
     #[test]

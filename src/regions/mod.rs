@@ -19,20 +19,20 @@ pub use shape::{Rect, Shape};
 /// A connected region of the foreground mask.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Region {
-    /// Its number in the frame, from 1 in the raster order of the regions' first pixels.
+    /// Its number in the frame, from 1, in raster order of the regions' first pixels.
     pub label: u32,
-    /// Where it is and what form it has.
+    /// Position and shape.
     pub shape: Shape,
     /// The most frequent colour of its own pixels (Algorithm 1).
     pub colour: Rgb,
-    /// How often each colour occurs among its pixels.
+    /// The colour histogram of its pixels.
     pub histogram: Histogram,
-    /// Where in it which colours are.
+    /// The spatial distribution of its colours.
     pub mosaic: Arc<Mosaic>,
 }
 
 impl Region {
-    /// The memory that it takes, in bytes, roughly.
+    /// Approximate size in memory, in bytes.
     pub fn bytes(&self) -> usize {
         size_of::<Self>() + self.mosaic.bytes() + self.histogram.bins().count() * 2 * size_of::<colour::Bin>()
     }

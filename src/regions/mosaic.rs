@@ -1,7 +1,7 @@
-//! A region as a coarse picture: how full each of its cells is, and of what colour.
+//! A region as a low-resolution image: the number of pixels and the mean colour of each cell.
 //!
-//! Boxes and histograms do not say where in a region that several people share each of them
-//! stands. A mosaic does, at a hundredth of the size of the pixels.
+//! Bounding boxes and histograms do not locate the people within the region of a group. A mosaic does, at a hundredth
+//! of the size of the pixels.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -10,7 +10,7 @@ use super::colour::{Histogram, Rgb};
 use super::shape::Rect;
 use crate::frame::Size;
 
-/// Cells along the shorter side of an image.
+/// Number of cells along the shorter side of an image.
 const CELLS_A_SIDE: u32 = 144;
 
 /// The side of a cell in pixels, for images of this size.
@@ -18,32 +18,32 @@ pub fn cell_side(size: Size) -> u32 {
     ((size.shorter_side() + CELLS_A_SIDE / 2) / CELLS_A_SIDE).max(2)
 }
 
-/// A region's pixels in square cells; the cells of all regions of a video lie on one grid.
+/// A region in square cells; the cells of all regions of a video lie on one grid.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mosaic {
-    /// Pixels along a cell's side.
+    /// Side of a cell in pixels.
     pub side: u32,
-    /// The column of cells in which the region begins.
+    /// Leftmost column of cells on the grid.
     pub left: u32,
-    /// The row of cells in which it begins.
+    /// Topmost row of cells on the grid.
     pub top: u32,
-    /// Cells across.
+    /// Number of columns.
     pub columns: u32,
-    /// Row after row.
+    /// The cells, row by row.
     pub cells: Vec<Cell>,
 }
 
 /// A cell of a [`Mosaic`].
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Cell {
-    /// The region's pixels in it.
+    /// Number of the region's pixels in it.
     pub pixels: u32,
     /// Their mean colour.
     pub colour: Rgb,
 }
 
 impl Mosaic {
-    /// Several regions as one picture. A cell of which each has a part has the colour of the larger.
+    /// Joins several regions. A cell shared by several has the colour of the one with most pixels in it.
     pub fn join(mosaics: &[Arc<Self>]) -> Self {
         let Some(first) = mosaics.first() else { return Self::default() };
         let (mut left, mut top, mut right, mut bottom) = (u32::MAX, u32::MAX, 0, 0);
@@ -64,12 +64,12 @@ impl Mosaic {
         Self { side: first.side, left, top, columns, cells }
     }
 
-    /// Cells from top to bottom.
+    /// Number of rows.
     pub fn rows(&self) -> u32 {
         (self.cells.len() as u32).checked_div(self.columns).unwrap_or(0)
     }
 
-    /// The part of it in these columns of the video's grid.
+    /// The part in these columns of the video's grid.
     pub fn part(&self, columns: &Range<u32>) -> Self {
         let mut part = self.clone();
         for (index, cell) in part.cells.iter_mut().enumerate() {
@@ -80,7 +80,7 @@ impl Mosaic {
         part
     }
 
-    /// The box around its filled cells, in pixels; `None` where nothing is filled.
+    /// The bounding box of its non-empty cells, in pixels; `None` where all are empty.
     pub fn bbox(&self) -> Option<Rect> {
         let side = self.side as f32;
         let cells = self
@@ -89,7 +89,7 @@ impl Mosaic {
         cells.reduce(|a, b| a.union(&b))
     }
 
-    /// How often each colour occurs, each cell counting as all its pixels.
+    /// The colour histogram; each cell counts with the number of its pixels.
     pub fn histogram(&self) -> Histogram {
         let mut histogram = Histogram::default();
         for (.., cell) in self.filled() {
@@ -98,7 +98,7 @@ impl Mosaic {
         histogram
     }
 
-    /// The cells that hold something: column and row in the video's grid, and what they hold.
+    /// The non-empty cells: column and row on the video's grid, and the cell.
     pub fn filled(&self) -> impl Iterator<Item = (u32, u32, Cell)> {
         let place = |index: usize| (index as u32 % self.columns, index as u32 / self.columns);
         self.cells.iter().enumerate().filter(|(_, cell)| cell.pixels > 0).map(move |(index, &cell)| {
@@ -114,22 +114,22 @@ impl Mosaic {
         (column < self.columns).then(|| self.cells.get(index).copied()).flatten()
     }
 
-    /// The memory that it takes, in bytes.
+    /// Size in memory, in bytes.
     pub fn bytes(&self) -> usize {
         size_of::<Self>() + self.cells.len() * size_of::<Cell>()
     }
 }
 
-/// Sums over a region's pixels from which its [`Mosaic`] follows.
+/// Sums over a region's pixels from which its [`Mosaic`] is computed.
 #[derive(Debug)]
 pub(super) struct MosaicSums {
     mosaic: Mosaic,
-    /// Of each cell: pixels, and their sums of red, green and blue.
+    /// Of each cell: the number of pixels and their sums of red, green and blue.
     sums: Vec<[u32; 4]>,
 }
 
 impl MosaicSums {
-    /// For a region within these columns and rows of pixels.
+    /// Empty sums for a region within these columns and rows of pixels.
     pub(super) fn new(side: u32, columns: Range<u32>, rows: Range<u32>) -> Self {
         let (left, top) = (columns.start / side, rows.start / side);
         let across = columns.end.div_ceil(side) - left;
@@ -138,13 +138,13 @@ impl MosaicSums {
         Self { mosaic, sums: vec![[0; 4]; (across * down) as usize] }
     }
 
-    /// Takes the pixels of row `y` in, which begin in column `start`; three bytes each.
+    /// Adds a run of pixels of row `y` from column `start` on; three bytes each.
     pub(super) fn add_run(&mut self, y: u32, start: u32, rgb: &[u8]) {
         let Mosaic { side, left, top, columns, .. } = self.mosaic;
         let row = ((y / side - top) * columns) as usize;
         let mut column = start / side;
         let mut rest = rgb;
-        // Up to where the first cell ends; then whole cells.
+        // First to the end of the first cell, then whole cells.
         let mut length = (3 * (side - start % side)) as usize;
         while !rest.is_empty() {
             let (here, after) = rest.split_at(length.min(rest.len()));
@@ -161,7 +161,7 @@ impl MosaicSums {
         }
     }
 
-    /// The mosaic of the pixels taken in.
+    /// The mosaic of the added pixels.
     pub(super) fn mosaic(self) -> Mosaic {
         let cell = |&[pixels, r, g, b]: &[u32; 4]| Cell {
             pixels,
@@ -181,10 +181,10 @@ mod tests {
     use crate::frame::{Frame, Mask};
 
     proptest! {
-        /// Every cell holds what a count over its pixels gives, and the parts and the join of
-        /// regions hold what the regions do.
+        /// Every cell equals a direct count over its pixels, and parts and joins of regions equal those of their
+        /// pixels.
         #[test]
-        fn cells_hold_the_regions_pixels(
+        fn cells_equal_counts_over_the_regions_pixels(
             (width, height) in (3u32..40, 3u32..40),
             seed in any::<[u8; 32]>(),
         ) {

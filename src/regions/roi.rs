@@ -1,4 +1,5 @@
-//! Which part of the image is analysed: a mask that was drawn elsewhere, or areas drawn over the frames.
+//! The region of interest: the part of the image that is analysed, from a mask file or from areas drawn over the
+//! frames.
 
 use std::path::{Path, PathBuf};
 
@@ -6,13 +7,13 @@ use image::{DynamicImage, ImageReader};
 
 use crate::frame::{Mask, Size};
 
-/// From this grey level on a pixel of a mask counts.
+/// Gray level from which on a pixel of a mask is part of the region.
 const BRIGHT: u8 = 128;
 
-/// Why a mask cannot say what is to be analysed.
+/// An error of a region of interest.
 #[derive(Debug, thiserror::Error)]
 pub enum RoiError {
-    /// It is not there, or no picture.
+    /// The mask is missing or not an image.
     #[error(
         "the mask {path} cannot be read: {why}; give an image as large as the frames, white in the area to \
          analyse"
@@ -20,10 +21,10 @@ pub enum RoiError {
     Unreadable {
         /// The file.
         path: PathBuf,
-        /// What is wrong with it.
+        /// The cause.
         why: String,
     },
-    /// It leaves nothing.
+    /// The region is empty.
     #[error(
         "the mask {path} is dark everywhere, so nothing would be analysed; make the area to analyse white"
     )]
@@ -31,28 +32,28 @@ pub enum RoiError {
         /// The file.
         path: PathBuf,
     },
-    /// It belongs to other frames.
+    /// The mask has another size than the frames.
     #[error("the mask{file} is {found}, but the frames are {expected}; give one as large as the frames")]
     Size {
-        /// A blank and the file that it was read from, or nothing.
+        /// A blank and the mask's file, or empty.
         file: String,
         /// The mask's size.
         found: Size,
-        /// The frames'.
+        /// The frames' size.
         expected: Size,
     },
 }
 
-/// The region of interest: the pixels that are analysed. All others are background, whatever the model says.
+/// The region of interest: the pixels that are analysed. All others are background.
 #[derive(Clone, Debug)]
 pub struct Roi {
-    /// Foreground where pixels are analysed, somewhere at least.
+    /// Foreground where pixels are analysed; not empty.
     inside: Mask,
-    /// The file that it was read from, if it was.
+    /// The file that it was read from, if any.
     file: Option<PathBuf>,
 }
 
-/// The same pixels are the same region, wherever they were read from.
+/// Regions are equal if their pixels are, whatever file they were read from.
 impl PartialEq for Roi {
     fn eq(&self, other: &Self) -> bool {
         self.inside == other.inside
@@ -62,12 +63,12 @@ impl PartialEq for Roi {
 impl Eq for Roi {}
 
 impl Roi {
-    /// The pixels that are foreground in `inside`; `None` where none is.
+    /// The foreground of `inside`; `None` where there is none.
     pub fn new(inside: Mask) -> Option<Self> {
         (inside.foreground_pixels() > 0).then_some(Self { inside, file: None })
     }
 
-    /// Reads a picture in which bright pixels (128 or more) are those to be analysed.
+    /// Reads an image whose bright pixels (128 or more) are analysed.
     pub fn read(path: &Path) -> Result<Self, RoiError> {
         let unreadable = |why: String| RoiError::Unreadable { path: path.to_owned(), why };
         let reader = ImageReader::open(path).and_then(ImageReader::with_guessed_format);
@@ -80,7 +81,7 @@ impl Roi {
         Ok(Self { file: Some(path.to_owned()), ..read })
     }
 
-    /// Fails where frames of `expected` have other pixels than this.
+    /// Fails where frames of `expected` size do not match.
     pub fn check(&self, expected: Size) -> Result<(), RoiError> {
         let found = self.inside.size;
         if found == expected {
@@ -90,22 +91,22 @@ impl Roi {
         Err(RoiError::Size { file, found, expected })
     }
 
-    /// As a mask: foreground where pixels are analysed.
+    /// The region as a mask: foreground where pixels are analysed.
     pub const fn mask(&self) -> &Mask {
         &self.inside
     }
 
-    /// Whether (x, y) is analysed; outside the image nothing is.
+    /// Whether (x, y) is analysed; `false` outside the image.
     pub fn contains(&self, x: u32, y: u32) -> bool {
         self.inside.is_foreground(x, y)
     }
 
-    /// The share of the image that is analysed, more than 0 and up to 1.
+    /// The analysed share of the image, more than 0 and up to 1.
     pub fn share(&self) -> f32 {
         self.inside.foreground_share()
     }
 
-    /// Takes away the foreground of `mask` that is not to be analysed.
+    /// Clears the foreground of `mask` outside the region.
     pub fn clear_outside(&self, mask: &mut Mask) {
         for (value, inside) in mask.data.iter_mut().zip(&self.inside.data) {
             *value &= inside;
@@ -113,33 +114,33 @@ impl Roi {
     }
 }
 
-/// What an area that was drawn is for.
+/// The effect of a drawn area.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Purpose {
-    /// What lies outside of all such areas is ignored.
+    /// Everything outside all areas of this kind is ignored.
     Analyse,
-    /// What lies inside is ignored.
+    /// Its inside is ignored.
     Ignore,
 }
 
-/// A polygon over the image.
+/// A polygon on the image.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Area {
-    /// What it is for.
+    /// Its effect.
     pub purpose: Purpose,
-    /// Its corners in order, in pixels; the last is joined to the first.
+    /// Its corners in order, in pixels; the last is connected to the first.
     pub corners: Vec<[f32; 2]>,
 }
 
 impl Area {
-    /// How many pixels of an image of `size` lie in it.
+    /// Number of pixels of an image of `size` inside it.
     pub fn pixels(&self, size: Size) -> usize {
         let mut inside = Mask::empty(size);
         self.fill(&mut inside, Mask::FOREGROUND);
         inside.foreground_pixels()
     }
 
-    /// Gives the pixels whose centres lie in it this value. Where it overlaps itself, the even-odd rule holds.
+    /// Sets the pixels whose centres are inside to this value, by the even-odd rule.
     fn fill(&self, mask: &mut Mask, value: u8) {
         let width = mask.size.width as usize;
         let column = |x: f32| (x - 0.5).ceil().clamp(0.0, width as f32) as usize;
@@ -149,7 +150,7 @@ impl Area {
             let next = self.corners.iter().cycle().skip(1);
             crossings.clear();
             for ([x0, y0], [x1, y1]) in self.corners.iter().zip(next) {
-                // An end counts for the edge below it alone, so that a row through a corner is crossed once.
+                // An end belongs to the edge below it only, so that a row through a corner counts one crossing.
                 if (*y0 <= y) != (*y1 <= y) {
                     crossings.push(x0 + (y - y0) / (y1 - y0) * (x1 - x0));
                 }
@@ -162,10 +163,10 @@ impl Area {
     }
 }
 
-/// What is analysed of an image of `size` where these areas were drawn over `base`, the whole image without one.
+/// The region of interest of an image of `size` with these areas over `base`, or over the whole image without one.
 ///
-/// Areas to analyse add to a base; without one, they are all there is. Areas to ignore go over all others.
-/// Fails with `None` where nothing is left.
+/// Areas to analyse extend a base; without a base, only they are analysed. Areas to ignore override all others.
+/// `None` where nothing is left.
 pub fn of_areas(size: Size, base: Option<&Roi>, areas: &[Area]) -> Option<Roi> {
     let of = |purpose| areas.iter().filter(move |area| area.purpose == purpose);
     let mut inside = match base {
@@ -191,18 +192,18 @@ mod tests {
         Area { purpose, corners: corners.to_vec() }
     }
 
-    /// The rows of a mask as they are read.
+    /// The rows of a mask as text.
     fn rows(mask: &Mask) -> Vec<String> {
         let row = |row: &[u8]| row.iter().map(|&value| if value == 255 { '#' } else { '.' }).collect();
         mask.data.chunks(mask.size.width as usize).map(row).collect()
     }
 
     #[test]
-    fn a_polygon_holds_the_pixels_whose_centres_lie_in_it() {
+    fn a_polygon_contains_the_pixels_whose_centres_are_inside() {
         let mut mask = Mask::empty(SIZE);
         area(Purpose::Analyse, &[[1.0, 1.0], [7.0, 1.0], [1.0, 5.0]]).fill(&mut mask, 255);
         assert_eq!(rows(&mask), ["........", ".#####..", ".####...", ".##.....", ".#......", "........"]);
-        // Against the definition, point by point, of one that turns inwards and leaves the image.
+        // Compared with the definition, pixel by pixel, for a polygon that is concave and leaves the image.
         let corners = [[-3.0, 2.2], [4.1, 0.3], [9.5, 5.1], [4.0, 3.2], [2.5, 7.0]];
         let mut mask = Mask::empty(SIZE);
         area(Purpose::Analyse, &corners).fill(&mut mask, 255);
@@ -220,7 +221,7 @@ mod tests {
     }
 
     #[test]
-    fn areas_to_ignore_go_over_those_to_analyse_and_both_over_the_base() {
+    fn ignored_areas_override_analysed_areas_and_both_override_the_base() {
         let left = area(Purpose::Analyse, &[[0.0, 0.0], [4.0, 0.0], [4.0, 6.0], [0.0, 6.0]]);
         let corner = area(Purpose::Ignore, &[[0.0, 0.0], [2.0, 0.0], [2.0, 2.0], [0.0, 2.0]]);
         let both = of_areas(SIZE, None, &[corner.clone(), left.clone()]).unwrap();
@@ -229,13 +230,13 @@ mod tests {
         assert_eq!(rows(ignored.mask())[..3], ["..######", "..######", "########"]);
         assert_eq!(corner.pixels(SIZE), 4);
         let over = of_areas(SIZE, Some(&ignored), std::slice::from_ref(&left)).unwrap();
-        assert_eq!(over.share(), 1.0, "what is to be analysed is added");
+        assert_eq!(over.share(), 1.0, "areas to analyse are added");
         let all = area(Purpose::Ignore, &[[-1.0, -1.0], [9.0, -1.0], [9.0, 9.0], [-1.0, 9.0]]);
         assert_eq!(of_areas(SIZE, None, &[left, all]), None);
     }
 
     #[test]
-    fn a_mask_is_read_by_what_is_bright_in_it() {
+    fn bright_pixels_of_a_mask_are_analysed() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("mask.png");
         let image =
@@ -246,7 +247,7 @@ mod tests {
         assert!(roi.check(Size::new(4, 2)).is_ok());
         let other = roi.check(Size::new(4, 3)).unwrap_err().to_string();
         assert!(other.contains("4×2") && other.contains("4×3") && other.contains("mask.png"), "{other}");
-        assert_eq!(roi, Roi::new(roi.mask().clone()).unwrap(), "wherever it comes from");
+        assert_eq!(roi, Roi::new(roi.mask().clone()).unwrap(), "equality ignores the file");
         let mut mask = Mask { size: Size::new(4, 2), data: vec![255, 0, 255, 0, 255, 255, 0, 255] };
         roi.clear_outside(&mut mask);
         assert_eq!(rows(&mask), ["..#.", ".#.."]);

@@ -1,4 +1,4 @@
-//! Where a region is and what form it has: box, centroid, moments and what follows from them (§VII).
+//! The geometry of a region: bounding box, centroid, moments and derived measures (§VII).
 
 use std::ops::Range;
 
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 
 use crate::frame::Size;
 
-/// An upright rectangle in pixels; pixel (x, y) covers [x, x + 1) × [y, y + 1).
+/// An axis-aligned rectangle in pixels; pixel (x, y) covers [x, x + 1) × [y, y + 1).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Rect {
     /// Left edge.
@@ -20,12 +20,12 @@ pub struct Rect {
 }
 
 impl Rect {
-    /// A rectangle from its upper left corner and its extent.
+    /// A rectangle from its upper left corner and its size.
     pub const fn new(x: f32, y: f32, w: f32, h: f32) -> Self {
         Self { x, y, w, h }
     }
 
-    /// A rectangle of extent `w` × `h` around a centre.
+    /// A rectangle of size `w` × `h` around a centre.
     pub fn around(centre: [f32; 2], w: f32, h: f32) -> Self {
         Self::new(centre[0] - w / 2.0, centre[1] - h / 2.0, w, h)
     }
@@ -50,7 +50,7 @@ impl Rect {
         self.w * self.h
     }
 
-    /// The part that both cover; of no extent where they do not meet.
+    /// The intersection; of size 0 where the two are disjoint.
     pub fn intersection(&self, other: &Self) -> Self {
         let (x, y) = (self.x.max(other.x), self.y.max(other.y));
         let w = (self.right().min(other.right()) - x).max(0.0);
@@ -58,13 +58,13 @@ impl Rect {
         Self { x, y, w, h }
     }
 
-    /// The least rectangle that holds both.
+    /// The bounding rectangle of both.
     pub fn union(&self, other: &Self) -> Self {
         let (x, y) = (self.x.min(other.x), self.y.min(other.y));
         Self { x, y, w: self.right().max(other.right()) - x, h: self.bottom().max(other.bottom()) - y }
     }
 
-    /// The free space between them in pixels, to the side and up or down; 0 where they are in the same columns or rows.
+    /// The horizontal and vertical gap between them in pixels; 0 where they overlap in that direction.
     #[must_use]
     pub fn gap(&self, other: &Self) -> [f32; 2] {
         let across = self.x.max(other.x) - self.right().min(other.right());
@@ -72,7 +72,7 @@ impl Rect {
         [across.max(0.0), down.max(0.0)]
     }
 
-    /// The share of the narrower one's columns that both are in, 0..=1.
+    /// The horizontal overlap as a share of the narrower one's width, 0..=1.
     #[must_use]
     pub fn shared_columns(&self, other: &Self) -> f32 {
         let shared = self.right().min(other.right()) - self.x.max(other.x);
@@ -86,7 +86,7 @@ impl Rect {
         if all > 0.0 { shared / all } else { 0.0 }
     }
 
-    /// How far it is from the nearest edge of an image of this size, in pixels; negative beyond the edge.
+    /// Distance to the nearest edge of an image of this size, in pixels; negative beyond the edge.
     pub fn distance_to_edge(&self, size: Size) -> f32 {
         let right = size.width as f32 - self.right();
         let bottom = size.height as f32 - self.bottom();
@@ -99,7 +99,7 @@ impl Rect {
     }
 }
 
-/// The shape of a region, from its pixels (i, j) taken as points at their indices.
+/// The shape of a region, from its pixels (i, j) as points at their indices.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct Shape {
     /// Number of pixels.
@@ -122,7 +122,7 @@ pub struct Shape {
     pub extent: f32,
 }
 
-/// Sums over a region's pixels from which its [`Shape`] follows.
+/// Sums over a region's pixels from which its [`Shape`] is computed.
 #[derive(Clone, Debug, Default)]
 pub struct ShapeSums {
     area: u64,
@@ -138,7 +138,7 @@ pub struct ShapeSums {
 }
 
 impl ShapeSums {
-    /// Takes the pixels of row `y` in these columns in, of which there is at least one.
+    /// Adds the pixels of row `y` in these columns, at least one.
     pub fn add_run(&mut self, y: u32, columns: Range<u32>) {
         let last = columns.end - 1;
         if self.area == 0 {
@@ -150,7 +150,7 @@ impl ShapeSums {
         self.bottom = self.bottom.max(y);
         let (start, end, y) = (u64::from(columns.start), u64::from(columns.end), u64::from(y));
         let length = end - start;
-        // Σ x and Σ x² below a column, from which those of a run are differences.
+        // Σ x and Σ x² of all columns below one; those of a run are differences.
         let sum = |end: u64| end * end.saturating_sub(1) / 2;
         let squares = |end: u64| end * end.saturating_sub(1) * (2 * end).saturating_sub(1) / 6;
         let x = sum(end) - sum(start);
@@ -162,7 +162,7 @@ impl ShapeSums {
         self.yy += y * y * length;
     }
 
-    /// The shape of the pixels taken in; all zeros when there were none.
+    /// The shape of the added pixels; all zeros if there were none.
     pub fn shape(&self) -> Shape {
         if self.area == 0 {
             return Shape::default();

@@ -1,6 +1,6 @@
-//! What was measured of a frame.
+//! The alignment of a frame: camera motion and change of light against the reference.
 
-/// How the camera has moved: where a point of the reference is in the frame.
+/// Camera motion: maps points of the reference to the frame.
 ///
 /// A point at (x, y) from the image's centre is at ((1 + zoom)·x − turn·y + dx, turn·x + (1 + zoom)·y + dy).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -9,9 +9,9 @@ pub struct Motion {
     pub dx: f32,
     /// Downwards, in pixels.
     pub dy: f32,
-    /// The turn, clockwise as seen, in radians (small angles).
+    /// Rotation, clockwise on the screen, in radians (small angles).
     pub turn: f32,
-    /// Growth of the image as a share.
+    /// Scale minus 1.
     pub zoom: f32,
 }
 
@@ -29,7 +29,7 @@ impl Motion {
         Self { dx: self.dx, dy: self.dy, ..Self::NONE }
     }
 
-    /// Where a point of the reference, given from the image's centre, is in the frame.
+    /// Maps a point of the reference to the frame; coordinates are relative to the image's centre.
     #[inline(always)]
     pub fn apply(&self, x: f32, y: f32) -> (f32, f32) {
         let scale = 1.0 + self.zoom;
@@ -49,7 +49,7 @@ impl Motion {
         }
     }
 
-    /// First `first`, then this motion.
+    /// The composition of motions: first `first`, then this one.
     pub fn after(&self, first: &Self) -> Self {
         let (scale, other) = (1.0 + self.zoom, 1.0 + first.zoom);
         let (dx, dy) = self.apply(first.dx, first.dy);
@@ -62,12 +62,12 @@ impl Motion {
     }
 }
 
-/// How the light has changed: a level v of the reference, 0..=255, is gain·v + offset in the frame.
+/// Change of light: a level v of the reference, 0..=255, is gain·v + offset in the frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Light {
-    /// Of red, green and blue.
+    /// Gain of red, green and blue.
     pub gain: [f32; 3],
-    /// In levels.
+    /// Offset of red, green and blue, in levels.
     pub offset: [f32; 3],
 }
 
@@ -86,7 +86,7 @@ impl Light {
         (luma(self.gain), luma(self.offset))
     }
 
-    /// This light as one sees it who takes `usual` for no change.
+    /// This change of light relative to `usual`.
     pub(super) fn against(&self, usual: &Self) -> Self {
         let gain: [f32; 3] = std::array::from_fn(|channel| self.gain[channel] / usual.gain[channel]);
         let offset =
@@ -101,21 +101,21 @@ impl Default for Light {
     }
 }
 
-/// What was measured of a frame against the reference.
+/// The alignment of a frame to the reference.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Alignment {
-    /// How the camera has moved since the first frame.
+    /// The camera motion since the first frame.
     pub motion: Motion,
-    /// How the light has changed against the recent past.
+    /// The change of light against the recent past.
     pub light: Light,
-    /// Once the camera was seen to shake, the motion around which it does.
+    /// The rest motion around which the camera shakes, once a shake is detected.
     pub rest: Option<Motion>,
-    /// The number of the frame since which the camera looks elsewhere, given once, in the frame in which it is certain.
+    /// The number of the frame in which the camera moved for good, given once, in the frame in which this is certain.
     pub moved_since: Option<u32>,
 }
 
 impl Alignment {
-    /// What a user has to know about the frame, a sentence.
+    /// A warning about the frame for the user, one sentence.
     pub fn warning(&self) -> Option<String> {
         self.moved_since.map(|frame| {
             format!(

@@ -1,4 +1,4 @@
-//! What is done to a frame before the mixture sees it.
+//! The correction of a frame's motion and light before the mixture.
 
 use super::{Alignment, Light, Motion};
 use crate::frame::{Frame, Mask, Size};
@@ -6,7 +6,7 @@ use crate::settings::{LightCorrection, Settings, Stabilise};
 use fearless_simd::{Level, Simd, dispatch, f32x16, i32x16, prelude::*};
 use rayon::prelude::*;
 
-/// What of a frame's alignment is taken out.
+/// Which parts of a frame's alignment are corrected.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct CorrectionChoice {
     pub(super) stabilise: Stabilise,
@@ -20,26 +20,26 @@ impl Default for CorrectionChoice {
 }
 
 impl CorrectionChoice {
-    /// Nothing is.
+    /// No correction.
     pub const NOTHING: Self = Self { stabilise: Stabilise::Off, light: LightCorrection::Off };
 
-    /// As the settings have it.
+    /// The choice in the settings.
     pub const fn new(settings: &Settings) -> Self {
         Self { stabilise: settings.stabilise, light: settings.light }
     }
 
-    /// What has to be done to a frame of this size and alignment; `None` where it is to stay as it is.
+    /// The correction of a frame of this size and alignment; `None` where the frame stays as it is.
     pub fn correction(self, alignment: &Alignment, size: Size) -> Option<Correction> {
         let motion = self.motion(alignment);
         let light = if self.light == LightCorrection::Off { Light::SAME } else { alignment.light };
-        // What moves nothing by a tenth of a pixel would only blur.
+        // Correcting less than a tenth of a pixel would only blur.
         let edge = 0.5 * size.width.max(size.height) as f32;
         let still = motion.length() + edge * (motion.turn.abs() + motion.zoom.abs()) < 0.1;
         let motion = if still { Motion::NONE } else { motion };
         (motion != Motion::NONE || light != Light::SAME).then(|| Correction::new(motion, light, size))
     }
 
-    /// What the mixture sees at a pixel; `None` outside the image.
+    /// The mixture's input at a pixel; `None` outside the image.
     pub fn pixel(self, frame: &Frame, (x, y): (u32, u32)) -> Option<ObservedColour> {
         let rgb = frame.pixel(x, y)?;
         Some(match self.correction(&frame.alignment, frame.size) {
@@ -55,7 +55,7 @@ impl CorrectionChoice {
             Stabilise::Off => Motion::NONE,
             Stabilise::Shift => alignment.motion.shift(),
             Stabilise::Similarity => alignment.motion,
-            // Before the shake was seen, the mixture learnt what lay around the rest.
+            // Before the shake was detected, the mixture learned the image around the rest position.
             Stabilise::Auto => {
                 alignment.rest.map_or(Motion::NONE, |rest| alignment.motion.after(&rest.inverse()))
             }
@@ -63,49 +63,49 @@ impl CorrectionChoice {
     }
 }
 
-/// The colour of one pixel as the mixture processes it.
+/// The mixture's input at one pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ObservedColour {
-    /// Its colour, `None` where the frame does not show it.
+    /// The pixel's colour; `None` where the frame does not show it.
     pub colour: Option<[u8; 3]>,
-    /// What was taken out.
+    /// The correction that was applied.
     pub applied: Applied,
 }
 
 /// The correction applied to one pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Applied {
-    /// How far to the right and down the pixel was, in pixels.
+    /// The pixel's displacement to the right and down, in pixels.
     pub shift: [f32; 2],
-    /// By what its luma was multiplied.
+    /// The factor on its luma.
     pub gain: f32,
 }
 
 impl Applied {
-    /// Nothing.
+    /// No correction.
     pub const NOTHING: Self = Self { shift: [0.0; 2], gain: 1.0 };
 }
 
-/// Takes motion and a change of light out of a frame, each pixel by itself.
+/// Corrects the motion and light of a frame, each pixel independently.
 pub struct Correction {
     size: Size,
     motion: Motion,
     light: Light,
-    /// What each level of each channel becomes.
+    /// Lookup table of each channel's levels.
     levels: Option<Box<[[u8; 256]; 3]>>,
-    /// From this level on a channel is cut off by too much light.
+    /// Level of each channel from which on it is clipped by overexposure.
     cut_off: [u8; 3],
 }
 
-/// A frame as the mixture sees it.
+/// A corrected frame, the mixture's input.
 pub struct Corrected {
-    /// The frame at the reference's place and in its light.
+    /// The frame warped to the reference and in its light.
     pub frame: Frame,
-    /// The pixels of which nothing is known, in row order; none where all are.
+    /// The pixels that the frame does not show, in row order; `None` if it shows all.
     pub unknown: Option<Vec<bool>>,
 }
 
-/// The frame as the mixture is to see it, `None` where that is as it is.
+/// The corrected frame; `None` where no correction is needed.
 pub fn corrected(frame: &Frame, choice: CorrectionChoice) -> Option<Corrected> {
     choice.correction(&frame.alignment, frame.size).map(|correction| correction.apply(frame))
 }
@@ -126,17 +126,17 @@ impl Correction {
         Self { size, motion, light, levels, cut_off }
     }
 
-    /// The motion that is taken out.
+    /// The motion that is corrected.
     pub const fn motion(&self) -> &Motion {
         &self.motion
     }
 
-    /// The change of light that is taken out.
+    /// The change of light that is corrected.
     pub const fn light(&self) -> &Light {
         &self.light
     }
 
-    /// The colour that the mixture sees at (x, y), `None` where the frame does not show it.
+    /// The corrected colour at (x, y); `None` where the frame does not show it.
     pub fn pixel(&self, frame: &Frame, x: u32, y: u32) -> Option<[u8; 3]> {
         let rgb = if self.motion == Motion::NONE {
             frame.pixel(x, y)
@@ -157,7 +157,7 @@ impl Correction {
         (0.5 * (self.size.width as f32 - 1.0), 0.5 * (self.size.height as f32 - 1.0))
     }
 
-    /// Where the pixels of a row are in the frame.
+    /// Maps the pixels of a row to their positions in the frame.
     #[inline(always)]
     fn row(&self, y: f32) -> impl Fn(f32) -> (f32, f32) + use<> {
         let ((centre_x, centre_y), motion) = (self.centre(), self.motion);
@@ -168,14 +168,14 @@ impl Correction {
         }
     }
 
-    /// A colour of the frame in the reference's light, `None` where too much light has cut it off.
+    /// A colour of the frame in the reference's light; `None` where it is clipped by overexposure.
     #[inline(always)]
     fn relit_pixel(&self, rgb: [u8; 3]) -> Option<[u8; 3]> {
         let Some(levels) = &self.levels else { return Some(rgb) };
         (!self.is_cut(rgb)).then(|| std::array::from_fn(|channel| levels[channel][usize::from(rgb[channel])]))
     }
 
-    /// The whole frame.
+    /// Corrects the whole frame.
     pub fn apply(&self, frame: &Frame) -> Corrected {
         let width = self.size.width as usize;
         if let (true, Some(levels)) = (self.motion == Motion::NONE, &self.levels) {
@@ -193,7 +193,7 @@ impl Correction {
         Corrected { frame: Frame::new(frame.number, frame.size, rgb), unknown }
     }
 
-    /// One row of it.
+    /// Warps one row.
     #[inline(always)]
     fn move_row<S: Simd>(&self, simd: S, frame: &Frame, y: usize, row: &mut [u8], unknown: &mut [bool]) {
         let moved = self.row(y as f32);
@@ -216,7 +216,7 @@ impl Correction {
         }
     }
 
-    /// The whole frame where the camera stands still.
+    /// Corrects the light of the whole frame, without motion.
     fn relit(&self, frame: &Frame, levels: &[[u8; 256]; 3]) -> Corrected {
         let mut rgb = frame.rgb.clone();
         let mut unknown = vec![false; self.size.pixels()];
@@ -234,13 +234,13 @@ impl Correction {
         Corrected { frame: Frame::new(frame.number, frame.size, rgb), unknown }
     }
 
-    /// Whether so much light fell on a pixel that its colour is lost.
+    /// Whether a colour is clipped by overexposure.
     #[inline(always)]
     fn is_cut(&self, rgb: [u8; 3]) -> bool {
         rgb.iter().zip(self.cut_off).any(|(level, cut_off)| *level >= cut_off && cut_off < u8::MAX)
     }
 
-    /// A mask at the reference's place, brought back to the frame's.
+    /// Warps a mask from the reference's coordinates to those of the frame.
     pub fn mask_of_frame(&self, mask: Mask) -> Mask {
         if self.motion == Motion::NONE {
             return mask;
@@ -256,7 +256,7 @@ impl Correction {
                 let (x, y) = back.apply(x - centre_x, y as f32 - centre_y);
                 (x + centre_x + 0.5, y + centre_y + 0.5)
             };
-            // All that the row shows comes from the rows between those of its ends.
+            // The row's source pixels lie between the rows of its two ends.
             let (one, other) = (place(0.0).1, place(width as f32).1);
             let first = (one.min(other) - 1.0).max(0.0) as usize;
             let last = ((one.max(other) + 2.0).max(0.0) as usize).min(height);
@@ -269,7 +269,7 @@ impl Correction {
     }
 }
 
-/// What the mask has at the places of a row's pixels, nothing outside.
+/// The mask's value nearest to each source position of a row; background outside.
 #[inline(always)]
 fn nearest<S: Simd>(simd: S, mask: &Mask, place: impl Fn(f32) -> (f32, f32), row: &mut [u8]) {
     let (width, height) = (mask.size.width as usize, mask.size.height as usize);
@@ -305,10 +305,10 @@ fn has_foreground(row: &[u8]) -> bool {
     memchr::memchr(Mask::FOREGROUND, row).is_some()
 }
 
-/// Pixels of a row that are moved together where they lie as close in the frame.
+/// Number of pixels of a row that are interpolated together where they are contiguous in the frame.
 const BLOCK: usize = 32;
 
-/// To which of them each of their bytes belongs.
+/// The index of the pixel of each byte in a block.
 const PIXEL: [i32; 3 * BLOCK] = {
     let mut pixel = [0; 3 * BLOCK];
     let mut at = 0;
@@ -319,13 +319,13 @@ const PIXEL: [i32; 3 * BLOCK] = {
     pixel
 };
 
-/// A place in 1/256 of a pixel, what is over that to be cut off.
+/// A position in 1/256 of a pixel, before truncation.
 #[inline(always)]
 fn fixed((x, y): (f32, f32)) -> (f32, f32) {
     (x * 256.0 + 0.5, y * 256.0 + 0.5)
 }
 
-/// Cuts off what is over whole numbers.
+/// Truncates to integers.
 #[inline(always)]
 fn whole<S: Simd, const COUNT: usize>(simd: S, numbers: &[f32; COUNT]) -> [i32; COUNT] {
     let mut all = [0; COUNT];
@@ -335,8 +335,8 @@ fn whole<S: Simd, const COUNT: usize>(simd: S, numbers: &[f32; COUNT]) -> [i32; 
     all
 }
 
-/// [`between`] of the pixels of a row from x on, byte by byte; `false` where they lie outside or not in one row, beside
-/// one another. What was in `to` is then still there.
+/// [`between`] for the pixels of a row from x on, byte by byte; `false`, with `to` unchanged, where they lie outside
+/// or are not contiguous in one row.
 #[inline(always)]
 fn block_between<S: Simd>(
     simd: S,
@@ -372,7 +372,8 @@ fn block_between<S: Simd>(
     true
 }
 
-/// The colour between pixels, at a place in 1/256 of one, `None` outside the outermost pixels' centres.
+/// Bilinear interpolation of the colour at a position in 1/256 of a pixel; `None` outside the outermost pixels'
+/// centres.
 #[inline(always)]
 fn between(frame: &Frame, (x, y): (f32, f32)) -> Option<[u8; 3]> {
     let (x, y) = (x as i32, y as i32);

@@ -1,4 +1,4 @@
-//! The alignment of each frame, one after the other.
+//! Estimates the alignment of each frame in sequence.
 
 use std::collections::VecDeque;
 
@@ -11,22 +11,23 @@ use crate::settings::{LightCorrection, Stabilise};
 
 /// Least side of an image in which motion is estimated, in pixels at the scale of the estimate.
 const MIN_SIDE_PX: usize = 48;
-/// Number of frames of the beginning: the motion of each is estimated, and a shake detected in them holds from the
-/// first on.
+/// Number of frames of the beginning: the motion of each is estimated, and a shake detected in them applies from the
+/// first frame on.
 pub(super) const BEGINNING_FRAMES: u32 = 50;
 /// Interval of samples after the beginning, in frames.
 const SAMPLE_INTERVAL_FRAMES: u32 = 6;
-/// Window of samples, in frames: a camera that moved has to stay there for as long.
+/// Window of samples, in frames: a camera that moved has to stay in its new position for as long.
 const SAMPLE_WINDOW_FRAMES: u32 = 96;
 /// Least number of samples from which a shake is detected.
 const MIN_SAMPLES: usize = 16;
 /// Frames over which the reference is averaged.
 const AVERAGE_MEMORY_FRAMES: f32 = 100.0;
-/// The average takes in each of so many frames, and then one of so many, fewer where the camera shakes.
+/// The average is updated in each of the first frames, this many; then once in every interval, which is shorter where
+/// the camera shakes.
 const INITIAL_AVERAGE_FRAMES: u32 = 16;
 const RENEWAL_INTERVAL_FRAMES: u32 = 24;
 const RENEWAL_INTERVAL_SHAKEN_FRAMES: u32 = 12;
-/// After so many frames the reference is good enough for a look at its points alone.
+/// Number of frames after which the reference is good enough for an estimate at its points alone.
 const MIN_REFERENCE_FRAMES: u32 = 8;
 /// Least distance from rest, in pixels, of the image's centre or edge in a shaken frame.
 const MIN_SHAKE_PX: f32 = 0.7;
@@ -37,31 +38,31 @@ const MIN_CORRELATION: f32 = 0.35;
 /// Least distance of a new rest of the camera from the old one, as a share of the width.
 const MIN_MOVED_SHARE: f32 = 0.012;
 
-/// Of which frames the motion is found. Samples are among them in any case, and all else follows from samples alone: the
-/// rest, the light and the report that the camera moved do not depend on it.
+/// For which frames the motion is estimated. Samples are always among them, and the rest, the light and the report
+/// that the camera moved depend on samples alone.
 #[derive(Clone, Copy, PartialEq, Eq)]
 enum Extent {
-    /// Of all.
+    /// For all frames.
     All,
-    /// Of all once the camera was seen to shake.
+    /// For all frames once a shake is detected.
     Shaken,
-    /// Of samples.
+    /// For samples only.
     Samples,
 }
 
-/// The estimate of a sample.
+/// The motion estimate of a sample.
 struct MotionSample {
     motion: Motion,
     correlation: f32,
-    /// Whether the motion explains far more than none does.
+    /// Whether the motion explains the frame far better than no motion.
     is_clear: bool,
     number: u32,
-    /// Its place among the frames.
+    /// The index of its frame.
     at: u32,
 }
 
-/// Estimates the alignment of the frames of a sequence, in order; each result depends on its frame and those before
-/// it only.
+/// Estimates the alignment of the frames of a sequence in order. Each result depends only on its frame and earlier
+/// ones.
 pub struct Estimator {
     size: Size,
     factor: usize,
@@ -70,17 +71,17 @@ pub struct Estimator {
     average: Plane,
     reference: Option<geometry::Reference>,
     light: Option<light::Reference>,
-    /// What was seen lately, in samples.
+    /// The recent samples.
     window: VecDeque<MotionSample>,
     rest: Option<Motion>,
-    /// Where the camera was last known to rest.
+    /// The last known rest position of the camera.
     settled: Motion,
-    /// What the motion usually leaves unexplained of a frame, in levels.
+    /// The usual residual of the motion estimate, in levels.
     usual: f32,
 }
 
 impl Estimator {
-    /// Nothing seen yet of frames of this size; everything is measured of each.
+    /// An estimator for frames of this size that measures everything in each frame.
     pub fn new(size: Size) -> Self {
         Self {
             size,
@@ -97,12 +98,12 @@ impl Estimator {
         }
     }
 
-    /// Measures no more than what is to be taken out, and, in samples, whether the camera moved for good.
+    /// An estimator that measures only what `choice` corrects and, in samples, whether the camera moved for good.
     pub fn of(size: Size, choice: CorrectionChoice) -> Self {
         let no_light = choice.light == LightCorrection::Off;
         let extent = match choice.stabilise {
             Stabilise::Off if no_light => Extent::Samples,
-            // Light is compared place by place, wherever the places have been shaken to.
+            // Light is compared at corresponding points, which a shake displaces.
             Stabilise::Off | Stabilise::Auto => Extent::Shaken,
             Stabilise::Shift | Stabilise::Similarity => Extent::All,
         };
@@ -110,12 +111,12 @@ impl Estimator {
         Self { extent, light: all.light.filter(|_| !no_light), ..all }
     }
 
-    /// The motion around which the camera shakes, once that was seen.
+    /// The rest motion around which the camera shakes, once a shake is detected.
     pub const fn rest(&self) -> Option<Motion> {
         self.rest
     }
 
-    /// Measures the next frame.
+    /// Estimates the alignment of the next frame.
     pub fn step(&mut self, frame: &Frame) -> Alignment {
         if frame.size != self.size {
             return Alignment::default();
@@ -143,7 +144,7 @@ impl Estimator {
                 moved_since = self.take_sample(frame, &found, &motion, pyramid);
             }
         }
-        // Between samples motion is known where it is wanted alone.
+        // Between samples motion is known only where it is needed.
         let is_known = self.rest.is_some() || self.frames <= BEGINNING_FRAMES;
         let place = if is_known { motion } else { Motion::NONE };
         let light = self.light_of(frame, &place);
@@ -154,7 +155,7 @@ impl Estimator {
         self.light.as_mut().map_or(Light::SAME, |light| light.step(frame, motion))
     }
 
-    /// Where the frame lies, on the size of the estimate. Changes nothing.
+    /// The motion estimate of a frame, at the scale of the estimate. Changes no state.
     fn find(&self, frame: &Frame, pyramid: &mut Option<Pyramid>) -> geometry::MotionEstimate {
         let usable = self.reference.as_ref().filter(|reference| reference.is_usable());
         let Some(reference) = usable else {
@@ -170,7 +171,7 @@ impl Estimator {
         })
     }
 
-    /// Learns from a frame, which is a sample; since when the camera looks elsewhere, if that is now certain.
+    /// Updates the state from a sample; returns the frame since which the camera has moved, if that is now certain.
     fn take_sample(
         &mut self,
         frame: &Frame,
@@ -206,7 +207,7 @@ impl Estimator {
         moved_since
     }
 
-    /// Takes the frame into the average, for so many.
+    /// Averages the frame into the reference, with the weight of `frames` frames.
     fn learn(&mut self, plane: Plane, found: &geometry::MotionEstimate, frames: u32) {
         if self.average.data.len() == plane.data.len() {
             let rate = (frames as f32 / AVERAGE_MEMORY_FRAMES).max(1.0 / self.frames as f32);
@@ -217,7 +218,7 @@ impl Estimator {
         self.reference = Some(geometry::Reference::new(&self.average));
     }
 
-    /// The middle of the samples' motions, if enough of them are away from it.
+    /// The median motion of the samples, if enough of them deviate from it.
     fn shakes_around(&self) -> Option<Motion> {
         let rest = self.middle();
         let half = 0.5 * self.size.width as f32;
@@ -232,7 +233,7 @@ impl Estimator {
         (count as f32 > MIN_SHAKEN_SHARE * self.window.len() as f32).then_some(rest)
     }
 
-    /// The median of each number over the samples.
+    /// The median of each parameter over the samples.
     fn middle(&self) -> Motion {
         let median = |number: fn(&Motion) -> f32| {
             let mut all: Vec<f32> = self.window.iter().map(|seen| number(&seen.motion)).collect();
@@ -246,7 +247,7 @@ impl Estimator {
         }
     }
 
-    /// Whether all samples show that the camera looks elsewhere, and since which of them.
+    /// Whether all samples show that the camera moved, and the frame of the first of them.
     fn moved_since(&mut self, frame: &Frame) -> Option<u32> {
         if self.frames <= BEGINNING_FRAMES {
             self.settled = self.middle();
@@ -254,7 +255,7 @@ impl Estimator {
         }
         let first = self.window.front().map_or(0, |seen| seen.number);
         if self.window.iter().all(|seen| seen.correlation < MIN_CORRELATION) {
-            // What was there before is no longer in view: what is now becomes the reference.
+            // The old reference is no longer in view; the current frame becomes the reference.
             self.average = Plane::luma(frame, self.factor);
             self.reference = Some(geometry::Reference::new(&self.average));
             (self.frames, self.settled, self.usual) = (1, Motion::NONE, f32::MAX);
@@ -284,7 +285,7 @@ impl Estimator {
     }
 }
 
-/// Moves the average towards a frame that was found so, in the average's light.
+/// Blends a frame, aligned by `found` and in the average's light, into the average.
 fn blend(average: &mut Plane, frame: &Plane, found: &geometry::MotionEstimate, rate: f32) {
     let geometry::MotionEstimate { motion, light: (gain, offset), .. } = found;
     let relit = |value: f32| (value - offset) / gain;

@@ -1,4 +1,4 @@
-//! How the camera has moved: a coarse search, then least squares on points of strong contrast.
+//! Estimates camera motion: a coarse search, then least squares on points of strong contrast.
 
 use nalgebra::{SMatrix, SVector};
 
@@ -10,39 +10,39 @@ use crate::frame::Frame;
 /// Range of the coarse search to each side, in pixels at a quarter of the size, and no more than a quarter of the
 /// image.
 const MAX_SEARCH_PX: usize = 8;
-/// Improvement that a pixel of greater distance needs in the coarse search, as a share.
+/// Relative improvement required per pixel of additional distance in the coarse search.
 const SHARE_PER_PIXEL: f32 = 0.01;
 /// Radius of the mean that is subtracted for the coarse search, in pixels.
 const MEAN_RADIUS_PX: usize = 5;
-/// Largest residual in levels: beyond it a point shows something else, and the amount is irrelevant.
+/// Residual limit in levels: a point with a larger residual shows something else, and its size is irrelevant.
 const MAX_RESIDUAL_LEVELS: f32 = 20.0;
 /// Side of the squares with one point each, in pixels.
 const POINT_CELL_PX: usize = 8;
-/// Least contrast of a point, in levels a pixel.
+/// Least contrast of a point, in levels per pixel.
 const MIN_CONTRAST: f32 = 3.0;
 /// Least number of points for an estimate.
 const MIN_POINTS: usize = 24;
-/// Largest turn and zoom of a camera of fixed place, in radians and as a share.
+/// Largest rotation and scale change of a stationary camera, in radians and as a share.
 const MAX_TURN_AND_ZOOM: f32 = 0.1;
-/// The numbers of a fit.
+/// Indices of the fit's parameters.
 const DX: usize = 0;
 const DY: usize = 1;
 const TURN: usize = 2;
 const ZOOM: usize = 3;
 const GAIN: usize = 4;
 const OFFSET: usize = 5;
-/// A motion is clear where it leaves no more than this share of what none leaves unexplained, in the whole image and in its
-/// quarters: leaves and water that move pull at the estimate, too, but explain little of the image, or one side of it.
+/// Largest residual of a clear motion relative to that of no motion, in the whole image and in its quarters. Leaves
+/// and water that move also affect the estimate, but explain little of the image, or only one side of it.
 const MAX_UNEXPLAINED: f32 = 0.8;
 const MAX_UNEXPLAINED_QUARTER: f32 = 0.95;
-/// Steps of least squares on each size.
+/// Least-squares steps on each pyramid level.
 const LEAST_SQUARES_STEPS: usize = 6;
-/// A motion has to explain the image better than none does by this factor, as long as the camera is not known to shake.
+/// Largest ratio of a motion's residual to that of no motion, as long as the camera is not known to shake.
 const MAX_RESIDUAL_RATIO: f32 = 0.93;
-/// The camera stands still where that explains the image as well as it usually is, up to this factor.
+/// Largest ratio of the residual of no motion to the usual residual of a stationary camera.
 const MAX_STILL_RATIO: f32 = 1.25;
 
-/// A point of the reference on one size of it: from the image's centre, its value and gradient.
+/// A point of the reference on one pyramid level: position relative to the image's centre, value and gradient.
 #[derive(Clone, Copy)]
 struct Point {
     x: f32,
@@ -52,48 +52,48 @@ struct Point {
     down: f32,
 }
 
-/// The reference, ready to be found in frames.
+/// The reference, with its points of strong contrast on each pyramid level.
 pub(super) struct Reference {
     coarse: Plane,
-    /// On a quarter, a half, and the whole of the size.
+    /// The points at a quarter, a half, and the full scale.
     points: [Vec<Point>; 3],
-    /// Of the last of them, column and row.
+    /// Column and row of the points at full scale.
     places: Vec<(usize, usize)>,
 }
 
-/// A frame on all sizes.
+/// A frame as an image pyramid: a quarter, a half, and the full scale.
 pub(super) struct Pyramid(pub(super) [Plane; 3]);
 
 impl Pyramid {
-    /// Of a plane, which becomes the largest.
+    /// The pyramid of a plane, which becomes its largest level.
     pub(super) fn new(plane: Plane) -> Self {
         let half = plane.halved();
         Self([half.halved(), half, plane])
     }
 }
 
-/// Where the frame was found in the reference, and how well.
+/// The estimated motion of a frame against the reference, and its quality.
 #[derive(Clone, Copy)]
 pub(super) struct MotionEstimate {
     pub(super) motion: Motion,
     /// Correlation of the points of strong contrast, −1..=1.
     pub(super) correlation: f32,
-    /// How much is left unexplained, as a mean difference in levels.
+    /// The residual: mean absolute difference in levels.
     pub(super) cost: f32,
-    /// Whether the motion explains far more than none does, in all quarters of the image but one.
+    /// Whether the motion explains the image far better than no motion, in all quarters but one.
     pub(super) is_clear: bool,
-    /// Gain and offset of the luma that go with it.
+    /// Gain and offset of the luma under this motion.
     pub(super) light: (f32, f32),
 }
 
 impl MotionEstimate {
-    /// What is said where there is nothing to be found.
+    /// The estimate where there is no usable contrast.
     pub(super) const NOTHING: Self =
         Self { motion: Motion::NONE, correlation: 1.0, cost: f32::MAX, is_clear: false, light: (1.0, 0.0) };
 }
 
 impl Reference {
-    /// Of a plane.
+    /// The reference of a plane.
     pub(super) fn new(plane: &Plane) -> Self {
         let half = plane.halved();
         let quarter = half.halved();
@@ -103,12 +103,12 @@ impl Reference {
         Self { coarse: quarter.contrast(MEAN_RADIUS_PX), points, places }
     }
 
-    /// Whether there is contrast enough to find anything.
+    /// Whether there are enough points of strong contrast.
     pub(super) fn is_usable(&self) -> bool {
         self.points.iter().all(|points| points.len() >= MIN_POINTS)
     }
 
-    /// What is found where the camera stands still and the image differs no more than it does by `usual`.
+    /// The estimate of no motion, where its residual is close to the usual one.
     pub(super) fn find_still(&self, frame: &Frame, factor: usize, usual: f32) -> Option<MotionEstimate> {
         let values: Vec<_> = self.places.iter().map(|&(x, y)| square(frame, factor, x, y)).collect();
         let seen = || self.points[2].iter().copied().zip(values.iter().copied());
@@ -124,7 +124,8 @@ impl Reference {
         })
     }
 
-    /// Finds how the frame has moved against the reference; where the camera is known to shake, with less reserve.
+    /// Estimates the motion of a frame against the reference; `shakes` lowers the required improvement over no
+    /// motion.
     pub(super) fn find(&self, frame: &Pyramid, shakes: bool) -> MotionEstimate {
         let (dx, dy) = self.search(&frame.0[0].contrast(MEAN_RADIUS_PX));
         let mut fit = MotionFit::of(Motion { dx: dx as f32, dy: dy as f32, ..Motion::NONE });
@@ -156,7 +157,7 @@ impl Reference {
         MotionEstimate { motion: fit.motion, correlation, cost, is_clear, light: (fit.gain, fit.offset) }
     }
 
-    /// Whether `fit` explains the quarters of the image better than `still` does, all but one.
+    /// Whether `fit` explains the quarters of the image better than `still`, all but one.
     fn is_clear(&self, fit: &MotionFit, still: &MotionFit, plane: &Plane) -> bool {
         let (mut judged, mut better) = (0, 0);
         for quarter in [(true, true), (true, false), (false, true), (false, false)] {
@@ -174,7 +175,7 @@ impl Reference {
         better + 1 >= judged.max(2)
     }
 
-    /// The shift in pixels of a quarter of the size under which the contrasts agree best.
+    /// The shift in pixels, at a quarter of the scale, with the least difference of contrast.
     fn search(&self, frame: &Plane) -> (i32, i32) {
         let (width, height) = (self.coarse.width, self.coarse.height);
         let (reach_x, reach_y) = (MAX_SEARCH_PX.min(width / 4), MAX_SEARCH_PX.min(height / 4));
@@ -189,7 +190,7 @@ impl Reference {
             }
             sum
         };
-        // Of places that look alike, as along a fence, the nearer one.
+        // Among similar positions, as along a fence, the nearest one is preferred.
         let cost = |dx: usize, dy: usize| {
             let away = dx.abs_diff(reach_x) + dy.abs_diff(reach_y);
             cost(dx, dy) * (1.0 + SHARE_PER_PIXEL * away as f32)
@@ -201,7 +202,7 @@ impl Reference {
                 *best = (cost, (dx, dy));
             }
         };
-        // Every second shift, then those around the best of them.
+        // Every second shift, then the neighbours of the best one.
         for dy in (0..=2 * reach_y).step_by(2) {
             for dx in (0..=2 * reach_x).step_by(2) {
                 try_at(&mut best, dx, dy);
@@ -218,7 +219,7 @@ impl Reference {
     }
 }
 
-/// The sum of differences, in eight parts whose order does not depend on the machine.
+/// Sum of absolute differences, in eight partial sums so that the result does not depend on the machine.
 fn row_cost(one: &[f32], other: &[f32]) -> f32 {
     let mut sums = [0.0_f32; 8];
     let (one, one_rest) = one.as_chunks::<8>();
@@ -234,7 +235,7 @@ fn row_cost(one: &[f32], other: &[f32]) -> f32 {
     sums.iter().sum()
 }
 
-/// In each cell the pixel of the strongest contrast.
+/// The pixel of strongest contrast in each cell.
 fn places(plane: &Plane) -> Vec<(usize, usize)> {
     let mut places = Vec::new();
     for top in (2..plane.height.saturating_sub(POINT_CELL_PX + 2)).step_by(POINT_CELL_PX) {
@@ -261,7 +262,7 @@ fn gradient(plane: &Plane, x: usize, y: usize) -> (f32, f32) {
     (0.5 * (data[at + 1] - data[at - 1]), 0.5 * (data[at + plane.width] - data[at - plane.width]))
 }
 
-/// The places on a plane of a whole, a half or a quarter (`part` 1, 2 or 4) of the size.
+/// The points at these positions, on a plane of the full, half or quarter scale (`part` 1, 2 or 4).
 fn points(plane: &Plane, places: &[(usize, usize)], part: usize) -> Vec<Point> {
     let (centre_x, centre_y) = centre(plane);
     let inside = |x: usize, y: usize| x > 0 && y > 0 && x + 1 < plane.width && y + 1 < plane.height;
@@ -278,7 +279,7 @@ fn centre(plane: &Plane) -> (f32, f32) {
     (0.5 * (plane.width as f32 - 1.0), 0.5 * (plane.height as f32 - 1.0))
 }
 
-/// A motion, and the light that goes with it.
+/// A motion and the change of light fitted with it.
 #[derive(Clone, Copy)]
 struct MotionFit {
     motion: Motion,
@@ -291,7 +292,7 @@ impl MotionFit {
         Self { motion, gain: 1.0, offset: 0.0 }
     }
 
-    /// The frame's value at each point, where that is within it.
+    /// The frame's value at each point inside it.
     fn seen<'a>(&self, plane: &'a Plane, points: &'a [Point]) -> impl Iterator<Item = (Point, f32)> + 'a {
         let (centre_x, centre_y) = centre(plane);
         let motion = self.motion;
@@ -305,7 +306,7 @@ impl MotionFit {
         value - (self.gain * point.value + self.offset)
     }
 
-    /// Steps of robust least squares, over these numbers alone, until they are short.
+    /// Iterates robust least squares over the given parameters until the step is short.
     fn improve<const N: usize>(&mut self, plane: &Plane, points: &[Point], numbers: &[usize; N]) {
         for _ in 0..LEAST_SQUARES_STEPS {
             match self.improved(plane, points, numbers) {
@@ -320,7 +321,7 @@ impl MotionFit {
         }
     }
 
-    /// One step of robust least squares, and how far it went in pixels.
+    /// One step of robust least squares; returns the step's length in pixels.
     fn improved<const N: usize>(
         &self,
         plane: &Plane,
@@ -353,7 +354,7 @@ impl MotionFit {
                 -1.0,
             ];
             let row = SVector::from(numbers.map(|number| f64::from(all[number])));
-            // The lower triangle, which is all that is read.
+            // Only the lower triangle is read.
             normal.syger(weight, &row, &row, 1.0);
             right.axpy(-weight * f64::from(residual), &row, 1.0);
         }
@@ -381,7 +382,7 @@ impl MotionFit {
         sound.then_some((better, length))
     }
 
-    /// The gain that explains most of these points.
+    /// Fits the gain to these points.
     fn relight(&mut self, seen: impl Iterator<Item = (Point, f32)>) {
         let mut ratios: Vec<f32> =
             seen.filter(|(point, _)| point.value > 8.0).map(|(point, value)| value / point.value).collect();
@@ -391,7 +392,7 @@ impl MotionFit {
         }
     }
 
-    /// The mean difference, limited.
+    /// The mean of the limited absolute differences.
     fn cost(&self, seen: impl Iterator<Item = (Point, f32)>) -> f32 {
         let (mut sum, mut count) = (0.0, 0.0);
         for (point, value) in seen {

@@ -1,52 +1,52 @@
-//! How the light has changed: a gain and an offset of the whole image, by consensus of all its parts.
+//! Estimates changes of light: a gain and an offset of the whole image, by consensus of its parts.
 
 use super::robust;
 use super::{Light, Motion};
 use crate::frame::{Frame, Size};
 
-/// About so many places of the image are compared.
+/// Approximate number of sample points of the image.
 const PLACES: usize = 1600;
-/// Frames over which the colours of the places are averaged, and so many are averaged alike at first.
+/// Time constant, in frames, of the average of the points' colours; the first [`FIRST`] frames have equal weights.
 const MEMORY: f32 = 1000.0;
 const FIRST: u32 = 50;
-/// Parts of the image that have to agree on a change, across and down.
+/// Number of image parts, across and down, that vote on a change.
 const PARTS: (usize, usize) = (6, 4);
-/// Of the parts that can be judged, so many have to agree.
+/// Share of the parts with enough points that have to agree.
 const AGREEING: f32 = 0.75;
-/// A part agrees where the median of its places is off by no more levels.
+/// Largest median deviation, in levels, of the points of a part that agrees.
 const CLOSE: f32 = 5.0;
-/// Fewer places do not judge, nor do fewer parts.
+/// Least number of points of a part, and of parts, for a vote.
 const LEAST_PLACES: usize = 8;
 const LEAST_PARTS: usize = 12;
-/// The light is as it was where the median of one place in [`GLANCE`] is off by no more levels; it is measured anew in
-/// any case in each of so many frames.
+/// The light is unchanged where the median deviation of one point in [`GLANCE`] is no more than this many levels. It
+/// is measured in any case at a fixed interval of frames.
 const ALIKE: f32 = 2.0;
 const GLANCE: usize = 5;
 const EVERY: u32 = 10;
-/// Levels that are cut off, or nearly, tell nothing.
+/// Levels at or near the limits are clipped and carry no information.
 const DARKEST: f32 = 6.0;
 const BRIGHTEST: f32 = 249.0;
-/// A fit is done when a step moves the middle level by less.
+/// A fit has converged when a step moves the middle level by less than this.
 const SETTLED: f32 = 0.1;
-/// Changes are told as a share of this level.
+/// Changes are expressed as a share of this level.
 const MIDDLE: f32 = 128.0;
-/// A change is followed by no more than this share a frame, which a mixture keeps up with that learns with α = .002 and
-/// whose band is 20 levels: what changes slower is left to it.
+/// Largest change per frame that the reference follows, as a share. A mixture with α = .002 and a band of 20 levels
+/// adapts to slower changes by itself.
 const FOLLOWED: f32 = 0.0003;
-/// A change is taken out from this share on, until less is left of it.
+/// A change is corrected from this share on, until less than the second share is left.
 const STARTS: f32 = 0.04;
 const ENDS: f32 = 0.01;
 
-/// Column, row and part of the image.
+/// Column, row and image part of a point.
 type SamplePoint = (u32, u32, usize);
 
-/// The colours of some places of the image, and the light in which they were last seen.
+/// The colours of the sample points, and the last estimate of the light.
 pub(super) struct Reference {
     size: Size,
     places: Vec<SamplePoint>,
-    /// As they were in the light of the beginning.
+    /// The colours in the light of the first frames.
     colours: Vec<[f32; 3]>,
-    /// The light against that of the beginning: as it is, and as it was in the recent past.
+    /// The change of light against the first frames: of the current frame, and of the recent past.
     light: Light,
     past: Light,
     /// Whether the light differs from that of the recent past.
@@ -54,7 +54,7 @@ pub(super) struct Reference {
     frames: u32,
 }
 
-/// A place of the reference as the frame shows it.
+/// The colours of a sample point in the reference and in the frame.
 #[derive(Clone, Copy)]
 struct ColourPair {
     part: usize,
@@ -92,13 +92,13 @@ impl Reference {
         }
     }
 
-    /// Begins anew with the next frame.
+    /// Resets the reference; it starts again with the next frame.
     pub(super) fn restart(&mut self) {
         (self.colours, self.light, self.past) = (Vec::new(), Light::SAME, Light::SAME);
         (self.differs, self.frames) = (false, 0);
     }
 
-    /// How the light of the frame, moved by `motion`, differs from that of the recent past, which then follows it.
+    /// The change of light of the frame, moved by `motion`, against the recent past; the latter is then updated.
     pub(super) fn step(&mut self, frame: &Frame, motion: &Motion) -> Light {
         self.frames += 1;
         let is_due = self.frames <= FIRST || self.frames.is_multiple_of(EVERY);
@@ -125,7 +125,7 @@ impl Reference {
         self.follow()
     }
 
-    /// The colour that the frame, moved by `motion`, shows at a place.
+    /// The frame's colour at a sample point moved by `motion`.
     fn colour(&self, frame: &Frame, motion: &Motion, &(x, y, _): &SamplePoint) -> Option<[f32; 3]> {
         let (centre_x, centre_y) =
             (0.5 * (self.size.width as f32 - 1.0), 0.5 * (self.size.height as f32 - 1.0));
@@ -135,7 +135,7 @@ impl Reference {
         inside.then(|| frame.pixel(x as u32, y as u32)).flatten().map(|rgb| rgb.map(f32::from))
     }
 
-    /// Whether the light is at a glance what it was in the frame before.
+    /// Whether a few of the points indicate the same light as in the previous frame.
     fn is_alike(&self, frame: &Frame, motion: &Motion) -> bool {
         let (gain, offset) = self.light.luma();
         let pairs = self.places.iter().zip(&self.colours).step_by(GLANCE);
@@ -147,7 +147,7 @@ impl Reference {
         robust::median(&mut off.collect::<Vec<_>>()).abs() < ALIKE
     }
 
-    /// Takes the places into the average, in the light of the beginning.
+    /// Averages the points' colours, normalised to the light of the first frames.
     fn learn(&mut self, now: &[Option<[f32; 3]>]) {
         let rate = if self.frames <= FIRST { 1.0 / self.frames as f32 } else { EVERY as f32 / MEMORY };
         for (colour, now) in self.colours.iter_mut().zip(now) {
@@ -159,7 +159,7 @@ impl Reference {
         }
     }
 
-    /// Lets the recent past follow the light, and gives the difference between them.
+    /// Updates the light of the recent past; returns the difference of the current light to it.
     fn follow(&mut self) -> Light {
         let away = away(&self.light, &self.past);
         self.differs = away > if self.differs { ENDS } else { STARTS };
@@ -174,7 +174,7 @@ impl Reference {
         difference
     }
 
-    /// The new light where the parts of the image agree on it; else that of the frame before.
+    /// The new light where the parts of the image agree on it; else that of the previous frame.
     fn measure(&self, pairs: &[ColourPair]) -> Light {
         if pairs.len() < self.places.len() / 4 {
             return self.light;
@@ -211,13 +211,13 @@ impl Reference {
     }
 }
 
-/// How far a middle level is from one light to another, as a share of it: that of the channel where it is farthest.
+/// The relative difference of a middle level between two lights; the largest over the channels.
 fn away(one: &Light, other: &Light) -> f32 {
     let lit = |light: &Light, channel: usize| light.gain[channel] * MIDDLE + light.offset[channel];
     (0..3).map(|channel| (lit(one, channel) - lit(other, channel)).abs() / MIDDLE).fold(0.0, f32::max)
 }
 
-/// Gain and offset from levels before and now, by robust least squares.
+/// Gain and offset from pairs of old and new levels, by robust least squares.
 fn fit(levels: &[(f32, f32)]) -> Option<(f32, f32)> {
     let mut ratios: Vec<f32> =
         levels.iter().filter(|(before, _)| *before > 12.0).map(|(before, now)| now / before).collect();
@@ -243,7 +243,7 @@ fn fit(levels: &[(f32, f32)]) -> Option<(f32, f32)> {
             }
         }
         let [n, b, f, bb, bf] = sums;
-        // An image of one level tells gain and offset apart no more: then the offset stays small.
+        // In an image of one level gain and offset are not separable; the offset is then kept small.
         let n = 1.25 * n;
         let determinant = n * bb - b * b;
         if determinant <= f64::EPSILON {

@@ -1,9 +1,9 @@
-//! Registration of frames before the mixture: a camera that shakes, and light that changes in the whole image.
+//! Registration of frames before the mixture: camera shake and changes of light in the whole image.
 //!
-//! An [`Estimator`] compares each frame with a slow average of those before it and finds the [`Alignment`]: how far the
-//! camera has moved ([`Motion`]) and how much brighter or darker it is ([`Light`]). It does so once for each frame, in
-//! order, whatever the settings are, and the result stays with the frame. A [`Correction`] is what the settings make of
-//! it; it changes each pixel by itself, so that single pixels, batches and frames that are decoded again agree bit for bit.
+//! An [`Estimator`] compares each frame with a slow average of earlier frames and estimates the [`Alignment`]: the
+//! camera motion ([`Motion`]) and the change of light ([`Light`]). It does so once per frame, in order, and the
+//! result is stored with the frame. A [`Correction`] applies the alignment as the settings choose. It changes each
+//! pixel independently, so that single pixels, batches and frames that are decoded again agree bit for bit.
 
 mod alignment;
 mod correction;

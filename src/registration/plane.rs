@@ -1,11 +1,11 @@
-//! Images of one number a pixel.
+//! Single-channel images.
 
 use crate::frame::Frame;
 
-/// The size at which motion is estimated: no more than about so many pixels.
+/// Approximate maximum number of pixels of the image on which motion is estimated.
 const PIXELS: usize = 130_000;
 
-/// An image of one number a pixel.
+/// A single-channel image.
 #[derive(Clone, Default)]
 pub(super) struct Plane {
     pub(super) width: usize,
@@ -13,12 +13,12 @@ pub(super) struct Plane {
     pub(super) data: Vec<f32>,
 }
 
-/// By what whole number an image's sides are divided for the estimate.
+/// The integer factor by which an image is reduced for the estimate.
 pub(super) fn reduction(width: usize, height: usize) -> usize {
     (1..=width.max(height)).find(|factor| (width / factor) * (height / factor) <= PIXELS).unwrap_or(1)
 }
 
-/// The luma of one square of `factor` pixels, the same number as [`Plane::luma`] gives.
+/// The mean luma of one square of `factor` pixels; equals that of [`Plane::luma`].
 pub(super) fn square(frame: &Frame, factor: usize, x: usize, y: usize) -> f32 {
     let stride = frame.size.width as usize * 3;
     let mut sum = 0;
@@ -58,7 +58,7 @@ impl Plane {
         Self { width, height, data }
     }
 
-    /// Half the size, averaged over squares of two pixels.
+    /// The plane at half the scale, averaged over squares of two pixels.
     pub(super) fn halved(&self) -> Self {
         let (width, height) = (self.width / 2, self.height / 2);
         let mut data = Vec::with_capacity(width * height);
@@ -70,7 +70,8 @@ impl Plane {
         Self { width, height, data }
     }
 
-    /// What is left when the mean of the pixels around, `radius` to each side, is taken away: contrast without light.
+    /// Subtracts the mean of the surrounding pixels, `radius` to each side, which leaves contrast independent of
+    /// light.
     pub(super) fn contrast(&self, radius: usize) -> Self {
         let across = mean_along(&self.data, self.width, radius);
         let turned = transposed(&across, self.width, self.height);
@@ -80,7 +81,7 @@ impl Plane {
         Self { data, ..*self }
     }
 
-    /// The value between pixels, `None` outside the outermost pixels' centres.
+    /// The bilinearly interpolated value; `None` outside the outermost pixels' centres.
     #[inline(always)]
     pub(super) fn at(&self, x: f32, y: f32) -> Option<f32> {
         if !(x >= 0.0 && y >= 0.0) {
@@ -100,7 +101,7 @@ impl Plane {
     }
 }
 
-/// Each row's running mean over `radius` values to each side, fewer at its ends.
+/// The moving mean of each row over `radius` values to each side, fewer at its ends.
 fn mean_along(data: &[f32], width: usize, radius: usize) -> Vec<f32> {
     let mut means = Vec::with_capacity(data.len());
     for row in data.chunks_exact(width.max(1)) {

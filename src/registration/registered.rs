@@ -1,4 +1,4 @@
-//! A source whose frames come with their alignment.
+//! A source that adds the alignment to each frame.
 
 use std::collections::VecDeque;
 
@@ -7,10 +7,10 @@ use super::{CorrectionChoice, Estimator};
 use crate::frame::Frame;
 use crate::source::{Source, SourceError, SourceInfo};
 
-/// The beginning waits in no more memory.
+/// Maximum memory of the frames that are read ahead, in bytes.
 const HELD_BYTES: usize = 256 << 20;
 
-/// Measures frames that are all there, as [`Registered`] does those of a file.
+/// Estimates the alignment of all of these frames, as [`Registered`] does for a file.
 pub fn measure_all(frames: &mut [Frame], choice: CorrectionChoice) {
     let Some(size) = frames.first().map(|frame| frame.size) else { return };
     let mut estimator = Estimator::of(size, choice);
@@ -22,7 +22,7 @@ pub fn measure_all(frames: &mut [Frame], choice: CorrectionChoice) {
     }
 }
 
-/// The frames of the beginning are told of a shake that was seen in it.
+/// Adds a shake that was detected in the beginning to the alignment of its frames.
 fn tell_rest<'a>(beginning: impl IntoIterator<Item = &'a mut Frame>, estimator: &Estimator) {
     if let Some(rest) = estimator.rest() {
         for frame in beginning {
@@ -31,30 +31,30 @@ fn tell_rest<'a>(beginning: impl IntoIterator<Item = &'a mut Frame>, estimator: 
     }
 }
 
-/// Measures each frame of a source as it is read. Where the source is a file, its beginning is read ahead, so that a shake
-/// that shows there is known of its first frame, too.
+/// Estimates the alignment of each frame of a source as it is read. The beginning of a file is read ahead, so that a
+/// shake detected there applies from its first frame on.
 pub struct Registered {
     source: Box<dyn Source>,
     estimator: Estimator,
-    /// Frames with lower numbers are not looked at.
+    /// Frames with lower numbers are not measured.
     first: u32,
     /// Frames read ahead.
     held: VecDeque<Frame>,
-    /// What came after them, if not a frame.
+    /// The end or error after them, if one followed.
     end: Option<Result<(), SourceError>>,
-    /// How many frames are still read ahead.
+    /// Number of frames that are still to be read ahead.
     ahead: usize,
     warnings: Vec<String>,
 }
 
 impl Registered {
-    /// Of a source of which no frame was read; everything is measured.
+    /// Wraps a source of which no frame was read; everything is measured.
     pub fn new(source: Box<dyn Source>) -> Self {
         let estimator = Estimator::new(source.info().size);
         Self::by(source, estimator, 0)
     }
 
-    /// Of a source of which no frame was read, by a fresh estimator, from the frame with the number `first` on.
+    /// Wraps a source of which no frame was read, with a new estimator, from the frame with the number `first` on.
     pub fn by(source: Box<dyn Source>, estimator: Estimator, first: u32) -> Self {
         let info = source.info();
         let room = HELD_BYTES / (3 * info.size.pixels()).max(1);
@@ -73,7 +73,7 @@ impl Registered {
         Ok(frame)
     }
 
-    /// Reads the rest of the beginning, whose first frame is this.
+    /// Reads the rest of the beginning, which starts with `first`.
     fn read_ahead(&mut self, first: Frame) {
         self.held.push_back(first);
         self.ahead -= 1;

@@ -10,7 +10,7 @@ use crate::source::{FpsFrom, Source, SourceError, SourceInfo};
 
 const SIZE: Size = Size::new(160, 120);
 
-/// A texture without repetition that goes on beyond the image: random levels every few pixels, smooth between them.
+/// An aperiodic texture, unbounded: random levels every few pixels, interpolated smoothly.
 fn level(x: f32, y: f32) -> f32 {
     let at = |column: i32, row: i32| {
         let mut bits = (column as u32).wrapping_mul(0x9e37_79b9) ^ (row as u32).wrapping_mul(0x85eb_ca6b);
@@ -39,7 +39,7 @@ fn noise(number: u32, at: usize) -> f32 {
     (bits % 7) as f32 - 3.0
 }
 
-/// The texture as a camera shows it that has moved so, in other light; `object` covers some of it.
+/// The texture seen by a camera with this motion, in this light; `object` covers part of it.
 fn frame(number: u32, motion: &Motion, (gain, offset): (f32, f32), object: Option<(u32, u32)>) -> Frame {
     let back = motion.inverse();
     let mut rgb = Vec::new();
@@ -93,7 +93,7 @@ fn a_motion_and_its_inverse_undo_each_other() {
 #[test]
 fn a_known_motion_is_found_to_a_quarter_of_a_pixel() {
     let light = |number: u32| if number > 60 { (0.7, 4.0) } else { (1.0, 0.0) };
-    // A third of the image is covered by something that moves along.
+    // A third of the image is covered by a moving object.
     let frames = (1..=90).map(|number| {
         let object = (number % 3 > 0).then_some((number, 50));
         frame(number, &if number == 1 { Motion::NONE } else { shaken(number) }, light(number), object)
@@ -109,7 +109,7 @@ fn a_known_motion_is_found_to_a_quarter_of_a_pixel() {
 }
 
 #[test]
-fn a_still_camera_in_steady_light_is_left_alone_whatever_passes() {
+fn a_still_camera_in_steady_light_has_no_alignment() {
     let frames = registered((1..=150).map(|number| {
         let object = (40..120).contains(&number).then(|| (number - 40, 60));
         frame(number, &Motion::NONE, (1.0, 0.0), object)
@@ -130,7 +130,7 @@ fn a_still_camera_in_steady_light_is_left_alone_whatever_passes() {
 }
 
 #[test]
-fn a_change_of_light_is_measured_and_an_object_near_the_camera_is_none() {
+fn a_change_of_light_is_distinguished_from_an_object_near_the_camera() {
     let cloud = |number: u32| 1.0 - 0.33 * ((number as f32 - 60.0) / 40.0).clamp(0.0, 1.0);
     let frames = registered((1..=140).map(|number| {
         let object = (number % 2 == 0).then_some((number / 2, 30));
@@ -144,7 +144,7 @@ fn a_change_of_light_is_measured_and_an_object_near_the_camera_is_none() {
         let slight = truth > 0.85 && gain == 1.0;
         assert!(slight || bounds.contains(&gain), "frame {}: {gain} {truth}", frame.number);
     }
-    // Half the image darkens, as a dark object close to the camera comes in.
+    // Half the image darkens, as when a dark object comes close to the camera.
     let close = registered((1..=120).map(|number| {
         let mut frame = still(number);
         if number > 60 {
@@ -160,7 +160,7 @@ fn a_change_of_light_is_measured_and_an_object_near_the_camera_is_none() {
 }
 
 #[test]
-fn a_shake_is_noticed_and_a_camera_that_turns_for_good_is_reported_once() {
+fn a_shake_is_detected_and_a_permanent_move_is_reported_once() {
     let shaking = registered((1..=80).map(|number| frame(number, &shaken(number), (1.0, 0.0), None)));
     let since = shaking.iter().position(|frame| frame.alignment.rest.is_some());
     assert!(since.is_some_and(|since| since < 50), "{since:?}");
@@ -173,12 +173,12 @@ fn a_shake_is_noticed_and_a_camera_that_turns_for_good_is_reported_once() {
             frame(number, if number < 100 { &Motion::NONE } else { &after }, (1.0, 0.0), None)
         }));
         let reported: Vec<_> = moving.iter().filter_map(|frame| frame.alignment.moved_since).collect();
-        // Told by the first sample that shows it.
+        // Reported by the first sample that shows it.
         assert!(reported.len() == 1 && (100..106).contains(&reported[0]), "{after:?}: {reported:?}");
     }
 }
 
-/// Pictures that shake in light that changes, as a source gives them.
+/// Frames with camera shake and changing light, as a source gives them.
 fn restless() -> Vec<Frame> {
     registered((1..=120).map(|number| {
         let gain = if (40..70).contains(&number) { 1.5 } else { 1.0 };
@@ -237,7 +237,7 @@ fn in_batches_of_any_length_the_mixture_equals_single_pixels() {
 }
 
 #[test]
-fn pixels_that_a_frame_does_not_show_are_background_and_teach_nothing() {
+fn pixels_that_a_frame_does_not_show_are_background_and_not_learned() {
     let frames = restless();
     let settings = Settings { stabilise: Stabilise::Similarity, ..Settings::preset(Preset::Plain) };
     let mut history = PixelHistory::new((1, 60), Parameters::new(&settings));
@@ -269,7 +269,7 @@ fn pixels_that_a_frame_does_not_show_are_background_and_teach_nothing() {
 }
 
 #[test]
-fn what_a_shake_moves_is_no_foreground_once_it_is_taken_out() {
+fn a_corrected_shake_causes_no_foreground() {
     let frames = restless();
     let share = |stabilise, light| {
         let settings = Settings { stabilise, light, ..Settings::default() };
@@ -290,7 +290,7 @@ fn what_a_shake_moves_is_no_foreground_once_it_is_taken_out() {
     assert!(shaking > 0.004 && lit > 0.05 && both < 0.0005, "{shaking} {lit} {both}");
 }
 
-/// The same frames as a source that measures nothing, the last one first.
+/// A source without alignment that gives these frames, stored in reverse order.
 struct Recorded(SourceInfo, Vec<Frame>);
 
 fn recorded(mut frames: Vec<Frame>, live: bool) -> Recorded {
@@ -340,7 +340,7 @@ fn a_frame_that_is_decoded_again_has_the_alignment_that_it_had() {
 }
 
 #[test]
-fn the_beginning_of_a_file_is_told_of_the_shake_that_shows_in_it_and_that_of_a_camera_later() {
+fn a_shake_applies_from_the_first_frame_of_a_file_and_later_of_a_camera() {
     let frames = restless();
     let read = |live, first| {
         let source = Box::new(recorded(frames.clone(), live));
@@ -360,7 +360,7 @@ fn the_beginning_of_a_file_is_told_of_the_shake_that_shows_in_it_and_that_of_a_c
 }
 
 #[test]
-fn what_is_not_taken_out_is_not_measured_and_changes_nothing_of_what_is() {
+fn uncorrected_changes_are_not_measured_and_do_not_affect_others() {
     let calm: Vec<_> = (1..=120).map(still).collect();
     for frames in [restless(), calm] {
         let measured = |choice| {
@@ -385,7 +385,7 @@ fn what_is_not_taken_out_is_not_measured_and_changes_nothing_of_what_is() {
 }
 
 #[test]
-fn slow_changes_of_light_are_left_to_the_mixture_and_sudden_ones_fade_away() {
+fn slow_changes_of_light_are_not_corrected_and_sudden_ones_decay() {
     let gains = |light: fn(u32) -> f32, last| {
         let frames = (1..=last).map(|number| frame(number, &Motion::NONE, (light(number), 0.0), None));
         let frames = registered(frames);

@@ -30,13 +30,13 @@ pub(super) struct AnalysisPass {
     scorer: Scorer,
 }
 
-/// Why a pass cannot continue.
+/// An error that ends a pass.
 #[derive(Debug, thiserror::Error)]
 pub(super) enum PassError {
-    /// The source gives no frame.
+    /// An error of the source.
     #[error(transparent)]
     Source(#[from] SourceError),
-    /// A stage fails.
+    /// An error of a stage.
     #[error(transparent)]
     Pipeline(#[from] PipelineError),
 }
@@ -45,7 +45,7 @@ pub(super) enum PassError {
 pub(super) enum PassStep {
     /// Frames were analysed, or are being decoded.
     Advanced,
-    /// The next frame is no longer kept, of a live source.
+    /// The next frame of a live source is no longer cached.
     FrameLost,
 }
 
@@ -92,17 +92,17 @@ impl AnalysisPass {
         }
     }
 
-    /// Its settings.
+    /// The settings of the pass.
     pub(super) const fn settings(&self) -> &Arc<Settings> {
         self.model.settings()
     }
 
-    /// Follows a pixel, or none.
+    /// Chooses the pixel to follow; `None` for none.
     pub(super) fn inspect(&mut self, at: Option<(u32, u32)>) {
         self.pixel_follower.choose(at, self.model.settings(), self.model.info());
     }
 
-    /// The first stage affected by other settings or another area of interest; `None` where they are the same.
+    /// The first stage affected by other settings or another region of interest; `None` where nothing differs.
     pub(super) fn first_difference(&self, settings: &Settings, roi: Option<&Arc<Roi>>) -> Option<Stage> {
         let of_settings = self.settings().first_difference(settings);
         let of_roi = (self.model.roi() != roi).then_some(Stage::Cleaning);
@@ -131,14 +131,15 @@ impl AnalysisPass {
         self.finished.is_some()
     }
 
-    /// Its progress: 0 while it learns from the first frames and 1 after that, and the position of the next frame.
+    /// Its progress: 0 while the model learns from the first frames and 1 after that, and the position of the next
+    /// frame.
     pub(super) fn next_position(&self) -> (u32, u32) {
         self.model.next_to_learn().map_or_else(|| (1, self.model.front()), |position| (0, position))
     }
 
-    /// Learns from or analyses the next frames that are available, or lets one be decoded on the way to them: not
-    /// beyond the position `last`, where there is one before the end. Frames to be decoded again are kept as `keep`
-    /// says; `passed` is called with each frame and its position.
+    /// Learns from or analyses the next decoded frames, or decodes one frame, up to the position `last`, if given, or
+    /// the end. `keep` says whether frames that are decoded again may evict others; `passed` is called with each
+    /// frame and its position.
     pub(super) fn advance(
         &mut self,
         frames: &mut FrameCache,
@@ -191,7 +192,7 @@ impl AnalysisPass {
         Ok(PassStep::Advanced)
     }
 
-    /// The next frame, and the buffered frames after it, as many as may be analysed together.
+    /// The next frame and the buffered frames after it, as many as can be analysed together.
     fn with_buffered_frames(
         &self,
         frames: &mut FrameCache,
@@ -234,13 +235,13 @@ impl AnalysisPass {
         })
     }
 
-    /// Advances the score of the offline result and the masks against `truth`, if both are complete.
+    /// Advances the score of the offline result and the masks against `truth`, if the analysis is complete.
     pub(super) fn score(&mut self, truth: &Arc<Truth>) -> ScoreStep {
         let Some(found) = &self.finished else { return ScoreStep::Idle };
         self.scorer.advance(truth, found, self.model.record())
     }
 
-    /// The timeline so far; its score is against `truth`.
+    /// The current timeline, with the score against `truth`.
     pub(super) fn timeline(&self, frames: &FrameCache, truth: Option<&Arc<Truth>>) -> Timeline {
         Timeline {
             decoded: frames.kept_ranges(),

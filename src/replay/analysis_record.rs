@@ -1,4 +1,4 @@
-//! The record of every analysed frame: everything but the pixels; masks are run-length encoded.
+//! The record of every analysed frame: all results except images; masks are run-length encoded.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -9,12 +9,12 @@ use crate::pipeline::Analysis;
 use crate::regions::{Labels, Region};
 use crate::tracking::{HypothesisSummary, Track};
 
-/// The analyses of a sequence from its first frame on. A copy shares the large parts.
+/// The analyses of a sequence from its first frame on. Copies share the large parts.
 #[derive(Clone)]
 pub(super) struct AnalysisRecord {
     size: Size,
     entries: Vec<Entry>,
-    /// Memory of the entries, in bytes.
+    /// Size of the entries in memory, in bytes.
     bytes: usize,
     empty_mask: Arc<Mask>,
     empty_labels: Arc<Labels>,
@@ -22,11 +22,11 @@ pub(super) struct AnalysisRecord {
 
 #[derive(Clone)]
 struct Entry {
-    /// With an empty mask and empty labels.
+    /// The analysis, with an empty mask and empty labels.
     analysis: Analysis,
-    /// Its mask and labels.
+    /// Its run-length encoded mask and labels.
     labels: Arc<[u8]>,
-    /// The model's mask, before cleaning.
+    /// The run-length encoded mask of the model, before cleaning.
     raw: Arc<[u8]>,
     foreground_share: f32,
 }
@@ -69,12 +69,12 @@ impl AnalysisRecord {
         self.entries.push(entry);
     }
 
-    /// The memory that it takes, in bytes, to some kilobytes a frame.
+    /// Approximate size in memory, in bytes; some kilobytes per frame.
     pub(super) const fn bytes(&self) -> usize {
         self.bytes
     }
 
-    /// Replaces an analysis after regions were found again; its raw mask stays.
+    /// Replaces the analysis of a frame after regions were found again; its model mask stays.
     pub(super) fn replace_regions(&mut self, position: u32, analysis: Analysis) {
         let Some(raw) = self.entries.get(position as usize).map(|entry| Arc::clone(&entry.raw)) else {
             return;
@@ -83,7 +83,7 @@ impl AnalysisRecord {
         self.change(position, |before| *before = entry);
     }
 
-    /// Changes an entry and counts what it takes afterwards.
+    /// Changes an entry and updates the size in memory.
     fn change(&mut self, position: u32, change: impl FnOnce(&mut Entry)) {
         if let Some(entry) = self.entries.get_mut(position as usize) {
             self.bytes -= entry.bytes();
@@ -108,21 +108,21 @@ impl AnalysisRecord {
         self.entries.get(position as usize).map(|entry| rle::decode_mask(&entry.raw, self.size))
     }
 
-    /// Gives `take` the pixels of each run of the model's mask of a frame, before cleaning.
+    /// Calls `take` with the pixels of each run of the model's mask of a frame, before cleaning.
     pub(super) fn for_each_raw_run(&self, position: u32, take: impl FnMut(Range<usize>)) {
         if let Some(entry) = self.entries.get(position as usize) {
             rle::for_each_run(&entry.raw, take);
         }
     }
 
-    /// Gives `take` the pixels of each run of foreground of a frame, after cleaning.
+    /// Calls `take` with the pixels of each run of foreground of a frame, after cleaning.
     pub(super) fn for_each_run(&self, position: u32, take: impl FnMut(Range<usize>)) {
         if let Some(entry) = self.entries.get(position as usize) {
             rle::for_each_labelled_run(&entry.labels, take);
         }
     }
 
-    /// Puts another reading in the place of one whose mask and regions stay.
+    /// Replaces the analysis of a frame except its mask and labels.
     pub(super) fn replace(&mut self, position: u32, analysis: Analysis) {
         self.change(position, |entry| entry.analysis = analysis);
     }
@@ -137,7 +137,7 @@ impl AnalysisRecord {
         self.entries.iter().map(|entry| &entry.analysis)
     }
 
-    /// The analysis of a frame as it was.
+    /// The complete analysis of a frame.
     pub(super) fn analysis(&self, position: u32) -> Option<Analysis> {
         let entry = self.entries.get(position as usize)?;
         let (mask, labels) = rle::decode_labels(&entry.labels, self.size);

@@ -1,4 +1,4 @@
-//! The pass of the settings that are compared with those in view.
+//! The pass of the candidate settings, which are compared with those in view.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use crate::settings::Settings;
 pub(super) struct ComparedPass {
     /// The settings, `None` while nothing is compared.
     pub(super) settings: Option<Settings>,
-    /// Their pass; none while they equal those in view, whose pass serves both.
+    /// Their pass; `None` while they equal the settings in view, whose pass serves both.
     pub(super) pass: Option<AnalysisPass>,
     /// The frame shown last.
     pub(super) shown: Option<Arc<ShownFrame>>,
@@ -23,20 +23,20 @@ impl ComparedPass {
         self.settings.as_ref() == Some(settings)
     }
 
-    /// Takes its pass out.
+    /// Removes and returns the pass.
     pub(super) fn take_pass(&mut self) -> Option<AnalysisPass> {
         self.shown = None;
         self.pass.take()
     }
 
-    /// Whether the frame at a position has been analysed but is not prepared.
+    /// Whether the frame at a position has been analysed but not prepared.
     pub(super) fn needs_frame(&self, position: u32) -> bool {
         let Some(pass) = &self.pass else { return false };
         pass.model.front() > position
             && !self.shown.as_ref().is_some_and(|shown| is_frame_of(shown, pass, position))
     }
 
-    /// Whether a frame in view contains the compared frame as far as that exists.
+    /// Whether a frame in view contains the newest available compared frame.
     pub(super) fn is_current_in(&self, shown: &ShownFrame) -> bool {
         match (&self.settings, &self.pass) {
             (Some(_), None) => {

@@ -1,4 +1,4 @@
-//! The counterfactual search of an event, in short steps when there is nothing else to do.
+//! The counterfactual search for an event, in short steps when no other work is due.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -9,11 +9,12 @@ use crate::occlusion::Event;
 use crate::occlusion::counterfactual::{Counterfactual, CounterfactualQuery, CounterfactualSearch};
 use crate::occlusion::event_pairs::EventTolerance;
 
-/// Seconds before the event in which the tracker can learn the objects that take part, as far as the video goes back,
+/// Seconds before the event at which the tracker starts, so that it learns the members, as far as the video goes
+/// back.
 const SECONDS_BEFORE_EVENT: f32 = 12.0;
-/// and the least number of frames.
+/// Least number of frames before the event at which the tracker starts.
 const MIN_FRAMES_BEFORE_EVENT: u32 = 100;
-/// Seconds after the event in which a preventing value must prevent it, as far as the video has been analysed.
+/// Seconds after the event during which the event must stay prevented, as far as the video has been analysed.
 const SECONDS_AFTER_EVENT: f32 = 10.0;
 /// Least interval between two published reports.
 const MIN_PUBLISH_INTERVAL: Duration = Duration::from_millis(200);
@@ -35,7 +36,7 @@ impl CounterfactualTask {
         }
     }
 
-    /// Advances for a short time on the record of `run`; whether there was anything to do.
+    /// Advances for a short time on the record of `run`; returns whether there was work to do.
     pub(super) fn advance(&mut self, run: &ModelTimeline, numbers: &[u32], size: Size, fps: f32) -> bool {
         let Some(event) = &self.event else { return false };
         if self.report.as_ref().is_some_and(|report| report.done) {
@@ -68,7 +69,7 @@ impl CounterfactualTask {
 fn query(event: &Event, run: &ModelTimeline, numbers: &[u32], size: Size, fps: f32) -> CounterfactualQuery {
     let at = numbers.partition_point(|&number| number < event.frame) as u32;
     let tolerance = EventTolerance::of(size, fps);
-    // The decision may come some frames after the event.
+    // The decision can be some frames after the event.
     let decides = |position: &u32| {
         run.outline(*position)
             .is_some_and(|(analysis, _)| analysis.events.iter().any(|other| tolerance.matches(event, other)))

@@ -1,4 +1,4 @@
-//! Consumers of all known frames, whether these are analysed or not.
+//! Consumers of all known frames, analysed or not.
 
 use std::time::{Duration, Instant};
 
@@ -6,25 +6,25 @@ use crate::frame::Frame;
 use crate::source::SourceError;
 use crate::source::cache::{Fetched, FrameCache, Keep};
 
-/// Longest time of a turn before other work gets its turn.
+/// Maximum duration of a turn before other work is done.
 pub(super) const MAX_TURN: Duration = Duration::from_millis(4);
 
-/// A consumer of frames one after the other, from the first on.
+/// A consumer of frames in order, from the first on.
 pub(super) trait FrameConsumer {
-    /// The position of the frame that is needed next, `None` where none is.
+    /// The position of the next frame that is needed; `None` if none is.
     fn next(&self) -> Option<u32>;
     /// Consumes the frame at a position, if it is the next.
     fn push(&mut self, position: u32, frame: &Frame);
-    /// Called when all frames have been consumed; whether that changes its results.
+    /// Called when all frames have been consumed; returns whether this changes the results.
     fn end(&mut self) -> bool {
         false
     }
-    /// Called when the next frame is no longer available, as the first ones of a camera; all later results depend on
-    /// it.
+    /// Called when the next frame is no longer available, such as a camera's first frames. All later results depend
+    /// on it.
     fn lose(&mut self);
 }
 
-/// Feeds decoded frames to `consumer` for a short time; whether there was anything to do.
+/// Passes decoded frames to `consumer` for a short time; returns whether there was work to do.
 pub(super) fn feed_frames(
     consumer: &mut impl FrameConsumer,
     frames: &mut FrameCache,

@@ -4,18 +4,18 @@ use super::analysis_record::AnalysisRecord;
 use super::strided_checkpoints::StridedCheckpoints;
 use crate::frame::Size;
 
-/// Frames of one step, and the smallest distance of checkpoints.
+/// Number of frames of one step, and least distance of checkpoints.
 const FRAMES_PER_STEP: u32 = 64;
 /// Marks a pixel that was never foreground.
 const NEVER: u32 = u32::MAX;
 
-/// The position at which each pixel was last foreground before some frame. It advances from frame to frame;
-/// checkpoints serve seeking back.
+/// The position at which each pixel was last foreground before some frame. It advances frame by frame; checkpoints
+/// are used to seek back.
 pub(super) struct LastForeground {
     size: Size,
     /// Number of frames processed.
     frames_taken: u32,
-    /// Empty until the first request.
+    /// The last position of each pixel; empty until the first request.
     last: Vec<u32>,
     checkpoints: StridedCheckpoints<Vec<u32>>,
 }
@@ -31,12 +31,12 @@ impl LastForeground {
         }
     }
 
-    /// Limits the memory of checkpoints, in bytes.
+    /// Sets the capacity for checkpoints, in bytes.
     pub(super) fn set_capacity(&mut self, room: usize) {
         self.checkpoints.set_capacity(room);
     }
 
-    /// Advances towards the frame at `position`; whether it was reached. A frame that is not on record is never
+    /// Advances towards the frame at `position`; returns whether it was reached. Does not go beyond the record.
     /// reached.
     pub(super) fn advance_to(&mut self, position: u32, record: &AnalysisRecord) -> bool {
         let Some(wanted) = position.checked_add(1).filter(|&wanted| wanted <= record.len()) else {
@@ -58,7 +58,7 @@ impl LastForeground {
         end == wanted
     }
 
-    /// For each pixel the number of frames since it was last foreground at `position`, which has been reached;
+    /// For each pixel the number of frames since it was last foreground at `position`, which must have been reached;
     /// infinite where it never was.
     pub(super) fn frames_since(&self, position: u32) -> Vec<f32> {
         let ago = |&last: &u32| match last {
@@ -68,7 +68,7 @@ impl LastForeground {
         self.last.iter().map(ago).collect()
     }
 
-    /// Continues at the nearest checkpoint or the present state before `wanted` frames.
+    /// Continues from the nearest state, checkpoint or current, at or before `wanted` frames.
     fn seek(&mut self, wanted: u32) {
         let checkpoints = self.checkpoints.at_or_before(wanted);
         let nearest = checkpoints.map_or(0, |(frames_taken, _)| frames_taken);

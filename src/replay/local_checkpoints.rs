@@ -1,10 +1,10 @@
-//! Checkpoints around the playhead: stepping is likely to continue there.
+//! Checkpoints around the playhead, where seeking is most likely.
 
 use std::collections::BTreeMap;
 
 /// Checkpoints by position; the farthest from the playhead are dropped first when they exceed the capacity.
 pub(super) struct LocalCheckpoints<T> {
-    /// With the bytes of each.
+    /// The checkpoints and their sizes in bytes, by position.
     entries: BTreeMap<u32, (T, usize)>,
     capacity_bytes: usize,
     used_bytes: usize,
@@ -29,7 +29,7 @@ impl<T> LocalCheckpoints<T> {
         self.entries.contains_key(&position)
     }
 
-    /// Stores a checkpoint of `bytes` at `position`, if there is room for it around `centre`.
+    /// Stores a checkpoint of `bytes` at `position`, if the capacity around `centre` allows it.
     pub(super) fn insert(&mut self, position: u32, value: T, bytes: usize, centre: u32) {
         self.used_bytes += bytes;
         if let Some((_, before)) = self.entries.insert(position, (value, bytes)) {
@@ -39,7 +39,7 @@ impl<T> LocalCheckpoints<T> {
         self.thin();
     }
 
-    /// Drops the farthest checkpoints until the rest fits.
+    /// Drops the farthest checkpoints until the others fit.
     fn thin(&mut self) {
         while self.used_bytes > self.capacity_bytes {
             let ends = [self.entries.keys().next(), self.entries.keys().next_back()];
@@ -65,7 +65,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_far_goes_first() {
+    fn the_farthest_checkpoints_are_dropped_first() {
         let mut checkpoints = LocalCheckpoints::new(30);
         for position in [10, 20, 30] {
             checkpoints.insert(position, position, 10, 30);
@@ -78,11 +78,11 @@ mod tests {
         checkpoints.insert(5, 6, 20, 5);
         assert_eq!((checkpoints.at_or_before(9), checkpoints.used_bytes), (Some((5, &6)), 30));
         checkpoints.insert(7, 7, 31, 7);
-        assert!(checkpoints.entries.is_empty() && checkpoints.used_bytes == 0, "too large for any room");
+        assert!(checkpoints.entries.is_empty() && checkpoints.used_bytes == 0, "larger than the capacity");
     }
 
     #[test]
-    fn with_less_room_what_is_far_goes_at_once() {
+    fn a_smaller_capacity_drops_the_farthest_checkpoints_at_once() {
         let mut checkpoints = LocalCheckpoints::new(40);
         for position in [10, 20, 30, 40] {
             checkpoints.insert(position, position, 10, 25);

@@ -1,4 +1,5 @@
-//! How long after a click a pixel's whole history is there, and how right other settings are around it: a measurement to run by hand, not a test.
+//! Measures the delay from a click to the pixel's complete history, and the accuracy of other settings around it. Run
+//! by hand; not a test.
 //!
 //! `cargo test --release --locked --lib -- --ignored --nocapture a_pixels_whole_history`
 
@@ -18,9 +19,9 @@ use crate::truth::masks::{Label, TrueMask, TrueMasks};
 
 const SIZE: Size = Size::new(768, 576);
 const FRAMES: u32 = 800;
-/// As many as fit without any being decoded again.
+/// Enough for all frames, so that none is decoded twice.
 const MEMORY: usize = 4 << 30;
-/// What a wide panel draws.
+/// Number of columns of a wide panel.
 const COLUMNS: usize = 500;
 
 #[test]

@@ -1,7 +1,8 @@
-//! Random access in time: a worker that analyses ahead, keeps records and checkpoints, and shows any frame as it was.
+//! Random access in time: a worker that analyses ahead, keeps records and checkpoints, and reproduces the results of
+//! any frame.
 //!
 //! The window holds a [`Session`] and sends requests; the worker publishes a [`State`] after every change. Neither
-//! waits for the other.
+//! blocks the other.
 
 mod analysis_pass;
 mod analysis_record;
@@ -51,15 +52,15 @@ pub use memory::memory;
 pub use region_shares::{RegionShares, region_bounds};
 pub use session::Session;
 
-/// Which frame comes into view after opening. The first frame is shown until it is reached.
+/// The frame in view after opening. The first frame is shown until that one is reached.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Start {
-    /// The first.
+    /// The first frame.
     First,
-    /// One within the first occlusion: a merge, or an object that disappears. The first frame where
-    /// there is none.
+    /// A frame within the first occlusion: a merge, or an object that disappears. The first frame where there is
+    /// none.
     FirstOcclusion,
-    /// The one of this number, or the next one after it that there is.
+    /// The frame of this number, or the next existing one after it.
     Frame(u32),
 }
 
@@ -68,61 +69,60 @@ pub enum Start {
 pub enum Phase {
     /// The source is being opened.
     Opening,
-    /// Frames are there, or on their way.
+    /// Frames are available or are being decoded.
     Ready,
-    /// It cannot go on; a sentence that says why and what to do.
+    /// An error, with its cause and a remedy as a sentence.
     Failed(String),
 }
 
-/// The state that the worker published last. Cheap to clone and to read.
+/// The last published state. It is cheap to clone.
 #[derive(Clone, Debug)]
 pub struct State {
-    /// How far the session has come.
+    /// The phase of the session.
     pub phase: Phase,
     /// The source, once it is open.
     pub info: Option<Arc<SourceInfo>>,
-    /// What went wrong without ending the work, a sentence each, in order.
+    /// Warnings of problems that did not end the work, one sentence each, in order.
     pub warnings: Arc<Vec<String>>,
-    /// The frame in view: everything of one moment and one choice of settings.
+    /// The frame in view, with all results of one frame under one choice of settings.
     pub shown: Option<Arc<ShownFrame>>,
-    /// The chosen pixel through all frames that are known, under the settings chosen last; `None` when
-    /// no pixel is chosen or the model has no mixture. After a change of settings it is there at
-    /// once, before the frame in view.
+    /// The history of the chosen pixel over all known frames, under the newest settings; `None` when no pixel is
+    /// chosen or the model has no mixture. After a change of settings it is published before the frame in view.
     pub pixel: Option<Arc<PixelHistory>>,
-    /// The pinned pixels through all frames that are known, in the order in which [`Session::pin`] named them, under the
-    /// settings chosen last. Those that cannot be known are left out.
+    /// The histories of the pinned pixels over all known frames, in the order of [`Session::pin`], under the newest
+    /// settings, without those that are unavailable.
     pub pins: Arc<Vec<Arc<PixelHistory>>>,
-    /// Of the chosen pixel and the pinned ones those whose histories cannot be known, as they begin with first frames
-    /// that a live source no longer has.
+    /// The chosen and pinned pixels whose histories are unavailable, because a live source no longer has the first
+    /// frames.
     pub lost: Vec<(u32, u32)>,
-    /// The share of foreground in the region that [`Session::region`] named, as far as it is counted.
+    /// The share of foreground in the region of [`Session::region`], for the frames counted so far.
     pub region: Option<Arc<RegionShares>>,
-    /// What the chosen pixel would be under other settings, if [`Session::tune`] asked for it. It may
-    /// be of another frame, pixel or choice of settings than the one in view: then the new one is on its way.
+    /// The chosen pixel under other settings, after [`Session::tune`]. While a new result is computed, it may belong
+    /// to another frame, pixel or choice of settings than the one in view.
     pub tuning: Option<Arc<Tuning>>,
-    /// Accuracy of the mixture in a region under other settings, if [`Session::tune_region`] asked for it and there
-    /// are true masks. It may belong to an earlier request, as [`Self::tuning`] may.
+    /// Accuracy of the mixture in a region under other settings, after [`Session::tune_region`], if there are true
+    /// masks. It may belong to an earlier request, as [`Self::tuning`].
     pub region_tuning: Option<Arc<RegionTuning>>,
-    /// Counterfactuals of an event, if [`Session::explain`] asked for them, as far as known.
+    /// Counterfactuals of an event, after [`Session::explain`], as far as known.
     pub counterfactual: Option<Arc<Counterfactual>>,
-    /// The timeline of the sequence so far under the settings of the frame in view, which it contains. It is updated
-    /// at most ten times a second.
+    /// The current timeline of the sequence under the settings of the frame in view, including that frame. It is
+    /// updated at most ten times a second.
     pub timeline: Arc<Timeline>,
-    /// The sequence under the settings that [`Session::compare`] named; `None` where nothing is compared, or the same
-    /// settings.
+    /// The sequence under the candidate settings of [`Session::compare`]; `None` if nothing is compared, or the
+    /// settings are equal.
     pub compared: Option<Arc<ComparedSequence>>,
     /// The current work of the worker, `None` when it is idle.
     pub busy: Option<Progress>,
-    /// Frames a second of analysis, averaged over about the last second of work; 0 when unknown.
+    /// Frames analysed per second, averaged over about the last second of work; 0 when unknown.
     pub analysis_fps: f32,
 }
 
-/// The sequence under the compared settings.
+/// The sequence under the candidate settings.
 #[derive(Clone, Debug)]
 pub struct ComparedSequence {
     /// The settings.
     pub settings: Arc<Settings>,
-    /// The timeline so far.
+    /// The current timeline.
     pub timeline: Timeline,
 }
 
@@ -131,11 +131,11 @@ pub struct ComparedSequence {
 pub struct Tuning {
     /// The pixel: column and row.
     pub at: (u32, u32),
-    /// The frame's place in the sequence, from 0.
+    /// The frame's position in the sequence, from 0.
     pub position: u32,
     /// The present parameters.
     pub parameters: Parameters,
-    /// Foreground or background over a grid of two settings.
+    /// The verdict over a grid of two settings.
     pub map: tuning::VerdictMap,
     /// For each setting the nearest value that flips the verdict.
     pub flips: Vec<VerdictFlip>,
@@ -144,88 +144,86 @@ pub struct Tuning {
 /// Accuracy of the mixture in a region, against true masks and before cleaning, under other settings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RegionTuning {
-    /// The pixel in the middle: column and row.
+    /// The centre pixel: column and row.
     pub at: (u32, u32),
-    /// Pixels along each side; at the image's edge there are fewer.
+    /// Side of the region in pixels; it is clipped at the image's edge.
     pub side: u32,
     /// The present parameters.
     pub parameters: Parameters,
-    /// How many columns and rows of pixels were judged.
+    /// Number of columns and rows of pixels that are scored.
     pub extent: [u32; 2],
-    /// In how many frames.
+    /// Number of scored frames.
     pub frames: usize,
-    /// What is decided under [`Self::parameters`].
+    /// The counts of decisions under [`Self::parameters`].
     pub present: Decisions,
-    /// What changes along a row, and from row to row.
+    /// The settings along a row and along a column.
     pub axes: [SettingAxis; 2],
-    /// What is decided in each cell, row by row.
+    /// The counts of decisions in each cell, row by row.
     pub cells: Vec<Decisions>,
 }
 
 /// Work in progress.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Progress {
-    /// What: `analysing`, `going back to frame 203`.
+    /// A description: `analysing`, `going back to frame 203`.
     pub what: String,
-    /// Frames done, or trials of other settings.
+    /// Number of frames or runs that are done.
     pub done: u32,
-    /// Frames or trials to do, where that is known.
+    /// Total number of frames or runs, where known.
     pub total: Option<u32>,
 }
 
-/// One frame with all results for it.
+/// One frame with all its results.
 #[derive(Clone, Debug)]
 pub struct ShownFrame {
-    /// The frame's place in the sequence, from 0.
+    /// The frame's position in the sequence, from 0.
     pub position: u32,
-    /// The settings of all these results.
+    /// The settings of the results.
     pub settings: Arc<Settings>,
-    /// The area of interest; `None` for the whole image.
+    /// The region of interest; `None` for the whole image.
     pub roi: Option<Arc<Roi>>,
     /// The input.
     pub frame: Arc<Frame>,
     /// The results of the stages.
     pub analysis: Arc<Analysis>,
-    /// The mean of component 1 at each pixel, after this frame's update. What MOG2 and KNN give
-    /// instead cannot be had again later: of them each frame's is kept while there is memory, then
-    /// every second one's and so on, and a frame without its own shows the nearest earlier one.
+    /// The mean of component 1 at each pixel, after this frame's update. The state of MOG2 and KNN cannot be
+    /// restored: their background images are stored for every frame while there is memory, then for every second one,
+    /// and so on. A frame without its own has that of the nearest earlier one.
     pub background: Arc<Frame>,
     /// The weighted mean of the B background components; `None` where the model has no mixture.
     pub multi_mode: Option<Arc<Frame>>,
-    /// A number of each pixel after this frame's update, if [`Session::map`] asks for one that the model has.
+    /// A quantity at each pixel after this frame's update, if [`Session::map`] requested one that the model has.
     pub map: Option<Arc<QuantityMap>>,
-    /// The chosen pixel through all frames up to the last that is known, under `settings`;
-    /// `None` when no pixel is chosen or the model has no mixture. Its state of this frame is the
-    /// one at index [`ShownFrame::position`].
+    /// The history of the chosen pixel over all known frames, under `settings`; `None` when no pixel is chosen or the
+    /// model has no mixture. Index [`ShownFrame::position`] is its state of this frame.
     pub pixel: Option<Arc<PixelHistory>>,
-    /// What each pixel truly is, where [`Session::set_truth`] named a mask of this frame.
+    /// The true label of each pixel, if the ground truth of [`Session::set_truth`] has a mask of this frame.
     pub truth: Option<Arc<TrueMask>>,
-    /// The same frame under the settings that are compared with `settings`; `None` while nothing is compared, or it
-    /// has not been analysed under them.
+    /// The same frame under the candidate settings; `None` if nothing is compared, or the frame has not been analysed
+    /// under them.
     pub compared: Option<Arc<ShownFrame>>,
 }
 
-/// The results of the whole sequence so far: for the timeline and the event list.
+/// The results of the whole sequence so far, for the timeline and the event list.
 #[derive(Clone, Debug, Default)]
 pub struct Timeline {
     /// The frame numbers of the positions known so far.
     pub numbers: Vec<u32>,
-    /// Whether the sequence's end has been found, so that `numbers` is all there is.
+    /// Whether the end of the sequence is known, so that `numbers` is complete.
     pub complete: bool,
     /// Positions 0..analysed have been analysed under the present settings.
     pub analysed: u32,
-    /// The positions whose frames are kept decoded, as ranges with both ends in them, in order: to go there takes no
-    /// decoding.
+    /// The positions whose decoded frames are cached, as inclusive ranges in ascending order.
     pub decoded: Vec<(u32, u32)>,
     /// Share of foreground of each analysed position, 0..=1.
     pub foreground_share: Vec<f32>,
-    /// How each known position's frame lies against those before it, whether that is taken out or not.
+    /// The alignment of each known position's frame, whether it is corrected or not.
     pub alignments: Vec<Alignment>,
-    /// All events so far, by frame and kind, with the position at which each happened.
+    /// All events so far, by frame and kind, with their positions.
     pub events: Vec<(u32, Event)>,
     /// The track of each identity over time, by identity.
     pub track_timelines: Vec<TrackTimeline>,
-    /// Its score against the ground truth that [`Session::set_truth`] named, once all has been analysed.
+    /// The score against the ground truth of [`Session::set_truth`], once all frames are analysed.
     pub score: Option<Arc<Score>>,
 }
 
@@ -234,11 +232,11 @@ pub struct Timeline {
 pub struct TrackTimeline {
     /// Its identity.
     pub id: Identity,
-    /// Positions `first..=last` in which its state was the same, in order.
+    /// Positions `first..=last` of constant state, in order.
     pub spans: Vec<(u32, u32, TrackState)>,
 }
 
-/// Whether both are the same thing in memory, or both are none.
+/// Whether both point to the same allocation, or both are `None`.
 fn same<T>(one: Option<&Arc<T>>, other: Option<&Arc<T>>) -> bool {
     one.map(Arc::as_ptr) == other.map(Arc::as_ptr)
 }

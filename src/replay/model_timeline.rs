@@ -19,41 +19,41 @@ use crate::regions::Roi;
 use crate::settings::{Settings, Stage};
 use crate::source::SourceInfo;
 
-/// Smallest distance of checkpoints: replaying fewer frames takes no time worth the memory.
+/// Least distance of checkpoints: replaying fewer frames is too fast to justify the memory.
 const MIN_CHECKPOINT_SPACING_FRAMES: u32 = 2 * BATCH as u32;
 
-/// Pixels of the frames that one step processes together at most, and one frame at least: a step must not delay a
-/// newer request.
+/// Largest number of pixels that one step processes, though at least one frame: a step must not delay a newer
+/// request.
 const MAX_PIXELS_PER_STEP: usize = 8 << 20;
 
-/// Most frames of this size in one step.
+/// Largest number of frames of this size in one step.
 fn max_frames_per_step(size: Size) -> usize {
     (MAX_PIXELS_PER_STEP / size.pixels().max(1)).clamp(1, BATCH)
 }
 
 /// The analysis of a sequence under one choice of settings.
 ///
-/// A mixture at a past frame is that of the nearest checkpoint, taken forward frame by frame:
-/// the same bits as when it passed there first. The state of MOG2 and KNN cannot be copied: of
-/// them the background images are kept, every frame's while there is room, then every second, and
-/// so on; a frame whose image is not kept gets that of the nearest earlier one that is.
+/// The mixture at a past frame is restored from the nearest checkpoint and replayed frame by frame, which gives the
+/// same bits as the first pass. The state of MOG2 and KNN cannot be copied. Their background images are stored
+/// instead: every frame's while there is room, then every second one's, and so on. A frame without a stored image has
+/// that of the nearest earlier one.
 pub(super) struct ModelTimeline {
     settings: Arc<Settings>,
     roi: Option<Arc<Roi>>,
     info: Arc<SourceInfo>,
     pipeline: Pipeline,
     record: AnalysisRecord,
-    /// Number of first frames from which the model learns before it begins; fewer where the source has fewer.
+    /// Number of first frames that the model learns from before classification; fewer where the source has fewer.
     to_learn: u32,
-    /// Number of frames it has learnt from.
+    /// Number of frames that it has learned from.
     learnt: u32,
-    /// The mixture at its beginning, where it learnt from any frames.
+    /// The mixture at the start of classification, if it learned from any frames.
     start: Option<Arc<Snapshot>>,
-    /// Frames analysed in full; fewer than on record while the stages after the model are redone.
+    /// Number of fully analysed frames; fewer than on record while later stages are run again.
     front: u32,
-    /// Whether redoing starts with the regions, and not with tracking.
+    /// Whether the stages that are run again start with the regions, and not with tracking.
     redoing_regions: bool,
-    /// Memory for checkpoints and the record, in bytes.
+    /// Memory budget for checkpoints and the record, in bytes.
     model_budget_bytes: usize,
     /// Snapshots of the mixture by the number of processed frames.
     checkpoints: StridedCheckpoints<Arc<Snapshot>>,
@@ -137,7 +137,7 @@ impl ModelTimeline {
         Some(fork)
     }
 
-    /// Limits the memory for checkpoints and the record, in bytes.
+    /// Sets the memory budget for checkpoints and the record, in bytes.
     pub(super) fn set_budget(&mut self, budget: usize) {
         let frame_bytes = (self.info.size.pixels() * 3).max(1);
         let (for_pictures, for_local, for_last_foreground) = (budget / 8, budget / 8, budget / 16);
@@ -148,7 +148,7 @@ impl ModelTimeline {
         self.update_capacity();
     }
 
-    /// Gives checkpoints the memory that the record leaves: every frame's record is kept.
+    /// Sets the capacity for checkpoints to what the record leaves of the budget: the record is never dropped.
     fn update_capacity(&mut self) {
         let start = self.start.as_ref().map_or(0, |start| start.bytes());
         let room = self.model_budget_bytes.saturating_sub(self.record.bytes() + start);
@@ -173,7 +173,7 @@ impl ModelTimeline {
         self.front
     }
 
-    /// Position of the next frame to learn from before the model begins; `None` when it has begun.
+    /// Position of the next frame to learn from before classification; `None` once that has started.
     pub(super) fn next_to_learn(&self) -> Option<u32> {
         (self.learnt < self.to_learn).then_some(self.learnt)
     }
@@ -183,7 +183,7 @@ impl ModelTimeline {
         self.to_learn
     }
 
-    /// Learns from the next frames, from that at [`Self::next_to_learn`] on: no more than [`Self::max_next_frames`].
+    /// Learns from the next frames, starting at [`Self::next_to_learn`]: no more than [`Self::max_next_frames`].
     pub(super) fn learn(&mut self, frames: &[Arc<Frame>]) -> Result<(), PipelineError> {
         let borrowed: Vec<_> = frames.iter().map(Arc::as_ref).collect();
         self.pipeline.learn(&borrowed)?;
@@ -194,7 +194,7 @@ impl ModelTimeline {
         Ok(())
     }
 
-    /// Begins with the learnt model: there are no more frames to learn from.
+    /// Starts classification with the learned model: there are no more frames to learn from.
     pub(super) fn begin(&mut self) {
         self.to_learn = self.learnt;
         self.pipeline.begin();
@@ -212,8 +212,8 @@ impl ModelTimeline {
         self.front < self.record.len() && !self.redoing_regions
     }
 
-    /// Takes other settings, of which those before `stage` are the same: what comes before it stays.
-    /// Another `roi` needs a stage no later than cleaning. The model itself has to run again in another [`ModelTimeline`].
+    /// Applies other settings that are the same before `stage`; results of earlier stages stay. Another `roi` needs a
+    /// stage no later than cleaning. Other settings of the model need another [`ModelTimeline`].
     pub(super) fn restart_at(
         &mut self,
         stage: Stage,
@@ -222,7 +222,7 @@ impl ModelTimeline {
     ) -> Result<(), PipelineError> {
         self.pipeline.set_roi(roi.clone())?;
         self.roi = roi;
-        // Frames that were not reached yet still have regions of the settings before.
+        // Frames that were not reached yet still have regions of the previous settings.
         let half_done = self.redoing_regions && self.front < self.record.len();
         self.redoing_regions = half_done || stage <= Stage::Regions;
         self.pipeline.restart_finding(&settings, self.info.fps);
@@ -241,8 +241,7 @@ impl ModelTimeline {
         }
     }
 
-    /// How many of the next frames [`Self::learn`] or [`Self::step`] may take at a time: after the last of them the
-    /// model may have to be kept.
+    /// Largest number of next frames for one call of [`Self::learn`] or [`Self::step`]: up to the next checkpoint.
     pub(super) fn max_next_frames(&self) -> usize {
         let until_kept = match self.pipeline.mixture() {
             _ if self.learnt < self.to_learn => self.to_learn - self.learnt,
@@ -313,7 +312,7 @@ impl ModelTimeline {
         offline_result(self.record.outlines(), &self.pipeline)
     }
 
-    /// One step of seeking to the pictures at `position`, whose frame is `frame`, with a map of `quantity` where the
+    /// One step of seeking to the pictures at `position`, whose frame is `frame`, with a map of `quantity` if the
     /// model has it.
     pub(super) fn seek(
         &mut self,
@@ -327,7 +326,7 @@ impl ModelTimeline {
         if !self.last_foreground.advance_to(position, &self.record) {
             return Ok(SeekStep::Continues);
         }
-        // The map is made when the pictures are there: before that it would be discarded.
+        // The map is made together with the final pictures: before that it would be discarded.
         Ok(match self.seek_model(position, frame, None)? {
             SeekStep::Pictures(pictures) => SeekStep::Pictures(
                 pictures.with_map(quantity, Some(self.last_foreground.frames_since(position))),
@@ -341,10 +340,10 @@ impl ModelTimeline {
         !quantity.is_of_mixture() || self.pipeline.mixture().is_some()
     }
 
-    /// The positions whose frames are needed for the pictures at `position` with a map of `quantity`, its own the
-    /// last of them; `None` where the mixture before it is not available.
+    /// The positions whose frames are needed for the pictures at `position` with a map of `quantity`, the last one
+    /// being `position`; `None` where the earlier mixture is not available.
     pub(super) fn frames_needed(&self, position: u32, quantity: Quantity) -> Option<Range<u32>> {
-        // The time since foreground needs masks alone, and the pictures have none of its numbers.
+        // The time since foreground needs masks only, and the pictures contain none of its values.
         let quantity = Some(quantity).filter(|quantity| quantity.is_of_mixture());
         let before = quantity == Some(Quantity::Matched);
         let at_hand = self.recent.get(position);
@@ -378,11 +377,11 @@ impl ModelTimeline {
             return Ok(SeekStep::Pictures(pictures));
         }
         let is_last = position + 1 == self.record.len();
-        // The matched rank is not contained in the mixture after the update.
+        // The matched rank cannot be derived from the mixture after the update.
         let is_there = is_last && quantity != Some(Quantity::Matched);
         let pictures = match self.pipeline.mixture() {
             Some(mixture) if is_there => Pictures::of_mixture(mixture, frame, quantity),
-            // Earlier frames of a camera may be lost: the next frame can have the map that this one cannot.
+            // Earlier frames of a camera may be lost: the next frame may have a map where this one has none.
             Some(mixture) if is_last && self.info.live && !self.is_close_behind(position) => {
                 self.replay = Some((self.record.len(), mixture.clone()));
                 Pictures::of_mixture(mixture, frame, None)
@@ -407,7 +406,7 @@ impl ModelTimeline {
     }
 
     fn seek_past(&mut self, position: u32, frame: &Frame, quantity: Option<Quantity>) -> SeekStep {
-        // The matched component of a frame follows from the mixture before it.
+        // The matched component of a frame is determined by the mixture before it.
         let before = quantity == Some(Quantity::Matched);
         let wanted = if before { position } else { position + 1 };
         let parameters = self
@@ -423,7 +422,7 @@ impl ModelTimeline {
         };
         let (taken, mixture) = self.replay.get_or_insert_with(new);
         let checkpoint = checkpoint(&self.checkpoints, &self.local_checkpoints, wanted);
-        // A replay that has come farther, yet not too far, is nearer.
+        // The replay is nearer if it is past the checkpoint but not past the target.
         let nearest = checkpoint.map_or(0, |(kept, _)| kept);
         if !(nearest..=wanted).contains(taken) {
             match checkpoint {
@@ -432,7 +431,7 @@ impl ModelTimeline {
             }
         }
         if *taken < wanted {
-            // Not beyond where the model may be kept.
+            // No further than the next position for a checkpoint.
             let most = (max_frames_per_step(self.info.size) as u32)
                 .min(MIN_CHECKPOINT_SPACING_FRAMES - *taken % MIN_CHECKPOINT_SPACING_FRAMES);
             return SeekStep::NeedsFrames(*taken..wanted.min(*taken + most));
@@ -448,7 +447,7 @@ impl ModelTimeline {
         SeekStep::Pictures(pictures)
     }
 
-    /// Takes the replay on by the frames from `position` on, on the way to the one at `wanted`.
+    /// Advances the replay by the frames from `position` on, towards the one at `wanted`.
     pub(super) fn replay_frames(&mut self, position: u32, frames: &[Arc<Frame>], wanted: u32) {
         if let Some((taken, mixture)) = &mut self.replay
             && *taken == position
@@ -457,7 +456,7 @@ impl ModelTimeline {
             self.masks.resize_with(frames.len(), || Mask::empty(self.info.size));
             mixture.replay(&borrowed, &mut self.masks);
             *taken += frames.len() as u32;
-            // Checkpoints may have become few: some of the way is kept, for the next step back.
+            // Checkpoints may be sparse: some are stored on the way, for the next step back.
             if taken.is_multiple_of(MIN_CHECKPOINT_SPACING_FRAMES) && !self.local_checkpoints.has(*taken) {
                 let snapshot = mixture.snapshot();
                 let bytes = snapshot.bytes();
@@ -471,7 +470,7 @@ impl ModelTimeline {
     }
 }
 
-/// The mixture that is kept nearest before so many frames.
+/// The stored mixture nearest to, and not after, this number of frames.
 fn checkpoint<'a>(
     checkpoints: &'a StridedCheckpoints<Arc<Snapshot>>,
     near: &'a LocalCheckpoints<Snapshot>,
@@ -488,11 +487,11 @@ mod tests {
     use super::*;
     use crate::replay::tests::{scene, settings, straight};
 
-    /// So many frames that the model is kept twice on the way.
+    /// Enough frames for two checkpoints.
     const FRAMES: usize = 2 * MIN_CHECKPOINT_SPACING_FRAMES as usize + 6;
 
     #[test]
-    fn what_a_second_pass_finds_is_counted_and_models_make_room_for_it() {
+    fn the_record_of_a_second_pass_reduces_the_memory_for_checkpoints() {
         let folder = scene();
         let frames: Vec<_> =
             straight(folder.path(), &settings()).into_iter().map(|shown| shown.frame).collect();
@@ -528,12 +527,12 @@ mod tests {
         let mut run = run(&few, model_budget_bytes.div_ceil(11) * 16);
         assert!(
             run.checkpoints.at_or_before(MIN_CHECKPOINT_SPACING_FRAMES).is_some(),
-            "there is room for both"
+            "the capacity is sufficient for both"
         );
         run.restart_at(Stage::Cleaning, Arc::clone(&many), None).unwrap();
         pass(&mut run);
         assert_eq!(run.record.bytes(), two_passes);
-        assert!(run.checkpoints.at_or_before(MIN_CHECKPOINT_SPACING_FRAMES).is_none(), "one has to go");
+        assert!(run.checkpoints.at_or_before(MIN_CHECKPOINT_SPACING_FRAMES).is_none(), "one is dropped");
         let late = Settings { max_hypotheses: 1, ..settings() };
         let late = Arc::new(Settings { median: 0, min_area: 0, ..late });
         let fresh = self::ModelTimeline::new(Arc::clone(&late), None, &Arc::new(info.clone()), 1 << 30);

@@ -1,4 +1,4 @@
-//! The pictures of a model at one frame.
+//! The images of a model at one frame.
 
 use std::collections::VecDeque;
 use std::sync::Arc;
@@ -6,18 +6,17 @@ use std::sync::Arc;
 use crate::frame::Frame;
 use crate::mixture::{Mixture, Quantity, QuantityMap};
 
-/// The pictures of a model after a frame.
+/// The images of a model after a frame.
 #[derive(Clone)]
 pub(super) struct Pictures {
     pub(super) background: Arc<Frame>,
     pub(super) multi_mode: Option<Arc<Frame>>,
-    /// The requested map, where the model has it.
+    /// The requested map, if the model has it.
     pub(super) map: Option<Arc<QuantityMap>>,
 }
 
 impl Pictures {
-    /// Those of a mixture whose last frame is `frame`, with a map of `quantity` as far as it can be told from the
-    /// mixture after the frame.
+    /// The images of a mixture after `frame`, with a map of `quantity` if the mixture after the frame determines it.
     pub(super) fn of_mixture(mixture: &Mixture, frame: &Frame, quantity: Option<Quantity>) -> Self {
         let picture = |rgb| Arc::new(Frame::new(frame.number, frame.size, rgb));
         let appearance = mixture.appearance();
@@ -38,25 +37,24 @@ impl Pictures {
         pictures.with_map(quantity, values)
     }
 
-    /// The same with these values of a quantity.
+    /// The same images with a map of this quantity.
     pub(super) fn with_map(self, quantity: Option<Quantity>, values: Option<Vec<f32>>) -> Self {
         let map = quantity.zip(values).map(|(quantity, values)| Arc::new(QuantityMap { quantity, values }));
         Self { map: map.or(self.map), ..self }
     }
 
-    /// Whether there is a map of `quantity` among them.
+    /// Whether they include a map of `quantity`.
     pub(super) fn has(&self, quantity: Quantity) -> bool {
         self.map.as_ref().is_some_and(|map| map.quantity == quantity)
     }
 
-    /// The picture of a model that has a background image only.
+    /// The image of a model that has only a background image.
     pub(super) const fn of_background(background: Arc<Frame>) -> Self {
         Self { background, multi_mode: None, map: None }
     }
 }
 
-/// The last pictures that were made, by position: stepping back passes by frames that were
-/// replayed a moment ago.
+/// The most recent images by position: stepping back revisits frames that were just replayed.
 #[derive(Clone)]
 pub(super) struct RecentPictures {
     pictures: VecDeque<(u32, Pictures)>,
@@ -68,7 +66,7 @@ impl RecentPictures {
         Self { pictures: VecDeque::new(), room }
     }
 
-    /// Changes the capacity, in pictures.
+    /// Sets the capacity, in frames.
     pub(super) fn set_capacity(&mut self, room: usize) {
         self.room = room;
         while self.pictures.len() > self.room {

@@ -9,12 +9,12 @@ use crate::mixture::PixelHistory;
 use crate::settings::Settings;
 use crate::source::SourceInfo;
 
-/// Follows several pixels. They consume frames together, so that each frame is decoded once for all of them.
+/// Follows several pixels. They consume frames together, so that each frame is decoded once.
 #[derive(Default)]
 pub(super) struct PinFollower(Vec<((u32, u32), PixelFollower)>);
 
 impl PinFollower {
-    /// Follows these pixels and no others. The colours of pixels that were followed before stay.
+    /// Chooses the pixels to follow. The colours of pixels that were followed before are kept.
     pub(super) fn choose(&mut self, pixels: &[(u32, u32)], settings: &Settings, info: &SourceInfo) {
         let mut before = std::mem::take(&mut self.0);
         for &at in pixels {
@@ -25,14 +25,14 @@ impl PinFollower {
         self.run_again(settings, info);
     }
 
-    /// Runs the mixtures again where their parameters differ.
+    /// Runs the mixtures again if their parameters differ.
     pub(super) fn run_again(&mut self, settings: &Settings, info: &SourceInfo) {
         for (at, pixel_follower) in &mut self.0 {
             pixel_follower.choose(Some(*at), settings, info);
         }
     }
 
-    /// Drops all colours, as after another first frame.
+    /// Drops all colours, after the sequence's first frame has changed.
     pub(super) fn forget(&mut self, settings: &Settings, info: &SourceInfo) {
         for (_, pixel_follower) in &mut self.0 {
             *pixel_follower = PixelFollower::default();
@@ -40,19 +40,19 @@ impl PinFollower {
         self.run_again(settings, info);
     }
 
-    /// The pixels whose histories cannot be known.
+    /// The pixels whose histories are unavailable.
     pub(super) fn lost(&self) -> impl Iterator<Item = (u32, u32)> {
         self.0.iter().filter_map(|(_, pixel_follower)| pixel_follower.lost())
     }
 
-    /// Their histories of all known frames; those that cannot be known are left out.
+    /// The histories over all known frames, without those that are unavailable.
     pub(super) fn latest(&mut self) -> Vec<Arc<PixelHistory>> {
         self.0.iter_mut().filter_map(|(_, pixel_follower)| pixel_follower.latest()).collect()
     }
 }
 
 impl FrameConsumer for PinFollower {
-    /// The first frame that some pixel lacks.
+    /// The first frame that one of the pixels needs.
     fn next(&self) -> Option<u32> {
         self.0.iter().filter_map(|(_, pixel_follower)| pixel_follower.next()).min()
     }

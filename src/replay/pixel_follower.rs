@@ -9,23 +9,23 @@ use crate::registration::{CorrectionChoice, ObservedColour};
 use crate::settings::{BackgroundModel, Settings};
 use crate::source::SourceInfo;
 
-/// Follows one pixel through all known frames, whether these are analysed or not.
+/// Follows one pixel through all known frames, analysed or not.
 #[derive(Clone, Default)]
 pub(super) struct PixelFollower {
     history: Option<Arc<PixelHistory>>,
-    /// Number and colour of the pixel in each frame, as the mixture sees it. `history` may lag behind: it is extended
-    /// on request, as it has to be copied while the previous one is shared.
+    /// Number of each frame and the pixel's colour as the mixture's input. `history` can be shorter: it is extended
+    /// on request, because it has to be copied while the previous one is shared.
     colours: Vec<(u32, ObservedColour)>,
-    /// Number of first frames that are learnt from before the first is classified.
+    /// Number of first frames that are learned from before classification.
     to_learn: u32,
     /// Whether `colours` covers all frames of the source.
     complete: bool,
-    /// The pixel whose history cannot be known.
+    /// The pixel whose history is unavailable.
     lost: Option<(u32, u32)>,
 }
 
 impl PixelFollower {
-    /// Chooses a pixel, or none; the colours of the same pixel stay, and go through the mixture again where its
+    /// Chooses a pixel, or none. The colours of the same pixel are kept, and the mixture runs over them again if its
     /// parameters differ.
     pub(super) fn choose(&mut self, at: Option<(u32, u32)>, settings: &Settings, info: &SourceInfo) {
         let at = at.filter(|_| settings.background_model == BackgroundModel::Mixture);
@@ -44,12 +44,12 @@ impl PixelFollower {
         }
     }
 
-    /// The pixel whose history cannot be known, as the first frames are lost.
+    /// The pixel whose history is unavailable, because the first frames are lost.
     pub(super) const fn lost(&self) -> Option<(u32, u32)> {
         self.lost
     }
 
-    /// Copies the further colours of the same pixel from another follower; whether there were any.
+    /// Copies additional colours of the same pixel from another follower; returns whether there were any.
     pub(super) fn copy_colours_from(&mut self, other: &Self) -> bool {
         let seen = |history: &Arc<PixelHistory>| (history.at, history.parameters.registration);
         let at = |pixel_follower: &Self| pixel_follower.history.as_ref().map(seen);
@@ -62,12 +62,12 @@ impl PixelFollower {
         true
     }
 
-    /// Number of known frames, `None` when no pixel is chosen.
+    /// Number of known frames; `None` when no pixel is chosen.
     pub(super) fn frames(&self) -> Option<u32> {
         self.history.as_ref().map(|_| self.colours.len() as u32)
     }
 
-    /// The history, extended if `position` is not in it yet; `None` while that is not known.
+    /// The history, extended if it does not contain `position`; `None` while that is unknown.
     pub(super) fn history_covering(&mut self, position: u32) -> Option<Arc<PixelHistory>> {
         if self.frames()? <= position || !self.has_learnt() {
             return None;

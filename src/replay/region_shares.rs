@@ -1,4 +1,4 @@
-//! The share of foreground in a small region through time, from the masks on record.
+//! The share of foreground in a small region over time, from the recorded masks.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -6,15 +6,15 @@ use std::sync::Arc;
 use super::analysis_record::AnalysisRecord;
 use crate::frame::Size;
 
-/// Frames of one step.
+/// Number of frames of one step.
 const FRAMES_PER_STEP: u32 = 256;
 
-/// The share of foreground of the pixels around one, in every frame that was analysed.
+/// The share of foreground among the pixels around one, in every analysed frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RegionShares {
-    /// The pixel in the middle: column and row.
+    /// The centre pixel: column and row.
     pub at: (u32, u32),
-    /// Pixels along each side; at the image's edge there are fewer.
+    /// Side of the region in pixels; it is clipped at the image's edge.
     pub side: u32,
     /// Number of pixels.
     pub pixels: u32,
@@ -24,19 +24,19 @@ pub struct RegionShares {
     pub cleaned: Vec<f32>,
 }
 
-/// The columns and rows of the `side`×`side` pixels around one that lie within the image.
+/// The columns and rows of the `side`×`side` pixels around one, clipped to the image.
 pub fn region_bounds((x, y): (u32, u32), side: u32, size: Size) -> (Range<u32>, Range<u32>) {
     let half = side / 2;
     let range = |at: u32, end: u32| at.saturating_sub(half)..at.saturating_add(half + 1).min(end);
     (range(x, size.width), range(y, size.height))
 }
 
-/// Counts [`RegionShares`].
+/// Computes [`RegionShares`].
 #[derive(Default)]
 pub(super) struct RegionShareCounter(Option<Arc<RegionShares>>);
 
 impl RegionShareCounter {
-    /// Chooses a region of an image of `size`, by its middle and its side, or none.
+    /// Chooses a region of an image of `size` by its centre and side, or none.
     pub(super) fn choose(&mut self, region: Option<((u32, u32), u32)>, size: Size) {
         let region = region.filter(|&((x, y), _)| size.index(x, y).is_some());
         let same = self.0.as_ref().map(|shares| (shares.at, shares.side)) == region;
@@ -49,7 +49,7 @@ impl RegionShareCounter {
         }
     }
 
-    /// Drops the counts, as masks are made again.
+    /// Drops the counts, because the masks are computed again.
     pub(super) fn forget(&mut self) {
         if let Some(shares) = &mut self.0 {
             let shares = Arc::make_mut(shares);
@@ -58,7 +58,7 @@ impl RegionShareCounter {
         }
     }
 
-    /// Counts some of the `front` analysed frames; whether there was anything to do.
+    /// Counts in some of the `front` analysed frames; returns whether there was work to do.
     pub(super) fn count(&mut self, record: &AnalysisRecord, front: u32, size: Size) -> bool {
         let Some(shares) = self.0.as_mut().filter(|shares| (shares.model.len() as u32) < front) else {
             return false;
@@ -77,13 +77,13 @@ impl RegionShareCounter {
         true
     }
 
-    /// The shares so far.
+    /// The current shares.
     pub(super) fn latest(&self) -> Option<Arc<RegionShares>> {
         self.0.clone()
     }
 }
 
-/// Number of pixels of a run, which may continue from row to row, in a rectangle.
+/// Number of pixels of a run, which may span several rows, inside a rectangle.
 fn inside(run: &Range<usize>, columns: &Range<u32>, rows: &Range<u32>, size: Size) -> usize {
     let width = size.width.max(1) as usize;
     let (first, last) = (run.start / width, run.end.saturating_sub(1) / width);
@@ -99,7 +99,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_run_is_counted_where_it_crosses_the_region() {
+    fn the_pixels_of_a_run_inside_the_region_are_counted() {
         let size = Size::new(10, 6);
         let (columns, rows) = region_bounds((4, 2), 3, size);
         assert_eq!((columns.clone(), rows.clone()), (3..6, 1..4));
@@ -110,7 +110,7 @@ mod tests {
                 assert_eq!(inside(&(start..end), &columns, &rows, size), expected.count(), "{start}..{end}");
             }
         }
-        assert_eq!(region_bounds((0, 5), 5, size), (0..3, 3..6), "cut at the edges");
+        assert_eq!(region_bounds((0, 5), 5, size), (0..3, 3..6), "clipped at the edges");
         assert_eq!(region_bounds((9, 0), 1, size), (9..10, 0..1));
     }
 }

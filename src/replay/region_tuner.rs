@@ -15,16 +15,16 @@ use crate::settings::{BackgroundModel, Settings};
 use crate::truth::decisions::{Decisions, of_mixture};
 use crate::truth::masks::{TrueMask, TrueMasks};
 
-/// Values of all runs in a step of some milliseconds.
+/// Largest number of values, over all runs, in one step of some milliseconds.
 const MAX_VALUES_PER_STEP: usize = 1_000_000;
 
-/// Computes a [`RegionTuning`], and keeps the last one.
+/// Computes a [`RegionTuning`] and stores the last one.
 #[derive(Default)]
 pub(super) struct RegionTuner {
     region: Option<RegionFrames>,
-    /// Number of first frames that are learnt from before the first is classified.
+    /// Number of first frames that are learned from before classification.
     to_learn: u32,
-    /// The registration of the collected frames.
+    /// The correction of the collected frames.
     registration: CorrectionChoice,
     knobs: Option<[TunableSetting; 2]>,
     truth: Option<Arc<TrueMasks>>,
@@ -62,7 +62,7 @@ struct RegionTuningJob {
 }
 
 impl RegionTuner {
-    /// Chooses a region of an image of `size`, by its middle and its side, or none.
+    /// Chooses a region of an image of `size` by its centre and side, or none.
     pub(super) fn choose(&mut self, region: Option<((u32, u32), u32)>, size: Size) {
         let region = region.filter(|&((x, y), _)| size.index(x, y).is_some());
         if self.region.as_ref().map(|region| (region.at, region.side)) != region {
@@ -74,7 +74,7 @@ impl RegionTuner {
         }
     }
 
-    /// Takes the registration of the settings; frames collected under another one are dropped.
+    /// Applies the correction in the settings; drops frames collected under another one.
     pub(super) fn register(&mut self, settings: &Settings) {
         let registration = CorrectionChoice::new(settings);
         if registration != self.registration {
@@ -86,29 +86,30 @@ impl RegionTuner {
         }
     }
 
-    /// Chooses the two settings along the sides of the grid; `None` for no grid.
+    /// Chooses the two settings of the grid; `None` for no grid.
     pub(super) const fn tune(&mut self, knobs: Option<[TunableSetting; 2]>) {
         self.knobs = knobs;
     }
 
-    /// Sets the number of first frames that are learnt from.
+    /// Sets the number of first frames that are learned from.
     pub(super) const fn set_to_learn(&mut self, to_learn: u32) {
         self.to_learn = to_learn;
     }
 
-    /// Sets the true masks; they have the size of the frames.
+    /// Sets the true masks, which have the size of the frames.
     pub(super) fn set_truth(&mut self, truth: Option<Arc<TrueMasks>>) {
         self.truth = truth;
         (self.job, self.done) = (None, None);
     }
 
-    /// Drops all frames and results, as after another first frame.
+    /// Drops all frames and results, after the sequence's first frame has changed.
     pub(super) fn forget(&mut self) {
         self.lose();
         (self.job, self.done) = (None, None);
     }
 
-    /// Advances on the collected frames; the number of finished runs and of all runs, if there was anything to do.
+    /// Advances on the collected frames; returns the number of finished runs and of all runs, if there was work to
+    /// do.
     pub(super) fn advance(&mut self, settings: &Settings) -> Option<(usize, usize)> {
         let mixture = settings.background_model == BackgroundModel::Mixture;
         let (Some(region), Some(knobs), Some(truth)) = (&self.region, self.knobs, &self.truth) else {
@@ -133,7 +134,7 @@ impl RegionTuner {
         Some(progress)
     }
 
-    /// The newest tuning, which may have other inputs.
+    /// The newest tuning, which may belong to earlier inputs.
     pub(super) fn latest(&self) -> Option<Arc<RegionTuning>> {
         self.done.as_ref().map(|(_, tuning)| Arc::clone(tuning))
     }
@@ -175,10 +176,10 @@ impl RegionTuningJob {
         Self { query, axes, truth: truth.collect(), runs, decisions: Vec::new() }
     }
 
-    /// The tuning, if this was the last step.
+    /// Advances by one step; returns the tuning if it is complete.
     fn advance(&mut self, frames: &[Frame]) -> Option<RegionTuning> {
         let values = frames.first().map_or(1, |frame| frame.size.pixels()) * frames.len();
-        // At least a run for each thread, however long they are.
+        // At least one run per thread, whatever its length.
         let most = (MAX_VALUES_PER_STEP / values.max(1)).max(rayon::current_num_threads());
         let done = self.decisions.len();
         let next = &self.runs[done..self.runs.len().min(done + most)];
@@ -214,7 +215,7 @@ mod tests {
     use crate::synth::{self, Parameters as Scene};
 
     #[test]
-    fn in_pieces_every_cell_is_what_its_settings_decide() {
+    fn every_cell_computed_in_steps_equals_a_run_of_its_settings() {
         let scene = Scene { size: Size::new(64, 48), ..Scene::default() };
         let scene = synth::catalogue::scene("crossing", &scene).unwrap();
         let (mut frames, mut masks) = (Vec::new(), BTreeMap::new());
@@ -229,12 +230,12 @@ mod tests {
         let settings = Settings::preset(Preset::Plain);
         let mut tuner = RegionTuner::default();
         tuner.choose(Some(((30, 30), 5)), frames[0].size);
-        assert!(tuner.next().is_none() && tuner.advance(&settings).is_none(), "nothing to judge by");
+        assert!(tuner.next().is_none() && tuner.advance(&settings).is_none(), "without true masks");
         tuner.set_truth(Some(Arc::clone(&truth)));
         while let Some(next) = tuner.next() {
             tuner.push(next, &frames[next as usize]);
         }
-        assert_eq!(tuner.region.as_ref().unwrap().frames.len(), 76, "no frame after the last that is judged");
+        assert_eq!(tuner.region.as_ref().unwrap().frames.len(), 76, "no frame after the last scored one");
         assert!(tuner.advance(&settings).is_none(), "nobody asked");
         for knobs in [[TunableSetting::Alpha, TunableSetting::T], [TunableSetting::K, TunableSetting::Lambda]]
         {

@@ -1,13 +1,14 @@
-//! Run-length encoding of masks and labels: a few bytes a run in place of several a pixel.
+//! Run-length encoding of masks and labels: a few bytes per run in place of several per pixel.
 //!
-//! Each number is 7 bits a byte, the low ones first.
+//! Numbers are encoded with 7 bits per byte, the low ones first (LEB128).
 
 use std::ops::Range;
 
 use crate::frame::{Mask, Size};
 use crate::regions::{LabelRun, Labels};
 
-/// Encodes labels as runs of foreground: for each the background pixels before it, its length, and its label.
+/// Encodes labels as runs of foreground: for each the number of background pixels before it, its length, and its
+/// label.
 pub(super) fn encode_labels(labels: &Labels) -> Box<[u8]> {
     let mut bytes = Vec::new();
     let mut end = 0;
@@ -20,7 +21,7 @@ pub(super) fn encode_labels(labels: &Labels) -> Box<[u8]> {
     bytes.into()
 }
 
-/// Decodes labels, and the mask that follows from them.
+/// Decodes labels, and the mask that they imply.
 pub(super) fn decode_labels(mut bytes: &[u8], size: Size) -> (Mask, Labels) {
     let mut mask = Mask::empty(size);
     let mut labels = Labels::none(size);
@@ -46,7 +47,7 @@ pub(super) fn for_each_labelled_run(mut bytes: &[u8], mut take: impl FnMut(Range
     }
 }
 
-/// Encodes a mask as runs of foreground: for each the background pixels before it and its length.
+/// Encodes a mask as runs of foreground: for each the number of background pixels before it, and its length.
 pub(super) fn encode_mask(mask: &Mask) -> Box<[u8]> {
     let mut bytes = Vec::new();
     let mut end = 0;
@@ -100,7 +101,7 @@ fn read(bytes: &mut &[u8]) -> u32 {
 mod tests {
     use super::*;
 
-    /// The mask and the labels of an image in which each pixel is background (`None`) or has a label.
+    /// Encodes and decodes an image in which each pixel is background (`None`) or has a label.
     fn round_trip(size: Size, pixel: impl Fn(usize) -> Option<u32>) -> usize {
         let pixels: Vec<_> = (0..size.pixels()).map(pixel).collect();
         let mut labels = Labels::none(size);
@@ -124,7 +125,7 @@ mod tests {
     }
 
     #[test]
-    fn masks_and_labels_come_back_as_they_were() {
+    fn decoding_inverts_encoding_of_masks_and_labels() {
         let size = Size::new(300, 200);
         assert_eq!(round_trip(size, |_| None), 0);
         assert_eq!(round_trip(size, |_| Some(0)), 200 * 4);

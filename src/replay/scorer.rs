@@ -14,11 +14,11 @@ use crate::truth::decisions::Decisions;
 use crate::truth::mask_score::MaskScore;
 use crate::truth::summary::{self, Score, TrackScore};
 
-/// Scores a complete analysis, and keeps the last score.
+/// Scores a complete analysis and stores the last score.
 #[derive(Default)]
 pub(super) struct Scorer {
     job: Option<ScoreJob>,
-    /// The ground truth and the score against it.
+    /// The ground truth, and the score against it.
     done: Option<(Arc<Truth>, Arc<Score>)>,
 }
 
@@ -36,9 +36,9 @@ pub(super) enum ScoreStep {
 /// A [`Score`] in progress.
 struct ScoreJob {
     truth: Arc<Truth>,
-    /// Receives the score of the tracks, where there are true boxes, or the payload of its panic.
+    /// Receives the score of the tracks, if there are true boxes, or the payload of a panic.
     tracks: Option<Receiver<thread::Result<TrackScore>>>,
-    /// Number of frames processed and of frames with true masks, and the decisions in those.
+    /// Number of processed frames, of frames with true masks, and the counts of decisions in these.
     looked_at: u32,
     judged: usize,
     decisions: Decisions,
@@ -64,7 +64,7 @@ impl Scorer {
         ScoreStep::Finished
     }
 
-    /// The score against a ground truth, if it is complete.
+    /// The score against `truth`, if it is complete.
     pub(super) fn by(&self, truth: &Arc<Truth>) -> Option<Arc<Score>> {
         let score = self.done.as_ref().filter(|(by, _)| Arc::ptr_eq(by, truth));
         score.map(|(_, score)| Arc::clone(score))
@@ -76,10 +76,10 @@ impl ScoreJob {
         let tracks = truth.boxes.is_some().then(|| {
             let (answer, answered) = channel();
             let (truth, found) = (Arc::clone(truth), Arc::clone(found));
-            // All frames are matched one after the other, which may delay a newer request.
+            // All frames are matched in one call, which would delay a newer request.
             rayon::spawn(move || {
                 let score = || truth.boxes.as_ref().map(|boxes| summary::score(boxes, &found));
-                // The receiver is gone where another truth was loaded meanwhile.
+                // The receiver is dropped when another truth is loaded.
                 if let Some(score) = catch_unwind(AssertUnwindSafe(score)).transpose() {
                     let _ = answer.send(score);
                 }
@@ -89,12 +89,12 @@ impl ScoreJob {
         Self { truth: Arc::clone(truth), tracks, looked_at: 0, judged: 0, decisions: Decisions::default() }
     }
 
-    /// The score, if this was the last step.
+    /// Advances by one step; returns the score if it is complete.
     fn advance(&mut self, record: &AnalysisRecord) -> Option<Score> {
         let started = Instant::now();
         while let Some((masks, (analysis, _))) = self.truth.masks.as_ref().zip(record.outline(self.looked_at))
         {
-            // The masks in which regions are found are scored.
+            // The scored masks are those in which regions are found.
             if let Some(truth) = masks.of(analysis.number) {
                 let mut judge = truth.judge();
                 record.for_each_run(self.looked_at, |run| judge.take(run));
@@ -106,7 +106,7 @@ impl ScoreJob {
                 return None;
             }
         }
-        // There is nothing else to do meanwhile.
+        // No other work remains.
         let tracks = match self.tracks.as_ref().map(|answered| answered.recv_timeout(MAX_TURN)) {
             Some(Ok(Ok(tracks))) => Some(tracks),
             Some(Ok(Err(panic))) => resume_unwind(panic),

@@ -1,4 +1,4 @@
-//! The window's side of a session: requests, and the state published last.
+//! The window's side of a session: requests, and the last published state.
 
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
@@ -20,14 +20,14 @@ use crate::truth::Truth;
 
 /// A video under analysis. Dropping it ends its worker.
 ///
-/// Requests never wait; a newer one takes the place of an older one of its kind.
+/// Requests do not block; a newer one replaces an older one of its kind.
 pub struct Session {
     shared: Arc<Shared>,
     /// Disconnected when the worker has ended.
     ended: Receiver<()>,
 }
 
-/// Requests of the window that are not applied yet.
+/// Requests of the window that are not processed yet.
 #[derive(Default)]
 pub(super) struct Requests {
     pub(super) show: Option<u32>,
@@ -49,7 +49,7 @@ pub(super) struct Requests {
 /// Request: the pixel to follow, `None` for none.
 pub(super) struct PixelRequest(pub(super) Option<(u32, u32)>);
 
-/// Request: the two settings along the sides of a map, `None` for no map.
+/// Request: the two settings of a map, `None` for no map.
 pub(super) struct TuneRequest(pub(super) Option<[TunableSetting; 2]>);
 
 /// Request: the settings to compare with those in view, `None` for none.
@@ -61,13 +61,13 @@ pub(super) struct TruthRequest(pub(super) Option<Arc<Truth>>);
 /// Request: the event to explain, `None` for none.
 pub(super) struct ExplainRequest(pub(super) Option<Event>);
 
-/// Request: the middle and side of a region to count or to score, `None` for none.
+/// Request: the centre and side of a region to count or to score, `None` for none.
 pub(super) struct RegionRequest(pub(super) Option<((u32, u32), u32)>);
 
 /// Request: the quantity to map, `None` for none.
 pub(super) struct MapRequest(pub(super) Option<Quantity>);
 
-/// Request: the area of interest, `None` for the whole image.
+/// Request: the region of interest, `None` for the whole image.
 pub(super) struct RoiRequest(pub(super) Option<Arc<Roi>>);
 
 /// The state shared by both threads.
@@ -79,10 +79,11 @@ pub(super) struct Shared {
 }
 
 impl Session {
-    /// Starts a worker on `video` (a name as [`crate::source::open`] takes it) and returns at once.
+    /// Starts a worker on `video` (a name as in [`crate::source::open`]) and returns at once.
     ///
-    /// `roi` is what is analysed, the whole image without one; where it is not as large as the frames, the session
-    /// fails. It calls `wake` after every change of [`Self::state`], from its own thread. It keeps up to `memory` bytes of frames and models, or a quarter of the machine's memory.
+    /// `roi` is the region of interest, `None` the whole image; the session fails if its size is not that of the
+    /// frames. The worker calls `wake`, from its own thread, after every change of [`Self::state`]. It caches up to
+    /// `memory` bytes of frames and models, or a quarter of the machine's memory.
     pub fn open(
         video: &str,
         options: Options,
@@ -92,14 +93,14 @@ impl Session {
         wake: impl Fn() + Send + Sync + 'static,
     ) -> Self {
         let (name, options) = (video.to_owned(), options);
-        // A frame that was dropped costs decoding from the start, a checkpoint replaying from the
-        // one before: half for each.
+        // An evicted frame needs decoding from the start, a dropped checkpoint replaying from the previous one: each
+        // has half.
         let budget = memory.unwrap_or_else(memory::quarter) / 2;
         let open = move || FrameCache::open(&name, options, budget);
         Self::start(video, open, budget, (settings, roi), start, wake)
     }
 
-    /// As [`Self::open`], on frames that `open` gives; `model_budget` is the memory for checkpoints.
+    /// As [`Self::open`], on the frames of `open`; `model_budget` is the memory for checkpoints.
     pub(super) fn start(
         video: &str,
         open: impl FnOnce() -> Result<FrameCache, SourceError> + Send + 'static,
@@ -127,25 +128,25 @@ impl Session {
         Self { shared, ended }
     }
 
-    /// The state published last.
+    /// The last published state.
     pub fn state(&self) -> State {
         self.shared.state()
     }
 
-    /// Asks for a frame by its position from 0; one beyond the end gives the last. What lies beyond
-    /// the frames that are analysed is analysed first.
+    /// Requests a frame by its position from 0; a position beyond the end requests the last frame. The analysis
+    /// continues up to the requested frame.
     pub fn show(&self, position: u32) {
         self.shared.ask(|requests| requests.show = Some(position));
     }
 
-    /// Asks for other settings: what they touch is run again. What is shown stays until the frame
-    /// in view is there under the new ones.
+    /// Requests other settings: the affected stages run again. The frame in view stays until it is available under
+    /// the new settings.
     pub fn set_settings(&self, settings: Settings) {
         self.shared.ask(|requests| requests.settings = Some(settings));
     }
 
-    /// Asks for settings in view and, beside them, for others to compare them with; `None` for none. Settings that were
-    /// one of the two before are not run again.
+    /// Requests settings in view (A) and settings to compare them with (B); `None` for none. Settings that were
+    /// already one of the two are not run again.
     pub fn compare(&self, settings: Settings, beside: Option<Settings>) {
         self.shared.ask(|requests| {
             requests.settings = Some(settings);
@@ -153,36 +154,36 @@ impl Session {
         });
     }
 
-    /// Says what is known to be right, so that what was analysed is scored; `None` for no scores. Masks of another size
-    /// than the frames' are left out, with a warning.
+    /// Sets the ground truth for scores; `None` for no scores. Masks of another size than the frames are ignored with
+    /// a warning.
     pub fn set_truth(&self, truth: Option<Arc<Truth>>) {
         self.shared.ask(|requests| requests.truth = Some(TruthRequest(truth)));
     }
 
-    /// Asks what would have kept an event from happening under the settings in view; `None` to ask no more.
+    /// Requests the counterfactuals of an event under the settings in view; `None` to stop.
     pub fn explain(&self, event: Option<Event>) {
         self.shared.ask(|requests| requests.explain = Some(ExplainRequest(event)));
     }
 
-    /// Asks for another part of the image to be analysed, the whole without one; it must be as large as the frames.
-    /// The model is not run again, whose masks are kept.
+    /// Sets the region of interest, `None` for the whole image; it must have the frames' size. The model does not run
+    /// again, because its masks are recorded.
     pub fn set_roi(&self, roi: Option<Arc<Roi>>) {
         self.shared.ask(|requests| requests.roi = Some(RoiRequest(roi)));
     }
 
-    /// Chooses the pixel whose history is shown; `None`, or one outside the image, chooses none.
+    /// Chooses the pixel whose history is shown; `None`, or a pixel outside the image, chooses none.
     pub fn inspect(&self, at: Option<(u32, u32)>) {
         self.shared.ask(|requests| requests.inspect = Some(PixelRequest(at)));
     }
 
-    /// Asks what the chosen pixel would be in the frame in view under other values of these two
-    /// settings, and of each alone; `None` to ask no more.
+    /// Requests the verdict on the chosen pixel in the frame in view over a grid of these two settings, and for each
+    /// alone; `None` to stop.
     pub fn tune(&self, knobs: Option<[TunableSetting; 2]>) {
         self.shared.ask(|requests| requests.tune = Some(TuneRequest(knobs)));
     }
 
-    /// Goes on analysing beyond the frame in view, as it does from the start, or stops that and gives up a frame that
-    /// is still on its way. What is asked for after that is analysed nevertheless.
+    /// Continues the analysis beyond the frame in view, which is the default, or stops it and drops the pending
+    /// frame. Later requests are processed in either case.
     pub fn analyse_ahead(&self, ahead: bool) {
         self.shared.ask(|requests| {
             requests.analyse_ahead = Some(ahead);
@@ -192,24 +193,23 @@ impl Session {
         });
     }
 
-    /// Pins these pixels, in place of those before: their histories are gathered after that of the chosen pixel.
+    /// Pins these pixels, in place of the previous ones. Their histories are computed after that of the chosen pixel.
     pub fn pin(&self, pixels: Vec<(u32, u32)>) {
         self.shared.ask(|requests| requests.pins = Some(pixels));
     }
 
-    /// Asks which share of the pixels around one is foreground in each frame, `side` of them along each side; `None` to
-    /// ask no more.
+    /// Requests the share of foreground among the `side`×`side` pixels around one in each frame; `None` to stop.
     pub fn region(&self, region: Option<((u32, u32), u32)>) {
         self.shared.ask(|requests| requests.region = Some(RegionRequest(region)));
     }
 
-    /// Asks how right the mixture would be about the pixels around one, `side` of them along each side, over the same
-    /// grid as [`Self::tune`]; `None` to ask no more. It takes true masks, and is worked out when all else is done.
+    /// Requests the accuracy of the mixture in the `side`×`side` pixels around one, over the grid of [`Self::tune`];
+    /// `None` to stop. It needs true masks, and is computed after all other work.
     pub fn tune_region(&self, region: Option<((u32, u32), u32)>) {
         self.shared.ask(|requests| requests.tune_region = Some(RegionRequest(region)));
     }
 
-    /// Asks for a map of a number of each pixel with every frame that is shown; `None` to ask no more.
+    /// Requests a map of a quantity with every shown frame; `None` to stop.
     pub fn map(&self, quantity: Option<Quantity>) {
         self.shared.ask(|requests| requests.map = Some(MapRequest(quantity)));
     }
@@ -218,15 +218,15 @@ impl Session {
 impl Drop for Session {
     fn drop(&mut self) {
         self.shared.ask(|requests| requests.stop = true);
-        // A worker inside a decoder must not meet the end of the process; one that hangs in a
-        // dead disk or camera must not hold up the window.
+        // The process must not end while a worker is inside a decoder; a worker that hangs on a failed disk or camera
+        // must not block the window.
         let waited = self.ended.recv_timeout(Duration::from_secs(2));
         debug_assert!(matches!(waited, Err(RecvTimeoutError::Disconnected | RecvTimeoutError::Timeout)));
     }
 }
 
 impl Shared {
-    /// Without requests and state; `wake` is called after every change of the state.
+    /// Without requests and state. `wake` is called after every change of the state.
     pub(super) fn new(wake: impl Fn() + Send + Sync + 'static) -> Self {
         let state = State {
             phase: Phase::Opening,
@@ -253,7 +253,7 @@ impl Shared {
         }
     }
 
-    /// The state published last.
+    /// The last published state.
     pub(super) fn state(&self) -> State {
         lock(&self.state).clone()
     }
@@ -263,8 +263,8 @@ impl Shared {
         self.asked.notify_one();
     }
 
-    /// Takes the requests since the previous call; `None` when the session is over. With `wait`, it sleeps until
-    /// there is a request.
+    /// Takes the requests since the previous call; `None` when the session has ended. With `wait`, blocks until there
+    /// is a request.
     pub(super) fn take_requests(&self, wait: bool) -> Option<Requests> {
         let mut requests = lock(&self.requests);
         if wait {
@@ -309,7 +309,7 @@ impl Requests {
     }
 }
 
-/// A thread that panicked with the lock held left whole values behind: every change under it is one assignment.
+/// Ignores poisoning: every change under the lock is one assignment, so that a panic leaves no partial value.
 fn lock<T>(mutex: &Mutex<T>) -> MutexGuard<'_, T> {
     mutex.lock().unwrap_or_else(PoisonError::into_inner)
 }

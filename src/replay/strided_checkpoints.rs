@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 /// Checkpoints by position, at multiples of a stride that doubles whenever the capacity is exceeded.
 #[derive(Clone)]
 pub(super) struct StridedCheckpoints<T> {
-    /// With the bytes of each.
+    /// The checkpoints and their sizes in bytes, by position.
     entries: BTreeMap<u32, (T, usize)>,
     stride: u32,
     capacity_bytes: usize,
@@ -13,7 +13,7 @@ pub(super) struct StridedCheckpoints<T> {
 }
 
 impl<T> StridedCheckpoints<T> {
-    /// An empty store with a capacity in bytes, at first with this stride.
+    /// An empty store with a capacity in bytes and an initial stride.
     pub(super) const fn new(stride: u32, capacity_bytes: usize) -> Self {
         Self { entries: BTreeMap::new(), stride, capacity_bytes, used_bytes: 0 }
     }
@@ -69,7 +69,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn it_thins_evenly_and_never_exceeds_its_room() {
+    fn checkpoints_are_evenly_spaced_within_the_capacity() {
         let mut checkpoints = StridedCheckpoints::new(4, 50);
         for position in 1..=200 {
             if checkpoints.accepts(position) {
@@ -90,7 +90,7 @@ mod tests {
     }
 
     #[test]
-    fn without_room_nothing_is_wanted() {
+    fn no_checkpoint_is_accepted_without_capacity() {
         let checkpoints = StridedCheckpoints::<u8>::new(1, 0);
         assert!(!checkpoints.accepts(0) && !checkpoints.accepts(7));
     }

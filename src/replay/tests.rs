@@ -27,19 +27,19 @@ mod truth;
 pub(super) const FRAMES: u32 = 60;
 pub(super) const WIDTH: u32 = 96;
 pub(super) const HEIGHT: u32 = 64;
-/// Frame numbers are positions plus this.
+/// The first frame number; others are the position plus this.
 pub(super) const FIRST: u32 = 101;
-/// So many of the first frames are learnt from before they are judged.
+/// Number of first frames that are learned from before classification.
 pub(super) const LEARNT: u32 = 25;
 /// A pixel that both squares pass over.
 pub(super) const PIXEL: (u32, u32) = (48, 32);
 
-/// Two squares that cross over a texture with noise, by a camera at rest.
+/// Writes two squares that cross in front of a noisy texture, with a stationary camera.
 fn write_scene(folder: &Path) {
     write_scene_from(folder, |_| (0, 0), |_| 1.0);
 }
 
-/// The same from where the camera is in each frame, and in other light.
+/// The same scene with the camera at these positions, in other light.
 fn write_scene_from(folder: &Path, camera: impl Fn(u32) -> (u32, u32), light: impl Fn(u32) -> f32) {
     for index in 0..FRAMES {
         let (red, blue) = (4 + index * 3 / 2, 84_u32.saturating_sub(index * 3 / 2));
@@ -76,7 +76,7 @@ pub(super) fn settings() -> Settings {
     Settings { track_min_area: 0.3, warm_up: 0, alpha: 0.02, bootstrap, ..Settings::preset(Preset::Default) }
 }
 
-/// A session that tells when its state changed.
+/// A session that reports changes of its state.
 struct Watched {
     session: Session,
     woken: Receiver<()>,
@@ -109,7 +109,7 @@ impl Watched {
         Self { session, woken }
     }
 
-    /// Waits for a state, looking at every one on the way that it gets to see.
+    /// Waits until `look` holds for a published state.
     fn until(&self, mut look: impl FnMut(&State) -> bool) -> State {
         let deadline = Instant::now() + Duration::from_mins(1);
         loop {
@@ -122,12 +122,7 @@ impl Watched {
                 return state;
             }
             let left = deadline.saturating_duration_since(Instant::now());
-            assert!(
-                self.woken.recv_timeout(left).is_ok(),
-                "waited in vain: {:?} {:?}",
-                state.phase,
-                state.busy
-            );
+            assert!(self.woken.recv_timeout(left).is_ok(), "timed out: {:?} {:?}", state.phase, state.busy);
         }
     }
 
@@ -152,12 +147,12 @@ fn shows(state: &State, position: u32) -> bool {
     state.shown.as_ref().is_some_and(|shown| shown.position == position)
 }
 
-/// What one pass forward gives at each position, with nothing kept and nothing replayed.
+/// The frames of a single pass, without cache or replay.
 pub(super) fn straight(video: &Path, settings: &Settings) -> Vec<ShownFrame> {
     straight_within(video, settings, None)
 }
 
-/// All frames of a video, and how many of the first ones are learnt from before they are judged.
+/// All frames of a video, and the number of first ones that are learned from before classification.
 pub(super) fn decoded(video: &Path, settings: &Settings) -> (SourceInfo, Vec<Frame>, usize) {
     let mut source = Registered::new(source::open(&name(video), Options::default()).unwrap());
     let info = source.info().clone();
@@ -166,7 +161,7 @@ pub(super) fn decoded(video: &Path, settings: &Settings) -> (SourceInfo, Vec<Fra
     (info, frames, learnt)
 }
 
-/// The stages after what they learn, which is all of `first`.
+/// The stages after learning from `first`.
 pub(super) fn begun(settings: &Settings, info: &SourceInfo, first: &[Frame]) -> Pipeline {
     let mut pipeline = Pipeline::new(settings, info.size, info.fps).unwrap();
     for frame in first {
@@ -175,7 +170,7 @@ pub(super) fn begun(settings: &Settings, info: &SourceInfo, first: &[Frame]) -> 
     pipeline
 }
 
-/// The history of a pixel before the first frame that is judged.
+/// The history of a pixel before the first classified frame.
 pub(super) fn learnt(at: (u32, u32), settings: &Settings, first: &[Frame]) -> PixelHistory {
     let mut history = PixelHistory::new(at, Parameters::new(settings));
     for frame in first {
@@ -184,7 +179,7 @@ pub(super) fn learnt(at: (u32, u32), settings: &Settings, first: &[Frame]) -> Pi
     history
 }
 
-/// The same where only a part of the image is analysed.
+/// The same for a region of interest.
 pub(super) fn straight_within(video: &Path, settings: &Settings, roi: Option<&Arc<Roi>>) -> Vec<ShownFrame> {
     let (info, frames, first) = decoded(video, settings);
     let mut pipeline = begun(settings, &info, &frames[..first]);
@@ -230,7 +225,7 @@ pub(super) fn assert_same(got: &ShownFrame, expected: &ShownFrame) {
     assert_eq!(got.multi_mode, expected.multi_mode, "multi-mode at {position}");
 }
 
-/// Any positions, those beyond the end among them, steps of one among the jumps.
+/// Pseudo-random positions, some beyond the end, with single steps among the jumps.
 fn walk() -> impl Iterator<Item = u32> {
     let mut position = 0_u32;
     (0..60_u32).map(move |step| {
@@ -244,11 +239,11 @@ fn walk() -> impl Iterator<Item = u32> {
 }
 
 #[test]
-fn any_walk_shows_what_one_pass_forward_gives() {
+fn frames_in_any_order_equal_those_of_a_single_pass() {
     let folder = scene();
     let frame_bytes = (WIDTH * HEIGHT * 3) as usize;
-    // Room for everything; for few frames and checkpoints; for next to nothing. All of the clip is learnt from, a part
-    // of it, nothing.
+    // Budgets for everything, for few frames and checkpoints, and for almost nothing. The model learns from the whole
+    // clip, a part of it, or nothing.
     for (budget, learnt) in [(1 << 30, LEARNT), (frame_bytes * 160, 1000), (0, 0), (0, LEARNT)] {
         let settings = Settings { bootstrap: Span::Frames(learnt), ..settings() };
         let expected = straight(folder.path(), &settings);
@@ -258,7 +253,7 @@ fn any_walk_shows_what_one_pass_forward_gives() {
 }
 
 #[test]
-fn any_walk_shows_what_one_pass_forward_gives_where_camera_and_light_are_restless() {
+fn frames_in_any_order_equal_those_of_a_single_pass_with_camera_shake_and_changing_light() {
     let folder = tempfile::tempdir().unwrap();
     let camera = |index: u32| (2 + index * 7 % 5, 2 + index * 11 % 3);
     write_scene_from(folder.path(), camera, |index| if index > 30 { 0.7 } else { 1.0 });
@@ -269,7 +264,7 @@ fn any_walk_shows_what_one_pass_forward_gives_where_camera_and_light_are_restles
     };
     let expected = straight(folder.path(), &settings);
     let corrected = |shown: &&ShownFrame| corrected(&shown.frame, CorrectionChoice::new(&settings)).is_some();
-    assert!(expected.iter().filter(corrected).count() > 20, "there is something to take out");
+    assert!(expected.iter().filter(corrected).count() > 20, "the frames need correction");
     for budget in [1 << 30, 0] {
         any_walk_shows(folder.path(), &settings, &expected, budget);
     }
@@ -308,7 +303,7 @@ fn any_walk_shows(folder: &Path, settings: &Settings, expected: &[ShownFrame], b
 }
 
 #[test]
-fn a_change_of_settings_never_mixes_with_what_was() {
+fn frames_never_mix_results_of_different_settings() {
     let folder = scene();
     let mixture = Settings { k: 4, alpha: 0.05, bootstrap: Span::Frames(7), ..settings() };
     let cleaning = Settings { median: 0, min_area: 3, ..mixture.clone() };
@@ -330,7 +325,7 @@ fn a_change_of_settings_never_mixes_with_what_was() {
         let analysed = state.timeline.foreground_share.len();
         assert!(analysed > shown.position as usize, "the timeline holds the frame in view");
         assert!(state.timeline.foreground_share.iter().copied().eq(shares.take(analysed)));
-        // The pixel may be ahead of the view.
+        // The pixel's history may be newer than the frame in view.
         if let Some(history) = &state.pixel {
             let settings = |settings: &&Settings| history.parameters.are_of(settings);
             let choice = choices.iter().position(|choice| settings(&choice)).unwrap();
@@ -340,7 +335,7 @@ fn a_change_of_settings_never_mixes_with_what_was() {
         shown.settings.clone()
     };
     for (round, settings) in choices.iter().cycle().skip(1).take(9).enumerate() {
-        // A choice that is replaced at once is never an obstacle.
+        // A request that is replaced at once has no effect.
         watched.session.set_settings(choices[(round + 2) % 4].clone());
         watched.session.set_settings(settings.clone());
         if round % 3 == 1 {
@@ -359,7 +354,7 @@ fn a_change_of_settings_never_mixes_with_what_was() {
     }
 }
 
-/// The left half alone, or the right one.
+/// The left or right half of the image.
 pub(super) fn half(left: bool) -> Arc<Roi> {
     let size = Size::new(WIDTH, HEIGHT);
     let inside = |at: usize| (at as u32 % WIDTH < WIDTH / 2) == left;
@@ -368,7 +363,7 @@ pub(super) fn half(left: bool) -> Arc<Roi> {
 }
 
 #[test]
-fn another_area_gives_what_one_pass_forward_gives_and_the_model_is_not_run_again() {
+fn a_new_region_of_interest_equals_a_single_pass_and_does_not_run_the_model_again() {
     let folder = scene();
     let watched = Watched::open(folder.path(), settings(), Start::First, 1 << 30);
     watched.session.inspect(Some(PIXEL));
@@ -397,7 +392,7 @@ fn another_area_gives_what_one_pass_forward_gives_and_the_model_is_not_run_again
 }
 
 #[test]
-fn an_area_of_another_size_ends_the_work_in_a_sentence_and_another_one_goes_on() {
+fn a_region_of_another_size_fails_and_a_valid_one_continues() {
     let folder = scene();
     let watched = Watched::open(folder.path(), settings(), Start::First, 1 << 30);
     watched.until(|state| state.shown.is_some());
@@ -415,7 +410,7 @@ fn an_area_of_another_size_ends_the_work_in_a_sentence_and_another_one_goes_on()
 }
 
 #[test]
-fn the_chosen_pixel_answers_new_settings_without_the_frames() {
+fn the_history_of_the_chosen_pixel_needs_no_frames_under_new_settings() {
     let folder = scene();
     let expected = straight(folder.path(), &settings());
     let other = Settings { k: 2, alpha: 0.2, bootstrap: Span::Frames(40), ..settings() };
@@ -436,7 +431,7 @@ fn the_chosen_pixel_answers_new_settings_without_the_frames() {
 }
 
 #[test]
-fn tracking_again_gives_the_events_of_a_whole_run() {
+fn tracking_again_equals_a_complete_run() {
     let folder = scene();
     let other = Settings { gate: 0.95, size_step: 0.4, ..settings() };
     let watched = Watched::open(folder.path(), settings(), Start::First, 1 << 30);
@@ -453,7 +448,7 @@ fn tracking_again_gives_the_events_of_a_whole_run() {
 }
 
 #[test]
-fn videos_are_walked_through_like_images() {
+fn seeking_in_videos_equals_seeking_in_images() {
     use opencv::core::{CV_8UC3, Mat, Scalar, Size as CvSize};
     use opencv::prelude::*;
     use opencv::videoio::{CAP_FFMPEG, VideoWriter};
@@ -484,7 +479,7 @@ fn videos_are_walked_through_like_images() {
 }
 
 #[test]
-fn opencv_models_show_the_background_of_the_frame_while_there_is_room() {
+fn opencv_models_show_the_background_of_each_frame_within_the_budget() {
     let folder = scene();
     for model in [BackgroundModel::Mog2, BackgroundModel::Knn] {
         let settings = Settings { background_model: model, ..settings() };
@@ -501,7 +496,7 @@ fn opencv_models_show_the_background_of_the_frame_while_there_is_room() {
 }
 
 #[test]
-fn the_first_frame_is_shown_before_the_one_that_was_asked_for() {
+fn the_first_frame_is_shown_before_the_requested_one() {
     let folder = scene();
     for (start, position) in [(FIRST + 30, 30), (0, 0), (FIRST + 1000, FRAMES - 1)] {
         let mut seen = Vec::new();
@@ -518,7 +513,7 @@ fn the_first_frame_is_shown_before_the_one_that_was_asked_for() {
 }
 
 #[test]
-fn what_cannot_be_opened_fails_in_a_sentence() {
+fn an_unreadable_source_fails_with_a_sentence() {
     let watched = Watched::open(Path::new("/nowhere/at/all.avi"), settings(), Start::First, 1 << 20);
     let state = watched.until(|state| matches!(state.phase, Phase::Failed(_)));
     let expected = "/nowhere/at/all.avi does not exist; check the path".to_owned();
@@ -528,7 +523,7 @@ fn what_cannot_be_opened_fails_in_a_sentence() {
 }
 
 #[test]
-fn a_frame_that_is_skipped_is_warned_of() {
+fn a_skipped_frame_causes_a_warning() {
     let folder = scene();
     std::fs::write(folder.path().join(format!("in{:06}.png", FIRST + 7)), "broken").unwrap();
     let watched = Watched::open(folder.path(), settings(), Start::First, 1 << 30);
@@ -551,13 +546,13 @@ fn a_panic_in_the_worker_becomes_a_failure() {
         Start::First,
         None,
         move || {
-            assert!(!once.swap(false, Ordering::Relaxed), "as this test wants it");
+            assert!(!once.swap(false, Ordering::Relaxed), "the panic of this test");
             let _ = wake.send(());
         },
     );
     woken.recv_timeout(Duration::from_secs(20)).unwrap();
     let Phase::Failed(why) = session.state().phase else { panic!("{:?}", session.state().phase) };
-    assert!(why.contains("as this test wants it") && !why.contains('\n'), "{why}");
+    assert!(why.contains("the panic of this test") && !why.contains('\n'), "{why}");
 }
 
 #[test]
@@ -582,7 +577,7 @@ fn dropping_a_session_ends_its_worker() {
 }
 
 #[test]
-fn the_start_can_be_the_first_occlusion() {
+fn a_session_can_start_at_the_first_occlusion() {
     let folder = scene();
     let watched = Watched::open(folder.path(), settings(), Start::FirstOcclusion, 1 << 30);
     let first = watched.until(|state| state.shown.is_some());
@@ -599,13 +594,13 @@ fn the_start_can_be_the_first_occlusion() {
         assert!(life.spans.windows(2).all(|pair| pair[0].1 < pair[1].0), "{life:?}");
     }
     assert!(!first.timeline.complete || first.timeline.analysed == FRAMES);
-    // Who asks for a frame is not carried away from it.
+    // A requested frame stays in view.
     let watched = Watched::open(folder.path(), settings(), Start::FirstOcclusion, 1 << 30);
     watched.shown(2);
     assert_eq!(watched.until_done().shown.unwrap().position, 2);
 }
 
-/// A camera in front of the scene, which it sees again and again until it is pulled out.
+/// A camera that sees the scene repeatedly until it is unplugged.
 struct Camera {
     info: SourceInfo,
     scene: Vec<Arc<Frame>>,
@@ -655,7 +650,7 @@ fn camera(length: u32, frames_kept: usize) -> Watched {
 }
 
 #[test]
-fn a_camera_is_followed_until_an_earlier_frame_is_asked_for() {
+fn a_camera_is_followed_until_an_earlier_frame_is_requested() {
     let watched = camera(400, 1000);
     let newest = watched.until(|state| state.shown.as_ref().is_some_and(|shown| shown.position > 30));
     let newest_shown = newest.shown.unwrap();
@@ -664,14 +659,18 @@ fn a_camera_is_followed_until_an_earlier_frame_is_asked_for() {
     let earlier = watched.shown(12);
     assert_eq!(earlier.frame.number, 13);
     let later = watched.until(|state| state.timeline.analysed > 100);
-    assert_eq!(later.shown.unwrap().position, 12, "it stays in view");
+    assert_eq!(later.shown.unwrap().position, 12, "the frame stays in view");
     watched.session.set_settings(Settings { alpha: 0.1, ..settings() });
     let state = watched.until(|state| state.shown.as_ref().is_some_and(|shown| shown.settings.alpha == 0.1));
-    assert_eq!(state.shown.unwrap().position, 12, "all frames are kept, so it runs again from the first");
+    assert_eq!(
+        state.shown.unwrap().position,
+        12,
+        "all frames are cached, so the analysis restarts at the first"
+    );
 }
 
 #[test]
-fn a_camera_forgets_what_has_no_room() {
+fn old_frames_of_a_camera_are_evicted() {
     let watched = camera(u32::MAX, 20);
     watched.session.inspect(Some(PIXEL));
     watched.until(|state| state.timeline.analysed > 60);
@@ -692,7 +691,7 @@ fn a_camera_forgets_what_has_no_room() {
 }
 
 #[test]
-fn a_camera_tells_of_which_pixels_it_has_forgotten_the_first_frames() {
+fn pixels_without_the_first_frames_of_a_camera_are_reported() {
     let watched = camera(u32::MAX, 20);
     watched.until(|state| state.timeline.analysed > 60);
     watched.session.inspect(Some(PIXEL));
@@ -700,14 +699,14 @@ fn a_camera_tells_of_which_pixels_it_has_forgotten_the_first_frames() {
     let state = watched.until(|state| state.lost.len() == 3);
     assert_eq!(state.lost, [PIXEL, (30, 30), PIXEL]);
     assert!(state.pixel.is_none() && state.pins.is_empty());
-    // Other settings begin with a frame that is there.
+    // The model starts with an available frame under other settings.
     watched.session.set_settings(Settings { alpha: 0.1, ..settings() });
     let known = |state: &State| state.lost.is_empty() && state.pins.len() == 2 && state.pixel.is_some();
     watched.until(known);
 }
 
 #[test]
-fn a_request_that_changes_nothing_wakes_nobody() {
+fn a_request_without_effect_does_not_wake_the_window() {
     let folder = scene();
     let watched = Watched::open(folder.path(), settings(), Start::First, 1 << 30);
     watched.until_done();
@@ -719,7 +718,7 @@ fn a_request_that_changes_nothing_wakes_nobody() {
 }
 
 #[test]
-fn the_worker_says_what_the_pixel_would_be_under_other_settings() {
+fn a_tuning_equals_runs_of_the_pixel_under_other_settings() {
     let folder = scene();
     let watched = Watched::open(folder.path(), settings(), Start::First, 1 << 30);
     watched.session.inspect(Some(PIXEL));
@@ -754,7 +753,7 @@ fn the_worker_says_what_the_pixel_would_be_under_other_settings() {
 }
 
 #[test]
-fn stopped_it_analyses_what_is_looked_at_and_no_more() {
+fn a_stopped_session_analyses_only_requested_frames() {
     let folder = scene();
     let (open, opened) = channel::<()>();
     let path = name(folder.path());
@@ -771,9 +770,9 @@ fn stopped_it_analyses_what_is_looked_at_and_no_more() {
     for position in [1, 2, 3, 20, 21, 10, 22] {
         let state = watched.until_after(|session| session.show(position), |state| shows(state, position));
         let most = if position == 10 { 22 } else { position + 1 };
-        assert_eq!(state.timeline.analysed, most, "no more than was asked for at {position}");
+        assert_eq!(state.timeline.analysed, most, "analysed beyond the requested position {position}");
     }
-    // Other settings: what is in view is made anew, and again no more.
+    // Under other settings the frame in view is analysed again, and nothing beyond it.
     let changed = Settings { t: 0.6, ..settings() };
     let state = watched.until_after(
         |session| session.set_settings(changed.clone()),
@@ -781,16 +780,16 @@ fn stopped_it_analyses_what_is_looked_at_and_no_more() {
     );
     assert_eq!((state.shown.unwrap().position, state.timeline.analysed), (22, 23));
     watched.session.analyse_ahead(true);
-    assert!(shows(&watched.until_done(), 22), "it stays in view");
+    assert!(shows(&watched.until_done(), 22), "the frame stays in view");
 }
 
 #[test]
-fn with_all_analysed_there_is_nothing_to_stop() {
+fn stopping_has_no_effect_when_all_frames_are_analysed() {
     let folder = scene();
     let watched = Watched::open(folder.path(), settings(), Start::First, 1 << 30);
     watched.until_done();
     watched.session.analyse_ahead(false);
-    // Taken in by the worker before the settings are asked for.
+    // Processed by the worker before the settings are requested.
     watched.shown(30);
     let changed = Settings { t: 0.6, ..settings() };
     watched.session.set_settings(changed.clone());

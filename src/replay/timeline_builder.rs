@@ -1,4 +1,4 @@
-//! The timeline of the whole sequence, as it grows.
+//! Builds the timeline of the sequence incrementally.
 
 use std::collections::BTreeMap;
 
@@ -34,7 +34,7 @@ impl TimelineBuilder {
         self.events = reading.events;
     }
 
-    /// The timeline so far; `numbers` are the frame numbers of the positions, which rise.
+    /// The current timeline; `numbers` are the frame numbers of the positions, in ascending order.
     pub(super) fn timeline(&self, numbers: &[u32], complete: bool) -> Timeline {
         let position = |frame: u32| numbers.partition_point(|&number| number < frame) as u32;
         let mut events: Vec<_> =

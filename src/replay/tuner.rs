@@ -11,10 +11,10 @@ use crate::mixture::tuning::{
 };
 use crate::mixture::{Parameters, PixelHistory};
 
-/// Frames of all runs in a step of some milliseconds.
+/// Largest number of frames, over all runs, in one step of some milliseconds.
 const MAX_FRAMES_PER_STEP: usize = 60_000;
 
-/// Computes a [`Tuning`], and keeps the last one.
+/// Computes a [`Tuning`] and stores the last one.
 #[derive(Default)]
 pub(super) struct Tuner {
     knobs: Option<[TunableSetting; 2]>,
@@ -44,17 +44,17 @@ struct TuningQuery {
 }
 
 impl Tuner {
-    /// Chooses the two settings along the sides of the map; `None` for no map.
+    /// Chooses the two settings of the map; `None` for no map.
     pub(super) fn choose(&mut self, knobs: Option<[TunableSetting; 2]>) {
         self.knobs = knobs;
     }
 
-    /// Drops all results, as after another first frame.
+    /// Drops all results, after the sequence's first frame has changed.
     pub(super) fn forget(&mut self) {
         (self.job, self.done) = (None, None);
     }
 
-    /// Advances for the state of `history` at `position`; whether there was anything to do.
+    /// Advances for the state of `history` at `position`; returns whether there was work to do.
     pub(super) fn advance(&mut self, history: &PixelHistory, position: u32) -> bool {
         let Some(knobs) = self.knobs else {
             self.forget();
@@ -77,7 +77,7 @@ impl Tuner {
         true
     }
 
-    /// The newest tuning, which may have other inputs.
+    /// The newest tuning, which may belong to earlier inputs.
     pub(super) fn latest(&self) -> Option<Arc<Tuning>> {
         self.done.clone()
     }
@@ -98,7 +98,7 @@ impl TuningJob {
         Self { query, values, axes, runs, outcomes: Vec::new(), search, flips: None }
     }
 
-    /// The tuning, if this was the last step.
+    /// Advances by one step; returns the tuning if it is complete.
     fn advance(&mut self) -> Option<Tuning> {
         let TuningQuery { at, position, parameters, .. } = self.query;
         if self.flips.is_none() {
@@ -106,7 +106,7 @@ impl TuningJob {
             return None;
         }
         let done = self.outcomes.len();
-        // At least a run for each thread, however long the history.
+        // At least one run per thread, however long the history is.
         let most = (MAX_FRAMES_PER_STEP / self.values.len().max(1)).max(rayon::current_num_threads());
         let next = &self.runs[done..self.runs.len().min(done + most)];
         self.outcomes.par_extend(next.par_iter().map(|parameters| run(&self.values, parameters)));
@@ -137,7 +137,7 @@ mod tests {
     }
 
     #[test]
-    fn in_pieces_it_comes_to_the_same_and_is_done_once() {
+    fn a_tuning_in_steps_equals_one_at_once_and_is_computed_once() {
         let (mut tuner, history) = (Tuner::default(), history(0.01));
         assert!(!tuner.advance(&history, 200), "nobody asked");
         for knobs in [
@@ -149,7 +149,7 @@ mod tests {
             for position in [0, 145, 299] {
                 let pieces = all_pieces(&mut tuner, &history, position);
                 assert!(pieces > TunableSetting::ALL.len());
-                assert!(pieces > 16, "no more than one run on either side of a value at a time: {pieces}");
+                assert!(pieces > 16, "at most one run on each side of a value per step: {pieces}");
                 let tuning = tuner.latest().unwrap();
                 let values: Vec<_> = history.states[..=position as usize].iter().map(|s| s.value).collect();
                 assert_eq!(tuning.map, map(&values, &history.parameters, knobs));
@@ -161,11 +161,11 @@ mod tests {
                 assert!(!tuner.advance(&history, position));
             }
         }
-        assert!(!tuner.advance(&history, 300), "a frame that is not known yet");
+        assert!(!tuner.advance(&history, 300), "the frame is unknown");
     }
 
     #[test]
-    fn another_question_in_the_middle_takes_the_place_of_the_first() {
+    fn a_newer_tuning_request_replaces_the_current_one() {
         let (mut tuner, one, other) = (Tuner::default(), history(0.01), history(0.2));
         tuner.choose(Some([TunableSetting::Alpha, TunableSetting::Lambda]));
         for _ in 0..7 {

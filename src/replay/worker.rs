@@ -1,11 +1,10 @@
-//! The worker's side of a session: one short step of work after another, the most urgent first.
+//! The worker's side of a session: executes one short step of work after another, the most urgent first.
 //!
-//! In this order: the frame to show, under both settings where two are compared; the tuning of the chosen pixel in
-//! it; the histories of the chosen and the pinned pixels, and the region around the chosen one; the analysis ahead,
-//! of both passes in parallel; and when all that is done, scores, counterfactuals, and the tuning of the region.
-//! `view` seeks the frame to show, `change` applies other settings, `publish` informs the window. Requests are read
-//! between two steps. A step takes some milliseconds, or the time to decode or analyse one frame where that is
-//! longer.
+//! The order is: the frame to show, under both settings where two are compared; the tuning of the chosen pixel in it;
+//! the histories of the chosen and the pinned pixels, and the region around the chosen one; the analysis ahead, both
+//! passes in turn; then scores, counterfactuals, and the tuning of the region. `view` seeks the frame to show,
+//! `change` applies other settings, `publish` publishes the state. Requests are read between two steps. A step takes
+//! some milliseconds, or the time to decode or analyse one frame if that is longer.
 
 mod change;
 mod publish;
@@ -41,16 +40,16 @@ use crate::source::{SourceError, SourceInfo};
 use crate::tracking::Identity;
 use crate::truth::Truth;
 
-/// One of the two passes.
+/// A pass of the worker.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum PassSlot {
     /// The pass in view.
     InView,
-    /// The pass that is compared with it.
+    /// The pass of the candidate settings.
     Compared,
 }
 
-/// Why the work on a choice of settings stopped, in words for the user.
+/// The error that stopped the work on a choice of settings, in words for the user.
 struct StopReason(String);
 
 impl<E: std::error::Error> From<E> for StopReason {
@@ -67,13 +66,13 @@ pub(super) struct Worker<'a> {
     model_budget: usize,
     /// The pass in view.
     pass: AnalysisPass,
-    /// The pass that is compared with it.
+    /// The pass of the candidate settings.
     compared: ComparedPass,
     /// The position that the window wants to show.
     target_position: u32,
-    /// The frame to show at the start, until its position is known.
+    /// The frame to show first, until its position is known.
     start_target: Option<StartTarget>,
-    /// Whether the newest frame is shown, of a live source.
+    /// Whether the newest frame is shown, for a live source.
     follow: bool,
     ahead: AheadMode,
     pixel: Option<(u32, u32)>,
@@ -100,15 +99,15 @@ enum AheadMode {
     Nothing,
 }
 
-/// A frame to show at the start whose position is not known yet.
+/// A frame to show first whose position is not known yet.
 enum StartTarget {
     Number(u32),
-    /// The first occlusion: the position at which it was decided, and who takes part.
+    /// The first occlusion: the position at which it was decided, and its members.
     Occlusion(Option<(u32, Vec<Identity>)>),
 }
 
 impl<'a> Worker<'a> {
-    /// Opens the source and works until the session is over.
+    /// Opens the source and works until the session ends.
     pub(super) fn open_and_run(
         shared: &'a Shared,
         open: impl FnOnce() -> Result<FrameCache, SourceError>,
@@ -242,7 +241,7 @@ impl<'a> Worker<'a> {
         self.apply_settings(settings, roi, beside)
     }
 
-    /// Does the most urgent step of work; whether there was any.
+    /// Executes the most urgent step of work; returns whether there was any.
     fn work_once(&mut self) -> Result<bool, StopReason> {
         if self.stopped {
             return Ok(false);
@@ -258,7 +257,7 @@ impl<'a> Worker<'a> {
         if !self.is_view_current() {
             self.advance_view()?;
         } else if self.advance_tuning() || self.follow_pixel()? || self.follow_pins()? {
-            // Its results are published at once, or in time.
+            // The step publishes its results at once or at a limited rate.
         } else if let Some(which) = self.next_due() {
             self.analyse(which)?;
         } else {
@@ -271,7 +270,7 @@ impl<'a> Worker<'a> {
         Ok(true)
     }
 
-    /// The pass to be advanced next. Both stay at the same position, so that each decoded frame serves both.
+    /// The pass to advance next. Both stay at the same position, so that each decoded frame is used by both.
     fn next_due(&self) -> Option<PassSlot> {
         let in_view = self.is_due(&self.pass);
         let compared = self.compared.pass.as_ref().filter(|pass| self.is_due(pass));
@@ -283,7 +282,7 @@ impl<'a> Worker<'a> {
         }
     }
 
-    /// Advances the counterfactual search; whether there was anything to do.
+    /// Advances the counterfactual search; returns whether there was work to do.
     fn advance_counterfactual(&mut self) -> bool {
         let before = self.counterfactual_task.latest();
         let numbers = self.frames.numbers();
@@ -304,16 +303,16 @@ impl<'a> Worker<'a> {
         worked
     }
 
-    /// Whether there is more to analyse: everything, or up to the requested frame.
+    /// Whether frames remain to be analysed: all, or up to the requested one.
     fn is_due(&self, pass: &AnalysisPass) -> bool {
         if pass.has_analysed_all(&self.frames) {
-            // The end may have been found by the other pass.
+            // The other pass may have found the end.
             return !pass.is_finished();
         }
         self.ahead == AheadMode::All || pass.model.front() <= self.target_position
     }
 
-    /// Follows the chosen pixel through the known frames; whether there was anything to do.
+    /// Follows the chosen pixel through the known frames; returns whether there was work to do.
     fn follow_pixel(&mut self) -> Result<bool, SourceError> {
         if frame_consumer::feed_frames(&mut self.pass.pixel_follower, &mut self.frames)? {
             self.outbox.pixel_grew = true;
@@ -334,7 +333,7 @@ impl<'a> Worker<'a> {
     }
 
     /// Follows the pinned pixels through the known frames, counts the foreground around the chosen one, and collects
-    /// the colours there; whether there was anything to do.
+    /// the colours there; returns whether there was work to do.
     fn follow_pins(&mut self) -> Result<bool, SourceError> {
         self.region_tuner.set_to_learn(self.info.bootstrap(self.pass.settings()));
         let run = &self.pass.model;
@@ -344,7 +343,7 @@ impl<'a> Worker<'a> {
         Ok(worked || frame_consumer::feed_frames(&mut self.region_tuner, &mut self.frames)?)
     }
 
-    /// Advances the scores of complete analyses; whether there was anything to do.
+    /// Advances the scores of complete analyses; returns whether there was work to do.
     fn advance_scores(&mut self) -> bool {
         let Some(truth) = &self.truth else { return false };
         let in_view = self.pass.score(truth);
@@ -357,7 +356,7 @@ impl<'a> Worker<'a> {
         beside != ScoreStep::Idle
     }
 
-    /// Advances the tuning of the region; whether there was anything to do.
+    /// Advances the tuning of the region; returns whether there was work to do.
     fn advance_region_tuning(&mut self) -> bool {
         let before = self.region_tuner.latest();
         let Some((done, total)) = self.region_tuner.advance(self.pass.settings()) else { return false };
@@ -372,7 +371,7 @@ impl<'a> Worker<'a> {
         true
     }
 
-    /// Advances the tuning of the chosen pixel; whether there was anything to do.
+    /// Advances the tuning of the chosen pixel; returns whether there was work to do.
     fn advance_tuning(&mut self) -> bool {
         let history = self.shown.as_ref().and_then(|shown| shown.pixel.as_ref().map(|pixel| (pixel, shown)));
         let Some((history, shown)) = history else { return false };
@@ -392,7 +391,7 @@ impl<'a> Worker<'a> {
         }
     }
 
-    /// Analyses the next available frames, or decodes one on the way to them.
+    /// Analyses the next decoded frames, or decodes one.
     fn analyse(&mut self, which: PassSlot) -> Result<(), StopReason> {
         let started = Instant::now();
         let (last, both) = (self.last_position_of(which), self.are_both_due());
@@ -460,7 +459,7 @@ impl<'a> Worker<'a> {
             (PassSlot::InView, _) if !self.follow && pass > 0 && next <= self.target_position => {
                 Some(self.target_position)
             }
-            // No farther than the frames that are still kept when the other pass needs them.
+            // No further than the cached frames reach until the other pass needs them.
             (PassSlot::InView, Some(compared)) if compared.next_position() <= (pass, next) => {
                 Some(next.saturating_add(self.frames.room().saturating_sub(2) as u32))
             }
@@ -473,12 +472,12 @@ impl<'a> Worker<'a> {
         }
     }
 
-    /// Whether both passes have more to analyse.
+    /// Whether both passes have frames left to analyse.
     fn are_both_due(&self) -> bool {
         self.is_due(&self.pass) && self.compared.pass.as_ref().is_some_and(|pass| self.is_due(pass))
     }
 
-    /// The frame number of a position; a guess beyond the frames that are known.
+    /// The frame number of a position; extrapolated beyond the known frames.
     fn number_of(&self, position: u32) -> u32 {
         let numbers = self.frames.numbers();
         numbers.get(position as usize).copied().unwrap_or_else(|| {

@@ -1,4 +1,4 @@
-//! Decoding on a thread of its own, a few frames ahead of whoever takes them.
+//! Decodes frames on a separate thread, a few frames ahead of the consumer.
 
 use std::io;
 use std::thread::{self, JoinHandle};
@@ -9,7 +9,8 @@ use xxhash_rust::xxh3::xxh3_64;
 use super::{Source, SourceError};
 use crate::frame::Frame;
 
-/// By which a frame is known again: equal frames have equal ones, others do not in practice.
+/// A hash that identifies a frame: equal frames have equal fingerprints, different frames have different ones in
+/// practice.
 pub(super) type Fingerprint = u64;
 
 /// The fingerprint of a frame's pixels.
@@ -17,22 +18,22 @@ pub(super) fn fingerprint(frame: &Frame) -> Fingerprint {
     xxh3_64(&frame.rgb)
 }
 
-/// What a source gave when it was asked for the next frame.
+/// The result of one read from a source.
 pub(super) struct Item {
-    /// The frame, `None` at the end.
+    /// The frame; `None` at the end of the sequence.
     pub(super) frame: Result<Option<(Frame, Fingerprint)>, SourceError>,
-    /// What went wrong on the way without ending the sequence.
+    /// Warnings of problems that did not end the sequence.
     pub(super) warnings: Vec<String>,
 }
 
-/// A source that is read ahead. Nothing comes after the end or a failure.
+/// A source that is read ahead. It gives no items after the end or an error.
 pub(super) struct Ahead {
     items: Option<Receiver<Item>>,
     thread: Option<JoinHandle<()>>,
 }
 
 impl Ahead {
-    /// Starts to read; at most `most` frames wait.
+    /// Starts the decoding thread; the queue holds at most `most` frames.
     pub(super) fn start(mut source: Box<dyn Source>, most: usize) -> io::Result<Self> {
         let (sender, items) = bounded(most);
         let thread = thread::Builder::new().name("decode ahead".into()).spawn(move || {
@@ -54,12 +55,12 @@ impl Ahead {
         Ok(Self { items: Some(items), thread: Some(thread) })
     }
 
-    /// The next item, which may take as long as a frame takes to decode; `None` when there are no more.
+    /// The next item; `None` when there are no more. Blocks until a frame is decoded.
     pub(super) fn next(&self) -> Option<Item> {
         self.items.as_ref()?.recv().ok()
     }
 
-    /// Whether [`Self::next`] would not wait.
+    /// Whether [`Self::next`] would return without blocking.
     pub(super) fn is_ready(&self) -> bool {
         self.items.as_ref().is_some_and(|items| !items.is_empty())
     }
@@ -67,11 +68,11 @@ impl Ahead {
 
 impl Drop for Ahead {
     fn drop(&mut self) {
-        // Nobody takes items any more: the thread ends after the frame that it is at. It must not
-        // be inside a decoder when the process ends.
+        // Dropping the receiver ends the thread after its current frame. It must not be inside a decoder when the
+        // process ends.
         self.items = None;
         if let Some(thread) = self.thread.take() {
-            // A panic in a decoder was told as an end too early.
+            // A panic in a decoder was already reported as an early end.
             let _ = thread.join();
         }
     }

@@ -1,10 +1,9 @@
-//! Decoded frames within a budget of memory, by their position in the sequence.
+//! Decoded frames by position in the sequence, within a memory budget.
 //!
-//! Sources are read from the first frame to the last, a little ahead of what is asked for. A frame
-//! that was dropped is decoded again by a fresh reader. That may jump towards it, and as jumps in
-//! videos land anywhere, the place is told by the frames themselves: each is known by a fingerprint
-//! from when it was first decoded. Where that does not help, the reader starts from the beginning:
-//! slow, and the same frame.
+//! A source is read from the first frame to the last, a little ahead of the requested position. A dropped frame is
+//! decoded again by a second reader. That reader may seek. Seeks in video are not frame-accurate, so the position
+//! after a seek is found by comparing frame fingerprints recorded at the first decoding. Where that fails, the reader
+//! starts from the beginning, which is slower and gives the same frame.
 
 use std::collections::{BTreeMap, HashMap};
 use std::sync::Arc;
@@ -16,43 +15,43 @@ use crate::registration::{Alignment, Registered};
 
 type Opener = Box<dyn FnMut() -> Result<Box<dyn Source>, SourceError> + Send>;
 
-/// What one step towards a frame gave.
+/// The result of one step towards a frame.
 #[derive(Debug, PartialEq)]
 pub enum Fetched {
     /// The frame.
     Frame(Arc<Frame>),
-    /// One frame on the way to it was decoded: ask again.
+    /// One earlier frame was decoded; call again.
     OnTheWay,
-    /// The sequence ends before it.
+    /// The sequence ends before the frame.
     End,
-    /// A live source gave it once, and it is no longer kept.
+    /// A frame of a live source that is no longer cached and cannot be read again.
     Gone,
 }
 
-/// Whether a frame that had to be decoded again may push others out.
+/// Whether a frame that is decoded again may evict others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Keep {
-    /// It may: it, or its neighbours, will be asked for again.
+    /// It may: the frame or its neighbours are likely to be requested again.
     Yes,
-    /// Only where there is room: a pass over the whole sequence that needs each frame once.
+    /// Only where there is room: for a single pass over the sequence that needs each frame once.
     IfRoom,
 }
 
-/// Decoding so many frames in order takes no longer than to open a source again and jump.
+/// Number of frames whose decoding in order takes no longer than to reopen the source and seek.
 const FAR: u32 = 48;
-/// A jump goes so many frames before the one that is wanted: whoever steps back will want those next.
+/// Number of frames before the target at which a seek aims, because stepping back requests those next.
 const RUN_UP_FRAMES: u32 = 24;
 /// Number of equal frames in a row that leave the position after a jump undecided.
 const MAX_EQUAL_FRAMES: usize = 8;
 /// Largest number of frames that are decoded ahead.
 const MAX_FRAMES_AHEAD: usize = 32;
 
-/// A second reader of the source, for frames that were dropped.
+/// A second reader of the source, for frames that were evicted.
 struct RewoundSource {
     source: Box<dyn Source>,
-    /// The position that it gives next.
+    /// The position of the next frame that it gives.
     next: u32,
-    /// Whether it jumped there.
+    /// Whether it got there by a seek.
     jumped: bool,
 }
 
@@ -60,20 +59,20 @@ struct RewoundSource {
 pub struct FrameCache {
     open: Opener,
     info: Arc<SourceInfo>,
-    /// The reader that has come furthest; it is at position `numbers.len()`.
+    /// The reader at the furthest position, `numbers.len()`.
     front: Ahead,
     numbers: Vec<u32>,
     fingerprints: Vec<Fingerprint>,
-    /// How each lies against those before it.
+    /// The alignment of each frame to those before it.
     alignments: Vec<Alignment>,
     complete: bool,
-    /// Why there are no more frames, for who asks for one next.
+    /// The error that ended the sequence, returned to the next request for a frame.
     failed: Option<SourceError>,
     again: Option<RewoundSource>,
-    /// Whether jumps have been of use so far.
+    /// Whether seeks have worked so far.
     jumps: bool,
     kept: HashMap<u32, (Arc<Frame>, u64)>,
-    /// Positions by the time they were last useful.
+    /// Positions by the time of their last use.
     by_use: BTreeMap<u64, u32>,
     clock: u64,
     room: usize,
@@ -81,14 +80,14 @@ pub struct FrameCache {
 }
 
 impl FrameCache {
-    /// Opens the source of this name and keeps up to `budget` bytes of its frames, at least two frames.
+    /// Opens the source of this name and caches up to `budget` bytes of its frames, at least two frames.
     pub fn open(name: &str, options: Options, budget: usize) -> Result<Self, SourceError> {
         let (name, options) = (name.to_owned(), options);
         Self::new(move || super::open(&name, options), budget)
     }
 
-    /// Keeps up to `budget` bytes of the frames of the source that `open` gives; it is called again
-    /// when frames that were dropped are wanted.
+    /// Caches up to `budget` bytes of the frames of the source that `open` returns. `open` is called again when
+    /// evicted frames are requested.
     pub fn new(
         mut open: impl FnMut() -> Result<Box<dyn Source>, SourceError> + Send + 'static,
         budget: usize,
@@ -120,27 +119,27 @@ impl FrameCache {
         })
     }
 
-    /// What is known of the source.
+    /// The description of the source.
     pub fn info(&self) -> &Arc<SourceInfo> {
         &self.info
     }
 
-    /// How many frames are kept at most.
+    /// Maximum number of cached frames.
     pub fn room(&self) -> usize {
         self.room
     }
 
-    /// The frame numbers of the positions that are known so far.
+    /// The frame numbers of the positions known so far.
     pub fn numbers(&self) -> &[u32] {
         &self.numbers
     }
 
-    /// How the frames of the positions that are known lie against those before them.
+    /// The alignment of the frames of the known positions to those before them.
     pub fn alignments(&self) -> &[Alignment] {
         &self.alignments
     }
 
-    /// The positions whose frames are kept decoded, as ranges with both ends in them, in order.
+    /// The positions whose decoded frames are cached, as inclusive ranges in ascending order.
     pub fn kept_ranges(&self) -> Vec<(u32, u32)> {
         let mut positions: Vec<u32> = self.kept.keys().copied().collect();
         positions.sort_unstable();
@@ -148,17 +147,17 @@ impl FrameCache {
         ranges.filter_map(|range| Some((*range.first()?, *range.last()?))).collect()
     }
 
-    /// Whether the end has been found: there are no frames but those of [`Self::numbers`].
+    /// Whether the end is known: there are no frames but those of [`Self::numbers`].
     pub fn is_complete(&self) -> bool {
         self.complete
     }
 
-    /// What went wrong without ending the sequence since this was last asked.
+    /// Takes the warnings since the last call, of problems that did not end the sequence.
     pub fn take_warnings(&mut self) -> Vec<String> {
         std::mem::take(&mut self.warnings)
     }
 
-    /// Forgets all frames of a live source: the next one that it gives is at position 0.
+    /// Drops all frames of a live source: its next frame is at position 0.
     pub fn forget(&mut self) {
         if self.info.live {
             self.numbers.clear();
@@ -169,12 +168,12 @@ impl FrameCache {
         }
     }
 
-    /// Whether the frame at `position` is kept.
+    /// Whether the frame at `position` is cached.
     pub fn has(&self, position: u32) -> bool {
         self.kept.contains_key(&position)
     }
 
-    /// The frame at `position` if it is kept; it counts as used.
+    /// The frame at `position` if it is cached; counts as a use.
     pub fn kept(&mut self, position: u32) -> Option<Arc<Frame>> {
         let (frame, used) = self.kept.get_mut(&position)?;
         self.by_use.remove(used);
@@ -184,7 +183,7 @@ impl FrameCache {
         Some(Arc::clone(frame))
     }
 
-    /// The frame at `position` if it is kept, or is the next of the sequence and decoded already.
+    /// The frame at `position` if it is cached, or is the next of the sequence and already decoded.
     pub fn at_hand(&mut self, position: u32) -> Option<Arc<Frame>> {
         if position as usize != self.numbers.len() || self.complete || !self.front.is_ready() {
             return self.kept(position);
@@ -199,8 +198,8 @@ impl FrameCache {
         }
     }
 
-    /// One step towards the frame at `position`: decodes at most one frame, so that the caller can
-    /// turn to something else in between.
+    /// Makes one step towards the frame at `position`: decodes at most one frame, so that the caller can do other
+    /// work in between.
     pub fn fetch(&mut self, position: u32, keep: Keep) -> Result<Fetched, SourceError> {
         if let Some(frame) = self.kept(position) {
             return Ok(Fetched::Frame(frame));
@@ -214,7 +213,7 @@ impl FrameCache {
         self.fetch_again(position, keep)
     }
 
-    /// The frame at `position`, `None` beyond the end or where a live source's frame is no longer kept.
+    /// The frame at `position`; `None` beyond the end or where a live source's frame is no longer cached.
     pub fn get(&mut self, position: u32) -> Result<Option<Arc<Frame>>, SourceError> {
         loop {
             match self.fetch(position, Keep::Yes)? {
@@ -275,9 +274,9 @@ impl FrameCache {
             }
             return Err(SourceError::unusable(&self.info.name, "it changed while being read; open it again"));
         };
-        // After a jump a reader counts from elsewhere.
+        // After a seek the reader's own frame numbers are wrong.
         frame.number = self.numbers[here as usize];
-        // It was measured when all before it had been seen.
+        // The alignment was measured when all earlier frames had been read.
         frame.alignment = self.alignments[here as usize];
         again.next = here + 1;
         self.again = Some(again);
@@ -289,8 +288,8 @@ impl FrameCache {
         Ok(if here == position { Fetched::Frame(frame) } else { Fetched::OnTheWay })
     }
 
-    /// Finds out where a source that jumped is, from what it gives next; where that is not a little
-    /// before `position`, or not to be told, there are no more jumps.
+    /// Finds the position of a source after a seek from the fingerprints of the frames that it gives. Where that
+    /// position is not shortly before `position`, or ambiguous, seeks are not used any more.
     fn land(&mut self, mut source: Box<dyn Source>, position: u32) -> Result<Fetched, SourceError> {
         let mut seen = Vec::new();
         self.jumps = false;
@@ -394,7 +393,7 @@ mod tests {
     }
 
     #[test]
-    fn any_order_gives_the_same_frames_within_the_budget() {
+    fn frames_are_the_same_in_any_order_within_the_budget() {
         let (mut cache, _) = cache(40, 6, false);
         let mut position = 7;
         for _ in 0..300 {
@@ -410,7 +409,7 @@ mod tests {
     }
 
     #[test]
-    fn what_was_used_last_stays() {
+    fn the_least_recently_used_frame_is_evicted() {
         let (mut cache, opened) = cache(10, 4, false);
         cache.get(2).unwrap();
         cache.kept(0).unwrap();
@@ -418,11 +417,11 @@ mod tests {
         assert!(cache.kept(0).is_some() && cache.kept(1).is_none());
         assert_eq!(opened.load(Ordering::Relaxed), 1);
         cache.get(1).unwrap().unwrap();
-        assert_eq!(opened.load(Ordering::Relaxed), 2, "a dropped frame takes a fresh reader");
+        assert_eq!(opened.load(Ordering::Relaxed), 2, "an evicted frame needs a second reader");
     }
 
     #[test]
-    fn a_single_pass_pushes_nothing_out() {
+    fn a_single_pass_evicts_nothing() {
         let (mut cache, _) = cache(10, 4, false);
         cache.get(9).unwrap();
         for position in 0..7 {
@@ -443,7 +442,7 @@ mod tests {
     }
 
     #[test]
-    fn a_live_frame_that_was_dropped_is_gone() {
+    fn an_evicted_live_frame_cannot_be_read_again() {
         let (mut cache, opened) = cache(10, 3, true);
         cache.get(5).unwrap().unwrap();
         assert_eq!(cache.fetch(0, Keep::Yes).unwrap(), Fetched::Gone);
@@ -463,7 +462,7 @@ mod tests {
         assert!(error.contains("changed"), "{error}");
     }
 
-    /// A source that jumps: to where it is told plus `off`, and which shows each picture `still` times.
+    /// A source whose seek lands `off` frames from the target, and which repeats each picture `still` times.
     struct Jumping {
         info: SourceInfo,
         next: i64,
@@ -501,7 +500,7 @@ mod tests {
     }
 
     #[test]
-    fn wherever_a_jump_lands_the_frame_is_the_right_one() {
+    fn an_inaccurate_seek_gives_the_requested_frame() {
         for (off, still, most_decoded) in [
             (0, 1, 80),
             (-13, 1, 110),

@@ -1,9 +1,8 @@
 //! One image file, as 8-bit RGB.
 //!
-//! 16 bits are scaled to 8 (65535 is 255, rounded), gray is replicated, palettes are looked up.
-//! An alpha channel is dropped, not composited: a background model measures the colours that are
-//! stored, and blending with a colour of our choice would bring in one that is not in the data;
-//! OpenCV's `imread` does the same. An EXIF orientation is applied, as every viewer does.
+//! 16 bits are scaled to 8 (65535 becomes 255, rounded), gray is replicated, palettes are looked up. An alpha channel
+//! is dropped, not composited, as in OpenCV's `imread`: the background model measures the stored colours, and
+//! blending would add colours that are not in the data. The EXIF orientation is applied.
 
 use std::fs::File;
 use std::io::{BufReader, Cursor, Read};
@@ -16,17 +15,17 @@ use crate::frame::Size;
 const EXTENSIONS: [&str; 13] =
     ["png", "jpg", "jpeg", "jpe", "bmp", "tif", "tiff", "webp", "ppm", "pgm", "pbm", "pnm", "gif"];
 
-/// A JPEG's header lies within its first bytes, thumbnail and all; the decoder would read the whole file.
+/// A JPEG's header, thumbnail included, lies within these first bytes; the decoder would read the whole file.
 const JPEG_HEADER_BYTES: u64 = 256 << 10;
 
-/// Whether a file of this name is taken for an image; hidden files are not.
+/// Whether the file name is that of an image; hidden files are not.
 pub(super) fn has_image_name(path: &Path) -> bool {
     let hidden = path.file_name().is_none_or(|name| name.to_string_lossy().starts_with('.'));
     let extension = path.extension().map(|extension| extension.to_string_lossy().to_lowercase());
     !hidden && extension.is_some_and(|extension| EXTENSIONS.contains(&extension.as_str()))
 }
 
-/// The size of the image, from its header alone.
+/// The size of the image, read from its header only.
 pub(super) fn size(path: &Path) -> Result<Size, String> {
     let reader = reader(path)?;
     if reader.format() != Some(ImageFormat::Jpeg) {
@@ -69,8 +68,8 @@ fn size_of(mut decoder: impl ImageDecoder) -> Result<Size, String> {
     if width == 0 || height == 0 { Err("it has no pixels".into()) } else { Ok(Size::new(width, height)) }
 }
 
-/// Whether a JPEG lacks its end. The decoder would fill what is missing with gray, and the model
-/// would learn that gray. The end marker of a thumbnail stands in the first half.
+/// Whether the end marker of a JPEG is missing. The decoder fills missing data with gray, which the model would
+/// learn. Only the second half is searched, because a thumbnail's end marker lies in the first half.
 fn is_cut_off(jpeg: &[u8]) -> bool {
     !jpeg[jpeg.len() / 2..].windows(2).any(|bytes| bytes == [0xff, 0xd9])
 }

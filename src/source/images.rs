@@ -1,4 +1,4 @@
-//! Folders and patterns of images.
+//! Image sequences from folders and patterns.
 
 use std::ffi::OsString;
 use std::fs;
@@ -9,11 +9,11 @@ use super::pattern::Pattern;
 use super::{FpsFrom, Options, Source, SourceError, SourceInfo, image_file, rate};
 use crate::frame::{Frame, Size};
 
-/// Images in order, all of one size.
+/// An image sequence; all images have one size.
 pub(super) struct ImageSequence {
     info: SourceInfo,
     files: std::vec::IntoIter<File>,
-    /// Decoded while opening, to know that there is one.
+    /// The first frame, decoded at opening to check that there is one.
     first: Option<Frame>,
     warnings: Vec<String>,
 }
@@ -21,12 +21,12 @@ pub(super) struct ImageSequence {
 struct File {
     path: PathBuf,
     number: u32,
-    /// Why its header cannot be read.
+    /// The error of reading its header.
     unreadable: Option<String>,
 }
 
 impl ImageSequence {
-    /// The images of a folder in the natural order of their names; other files are passed over.
+    /// The images of a folder in the natural order of their names; other files are ignored.
     pub(super) fn of_folder(name: &str, options: Options) -> Result<Self, SourceError> {
         let mut files = list(name, Path::new(name))?;
         let anything = !files.is_empty();
@@ -46,7 +46,7 @@ impl ImageSequence {
         Self::new(name, Path::new(name), options, files.into_iter().zip(numbers))
     }
 
-    /// The images whose names a pattern such as `in%06d.png` would print, by number.
+    /// The images whose names match a pattern such as `in%06d.png`, ordered by number.
     pub(super) fn of_pattern(name: &str, options: Options) -> Result<Self, SourceError> {
         let path = Path::new(name);
         let folder = path.parent().unwrap_or(Path::new(""));
@@ -107,7 +107,7 @@ impl ImageSequence {
             || SourceError::unusable(name, "none of its images can be read; check that they are complete");
         let (size, _) = first.ok_or_else(none)?;
         let frames = listed.iter().filter(|file| file.unreadable.is_none()).count() as u32;
-        // Images themselves say nothing about time.
+        // Image files carry no frame rate.
         let (said, warning) = match options.fps {
             Some(fps) => (Some((fps, FpsFrom::Given)), None),
             None => rate::of_images(folder),
@@ -121,7 +121,7 @@ impl ImageSequence {
         if sequence.first.is_some() { Ok(sequence) } else { Err(none()) }
     }
 
-    /// The next image that can be read.
+    /// The next readable image.
     fn decode_next(&mut self) -> Option<Frame> {
         for file in self.files.by_ref() {
             let read = file.unreadable.map_or_else(|| image_file::read(&file.path), Err);
@@ -150,7 +150,7 @@ impl Source for ImageSequence {
     }
 
     fn seek(&mut self, position: u32) -> bool {
-        // The first image has been taken already, for opening.
+        // The first image was already decoded at opening.
         if position > 0 {
             self.first = None;
             let mut readable =

@@ -1,6 +1,6 @@
-//! Where frames come from: video files, folders and patterns of images, cameras.
+//! Sources of frames: video files, folders and patterns of images, cameras.
 //!
-//! Every later stage sees only [`Frame`]s, 8-bit RGB, in order.
+//! All later stages process [`Frame`]s, 8-bit RGB, in order.
 
 mod ahead;
 pub mod cache;
@@ -24,87 +24,87 @@ use crate::settings::Settings;
 pub use quiet::silence_libraries;
 pub use rate::{FPS_RANGE, FpsFrom, parse_fps};
 
-/// What is known of a source before its frames are read.
+/// Properties of a source that are known before its frames are read.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SourceInfo {
-    /// As the user named it: a path, a pattern, `camera:0`.
+    /// The name given by the user: a path, a pattern, `camera:0`.
     pub name: String,
     /// Width and height of every frame.
     pub size: Size,
-    /// Frames a second; 25 where nothing says how many.
+    /// Frames per second; 25 where no rate is given.
     pub fps: f32,
-    /// What says how many.
+    /// The origin of the frame rate.
     pub fps_from: FpsFrom,
-    /// How many frames it says it has: exact for images, an estimate for videos, none for cameras.
+    /// Number of frames according to the source: exact for images, an estimate for videos, `None` for cameras.
     pub frames: Option<u32>,
-    /// Whether frames come as time passes and never again.
+    /// Whether the source is live: its frames come in real time and cannot be read again.
     pub live: bool,
 }
 
 impl SourceInfo {
-    /// How many of the first frames are learnt from before they are judged, where there are so many: none of a camera,
-    /// whose frames come once.
+    /// Number of the first frames that the model learns from before it classifies them, if the sequence has that
+    /// many. 0 for a live source, whose frames come once.
     pub fn bootstrap(&self, settings: &Settings) -> u32 {
         if self.live { 0 } else { settings.bootstrap.frames(self.fps) }
     }
 }
 
-/// What is chosen of a source besides its name. None of it is a setting: it is as much a part of the input as the file.
+/// Options of a source besides its name. They belong to the input and are not settings.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Options {
-    /// How many frames a second there are, where that is not for the source to say.
+    /// Frames per second, in place of the source's own rate.
     pub fps: Option<f32>,
 }
 
 /// A sequence of frames, read once from the first to the last.
 pub trait Source: Send {
-    /// What is known of it.
+    /// Properties of the source.
     fn info(&self) -> &SourceInfo;
 
     /// The next frame, `None` after the last. All frames have the size of [`SourceInfo::size`].
     fn next_frame(&mut self) -> Result<Option<Frame>, SourceError>;
 
-    /// Jumps to about the frame at this position, from 0; whether it can jump at all. Where it lands
-    /// only the frames tell that come next, whose numbers count from elsewhere. Before any of them
-    /// was read.
+    /// Seeks to approximately the frame at this position, counted from 0; returns whether the source can seek. The
+    /// exact position must be found from the next frames, whose numbers do not count from the start. Must be called
+    /// before the first frame is read.
     fn seek(&mut self, _position: u32) -> bool {
         false
     }
 
-    /// What went wrong without ending the sequence since this was last asked (an image that could
-    /// not be read and was skipped, a video that broke off), a sentence each.
+    /// Takes the warnings since the last call, one sentence each, of problems that did not end the sequence: an image
+    /// that could not be read and was skipped, a video that broke off.
     fn take_warnings(&mut self) -> Vec<String>;
 }
 
-/// Why a source cannot be used. Each message names what, which file, why, and what to do.
+/// An error of a source. Each message names the file, the problem, its cause and a remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum SourceError {
-    /// Nothing stands there.
+    /// There is nothing at this path.
     #[error("{0} does not exist; check the path")]
     Missing(String),
-    /// There, but not to be read as video or images.
+    /// The path exists but cannot be read as video or images.
     #[error("{path} cannot be used: {why}")]
     Unusable {
         /// The file, folder, pattern or camera.
         path: String,
-        /// Why, and what to do.
+        /// The cause and a remedy.
         why: String,
     },
 }
 
 impl SourceError {
     pub(crate) fn unusable(path: &str, why: impl Into<String>) -> Self {
-        // Libraries like to break their messages; a message of ours is one line.
+        // Messages of libraries may contain line breaks; ours are one line.
         let why = why.into().split_whitespace().collect::<Vec<_>>().join(" ");
         Self::Unusable { path: path.to_owned(), why }
     }
 }
 
-/// Opens what `name` names: a video file, a folder of images, a printf pattern such as
-/// `in%06d.png`, or a camera as `camera:0`.
+/// Opens the source `name`: a video file, a folder of images, a printf pattern such as `in%06d.png`, or a camera as
+/// `camera:0`.
 ///
-/// The first frame is decoded already, so that what cannot be read fails here. A folder's images
-/// are all measured here: when they differ in size, it fails before any is analysed.
+/// The first frame is decoded, so that an unreadable source fails here. The sizes of all images of a folder are read;
+/// it fails here if they differ.
 pub fn open(name: &str, options: Options) -> Result<Box<dyn Source>, SourceError> {
     silence_libraries();
     if let Some(index) = name.strip_prefix("camera:") {

@@ -2,9 +2,8 @@
 
 use std::path::Path;
 
-/// A number for each of these files, which are in order: the last run of digits in its name
-/// without the extension (`in000470.jpg` is 470) where all have one and they rise strictly,
-/// else 1, 2, 3, …
+/// The frame number of each file of an ordered list: the last run of digits in its name without the extension
+/// (`in000470.jpg` is 470) if all names have one and the numbers rise strictly, else 1, 2, 3, …
 pub(super) fn frame_numbers(files: &[impl AsRef<Path>]) -> Vec<u32> {
     let named: Option<Vec<u32>> = files.iter().map(|file| last_number(file.as_ref())).collect();
     match named {
@@ -17,7 +16,7 @@ fn last_number(file: &Path) -> Option<u32> {
     let stem = file.file_stem()?.to_string_lossy();
     let end = stem.rfind(|c: char| c.is_ascii_digit())? + 1;
     let start = stem[..end].rfind(|c: char| !c.is_ascii_digit()).map_or(0, |at| {
-        // The character before the digits may take several bytes.
+        // The character before the digits may have several bytes.
         at + stem[at..].chars().next().map_or(1, char::len_utf8)
     });
     stem[start..end].parse().ok()
@@ -30,7 +29,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_give_their_last_number() {
+    fn frame_numbers_are_the_last_digits_of_names() {
         assert_eq!(frame_numbers(&["in000470.jpg", "in000471.jpg"]), [470, 471]);
         assert_eq!(frame_numbers(&["cam2_7x.png", "cam2_12x.png"]), [7, 12]);
         assert_eq!(
@@ -42,7 +41,7 @@ mod tests {
     }
 
     #[test]
-    fn names_without_usable_numbers_are_counted() {
+    fn frames_are_counted_where_names_have_no_usable_numbers() {
         assert_eq!(frame_numbers(&["a.png", "b2.png"]), [1, 2]);
         assert_eq!(frame_numbers(&["1.png", "01.png"]), [1, 2], "not distinct");
         assert_eq!(frame_numbers(&["a2.png", "b1.png"]), [1, 2], "not rising");

@@ -1,6 +1,6 @@
 //! printf patterns for numbered files: `in%06d.png`.
 
-/// What stands before and after the number, and how the number is written.
+/// The text before and after the number, and the number's format.
 #[derive(Debug, PartialEq)]
 pub(super) struct Pattern {
     before: String,
@@ -10,7 +10,7 @@ pub(super) struct Pattern {
 }
 
 impl Pattern {
-    /// Reads a file name with one of `%d`, `%5d`, `%05d`; `%%` is a percent sign.
+    /// Parses a file name with one of `%d`, `%5d`, `%05d`; `%%` is a percent sign.
     pub(super) fn parse(text: &str) -> Option<Self> {
         let mut texts = [String::new(), String::new()];
         let mut number = None;
@@ -42,7 +42,7 @@ impl Pattern {
         Some(Self { before, after, width, zeros })
     }
 
-    /// The number in `name`, `None` where `name` is not what the pattern would print for any.
+    /// The number in `name`; `None` if the pattern cannot print `name`.
     pub(super) fn number_in(&self, name: &str) -> Option<u32> {
         let written = name.strip_prefix(&self.before)?.strip_suffix(&self.after)?;
         let number: u32 = written.trim_start_matches(' ').parse().ok()?;
@@ -59,7 +59,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_pattern_accepts_what_it_would_print() {
+    fn a_pattern_accepts_the_names_that_it_prints() {
         let padded = Pattern::parse("in%06d.png").unwrap();
         assert_eq!(padded.number_in("in000470.png"), Some(470));
         assert_eq!(padded.number_in("in1234567.png"), Some(1_234_567));
@@ -74,7 +74,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_pattern_is_refused() {
+    fn an_invalid_pattern_is_refused() {
         for text in ["in.png", "in%s.png", "%d_%d.png", "100%", "%-5d.png", "%999999999999999999999d"] {
             assert_eq!(Pattern::parse(text), None, "{text}");
         }

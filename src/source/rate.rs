@@ -1,35 +1,35 @@
-//! How many frames a second: from the user, the video, or MOTChallenge's `seqinfo.ini` beside images.
+//! The frame rate: from the user, the video, or MOTChallenge's `seqinfo.ini` beside images.
 
 use std::fs::{self, File};
 use std::io::Read as _;
 use std::path::{Path, PathBuf};
 
-/// Frames a second where nothing says how many.
+/// Frames per second where no rate is given.
 pub(super) const ASSUMED: f32 = 25.0;
 
-/// The least and the greatest rate that can be meant.
+/// The accepted range of frame rates.
 pub const FPS_RANGE: (f32, f32) = (0.05, 1000.0);
 
-/// What a sequence of images says of itself, beside them or in the folder above.
+/// The file with a sequence's properties, in the folder of the images or its parent.
 const SEQINFO: &str = "seqinfo.ini";
-/// More than this of it is not read.
+/// Maximum number of bytes of it that are read.
 const MOST_BYTES: u64 = 1 << 16;
 
-/// Where a frame rate comes from.
+/// The origin of a frame rate.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FpsFrom {
-    /// The user named it.
+    /// Given by the user.
     Given,
-    /// The video or the camera says so.
+    /// Read from the video or the camera.
     Video,
-    /// `seqinfo.ini` says so.
+    /// Read from `seqinfo.ini`.
     SeqInfo,
-    /// Nothing says how many: 25.
+    /// Unknown; 25 is assumed.
     Assumed,
 }
 
 impl FpsFrom {
-    /// In a word, for files.
+    /// The origin as one word, for files.
     pub const fn word(self) -> &'static str {
         match self {
             Self::Given => "--fps",
@@ -40,14 +40,14 @@ impl FpsFrom {
     }
 }
 
-/// Reads a frame rate; `None` where the text is no number within [`FPS_RANGE`].
+/// Parses a frame rate; `None` where the text is not a number within [`FPS_RANGE`].
 pub fn parse_fps(text: &str) -> Option<f32> {
     let (least, greatest) = FPS_RANGE;
     text.trim().parse().ok().filter(|fps| (least..=greatest).contains(fps))
 }
 
-/// What `seqinfo.ini` in the folder of some images, or in the one above, says of their rate; a warning where there is
-/// such a file and it does not.
+/// The frame rate in the `seqinfo.ini` in the folder of the images or its parent, and a warning where the file exists
+/// but gives no rate.
 pub(super) fn of_images(folder: &Path) -> (Option<(f32, FpsFrom)>, Option<String>) {
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
     let Some(path) = seqinfo(folder) else { return (None, None) };
@@ -68,7 +68,7 @@ fn seqinfo(folder: &Path) -> Option<PathBuf> {
     if beside.is_file() {
         return Some(beside);
     }
-    // The folder may be named by a link or by dots.
+    // The path may be a link or contain dots.
     let whole = fs::canonicalize(folder).ok()?;
     let above = whole.parent()?.join(SEQINFO);
     above.is_file().then_some(above)
@@ -82,13 +82,13 @@ fn rate_in(path: &Path) -> Result<f32, String> {
     rate_of(&String::from_utf8_lossy(&bytes))
 }
 
-/// The rate in the text of a `seqinfo.ini`, or why it cannot be told.
+/// The rate in the text of a `seqinfo.ini`, or why there is none.
 fn rate_of(text: &str) -> Result<f32, String> {
     let entries = text.trim_start_matches('\u{feff}').lines().filter_map(|line| line.split_once('='));
     let rate = entries.into_iter().find(|(key, _)| key.trim().eq_ignore_ascii_case("frameRate"));
     let (_, value) = rate.ok_or("it has no frameRate")?;
     let (least, greatest) = FPS_RANGE;
-    // What follows a semicolon is a comment.
+    // A semicolon starts a comment.
     let value = value.split(';').next().unwrap_or_default().trim();
     let short: String = value.chars().take(40).collect();
     parse_fps(value).ok_or_else(|| format!("its frameRate `{short}` is not a number in {least}–{greatest}"))
@@ -101,7 +101,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_rate_is_read_however_the_file_is_written() {
+    fn a_rate_is_read_in_every_form_of_the_file() {
         for (text, fps) in [
             ("[Sequence]\nname=KITTI-17\nframeRate=10\nseqLength=145\n", 10.0),
             ("\u{feff}[Sequence]\r\nname=a\r\n  FrameRate = 29.97 \r\n", 29.97),
@@ -127,7 +127,7 @@ mod tests {
     }
 
     #[test]
-    fn the_file_beside_the_images_comes_before_the_one_above() {
+    fn the_file_beside_the_images_overrides_the_one_in_the_parent() {
         let folder = tempfile::tempdir().unwrap();
         let images = folder.path().join("img1");
         fs::create_dir(&images).unwrap();

@@ -33,7 +33,7 @@ fn read_all(path: impl AsRef<Path>) -> (Vec<Frame>, Vec<String>) {
         assert_eq!(frame.size, size);
         frames.push(frame);
     }
-    assert!(source.next_frame().unwrap().is_none(), "the end stays the end");
+    assert!(source.next_frame().unwrap().is_none(), "the end is final");
     (frames, source.take_warnings())
 }
 
@@ -41,12 +41,12 @@ fn numbers(frames: &[Frame]) -> Vec<u32> {
     frames.iter().map(|frame| frame.number).collect()
 }
 
-/// A picture whose every pixel tells where it is and which picture it is.
+/// A picture whose pixel values encode their coordinates and the picture's index.
 fn picture(width: u32, height: u32, index: u32) -> RgbImage {
     RgbImage::from_fn(width, height, |x, y| Rgb([(x * 7) as u8, (y * 11) as u8, (index * 13 + x * y) as u8]))
 }
 
-/// Writes frames of a single gray level that rises by 12 a frame.
+/// Writes frames of a single gray level that rises by 12 per frame.
 fn write_video(path: &Path, fourcc: [u8; 4], fps: f64, (width, height): (i32, i32), frames: u32) {
     silence_libraries();
     let [a, b, c, d] = fourcc.map(char::from);
@@ -107,7 +107,7 @@ fn videos_are_read_in_order_and_counted() {
 }
 
 #[test]
-fn a_video_that_breaks_off_is_read_to_the_break() {
+fn a_truncated_video_is_read_to_its_end() {
     let folder = folder();
     for (file, fourcc) in [("a.avi", *b"MJPG"), ("b.mkv", *b"MJPG"), ("c.avi", *b"mp4v")] {
         let path = folder.path().join(file);
@@ -125,7 +125,7 @@ fn a_video_that_breaks_off_is_read_to_the_break() {
 }
 
 #[test]
-fn a_video_with_garbage_inside_is_read_as_far_as_it_goes() {
+fn a_corrupt_video_is_read_to_the_corruption() {
     let folder = folder();
     let path = folder.path().join("a.avi");
     write_video(&path, *b"MJPG", 25.0, (160, 120), 60);
@@ -142,7 +142,7 @@ fn a_video_with_garbage_inside_is_read_as_far_as_it_goes() {
 }
 
 #[test]
-fn files_that_are_no_video_are_refused() {
+fn files_that_are_not_video_are_refused() {
     let folder = folder();
     let path = |file: &str| folder.path().join(file);
     assert!(open_error(path("nothing.avi")).ends_with("nothing.avi does not exist; check the path"));
@@ -157,13 +157,13 @@ fn files_that_are_no_video_are_refused() {
     picture(8, 8, 0).save(path("one.png")).unwrap();
     assert!(open_error(path("one.png")).contains("single image"));
 
-    // An mp4's index stands at its end: nothing can be read without it.
+    // The index of an mp4 is at its end: nothing can be read without it.
     write_video(&path("cut.mp4"), *b"mp4v", 25.0, (160, 120), 30);
     let bytes = fs::read(path("cut.mp4")).unwrap();
     fs::write(path("cut.mp4"), &bytes[..bytes.len() * 2 / 3]).unwrap();
     assert!(open_error(path("cut.mp4")).contains("not a decodable video"));
 
-    // A header and not one frame.
+    // A header without a frame.
     write_video(&path("head.avi"), *b"MJPG", 25.0, (160, 120), 30);
     let bytes = fs::read(path("head.avi")).unwrap();
     let movi = bytes.windows(4).position(|window| window == b"movi").unwrap();
@@ -173,14 +173,14 @@ fn files_that_are_no_video_are_refused() {
 }
 
 #[test]
-fn cameras_that_are_not_there_are_refused() {
+fn missing_cameras_are_refused() {
     assert!(open_error("camera:front").contains("by number"));
     assert!(open_error("camera:-1").contains("by number"));
     assert!(open_error("camera:97").contains("no such camera"));
 }
 
 #[test]
-fn folders_are_read_in_natural_order_with_the_numbers_of_the_names() {
+fn folders_are_read_in_natural_order_and_numbered_by_name() {
     let folder = folder();
     for index in [470, 9, 10, 101] {
         picture(13, 7, index).save(folder.path().join(format!("in{index}.png"))).unwrap();
@@ -200,7 +200,7 @@ fn folders_are_read_in_natural_order_with_the_numbers_of_the_names() {
 }
 
 #[test]
-fn patterns_take_their_numbers_from_the_names() {
+fn patterns_take_frame_numbers_from_file_names() {
     let folder = folder();
     for index in [3, 5, 4, 120] {
         picture(6, 5, index).save(folder.path().join(format!("in{index:06}.png"))).unwrap();
@@ -215,7 +215,7 @@ fn patterns_take_their_numbers_from_the_names() {
 }
 
 #[test]
-fn every_kind_of_pixel_becomes_rgb() {
+fn every_pixel_format_is_converted_to_rgb() {
     let folder = folder();
     let path = |file: &str| folder.path().join(file);
     GrayImage::from_fn(4, 3, |x, y| Luma([(x * 50 + y) as u8])).save(path("1.png")).unwrap();
@@ -264,7 +264,7 @@ fn exif_orientation_is_applied_to_picture_and_size() {
 }
 
 #[test]
-fn images_that_cannot_be_read_are_skipped_with_their_numbers() {
+fn unreadable_images_are_skipped_with_their_numbers() {
     let folder = folder();
     let path =
         |index: u32, extension: &str| -> PathBuf { folder.path().join(format!("f{index}.{extension}")) };
@@ -273,7 +273,7 @@ fn images_that_cannot_be_read_are_skipped_with_their_numbers() {
     }
     picture(32, 24, 4).save(path(4, "jpg")).unwrap();
     picture(32, 24, 6).save(path(6, "jpg")).unwrap();
-    // No header, a header without its pixels, and a JPEG of which half is there.
+    // No header, a header without pixels, and the first half of a JPEG.
     fs::write(path(2, "png"), "no image at all").unwrap();
     let bytes = fs::read(path(3, "png")).unwrap();
     fs::write(path(3, "png"), &bytes[..bytes.len() / 2]).unwrap();
@@ -291,7 +291,7 @@ fn images_that_cannot_be_read_are_skipped_with_their_numbers() {
 }
 
 #[test]
-fn images_of_several_sizes_are_refused_at_once() {
+fn images_of_different_sizes_are_refused_at_opening() {
     let folder = folder();
     for index in 1..=4 {
         picture(20, if index == 4 { 11 } else { 10 }, index)
@@ -316,7 +316,7 @@ fn folders_without_a_usable_image_are_refused() {
 
 #[test]
 fn libraries_write_nothing_to_the_terminal() {
-    // In a process of its own: what C code writes is not captured by the test harness.
+    // Run in a separate process: the test harness does not capture the output of C code.
     let output = std::process::Command::new(std::env::current_exe().unwrap())
         .args(["--nocapture", "source::tests::a_video", "source::tests::files", "source::tests::cameras"])
         .env_remove("RUST_BACKTRACE")

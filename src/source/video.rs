@@ -1,7 +1,7 @@
 //! Video files and cameras, through OpenCV.
 //!
-//! OpenCV's seeking and its frame count are not exact: frames are decoded in order and counted here,
-//! and who jumps has to find out where he is.
+//! OpenCV's seeking and its frame count are not exact: frames are decoded in order and counted here, and the caller
+//! of a seek has to find the position.
 
 use std::fs::{self, File};
 use std::io::Read;
@@ -21,14 +21,14 @@ use crate::frame::{Frame, Size};
 /// A video or a camera, read frame by frame.
 pub(super) struct Video {
     info: SourceInfo,
-    /// What the file says, by which its times count: a rate that the user names is another.
+    /// The file's own frame rate, on which its timestamps are based; a rate given by the user does not change it.
     said_fps: f64,
     capture: VideoCapture,
     picture: Mat,
-    /// Decoded while opening: a source's size is that of its first frame.
+    /// The first frame, decoded at opening because it gives the source's size.
     first: Option<Frame>,
     decoded: u32,
-    /// When the last decoded frame is shown, in seconds from the start, where the file says.
+    /// Timestamp of the last decoded frame, in seconds from the start, where the file has one.
     last_seconds: f64,
     ended: bool,
     warnings: Vec<String>,
@@ -53,7 +53,7 @@ pub(super) fn open_file(name: &str, options: Options) -> Result<Video, SourceErr
     if is_text(&start[..length]) {
         return Err(SourceError::unusable(name, "it is text, not a video"));
     }
-    // A whole path keeps FFmpeg from reading a name with a colon as a protocol.
+    // An absolute path keeps FFmpeg from reading a name with a colon as a protocol.
     let path = fs::canonicalize(name)
         .map_err(|error| SourceError::unusable(name, format!("{error}; check the path")))?;
     let no_video = || {
@@ -94,7 +94,7 @@ pub(super) fn open_camera(name: &str, index: &str, options: Options) -> Result<V
 }
 
 impl Video {
-    /// `None` when not one frame can be decoded.
+    /// `None` when no frame can be decoded.
     fn new(
         name: &str,
         capture: VideoCapture,
@@ -129,7 +129,7 @@ impl Video {
     }
 
     fn decode(&mut self) -> Result<Option<Frame>, SourceError> {
-        // An exception from a decoder is a broken stream like any other: the frames so far stand.
+        // An exception in a decoder ends the stream like any other error; earlier frames remain valid.
         if !self.capture.read(&mut self.picture).unwrap_or(false) || self.picture.empty() {
             return Ok(None);
         }
@@ -202,13 +202,13 @@ impl Source for Video {
     }
 }
 
-/// Frame rates that a file may mean. 1000 and above are clock rates of containers.
+/// Whether the rate is plausible as a frame rate. 1000 and above are clock rates of containers.
 fn is_plausible(fps: f64) -> bool {
     (0.05..1000.0).contains(&fps)
 }
 
-/// Whether a video ended well before its header says. A header's count may be an estimate from the
-/// duration, or count frames that are not there, so the time of the last frame has to be short too.
+/// Whether a video ended well before the length in its header. The header's frame count may be an estimate from the
+/// duration, or too large, so the timestamp of the last frame has to be short as well.
 fn is_clearly_short(decoded: u32, expected: u32, last_seconds: f64, fps: f64) -> bool {
     let missing = f64::from(expected) - f64::from(decoded);
     let margin = (0.05 * f64::from(expected)).max(1.5);
@@ -219,7 +219,7 @@ fn is_clearly_short(decoded: u32, expected: u32, last_seconds: f64, fps: f64) ->
 fn is_text(start: &[u8]) -> bool {
     let text = match std::str::from_utf8(start) {
         Ok(text) => text,
-        // The cut may go through a character.
+        // The end of the buffer may split a character.
         Err(error) if error.error_len().is_none() => {
             std::str::from_utf8(&start[..error.valid_up_to()]).unwrap_or_default()
         }
@@ -239,7 +239,7 @@ fn rgb_of(picture: &Mat) -> Result<(Size, Vec<u8>), String> {
     };
     let size = Size::new(picture.cols() as u32, picture.rows() as u32);
     let mut rgb = vec![0; size.pixels() * 3];
-    // Written where it stays, a frame is moved once less.
+    // Decoding into the final buffer saves a copy.
     let mut target = Mat::new_rows_cols_with_bytes_mut::<Vec3b>(picture.rows(), picture.cols(), &mut rgb)
         .map_err(|error| error.message)?;
     cvt_color_def(picture, &mut target, code).map_err(|error| error.message)?;
@@ -253,9 +253,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn short_means_short_in_frames_and_in_time() {
+    fn a_short_video_is_short_in_frames_and_in_time() {
         assert!(is_clearly_short(10, 20, 0.9, 10.0));
-        assert!(is_clearly_short(10, 20, 0.0, 10.0), "a file that gives no times");
+        assert!(is_clearly_short(10, 20, 0.0, 10.0), "a file without timestamps");
         assert!(!is_clearly_short(19, 20, 1.8, 10.0), "the count may be off by one");
         assert!(!is_clearly_short(97, 100, 9.6, 10.0), "or by a few in many");
         assert!(!is_clearly_short(60, 100, 9.9, 10.0), "variable frame rate: the time is full");
@@ -263,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn text_is_told_from_video() {
+    fn text_files_are_distinguished_from_video() {
         assert!(is_text("Grüße\n".as_bytes()));
         assert!(is_text(&"Grüße".as_bytes()[..3]), "cut within a character");
         assert!(!is_text(b"RIFF\x24\x00\x00\x00AVI "));

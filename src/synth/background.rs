@@ -1,4 +1,4 @@
-//! Places: what the camera sees when nobody is there.
+//! Background scenes: the static image without people.
 
 use rayon::prelude::*;
 
@@ -6,13 +6,13 @@ use super::scene::Background;
 use super::texture::{Colour, fractal_noise, lit, mix_colour, salted, smoothstep, unit};
 use crate::frame::Size;
 
-/// Samples along each side of a pixel.
+/// Samples per pixel along each axis.
 const SAMPLES: u32 = 3;
 
-/// Draws a place without noise: a colour for each pixel, row after row, 0..=255 but not yet rounded.
+/// Renders a background without noise: a colour for each pixel, row by row, 0..=255 but not rounded.
 pub fn draw(place: Background, size: Size, seed: u64) -> Vec<Colour> {
-    // Textures are laid out for an image 240 rows high and scaled to others, so that a scene looks
-    // the same at every size.
+    // Textures are defined for an image 240 rows high and scaled to other sizes, so that a scene looks the same at
+    // every size.
     let scale = 240.0 / size.height as f32;
     let width = size.width as f32 * scale;
     let colour_at = |x: f32, y: f32| match place {
@@ -38,20 +38,20 @@ pub fn draw(place: Background, size: Size, seed: u64) -> Vec<Colour> {
         .collect()
 }
 
-/// A lens gives less light towards the corners.
+/// Vignetting: the lens is darker towards the corners.
 fn vignette(x: f32, y: f32) -> f32 {
     1.06 - 0.30 * (x * x + y * y)
 }
 
-/// Where on the ground a point of the image lies, in units of the camera's height: to the right of
-/// the middle, and away from the camera.
+/// The point of the ground plane at an image point, in units of the camera's height: to the right of the centre, and
+/// away from the camera.
 fn ground(x: f32, y: f32, width: f32, horizon: f32) -> (f32, f32) {
     let depth = 120.0 / (y - horizon).max(1.0);
     ((x - width / 2.0) / 150.0 * depth, depth)
 }
 
-/// Slabs or bricks in rows, each row moved by `shift` against the one before: the number of the
-/// stone, and how near to its edge a point is, in the given units.
+/// Slabs or bricks in rows, each row shifted by `shift` relative to the previous one: the index of the stone, and the
+/// distance of a point to its edge, in the given units.
 fn stones(u: f32, v: f32, length: f32, height: f32, shift: f32) -> (i64, i64, f32) {
     let row = (v / height).floor();
     let along = u / length + shift * row.rem_euclid(2.0);
@@ -75,7 +75,7 @@ fn plaza(x: f32, y: f32, width: f32, seed: u64) -> Colour {
     let slab = lit(slab, 0.80 + 0.22 * stain + 0.18 * (grain - 0.5));
     let joint = lit([122.0, 115.0, 106.0], 0.9 + 0.2 * grain);
     let stone = mix_colour(joint, slab, smoothstep(0.003, 0.009, edge));
-    // The house stands in its own faint shade.
+    // The faint contact shadow of the house.
     lit(stone, 0.80 + 0.20 * smoothstep(FOOT_OF_HOUSE, FOOT_OF_HOUSE + 12.0, y))
 }
 
@@ -92,7 +92,7 @@ fn house(x: f32, y: f32, width: f32, seed: u64) -> Colour {
         let ledge = 1.0 + 0.16 * smoothstep(98.5, 97.0, y);
         return lit(mix_colour([92.0, 88.0, 84.0], block, smoothstep(0.2, 0.9, edge)), ledge);
     }
-    // Windows every 52 pixels, one of them in the middle; sills stand out and throw a shade.
+    // Windows every 52 pixels, one of them in the middle; sills protrude and cast a shadow.
     let window = ((x - width / 2.0) / 52.0 + 0.5).floor();
     let (s, t) = (x - width / 2.0 - window * 52.0, y - 20.0);
     let (half, height) = (15.0, 54.0);
@@ -160,7 +160,7 @@ fn street(x: f32, y: f32, width: f32, seed: u64) -> Colour {
     let grain = fractal_noise(salted(seed, 54), x * 0.8, y * 0.9, 3);
     let stain = fractal_noise(salted(seed, 55), u * 3.0, v * 6.0, 4);
     if y > 226.0 {
-        // The kerb and the road beyond it.
+        // The kerb and the road below it.
         let kerb = smoothstep(230.5, 229.5, y);
         let road = lit([86.0, 86.0, 90.0], 0.84 + 0.2 * stain + 0.3 * (grain - 0.5));
         let stone = lit([166.0, 162.0, 155.0], 0.85 + 0.1 * stain + 0.2 * (grain - 0.5));
@@ -179,7 +179,7 @@ fn room(x: f32, y: f32, width: f32, seed: u64) -> Colour {
         return inner_wall(x - width / 2.0, FOOT_OF_WALL - y, seed);
     }
     let (u, v) = ground(x, y, width, 44.0);
-    // Boards run away from the wall, each cut where its neighbours are not.
+    // Floorboards perpendicular to the wall, with joints staggered between neighbours.
     let board = (u / 0.13).floor();
     let (column, row, edge) = stones(v + 0.37 * unit(salted(seed, 91), board as i64, 0), u, 0.9, 0.13, 0.5);
     let tint = unit(salted(seed, 92), column, row);
@@ -190,7 +190,7 @@ fn room(x: f32, y: f32, width: f32, seed: u64) -> Colour {
     lit(floor, 0.82 + 0.18 * smoothstep(FOOT_OF_WALL, FOOT_OF_WALL + 14.0, y))
 }
 
-/// A wall seen from within: `x` to the right of the middle, `up` above its foot.
+/// An interior wall: `x` to the right of the middle, `up` above its foot.
 fn inner_wall(x: f32, up: f32, seed: u64) -> Colour {
     let grain = fractal_noise(salted(seed, 94), x * 0.5, up * 0.5, 3);
     let light =
@@ -199,7 +199,7 @@ fn inner_wall(x: f32, up: f32, seed: u64) -> Colour {
         let top = smoothstep(7.6, 8.2, up);
         return lit([226.0, 221.0, 210.0], (0.78 + 0.14 * top) * light);
     }
-    // A door left of the middle, its handle to the right.
+    // A door to the left of the middle, with its handle on the right.
     let (s, door) = ((x + 92.0).abs(), 104.0);
     if s < 27.0 && up < door + 5.0 {
         if s > 23.0 || up > door {

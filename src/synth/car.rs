@@ -1,19 +1,19 @@
-//! A car from its side.
+//! Renders a car in side view.
 
 use super::layer::Layer;
 use super::scene::Car;
 use super::texture::{Colour, lit, mix_colour, smoothstep};
 
-/// Samples along each side of a pixel.
+/// Samples per pixel along each axis.
 const SAMPLES: i32 = 3;
 
-/// Lengths are shares of the car's own. The axles are so far from its middle.
+/// Lengths are relative to the car's length. Distance of the axles from its middle.
 const AXLE: f32 = 0.31;
 const WHEEL: f32 = 0.075;
-/// From the ground to the roof.
+/// Height of the roof above the ground.
 const HEIGHT: f32 = 0.33;
 
-/// Draws a car as it is in a frame, parts beyond the image included.
+/// Renders a car in a frame, including parts outside the image.
 pub fn draw(car: &Car, frame: f32) -> Layer {
     let [x, y] = car.path.position(frame);
     let facing = car.path.facing(frame);
@@ -38,7 +38,7 @@ pub fn draw(car: &Car, frame: f32) -> Layer {
                 shade += share * 0.45 * smoothstep(1.0, 0.5, (forward / 0.53).hypot((up + 0.004) / 0.03));
             }
         }
-        // The shade below is not the car itself: it may not make a pixel solid.
+        // The shadow below is not part of the silhouette and must not make a pixel solid.
         if layer.coverage[at] < Layer::SOLID {
             layer.coverage[at] = (layer.coverage[at] + shade).min(Layer::SOLID - 0.01);
         }
@@ -89,7 +89,7 @@ fn look(paint: Colour, forward: f32, up: f32, roll: f32) -> Option<Colour> {
     }
     let bumper = smoothstep(0.085, 0.075, up);
     let seam = smoothstep(0.004, 0.002, (forward - 0.10).abs().min((forward + 0.16).abs()));
-    // The flank bends: it mirrors the sky above its crease and the road below.
+    // The curved side reflects the sky above its crease and the road below.
     let light = 0.74 + 0.40 * smoothstep(0.08, 0.20, up) - 0.10 * smoothstep(0.148, 0.152, up) - 0.25 * seam;
     Some(mix_colour(lit(paint, light), [46.0, 46.0, 48.0], bumper))
 }

@@ -1,35 +1,35 @@
-//! A picture with coverage: one walker or one occluder, before it is laid on the background.
+//! An image with coverage: one person, car or occluder, before compositing.
 
 use super::texture::Colour;
 
-/// A rectangle of pixels somewhere on the image or partly beyond it.
+/// A rectangle of pixels, which may lie partly outside the image.
 #[derive(Clone, Debug)]
 pub struct Layer {
     /// Column of its left edge; may be negative.
     pub x: i32,
     /// Row of its upper edge; may be negative.
     pub y: i32,
-    /// Columns.
+    /// Number of columns.
     pub width: usize,
-    /// Rows.
+    /// Number of rows.
     pub height: usize,
-    /// Colours already multiplied by coverage, row after row.
+    /// Premultiplied colours, row by row.
     pub colour: Vec<Colour>,
-    /// Coverage 0..=1, row after row.
+    /// Coverage 0..=1, row by row.
     pub coverage: Vec<f32>,
 }
 
 impl Layer {
-    /// From this coverage on a pixel belongs to the silhouette.
+    /// Coverage from which on a pixel belongs to the silhouette.
     pub const SOLID: f32 = 0.5;
 
-    /// A layer that covers nothing yet.
+    /// An empty layer.
     pub fn clear(x: i32, y: i32, width: usize, height: usize) -> Self {
         let pixels = width * height;
         Self { x, y, width, height, colour: vec![[0.0; 3]; pixels], coverage: vec![0.0; pixels] }
     }
 
-    /// The same, so many columns and rows further.
+    /// The layer moved by this many columns and rows.
     #[must_use]
     pub fn moved(mut self, [x, y]: [i32; 2]) -> Self {
         self.x += x;
@@ -37,7 +37,7 @@ impl Layer {
         self
     }
 
-    /// Lays a colour over what is there at index `at`.
+    /// Composites a colour over the pixel at index `at`.
     pub fn paint(&mut self, at: usize, colour: Colour, coverage: f32) {
         for (under, over) in self.colour[at].iter_mut().zip(colour) {
             *under = *under * (1.0 - coverage) + over * coverage;
@@ -45,7 +45,7 @@ impl Layer {
         self.coverage[at] += (1.0 - self.coverage[at]) * coverage;
     }
 
-    /// Whether image pixel (x, y) belongs to the silhouette; outside the layer nothing does.
+    /// Whether image pixel (x, y) belongs to the silhouette; `false` outside the layer.
     pub fn is_solid(&self, x: i32, y: i32) -> bool {
         let (column, row) = (x - self.x, y - self.y);
         column >= 0
@@ -55,7 +55,7 @@ impl Layer {
             && self.coverage[row as usize * self.width + column as usize] >= Self::SOLID
     }
 
-    /// Index, column and row in the image of each of its pixels.
+    /// The index of each of its pixels, and the column and row in the image.
     pub fn places(&self) -> impl Iterator<Item = (usize, i32, i32)> + use<> {
         let (x, y, width) = (self.x, self.y, self.width);
         (0..self.coverage.len()).map(move |at| (at, x + (at % width) as i32, y + (at / width) as i32))

@@ -1,38 +1,38 @@
-//! How light it is, where, and when.
+//! The lighting of a scene, in space and time.
 
 use serde::{Deserialize, Serialize};
 
 use super::texture::{Colour, lit, mix, smoothstep};
 use crate::frame::Size;
 
-/// A factor on all light, which may change in time, and a shade that lies over one side.
+/// A global gain of the light, which can change over time, and a shadow over one side.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Light {
-    /// Frames and the factor in them, in order; between them it changes evenly, before the first and
-    /// after the last it stays. None at all is 1.
+    /// Key frames and their gains, in order, with linear interpolation between them and constant values before the
+    /// first and after the last. Empty is a gain of 1.
     pub gains: Vec<(f32, f32)>,
-    /// What lies in the shade, if anything does.
+    /// The shadow, if any.
     pub shade: Option<Shade>,
 }
 
-/// A shade over all that is to the right of a column, people too.
+/// A shadow over everything to the right of a column, people included.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Shade {
-    /// Where it begins, in pixels.
+    /// The column at which it begins, in pixels.
     pub from: f32,
-    /// Over how many pixels it deepens.
+    /// The width of its transition, in pixels.
     pub softness: f32,
     /// The factor on the light in it.
     pub light: f32,
 }
 
 impl Light {
-    /// Whether it changes nothing.
+    /// Whether it has no effect.
     pub fn is_usual(&self) -> bool {
         *self == Self::default()
     }
 
-    /// The factor on all light in a frame.
+    /// The gain in a frame.
     pub fn gain(&self, frame: f32) -> f32 {
         let later = self.gains.iter().position(|&(at, _)| at > frame);
         match (later, self.gains.last()) {
@@ -45,7 +45,7 @@ impl Light {
         }
     }
 
-    /// Lets it fall on an image.
+    /// Applies it to an image.
     pub(super) fn fall_on(&self, image: &mut [Colour], size: Size, frame: f32) {
         if self.is_usual() {
             return;
@@ -72,14 +72,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn light_changes_evenly_between_its_frames_and_stays_beyond_them() {
+    fn gain_is_interpolated_between_key_frames_and_constant_beyond_them() {
         let light = Light { gains: vec![(10.0, 0.5), (20.0, 1.0)], shade: None };
         assert_eq!([1.0, 10.0, 15.0, 20.0, 99.0].map(|frame| light.gain(frame)), [0.5, 0.5, 0.75, 1.0, 1.0]);
         assert_eq!(Light::default().gain(7.0), 1.0);
     }
 
     #[test]
-    fn a_shade_lies_over_one_side() {
+    fn a_shadow_covers_one_side() {
         let shade = Shade { from: 40.0, softness: 10.0, light: 0.25 };
         let light = Light { gains: vec![(0.0, 2.0)], shade: Some(shade) };
         let mut image = vec![[10.0; 3]; 200];

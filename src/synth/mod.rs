@@ -1,8 +1,8 @@
-//! Scenes drawn by rule, with their exact truth: who is where, how much of them is seen, who hides whom.
+//! Procedurally rendered scenes with exact ground truth: positions, visibility, and occluders.
 //!
-//! A [`Scene`] says what stands and walks where. A [`Renderer`] draws any frame of it and, from the
-//! same geometry, a [`FrameTruth`]. [`Recorder`] turns the truth of all frames into the events and
-//! episodes of [`Truth`]. [`catalogue`] has the scenes by name, [`write()`] puts one into files.
+//! A [`Scene`] describes objects and their paths. A [`Renderer`] renders any frame of it and, from the same geometry,
+//! a [`FrameTruth`]. [`Recorder`] derives the events and episodes of [`Truth`] from the truth of all frames.
+//! [`catalogue`] has the scenes by name, [`write()`] writes one to files.
 //!
 //! ```
 //! use occluscope::synth::{self, Parameters, Recorder};
@@ -18,7 +18,7 @@
 //! assert_eq!(recorder.finish().episodes.len(), 1);
 //! ```
 //!
-//! The same scene and seed give the same bits, whatever the thread count and the order of frames.
+//! The same scene and seed give the same bits, for any number of threads and any order of frames.
 
 pub mod background;
 pub mod car;

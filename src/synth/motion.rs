@@ -1,25 +1,25 @@
-//! What moves in the background and belongs to it: a flag, a lamp, a monitor, glints on water.
+//! Moving background objects: a flag, a lamp, a monitor, glints on water.
 
 use serde::{Deserialize, Serialize};
 
 use super::texture::{Colour, fractal_noise, lit, mix_colour, salted, smoothstep, value_noise};
 use crate::frame::Size;
 
-/// Samples along each side of a pixel.
+/// Samples per pixel along each axis.
 const SAMPLES: u32 = 2;
 
-/// Something behind everybody that changes again and again. Nothing of it is in the truth.
+/// A background object that changes repeatedly. It is not part of the truth.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Motion {
-    /// What it is.
+    /// Its kind.
     pub kind: MotionKind,
-    /// Its middle, in pixels.
+    /// Its centre, in pixels.
     pub at: [f32; 2],
     /// Its width in pixels.
     pub width: f32,
     /// Its height in pixels.
     pub height: f32,
-    /// After how many frames it starts anew; glints, which never do, are about half as long.
+    /// Its period in frames; glints, which are not periodic, last about half as long.
     pub period: f32,
 }
 
@@ -31,14 +31,14 @@ pub enum MotionKind {
     Flag,
     /// A lamp that is on for one half of its period and off for the other.
     Lamp,
-    /// A computer monitor, down whose picture a dark bar rolls.
+    /// A computer monitor with a dark bar that moves down the screen.
     Monitor,
-    /// A pond on whose water the light glints.
+    /// A pond with glints of light on its water.
     Glints,
 }
 
 impl Motion {
-    /// Draws it as it is in a frame.
+    /// Draws it as of a frame.
     pub(super) fn draw(&self, image: &mut [Colour], size: Size, seed: u64, frame: f32) {
         let turn = frame / self.period;
         for (at, colour) in image.iter_mut().enumerate() {
@@ -65,7 +65,7 @@ impl Motion {
         }
     }
 
-    /// How far from its middle it is drawn, in widths and heights.
+    /// The largest distance from its centre at which it is drawn, in widths and heights.
     const fn reach(&self) -> f32 {
         match self.kind {
             MotionKind::Flag => 4.0,
@@ -75,8 +75,8 @@ impl Motion {
         }
     }
 
-    /// Its colour at `x` to the right of its middle and `y` below, after so many periods; `None` where
-    /// it is not. So it is with the others.
+    /// Its colour at `x` to the right of its centre and `y` below, after `turn` periods; `None` outside. The other
+    /// kinds are alike.
     fn flag(&self, x: f32, y: f32, turn: f32) -> Option<Colour> {
         let along = x / self.width + 0.5;
         let pole = (x + self.width / 2.0) / (0.035 * self.width);
@@ -107,7 +107,7 @@ impl Motion {
         if away < 1.25 || x.abs() < 0.12 * self.width && y > 0.0 {
             return Some([46.0, 48.0, 50.0]);
         }
-        // It lights what is around it.
+        // It lights its surroundings.
         on.then(|| lit(under, 1.0 + 0.5 * smoothstep(6.0, 1.0, away)))
     }
 
@@ -144,7 +144,7 @@ impl Motion {
         if away > 1.0 {
             return None;
         }
-        // Two trains of ripples cross; where both are high the water mirrors the sun.
+        // Two wave trains; where both are high the water reflects the sun.
         let train = |salt, speed: f32| {
             value_noise(
                 salted(seed, salt),

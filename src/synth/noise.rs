@@ -1,4 +1,4 @@
-//! The camera's own noise.
+//! Camera noise.
 
 use rand::Rng;
 use rand_pcg::Pcg64Mcg;
@@ -7,17 +7,17 @@ use std::sync::LazyLock;
 
 use super::texture::{Colour, hash};
 
-/// Gaussian noise, drawn anew for every channel of every pixel of every frame.
+/// Gaussian noise, independent for every channel of every pixel of every frame.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Noise {
-    /// Standard deviation in grey levels.
+    /// Standard deviation in gray levels.
     pub sigma: f32,
-    /// Whether it grows with the light, as photon noise does: σ at mid grey, 0.4 σ in black, 1.35 σ in white.
+    /// Whether it grows with the light, as photon noise does: σ at mid gray, 0.4 σ in black, 1.35 σ in white.
     pub signal_dependent: bool,
 }
 
-/// The standard normal distribution's quantiles at the middles of 4096 equal shares: one look-up turns
-/// 12 random bits into a sample, the same on every machine. The tails end at 3.7 σ.
+/// The standard normal distribution's quantiles at the middles of 4096 equal shares: a table look-up converts 12
+/// random bits to a sample, the same on every machine. The tails end at 3.7 σ.
 static QUANTILES: LazyLock<Vec<f32>> =
     LazyLock::new(|| (0..4096).map(|i| normal_quantile((f64::from(i) + 0.5) / 4096.0) as f32).collect());
 
@@ -67,8 +67,8 @@ fn normal_quantile(p: f64) -> f64 {
 }
 
 impl Noise {
-    /// Turns one row of light into the bytes that the camera gives. The noise depends on the seed,
-    /// the frame and the row alone, so that rows and frames may be drawn in any order.
+    /// Converts a row of light to the camera's bytes. The noise depends only on the seed, the frame and the row, so
+    /// that rows and frames can be rendered in any order.
     pub fn expose(&self, light: &[Colour], rgb: &mut [u8], seed: u64, frame: u32, row: u32) {
         let key = |salt| u128::from(hash(seed ^ salt, i64::from(frame), i64::from(row)));
         let mut random = Pcg64Mcg::new(key(0x6E6F_6973) << 64 | key(0x65));
@@ -101,7 +101,7 @@ mod tests {
     }
 
     #[test]
-    fn noise_has_the_spread_it_says() {
+    fn noise_has_the_given_standard_deviation() {
         let (mean, sigma) = spread(Noise { sigma: 5.0, signal_dependent: false }, 100.0);
         assert!((mean - 100.0).abs() < 0.1 && (sigma - 5.0).abs() < 0.1, "{mean} {sigma}");
         let by_light = Noise { sigma: 5.0, signal_dependent: true };
@@ -117,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn every_frame_and_row_has_its_own_noise() {
+    fn noise_differs_between_frames_and_rows() {
         let noise = Noise { sigma: 5.0, signal_dependent: false };
         let row = |seed, frame, row| {
             let mut rgb = vec![0; 300];

@@ -1,4 +1,4 @@
-//! What stands in front of people: trees, poles, walls.
+//! Static occluders: trees, poles, walls.
 
 use rand::Rng;
 use rand_pcg::Pcg64Mcg;
@@ -11,31 +11,31 @@ use super::texture::{
 };
 use crate::frame::Size;
 
-/// Samples along each side of a pixel.
+/// Samples per pixel along each axis.
 const SAMPLES: usize = 3;
 
-/// Something that stands still and hides what is behind it: everybody whose feet are higher in the image.
+/// A stationary occluder, which hides everything behind it: all people whose feet are higher in the image.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Occluder {
-    /// What it is.
+    /// Its kind.
     pub kind: OccluderKind,
-    /// The middle of its foot on the ground, in pixels.
+    /// The centre of its foot on the ground, in pixels.
     pub at: [f32; 2],
     /// Its width at half height (of a tree: of the trunk), in pixels.
     pub width: f32,
     /// Its height in pixels (of a tree: of the whole tree, most of which may lie above the image).
     pub height: f32,
-    /// How it sways in the wind, if it does.
+    /// Its sway in the wind, if any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub sway: Option<Sway>,
 }
 
-/// A swaying to and fro: the higher, the further.
+/// A periodic sway that increases with height.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Sway {
-    /// How far the top goes to either side, in pixels.
+    /// The amplitude at the top, in pixels.
     pub reach: f32,
-    /// Frames to and fro.
+    /// The period in frames.
     pub period: f32,
 }
 
@@ -43,7 +43,7 @@ pub struct Sway {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum OccluderKind {
-    /// A trunk with bark, roots and a crown of leaves.
+    /// A tree: a trunk with bark, roots and a crown of leaves.
     Tree,
     /// A steel pole.
     Pole,
@@ -52,7 +52,7 @@ pub enum OccluderKind {
 }
 
 impl Occluder {
-    /// Draws it. The layer is as large as the image.
+    /// Renders it. The layer has the image's size.
     pub fn draw(&self, size: Size, seed: u64) -> Layer {
         let crown = if self.kind == OccluderKind::Tree { self.crown(seed) } else { Vec::new() };
         let colour_at = |x: f32, y: f32| match self.kind {
@@ -78,7 +78,7 @@ impl Occluder {
                         *sum += channel / (SAMPLES * SAMPLES) as f32;
                     }
                 }
-                // A shade is not the thing itself: it may not make a pixel solid.
+                // The shadow is not part of the silhouette and must not make a pixel solid.
                 if *coverage < Layer::SOLID {
                     let shade = (1.0 - *coverage) * self.contact_shade(column + 0.5, row + 0.5);
                     *coverage = (*coverage + shade).min(Layer::SOLID - 0.01);
@@ -88,7 +88,7 @@ impl Occluder {
         layer
     }
 
-    /// How it stands in a frame, `drawn` being how it stands without wind; `None` where it stands still.
+    /// Its layer in a frame, from `drawn`, the layer without wind; `None` if it does not sway.
     pub(super) fn swayed(&self, drawn: &Layer, frame: f32) -> Option<Layer> {
         let Sway { reach, period } = self.sway?;
         let turn = std::f32::consts::TAU * frame / period;
@@ -97,7 +97,7 @@ impl Occluder {
         let rows = swayed.coverage.par_chunks_mut(width).zip(swayed.colour.par_chunks_mut(width));
         rows.enumerate().for_each(|(row, (coverage, colour))| {
             let up = ((self.at[1] - row as f32) / self.height).clamp(0.0, 1.0);
-            // Gusts come on top, and the top follows later than the trunk.
+            // Gusts are added, and the top lags behind the trunk.
             let wind = 0.75 * (turn - up).sin() + 0.25 * (2.3 * turn + 2.0 * up).sin();
             let shift = reach * up * up * wind;
             let (whole, part) = (shift.floor() as i32, shift - shift.floor());
@@ -120,7 +120,7 @@ impl Occluder {
         (self.height / 150.0).max(0.8)
     }
 
-    /// Clumps of leaves, those nearer to the camera later.
+    /// The clumps of leaves, from back to front.
     fn crown(&self, seed: u64) -> Vec<Clump> {
         let mut random = Pcg64Mcg::new(u128::from(hash(seed, 61, 0)) << 64 | 1);
         let mut next = || (random.next_u32() >> 8) as f32 / (1 << 24) as f32;
@@ -139,7 +139,7 @@ impl Occluder {
                 }
             })
             .collect();
-        // Lower clumps hang in front of higher ones.
+        // Lower clumps are in front of higher ones.
         clumps.sort_by(|a, b| (a.at[1] + 30.0 * a.tone).total_cmp(&(b.at[1] + 30.0 * b.tone)));
         clumps
     }
@@ -150,7 +150,7 @@ impl Occluder {
         let knobs =
             fractal_noise(salted(seed, 62), up * 2.2 + 9.0, if across_raw < 0.0 { 0.0 } else { 50.0 }, 3)
                 - 0.5;
-        // Roots spread at the foot; the trunk narrows slowly upwards.
+        // The roots spread at the foot; the trunk tapers slowly upwards.
         let spread = 1.0 + 0.46 * (-up.max(0.0) * 4.2).exp() - 0.035 * up + 0.10 * knobs;
         let across = across_raw / spread;
         // The foot is round: its middle is nearer to the camera than its sides.
@@ -158,7 +158,7 @@ impl Occluder {
         if across.abs() > 1.0 || up < foot || up * self.width > self.height {
             return None;
         }
-        // Bark: furrows that run upwards and wander, crossed by cracks.
+        // Bark: irregular vertical furrows, crossed by cracks.
         let round = across.asin();
         let wander = fractal_noise(salted(seed, 63), round * 2.0, up * 2.4, 3) * 0.8;
         let ridge =
@@ -172,12 +172,12 @@ impl Occluder {
         Some(lit(bark, light * near_ground * (0.82 + 0.30 * fine)))
     }
 
-    /// Tufts that grow against the foot of the trunk.
+    /// Tufts of grass at the foot of the trunk.
     fn grass(&self, x: f32, y: f32, seed: u64) -> Option<Colour> {
         let leaf = self.leaf();
         let away = (x - self.at[0]) / (self.width * 0.78);
         let up = (self.at[1] - y) / self.width + 0.055 * (1.0 - away * away).max(0.0).sqrt();
-        // Blades lean a little, each its own way.
+        // Blades of random inclination.
         let blade = x / (1.5 * leaf) + 2.0 * up;
         let tall =
             unit(salted(seed, 72), blade.floor() as i64, 0) * (1.0 - (2.0 * blade.fract() - 1.0).abs());
@@ -189,7 +189,7 @@ impl Occluder {
         Some(lit(mix_colour([72.0, 98.0, 40.0], [132.0, 150.0, 70.0], tone), 0.72 + 2.6 * up.max(0.0)))
     }
 
-    /// How much it darkens the ground around its foot, 0 where not at all.
+    /// The contact shadow on the ground around its foot, 0 for none.
     fn contact_shade(&self, x: f32, y: f32) -> f32 {
         let reach = match self.kind {
             OccluderKind::Tree => [self.width * 1.05, self.width * 0.11],
@@ -245,7 +245,7 @@ impl Occluder {
     }
 }
 
-/// A ball of leaves.
+/// A clump of leaves.
 struct Clump {
     at: [f32; 2],
     radius: f32,

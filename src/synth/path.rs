@@ -1,42 +1,41 @@
-//! Ways over the ground.
+//! Paths on the ground.
 
 use serde::{Deserialize, Serialize};
 
-/// Somebody slows down and speeds up over so many frames on either side of a stop.
+/// Number of frames of deceleration and of acceleration around a stop.
 const EASE: i32 = 6;
 
-/// A way over the ground: straight at constant speed, but for its turns.
+/// A path on the ground: piecewise straight, with constant speed on each piece.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Path {
-    /// The frame in which they would be at `at` if they never turned; may lie between frames and
-    /// beyond the scene.
+    /// The frame in which the first piece, extended if necessary, passes `at`; may be fractional and outside the scene.
     pub frame: f32,
-    /// The point on the ground below the middle, in pixels.
+    /// The point on the ground below the object's middle, in pixels.
     pub at: [f32; 2],
-    /// Pixels a frame, to the right and down.
+    /// Pixels per frame, to the right and down.
     pub velocity: [f32; 2],
-    /// When they go on otherwise, in order.
+    /// Changes of velocity, in order.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub turns: Vec<Turn>,
 }
 
-/// From a frame on another velocity.
+/// A change of velocity.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Turn {
-    /// From when on.
+    /// The frame of the change.
     pub frame: f32,
-    /// Pixels a frame, to the right and down; none is a stop.
+    /// Pixels per frame, to the right and down; zero is a stop.
     pub velocity: [f32; 2],
 }
 
-/// A straight stretch of a path.
+/// A straight piece of a path.
 #[derive(Clone, Copy)]
 struct Leg {
-    /// A frame and where they are in it.
+    /// A frame, and the position in it.
     frame: f32,
     at: [f32; 2],
     velocity: [f32; 2],
-    /// When the next leg starts.
+    /// The start of the next piece.
     end: f32,
 }
 
@@ -52,12 +51,12 @@ impl Leg {
 }
 
 impl Path {
-    /// A straight way without turns.
+    /// A straight path.
     pub const fn straight(frame: f32, at: [f32; 2], velocity: [f32; 2]) -> Self {
         Self { frame, at, velocity, turns: Vec::new() }
     }
 
-    /// Goes on with another velocity from `frame` on, which is later than every turn before.
+    /// Adds a change of velocity at `frame`, which must be later than all previous ones.
     #[must_use]
     pub fn then(mut self, frame: f32, velocity: [f32; 2]) -> Self {
         self.turns.push(Turn { frame, velocity });
@@ -75,7 +74,7 @@ impl Path {
         std::iter::once(first).chain(turns)
     }
 
-    /// The leg that a frame is in.
+    /// The piece that contains a frame.
     fn leg(&self, frame: f32) -> Leg {
         let first = Leg { frame: self.frame, at: self.at, velocity: self.velocity, end: f32::INFINITY };
         self.legs().find(|leg| frame < leg.end).unwrap_or(first)
@@ -86,17 +85,17 @@ impl Path {
         self.leg(frame).position(frame)
     }
 
-    /// Pixels a frame, to the right and down.
+    /// Pixels per frame, to the right and down.
     pub fn velocity(&self, frame: f32) -> [f32; 2] {
         self.leg(frame).velocity
     }
 
-    /// Whether they stand in a frame.
+    /// Whether the object stands still in a frame.
     pub fn stands(&self, frame: f32) -> bool {
         self.velocity(frame) == [0.0; 2]
     }
 
-    /// The signed way from `at`, along the path, to where they are in a frame, in pixels.
+    /// The signed distance along the path from `at` to the position in a frame, in pixels.
     pub fn walked(&self, frame: f32) -> f32 {
         let before = self.legs().take_while(|leg| leg.end <= frame);
         let before: f32 = before.map(|leg| (leg.end - leg.frame) * leg.speed()).sum();
@@ -104,21 +103,21 @@ impl Path {
         before + (frame - leg.frame) * leg.speed()
     }
 
-    /// 1 while they walk, 0 while they stand, and between the two around the moment of either.
+    /// 1 while walking, 0 while standing, with smooth transitions.
     pub fn stride(&self, frame: f32) -> f32 {
         let walks = (-EASE..=EASE).filter(|&away| !self.stands(frame + away as f32)).count();
         walks as f32 / (2 * EASE + 1) as f32
     }
 
-    /// 1 to the right, −1 to the left; who stands, or goes straight up or down, looks where they went last.
+    /// 1 to the right, −1 to the left; while standing or moving vertically, the last horizontal direction.
     pub fn facing(&self, frame: f32) -> f32 {
         let until_now = self.legs().take_while(|leg| leg.frame <= frame || leg.frame == self.frame);
         let sideways = until_now.map(|leg| leg.velocity[0]).filter(|&speed| speed != 0.0);
         if sideways.last().is_some_and(|speed| speed < 0.0) { -1.0 } else { 1.0 }
     }
 
-    /// The frame in which they have come `reach` pixels to the right or left of column `middle` for
-    /// the last time, on their way out; `None` when they do not go sideways in the end.
+    /// The last frame, on the way out, in which the object is `reach` pixels to the right or left of column `middle`;
+    /// `None` if it does not move horizontally at the end.
     pub fn last_within(&self, middle: f32, reach: f32) -> Option<f32> {
         let last = self.legs().last()?;
         let [across, _] = last.velocity;
@@ -140,7 +139,7 @@ mod tests {
     }
 
     #[test]
-    fn a_path_goes_on_from_turn_to_turn() {
+    fn a_path_is_continuous_over_its_turns() {
         let expected = [
             (-2.0, [94.0, 42.0], -10.0),
             (0.0, [100.0, 50.0], 0.0),
@@ -156,21 +155,21 @@ mod tests {
     }
 
     #[test]
-    fn who_stands_looks_where_they_went() {
+    fn a_standing_person_keeps_the_last_direction() {
         let facing = [-5.0, 15.0, 25.0, 40.0].map(|frame| path().facing(frame));
         assert_eq!(facing, [1.0, 1.0, -1.0, -1.0]);
         assert_eq!([5.0, 10.0, 19.0, 20.0].map(|frame| path().stands(frame)), [false, true, true, false]);
     }
 
     #[test]
-    fn strides_end_softly() {
+    fn strides_end_smoothly() {
         let long = Path::straight(0.0, [0.0; 2], [1.0, 0.0]).then(50.0, [0.0; 2]).then(90.0, [1.0, 0.0]);
         assert_eq!([0.0, 43.0, 60.0, 80.0, 100.0].map(|frame| long.stride(frame)), [1.0, 1.0, 0.0, 0.0, 1.0]);
         assert!((0.4..0.6).contains(&long.stride(50.0)));
     }
 
     #[test]
-    fn the_last_way_out_counts() {
+    fn the_last_way_out_is_used() {
         let back = Path::straight(50.0, [100.0, 0.0], [2.0, 0.0]).then(60.0, [-2.0, 0.0]);
         assert_eq!(back.last_within(100.0, 40.0), Some(60.0 + 30.0));
         assert_eq!(path().last_within(100.0, 40.0), None);

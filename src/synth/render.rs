@@ -1,4 +1,4 @@
-//! A scene's frames, and who is where in them.
+//! Renders a scene's frames and their ground truth.
 
 use std::borrow::Cow;
 
@@ -13,68 +13,67 @@ use crate::frame::{Frame, Size};
 use crate::regions::Rect;
 use crate::tracking::Identity;
 
-/// Two people touch when at most this many pixels less one lie between them: a detector's region
-/// bridges such a gap through their soft outlines.
+/// Two people touch when at most this many pixels less one are between them: a detector's region bridges such a gap
+/// because of their soft outlines.
 pub const TOUCH_PIXELS: i32 = 2;
 
-/// A person or a car in one frame: how large they would be seen alone, and how much of that is seen.
+/// A person or a car in one frame: its size without occlusion, and its visible part.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Silhouette {
-    /// Who.
+    /// Its identity.
     pub id: Identity,
-    /// The box of the full silhouette, hidden parts included, clipped to the image.
+    /// The bounding box of the full silhouette, including occluded parts, clipped to the image.
     pub bbox: Rect,
-    /// Pixels of the full silhouette, those beyond the image included.
+    /// Number of pixels of the full silhouette, including those outside the image.
     pub full: u32,
-    /// Its pixels inside the image.
+    /// Number of its pixels inside the image.
     pub inside: u32,
-    /// Those of them that nothing of the scene hides; other people may.
+    /// Number of those that no occluder of the scene hides; other people may hide them.
     pub unscreened: u32,
-    /// Those of them that are seen.
+    /// Number of visible pixels.
     pub visible: u32,
-    /// Whether it is a car that stands: it belongs to the background until it drives on. People who
-    /// stand are people still.
+    /// Whether it is a parked car, which belongs to the background until it moves. Standing people remain foreground.
     pub parked: bool,
 }
 
 impl Silhouette {
-    /// Below this share of the full silhouette nobody counts as seen.
+    /// Least visible share of the full silhouette.
     pub const LEAST: f32 = 0.05;
 
-    /// Seen pixels over those of the full silhouette, as MOTChallenge has it: 0..=1.
+    /// Visible pixels / pixels of the full silhouette, as in MOTChallenge: 0..=1.
     pub fn visibility(&self) -> f32 {
         self.visible as f32 / self.full.max(1) as f32
     }
 
-    /// Whether enough of them is inside the image to speak of.
+    /// Whether enough of it is inside the image.
     pub fn is_inside(&self) -> bool {
         self.inside as f32 >= Self::LEAST * self.full as f32 && self.inside > 0
     }
 
-    /// Whether the scene hides them: less than 5 % of what is inside the image is not screened.
+    /// Whether it is occluded by the scene: less than 5 % of its part inside the image is unscreened.
     pub fn is_hidden(&self) -> bool {
         (self.unscreened as f32) < Self::LEAST * self.inside as f32
     }
 }
 
-/// The truth of one frame.
+/// The ground truth of one frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrameTruth {
     /// The frame's number, from 1.
     pub number: u32,
     /// Width and height.
     pub size: Size,
-    /// Who is seen at each pixel: an identity, 0 for background, parked cars and occluders; row after row.
+    /// The identity visible at each pixel, row by row; 0 for background, parked cars and occluders.
     pub identities: Vec<u8>,
-    /// Everybody with at least one pixel inside the image, by identity.
+    /// All objects with at least one pixel inside the image, by identity.
     pub silhouettes: Vec<Silhouette>,
     /// Pairs of people, the lower identity first, whose unscreened silhouettes touch or overlap.
     pub touching: Vec<(Identity, Identity)>,
-    /// Everybody of `silhouettes`, the farthest first.
+    /// The objects of `silhouettes`, the farthest first.
     pub depth: Vec<Identity>,
 }
 
-/// Draws the frames of a scene, each independent of the others.
+/// Renders the frames of a scene, each independently of the others.
 #[derive(Clone, Debug)]
 pub struct Renderer {
     scene: Scene,
@@ -82,14 +81,14 @@ pub struct Renderer {
     occluders: Vec<Layer>,
 }
 
-/// What is laid on the background.
+/// An object to be composited on the background.
 enum Thing<'a> {
     Mover(Identity, &'a Layer),
     Occluder(&'a Layer),
 }
 
 impl Renderer {
-    /// Draws what stands still once.
+    /// Renders the static parts once.
     pub fn new(scene: &Scene) -> Self {
         let background = background::draw(scene.background, scene.size, scene.seed);
         let occluders = (1u64..)
@@ -99,12 +98,12 @@ impl Renderer {
         Self { scene: scene.clone(), background, occluders }
     }
 
-    /// The scene it draws.
+    /// The scene.
     pub fn scene(&self) -> &Scene {
         &self.scene
     }
 
-    /// Draws frame `number`, from 1; numbers beyond the scene's frames go on in the same way.
+    /// Renders frame `number`, from 1; numbers beyond the scene's frames continue the motion.
     pub fn frame(&self, number: u32) -> (Frame, FrameTruth) {
         let size = self.scene.size;
         let shake = self.shake(number);
@@ -141,7 +140,7 @@ impl Renderer {
         (Frame::new(number, size, rgb), truth)
     }
 
-    /// How far the camera is turned aside in a frame, in pixels to the right and down.
+    /// The camera's displacement in a frame, in pixels to the right and down.
     fn shake(&self, number: u32) -> [i32; 2] {
         let reach = u64::from(self.scene.jitter);
         [0x78, 0x79].map(|axis| {
@@ -150,7 +149,7 @@ impl Renderer {
         })
     }
 
-    /// The place as it is without people.
+    /// The background without people.
     fn place(&self, number: u32, [x, y]: [i32; 2]) -> Vec<Colour> {
         let Size { width, height } = self.scene.size;
         let mut light = self.background.clone();
@@ -167,14 +166,14 @@ impl Renderer {
             .collect()
     }
 
-    /// The way of whoever has this identity.
+    /// The path of an identity.
     fn path(&self, id: Identity) -> &Path {
         let index = id as usize - 1;
         let people = self.scene.actors.len();
         if index < people { &self.scene.actors[index].path } else { &self.scene.cars[index - people].path }
     }
 
-    /// The identities of the cars that stand.
+    /// The identities of the parked cars.
     fn parked(&self, number: u32) -> impl Iterator<Item = Identity> {
         let first = self.scene.actors.len() as Identity + 1;
         let cars = (first..).zip(&self.scene.cars);
@@ -184,7 +183,7 @@ impl Renderer {
     /// All people and cars that reach into the image.
     fn movers(&self, number: u32, shake: [i32; 2]) -> Vec<(Identity, Layer)> {
         let (width, height) = (self.scene.size.width as i32, self.scene.size.height as i32);
-        // Nobody reaches further than their height.
+        // No part of a person is farther from the path than their height.
         let near = |actor: &Actor| {
             let ([x, _], reach) = (actor.path.position(number as f32), actor.height_at(number as f32) + 9.0);
             x + reach > 0.0 && x - reach < width as f32
@@ -207,7 +206,7 @@ impl Renderer {
             .collect()
     }
 
-    /// What stands in front, as it is in a frame.
+    /// The occluders in a frame.
     fn occluders(&self, number: u32, shake: [i32; 2]) -> Vec<Cow<'_, Layer>> {
         let occluders = self.scene.occluders.iter().zip(&self.occluders);
         occluders
@@ -218,7 +217,7 @@ impl Renderer {
             .collect()
     }
 
-    /// Everything with the height of its foot in the image, the farthest first.
+    /// All objects with the row of their foot, the farthest first.
     fn by_depth<'a>(
         &self,
         movers: &'a [(Identity, Layer)],
@@ -245,7 +244,7 @@ pub fn render(scene: &Scene) -> impl Iterator<Item = (Frame, FrameTruth)> + use<
     (1..=scene.frames).map(move |number| renderer.frame(number))
 }
 
-/// Lays a layer on the image and notes whose its solid pixels are.
+/// Composites a layer on the image and records the identity of its solid pixels.
 fn lay(light: &mut [Colour], identities: &mut [u8], size: Size, layer: &Layer, identity: u8) {
     for (at, x, y) in layer.places() {
         let coverage = layer.coverage[at];
@@ -259,7 +258,7 @@ fn lay(light: &mut [Colour], identities: &mut [u8], size: Size, layer: &Layer, i
     }
 }
 
-/// Darkens the ground below a person's feet, softly.
+/// Renders a soft contact shadow below a person's feet.
 fn cast_shadow(light: &mut [Colour], size: Size, layer: &Layer) {
     let (half_width, half_height) = (layer.width as f32 * 0.62, layer.height as f32 * 0.055);
     let middle = [layer.x as f32 + layer.width as f32 * 0.56, (layer.y + layer.height as i32) as f32 - 2.0];
@@ -382,7 +381,7 @@ mod tests {
     }
 
     #[test]
-    fn the_same_seed_gives_the_same_bits_on_any_threads_and_in_any_order() {
+    fn a_seed_gives_the_same_bits_on_any_threads_and_in_any_order() {
         for entry in catalogue::entries() {
             let scene = scene(entry.name, 5);
             let numbers = [40, 90, 120];
@@ -398,10 +397,10 @@ mod tests {
     }
 
     #[test]
-    fn seeds_and_frames_differ() {
+    fn frames_differ_between_seeds_and_numbers() {
         let (one, other) = (Renderer::new(&scene("empty", 1)), Renderer::new(&scene("empty", 2)));
         assert_ne!(one.frame(1).0.rgb, other.frame(1).0.rgb);
-        assert_ne!(one.frame(1).0.rgb, one.frame(2).0.rgb, "noise is drawn anew");
+        assert_ne!(one.frame(1).0.rgb, one.frame(2).0.rgb, "noise differs");
     }
 
     #[test]
@@ -434,7 +433,7 @@ mod tests {
     }
 
     #[test]
-    fn who_walks_alone_is_seen_whole_and_keeps_their_size() {
+    fn a_single_person_is_fully_visible_and_of_constant_size() {
         let scene = scene("crossing", 1);
         let walker = &scene.actors[0];
         let height = walker.height;
@@ -453,7 +452,7 @@ mod tests {
     }
 
     #[test]
-    fn people_stand_out_from_each_other_and_from_the_background() {
+    fn people_have_contrast_with_each_other_and_the_background() {
         for seed in 1..=6 {
             for name in ["crossing", "tree", "overtake", "wall", "pole"] {
                 let scene = scene(name, seed);

@@ -1,4 +1,4 @@
-//! What a scene consists of.
+//! The parts of a scene.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,24 +10,24 @@ use super::path::Path;
 use crate::frame::Size;
 use crate::regions::Rgb;
 
-/// Everything that decides a scene's pixels.
+/// All inputs of a scene's pixels.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Scene {
     /// Its name in the catalogue.
     pub name: String,
-    /// What happens in it, a sentence.
+    /// Its description, one sentence.
     pub description: String,
     /// Width and height.
     pub size: Size,
-    /// Frames a second.
+    /// Frames per second.
     pub fps: f32,
-    /// How many frames, numbered from 1.
+    /// Number of frames, numbered from 1.
     pub frames: u32,
-    /// Textures, noise and the variety of the people follow from it.
+    /// The seed of textures, noise and the variety of people.
     pub seed: u64,
-    /// Where it takes place.
+    /// Its background.
     pub background: Background,
-    /// What moves there and belongs to the place: nothing of it is in the truth.
+    /// Moving background objects, which are not part of the truth.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub motions: Vec<Motion>,
     /// The people; the first one's identity is 1.
@@ -35,27 +35,27 @@ pub struct Scene {
     /// The cars; their identities follow those of the people.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub cars: Vec<Car>,
-    /// What stands in front of people.
+    /// The occluders.
     pub occluders: Vec<Occluder>,
-    /// How light it is, where, and when.
+    /// The lighting.
     #[serde(default, skip_serializing_if = "Light::is_usual")]
     pub light: Light,
-    /// The camera shakes by up to so many whole pixels, anew in every frame.
+    /// The amplitude of camera shake in whole pixels, random in every frame.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub jitter: u32,
     /// The camera's noise.
     pub noise: Noise,
-    /// Whether people cast a soft shadow at their feet. Shadows belong to nobody in the truth.
+    /// Whether people cast a soft contact shadow, which is background in the truth.
     pub shadows: bool,
 }
 
-// Serde hands over a reference.
+// Serde passes a reference.
 #[allow(clippy::trivially_copy_pass_by_ref)]
 const fn is_zero(number: &u32) -> bool {
     *number == 0
 }
 
-/// A place.
+/// A background.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Background {
@@ -69,32 +69,32 @@ pub enum Background {
     Room,
 }
 
-/// A person who walks.
+/// A walking person.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Actor {
-    /// From sole to crown, in pixels; with a horizon, while they are at `path.at`.
+    /// Body height in pixels; with a horizon, the height at `path.at`.
     pub height: f32,
-    /// Where they walk.
+    /// Their path.
     pub path: Path,
-    /// The row in which the ground would meet the sky; who comes nearer then grows, away from it.
+    /// The row of the horizon. With one, people grow as they approach the camera.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub horizon: Option<f32>,
-    /// Where in the gait cycle they start, 0..1.
+    /// The initial phase of the gait cycle, 0..1.
     pub phase: f32,
-    /// How broad they are; 1 is usual.
+    /// The build; 1 is average.
     pub build: f32,
-    /// What they wear.
+    /// Their clothes.
     pub clothes: Clothes,
-    /// The colour of a broad bag that they carry before them at arm's length.
+    /// The colour of a broad bag that they carry in front, at arm's length.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub bag: Option<Rgb>,
-    /// The first and last frame in which they hold their arms out, to the front and to the back.
+    /// The first and last frame in which they hold their arms out, forwards and backwards.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub arms_out: Option<[f32; 2]>,
 }
 
 impl Actor {
-    /// From sole to crown in a frame, in pixels.
+    /// Body height in a frame, in pixels.
     pub fn height_at(&self, frame: f32) -> f32 {
         self.horizon.map_or(self.height, |horizon| {
             let nearness = (self.path.position(frame)[1] - horizon) / (self.path.at[1] - horizon);
@@ -103,18 +103,18 @@ impl Actor {
     }
 }
 
-/// A car, seen from its side.
+/// A car, in side view.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Car {
-    /// From bumper to bumper, in pixels.
+    /// The length in pixels.
     pub length: f32,
-    /// Where it drives: the point on the ground below its middle.
+    /// Its path: the point on the ground below its middle.
     pub path: Path,
-    /// Its paint.
+    /// Its colour.
     pub colour: Rgb,
 }
 
-/// What somebody wears, and their own colours.
+/// A person's clothes, and colours of hair and skin.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Clothes {
     /// Shirt, jumper or coat.
@@ -127,6 +127,6 @@ pub struct Clothes {
     pub hair: Rgb,
     /// Face and hands.
     pub skin: Rgb,
-    /// Whether what is worn above reaches to the thigh.
+    /// Whether the upper garment reaches to the thigh.
     pub coat: bool,
 }

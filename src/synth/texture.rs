@@ -1,6 +1,6 @@
-//! Seeded value noise: the grain of everything that is drawn.
+//! Seeded value noise for the textures of rendered scenes.
 
-/// Mixes a seed with two lattice coordinates into 64 well-spread bits.
+/// Hashes a seed and two lattice coordinates to 64 bits.
 pub fn hash(seed: u64, x: i64, y: i64) -> u64 {
     let mut bits = seed ^ (x as u64).wrapping_mul(0x9E37_79B9_7F4A_7C15);
     bits = (bits ^ (bits >> 32)).wrapping_mul(0xD6E8_FEB8_6659_FD93);
@@ -9,12 +9,12 @@ pub fn hash(seed: u64, x: i64, y: i64) -> u64 {
     bits ^ (bits >> 32)
 }
 
-/// The seed of one of many textures that share a scene's seed.
+/// The seed of one of several textures of a scene.
 pub fn salted(seed: u64, texture: i64) -> u64 {
     hash(seed, texture, 0x7E87)
 }
 
-/// A number in 0..1 that belongs to a lattice point.
+/// A pseudo-random number in 0..1 for a lattice point.
 pub fn unit(seed: u64, x: i64, y: i64) -> f32 {
     (hash(seed, x, y) >> 40) as f32 / (1u64 << 24) as f32
 }
@@ -30,7 +30,7 @@ pub fn value_noise(seed: u64, x: f32, y: f32) -> f32 {
     mix(upper, lower, v)
 }
 
-/// Noise in 0..1 of several sizes: each octave half as wide and half as strong as the one before.
+/// Fractal noise in 0..1: each octave has half the wavelength and half the amplitude of the previous one.
 pub fn fractal_noise(seed: u64, x: f32, y: f32, octaves: u32) -> f32 {
     let (mut sum, mut total, mut strength, mut scale) = (0.0, 0.0, 1.0, 1.0);
     for octave in 0..octaves {
@@ -42,7 +42,7 @@ pub fn fractal_noise(seed: u64, x: f32, y: f32, octaves: u32) -> f32 {
     sum / total
 }
 
-/// `a` at t = 0, `b` at t = 1.
+/// Linear interpolation: `a` at t = 0, `b` at t = 1.
 pub fn mix(a: f32, b: f32, t: f32) -> f32 {
     a + (b - a) * t
 }
@@ -53,15 +53,15 @@ pub fn smoothstep(low: f32, high: f32, x: f32) -> f32 {
     t * t * (3.0 - 2.0 * t)
 }
 
-/// A colour in 0..255 for each channel while it is being mixed.
+/// An unrounded colour, each channel in 0..255.
 pub type Colour = [f32; 3];
 
-/// Two colours mixed: `a` at t = 0, `b` at t = 1.
+/// Linear interpolation of colours: `a` at t = 0, `b` at t = 1.
 pub fn mix_colour(a: Colour, b: Colour, t: f32) -> Colour {
     [mix(a[0], b[0], t), mix(a[1], b[1], t), mix(a[2], b[2], t)]
 }
 
-/// A colour made lighter or darker.
+/// A colour scaled in brightness.
 pub fn lit(colour: Colour, light: f32) -> Colour {
     colour.map(|channel| channel * light)
 }
@@ -80,7 +80,7 @@ mod tests {
             (least, most) = (least.min(value), most.max(value));
             previous = value;
         }
-        assert!(least < 0.2 && most > 0.8, "it uses its range: {least}..{most}");
+        assert!(least < 0.2 && most > 0.8, "the noise covers its range: {least}..{most}");
         assert_ne!(value_noise(3, 0.3, 0.4), value_noise(4, 0.3, 0.4));
     }
 }

@@ -1,16 +1,15 @@
-//! Events and episodes, derived from what is known of every frame.
+//! Events and episodes, derived from the truth of every frame.
 //!
-//! - A person is *seen* in a frame when at least 5 % of their full silhouette lies inside the image
-//!   and the scene leaves at least 5 % of that part open. `enter` is the first such frame, `exit`
-//!   the last; nobody exits who is still inside the image in the last frame.
-//! - `merge` is the first frame in which the silhouettes of people, without what the scene hides of
-//!   them, touch or come within [`TOUCH_PIXELS`](super::render::TOUCH_PIXELS), so that one region
-//!   holds them; `demerge` is the first in which they are apart again. Times apart shorter than
-//!   [`SAME_EPISODE`] belong to the meeting.
-//! - `disappear` is the first frame in which the scene hides a person (less than 5 % of what is inside
-//!   the image is open), `reappear` the first in which they are seen again; a shorter sight than
-//!   [`SAME_EPISODE`] between does not count. Who is hidden by other people is merged, not hidden.
-//! - A car that stands is background meanwhile, but has not left: nothing happens to it until it exits.
+//! - A person is *visible* in a frame when at least 5 % of their full silhouette is inside the image and occluders
+//!   leave at least 5 % of that part unscreened. `enter` is the first such frame, `exit` the last one; people who are
+//!   still inside the image in the last frame have no exit.
+//! - `merge` is the first frame in which the unscreened silhouettes of people touch or come within
+//!   [`TOUCH_PIXELS`](super::render::TOUCH_PIXELS), so that one region contains them; `demerge` is the first in which
+//!   they are separate again. Separations shorter than [`SAME_EPISODE`] belong to the same episode.
+//! - `disappear` is the first frame in which the scene occludes a person (less than 5 % of their part inside the
+//!   image is unscreened), `reappear` the first in which they are visible again; a visible interval shorter than
+//!   [`SAME_EPISODE`] does not count. A person occluded by other people is merged, not disappeared.
+//! - A parked car is background, but has not left: it has no events until it exits.
 
 use serde::Serialize;
 
@@ -18,48 +17,48 @@ use super::render::{FrameTruth, Silhouette};
 use crate::occlusion::{Episode, EpisodeKind, EventKind};
 use crate::tracking::Identity;
 
-/// People apart, or in sight, for less than this many seconds are still in the same episode.
+/// People who are separate, or visible, for less than this many seconds are still in the same episode.
 pub const SAME_EPISODE: f32 = 0.5;
 
-/// Something that truly happened; the fields are those of `events.jsonl` without evidence.
+/// A true event; the fields are those of `events.jsonl` without evidence.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TruthEvent {
-    /// In which frame.
+    /// The frame number.
     pub frame: u32,
-    /// What happened.
+    /// The kind of the event.
     pub kind: EventKind,
-    /// The identities before: the whole group of a merge or demerge, the one of the others.
+    /// The identities before: the whole group of a merge or demerge, the single one of other events.
     pub objects: Vec<Identity>,
-    /// The identities after: the group of a merge, everybody who came out of a demerge, the one
-    /// who entered or reappeared; nobody after an exit or a disappearance.
+    /// The identities after: the group of a merge, the members that left in a demerge, the one that entered or
+    /// reappeared; empty after an exit or a disappearance.
     pub becomes: Vec<Identity>,
-    /// The middle of the box around those it happened to, in pixels.
+    /// The x coordinate of the centre of the bounding box of all members, in pixels.
     pub x: f32,
-    /// See `x`.
+    /// The y coordinate of that centre, in pixels.
     pub y: f32,
-    /// In a merge, who is in front.
+    /// The front member of a merge.
     pub front: Option<Identity>,
 }
 
-/// Everything that truly happened in a scene.
+/// All true events and episodes of a scene.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Truth {
-    /// By frame, then in the order of the kinds.
+    /// The events by frame, then by kind.
     pub events: Vec<TruthEvent>,
-    /// By start. `least_visible` is over the full silhouettes, as MOTChallenge's visibility is.
+    /// The episodes by start. `least_visible` is relative to the full silhouettes, as is MOTChallenge's visibility.
     pub episodes: Vec<Episode>,
-    /// The frame and silhouette of everybody from their enter to their exit, hidden or not.
+    /// The frame and silhouette of all objects from enter to exit, occluded or not.
     pub boxes: Vec<(u32, Silhouette)>,
 }
 
-/// Takes in the frames of a scene in order and tells what happened.
+/// Derives events and episodes from the frames of a scene, in order.
 #[derive(Clone, Debug)]
 pub struct Recorder {
     shortest_break: f32,
     moments: Vec<FrameRecord>,
 }
 
-/// What is kept of a frame.
+/// The recorded data of a frame.
 #[derive(Clone, Debug)]
 struct FrameRecord {
     number: u32,
@@ -77,20 +76,20 @@ impl FrameRecord {
         self.silhouette(id).is_some_and(|silhouette| silhouette.is_inside() && !silhouette.is_hidden())
     }
 
-    /// The middle of the box around some people.
+    /// The centre of the bounding box of some people.
     fn middle(&self, ids: &[Identity]) -> [f32; 2] {
         let boxes = ids.iter().filter_map(|&id| self.silhouette(id)).map(|silhouette| silhouette.bbox);
         boxes.reduce(|a, b| a.union(&b)).unwrap_or_default().centre()
     }
 }
 
-/// One person's presence, as places in the list of moments.
+/// The presence of one person, as indices of recorded frames.
 struct Presence {
     id: Identity,
-    /// First and last moment in which they are seen; the last moment of all for who is still inside then.
+    /// The first and last index of visibility; the last index of all for people who are still inside then.
     stay: (usize, usize),
     left: bool,
-    /// First and last moment of each time that the scene hid them.
+    /// The first and last index of each occlusion by the scene.
     hidden: Vec<(usize, usize)>,
 }
 
@@ -105,12 +104,12 @@ impl Presence {
 }
 
 impl Recorder {
-    /// A recorder for a scene of so many frames a second.
+    /// A recorder for a scene of this many frames per second.
     pub fn new(fps: f32) -> Self {
         Self { shortest_break: SAME_EPISODE * fps, moments: Vec::new() }
     }
 
-    /// Takes in the next frame.
+    /// Adds the next frame.
     pub fn push(&mut self, frame: &FrameTruth) {
         self.moments.push(FrameRecord {
             number: frame.number,
@@ -120,7 +119,7 @@ impl Recorder {
         });
     }
 
-    /// What happened in the frames taken in.
+    /// The events and episodes of the added frames.
     pub fn finish(&self) -> Truth {
         let people = self.presences();
         let groups = self.groups(&people);
@@ -138,7 +137,7 @@ impl Recorder {
         Truth { events, episodes, boxes }
     }
 
-    /// Joins runs of moments that are parted by too short a break.
+    /// Joins ranges that are separated by too short a break.
     fn close_breaks(&self, runs: impl IntoIterator<Item = (usize, usize)>) -> Vec<(usize, usize)> {
         let mut joined: Vec<(usize, usize)> = Vec::new();
         for (start, end) in runs {
@@ -169,7 +168,7 @@ impl Recorder {
         Some(Presence { id, stay, left, hidden })
     }
 
-    /// For each moment, who is together with whom: sorted groups of at least two.
+    /// The groups at each index: sorted, of at least two members each.
     fn groups(&self, people: &[Presence]) -> Vec<Vec<Vec<Identity>>> {
         let pairs = |at: usize| {
             let present = move |id| people.iter().any(|p| p.id == id && p.is_in(at) && !p.is_hidden(at));
@@ -247,12 +246,12 @@ impl Recorder {
         events
     }
 
-    /// Who of a group is drawn last.
+    /// The member of a group that is drawn last.
     fn front(&self, at: usize, group: &[Identity]) -> Option<Identity> {
         self.moments[at].depth.iter().rev().find(|id| group.contains(id)).copied()
     }
 
-    /// A meeting lasts as long as at least two of those who were together still are; who joins takes part.
+    /// An episode lasts as long as at least two of its members are together; people who join are members.
     fn inter_object_episodes(&self, groups: &[Vec<Vec<Identity>>]) -> Vec<Episode> {
         struct OpenEpisode {
             episode: Episode,
@@ -320,7 +319,7 @@ impl Recorder {
     }
 }
 
-/// First and last place of every run in `first..=last` for which `holds`.
+/// The first and last index of every range within `first..=last` for which `holds`.
 fn runs(first: usize, last: usize, holds: impl Fn(usize) -> bool) -> Vec<(usize, usize)> {
     let mut runs: Vec<(usize, usize)> = Vec::new();
     for at in (first..=last).filter(|&at| holds(at)) {
@@ -332,7 +331,7 @@ fn runs(first: usize, last: usize, holds: impl Fn(usize) -> bool) -> Vec<(usize,
     runs
 }
 
-/// The groups that pairs make: sorted, and nobody in two.
+/// The connected components of pairs, sorted; they are disjoint.
 fn unite(pairs: impl IntoIterator<Item = (Identity, Identity)>) -> Vec<Vec<Identity>> {
     let mut groups: Vec<Vec<Identity>> = Vec::new();
     for (a, b) in pairs {
@@ -376,7 +375,7 @@ mod tests {
         truth.events.iter().filter(|event| event.kind == kind).count()
     }
 
-    /// Many seeds, sizes and speeds; small images keep it quick.
+    /// Several seeds, sizes and speeds; small images for speed.
     fn varied() -> impl Iterator<Item = Parameters> {
         let sizes = [Size::new(96, 72), Size::new(128, 72), Size::new(160, 120), Size::new(100, 140)];
         (1..=6u64).map(move |seed| Parameters {
@@ -389,7 +388,7 @@ mod tests {
     }
 
     #[test]
-    fn two_who_cross_meet_once_whatever_seed_size_and_speed() {
+    fn two_crossing_people_merge_once_for_any_seed_size_and_speed() {
         for name in ["crossing", "crossing-alike", "overtake"] {
             for parameters in varied() {
                 let truth = truth_of(name, &parameters);
@@ -412,7 +411,7 @@ mod tests {
                 assert_eq!((open_episode.start, open_episode.end + 1), (merge.frame, demerge.frame));
                 assert!(
                     open_episode.least_visible < 0.6,
-                    "a full merge hides much: {}",
+                    "most of a member is occluded: {}",
                     open_episode.least_visible
                 );
                 assert!(truth.boxes[0].0 > catalogue::SETTLE);
@@ -421,7 +420,7 @@ mod tests {
     }
 
     #[test]
-    fn a_tree_hides_a_walker_once_and_wholly() {
+    fn a_tree_occludes_a_person_once_and_completely() {
         for parameters in varied() {
             let truth = truth_of("tree", &parameters);
             let expected = [EventKind::Enter, EventKind::Disappear, EventKind::Reappear, EventKind::Exit]
@@ -430,12 +429,12 @@ mod tests {
             let [hidden] = truth.episodes.as_slice() else { panic!("{:?}", truth.episodes) };
             assert_eq!((hidden.kind, hidden.least_visible), (EpisodeKind::Scene, 0.0));
             let seconds = (hidden.end + 1 - hidden.start) as f32 / catalogue::FPS * parameters.speed;
-            assert!((0.9..2.0).contains(&seconds), "hidden for {seconds} s at usual speed");
+            assert!((0.9..2.0).contains(&seconds), "occluded for {seconds} s at normal speed");
         }
     }
 
     #[test]
-    fn who_is_only_partly_hidden_does_not_disappear() {
+    fn a_partly_occluded_person_does_not_disappear() {
         for parameters in varied() {
             for name in ["pole", "wall"] {
                 let truth = truth_of(name, &parameters);
@@ -446,7 +445,7 @@ mod tests {
                 );
                 let least = truth.boxes.iter().map(|(_, who)| who.unscreened as f32 / who.inside as f32);
                 let least = least.fold(1.0, f32::min);
-                assert!((0.2..0.85).contains(&least), "{name} hides a part: {least} is left");
+                assert!((0.2..0.85).contains(&least), "{name} occludes a part: {least} is visible");
             }
             let pair = truth_of("pair", &parameters);
             assert_eq!((count(&pair, EventKind::Enter), count(&pair, EventKind::Exit)), (2, 2));
@@ -456,7 +455,7 @@ mod tests {
     }
 
     #[test]
-    fn three_who_meet_are_one_episode() {
+    fn three_meeting_people_are_one_episode() {
         for parameters in varied() {
             let truth = truth_of("group", &parameters);
             let all = |event: &&TruthEvent| event.objects == [1, 2, 3];
@@ -471,14 +470,14 @@ mod tests {
     }
 
     #[test]
-    fn boxes_go_on_behind_the_tree() {
+    fn boxes_continue_behind_the_tree() {
         let truth = truth_of("tree", &varied().next().unwrap());
         let frames: Vec<u32> = truth.boxes.iter().map(|(frame, _)| *frame).collect();
         let (enter, exit) = (truth.events[0].frame, truth.events[3].frame);
         assert_eq!(frames, (enter..=exit).collect::<Vec<_>>());
     }
 
-    /// A frame in which people 100 pixels in size stand 50 pixels apart, with so many pixels unscreened.
+    /// A frame with people of 100 pixels, 50 pixels apart, with these numbers of unscreened pixels.
     fn frame(number: u32, unscreened: &[(Identity, u32)], touching: &[(Identity, Identity)]) -> FrameTruth {
         let silhouette = |&(id, unscreened): &(Identity, u32)| Silhouette {
             id,
@@ -510,7 +509,7 @@ mod tests {
     }
 
     #[test]
-    fn a_break_shorter_than_half_a_second_does_not_end_a_meeting() {
+    fn a_separation_shorter_than_half_a_second_does_not_end_an_episode() {
         // Five frames are half a second.
         for (breadth, ends) in [(4, 1), (5, 2)] {
             let touches = |number: u32| (3..6).contains(&number) || (6 + breadth..20).contains(&number);
@@ -525,16 +524,16 @@ mod tests {
     }
 
     #[test]
-    fn who_is_hidden_by_the_scene_disappears_and_sights_too_short_do_not_count() {
+    fn an_occluded_person_disappears_and_short_visible_intervals_do_not_count() {
         let open = |number: u32| if (5..20).contains(&number) && number != 9 { 4 } else { 100 };
         let truth = told((1..=30).map(|number| frame(number, &[(1, open(number))], &[])));
         let expected = [(1, EventKind::Enter), (5, EventKind::Disappear), (20, EventKind::Reappear)];
-        assert_eq!(frames_and_kinds(&truth), expected, "and nobody leaves who is still there");
+        assert_eq!(frames_and_kinds(&truth), expected, "there is no exit at the end");
         assert_eq!((truth.episodes[0].start, truth.episodes[0].end), (5, 19));
     }
 
     #[test]
-    fn who_is_shaken_out_of_the_image_is_not_hidden() {
+    fn a_person_moved_outside_by_camera_shake_does_not_disappear() {
         let truth = told((1..=30).map(|number| {
             let seen: &[_] = if number == 7 { &[] } else { &[(1, 100)] };
             frame(number, seen, &[])
@@ -543,14 +542,14 @@ mod tests {
     }
 
     #[test]
-    fn who_is_still_hidden_at_the_end_neither_reappears_nor_leaves() {
+    fn a_person_occluded_at_the_end_neither_reappears_nor_exits() {
         let truth = told((1..=9).map(|number| frame(number, &[(1, if number < 6 { 100 } else { 0 })], &[])));
         assert_eq!(frames_and_kinds(&truth), [(1, EventKind::Enter), (6, EventKind::Disappear)]);
         assert_eq!((truth.episodes[0].end, truth.boxes.len()), (9, 9));
     }
 
     #[test]
-    fn a_group_loses_one_and_goes_on() {
+    fn a_group_continues_after_one_member_leaves() {
         let truth = told((1..=40).map(|number| {
             let pairs: &[_] = match number {
                 0..5 | 30.. => &[],
@@ -577,7 +576,7 @@ mod tests {
     }
 
     #[test]
-    fn a_group_that_leaves_gives_exits_and_no_demerge() {
+    fn a_leaving_group_has_exits_and_no_demerge() {
         let truth = told((1..=20).map(|number| match number {
             0..=5 => frame(number, &[(1, 100), (2, 100)], &[]),
             6..=10 => frame(number, &[(1, 100), (2, 100)], &[(1, 2)]),

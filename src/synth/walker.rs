@@ -1,4 +1,4 @@
-//! A walking person: pose from the gait cycle, limbs as rounded cones.
+//! Renders a walking person: a pose from the gait cycle, limbs as rounded cones.
 
 use super::layer::Layer;
 use super::scene::Actor;
@@ -9,12 +9,12 @@ type Point = [f32; 2];
 
 /// Hip flexion in degrees, every tenth of a cycle from heel strike (sagittal gait analysis of adults).
 const HIP: [f32; 10] = [30.0, 25.0, 16.0, 6.0, -4.0, -11.0, -6.0, 12.0, 26.0, 32.0];
-/// Knee flexion in degrees, likewise.
+/// Knee flexion in degrees, at the same phases.
 const KNEE: [f32; 10] = [4.0, 16.0, 14.0, 8.0, 5.0, 12.0, 38.0, 60.0, 48.0, 18.0];
-/// Ankle flexion in degrees, toes up positive, likewise.
+/// Ankle flexion in degrees, positive upwards, at the same phases.
 const ANKLE: [f32; 10] = [0.0, -6.0, 2.0, 7.0, 10.0, 5.0, -16.0, -8.0, 0.0, 2.0];
 
-/// Way of a whole cycle (two steps), in body heights: what the legs' angles reach without sliding.
+/// Distance of a whole cycle (two steps), in body heights, at which the feet do not slide.
 const STRIDE: f32 = 0.80;
 
 const THIGH: f32 = 0.245;
@@ -22,10 +22,10 @@ const SHIN: f32 = 0.235;
 const UPPER_ARM: f32 = 0.165;
 const FOREARM: f32 = 0.135;
 
-/// Raising or lowering the arms takes so many frames.
+/// Number of frames for raising or lowering the arms.
 const ARM_LIFT: f32 = 10.0;
 
-/// A limb: two discs and everything between them.
+/// A limb: the convex hull of two discs.
 struct Part {
     from: Point,
     to: Point,
@@ -35,7 +35,7 @@ struct Part {
     grain: u64,
 }
 
-/// A cycle's table at any phase, through its points and smooth between them (Catmull-Rom).
+/// Interpolates a cyclic table at any phase (Catmull-Rom).
 fn cyclic(table: &[f32; 10], phase: f32) -> f32 {
     let place = phase.rem_euclid(1.0) * 10.0;
     let (index, t) = (place as usize, place.fract());
@@ -48,7 +48,7 @@ fn from_rgb(colour: Rgb) -> Colour {
     colour.map(f32::from)
 }
 
-/// A point reached from another at an angle from straight down, forward positive.
+/// The end of a limb of this length, at an angle from straight down, forward positive.
 fn hang(from: Point, degrees: f32, length: f32) -> Point {
     let (sin, cos) = degrees.to_radians().sin_cos();
     [from[0] + sin * length, from[1] - cos * length]
@@ -61,8 +61,8 @@ struct Leg {
     toe: Point,
 }
 
-/// A leg hanging from a hip at the origin, in body heights, forward and up positive. `stride` is the
-/// share of a walk's angles: 0 stands straight.
+/// A leg with its hip at the origin, in body heights, forward and up positive. `stride` is the factor on the angles:
+/// 0 stands straight.
 fn leg(phase: f32, stride: f32) -> Leg {
     let hip = cyclic(&HIP, phase) * stride;
     let shin = hip - cyclic(&KNEE, phase) * stride;
@@ -100,10 +100,10 @@ fn pose(actor: &Actor, frame: f32) -> Vec<Part> {
         });
     };
     let on_hip = |p: Point| -> Point { [hip[0] + p[0], hip[1] + p[1]] };
-    // The trunk turns against the pelvis and leans a little forward.
+    // The trunk rotates opposite to the pelvis and leans forward slightly.
     let neck = on_hip([0.022, 0.275]);
     let shoulder = on_hip([0.018, 0.255]);
-    // An arm swings with the leg of the other side.
+    // An arm swings with the opposite leg.
     let held_out = actor.arms_out.map_or(0.0, |[from, to]| {
         smoothstep(from, from + ARM_LIFT, frame) * smoothstep(to, to - ARM_LIFT, frame)
     });
@@ -142,7 +142,7 @@ fn pose(actor: &Actor, frame: f32) -> Vec<Part> {
     add(at(0.020, -0.040), 0.026, at(0.015, 0.0), 0.042, clothes.skin, 1.0);
     add(at(-0.014, 0.032), 0.034, at(0.016, 0.046), 0.020, clothes.hair, 1.05);
     if let Some(colour) = actor.bag {
-        // It hangs from the near hand and swings with it.
+        // The bag hangs from the near hand and swings with it.
         let hand = near_arm[2].2;
         let at = |forward: f32| -> Point { [0.6 * hand[0] + forward, hand[1] - 0.085] };
         add(at(-0.125), 0.082, at(0.125), 0.082, colour, 1.0);
@@ -153,7 +153,7 @@ fn pose(actor: &Actor, frame: f32) -> Vec<Part> {
     parts
 }
 
-/// Signed distance to a part's outline, place along it (0..=1) and place across it (−1..=1).
+/// Signed distance to a part's outline, position along it (0..=1) and across it (−1..=1).
 fn measure(part: &Part, p: Point) -> (f32, f32, f32) {
     let axis = [part.to[0] - part.from[0], part.to[1] - part.from[1]];
     let offset = [p[0] - part.from[0], p[1] - part.from[1]];
@@ -161,10 +161,11 @@ fn measure(part: &Part, p: Point) -> (f32, f32, f32) {
     let along = (offset[0] * axis[0] + offset[1] * axis[1]) / length;
     let across = (axis[0] * offset[1] - axis[1] * offset[0]) / length;
     let shrink = (part.from_radius - part.to_radius) / length;
-    // One disc holds the other when they differ by more than their distance: then the larger is the outline.
+    // One disc contains the other when their radii differ by more than their distance; the larger one is then the
+    // outline.
     let lean = shrink.clamp(-0.999, 0.999);
     let steep = (1.0 - lean * lean).sqrt();
-    // Where the tangent line's foot lies on the axis decides between the discs and the side.
+    // The foot of the tangent line on the axis determines whether a disc or the side is nearest.
     let foot = along - across.abs() * lean / steep;
     let distance = if foot <= 0.0 {
         offset[0].hypot(offset[1]) - part.from_radius
@@ -178,7 +179,7 @@ fn measure(part: &Part, p: Point) -> (f32, f32, f32) {
     (distance, s, (across / radius.max(0.5)).clamp(-1.0, 1.0))
 }
 
-/// The pixels that parts can reach: left, top, right, bottom, the last two beyond them.
+/// The bounding box of parts in pixels: left, top, right, bottom, the last two exclusive.
 fn reach<'a>(parts: impl IntoIterator<Item = &'a Part>) -> [i32; 4] {
     let ends = |part: &'a Part| [(part.from, part.from_radius), (part.to, part.to_radius)];
     parts.into_iter().flat_map(ends).fold([i32::MAX, i32::MAX, i32::MIN, i32::MIN], |reach, (p, radius)| {
@@ -191,7 +192,7 @@ fn reach<'a>(parts: impl IntoIterator<Item = &'a Part>) -> [i32; 4] {
     })
 }
 
-/// Draws a person as they are in a frame, parts beyond the image included.
+/// Renders a person in a frame, including parts outside the image.
 pub fn draw(actor: &Actor, frame: f32, seed: u64) -> Layer {
     let parts = pose(actor, frame);
     let height = actor.height_at(frame);
@@ -211,7 +212,7 @@ pub fn draw(actor: &Actor, frame: f32, seed: u64) -> Layer {
     layer
 }
 
-/// Light from the upper left on a round limb, and the weave and folds of its cloth.
+/// Shading of a round limb lit from the upper left, with the weave and folds of its cloth.
 fn shade(part: &Part, along: f32, across: f32, seed: u64, height: f32) -> Colour {
     let axis = [part.to[0] - part.from[0], part.to[1] - part.from[1]];
     let length = axis[0].hypot(axis[1]).max(1e-3);

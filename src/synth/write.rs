@@ -2,14 +2,15 @@
 //!
 //! | file | form |
 //! | --- | --- |
-//! | `NAME.mp4` | H.264 (MPEG-4 where OpenCV lacks it); lossless: `NAME.avi`, FFV1, every bit as rendered |
-//! | `truth/identities/000001.png` | 8 bit: the identity of who is seen at the pixel, 0 for the background, parked cars, and what stands in front |
-//! | `truth/gt.txt` | MOTChallenge, no header: `frame,id,x,y,w,h,1,1,visibility`; the box of the full silhouette clipped to the image, from enter to exit, hidden or not; the first pixel is (0, 0); the first 1 is 0 while a car is parked |
-//! | `truth/events.jsonl` | an event a line: `frame`, `kind`, `objects`, `becomes`, `x`, `y`, `front` |
+//! | `NAME.mp4` | H.264 (MPEG-4 where OpenCV lacks it); lossless: `NAME.avi`, FFV1, with exactly the rendered bits |
+//! | `truth/identities/000001.png` | 8 bit: the identity visible at the pixel, 0 for the background, parked cars and occluders |
+//! | `truth/gt.txt` | MOTChallenge, no header: `frame,id,x,y,w,h,1,1,visibility`; the box of the full silhouette clipped to the image, from enter to exit, occluded or not; the first pixel is (0, 0); the first 1 is 0 while a car is parked |
+//! | `truth/events.jsonl` | one event per line: `frame`, `kind`, `objects`, `becomes`, `x`, `y`, `front` |
 //! | `truth/episodes.csv` | header `kind,objects,start,end,least_visible,front,identities_kept` |
 //! | `scene.json` | name, seed, size, fps, frames, the video's name, the parameters, and everything that is in the scene |
 //!
-//! All are made in a temporary folder beside and take their names when all are whole, `scene.json` last.
+//! All files are written to a temporary folder next to the output and moved when they are complete, `scene.json`
+//! last.
 
 use std::fs;
 use std::io::Write as _;
@@ -28,29 +29,29 @@ use super::truth::{Recorder, Truth};
 use crate::frame::{Frame, Size};
 use crate::source::silence_libraries;
 
-/// Frames rendered at once: enough for every core, few enough to hold in memory at any size.
+/// Number of frames rendered at once: enough for all cores, few enough for memory at any size.
 const BATCH: u32 = 16;
 
-/// Why a scene could not be written. Each message names what, which file, why, and what to do.
+/// An error of writing a scene. Each message names the file, the problem, its cause and a remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum WriteError {
-    /// A file or folder cannot be made.
+    /// A file or folder cannot be created.
     #[error("{path} cannot be written: {why}; choose another folder")]
     File {
-        /// Which.
+        /// Its path.
         path: PathBuf,
-        /// What the system says.
+        /// The error of the operating system.
         why: String,
     },
-    /// The video cannot be made.
+    /// The video cannot be created.
     #[error("{path} cannot be encoded: {why}")]
     Video {
-        /// Which.
+        /// Its path.
         path: PathBuf,
-        /// Why, and what to do.
+        /// The cause and a remedy.
         why: String,
     },
-    /// Whoever heard of the progress asked to stop.
+    /// The callback `progress` stopped the work.
     #[error("stopped before the end of the scene; nothing was written")]
     Stopped,
 }
@@ -61,7 +62,7 @@ impl WriteError {
     }
 }
 
-/// What `scene.json` holds.
+/// The contents of `scene.json`.
 #[derive(Serialize)]
 struct SceneFile<'a> {
     #[serde(flatten)]
@@ -71,9 +72,9 @@ struct SceneFile<'a> {
     version: &'static str,
 }
 
-/// Renders a scene into folder `out`, which is made if need be, and gives the path of the video.
-/// Of what is there already only files of the same names are replaced, and identity images beyond
-/// the scene's frames removed. `progress` hears how many frames are done, and may stop the work.
+/// Renders a scene into folder `out`, which is created if necessary, and returns the path of the video. Only existing
+/// files of the same names are replaced, and identity images beyond the scene's frames removed. `progress` is called
+/// with the number of rendered frames and can stop the work.
 pub fn write(
     scene: &Scene,
     parameters: &Parameters,
@@ -140,7 +141,7 @@ fn write_identities(folder: &Path, truth: &FrameTruth) -> Result<(), WriteError>
         .map_err(|why| WriteError::file(&path, why))
 }
 
-/// A longer scene's last images would be taken for truth of this one.
+/// Identity images of an earlier, longer scene would be read as truth of this one.
 fn remove_later_identities(folder: &Path, frames: u32) -> Result<(), WriteError> {
     let entries = fs::read_dir(folder).map_err(|why| WriteError::file(folder, why))?;
     for entry in entries.flatten() {
@@ -173,7 +174,7 @@ fn write_truth(folder: &Path, truth: &Truth) -> Result<(), WriteError> {
 pub fn boxes_text(truth: &Truth) -> String {
     let line = |(frame, who): &(u32, super::Silhouette)| {
         let (place, visibility) = (who.bbox, who.visibility());
-        // MOTChallenge's 0: the box is not to be counted.
+        // MOTChallenge's 0 marks boxes that are not to be counted.
         let counts = u8::from(!who.parked);
         format!(
             "{frame},{},{},{},{},{},{counts},1,{visibility:.3}\n",
@@ -207,16 +208,16 @@ pub fn episodes_text(truth: &Truth) -> String {
     header + &truth.episodes.iter().map(line).collect::<String>()
 }
 
-/// A video file while it is being made.
+/// A video file in progress.
 struct Encoder {
     draft: PathBuf,
-    /// Where it will stand, which is what errors speak of.
+    /// The final path, for messages.
     place: PathBuf,
     writer: videoio::VideoWriter,
 }
 
 impl Encoder {
-    /// Starts a video in folder `draft` under the name that `place` ends with.
+    /// Starts a video in folder `draft`, with the file name of `place`.
     fn open(draft: &Path, place: &Path, scene: &Scene, lossless: bool) -> Result<Self, WriteError> {
         let draft = draft.join(place.file_name().unwrap_or_default());
         let codecs: &[[char; 4]] =
@@ -244,7 +245,7 @@ impl Encoder {
         result.map_err(|why| self.error(&why.message))
     }
 
-    /// OpenCV does not say when a write fails: a full disk shows only in what can be read back.
+    /// OpenCV does not report a failed write: a full disk is detected only by reading the file back.
     fn finish(mut self, frames: u32) -> Result<(), WriteError> {
         self.writer.release().map_err(|why| self.error(&why.message))?;
         let readable = count_frames(&self.draft).map_err(|why| self.error(&why.message))?;
@@ -303,7 +304,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_written_reads_back_as_what_was_rendered() {
+    fn written_files_read_back_as_rendered() {
         let folder = tempfile::tempdir().unwrap();
         let out = folder.path().join("new").join("crossing");
         let (scene, parameters) = small("crossing", None);
@@ -356,7 +357,7 @@ mod tests {
     }
 
     #[test]
-    fn lossless_video_holds_the_rendered_bits() {
+    fn lossless_video_has_the_rendered_bits() {
         let folder = tempfile::tempdir().unwrap();
         let (scene, parameters) = small("empty", Some(5));
         let video = write(&scene, &parameters, folder.path(), true, |_| ControlFlow::Continue(())).unwrap();
@@ -370,7 +371,7 @@ mod tests {
     }
 
     #[test]
-    fn writing_again_replaces_its_own_files_and_leaves_others() {
+    fn writing_again_replaces_only_its_own_files() {
         let folder = tempfile::tempdir().unwrap();
         let out = folder.path();
         let (scene, parameters) = small("empty", Some(9));
@@ -386,7 +387,7 @@ mod tests {
     }
 
     #[test]
-    fn the_bundled_samples_are_what_the_program_makes() {
+    fn the_bundled_samples_equal_the_program_s_output() {
         let samples = Path::new(env!("CARGO_MANIFEST_DIR")).join("sample_videos");
         for name in ["crossing", "tree"] {
             let mut parameters = Parameters::default();
@@ -406,7 +407,7 @@ mod tests {
     }
 
     #[test]
-    fn a_place_that_cannot_be_written_is_one_line_that_names_it() {
+    fn an_unwritable_path_gives_an_error_of_one_line_that_names_it() {
         let folder = tempfile::tempdir().unwrap();
         let taken = folder.path().join("taken");
         fs::write(&taken, "a file").unwrap();
@@ -418,13 +419,13 @@ mod tests {
     }
 
     #[test]
-    fn what_is_stopped_leaves_no_file() {
+    fn stopped_work_leaves_no_file() {
         let parameters = Parameters { frames: Some(40), ..Parameters::default() };
         let scene = catalogue::scene("tree", &parameters).unwrap();
         let folder = tempfile::tempdir().unwrap();
         let stopped = write(&scene, &parameters, folder.path(), false, |_| ControlFlow::Break(()));
         assert!(matches!(stopped, Err(WriteError::Stopped)));
         let names: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|it| it.unwrap().file_name()).collect();
-        assert_eq!(names, ["truth"], "but for the empty folder of its truth");
+        assert_eq!(names, ["truth"], "only the empty truth folder remains");
     }
 }

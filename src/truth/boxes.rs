@@ -1,4 +1,4 @@
-//! Boxes by frame and identity, from MOTChallenge's CSV.
+//! Bounding boxes by frame and identity, from MOTChallenge's CSV.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -15,7 +15,7 @@ impl Bounds {
         self.0[2] * self.0[3]
     }
 
-    /// The area that two boxes share.
+    /// The area of the intersection.
     pub fn shared(&self, other: &Self) -> f64 {
         let [ax, ay, aw, ah] = self.0;
         let [bx, by, bw, bh] = other.0;
@@ -32,14 +32,14 @@ impl Bounds {
     }
 }
 
-/// Frames and identities are below this, so that there is room to count on.
+/// Limit of frame numbers and identities, far below overflow.
 const LARGEST: f64 = 1_000_000_001.0;
 
 /// The boxes of each frame, by identity.
 pub type Boxes = BTreeMap<u32, BTreeMap<u32, Bounds>>;
 
-/// Reads `frame,id,x,y,w,h[,conf,…]` without a header. Rows of confidence 0 are not to be counted
-/// and left out; fewer than six columns in a row are passed over.
+/// Reads `frame,id,x,y,w,h[,conf,…]` without a header. Skips rows of confidence 0, which are not to be counted, and
+/// rows of fewer than six columns.
 pub fn read(path: &Path) -> Result<Boxes, TruthError> {
     let reader =
         csv::ReaderBuilder::new().has_headers(false).flexible(true).trim(csv::Trim::All).from_path(path);

@@ -8,35 +8,35 @@ use serde::Serialize;
 
 use super::boxes::Boxes;
 
-/// How well tracks follow true objects; a box is on an object from some IoU on.
+/// Tracking accuracy, for matches from some IoU on.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct ClearMot {
-    /// 1 − (missed + made up + switches) / true boxes.
+    /// 1 − (false negatives + false positives + identity switches) / true boxes.
     pub mota: f64,
     /// The mean of 1 − IoU over all matches; smaller is better.
     pub motp: f64,
     /// The harmonic mean of identity precision and recall.
     pub idf1: f64,
-    /// Matched boxes among those that were found.
+    /// Matched boxes / found boxes.
     pub precision: f64,
-    /// Matched boxes among the true ones.
+    /// Matched boxes / true boxes.
     pub recall: f64,
-    /// How often an object's identity became another.
+    /// IDSW, the number of identity switches.
     pub num_switches: usize,
-    /// How often an object was lost and found again.
+    /// Number of times that an object's track is interrupted and resumed.
     pub num_fragmentations: usize,
-    /// True objects that are matched in at least four fifths of their frames.
+    /// Number of true objects that are matched in at least four fifths of their frames.
     pub mostly_tracked: usize,
-    /// True objects.
+    /// Number of true objects.
     pub num_unique_objects: usize,
 }
 
-/// Scores `found` against `truth`; a box is on an object when their IoU is at least `threshold`.
+/// Scores `found` against `truth`; boxes can match if their IoU is at least `threshold`.
 pub fn score(truth: &Boxes, found: &Boxes, threshold: f64) -> ClearMot {
     let frames: BTreeSet<u32> = truth.keys().chain(found.keys()).copied().collect();
     let nothing = BTreeMap::new();
     let mut last_match: BTreeMap<u32, u32> = BTreeMap::new();
-    // For each true object, frame by frame, whether it was matched.
+    // For each true object whether it was matched, frame by frame.
     let mut lives: BTreeMap<u32, Vec<bool>> = BTreeMap::new();
     let mut overlaps: BTreeMap<(u32, u32), i64> = BTreeMap::new();
     let (mut matched, mut made_up, mut switches, mut distances) = (0_usize, 0, 0, 0.0);
@@ -54,7 +54,7 @@ pub fn score(truth: &Boxes, found: &Boxes, threshold: f64) -> ClearMot {
             }
         }
         let mut pairs: BTreeMap<u32, u32> = BTreeMap::new();
-        // Who was matched before stays matched where that is possible.
+        // A match of the previous frame is kept if possible.
         for object in true_ones.keys() {
             if let Some(&identity) = last_match.get(object)
                 && near.contains_key(&(*object, identity))
@@ -67,7 +67,7 @@ pub fn score(truth: &Boxes, found: &Boxes, threshold: f64) -> ClearMot {
         let taken: BTreeSet<u32> = pairs.values().copied().collect();
         let open: Vec<u32> =
             found_ones.keys().filter(|identity| !taken.contains(identity)).copied().collect();
-        // As many as possible first, then as near as possible.
+        // The largest number of matches first, then the largest IoU.
         let weight = |object: &u32, identity: &u32| {
             near.get(&(*object, *identity)).map_or(0, |distance| 1_000_000_000_000 - (distance * 1e8) as i64)
         };
@@ -115,12 +115,12 @@ fn share(part: usize, whole: usize) -> f64 {
     part as f64 / whole.max(1) as f64
 }
 
-/// Pairs of the greatest total weight; those of weight 0 are none.
+/// The assignment of the greatest total weight; pairs of weight 0 are not assigned.
 fn assign(rows: &[u32], columns: &[u32], weight: impl Fn(&u32, &u32) -> i64) -> Vec<(u32, u32)> {
     if rows.is_empty() || columns.is_empty() {
         return Vec::new();
     }
-    // The library wants no more rows than columns: spare columns are nobody.
+    // The library needs at least as many columns as rows; additional columns are dummies.
     let width = columns.len().max(rows.len());
     let value = |(row, column): (usize, usize)| columns.get(column).map_or(0, |it| weight(&rows[row], it));
     let (_, chosen) = kuhn_munkres(&Matrix::from_fn(rows.len(), width, value));
@@ -128,7 +128,7 @@ fn assign(rows: &[u32], columns: &[u32], weight: impl Fn(&u32, &u32) -> i64) -> 
     pairs.filter(|(row, column)| weight(row, column) > 0).collect()
 }
 
-/// How often a life changes from matched to not, other than for good.
+/// Number of changes from matched to not matched, without the last one if it is final.
 fn fragmentations(life: &[bool]) -> usize {
     let last = life.iter().rposition(|matched| *matched).unwrap_or(0);
     life[..=last.min(life.len().saturating_sub(1))].windows(2).filter(|pair| pair[0] && !pair[1]).count()
@@ -139,7 +139,7 @@ mod tests {
     use super::*;
     use crate::truth::boxes::Bounds;
 
-    /// `(frame, identity, left)`, all boxes 10×10 at the top.
+    /// Boxes from `(frame, identity, left)`, all 10×10 at the top.
     fn boxes(rows: &[(u32, u32, f64)]) -> Boxes {
         let mut boxes = Boxes::new();
         for &(frame, id, x) in rows {
@@ -158,9 +158,10 @@ mod tests {
     }
 
     #[test]
-    fn a_miss_a_ghost_and_a_switch_by_hand() {
+    fn scores_equal_values_computed_by_hand() {
         let truth = boxes(&[(1, 1, 0.0), (2, 1, 0.0), (3, 1, 0.0), (4, 1, 0.0), (5, 1, 0.0)]);
-        // Lost in frame 2, a ghost in 3, another identity from 4 on; IoU of a shift by 2: 80/120.
+        // A false negative in frame 2, a false positive in 3, another identity from 4 on; IoU of a shift by 2:
+        // 80/120.
         let found = boxes(&[(1, 7, 0.0), (3, 7, 2.0), (3, 9, 60.0), (4, 8, 0.0), (5, 8, 0.0)]);
         let score = score(&truth, &found, 0.5);
         assert_eq!(score.mota, 1.0 - 3.0 / 5.0);
@@ -171,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn a_match_is_held_although_another_box_is_nearer() {
+    fn a_match_is_kept_although_another_box_is_nearer() {
         let truth = boxes(&[(1, 1, 0.0), (2, 1, 0.0)]);
         let found = boxes(&[(1, 7, 0.0), (2, 7, 3.0), (2, 8, 0.0)]);
         let score = score(&truth, &found, 0.5);
@@ -179,7 +180,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_against_something() {
+    fn empty_truth_or_result_is_scored() {
         let some = boxes(&[(1, 1, 0.0)]);
         let missed = score(&some, &Boxes::new(), 0.5);
         assert_eq!((missed.mota, missed.recall, missed.idf1), (0.0, 0.0, 0.0));

@@ -1,4 +1,4 @@
-//! How many decisions about pixels are right, and how many are wrong.
+//! Counts of right and wrong decisions on pixels.
 
 use std::iter::Sum;
 use std::ops::AddAssign;
@@ -9,48 +9,48 @@ use super::masks::TrueMask;
 use crate::frame::{Frame, Mask};
 use crate::mixture::{BATCH, Mixture, Parameters};
 
-/// Counts of pixels by what was decided and what is true.
+/// The confusion matrix of foreground against truth, in pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Decisions {
-    /// Foreground that was found.
+    /// True positives: foreground that is found.
     pub tp: u64,
-    /// Background that was taken for foreground.
+    /// False positives: background that is taken for foreground.
     pub fp: u64,
-    /// Foreground that was missed.
+    /// False negatives: foreground that is missed.
     #[serde(rename = "fn")]
     pub fn_: u64,
-    /// Background that was left alone.
+    /// True negatives: background that is left as such.
     pub tn: u64,
 }
 
 impl Decisions {
-    /// All of them.
+    /// The sum of all counts.
     pub const fn all(self) -> u64 {
         self.tp + self.fp + self.fn_ + self.tn
     }
 
-    /// The share of right ones, 0..=1; 0 where there is none.
+    /// The share of right decisions (accuracy), 0..=1; 0 without decisions.
     pub fn right(self) -> f64 {
         share(self.tp + self.tn, self.all())
     }
 
-    /// 2·precision·recall / (precision + recall), 0..=1; 0 where nothing is foreground.
+    /// 2·precision·recall / (precision + recall), 0..=1; 0 without foreground.
     pub fn f_measure(self) -> f64 {
         share(2 * self.tp, 2 * self.tp + self.fp + self.fn_)
     }
 }
 
-/// By what decisions are compared.
+/// A measure for comparing decisions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Measure {
-    /// The share of right ones.
+    /// The share of right decisions.
     Right,
     /// The harmonic mean of precision and recall.
     F,
 }
 
 impl Measure {
-    /// Both.
+    /// All measures.
     pub const ALL: [Self; 2] = [Self::Right, Self::F];
 
     /// Its value, 0..=1.
@@ -61,7 +61,7 @@ impl Measure {
         }
     }
 
-    /// What it is, in two words.
+    /// Its name in two words.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Right => "accuracy",
@@ -69,7 +69,7 @@ impl Measure {
         }
     }
 
-    /// What it is, in one.
+    /// Its name in one word.
     pub const fn short(self) -> &'static str {
         match self {
             Self::Right => "accuracy",
@@ -77,7 +77,7 @@ impl Measure {
         }
     }
 
-    /// What it is, in a sentence.
+    /// Its meaning in a sentence.
     pub const fn meaning(self) -> &'static str {
         match self {
             Self::Right => "Accuracy: (TP + TN)/all evaluated pixels",
@@ -89,7 +89,7 @@ impl Measure {
     }
 }
 
-/// A part of a whole, 0 of nothing.
+/// part / whole; 0 where `whole` is 0.
 pub(super) fn share(part: u64, whole: u64) -> f64 {
     part as f64 / whole.max(1) as f64
 }
@@ -112,11 +112,11 @@ impl Sum for Decisions {
     }
 }
 
-/// What a mixture under `parameters` decides in all of `frames`, from an unseen one on, judged where there is truth.
-/// It learns from the first of them before, as many as [`Parameters::learnt`] says.
+/// The decisions of a new mixture under `parameters` in all of `frames`, scored where there is truth. Before, it
+/// learns from the first [`Parameters::learnt`] of them.
 ///
 /// # Panics
-/// When the frames are not all of one size.
+/// If the frames differ in size.
 pub fn of_mixture(frames: &[Frame], truth: &[Option<TrueMask>], parameters: Parameters) -> Decisions {
     let Some(size) = frames.first().map(|frame| frame.size) else { return Decisions::default() };
     let mut mixture = Mixture::new(size, parameters);
@@ -155,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn a_mixture_decides_as_its_pixels_do_alone() {
+    fn decisions_of_an_image_equal_those_of_its_pixels() {
         let size = Size::new(5, 4);
         let colour = |number: u32, at: u32| {
             let passes = (number + 3 * at) % 23 < 4;

@@ -1,5 +1,4 @@
-//! Scores of events and occlusion episodes against the truth of a rendered scene: each once, at its time, with its
-//! objects.
+//! Scores events and occlusion episodes against the truth of a rendered scene by kind, time and members.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -18,7 +17,7 @@ const MIN_IOU: f64 = 0.5;
 pub struct ScoredEvent {
     /// The kind of event or episode.
     pub kind: String,
-    /// The objects, in order.
+    /// The identities of the members, in ascending order.
     pub objects: Vec<u32>,
     /// The first and last frame; an event has one.
     pub span: (u32, u32),
@@ -27,15 +26,15 @@ pub struct ScoredEvent {
 /// The score of the events of one kind.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct EventScore {
-    /// Number of true ones.
+    /// Number of true events.
     pub truth: usize,
-    /// Number of reported ones.
+    /// Number of reported events.
     pub reported: usize,
-    /// Number of matches, each counted once.
+    /// Number of matches; each event is matched at most once.
     pub matched: usize,
-    /// matched / reported, 1 where nothing was.
+    /// matched / reported; 1 if none was reported.
     pub precision: f64,
-    /// matched / truth, 1 where nothing happened.
+    /// matched / truth; 1 if there is none.
     pub recall: f64,
 }
 
@@ -77,7 +76,7 @@ pub fn read_episodes(path: &Path) -> Result<Vec<ScoredEvent>, TruthError> {
     reader.deserialize().map(row).collect()
 }
 
-/// Which person each identity was on most often, 0 where none.
+/// The person that each identity matches most often; 0 if none.
 pub fn people(truth: &Boxes, found: &Boxes) -> BTreeMap<u32, u32> {
     let mut counts: BTreeMap<u32, BTreeMap<u32, usize>> = BTreeMap::new();
     for (frame, found_ones) in found {
@@ -97,8 +96,8 @@ pub fn people(truth: &Boxes, found: &Boxes) -> BTreeMap<u32, u32> {
     counts.into_iter().filter_map(|(identity, people)| Some((identity, most(people)?))).collect()
 }
 
-/// Compares by kind: the same people, and every end within `tolerance` frames. `people` says who the
-/// identities of `reported` are.
+/// Matches events of the same kind with the same people whose ends are all within `tolerance` frames. `people` maps
+/// the identities in `reported` to people.
 pub fn compare(
     truth: &[ScoredEvent],
     reported: &[ScoredEvent],
@@ -150,10 +149,10 @@ mod tests {
     }
 
     #[test]
-    fn each_counts_once_in_time_and_about_its_people() {
+    fn events_match_once_by_time_and_people() {
         let people = BTreeMap::from([(11, 1), (12, 2), (13, 3)]);
         let truth = [merge(&[1, 2], 100), merge(&[1, 2], 200), merge(&[2, 3], 300)];
-        // Right; twice for one; too late; about others.
+        // A match; a duplicate; too late; other people.
         let reported =
             [merge(&[12, 11], 104), merge(&[11, 12], 96), merge(&[11, 12], 209), merge(&[11, 13], 300)];
         let score = &compare(&truth, &reported, &people, 8)["merge"];

@@ -1,4 +1,4 @@
-//! Masks against the truth: CDnet's seven measures.
+//! Scores masks against ground truth by CDnet's seven measures.
 
 use std::path::{Path, PathBuf};
 
@@ -10,12 +10,12 @@ use super::decisions::{Decisions, share};
 use super::masks::{self, MaskFiles};
 use crate::frame::{Mask, Size};
 
-/// Counts of pixels, and what follows from them.
+/// The confusion matrix of all pixels, and the measures computed from it.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
 pub struct MaskScore {
-    /// Frames that were scored.
+    /// Number of scored frames.
     pub frames: usize,
-    /// What was decided about their pixels.
+    /// The confusion matrix.
     #[serde(flatten)]
     pub decisions: Decisions,
     /// tp / (tp + fn).
@@ -26,7 +26,7 @@ pub struct MaskScore {
     pub fpr: f64,
     /// fn / (tp + fn).
     pub fnr: f64,
-    /// Per cent of wrong decisions.
+    /// Percentage of wrong classifications.
     pub pwc: f64,
     /// 2·precision·recall / (precision + recall).
     pub f_measure: f64,
@@ -35,7 +35,7 @@ pub struct MaskScore {
 }
 
 impl MaskScore {
-    /// What follows from the decisions of so many frames.
+    /// The measures from the confusion matrix of this number of frames.
     pub fn new(frames: usize, decisions: Decisions) -> Self {
         let Decisions { tp, fp, fn_, tn } = decisions;
         Self {
@@ -52,7 +52,7 @@ impl MaskScore {
     }
 }
 
-/// Scores `masks/bin000001.png` … of a run, the frames of which there is truth.
+/// Scores `masks/bin000001.png` … of a run, for the frames with truth.
 pub fn score(folder: &Path, truth: &MaskFiles) -> Result<MaskScore, TruthError> {
     let pairs = truth.numbers().map(|number| (number, folder.join(format!("bin{number:06}.png"))));
     let pairs: Vec<_> = pairs.filter(|(_, mask)| mask.is_file()).collect();
@@ -97,7 +97,7 @@ mod tests {
     }
 
     #[test]
-    fn unknown_pixels_and_those_outside_do_not_count_and_shadow_is_negative() {
+    fn unknown_and_outside_pixels_are_ignored_and_shadow_is_negative() {
         let folder = tempfile::tempdir().unwrap();
         let (masks, truth) = (folder.path().join("masks"), folder.path().join("truth"));
         std::fs::create_dir_all(&masks).unwrap();

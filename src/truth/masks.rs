@@ -1,4 +1,4 @@
-//! Masks that are known to be right: CDnet's ground truth, or who is seen at each pixel of a scene of `synth`.
+//! True masks: CDnet's ground truth, or the identity at each pixel of a scene of `synth`.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -12,28 +12,28 @@ use super::TruthError;
 use super::decisions::Decisions;
 use crate::frame::Size;
 
-/// CDnet's grey levels of pixels that do not count.
+/// CDnet's gray levels of ignored pixels,
 const OUTSIDE: u8 = 85;
 const UNKNOWN: u8 = 170;
-/// And of moving ones; shadow (50) and static (0) are background.
+/// and of moving ones; shadow (50) and static (0) are background.
 const MOTION: u8 = 255;
 
-/// What a pixel truly is.
+/// The true label of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Label {
     /// Background.
     Background,
     /// Foreground.
     Foreground,
-    /// Not known, or of no interest: no decision about it is right or wrong.
+    /// Ignored: unknown or outside the region of interest; not scored.
     Uncounted,
 }
 
-/// What each pixel of a frame truly is.
+/// The true label of each pixel of a frame.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct TrueMask {
     size: Size,
-    /// All that is not background, in row order.
+    /// The runs of all labels except background, in row order.
     runs: Vec<Run>,
 }
 
@@ -44,7 +44,7 @@ struct Run {
 }
 
 impl TrueMask {
-    /// From what each pixel is, in row order.
+    /// A mask from the label of each pixel, in row order.
     pub fn new(size: Size, labels: impl IntoIterator<Item = Label>) -> Self {
         let mut runs: Vec<Run> = Vec::new();
         for (at, label) in (0..size.pixels() as u32).zip(labels) {
@@ -58,7 +58,7 @@ impl TrueMask {
         Self { size, runs }
     }
 
-    /// Of a scene: foreground is wherever an object is seen, whose number is not 0.
+    /// A mask from the identity at each pixel of a rendered scene, 0 being background.
     pub fn of_identities(size: Size, identities: &[u8]) -> Self {
         Self::new(size, identities.iter().map(|&identity| label_of_identity(identity)))
     }
@@ -68,7 +68,7 @@ impl TrueMask {
         self.size
     }
 
-    /// What the pixel at (x, y) is, `None` outside the image.
+    /// The label at (x, y); `None` outside the image.
     pub fn at(&self, x: u32, y: u32) -> Option<Label> {
         let at = self.size.index(x, y)? as u32;
         let run = self.runs.get(self.runs.partition_point(|run| run.pixels.end <= at));
@@ -79,7 +79,7 @@ impl TrueMask {
         })
     }
 
-    /// What each pixel is, in row order.
+    /// The label of each pixel, in row order.
     pub fn labels(&self) -> Vec<Label> {
         let mut labels = vec![Label::Background; self.size.pixels()];
         for run in &self.runs {
@@ -89,7 +89,7 @@ impl TrueMask {
         labels
     }
 
-    /// The part within these columns and rows, which must lie within the image.
+    /// The part within these columns and rows, which must be inside the image.
     pub fn cut(&self, columns: &Range<u32>, rows: &Range<u32>) -> Self {
         let size = Size::new(columns.len() as u32, rows.len() as u32);
         let mut runs = Vec::new();
@@ -106,12 +106,12 @@ impl TrueMask {
         Self { size, runs }
     }
 
-    /// Starts to judge a mask of the same size.
+    /// Starts to score a mask of the same size.
     pub fn judge(&self) -> Judge<'_> {
         Judge { mask: self, at: 0, found: 0, right: 0, uncounted: 0 }
     }
 
-    /// How many pixels are foreground, and how many do not count.
+    /// Number of foreground pixels and of ignored pixels.
     fn totals(&self) -> [u64; 2] {
         let mut totals = [0; 2];
         for run in &self.runs {
@@ -125,10 +125,10 @@ const fn label_of_identity(identity: u8) -> Label {
     if identity > 0 { Label::Foreground } else { Label::Background }
 }
 
-/// Compares a mask, run by run, with the true one.
+/// Compares a mask with the true one, run by run.
 pub struct Judge<'a> {
     mask: &'a TrueMask,
-    /// The first run of truth that the next run may meet.
+    /// The first run of the truth that the next run can intersect.
     at: usize,
     found: u64,
     right: u64,
@@ -136,7 +136,7 @@ pub struct Judge<'a> {
 }
 
 impl Judge<'_> {
-    /// Takes in the next run of foreground; they come in row order.
+    /// Adds the next run of foreground, in row order.
     pub fn take(&mut self, found: Range<usize>) {
         let runs = &self.mask.runs;
         self.found += found.len() as u64;
@@ -149,7 +149,7 @@ impl Judge<'_> {
         }
     }
 
-    /// What came of it when all runs have been taken in.
+    /// The counts after all runs have been added.
     pub fn decisions(self) -> Decisions {
         let [foreground, uncounted] = self.mask.totals();
         let wrong = self.found - self.right - self.uncounted;
@@ -170,7 +170,7 @@ pub struct TrueMasks {
 }
 
 impl TrueMasks {
-    /// By frame number; `None` where there are none, or their sizes differ.
+    /// True masks by frame number; `None` if there are none, or their sizes differ.
     pub fn new(masks: BTreeMap<u32, Arc<TrueMask>>) -> Option<Self> {
         let size = masks.values().next()?.size;
         masks.values().all(|mask| mask.size == size).then_some(Self { size, masks })
@@ -181,32 +181,32 @@ impl TrueMasks {
         self.size
     }
 
-    /// Of how many frames there is one.
+    /// Number of frames with a mask.
     pub fn frames(&self) -> usize {
         self.masks.len()
     }
 
-    /// That of the frame of this number.
+    /// The mask of a frame.
     pub fn of(&self, number: u32) -> Option<&Arc<TrueMask>> {
         self.masks.get(&number)
     }
 
-    /// The number of the last frame of which there is one.
+    /// The number of the last frame with a mask.
     pub fn last(&self) -> u32 {
         self.masks.last_key_value().map_or(0, |(&number, _)| number)
     }
 }
 
-/// True masks in files, one a frame.
+/// Files of true masks, one per frame.
 pub struct MaskFiles {
     paths: BTreeMap<u32, PathBuf>,
     label: fn(u8) -> Label,
-    /// Dark where nothing counts.
+    /// The region of interest, dark outside, and its file.
     roi: Option<(PathBuf, GrayImage)>,
 }
 
 impl MaskFiles {
-    /// Of a CDnet folder: `groundtruth/gt000001.png` …, and, where they are there, `ROI.bmp` or `ROI.jpg` and
+    /// The masks of a CDnet folder: `groundtruth/gt000001.png` …, and, if they exist, `ROI.bmp` or `ROI.jpg` and
     /// `temporalROI.txt`.
     pub fn of_cdnet(folder: &Path) -> Result<Self, TruthError> {
         let roi = ["ROI.bmp", "ROI.jpg", "ROI.png"].map(|name| folder.join(name));
@@ -223,17 +223,17 @@ impl MaskFiles {
         Ok(Self { paths, label, roi })
     }
 
-    /// Of the folder in which `synth` writes who is seen at each pixel: `000001.png` ….
+    /// The masks of a folder of identity images by `synth`: `000001.png` ….
     pub fn of_identities(folder: &Path) -> Result<Self, TruthError> {
         Ok(Self { paths: numbered(folder, "")?, label: label_of_identity, roi: None })
     }
 
-    /// The numbers of the frames, in order.
+    /// The frame numbers in ascending order.
     pub fn numbers(&self) -> impl Iterator<Item = u32> {
         self.paths.keys().copied()
     }
 
-    /// Reads that of a frame; `None` where there is none.
+    /// Reads the mask of a frame; `None` if there is none.
     pub fn read(&self, number: u32) -> Result<Option<TrueMask>, TruthError> {
         let Some(path) = self.paths.get(&number) else { return Ok(None) };
         let image = read(path)?;
@@ -255,7 +255,7 @@ impl MaskFiles {
         Ok(Some(mask))
     }
 
-    /// Reads all of them; `None` where there is no file.
+    /// Reads all masks; `None` if there is no file.
     pub fn read_all(&self) -> Result<Option<TrueMasks>, TruthError> {
         let numbers: Vec<u32> = self.numbers().collect();
         let masks = numbers.par_iter().map(|&number| Ok((number, self.read(number)?)));
@@ -271,7 +271,7 @@ impl MaskFiles {
     }
 }
 
-/// Reads a picture as grey levels.
+/// Reads an image as gray levels.
 pub(super) fn read(path: &Path) -> Result<GrayImage, TruthError> {
     image::open(path).map(|image| image.to_luma8()).map_err(|error| {
         let why = error.to_string();
@@ -279,7 +279,7 @@ pub(super) fn read(path: &Path) -> Result<GrayImage, TruthError> {
     })
 }
 
-/// The files with names such as `gt000001.png`, by their numbers.
+/// The files with names such as `gt000001.png`, by number.
 fn numbered(folder: &Path, prefix: &str) -> Result<BTreeMap<u32, PathBuf>, TruthError> {
     let entries = std::fs::read_dir(folder).map_err(|error| TruthError::new(folder, error))?;
     let paths = entries.filter_map(|entry| {
@@ -291,7 +291,7 @@ fn numbered(folder: &Path, prefix: &str) -> Result<BTreeMap<u32, PathBuf>, Truth
     Ok(paths.collect())
 }
 
-/// The first and last frame of interest; all where the file is not there.
+/// The first and last frame of interest; all frames if the file does not exist.
 fn temporal_roi(path: &Path) -> Result<(u32, u32), TruthError> {
     if !path.is_file() {
         return Ok((0, u32::MAX));
@@ -321,7 +321,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn each_pixel_is_judged_once(
+        fn each_pixel_is_scored_once(
             truth in prop::collection::vec(0_u8..3, SIZE.pixels()),
             found in prop::collection::vec(prop::bool::weighted(0.4), SIZE.pixels()),
             columns in 0_u32..8,
@@ -361,7 +361,7 @@ mod tests {
     }
 
     #[test]
-    fn a_mask_of_another_size_is_named() {
+    fn the_error_of_another_size_names_the_mask() {
         let folder = tempfile::tempdir().unwrap();
         GrayImage::new(4, 3).save(folder.path().join("000001.png")).unwrap();
         GrayImage::new(4, 3).save(folder.path().join("000002.png")).unwrap();

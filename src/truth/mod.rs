@@ -1,8 +1,8 @@
-//! Ground truth, and how far what was found agrees with it.
+//! Ground truth, and the scores of results against it.
 //!
-//! [`boxes`] reads tracks as MOTChallenge has them, [`clear_mot`] and [`survival`] score them, [`summary`] by both;
-//! [`masks`] reads masks as CDnet has them, [`decisions`] and [`mask_score`] score pixels by them; [`event_scoring`]
-//! scores events and episodes of rendered scenes.
+//! [`boxes`] reads tracks in MOTChallenge's format, [`clear_mot`] and [`survival`] score them, [`summary`] by both;
+//! [`masks`] reads masks in CDnet's format, [`decisions`] and [`mask_score`] score pixels against them;
+//! [`event_scoring`] scores events and episodes of rendered scenes.
 
 pub mod boxes;
 pub mod clear_mot;
@@ -20,13 +20,13 @@ use std::sync::Arc;
 use self::boxes::Boxes;
 use self::masks::{MaskFiles, TrueMasks};
 
-/// A file of results or of truth that cannot be used.
+/// An error of a file of results or of ground truth.
 #[derive(Debug, thiserror::Error)]
 #[error("{} cannot be used: {why}", path.display())]
 pub struct TruthError {
     /// The file or folder.
     pub path: PathBuf,
-    /// Why, and what to do.
+    /// The cause and a remedy.
     pub why: String,
 }
 
@@ -43,12 +43,12 @@ pub enum TruthSource {
     Boxes(PathBuf),
     /// A CDnet folder.
     Cdnet(PathBuf),
-    /// The folder of truth of a scene that `synth` wrote.
+    /// The folder of ground truth of a scene written by `synth`.
     Scene(PathBuf),
 }
 
 impl TruthSource {
-    /// Detects the kind.
+    /// Detects the kind of the ground truth at `path`.
     pub fn of(path: &Path) -> Result<Self, TruthError> {
         if path.is_file() {
             return Ok(Self::Boxes(path.to_owned()));
@@ -69,12 +69,12 @@ impl TruthSource {
     }
 }
 
-/// The boxes of a scene's folder of truth.
+/// Reads the boxes of a scene's folder of ground truth.
 pub fn boxes_of_scene(folder: &Path) -> Result<Boxes, TruthError> {
     boxes::read(&folder.join("gt.txt"))
 }
 
-/// The masks of a scene's folder of truth, if it has some.
+/// The masks of a scene's folder of ground truth, if it has any.
 pub fn masks_of_scene(folder: &Path) -> Result<Option<MaskFiles>, TruthError> {
     let identities = folder.join("identities");
     identities.is_dir().then(|| MaskFiles::of_identities(&identities)).transpose()
@@ -83,14 +83,14 @@ pub fn masks_of_scene(folder: &Path) -> Result<Option<MaskFiles>, TruthError> {
 /// The ground truth of a sequence.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Truth {
-    /// Where objects are.
+    /// The true boxes.
     pub boxes: Option<Boxes>,
-    /// Which pixels are foreground.
+    /// The true masks.
     pub masks: Option<Arc<TrueMasks>>,
 }
 
 impl Truth {
-    /// Reads whatever lies at `path`: a MOTChallenge file, a CDnet folder, or a scene written by `synth`.
+    /// Reads the ground truth at `path`: a MOTChallenge file, a CDnet folder, or a scene written by `synth`.
     pub fn read(path: &Path) -> Result<Self, TruthError> {
         let truth = match TruthSource::of(path)? {
             TruthSource::Boxes(file) => Self { boxes: Some(boxes::read(&file)?), masks: None },

@@ -1,4 +1,4 @@
-//! All that truth tells about an analysis.
+//! All scores of an analysis.
 
 use std::collections::BTreeMap;
 
@@ -10,25 +10,25 @@ use super::mask_score::MaskScore;
 use super::survival::{self, Survival};
 use crate::pipeline::OfflineResult;
 
-/// How right tracks are.
+/// The scores of tracks.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct TrackScore {
-    /// Where a box is on an object from an IoU of 0.5 on.
+    /// Matches from an IoU of 0.5 on.
     #[serde(rename = "iou0.5")]
     pub strict: ClearMot,
-    /// Where it is from 0.3 on.
+    /// Matches from an IoU of 0.3 on.
     #[serde(rename = "iou0.3")]
     pub loose: ClearMot,
-    /// What became of the identities of those who met.
+    /// The survival of identities through occlusion.
     pub occlusion: Survival,
 }
 
-/// How right an analysis is, as far as there is truth.
+/// The scores of an analysis, as far as there is ground truth.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Score {
-    /// By boxes.
+    /// The scores of the tracks.
     pub tracks: Option<TrackScore>,
-    /// By masks: of all frames of which there is a true one.
+    /// The score of the masks of all frames with a true mask.
     pub masks: Option<MaskScore>,
 }
 
@@ -41,7 +41,7 @@ pub fn score(truth: &Boxes, found: &Boxes) -> TrackScore {
     }
 }
 
-/// The boxes of a reading, as its file of tracks holds them.
+/// The boxes of an offline result, as in its file of tracks.
 pub fn boxes_of(reading: &OfflineResult) -> Boxes {
     let mut boxes = Boxes::new();
     for (number, tracks) in &reading.tracks {

@@ -1,9 +1,9 @@
-//! How many identities survive occlusion.
+//! The number of identities that survive occlusion.
 //!
-//! An episode is a run of frames in which two true boxes overlap by at least 15 % of the smaller
-//! (gaps up to 5 frames closed), at least 3 frames long, with both objects in the truth within the
-//! 10 frames before and after. An identity survives when it is on the same object mostly in those
-//! frames before and after, and on that object alone.
+//! An episode is a sequence of frames in which two true boxes overlap by at least 15 % of the smaller one (gaps up to
+//! 5 frames closed), at least 3 frames long, with both objects in the truth within the 10 frames before and after. An
+//! identity survives if it matches the same object most often in the 10 frames before and after, and only that
+//! object.
 
 use std::collections::BTreeMap;
 
@@ -11,27 +11,27 @@ use serde::Serialize;
 
 use super::boxes::{Bounds, Boxes};
 
-/// Shared area of the smaller box from which two overlap.
+/// Least overlap of two boxes as a share of the smaller one.
 const MIN_OVERLAP_SHARE: f64 = 0.15;
-/// Frames apart from which it is another episode.
+/// Least distance in frames of two episodes of the same pair.
 const MIN_GAP_FRAMES: u32 = 7;
-/// The shortest episode in frames.
+/// Least length of an episode in frames.
 const MIN_EPISODE_FRAMES: u32 = 3;
-/// Frames before and after an episode in which is asked who was who.
+/// Number of frames before and after an episode in which identities are compared.
 const FRAMES_AROUND_EPISODE: u32 = 10;
-/// A box is on an object from this IoU on.
+/// Least IoU of a match.
 const MIN_IOU: f64 = 0.3;
 
-/// What became of the identities of objects that met.
+/// The survival of the identities of overlapping objects.
 #[derive(Clone, Debug, Default, PartialEq, Serialize)]
 pub struct Survival {
-    /// How often two objects met.
+    /// Number of episodes.
     pub episodes: usize,
-    /// Two for each episode.
+    /// Number of identities in them, two per episode.
     pub identities: usize,
-    /// Those that were the same before and after.
+    /// Number of identities that were the same before and after.
     pub survived: usize,
-    /// The share that survived; none where nobody met.
+    /// survived / identities; `None` without episodes.
     pub survival: Option<f64>,
 }
 
@@ -87,7 +87,7 @@ fn episodes(a: &BTreeMap<u32, Bounds>, b: &BTreeMap<u32, Bounds>) -> Vec<(u32, u
     runs
 }
 
-/// Which identity is on each true object in each frame: the best pairs first.
+/// The identity of each true object in each frame, from the pairs of largest IoU first.
 fn on(truth: &Boxes, found: &Boxes) -> BTreeMap<(u32, u32), u32> {
     let mut on = BTreeMap::new();
     for (frame, true_ones) in truth {
@@ -108,7 +108,7 @@ fn on(truth: &Boxes, found: &Boxes) -> BTreeMap<(u32, u32), u32> {
     on
 }
 
-/// The identity that is on an object most often in frames `from..to`, the earlier one on a tie.
+/// The identity that matches an object most often in frames `from..to`, the lower one on a tie.
 fn mostly(on: &BTreeMap<(u32, u32), u32>, object: u32, from: u32, to: u32) -> Option<u32> {
     let mut counts: Vec<(u32, usize)> = Vec::new();
     for identity in (from..to).filter_map(|frame| on.get(&(frame, object))) {
@@ -125,7 +125,7 @@ fn mostly(on: &BTreeMap<(u32, u32), u32>, object: u32, from: u32, to: u32) -> Op
 mod tests {
     use super::*;
 
-    /// Two who cross in 40 frames, and what each is called before and after frame 20.
+    /// Two objects that cross in 40 frames, and their identities before and after frame 20.
     fn crossing(names: [[u32; 2]; 2]) -> (Boxes, Boxes) {
         let (mut truth, mut found) = (Boxes::new(), Boxes::new());
         for frame in 1..=40_u32 {
@@ -140,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn identities_survive_when_they_stay_with_their_objects() {
+    fn an_identity_that_stays_with_its_object_survives() {
         for (names, survived) in [([[5, 5], [6, 6]], 2), ([[5, 6], [6, 5]], 0), ([[5, 5], [6, 7]], 1)] {
             let (truth, found) = crossing(names);
             let score = score(&truth, &found);
@@ -149,7 +149,7 @@ mod tests {
     }
 
     #[test]
-    fn an_identity_that_is_lost_or_moves_over_does_not_survive() {
+    fn an_identity_that_is_lost_or_switched_does_not_survive() {
         let (truth, mut found) = crossing([[5, 5], [6, 6]]);
         for boxes in found.range_mut(21..).map(|(_, boxes)| boxes) {
             boxes.remove(&6);

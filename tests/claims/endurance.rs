@@ -7,11 +7,11 @@ use occluscope::synth::{Parameters, Scene, catalogue};
 
 use crate::measure::{Counts, watch};
 
-/// Frames in which the usual walkers come in their usual order.
+/// The number of frames after which the walkers repeat.
 const ROUND: u32 = 800;
 
 #[test]
-fn nothing_drifts_in_thousands_of_frames() {
+fn the_model_does_not_drift_in_thousands_of_frames() {
     for (background, rounds) in [(Background::Plaza, 4), (Background::Room, 2)] {
         let frames = Some(ROUND * rounds);
         let parameters = Parameters { size: Size::new(128, 96), frames, ..Parameters::default() };
@@ -28,7 +28,7 @@ fn nothing_drifts_in_thousands_of_frames() {
                 for place in 0..90 {
                     let pixel = mixture.pixel(place + 20, place).expect("inside");
                     let sum: f32 = pixel.components().iter().map(|component| component.weight).sum();
-                    assert!((sum - 1.0).abs() < 1e-3, "weights are still shares: {pixel:?}");
+                    assert!((sum - 1.0).abs() < 1e-3, "weights sum to 1: {pixel:?}");
                 }
             }
         });

@@ -1,5 +1,5 @@
-//! What the paper claims of its background model, each claim on a scene that shows it, with what the
-//! claim is about taken away for comparison. Its claims about occlusion are in `tests/occlusion`.
+//! The paper's claims about its background model, each on a scene that shows it, compared with the model without the
+//! claimed property. The claims about occlusion are in `tests/occlusion`.
 
 #![allow(clippy::expect_used, missing_docs)]
 

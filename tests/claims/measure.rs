@@ -1,4 +1,4 @@
-//! What a model makes of a scene, in numbers.
+//! Measures of a model on a scene.
 
 use occluscope::frame::{Mask, Size};
 use occluscope::pipeline::Pipeline;
@@ -8,19 +8,19 @@ use occluscope::synth::noise::Noise;
 use occluscope::synth::render::FrameTruth;
 use occluscope::synth::{Parameters, Scene, catalogue, render};
 
-/// A scene of the catalogue at a size that is quick.
+/// A scene of the catalogue at a small size.
 pub(crate) fn scene(name: &str) -> Scene {
     let noise = Noise { sigma: 4.0, signal_dependent: false };
     let parameters = Parameters { size: Size::new(160, 120), noise, ..Parameters::default() };
     catalogue::scene(name, &parameters).expect("a scene of the catalogue")
 }
 
-/// The same without anybody, for so many frames.
+/// The same scene without people, for this many frames.
 pub(crate) fn deserted(name: &str, frames: u32) -> Scene {
     Scene { actors: Vec::new(), cars: Vec::new(), frames, ..scene(name) }
 }
 
-/// Takes a scene through all stages and shows each frame's truth, mask and model after it.
+/// Runs all stages on a scene; calls `see` with each frame's truth and mask, and the model after it.
 pub(crate) fn watch(scene: &Scene, settings: &Settings, mut see: impl FnMut(&FrameTruth, &Mask, &Pipeline)) {
     let mut pipeline = Pipeline::new(settings, scene.size, scene.fps).expect("settings in range");
     let mut estimator = Estimator::of(scene.size, CorrectionChoice::new(settings));
@@ -31,7 +31,7 @@ pub(crate) fn watch(scene: &Scene, settings: &Settings, mut see: impl FnMut(&Fra
     }
 }
 
-/// Pixels by what they are and what they were taken for.
+/// The confusion matrix of pixels.
 #[derive(Clone, Copy, Debug, Default)]
 pub(crate) struct Counts {
     hit: u32,
@@ -41,7 +41,7 @@ pub(crate) struct Counts {
 }
 
 impl Counts {
-    /// Adds a frame's pixels, or those of them in which `counts`.
+    /// Adds the pixels of a frame for which `counts` holds.
     pub(crate) fn add(&mut self, truth: &FrameTruth, mask: &Mask, counts: impl Fn(usize) -> bool) {
         for (at, (&who, &level)) in truth.identities.iter().zip(&mask.data).enumerate() {
             if !counts(at) {
@@ -62,13 +62,13 @@ impl Counts {
         f64::from(2 * self.hit) / f64::from((2 * self.hit + self.wrong + self.missed).max(1))
     }
 
-    /// The share of the background that was taken for foreground.
+    /// The false positive rate.
     pub(crate) fn false_share(&self) -> f64 {
         f64::from(self.wrong) / f64::from((self.all - self.hit - self.missed).max(1))
     }
 }
 
-/// The counts of a scene's frames from `first` to `last`.
+/// The confusion matrix of a scene's frames from `first` to `last`.
 pub(crate) fn counts(scene: &Scene, settings: &Settings, first: u32, last: u32) -> Counts {
     let mut counts = Counts::default();
     watch(&Scene { frames: scene.frames.min(last), ..scene.clone() }, settings, |truth, mask, _| {

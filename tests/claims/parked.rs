@@ -6,23 +6,23 @@ use occluscope::settings::Settings;
 
 use crate::measure::{scene, watch};
 
-/// A pixel that the car covers while it is parked, and what became of it.
+/// The states of a pixel that the car covers while it is parked.
 struct Spot {
     at: u32,
-    /// Component 1 when the car had just stopped: what was there before.
+    /// Component 1 when the car has just stopped: the background before it.
     before: Component,
-    /// Frames from when the car stood still until the pixel was background.
+    /// Number of frames from the stop of the car until the pixel is background.
     absorbed: Option<u32>,
-    /// Its mixture just before the car moved again.
+    /// The mixture just before the car moves again.
     parked: Option<Pixel>,
     /// The last frame in which the car covered it.
     last_covered: u32,
-    /// Frames from then until it was background.
+    /// Number of frames from then until the pixel is background.
     recovered: Option<u32>,
 }
 
 impl Spot {
-    /// What was there before, as it is while the car is parked: still in the mixture, bit for bit.
+    /// The component of the previous background, if it is unchanged in the mixture while the car is parked.
     fn kept(&self) -> Option<&Component> {
         let same = |it: &&Component| it.mean == self.before.mean && it.variance == self.before.variance;
         self.parked.as_ref()?.components().iter().find(same)
@@ -36,7 +36,7 @@ fn median(frames: impl Iterator<Item = Option<u32>>) -> u32 {
 }
 
 #[test]
-fn a_parked_car_is_absorbed_and_the_old_background_is_there_when_it_leaves() {
+fn a_parked_car_is_absorbed_and_the_previous_background_recovers_when_it_leaves() {
     let scene = scene("car");
     let width = scene.size.width;
     let mut stop = scene.cars[0].path.turns.iter().filter(|turn| turn.velocity == [0.0; 2]);
@@ -51,7 +51,7 @@ fn a_parked_car_is_absorbed_and_the_old_background_is_there_when_it_leaves() {
         let covered = |at: u32| truth.identities[at as usize] > 0;
         let number = truth.number;
         if number == stops - 1 {
-            // It has all but come to rest.
+            // The car has almost stopped.
             let car = (0..scene.size.pixels() as u32).filter(|&at| covered(at));
             let spot = |at| Spot {
                 at,
@@ -82,7 +82,7 @@ fn a_parked_car_is_absorbed_and_the_old_background_is_there_when_it_leaves() {
         spots.iter().filter(|spot| spot.kept().is_some_and(|old| old.weight < spot.before.weight)).collect();
     assert!(kept.len() > 400 && 10 * kept.len() > 8 * spots.len(), "{} of {}", kept.len(), spots.len());
     let absorbed = median(kept.iter().map(|spot| spot.absorbed));
-    assert!((100..200).contains(&absorbed), "a new surface takes long: {absorbed} frames");
+    assert!((100..200).contains(&absorbed), "a new surface is absorbed slowly: {absorbed} frames");
     let at_once = kept.iter().filter(|spot| spot.recovered.is_some_and(|frames| frames <= 5)).count();
     assert!(100 * at_once > 95 * kept.len(), "{at_once} of {} are background again at once", kept.len());
 }

@@ -1,5 +1,4 @@
-//! "Deals with multi-modal distributions": what comes again and again becomes background, if T lets
-//! more than one component in.
+//! "Deals with multi-modal distributions": recurring changes become background if T includes more than one component.
 
 use occluscope::frame::Size;
 use occluscope::settings::{Preset, Settings};
@@ -7,7 +6,7 @@ use occluscope::synth::{Renderer, Scene};
 
 use crate::measure::{Counts, deserted, scene, watch};
 
-/// The pixels of a deserted scene that change by more than its noise would explain.
+/// The pixels of a scene without people that change by more than its noise.
 fn restless(scene: &Scene) -> Vec<bool> {
     let renderer = Renderer::new(scene);
     let first = renderer.frame(1).0.rgb;
@@ -21,8 +20,8 @@ fn restless(scene: &Scene) -> Vec<bool> {
     restless
 }
 
-/// How much of what is restless is taken for foreground after `learnt` frames, and in which share of
-/// it the background is of more than one component.
+/// The share of restless pixels that are foreground after `learnt` frames, and the share of them with more than one
+/// background component.
 fn taken_for_foreground(name: &str, settings: &Settings, learnt: u32) -> (f64, f64) {
     let scene = deserted(name, learnt + 80);
     let restless = restless(&scene);
@@ -47,7 +46,7 @@ fn taken_for_foreground(name: &str, settings: &Settings, learnt: u32) -> (f64, f
 }
 
 #[test]
-fn what_comes_again_and_again_becomes_background_at_a_higher_t_only() {
+fn recurring_changes_become_background_only_at_a_higher_t() {
     for name in ["lamp", "flag", "monitor", "glints", "swaying-tree"] {
         let plain = Settings { k: 5, ..Settings::preset(Preset::Plain) };
         let (high, several) = taken_for_foreground(name, &Settings { t: 0.9, ..plain.clone() }, 180);
@@ -59,7 +58,7 @@ fn what_comes_again_and_again_becomes_background_at_a_higher_t_only() {
 }
 
 #[test]
-fn by_default_what_comes_again_and_again_is_no_foreground() {
+fn by_default_recurring_changes_are_not_foreground() {
     for name in ["lamp", "flag", "monitor", "glints", "swaying-tree"] {
         let (share, _) = taken_for_foreground(name, &Settings::default(), 420);
         assert!(share < 0.05, "{name}: {share}");
@@ -67,7 +66,7 @@ fn by_default_what_comes_again_and_again_is_no_foreground() {
 }
 
 #[test]
-fn a_flashing_lamp_is_two_components() {
+fn a_flashing_lamp_has_two_components() {
     let scene = deserted("lamp", 260);
     let lamp = scene.motions[0];
     let settings = Settings::preset(Preset::Plain);
@@ -86,7 +85,7 @@ fn a_flashing_lamp_is_two_components() {
 }
 
 #[test]
-fn with_one_component_there_is_no_telling_a_walker_from_the_background() {
+fn one_component_cannot_distinguish_a_walker_from_the_background() {
     let f = |k: u32| {
         let settings = Settings { k, ..Settings::preset(Preset::Plain) };
         crate::measure::counts(&scene("lamp"), &settings, 160, 310).f()

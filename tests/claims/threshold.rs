@@ -1,5 +1,5 @@
-//! "Effectively a per pixel/per distribution threshold", which "can be perturbed with little effect",
-//! and a small T, with which one component does the work.
+//! "Effectively a per pixel/per distribution threshold", which "can be perturbed with little effect", and a small T,
+//! with which a single component is background.
 
 use occluscope::settings::{Preset, Settings};
 use occluscope::synth::noise::Noise;
@@ -7,7 +7,7 @@ use occluscope::synth::{Parameters, Scene, catalogue};
 
 use crate::measure::{Counts, counts, scene, watch};
 
-/// F in the light and in the shade.
+/// F-measure in light and in shadow.
 fn lit_and_shaded(scene: &Scene, settings: &Settings) -> [f64; 2] {
     let width = scene.size.width as usize;
     let mut sides = [Counts::default(); 2];
@@ -21,15 +21,15 @@ fn lit_and_shaded(scene: &Scene, settings: &Settings) -> [f64; 2] {
 }
 
 #[test]
-fn a_walker_stays_whole_from_light_into_shade() {
+fn a_walker_is_segmented_in_light_and_in_shadow() {
     let noise = Noise { sigma: 6.0, signal_dependent: true };
     let parameters = Parameters { noise, size: scene("shade").size, ..Parameters::default() };
     let scene = catalogue::scene("shade", &parameters).expect("it is in the catalogue");
     let plain = Settings::preset(Preset::Plain);
     let [lit, shaded] = lit_and_shaded(&scene, &plain);
-    assert!(lit > 0.85 && shaded > 0.85, "F {lit} in the light, {shaded} in the shade");
+    assert!(lit > 0.85 && shaded > 0.85, "F {lit} in light, {shaded} in shadow");
 
-    // The σ that the light asks for, everywhere.
+    // The σ of the lit part, for all pixels.
     let mut sigmas = Vec::new();
     watch(&Scene { frames: 140, ..scene.clone() }, &plain, |truth, _, pipeline| {
         if truth.number == 140 {
@@ -41,8 +41,8 @@ fn a_walker_stays_whole_from_light_into_shade() {
     sigmas.sort_by(f32::total_cmp);
     let of_the_light = sigmas[sigmas.len() / 2];
     let [lit, shaded] = lit_and_shaded(&scene, &Settings { min_sigma: of_the_light, ..plain });
-    assert!(lit > 0.85, "F {lit} in the light");
-    assert!(shaded < 0.75, "one σ for all loses a walker in the shade: F {shaded}");
+    assert!(lit > 0.85, "F {lit} in light");
+    assert!(shaded < 0.75, "a global σ misses the walker in shadow: F {shaded}");
 }
 
 #[test]
@@ -60,7 +60,7 @@ fn the_threshold_may_be_perturbed_with_little_effect() {
 }
 
 #[test]
-fn with_a_small_t_one_component_does_the_work() {
+fn one_component_is_background_with_a_small_t() {
     let scene = scene("crossing");
     let masks = |t: f32| {
         let settings = Settings { t, ..Settings::preset(Preset::Plain) };

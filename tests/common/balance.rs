@@ -1,5 +1,5 @@
-//! Whether events balance: replayed from the first on, each changes what those before it have left, and tracks show
-//! those together whom the events have together.
+//! Checks that events are consistent: replayed in order, each changes the state left by the previous ones, and tracks
+//! show the same groups as the events.
 
 use std::collections::{BTreeMap, BTreeSet};
 
@@ -15,13 +15,13 @@ struct Replay {
     hidden: Set,
     gone: Set,
     groups: Vec<Set>,
-    /// For how many frames in succession a track has not shown what the events say.
+    /// The number of consecutive frames in which a track contradicts the events.
     differs: BTreeMap<Identity, u32>,
     faults: Vec<String>,
 }
 
-/// All in which events (by frame and kind) and tracks (by frame) do not fit each other, a line each. Who touch, part
-/// and touch within `same_episode` were together all the time, and who flickers in a gap was hidden.
+/// All contradictions between events (by frame and kind) and tracks (by frame), one line each. Objects that merge
+/// again within `same_episode` count as merged throughout, and objects that flicker in a gap as occluded.
 pub(crate) fn faults(
     events: &[Event],
     tracks: &[(u32, Vec<Track>)],
@@ -64,7 +64,7 @@ impl Replay {
         self.groups.retain(|group| group.len() > 1);
     }
 
-    /// The events of a frame. Who comes in it is there from its beginning.
+    /// Applies the events of a frame. Objects that enter in it exist from its beginning.
     fn take_in(&mut self, events: &[&Event]) {
         let (first, then): (Vec<&Event>, Vec<&Event>) = events.iter().partition(|event| match event.kind {
             EventKind::Enter | EventKind::Appear => true,
@@ -82,41 +82,41 @@ impl Replay {
         match event.kind {
             EventKind::Enter | EventKind::Appear => {
                 let known = [&self.here, &self.hidden, &self.gone].iter().any(|set| set.contains(&id));
-                self.expect(!known, event, "it was there before");
+                self.expect(!known, event, "the object existed before");
                 self.here.insert(id);
             }
             EventKind::Reappear => {
                 let hidden = self.hidden.remove(&id);
-                self.expect(hidden, event, "it was not hidden");
+                self.expect(hidden, event, "the object was not occluded");
                 self.here.insert(id);
             }
             EventKind::Exit | EventKind::Disappear => {
                 let here = self.here.remove(&id);
-                self.expect(here, event, "it was not there");
+                self.expect(here, event, "the object was not present");
                 self.leave(id);
                 let to = if event.kind == EventKind::Exit { &mut self.gone } else { &mut self.hidden };
                 to.insert(id);
             }
             EventKind::Merge => {
-                self.expect(objects.is_subset(&self.here), event, "not all were there");
-                self.expect(!objects.is_subset(&self.group_of(id)), event, "they were together");
+                self.expect(objects.is_subset(&self.here), event, "not all objects were present");
+                self.expect(!objects.is_subset(&self.group_of(id)), event, "the objects were already merged");
                 let all: Set = objects.iter().flat_map(|&id| self.group_of(id)).collect();
                 self.groups.retain(|group| group.is_disjoint(&all));
                 self.groups.push(all);
             }
             EventKind::Demerge => {
                 let group = self.group_of(id);
-                self.expect(objects == group, event, &format!("{group:?} were together"));
+                self.expect(objects == group, event, &format!("the group was {group:?}"));
                 let pieces: Vec<Set> =
                     event.pieces.iter().map(|piece| piece.iter().copied().collect()).collect();
                 let mut all: Vec<Identity> = event.pieces.concat();
                 all.sort_unstable();
                 self.expect(all == event.objects, event, &format!("the pieces are {pieces:?}"));
-                self.expect(pieces.len() > 1, event, "it did not part");
+                self.expect(pieces.len() > 1, event, "there is only one piece");
                 let alone: Set = pieces.iter().filter(|piece| piece.len() == 1).flatten().copied().collect();
                 let came_out = if alone.is_empty() { objects } else { alone };
                 let becomes: Set = event.becomes.iter().copied().collect();
-                self.expect(becomes == came_out, event, &format!("{becomes:?} came out"));
+                self.expect(becomes == came_out, event, &format!("{becomes:?} left the group"));
                 self.groups.retain(|other| other.is_disjoint(&group));
                 self.groups.extend(pieces.into_iter().filter(|piece| piece.len() > 1));
             }

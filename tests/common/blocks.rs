@@ -1,4 +1,4 @@
-//! Regions of blocks of one colour each, made without a picture.
+//! Regions of blocks of one colour each, made without images.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -17,7 +17,7 @@ pub(crate) struct Block {
 }
 
 impl Block {
-    /// What can be seen in the image of a block whose upper left cell is at `(left, top)`.
+    /// The part inside the image of a block whose upper left cell is at `(left, top)`.
     pub(crate) fn new((left, top): (i32, i32), (w, h): (i32, i32), colour: Rgb, size: Size) -> Option<Self> {
         let side = cell_side(size);
         let clip = |low: i32, high: i32, end: u32| {
@@ -34,7 +34,7 @@ impl Block {
     }
 }
 
-/// The regions of some blocks; who comes first hides who comes later, and those who touch are one.
+/// The regions of blocks; earlier ones occlude later ones, and blocks that touch are one region.
 pub(crate) fn regions(blocks: &[Block], size: Size) -> Vec<Region> {
     let mut together: Vec<Vec<&Block>> = Vec::new();
     for block in blocks {

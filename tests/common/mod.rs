@@ -1,6 +1,6 @@
-//! Inputs made on the spot, and the program run on them.
+//! Test inputs, and functions that run the program on them.
 
-// Every test file is a crate of its own and uses some of these.
+// Every test file is a separate crate and uses only some of these.
 #![allow(dead_code, unreachable_pub, clippy::unwrap_used, clippy::expect_used, clippy::panic, missing_docs)]
 
 use std::fs;
@@ -13,7 +13,7 @@ use tempfile::TempDir;
 pub const WIDTH: u32 = 96;
 pub const HEIGHT: u32 = 72;
 
-/// A folder that goes away with the test.
+/// A temporary folder of a test.
 pub struct TestFolder(TempDir);
 
 impl TestFolder {
@@ -25,7 +25,7 @@ impl TestFolder {
         self.0.path().join(name)
     }
 
-    /// The names in a folder, in order, hidden ones among them.
+    /// The names in a folder, in order, including hidden ones.
     pub fn names(&self, folder: &str) -> Vec<String> {
         names(&self.path(folder))
     }
@@ -40,7 +40,7 @@ pub fn names(folder: &Path) -> Vec<String> {
     names
 }
 
-/// A noise that is the same everywhere: 0..=255 from any numbers.
+/// Deterministic noise: 0..=255 from any numbers.
 pub fn noise(x: u32, y: u32, t: u32) -> u8 {
     let mut bits = x.wrapping_mul(0x9E37_79B1) ^ y.wrapping_mul(0x85EB_CA77) ^ t.wrapping_mul(0xC2B2_AE3D);
     bits = (bits ^ (bits >> 15)).wrapping_mul(0x2C1B_3C6D);
@@ -48,7 +48,7 @@ pub fn noise(x: u32, y: u32, t: u32) -> u8 {
     ((bits ^ (bits >> 15)) >> 24) as u8
 }
 
-/// A textured wall with a little noise; from frame 20 on a red block walks in from the left.
+/// A textured wall with little noise; from frame 20 on a red block enters from the left.
 pub fn scene(t: u32) -> RgbImage {
     RgbImage::from_fn(WIDTH, HEIGHT, |x, y| {
         let left = i64::from(t) * 2 - 50;
@@ -60,7 +60,7 @@ pub fn scene(t: u32) -> RgbImage {
     })
 }
 
-/// A folder of the scene's frames 1..=`frames`, named and numbered from `first` on.
+/// Writes the scene's frames 1..=`frames` to a folder, named and numbered from `first` on.
 pub fn write_images(folder: &Path, frames: u32, first: u32) {
     fs::create_dir_all(folder).unwrap();
     for t in 1..=frames {
@@ -68,14 +68,14 @@ pub fn write_images(folder: &Path, frames: u32, first: u32) {
     }
 }
 
-/// The program; with nobody's terminal to draw on.
+/// The program, without a terminal.
 pub fn occluscope(arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_occluscope"));
     command.args(arguments);
     command
 }
 
-/// Runs it, expects that it works, gives what it wrote on stdout.
+/// Runs the program, expects success, returns its stdout.
 pub fn works(arguments: &[&str]) -> String {
     let output = occluscope(arguments).output().unwrap();
     let stderr = String::from_utf8_lossy(&output.stderr);
@@ -83,7 +83,7 @@ pub fn works(arguments: &[&str]) -> String {
     String::from_utf8(output.stdout).unwrap()
 }
 
-/// Runs it, expects that it fails with this status and one line on stderr, gives the line.
+/// Runs the program, expects this exit status and one line on stderr, returns the line.
 pub fn fails(arguments: &[&str], status: i32) -> String {
     let output = occluscope(arguments).output().unwrap();
     let stderr = String::from_utf8(output.stderr).unwrap();

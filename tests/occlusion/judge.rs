@@ -1,4 +1,4 @@
-//! What the whole analysis makes of a scene, against what truly happened there.
+//! Compares the analysis of a scene with its ground truth.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::sync::Arc;
@@ -16,26 +16,26 @@ use occluscope::truth::boxes::{Bounds, Boxes};
 use occluscope::truth::clear_mot::{self, ClearMot};
 use occluscope::truth::summary::boxes_of;
 
-/// An event or the ends of an episode may be so many frames off at a normal walk, and as much
-/// further as people are slower: what counts as the first or last of somebody is a matter of pixels.
+/// Tolerance in frames of events and of the ends of episodes at normal walking speed; proportionally larger at lower
+/// speed. The first and last visible frames depend on single pixels.
 const TOLERANCE: f32 = 8.0;
-/// A person of whom less is seen may be anywhere for the tracks.
+/// Least visibility of a person for the comparison of tracks.
 const CLEAR: f32 = 0.9;
 
-/// A scene through the whole analysis, as `run` takes a file through it.
+/// The analysis of a scene, as by `run` on a file.
 pub(crate) struct JudgedRun {
     truth: Truth,
     analyses: Vec<Analysis>,
     pipeline: Pipeline,
-    /// What tracking was last told.
+    /// The current settings of tracking.
     settings: Settings,
     fps: f32,
-    /// Usual walking speed over frame rate: how many frames something takes, against 25 a second at a normal walk.
+    /// The duration of motion in frames relative to normal walking at 25 frames per second.
     slowness: f32,
 }
 
 impl JudgedRun {
-    /// The analysis of a scene in which people walk at `speed` times their usual one in each frame.
+    /// The analysis of a scene in which people walk at `speed` times their normal speed per frame.
     pub(crate) fn new(scene: &Scene, speed: f32, settings: &Settings) -> Self {
         let mut recorder = Recorder::new(scene.fps);
         let mut frames = Vec::new();
@@ -51,7 +51,7 @@ impl JudgedRun {
         let mut analyses = Vec::new();
         for batch in frames.chunks(BATCH) {
             for analysis in pipeline.step_many(batch).expect("frames of the scene's size") {
-                // Tracking reads the regions alone.
+                // Tracking uses only the regions.
                 analyses.push(Analysis { mask: Arc::new(Mask::empty(Size::new(1, 1))), ..analysis });
             }
         }
@@ -65,7 +65,7 @@ impl JudgedRun {
         }
     }
 
-    /// The same regions through tracking and occlusion under other settings, told another frame rate.
+    /// Runs tracking and occlusion again on the same regions under other settings, with another frame rate.
     pub(crate) fn track_again(&mut self, settings: &Settings, fps: f32) {
         self.pipeline.restart_tracking(settings, fps);
         (self.settings, self.fps) = (settings.clone(), fps);
@@ -74,7 +74,7 @@ impl JudgedRun {
         }
     }
 
-    /// Everything in which the final reading differs from the truth, a line each.
+    /// All differences of the offline result from the truth, one line each.
     pub(crate) fn differences(&self) -> Vec<String> {
         let (truth, found) = (&self.truth, &offline_result(&self.analyses, &self.pipeline));
         let (mut differences, person_of) = confusions(truth, found);
@@ -105,12 +105,12 @@ impl JudgedRun {
         differences
     }
 
-    /// Identity confusions in the final reading, one line each.
+    /// Identity confusions in the offline result, one line each.
     pub(crate) fn confusions(&self) -> Vec<String> {
         confusions(&self.truth, &offline_result(&self.analyses, &self.pipeline)).0
     }
 
-    /// The tracks of the final reading against the true boxes, at an IoU of .5.
+    /// The score of the offline result against the true boxes, at an IoU of .5.
     pub(crate) fn score(&self) -> ClearMot {
         let mut truth = Boxes::new();
         for (frame, person) in self.truth.boxes.iter().filter(|(_, person)| !person.is_hidden()) {
@@ -121,18 +121,18 @@ impl JudgedRun {
     }
 }
 
-/// Everything in which the analysis of a scene differs from the truth, a line each.
+/// All differences of the analysis of a scene from the truth, one line each.
 pub(crate) fn differences(scene: &str, parameters: &Parameters, settings: &Settings) -> Vec<String> {
     let scene = catalogue::scene(scene, parameters).expect("a scene of the catalogue");
     differences_in(&scene, parameters.speed, settings)
 }
 
-/// The same of a scene in which people walk at `speed` times their usual one.
+/// The same for a scene in which people walk at `speed` times their normal speed.
 pub(crate) fn differences_in(scene: &Scene, speed: f32, settings: &Settings) -> Vec<String> {
     JudgedRun::new(scene, speed, settings).differences()
 }
 
-/// Who was called by another's identity or by several, a line each, and which person each identity is.
+/// People with a wrong identity or with several, one line each, and the person of each identity.
 fn confusions(truth: &Truth, found: &OfflineResult) -> (Vec<String>, BTreeMap<Identity, Identity>) {
     let mut differences = Vec::new();
     let mut person_of = BTreeMap::new();
@@ -151,7 +151,8 @@ fn confusions(truth: &Truth, found: &OfflineResult) -> (Vec<String>, BTreeMap<Id
 
 type What = (&'static str, Vec<Identity>, [u32; 2]);
 
-/// What is on one side only: the same kind, the same people, times that agree, each counted once.
+/// The events of one side without a match on the other: same kind, same people, times within the tolerance, each
+/// matched at most once.
 fn unmatched(
     tolerance: u32,
     truth: impl Iterator<Item = What>,
@@ -171,7 +172,7 @@ fn unmatched(
     differences
 }
 
-/// For each person the identities that lay on them where they were clearly seen.
+/// For each person the identities that matched while the person was clearly visible.
 fn identities(truth: &Truth, found: &OfflineResult) -> BTreeMap<Identity, BTreeSet<Identity>> {
     let tracks: BTreeMap<u32, _> = found.tracks.iter().map(|(frame, tracks)| (*frame, tracks)).collect();
     let mut held: BTreeMap<Identity, BTreeSet<Identity>> = BTreeMap::new();

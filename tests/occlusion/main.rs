@@ -1,5 +1,5 @@
-//! Scenes whose truth is known, through the whole analysis: every event once, at its time, everybody
-//! one identity from the first frame to the last.
+//! Scenes with ground truth in the whole analysis: every event once, at its time, and one identity per person from
+//! the first frame to the last.
 
 #![allow(clippy::expect_used, missing_docs)]
 
@@ -37,7 +37,7 @@ fn variations() -> [Parameters; 4] {
     ]
 }
 
-/// Runs the variations of a scene side by side and fails with all that is wrong.
+/// Analyses the variations of a scene in parallel and fails with all differences.
 fn is_right(scene: &str, variations: &[Parameters]) {
     is_right_under(&Settings::default(), scene, variations);
 }
@@ -61,37 +61,37 @@ fn is_right_under(settings: &Settings, scene: &str, variations: &[Parameters]) {
 }
 
 #[test]
-fn two_who_cross_keep_their_identities() {
+fn two_crossing_people_keep_their_identities() {
     is_right("crossing", &variations());
 }
 
 #[test]
-fn two_in_like_clothes_who_cross_at_different_paces_keep_their_identities() {
-    // Thirteen of the seeds 1 to 14 are right at the last one's pace. Of seed 4 the places that looks and motion gave to the
-    // two inside the group outweigh what their colours say when they part.
+fn two_crossing_people_in_similar_clothes_keep_their_identities() {
+    // Thirteen of the seeds 1 to 14 are correct at the last pace. With seed 4, appearance and motion inside the group
+    // outweigh colour similarity at the demerge.
     let mut variations = variations();
     variations[3].seed = 6;
     is_right("crossing-alike", &variations);
 }
 
 #[test]
-fn a_walker_behind_a_tree_disappears_and_reappears_as_the_same() {
+fn a_walker_behind_a_tree_keeps_the_identity() {
     is_right("tree", &variations());
 }
 
 #[test]
-fn who_waits_behind_a_wall_at_the_edge_comes_back_as_the_same() {
+fn a_person_waiting_behind_a_wall_at_the_edge_keeps_the_identity() {
     is_right("wall-edge", &variations()[..2]);
 }
 
 #[test]
-fn somebody_else_who_comes_out_from_behind_a_wall_is_not_taken_for_who_left_there() {
+fn another_person_from_behind_a_wall_gets_another_identity() {
     for parameters in variations() {
         let scene = |name| catalogue::scene(name, &parameters).expect("a scene of the catalogue");
         let (mut changed, others) = (scene("wall-edge"), scene("crossing"));
         let mut second = changed.actors[0].clone();
         second.clothes = others.actors[1].clothes;
-        // The first one goes on and out; the second one has been behind the wall all the time.
+        // The first person exits; the second one has been behind the wall all the time.
         changed.actors[0].path.turns.clear();
         second.path.turns.remove(0);
         second.path.velocity = [0.0; 2];
@@ -103,89 +103,89 @@ fn somebody_else_who_comes_out_from_behind_a_wall_is_not_taken_for_who_left_ther
 }
 
 #[test]
-fn overtaking_is_one_meeting() {
+fn overtaking_is_one_episode() {
     is_right("overtake", &variations());
 }
 
 #[test]
-fn three_meet_and_leave_one_by_one() {
+fn three_people_merge_and_leave_one_by_one() {
     is_right("group", &variations());
 }
 
 #[test]
-fn two_side_by_side_with_a_gap_never_meet() {
+fn two_people_with_a_gap_between_them_never_merge() {
     is_right("pair", &variations()[..2]);
 }
 
 #[test]
-fn a_walker_cut_in_two_by_the_backgrounds_colour_is_one() {
+fn a_walker_split_by_the_backgrounds_colour_is_one_object() {
     is_right("bag", &variations());
 }
 
 #[test]
-fn noise_alone_is_nobody() {
+fn noise_causes_no_object() {
     is_right("empty", &variations());
 }
 
 #[test]
-fn light_that_changes_slowly_or_suddenly_is_nobody() {
+fn changes_of_light_cause_no_object() {
     is_right("slow-light", &variations()[..2]);
     is_right("sudden-light", &variations()[..2]);
 }
 
 #[test]
-fn shadows_do_not_make_people() {
+fn shadows_cause_no_object() {
     let with_shadows = variations().map(|parameters| Parameters { shadows: true, ..parameters });
     is_right("crossing", &with_shadows[..2]);
     is_right("tree", &with_shadows[..2]);
 }
 
 #[test]
-fn two_who_cross_at_other_angles_keep_their_identities() {
+fn two_people_crossing_at_other_angles_keep_their_identities() {
     is_right("crossing-diagonal", &variations()[..2]);
     is_right("crossing-steep", &variations());
 }
 
 #[test]
-fn two_who_meet_and_turn_back_are_not_taken_for_each_other() {
+fn two_people_who_meet_and_turn_back_are_not_confused() {
     is_right("meet-and-part", &variations());
 }
 
 #[test]
-fn a_child_who_joins_a_grown_up_is_a_merge() {
+fn a_child_joining_an_adult_is_a_merge() {
     is_right("child", &variations()[..2]);
 }
 
 #[test]
-fn two_leave_as_one() {
+fn two_people_exit_as_one_region() {
     is_right("leave-together", &variations()[..2]);
 }
 
 #[test]
-fn arms_held_out_are_no_event() {
+fn arms_held_out_cause_no_event() {
     is_right("arms", &variations()[..2]);
 }
 
 #[test]
-fn who_is_hidden_in_part_stays_whole() {
+fn a_partly_occluded_person_stays_one_object() {
     is_right("pole", &variations()[..2]);
     is_right("wall", &variations()[..2]);
 }
 
 #[test]
-fn two_cross_indoors_as_outdoors() {
+fn two_crossing_people_indoors_keep_their_identities() {
     is_right("room", &variations()[..2]);
 }
 
 #[test]
-fn a_shaking_camera_and_little_light_do_not_make_people() {
+fn camera_shake_and_low_light_cause_no_object() {
     is_right("jitter", &variations()[..2]);
     // At night the noise is twice that of the variation.
     is_right("low-light", &[1, 2, 5].map(|seed| parameters(seed, (320, 240), 0.8 + 0.2 * seed as f32, 4.0)));
 }
 
 #[test]
-fn what_flashes_waves_or_rolls_by_itself_is_nobody() {
+fn moving_background_causes_no_object() {
     let variations =
         [(1, 0.8), (2, 1.4), (3, 1.0)].map(|(seed, speed)| parameters(seed, (320, 240), speed, 4.0));
     for scene in ["flag", "lamp", "monitor"] {
@@ -194,8 +194,8 @@ fn what_flashes_waves_or_rolls_by_itself_is_nobody() {
 }
 
 #[test]
-fn who_passes_a_glinting_pond_keeps_their_identity() {
-    // Glints come and go by chance and are taken for objects. They must not be taken for the walker.
+fn a_person_passing_a_glinting_pond_keeps_the_identity() {
+    // Glints are random and are taken for objects; they must not be confused with the walker.
     let confused = [(1, 0.8), (2, 1.4), (3, 1.0)].map(|(seed, speed)| {
         let parameters = parameters(seed, (320, 240), speed, 4.0);
         let scene = catalogue::scene("glints", &parameters).expect("a scene of the catalogue");
@@ -213,17 +213,17 @@ fn twelve_walkers_keep_their_identities() {
 }
 
 #[test]
-fn a_swaying_tree_and_deep_shade_do_not_make_people() {
-    // A camera learns from nothing beforehand. Its warm-up is short, so that a walker who stops at the start is not absorbed;
-    // what sways is learnt sooner with a longer one.
+fn a_swaying_tree_and_deep_shadow_cause_no_object() {
+    // A camera has no frames to learn from beforehand. Its warm-up is short, so that a walker who stops at the start
+    // is not absorbed; swaying parts are learned sooner with a longer one.
     let settings = Settings { warm_up: 100, bootstrap: Span::Frames(0), ..Settings::default() };
     is_right_under(&settings, "swaying-tree", &variations()[..2]);
     is_right("shade", &variations()[..2]);
 }
 
 #[test]
-fn two_who_enter_as_one_keep_their_identities() {
-    // When the second one entered is not always told, and at a slow walk they can be taken for each other.
+fn two_people_entering_as_one_region_keep_their_identities() {
+    // The second person's enter event can be missing, and at a slow walk the two can be confused.
     let confused = [1, 2, 3].map(|seed| {
         let parameters = parameters(seed, (320, 240), 1.4, 4.0);
         let scene = catalogue::scene("enter-together", &parameters).expect("a scene of the catalogue");

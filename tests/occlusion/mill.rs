@@ -1,4 +1,4 @@
-//! People who mill about: scenes laid out by chance, hard where those of the catalogue are plain. A seed is one scene.
+//! Random scenes of people who mill about, more difficult than those of the catalogue. A seed determines a scene.
 
 use occluscope::frame::Size;
 use occluscope::synth::noise::Noise;
@@ -11,18 +11,18 @@ const SIZE: Size = Size::new(240, 180);
 const BODY: f32 = 65.0;
 const FRAMES: u32 = 400;
 
-/// Who mills about.
+/// The kind of a random scene.
 #[derive(Clone, Copy, Debug)]
 pub(crate) enum Mill {
-    /// Two to four, some with another at their shoulder.
+    /// Two to four people, some with another at their shoulder.
     Mixed,
-    /// Two who nearly always come nearer or go away, and grow or shrink by it.
+    /// Two people who mostly walk towards or away from the camera, so that their size changes.
     Deep,
-    /// One or two, nearly always with another at their shoulder.
+    /// One or two people, mostly with another at their shoulder.
     Abreast,
 }
 
-/// Numbers by chance that belong to a seed.
+/// A seeded random number generator.
 struct Dice(u64);
 
 impl Dice {
@@ -41,8 +41,8 @@ impl Dice {
 }
 
 impl Mill {
-    /// The scene of a seed: people come from both sides, are near the middle at about the same time, stop, turn or walk
-    /// on, and leave; at times behind something.
+    /// The scene of a seed: people come from both sides, are near the middle at about the same time, stop, turn or
+    /// walk on, and leave; sometimes behind an occluder.
     pub(crate) fn scene(self, seed: u64) -> Scene {
         let noise = Noise { sigma: 4.0, signal_dependent: false };
         let parameters = Parameters { size: SIZE, seed, noise, ..Parameters::default() };

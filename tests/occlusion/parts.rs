@@ -1,4 +1,5 @@
-//! What each part of the reasoning is for: scenes that come out right, and wrong as soon as the part is taken away.
+//! Ablation of the occlusion reasoning: scenes with correct results, which become wrong as soon as one part is
+//! switched off.
 
 use occluscope::settings::Settings;
 use occluscope::synth::Scene;
@@ -7,20 +8,20 @@ use super::judge::JudgedRun;
 use super::mill::Mill;
 use super::parameters;
 
-/// What has to go wrong.
+/// The expected loss.
 #[derive(Clone, Copy, Debug)]
 enum Loss {
-    /// At least so many differences from the truth more, in events, episodes and identities.
+    /// At least this many additional differences from the truth, in events, episodes and identities.
     Differences(usize),
-    /// IDF1 at an IoU of .5 falls by at least this.
+    /// A decrease of IDF1, at an IoU of .5, by at least this.
     Idf1(f64),
 }
 
 struct Row {
     scene: fn() -> Scene,
-    /// The least IDF1 and the most differences by default, without identity confusions.
+    /// The least IDF1 and the largest number of differences by default, without identity confusions.
     by_default: (f64, usize),
-    /// Setting and value, and what it costs.
+    /// The setting, its value, and the expected loss.
     changes: &'static [(&'static str, &'static str, Loss)],
 }
 
@@ -38,7 +39,7 @@ const ROWS: &[Row] = &[
         by_default: (0.75, 8),
         changes: &[("count_heads", "off", Loss::Idf1(0.15))],
     },
-    // One of two goes away from the camera behind the other, and comes out small.
+    // One of two people walks away from the camera behind the other, and emerges smaller.
     Row {
         scene: || Mill::Deep.scene(1007),
         by_default: RIGHT,
@@ -55,14 +56,15 @@ const ROWS: &[Row] = &[
         by_default: (0.85, 4),
         changes: &[("placing", "predicted", Loss::Idf1(0.1))],
     },
-    // One of two walks behind a wall as they meet. What it hides is drawn only where it is known to hide somebody.
+    // One of two people walks behind a wall as they meet. The box includes an occluded part only where an occluder is
+    // known.
     Row { scene: || Mill::Mixed.scene(3), by_default: (0.8, 0), changes: &[] },
     Row {
         scene: || Mill::Mixed.scene(86),
         by_default: (0.85, 6),
         changes: &[("size_step", "2", Loss::Differences(3))],
     },
-    // Somebody lost for a moment: without fitness their blob waits, and takes another's region.
+    // A short loss of detection: without the fitness its hypothesis is kept and takes another object's region.
     Row {
         scene: || Mill::Deep.scene(13),
         by_default: RIGHT,
@@ -71,7 +73,8 @@ const ROWS: &[Row] = &[
             ("null_factor", "0.99", Loss::Differences(6)),
         ],
     },
-    // Two in a row enter as one, so that events are missed; what a later frame says of who is who is not.
+    // Two people enter one behind the other as one region, so that events are missing; the identities of later frames
+    // are not.
     Row {
         scene: || Mill::Mixed.scene(183),
         by_default: (0.85, 13),
@@ -90,7 +93,7 @@ const ROWS: &[Row] = &[
 ];
 
 #[test]
-fn every_part_taken_away_makes_a_scene_wrong() {
+fn every_ablation_makes_a_scene_wrong() {
     let wrong: Vec<String> = std::thread::scope(|scope| {
         let rows: Vec<_> = ROWS.iter().map(|row| scope.spawn(|| failures(row))).collect();
         rows.into_iter().flat_map(|row| row.join().expect("the analysis must not panic")).collect()

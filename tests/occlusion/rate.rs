@@ -1,4 +1,4 @@
-//! The frame rate: the same walk at few and at many frames a second, and told wrong.
+//! Frame rate: the same walk at low and high frame rates, and with a wrong frame rate.
 
 use occluscope::frame::Size;
 use occluscope::settings::Settings;
@@ -7,7 +7,7 @@ use occluscope::synth::{Parameters, catalogue};
 use super::judge::JudgedRun;
 
 #[test]
-fn identities_hold_at_any_frame_rate_and_told_a_wrong_one() {
+fn identities_are_kept_at_any_frame_rate_and_with_a_wrong_one() {
     let wrong: Vec<String> = std::thread::scope(|scope| {
         let runs: Vec<_> =
             ["crossing", "tree"].map(|name| scope.spawn(move || differences(name))).into_iter().collect();
@@ -20,7 +20,7 @@ fn differences(name: &str) -> Vec<String> {
     let settings = Settings::default();
     let mut wrong = Vec::new();
     for fps in [7.0, 10.0, 25.0, 50.0] {
-        // As many pixels a second at any rate.
+        // The same speed in pixels per second at any frame rate.
         let speed = catalogue::FPS / fps;
         let parameters = Parameters { size: Size::new(240, 180), speed, ..Parameters::default() };
         let mut scene = catalogue::scene(name, &parameters).expect("a scene of the catalogue");

@@ -1,12 +1,12 @@
-//! What comes out wrong over many scenes: measurements to run by hand, not tests.
+//! Differences from the truth over many scenes: measurements to run by hand, not tests.
 //!
 //! `cargo test --release --locked --no-default-features --test occlusion -- --ignored --nocapture every_scene`
 //!
-//! How often each scene of the catalogue is read wrongly. `SCENES=bag,wall` names the scenes, `TOLD=2` says in words what
-//! differs in the first two of each.
+//! The number of differences of each scene of the catalogue. `SCENES=bag,wall` names the scenes, `TOLD=2` prints the
+//! differences of the first two of each.
 //!
-//! `… every_seed` instead: the scores of sixty drawn scenes of each kind in which people mill about, by default and with each
-//! of the changes in `CHANGES="count_heads=off size_step=2"` alone.
+//! `… every_seed` instead: the scores of sixty random scenes of each kind in which people mill about, by default and
+//! with each of the changes in `CHANGES="count_heads=off size_step=2"` alone.
 
 use std::sync::Mutex;
 

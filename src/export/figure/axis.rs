@@ -1,17 +1,17 @@
-//! Axes: from values to places along a line, and which values are written there.
+//! Axes: the mapping from values to positions, and tick values.
 
 use super::super::number::significant;
 
 /// An axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Axis {
-    /// Its name with its unit, as it is written beside it.
+    /// Its name and unit, as written next to it.
     pub name: String,
     /// The values at its ends.
     pub ends: (f64, f64),
-    /// Whether ratios count, not differences.
+    /// Whether the scale is logarithmic.
     pub logarithmic: bool,
-    /// Values that are written along it, with their words.
+    /// The tick values and their labels.
     pub ticks: Vec<(f64, String)>,
 }
 
@@ -23,7 +23,7 @@ impl Axis {
         Self { name: name.into(), ends, logarithmic: false, ticks }
     }
 
-    /// A logarithmic axis from a positive value to another, with its powers of ten, every `nth` of which has its words.
+    /// A logarithmic axis between two positive values, with a tick at each power of ten and a label at every `nth`.
     pub fn logarithmic(name: impl Into<String>, ends: (f64, f64), nth: i32) -> Self {
         let (from, to) = (ends.0.log10() - 1e-9, ends.1.log10() + 1e-9);
         let powers = (from.ceil() as i32)..=(to.floor() as i32);
@@ -38,12 +38,12 @@ impl Axis {
         Self { name: name.into(), ends, logarithmic: true, ticks }
     }
 
-    /// The same axis with these values written along it.
+    /// The same axis with these ticks.
     pub fn with_ticks(self, ticks: Vec<(f64, String)>) -> Self {
         Self { ticks, ..self }
     }
 
-    /// Where a value is, 0 at the first end and 1 at the other.
+    /// The position of a value, 0 at the first end and 1 at the other.
     pub fn share(&self, value: f64) -> f64 {
         let scaled = |value: f64| if self.logarithmic { value.max(f64::MIN_POSITIVE).ln() } else { value };
         let (from, to) = (scaled(self.ends.0), scaled(self.ends.1));
@@ -64,13 +64,13 @@ pub fn ticks(min: f64, max: f64, most: usize) -> Vec<f64> {
     (first..=last).map(|n| n as f64 * step).collect()
 }
 
-/// A round number without the dust of its division, with a true minus.
+/// A round number without rounding errors, with a true minus sign.
 pub fn written(value: f64) -> String {
     let rounded = format!("{value:.6}").parse().unwrap_or(value);
     significant(rounded).replace('-', "−")
 }
 
-/// `0.001`, `1e−7`. The typeface has no raised minus.
+/// `0.001`, `1e−7`. The typeface has no superscript minus.
 pub fn power_of_ten(power: i32) -> String {
     if power >= -4 { written(10_f64.powi(power)) } else { format!("1e−{}", -power) }
 }
@@ -89,7 +89,7 @@ mod tests {
     }
 
     #[test]
-    fn a_share_is_between_the_ends_on_either_scale() {
+    fn positions_are_between_the_ends_on_either_scale() {
         let linear = Axis::new("X", (0.0, 255.0), 5);
         assert_eq!((linear.share(0.0), linear.share(51.0), linear.share(255.0)), (0.0, 0.2, 1.0));
         let decades = Axis::logarithmic("ρ", (1e-4, 1.0), 1);

@@ -1,7 +1,7 @@
-//! A pixel's values among all three channels: a cube of R, G and B that can be turned.
+//! A pixel's values in its three channels: a cube of R, G and B that can be rotated.
 //!
-//! The view is parallel. R and G lie in the plane that is turned by the yaw, B stands upright and is
-//! tilted towards the eye by the pitch. The window and the figure draw the same [`Scene`].
+//! The projection is orthographic. The yaw rotates the plane of R and G; B is vertical, and the pitch tilts it
+//! towards the viewer. The window and the figure draw the same [`Scene`].
 
 use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
@@ -15,41 +15,41 @@ use crate::mixture::scatter_points::{
 };
 use crate::mixture::{MAX_K, PixelHistory};
 
-/// More places than this are put together: so many can neither be told apart nor turned smoothly.
+/// Largest number of points; more are merged, as they would be neither distinguishable nor fast to rotate.
 pub const MAX_POINTS: usize = 6000;
 /// The names of the axes.
 pub const NAMES: [&str; 3] = ["R", "G", "B"];
-/// In each direction the cube takes up as much whatever its turn: half its diagonal.
+/// Half the diagonal of the unit cube, which bounds its projection in each direction at any rotation.
 pub const EXTENT: f64 = 0.866_025_403_784_438_6;
-/// Room for words around a figure's cube, in points.
+/// Space for labels around a figure's cube, in points.
 const WORDS: f64 = 27.0;
-/// An axis that is seen shorter than this from its end has no numbers.
+/// Least projected length of an axis with tick labels.
 const MIN_AXIS_LENGTH: f64 = 0.3;
 
-/// From where the cube is looked at, in radians.
+/// The direction of view, in radians.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Turn {
-    /// About the upright axis.
+    /// Rotation about the vertical axis.
     pub yaw: f64,
-    /// How far from above, −π/2..=π/2.
+    /// Angle of view from above, −π/2..=π/2.
     pub pitch: f64,
 }
 
 impl Default for Turn {
-    /// All three axes are seen, and none lies over another.
+    /// All three axes are visible and do not overlap.
     fn default() -> Self {
         Self { yaw: 0.6, pitch: 0.42 }
     }
 }
 
 impl Turn {
-    /// Turned further by so many radians.
+    /// Rotated by additional angles in radians.
     pub fn by(self, yaw: f64, pitch: f64) -> Self {
         let yaw = (self.yaw + yaw + PI).rem_euclid(TAU) - PI;
         Self { yaw, pitch: (self.pitch + pitch).clamp(-FRAC_PI_2, FRAC_PI_2) }
     }
 
-    /// Where something is on the picture, x to the right and y up, and how far behind its middle.
+    /// The projection of a point, x to the right and y up, and its depth behind the centre.
     pub fn project(self, [x, y, z]: [f64; 3]) -> ([f64; 2], f64) {
         let ((sin, cos), (rise, run)) = (self.yaw.sin_cos(), self.pitch.sin_cos());
         let (across, behind) = (x * cos - y * sin, x * sin + y * cos);
@@ -57,20 +57,20 @@ impl Turn {
     }
 }
 
-/// The part of the channels' space that is shown: a cube.
+/// The displayed part of the colour space: a cube.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Span {
-    /// Its least level of each channel.
+    /// Its lowest level of each channel.
     pub low: [f64; 3],
-    /// Its side, in levels.
+    /// Its side in levels.
     pub side: f64,
 }
 
 impl Span {
-    /// All values that there can be.
+    /// The whole colour space.
     pub const WHOLE: Self = Self { low: [0.0; 3], side: 255.0 };
 
-    /// As little as holds these places and components.
+    /// The smallest cube that contains these points and components.
     pub fn around(places: &[ScatterPoint], component_states: &[ComponentState], lambda: f32) -> Self {
         let mut ends = [(f64::INFINITY, f64::NEG_INFINITY); 3];
         let reaches = component_states.iter().map(|component_state| {
@@ -92,16 +92,16 @@ impl Span {
         Self { low: ends.map(|(low, high)| f64::midpoint(low, high) - side / 2.0), side }
     }
 
-    /// Levels in sides of the cube, from its middle.
+    /// Converts levels to sides of the cube, relative to its centre.
     fn within(&self, at: [f64; 3]) -> [f64; 3] {
         [0, 1, 2].map(|axis| (at[axis] - self.low[axis]) / self.side - 0.5)
     }
 }
 
-/// What a line of a scene is.
+/// The role of a line in a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Role {
-    /// On a face at the back, at a number of an axis.
+    /// A grid line on a rear face, at a tick of an axis.
     Grid,
     /// An edge of the cube.
     Edge,
@@ -112,55 +112,55 @@ pub enum Role {
         /// Whether it is background.
         background: bool,
     },
-    /// A great circle of it in the plane of two channels.
+    /// A great circle of the sphere, in the plane of two channels.
     Girdle {
         /// The component's slot.
         slot: u8,
     },
 }
 
-/// A value of the scene.
+/// A point of the scene.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spot {
-    /// Where on the picture.
+    /// Its projected position.
     pub at: [f64; 2],
-    /// 0 at the back, 1 at the front.
+    /// Its depth, 0 at the back and 1 at the front.
     pub nearness: f64,
-    /// What lies there.
+    /// The data point.
     pub place: ScatterPoint,
 }
 
-/// Something to be read in a scene.
+/// A label of a scene.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Label {
-    /// Where on the picture.
+    /// Its anchor on the picture.
     pub at: [f64; 2],
-    /// In which direction from there it stands, a direction of length 1.
+    /// The unit vector from the anchor to the text.
     pub out: [f64; 2],
     /// The text.
     pub text: String,
-    /// Of which component it is the rank, `None` for the axes.
+    /// The slot of the component whose rank it is; `None` for labels of the axes.
     pub slot: Option<u8>,
     /// Whether it is the name of an axis.
     pub name: bool,
 }
 
-/// A cube as it is seen, in sides of the cube from its middle, y up.
+/// The projection of a cube, in sides of the cube relative to its centre, y up.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Scene {
-    /// Lines under the values.
+    /// Lines below the points.
     pub below: Vec<(Role, Vec<[f64; 2]>)>,
-    /// The values, the farthest first.
+    /// The points, the farthest first.
     pub spots: Vec<Spot>,
-    /// Lines over the values.
+    /// Lines above the points.
     pub above: Vec<(Role, Vec<[f64; 2]>)>,
-    /// Words.
+    /// The labels.
     pub labels: Vec<Label>,
-    /// The value in view.
+    /// The value of the frame in view.
     pub here: Option<[f64; 2]>,
 }
 
-/// The scene of these places and components.
+/// The scene of these points and components.
 pub fn scene(
     places: &[ScatterPoint],
     component_states: &[ComponentState],
@@ -195,7 +195,7 @@ pub fn scene(
             });
             scene.above.push((Role::Girdle { slot }, around.collect()));
         }
-        // A sphere seen in parallel is a circle.
+        // The orthographic projection of a sphere is a circle.
         let ([x, y], radius) = (seen(mean).0, reach / span.side);
         let outline = angles().map(|(sin, cos)| [x + radius * cos, y + radius * sin]).collect();
         scene.above.push((Role::Reach { slot, background }, outline));
@@ -212,9 +212,9 @@ pub fn scene(
     scene
 }
 
-/// The cube's edges but the three in front, a grid on the faces behind, and words along three edges.
+/// Adds the cube's edges except the three in front, a grid on the rear faces, and labels along three edges.
 fn cube(scene: &mut Scene, span: Span, turn: Turn) {
-    // Along each axis the side that lies further back.
+    // The rear side along each axis.
     let far: [f64; 3] = [0, 1, 2].map(|axis| {
         let mut unit = [0.0; 3];
         unit[axis] = 1.0;
@@ -232,7 +232,7 @@ fn cube(scene: &mut Scene, span: Span, turn: Turn) {
             let edge = [-0.5, 0.5].map(|along| corner(axis, along, others, [b, c]));
             scene.below.push((Role::Edge, edge.to_vec()));
         }
-        // Of the two edges on the outline, the lower one, or the left one of those that stand.
+        // Of the two edges on the outline the lower one, or the left one of the vertical edges.
         let sides = [[back[0], -back[1]], [-back[0], back[1]]];
         let middles = sides.map(|side| corner(axis, 0.0, others, side));
         let key = |[x, y]: [f64; 2]| if axis == 2 { x } else { y };
@@ -249,7 +249,7 @@ fn cube(scene: &mut Scene, span: Span, turn: Turn) {
             if !short {
                 scene.labels.push(Label { at, out, text: axis::written(value), slot: None, name: false });
             }
-            // Two lines that meet on the edge at the back.
+            // Two lines that meet at the rear edge.
             let [j, k] = back;
             let grid = [[j, -k], [j, k], [-j, k]].map(|side| corner(axis, along, others, side));
             scene.below.push((Role::Grid, grid.to_vec()));
@@ -257,20 +257,20 @@ fn cube(scene: &mut Scene, span: Span, turn: Turn) {
         let text = name.to_owned();
         scene.labels.push(Label { at: [mx, my], out, text, slot: None, name: true });
     }
-    // Edges over the grid.
+    // Edges are drawn over the grid.
     scene.below.sort_by_key(|(role, _)| *role == Role::Edge);
 }
 
-/// What the figure shows besides its [`ScatterSelection`].
+/// The appearance of the figure, in addition to its [`ScatterSelection`].
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Look {
-    /// From where.
+    /// The direction of view.
     pub turn: Turn,
-    /// Whether the cube is as small as the values allow.
+    /// Whether the cube is reduced to the range of the values.
     pub fit: bool,
 }
 
-/// The places of a choice, few enough to be turned.
+/// The points of a selection, few enough for fast rotation.
 pub fn spots(history: &PixelHistory, slots: &[[u8; MAX_K]], choice: &ScatterSelection) -> Vec<ScatterPoint> {
     thin_points(
         scatter_points(history, slots, &ScatterSelection { space: ScatterSpace::Cube, ..choice.clone() }),
@@ -278,7 +278,7 @@ pub fn spots(history: &PixelHistory, slots: &[[u8; MAX_K]], choice: &ScatterSele
     )
 }
 
-/// The figure: the cube as it is turned in the window.
+/// The figure: the cube at the window's rotation.
 pub fn figure(
     history: &PixelHistory,
     slots: &[[u8; MAX_K]],
@@ -307,7 +307,7 @@ pub fn figure(
     let mut figure = Figure::new(NARROW, title, description, keys);
     let width = figure.size[0] - 2.0 * super::RIGHT;
     let ends = extent(&scene);
-    // In points a side of the cube.
+    // The scale, in points per side of the cube.
     let scale = (width - 2.0 * WORDS) / (ends[0].1 - ends[0].0);
     let ends = ends.map(|(low, high)| (low - WORDS / scale, high + WORDS / scale));
     let [across, up] = [0, 1].map(|side| Axis::new("", ends[side], 1));
@@ -319,7 +319,7 @@ pub fn figure(
         };
         panel.draw(name, Shape::Line { points, width, dashed: false }, colour, 1.0);
     }
-    // Three sizes: what is nearer is larger.
+    // Three sizes of dots: nearer ones are larger.
     let size = |spot: &Spot| (spot.nearness * 3.0).min(2.0) as usize;
     for run in scene.spots.chunk_by(|a, b| look(&a.place) == look(&b.place) && size(a) == size(b)) {
         let (colour, sign, opacity) = look(&run[0].place);
@@ -344,10 +344,10 @@ pub fn figure(
         );
     }
     for label in scene.labels {
-        // So far out that neither the edge nor a number is touched.
+        // The distance at which the label overlaps neither the edge nor a number.
         let off = if label.name { 21.0 } else { 9.0 - 7.0 * f64::from(u8::from(label.slot.is_some())) };
         let [x, y] = [0, 1].map(|side| label.at[side] + label.out[side] * off / scale);
-        // A word's place is its foot.
+        // The position of text is its baseline.
         let at = [x, if label.slot.is_some() { y } else { y - 0.35 * super::SMALL / scale }];
         let colour = label.slot.map_or(if label.name { INK } else { GRAY }, component);
         panel.draw("", Shape::Words { at, text: label.text, anchor: Anchor::Middle }, colour, 1.0);
@@ -357,12 +357,12 @@ pub fn figure(
     if let Some(panel) = figure.panels.last_mut() {
         (panel.place[0], panel.place[2]) = (super::RIGHT, width);
     }
-    // There are no numbers below.
+    // There are no numbers below the panel.
     figure.size[1] -= super::BELOW - 6.0;
     figure
 }
 
-/// What of a scene's plane is taken up by anything but words.
+/// The range of a scene's plane without the labels.
 fn extent(scene: &Scene) -> [(f64, f64); 2] {
     let lines = scene.below.iter().chain(&scene.above).flat_map(|(_, points)| points);
     let mut ends = [(-0.5_f64, 0.5_f64); 2];
@@ -379,7 +379,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn seen_from_the_front_and_from_above_it_is_a_plane() {
+    fn views_from_the_front_and_from_above_are_planes() {
         let front = Turn { yaw: 0.0, pitch: 0.0 };
         assert_eq!(front.project([0.3, 0.2, 0.1]), ([0.3, 0.1], 0.2), "R across, B up, G behind");
         let ([x, y], behind) = Turn { yaw: 0.0, pitch: FRAC_PI_2 }.project([0.3, 0.2, 0.1]);
@@ -387,7 +387,7 @@ mod tests {
     }
 
     #[test]
-    fn turning_keeps_lengths_and_stops_at_the_poles() {
+    fn rotation_preserves_lengths_and_stops_at_the_poles() {
         let turn = Turn::default().by(2.5, -0.7);
         let ([x, y], behind) = turn.project([1.0, 2.0, 2.0]);
         assert!((x.hypot(y).hypot(behind) - 3.0).abs() < 1e-12);
@@ -396,7 +396,7 @@ mod tests {
     }
 
     #[test]
-    fn a_cube_has_nine_edges_behind_and_its_words_outside() {
+    fn a_cube_has_nine_edges_and_its_labels_are_outside() {
         for turn in [Turn::default(), Turn { yaw: -2.0, pitch: -0.5 }, Turn { yaw: 1.2, pitch: 0.1 }] {
             let scene = scene(&[], &[], None, 2.5, Span::WHOLE, turn);
             let edges: Vec<_> = scene.below.iter().filter(|(role, _)| *role == Role::Edge).collect();
@@ -411,11 +411,11 @@ mod tests {
         }
         let above = scene(&[], &[], None, 2.5, Span::WHOLE, Turn { yaw: 0.3, pitch: FRAC_PI_2 });
         let numbers = above.labels.iter().filter(|label| !label.name).count();
-        assert_eq!(numbers, 2 * 3, "B is seen from its end: only R and G have 0, 100 and 200");
+        assert_eq!(numbers, 2 * 3, "B is parallel to the line of sight: only R and G have 0, 100 and 200");
     }
 
     #[test]
-    fn nearer_values_are_drawn_over_those_behind() {
+    fn nearer_points_are_drawn_over_farther_ones() {
         use crate::mixture::scatter_points::PointKind;
         let place = |at| ScatterPoint { kind: PointKind::Verdict { foreground: false }, at, count: 1 };
         let places = [place([10, 10, 10]), place([10, 250, 10]), place([10, 120, 10])];
@@ -426,7 +426,7 @@ mod tests {
     }
 
     #[test]
-    fn a_span_holds_all_values_and_reaches_and_is_a_cube() {
+    fn a_span_contains_all_values_and_components() {
         use crate::mixture::Component;
         use crate::mixture::scatter_points::PointKind;
         let place = ScatterPoint { kind: PointKind::Age(0), at: [100, 90, 80], count: 1 };

@@ -1,4 +1,4 @@
-//! The mixture of one frame as figures: densities with the value, and weights with T and B.
+//! Figures of the mixture at one frame: densities with the value, and weights with T and B.
 
 use super::{
     Anchor, Axis, Figure, GRAY, INK, Key, NARROW, Panel, Shape, Sign, WIDE, component, parameters, pixel_name,
@@ -7,20 +7,20 @@ use crate::mixture::component_states::{ComponentState, component_states, t_at};
 use crate::mixture::verdict::number;
 use crate::mixture::{MAX_K, PixelHistory};
 
-/// Which mixture of a frame is shown.
+/// The mixture of a frame before or after its update.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum UpdateSide {
-    /// The one that the value was compared with.
+    /// The mixture that the value was compared with.
     Before,
-    /// The one with the value learned, which decides B.
+    /// The mixture updated by the value, which determines B.
     #[default]
     After,
-    /// Both, side by side.
+    /// Both mixtures, side by side.
     Both,
 }
 
 impl UpdateSide {
-    /// Whether each of the mixtures that are shown is the one before the update.
+    /// For each displayed mixture, whether it is the one before the update.
     pub const fn sides(self) -> &'static [bool] {
         match self {
             Self::Before => &[true],
@@ -32,7 +32,7 @@ impl UpdateSide {
 
 const STEPS: usize = 510;
 
-/// w·η of each component in each channel, with the value, and under them μ ± λσ.
+/// Draws w·η of each component in each channel, with the value, and below μ ± λσ.
 pub fn densities(history: &PixelHistory, slots: &[[u8; MAX_K]], index: usize, moment: UpdateSide) -> Figure {
     let sides: Vec<_> = moment
         .sides()
@@ -52,7 +52,7 @@ pub fn densities(history: &PixelHistory, slots: &[[u8; MAX_K]], index: usize, mo
         let mut panels = Vec::new();
         for (channel, name) in history.parameters.channel_names().iter().enumerate() {
             let mut y = Axis::new(format!("w·η ({name})"), (0.0, top), 3);
-            // Room for the bars under the curves.
+            // Space for the bars below the curves.
             let lane = top * 0.07;
             y.ends.0 = -lane * (component_states.len() as f64 + 0.4);
             let levels = [0, 64, 128, 192, 255].map(|level| (f64::from(level), level.to_string()));
@@ -83,7 +83,7 @@ pub fn densities(history: &PixelHistory, slots: &[[u8; MAX_K]], index: usize, mo
     figure
 }
 
-/// The weights as bars in rank order, each beginning where the sum of those above ends, with T and the cut at B.
+/// Draws the weights as cumulative bars in rank order, with T and the limit of B.
 pub fn weights(history: &PixelHistory, slots: &[[u8; MAX_K]], index: usize, moment: UpdateSide) -> Figure {
     const BAR: f64 = 15.0;
     let sides: Vec<_> = moment
@@ -120,7 +120,7 @@ pub fn weights(history: &PixelHistory, slots: &[[u8; MAX_K]], index: usize, mome
                 component(component_state.slot),
                 strength,
             );
-            // Where there is room: beside the bar on the side that has more of it.
+            // The text is on the side of the bar with more space.
             let (at, anchor) =
                 if from > 1.0 - sum { (from - 0.015, Anchor::End) } else { (sum + 0.015, Anchor::Start) };
             let text = format!("{:.3}", component_state.component.weight);
@@ -155,12 +155,12 @@ fn caption(moment: UpdateSide, before: bool) -> String {
     }
 }
 
-/// The components of the last mixture by rank, each with its rank in the one before where that was another.
+/// The legend: the components of the last mixture by rank, each with its rank in the previous one if that differs.
 fn legend(sides: &[&[ComponentState]]) -> Vec<Key> {
     let mut keys: Vec<Key> = Vec::new();
     let Some((last, before)) = sides.split_last() else { return keys };
     for component_state in *last {
-        // A new component has the colour of the one that it replaced, not its place.
+        // A new component has the colour, but not the rank, of the one that it replaced.
         let same = |other: &&ComponentState| other.slot == component_state.slot && !component_state.new;
         let ranked = before.iter().flat_map(|side| side.iter()).find(same).map(|other| other.rank);
         let rank = match ranked {
@@ -178,7 +178,7 @@ fn legend(sides: &[&[ComponentState]]) -> Vec<Key> {
     keys
 }
 
-/// A component's curve where it is not nothing: filled for background, broken for foreground.
+/// The curve of a component where it is not 0: filled for background, dashed for foreground.
 fn curve(panel: &mut Panel, component_state: &ComponentState, channel: usize) {
     let least = panel.y.ends.1 * 1e-3;
     let points: Vec<[f64; 2]> = (0..=STEPS)

@@ -1,8 +1,8 @@
-//! Figures for publications: described once as data, written as SVG, and from that as PNG.
+//! Figures for publications: described as data, written as SVG, and rasterised to PNG.
 //!
-//! A [`Figure`] is panels with axes and marks on white ground, in points of 1/72 inch. What is to be
-//! seen of a pixel is made by [`mixture`], [`through_time`], [`scatter`], [`cube`] and [`tuning`], of several by
-//! [`pins`] and of those around one by [`region`]; [`svg`] and `raster` know nothing of pixels.
+//! A [`Figure`] consists of panels with axes and marks on white, in points of 1/72 inch. Figures of one pixel are
+//! made by [`mixture`], [`through_time`], [`scatter`], [`cube`] and [`tuning`], of several by [`pins`] and of a
+//! region by [`region`]; [`svg`] and `raster` are independent of pixels.
 
 pub mod axis;
 pub mod cube;
@@ -27,26 +27,26 @@ use crate::palette::component_on_light;
 use crate::regions::Rgb;
 use crate::settings::{Rate, Space};
 
-/// Width over a page's text, 180 mm.
+/// The width of a page's text, 180 mm.
 pub const WIDE: f64 = 510.0;
-/// Width of a column, 88 mm.
+/// The width of a column, 88 mm.
 pub const NARROW: f64 = 250.0;
-/// Size of axis names and of the legend.
+/// Text size of axis names and of the legend.
 pub const TEXT: f64 = 8.0;
-/// Size of the numbers along axes.
+/// Text size of tick labels.
 pub const SMALL: f64 = 7.0;
-/// Lines that carry data.
+/// Colour of data lines.
 pub const INK: Rgb = [20, 22, 26];
-/// Text beside the data, and axes.
+/// Colour of axes and of other text.
 pub const GRAY: Rgb = [88, 92, 100];
 
-/// Room at the left of panels for tick labels and the axis' name.
+/// Space to the left of panels for tick labels and the axis' name.
 const LEFT: f64 = 40.0;
-/// Room at their right.
+/// Space to the right of panels.
 const RIGHT: f64 = 10.0;
-/// Room under the lowest panel for tick labels and the axis' name.
+/// Space below the lowest panel for tick labels and the axis' name.
 const BELOW: f64 = 27.0;
-/// Between panels one over the other.
+/// Vertical space between panels.
 const GAP: f64 = 9.0;
 
 /// A figure.
@@ -54,20 +54,20 @@ const GAP: f64 = 9.0;
 pub struct Figure {
     /// Width and height.
     pub size: [f64; 2],
-    /// What is shown, in a line over it.
+    /// The title, one line above the figure.
     pub title: String,
-    /// Under which parameters it came about; not drawn, kept within the file.
+    /// The parameters and further metadata; not drawn, stored in the file.
     pub description: String,
-    /// What stands for what.
+    /// The legend.
     pub legend: Vec<Key>,
-    /// Where it is drawn.
+    /// The panels.
     pub panels: Vec<Panel>,
 }
 
 /// An entry of the legend.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Key {
-    /// The sign.
+    /// Its sign.
     pub sign: Sign,
     /// Its colour.
     pub colour: Rgb,
@@ -78,13 +78,13 @@ pub struct Key {
 /// A sign in the legend.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Sign {
-    /// A plate as opaque as this.
+    /// A filled rectangle of this opacity.
     Plate(f64),
-    /// A line on a pale plate.
+    /// A line on a pale rectangle.
     Band,
     /// A line.
     Line,
-    /// A broken line.
+    /// A dashed line.
     Dashed,
     /// A filled dot.
     Dot,
@@ -97,83 +97,83 @@ pub enum Sign {
 /// A rectangle with two axes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Panel {
-    /// A line over it, may be empty.
+    /// A line of text above it; may be empty.
     pub caption: String,
     /// Left, top, width, height within the figure.
     pub place: [f64; 4],
-    /// Across.
+    /// The horizontal axis.
     pub x: Axis,
-    /// Up.
+    /// The vertical axis.
     pub y: Axis,
-    /// What is drawn, the first at the bottom.
+    /// The marks, in drawing order.
     pub marks: Vec<Mark>,
-    /// What of the axes is drawn.
+    /// Which parts of the axes are drawn.
     pub frame: Frame,
-    /// Whether faint lines go across at the numbers of the axis up.
+    /// Whether faint horizontal lines are drawn at the ticks of the vertical axis.
     pub grid: bool,
 }
 
-/// What of a panel's axes is drawn.
+/// Which parts of a panel's axes are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Frame {
-    /// Both axes with their numbers.
+    /// Both axes with tick labels.
     Axes,
-    /// The axis across has its numbers in a panel further down.
+    /// Both axes, but tick labels on the vertical one only; those of the horizontal axis are in a lower panel.
     UpOnly,
-    /// Nothing.
+    /// None.
     None,
 }
 
-/// Something drawn within a panel, in the values of its axes.
+/// A mark within a panel, in coordinates of its axes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Mark {
-    /// What it is, for who reads the file: `value R`, `weight of rank 1`; empty where it only adorns another.
+    /// Its meaning, for readers of the file: `value R`, `weight of rank 1`; empty for decorations of another mark.
     pub name: String,
-    /// Its form.
+    /// Its shape.
     pub shape: Shape,
     /// Its colour.
     pub colour: Rgb,
-    /// How much it covers, 0..=1.
+    /// Its opacity, 0..=1.
     pub opacity: f64,
 }
 
-/// The form of a mark.
+/// The shape of a mark.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Shape {
-    /// A line from point to point, of this width in points, may be broken.
+    /// A polyline.
     Line {
-        /// From left to right.
+        /// Its points, from left to right.
         points: Vec<[f64; 2]>,
-        /// In points.
+        /// Its width in points.
         width: f64,
-        /// Whether it is broken.
+        /// Whether it is dashed.
         dashed: bool,
     },
-    /// What the line around it holds.
+    /// A filled polygon, given by its outline.
     Area(Vec<[f64; 2]>),
-    /// Rectangles: from x, from y, to x, to y.
+    /// Rectangles, as start x, start y, end x, end y.
     Rects(Vec<[f64; 4]>),
-    /// Points of this radius in points.
+    /// Dots.
     Dots {
-        /// Where.
+        /// Their positions.
         places: Vec<[f64; 2]>,
-        /// In points.
+        /// Their radius in points.
         radius: f64,
-        /// Filled, a ring, or a cross.
+        /// Their sign: filled, a ring, or a cross.
         sign: Sign,
     },
-    /// A word, its anchor at the place.
+    /// A text.
     Words {
-        /// Where.
+        /// The position.
         at: [f64; 2],
-        /// The word.
+        /// The text.
         text: String,
-        /// Which part of it is there.
+        /// The part of the text at the position.
         anchor: Anchor,
     },
 }
 
-/// Which part of a word is at its place.
+/// The part of a text that is at its position.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Anchor {
     /// Its left end.
@@ -192,13 +192,13 @@ impl Figure {
         figure
     }
 
-    /// Where panels begin: below the title and the legend.
+    /// The top of the panels: below the title and the legend.
     pub fn top(&self) -> f64 {
         let lines = self.legend_places().last().map_or(0, |&(_, line)| line + 1);
         words::LEGEND + lines as f64 * words::LINE + 4.0
     }
 
-    /// For each entry of the legend where it begins, and in which line.
+    /// For each entry of the legend its start, and the index of its line.
     pub fn legend_places(&self) -> Vec<(f64, usize)> {
         let (mut x, mut line) = (words::MARGIN, 0);
         let mut places = Vec::with_capacity(self.legend.len());
@@ -213,7 +213,7 @@ impl Figure {
         places
     }
 
-    /// Adds panels one over the other that share the axis across, `(panel, height)`, in one column of `columns`.
+    /// Adds a column of panels, `(panel, height)`, that share the horizontal axis, as column `column` of `columns`.
     pub fn stack(&mut self, column: usize, columns: usize, panels: Vec<(Panel, f64)>) {
         let each = self.size[0] / columns.max(1) as f64;
         let (left, width) = (each * column as f64 + LEFT, each - LEFT - RIGHT);
@@ -235,7 +235,7 @@ impl Figure {
 }
 
 impl Panel {
-    /// A panel with nothing in it, to be placed by [`Figure::stack`].
+    /// An empty panel, to be positioned by [`Figure::stack`].
     pub fn new(x: Axis, y: Axis) -> Self {
         Self {
             caption: String::new(),
@@ -248,24 +248,24 @@ impl Panel {
         }
     }
 
-    /// Where a value of the axes is in the figure.
+    /// The position of a value in the figure.
     pub fn at(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let [left, top, width, height] = self.place;
         [left + width * self.x.share(x), top + height * (1.0 - self.y.share(y))]
     }
 
-    /// Draws something over what is there.
+    /// Draws a mark over the existing ones.
     pub fn draw(&mut self, name: impl Into<String>, shape: Shape, colour: Rgb, opacity: f64) {
         self.marks.push(Mark { name: name.into(), shape, colour, opacity });
     }
 
-    /// A line across at a value, such as T.
+    /// Draws a horizontal line at a value, such as T.
     pub fn across(&mut self, name: &str, y: f64, width: f64, dashed: bool) {
         let (from, to) = self.x.ends;
         self.draw(name, Shape::Line { points: vec![[from, y], [to, y]], width, dashed }, INK, 1.0);
     }
 
-    /// A line from bottom to top at a value, such as the frame in view.
+    /// Draws a vertical line at a value, such as the frame in view.
     pub fn upright(&mut self, name: &str, x: f64, width: f64, dashed: bool) {
         let (from, to) = self.y.ends;
         self.draw(name, Shape::Line { points: vec![[x, from], [x, to]], width, dashed }, INK, 1.0);
@@ -277,7 +277,7 @@ fn pixel_name(history: &PixelHistory) -> String {
     format!("pixel ({}, {})", history.at.0, history.at.1)
 }
 
-/// The parameters of a pixel's mixture in the paper's symbols, so that a figure can be made again.
+/// The parameters of a pixel's mixture in the paper's symbols, so that a figure is reproducible.
 pub fn parameters(history: &PixelHistory) -> String {
     let parameters = &history.parameters;
     let rate = match parameters.rate {
@@ -311,7 +311,7 @@ fn component(slot: u8) -> Rgb {
     component_on_light(usize::from(slot))
 }
 
-/// Frames along an axis that begins and ends there.
+/// A frame axis with these ends.
 fn frames_axis(ends: (f64, f64)) -> Axis {
     let whole = axis::ticks(ends.0, ends.1, 8).into_iter().filter(|tick| tick.fract() == 0.0);
     Axis::new("frame", ends, 8).with_ticks(whole.map(|tick| (tick, axis::written(tick))).collect())

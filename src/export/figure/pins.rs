@@ -1,4 +1,4 @@
-//! Several pixels through time one over the other, as a figure.
+//! A figure of several pixels over time, stacked.
 
 use super::through_time::{COLUMNS, number_at};
 use super::{Axis, Figure, GRAY, INK, Key, Panel, Shape, Sign, WIDE, frames_axis, parameters, verdicts};
@@ -6,10 +6,10 @@ use crate::mixture::PixelHistory;
 use crate::mixture::sparklines::{SparklineColumn, level_range, sparkline};
 use crate::palette::identity_on_light;
 
-/// How strongly the band of component 1, and those of the others, are drawn.
+/// The opacity of the band of component 1, and of those of others.
 const STRENGTHS: [f64; 2] = [0.42, 0.24];
 
-/// The figure: of each pixel, with its number, its brightness over the bands of its background components, and its
+/// The figure: for each pixel, with its number, its brightness over the bands of its background components, and its
 /// verdict below. `index` is the position of the frame in view.
 pub fn figure(pins: &[(u8, &PixelHistory)], index: usize) -> Figure {
     let frames = pins.iter().map(|(_, history)| history.states.len()).max().unwrap_or(0);
@@ -63,13 +63,13 @@ pub fn figure(pins: &[(u8, &PixelHistory)], index: usize) -> Figure {
     figure
 }
 
-/// A frame takes from half before its number to half after it.
+/// A frame spans from half a frame before its number to half a frame after it.
 fn edges(history: &PixelHistory, spark: &SparklineColumn) -> [f64; 2] {
     let from = f64::from(number_at(history, spark.frames.start)) - 0.5;
     [from, f64::from(number_at(history, spark.frames.end.saturating_sub(1))) + 0.5]
 }
 
-/// The reach of the background components, those of one rank as one thing.
+/// Draws the bands of the background components, one shape per rank.
 fn bands(panel: &mut Panel, history: &PixelHistory, sparks: &[SparklineColumn], colour: crate::regions::Rgb) {
     let most = sparks.iter().map(|spark| spark.bands.len()).max().unwrap_or(0);
     for rank in 0..most {

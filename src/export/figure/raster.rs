@@ -1,4 +1,4 @@
-//! A figure as a picture: its SVG, drawn with the window's own typeface, whatever is installed.
+//! Rasterises figures: renders the SVG with the window's own typeface, independent of installed fonts.
 
 use std::fs::File;
 use std::io::{self, BufWriter};
@@ -12,7 +12,7 @@ use super::words::TYPEFACE;
 use super::{Figure, svg};
 use crate::frame::{Frame, Size};
 
-/// Pixels an inch: what journals ask of pictures.
+/// Pixels per inch, as required by journals.
 pub const RESOLUTION: f64 = 300.0;
 const POINTS_AN_INCH: f64 = 72.0;
 const METRES_AN_INCH: f64 = 0.0254;
@@ -24,7 +24,7 @@ static FONTS: LazyLock<Arc<fontdb::Database>> = LazyLock::new(|| {
     Arc::new(fonts)
 });
 
-/// The figure with [`RESOLUTION`] pixels an inch. Fails only for figures that are too large for memory.
+/// Renders the figure at [`RESOLUTION`]. Fails only for figures that are too large for memory.
 pub fn picture(figure: &Figure) -> io::Result<Frame> {
     let options = Options { fontdb: Arc::clone(&FONTS), ..Options::default() };
     let tree = Tree::from_str(&svg::write(figure), &options).map_err(io::Error::other)?;
@@ -35,12 +35,12 @@ pub fn picture(figure: &Figure) -> io::Result<Frame> {
     let scale =
         Transform::from_scale(width as f32 / tree.size().width(), height as f32 / tree.size().height());
     resvg::render(&tree, scale, &mut pixels.as_mut());
-    // On white ground nothing is left transparent.
+    // The white ground leaves no pixel transparent.
     let rgb = pixels.data().chunks_exact(4).flat_map(|pixel| [pixel[0], pixel[1], pixel[2]]).collect();
     Ok(Frame::new(1, Size::new(width, height), rgb))
 }
 
-/// Writes a picture of [`picture`]'s as PNG that knows how large it is on paper.
+/// Writes an image of [`picture`] as a PNG with its physical size.
 pub fn write_png(path: &Path, picture: &Frame) -> io::Result<()> {
     let out = BufWriter::new(File::create(path)?);
     let mut encoder = png::Encoder::new(out, picture.size.width, picture.size.height);

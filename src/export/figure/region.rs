@@ -1,4 +1,4 @@
-//! The share of foreground around a pixel through time, as a figure.
+//! A figure of the share of foreground around a pixel over time.
 
 use std::ops::Range;
 
@@ -8,21 +8,21 @@ use crate::mixture::PixelHistory;
 use crate::palette::verdict_colour;
 use crate::replay::RegionShares;
 
-/// How strongly the area is drawn.
+/// The opacity of the area.
 const STRENGTH: f64 = 0.55;
 
-/// The greatest shares of some consecutive frames: what is brief must be seen.
+/// The maximum shares over consecutive frames, so that short peaks remain visible.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Peak {
     /// Positions of the frames.
     pub frames: Range<usize>,
-    /// The greatest share before cleaning, 0..=1.
+    /// The maximum share before cleaning, 0..=1.
     pub model: f32,
-    /// The greatest share after cleaning, 0..=1.
+    /// The maximum share after cleaning, 0..=1.
     pub cleaned: f32,
 }
 
-/// All frames of a region in at most `columns` of nearly equal length.
+/// The maxima over all frames of a region, in at most `columns` columns of nearly equal length.
 pub fn peaks(shares: &RegionShares, columns: usize) -> Vec<Peak> {
     let frames = shares.model.len().min(shares.cleaned.len());
     let count = frames.min(columns.max(1));
@@ -36,8 +36,8 @@ pub fn peaks(shares: &RegionShares, columns: usize) -> Vec<Peak> {
         .collect()
 }
 
-/// The figure: after cleaning as an area, before it as a line. `history` is that of the pixel in the middle, whose frame
-/// numbers stand along the axis; `index` is the position of the frame in view.
+/// The figure: the share after cleaning as an area, before it as a line. `history` is that of the centre pixel, whose
+/// frame numbers label the axis; `index` is the position of the frame in view.
 pub fn figure(history: &PixelHistory, shares: &RegionShares, index: usize) -> Figure {
     let peaks = peaks(shares, COLUMNS);
     let end = peaks.last().map_or(0, |peak| peak.frames.end);
@@ -55,7 +55,7 @@ pub fn figure(history: &PixelHistory, shares: &RegionShares, index: usize) -> Fi
     ];
     let region = format!("{side} × {side} pixels, {}", parameters(history), side = shares.side);
     let mut figure = Figure::new(WIDE, title, region, legend);
-    // A frame takes from half before its number to half after it.
+    // A frame spans from half a frame before its number to half a frame after it.
     let edges = |peak: &Peak| {
         let from = f64::from(number_at(history, peak.frames.start)) - 0.5;
         [from, f64::from(number_at(history, peak.frames.end.saturating_sub(1))) + 0.5]
@@ -91,7 +91,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_column_has_the_greatest_share_of_its_frames() {
+    fn a_column_has_the_maximum_share_of_its_frames() {
         let model: Vec<f32> = (0..1000).map(|n| if n == 777 { 1.0 } else { 0.1 }).collect();
         let cleaned = vec![0.05; 1000];
         let shares = RegionShares { at: (4, 4), side: 3, pixels: 9, model, cleaned };

@@ -1,4 +1,4 @@
-//! Where a pixel's values lie in a plane of its channels, as a figure.
+//! A figure of a pixel's values in a plane of its channels.
 
 use super::{
     Anchor, Axis, Figure, GRAY, INK, Key, NARROW, Panel, Shape, Sign, component, parameters, pixel_name,
@@ -13,7 +13,7 @@ use crate::mixture::{MAX_K, PixelHistory};
 use crate::palette::verdict_colour;
 use crate::regions::Rgb;
 
-/// The figure of a plane: the places, each component's reach λσ at the frame in view, and its value.
+/// The figure of a plane: the points, the radius λσ of each component at the frame in view, and its value.
 pub fn figure(
     history: &PixelHistory,
     slots: &[[u8; MAX_K]],
@@ -93,7 +93,7 @@ pub(super) fn title(history: &PixelHistory, choice: &ScatterSelection) -> String
     format!("{}, frames {from}–{to}", pixel_name(history))
 }
 
-/// Places of one look together, in the order in which they are drawn.
+/// Groups the points by appearance, in drawing order.
 fn groups(places: &mut [ScatterPoint]) -> impl Iterator<Item = (String, &[ScatterPoint])> {
     places.sort_by_key(|place| (place.kind, density(place.count)));
     let runs = places.chunk_by(|a, b| a.kind == b.kind && density(a.count) == density(b.count));
@@ -111,7 +111,7 @@ fn kind_name(kind: PointKind) -> String {
     }
 }
 
-/// 0..=2: how many frames share a place, on a logarithmic scale.
+/// The density class 0..=2 of a number of frames, on a logarithmic scale.
 pub const fn density(count: u32) -> usize {
     match count {
         0 | 1 => 0,
@@ -120,7 +120,7 @@ pub const fn density(count: u32) -> usize {
     }
 }
 
-/// Colour, sign and opacity of a place.
+/// Colour, sign and opacity of a point.
 pub(super) fn look(place: &ScatterPoint) -> (Rgb, Sign, f64) {
     let strength = [0.5, 0.7, 0.95][density(place.count)];
     match place.kind {
@@ -131,13 +131,13 @@ pub(super) fn look(place: &ScatterPoint) -> (Rgb, Sign, f64) {
     }
 }
 
-/// From pale to dark.
+/// The colour of an age, from pale to dark.
 fn age_colour(age: u8) -> Rgb {
     let share = 1.0 - f64::from(age + 1) / f64::from(AGES);
     INK.map(|ink| (f64::from(ink) + (215.0 - f64::from(ink)) * share) as u8)
 }
 
-/// What the signs of a scatter plot mean.
+/// The legend of a scatter plot.
 pub(super) fn legend(
     history: &PixelHistory,
     choice: &ScatterSelection,
@@ -173,7 +173,7 @@ pub(super) fn legend(
     keys
 }
 
-/// What a component reaches: a circle, or a square where a value is drawn against the next.
+/// The outline of the values within λσ: a circle, or a square where a value is plotted against the next.
 pub fn outline(at: [f64; 2], reach: f64, gray: bool) -> Vec<[f64; 2]> {
     if gray { square(at, reach) } else { circle(at, reach) }
 }
@@ -189,7 +189,7 @@ fn square([x, y]: [f64; 2], reach: f64) -> Vec<[f64; 2]> {
         .to_vec()
 }
 
-/// What is to be in sight.
+/// The range of displayed values.
 struct Range {
     low: [f64; 2],
     high: [f64; 2],
@@ -209,7 +209,7 @@ impl Range {
         }
     }
 
-    /// Both axes with the same span, so that circles are circles.
+    /// Both axes with the same length, so that circles remain circles.
     fn square(&self) -> [(f64, f64); 2] {
         if self.low[0] > self.high[0] {
             return [(0.0, 255.0); 2];

@@ -1,8 +1,8 @@
-//! A figure as SVG.
+//! Writes a figure as SVG.
 //!
-//! Text stays text, so that it can be edited and searched. Each panel is a group that has its left, top, width
-//! and height as `data-place` and the ends of its axes as `data-x` and `data-y` (`data-log` names those that are
-//! logarithmic), and each mark has its name as `data-name`: numbers can be read back.
+//! Text is written as text, so that it can be edited and searched. Each panel is a group with its left, top, width
+//! and height as `data-place` and the ends of its axes as `data-x` and `data-y` (`data-log` names the logarithmic
+//! ones), and each mark has its name as `data-name`, so that values can be read back.
 
 use svg::node::element::{
     Circle, ClipPath, Definitions, Description, Group, Line, Path, Polygon, Polyline, Rectangle, Text, Title,
@@ -13,10 +13,10 @@ use super::words::{FAMILY, LEGEND, LINE, MARGIN, SIGN};
 use super::{Anchor, Figure, Frame, GRAY, INK, Key, Mark, Panel, SMALL, Shape, Sign, TEXT};
 use crate::regions::Rgb;
 
-/// From a panel's left edge to the middle of its axis' name.
+/// Distance from a panel's left edge to the middle of its axis' name.
 const NAME: f64 = 30.0;
 
-/// The figure as the text of an SVG file.
+/// The SVG text of the figure.
 pub fn write(figure: &Figure) -> String {
     let [width, height] = figure.size;
     let mut clips = Definitions::new();
@@ -74,10 +74,10 @@ fn panel_group(panel: &Panel, at: usize) -> Group {
         }
     }
     group = group.add(marks).add(axes_above(panel));
-    // Words may stand out of the panel.
+    // Text may extend beyond the panel.
     for mark in &panel.marks {
         if let Shape::Words { at, text, anchor } = &mark.shape {
-            // A white rim, to be read over lines.
+            // A white outline keeps text legible over lines.
             let words = words(panel.at(*at), text, *anchor, SMALL, mark.colour)
                 .set("paint-order", "stroke")
                 .set("stroke", "#ffffff")
@@ -108,7 +108,7 @@ fn drawn(panel: &Panel, mark: &Mark) -> Group {
             group.add(Polygon::new().set("points", points_text(panel, points)).set("fill", colour))
         }
         Shape::Rects(rects) => {
-            // One path for all: thousands of cells are drawn as one thing, without seams.
+            // One path for all cells, which is compact and has no seams.
             let cells = rects.iter().map(|&[x0, y0, x1, y1]| {
                 let ([left, bottom], [right, top]) = (panel.at([x0, y0]), panel.at([x1, y1]));
                 let [left, bottom, right, top] = [left, bottom, right, top].map(short);
@@ -143,7 +143,7 @@ fn dot([x, y]: [f64; 2], radius: f64, sign: Sign, colour: &str) -> Box<dyn Node>
     }
 }
 
-/// The lines that lie under the data.
+/// The grid lines, which are below the data.
 fn axes_below(panel: &Panel) -> Group {
     let [left, top, width, height] = panel.place;
     let mut group = Group::new();
@@ -157,7 +157,7 @@ fn axes_below(panel: &Panel) -> Group {
     group
 }
 
-/// Edges, numbers and names, over the data.
+/// Edges, tick labels and names, which are above the data.
 fn axes_above(panel: &Panel) -> Group {
     let [left, top, width, height] = panel.place;
     let (right, bottom) = (left + width, top + height);
@@ -202,7 +202,7 @@ fn axes_above(panel: &Panel) -> Group {
     group
 }
 
-/// A legend's sign about its middle.
+/// A legend's sign around its centre.
 fn sign(key: &Key, [x, y]: [f64; 2]) -> Group {
     let colour = hex(key.colour);
     let plate = |opacity: f64| {
@@ -263,7 +263,7 @@ fn hex([r, g, b]: Rgb) -> String {
     format!("#{r:02x}{g:02x}{b:02x}")
 }
 
-/// A place in thousandths of a point, finer than any eye or printer.
+/// A coordinate rounded to thousandths of a point.
 fn short(value: f64) -> String {
     let text = format!("{value:.3}");
     let text = text.trim_end_matches('0').trim_end_matches('.');

@@ -1,4 +1,4 @@
-//! What is drawn is read back from the SVG and compared with the states.
+//! Reads marks back from the SVG and compares them with the states.
 
 #![allow(clippy::unwrap_used, clippy::panic)]
 
@@ -19,7 +19,7 @@ use crate::palette::component_on_light;
 use crate::replay::RegionShares;
 use crate::settings::{Preset, Settings, Space as Channels};
 
-/// Two surfaces in turn with noise, and for a while a third.
+/// Two surfaces in turn with noise, and temporarily a third.
 fn history_of(settings: &Settings, frames: u32) -> PixelHistory {
     let mut seed = 4711_u32;
     let mut noise = move || {
@@ -41,17 +41,17 @@ fn settings() -> Settings {
     Settings { t: 0.8, k: 4, alpha: 0.01, ..Settings::preset(Preset::Plain) }
 }
 
-/// A panel as a reader of the file finds it.
+/// A panel parsed from the file.
 struct Panel {
     place: [f64; 4],
     ends: [[f64; 2]; 2],
     logarithmic: bool,
-    /// Each with its name and its corners as they stand in the file.
+    /// The name and the path of each mark.
     marks: Vec<(String, String)>,
 }
 
 impl Panel {
-    /// The values at a place of the figure.
+    /// The values at a position in the figure.
     fn values(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let [left, top, width, height] = self.place;
         let [[x0, x1], [y0, y1]] = self.ends;
@@ -60,7 +60,7 @@ impl Panel {
         [x0 + (x - left) / width * (x1 - x0), y]
     }
 
-    /// The corners of all marks of this name, mark by mark.
+    /// The corners of all marks of this name.
     fn corners(&self, name: &str) -> Vec<Vec<[f64; 2]>> {
         let found = self.marks.iter().filter(|(own, _)| own == name);
         found
@@ -76,7 +76,7 @@ fn numbers(text: &str) -> Vec<f64> {
     text.split([' ', ',']).filter(|part| !part.is_empty()).map(|part| part.parse().unwrap()).collect()
 }
 
-/// The panels of a file. Rectangles come as their lower left and upper right corners, dots as their middles.
+/// The panels of a file. Rectangles are given by their lower left and upper right corners, dots by their centres.
 fn panels(text: &str) -> Vec<Panel> {
     let (mut panels, mut name) = (Vec::<Panel>::new(), String::new());
     for event in ::svg::read(text).unwrap() {
@@ -117,7 +117,7 @@ fn near(a: f64, b: f64, off: f64) {
     assert!((a - b).abs() <= off, "{a} is not {b}");
 }
 
-/// The table that `occluscope pixel` writes, a map from column to values.
+/// The table of `occluscope pixel`, as a map from column to values.
 fn csv(history: &PixelHistory) -> impl Fn(&str) -> Vec<f64> {
     let mut text = Vec::new();
     pixel_csv::write_header(&mut text, &history.parameters).unwrap();
@@ -135,7 +135,7 @@ fn csv(history: &PixelHistory) -> impl Fn(&str) -> Vec<f64> {
 }
 
 #[test]
-fn a_history_drawn_and_the_table_of_the_command_line_have_the_same_numbers() {
+fn a_history_figure_equals_the_table_of_the_command_line() {
     let history = history_of(&settings(), 400);
     let column = csv(&history);
     let choice = through_time::HistorySelection { frames: 0..400, index: 230, fit: false };
@@ -150,7 +150,7 @@ fn a_history_drawn_and_the_table_of_the_command_line_have_the_same_numbers() {
             near(point[1], value, 5e-3);
         }
     }
-    // The first mean is the component of rank 1, which it stays until another rises.
+    // The first mean is that of the component of rank 1, up to the first change of rank.
     let mean = &panels[0].corners("mean of component 1")[0];
     for (point, value) in mean[1..].iter().zip(column("mu1_r")).take(20) {
         near(point[1], value, 5e-3);
@@ -158,7 +158,7 @@ fn a_history_drawn_and_the_table_of_the_command_line_have_the_same_numbers() {
     let (w1, w2) = (column("w1"), column("w2"));
     for (at, rank) in [(0, 1), (1, 2)] {
         let areas = panels[3].corners(&format!("weight of rank {rank}"));
-        // Two corners a frame along the upper edge, and back along the lower one.
+        // Two corners per frame along the upper edge, and back along the lower one.
         for area in areas {
             let upper = &area[..area.len() / 2];
             for step in upper.chunks_exact(2) {
@@ -193,7 +193,7 @@ fn a_history_drawn_and_the_table_of_the_command_line_have_the_same_numbers() {
 }
 
 #[test]
-fn a_part_of_a_history_has_its_own_frames_and_a_long_one_loses_nothing_brief() {
+fn a_part_of_a_history_has_its_own_frames_and_a_long_history_keeps_extremes() {
     let history = history_of(&settings(), 400);
     let choice = through_time::HistorySelection { frames: 100..150, index: 10, fit: true };
     let part = through_time::figure(&history, &slots_by_rank(&history), &choice);
@@ -201,7 +201,7 @@ fn a_part_of_a_history_has_its_own_frames_and_a_long_one_loses_nothing_brief() {
     let panels_of_part = panels(&svg::write(&part));
     near(panels_of_part[0].ends[0][0], 100.5, 0.0);
     assert_eq!(panels_of_part[1].corners("value G")[0].len(), 50);
-    assert!(panels_of_part[0].corners("current frame").is_empty(), "it is not among them");
+    assert!(panels_of_part[0].corners("current frame").is_empty(), "the current frame is outside the part");
 
     let colours = (1..=20_000).map(|n| (n, if n == 7777 { [250; 3] } else { [60 + (n % 4) as u8; 3] }));
     let long = PixelHistory::of_colours((1, 1), Parameters::new(&settings()), colours);
@@ -215,7 +215,7 @@ fn a_part_of_a_history_has_its_own_frames_and_a_long_one_loses_nothing_brief() {
 }
 
 #[test]
-fn densities_and_weights_are_those_of_the_mixture() {
+fn densities_and_weights_equal_those_of_the_mixture() {
     let history = history_of(&settings(), 400);
     let slots = slots_by_rank(&history);
     for (moment, index) in [(UpdateSide::Before, 225), (UpdateSide::After, 225), (UpdateSide::Both, 300)] {
@@ -279,7 +279,7 @@ fn a_long_history_shows_how_much_of_a_column_is_foreground() {
     assert!(at(7777.0) < 0.6, "one of thirteen frames: {strengths:?}");
     assert_eq!(at(10_006.0), 1.0, "all of them: {strengths:?}");
     assert!(keys.iter().any(|key| key == "some of a column's frames"), "{keys:?}");
-    // Where every frame has a column of its own, each is one or the other.
+    // If every frame has its own column, each column is entirely background or foreground.
     let short = PixelHistory { states: long.states[7000..8000].to_vec(), ..long };
     let (strengths, keys) = of(&short, 1000);
     assert!(!strengths.is_empty() && strengths.iter().all(|strength| strength.2 == 1.0), "{strengths:?}");
@@ -315,7 +315,7 @@ fn a_legend_of_both_mixtures_has_both_ranks() {
         weights(&history, &slots, made, UpdateSide::Both).legend.into_iter().map(|key| key.name).collect();
     let expected = history.states[made].outcome.matched == 0;
     assert_eq!(names[new - 1].ends_with("(new)"), expected, "frame {made}: {names:?}");
-    // One mixture has one set of ranks.
+    // A single mixture has a single set of ranks.
     for moment in [UpdateSide::Before, UpdateSide::After] {
         let legend = densities(&history, &slots, index, moment).legend;
         assert!(legend.iter().all(|key| !key.name.contains('(')), "{legend:?}");
@@ -323,7 +323,7 @@ fn a_legend_of_both_mixtures_has_both_ranks() {
 }
 
 #[test]
-fn a_figure_names_every_parameter_that_made_it() {
+fn a_figure_names_every_parameter() {
     let description = |settings: &Settings| super::parameters(&history_of(settings, 3));
     let first = description(&settings());
     assert!(first.contains("α ≥ 1/t for t ≤ 0") && first.ends_with("X = (R, G, B)"), "{first}");
@@ -343,7 +343,7 @@ fn a_figure_names_every_parameter_that_made_it() {
     }
 }
 
-/// A share that comes and goes, with what cleaning takes away.
+/// A share of foreground that varies, with less after cleaning.
 fn shares() -> RegionShares {
     let share = |n: u32| (1.6 * (n as f32 / 44.0).sin() - 0.4).clamp(0.0, 1.0);
     let model = (0..400).map(|n| (share(n) + if n % 7 == 0 { 0.12 } else { 0.0 }).min(1.0)).collect();
@@ -402,7 +402,7 @@ fn everywhere(space: ScatterSpace, by: PointGrouping) -> ScatterSelection {
     ScatterSelection { space, frames: 0..400, by }
 }
 
-/// All dots of a panel, as whole levels.
+/// All dots of a panel, in whole levels.
 fn dots(panel: &Panel) -> BTreeSet<[i32; 2]> {
     let names: BTreeSet<_> = panel.marks.iter().map(|(name, _)| name.as_str()).collect();
     let values = names.into_iter().filter(|name| name.starts_with("values"));
@@ -410,7 +410,7 @@ fn dots(panel: &Panel) -> BTreeSet<[i32; 2]> {
 }
 
 #[test]
-fn every_value_is_a_dot_of_a_scatter_plot() {
+fn a_scatter_plot_has_a_dot_for_every_value() {
     let history = history_of(&settings(), 400);
     let slots = slots_by_rank(&history);
     let values: Vec<[i32; 3]> =
@@ -449,7 +449,7 @@ fn every_value_is_a_dot_of_a_scatter_plot() {
 }
 
 #[test]
-fn a_cube_seen_from_the_front_is_the_plane_of_r_and_b() {
+fn the_front_view_of_a_cube_is_the_plane_of_r_and_b() {
     let history = history_of(&settings(), 400);
     let slots = slots_by_rank(&history);
     let look = Look { turn: Turn { yaw: 0.0, pitch: 0.0 }, fit: false };
@@ -484,10 +484,10 @@ fn every_cell_of_a_map_is_drawn_once_with_its_verdict() {
         }
     }
     assert_eq!(seen, 24 * MAX_K);
-    assert!(map.foreground_share() > 0.0 && map.foreground_share() < 1.0, "a case in point");
+    assert!(map.foreground_share() > 0.0 && map.foreground_share() < 1.0, "the test has both verdicts");
 }
 
-/// One figure of each sort, in colour and in gray.
+/// One figure of each kind, in colour and in gray.
 fn all() -> Vec<(&'static str, Figure)> {
     let history = history_of(&settings(), 400);
     let of = slots_by_rank(&history);
@@ -549,7 +549,7 @@ fn all() -> Vec<(&'static str, Figure)> {
 }
 
 #[test]
-fn no_word_leaves_its_figure() {
+fn all_text_is_inside_its_figure() {
     for (name, figure) in all() {
         let text = svg::write(&figure);
         let [width, height] = figure.size;
@@ -586,7 +586,7 @@ fn no_word_leaves_its_figure() {
 
 #[test]
 #[cfg(feature = "gui")]
-fn pictures_are_white_with_ink_and_know_their_size() {
+fn rasterised_figures_are_white_and_have_a_physical_size() {
     use super::raster;
     let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("target/figures");
     std::fs::create_dir_all(&folder).unwrap();
@@ -603,7 +603,7 @@ fn pictures_are_white_with_ink_and_know_their_size() {
         raster::write_png(&path, &picture).unwrap();
         assert_eq!(image::open(&path).unwrap().into_rgb8().into_raw(), picture.rgb);
         let bytes = std::fs::read(&path).unwrap();
-        // 300 pixels an inch are 11 811 a metre.
+        // 300 pixels per inch are 11 811 per metre.
         let size = [&b"pHYs"[..], &11_811_u32.to_be_bytes(), &11_811_u32.to_be_bytes(), &[1]].concat();
         assert!(bytes.windows(size.len()).any(|part| part == size), "{name}");
     }

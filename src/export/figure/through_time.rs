@@ -1,4 +1,4 @@
-//! A pixel's history as a figure: values, weights, B, ρ, changes and verdict over the frames.
+//! A figure of a pixel's history: values, weights, B, ρ, changes and verdict over the frames.
 
 use std::ops::Range;
 
@@ -11,21 +11,21 @@ use crate::mixture::downsampled_history::{HistoryColumn, downsample, rate_range,
 use crate::mixture::verdict::number;
 use crate::mixture::{MAX_K, PixelHistory};
 
-/// At most so many columns: more would be finer than a printed page shows.
+/// Largest number of columns; more would exceed the resolution of a printed page.
 pub const COLUMNS: usize = 1500;
 
-/// What is drawn of a history.
+/// The part of a history in the figure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct HistorySelection {
     /// Positions of the frames.
     pub frames: Range<usize>,
     /// The position of the frame in view.
     pub index: usize,
-    /// Whether the value axes fit the values instead of showing 0..=255.
+    /// Whether the value axes fit the values instead of covering 0..=255.
     pub fit: bool,
 }
 
-/// The figure. Up to [`COLUMNS`] frames are drawn one by one, more as the range that some of them span.
+/// The figure. Up to [`COLUMNS`] frames are drawn individually; more are combined to the range of several frames.
 pub fn figure(history: &PixelHistory, slots: &[[u8; MAX_K]], choice: &HistorySelection) -> Figure {
     let bins = downsample(history, slots, choice.frames.clone(), COLUMNS);
     let drawing = Drawing { history, bins: &bins };
@@ -119,7 +119,7 @@ struct Drawing<'a> {
 }
 
 impl Drawing<'_> {
-    /// A frame takes from half before its number to half after it.
+    /// A frame spans from half a frame before its number to half a frame after it.
     fn edges(&self, bin: &HistoryColumn) -> (f64, f64) {
         let from = f64::from(number_at(self.history, bin.frames.start)) - 0.5;
         (from, f64::from(number_at(self.history, bin.frames.end.saturating_sub(1))) + 0.5)
@@ -137,7 +137,8 @@ impl Drawing<'_> {
         }
     }
 
-    /// μ ± λσ of each component, broken where it becomes another or changes sides.
+    /// Draws μ ± λσ of each component, interrupted where it is replaced, or changes between background and
+    /// foreground.
     fn bands(&self, panel: &mut Panel, channel: usize) {
         let mut means = Vec::new();
         for slot in 0..MAX_K {
@@ -184,7 +185,7 @@ impl Drawing<'_> {
         panel.draw(name, Shape::Line { points, width: 0.6, dashed: false }, INK, 1.0);
     }
 
-    /// The weights stacked in rank order.
+    /// Draws the weights stacked in rank order.
     fn weights(&self, panel: &mut Panel) {
         for rank in 0..MAX_K {
             let here = |bin: &HistoryColumn| {
@@ -218,7 +219,7 @@ impl Drawing<'_> {
         panel.draw("B", Shape::Line { points: steps.collect(), width: 0.9, dashed: false }, INK, 1.0);
     }
 
-    /// ρ where something matched; its line is broken where nothing did.
+    /// Draws ρ, interrupted where nothing matched.
     fn rates(&self, panel: &mut Panel) {
         for run in self.bins.chunk_by(|a, b| a.rho.is_some() == b.rho.is_some()) {
             let points: Vec<_> = run
@@ -235,7 +236,7 @@ impl Drawing<'_> {
         }
     }
 
-    /// A stroke for each component that was born, replaced another, or rose.
+    /// Draws a tick for each component that was created in a free slot, replaced another, or rose in rank.
     fn changes(&self, panel: &mut Panel) {
         for (lane, name) in ["created", "replaced", "moved up"].into_iter().enumerate() {
             let bottom = 2.0 - lane as f64;

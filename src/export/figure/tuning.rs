@@ -1,4 +1,4 @@
-//! A tuning map as a figure, of one pixel's verdict or of how right those around it are.
+//! A figure of a tuning map: the verdict on one pixel, or the accuracy in a region.
 
 use super::{Axis, Figure, INK, Key, NARROW, Panel, Shape, Sign, parameters, pixel_name};
 use crate::mixture::PixelHistory;
@@ -6,12 +6,12 @@ use crate::mixture::tuning::{SettingAxis as Side, VerdictMap};
 use crate::palette::{ramp, verdict_colour};
 use crate::truth::decisions::{Decisions, Measure};
 
-/// How strongly background and foreground are drawn.
+/// The opacity of background and of foreground.
 const STRENGTHS: [f64; 2] = [0.34, 0.8];
-/// So many colours stand for the values of a measure.
+/// Number of colour steps for the values of a measure.
 const STEPS: usize = 17;
 
-/// The figure of the map about `history` at the frame in view.
+/// The figure of the map of `history`'s pixel at the frame in view.
 pub fn figure(history: &PixelHistory, map: &VerdictMap, index: usize) -> Figure {
     let frame = history.states.get(index).map_or(0, |state| state.number);
     let colour = |foreground| verdict_colour(foreground, false);
@@ -40,7 +40,7 @@ pub fn figure(history: &PixelHistory, map: &VerdictMap, index: usize) -> Figure 
     figure
 }
 
-/// The figure of a measure of what is decided in each cell of a grid around `history`; `about` says of which pixels.
+/// The figure of a measure of the decisions in each cell of a grid around `history`; `about` describes the pixels.
 pub fn of_decisions(
     history: &PixelHistory,
     about: &str,
@@ -104,7 +104,7 @@ fn axis(side: &Side) -> Axis {
     if side.knob.is_logarithmic() { Axis::logarithmic(name, ends, 1) } else { Axis::new(name, ends, 6) }
 }
 
-/// From where to where a cell goes.
+/// The edges of a cell.
 fn edges(side: &Side, cell: usize) -> (f64, f64) {
     let count = side.values.len().max(1) as f32;
     let at = |cell: usize| f64::from(side.value_at(cell as f32 / count));

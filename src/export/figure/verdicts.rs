@@ -1,21 +1,21 @@
-//! The strip of verdicts under what goes through time.
+//! The strip of verdicts below plots over time.
 
 use super::{GRAY, Key, Panel, Shape, Sign};
 use crate::palette::verdict_colour;
 
-/// How strongly background is drawn.
+/// The opacity of background.
 const BACKGROUND: f64 = 0.35;
-/// Of a column's frames some may be foreground: a single one is seen, all of them are solid. Few steps, so that
-/// neighbours join to one rectangle.
+/// The opacity by the share of foreground in a column: a single frame is visible, a full column is opaque. Few steps,
+/// so that neighbouring columns merge to one rectangle.
 const FOREGROUND: [f64; 4] = [0.55, 0.7, 0.85, 1.0];
 
-/// The step of a column of which such a share is foreground; `None` for background.
+/// The step of this share of foreground; `None` for background.
 fn step(share: f32) -> Option<usize> {
     let last = FOREGROUND.len() - 1;
     (share > 0.0).then(|| ((share * FOREGROUND.len() as f32).ceil() as usize).saturating_sub(1).min(last))
 }
 
-/// Draws columns one after the other, each with where it begins and ends and the share of its frames that is foreground.
+/// Draws columns in order, each with its edges and its share of foreground.
 pub(super) fn draw(panel: &mut Panel, columns: impl Iterator<Item = ([f64; 2], f32)>) {
     let columns: Vec<_> = columns.map(|(edges, share)| (edges, step(share))).collect();
     let looks = [(None, "background", BACKGROUND)].into_iter();
@@ -28,14 +28,14 @@ pub(super) fn draw(panel: &mut Panel, columns: impl Iterator<Item = ([f64; 2], f
             panel.draw(name, Shape::Rects(rects), verdict_colour(step.is_some(), false), strength);
         }
     }
-    // An edge of its own, so that pale background ends somewhere.
+    // A ground line, so that pale background has a visible edge.
     panel.across("ground", 0.0, 0.4, false);
     if let Some(mark) = panel.marks.last_mut() {
         mark.colour = GRAY;
     }
 }
 
-/// What the strengths mean of columns of which these shares are foreground.
+/// The legend of the opacities for columns of these shares.
 pub(super) fn legend(shares: impl Iterator<Item = f32>) -> Vec<Key> {
     let key = |foreground, strength, name: &str| Key {
         sign: Sign::Plate(strength),

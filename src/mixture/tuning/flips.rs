@@ -1,15 +1,15 @@
-//! The nearest value of each setting at which a verdict flips, found trial by trial.
+//! Finds, by re-running the pixel, the nearest value of each setting at which its verdict flips.
 
 use rayon::prelude::*;
 
 use super::{Rounding, RunOutcome, TunableSetting, rounded, run};
 use crate::mixture::pixel::{Parameters, Value};
 
-/// Steps of the search on each side of the present value.
+/// Number of search steps on each side of the present value.
 const MAX_STEPS: usize = 24;
-/// Bisections of the step with the flip.
+/// Number of bisections of the step that contains the flip.
 const MAX_BISECTIONS: usize = 14;
-/// A value is rounded to as few significant digits as keep the flip, at least and at most these.
+/// Range of significant digits of the result: as few as preserve the flip.
 const MIN_DIGITS: i32 = 3;
 const MAX_DIGITS: i32 = 5;
 
@@ -18,15 +18,15 @@ const MAX_DIGITS: i32 = 5;
 pub struct VerdictFlip {
     /// The setting.
     pub knob: TunableSetting,
-    /// The value nearest to the present one at which the verdict is the other one; by ratio where
-    /// the setting is logarithmic. `None` if none was found.
+    /// The value nearest to the present one at which the verdict flips, on a logarithmic scale where the setting has
+    /// one. `None` if none was found.
     pub value: Option<f32>,
-    /// Whether that is greater than the present one.
+    /// Whether it is greater than the present value.
     pub above: bool,
 }
 
 impl VerdictFlip {
-    /// In a few signs: `α ≥ 0.013`, `no T does`.
+    /// A short form: `α ≥ 0.013`, `no T does`.
     pub fn words(&self) -> String {
         let symbol = self.knob.symbol();
         match self.value {
@@ -36,11 +36,10 @@ impl VerdictFlip {
     }
 }
 
-/// The nearest value of `knob` at which the verdict after `values` is not what it is under `parameters`.
+/// The nearest value of `knob` at which the verdict after `values` differs from that under `parameters`.
 ///
-/// Each side of the present value is looked through in steps, and the first step whose end flips is
-/// halved down; a flip and a flip back within one step are not seen. The value that is given
-/// flips the verdict for certain: it has been tried.
+/// Each side of the present value is searched in steps, and the first step whose end flips is bisected; two flips
+/// within one step are not found. The returned value has been verified to flip the verdict.
 pub fn flip(values: &[Value], parameters: &Parameters, knob: TunableSetting) -> VerdictFlip {
     let mut search = FlipSearch::new(parameters, &[knob]);
     loop {
@@ -50,17 +49,17 @@ pub fn flip(values: &[Value], parameters: &Parameters, knob: TunableSetting) -> 
     }
 }
 
-/// The search of [`flip`] for several settings side by side, which goes on by a run each.
+/// An incremental search as in [`flip`] for several settings at once.
 pub struct FlipSearch {
     parameters: Parameters,
-    /// The pixel under the present settings.
+    /// The outcome under the present settings.
     present: Option<RunOutcome>,
-    /// Both sides of the present value of each setting.
+    /// The search on both sides of the present value, for each setting.
     sides: Vec<[SearchSide; 2]>,
 }
 
 impl FlipSearch {
-    /// A search before its first trial.
+    /// A search before its first run.
     pub fn new(parameters: &Parameters, knobs: &[TunableSetting]) -> Self {
         let sides = |&knob: &TunableSetting| {
             [false, true].map(|above| SearchSide::new(knob, knob.get(parameters), above))
@@ -68,8 +67,8 @@ impl FlipSearch {
         Self { parameters: *parameters, present: None, sides: knobs.iter().map(sides).collect() }
     }
 
-    /// Tries the next value on each side of each setting: a run of the pixel through all of `values` for each, at most.
-    /// What was found, in the order of the settings, if those were the last.
+    /// Tries the next value on each side of each setting, with at most one run through `values` for each. Returns the
+    /// results, in the order of the settings, when the search is complete.
     pub fn advance(&mut self, values: &[Value]) -> Option<Vec<VerdictFlip>> {
         let parameters = self.parameters;
         let present = *self.present.get_or_insert_with(|| run(values, &parameters));
@@ -88,7 +87,7 @@ impl FlipSearch {
     }
 }
 
-/// The nearer of what both sides have found; `None` while they search.
+/// The nearer of the results of both sides; `None` while they search.
 fn nearest(sides: &[SearchSide; 2]) -> Option<VerdictFlip> {
     let [SearchStage::Done(below), SearchStage::Done(above)] = sides.each_ref().map(|side| side.stage) else {
         return None;
@@ -99,7 +98,7 @@ fn nearest(sides: &[SearchSide; 2]) -> Option<VerdictFlip> {
     Some(VerdictFlip { knob, value: found, above: found.is_some_and(|value| value > from) })
 }
 
-/// One side of the present value of a setting.
+/// The search on one side of the present value.
 struct SearchSide {
     knob: TunableSetting,
     /// The present value.
@@ -108,16 +107,16 @@ struct SearchSide {
     stage: SearchStage,
 }
 
-/// The state of the search on one side.
+/// The stage of the search on one side.
 #[derive(Clone, Copy)]
 enum SearchStage {
-    /// The verdict stays up to this step.
+    /// The verdict does not flip up to this step.
     Stepping(usize),
-    /// It stays at `inner` and flips at `outer`.
+    /// The verdict does not flip at `inner` and flips at `outer`.
     Halving { inner: f32, outer: f32, left: usize },
-    /// It flips at `outer`, and is tried at the same with so many digits.
+    /// The verdict flips at `outer`; the value rounded to `digits` digits is tried next.
     Rounding { outer: f32, digits: i32 },
-    /// The nearest value that was found.
+    /// The search is complete; the nearest value, if any.
     Done(Option<f32>),
 }
 
@@ -131,18 +130,18 @@ impl SearchSide {
         side
     }
 
-    /// The farthest value worth a look.
+    /// The limit of the search.
     const fn end(&self) -> f32 {
         let (low, high) = self.knob.range();
         if self.above { high } else { low }
     }
 
-    /// How many steps there are to the end.
+    /// The number of steps to the limit.
     fn steps(&self) -> usize {
         if self.knob == TunableSetting::K { (self.end() - self.from).abs() as usize } else { MAX_STEPS }
     }
 
-    /// The value after so many steps.
+    /// The value at a step.
     fn at(&self, step: usize) -> f32 {
         let Self { knob, from, above, .. } = *self;
         match step {
@@ -170,7 +169,7 @@ impl SearchSide {
         }
     }
 
-    /// Records whether the verdict flips at the tried value.
+    /// Advances the search by the verdict at the tried value.
     fn learn(&mut self, value: f32, flips: bool) {
         self.stage = match self.stage {
             SearchStage::Stepping(_) if flips && self.knob == TunableSetting::K => {
@@ -195,12 +194,13 @@ impl SearchSide {
         };
     }
 
-    /// The value with so many digits, away from the present one.
+    /// The value rounded to `digits` digits, away from the present value.
     fn short(&self, value: f32, digits: i32) -> f32 {
         rounded(value, digits, if self.above { Rounding::Up } else { Rounding::Down })
     }
 
-    /// What comes after halving: the first number of digits, from `digits` on, that is not beyond what the setting takes.
+    /// The stage after the bisection: rounding to the first number of digits, from `digits` on, within the setting's
+    /// range.
     fn rounding(&self, outer: f32, digits: i32) -> SearchStage {
         let (low, high) = self.knob.range();
         let inside = |digits: &i32| (low..=high).contains(&self.short(outer, *digits));

@@ -1,9 +1,9 @@
-//! A pixel's verdict under other settings: a map over two of them, and the nearest value of each at which the verdict
-//! flips.
+//! A pixel's verdict under other settings: a map over two settings, and the nearest value of each at which the
+//! verdict flips.
 //!
-//! Every answer is a re-run of the one pixel over its values, from the model's start up to a frame.
-//! Only T needs none: it decides what is background and changes nothing of the mixture, so one run
-//! answers for all of its values. With feedback it does change the mixture, and is run as the others are.
+//! Every result is a re-run of the pixel over its values, from the model's start to the current frame. T determines
+//! only the background and not the mixture, so that one run is enough for all of its values. With feedback T affects
+//! the mixture, and needs a run per value like the others.
 
 mod flips;
 #[cfg(test)]
@@ -16,10 +16,10 @@ use crate::settings::{Setting, SettingError, Settings, Value as SettingValue};
 
 pub use flips::{FlipSearch, VerdictFlip, flip};
 
-/// Cells along one axis of a map, of settings that are no whole numbers.
+/// Number of cells along an axis of a map, for settings that are not integers.
 pub const CELLS: usize = 24;
 
-/// A setting that is tuned.
+/// A tunable setting.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum TunableSetting {
     /// α, the learning rate.
@@ -35,7 +35,7 @@ pub enum TunableSetting {
 }
 
 impl TunableSetting {
-    /// All of them.
+    /// All tunable settings.
     pub const ALL: [Self; 5] = [Self::Alpha, Self::T, Self::K, Self::Lambda, Self::InitialSigma];
 
     /// Its symbol.
@@ -60,7 +60,7 @@ impl TunableSetting {
         }
     }
 
-    /// What it is, in two or three words.
+    /// A short description.
     pub const fn name(self) -> &'static str {
         match self {
             Self::Alpha => "learning rate",
@@ -71,12 +71,12 @@ impl TunableSetting {
         }
     }
 
-    /// Whether ratios count, not differences.
+    /// Whether it has a logarithmic scale.
     pub const fn is_logarithmic(self) -> bool {
         matches!(self, Self::Alpha)
     }
 
-    /// Whether it changes the decision but not the mixture, so that one run answers for all of its values.
+    /// Whether it affects the decision but not the mixture, so that one run is enough for all of its values.
     fn is_decision_only(self, parameters: &Parameters) -> bool {
         self == Self::T && !parameters.feedback.is_on()
     }
@@ -92,7 +92,7 @@ impl TunableSetting {
         }
     }
 
-    /// `parameters` with another value of it; K is rounded.
+    /// `parameters` with this value; K is rounded.
     pub fn with(self, parameters: &Parameters, value: f32) -> Parameters {
         let mut parameters = *parameters;
         match self {
@@ -105,7 +105,7 @@ impl TunableSetting {
         parameters
     }
 
-    /// Puts `value` into `settings`, or says why it cannot be.
+    /// Sets the value in `settings`.
     pub fn set(self, settings: &mut Settings, value: f32) -> Result<(), SettingError> {
         let value = match self {
             Self::K => SettingValue::Integer(value.round().max(0.0) as u32),
@@ -115,7 +115,7 @@ impl TunableSetting {
         setting.ok_or_else(|| SettingError::Unknown(self.key().to_owned()))?.set(settings, value)
     }
 
-    /// The values worth a look: all that are allowed, of α and T without the extremes.
+    /// The range of interest: all allowed values, but for α and T without the extremes.
     const fn range(self) -> (f32, f32) {
         match self {
             Self::Alpha => (0.0005, 0.5),
@@ -126,7 +126,7 @@ impl TunableSetting {
         }
     }
 
-    /// The value on the scale on which equal steps look equal, and back.
+    /// The value on the setting's scale, linear or logarithmic, and back.
     fn scaled(self, value: f32) -> f64 {
         if self.is_logarithmic() { f64::from(value).ln() } else { f64::from(value) }
     }
@@ -136,18 +136,18 @@ impl TunableSetting {
     }
 }
 
-/// One side of a map.
+/// One axis of a map.
 #[derive(Clone, Debug, PartialEq)]
 pub struct SettingAxis {
-    /// What changes along it.
+    /// The setting.
     pub knob: TunableSetting,
-    /// The value of each cell, rising.
+    /// The value of each cell, ascending.
     pub values: Vec<f32>,
     ends: (f32, f32),
 }
 
 impl SettingAxis {
-    /// The axis of `knob` wide enough for its value `present`.
+    /// An axis that includes `present`.
     pub fn new(knob: TunableSetting, present: f32) -> Self {
         let (low, high) = knob.range();
         if knob == TunableSetting::K {
@@ -160,38 +160,38 @@ impl SettingAxis {
         axis
     }
 
-    /// Where `value` lies, 0 at the low end of the axis and 1 at the high one.
+    /// The position of `value` on the axis, 0 at its low end and 1 at its high end.
     pub fn share_of(&self, value: f32) -> f32 {
         let (low, high) = (self.knob.scaled(self.ends.0), self.knob.scaled(self.ends.1));
         ((self.knob.scaled(value) - low) / (high - low)) as f32
     }
 
-    /// The value at a share of the axis.
+    /// The value at a position of the axis, 0..=1.
     pub fn value_at(&self, share: f32) -> f32 {
         let (low, high) = (self.knob.scaled(self.ends.0), self.knob.scaled(self.ends.1));
         self.knob.unscaled(low + f64::from(share) * (high - low))
     }
 
-    /// The cell at a share of the axis.
+    /// The cell at a position of the axis, 0..=1.
     pub fn cell_at(&self, share: f32) -> usize {
         let cells = self.values.len();
         ((share.max(0.0) * cells as f32) as usize).min(cells.saturating_sub(1))
     }
 }
 
-/// The pixel after the last of its values.
+/// The state of the pixel after the last value of a run.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct RunOutcome {
     pixel: Pixel,
     outcome: Outcome,
-    /// Whether T was at work in the run, and only its own T can be asked for.
+    /// Whether T affected the run, so that the result is valid for its own T only.
     bound: bool,
-    /// How many values there were.
+    /// The number of values.
     frames: usize,
 }
 
 impl RunOutcome {
-    /// Whether the pixel is foreground for this T, which must be that of the run where feedback is on.
+    /// Whether the pixel is foreground under this T, which must be that of the run where feedback is on.
     pub fn is_foreground(&self, t: f32) -> bool {
         if self.bound {
             return self.outcome.foreground;
@@ -202,7 +202,7 @@ impl RunOutcome {
     }
 }
 
-/// Runs one pixel through all of `values` from an unseen one.
+/// Runs a new pixel through all of `values`.
 pub fn run(values: &[Value], parameters: &Parameters) -> RunOutcome {
     let mut pixel = Pixel::unseen(parameters.k);
     let mut outcome = Outcome::default();
@@ -222,12 +222,12 @@ pub fn grid(parameters: &Parameters, knobs: [TunableSetting; 2]) -> ([SettingAxi
     (axes, cells)
 }
 
-/// Whether a pixel is foreground, over a grid of two settings.
+/// The classification of a pixel over a grid of two settings.
 #[derive(Clone, Debug, PartialEq)]
 pub struct VerdictMap {
-    /// What changes along a row, and from row to row: two different settings.
+    /// The settings along a row and along a column; two different ones.
     pub axes: [SettingAxis; 2],
-    /// Row by row.
+    /// The classification of each cell, row by row.
     foreground: Vec<bool>,
 }
 
@@ -237,8 +237,8 @@ impl VerdictMap {
         knobs.map(|knob| SettingAxis::new(knob, knob.get(parameters)))
     }
 
-    /// The runs that a map takes: one a cell, or one a row or column where the other setting is T and changes nothing
-    /// of the mixture.
+    /// The runs that a map needs: one per cell, or one per row or column where the other setting is T and does not
+    /// affect the mixture.
     pub fn runs(parameters: &Parameters, axes: &[SettingAxis; 2]) -> Vec<Parameters> {
         let values = |axis: &SettingAxis| {
             if axis.knob.is_decision_only(parameters) { vec![parameters.t] } else { axis.values.clone() }
@@ -250,7 +250,7 @@ impl VerdictMap {
             .collect()
     }
 
-    /// The map that follows from what [`Self::runs`] ended in, in the same order.
+    /// The map from the outcomes of [`Self::runs`], in the same order.
     pub fn of(parameters: &Parameters, axes: [SettingAxis; 2], outcomes: &[RunOutcome]) -> Self {
         let [across, along] = &axes;
         let mut foreground = Vec::with_capacity(across.values.len() * along.values.len());
@@ -275,14 +275,14 @@ impl VerdictMap {
         self.foreground.get(row * self.axes[0].values.len() + column).copied().unwrap_or(false)
     }
 
-    /// The share of cells that are foreground, 0..=1.
+    /// The share of foreground cells, 0..=1.
     pub fn foreground_share(&self) -> f32 {
         let foreground = self.foreground.iter().filter(|&&cell| cell).count();
         foreground as f32 / self.foreground.len().max(1) as f32
     }
 }
 
-/// The map of `knobs` around `parameters` for a pixel that saw `values`.
+/// The map of `knobs` around `parameters` for a pixel with these values.
 pub fn map(values: &[Value], parameters: &Parameters, knobs: [TunableSetting; 2]) -> VerdictMap {
     let axes = VerdictMap::axes(parameters, knobs);
     let outcomes: Vec<_> =
@@ -297,13 +297,13 @@ enum Rounding {
     Down,
 }
 
-/// The positive `value` with so many significant digits.
+/// The positive `value` rounded to this many significant digits.
 fn rounded(value: f32, digits: i32, how: Rounding) -> f32 {
     let value = f64::from(value);
     if value <= 0.0 {
         return value as f32;
     }
-    // Powers of ten are exact where they are whole.
+    // Powers of ten with non-negative integer exponents are exact.
     let places = digits - 1 - value.log10().floor() as i32;
     let power = 10_f64.powi(places.abs());
     let whole = if places >= 0 { value * power } else { value / power };

@@ -4,7 +4,7 @@ use super::*;
 use crate::mixture::PixelHistory;
 use crate::settings::{Preset, Space};
 
-/// A wall that a branch sways over, and from frame 300 on somebody in dark clothes.
+/// A wall with a swaying branch in front, and from frame 300 on a person in dark clothes.
 fn values(frames: u32, parameters: &Parameters) -> Vec<Value> {
     let mut seed = 99_u32;
     let mut noise = move || {
@@ -28,14 +28,14 @@ fn parameters() -> Parameters {
     Parameters { warm_up: 20, ..Parameters::new(&Settings::preset(Preset::Plain)) }
 }
 
-/// The verdict by the definition: `Pixel::update` through all values.
+/// The verdict by the reference implementation: `Pixel::update` through all values.
 fn plainly(values: &[Value], parameters: &Parameters) -> bool {
     let mut pixel = Pixel::unseen(parameters.k);
     (1..).zip(values).map(|(t, &value)| pixel.update(value, t, parameters).foreground).last().unwrap()
 }
 
 #[test]
-fn every_cell_of_every_map_is_what_a_plain_run_says() {
+fn every_cell_of_every_map_equals_a_run_of_the_reference() {
     let gray = Parameters { space: Space::Gray, ..parameters() };
     let feedback =
         Parameters::new(&Settings { hold: 0.2, restless_t: 0.9, ..Settings::preset(Preset::Plain) });
@@ -49,7 +49,7 @@ fn every_cell_of_every_map_is_what_a_plain_run_says() {
                 .chain(TunableSetting::ALL.into_iter().take(at.min(1)))
             {
                 let map = map(&values, &parameters, [x, y]);
-                // A few cells of each: a plain run of all would take long.
+                // Every seventh cell: a run for each would take long.
                 for cell in (0..map.foreground.len()).step_by(7) {
                     let (column, row) = (cell % map.axes[0].values.len(), cell / map.axes[0].values.len());
                     let there = x.with(&parameters, map.axes[0].values[column]);
@@ -76,7 +76,7 @@ fn the_first_frame_is_background_everywhere() {
 }
 
 #[test]
-fn a_flip_is_tried_and_nothing_nearer_flips() {
+fn a_flip_changes_the_verdict_and_nothing_nearer_does() {
     let parameters = parameters();
     let mut found = 0;
     for frames in [40, 150, 301, 310, 325, 339, 345, 400] {
@@ -86,7 +86,7 @@ fn a_flip_is_tried_and_nothing_nearer_flips() {
             let flip = flip(&values, &parameters, knob);
             let from = knob.get(&parameters);
             let Some(value) = flip.value else {
-                // Then none of a map's values does either.
+                // None of the map's values flips either.
                 for value in SettingAxis::new(knob, from).values {
                     let there = knob.with(&parameters, value);
                     assert!(
@@ -99,7 +99,7 @@ fn a_flip_is_tried_and_nothing_nearer_flips() {
             found += 1;
             assert_eq!(flip.above, value > from);
             assert_ne!(plainly(&values, &knob.with(&parameters, value)), now, "{knob:?} {value}");
-            // Up to it, but for rounding to three digits, the verdict stays.
+            // Up to the value, apart from rounding to three digits, the verdict does not flip.
             let reach = knob.scaled(value) - knob.scaled(from);
             for step in 0..=20 {
                 let near = knob.unscaled(knob.scaled(from) + reach * f64::from(step) / 20.0);
@@ -114,7 +114,7 @@ fn a_flip_is_tried_and_nothing_nearer_flips() {
     assert!(found > 12, "{found}");
 }
 
-/// The nearest flip on one side, value after value.
+/// The nearest flip on one side, by linear search.
 fn plain_nearest(
     values: &[Value],
     parameters: &Parameters,
@@ -152,7 +152,7 @@ fn plain_nearest(
 }
 
 #[test]
-fn in_trials_a_flip_is_what_a_plain_search_finds() {
+fn a_flip_equals_the_result_of_a_linear_search() {
     let gray = Parameters { space: Space::Gray, ..parameters() };
     let at_the_end = Parameters { t: 0.999, k: 1, ..parameters() };
     let mut found = 0;
@@ -178,7 +178,7 @@ fn in_trials_a_flip_is_what_a_plain_search_finds() {
 
 #[test]
 fn the_flip_of_lambda_is_the_distance_of_the_nearest_background_component() {
-    // Forty steady frames, then one step away: λ has to reach as far as the value lies.
+    // Forty steady frames, then one step: λ has to reach the distance of the value.
     let parameters = parameters();
     let mut colours = vec![[100_u8; 3]; 40];
     colours.push([118; 3]);
@@ -196,7 +196,7 @@ fn the_flip_of_lambda_is_the_distance_of_the_nearest_background_component() {
 }
 
 #[test]
-fn an_axis_covers_the_present_value_and_gives_only_values_that_a_setting_takes() {
+fn an_axis_includes_the_present_value_and_only_valid_values() {
     for (knob, present) in [
         (TunableSetting::Alpha, 0.01),
         (TunableSetting::Alpha, 0.9),
@@ -220,7 +220,7 @@ fn an_axis_covers_the_present_value_and_gives_only_values_that_a_setting_takes()
 }
 
 #[test]
-fn rounding_goes_where_it_is_told() {
+fn rounding_follows_its_direction() {
     assert_eq!(rounded(0.012_345, 3, Rounding::Up), 0.0124);
     assert_eq!(rounded(0.012_345, 3, Rounding::Down), 0.0123);
     assert_eq!(rounded(3.0, 3, Rounding::Up), 3.0);

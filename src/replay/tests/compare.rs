@@ -10,7 +10,7 @@ pub(super) fn other() -> Settings {
     Settings { k: 4, alpha: 0.06, match_sigmas: 1.8, bootstrap: Span::Frames(12), ..settings() }
 }
 
-/// Both at a position.
+/// The frames under both settings at a position.
 fn both(watched: &Watched, position: u32) -> (Arc<ShownFrame>, Arc<ShownFrame>) {
     watched.session.show(position);
     let shown = watched
@@ -21,7 +21,7 @@ fn both(watched: &Watched, position: u32) -> (Arc<ShownFrame>, Arc<ShownFrame>) 
     (shown, beside)
 }
 
-/// All analysed under both.
+/// Waits until all frames are analysed under both settings.
 fn until_both_done(watched: &Watched) -> State {
     watched.until(|state| {
         let beside = state.compared.as_ref().is_some_and(|beside| beside.timeline.analysed == FRAMES);
@@ -37,7 +37,7 @@ fn boxes(video: &Path, settings: &Settings) -> Boxes {
 }
 
 #[test]
-fn both_are_what_each_is_alone() {
+fn compared_passes_equal_single_passes() {
     let folder = scene();
     let (a, b) = (settings(), other());
     let expected = [straight(folder.path(), &a), straight(folder.path(), &b)];
@@ -85,31 +85,31 @@ fn both_are_what_each_is_alone() {
 }
 
 #[test]
-fn what_was_compared_comes_into_view_without_being_run_again() {
+fn swapping_the_compared_settings_runs_nothing_again() {
     let folder = scene();
     let (a, b) = (settings(), other());
     let expected = [straight(folder.path(), &a), straight(folder.path(), &b)];
     let watched = Watched::open(folder.path(), a.clone(), Start::First, 1 << 30);
     watched.session.show(30);
     watched.until_done();
-    // The first copy is the same run.
+    // The first copy shares the run.
     watched.session.compare(a.clone(), Some(a.clone()));
     let equal = watched.until(|state| state.shown.as_ref().unwrap().compared.is_some());
     assert_same(equal.shown.unwrap().compared.as_ref().unwrap(), &expected[0][30]);
     assert!(equal.compared.is_none());
-    // Other settings in view: what was there is what they are compared with.
+    // The previous settings in view become those to compare with.
     watched.session.compare(b.clone(), Some(a.clone()));
     watched.until(|state| {
         let shown = state.shown.as_ref().unwrap();
         let kept = state.compared.as_ref().is_none_or(|beside| beside.timeline.analysed == FRAMES);
-        assert!(kept, "what was analysed stays");
+        assert!(kept, "the analysed frames are kept");
         *shown.settings == b && shown.compared.is_some()
     });
     until_both_done(&watched);
     for (in_view, beside, at) in [(&a, &b, 0), (&b, &a, 1), (&a, &b, 0)] {
         watched.session.compare(in_view.clone(), Some(beside.clone()));
         let state = watched.until(|state| {
-            assert_eq!(state.timeline.analysed, FRAMES, "nothing is run again");
+            assert_eq!(state.timeline.analysed, FRAMES, "no frame is analysed again");
             let shown = state.shown.as_ref().unwrap();
             *shown.settings == *in_view
                 && shown.compared.as_ref().is_some_and(|shown| *shown.settings == *beside)
@@ -119,7 +119,7 @@ fn what_was_compared_comes_into_view_without_being_run_again() {
         assert_same(&shown, &expected[at][30]);
         assert_same(shown.compared.as_ref().unwrap(), &expected[1 - at][30]);
     }
-    // Settings that touch neither mask nor regions, on either side.
+    // Settings that affect neither mask nor regions, for either side.
     let (late, area) = (Settings { gate: 0.9, ..a.clone() }, half(true));
     watched.session.compare(a.clone(), Some(late.clone()));
     watched.session.set_roi(Some(Arc::clone(&area)));
@@ -134,7 +134,7 @@ fn what_was_compared_comes_into_view_without_being_run_again() {
 }
 
 #[test]
-fn both_are_scored_by_the_truth() {
+fn both_passes_are_scored_against_the_truth() {
     let folder = scene();
     let (a, b) = (settings(), other());
     let boxes_of_a = boxes(folder.path(), &a);

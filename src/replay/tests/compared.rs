@@ -4,7 +4,7 @@ use super::*;
 
 const PINS: [(u32, u32); 3] = [(30, 30), PIXEL, (0, 63)];
 
-/// The histories of pixels and the masks before and after cleaning, in one pass forward.
+/// The histories of pixels, and the masks before and after cleaning, from a single pass.
 fn straight_pins(video: &Path, settings: &Settings) -> (Vec<PixelHistory>, Vec<Mask>, Vec<Arc<Mask>>) {
     let (info, frames, first) = decoded(video, settings);
     let first = &frames[..first];
@@ -24,14 +24,14 @@ fn straight_pins(video: &Path, settings: &Settings) -> (Vec<PixelHistory>, Vec<M
 }
 
 #[test]
-fn pinned_pixels_have_the_histories_that_they_would_have_if_chosen() {
+fn histories_of_pinned_pixels_equal_those_of_chosen_pixels() {
     let folder = scene();
     let settings = settings();
     for budget in [1 << 30, 0] {
         let watched = Watched::open(folder.path(), settings.clone(), Start::First, budget);
         watched.session.pin(PINS[..1].to_vec());
         watched.shown(20);
-        // One more is gathered from frames that have gone by.
+        // One more pixel, whose history needs earlier frames.
         watched.session.pin([PINS[1], (500, 2), PINS[0], PINS[2]].to_vec());
         let order = [PINS[1], PINS[0], PINS[2]];
         let complete = |state: &State| {
@@ -55,7 +55,7 @@ fn pinned_pixels_have_the_histories_that_they_would_have_if_chosen() {
 }
 
 #[test]
-fn the_share_around_a_pixel_is_that_of_the_masks() {
+fn the_share_of_a_region_equals_that_of_the_masks() {
     let folder = scene();
     let watched = Watched::open(folder.path(), settings(), Start::First, 1 << 30);
     for (at, side, settings) in [
@@ -76,7 +76,7 @@ fn the_share_around_a_pixel_is_that_of_the_masks() {
         };
         let model: Vec<_> = raw.iter().map(share).collect();
         let cleaned: Vec<_> = cleaned.iter().map(|mask| share(mask)).collect();
-        // What was counted under the settings before may be there for a moment.
+        // Counts under the previous settings may be published for a moment.
         let state = watched.until(|state| {
             let region = state.region.as_ref().filter(|region| (region.at, region.side) == (at, side));
             region.is_some_and(|region| region.model == model && region.cleaned == cleaned)

@@ -1,4 +1,4 @@
-//! What would have kept an event from happening.
+//! Counterfactuals of an event.
 
 use super::*;
 use crate::occlusion::EventKind;
@@ -6,7 +6,7 @@ use crate::occlusion::event_pairs::EventTolerance;
 use crate::settings::Setting;
 
 #[test]
-fn what_is_told_to_prevent_an_event_prevents_it_in_the_whole_video() {
+fn a_counterfactual_prevents_the_event_in_the_whole_video() {
     let folder = scene();
     let watched = Watched::open(folder.path(), settings(), Start::First, 1 << 30);
     let done = watched.until_done();
@@ -34,9 +34,9 @@ fn what_is_told_to_prevent_an_event_prevents_it_in_the_whole_video() {
         let mut other = settings();
         Setting::named(prevention.setting).unwrap().set(&mut other, prevention.value).unwrap();
         assert!(!happens(&other), "{}", prevention.words());
-        assert!(merges(&other) < most, "{} does no more than delay it", prevention.words());
+        assert!(merges(&other) < most, "{} only delays the event", prevention.words());
     }
-    // Of other settings nothing is known.
+    // There are no counterfactuals yet under other settings.
     watched.session.set_settings(Settings { gate: 0.95, ..settings() });
     watched.until(|state| state.counterfactual.is_none());
 }

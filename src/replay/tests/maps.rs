@@ -1,9 +1,9 @@
-//! Maps over the whole image against the histories of single pixels.
+//! Compares maps of the whole image with the histories of single pixels.
 
 use super::*;
 use crate::mixture::Quantity;
 
-/// Pixels all over the image, those under the squares among them.
+/// Pixels across the image, including some under the squares.
 fn pixels() -> Vec<(u32, u32)> {
     let any = |n: u32| (n.wrapping_mul(2_654_435_761) >> 8) as usize;
     let scattered = (1..60).map(|n| (any(n) as u32 % WIDTH, any(n * 7 + 3) as u32 % HEIGHT));
@@ -22,7 +22,7 @@ fn histories(video: &Path, settings: &Settings) -> Vec<PixelHistory> {
     histories
 }
 
-/// The definition of each map.
+/// The value of a map by the reference implementation.
 fn expected(quantity: Quantity, history: &PixelHistory, index: usize) -> f32 {
     let state = &history.states[index];
     let first = state.pixel.components()[0];
@@ -48,7 +48,7 @@ fn of(state: &State, position: u32) -> Option<&QuantityMap> {
 #[test]
 fn every_map_equals_the_histories_of_its_pixels_forwards_and_after_jumping_back() {
     let folder = scene();
-    // Without what hangs on neighbours: the history knows none.
+    // Without stages that depend on neighbours, which a single pixel's history does not have.
     let alone = Settings { shadow_floor: 1.0, light_ceiling: 1.0, hysteresis: 0.0, ..settings() };
     let settings = Settings { t: 0.8, min_sigma: 4.0, ..alone };
     let histories = histories(folder.path(), &settings);
@@ -73,7 +73,7 @@ fn every_map_equals_the_histories_of_its_pixels_forwards_and_after_jumping_back(
                 }
             }
         }
-        // One quantity from frame to frame, as when playing, forwards and back.
+        // One quantity from frame to frame, as in playback, forwards and backwards.
         for quantity in [Quantity::Matched, Quantity::SinceForeground] {
             watched.session.map(Some(quantity));
             for position in (10..30).chain((10..30).rev()) {
@@ -97,12 +97,12 @@ fn every_map_equals_the_histories_of_its_pixels_forwards_and_after_jumping_back(
             seen.iter().filter(|(of, _)| *of == quantity).map(|(_, bits)| bits).collect();
         values.sort_unstable();
         values.dedup();
-        assert!(values.len() > 1, "{quantity:?} is nearly the same everywhere: {}", values.len());
+        assert!(values.len() > 1, "{quantity:?} is almost constant: {}", values.len());
     }
 }
 
 #[test]
-fn a_map_goes_with_other_settings_and_is_made_only_while_it_is_asked_for() {
+fn a_map_follows_the_settings_and_is_made_only_on_request() {
     let folder = scene();
     let watched = Watched::open(folder.path(), settings(), Start::First, 1 << 30);
     watched.session.map(Some(Quantity::Sigma));
@@ -120,7 +120,7 @@ fn a_map_goes_with_other_settings_and_is_made_only_while_it_is_asked_for() {
 }
 
 #[test]
-fn another_model_has_the_time_since_foreground_alone() {
+fn opencv_models_have_only_the_map_of_the_time_since_foreground() {
     let folder = scene();
     let settings = Settings { background_model: BackgroundModel::Mog2, ..settings() };
     let watched = Watched::open(folder.path(), settings, Start::First, 1 << 30);
@@ -133,7 +133,7 @@ fn another_model_has_the_time_since_foreground_alone() {
 }
 
 #[test]
-fn a_camera_has_the_rank_that_matched_from_the_second_frame_on() {
+fn a_camera_has_the_matched_rank_from_the_second_frame_on() {
     let watched = camera(200, 40);
     watched.until(|state| state.timeline.analysed > 80);
     watched.session.map(Some(Quantity::Matched));
@@ -143,11 +143,11 @@ fn a_camera_has_the_rank_that_matched_from_the_second_frame_on() {
 }
 
 #[test]
-fn a_camera_frame_that_stands_still_is_mapped_while_its_frames_are_kept() {
+fn a_paused_camera_frame_has_maps_while_its_frames_are_cached() {
     let watched = camera(u32::MAX, 4000);
     watched.until(|state| state.timeline.analysed > 60);
     watched.shown(40);
-    // Nothing but the rank that matched needs more than the next frame does.
+    // All quantities except the matched rank need no more than the next frame does.
     for quantity in Quantity::ALL {
         watched.session.map(Some(quantity));
         let state = watched.until(|state| of(state, 40).is_some_and(|map| map.quantity == quantity));
@@ -156,7 +156,7 @@ fn a_camera_frame_that_stands_still_is_mapped_while_its_frames_are_kept() {
 }
 
 #[test]
-fn a_camera_frame_whose_past_is_gone_stays_in_view_without_a_map() {
+fn a_camera_frame_without_cached_predecessors_has_no_map() {
     let watched = camera(u32::MAX, 300);
     watched.session.map(Some(Quantity::Sigma));
     let seen = watched.until(|state| state.shown.as_ref().is_some_and(|shown| shown.map.is_some()));
@@ -165,7 +165,7 @@ fn a_camera_frame_whose_past_is_gone_stays_in_view_without_a_map() {
         assert!(!shows(state, position) || state.warnings.is_empty());
         shows(state, position)
     };
-    // Who asks for the newest frame goes on following.
+    // Requesting the newest frame follows the camera again.
     watched.until(|state| state.timeline.analysed > position + 20);
     watched.session.show(position);
     let stands = watched.until(|state| stays(state) && state.timeline.analysed > position + 400);

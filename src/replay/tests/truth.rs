@@ -1,4 +1,4 @@
-//! What is known to be right of masks.
+//! Ground truth of masks.
 
 use std::collections::BTreeMap;
 
@@ -8,7 +8,7 @@ use crate::truth::decisions::{Decisions, of_mixture};
 use crate::truth::mask_score::MaskScore;
 use crate::truth::masks::{Label, TrueMask, TrueMasks};
 
-/// The masks of some frames as they came out, but for the first row, which does not count.
+/// The resulting masks of some frames as truth, with the first row ignored.
 fn masks_of(straight: &[ShownFrame]) -> Arc<TrueMasks> {
     let masks = straight.iter().step_by(3).map(|shown| {
         let mask = &shown.analysis.mask;
@@ -27,7 +27,7 @@ fn known(masks: &Arc<TrueMasks>) -> Arc<Truth> {
 }
 
 #[test]
-fn masks_are_scored_and_come_with_their_frames() {
+fn masks_are_scored_and_shown_with_their_frames() {
     let folder = scene();
     let (a, b) = (settings(), compare::other());
     let [of_a, of_b] = [&a, &b].map(|settings| straight(folder.path(), settings));
@@ -62,7 +62,7 @@ fn masks_are_scored_and_come_with_their_frames() {
 }
 
 #[test]
-fn a_region_is_judged_under_other_settings() {
+fn a_region_is_scored_under_other_settings() {
     let folder = scene();
     let settings = settings();
     let truth = masks_of(&straight(folder.path(), &settings));
@@ -93,7 +93,7 @@ fn a_region_is_judged_under_other_settings() {
     assert!(first.present.all() == 20 * 81 && first.present.tp > 50, "{:?}", first.present);
     watched.session.set_settings(compare::other());
     assert_ne!(tuned(&compare::other()).present, first.present);
-    // One after the other, each as soon as the one before is there.
+    // Each one after the result of the previous one.
     for side in [1, 3, 5, 1, 3] {
         watched.session.tune_region(Some((PIXEL, side)));
         watched.until(|state| state.region_tuning.as_ref().is_some_and(|tuning| tuning.side == side));

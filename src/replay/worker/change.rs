@@ -1,4 +1,4 @@
-//! Applies other settings, another area of interest and other ground truth, and restarts only the affected stages.
+//! Applies other settings, another region of interest or another ground truth; restarts only the affected stages.
 
 use std::sync::Arc;
 
@@ -11,7 +11,7 @@ use crate::settings::{Settings, Stage};
 use crate::truth::Truth;
 
 impl Worker<'_> {
-    /// Sets the ground truth, as far as its masks have the size of the frames.
+    /// Sets the ground truth, without masks if they have another size than the frames.
     pub(super) fn set_truth_data(&mut self, truth: Option<Arc<Truth>>) {
         let size = self.info.size;
         let (truth, masks) = match truth {
@@ -46,7 +46,7 @@ impl Worker<'_> {
         }
     }
 
-    /// Applies other settings in view and compared, or another area of interest, and restarts the affected stages.
+    /// Applies other settings in view and compared, or another region of interest, and restarts the affected stages.
     pub(super) fn apply_settings(
         &mut self,
         settings: Settings,
@@ -73,7 +73,8 @@ impl Worker<'_> {
         self.change_compared(roi)
     }
 
-    /// A live source's frames come once, and only some are kept: two runs cannot both have them.
+    /// The settings to compare, if possible: a live source's frames come once and only some are cached, which is not
+    /// enough for two passes.
     pub(super) fn comparable(&mut self, beside: Option<Settings>) -> Option<Settings> {
         let refused = beside.is_some() && self.info.live;
         if refused && !std::mem::replace(&mut self.outbox.warned.live, true) {
@@ -85,13 +86,13 @@ impl Worker<'_> {
         beside.filter(|_| !refused)
     }
 
-    /// Brings other settings into view.
+    /// Makes other settings those in view.
     pub(super) fn change_view(
         &mut self,
         settings: Settings,
         roi: Option<Arc<Roi>>,
     ) -> Result<(), StopReason> {
-        // First of all: one pixel through all frames takes a millisecond.
+        // The pixel first: its history over all frames takes a millisecond.
         self.pass.pixel_follower.choose(self.pixel, &settings, &self.info);
         self.publish_pixel();
         self.pins.run_again(&settings, &self.info);
@@ -123,7 +124,7 @@ impl Worker<'_> {
                         old.inspect(self.pixel);
                     }
                 } else {
-                    // Freeing gigabytes takes longer than the first frames.
+                    // Freeing gigabytes takes longer than analysing the first frames.
                     rayon::spawn(move || drop(old));
                 }
                 if self.info.live && !self.frames.numbers().is_empty() && self.frames.kept(0).is_none() {
@@ -142,7 +143,7 @@ impl Worker<'_> {
         Ok(())
     }
 
-    /// Swaps the two passes, if the compared one has the requested settings; whether it was swapped.
+    /// Swaps the two passes if the compared one has the requested settings; returns whether it did.
     pub(super) fn swap_with_compared(&mut self, settings: &Settings, roi: Option<&Arc<Roi>>) -> bool {
         let Some(pass) = &mut self.compared.pass else { return false };
         let same = pass.first_difference(settings, roi).is_none() && !self.stopped;
@@ -154,7 +155,7 @@ impl Worker<'_> {
         same
     }
 
-    /// Gives the compared pass its settings.
+    /// Sets the settings of the compared pass.
     pub(super) fn change_compared(&mut self, roi: Option<Arc<Roi>>) -> Result<(), StopReason> {
         let budget = self.budget();
         self.pass.model.set_budget(budget);
@@ -186,13 +187,13 @@ impl Worker<'_> {
         Ok(())
     }
 
-    /// The memory for checkpoints and the record of one pass.
+    /// The memory budget for checkpoints and the record of one pass.
     pub(super) const fn budget(&self) -> usize {
         if self.compared.settings.is_some() { self.model_budget / 2 } else { self.model_budget }
     }
 
-    /// A live source whose first frames are no longer kept cannot be run again from the start: the
-    /// sequence begins with the next frame.
+    /// Restarts the sequence with the next frame: a live source whose first frames are evicted cannot be analysed
+    /// again from its start.
     pub(super) fn start_over_live(&mut self) -> Result<(), StopReason> {
         let name = &self.info.name;
         if self.frames.is_complete() {

@@ -1,4 +1,4 @@
-//! Publishing of the state: what and when.
+//! Publishes the state.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};
@@ -10,19 +10,19 @@ use crate::replay::{ComparedSequence, Progress, ShownFrame, Timeline, same};
 /// Least interval between two publications of growing results.
 const MIN_PUBLISH_INTERVAL: Duration = Duration::from_millis(100);
 
-/// What is to be published, and when that was last done.
+/// The changes that are to be published, and the time of the last publication.
 pub(super) struct Outbox {
     pub(super) timeline_grew: bool,
     pub(super) compared_grew: bool,
-    /// The chosen pixel, a pinned one, or the share of a region.
+    /// Whether the chosen pixel, a pinned one, or the share of a region has new data.
     pub(super) pixel_grew: bool,
     pub(super) warnings: Vec<String>,
     pub(super) warned: OnceWarnings,
-    /// As last published.
+    /// The last published history.
     pixel: Option<Arc<PixelHistory>>,
     /// Number of analysed frames in the timeline published last.
     pub(super) analysed: u32,
-    /// As last published.
+    /// The last published progress.
     busy: Option<Progress>,
     published: Instant,
     publishing_took: Duration,
@@ -31,14 +31,14 @@ pub(super) struct Outbox {
 /// Warnings that are given once.
 #[derive(Default)]
 pub(super) struct OnceWarnings {
-    /// That frames are no longer kept.
+    /// Whether the warning of evicted frames was given.
     pub(super) gone: bool,
-    /// That a live source cannot be compared.
+    /// Whether the warning that a live source cannot be compared was given.
     pub(super) live: bool,
 }
 
 impl Outbox {
-    /// Everything is unpublished.
+    /// Nothing has been published.
     pub(super) fn new() -> Self {
         Self {
             timeline_grew: true,
@@ -66,14 +66,14 @@ impl Worker<'_> {
         self.shared.publish(|state| state.region_tuning = tuning);
     }
 
-    /// Publishes a frame in view, and the timeline with it where that did not reach so far yet.
+    /// Publishes a frame in view, and the timeline if the published one does not contain it.
     pub(super) fn show(&mut self, shown: ShownFrame) {
         let truth =
             self.truth.as_ref().and_then(|truth| truth.masks.as_ref()?.of(shown.frame.number).cloned());
         let shown = Arc::new(ShownFrame { compared: self.compared.frame_for(&shown), truth, ..shown });
         self.shown = Some(Arc::clone(&shown));
         let timeline = (shown.position >= self.outbox.analysed).then(|| self.timeline());
-        // The compared sequence changes together with it.
+        // The compared sequence is published together with it.
         let beside = (timeline.is_some() && self.outbox.compared_grew).then(|| self.compared_sequence());
         if shown.pixel.is_some() || self.pixel.is_none() {
             self.outbox.pixel.clone_from(&shown.pixel);
@@ -92,7 +92,7 @@ impl Worker<'_> {
         });
     }
 
-    /// The timeline to publish now.
+    /// The timeline to publish.
     pub(super) fn timeline(&mut self) -> Arc<Timeline> {
         self.outbox.timeline_grew = false;
         let timeline = self.pass.timeline(&self.frames, self.truth.as_ref());
@@ -100,7 +100,7 @@ impl Worker<'_> {
         Arc::new(timeline)
     }
 
-    /// The sequence under the compared settings so far.
+    /// The current sequence under the candidate settings.
     pub(super) fn compared_sequence(&mut self) -> Option<Arc<ComparedSequence>> {
         self.outbox.compared_grew = false;
         let pass = self.compared.pass.as_ref()?;
@@ -108,11 +108,10 @@ impl Worker<'_> {
         Some(Arc::new(ComparedSequence { settings: Arc::clone(pass.settings()), timeline }))
     }
 
-    /// Publishes the pixel's history as it is now, and the frame in view with it where both are of
-    /// the same settings.
+    /// Publishes the pixel's current history, with the frame in view if both have the same settings.
     pub(super) fn show_pixel(&mut self) {
         let pixel = self.pass.pixel_follower.latest();
-        // A view that waits for new settings keeps the history of the old ones.
+        // While the frame in view waits for new settings, it keeps the history of the old ones.
         let shown = self.shown.as_ref().filter(|shown| {
             Arc::ptr_eq(&shown.settings, self.pass.settings())
                 && !same(shown.pixel.as_ref(), pixel.as_ref())
@@ -125,14 +124,14 @@ impl Worker<'_> {
         }
     }
 
-    /// Publishes the pixel's history alone, ahead of the frame in view.
+    /// Publishes only the pixel's history, before the frame in view.
     pub(super) fn publish_pixel(&mut self) {
         let pixel = self.pass.pixel_follower.latest();
         self.outbox.pixel.clone_from(&pixel);
         self.shared.publish(|state| state.pixel = pixel);
     }
 
-    /// Publishes growing results at limited rate, and everything before the worker sleeps.
+    /// Publishes new results at a limited rate, and everything before the worker sleeps.
     pub(super) fn publish_in_time(&mut self, resting: bool) {
         let pace = MIN_PUBLISH_INTERVAL.max(self.outbox.publishing_took * 10);
         if self.stopped || !resting && self.outbox.published.elapsed() < pace {
@@ -148,7 +147,7 @@ impl Worker<'_> {
             return;
         }
         let started = Instant::now();
-        // While the view waits for new settings, the timeline of the old ones stays as well.
+        // While the frame in view waits for new settings, so does the timeline.
         let view_lags =
             self.shown.as_ref().is_some_and(|shown| !Arc::ptr_eq(&shown.settings, self.pass.settings()));
         let timeline = (self.outbox.timeline_grew && !view_lags).then(|| self.timeline());

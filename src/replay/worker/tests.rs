@@ -18,7 +18,7 @@ use crate::truth::boxes::{Bounds, Boxes};
 const ROOM: usize = 1 << 30;
 const FRAME_BYTES: usize = (WIDTH * HEIGHT * 3) as usize;
 
-/// Other settings of the mixture.
+/// Different settings of the mixture.
 fn other() -> Settings {
     Settings { k: 4, alpha: 0.06, match_sigmas: 1.8, bootstrap: Span::Frames(12), ..settings() }
 }
@@ -31,7 +31,7 @@ fn done<T>(result: Result<T, StopReason>) -> T {
     result.map_err(|StopReason(why)| why).unwrap()
 }
 
-/// A worker that does a piece when a test says so.
+/// A worker that executes steps on demand.
 fn worker<'a>(shared: &'a Shared, video: &Path, settings: Settings) -> Worker<'a> {
     let video = name(video);
     done(Worker::open(
@@ -60,7 +60,7 @@ fn show(worker: &mut Worker<'_>, position: u32) {
     ask(worker, |requests| requests.show = Some(position));
 }
 
-/// Works until there is nothing left, or `enough`.
+/// Works until nothing is left, or `enough` holds.
 fn work_until(worker: &mut Worker<'_>, mut enough: impl FnMut(&Worker<'_>) -> bool) {
     while !enough(worker) && done(worker.work_once()) {}
 }
@@ -74,7 +74,7 @@ fn compared<'a>(worker: &'a Worker<'_>) -> &'a AnalysisPass {
     worker.compared.pass.as_ref().unwrap()
 }
 
-/// Both, and what they show of some frames, are what one pass forward gives.
+/// Both timelines, and some of the frames of both, are equal to those of a single pass.
 fn assert_both(worker: &mut Worker<'_>, expected: &[Vec<ShownFrame>; 2]) {
     rest(worker);
     for (pass, expected) in [(&worker.pass, &expected[0]), (compared(worker), &expected[1])] {
@@ -94,7 +94,7 @@ fn assert_both(worker: &mut Worker<'_>, expected: &[Vec<ShownFrame>; 2]) {
 }
 
 #[test]
-fn what_is_compared_can_be_stopped() {
+fn the_compared_pass_can_be_stopped() {
     let (folder, shared) = (scene(), shared());
     let mut worker = worker(&shared, folder.path(), settings());
     rest(&mut worker);
@@ -102,14 +102,14 @@ fn what_is_compared_can_be_stopped() {
     work_until(&mut worker, |worker| compared(worker).model.front() > 0);
     ask(&mut worker, |requests| requests.analyse_ahead = Some(false));
     rest(&mut worker);
-    assert!(compared(&worker).model.front() < FRAMES / 2, "no more than what is in view");
+    assert!(compared(&worker).model.front() < FRAMES / 2, "only the frame in view is analysed");
     ask(&mut worker, |requests| requests.analyse_ahead = Some(true));
     rest(&mut worker);
     assert_eq!(compared(&worker).model.front(), FRAMES);
 }
 
 #[test]
-fn an_area_drawn_while_both_are_equal_does_not_run_the_model_again() {
+fn a_region_of_interest_does_not_run_the_model_again_while_both_settings_are_equal() {
     let (folder, shared) = (scene(), shared());
     let mut worker = worker(&shared, folder.path(), settings());
     compare(&mut worker, settings(), Some(settings()));
@@ -127,11 +127,11 @@ fn an_area_drawn_while_both_are_equal_does_not_run_the_model_again() {
 }
 
 #[test]
-fn a_late_setting_pulled_away_from_equal_ones_runs_no_model_again() {
+fn a_setting_of_a_later_stage_does_not_run_the_model_again() {
     let folder = scene();
     for late in [Settings { gate: 0.9, ..settings() }, Settings { median: 0, min_area: 3, ..settings() }] {
         let expected = [&late, &settings()].map(|settings| straight(folder.path(), settings));
-        // When half is analysed, and when all is.
+        // Once when half is analysed, and once when all is.
         for analysed in [20, FRAMES] {
             let shared = shared();
             let mut worker = worker(&shared, folder.path(), settings());
@@ -143,10 +143,14 @@ fn a_late_setting_pulled_away_from_equal_ones_runs_no_model_again() {
             compare(&mut worker, late.clone(), Some(settings()));
             assert_eq!((worker.pass.model.modelled(), worker.pass.model.front()), (modelled, 0));
             let before = &compared(&worker).model;
-            assert_eq!((before.modelled(), before.front()), (modelled, modelled), "what was analysed stays");
+            assert_eq!(
+                (before.modelled(), before.front()),
+                (modelled, modelled),
+                "the analysed frames are kept"
+            );
             assert_both(&mut worker, &expected);
         }
-        // The same on the other side.
+        // The same for the compared settings.
         let shared = shared();
         let mut worker = worker(&shared, folder.path(), settings());
         work_until(&mut worker, |worker| worker.pass.model.front() >= 20);
@@ -158,7 +162,7 @@ fn a_late_setting_pulled_away_from_equal_ones_runs_no_model_again() {
 }
 
 #[test]
-fn a_model_that_cannot_be_copied_is_run_again_for_what_is_compared_and_not_for_the_view() {
+fn a_model_that_cannot_be_copied_runs_again_for_the_compared_pass_only() {
     let (folder, shared) = (scene(), shared());
     let knn = Settings { background_model: BackgroundModel::Knn, ..settings() };
     let late = Settings { gate: 0.9, ..knn.clone() };
@@ -172,7 +176,7 @@ fn a_model_that_cannot_be_copied_is_run_again_for_what_is_compared_and_not_for_t
 }
 
 #[test]
-fn what_is_in_view_is_never_compared_with_itself() {
+fn the_settings_in_view_are_never_compared_with_themselves() {
     let (folder, shared) = (scene(), shared());
     let mut worker = worker(&shared, folder.path(), settings());
     compare(&mut worker, settings(), Some(other()));
@@ -200,7 +204,7 @@ fn what_is_in_view_is_never_compared_with_itself() {
 }
 
 #[test]
-fn the_status_tells_of_the_work_under_way() {
+fn the_status_names_the_current_work() {
     let (folder, shared) = (scene(), shared());
     let mut worker = worker(&shared, folder.path(), settings());
     rest(&mut worker);
@@ -235,11 +239,15 @@ fn the_status_tells_of_the_work_under_way() {
     while !worker.is_view_current() {
         assert!(done(worker.work_once()));
     }
-    assert!(done(worker.work_once()) && worker.busy.is_none(), "scoring is no way back: {:?}", worker.busy);
+    assert!(
+        done(worker.work_once()) && worker.busy.is_none(),
+        "scoring does not seek back: {:?}",
+        worker.busy
+    );
 }
 
 #[test]
-fn the_last_truth_is_what_is_scored_by() {
+fn scores_are_against_the_newest_truth() {
     let (folder, shared) = (scene(), shared());
     let mut worker = worker(&shared, folder.path(), settings());
     rest(&mut worker);
@@ -260,14 +268,14 @@ fn the_last_truth_is_what_is_scored_by() {
     assert!(alone[0] != alone[1] && alone[1] != alone[2] && alone[0] != alone[2]);
     for last in [1, 0, 2, 1, 2] {
         for at in 0..truths.len() {
-            // Another is asked for before the answer is there, or just then.
+            // Another truth is requested before the score is available, or just as it becomes available.
             ask_for(&truths[(last + 1 + at) % truths.len()], true);
         }
         assert_eq!(ask_for(&truths[last], false).as_ref(), Some(&alone[last]));
     }
 }
 
-/// The scene as it is decoded, each time counted.
+/// The decoded scene, with a count of decoded frames.
 struct Counted {
     info: SourceInfo,
     frames: Arc<Vec<Arc<Frame>>>,
@@ -293,7 +301,7 @@ impl Source for Counted {
 }
 
 #[test]
-fn frames_are_decoded_once_for_both() {
+fn frames_are_decoded_once_for_both_passes() {
     let folder = scene();
     let expected = [&settings(), &other()].map(|settings| straight(folder.path(), settings));
     let frames: Arc<Vec<_>> = Arc::new(expected[0].iter().map(|shown| Arc::clone(&shown.frame)).collect());
@@ -317,7 +325,8 @@ fn frames_are_decoded_once_for_both() {
         let mut worker = done(Worker::open(&shared, cache, (settings(), None), Start::First, ROOM));
         compare(&mut worker, settings(), Some(other()));
         rest(&mut worker);
-        // What was learnt from is decoded again where it had no room, for each of both where nothing has.
+        // Frames that were learned from and not cached are decoded again, for each of both passes where nothing is
+        // cached.
         let again = decoded.swap(0, Ordering::Relaxed) - FRAMES;
         let most = match room {
             1000 => 0,
@@ -325,7 +334,7 @@ fn frames_are_decoded_once_for_both() {
             _ => LEARNT,
         };
         assert!(again <= most, "room for {room}: {again}");
-        // A pixel that is chosen afterwards takes one more pass at most.
+        // A pixel that is chosen later needs at most one more pass.
         ask(&mut worker, |requests| requests.inspect = Some(PixelRequest(Some(PIXEL))));
         rest(&mut worker);
         let again = decoded.load(Ordering::Relaxed);
@@ -340,7 +349,7 @@ fn frames_are_decoded_once_for_both() {
 }
 
 #[test]
-fn what_grew_is_published_once() {
+fn new_results_are_published_once() {
     let (folder, count) = (scene(), Arc::new(AtomicU32::new(0)));
     let counted = Arc::clone(&count);
     let shared = Shared::new(move || {

@@ -1,4 +1,4 @@
-//! Seeking of the frame to show, and the choice of the first one.
+//! Seeks the frame to show, and chooses the first one.
 
 use std::ops::Range;
 use std::sync::Arc;
@@ -13,7 +13,7 @@ use crate::source::SourceError;
 use crate::source::cache::{Fetched, Keep};
 use crate::tracking::{Identity, TrackState};
 
-/// Frames after the decision of the first occlusion before a frame within it is chosen.
+/// Number of frames after the decision of the first occlusion before a frame within it is chosen.
 const FRAMES_INTO_OCCLUSION: u32 = 10;
 
 impl Worker<'_> {
@@ -33,7 +33,7 @@ impl Worker<'_> {
         shown.position == self.target_position && Arc::ptr_eq(&shown.settings, self.pass.settings())
     }
 
-    /// Whether the wanted frame can have a map of `quantity`: for a camera's, what came before it must still be kept.
+    /// Whether the requested frame can have a map of `quantity`: for a camera, earlier frames must still be cached.
     pub(super) fn can_map(&self, quantity: Quantity) -> bool {
         let run = &self.pass.model;
         let kept = |mut positions: Range<u32>| positions.all(|position| self.frames.has(position));
@@ -41,7 +41,7 @@ impl Worker<'_> {
             && (!self.info.live || run.frames_needed(self.target_position, quantity).is_some_and(kept))
     }
 
-    /// The frame in view without its map, where that is of another quantity than is asked for and none can be made.
+    /// The frame in view without its map, if that is of another quantity than the requested one and none can be made.
     pub(super) fn without_map(&self) -> Option<ShownFrame> {
         let shown = self.shown.as_ref().filter(|shown| self.is_current_but_for_its_map(shown))?;
         let other =
@@ -50,7 +50,7 @@ impl Worker<'_> {
             .then(|| ShownFrame { map: None, ..ShownFrame::clone(shown) })
     }
 
-    /// One step towards showing the requested frame. Where both passes have analysed it, both come into view
+    /// One step towards showing the requested frame. Where both passes have analysed it, both frames are published
     /// together.
     pub(super) fn advance_view(&mut self) -> Result<(), StopReason> {
         if self.compared.needs_frame(self.target_position) {
@@ -69,7 +69,7 @@ impl Worker<'_> {
         Ok(())
     }
 
-    /// One step of seeking the requested frame in a pass; the frame when it is complete.
+    /// One step of seeking the requested frame in a pass; returns the frame when it is complete.
     pub(super) fn seek_frame(&mut self, which: PassSlot) -> Result<Option<ShownFrame>, StopReason> {
         let position = self.target_position;
         let Some(frame) = self.fetch(position)? else { return Ok(None) };
@@ -96,7 +96,7 @@ impl Worker<'_> {
         Ok(None)
     }
 
-    /// A decoded frame, or `None` while it is being decoded.
+    /// A decoded frame; `None` while it is being decoded.
     pub(super) fn fetch(&mut self, position: u32) -> Result<Option<Arc<Frame>>, SourceError> {
         match self.frames.fetch(position, Keep::Yes)? {
             Fetched::Frame(frame) => return Ok(Some(frame)),
@@ -105,7 +105,7 @@ impl Worker<'_> {
                 self.busy = Some(Progress { what, done: 0, total: None });
             }
             Fetched::Gone | Fetched::End => {
-                // Only a live source drops frames: the newest one is certain to be available.
+                // Only a live source drops frames; the newest one is always available.
                 self.target_position = self.pass.model.modelled().saturating_sub(1);
                 if !std::mem::replace(&mut self.outbox.warned.gone, true) {
                     self.outbox.warnings.push(format!(
@@ -118,7 +118,7 @@ impl Worker<'_> {
         Ok(None)
     }
 
-    /// Records the first occlusion among frames that were just analysed, if the start needs it.
+    /// Records the first occlusion in newly analysed frames, if it is the frame to show first.
     pub(super) fn find_occlusion(&mut self, positions: Range<u32>) {
         let Some(StartTarget::Occlusion(found @ None)) = &mut self.start_target else { return };
         for position in positions {
@@ -134,7 +134,7 @@ impl Worker<'_> {
         }
     }
 
-    /// Requests the frame to start with, once it is known and the first frame was shown.
+    /// Requests the frame to show first, once its position is known and the first frame was shown.
     pub(super) fn resolve_start_target(&mut self) {
         let Some(start_target) = &self.start_target else { return };
         if self.shown.is_none() {
@@ -162,8 +162,8 @@ impl Worker<'_> {
         }
     }
 
-    /// The middle of the stretch in which one of `objects` is merged or hidden, around the position
-    /// at which that was decided.
+    /// The middle of the interval in which one of `objects` is merged or occluded, around the position at which the
+    /// occlusion was decided.
     pub(super) fn within_occlusion(&self, decided: u32, objects: &[Identity]) -> u32 {
         let occluded = |position: &u32| {
             self.pass.model.outline(*position).is_some_and(|(analysis, _)| {

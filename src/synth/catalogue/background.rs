@@ -1,4 +1,4 @@
-//! Scenes whose background does what makes it hard to model.
+//! Scenes with backgrounds that are difficult to model.
 
 use super::stage::{Stage, WalkPlan};
 use super::{Background, Entry, people};
@@ -8,7 +8,7 @@ use crate::synth::occluder::{OccluderKind, Sway};
 use crate::synth::path::Path;
 use crate::synth::scene::Car;
 
-/// What comes again and again is learnt in so many frames before anybody passes.
+/// Number of frames for learning recurring background before people pass.
 const LEARNING: u32 = 150;
 
 /// See [`super::entries`].
@@ -101,7 +101,7 @@ pub(super) const ENTRIES: [Entry; 14] = [
 
 fn empty(_: &mut Stage) {}
 
-/// A car is parked for so many frames: the default model takes about 120 to make it background.
+/// Number of frames that a car is parked: the default model takes about 120 to make it background.
 const PARKED: f32 = 200.0;
 
 fn car(stage: &mut Stage) {
@@ -109,7 +109,7 @@ fn car(stage: &mut Stage) {
     let length = 2.45 * stage.body();
     let drive = 5.0 * stage.pace() * stage.body();
     let brake = stage.while_usual(8.0);
-    // The way that it still rolls while it brakes.
+    // The braking distance.
     let rolls = brake * (0.66 + 0.33) * drive;
     let from = -0.6 * length;
     let braking = LEARNING as f32 + (0.5 * stage.width() - rolls - from) / drive;
@@ -125,7 +125,7 @@ fn car(stage: &mut Stage) {
     stage.cars.push(Car { length, path, colour: [150, 32, 36] });
 }
 
-/// Somebody passes after [`LEARNING`] frames.
+/// A person passes after [`LEARNING`] frames.
 fn passes(stage: &mut Stage, outfit: usize) {
     stage.settle = LEARNING;
     let meeting = stage.earliest_meeting(&[1.0]);
@@ -196,13 +196,13 @@ fn shade(stage: &mut Stage) {
 
 fn passers_by(stage: &mut Stage) {
     const EVERY: u32 = 200;
-    // An identity is a byte in the truth's images.
+    // Identities are stored as bytes in the truth's images.
     const MOST: u32 = 250;
     let frames = stage.parameters.frames.unwrap_or(3000);
     stage.least_frames = frames;
     let meeting = stage.earliest_meeting(&[0.8]);
     for number in 0..(frames / EVERY).clamp(1, MOST) {
-        // Four come again and again.
+        // Four people return repeatedly.
         let who = number as usize % 4;
         let pace = 0.8 + 0.5 * stage.chance(who, 5);
         let way = if number.is_multiple_of(2) { WalkPlan::right(pace) } else { WalkPlan::left(pace) };

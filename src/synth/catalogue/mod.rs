@@ -1,7 +1,7 @@
-//! The scenes by name.
+//! The catalogue of scenes by name.
 //!
-//! Lengths are in body heights, so that a scene is the same at every image size. People come from
-//! outside the image after [`SETTLE`] frames, which a background model needs to settle.
+//! Lengths are in body heights, so that a scene is the same at every image size. People enter the image after
+//! [`SETTLE`] frames, during which the background model settles.
 
 use serde::{Deserialize, Serialize};
 
@@ -16,26 +16,26 @@ mod people;
 mod stage;
 mod wardrobe;
 
-/// Nobody is in the image in so many frames at the start.
+/// Number of frames at the start without people in the image.
 pub const SETTLE: u32 = 35;
 
-/// Frames a second of every scene.
+/// Frames per second of every scene.
 pub const FPS: f32 = 25.0;
 
-/// What can be chosen of a scene.
+/// The parameters of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Parameters {
-    /// Width and height, both even (a video's colours are halved) and at least 64.
+    /// Width and height, both even (because of chroma subsampling) and at least 64.
     pub size: Size,
-    /// How many frames; `None` for as many as the scene needs until everybody has left.
+    /// Number of frames; `None` for as many as the scene needs until all people have left.
     pub frames: Option<u32>,
-    /// Textures, noise, clothes and small differences of pace follow from it.
+    /// The seed of textures, noise, clothes and small differences of pace.
     pub seed: u64,
     /// The camera's noise.
     pub noise: Noise,
-    /// Factor on everybody's speed.
+    /// Factor on the speed of all people.
     pub speed: f32,
-    /// Whether people cast a soft shadow at their feet.
+    /// Whether people cast a soft contact shadow.
     pub shadows: bool,
 }
 
@@ -52,24 +52,24 @@ impl Default for Parameters {
     }
 }
 
-/// A scene's name and what happens in it.
+/// A scene's name and description.
 #[derive(Clone, Copy, Debug)]
 pub struct Entry {
-    /// As the command line takes it.
+    /// The name on the command line.
     pub name: &'static str,
-    /// A sentence.
+    /// The description, one sentence.
     pub description: &'static str,
     background: Background,
     build: fn(&mut Stage),
 }
 
-/// Every scene: those of people, those with something before them, and those whose background does
-/// what makes it hard; in each the simplest first.
+/// All scenes: those of people, those with occluders, and those with difficult backgrounds; the simplest of each
+/// group first.
 pub fn entries() -> impl Iterator<Item = &'static Entry> {
     people::ENTRIES.iter().chain(&occluders::ENTRIES).chain(&background::ENTRIES)
 }
 
-/// The scene of that name, or `None` if there is no such scene.
+/// The scene of this name; `None` if there is none.
 pub fn scene(name: &str, parameters: &Parameters) -> Option<Scene> {
     let entry = entries().find(|entry| entry.name == name)?;
     let mut stage = Stage::new(*parameters);

@@ -1,4 +1,4 @@
-//! Scenes of people who pass behind something.
+//! Scenes of people who pass behind an occluder.
 
 use super::stage::{Stage, WalkPlan};
 use super::{Background, Entry};

@@ -1,4 +1,4 @@
-//! Scenes of people who meet, or of one alone.
+//! Scenes of one person, or of several who cross or meet.
 
 use super::stage::{Stage, WalkPlan};
 use super::{Background, Entry};
@@ -99,7 +99,7 @@ pub(super) const ENTRIES: [Entry; 15] = [
     },
 ];
 
-/// Two cross in the middle.
+/// Two people cross in the middle.
 pub(super) fn crossing(stage: &mut Stage) {
     let meeting = stage.earliest_meeting(&[0.9, 0.97]);
     stage.person(0, WalkPlan::right(0.9).meeting(meeting), 0.80);
@@ -110,7 +110,7 @@ fn crossing_alike(stage: &mut Stage) {
     let meeting = stage.earliest_meeting(&[0.8, 1.4]);
     stage.person(0, WalkPlan::right(0.8).meeting(meeting), 0.80);
     stage.person(0, WalkPlan::left(1.4).meeting(meeting), 0.845);
-    // Nearly the same: a shade lighter, a dye apart.
+    // Nearly the same clothes: slightly lighter, of slightly different colour.
     let clothes = &mut stage.actors[1].clothes;
     for colour in [&mut clothes.shirt, &mut clothes.trousers] {
         *colour = [colour[0].saturating_add(7), colour[1].saturating_add(4), colour[2].saturating_sub(4)];
@@ -138,13 +138,13 @@ fn pair(stage: &mut Stage) {
     stage.person(1, WalkPlan::right(0.95).meeting(meeting + behind), 0.835);
 }
 
-/// The row in which the plaza's slabs would meet the sky, as a share of the image's height.
+/// The row of the plaza's horizon, as a share of the image's height.
 const PLAZA_HORIZON: f32 = 40.0 / 240.0;
 
 fn crossing_diagonal(stage: &mut Stage) {
     let meeting = stage.earliest_meeting(&[0.9, 1.1]);
     let horizon = PLAZA_HORIZON * stage.height();
-    // From edge to edge they come nearer by so much.
+    // Vertical per horizontal displacement: 0.36 of the image's height between its edges.
     let slope = 0.36 * stage.height() / stage.width();
     let mut goes = |outfit, way: WalkPlan, foot| {
         let actor = stage.person(outfit, way.meeting(meeting), foot);
@@ -162,7 +162,7 @@ fn crossing_steep(stage: &mut Stage) {
     let (before, after) = (stage.while_usual(16.0), stage.while_usual(22.0));
     let actor = stage.person(1, WalkPlan::left(1.0).meeting(meeting), 0.80);
     let [speed, _] = actor.path.velocity;
-    // Three times as much upwards as to the left while they cross the other's way.
+    // The vertical speed is three times the horizontal one while they cross the other's path.
     let upwards = [0.35 * speed, speed];
     let [x, y] = actor.path.at;
     let turn = [x - upwards[0] * before, y - upwards[1] * before];
@@ -218,7 +218,7 @@ fn crowd(stage: &mut Stage) {
     let first = stage.earliest_meeting(&[0.8]);
     let rows = [0.8, 1.0, 1.15, 0.9].map(|pace| pace * (1.0 + 0.1 * stage.chance(0, 5)));
     for number in 0..12 {
-        // Four rows, each with its own way and pace; who is nearer is larger.
+        // Four rows, each with its own path and speed; nearer people are larger.
         let row = number % rows.len();
         let (foot, size) = (0.58 + 0.12 * row as f32, 0.85 + 0.15 * row as f32);
         let way = if row.is_multiple_of(2) { WalkPlan::right(rows[row]) } else { WalkPlan::left(rows[row]) };
@@ -227,7 +227,7 @@ fn crowd(stage: &mut Stage) {
     }
 }
 
-/// Of the pavement's mean colour when light falls on it as on a bag.
+/// The pavement's mean colour under the lighting of a bag.
 const BAG: [u8; 3] = [182, 179, 173];
 
 fn bag(stage: &mut Stage) {

@@ -1,4 +1,4 @@
-//! A scene while it is being laid out.
+//! Builds a scene of the catalogue.
 
 use super::{Parameters, SETTLE, wardrobe};
 use crate::synth::light::Light;
@@ -9,13 +9,13 @@ use crate::synth::path::Path;
 use crate::synth::scene::{Actor, Car};
 use crate::synth::texture::unit;
 
-/// A person's height over the image's.
+/// A person's height relative to the image's.
 const BODY: f32 = 0.36;
 
-/// An unhurried walk: 1.25 m/s for 1.75 m, in body heights a frame.
+/// Normal walking speed: 1.25 m/s at a height of 1.75 m, in body heights per frame.
 const WALK: f32 = 0.0286;
 
-/// Direction and pace of a walk, relative to the usual one, and the frame in which it passes the middle.
+/// Direction and speed of a walk, relative to the normal speed, and the frame in which it passes the middle.
 #[derive(Clone, Copy)]
 pub(super) struct WalkPlan {
     direction: f32,
@@ -39,13 +39,13 @@ impl WalkPlan {
 
 pub(super) struct Stage {
     pub(super) parameters: Parameters,
-    /// A person's height over the image's.
+    /// A person's height relative to the image's.
     pub(super) body_share: f32,
-    /// Nobody is in the image in so many frames at the start.
+    /// Number of frames at the start without people in the image.
     pub(super) settle: u32,
-    /// How much people's pace differs from one seed to the next.
+    /// The variation of people's speed between seeds.
     pub(super) pace_spread: f32,
-    /// The fewest frames that the scene needs.
+    /// Least number of frames of the scene.
     pub(super) least_frames: u32,
     pub(super) motions: Vec<Motion>,
     pub(super) actors: Vec<Actor>,
@@ -88,39 +88,39 @@ impl Stage {
         self.body_share * self.parameters.size.height as f32
     }
 
-    /// Body heights a frame.
+    /// The normal speed, in body heights per frame.
     pub(super) fn pace(&self) -> f32 {
         WALK * self.parameters.speed
     }
 
-    /// So many frames at usual speed.
+    /// A duration in frames at normal speed, scaled to the scene's speed.
     pub(super) fn while_usual(&self, frames: f32) -> f32 {
         frames / self.parameters.speed
     }
 
-    /// A number in 0..1 that belongs to the seed and the person.
+    /// A pseudo-random number in 0..1 from the seed and the person.
     pub(super) fn chance(&self, person: usize, what: i64) -> f32 {
         unit(self.parameters.seed, person as i64, 900 + what)
     }
 
-    /// The way from beyond the image's edge to its middle, in body heights.
+    /// The distance from beyond the image's edge to its middle, in body heights.
     fn half_way(&self) -> f32 {
         0.5 * self.parameters.size.width as f32 / self.body() + 0.36
     }
 
-    /// The first frame in which people of these paces can all be in the middle.
+    /// The first frame in which people of these speeds can all be in the middle.
     pub(super) fn earliest_meeting(&self, paces: &[f32]) -> f32 {
         self.earliest(paces, 0.0)
     }
 
-    /// The first frame in which people of these paces can all be so many body heights beyond the middle.
+    /// The first frame in which people of these speeds can all be `beyond` body heights past the middle.
     pub(super) fn earliest(&self, paces: &[f32], beyond: f32) -> f32 {
         let slowest = paces.iter().copied().fold(f32::MAX, f32::min) * (1.0 - self.pace_spread);
         self.settle as f32 + 1.0 + (self.half_way() + beyond) / (slowest * self.pace())
     }
 
-    /// Adds somebody in outfit `outfit` (the seed decides which that is) whose feet are at `foot` of
-    /// the image's height.
+    /// Adds a person in outfit `outfit` (the seed determines which one that is) whose feet are at `foot` of the
+    /// image's height.
     pub(super) fn person(&mut self, outfit: usize, way: WalkPlan, foot: f32) -> &mut Actor {
         let number = self.actors.len();
         let size = self.parameters.size;
@@ -141,7 +141,7 @@ impl Stage {
         &mut self.actors[number]
     }
 
-    /// Adds something in the middle; width and height in body heights.
+    /// Adds an occluder in the middle; width and height in body heights.
     pub(super) fn occluder(
         &mut self,
         kind: OccluderKind,
@@ -157,15 +157,15 @@ impl Stage {
         &mut self.occluders[number]
     }
 
-    /// Adds what moves in the background: its middle in shares of the image, its width and height in
-    /// body heights, its period in frames.
+    /// Adds a moving background object: its centre in shares of the image, its width and height in body heights, its
+    /// period in frames.
     pub(super) fn motion(&mut self, kind: MotionKind, middle: [f32; 2], extent: [f32; 2], period: f32) {
         let at = [middle[0] * self.width(), middle[1] * self.height()];
         let [width, height] = extent.map(|side| side * self.body());
         self.motions.push(Motion { kind, at, width, height, period });
     }
 
-    /// How many frames the scene takes until everybody has left.
+    /// Number of frames until all people have left.
     pub(super) fn frames_needed(&self) -> u32 {
         let reach = self.half_way() * self.body();
         let person = |actor: &Actor| actor.path.last_within(self.width() / 2.0, reach);

@@ -1,11 +1,11 @@
-//! What people wear.
+//! The clothes of people.
 
 use crate::regions::Rgb;
 use crate::synth::scene::Clothes;
 use crate::synth::texture::unit;
 
-/// The wardrobe. Any two outfits differ plainly in shirt and trousers taken together, and all of
-/// them from the grounds that people walk on.
+/// The outfits. Any two of them differ clearly in shirt and trousers taken together, and all of them from the ground
+/// colours.
 const WARDROBE: [Clothes; 4] = [
     Clothes {
         shirt: [176, 34, 40],
@@ -41,7 +41,7 @@ const WARDROBE: [Clothes; 4] = [
     },
 ];
 
-/// The wardrobe in an order that the seed decides; seed 1 has it as it is written.
+/// The outfits, shuffled by the seed; seed 1 has them in the order of the table.
 fn shuffled(seed: u64) -> [Clothes; 4] {
     let mut order = WARDROBE;
     if seed != 1 {
@@ -52,7 +52,7 @@ fn shuffled(seed: u64) -> [Clothes; 4] {
     order
 }
 
-/// Shirts and trousers for a crowd: what else is needed comes from the wardrobe.
+/// Shirts and trousers of a crowd; all else is from the table of outfits.
 const MORE: [(Rgb, Rgb); 8] = [
     ([36, 112, 58], [70, 62, 54]),
     ([214, 108, 30], [40, 44, 60]),
@@ -64,8 +64,8 @@ const MORE: [(Rgb, Rgb); 8] = [
     ([126, 168, 214], [48, 36, 32]),
 ];
 
-/// Outfit `number`; the first four come in an order that the seed decides, after the twelfth the
-/// first comes again.
+/// Outfit `number`; the first four are in an order determined by the seed, and after the twelfth the sequence
+/// repeats.
 pub(super) fn outfit(seed: u64, number: usize) -> Clothes {
     let wardrobe = shuffled(seed);
     let number = number % (wardrobe.len() + MORE.len());
