@@ -108,7 +108,7 @@ fn on(truth: &Boxes, found: &Boxes) -> BTreeMap<(u32, u32), u32> {
     on
 }
 
-/// The identity that matches an object most often in frames `from..to`, the lower one on a tie.
+/// The identity that matches an object most often in frames `from..to`, the earlier one on a tie.
 fn mostly(on: &BTreeMap<(u32, u32), u32>, object: u32, from: u32, to: u32) -> Option<u32> {
     let mut counts: Vec<(u32, usize)> = Vec::new();
     for identity in (from..to).filter_map(|frame| on.get(&(frame, object))) {

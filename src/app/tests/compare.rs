@@ -113,7 +113,7 @@ fn both_slots_are_requested_and_shown_side_by_side() {
     };
     let third = (120, 36);
     assert_eq!(at("Foreground view", third)[..3], [0, 0, 0]);
-    assert_eq!(at("Foreground (B) view", third)[..3], [255, 255, 255]);
+    assert_eq!(at("Foreground (A) view", third)[..3], [255, 255, 255]);
     let only_a = at("A vs B difference view", third);
     assert!(only_a[0] > 150 && only_a[2] < 60, "{only_a:?} is not the colour of A");
     let both = at("A vs B difference view", (50, 60));

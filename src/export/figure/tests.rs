@@ -186,7 +186,7 @@ fn a_history_figure_equals_the_table_of_the_command_line() {
     assert_eq!(foreground, expected.map(|(at, _)| at + 1).collect());
     near(panels[3].corners("T")[0][0][1], 0.8, 1e-4);
     near(panels[2].corners("current frame")[0][0][0], 231.0, 1e-3);
-    let born: Vec<_> = panels[6].corners("born").iter().map(|mark| mark[0][0].round() as usize).collect();
+    let born: Vec<_> = panels[6].corners("created").iter().map(|mark| mark[0][0].round() as usize).collect();
     let made = column("matched").iter().filter(|&&matched| matched == 0.0).count();
     let replaced = panels[6].corners("replaced").len();
     assert_eq!((born[0], born.len() + replaced), (1, made));
