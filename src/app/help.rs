@@ -37,7 +37,7 @@ pub(crate) fn ui(ctx: &Context, open: &mut bool) {
         ui.set_width((room.width() - 80.0).min(760.0));
         let mut close = false;
         ui.horizontal(|ui| {
-            ui.label(RichText::new("Keys and pointer").size(18.0).strong());
+            ui.label(RichText::new("Keyboard and mouse").size(18.0).strong());
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| close = ui.button("Close").clicked());
         });
         ui.add_space(2.0 * theme::SPACE);
