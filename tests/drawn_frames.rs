@@ -183,7 +183,7 @@ fn a_new_object_names_the_rejected_occluded_object() {
         let figures: &[Figure] = match number {
             1..=30 => &[(80, 100, RED)],
             31..=50 => &[],
-            _ => &[(240, 100, GREEN)],
+            _ => &[(150 + number as i32, 100, GREEN)],
         };
         events.extend(step(&mut tracker, number, figures).events);
     }

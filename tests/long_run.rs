@@ -87,7 +87,7 @@ fn memory_does_not_grow() {
     // Few people at a time, and a crowd that is rarely separate, so that its occlusions are few and large.
     let few = Busy { identities: 600, occlusions: 400, large: 1 };
     let crowd = Busy { identities: 250, occlusions: 60, large: 4 };
-    for (every, frames, least) in [(25, 20_000, few), (8, 6000, crowd)] {
+    for (every, frames, least) in [(25, 20_000, few), (8, 12_000, crowd)] {
         let most = remembered(every, frames, &least);
         let (first, last) = most.split_at(most.len() / 2);
         let largest = |half: &[usize]| half.iter().copied().max().unwrap_or(0);

@@ -333,7 +333,7 @@ impl Window {
                 model.settings = *settings;
             }
             Some(RestoredState::AbSettings(slots, settings)) => {
-                (model.ab_settings, model.settings) = (slots, *settings)
+                (model.ab_settings, model.settings) = (slots, *settings);
             }
             Some(RestoredState::Areas(areas)) => {
                 model.areas = areas;

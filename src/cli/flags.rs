@@ -209,7 +209,7 @@ pub(super) struct Range {
 
 impl Range {
     /// The number of frames, at most `u32::MAX`.
-    pub(super) const fn count(&self) -> u32 {
+    pub(super) const fn count(self) -> u32 {
         (self.last - self.first).saturating_add(1)
     }
 }

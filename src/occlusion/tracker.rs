@@ -990,7 +990,7 @@ impl Tracker {
             match self.fragment_verdict(id) {
                 Some(FragmentVerdict::Undecided) => {}
                 Some(FragmentVerdict::Of { whole, detection, evidence }) => {
-                    self.join_fragment(id, whole, detection, evidence)
+                    self.join_fragment(id, whole, detection, evidence);
                 }
                 None if self.objects.get(&id).is_some_and(Object::has_moved) => self.confirm_object(id),
                 // A re-identified object may stand still.

@@ -75,7 +75,7 @@ impl IdentityMap {
             let seen = track.state == TrackState::Visible;
             match named.get_mut(&id) {
                 Some(fragment) if seen && fragment.state == TrackState::Visible => {
-                    merge_fragment(fragment, track)
+                    merge_fragment(fragment, track);
                 }
                 Some(_) if !seen => {}
                 _ => {
