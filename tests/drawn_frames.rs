@@ -181,9 +181,9 @@ fn a_new_object_names_the_rejected_occluded_object() {
     let mut events = Vec::new();
     for number in 1..=90 {
         let figures: &[Figure] = match number {
-            1..=30 => &[(80, 100, RED)],
+            1..=30 => &[(110 - number as i32, 100, RED)],
             31..=50 => &[],
-            _ => &[(150 + number as i32, 100, GREEN)],
+            _ => &[(189 + number as i32, 100, GREEN)],
         };
         events.extend(step(&mut tracker, number, figures).events);
     }
