@@ -199,9 +199,13 @@ fn a_region_of_one_figure_causes_no_reappearance() {
     let mut tracker = Tracker::new(&Settings::default(), SIZE, 25.0);
     let mut seen = FrameResult::default();
     for number in 1..=80 {
+        let x = number as i32;
         let figures: &[Figure] =
-            if number <= 30 { &[(120, 100, RED), (150, 100, RED)] } else { &[(126, 100, RED)] };
+            if number <= 30 { &[(90 + x, 100, RED), (120 + x, 100, RED)] } else { &[(126, 100, RED)] };
         seen = step(&mut tracker, number, figures);
+        if number == 30 {
+            assert_eq!(seen.tracks.len(), 2, "{:?}", seen.tracks);
+        }
     }
     assert_eq!(seen.tracks.iter().filter(|track| !track.group.is_empty()).count(), 0, "{:?}", seen.tracks);
 }
