@@ -481,7 +481,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_told_prevents_the_event_and_the_present_settings_do_not() {
+    fn reported_settings_prevent_the_event_and_the_current_ones_do_not() {
         let query = query(EventKind::Reappear).unwrap();
         let answer = answer(query.clone());
         assert!(answer.happens && answer.done && answer.tried.0 == answer.tried.1, "{answer:?}");
@@ -514,7 +514,7 @@ mod tests {
     }
 
     #[test]
-    fn what_happens_later_to_the_same_objects_is_not_prevented() {
+    fn an_event_that_is_only_delayed_is_not_prevented() {
         let asked = query(EventKind::Reappear).unwrap().event;
         let [id] = asked.objects[..] else { panic!() };
         let at = |frame: u32, x: f32| Event { frame, x, ..asked.clone() };

@@ -166,7 +166,7 @@ mod tests {
     }
 
     #[test]
-    fn a_raised_hand_is_nobody() {
+    fn a_raised_hand_is_not_a_head() {
         let waves = [
             "..##...#", "..##...#", ".####.##", ".#######", "#######.", "######..", ".####...", ".####...",
             ".####...", ".#..#...", ".#..#...", ".#..#...",
@@ -184,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_nobody() {
+    fn an_empty_mosaic_has_at_most_one_lobe() {
         assert!(head_columns(&Mosaic::default()).len() <= 1);
     }
 }

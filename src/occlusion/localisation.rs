@@ -435,7 +435,7 @@ mod tests {
     }
 
     #[test]
-    fn what_nobody_explains_is_where_somebody_else_stands() {
+    fn an_unexplained_part_belongs_to_another_object() {
         let bright = template(220, 160);
         let mut both = blank();
         paint(&mut both, 10, 30, 220, 160);

@@ -236,7 +236,7 @@ mod tests {
             tuner.push(next, &frames[next as usize]);
         }
         assert_eq!(tuner.region.as_ref().unwrap().frames.len(), 76, "no frame after the last scored one");
-        assert!(tuner.advance(&settings).is_none(), "nobody asked");
+        assert!(tuner.advance(&settings).is_none(), "no request is pending");
         for knobs in [[TunableSetting::Alpha, TunableSetting::T], [TunableSetting::K, TunableSetting::Lambda]]
         {
             tuner.tune(Some(knobs));

@@ -139,7 +139,7 @@ mod tests {
     #[test]
     fn a_tuning_in_steps_equals_one_at_once_and_is_computed_once() {
         let (mut tuner, history) = (Tuner::default(), history(0.01));
-        assert!(!tuner.advance(&history, 200), "nobody asked");
+        assert!(!tuner.advance(&history, 200), "no request is pending");
         for knobs in [
             [TunableSetting::Alpha, TunableSetting::Lambda],
             [TunableSetting::T, TunableSetting::K],
