@@ -10,12 +10,13 @@
 //! as foreground or background. [`regions`] cleans the foreground mask and finds its connected components and their
 //! colours. [`tracking`] follows the components with Kalman models, several hypotheses per object. [`occlusion`]
 //! resolves merges, disappearances, demerges and reappearances. [`pipeline`] runs all stages on a frame; [`replay`]
-//! provides random access in time. [`truth`] scores results, [`export`] writes them, [`cli`] is the command line,
-//! `app` (feature `gui`) the window.
+//! provides random access in time. [`truth`] scores results, [`explain`] explains decisions, [`export`] writes files,
+//! [`cli`] is the command line, `app` (feature `gui`) the window.
 
 #[cfg(feature = "gui")]
 pub mod app;
 pub mod cli;
+pub mod explain;
 pub mod export;
 pub mod frame;
 pub mod mixture;

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use crate::occlusion::event_pairs::{self, EventPair, EventTolerance};
+use crate::explain::events::event_pairs::{self, EventPair, EventTolerance};
 use crate::replay::{ComparedSequence, State, Timeline};
 
 /// A reference to an event, by its index in its timeline.

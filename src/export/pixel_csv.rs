@@ -3,7 +3,8 @@
 use std::io::{self, Write};
 
 use super::number::significant;
-use crate::mixture::{Parameters, PixelHistory, PixelState};
+use crate::explain::pixel::{PixelHistory, PixelState};
+use crate::mixture::Parameters;
 
 /// Writes the header for these parameters.
 pub fn write_header(out: &mut impl Write, parameters: &Parameters) -> io::Result<()> {

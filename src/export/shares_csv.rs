@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use super::number::significant;
-use crate::mixture::PixelHistory;
+use crate::explain::pixel::PixelHistory;
 use crate::replay::RegionShares;
 
 /// Writes header and rows: the number of each frame, and the shares before and after cleaning. `history` is that of

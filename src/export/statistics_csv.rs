@@ -4,8 +4,8 @@ use std::io::{self, Write};
 use std::ops::Range;
 
 use super::number::significant;
-use crate::mixture::PixelHistory;
-use crate::mixture::statistics::Statistics;
+use crate::explain::pixel::PixelHistory;
+use crate::explain::pixel::statistics::Statistics;
 
 /// Writes header and row: the numbers of the first and last frame, and the statistics over the states between.
 pub fn write(out: &mut impl Write, history: &PixelHistory, range: Range<usize>) -> io::Result<()> {

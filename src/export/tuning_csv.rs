@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use super::number::significant;
-use crate::mixture::tuning::{SettingAxis, VerdictMap};
+use crate::explain::tuning::{SettingAxis, VerdictMap};
 use crate::truth::decisions::Decisions;
 
 /// Writes a map: 1 where the pixel is foreground, else 0.
@@ -50,8 +50,8 @@ mod tests {
     #![allow(clippy::unwrap_used)]
 
     use super::*;
+    use crate::explain::tuning::{TunableSetting, grid, map};
     use crate::mixture::Parameters;
-    use crate::mixture::tuning::{TunableSetting, grid, map};
     use crate::settings::Settings;
 
     #[test]

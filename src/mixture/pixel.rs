@@ -345,7 +345,7 @@ impl Pixel {
     }
 
     /// [`Pixel::update`] without P(X), which costs K exponentials and has no effect on the state.
-    pub(super) fn step(&mut self, x: Value, t: u32, parameters: &Parameters) -> Outcome {
+    pub(crate) fn step(&mut self, x: Value, t: u32, parameters: &Parameters) -> Outcome {
         if t <= 1 {
             return self.first_frame(x, parameters);
         }

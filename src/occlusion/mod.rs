@@ -8,10 +8,8 @@
 
 pub mod assign;
 mod coherence;
-pub mod counterfactual;
 mod demerges;
 pub mod event;
-pub mod event_pairs;
 mod frame_result;
 pub mod group_episodes;
 mod groups;

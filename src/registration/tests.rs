@@ -1,8 +1,9 @@
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use super::*;
+use crate::explain::pixel::PixelHistory;
 use crate::frame::{Frame, Mask, Size};
-use crate::mixture::{Mixture, Parameters, PixelHistory};
+use crate::mixture::{Mixture, Parameters};
 use crate::pipeline::Pipeline;
 use crate::settings::{LightCorrection, Preset, Settings, Stabilise};
 use crate::source::cache::FrameCache;

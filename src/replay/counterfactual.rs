@@ -4,10 +4,10 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::model_timeline::ModelTimeline;
+use crate::explain::events::counterfactual::{Counterfactual, CounterfactualQuery, CounterfactualSearch};
+use crate::explain::events::event_pairs::EventTolerance;
 use crate::frame::Size;
 use crate::occlusion::Event;
-use crate::occlusion::counterfactual::{Counterfactual, CounterfactualQuery, CounterfactualSearch};
-use crate::occlusion::event_pairs::EventTolerance;
 
 /// Seconds before the event at which the tracker starts, so that it learns the members, as far as the video goes
 /// back.

@@ -9,11 +9,11 @@ use std::sync::mpsc::channel;
 use std::time::Instant;
 
 use super::*;
+use crate::explain::pixel::component_slots::slots_by_rank;
+use crate::explain::pixel::downsampled_history::downsample;
+use crate::explain::tuning::TunableSetting;
 use crate::export::video::VideoFile;
 use crate::frame::Size;
-use crate::mixture::component_slots::slots_by_rank;
-use crate::mixture::downsampled_history::downsample;
-use crate::mixture::tuning::TunableSetting;
 use crate::truth::Truth;
 use crate::truth::masks::{Label, TrueMask, TrueMasks};
 

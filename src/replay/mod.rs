@@ -33,11 +33,12 @@ mod tests;
 
 use std::sync::Arc;
 
+use crate::explain::events::counterfactual::Counterfactual;
+use crate::explain::pixel::PixelHistory;
+use crate::explain::tuning::{self, SettingAxis, VerdictFlip};
 use crate::frame::Frame;
-use crate::mixture::tuning::{self, SettingAxis, VerdictFlip};
-use crate::mixture::{Parameters, PixelHistory, QuantityMap};
+use crate::mixture::{Parameters, QuantityMap};
 use crate::occlusion::Event;
-use crate::occlusion::counterfactual::Counterfactual;
 use crate::pipeline::Analysis;
 use crate::regions::Roi;
 use crate::registration::Alignment;

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use super::frame_consumer::FrameConsumer;
 use super::pixel_follower::PixelFollower;
+use crate::explain::pixel::PixelHistory;
 use crate::frame::Frame;
-use crate::mixture::PixelHistory;
 use crate::settings::Settings;
 use crate::source::SourceInfo;
 

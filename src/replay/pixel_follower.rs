@@ -3,8 +3,9 @@
 use std::sync::Arc;
 
 use super::frame_consumer::FrameConsumer;
+use crate::explain::pixel::PixelHistory;
 use crate::frame::Frame;
-use crate::mixture::{Parameters, PixelHistory};
+use crate::mixture::Parameters;
 use crate::registration::{CorrectionChoice, ObservedColour};
 use crate::settings::{BackgroundModel, Settings};
 use crate::source::SourceInfo;

@@ -7,9 +7,9 @@ use rayon::prelude::*;
 
 use super::frame_consumer::FrameConsumer;
 use super::{RegionTuning, region_bounds};
+use crate::explain::tuning::{SettingAxis, TunableSetting, grid};
 use crate::frame::{Frame, Size};
 use crate::mixture::Parameters;
-use crate::mixture::tuning::{SettingAxis, TunableSetting, grid};
 use crate::registration::{CorrectionChoice, corrected};
 use crate::settings::{BackgroundModel, Settings};
 use crate::truth::decisions::{Decisions, of_mixture};

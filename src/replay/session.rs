@@ -9,8 +9,8 @@ use std::time::Duration;
 
 use super::worker::Worker;
 use super::{Phase, Start, State, Timeline, memory};
+use crate::explain::tuning::TunableSetting;
 use crate::mixture::Quantity;
-use crate::mixture::tuning::TunableSetting;
 use crate::occlusion::Event;
 use crate::regions::Roi;
 use crate::settings::Settings;

@@ -9,9 +9,9 @@ use image::{Rgb, RgbImage};
 
 use super::frame_consumer::FrameConsumer as _;
 use super::*;
+use crate::explain::tuning::{self, TunableSetting};
 use crate::frame::{Mask, Size};
 use crate::mixture::Parameters;
-use crate::mixture::tuning::{self, TunableSetting};
 use crate::pipeline::Pipeline;
 use crate::registration::{CorrectionChoice, Registered, corrected};
 use crate::settings::{BackgroundModel, Preset, Span};

@@ -5,11 +5,12 @@ use std::sync::Arc;
 use rayon::prelude::*;
 
 use super::Tuning;
-use crate::mixture::pixel::Value;
-use crate::mixture::tuning::{
+use crate::explain::pixel::PixelHistory;
+use crate::explain::tuning::{
     FlipSearch, RunOutcome, SettingAxis, TunableSetting, VerdictFlip, VerdictMap, run,
 };
-use crate::mixture::{Parameters, PixelHistory};
+use crate::mixture::Parameters;
+use crate::mixture::pixel::Value;
 
 /// Largest number of frames, over all runs, in one step of some milliseconds.
 const MAX_FRAMES_PER_STEP: usize = 60_000;
@@ -123,7 +124,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
 
     use super::*;
-    use crate::mixture::tuning::{flip, map};
+    use crate::explain::tuning::{flip, map};
     use crate::settings::{Preset, Settings};
 
     fn history(alpha: f32) -> PixelHistory {

@@ -141,8 +141,8 @@ pub fn of_mixture(frames: &[Frame], truth: &[Option<TrueMask>], parameters: Para
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::explain::tuning::run;
     use crate::frame::Size;
-    use crate::mixture::tuning::run;
     use crate::settings::Settings;
     use crate::truth::masks::Label;
 

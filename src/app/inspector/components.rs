@@ -4,8 +4,8 @@ use eframe::egui::{Align, Layout, Pos2, Rect, Sense, Stroke, Ui, UiBuilder, Vec2
 
 use super::Chosen;
 use super::style::{self, SMALL, small};
-use crate::mixture::component_states::ComponentState;
-use crate::mixture::verdict::number;
+use crate::explain::pixel::component_states::ComponentState;
+use crate::explain::pixel::verdict::number;
 
 /// Columns of the table with their minimum widths, by line.
 type Lines = &'static [&'static [(usize, f32)]];

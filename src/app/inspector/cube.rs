@@ -13,10 +13,10 @@ use super::Chosen;
 use super::scatter::colour;
 use super::style::{self, small};
 use crate::app::theme;
+use crate::explain::pixel::component_states::component_states;
+use crate::explain::pixel::scatter_points::{PointKind, ScatterPoint, ScatterSpace, coordinates_of};
 use crate::export::figure::cube::{EXTENT, Look, Role as Line, Scene, Span, Turn, scene};
 use crate::export::figure::scatter::density;
-use crate::mixture::component_states::component_states;
-use crate::mixture::scatter_points::{PointKind, ScatterPoint, ScatterSpace, coordinates_of};
 
 /// The angle that one key press or button turns, in radians.
 const STEP: f64 = std::f64::consts::PI / 18.0;

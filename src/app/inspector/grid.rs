@@ -9,9 +9,9 @@ use eframe::egui::{
 use super::InspectorAction;
 use super::chart::{self, Columns, TICKS};
 use super::style::{self, small};
+use crate::explain::pixel::verdict::number;
+use crate::explain::tuning::{SettingAxis, TunableSetting};
 use crate::mixture::Parameters;
-use crate::mixture::tuning::{SettingAxis, TunableSetting};
-use crate::mixture::verdict::number;
 
 /// Height of the x axis name.
 const NAME: f32 = 15.0;

@@ -14,11 +14,11 @@ use super::plot::Plot;
 use super::rows::{LANE, changes_plot, channel_plot, count_plot, rates_plot, weights_plot, x_range};
 use super::style::{self, small};
 use super::{Chosen, InspectorAction};
+use crate::explain::pixel::PixelHistory;
+use crate::explain::pixel::component_slots::{ComponentChange, component_change};
+use crate::explain::pixel::downsampled_history::{HistoryColumn, downsample, value_range};
+use crate::explain::pixel::verdict::{number, verdict};
 use crate::export::figure::through_time::HistorySelection;
-use crate::mixture::PixelHistory;
-use crate::mixture::component_slots::{ComponentChange, component_change};
-use crate::mixture::downsampled_history::{HistoryColumn, downsample, value_range};
-use crate::mixture::verdict::{number, verdict};
 
 /// Minimum number of visible frames.
 const LEAST_FRAMES: f64 = 8.0;
@@ -337,8 +337,8 @@ mod tests {
     #![allow(clippy::unwrap_used)]
 
     use super::*;
+    use crate::explain::pixel::component_slots::slots_by_rank;
     use crate::mixture::Parameters;
-    use crate::mixture::component_slots::slots_by_rank;
     use crate::settings::Settings;
 
     fn of_level(level: u8) -> Arc<PixelHistory> {

@@ -10,9 +10,9 @@ use super::menu;
 use super::plot::Plot;
 use super::style::{self, small};
 use super::{Chosen, InspectorAction};
+use crate::explain::pixel::component_states::{ComponentState, component_states, t_at};
+use crate::explain::pixel::verdict::{Verdict, number};
 use crate::export::figure::mixture::UpdateSide;
-use crate::mixture::component_states::{ComponentState, component_states, t_at};
-use crate::mixture::verdict::{Verdict, number};
 
 /// Minimum width at which both mixtures are side by side.
 const BESIDE: f32 = 330.0;

@@ -35,11 +35,11 @@ use self::pixels::FramePosition;
 pub use self::plot::{Format, Plot};
 pub use self::table::Table;
 use super::pins;
-use crate::mixture::component_slots;
+use crate::explain::pixel::component_slots;
+use crate::explain::pixel::verdict::{Verdict, overruled, verdict};
+use crate::explain::pixel::{PixelHistory, PixelState};
+use crate::explain::tuning::TunableSetting;
 use crate::mixture::pixel::MAX_K;
-use crate::mixture::tuning::TunableSetting;
-use crate::mixture::verdict::{Verdict, overruled, verdict};
-use crate::mixture::{PixelHistory, PixelState};
 use crate::replay::{RegionShares, RegionTuning, ShownFrame, Tuning};
 use crate::settings::{BackgroundModel, Space};
 

@@ -15,9 +15,9 @@ use super::plot::Plot;
 use super::style::{self, small};
 use super::{InspectorAction, InspectorContext, region_size};
 use crate::app::{pins, theme};
+use crate::explain::pixel::sparklines::{SparklineColumn, level_range, sparkline};
+use crate::explain::pixel::{PixelHistory, PixelState};
 use crate::export::figure::region::{Peak, peaks};
-use crate::mixture::sparklines::{SparklineColumn, level_range, sparkline};
-use crate::mixture::{PixelHistory, PixelState};
 use crate::replay::RegionShares;
 
 const SHARES: f32 = 64.0;

@@ -7,11 +7,11 @@ use std::{fs, io};
 use super::SlottedHistory;
 use super::table::{Table, borrowed};
 use crate::app::atomic_write;
+use crate::explain::pixel::{PixelHistory, scatter_points};
 use crate::export::figure::cube::{self, Look};
 use crate::export::figure::mixture::{self, UpdateSide};
 use crate::export::figure::{Figure, pins, raster, region, scatter, svg, through_time, tuning};
 use crate::frame::Frame;
-use crate::mixture::{PixelHistory, scatter_points};
 use crate::replay::{RegionShares, RegionTuning, Tuning};
 use crate::truth::decisions::Measure;
 

@@ -10,7 +10,7 @@ use super::plot::Plot;
 use super::style::{self, small};
 use super::{Chosen, InspectorAction, RegionAccuracy, menu, region_size};
 use crate::app::theme;
-use crate::mixture::tuning::TunableSetting;
+use crate::explain::tuning::TunableSetting;
 use crate::palette;
 use crate::replay::RegionTuning;
 use crate::truth::decisions::{Decisions, Measure};
@@ -173,7 +173,7 @@ fn best(tuning: &RegionTuning, measure: Measure) -> Option<(usize, usize)> {
     let columns = x.values.len().max(1);
     let cells = tuning.cells.iter().enumerate().map(|(index, &decisions)| {
         let at = (index % columns, index / columns);
-        let share = |axis: &crate::mixture::tuning::SettingAxis, cell: usize| {
+        let share = |axis: &crate::explain::tuning::SettingAxis, cell: usize| {
             (cell as f32 + 0.5) / axis.values.len().max(1) as f32
         };
         let away = (share(x, at.0) - here[0]).hypot(share(y, at.1) - here[1]);
@@ -200,8 +200,8 @@ fn ramp(ui: &mut Ui, low: f64, high: f64) {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::explain::tuning::grid;
     use crate::mixture::Parameters;
-    use crate::mixture::tuning::grid;
     use crate::settings::Settings;
 
     #[test]

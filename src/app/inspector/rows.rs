@@ -4,11 +4,11 @@ use eframe::egui::{Color32, Painter, Pos2, Rangef, Rect, Shape, Stroke, Visuals}
 
 use super::chart::{self, ChartAxis, Columns};
 use super::style;
-use crate::export::figure::axis::power_of_ten;
-use crate::mixture::downsampled_history::{
+use crate::explain::pixel::downsampled_history::{
     HistoryColumn, LEVELS_PER_BIN, MAX_FRAMES_WITHOUT_LEVELS, rate_range,
 };
-use crate::mixture::verdict::number;
+use crate::explain::pixel::verdict::number;
+use crate::export::figure::axis::power_of_ten;
 
 /// Height of a lane of component changes; each kind of change has a lane.
 pub(super) const LANE: f32 = 9.0;
@@ -209,9 +209,10 @@ mod tests {
     use eframe::egui::{Color32, Context, RawInput};
 
     use super::*;
-    use crate::mixture::component_slots::slots_by_rank;
-    use crate::mixture::downsampled_history::downsample;
-    use crate::mixture::{Parameters, PixelHistory};
+    use crate::explain::pixel::PixelHistory;
+    use crate::explain::pixel::component_slots::slots_by_rank;
+    use crate::explain::pixel::downsampled_history::downsample;
+    use crate::mixture::Parameters;
     use crate::settings::{Preset, Settings};
 
     #[test]

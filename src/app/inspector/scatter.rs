@@ -17,14 +17,14 @@ use super::menu;
 use super::plot;
 use super::style::{self, small};
 use super::{Chosen, InspectorAction};
-use crate::export::figure::{cube, scatter};
-use crate::mixture::PixelHistory;
-use crate::mixture::component_states::component_states;
-use crate::mixture::scatter_points::{
+use crate::explain::pixel::PixelHistory;
+use crate::explain::pixel::component_states::component_states;
+use crate::explain::pixel::scatter_points::{
     AGES, PointGrouping, PointKind, ScatterPoint, ScatterSelection, ScatterSpace, coordinates_of,
     scatter_points,
 };
-use crate::mixture::verdict::number;
+use crate::explain::pixel::verdict::number;
+use crate::export::figure::{cube, scatter};
 
 /// The displayed space and frames.
 pub(super) struct Scatter {

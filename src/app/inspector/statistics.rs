@@ -9,9 +9,9 @@ use super::menu;
 use super::style::{self, small};
 use super::table::Table;
 use super::{Chosen, InspectorAction};
-use crate::mixture::PixelHistory;
-use crate::mixture::statistics::Statistics;
-use crate::mixture::verdict::number;
+use crate::explain::pixel::PixelHistory;
+use crate::explain::pixel::statistics::Statistics;
+use crate::explain::pixel::verdict::number;
 
 /// The range of frames, and the cached statistics.
 #[derive(Default)]

@@ -6,8 +6,8 @@ use std::sync::Arc;
 use std::{fs, io};
 
 use crate::app::atomic_write;
+use crate::explain::pixel::PixelHistory;
 use crate::export::{pixel_csv, shares_csv, statistics_csv, tuning_csv};
-use crate::mixture::PixelHistory;
 use crate::replay::{RegionShares, RegionTuning, Tuning};
 
 /// A table that can be copied or saved. It is written only on request.

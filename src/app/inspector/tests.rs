@@ -14,12 +14,13 @@ use egui_kittest::kittest::{NodeT, Queryable};
 
 use super::super::golden::looks_as_before;
 use super::{Format, Inspector, InspectorAction, InspectorContext, SlottedHistory, Table};
+use crate::explain::pixel::PixelHistory;
+use crate::explain::pixel::component_slots::{ComponentChange, component_change};
+use crate::explain::pixel::statistics::Statistics;
+use crate::explain::pixel::verdict::{distance_in_sigmas, number, verdict};
+use crate::explain::tuning::{TunableSetting, flip, map};
 use crate::frame::{Frame, Mask, Size};
-use crate::mixture::component_slots::{ComponentChange, component_change};
-use crate::mixture::statistics::Statistics;
-use crate::mixture::tuning::{TunableSetting, flip, map};
-use crate::mixture::verdict::{distance_in_sigmas, number, verdict};
-use crate::mixture::{Parameters, PixelHistory};
+use crate::mixture::Parameters;
 use crate::occlusion::Counters;
 use crate::pipeline::Analysis;
 use crate::regions::Labels;
@@ -554,7 +555,7 @@ fn a_zoomed_history_shows_single_frames_and_fits_its_values() {
 fn component_slots_are_extended_from_the_end_of_the_previous_history() {
     let (settings, other) = (settings(), Settings { k: 3, ..settings() });
     let [short, long] = [300, 600].map(|frames| Arc::new(history_of(&settings, frames)));
-    let expected = crate::mixture::component_slots::slots_by_rank(&long);
+    let expected = crate::explain::pixel::component_slots::slots_by_rank(&long);
     let mut followed = None;
     super::followed(&mut followed, &short);
     assert_eq!(*super::followed(&mut followed, &long), expected);
@@ -566,7 +567,7 @@ fn component_slots_are_extended_from_the_end_of_the_previous_history() {
     let another = Arc::new(history_of(&other, 600));
     assert_eq!(
         *super::followed(&mut followed, &another),
-        crate::mixture::component_slots::slots_by_rank(&another)
+        crate::explain::pixel::component_slots::slots_by_rank(&another)
     );
 }
 

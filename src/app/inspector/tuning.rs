@@ -11,8 +11,8 @@ use super::plot::Plot;
 use super::region_accuracy::{PAIRED_MAP_ASPECT, RegionAccuracyView};
 use super::style::{self, small};
 use super::{Chosen, InspectorAction, RegionAccuracy};
-use crate::mixture::tuning::{TunableSetting, VerdictFlip, VerdictMap};
-use crate::mixture::verdict::number;
+use crate::explain::pixel::verdict::number;
+use crate::explain::tuning::{TunableSetting, VerdictFlip, VerdictMap};
 use crate::replay::Tuning;
 
 /// Ratio of height to width of a single map, so that the list below it stays visible.

@@ -2,8 +2,9 @@
 
 use super::*;
 use crate::app::command::Action;
-use crate::mixture::tuning::{flip, map};
-use crate::mixture::{Parameters, PixelHistory};
+use crate::explain::pixel::PixelHistory;
+use crate::explain::tuning::{flip, map};
+use crate::mixture::Parameters;
 use crate::replay::Tuning;
 
 const AT: (u32, u32) = (80, 60);

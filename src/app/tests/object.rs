@@ -107,7 +107,7 @@ fn the_panel_fits_a_small_window_in_the_light_theme() {
 
 #[test]
 fn counterfactuals_of_an_event_are_requested_shown_and_applied() {
-    use crate::occlusion::counterfactual::{Counterfactual, Prevention};
+    use crate::explain::events::counterfactual::{Counterfactual, Prevention};
     use crate::settings::Value;
     let (mut harness, scene) = tall();
     harness.get_by_label("merge 1 + 2, frame 51").click();
@@ -164,7 +164,7 @@ fn the_selected_event_stays_the_same_when_events_are_inserted_before_it() {
     let mut asked = timeline().events[3].1.clone();
     asked.front = None;
     scene.state.borrow_mut().counterfactual =
-        Some(Arc::new(crate::occlusion::counterfactual::Counterfactual {
+        Some(Arc::new(crate::explain::events::counterfactual::Counterfactual {
             event: asked,
             happens: true,
             preventions: Vec::new(),

@@ -3,7 +3,7 @@
 use super::inspector::inspected_state;
 use super::*;
 use crate::app::command::Action;
-use crate::mixture::tuning::grid;
+use crate::explain::tuning::grid;
 use crate::replay::RegionTuning;
 use crate::truth::decisions::Decisions;
 use crate::truth::masks::{Label, TrueMask, TrueMasks};
@@ -150,7 +150,7 @@ fn accuracy_under_other_settings_is_requested_shown_and_applied() {
     right_panel_looks_as_before(&mut harness, "judged");
     harness.get_by_label_contains("Best: accuracy 99.47 % of 11250: FP 60, FN 0");
     let [alpha, t] = [tuning.axes[0].values[23], tuning.axes[1].values[11]];
-    let number = crate::mixture::verdict::number;
+    let number = crate::explain::pixel::verdict::number;
     harness.get_by_label(&format!("α = {},  T = {}", number(alpha), number(t))).click();
     harness.run_steps(8);
     let settings = given(&scene).expect("the best cell was not applied");

@@ -9,11 +9,12 @@ use super::scatter::{legend, look, title};
 use super::{
     Anchor, Axis, Figure, Frame, GRAY, INK, NARROW, Panel, Shape, Sign, axis, component, parameters,
 };
-use crate::mixture::component_states::{ComponentState, component_states};
-use crate::mixture::scatter_points::{
+use crate::explain::pixel::PixelHistory;
+use crate::explain::pixel::component_states::{ComponentState, component_states};
+use crate::explain::pixel::scatter_points::{
     ScatterPoint, ScatterSelection, ScatterSpace, coordinates_of, scatter_points, thin_points,
 };
-use crate::mixture::{MAX_K, PixelHistory};
+use crate::mixture::MAX_K;
 
 /// Largest number of points; more are merged, as they would be neither distinguishable nor fast to rotate.
 pub const MAX_POINTS: usize = 6000;
@@ -416,7 +417,7 @@ mod tests {
 
     #[test]
     fn nearer_points_are_drawn_over_farther_ones() {
-        use crate::mixture::scatter_points::PointKind;
+        use crate::explain::pixel::scatter_points::PointKind;
         let place = |at| ScatterPoint { kind: PointKind::Verdict { foreground: false }, at, count: 1 };
         let places = [place([10, 10, 10]), place([10, 250, 10]), place([10, 120, 10])];
         let scene = scene(&places, &[], None, 2.5, Span::WHOLE, Turn { yaw: 0.0, pitch: 0.0 });
@@ -427,8 +428,8 @@ mod tests {
 
     #[test]
     fn a_span_contains_all_values_and_components() {
+        use crate::explain::pixel::scatter_points::PointKind;
         use crate::mixture::Component;
-        use crate::mixture::scatter_points::PointKind;
         let place = ScatterPoint { kind: PointKind::Age(0), at: [100, 90, 80], count: 1 };
         let component = Component { weight: 1.0, mean: [110.0, 90.0, 80.0], variance: 16.0 };
         let component_state = ComponentState {

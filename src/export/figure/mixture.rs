@@ -3,9 +3,10 @@
 use super::{
     Anchor, Axis, Figure, GRAY, INK, Key, NARROW, Panel, Shape, Sign, WIDE, component, parameters, pixel_name,
 };
-use crate::mixture::component_states::{ComponentState, component_states, t_at};
-use crate::mixture::verdict::number;
-use crate::mixture::{MAX_K, PixelHistory};
+use crate::explain::pixel::PixelHistory;
+use crate::explain::pixel::component_states::{ComponentState, component_states, t_at};
+use crate::explain::pixel::verdict::number;
+use crate::mixture::MAX_K;
 
 /// The mixture of a frame before or after its update.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -22,7 +22,7 @@ pub mod words;
 
 pub use axis::Axis;
 
-use crate::mixture::PixelHistory;
+use crate::explain::pixel::PixelHistory;
 use crate::palette::component_on_light;
 use crate::regions::Rgb;
 use crate::settings::{Rate, Space};

@@ -2,8 +2,8 @@
 
 use super::through_time::{COLUMNS, number_at};
 use super::{Axis, Figure, GRAY, INK, Key, Panel, Shape, Sign, WIDE, frames_axis, parameters, verdicts};
-use crate::mixture::PixelHistory;
-use crate::mixture::sparklines::{SparklineColumn, level_range, sparkline};
+use crate::explain::pixel::PixelHistory;
+use crate::explain::pixel::sparklines::{SparklineColumn, level_range, sparkline};
 use crate::palette::identity_on_light;
 
 /// The opacity of the band of component 1, and of those of others.
@@ -19,7 +19,7 @@ pub fn figure(pins: &[(u8, &PixelHistory)], index: usize) -> Figure {
     let lambda = longest.map_or(0.0, |history| history.parameters.lambda);
     let title = format!("pinned pixels, frames {first}–{last}");
     let key = |sign, colour, name: &str| Key { sign, colour, name: name.to_owned() };
-    let band = format!("μ ± {}σ of background components", crate::mixture::verdict::number(lambda));
+    let band = format!("μ ± {}σ of background components", crate::explain::pixel::verdict::number(lambda));
     let mut legend = vec![
         key(Sign::Line, INK, "brightness"),
         key(Sign::Plate(STRENGTHS[0]), GRAY, &band),

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::through_time::{COLUMNS, number_at};
 use super::{Axis, Figure, GRAY, INK, Key, Panel, Shape, Sign, WIDE, frames_axis, parameters, pixel_name};
-use crate::mixture::PixelHistory;
+use crate::explain::pixel::PixelHistory;
 use crate::palette::verdict_colour;
 use crate::replay::RegionShares;
 

@@ -3,13 +3,14 @@
 use super::{
     Anchor, Axis, Figure, GRAY, INK, Key, NARROW, Panel, Shape, Sign, component, parameters, pixel_name,
 };
-use crate::mixture::component_states::{ComponentState, component_states};
-use crate::mixture::scatter_points::{
+use crate::explain::pixel::PixelHistory;
+use crate::explain::pixel::component_states::{ComponentState, component_states};
+use crate::explain::pixel::scatter_points::{
     AGES, PointGrouping, PointKind, ScatterPoint, ScatterSelection, ScatterSpace, coordinates_of,
     scatter_points,
 };
-use crate::mixture::verdict::number;
-use crate::mixture::{MAX_K, PixelHistory};
+use crate::explain::pixel::verdict::number;
+use crate::mixture::MAX_K;
 use crate::palette::verdict_colour;
 use crate::regions::Rgb;
 

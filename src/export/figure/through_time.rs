@@ -6,10 +6,11 @@ use super::{
     Axis, Figure, GRAY, INK, Key, Panel, Shape, Sign, WIDE, component, frames_axis, parameters, pixel_name,
     verdicts,
 };
-use crate::mixture::component_states::component_states;
-use crate::mixture::downsampled_history::{HistoryColumn, downsample, rate_range, value_range};
-use crate::mixture::verdict::number;
-use crate::mixture::{MAX_K, PixelHistory};
+use crate::explain::pixel::PixelHistory;
+use crate::explain::pixel::component_states::component_states;
+use crate::explain::pixel::downsampled_history::{HistoryColumn, downsample, rate_range, value_range};
+use crate::explain::pixel::verdict::number;
+use crate::mixture::MAX_K;
 
 /// Largest number of columns; more would exceed the resolution of a printed page.
 pub const COLUMNS: usize = 1500;
@@ -148,7 +149,7 @@ impl Drawing<'_> {
                 let Some(background) = side(first) else { continue };
                 let (from, to) = (self.edges(first).0, self.edges(last).1);
                 let along =
-                    |of: &dyn Fn(&crate::mixture::downsampled_history::Band) -> f32| -> Vec<[f64; 2]> {
+                    |of: &dyn Fn(&crate::explain::pixel::downsampled_history::Band) -> f32| -> Vec<[f64; 2]> {
                         let middle = run.iter().filter_map(|bin| {
                             Some([self.middle(bin), f64::from(of(bin.bands[slot].as_ref()?))])
                         });

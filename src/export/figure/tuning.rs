@@ -1,8 +1,8 @@
 //! A figure of a tuning map: the verdict on one pixel, or the accuracy in a region.
 
 use super::{Axis, Figure, INK, Key, NARROW, Panel, Shape, Sign, parameters, pixel_name};
-use crate::mixture::PixelHistory;
-use crate::mixture::tuning::{SettingAxis as Side, VerdictMap};
+use crate::explain::pixel::PixelHistory;
+use crate::explain::tuning::{SettingAxis as Side, VerdictMap};
 use crate::palette::{ramp, verdict_colour};
 use crate::truth::decisions::{Decisions, Measure};
 

@@ -1,8 +1,8 @@
 //! Counterfactuals of an event.
 
 use super::*;
+use crate::explain::events::event_pairs::EventTolerance;
 use crate::occlusion::EventKind;
-use crate::occlusion::event_pairs::EventTolerance;
 use crate::settings::Setting;
 
 #[test]

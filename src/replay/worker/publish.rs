@@ -4,7 +4,7 @@ use std::sync::Arc;
 use std::time::{Duration, Instant};
 
 use super::Worker;
-use crate::mixture::PixelHistory;
+use crate::explain::pixel::PixelHistory;
 use crate::replay::{ComparedSequence, Progress, ShownFrame, Timeline, same};
 
 /// Least interval between two publications of growing results.

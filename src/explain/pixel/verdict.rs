@@ -1,9 +1,9 @@
 //! Explains the classification of a pixel in one frame, in words with the compared numbers.
 
-use super::history::{PixelHistory, PixelState};
-use super::hysteresis::Hysteresis;
-use super::pixel::{Component, Parameters, Pixel, Value};
-use super::shadow::Shadow;
+use crate::explain::pixel::history::{PixelHistory, PixelState};
+use crate::mixture::hysteresis::Hysteresis;
+use crate::mixture::pixel::{Component, Parameters, Pixel, Value};
+use crate::mixture::shadow::Shadow;
 use crate::settings::{Rate, SETTINGS, Setting, Settings, Stage, Value as SettingValue};
 
 /// The mixture's classification of a pixel in one frame, before any later stage.

@@ -2,9 +2,9 @@
 
 use std::ops::Range;
 
-use super::component_slots::{ComponentChange, component_change};
-use super::history::PixelHistory;
-use super::pixel::Value;
+use crate::explain::pixel::component_slots::{ComponentChange, component_change};
+use crate::explain::pixel::history::PixelHistory;
+use crate::mixture::pixel::Value;
 
 /// Statistics of a pixel over some frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]

@@ -8,9 +8,9 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::event_pairs::EventTolerance;
-use super::{Event, FrameResult, Tracker};
+use crate::explain::events::event_pairs::EventTolerance;
 use crate::frame::Size;
+use crate::occlusion::{Event, FrameResult, Tracker};
 use crate::regions::Region;
 use crate::settings::{Kind, SETTINGS, Setting, Settings, Span, Stage, Value};
 use crate::tracking::Identity;

@@ -2,8 +2,8 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use super::Event;
 use crate::frame::Size;
+use crate::occlusion::Event;
 
 /// The tolerance within which events of one kind are the same.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,17 +2,17 @@
 
 use std::f64::consts::TAU;
 
-use super::component_slots::{FIRST_SLOTS, rank_before};
-use super::history::PixelHistory;
-use super::pixel::{Component, MAX_K};
-use super::verdict::distance_in_sigmas;
+use crate::explain::pixel::component_slots::{FIRST_SLOTS, rank_before};
+use crate::explain::pixel::history::PixelHistory;
+use crate::explain::pixel::verdict::distance_in_sigmas;
+use crate::mixture::pixel::{Component, MAX_K};
 
 /// A component in use, and its relation to the frame's value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ComponentState {
     /// From 1.
     pub rank: usize,
-    /// Its slot, which stays the same through changes of rank; see [`super::component_slots`].
+    /// Its slot, which stays the same through changes of rank; see [`crate::explain::pixel::component_slots`].
     pub slot: u8,
     /// The component itself.
     pub component: Component,
@@ -94,8 +94,8 @@ mod tests {
     #![allow(clippy::unwrap_used)]
 
     use super::*;
+    use crate::explain::pixel::component_slots::slots_by_rank;
     use crate::mixture::Parameters;
-    use crate::mixture::component_slots::slots_by_rank;
     use crate::settings::{Preset, Settings};
 
     fn history() -> PixelHistory {

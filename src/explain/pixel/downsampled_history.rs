@@ -3,9 +3,9 @@
 
 use std::ops::Range;
 
-use super::component_slots::{ComponentChange, component_change};
-use super::history::PixelHistory;
-use super::pixel::MAX_K;
+use crate::explain::pixel::component_slots::{ComponentChange, component_change};
+use crate::explain::pixel::history::PixelHistory;
+use crate::mixture::pixel::MAX_K;
 
 /// Number of levels per bin of [`HistoryColumn::levels`].
 pub const LEVELS_PER_BIN: u8 = 4;
@@ -169,8 +169,8 @@ mod tests {
     #![allow(clippy::unwrap_used)]
 
     use super::*;
+    use crate::explain::pixel::component_slots::slots_by_rank;
     use crate::mixture::Parameters;
-    use crate::mixture::component_slots::slots_by_rank;
     use crate::settings::{Preset, Settings};
 
     fn history(frames: u32) -> PixelHistory {

@@ -1,7 +1,7 @@
 #![allow(clippy::unwrap_used)]
 
 use super::*;
-use crate::mixture::PixelHistory;
+use crate::explain::pixel::PixelHistory;
 use crate::settings::{Preset, Space};
 
 /// A wall with a swaying branch in front, and from frame 300 on a person in dark clothes.

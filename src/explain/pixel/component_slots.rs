@@ -3,8 +3,8 @@
 //! An update moves at most one component, so the result is exact. Every component has a *slot* 0..K that it keeps as
 //! long as it exists. A new component takes the slot of the one that it replaces, or the first free one.
 
-use super::history::{PixelHistory, PixelState};
-use super::pixel::MAX_K;
+use crate::explain::pixel::history::{PixelHistory, PixelState};
+use crate::mixture::pixel::MAX_K;
 
 /// The ranks, from 0, before and after the update, of the component that the update of `state` matched or created.
 ///

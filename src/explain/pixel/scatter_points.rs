@@ -3,8 +3,8 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use super::history::PixelHistory;
-use super::pixel::MAX_K;
+use crate::explain::pixel::history::PixelHistory;
+use crate::mixture::pixel::MAX_K;
 
 /// Number of age groups when points are grouped by time.
 pub const AGES: u8 = 6;
@@ -130,8 +130,8 @@ pub fn thin_points(mut places: Vec<ScatterPoint>, most: usize) -> Vec<ScatterPoi
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::explain::pixel::component_slots::slots_by_rank;
     use crate::mixture::Parameters;
-    use crate::mixture::component_slots::slots_by_rank;
     use crate::settings::{Preset, Settings};
 
     /// Nine dark frames and a bright one, ten times.

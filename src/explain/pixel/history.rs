@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use super::pixel::{Outcome, Parameters, Pixel, Value};
 use crate::frame::Frame;
+use crate::mixture::pixel::{Outcome, Parameters, Pixel, Value};
 use crate::registration::{Applied, ObservedColour};
 use crate::settings::Space;
 

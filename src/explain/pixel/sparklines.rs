@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use super::history::PixelHistory;
-use super::pixel::{Component, luma};
+use crate::explain::pixel::history::PixelHistory;
+use crate::mixture::pixel::{Component, luma};
 use crate::settings::Space;
 
 /// Consecutive frames of a pixel, drawn as one column of a sparkline.

@@ -11,7 +11,7 @@ mod tests;
 
 use rayon::prelude::*;
 
-use super::pixel::{MAX_K, Outcome, Parameters, Pixel, Value};
+use crate::mixture::pixel::{MAX_K, Outcome, Parameters, Pixel, Value};
 use crate::settings::{Setting, SettingError, Settings, Value as SettingValue};
 
 pub use flips::{FlipSearch, VerdictFlip, flip};
