@@ -1,17 +1,81 @@
 //! Occluscope: a microscope for background models, moving regions, tracks and occlusions in video.
 //!
-//! The modules are the stages of the method, in processing order:
+//! The modules are the stages of the method, in the order in which a frame passes them:
 //!
 //! ```text
-//! source → mixture → regions → tracking → occlusion → (replay) → window, files
+//! source → registration → mixture → regions → tracking → occlusion → (replay) → window, files
 //! ```
 //!
-//! [`source`] provides [`frame::Frame`]s. [`mixture`] models every pixel by a mixture of Gaussians and classifies it
-//! as foreground or background. [`regions`] cleans the foreground mask and finds its connected components and their
-//! colours. [`tracking`] follows the components with Kalman models, several hypotheses per object. [`occlusion`]
-//! resolves merges, disappearances, demerges and reappearances. [`pipeline`] runs all stages on a frame; [`replay`]
-//! provides random access in time. [`truth`] scores results, [`explain`] explains decisions, [`export`] writes files,
-//! [`cli`] is the command line, `app` (feature `gui`) the window.
+//! - [`source`] decodes [`frame::Frame`]s; [`registration`] measures camera motion and changes of the light.
+//! - [`mixture`] models every pixel by a mixture of Gaussians and classifies it as foreground or background.
+//! - [`regions`] cleans the foreground mask and finds its connected components and their colours.
+//! - [`tracking`] follows the components with Kalman models, several hypotheses per object.
+//! - [`occlusion`] resolves merges, disappearances, demerges and reappearances.
+//! - [`pipeline`] runs all stages on a frame; [`replay`] gives random access in time.
+//! - [`truth`] scores results, [`explain`] explains decisions, [`export`] writes files, [`synth`] renders scenes with
+//!   exact ground truth.
+//! - [`cli`] is the command line, `app` (feature `gui`) the window.
+//!
+//! # Use as a library
+//!
+//! Without the default feature `gui` the library needs no graphics. A [`mixture::Mixture`] takes arrays of 8-bit RGB,
+//! row by row:
+//!
+//! ```
+//! use occluscope::frame::{Frame, Size};
+//! use occluscope::mixture::{Mixture, Parameters};
+//! use occluscope::settings::Settings;
+//!
+//! let size = Size::new(64, 48);
+//! let grey = vec![90; 3 * size.pixels()];
+//! let mut mixture = Mixture::new(size, Parameters::new(&Settings::default()));
+//! for number in 1..=50 {
+//!     mixture.step(&Frame::new(number, size, grey.clone()));
+//! }
+//!
+//! // A bright bar over rows 16 to 23.
+//! let mut rgb = grey;
+//! rgb[3 * 16 * 64..3 * 24 * 64].fill(220);
+//! let mask = mixture.step(&Frame::new(51, size, rgb));
+//! assert!(mask.is_foreground(30, 20) && !mask.is_foreground(30, 10));
+//! assert_eq!(mask.foreground_pixels(), 8 * 64);
+//! ```
+//!
+//! A [`pipeline::Pipeline`] runs all stages. The name of a source is a folder of images, a video file, a pattern such
+//! as `in%06d.png`, or `camera:0`:
+//!
+//! ```
+//! use occluscope::frame::Frame;
+//! use occluscope::pipeline::{OfflineResult, Pipeline, offline_result};
+//! use occluscope::settings::Settings;
+//! use occluscope::source::{self, Options};
+//!
+//! fn analyse(name: &str) -> Result<OfflineResult, Box<dyn std::error::Error>> {
+//!     let settings = Settings::default();
+//!     let mut source = source::open(name, Options::default())?;
+//!     let info = source.info().clone();
+//!     let mut frames = Vec::new();
+//!     while let Some(frame) = source.next_frame()? {
+//!         frames.push(frame);
+//!     }
+//!
+//!     let mut pipeline = Pipeline::new(&settings, info.size, info.fps)?;
+//!     // The model learns from the first frames before any of them is classified.
+//!     let first: Vec<&Frame> = frames.iter().take(info.bootstrap(&settings) as usize).collect();
+//!     pipeline.learn(&first)?;
+//!     let analyses = frames.iter().map(|frame| pipeline.step(frame)).collect::<Result<Vec<_>, _>>()?;
+//!     Ok(offline_result(&analyses, &pipeline))
+//! }
+//!
+//! let result = analyse("sample_videos/crossing.mp4")?;
+//! for (number, tracks) in &result.tracks {
+//!     for track in tracks {
+//!         println!("frame {number}: object {} at {:?}", track.id, track.bbox);
+//!     }
+//! }
+//! assert!(result.events.iter().any(|event| event.kind == occluscope::occlusion::EventKind::Merge));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 #[cfg(feature = "gui")]
 pub mod app;

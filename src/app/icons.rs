@@ -4,7 +4,7 @@ use eframe::egui::{Color32, RichText};
 pub(crate) use egui_material_icons::MaterialIcon as Icon;
 use egui_material_icons::icons as m;
 
-use super::theme;
+use crate::app::theme;
 use crate::occlusion::EventKind;
 
 /// The icon of a kind of event.

@@ -16,9 +16,9 @@ use eframe::egui::{self, Rect, Theme, vec2};
 use eframe::egui_wgpu::{RendererOptions, ScreenDescriptor, wgpu};
 use egui_kittest::wgpu::{create_render_state, default_wgpu_setup};
 
-use super::Window;
-use super::command::{Action, Command};
-use super::state::Player;
+use crate::app::Window;
+use crate::app::commands::command::{Action, Command};
+use crate::app::model::Player;
 use crate::explain::tuning::TunableSetting;
 use crate::export::tests::track;
 use crate::frame::{Frame, Mask, Size};

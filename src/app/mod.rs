@@ -1,48 +1,15 @@
 //! The window.
 //!
-//! Panels and views read the `state::Model` and push `command::Command`s; `apply` executes them. `actions::ACTIONS` is
-//! the table of everything that has a name or a shortcut.
+//! `model` is the window's state. `views`, `inspector` and `panels` show it and return commands; `commands` is the
+//! table of everything that has a name or a shortcut, and executes them. `files` reads and writes files.
 
-mod ab_settings;
-mod about;
-mod actions;
-mod apply;
-mod area_panel;
-mod areas;
-mod atomic_write;
-mod command;
-mod command_palette;
-mod dialogs;
-mod drop_files;
-mod entry;
-mod event_comparison;
-mod events_panel;
-mod export_frame;
-mod help;
+mod commands;
+mod files;
 mod icons;
 pub mod inspector;
-mod keys;
-mod marks;
-mod messages;
-mod object_panel;
-mod overlays;
-mod persisted_state;
-mod pins;
-mod sample;
-mod score_panel;
-mod setting_control;
-mod setting_help;
-mod settings_file;
-mod settings_panel;
-mod state;
-mod status;
-mod timeline;
-mod toasts;
-mod top_bar;
-mod transport;
-mod undo_history;
+mod model;
+mod panels;
 mod views;
-mod welcome;
 
 pub mod theme;
 
@@ -61,17 +28,17 @@ use std::time::{Duration, Instant};
 use eframe::egui::{self, CentralPanel, Context, Frame, Id, Margin, Memory, Panel, Ui, vec2};
 use eframe::egui_wgpu::RenderState;
 
-use self::about::About;
-use self::areas::{AreaEdit, Areas};
-use self::command::{Action, Command};
-use self::command_palette::CommandPalette;
-use self::dialogs::{DialogResult, Dialogs};
 use self::inspector::{Inspector, InspectorAction, InspectorContext, RegionAccuracy};
-use self::persisted_state::PersistedState;
-use self::state::{Model, Opener, Subject};
-use self::status::FrameTiming;
-use self::toasts::Toasts;
 use self::views::{Layout, Pictures, View};
+use crate::app::commands::command::{Action, Command};
+use crate::app::files::dialogs::{DialogResult, Dialogs};
+use crate::app::model::areas::{AreaEdit, Areas};
+use crate::app::model::persisted_state::PersistedState;
+use crate::app::model::{Model, Opener, Subject};
+use crate::app::panels::about::About;
+use crate::app::panels::command_palette::CommandPalette;
+use crate::app::panels::status::FrameTiming;
+use crate::app::panels::toasts::Toasts;
 use crate::regions::Roi;
 use crate::replay::{Session, Start};
 use crate::settings::Settings;
@@ -339,12 +306,12 @@ impl Window {
             pictures: self.pictures.in_view().map(|set| (set.took(), set.bytes())),
         };
         let bar = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(8, 4));
-        Panel::top("menus").frame(bar).show(ui, |ui| top_bar::ui(ui, model, commands));
+        Panel::top("menus").frame(bar).show(ui, |ui| crate::app::panels::top_bar::ui(ui, model, commands));
         let bar = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(10, 0));
         Panel::bottom("status")
             .frame(bar)
             .exact_size(theme::ROW)
-            .show(ui, |ui| status::ui(ui, model, pace, commands));
+            .show(ui, |ui| crate::app::panels::status::ui(ui, model, pace, commands));
         let screen = ui.ctx().content_rect().size();
         if model.shown().is_some() {
             let bar = Frame::side_top_panel(ui.style()).inner_margin(Margin::symmetric(10, 6));
@@ -357,11 +324,11 @@ impl Window {
                     ui.horizontal_top(|ui| {
                         ui.vertical(|ui| {
                             ui.set_width(TRANSPORT);
-                            ui.horizontal(|ui| transport::buttons(ui, model, commands));
+                            ui.horizontal(|ui| crate::app::panels::transport::buttons(ui, model, commands));
                             ui.add_space(theme::SPACE);
-                            ui.horizontal(|ui| transport::place(ui, model, commands));
+                            ui.horizontal(|ui| crate::app::panels::transport::place(ui, model, commands));
                         });
-                        timeline::ui(ui, model, commands);
+                        crate::app::panels::timeline::ui(ui, model, commands);
                     });
                 });
         }
@@ -374,7 +341,7 @@ impl Window {
             // nothing may be lost in a larger one.
             panel
                 .size_range((wide * 0.09).max(236.0)..=(wide * 0.3).max(236.0))
-                .show(ui, |ui| settings_panel::ui(ui, model, commands));
+                .show(ui, |ui| crate::app::panels::settings_panel::ui(ui, model, commands));
         }
         if model.inspector_panel && model.shown().is_some() {
             let size = (wide * 0.235).clamp(232.0, 720.0);
@@ -393,13 +360,13 @@ impl Window {
                     .resizable(true)
                     .default_size(third.clamp(least, most));
                 list.size_range((0.5 * third).clamp(least, most)..=most).show(ui, |ui| {
-                    events_panel::ui(ui, model, commands);
+                    crate::app::panels::events_panel::ui(ui, model, commands);
                     // A panel shrinks to its content: a short list must not shrink it.
                     ui.take_available_space();
                 });
-                object_panel::choice(ui, model, commands);
+                crate::app::panels::object_panel::choice(ui, model, commands);
                 if model.subject == Subject::Object {
-                    object_panel::ui(ui, model, commands);
+                    crate::app::panels::object_panel::ui(ui, model, commands);
                     return;
                 }
                 let slot = model.ab_settings.in_view;
@@ -447,11 +414,11 @@ impl Window {
         let (tree, pictures, fitted) = (&mut self.tree, &mut self.pictures, &mut self.fitted);
         CentralPanel::no_frame().show(ui, |ui| {
             if model.shown().is_some() {
-                welcome::stopped(ui, model, commands);
-                welcome::hint(ui, model, commands);
+                crate::app::panels::welcome::stopped(ui, model, commands);
+                crate::app::panels::welcome::hint(ui, model, commands);
                 *fitted = views::show(ui, tree, pictures, model, commands);
             } else {
-                welcome::ui(ui, model, commands);
+                crate::app::panels::welcome::ui(ui, model, commands);
             }
         });
     }
@@ -519,7 +486,7 @@ impl Window {
         self.model.open = View::ALL.map(|view| views::is_open(&self.tree, view));
         let mut commands = Vec::new();
         if !self.has_sheet() {
-            keys::pressed(&ctx, &self.model, &mut commands);
+            crate::app::commands::keys::pressed(&ctx, &self.model, &mut commands);
         }
         self.panels(ui, &mut commands);
         let asks = self.inspector.asks();
@@ -531,10 +498,10 @@ impl Window {
         self.model.map(self.pictures.shows_map().then_some(self.model.quantity));
         // Newly visible views may need more layers of the frame.
         self.ask_for_pictures();
-        help::ui(&ctx, &mut self.help);
+        crate::app::panels::help::ui(&ctx, &mut self.help);
         self.about.ui(&ctx);
         self.command_palette.ui(&ctx, &self.model, &mut commands);
-        drop_files::ui(&ctx, &self.model, &mut commands);
+        crate::app::files::drop_files::ui(&ctx, &self.model, &mut commands);
         self.toasts.show(&ctx);
         for command in commands {
             self.apply(&ctx, command);

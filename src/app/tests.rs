@@ -13,14 +13,14 @@ use eframe::egui::{self, Key, Modifiers, Theme, vec2};
 use egui_kittest::Harness;
 use egui_kittest::kittest::Queryable;
 
-use super::Window;
-use super::ab_settings::AbSlot;
-use super::command::Command;
-use super::dialogs::DialogResult;
-use super::golden::looks_as_before;
-use super::settings_file;
-use super::state::Player;
-use super::views::View;
+use crate::app::Window;
+use crate::app::commands::command::Command;
+use crate::app::files::dialogs::DialogResult;
+use crate::app::files::settings_file;
+use crate::app::golden::looks_as_before;
+use crate::app::model::Player;
+use crate::app::model::ab_settings::AbSlot;
+use crate::app::views::View;
 use crate::explain::pixel::PixelHistory;
 use crate::explain::tuning::TunableSetting;
 use crate::frame::{Frame, Mask, Size};
@@ -669,7 +669,7 @@ fn number_keys_maximise_and_restore_a_view() {
 #[test]
 fn magnified_pixels_show_their_values() {
     let (mut harness, _) = ready(58);
-    harness.state_mut().model.camera = super::state::Camera { magnification: 30.0, centre: [0.5, 0.5] };
+    harness.state_mut().model.camera = crate::app::model::Camera { magnification: 30.0, centre: [0.5, 0.5] };
     harness.state_mut().model.chosen = Some((80, 60));
     harness.run_steps(3);
     picture(&mut harness, "close-up");

@@ -6,7 +6,7 @@ use std::{fs, io};
 
 use super::SlottedHistory;
 use super::table::{Table, borrowed};
-use crate::app::atomic_write;
+use crate::app::files::atomic_write;
 use crate::explain::pixel::{PixelHistory, scatter_points};
 use crate::export::figure::cube::{self, Look};
 use crate::export::figure::mixture::{self, UpdateSide};

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::{fs, io};
 
-use crate::app::atomic_write;
+use crate::app::files::atomic_write;
 use crate::explain::pixel::PixelHistory;
 use crate::export::{pixel_csv, shares_csv, statistics_csv, tuning_csv};
 use crate::replay::{RegionShares, RegionTuning, Tuning};

@@ -6,7 +6,7 @@ use egui_kittest::kittest::{AccessKitNode, NodeT as _};
 
 use super::inspector::inspected_state;
 use super::*;
-use crate::app::command::{ACTIONS, Action, Menu};
+use crate::app::commands::command::{ACTIONS, Action, Menu};
 
 type Nodes<'a> = Box<dyn Iterator<Item = AccessKitNode<'a>> + 'a>;
 

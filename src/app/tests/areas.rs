@@ -3,7 +3,7 @@
 use eframe::egui::{PointerButton, Pos2};
 
 use super::*;
-use crate::app::areas::AreaEdit;
+use crate::app::model::areas::AreaEdit;
 use crate::app::views::Canvas;
 use crate::regions::Roi;
 
@@ -112,7 +112,9 @@ fn areas_are_cancelled_selected_deleted_and_cleared() {
     for (a, b) in [([5.0, 5.0], [40.0, 40.0]), ([60.0, 60.0], [90.0, 90.0])] {
         harness.state_mut().apply(
             &ctx,
-            Command::Act(crate::app::command::Action::DrawArea(crate::regions::roi::Purpose::Ignore)),
+            Command::Act(crate::app::commands::command::Action::DrawArea(
+                crate::regions::roi::Purpose::Ignore,
+            )),
         );
         harness.state_mut().apply(&ctx, Command::Area(AreaEdit::Rectangle(a, b)));
     }
@@ -176,7 +178,7 @@ fn escape_closes_an_open_menu_before_it_deselects_an_area() {
     let ctx = harness.ctx.clone();
     harness.state_mut().apply(
         &ctx,
-        Command::Act(crate::app::command::Action::DrawArea(crate::regions::roi::Purpose::Ignore)),
+        Command::Act(crate::app::commands::command::Action::DrawArea(crate::regions::roi::Purpose::Ignore)),
     );
     harness.state_mut().apply(&ctx, Command::Area(AreaEdit::Rectangle([5.0, 5.0], [40.0, 40.0])));
     harness.run_steps(3);

@@ -1,8 +1,8 @@
 //! Comparison of the settings A and B.
 
 use super::*;
-use crate::app::command::Action;
-use crate::app::event_comparison::{ComparisonFilter, EventRef};
+use crate::app::commands::command::Action;
+use crate::app::model::event_comparison::{ComparisonFilter, EventRef};
 use crate::app::views::{Canvas, Layout, loupe_words};
 use crate::replay::ComparedSequence;
 use crate::truth::Truth;

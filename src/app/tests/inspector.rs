@@ -1,7 +1,7 @@
 //! Inspector requests and their execution by the window.
 
 use super::*;
-use crate::app::command::Action;
+use crate::app::commands::command::Action;
 use crate::explain::pixel::PixelHistory;
 use crate::explain::tuning::{flip, map};
 use crate::mixture::Parameters;

@@ -3,8 +3,8 @@
 use std::collections::HashMap;
 
 use super::*;
-use crate::app::command::Action;
-use crate::app::overlays::Drawn;
+use crate::app::commands::command::Action;
+use crate::app::model::overlays::Drawn;
 use crate::app::views::Layout;
 
 fn act(harness: &mut Harness<'_, Window>, action: Action) {
@@ -105,7 +105,7 @@ fn ground_truth_boxes_are_drawn_over_the_tracks_of_their_frame() {
     let ctx = harness.ctx.clone();
     harness.state_mut().answered(&ctx, DialogResult::Truth(Ok(Arc::new(truth))));
     // The toast about the ground truth would change the image.
-    harness.state_mut().toasts = crate::app::toasts::Toasts::default();
+    harness.state_mut().toasts = crate::app::panels::toasts::Toasts::default();
     harness.run_steps(2);
     let with = harness.render().unwrap();
     let rect = harness.get_by_label("Tracks and occlusions view").rect();

@@ -1,8 +1,8 @@
 //! Maps of per-pixel quantities: their content, and when they are requested.
 
 use super::*;
-use crate::app::command::Action;
-use crate::app::state::{Camera, Hover};
+use crate::app::commands::command::Action;
+use crate::app::model::{Camera, Hover};
 
 fn act(harness: &mut Harness<'_, Window>, action: Action) {
     let ctx = harness.ctx.clone();

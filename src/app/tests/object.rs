@@ -1,9 +1,9 @@
 //! The object panel.
 
 use super::*;
-use crate::app::command::Action;
-use crate::app::event_comparison::EventRef;
-use crate::app::state::Subject;
+use crate::app::commands::command::Action;
+use crate::app::model::Subject;
+use crate::app::model::event_comparison::EventRef;
 use crate::app::views::Canvas;
 
 /// Clicks on a place of the image in a view.

@@ -4,8 +4,8 @@ use eframe::egui::{Pos2, pos2};
 use image::{Rgba, RgbaImage};
 
 use super::*;
-use crate::app::command::Action;
-use crate::app::state::Camera;
+use crate::app::commands::command::Action;
+use crate::app::model::Camera;
 use crate::app::views::{Background, Canvas};
 use crate::palette::identity_colour;
 
@@ -147,7 +147,7 @@ fn zooming_panning_and_the_mask_overlay_upload_nothing() {
     let set = |harness: &Harness<'_, Window>| Arc::clone(harness.state().pictures.in_view().unwrap());
     let before = set(&harness);
     assert!(before.bytes() > 0);
-    let model = |harness: &mut Harness<'_, Window>, change: fn(&mut crate::app::state::Model)| {
+    let model = |harness: &mut Harness<'_, Window>, change: fn(&mut crate::app::model::Model)| {
         change(&mut harness.state_mut().model);
         settle(harness);
     };

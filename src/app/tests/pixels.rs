@@ -2,8 +2,8 @@
 
 use super::inspector::copied_text;
 use super::*;
-use crate::app::command::Action;
-use crate::app::state::Camera;
+use crate::app::commands::command::Action;
+use crate::app::model::Camera;
 
 const AT: (u32, u32) = (80, 60);
 const PINNED: [(u32, u32); 3] = [(80, 60), (30, 40), (120, 50)];

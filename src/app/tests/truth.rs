@@ -2,7 +2,7 @@
 
 use super::inspector::inspected_state;
 use super::*;
-use crate::app::command::Action;
+use crate::app::commands::command::Action;
 use crate::explain::tuning::grid;
 use crate::replay::RegionTuning;
 use crate::truth::decisions::Decisions;
@@ -59,7 +59,7 @@ fn judged(size: (f32, f32), theme: Theme) -> (Harness<'static, Window>, Scene) {
 fn load(harness: &mut Harness<'_, Window>, truth: Arc<Truth>) {
     let ctx = harness.ctx.clone();
     harness.state_mut().answered(&ctx, DialogResult::Truth(Ok(truth)));
-    harness.state_mut().toasts = crate::app::toasts::Toasts::default();
+    harness.state_mut().toasts = crate::app::panels::toasts::Toasts::default();
     settle(harness);
 }
 
@@ -162,7 +162,7 @@ fn accuracy_under_other_settings_is_requested_shown_and_applied() {
 
 #[test]
 fn a_hidden_tab_requests_nothing() {
-    use crate::app::state::Subject;
+    use crate::app::model::Subject;
     let (mut harness, scene) = judged((1600.0, 1000.0), Theme::Dark);
     let tuned = |scene: &Scene| {
         let asked = scene.asked.borrow();

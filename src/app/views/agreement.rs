@@ -3,7 +3,7 @@
 use eframe::egui::Color32;
 
 use super::{Compose, ComposeStyle, Pane, draw};
-use crate::app::ab_settings::AbSlot;
+use crate::app::model::ab_settings::AbSlot;
 use crate::app::theme;
 use crate::frame::Mask;
 use crate::replay::ShownFrame;

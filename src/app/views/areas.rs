@@ -3,7 +3,7 @@
 use eframe::egui::{Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2};
 
 use super::Canvas;
-use crate::app::areas::Areas;
+use crate::app::model::areas::Areas;
 use crate::app::theme;
 use crate::regions::roi::{Area, Purpose};
 

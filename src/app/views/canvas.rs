@@ -2,7 +2,7 @@
 
 use eframe::egui::{Pos2, Rect, Vec2, vec2};
 
-use crate::app::state::Camera;
+use crate::app::model::Camera;
 use crate::frame::Size;
 use crate::regions;
 

@@ -6,7 +6,7 @@ use eframe::egui::{
 
 use super::compose::Composition;
 use super::{Canvas, Pane, View, agreement};
-use crate::app::state::Model;
+use crate::app::model::Model;
 use crate::app::theme;
 use crate::mixture::Quantity;
 use crate::palette::verdict_colour;

@@ -18,7 +18,7 @@ use super::layer::{self, Layer, Layers};
 use super::layer_upload::{LayerUploader, UploadedLayers};
 use super::mask_errors;
 use super::{Background, View};
-use crate::app::state::FrameWithTrails;
+use crate::app::model::FrameWithTrails;
 use crate::frame::Size;
 use crate::truth::decisions::Decisions;
 

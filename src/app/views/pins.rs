@@ -3,8 +3,8 @@
 use eframe::egui::{Color32, Painter, Rect, Stroke, Vec2, vec2};
 
 use super::{Canvas, draw};
-use crate::app::pins::{self, Pins};
-use crate::app::state::Model;
+use crate::app::model::Model;
+use crate::app::model::pins::{self, Pins};
 use crate::regions;
 use crate::replay::region_bounds;
 

@@ -10,11 +10,12 @@ use egui_tiles::{Behavior, SimplificationOptions, TabState, Tabs, TileId, Tiles,
 
 use super::layer::{Layer, Layers};
 use super::{Background, Canvas, Pane, Pictures, View, areas, draw, loupe, map, pins};
-use crate::app::areas::AreaEdit;
-use crate::app::command::{Action, Command};
-use crate::app::overlays::Drawn;
-use crate::app::state::{Camera, Hover, Model, Subject};
-use crate::app::{theme, top_bar};
+use crate::app::commands::command::{Action, Command};
+use crate::app::model::areas::AreaEdit;
+use crate::app::model::overlays::Drawn;
+use crate::app::model::{Camera, Hover, Model, Subject};
+use crate::app::panels::top_bar;
+use crate::app::theme;
 use crate::mixture::Quantity;
 use crate::tracking::{Identity, Track};
 

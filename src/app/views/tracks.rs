@@ -6,8 +6,9 @@ use eframe::egui::{Align2, Color32, FontId, Mesh, Rect, Stroke, pos2, vec2};
 
 use super::draw::OccupiedRects;
 use super::{Compose, ComposeStyle, Pane, draw};
-use crate::app::overlays::Drawn;
-use crate::app::{icons, theme};
+use crate::app::icons;
+use crate::app::model::overlays::Drawn;
+use crate::app::theme;
 use crate::palette::{event_colour, identity_colour};
 use crate::regions;
 use crate::tracking::{Identity, Track, TrackState};

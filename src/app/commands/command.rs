@@ -1,0 +1,241 @@
+//! Actions, called by name or shortcut, and the commands that panels pass to [`crate::app::commands::apply`].
+
+use std::path::PathBuf;
+
+pub(crate) use crate::app::commands::actions::ACTIONS;
+pub(crate) use crate::app::commands::entry::{Entry, Menu};
+use crate::app::inspector::{Format, Plot, Table};
+use crate::app::model::ab_settings::AbSlot;
+use crate::app::model::areas::AreaEdit;
+use crate::app::model::event_comparison::{ComparisonFilter, EventRef};
+use crate::app::model::overlays::Drawn;
+use crate::app::model::{Camera, Hover, Subject};
+use crate::app::views::{Background, Layout, View};
+use crate::mixture::Quantity;
+use crate::regions::roi::Purpose;
+use crate::replay::Start;
+use crate::settings::Settings;
+use crate::tracking::Identity;
+
+/// A change of the user interface's scale.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Scale {
+    /// Larger by a tenth.
+    Larger,
+    /// Smaller by a tenth.
+    Smaller,
+    /// The scale of the system.
+    Usual,
+}
+
+/// An action of the table, called by name or shortcut.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub(crate) enum Action {
+    /// Choose a video file.
+    OpenVideo,
+    /// Choose a folder of images.
+    OpenFolder,
+    /// Open the bundled scene.
+    OpenSample,
+    /// Close the video, or cancel opening it.
+    CloseVideo,
+    /// Write the annotated frame to a file.
+    ExportFrame,
+    /// Copy video, frame, time and chosen pixel as text.
+    CopyPlace,
+    /// Copy the annotated frame as an image.
+    CopyPicture,
+    /// Write the settings to a file.
+    SaveSettings,
+    /// Read the settings from a file.
+    LoadSettings,
+    /// End the program.
+    Quit,
+    /// Undo the last edit.
+    Undo,
+    /// Redo the last undone edit.
+    Redo,
+    /// Reset all settings to their defaults.
+    DefaultSettings,
+    /// Bring the settings of this slot into view.
+    AbSlot(AbSlot),
+    /// Show the other slot while a key is held.
+    FlipSettings,
+    /// Copy the settings in view to the other slot.
+    CopySettings,
+    /// Swap the settings of the two slots.
+    SwapSettings,
+    /// Keep only the settings in view.
+    KeepSettings,
+    /// Start drawing an area.
+    DrawArea(Purpose),
+    /// Complete the area that is being drawn.
+    CloseArea,
+    /// Remove its last corner.
+    UndoCorner,
+    /// Cancel drawing, or clear the selection of an area.
+    CancelArea,
+    /// Delete the selected area.
+    DeleteArea,
+    /// Delete all areas.
+    ClearAreas,
+    /// Read the region of interest from an image.
+    LoadMask,
+    /// Write the region of interest as an image.
+    SaveMask,
+    /// Read ground-truth boxes from a file.
+    LoadTruth,
+    /// Read ground-truth masks, or boxes and masks, from a folder.
+    LoadTruthFolder,
+    /// Pause the analysis beyond the frame in view, or resume it.
+    AnalyseAhead,
+    /// Start or stop playing.
+    Play,
+    /// Go this many frames forward, or back if negative.
+    Step(i32),
+    /// Zoom the timeline around the frame in view: in if true, else out.
+    ZoomTimeline(bool),
+    /// Go to the next event.
+    NextEvent,
+    /// Go to the previous event.
+    PreviousEvent,
+    /// Go to the first frame.
+    First,
+    /// Go to the last known frame.
+    Last,
+    /// Set the start of playback at this frame, or clear it.
+    StartHere,
+    /// Set the end of playback at this frame, or clear it.
+    EndHere,
+    /// Add or remove a bookmark at this frame.
+    Bookmark,
+    /// Go to the next bookmark.
+    NextBookmark,
+    /// Go to the previous bookmark.
+    PreviousBookmark,
+    /// Show the whole video in the timeline.
+    WholeTimeline,
+    /// Play slower.
+    Slower,
+    /// Play faster.
+    Faster,
+    /// Maximise a view, or restore all views.
+    Maximise(View),
+    /// Open or close a view.
+    Open(View),
+    /// Arrange views and panels in a layout.
+    Arrange(Layout),
+    /// Fit the whole image into each view.
+    Fit,
+    /// Draw each image pixel as one screen pixel.
+    Actual,
+    /// Zoom in.
+    ZoomIn,
+    /// Zoom out.
+    ZoomOut,
+    /// Show the next kind of background.
+    Background,
+    /// Show the map of this quantity.
+    Map(Quantity),
+    /// Show the map of the next quantity.
+    NextMap,
+    /// Show or hide the mask over the input.
+    Overlay,
+    /// Use the next opacity of the mask over the input.
+    OverlayOpacity,
+    /// Move the chosen pixel by columns and rows.
+    MovePixel(i32, i32),
+    /// Clear the choice of a pixel.
+    ClearPixel,
+    /// Clear the choice of an object.
+    ClearObject,
+    /// Show or hide the loupe beside the pointer.
+    Loupe,
+    /// Pin or unpin the chosen pixel.
+    Pin,
+    /// Unpin all pixels.
+    ClearPins,
+    /// Show or hide the settings panel.
+    SettingsPanel,
+    /// Show or hide the panel with inspector and events.
+    InspectorPanel,
+    /// Show or hide an overlay of the tracks view.
+    Draw(Drawn),
+    /// Change the scale of the user interface.
+    Scale(Scale),
+    /// Switch between the dark and the light theme.
+    Theme,
+    /// Show or hide the messages.
+    Messages,
+    /// Show or hide the About dialog.
+    About,
+    /// Show or hide the list of shortcuts.
+    Help,
+    /// Open or close the command palette.
+    Palette,
+}
+
+/// A command of a panel.
+#[derive(Clone, Debug)]
+pub(crate) enum Command {
+    /// Copy a table to the clipboard.
+    CopyTable(Table),
+    /// Save a table to a file.
+    SaveTable(Table),
+    /// Copy a plot to the clipboard.
+    CopyPlot(Box<Plot>),
+    /// Save a plot to a file.
+    SavePlot(Box<Plot>, Format),
+    /// Execute an action of the table.
+    Act(Action),
+    /// Open this video at this position.
+    Open(String, Start),
+    /// Set the video's frame rate.
+    Rate(f32),
+    /// Read ground truth from this file or folder.
+    ReadTruth(PathBuf),
+    /// Open the bundled sample at its first occlusion.
+    OpenSample,
+    /// Show the frame at this position, from 0.
+    GoTo(u32),
+    /// Show the frame of this number, or the nearest existing one.
+    GoToNumber(u32),
+    /// Show these positions in the timeline, from and to; `None` for all.
+    Span(Option<(f32, f32)>),
+    /// Play at the speed of this index.
+    Speed(usize),
+    /// Analyse with these settings.
+    Set(Box<Settings>),
+    /// Choose a pixel.
+    Choose(Option<(u32, u32)>),
+    /// Choose an object by its identity.
+    ChooseObject(Option<Identity>),
+    /// Show this subject in the panel on the right.
+    Explain(Subject),
+    /// Unpin the pixel of this number.
+    Unpin(u8),
+    /// Set the camera of all views.
+    SetCamera(Camera),
+    /// The pointer moved to this pixel, or left the views.
+    Hover(Option<Hover>),
+    /// Show this kind of background.
+    ShowBackground(Background),
+    /// Set the opacity of the mask over the input, in per cent.
+    Overlay(u8),
+    /// Edit the areas to analyse or ignore.
+    Area(AreaEdit),
+    /// Scroll the setting of this name into view.
+    RevealSetting(&'static str),
+    /// That setting was scrolled into view.
+    SettingRevealed,
+    /// Dismiss the hint.
+    HideHint,
+    /// Show the evidence of an event.
+    OpenEvent(Option<EventRef>),
+    /// The key that showed the other slot was released: bring this slot back into view.
+    LetGo(AbSlot),
+    /// List these events while settings are compared.
+    List(ComparisonFilter),
+    /// Show or hide a kind of event, by its index in [`crate::occlusion::EventKind::ALL`].
+    FilterEvents(usize, bool),
+}

@@ -1,0 +1,268 @@
+//! File dialogs and the file access that follows them. Both run on their own threads, so that the window never waits.
+
+use std::path::{Path, PathBuf};
+use std::sync::Arc;
+use std::time::{Duration, Instant};
+
+use crossbeam_channel::{Receiver, Sender};
+use eframe::egui::{ColorImage, Context};
+use rfd::FileDialog;
+
+use crate::app::files::atomic_write;
+use crate::app::files::export_frame::FrameExport;
+use crate::app::files::settings_file;
+use crate::app::inspector::{Format, Plot, Table};
+use crate::export::picture;
+use crate::regions::Roi;
+use crate::settings::Settings;
+use crate::truth::Truth;
+
+/// Minimum time in which a user can cancel a dialog. A dialog that ends sooner was never shown.
+const TOO_SOON: Duration = Duration::from_millis(250);
+
+/// The result of a dialog.
+pub(crate) enum DialogResult {
+    /// A video or folder to open.
+    Open(PathBuf),
+    /// A file was written, or an error in a sentence.
+    Wrote(Result<PathBuf, String>),
+    /// A plot was drawn for the clipboard, or an error in a sentence.
+    Drawn(Result<ColorImage, String>),
+    /// A table was written for the clipboard, with its number of rows, or an error in a sentence.
+    Tabled(Result<(String, usize), String>),
+    /// Settings were read from a file, or an error in a sentence.
+    Settings(Result<(PathBuf, Box<Settings>), String>),
+    /// A mask was read from a file, or an error in a sentence.
+    Mask(Result<Arc<Roi>, String>),
+    /// Ground truth was read, or an error in a sentence.
+    Truth(Result<Arc<Truth>, String>),
+    /// This system has no file dialogs.
+    NoDialog,
+}
+
+/// The result, if any, and whether it closed a dialog.
+struct DialogOutcome {
+    answer: Option<DialogResult>,
+    from_dialog: bool,
+}
+
+/// The open dialog and pending results.
+pub(crate) struct Dialogs {
+    sender: Sender<DialogOutcome>,
+    receiver: Receiver<DialogOutcome>,
+    open: bool,
+}
+
+impl Default for Dialogs {
+    fn default() -> Self {
+        let (sender, receiver) = crossbeam_channel::unbounded();
+        Self { sender, receiver, open: false }
+    }
+}
+
+impl Dialogs {
+    /// Asks for a video file.
+    pub(crate) fn video(&mut self, ctx: &Context) {
+        self.ask(ctx, || {
+            let dialog = FileDialog::new().set_title("Open video");
+            let endings = ["mp4", "avi", "mkv", "mov", "webm", "m4v", "mpg", "mpeg", "ogv"];
+            dialog
+                .add_filter("Video", &endings)
+                .add_filter("All files", &["*"])
+                .pick_file()
+                .map(DialogResult::Open)
+        });
+    }
+
+    /// Asks for a folder of images.
+    pub(crate) fn folder(&mut self, ctx: &Context) {
+        self.ask(ctx, || {
+            FileDialog::new().set_title("Open folder of images").pick_folder().map(DialogResult::Open)
+        });
+    }
+
+    /// Asks for a path and writes a frame there.
+    pub(crate) fn export_frame(&mut self, ctx: &Context, picture: FrameExport) {
+        self.ask(ctx, move || {
+            let dialog = FileDialog::new().set_title("Export frame").set_file_name(picture.name());
+            let path = dialog.add_filter("PNG image", &["png"]).save_file()?;
+            Some(DialogResult::Wrote(picture.write(path)))
+        });
+    }
+
+    /// Asks for a path and writes settings there.
+    pub(crate) fn save_settings(&mut self, ctx: &Context, settings: Settings) {
+        self.ask(ctx, move || {
+            let dialog = FileDialog::new().set_title("Save settings").set_file_name(settings_file::NAME);
+            let path = dialog.add_filter("Settings", &[settings_file::ENDING]).save_file()?;
+            Some(DialogResult::Wrote(settings_file::write(path, &settings)))
+        });
+    }
+
+    /// Asks for a settings file and reads it.
+    pub(crate) fn load_settings(&mut self, ctx: &Context) {
+        self.ask(ctx, || {
+            let dialog =
+                FileDialog::new().set_title("Load settings").add_filter("Settings", &[settings_file::ENDING]);
+            let path = dialog.add_filter("All files", &["*"]).pick_file()?;
+            let read = settings_file::read(&path);
+            Some(DialogResult::Settings(read.map(|settings| (path, Box::new(settings)))))
+        });
+    }
+
+    /// Asks for an image of the region of interest and reads it.
+    pub(crate) fn load_mask(&mut self, ctx: &Context) {
+        self.ask(ctx, || {
+            let dialog = FileDialog::new().set_title("Load area mask");
+            let endings = ["png", "bmp", "jpg", "jpeg", "tif", "tiff", "pgm"];
+            let path = dialog.add_filter("Image", &endings).add_filter("All files", &["*"]).pick_file()?;
+            Some(DialogResult::Mask(Roi::read(&path).map(Arc::new).map_err(|error| error.to_string())))
+        });
+    }
+
+    /// Asks for a ground-truth file and reads it.
+    pub(crate) fn load_truth(&mut self, ctx: &Context) {
+        self.ask(ctx, || {
+            let dialog = FileDialog::new().set_title("Load ground truth");
+            let dialog = dialog.add_filter("MOTChallenge", &["txt", "csv"]).add_filter("All files", &["*"]);
+            Some(truth(&dialog.pick_file()?))
+        });
+    }
+
+    /// Asks for a ground-truth folder and reads it.
+    pub(crate) fn load_truth_folder(&mut self, ctx: &Context) {
+        self.ask(ctx, || {
+            Some(truth(&FileDialog::new().set_title("Load ground truth folder").pick_folder()?))
+        });
+    }
+
+    /// Reads ground truth from a file or folder.
+    pub(crate) fn read_truth(&mut self, ctx: &Context, path: PathBuf) {
+        self.make(ctx, move || truth(&path));
+    }
+
+    /// Asks for a path and writes the region of interest there as an image.
+    pub(crate) fn save_mask(&mut self, ctx: &Context, roi: Arc<Roi>) {
+        self.ask(ctx, move || {
+            let dialog = FileDialog::new().set_title("Save area mask").set_file_name("roi.png");
+            let path = dialog.add_filter("PNG image", &["png"]).save_file()?;
+            Some(DialogResult::Wrote(atomic_write::write(path, "png", |at| {
+                picture::write_mask(at, roi.mask())
+            })))
+        });
+    }
+
+    /// Asks for a path and writes a table there.
+    pub(crate) fn save_table(&mut self, ctx: &Context, table: Table) {
+        self.ask(ctx, move || {
+            let dialog = FileDialog::new().set_title("Save table").set_file_name(table.name());
+            let path = dialog.add_filter("CSV table", &["csv"]).save_file()?;
+            Some(DialogResult::Wrote(table.save(path)))
+        });
+    }
+
+    /// Asks for a path, draws a plot and writes it there.
+    pub(crate) fn save_plot(&mut self, ctx: &Context, plot: Box<Plot>, format: Format) {
+        self.ask(ctx, move || {
+            let dialog = FileDialog::new().set_title("Save figure").set_file_name(plot.name(format));
+            let path = dialog.add_filter(format.name(), &[format.ending()]).save_file()?;
+            Some(DialogResult::Wrote(plot.save(path, format)))
+        });
+    }
+
+    /// Draws a plot for the clipboard.
+    pub(crate) fn draw_plot(&mut self, ctx: &Context, plot: Box<Plot>) {
+        self.make(ctx, move || {
+            DialogResult::Drawn(plot.drawn().map(|picture| {
+                let size = [picture.size.width as usize, picture.size.height as usize];
+                ColorImage::from_rgb(size, &picture.rgb)
+            }))
+        });
+    }
+
+    /// Writes a table for the clipboard.
+    pub(crate) fn write_table(&mut self, ctx: &Context, table: Table) {
+        self.make(ctx, move || {
+            let failed = |error| format!("the table cannot be copied: {error}; save it instead");
+            DialogResult::Tabled(table.csv().map(|text| (text, table.rows())).map_err(failed))
+        });
+    }
+
+    /// Runs work without a dialog on a thread of its own.
+    fn make(&mut self, ctx: &Context, make: impl FnOnce() -> DialogResult + Send + 'static) {
+        let (sender, ctx) = (self.sender.clone(), ctx.clone());
+        std::thread::spawn(move || {
+            let _ = sender.send(DialogOutcome { answer: Some(make()), from_dialog: false });
+            ctx.request_repaint();
+        });
+    }
+
+    /// The next pending result.
+    pub(crate) fn answer(&mut self) -> Option<DialogResult> {
+        let brought = self.receiver.try_recv().ok()?;
+        // Results for the clipboard come from no dialog; a dialog may still be open.
+        self.open &= !brought.from_dialog;
+        brought.answer
+    }
+
+    fn ask(&mut self, ctx: &Context, dialog: impl FnOnce() -> Option<DialogResult> + Send + 'static) {
+        // Only one dialog at a time: a second one would cover the first.
+        if self.open {
+            return;
+        }
+        self.open = true;
+        let (sender, ctx) = (self.sender.clone(), ctx.clone());
+        std::thread::spawn(move || {
+            let asked = Instant::now();
+            let answer = dialog().or_else(|| (asked.elapsed() < TOO_SOON).then_some(DialogResult::NoDialog));
+            // Sending fails if the window is already closed; the result is then discarded.
+            let _ = sender.send(DialogOutcome { answer, from_dialog: true });
+            ctx.request_repaint();
+        });
+    }
+}
+
+fn truth(path: &Path) -> DialogResult {
+    let read = Truth::read(path);
+    DialogResult::Truth(read.map(Arc::new).map_err(|error| format!("{error}; choose another file")))
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+
+    /// The result of a dialog, once it has ended.
+    fn brought(dialog: impl FnOnce() -> Option<DialogResult> + Send + 'static) -> Option<DialogResult> {
+        let (ctx, mut dialogs) = (Context::default(), Dialogs::default());
+        dialogs.ask(&ctx, dialog);
+        assert!(dialogs.open);
+        let answer = dialogs.receiver.recv().unwrap();
+        dialogs.sender.send(answer).unwrap();
+        let answer = dialogs.answer();
+        assert!(!dialogs.open);
+        answer
+    }
+
+    #[test]
+    fn a_clipboard_result_closes_no_dialog() {
+        let (ctx, mut dialogs) = (Context::default(), Dialogs::default());
+        dialogs.open = true;
+        dialogs.make(&ctx, || DialogResult::Tabled(Ok(("a,b\n".to_owned(), 0))));
+        let answer = dialogs.receiver.recv().unwrap();
+        dialogs.sender.send(answer).unwrap();
+        assert!(matches!(dialogs.answer(), Some(DialogResult::Tabled(Ok(_)))) && dialogs.open);
+    }
+
+    #[test]
+    fn a_dialog_that_was_never_shown_differs_from_a_cancelled_one() {
+        assert!(matches!(brought(|| None), Some(DialogResult::NoDialog)));
+        let cancelled = || {
+            std::thread::sleep(2 * TOO_SOON);
+            None
+        };
+        assert!(brought(cancelled).is_none());
+        assert!(matches!(brought(|| Some(DialogResult::Open("a".into()))), Some(DialogResult::Open(_))));
+    }
+}

@@ -1,0 +1,59 @@
+//! The bundled sample video, unpacked for the decoder.
+
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// A video of two people who cross.
+const CROSSING: &[u8] = include_bytes!("../../../sample_videos/crossing.mp4");
+const NAME: &str = "crossing.mp4";
+/// A pixel on the occluder during the crossing, chosen when the sample opens.
+pub(crate) const PIXEL: (u32, u32) = (160, 137);
+
+/// The path of the sample, which is written if it is missing or differs. Returns an error in a sentence.
+pub(crate) fn unpacked() -> Result<PathBuf, String> {
+    let mut why = String::new();
+    for folder in folders() {
+        match unpack_into(&folder) {
+            Ok(path) => return Ok(path),
+            Err(error) => why = format!("the sample cannot be written to {}: {error}", folder.display()),
+        }
+    }
+    Err(format!("{why}; open another video, or set TMPDIR to a writable folder"))
+}
+
+/// The candidate folders: the user's cache, then the folder for temporary files.
+fn folders() -> Vec<PathBuf> {
+    let home = |name: &str| std::env::var_os(name).map(PathBuf::from).filter(|path| path.is_absolute());
+    let cache = home("XDG_CACHE_HOME").or_else(|| home("HOME").map(|home| home.join(".cache")));
+    let version = concat!("occluscope-", env!("CARGO_PKG_VERSION"));
+    cache.into_iter().chain([std::env::temp_dir()]).map(|folder| folder.join(version)).collect()
+}
+
+fn unpack_into(folder: &Path) -> std::io::Result<PathBuf> {
+    let path = folder.join(NAME);
+    if std::fs::read(&path).is_ok_and(|there| there == CROSSING) {
+        return Ok(path);
+    }
+    std::fs::create_dir_all(folder)?;
+    let mut file = tempfile::NamedTempFile::new_in(folder)?;
+    file.write_all(CROSSING)?;
+    file.persist(&path).map_err(|error| error.error)?;
+    Ok(path)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+
+    #[test]
+    fn the_sample_is_written_once_and_a_broken_copy_is_replaced() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = unpack_into(folder.path()).unwrap();
+        assert_eq!(std::fs::read(&path).unwrap(), CROSSING);
+        std::fs::write(&path, b"broken").unwrap();
+        assert_eq!(unpack_into(folder.path()).unwrap(), path);
+        assert_eq!(std::fs::read(&path).unwrap(), CROSSING);
+    }
+}

@@ -1,0 +1,94 @@
+//! The list of shortcuts, made from the table of actions.
+
+use eframe::egui::{Align, Context, Grid, Id, Layout, Modal, RichText, ScrollArea, Ui, vec2};
+
+use crate::app::commands::command::{ACTIONS, Menu};
+use crate::app::theme;
+
+/// The actions of the pointer.
+const POINTER: &[(&str, &str)] = &[
+    ("Click", "select the pixel in all views"),
+    ("Wheel", "zoom at the pointer"),
+    ("Drag", "pan all views"),
+    ("Double click", "fit image"),
+    ("Hold Alt", "loupe at the pointer"),
+    ("Click an outline", "select the area"),
+    ("Drag a view's title", "move the view"),
+    ("Drop a file", "open a video or image folder"),
+];
+
+/// The keys of the focused control.
+const FOCUS: &[(&str, &str)] = &[
+    ("Tab", "next control"),
+    ("Shift+Tab", "previous control"),
+    ("Space", "activate control"),
+    ("Arrow keys in a view", "select a pixel"),
+    ("Arrow keys in timeline", "previous, next frame"),
+    ("Esc", "leave control"),
+];
+
+/// Draws the dialog while `open`.
+pub(crate) fn ui(ctx: &Context, open: &mut bool) {
+    if !*open {
+        return;
+    }
+    let response = Modal::new(Id::unique("help")).frame(theme::sheet(ctx)).show(ctx, |ui| {
+        let room = ctx.content_rect();
+        ui.set_width((room.width() - 80.0).min(760.0));
+        let mut close = false;
+        ui.horizontal(|ui| {
+            ui.label(RichText::new("Keyboard and mouse").size(18.0).strong());
+            ui.with_layout(Layout::right_to_left(Align::Center), |ui| close = ui.button("Close").clicked());
+        });
+        ui.add_space(2.0 * theme::SPACE);
+        ScrollArea::vertical()
+            .max_height(room.height() - 140.0)
+            .min_scrolled_height(room.height() - 140.0)
+            .show(ui, |ui| {
+                ui.columns(2, |columns| {
+                    if let [left, right] = columns {
+                        keys(left, Menu::Analysis);
+                        keys(right, Menu::View);
+                        keys(right, Menu::File);
+                        keys(right, Menu::Help);
+                        told(right, "Mouse", POINTER);
+                        told(right, "Keyboard focus", FOCUS);
+                    }
+                });
+            });
+        close
+    });
+    if response.inner || response.should_close() {
+        *open = false;
+    }
+}
+
+fn keys(ui: &mut Ui, menu: Menu) {
+    heading(ui, menu.name());
+    Grid::new(menu.name()).num_columns(2).spacing(vec2(16.0, 5.0)).show(ui, |ui| {
+        for entry in ACTIONS.iter().filter(|entry| entry.menu == menu && !entry.shortcuts.is_empty()) {
+            let keys: Vec<String> = entry.shortcuts.iter().map(|shortcut| shortcut.text()).collect();
+            ui.label(RichText::new(keys.join("  ")).monospace().color(theme::colours(ui.visuals()).accent));
+            ui.label(entry.text.trim_end_matches('…')).on_hover_text(entry.tooltip);
+            ui.end_row();
+        }
+    });
+    ui.add_space(3.0 * theme::SPACE);
+}
+
+fn told(ui: &mut Ui, title: &str, rows: &[(&str, &str)]) {
+    heading(ui, title);
+    Grid::new(title).num_columns(2).spacing(vec2(16.0, 5.0)).show(ui, |ui| {
+        for (what, does) in rows {
+            ui.label(RichText::new(*what).monospace().color(theme::colours(ui.visuals()).accent));
+            ui.label(*does);
+            ui.end_row();
+        }
+    });
+    ui.add_space(3.0 * theme::SPACE);
+}
+
+fn heading(ui: &mut Ui, text: &str) {
+    ui.label(RichText::new(text).strong());
+    ui.add_space(theme::SPACE / 2.0);
+}
