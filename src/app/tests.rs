@@ -492,8 +492,12 @@ fn picture(harness: &mut Harness<'_, Window>, name: &str) {
 /// Checks the part of the window right of the views against its golden image.
 fn right_panel_looks_as_before(harness: &mut Harness<'_, Window>, name: &str) {
     picture(harness, name);
-    let view =
-        |view: &View| harness.query_by_label(&format!("{} view", view.title())).map(|found| found.rect());
+    harness.state_mut().toasts.hide();
+    harness.step();
+    let slots = &harness.state().model.ab_settings;
+    let view = |view: &View| {
+        harness.query_by_label(&format!("{} view", view.label(slots))).map(|found| found.rect())
+    };
     let views = View::ALL.iter().filter_map(view).reduce(egui::Rect::union).unwrap();
     let corner = egui::pos2(harness.ctx.content_rect().right(), views.bottom());
     let panel = egui::Rect::from_two_pos(views.right_top(), corner);

@@ -62,6 +62,12 @@ impl Toasts {
         self.messages.ui(ctx);
     }
 
+    /// Hides the visible messages: how far they have faded depends on the number of drawn frames.
+    #[cfg(test)]
+    pub(crate) fn hide(&mut self) {
+        self.shown = Self::default().shown;
+    }
+
     fn add(&mut self, ctx: &Context, text: impl Into<String>, icon: Icon, colour: Colour, time: Duration) {
         let text = text.into();
         self.messages.add(ctx.input(|input| input.time), &text, icon, colour);
