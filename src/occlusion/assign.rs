@@ -37,25 +37,31 @@ pub struct AssociationScore {
     pub motion: f32,
 }
 
-/// The score of each object (row) for each region (column). `unsure` is for each object the standard deviation of its
-/// predicted place, in pixels.
+/// The score of an object for a region. `position_sigma` is the standard deviation of its predicted place, in pixels.
+pub fn association_score(
+    object: &Object,
+    position_sigma: f32,
+    region: &SplitRegion,
+    settings: &Settings,
+) -> AssociationScore {
+    let (colour, delta_e) = object.colour_similarity(&region.histogram, settings);
+    let distance = distance_outside(&object.predicted_box(), &region.bbox);
+    let motion = (-0.5 * (distance / position_sigma).powi(2)).max(MIN_MOTION_NATS);
+    AssociationScore { colour, delta_e, distance, motion }
+}
+
+/// The score of each object (row) for each region (column). `position_sigma` is for each object the standard
+/// deviation of its predicted place, in pixels.
 pub fn association_scores(
     objects: &[&Object],
     position_sigma: &[f32],
     regions: &[SplitRegion],
     settings: &Settings,
 ) -> Vec<Vec<AssociationScore>> {
-    let fit = |object: &Object, position_sigma: f32, region: &SplitRegion| {
-        let (colour, delta_e) = object.colour_similarity(&region.histogram, settings);
-        let distance = distance_outside(&object.predicted_box(), &region.bbox);
-        let motion = (-0.5 * (distance / position_sigma).powi(2)).max(MIN_MOTION_NATS);
-        AssociationScore { colour, delta_e, distance, motion }
+    let row = |(object, &sigma): (&&Object, &f32)| {
+        regions.iter().map(|region| association_score(object, sigma, region, settings)).collect()
     };
-    let rows = objects.iter().zip(position_sigma);
-    rows.map(|(object, &position_sigma)| {
-        regions.iter().map(|region| fit(object, position_sigma, region)).collect()
-    })
-    .collect()
+    objects.iter().zip(position_sigma).map(row).collect()
 }
 
 /// The distance that one box would have to move to lie inside the other (or to contain it, where it is larger).

@@ -1,0 +1,187 @@
+//! Emits events, each at the first frame at which it can have happened after the earlier ones of the same objects,
+//! and makes the moves in the table that belong to them.
+
+use super::context::Context;
+use super::decisions::Decisions;
+use super::event::{Episode, EpisodeKind, Event, EventKind, Evidence};
+use super::groups::{GroupChange, partition_by};
+use super::object_table::{FrameRef, ObjectTable};
+use crate::regions::Rect;
+use crate::tracking::ObjectId;
+
+/// Emits an event of some objects. Its frame comes after all emitted events of them and their groups, and is put off
+/// to the next frame where it could not have happened after those.
+pub(super) fn emit_event(
+    context: &Context,
+    table: &mut ObjectTable,
+    decisions: &mut Decisions,
+    ids: &[ObjectId],
+    event: Event,
+) {
+    let frame = earliest_frame(table, ids, event.frame, event.kind).min(context.number);
+    for id in table.groups().with_group_members(ids) {
+        if let Some(object) = table.get_mut(id) {
+            object.last_event = object.last_event.max(Some((frame, event.kind)));
+        }
+    }
+    decisions.events.push(Event { frame, ..event });
+}
+
+/// The first frame from `frame` on in which an event of `kind` can have happened to these objects.
+fn earliest_frame(table: &ObjectTable, ids: &[ObjectId], frame: u32, kind: EventKind) -> u32 {
+    let members = table.groups().with_group_members(ids);
+    let emitted = members.into_iter().filter_map(|id| table.get(id)?.last_event);
+    let after = emitted.map(|(last, before)| if kind.may_follow(before) { last } else { last + 1 });
+    after.fold(frame, u32::max)
+}
+
+/// Whether an object can exit in this frame according to its emitted events.
+pub(super) fn can_leave(context: &Context, table: &ObjectTable, id: ObjectId) -> bool {
+    earliest_frame(table, &[id], context.number, EventKind::Exit) <= context.number
+}
+
+/// Emits the exit of an object and ends it.
+pub(super) fn emit_exit(
+    context: &Context,
+    table: &mut ObjectTable,
+    decisions: &mut Decisions,
+    id: ObjectId,
+    frame: u32,
+    evidence: Evidence,
+) {
+    emit_reappearance(context, table, decisions, id);
+    if let Some(identity) = table.identity(id)
+        && let Some(at) = table.get(id).map(|object| object.last_detection.bbox.centre())
+    {
+        let event = Event::of_one(frame, EventKind::Exit, identity, at, evidence);
+        emit_event(context, table, decisions, &[id], event);
+    }
+    table.end_object(id);
+}
+
+/// Marks an object that lost its region inside the image as occluded (a past object), and emits its disappearance.
+pub(super) fn mark_occluded(
+    context: &Context,
+    table: &mut ObjectTable,
+    decisions: &mut Decisions,
+    id: ObjectId,
+    since: FrameRef,
+) {
+    let Some(identity) = table.identity(id) else {
+        table.end_object(id);
+        return;
+    };
+    if let Some(pending) = decisions.take_reappearance_of(id) {
+        // It was visible only through a gap in the occluder: the occlusion continues.
+        table.occlude(id, pending.since);
+        return;
+    }
+    let Some(object) = table.get_mut(id) else { return };
+    object.restore_clear_velocity();
+    let last = object.last_detection.bbox;
+    let distance = last.distance_to_edge(context.size);
+    let away = distance > context.limits.border_px;
+    let place = if away { "away from the image edge" } else { "moving inward at the image edge" };
+    let mut evidence = Evidence::of_branch(format!(
+        "no region from frame {} on, {place}; no other region grew to contain it",
+        since.number
+    ));
+    evidence.at_least("distance to image edge, pixels", distance, context.limits.border_px);
+    let event = Event::of_one(since.number, EventKind::Disappear, identity, last.centre(), evidence);
+    emit_event(context, table, decisions, &[id], event);
+    table.occlude(id, since);
+}
+
+/// Emits the pending reappearance of an object, if it has one, and the episode that it ends.
+pub(super) fn emit_reappearance(
+    context: &Context,
+    table: &mut ObjectTable,
+    decisions: &mut Decisions,
+    id: ObjectId,
+) {
+    let Some(pending) = decisions.take_reappearance_of(id) else { return };
+    if let Some(object) = table.get(id) {
+        let (w, h) = object.size();
+        let back = Rect::around([pending.event.x, pending.event.y], w, h);
+        decisions.remember_occluder(pending.from.union(&back));
+    }
+    decisions.scene_episodes.push(Episode {
+        kind: EpisodeKind::Scene,
+        objects: pending.event.objects.clone(),
+        start: pending.since.number,
+        end: pending.event.frame.saturating_sub(1).max(pending.since.number),
+        least_visible: 0.0,
+        front: None,
+        identities_kept: true,
+    });
+    emit_event(context, table, decisions, &[id], pending.event);
+}
+
+/// Emits the demerge of members of one group that are in several `pieces`.
+pub(super) fn emit_demerge(
+    context: &Context,
+    table: &mut ObjectTable,
+    decisions: &mut Decisions,
+    pieces: &[Vec<ObjectId>],
+    cause: &GroupChange,
+) {
+    let groups: Vec<_> = table.groups().iter().cloned().collect();
+    for group in groups {
+        let mut parts = partition_by(&group, |id| pieces.iter().position(|piece| piece.contains(&id)));
+        parts.sort();
+        let members: Vec<ObjectId> = group.iter().copied().collect();
+        let frame = earliest_frame(table, &members, cause.frame, EventKind::Demerge);
+        if parts.len() < 2 || frame > context.number {
+            continue;
+        }
+        let parts: Vec<Vec<ObjectId>> = parts.into_iter().map(|(_, part)| part).collect();
+        let alone: Vec<ObjectId> = parts.iter().filter(|part| part.len() == 1).flatten().copied().collect();
+        let objects = table.identities_of(&members);
+        let event = Event {
+            frame,
+            kind: EventKind::Demerge,
+            becomes: if alone.is_empty() { objects.clone() } else { table.identities_of(&alone) },
+            objects,
+            pieces: parts.iter().map(|part| table.identities_of(part)).collect(),
+            x: cause.at[0],
+            y: cause.at[1],
+            front: None,
+            evidence: cause.evidence.clone(),
+        };
+        emit_event(context, table, decisions, &members, event);
+        table.groups_mut().split(&group, parts);
+    }
+}
+
+/// Emits the merge of objects that share a region, unless one of them has a pending demerge with others.
+pub(super) fn emit_merge(
+    context: &Context,
+    table: &mut ObjectTable,
+    decisions: &mut Decisions,
+    members: &[ObjectId],
+) {
+    let waits = !table.groups().with_group_members(members).iter().all(|id| members.contains(id));
+    if waits || earliest_frame(table, members, context.number, EventKind::Merge) > context.number {
+        return;
+    }
+    let cause = table.groups().cause_of_joining(members).cloned().unwrap_or_else(|| {
+        let shared = members.first().and_then(|&id| table.blob(table.blob_of(id)?));
+        let at = shared.map(|tracked| tracked.blob.bbox).unwrap_or_default().centre();
+        let branch = format!("{} objects share one region", members.len());
+        GroupChange { frame: context.number, at, evidence: Evidence::of_branch(branch) }
+    });
+    let identities = table.identities_of(members);
+    let event = Event {
+        frame: context.number,
+        kind: EventKind::Merge,
+        objects: identities.clone(),
+        becomes: identities,
+        pieces: Vec::new(),
+        x: cause.at[0],
+        y: cause.at[1],
+        front: None,
+        evidence: cause.evidence,
+    };
+    emit_event(context, table, decisions, members, event);
+    table.groups_mut().merge(members);
+}
