@@ -268,18 +268,18 @@ impl Pipeline {
     /// Tracks the objects of the next frame and decides its events, from its regions.
     fn follow(&mut self, number: u32, FoundRegions { mask, labels, regions }: FoundRegions) -> Analysis {
         self.t += 1;
-        let seen = self.tracker.step(number, &regions);
+        let result = self.tracker.step(number, &regions);
         Analysis {
             number,
             t: self.t,
             mask,
             labels,
             regions,
-            tracks: Arc::new(seen.tracks),
-            tentative: Arc::new(seen.tentative),
-            objects: Arc::new(seen.objects),
-            events: Arc::new(seen.events),
-            settled: Arc::new(seen.settled),
+            tracks: Arc::new(result.tracks),
+            tentative: Arc::new(result.tentative),
+            objects: Arc::new(result.objects),
+            events: Arc::new(result.events),
+            settled: Arc::new(result.settled),
             counters: self.tracker.counters(),
         }
     }
@@ -302,13 +302,13 @@ impl Pipeline {
     /// and in the order of frames.
     pub fn track_again(&mut self, analysis: &Analysis) -> Analysis {
         self.t += 1;
-        let seen = self.tracker.step(analysis.number, &analysis.regions);
+        let result = self.tracker.step(analysis.number, &analysis.regions);
         Analysis {
-            tracks: Arc::new(seen.tracks),
-            tentative: Arc::new(seen.tentative),
-            objects: Arc::new(seen.objects),
-            events: Arc::new(seen.events),
-            settled: Arc::new(seen.settled),
+            tracks: Arc::new(result.tracks),
+            tentative: Arc::new(result.tentative),
+            objects: Arc::new(result.objects),
+            events: Arc::new(result.events),
+            settled: Arc::new(result.settled),
             counters: self.tracker.counters(),
             ..analysis.clone()
         }
@@ -352,21 +352,21 @@ pub fn offline_result<'a>(
     pipeline: &Pipeline,
 ) -> OfflineResult {
     // Pending decisions at the last frame are made in a copy, because the pipeline may continue.
-    let late = pipeline.tracker.clone().finish();
+    let last = pipeline.tracker.clone().finish();
     let analyses: Vec<&Analysis> = analyses.into_iter().collect();
     let mut identity_map = IdentityMap::default();
-    let mut reading = OfflineResult::default();
+    let mut result = OfflineResult::default();
     let mut earlier: BTreeMap<u32, Vec<&Track>> = BTreeMap::new();
-    for settled in analyses.iter().map(|analysis| &*analysis.settled).chain([&late.settled]) {
-        for &(key, identity) in &settled.names {
+    for settled in analyses.iter().map(|analysis| &*analysis.settled).chain([&last.settled]) {
+        for &(key, identity) in &settled.identities {
             identity_map.set(key, identity);
         }
-        reading.episodes.extend(settled.episodes.iter().cloned());
+        result.episodes.extend(settled.episodes.iter().cloned());
         for (number, track) in &settled.earlier {
             earlier.entry(*number).or_default().push(track);
         }
     }
-    reading.episodes.sort_by(|a, b| (a.start, &a.objects).cmp(&(b.start, &b.objects)));
+    result.episodes.sort_by(|a, b| (a.start, &a.objects).cmp(&(b.start, &b.objects)));
     for analysis in analyses {
         let mut before = earlier.remove(&analysis.number).unwrap_or_default();
         // An object tracked in this frame has no earlier track here.
@@ -375,16 +375,16 @@ pub fn offline_result<'a>(
             !analysis.objects.iter().any(same)
         });
         let objects = before.into_iter().chain(analysis.objects.iter());
-        reading.tracks.push((analysis.number, identity_map.apply(objects)));
-        reading.events.extend(analysis.events.iter().cloned());
+        result.tracks.push((analysis.number, identity_map.apply(objects)));
+        result.events.extend(analysis.events.iter().cloned());
     }
-    reading.events.extend(late.events);
-    reading.events.sort_by(|a, b| (a.frame, a.kind, &a.objects).cmp(&(b.frame, b.kind, &b.objects)));
-    for event in &mut reading.events {
-        reading.counters.count(event.kind);
+    result.events.extend(last.events);
+    result.events.sort_by(|a, b| (a.frame, a.kind, &a.objects).cmp(&(b.frame, b.kind, &b.objects)));
+    for event in &mut result.events {
+        result.counters.count(event.kind);
         if event.kind == EventKind::Merge {
             // The object in front is known while they are merged, after the event.
-            event.front = reading
+            event.front = result
                 .episodes
                 .iter()
                 .filter(|episode| (episode.start..=episode.end).contains(&event.frame))
@@ -393,7 +393,7 @@ pub fn offline_result<'a>(
                 .filter(|front| event.objects.contains(front));
         }
     }
-    reading
+    result
 }
 
 #[cfg(test)]
@@ -490,7 +490,8 @@ mod tests {
     fn identities_hold_from_the_first_frame_on_and_noise_is_left_out() {
         let (noise, first, second) = (track(9, 1.0, 1.0), track(4, 20.0, 8.0), track(4, 22.0, 8.0));
         let mut analyses = [analysis(1, vec![noise, first]), analysis(2, vec![second])];
-        analyses[1].settled = Arc::new(SettledResults { names: vec![(4, 1)], ..SettledResults::default() });
+        analyses[1].settled =
+            Arc::new(SettledResults { identities: vec![(4, 1)], ..SettledResults::default() });
         let offline = offline_result(&analyses, &pipeline());
         let ids: Vec<_> = offline.tracks.iter().map(|(number, tracks)| (*number, tracks.len())).collect();
         assert_eq!(ids, [(1, 1), (2, 1)]);
@@ -501,7 +502,7 @@ mod tests {
     fn a_track_before_birth_is_taken_unless_the_object_has_one_in_that_frame() {
         let mut analyses = [analysis(1, vec![]), analysis(2, vec![track(4, 20.0, 8.0)]), analysis(3, vec![])];
         analyses[2].settled = Arc::new(SettledResults {
-            names: vec![(4, 1), (5, 1)],
+            identities: vec![(4, 1), (5, 1)],
             earlier: vec![(1, track(5, 10.0, 8.0)), (2, track(5, 30.0, 8.0))],
             ..SettledResults::default()
         });

@@ -310,7 +310,7 @@ fn split_group(
     unexplained
 }
 
-/// The part of a split region with these members: a lone object goes on with its own motion.
+/// The part of a split region with these members: a lone object keeps its own motion.
 fn split_part(
     context: &Context,
     table: &ObjectTable,

@@ -1,4 +1,4 @@
-//! Two regions that come in one above the other and move as one are one object.
+//! Two regions that appear one above the other and move alike are fragments of one object.
 //!
 //! Where the middle of an object has the colour of the background, the mask has a gap there from the first frame on, and
 //! each part would become an object. What tells fragments of one object from two objects is motion (Bose, Wang and

@@ -105,7 +105,7 @@ impl Decisions {
     }
 
     /// Whether an event or episode that is not returned yet can refer to an object.
-    pub(super) fn refer_to(&self, id: ObjectId) -> bool {
+    pub(super) fn has_reference_to(&self, id: ObjectId) -> bool {
         self.group_episodes.contains(id) || self.has_demerge_of(id)
     }
 

@@ -254,7 +254,7 @@ mod tests {
         let [event] = &decisions.events[..] else { panic!("{:?}", decisions.events) };
         assert_eq!(
             (event.kind, event.frame, &event.pieces),
-            (EventKind::Demerge, 2, &vec![vec![1], vec![2]])
+            (EventKind::Demerge, 2, &vec![vec![2], vec![1]])
         );
         assert!(decisions.demerges.is_empty());
     }

@@ -185,3 +185,71 @@ pub(super) fn emit_merge(
     emit_event(context, table, decisions, members, event);
     table.groups_mut().merge(members);
 }
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
+    use super::*;
+    use crate::occlusion::decisions::PendingReappearance;
+    use crate::occlusion::fixtures::{RED, context, person, start_confirmed, start_group};
+
+    const SINCE: FrameRef = FrameRef { number: 2, t: 2 };
+
+    /// A person that was occluded at x = 60 from frame 2 on and reappeared at x = 100 in frame 8.
+    fn reappeared() -> (ObjectTable, Decisions, ObjectId) {
+        let (mut table, mut decisions) = (ObjectTable::default(), Decisions::default());
+        let id = start_confirmed(&context(8), &mut table, person(100.0, 80.0), RED, [0.0; 2]);
+        let event = Event::of_one(8, EventKind::Reappear, 1, [110.0, 110.0], Evidence::default());
+        decisions.reappearances.push(PendingReappearance {
+            id,
+            since: SINCE,
+            t: 8,
+            event,
+            from: person(60.0, 80.0),
+        });
+        (table, decisions, id)
+    }
+
+    #[test]
+    fn a_reappearance_ends_an_episode_and_leaves_an_occluder_behind() {
+        let (mut table, mut decisions, id) = reappeared();
+        emit_reappearance(&context(20), &mut table, &mut decisions, id);
+        let [event] = &decisions.events[..] else { panic!("{:?}", decisions.events) };
+        assert_eq!((event.kind, event.frame), (EventKind::Reappear, 8));
+        let episode = &decisions.scene_episodes[0];
+        assert_eq!((episode.kind, episode.start, episode.end), (EpisodeKind::Scene, 2, 7));
+        assert_eq!(decisions.occluders(), [Rect::new(60.0, 80.0, 60.0, 60.0)]);
+        emit_reappearance(&context(21), &mut table, &mut decisions, id);
+        assert_eq!(decisions.events.len(), 1, "once");
+    }
+
+    #[test]
+    fn an_object_that_is_occluded_again_at_once_never_reappeared() {
+        let (mut table, mut decisions, id) = reappeared();
+        mark_occluded(&context(10), &mut table, &mut decisions, id, FrameRef { number: 10, t: 10 });
+        assert_eq!(table.occlusion_of(id).map(|occluded| occluded.since), Some(SINCE));
+        assert!(decisions.events.is_empty() && decisions.reappearances.is_empty());
+    }
+
+    #[test]
+    fn an_exit_comes_after_the_reappearance_that_was_pending() {
+        let (mut table, mut decisions, id) = reappeared();
+        emit_exit(&context(12), &mut table, &mut decisions, id, 12, Evidence::default());
+        let kinds: Vec<_> = decisions.events.iter().map(|event| (event.kind, event.frame)).collect();
+        assert_eq!(kinds, [(EventKind::Reappear, 8), (EventKind::Exit, 12)]);
+        assert!(!table.contains(id));
+    }
+
+    #[test]
+    fn an_event_comes_after_the_last_one_of_the_whole_group() {
+        let (mut table, mut decisions) = (ObjectTable::default(), Decisions::default());
+        let [a, b] = start_group(&context(1), &mut table, person(100.0, 80.0), person(120.0, 80.0));
+        table.get_mut(b).unwrap().last_event = Some((6, EventKind::Merge));
+        assert!(!can_leave(&context(6), &table, a), "an exit comes before a merge of the same frame");
+        assert!(can_leave(&context(7), &table, a));
+        let event = Event::of_one(3, EventKind::Disappear, 1, [0.0; 2], Evidence::default());
+        emit_event(&context(9), &mut table, &mut decisions, &[a], event);
+        assert_eq!(decisions.events[0].frame, 6, "after the merge, in the same frame");
+        assert_eq!(table.get(b).unwrap().last_event, Some((6, EventKind::Disappear)));
+    }
+}

@@ -108,14 +108,14 @@ pub(super) fn shows_one_object(table: &ObjectTable, tracked: &TrackedBlob, detec
 pub(super) fn correct_member_sizes(context: &Context, table: &mut ObjectTable) {
     let (blobs, objects) = table.blobs_and_objects();
     for tracked in blobs {
-        let area = |id: &ObjectId| objects.get(id).map_or(0.0, Object::area);
+        let area = |id: &ObjectId| objects.get(*id).map_or(0.0, Object::area);
         let Some(detection) = tracked.detection.as_ref().filter(|_| tracked.is_shared()) else { continue };
         let oversized = detection.area > MAX_AREA_RATIO * tracked.members().iter().map(area).sum::<f32>();
         let largest = tracked.members().iter().max_by(|a, b| area(a).total_cmp(&area(b)).then(b.cmp(a)));
         let largest = largest.copied();
         let frames = if oversized { tracked.oversized + 1 } else { 0 };
         if frames >= context.limits.head_count_frames
-            && let Some(object) = largest.and_then(|id| objects.get_mut(&id))
+            && let Some(object) = largest.and_then(|id| objects.get_mut(id))
         {
             object.last_detection = detection.clone();
             object.reset_appearance();

@@ -37,7 +37,7 @@ pub struct FrameResult {
 #[derive(Clone, Debug, Default)]
 pub struct SettledResults {
     /// Identities assigned to objects and to the keys of their tracks; a later assignment replaces an earlier one.
-    pub names: Vec<(ObjectId, Identity)>,
+    pub identities: Vec<(ObjectId, Identity)>,
     /// Episodes that have ended.
     pub episodes: Vec<Episode>,
     /// Tracks of new objects in the frames before their detection was confirmed by a seed, with those frames'

@@ -130,7 +130,7 @@ mod tests {
         let pair = [(person(100.0, 80.0), RED), (person(118.0, 80.0), BLUE)];
         let [a, _] =
             pair.map(|(bbox, colour)| start_confirmed(&context(1), &mut table, bbox, colour, [0.0; 2]));
-        table.get_mut(a).unwrap().last_event = Some((2, EventKind::Reappear));
+        table.get_mut(a).unwrap().last_event = Some((2, EventKind::Merge));
         let shared = shared_detection(&pair);
         table.merge_blobs(&[0, 1], blob_of(&context(2), &shared), shared);
         table.drop_empty_blobs();

@@ -39,10 +39,10 @@ pub(super) fn count_heads(context: &Context, table: &mut ObjectTable, decisions:
 fn extra_bodies(context: &Context, table: &mut ObjectTable, index: usize) -> Vec<Detection> {
     let (blobs, objects) = table.blobs_and_objects();
     let Some(tracked) = blobs.get(index) else { return Vec::new() };
-    let (Some(detection), Some(first)) = (&tracked.detection, tracked.members().first()) else {
+    let (Some(detection), Some(first)) = (&tracked.detection, tracked.members().first().copied()) else {
         return Vec::new();
     };
-    let members = tracked.members().iter().filter_map(|id| objects.get(id));
+    let members = tracked.members().iter().filter_map(|&id| objects.get(id));
     let seen = members.filter(|object| object.unseen_frames == 0).count().max(1);
     let cut_off = context.is_cut_off(&detection.bbox);
     let heads = if cut_off { Vec::new() } else { head_columns(&detection.mosaic) };

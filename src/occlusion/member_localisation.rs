@@ -108,9 +108,11 @@ mod tests {
             table.get_mut(id).unwrap().unseen_frames = 1;
         }
         localise_members(&context, &mut table, &members, &seen);
-        for (id, x) in members.into_iter().zip([104.0, 132.0]) {
+        for (id, (predicted, visible)) in members.into_iter().zip([(110.0, 104.0), (140.0, 132.0)]) {
             let object = table.get(id).unwrap();
-            assert!((object.model.centre()[0] - x).abs() < 3.0, "{:?}", object.model.centre());
+            let [x, y] = object.model.centre();
+            assert!(x > visible - 1.0 && x < predicted - 1.0, "between both: {x}");
+            assert!((y - 110.0).abs() < 1.5, "{y}");
             assert_eq!(object.unseen_frames, 0);
         }
     }

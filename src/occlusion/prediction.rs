@@ -15,13 +15,13 @@ pub(super) fn predict(context: &Context, table: &mut ObjectTable, perspective: &
     }
     let occluded: Vec<ObjectId> = table.occluded().iter().map(|occluded| occluded.id).collect();
     let (blobs, objects) = table.blobs_and_objects();
-    for id in blobs.iter().filter(|it| it.is_shared()).flat_map(|it| it.members()).chain(&occluded) {
+    for &id in blobs.iter().filter(|it| it.is_shared()).flat_map(|it| it.members()).chain(&occluded) {
         if let Some(object) = objects.get_mut(id) {
             object.predict();
         }
     }
     for tracked in blobs.iter() {
-        if let Some(object) = tracked.only_member().and_then(|id| objects.get_mut(&id)) {
+        if let Some(object) = tracked.only_member().and_then(|id| objects.get_mut(id)) {
             if object.partial_frames > 0 {
                 object.predict();
             } else {

@@ -99,7 +99,7 @@ impl Tracker {
         debug_assert_eq!(table.check(), None, "in frame {number}");
         let result = self.take_frame_result(earlier);
         let Self { table, decisions, .. } = self;
-        table.prune_identities(|id| decisions.refer_to(id));
+        table.prune_identities(|id| decisions.has_reference_to(id));
         result
     }
 
@@ -152,7 +152,7 @@ impl Tracker {
         let Self { table, decisions, .. } = self;
         let mut episodes = decisions.group_episodes.take_closed(|id| table.identity(id));
         episodes.append(&mut decisions.scene_episodes);
-        SettledResults { names: table.take_assigned_identities(), episodes, earlier }
+        SettledResults { identities: table.take_assigned_identities(), episodes, earlier }
     }
 
     /// Takes the events since the previous call, by frame and kind.

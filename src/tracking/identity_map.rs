@@ -4,14 +4,15 @@ use std::collections::BTreeMap;
 
 use super::track::{Identity, ObjectId, Track, TrackState};
 
-/// The identity of each object's number and of each number that its tracks are recorded under (their key). A number
-/// without one belongs to a tentative object or to noise.
+/// The identity of each object's number and of each number that its tracks are recorded under (their key). An object's
+/// number is its first key, and no number is used twice, so that one map has both. A number without an identity belongs
+/// to a tentative object or to noise.
 #[derive(Clone, Debug, Default)]
 pub struct IdentityMap {
     identities: BTreeMap<ObjectId, Identity>,
     last: Identity,
-    /// Assignments since the last call of [`IdentityMap::take_decided`], in order.
-    decided: Vec<(ObjectId, Identity)>,
+    /// Assignments since the last call of [`IdentityMap::take_assigned`], in order.
+    assigned: Vec<(ObjectId, Identity)>,
 }
 
 impl IdentityMap {
@@ -31,8 +32,8 @@ impl IdentityMap {
     }
 
     /// Takes the assignments since the previous call, in order.
-    pub fn take_decided(&mut self) -> Vec<(ObjectId, Identity)> {
-        std::mem::take(&mut self.decided)
+    pub fn take_assigned(&mut self) -> Vec<(ObjectId, Identity)> {
+        std::mem::take(&mut self.assigned)
     }
 
     /// Drops the keys that nothing refers to any more.
@@ -53,7 +54,7 @@ impl IdentityMap {
     /// Assigns an identity to a key.
     pub fn set(&mut self, key: ObjectId, identity: Identity) {
         self.identities.insert(key, identity);
-        self.decided.push((key, identity));
+        self.assigned.push((key, identity));
     }
 
     /// Assigns the identity of another key to a key.
