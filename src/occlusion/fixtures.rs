@@ -59,11 +59,16 @@ pub(super) fn shared_detection(parts: &[(Rect, Rgb)]) -> Detection {
     Detection::join(&parts.iter().collect::<Vec<_>>())
 }
 
-/// The region of a detection.
+/// A region of one box.
 pub(super) fn region(label: u32, bbox: Rect, colour: Rgb) -> Region {
-    let Detection { area, histogram, mosaic, .. } = detection(bbox, colour);
+    shared_region(label, &[(bbox, colour)])
+}
+
+/// One region of several boxes, each of one colour.
+pub(super) fn shared_region(label: u32, parts: &[(Rect, Rgb)]) -> Region {
+    let Detection { bbox, area, histogram, mosaic, .. } = shared_detection(parts);
     let shape = Shape { area: area as u32, bbox, centroid: bbox.centre(), extent: 1.0, ..Shape::default() };
-    Region { label, shape, colour, histogram, mosaic }
+    Region { label, shape, colour: histogram.dominant().unwrap(), histogram, mosaic }
 }
 
 /// A tentative object that was detected in this frame, with a velocity in pixels a frame.

@@ -167,3 +167,92 @@ impl Tracker {
         events
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::occlusion::EventKind;
+    use crate::occlusion::fixtures::{BLUE, RED, person, region, shared_region};
+    use crate::regions::{Rect, Rgb};
+
+    const SIZE: Size = Size::new(320, 240);
+
+    fn tracker() -> Tracker {
+        Tracker::new(&Settings::default(), SIZE, 25.0)
+    }
+
+    /// The regions of boxes in a frame: boxes that overlap are one region.
+    fn regions_of(boxes: &[(Rect, Rgb)]) -> Vec<Region> {
+        let mut groups: Vec<Vec<(Rect, Rgb)>> = Vec::new();
+        for each in boxes {
+            let overlaps = |group: &Vec<(Rect, Rgb)>| {
+                group.iter().any(|(other, _)| other.intersection(&each.0).area() > 0.0)
+            };
+            let (joined, apart): (Vec<_>, Vec<_>) = groups.into_iter().partition(overlaps);
+            groups = apart;
+            groups.push(joined.into_iter().flatten().chain([*each]).collect());
+        }
+        (1..).zip(&groups).map(|(label, group)| shared_region(label, group)).collect()
+    }
+
+    #[test]
+    fn two_people_who_cross_merge_once_and_demerge_once() {
+        let mut tracker = tracker();
+        let mut events = Vec::new();
+        for number in 1..=100 {
+            let x = 2.0 * number as f32;
+            let boxes = [(person(40.0 + x, 80.0), RED), (person(260.0 - x, 80.0), BLUE)];
+            events.extend(tracker.step(number, &regions_of(&boxes)).events);
+        }
+        events.extend(tracker.finish().events);
+        let kinds: Vec<_> = events.iter().map(|event| event.kind).collect();
+        assert_eq!(kinds, [EventKind::Appear, EventKind::Appear, EventKind::Merge, EventKind::Demerge]);
+        assert_eq!(events.last().map(|event| &event.pieces[..]), Some(&[vec![1], vec![2]][..]));
+    }
+
+    #[test]
+    fn a_person_behind_an_occluder_disappears_and_reappears_under_one_identity() {
+        let mut tracker = tracker();
+        let mut events = Vec::new();
+        for number in 1..=100 {
+            let bbox = person(40.0 + 2.0 * number as f32, 80.0);
+            let regions = if (50..70).contains(&number) { vec![] } else { vec![region(1, bbox, RED)] };
+            events.extend(tracker.step(number, &regions).events);
+        }
+        events.extend(tracker.finish().events);
+        let kinds: Vec<_> = events.iter().map(|event| (event.kind, event.objects.clone())).collect();
+        let of = |kind: EventKind| (kind, vec![1]);
+        assert_eq!(kinds, [of(EventKind::Appear), of(EventKind::Disappear), of(EventKind::Reappear)]);
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(32))]
+        #[test]
+        fn every_frame_leaves_the_table_whole(
+            // Start, height in the image, speed and colour of each person; when each is hidden.
+            people in prop::collection::vec((0_i16..300, 20_u8..80, -3_i8..4, any::<bool>()), 1..7),
+            hidden in prop::collection::vec((0_usize..7, 0_u32..90, 1_u32..30), 0..6),
+        ) {
+            let mut tracker = tracker();
+            for number in 1..=90 {
+                let mut boxes = Vec::new();
+                for (index, &(start, y, speed, red)) in people.iter().enumerate() {
+                    let x = i32::from(start) / 2 * 2 + 2 * i32::from(speed) * number;
+                    let is_hidden = hidden.iter().any(|&(of, from, frames)| {
+                        of == index && (from..from + frames).contains(&(number as u32))
+                    });
+                    if !is_hidden && (0..300).contains(&x) {
+                        let bbox = person(x as f32, (2 * i32::from(y)) as f32);
+                        boxes.push((bbox, if red { RED } else { BLUE }));
+                    }
+                }
+                tracker.step(number as u32, &regions_of(&boxes));
+                prop_assert_eq!(tracker.table.check(), None, "in frame {}", number);
+            }
+            tracker.finish();
+            prop_assert_eq!(tracker.table.check(), None, "at the end");
+        }
+    }
+}
