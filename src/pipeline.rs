@@ -503,7 +503,7 @@ mod tests {
         let mut analyses = [analysis(1, vec![]), analysis(2, vec![track(4, 20.0, 8.0)]), analysis(3, vec![])];
         analyses[2].settled = Arc::new(SettledResults {
             identities: vec![(4, 1), (5, 1)],
-            earlier: vec![(1, track(5, 10.0, 8.0)), (2, track(5, 30.0, 8.0))],
+            earlier: vec![(1, track(5, 10.0, 8.0)), (2, track(5, 12.0, 8.0))],
             ..SettledResults::default()
         });
         let offline = offline_result(&analyses, &pipeline());

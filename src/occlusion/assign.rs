@@ -325,6 +325,20 @@ mod tests {
     }
 
     #[test]
+    fn no_region_stays_empty_even_where_it_fits_none() {
+        let context = context(1);
+        let two = [1, 2].map(|id| object(&context, id, &detection(person(100.0, 80.0), RED), [0.0; 2]));
+        let regions = [2400.0, 20.0].map(|area| SplitRegion {
+            bbox: person(100.0, 80.0),
+            area,
+            histogram: Histogram::default(),
+        });
+        let alike = vec![vec![AssociationScore::default(); 2]; 2];
+        let assigned = assign_to_regions(&alike, &two.iter().collect::<Vec<_>>(), &regions, &[true; 2]);
+        assert_eq!(assigned, [1, 0]);
+    }
+
+    #[test]
     fn a_large_group_is_assigned_exactly_too() {
         // 6¹² assignments: one after the other is too many.
         let own = |object: usize| {

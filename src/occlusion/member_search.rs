@@ -9,7 +9,7 @@ use super::existence::shows_one_object;
 use super::groups::GroupChange;
 use super::localisation;
 use super::member_localisation::{localisation_input, localisation_inputs};
-use super::object_table::ObjectTable;
+use super::object_table::{ObjectTable, TrackedBlob};
 use crate::settings::Switch;
 use crate::tracking::ObjectId;
 
@@ -25,7 +25,7 @@ pub(super) fn reidentify_unseen_members(
     let in_groups = table.blobs().iter().filter(|tracked| tracked.is_shared());
     let is_missing = |&id: &ObjectId| table.get(id).is_some_and(|object| object.unseen_frames > 1);
     let mut missing: Vec<ObjectId> =
-        in_groups.flat_map(|tracked| tracked.members()).copied().filter(is_missing).collect();
+        in_groups.flat_map(TrackedBlob::members).copied().filter(is_missing).collect();
     missing.extend(table.occluded().iter().map(|occluded| occluded.id));
     for id in missing {
         if let Some((index, centre)) = find_in_groups(context, table, id) {

@@ -529,7 +529,9 @@ mod tests {
                         detection: seen.clone(),
                     };
                     table.split_blobs(&[index], members.iter().map(part).collect());
-                    members.into_iter().for_each(|id| table.renew_key(id));
+                    for id in members {
+                        table.renew_key(id);
+                    }
                 }
             }
             (7, Some(a), Some(b), _) => {

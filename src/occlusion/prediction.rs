@@ -1,7 +1,7 @@
 //! Predicts blobs and objects by one frame.
 
 use super::context::Context;
-use super::object_table::ObjectTable;
+use super::object_table::{ObjectTable, TrackedBlob};
 use super::perspective::Perspective;
 use crate::settings::Switch;
 use crate::tracking::ObjectId;
@@ -15,7 +15,7 @@ pub(super) fn predict(context: &Context, table: &mut ObjectTable, perspective: &
     }
     let occluded: Vec<ObjectId> = table.occluded().iter().map(|occluded| occluded.id).collect();
     let (blobs, objects) = table.blobs_and_objects();
-    for &id in blobs.iter().filter(|it| it.is_shared()).flat_map(|it| it.members()).chain(&occluded) {
+    for &id in blobs.iter().filter(|it| it.is_shared()).flat_map(TrackedBlob::members).chain(&occluded) {
         if let Some(object) = objects.get_mut(id) {
             object.predict();
         }

@@ -104,6 +104,7 @@ mod tests {
     #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
     use super::*;
     use crate::occlusion::fixtures::{BLUE, RED, context, detection, person, start, start_group};
+    use crate::occlusion::object_table::TrackedBlob;
 
     /// A group of a red and a blue person, of which only the red one's region is left, and a new blue object.
     fn match_new(x: f32) -> (bool, ObjectTable, [ObjectId; 2]) {
@@ -120,7 +121,7 @@ mod tests {
     fn a_new_object_beside_a_group_that_shrank_is_the_member_of_its_colours() {
         let (matched, table, [red, blue]) = match_new(152.0);
         assert!(matched);
-        assert_eq!(table.blobs().iter().map(|it| it.members()).collect::<Vec<_>>(), [[red], [blue]]);
+        assert_eq!(table.blobs().iter().map(TrackedBlob::members).collect::<Vec<_>>(), [[red], [blue]]);
         assert!(table.groups().cause_of_leaving(&[blue].into()).is_some());
     }
 
