@@ -212,8 +212,8 @@ fn best_assignment(
 /// A search takes at most so many partial assignments: an exhaustive one over 50 000 assignments takes no more than
 /// these, which is some milliseconds.
 const MAX_SEARCH_STEPS: usize = 100_000;
-/// A partial assignment is left when its bound is below a total that is reached by this share of both, which is more than sums
-/// of 32-bit numbers in another order differ.
+/// A partial assignment is left when its bound is below a total that is reached, by this share of both: more than sums
+/// of 32-bit numbers differ in another order.
 const BOUND_MARGIN_SHARE: f32 = 1e-3;
 
 /// The state of [`best_assignment`].

@@ -234,7 +234,8 @@ fn record_merge_cause(
     let before: f32 = table.blobs_at(blobs).map(largest).fold(0.0, f32::max);
     let grown = detection.area / before.max(1.0) - 1.0;
     let mut evidence = Evidence::of_branch(format!(
-        "{} objects with separate regions now share one of {:.0} pixels, {:+.0} % relative to the largest of them",
+        "{} objects with separate regions now share one of {:.0} pixels, {:+.0} % relative to the largest \
+         of them",
         blobs.len(),
         detection.area,
         100.0 * grown,

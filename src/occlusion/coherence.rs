@@ -1,7 +1,7 @@
 //! Two regions that appear one above the other and move alike are fragments of one object.
 //!
-//! Where the middle of an object has the colour of the background, the mask has a gap there from the first frame on, and
-//! each part would become an object. What tells fragments of one object from two objects is motion (Bose, Wang and
+//! Where the middle of an object has the colour of the background, the mask has a gap there from the first frame on,
+//! and each part would become an object. Motion distinguishes fragments of one object from two objects (Bose, Wang and
 //! Grimson, "Multi-class object tracking algorithm that handles fragmentation and grouping", CVPR 2007).
 
 use nalgebra::Vector2;
@@ -19,8 +19,8 @@ const MAX_GAP: f32 = 0.5;
 /// Both have moved by at least this multiple of their widths, and are still one above the other. Velocities of single
 /// frames are less reliable: each leg of a walker stands still at times.
 const MIN_TRAVEL: f32 = 1.0;
-/// Their mean velocities since then differ by at most this part of the faster one's. Tried: .25 and .4, with the same result
-/// on real sequences; without a limit two walkers of a drawn crowd, one behind the other, are joined.
+/// Their mean velocities since then differ by at most this part of the faster one's. Tried: .25 and .4, with the same
+/// result on real sequences; without a limit two walkers of a drawn crowd, one behind the other, are joined.
 const MAX_VELOCITY_DIFFERENCE: f32 = 0.25;
 
 /// The decision whether a tentative object is a fragment of another one.

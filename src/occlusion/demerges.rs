@@ -170,7 +170,8 @@ fn decide_demerge(context: &Context, table: &mut ObjectTable, demerge: &mut Pend
 fn cause_of(context: &Context, table: &ObjectTable, demerge: &PendingDemerge) -> GroupChange {
     let area: f32 = demerge.regions.iter().map(|region| region.area).sum();
     let mut evidence = Evidence::of_branch(format!(
-        "region shared by {} objects split into {} fragments, {area:.0} pixels in total; decided after {} frames",
+        "region shared by {} objects split into {} fragments, {area:.0} pixels in total; decided \
+         after {} frames",
         table.identities_of(&demerge.members).len(),
         demerge.regions.len(),
         context.t - demerge.at.t,

@@ -31,11 +31,11 @@ const MAX_SMALL_FRAGMENT_SHARE: f32 = 0.4;
 /// Largest gap of such a fragment, over the object's height.
 const MAX_FRAGMENT_GAP: f32 = 0.15;
 
-/// Fragments of one object together are at most this multiple of its size. Tried from 1.25 to 2.5 on pedestrians far and
-/// near and on fish; less loses objects that a post cuts, more joins neighbours.
+/// Fragments of one object together are at most this multiple of its size. Tried from 1.25 to 2.5 on pedestrians far
+/// and near and on fish; less loses objects that a post cuts, more joins neighbours.
 const MAX_UNION_RATIO: f32 = 1.6;
 
-/// Each of two side by side has at least this share of the height, and this share of the pixels, of what was taken for one
+/// Each of two side by side has at least this share of the height, and this share of the pixels, of the expected
 /// object. The heights were tried from .4 to .6, on people near and far, forwards, backwards and mirrored, and on fish.
 const MIN_BESIDE_HEIGHT: f32 = 0.5;
 const MIN_BESIDE_AREA: f32 = 0.25;

@@ -90,8 +90,8 @@ fn split_evidence(context: &Context, Candidate { score, filled, members, .. }: C
     let step = context.settings.size_step;
     let why = if filled <= 1.0 - step { "that shrank" } else { "in which it was not visible" };
     let mut evidence = Evidence::of_branch(format!(
-        "unassociated region next to one shared by {members} objects, {why}; assigned to the best-matching group \
-         member",
+        "unassociated region next to one shared by {members} objects, {why}; assigned to the best-matching \
+         group member",
     ));
     evidence.at_most("group area relative to the expected area of its members", filled, 1.0 - step);
     evidence.note("colour similarity, 0 to 1.2", score.colour);

@@ -60,7 +60,8 @@ impl Fitness {
         Self { mean_error: EXPECTED_ERROR, nulls: 1.0 }
     }
 
-    /// The number that is compared to `min_fitness`, 0..=1/3. Errors smaller than the covariance says make no model fitter.
+    /// The number that is compared to `min_fitness`, 0..=1/3. Errors smaller than the covariance says make no model
+    /// fitter.
     pub fn value(self) -> f32 {
         self.nulls / self.mean_error.max(EXPECTED_ERROR)
     }
