@@ -268,18 +268,18 @@ impl Pipeline {
     /// Tracks the objects of the next frame and decides its events, from its regions.
     fn follow(&mut self, number: u32, FoundRegions { mask, labels, regions }: FoundRegions) -> Analysis {
         self.t += 1;
-        let seen = self.tracker.step(number, &regions);
+        let result = self.tracker.step(number, &regions);
         Analysis {
             number,
             t: self.t,
             mask,
             labels,
             regions,
-            tracks: Arc::new(seen.tracks),
-            tentative: Arc::new(seen.tentative),
-            objects: Arc::new(seen.objects),
-            events: Arc::new(seen.events),
-            settled: Arc::new(seen.settled),
+            tracks: Arc::new(result.tracks),
+            tentative: Arc::new(result.tentative),
+            objects: Arc::new(result.objects),
+            events: Arc::new(result.events),
+            settled: Arc::new(result.settled),
             counters: self.tracker.counters(),
         }
     }
@@ -302,13 +302,13 @@ impl Pipeline {
     /// and in the order of frames.
     pub fn track_again(&mut self, analysis: &Analysis) -> Analysis {
         self.t += 1;
-        let seen = self.tracker.step(analysis.number, &analysis.regions);
+        let result = self.tracker.step(analysis.number, &analysis.regions);
         Analysis {
-            tracks: Arc::new(seen.tracks),
-            tentative: Arc::new(seen.tentative),
-            objects: Arc::new(seen.objects),
-            events: Arc::new(seen.events),
-            settled: Arc::new(seen.settled),
+            tracks: Arc::new(result.tracks),
+            tentative: Arc::new(result.tentative),
+            objects: Arc::new(result.objects),
+            events: Arc::new(result.events),
+            settled: Arc::new(result.settled),
             counters: self.tracker.counters(),
             ..analysis.clone()
         }
@@ -352,21 +352,21 @@ pub fn offline_result<'a>(
     pipeline: &Pipeline,
 ) -> OfflineResult {
     // Pending decisions at the last frame are made in a copy, because the pipeline may continue.
-    let late = pipeline.tracker.clone().finish();
+    let last = pipeline.tracker.clone().finish();
     let analyses: Vec<&Analysis> = analyses.into_iter().collect();
     let mut identity_map = IdentityMap::default();
-    let mut reading = OfflineResult::default();
+    let mut result = OfflineResult::default();
     let mut earlier: BTreeMap<u32, Vec<&Track>> = BTreeMap::new();
-    for settled in analyses.iter().map(|analysis| &*analysis.settled).chain([&late.settled]) {
-        for &(key, identity) in &settled.names {
+    for settled in analyses.iter().map(|analysis| &*analysis.settled).chain([&last.settled]) {
+        for &(key, identity) in &settled.identities {
             identity_map.set(key, identity);
         }
-        reading.episodes.extend(settled.episodes.iter().cloned());
+        result.episodes.extend(settled.episodes.iter().cloned());
         for (number, track) in &settled.earlier {
             earlier.entry(*number).or_default().push(track);
         }
     }
-    reading.episodes.sort_by(|a, b| (a.start, &a.objects).cmp(&(b.start, &b.objects)));
+    result.episodes.sort_by(|a, b| (a.start, &a.objects).cmp(&(b.start, &b.objects)));
     for analysis in analyses {
         let mut before = earlier.remove(&analysis.number).unwrap_or_default();
         // An object tracked in this frame has no earlier track here.
@@ -375,16 +375,16 @@ pub fn offline_result<'a>(
             !analysis.objects.iter().any(same)
         });
         let objects = before.into_iter().chain(analysis.objects.iter());
-        reading.tracks.push((analysis.number, identity_map.apply(objects)));
-        reading.events.extend(analysis.events.iter().cloned());
+        result.tracks.push((analysis.number, identity_map.apply(objects)));
+        result.events.extend(analysis.events.iter().cloned());
     }
-    reading.events.extend(late.events);
-    reading.events.sort_by(|a, b| (a.frame, a.kind, &a.objects).cmp(&(b.frame, b.kind, &b.objects)));
-    for event in &mut reading.events {
-        reading.counters.count(event.kind);
+    result.events.extend(last.events);
+    result.events.sort_by(|a, b| (a.frame, a.kind, &a.objects).cmp(&(b.frame, b.kind, &b.objects)));
+    for event in &mut result.events {
+        result.counters.count(event.kind);
         if event.kind == EventKind::Merge {
             // The object in front is known while they are merged, after the event.
-            event.front = reading
+            event.front = result
                 .episodes
                 .iter()
                 .filter(|episode| (episode.start..=episode.end).contains(&event.frame))
@@ -393,5 +393,144 @@ pub fn offline_result<'a>(
                 .filter(|front| event.objects.contains(front));
         }
     }
-    reading
+    result
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
+    use super::*;
+    use crate::export::tests::track;
+    use crate::occlusion::{EpisodeKind, Evidence};
+    use crate::regions::Rect;
+    use crate::settings::Preset;
+
+    const SIZE: Size = Size::new(64, 48);
+
+    fn pipeline() -> Pipeline {
+        Pipeline::new(&Settings::preset(Preset::Plain), SIZE, 25.0).unwrap()
+    }
+
+    fn frame(number: u32) -> Frame {
+        Frame::new(number, SIZE, vec![100; SIZE.pixels() * 3])
+    }
+
+    /// A mask with a foreground of 8 by 16 pixels with its upper left corner at (x, 16).
+    fn mask(x: u32) -> Mask {
+        let mut mask = Mask::empty(SIZE);
+        for (column, row) in (16..32).flat_map(|row| (x..x + 8).map(move |column| (column, row))) {
+            mask.data[SIZE.index(column, row).unwrap()] = Mask::FOREGROUND;
+        }
+        mask
+    }
+
+    /// The analyses of a foreground that moves to the right by two pixels a frame from x = 8 on.
+    fn moving_foreground(pipeline: &mut Pipeline, frames: u32) -> Vec<Analysis> {
+        let frames: Vec<Frame> = (1..=frames).map(frame).collect();
+        let masks = (0..frames.len()).map(|at| mask(8 + 2 * at as u32)).collect();
+        pipeline.find_many(&frames.iter().collect::<Vec<_>>(), masks).unwrap()
+    }
+
+    /// The analysis of a frame with these tracks and nothing else.
+    fn analysis(number: u32, objects: Vec<Track>) -> Analysis {
+        let mut found = pipeline().find_many(&[&frame(number)], vec![Mask::empty(SIZE)]).unwrap();
+        Analysis { objects: Arc::new(objects), ..found.swap_remove(0) }
+    }
+
+    fn event(frame: u32, kind: EventKind, objects: &[u32]) -> Event {
+        Event { objects: objects.to_vec(), ..Event::of_one(frame, kind, 0, [0.0; 2], Evidence::default()) }
+    }
+
+    #[test]
+    fn a_moving_foreground_is_a_region_in_every_frame_and_an_object_in_the_offline_result() {
+        let mut pipeline = pipeline();
+        let analyses = moving_foreground(&mut pipeline, 12);
+        assert_eq!(analyses.iter().map(|it| it.t).collect::<Vec<_>>(), (1..=12).collect::<Vec<_>>());
+        assert_eq!(analyses[3].regions[0].shape.bbox, Rect::new(14.0, 16.0, 8.0, 16.0));
+        assert!(analyses[3].tracks.is_empty(), "it is tentative");
+        assert_eq!(analyses[11].counters.appear, 1);
+        let offline = offline_result(&analyses, &pipeline);
+        let boxes: Vec<_> =
+            offline.tracks.iter().map(|(_, tracks)| (tracks[0].id, tracks[0].bbox.x)).collect();
+        assert_eq!(boxes, (0..12).map(|at| (1, 8.0 + 2.0 * at as f32)).collect::<Vec<_>>());
+    }
+
+    #[test]
+    fn tracking_again_under_the_same_settings_gives_the_same() {
+        let mut pipeline = pipeline();
+        let analyses = moving_foreground(&mut pipeline, 12);
+        pipeline.restart_tracking(&Settings::preset(Preset::Plain), 25.0);
+        for analysis in &analyses {
+            let again = pipeline.track_again(analysis);
+            assert_eq!(
+                (again.t, &again.tracks, &again.events),
+                (analysis.t, &analysis.tracks, &analysis.events)
+            );
+        }
+    }
+
+    #[test]
+    fn foreground_outside_the_region_of_interest_is_no_region() {
+        let mut pipeline = pipeline();
+        pipeline.set_roi(Roi::new(mask(40)).map(Arc::new)).unwrap();
+        let masks = vec![mask(8), mask(36)];
+        let found = pipeline.find_many(&[&frame(1), &frame(2)], masks).unwrap();
+        assert!(found[0].regions.is_empty());
+        assert_eq!(found[1].regions[0].shape.bbox, Rect::new(40.0, 16.0, 4.0, 16.0));
+    }
+
+    #[test]
+    fn a_frame_of_another_size_is_an_error() {
+        let other = Frame::new(7, Size::new(2, 2), vec![0; 12]);
+        let error = pipeline().step(&other).unwrap_err();
+        assert!(matches!(error, PipelineError::Size { frame: 7, .. }), "{error}");
+    }
+
+    #[test]
+    fn identities_hold_from_the_first_frame_on_and_noise_is_left_out() {
+        let (noise, first, second) = (track(9, 1.0, 1.0), track(4, 20.0, 8.0), track(4, 22.0, 8.0));
+        let mut analyses = [analysis(1, vec![noise, first]), analysis(2, vec![second])];
+        analyses[1].settled =
+            Arc::new(SettledResults { identities: vec![(4, 1)], ..SettledResults::default() });
+        let offline = offline_result(&analyses, &pipeline());
+        let ids: Vec<_> = offline.tracks.iter().map(|(number, tracks)| (*number, tracks.len())).collect();
+        assert_eq!(ids, [(1, 1), (2, 1)]);
+        assert_eq!((offline.tracks[0].1[0].id, offline.tracks[0].1[0].bbox.x), (1, 20.0));
+    }
+
+    #[test]
+    fn a_track_before_birth_is_taken_unless_the_object_has_one_in_that_frame() {
+        let mut analyses = [analysis(1, vec![]), analysis(2, vec![track(4, 20.0, 8.0)]), analysis(3, vec![])];
+        analyses[2].settled = Arc::new(SettledResults {
+            identities: vec![(4, 1), (5, 1)],
+            earlier: vec![(1, track(5, 10.0, 8.0)), (2, track(5, 12.0, 8.0))],
+            ..SettledResults::default()
+        });
+        let offline = offline_result(&analyses, &pipeline());
+        let places = |at: usize| offline.tracks[at].1.iter().map(|it| it.bbox.x).collect::<Vec<_>>();
+        assert_eq!([places(0), places(1), places(2)], [vec![10.0], vec![20.0], vec![]]);
+    }
+
+    #[test]
+    fn events_are_in_order_and_a_merge_names_the_object_in_front_during_its_episode() {
+        let mut analyses = [analysis(5, vec![]), analysis(6, vec![])];
+        analyses[0].events =
+            Arc::new(vec![event(4, EventKind::Merge, &[1, 2]), event(2, EventKind::Enter, &[3])]);
+        analyses[1].events = Arc::new(vec![event(9, EventKind::Merge, &[1, 2])]);
+        let episode = Episode {
+            kind: EpisodeKind::InterObject,
+            objects: vec![1, 2],
+            start: 3,
+            end: 8,
+            least_visible: 0.5,
+            front: Some(2),
+            identities_kept: true,
+        };
+        analyses[1].settled =
+            Arc::new(SettledResults { episodes: vec![episode], ..SettledResults::default() });
+        let offline = offline_result(&analyses, &pipeline());
+        let fronts: Vec<_> = offline.events.iter().map(|event| (event.frame, event.front)).collect();
+        assert_eq!(fronts, [(2, None), (4, Some(2)), (9, None)]);
+        assert_eq!((offline.counters.merge, offline.counters.enter), (2, 1));
+    }
 }

@@ -135,7 +135,7 @@ proptest! {
                 prop_assert!(!event.evidence.branch.is_empty());
             }
             told.extend(seen.events);
-            for (key, identity) in seen.settled.names {
+            for (key, identity) in seen.settled.identities {
                 identity_map.set(key, identity);
             }
             episodes.extend(seen.settled.episodes);
@@ -148,7 +148,7 @@ proptest! {
         prop_assert_eq!(counted, told.len() as u32);
         let ending = tracker.finish();
         told.extend(ending.events);
-        for (key, identity) in ending.settled.names {
+        for (key, identity) in ending.settled.identities {
             identity_map.set(key, identity);
         }
         episodes.extend(ending.settled.episodes);

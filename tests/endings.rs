@@ -25,21 +25,22 @@ fn told_of(ways: &[Trajectory]) -> Vec<Vec<Event>> {
     let colours = [[200, 30, 30], [30, 30, 200], [30, 180, 30]];
     let settings = Settings::default();
     let mut tracker = Tracker::new(&settings, SIZE, FPS);
-    let (mut events, mut names, mut frames, mut endings) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let (mut events, mut identities, mut frames, mut endings) =
+        (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for number in 1..=FRAMES {
         let seen = ways.iter().zip(colours).filter_map(|(way, colour)| {
             way(number as i32).and_then(|at| Block::new(at, (8, 20), colour, SIZE))
         });
         let seen = tracker.step(number, &regions(&seen.collect::<Vec<_>>(), SIZE));
         events.extend(seen.events);
-        names.extend(seen.settled.names);
+        identities.extend(seen.settled.identities);
         frames.push((number, seen.objects));
         let end = tracker.clone().finish();
         let mut told = events.clone();
         told.extend(end.events);
         told.sort_by(|a, b| (a.frame, a.kind, &a.objects).cmp(&(b.frame, b.kind, &b.objects)));
         let mut identity_map = IdentityMap::default();
-        for &(key, identity) in names.iter().chain(&end.settled.names) {
+        for &(key, identity) in identities.iter().chain(&end.settled.identities) {
             identity_map.set(key, identity);
         }
         let tracks: Vec<_> =

@@ -4,7 +4,7 @@
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::event::{Episode, EpisodeKind};
-use super::tracker::ObjectId;
+use crate::tracking::{Identity, ObjectId};
 
 /// An episode: objects that share a region, or did recently.
 #[derive(Clone, Debug)]
@@ -83,12 +83,11 @@ impl GroupEpisodes {
         }
         episode.members.extend(ids);
         episode.last = (number, t);
-        let mean =
-            members.iter().map(|(_, record_sharing)| record_sharing).sum::<f32>() / members.len() as f32;
-        for &(id, record_sharing) in members {
-            episode.least_visible = episode.least_visible.min(record_sharing);
+        let mean = members.iter().map(|(_, share)| share).sum::<f32>() / members.len() as f32;
+        for &(id, share) in members {
+            episode.least_visible = episode.least_visible.min(share);
             if overlapping {
-                *episode.seen_more.entry(id).or_insert(0.0) += record_sharing - mean;
+                *episode.seen_more.entry(id).or_insert(0.0) += share - mean;
             }
         }
         self.open.push(episode);
@@ -127,7 +126,7 @@ impl GroupEpisodes {
     }
 
     /// Takes the closed episodes; `identity` gives the objects' identities, objects without one are left out.
-    pub fn take_closed(&mut self, identity: impl Fn(ObjectId) -> Option<u32>) -> Vec<Episode> {
+    pub fn take_closed(&mut self, identity: impl Fn(ObjectId) -> Option<Identity>) -> Vec<Episode> {
         let episodes = std::mem::take(&mut self.closed);
         episodes
             .iter()

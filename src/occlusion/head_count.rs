@@ -138,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn two_heads_are_two() {
+    fn two_heads_are_counted_as_two() {
         let pair = [
             ".##...##.",
             ".##...##.",
@@ -157,7 +157,7 @@ mod tests {
     }
 
     #[test]
-    fn one_head_is_one_however_the_legs_are_spread() {
+    fn spread_legs_below_one_head_are_one_person() {
         let stride = [
             "...##...", "...##...", "..####..", ".######.", ".######.", "..####..", "..####..", "..####..",
             ".##..##.", ".##..##.", "##....##", "##....##",
@@ -175,7 +175,7 @@ mod tests {
     }
 
     #[test]
-    fn the_halves_beside_a_pole_are_one() {
+    fn the_halves_beside_a_pole_are_one_person() {
         let cut = [
             "..#.#..", ".##.##.", ".##.##.", "###.###", "###.###", "###.###", "###.###", "###.###",
             "###.###", "###.###", "###.###", "###.###", "###.###", ".##.##.", ".##.##.", ".##.##.",
@@ -184,7 +184,7 @@ mod tests {
     }
 
     #[test]
-    fn an_empty_mosaic_has_at_most_one_lobe() {
+    fn an_empty_mosaic_has_at_most_one_head() {
         assert!(head_columns(&Mosaic::default()).len() <= 1);
     }
 }

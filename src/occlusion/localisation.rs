@@ -398,7 +398,7 @@ mod tests {
     }
 
     #[test]
-    fn two_who_overlap_are_found_where_they_are_and_in_their_order() {
+    fn two_overlapping_objects_are_localised_in_their_depth_order() {
         let (bright, dark) = (template(220, 160), template(60, 20));
         let mut both = blank();
         paint(&mut both, 44, 30, 60, 20);
@@ -424,7 +424,7 @@ mod tests {
     }
 
     #[test]
-    fn who_is_not_there_is_not_seen() {
+    fn an_absent_object_has_no_visible_share() {
         let (bright, dark) = (template(220, 160), template(60, 20));
         let mut one = blank();
         paint(&mut one, 40, 30, 220, 160);
@@ -447,7 +447,7 @@ mod tests {
     }
 
     #[test]
-    fn large_ones_are_found_too_with_no_more_cells() {
+    fn large_objects_are_localised_with_no_more_cells() {
         let (bright, dark) = (template(220, 160), template(60, 20));
         let mut small = blank();
         paint(&mut small, 44, 30, 60, 20);

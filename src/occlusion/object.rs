@@ -10,7 +10,7 @@ use super::template::Template;
 use crate::regions::colour::delta_e;
 use crate::regions::{Histogram, Mosaic, Rect, Rgb};
 use crate::settings::{ColourMemory, Placing, Settings};
-use crate::tracking::TrackKey;
+use crate::tracking::ObjectId;
 use crate::tracking::kalman::KalmanModel;
 use crate::tracking::pool::Observation;
 
@@ -125,8 +125,8 @@ impl Appearance {
 /// An object, from its first to its last detection.
 #[derive(Clone, Debug)]
 pub struct Object {
-    /// Key under which its tracks are recorded; changes while its identity is undecided.
-    pub key: TrackKey,
+    /// The number under which its tracks are recorded: its own until its first demerge.
+    pub key: ObjectId,
     /// Number of the first frame with a detection.
     pub first_frame: u32,
     /// Its first box.
@@ -170,7 +170,7 @@ pub struct Object {
 impl Object {
     /// A new tentative object with its key, first frame and box, motion model and detection.
     pub fn new(
-        key: TrackKey,
+        key: ObjectId,
         (first_frame, first_bbox): (u32, Rect),
         model: KalmanModel,
         last_detection: Detection,
@@ -286,6 +286,50 @@ impl Object {
             clamp_around(middle_x, (w - detection.bbox.w) / 2.0, x),
             clamp_around(middle_y, (h - detection.bbox.h) / 2.0, y),
         ]);
+    }
+
+    /// Continues as the object `seen`, which proved to be this one: with its key, place and detection.
+    pub fn continue_as(&mut self, seen: Self) {
+        self.key = seen.key;
+        self.seen_frames += seen.seen_frames;
+        if self.is_nearly_whole(&seen.last_detection) {
+            self.model = seen.model;
+            self.partial_frames = 0;
+        } else {
+            self.update_partial(&seen.last_detection);
+        }
+        self.last_detection = seen.last_detection;
+    }
+
+    /// Standard deviation of its predicted place, in pixels. In a group it is larger the longer the object has not
+    /// been localised: for its unseen frames, or without a template for all `group_frames` in the group; `None` of
+    /// an object alone.
+    pub fn position_sigma(&self, group_frames: Option<u32>) -> f32 {
+        let (_, height) = self.size();
+        let apart = match (group_frames, &self.template) {
+            (None, _) => 0.0,
+            (Some(_), Some(_)) => self.unseen_frames as f32,
+            (Some(frames), None) => frames as f32,
+        };
+        let velocity = self.model.velocity();
+        0.15 * height + 0.25 * velocity.x.hypot(velocity.y) * apart
+    }
+
+    /// Radius in pixels around the predicted place within which it may reappear after so many occluded frames: it
+    /// may have slowed down, stopped or turned.
+    pub fn reappearance_radius(&self, frames: u32) -> f32 {
+        let velocity = self.model.velocity();
+        self.stationary_radius(frames) + 0.5 * velocity.x.hypot(velocity.y) * frames as f32
+    }
+
+    /// The radius around any place where it may have stopped.
+    pub fn stationary_radius(&self, frames: u32) -> f32 {
+        0.6 * self.size().1 + (frames as f32).sqrt()
+    }
+
+    /// The visible share of a group's member: the share of its own colours that the group's region contains.
+    pub fn visible_share_in(&self, region: &Detection) -> f32 {
+        self.appearance.as_ref().map_or(1.0, |clear| region.histogram.holds(&clear.histogram, clear.area))
     }
 
     /// Moves it to a centre, independent of its motion.
@@ -432,7 +476,7 @@ mod tests {
     use crate::tracking::kalman::Noise;
 
     #[test]
-    fn who_is_held_back_frame_by_frame_does_not_gather_speed() {
+    fn an_object_constrained_in_every_frame_does_not_accelerate() {
         let bbox = Rect::around([100.0, 100.0], 40.0, 100.0);
         let (histogram, mosaic) = (Histogram::default(), Arc::default());
         let detection = Detection { bbox, area: 2500.0, histogram, labels: vec![1], mosaic };
@@ -451,7 +495,7 @@ mod tests {
     }
 
     #[test]
-    fn its_size_follows_from_its_place_and_not_from_itself() {
+    fn its_scale_follows_from_its_place_and_does_not_accumulate() {
         let mut perspective = Perspective::default();
         for n in 0..500 {
             let y = (100 + n % 50) as f32;

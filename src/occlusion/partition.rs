@@ -31,11 +31,11 @@ const MAX_SMALL_FRAGMENT_SHARE: f32 = 0.4;
 /// Largest gap of such a fragment, over the object's height.
 const MAX_FRAGMENT_GAP: f32 = 0.15;
 
-/// Fragments of one object together are at most this multiple of its size. Tried from 1.25 to 2.5 on pedestrians far and
-/// near and on fish; less loses objects that a post cuts, more joins neighbours.
+/// Fragments of one object together are at most this multiple of its size. Tried from 1.25 to 2.5 on pedestrians far
+/// and near and on fish; less loses objects that a post cuts, more joins neighbours.
 const MAX_UNION_RATIO: f32 = 1.6;
 
-/// Each of two side by side has at least this share of the height, and this share of the pixels, of what was taken for one
+/// Each of two side by side has at least this share of the height, and this share of the pixels, of the expected
 /// object. The heights were tried from .4 to .6, on people near and far, forwards, backwards and mirrored, and on fish.
 const MIN_BESIDE_HEIGHT: f32 = 0.5;
 const MIN_BESIDE_AREA: f32 = 0.25;
@@ -70,9 +70,9 @@ pub fn clusters(expected: &[ExpectedRegion], observed: &[(Rect, f32)], size_step
                     it.matched.is_none() && (lies_inside(bbox, it) || contained_share(&it.bbox, bbox) >= 0.5)
                 }
                 Some(owner) if it.matched.is_none() => {
-                    let held = contained_share(&it.bbox, bbox);
+                    let contained = contained_share(&it.bbox, bbox);
                     let grown = *area >= (1.0 + size_step) * owner.area;
-                    held >= 0.5 || (held >= 0.2 && grown)
+                    contained >= 0.5 || (contained >= 0.2 && grown)
                 }
                 Some(_) => false,
             };
@@ -93,8 +93,8 @@ fn owner_of_unclaimed(bbox: &Rect, area: f32, expected: &[ExpectedRegion]) -> Op
     let belongs = |it: &ExpectedRegion| lies_inside(bbox, it) || near(it);
     let candidates = expected.iter().enumerate().filter(|(_, it)| belongs(it));
     let nearer = |a: &ExpectedRegion, b: &ExpectedRegion| {
-        let held = |it: &ExpectedRegion| contained_share(bbox, &it.bbox);
-        held(b).total_cmp(&held(a)).then(gap(bbox, &a.bbox).total_cmp(&gap(bbox, &b.bbox)))
+        let contained = |it: &ExpectedRegion| contained_share(bbox, &it.bbox);
+        contained(b).total_cmp(&contained(a)).then(gap(bbox, &a.bbox).total_cmp(&gap(bbox, &b.bbox)))
     };
     candidates.min_by(|a, b| nearer(a.1, b.1)).map(|(blob, _)| blob)
 }
@@ -160,14 +160,14 @@ pub fn join_fragments(observed: &[(Rect, f32)], extent: Extent, inside: Option<R
     for (_, i, j) in joins {
         sets.join(i, j);
     }
-    let mut join_fragments: Vec<Vec<usize>> =
+    let mut joined: Vec<Vec<usize>> =
         sets.into_clusters(0).into_iter().map(|cluster| cluster.observations).collect();
     let area = |piece: &[usize]| piece.iter().filter_map(|&at| observed.get(at)).map(|it| it.1).sum::<f32>();
-    join_fragments.sort_by(|a, b| area(b).total_cmp(&area(a)).then(a.cmp(b)));
+    joined.sort_by(|a, b| area(b).total_cmp(&area(a)).then(a.cmp(b)));
     if inside.is_none() {
-        join_small_fragments(&mut join_fragments, observed, 0.3 * extent.least_area);
+        join_small_fragments(&mut joined, observed, 0.3 * extent.least_area);
     }
-    join_fragments
+    joined
 }
 
 /// Largest gap in pixels between two fragments of one object: it is limited by their own sizes.
@@ -188,15 +188,15 @@ pub fn are_side_by_side((a, a_area): &(Rect, f32), (b, b_area): &(Rect, f32), ex
 }
 
 /// Joins detections of fewer than `least` pixels to the nearest larger one.
-fn join_small_fragments(join_fragments: &mut Vec<Vec<usize>>, observed: &[(Rect, f32)], least: f32) {
-    while let [_, .., fragment] = join_fragments.as_slice() {
+fn join_small_fragments(joined: &mut Vec<Vec<usize>>, observed: &[(Rect, f32)], least: f32) {
+    while let [_, .., fragment] = joined.as_slice() {
         if fragment.iter().filter_map(|&at| observed.get(at)).map(|it| it.1).sum::<f32>() >= least {
             break;
         }
         let fragment_box = bounding_box(fragment, observed);
         let distance = |piece: &Vec<usize>| gap(&bounding_box(piece, observed), &fragment_box);
-        let fragment = join_fragments.pop().unwrap_or_default();
-        let nearest = join_fragments.iter_mut().min_by(|a, b| distance(a).total_cmp(&distance(b)));
+        let fragment = joined.pop().unwrap_or_default();
+        let nearest = joined.iter_mut().min_by(|a, b| distance(a).total_cmp(&distance(b)));
         if let Some(nearest) = nearest {
             nearest.extend(fragment);
             nearest.sort_unstable();
@@ -205,7 +205,7 @@ fn join_small_fragments(join_fragments: &mut Vec<Vec<usize>>, observed: &[(Rect,
 }
 
 /// The box around several observations.
-pub fn bounding_box(indices: &[usize], observed: &[(Rect, f32)]) -> Rect {
+fn bounding_box(indices: &[usize], observed: &[(Rect, f32)]) -> Rect {
     indices
         .iter()
         .filter_map(|&at| observed.get(at))
@@ -220,7 +220,8 @@ fn gap(a: &Rect, b: &Rect) -> f32 {
     across.hypot(down)
 }
 
-/// Disjoint sets, some of which must not become one.
+/// Disjoint sets, some of which must not become one. With that condition the order of the joins matters, so that the
+/// sets are no connected components of a graph.
 struct DisjointSets {
     /// For each member the first of its set.
     firsts: Vec<usize>,
@@ -292,7 +293,7 @@ mod tests {
     const PERSON: Extent = Extent { w: 20.0, h: 60.0, least_area: 800.0 };
 
     #[test]
-    fn a_region_that_holds_two_lost_objects_joins_them() {
+    fn a_region_that_contains_two_lost_objects_joins_them() {
         let expected = [alone(person(100.0, 50.0), None), alone(person(118.0, 50.0), None)];
         let observed = [(Rect::new(100.0, 50.0, 38.0, 60.0), 1500.0)];
         assert_eq!(
@@ -302,7 +303,7 @@ mod tests {
     }
 
     #[test]
-    fn size_decides_where_place_does_not() {
+    fn growth_of_the_region_decides_where_the_overlap_does_not() {
         let expected = [alone(person(100.0, 50.0), Some(0)), alone(person(114.0, 50.0), None)];
         let not_grown = [(Rect::new(100.0, 50.0, 20.0, 60.0), 820.0)];
         let grown = [(Rect::new(100.0, 50.0, 20.0, 60.0), 1100.0)];
@@ -311,7 +312,7 @@ mod tests {
     }
 
     #[test]
-    fn a_small_region_across_a_pole_is_a_part_of_the_nearest_and_a_large_one_is_not() {
+    fn a_small_region_beside_an_object_is_its_fragment_and_a_large_one_is_not() {
         let expected = [alone(person(100.0, 50.0), Some(0)), alone(person(160.0, 50.0), Some(1))];
         let bodies = [(person(100.0, 50.0), 800.0), (person(160.0, 50.0), 800.0)];
         let with = |bbox: Rect, area: f32| clusters(&expected, &[bodies[0], bodies[1], (bbox, area)], 0.2);
@@ -322,7 +323,7 @@ mod tests {
     }
 
     #[test]
-    fn two_side_by_side_are_no_one_but_the_halves_that_a_pole_leaves_are() {
+    fn two_objects_side_by_side_are_not_joined_and_the_halves_beside_a_pole_are() {
         let pair = Extent { w: 50.0, h: 62.0, least_area: 1600.0 };
         let (left, right) = ((person(100.0, 50.0), 800.0), (person(127.0, 51.0), 780.0));
         assert!(are_side_by_side(&left, &right, pair));
@@ -340,7 +341,7 @@ mod tests {
     }
 
     #[test]
-    fn what_lies_between_two_side_by_side_does_not_join_them() {
+    fn a_region_between_two_objects_side_by_side_does_not_join_them() {
         let pair = Extent { w: 50.0, h: 62.0, least_area: 1600.0 };
         let (left, right) = ((person(100.0, 50.0), 800.0), (person(127.0, 51.0), 780.0));
         let shadow = (Rect::new(124.0, 108.0, 30.0, 6.0), 120.0);
@@ -349,14 +350,14 @@ mod tests {
     }
 
     #[test]
-    fn strangers_stay_apart() {
+    fn an_unclaimed_region_far_from_an_object_is_a_cluster_of_its_own() {
         let expected = [alone(person(100.0, 50.0), Some(0))];
         let observed = [(person(100.0, 50.0), 800.0), (person(150.0, 50.0), 800.0)];
         assert_eq!(clusters(&expected, &observed, 0.2).len(), 2);
     }
 
     #[test]
-    fn a_person_cut_by_a_pole_is_one_piece_and_two_side_by_side_are_two() {
+    fn a_person_cut_by_a_pole_is_one_detection_and_two_side_by_side_are_two() {
         let cut = [(Rect::new(100.0, 50.0, 20.0, 25.0), 400.0), (Rect::new(101.0, 80.0, 18.0, 30.0), 350.0)];
         assert_eq!(join_fragments(&cut, PERSON, None), [[0, 1]]);
         let two = [(person(100.0, 50.0), 800.0), (person(125.0, 50.0), 790.0)];
@@ -367,7 +368,7 @@ mod tests {
     }
 
     #[test]
-    fn crumbs_go_to_the_nearest() {
+    fn very_small_regions_are_joined_to_the_nearest() {
         let observed = [
             (person(100.0, 50.0), 800.0),
             (person(150.0, 50.0), 790.0),

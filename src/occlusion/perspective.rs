@@ -55,9 +55,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_was_seen_of_some_is_said_of_others() {
+    fn the_scale_learnt_from_some_objects_applies_to_others() {
         let mut perspective = Perspective::default();
-        assert_eq!(perspective.scale(300.0, 200.0), 1.0, "nothing is known yet");
+        assert_eq!(perspective.scale(300.0, 200.0), 1.0, "before the first observation");
         for y in (200..400).step_by(2) {
             let y = y as f32;
             let height = |y: f32| 50.0 * (0.003 * (y - 200.0)).exp();
@@ -69,7 +69,7 @@ mod tests {
     }
 
     #[test]
-    fn a_slope_is_believed_more_the_more_often_it_was_seen() {
+    fn a_slope_counts_more_with_more_observations() {
         let mut perspective = Perspective::default();
         let mut scales = Vec::new();
         for n in 0..400 {
@@ -78,12 +78,12 @@ mod tests {
             perspective.update(220.0, 50.0 * 1.06 * noise, 200.0, 50.0);
             scales.push(perspective.scale(300.0, 200.0));
         }
-        assert_eq!(scales[40], 1.0, "a few frames of one may be chance");
+        assert_eq!(scales[40], 1.0, "a few frames are not enough");
         assert!(scales[150] > 1.05 && scales[399] > scales[150], "{} {}", scales[150], scales[399]);
     }
 
     #[test]
-    fn where_size_does_not_follow_the_place_it_is_not_scaled() {
+    fn without_a_relation_of_size_and_place_the_scale_is_one() {
         let mut fish = Perspective::default();
         for n in 0..400 {
             // They turn, and so their boxes are long and short in turn, wherever they are.

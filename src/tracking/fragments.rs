@@ -86,14 +86,14 @@ mod tests {
     }
 
     #[test]
-    fn a_walker_cut_at_the_belt_is_one_detection() {
+    fn two_stacked_regions_with_a_small_gap_are_one_detection() {
         let (torso, legs) = (region(100.0, 50.0, 20.0, 28.0), region(101.0, 81.0, 18.0, 30.0));
         assert_eq!(group(&[torso, legs]), [[0, 1]]);
         assert_eq!(group(&[torso, region(101.0, 95.0, 18.0, 30.0)]).len(), 2, "too far below");
     }
 
     #[test]
-    fn two_side_by_side_are_two_and_a_hand_belongs_to_the_nearer() {
+    fn two_side_by_side_are_two_and_a_small_region_belongs_to_the_nearer() {
         let (left, right) = (region(100.0, 50.0, 20.0, 60.0), region(124.0, 50.0, 20.0, 60.0));
         assert_eq!(group(&[left, right]).len(), 2);
         let hand = region(147.0, 80.0, 4.0, 5.0);
@@ -101,7 +101,7 @@ mod tests {
     }
 
     #[test]
-    fn fragments_of_two_known_objects_stay_apart_also_by_way_of_a_third() {
+    fn fragments_of_two_objects_are_not_joined_by_way_of_a_third() {
         let (upper, lower) = (region(100.0, 20.0, 20.0, 40.0), region(100.0, 70.0, 20.0, 40.0));
         let between = region(105.0, 62.0, 10.0, 6.0);
         let regions = [upper, lower, between];

@@ -1,29 +1,28 @@
-//! Identities of objects: an object has a track key from its first region, and an identity once it is confirmed.
+//! Identities of objects: an object has a number from its first region on, and an identity once it is confirmed.
 
 use std::collections::BTreeMap;
 
-use super::track::{Identity, Track, TrackState};
+use super::track::{Identity, ObjectId, Track, TrackState};
 
-/// Key of an object's tracks from its first region on, before it is known whether it is noise.
-pub type TrackKey = u32;
-
-/// The identity of each track key. A key without one belongs to a tentative object or to noise.
+/// The identity of each object's number and of each number that its tracks are recorded under (their key). An object's
+/// number is its first key, and no number is used twice, so that one map has both. A number without an identity belongs
+/// to a tentative object or to noise.
 #[derive(Clone, Debug, Default)]
 pub struct IdentityMap {
-    identities: BTreeMap<TrackKey, Identity>,
+    identities: BTreeMap<ObjectId, Identity>,
     last: Identity,
-    /// Assignments since the last call of [`IdentityMap::take_decided`], in order.
-    decided: Vec<(TrackKey, Identity)>,
+    /// Assignments since the last call of [`IdentityMap::take_assigned`], in order.
+    assigned: Vec<(ObjectId, Identity)>,
 }
 
 impl IdentityMap {
     /// The identity of a key.
-    pub fn of(&self, key: TrackKey) -> Option<Identity> {
+    pub fn of(&self, key: ObjectId) -> Option<Identity> {
         self.identities.get(&key).copied()
     }
 
     /// Assigns the next free identity to a key, unless it has one.
-    pub fn assign_new(&mut self, key: TrackKey) -> Identity {
+    pub fn assign_new(&mut self, key: ObjectId) -> Identity {
         if let Some(identity) = self.of(key) {
             return identity;
         }
@@ -33,12 +32,12 @@ impl IdentityMap {
     }
 
     /// Takes the assignments since the previous call, in order.
-    pub fn take_decided(&mut self) -> Vec<(TrackKey, Identity)> {
-        std::mem::take(&mut self.decided)
+    pub fn take_assigned(&mut self) -> Vec<(ObjectId, Identity)> {
+        std::mem::take(&mut self.assigned)
     }
 
     /// Drops the keys that nothing refers to any more.
-    pub fn retain(&mut self, keep: impl Fn(TrackKey) -> bool) {
+    pub fn retain(&mut self, keep: impl Fn(ObjectId) -> bool) {
         self.identities.retain(|&key, _| keep(key));
     }
 
@@ -53,13 +52,13 @@ impl IdentityMap {
     }
 
     /// Assigns an identity to a key.
-    pub fn set(&mut self, key: TrackKey, identity: Identity) {
+    pub fn set(&mut self, key: ObjectId, identity: Identity) {
         self.identities.insert(key, identity);
-        self.decided.push((key, identity));
+        self.assigned.push((key, identity));
     }
 
     /// Assigns the identity of another key to a key.
-    pub fn link(&mut self, key: TrackKey, as_known: TrackKey) {
+    pub fn link(&mut self, key: ObjectId, as_known: ObjectId) {
         if let Some(identity) = self.of(as_known) {
             self.set(key, identity);
         }
@@ -69,21 +68,21 @@ impl IdentityMap {
     /// predicted and a visible track of one identity the visible one is taken; two visible ones are fragments and are
     /// joined.
     pub fn apply<'a>(&self, tracks: impl IntoIterator<Item = &'a Track>) -> Vec<Track> {
-        let mut named: BTreeMap<Identity, Track> = BTreeMap::new();
+        let mut by_identity: BTreeMap<Identity, Track> = BTreeMap::new();
         for track in tracks {
             let Some(id) = self.of(track.key) else { continue };
             let seen = track.state == TrackState::Visible;
-            match named.get_mut(&id) {
+            match by_identity.get_mut(&id) {
                 Some(fragment) if seen && fragment.state == TrackState::Visible => {
                     merge_fragment(fragment, track);
                 }
                 Some(_) if !seen => {}
                 _ => {
-                    named.insert(id, Track { id, ..track.clone() });
+                    by_identity.insert(id, Track { id, ..track.clone() });
                 }
             }
         }
-        for track in named.values_mut() {
+        for track in by_identity.values_mut() {
             track.group.retain_mut(|member| match self.of(*member) {
                 Some(id) => {
                     *member = id;
@@ -94,15 +93,15 @@ impl IdentityMap {
         }
         // A member whose demerge was decided later is a track of its own.
         let regions: BTreeMap<Identity, Vec<u32>> =
-            named.values().map(|track| (track.id, track.regions.clone())).collect();
-        for track in named.values_mut().filter(|track| track.state == TrackState::Merged) {
+            by_identity.values().map(|track| (track.id, track.regions.clone())).collect();
+        for track in by_identity.values_mut().filter(|track| track.state == TrackState::Merged) {
             track.group.retain(|member| regions.get(member) == Some(&track.regions));
             if track.group.len() < 2 {
                 track.group.clear();
                 track.state = TrackState::Visible;
             }
         }
-        named.into_values().collect()
+        by_identity.into_values().collect()
     }
 }
 
@@ -126,11 +125,11 @@ mod tests {
     use crate::regions::Rect;
 
     #[test]
-    fn fragments_that_proved_one_object_are_one_box_before() {
+    fn visible_tracks_of_one_identity_in_a_frame_are_joined() {
         let mut identity_map = IdentityMap::default();
         identity_map.assign_new(1);
         identity_map.link(2, 1);
-        let at = |key: TrackKey, y: f32, label: u32| Track {
+        let at = |key: ObjectId, y: f32, label: u32| Track {
             key,
             state: TrackState::Visible,
             group: vec![],
@@ -138,26 +137,26 @@ mod tests {
             regions: vec![label],
             ..track(0, 0.0, 0.0)
         };
-        let told = identity_map.apply(&[at(1, 20.0, 4), at(2, 60.0, 3)]);
-        let [one] = &told[..] else { panic!("{told:?}") };
+        let tracks = identity_map.apply(&[at(1, 20.0, 4), at(2, 60.0, 3)]);
+        let [one] = &tracks[..] else { panic!("{tracks:?}") };
         assert_eq!((one.id, one.bbox), (1, Rect::new(10.0, 20.0, 20.0, 70.0)));
         assert_eq!(one.regions, [3, 4]);
     }
 
     #[test]
-    fn who_came_out_before_it_was_known_stands_alone_and_leaves_the_rest_together() {
+    fn a_member_whose_demerge_was_decided_later_leaves_the_group_of_the_others() {
         let mut identity_map = IdentityMap::default();
         for key in 1..=3 {
             identity_map.assign_new(key);
         }
-        let merged = |key: TrackKey| Track {
+        let merged = |key: ObjectId| Track {
             key,
             state: TrackState::Merged,
             group: vec![1, 2, 3],
             regions: vec![1],
             ..track(0, 0.0, 0.0)
         };
-        let out = Track {
+        let departed = Track {
             key: 4,
             state: TrackState::Visible,
             group: vec![],
@@ -165,8 +164,8 @@ mod tests {
             ..track(0, 0.0, 0.0)
         };
         identity_map.link(4, 3);
-        let told = identity_map.apply(&[merged(1), merged(2), merged(3), out]);
-        let with: Vec<_> = told.iter().map(|track| (track.id, track.group.clone())).collect();
+        let tracks = identity_map.apply(&[merged(1), merged(2), merged(3), departed]);
+        let with: Vec<_> = tracks.iter().map(|track| (track.id, track.group.clone())).collect();
         assert_eq!(with, [(1, vec![1, 2]), (2, vec![1, 2]), (3, vec![])]);
     }
 }

@@ -2,10 +2,10 @@
 
 use nalgebra::{Matrix3, Matrix3x6, Matrix6, Vector3, Vector6};
 
-/// How much a model trusts its own prediction and what it is shown.
+/// The noise of the process and of the measurements.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
-    /// Standard deviation, in pixels, of how position and size wander from constant velocity in a frame.
+    /// Standard deviation, in pixels, of by which position and size depart from constant velocity in a frame.
     pub process: f32,
     /// Standard deviation, in pixels, of a measured position and size.
     pub measurement: f32,
@@ -59,11 +59,11 @@ impl KalmanModel {
         Self::new(second, second - first, noise.measurement * std::f32::consts::SQRT_2, noise)
     }
 
-    /// Goes on by one frame.
+    /// Predicts the state by one frame.
     pub fn predict(&mut self) {
         let mut transition = Matrix6::identity();
         transition.fixed_view_mut::<3, 3>(0, 3).fill_diagonal(1.0);
-        // White acceleration within the frame: position wanders with q, velocity with q/2.
+        // White acceleration within the frame: the position has standard deviation q, the velocity q/2.
         let process = noise_scale(self.state.z) * self.noise.process;
         let (q, v) = (process.powi(2), (process / 2.0).powi(2));
         self.state = transition * self.state;
@@ -93,7 +93,7 @@ impl KalmanModel {
         Innovation { distance_squared, log_spread }
     }
 
-    /// Takes a measurement in after a manoeuvre of `manoeuvre` pixels (standard deviation).
+    /// Updates it with a measurement after a manoeuvre of `manoeuvre` pixels (standard deviation).
     pub fn update_after_manoeuvre(&mut self, measured: &Measurement, manoeuvre: f32) {
         let position = manoeuvre.powi(2);
         // The course changed within the last frame: the change of place is one of velocity, too.
@@ -106,7 +106,7 @@ impl KalmanModel {
         self.update(measured, 1.0);
     }
 
-    /// Takes a measurement in; `trust` multiplies the standard deviation of the measurement.
+    /// Updates it with a measurement; `trust` multiplies the standard deviation of the measurement.
     pub fn update(&mut self, measured: &Measurement, trust: f32) {
         let observe = Matrix3x6::<f32>::identity();
         let noise = Matrix3::from_diagonal_element((self.measurement_sigma() * trust).powi(2));
@@ -220,14 +220,14 @@ mod tests {
     const NOISE: Noise = Noise { process: 1.0, measurement: 2.0 };
 
     #[test]
-    fn the_gate_agrees_with_the_tables() {
+    fn the_quantiles_agree_with_published_tables() {
         for (probability, quantile) in [(0.5, 2.366), (0.95, 7.815), (0.99, 11.345), (0.999, 16.266)] {
             assert!((chi_squared_3(probability) / quantile - 1.0).abs() < 0.001, "{probability}");
         }
     }
 
     #[test]
-    fn two_measurements_give_a_line() {
+    fn a_model_through_two_measurements_predicts_the_third_on_their_line() {
         let mut model =
             KalmanModel::through(Vector3::new(10.0, 5.0, 8.0), Vector3::new(13.0, 4.0, 8.0), NOISE);
         model.predict();
@@ -236,7 +236,7 @@ mod tests {
     }
 
     #[test]
-    fn of_two_models_that_predict_alike_the_surer_one_is_likelier() {
+    fn of_two_equal_predictions_the_one_with_the_smaller_covariance_is_likelier() {
         let at = Vector3::new(100.0, 50.0, 20.0);
         let sure = KalmanModel::new(at, Vector3::zeros(), 1.0, NOISE);
         let mut vague = sure.clone();
@@ -250,16 +250,16 @@ mod tests {
     }
 
     #[test]
-    fn a_manoeuvre_turns_the_velocity_at_once() {
+    fn an_update_after_a_manoeuvre_changes_the_velocity_at_once() {
         let mut model =
             KalmanModel::new(Vector3::new(100.0, 50.0, 20.0), Vector3::new(3.0, 0.0, 0.0), 0.5, NOISE);
         let mut steady = model.clone();
-        let darted = Vector3::new(96.0, 60.0, 20.0);
+        let jumped = Vector3::new(96.0, 60.0, 20.0);
         for each in [&mut model, &mut steady] {
             each.predict();
         }
-        model.update_after_manoeuvre(&darted, 8.0);
-        steady.update(&darted, 1.0);
+        model.update_after_manoeuvre(&jumped, 8.0);
+        steady.update(&jumped, 1.0);
         assert!((model.centre()[0] - 96.0).abs() < 1.0 && (model.centre()[1] - 60.0).abs() < 1.0);
         assert!(
             model.velocity().y > 5.0 && steady.velocity().y < 2.0,
@@ -270,7 +270,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_large_in_the_image_may_err_in_proportion() {
+    fn the_gate_of_a_large_object_grows_with_its_size() {
         let gate = |size: f32| {
             KalmanModel::new(Vector3::new(0.0, 0.0, size), Vector3::zeros(), 1.0, NOISE).gate_ellipse(11.3)[0]
         };
@@ -279,7 +279,7 @@ mod tests {
     }
 
     #[test]
-    fn it_settles_on_a_constant_velocity_and_grows_sure_of_it() {
+    fn it_converges_to_a_constant_velocity_and_its_covariance_shrinks() {
         let at = |frame: f32| Vector3::new(2.5 * frame, 100.0 - frame, 20.0);
         let mut model = KalmanModel::through(at(0.0), at(1.0) + Vector3::new(2.0, -1.0, 0.0), NOISE);
         let unsure = {

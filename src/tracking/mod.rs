@@ -12,5 +12,5 @@ pub mod pool;
 pub mod seed_finder;
 pub mod track;
 
-pub use identity_map::{IdentityMap, TrackKey};
-pub use track::{HypothesisSummary, Identity, Track, TrackState};
+pub use identity_map::IdentityMap;
+pub use track::{HypothesisSummary, Identity, ObjectId, Track, TrackState};

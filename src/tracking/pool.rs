@@ -60,7 +60,8 @@ impl Fitness {
         Self { mean_error: EXPECTED_ERROR, nulls: 1.0 }
     }
 
-    /// The number that is compared to `min_fitness`, 0..=1/3. Errors smaller than the covariance says make no model fitter.
+    /// The number that is compared to `min_fitness`, 0..=1/3. Errors smaller than the covariance says make no model
+    /// fitter.
     pub fn value(self) -> f32 {
         self.nulls / self.mean_error.max(EXPECTED_ERROR)
     }
@@ -82,7 +83,7 @@ pub struct Hypothesis {
     pub model: KalmanModel,
     /// Its fitness.
     pub fitness: Fitness,
-    /// Sum of its log-likelihoods, relative to the reading that is shown.
+    /// Sum of its log-likelihoods, relative to the shown one.
     pub score: f32,
     /// The observation that it matched in this frame, `None` for a null match.
     pub matched: Option<usize>,
@@ -197,17 +198,14 @@ impl PoolSettings {
         blob.shown().fitness.value() < self.min_fitness
     }
 
-    /// Moves every hypothesis on by one frame.
-    pub fn predict(&self, blobs: &mut [Blob]) {
-        for blob in blobs {
-            blob.predict();
-        }
-    }
-
     /// Branches every hypothesis into one for each observation in its gate and one null match, and chooses the joint
     /// matching of greatest total likelihood in which no observation is explained twice. Returns for each blob the
     /// observation matched to it.
-    pub fn match_observations(&self, blobs: &mut [Blob], observations: &[Observation]) -> Vec<Option<usize>> {
+    pub fn match_observations(
+        &self,
+        blobs: &mut [&mut Blob],
+        observations: &[Observation],
+    ) -> Vec<Option<usize>> {
         let measurements: Vec<_> = observations.iter().map(Observation::measurement).collect();
         let branches: Vec<Vec<Hypothesis>> =
             blobs.iter().map(|blob| self.branch(blob.hypotheses(), &measurements)).collect();
@@ -297,7 +295,7 @@ impl PoolSettings {
     }
 
     /// Drops the hypotheses that cannot win any more, and the least probable beyond the cap.
-    fn prune(&self, blobs: &mut [Blob]) {
+    fn prune(&self, blobs: &mut [&mut Blob]) {
         for blob in blobs.iter_mut() {
             blob.others.retain(|other| other.score >= MIN_SCORE && other.fitness.value() >= self.min_fitness);
             blob.others.sort_by(|a, b| b.score.total_cmp(&a.score));
@@ -308,7 +306,7 @@ impl PoolSettings {
             return;
         }
         let mut scores: Vec<f32> =
-            blobs.iter().flat_map(|blob| &blob.others).map(|other| other.score).collect();
+            blobs.iter().flat_map(|blob| blob.others.iter().map(|other| other.score)).collect();
         scores.sort_by(|a, b| b.total_cmp(a));
         let room = self.max_hypotheses.saturating_sub(blobs.len());
         let least = scores.get(room).copied().unwrap_or(f32::NEG_INFINITY);
@@ -361,21 +359,28 @@ mod tests {
         Blob::new(model, &at(x, y))
     }
 
+    fn step_with(
+        settings: &PoolSettings,
+        blobs: &mut [Blob],
+        observations: &[Observation],
+    ) -> Vec<Option<usize>> {
+        blobs.iter_mut().for_each(Blob::predict);
+        settings.match_observations(&mut blobs.iter_mut().collect::<Vec<_>>(), observations)
+    }
+
     fn step(blobs: &mut [Blob], observations: &[Observation]) -> Vec<Option<usize>> {
-        let settings = settings();
-        settings.predict(blobs);
-        settings.match_observations(blobs, observations)
+        step_with(&settings(), blobs, observations)
     }
 
     #[test]
-    fn each_blob_takes_the_region_it_predicts_even_side_by_side() {
+    fn each_blob_is_matched_to_the_region_it_predicts_even_side_by_side() {
         let mut blobs = [blob(100.0, 50.0, 3.0), blob(108.0, 50.0, -3.0)];
         assert_eq!(step(&mut blobs, &[at(105.0, 50.0), at(103.0, 50.0)]), [Some(1), Some(0)]);
-        assert!(blobs[0].hypotheses().count() > 1, "the other reading is kept to compete");
+        assert!(blobs[0].hypotheses().count() > 1, "the other hypothesis stays");
     }
 
     #[test]
-    fn a_null_match_goes_on_as_predicted_and_loses_fitness() {
+    fn after_a_null_match_the_prediction_stands_and_the_fitness_falls() {
         let mut blobs = [blob(100.0, 50.0, 3.0)];
         let fit = blobs[0].shown().fitness.value();
         assert_eq!(step(&mut blobs, &[at(300.0, 50.0)]), [None]);
@@ -393,8 +398,7 @@ mod tests {
             blobs[0].shown.fitness.mean_error = mean_error;
             let mut frames = 0;
             while !settings.is_unfit(&blobs[0]) {
-                settings.predict(&mut blobs);
-                settings.match_observations(&mut blobs, &[]);
+                step_with(&settings, &mut blobs, &[]);
                 frames += 1;
             }
             frames
@@ -406,35 +410,34 @@ mod tests {
     }
 
     #[test]
-    fn what_was_given_a_region_has_taken_one() {
-        let took = |blob: &Blob| blob.summaries(12.0).iter().map(|each| each.matched).collect::<Vec<_>>();
+    fn a_summary_says_whether_the_hypothesis_matched_a_region() {
+        let matched = |blob: &Blob| blob.summaries(12.0).iter().map(|each| each.matched).collect::<Vec<_>>();
         let mut blobs = [blob(100.0, 50.0, 3.0)];
-        assert_eq!(took(&blobs[0]), [true], "it stands at one");
+        assert_eq!(matched(&blobs[0]), [true], "it stands at one");
         step(&mut blobs, &[]);
-        assert_eq!(took(&blobs[0]), [false], "a null match");
+        assert_eq!(matched(&blobs[0]), [false], "a null match");
         blobs[0].settle(&at(106.0, 50.0), |_| {});
-        assert_eq!(took(&blobs[0]), [true]);
+        assert_eq!(matched(&blobs[0]), [true]);
         step(&mut blobs, &[at(109.0, 50.0)]);
-        assert_eq!(took(&blobs[0])[..2], [true, false], "the region, or none");
+        assert_eq!(matched(&blobs[0])[..2], [true, false], "the region, or none");
     }
 
     #[test]
-    fn what_darts_out_of_its_gate_is_followed_and_what_is_farther_is_another() {
+    fn a_manoeuvre_out_of_the_gate_is_matched_and_a_farther_region_is_not() {
         let settings = settings();
         let mut blobs = [blob(100.0, 50.0, 3.0), blob(300.0, 50.0, 3.0)];
-        let (darted, strange) = (at(118.0, 62.0), at(420.0, 50.0));
-        settings.predict(&mut blobs);
-        assert_eq!(settings.match_observations(&mut blobs, &[darted.clone(), strange.clone()]), [None, None]);
+        let (manoeuvred, far) = (at(118.0, 62.0), at(420.0, 50.0));
+        assert_eq!(step_with(&settings, &mut blobs, &[manoeuvred.clone(), far.clone()]), [None, None]);
         let lost: Vec<&Blob> = blobs.iter().collect();
-        assert_eq!(settings.match_manoeuvres(&lost, &[&strange, &darted]), [(0, 1)]);
-        PoolSettings::update_after_manoeuvre(&mut blobs[0], &darted);
+        assert_eq!(settings.match_manoeuvres(&lost, &[&far, &manoeuvred]), [(0, 1)]);
+        PoolSettings::update_after_manoeuvre(&mut blobs[0], &manoeuvred);
         assert_eq!(blobs[0].lost, 0);
         let [x, y] = blobs[0].shown().model.centre();
         assert!((x - 118.0).abs() < 2.0 && (y - 62.0).abs() < 2.0);
     }
 
     #[test]
-    fn a_region_goes_to_the_nearest_of_those_that_may_have_darted_there() {
+    fn a_region_within_reach_of_two_manoeuvres_is_matched_to_the_nearer_blob() {
         let settings = settings();
         let blobs = [blob(100.0, 50.0, 0.0), blob(130.0, 50.0, 0.0)];
         let lost: Vec<&Blob> = blobs.iter().collect();
@@ -442,29 +445,28 @@ mod tests {
     }
 
     #[test]
-    fn a_later_frame_can_overturn_the_reading() {
+    fn a_later_frame_can_reverse_an_earlier_match() {
         // Two regions lie in the gate; the nearer one stands still and is gone in the next frame,
         // the other goes on at the blob's velocity.
         let mut blobs = [blob(100.0, 50.0, 4.0)];
         assert_eq!(step(&mut blobs, &[at(102.0, 50.0), at(107.5, 50.0)]), [Some(0)]);
-        let mut overturned = false;
+        let mut reversed = false;
         for frame in 1..4 {
-            let reading = step(&mut blobs, &[at(107.5 + 4.0 * frame as f32, 50.0)]);
-            overturned |= reading == [Some(0)];
+            let matched = step(&mut blobs, &[at(107.5 + 4.0 * frame as f32, 50.0)]);
+            reversed |= matched == [Some(0)];
         }
-        assert!(overturned);
+        assert!(reversed);
         assert!((blobs[0].shown().model.centre()[0] - 119.5).abs() < 3.0);
     }
 
     #[test]
-    fn the_pool_never_holds_more_than_its_cap() {
+    fn the_pool_never_has_more_hypotheses_than_its_limit() {
         let mut capped = settings();
         capped.max_hypotheses = 12;
         let mut blobs: Vec<_> = (0..10).map(|n| blob(100.0 + n as f32, 50.0, 0.0)).collect();
         let crowd: Vec<_> = (0..30).map(|n| at(95.0 + 0.5 * n as f32, 50.0)).collect();
         for _ in 0..5 {
-            capped.predict(&mut blobs);
-            capped.match_observations(&mut blobs, &crowd);
+            step_with(&capped, &mut blobs, &crowd);
             assert!(blobs.iter().map(|blob| blob.hypotheses().count()).sum::<usize>() <= 12);
         }
     }

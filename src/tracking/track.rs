@@ -4,8 +4,12 @@ use std::sync::Arc;
 
 use serde::Serialize;
 
-use super::identity_map::TrackKey;
 use crate::regions::{Rect, Rgb};
+
+/// An object's number, from its first region on, before it is known whether it is noise: from 1, never reused. The
+/// tracks of an object are recorded under its number, or after a demerge under another number of the same sequence,
+/// as it may turn out later that they belong to another member of the group.
+pub type ObjectId = u32;
 
 /// Identity of a confirmed object throughout a video, from 1.
 pub type Identity = u32;
@@ -62,9 +66,9 @@ pub struct HypothesisSummary {
 pub struct Track {
     /// Its identity; 0 while it is tentative.
     pub id: Identity,
-    /// Its track key, also before it is confirmed.
+    /// The number that it is recorded under, also before the object is confirmed.
     #[serde(skip)]
-    pub key: TrackKey,
+    pub key: ObjectId,
     /// Its visibility.
     pub state: TrackState,
     /// Its box, the predicted one while merged or hidden.
@@ -88,6 +92,6 @@ pub struct Track {
     pub colours: Vec<Rgb>,
     /// The labels of the regions that it explains, alone or as a member of a group.
     pub regions: Vec<u32>,
-    /// While merged, the identities of the whole group, itself among them (keys, in tentative tracks).
+    /// While merged, the identities of the whole group, itself among them (their keys, in tentative tracks).
     pub group: Vec<Identity>,
 }

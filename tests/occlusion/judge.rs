@@ -138,7 +138,7 @@ fn confusions(truth: &Truth, found: &OfflineResult) -> (Vec<String>, BTreeMap<Id
     let mut person_of = BTreeMap::new();
     for (person, ids) in &identities(truth, found) {
         if ids.len() != 1 {
-            differences.push(format!("person {person} was called {ids:?}"));
+            differences.push(format!("person {person} had the identities {ids:?}"));
         }
         for id in ids {
             if let Some(other) = person_of.insert(*id, *person) {
@@ -149,40 +149,41 @@ fn confusions(truth: &Truth, found: &OfflineResult) -> (Vec<String>, BTreeMap<Id
     (differences, person_of)
 }
 
-type What = (&'static str, Vec<Identity>, [u32; 2]);
+/// Kind, people, and the first and last frame of an event or episode.
+type Occurrence = (&'static str, Vec<Identity>, [u32; 2]);
 
 /// The events of one side without a match on the other: same kind, same people, times within the tolerance, each
 /// matched at most once.
 fn unmatched(
     tolerance: u32,
-    truth: impl Iterator<Item = What>,
-    found: impl Iterator<Item = What>,
+    truth: impl Iterator<Item = Occurrence>,
+    found: impl Iterator<Item = Occurrence>,
 ) -> Vec<String> {
-    let mut found: Vec<What> = found.collect();
+    let mut found: Vec<Occurrence> = found.collect();
     let mut differences = Vec::new();
     for true_one in truth {
         let near = |time: &[u32; 2]| (0..2).all(|end| time[end].abs_diff(true_one.2[end]) <= tolerance);
         let same = found.iter().position(|it| it.0 == true_one.0 && it.1 == true_one.1 && near(&it.2));
         match same {
             Some(at) => drop(found.remove(at)),
-            None => differences.push(format!("missed: {true_one:?}")),
+            None => differences.push(format!("missing: {true_one:?}")),
         }
     }
-    differences.extend(found.into_iter().map(|it| format!("made up: {it:?}")));
+    differences.extend(found.into_iter().map(|it| format!("false: {it:?}")));
     differences
 }
 
 /// For each person the identities that matched while the person was clearly visible.
 fn identities(truth: &Truth, found: &OfflineResult) -> BTreeMap<Identity, BTreeSet<Identity>> {
     let tracks: BTreeMap<u32, _> = found.tracks.iter().map(|(frame, tracks)| (*frame, tracks)).collect();
-    let mut held: BTreeMap<Identity, BTreeSet<Identity>> = BTreeMap::new();
+    let mut matched: BTreeMap<Identity, BTreeSet<Identity>> = BTreeMap::new();
     for (frame, person) in &truth.boxes {
-        let ids = held.entry(person.id).or_default();
-        let meets = truth
+        let ids = matched.entry(person.id).or_default();
+        let shares_episode = truth
             .episodes
             .iter()
             .any(|it| it.objects.contains(&person.id) && (it.start..=it.end + 4).contains(&(frame + 2)));
-        if meets || person.visibility() < CLEAR {
+        if shares_episode || person.visibility() < CLEAR {
             continue;
         }
         let best = tracks[frame]
@@ -195,5 +196,5 @@ fn identities(truth: &Truth, found: &OfflineResult) -> BTreeMap<Identity, BTreeS
             ids.insert(id);
         }
     }
-    held
+    matched
 }

@@ -26,12 +26,14 @@ fn differences(name: &str) -> Vec<String> {
         let mut scene = catalogue::scene(name, &parameters).expect("a scene of the catalogue");
         scene.fps = fps;
         let mut run = JudgedRun::new(&scene, speed, &settings);
-        for told in [1.0, 0.5, 2.0] {
-            if told != 1.0 {
-                run.track_again(&settings, told * fps);
+        for rate_factor in [1.0, 0.5, 2.0] {
+            if rate_factor != 1.0 {
+                run.track_again(&settings, rate_factor * fps);
             }
             let differences = run.differences().into_iter();
-            wrong.extend(differences.map(|what| format!("{name} at {fps}, told {}: {what}", told * fps)));
+            wrong.extend(
+                differences.map(|what| format!("{name} at {fps}, taken for {}: {what}", rate_factor * fps)),
+            );
         }
     }
     wrong

@@ -2,7 +2,7 @@
 //!
 //! `cargo test --release --locked --no-default-features --test occlusion -- --ignored --nocapture every_scene`
 //!
-//! The number of differences of each scene of the catalogue. `SCENES=bag,wall` names the scenes, `TOLD=2` prints the
+//! The number of differences of each scene of the catalogue. `SCENES=bag,wall` names the scenes, `PRINTED=2` prints the
 //! differences of the first two of each.
 //!
 //! `… every_seed` instead: the scores of sixty random scenes of each kind in which people mill about, by default and
@@ -23,7 +23,7 @@ const SEEDS: std::ops::RangeInclusive<u64> = 1..=60;
 #[ignore = "a measurement"]
 fn every_scene() {
     let named = std::env::var("SCENES").unwrap_or_default();
-    let told: usize = std::env::var("TOLD").map_or(0, |told| told.parse().expect("a number"));
+    let printed: usize = std::env::var("PRINTED").map_or(0, |printed| printed.parse().expect("a number"));
     let mut variations = Vec::new();
     for seed in 1..=3 {
         for size in [(320, 240), (480, 360), (640, 360)] {
@@ -51,7 +51,7 @@ fn every_scene() {
         let mut wrong = wrong.into_inner().expect("no analysis panics");
         wrong.sort();
         println!("{}: {} of {} variations wrong", entry.name, wrong.len(), variations.len());
-        for (index, differences) in wrong.iter().take(told) {
+        for (index, differences) in wrong.iter().take(printed) {
             let it = &variations[*index];
             println!("  seed {} {} speed {} noise {}", it.seed, it.size, it.speed, it.noise.sigma);
             for line in differences {

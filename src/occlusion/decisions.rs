@@ -1,0 +1,117 @@
+//! Decisions about objects: those that wait for later frames, and the events and episodes that are decided and not
+//! returned yet.
+
+use super::assign::{AssociationScore, SplitRegion};
+use super::event::{Episode, Event};
+use super::group_episodes::GroupEpisodes;
+use super::object_table::FrameRef;
+use crate::regions::Rect;
+use crate::tracking::ObjectId;
+
+/// Number of remembered places of occlusion by the scene; the oldest are dropped first.
+const MAX_OCCLUDERS: usize = 64;
+
+/// A demerge that is not emitted yet.
+#[derive(Clone, Debug)]
+pub(super) struct PendingDemerge {
+    /// The frame of the demerge.
+    pub(super) at: FrameRef,
+    pub(super) members: Vec<ObjectId>,
+    /// For each member the region that it is in.
+    pub(super) region_of: Vec<usize>,
+    pub(super) regions: Vec<SplitRegion>,
+    /// Scores by member and region, at the demerge.
+    pub(super) scores: Vec<Vec<AssociationScore>>,
+    /// Whether the identities are decided.
+    pub(super) decided: bool,
+}
+
+impl PendingDemerge {
+    /// Whether this object's identity is undecided.
+    pub(super) fn is_undecided(&self, id: ObjectId) -> bool {
+        !self.decided && self.members.contains(&id)
+    }
+
+    /// The region that a member is in.
+    pub(super) fn region_of_member(&self, id: ObjectId) -> Option<usize> {
+        let member = self.members.iter().zip(&self.region_of).find(|(member, _)| **member == id);
+        member.map(|(_, &region)| region)
+    }
+
+    /// The members in a region.
+    pub(super) fn members_in(&self, region: usize) -> Vec<ObjectId> {
+        self.members.iter().zip(&self.region_of).filter(|(_, at)| **at == region).map(|(&id, _)| id).collect()
+    }
+}
+
+/// A reappearance that is not emitted yet: the object may be occluded again at once.
+#[derive(Clone, Debug)]
+pub(super) struct PendingReappearance {
+    pub(super) id: ObjectId,
+    /// The first frame of the occlusion.
+    pub(super) since: FrameRef,
+    /// The frame of the re-identification, as t.
+    pub(super) t: u32,
+    pub(super) event: Event,
+    /// Its last box before the occlusion.
+    pub(super) from: Rect,
+}
+
+/// Pending decisions, and the results of those made.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Decisions {
+    /// In the order of their frames.
+    pub(super) demerges: Vec<PendingDemerge>,
+    /// At most one of each object.
+    pub(super) reappearances: Vec<PendingReappearance>,
+    /// Places where an object was occluded by the scene and reappeared.
+    occluders: Vec<Rect>,
+    pub(super) group_episodes: GroupEpisodes,
+    /// Ended occlusions by the scene, not returned yet.
+    pub(super) scene_episodes: Vec<Episode>,
+    /// Not returned yet.
+    pub(super) events: Vec<Event>,
+}
+
+impl Decisions {
+    /// Takes the first pending demerge that an object takes part in.
+    pub(super) fn take_demerge_of(&mut self, id: ObjectId) -> Option<PendingDemerge> {
+        let index = self.demerges.iter().position(|demerge| demerge.members.contains(&id))?;
+        Some(self.demerges.remove(index))
+    }
+
+    /// Whether an object takes part in a pending demerge.
+    pub(super) fn has_demerge_of(&self, id: ObjectId) -> bool {
+        self.demerges.iter().any(|demerge| demerge.members.contains(&id))
+    }
+
+    /// Takes the pending reappearance of an object.
+    pub(super) fn take_reappearance_of(&mut self, id: ObjectId) -> Option<PendingReappearance> {
+        let index = self.reappearances.iter().position(|pending| pending.id == id)?;
+        Some(self.reappearances.remove(index))
+    }
+
+    /// The known occluders.
+    pub(super) fn occluders(&self) -> &[Rect] {
+        &self.occluders
+    }
+
+    /// Remembers a place where an object was occluded by the scene.
+    pub(super) fn remember_occluder(&mut self, place: Rect) {
+        if self.occluders.len() >= MAX_OCCLUDERS {
+            self.occluders.remove(0);
+        }
+        self.occluders.push(place);
+    }
+
+    /// Whether an event or episode that is not returned yet can refer to an object.
+    pub(super) fn has_reference_to(&self, id: ObjectId) -> bool {
+        self.group_episodes.contains(id) || self.has_demerge_of(id)
+    }
+
+    /// Number of retained items of all kinds.
+    pub(super) fn len(&self) -> usize {
+        let pending = self.demerges.len() + self.reappearances.len() + self.group_episodes.len();
+        pending + self.occluders.len() + self.scene_episodes.len() + self.events.len()
+    }
+}

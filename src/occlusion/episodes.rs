@@ -1,0 +1,79 @@
+//! Records in which frames objects share a region, from which the inter-object episodes follow.
+
+use super::context::Context;
+use super::group_episodes::GroupEpisodes;
+use super::object::Object;
+use super::object_table::{ObjectTable, TrackedBlob};
+use super::partition::contained_share;
+use crate::regions::Rect;
+use crate::tracking::ObjectId;
+
+/// From this share of one's box inside another's on, one of two members can be in front of the other.
+const MIN_OVERLAP: f32 = 0.3;
+
+/// Records which objects share a region in this frame, and closes the episodes of those that are apart.
+pub(super) fn update_group_episodes(context: &Context, table: &ObjectTable, episodes: &mut GroupEpisodes) {
+    for tracked in table.blobs().iter().filter(|tracked| tracked.is_shared()) {
+        let boxes: Vec<Rect> = table.objects_of(tracked.members()).map(Object::predicted_box).collect();
+        let shares: Vec<(ObjectId, f32)> =
+            tracked.members().iter().map(|&id| (id, visible_share(table, id, tracked))).collect();
+        episodes.record_sharing(&shares, context.number, context.t, has_overlap(&boxes));
+    }
+    episodes.close(context.t, context.limits.same_episode_frames);
+}
+
+fn has_overlap(boxes: &[Rect]) -> bool {
+    boxes
+        .iter()
+        .enumerate()
+        .any(|(index, a)| boxes.iter().skip(index + 1).any(|b| contained_share(a, b) >= MIN_OVERLAP))
+}
+
+/// The visible share of a member in its group, 1 while the group has no detection.
+pub(super) fn visible_share(table: &ObjectTable, id: ObjectId, tracked: &TrackedBlob) -> f32 {
+    match (table.get(id), &tracked.detection) {
+        (Some(object), Some(detection)) => object.visible_share_in(detection),
+        _ => 1.0,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::occlusion::fixtures::{RED, context, detection, person, start_group};
+
+    #[test]
+    fn objects_that_shared_a_region_have_one_episode_which_ends_once_they_were_apart_for_long() {
+        let (mut table, mut episodes) = (ObjectTable::default(), GroupEpisodes::default());
+        let members = start_group(&context(1), &mut table, person(100.0, 80.0), person(106.0, 80.0));
+        // Only the red one is visible: it is in front.
+        for tracked in table.blobs_mut() {
+            tracked.detection = Some(detection(person(100.0, 80.0), RED));
+        }
+        for t in 1..=4 {
+            update_group_episodes(&context(t), &table, &mut episodes);
+        }
+        let gap = context(1).limits.same_episode_frames;
+        update_group_episodes(&context(4 + gap), &ObjectTable::default(), &mut episodes);
+        assert!(episodes.contains(members[0]), "it may continue");
+        update_group_episodes(&context(5 + gap), &ObjectTable::default(), &mut episodes);
+        let closed = episodes.take_closed(|id| table.identity(id));
+        let [episode] = &closed[..] else { panic!("{closed:?}") };
+        assert_eq!((&episode.objects[..], episode.start, episode.end), (&[1, 2][..], 1, 4));
+        assert_eq!((episode.front, episode.least_visible), (Some(1), 0.0));
+        assert!(episodes.is_empty());
+    }
+
+    #[test]
+    fn members_beside_each_other_have_nobody_in_front() {
+        let (mut table, mut episodes) = (ObjectTable::default(), GroupEpisodes::default());
+        start_group(&context(1), &mut table, person(100.0, 80.0), person(116.0, 80.0));
+        for tracked in table.blobs_mut() {
+            tracked.detection = Some(detection(person(100.0, 80.0), RED));
+        }
+        update_group_episodes(&context(1), &table, &mut episodes);
+        episodes.close_all();
+        let closed = episodes.take_closed(|id| table.identity(id));
+        assert_eq!(closed.first().map(|episode| episode.front), Some(None));
+    }
+}
