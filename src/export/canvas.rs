@@ -287,6 +287,8 @@ mod tests {
         assert_eq!(frame.pixel(0, 7), Some([255; 3]));
     }
 
+    type Draw<'a> = &'a dyn Fn(&mut Canvas<'_>);
+
     /// Any f32, more often one in or near the image.
     fn coordinate() -> impl Strategy<Value = f32> {
         prop_oneof![
@@ -310,7 +312,6 @@ mod tests {
                 at >= from.min(to) - reach - 1.0 && at <= from.max(to) + reach + 1.0
             };
             let rect = Rect::new(a, b, c, d);
-            type Draw<'a> = &'a dyn Fn(&mut Canvas<'_>);
             let shapes: [(&str, [f32; 4], Draw<'_>); 4] = [
                 ("line", [a, b, c, d], &|canvas| canvas.line([a, b], [c, d], line, WHITE)),
                 ("outline", [a, b, a + c, b + d], &|canvas| canvas.outline(&rect, line, dash, WHITE)),
