@@ -53,7 +53,7 @@ pub(super) struct Frames {
     /// The number of the last frame received up to the end of the range.
     last_number: Option<u32>,
     /// Whether a frame of the range has been received.
-    is_in_range: bool,
+    has_begun: bool,
 }
 
 impl Frames {
@@ -86,7 +86,7 @@ impl Frames {
         let ahead = ahead.clamp(MIN_FRAMES_AHEAD, MAX_FRAMES_AHEAD);
         let decoder = Some(Ahead::start(source, ahead, is_stopped, |frame| frame)?);
         let held = VecDeque::new();
-        Ok(Self { info, total, options, range, choice, held, decoder, last_number: None, is_in_range: false })
+        Ok(Self { info, total, options, range, choice, held, decoder, last_number: None, has_begun: false })
     }
 
     /// Calls `learn` with the first frames in order, in batches, as many as `settings` have for learning. The
@@ -208,7 +208,7 @@ impl Frames {
             Ok(Some(frame)) if range.is_none_or(|range| frame.number <= range.last) => {
                 self.last_number = Some(frame.number);
                 if range.is_none_or(|range| frame.number >= range.first) {
-                    self.is_in_range = true;
+                    self.has_begun = true;
                     self.held.push_back(Item::Frame(frame));
                     return;
                 }
@@ -217,10 +217,10 @@ impl Frames {
                 }
                 self.held.push_back(Item::Failed(anyhow!("stopped; nothing was written")));
             }
-            Ok(Some(_)) if self.is_in_range => self.held.push_back(Item::End),
+            Ok(Some(_)) if self.has_begun => self.held.push_back(Item::End),
             Ok(beyond) => {
                 let last_number = self.last_number.filter(|_| beyond.is_none());
-                self.held.extend(at_the_end(&self.info, range, last_number, self.is_in_range));
+                self.held.extend(at_the_end(&self.info, range, last_number, self.has_begun));
                 self.held.push_back(Item::End);
             }
             Err(error) => self.held.push_back(Item::Failed(error.into())),
@@ -234,7 +234,7 @@ fn at_the_end(
     info: &SourceInfo,
     range: Option<Range>,
     last_number: Option<u32>,
-    is_in_range: bool,
+    has_begun: bool,
 ) -> Option<Item> {
     let name = &info.name;
     let failed = |why: String| Some(Item::Failed(anyhow!(why)));
@@ -243,7 +243,7 @@ fn at_the_end(
         (Some(range), Some(last)) if last < range.first => failed(format!(
             "the range {range} starts beyond the end of {name}, whose last frame is {last}; choose an earlier start"
         )),
-        (Some(range), _) if !is_in_range => failed(format!("{name} has no frames in the range {range}")),
+        (Some(range), _) if !has_begun => failed(format!("{name} has no frames in the range {range}")),
         (Some(range), Some(last)) if last < range.last => {
             Some(Item::Warning(format!("the range {range} is truncated at {last}, the last frame of {name}")))
         }
