@@ -1,10 +1,9 @@
-//! Decodes frames on a separate thread, ahead of the consumer.
+//! The frames of a source or of a range of it, decoded ahead.
 
 use std::collections::VecDeque;
-use std::{iter, thread};
+use std::iter;
 
 use anyhow::{anyhow, bail};
-use crossbeam_channel::{Receiver, Sender, TryRecvError, bounded};
 
 use super::console::Console;
 use super::flags::Range;
@@ -13,6 +12,7 @@ use crate::frame::Frame;
 use crate::mixture::BATCH;
 use crate::registration::{CorrectionChoice, Estimator, Registered};
 use crate::settings::Settings;
+use crate::source::ahead::{Ahead, Decoded};
 use crate::source::{self, Options, Source, SourceInfo};
 
 /// Largest and least number of frames decoded ahead, and the memory that limits it in between.
@@ -28,7 +28,7 @@ pub(super) enum Item {
     Warning(String),
     /// An error that ends the sequence.
     Failed(anyhow::Error),
-    /// The end; a sequence without it was interrupted.
+    /// The end.
     End,
 }
 
@@ -46,9 +46,14 @@ pub(super) struct Frames {
     range: Option<Range>,
     /// The correction of frames before the mixture, if they are measured for it.
     choice: Option<CorrectionChoice>,
-    /// Items that were read ahead and come before `items`.
+    /// Items that were received and come before those of `decoder`.
     held: VecDeque<Item>,
-    items: Receiver<Item>,
+    /// The source; `None` after the last frame of the range or an error.
+    decoder: Option<Ahead<Frame>>,
+    /// The number of the last frame received up to the end of the range.
+    last_number: Option<u32>,
+    /// Whether a frame of the range has been received.
+    has_begun: bool,
 }
 
 impl Frames {
@@ -68,7 +73,6 @@ impl Frames {
             (None, frames) => frames,
         };
         let ahead = MAX_BYTES_AHEAD / (info.size.pixels() * 3).max(1);
-        let (sender, items) = bounded(ahead.clamp(MIN_FRAMES_AHEAD, MAX_FRAMES_AHEAD));
         let source: Box<dyn Source> = match choice {
             None => source,
             Some(choice) => {
@@ -76,8 +80,13 @@ impl Frames {
                 Box::new(Registered::by(source, Estimator::of(info.size, choice), first))
             }
         };
-        thread::Builder::new().name("decode".to_owned()).spawn(move || decode(source, range, &sender))?;
-        Ok(Self { info, total, options, range, choice, held: VecDeque::new(), items })
+        // A camera has no end: interrupting it ends the recording.
+        let live = info.live;
+        let is_stopped = move || live && interrupt::asked();
+        let ahead = ahead.clamp(MIN_FRAMES_AHEAD, MAX_FRAMES_AHEAD);
+        let decoder = Some(Ahead::start(source, ahead, is_stopped, |frame| frame)?);
+        let held = VecDeque::new();
+        Ok(Self { info, total, options, range, choice, held, decoder, last_number: None, has_begun: false })
     }
 
     /// Calls `learn` with the first frames in order, in batches, as many as `settings` have for learning. The
@@ -132,7 +141,11 @@ impl Frames {
             held = held.filter(|held| held.len() <= room + BATCH);
         }
         match held {
-            Some(held) => self.held = held,
+            // After the last batch, a frame can have been received together with a warning.
+            Some(mut held) => {
+                held.append(&mut self.held);
+                self.held = held;
+            }
             // Without the kept frames, the decoder is already past them.
             None => *self = Self::open(&self.info.name, self.options, self.range, self.choice)?,
         }
@@ -143,20 +156,8 @@ impl Frames {
     /// them, if it is available and not a frame.
     pub(super) fn batch(&mut self, most: usize) -> (Vec<Frame>, Option<Item>) {
         let mut frames = Vec::new();
-        while frames.len() < most {
-            let received = if let Some(item) = self.held.pop_front() {
-                Ok(item)
-            } else if frames.is_empty() {
-                self.items.recv().map_err(|_| TryRecvError::Disconnected)
-            } else {
-                self.items.try_recv()
-            };
-            let item = match received {
-                Ok(item) => item,
-                Err(TryRecvError::Empty) => break,
-                Err(TryRecvError::Disconnected) => self.broke_off(),
-            };
-            match item {
+        while frames.len() < most && (frames.is_empty() || self.is_ready()) {
+            match self.next() {
                 Item::Frame(frame) => frames.push(frame),
                 other => return (frames, Some(other)),
             }
@@ -164,78 +165,77 @@ impl Frames {
         (frames, None)
     }
 
-    fn broke_off(&self) -> Item {
-        Item::Failed(anyhow!("decoding {} failed", self.info.name))
-    }
-
     /// All remaining frames and other items, in order.
     pub(super) fn items(&mut self) -> impl Iterator<Item = Item> {
-        let mut over = false;
+        let mut is_over = false;
         iter::from_fn(move || {
-            if over {
+            if is_over {
                 return None;
             }
-            match self.held.pop_front().map_or_else(|| self.items.recv(), Ok) {
-                Ok(Item::End) => None,
-                Ok(item) => Some(item),
-                Err(_) => {
-                    over = true;
-                    Some(self.broke_off())
-                }
-            }
+            let item = self.next();
+            is_over = matches!(item, Item::Failed(_) | Item::End);
+            (!matches!(item, Item::End)).then_some(item)
         })
-        .fuse()
     }
-}
 
-/// Sends all frames within `range`; returns early when the receiver is dropped.
-fn decode(mut source: Box<dyn Source>, range: Option<Range>, items: &Sender<Item>) {
-    let mut last_number = None;
-    let mut sent = false;
-    // Whether the source ended within the range.
-    let mut ended_within = true;
-    loop {
-        let next = source.next_frame();
-        for warning in source.take_warnings() {
-            if items.send(Item::Warning(warning)).is_err() {
-                return;
+    /// The next item. Blocks until a frame of the range is decoded.
+    fn next(&mut self) -> Item {
+        loop {
+            if let Some(item) = self.held.pop_front() {
+                return item;
             }
+            let decoded = self.decoder.as_ref().and_then(Ahead::next);
+            self.receive(decoded);
         }
-        // A camera has no end: interrupting it ends the recording.
-        if source.info().live && interrupt::asked() {
-            break;
-        }
-        let frame = match next {
-            Ok(Some(frame)) => frame,
-            Ok(None) => break,
-            Err(error) => {
-                let _ = items.send(Item::Failed(error.into()));
-                return;
-            }
-        };
-        if range.is_some_and(|range| frame.number > range.last) {
-            ended_within = !sent;
-            break;
-        }
-        last_number = Some(frame.number);
-        if range.is_none_or(|range| frame.number >= range.first) {
-            sent = true;
-            if items.send(Item::Frame(frame)).is_err() {
-                return;
-            }
-        } else if interrupt::asked() {
-            let _ = items.send(Item::Failed(anyhow!("stopped; nothing was written")));
+    }
+
+    /// Whether [`Self::next`] would return without blocking, once the range has begun.
+    fn is_ready(&self) -> bool {
+        !self.held.is_empty() || self.decoder.as_ref().is_some_and(Ahead::is_ready)
+    }
+
+    /// Adds the items that the decoded frame gives within the range to `held`.
+    fn receive(&mut self, decoded: Option<Decoded<Frame>>) {
+        let name = &self.info.name;
+        let Some(Decoded { frame, warnings }) = decoded else {
+            self.held.push_back(Item::Failed(anyhow!("decoding {name} failed")));
+            self.decoder = None;
             return;
+        };
+        self.held.extend(warnings.into_iter().map(Item::Warning));
+        let range = self.range;
+        match frame {
+            Ok(Some(frame)) if range.is_none_or(|range| frame.number <= range.last) => {
+                self.last_number = Some(frame.number);
+                if range.is_none_or(|range| frame.number >= range.first) {
+                    self.has_begun = true;
+                    self.held.push_back(Item::Frame(frame));
+                    return;
+                }
+                if !interrupt::asked() {
+                    return;
+                }
+                self.held.push_back(Item::Failed(anyhow!("stopped; nothing was written")));
+            }
+            Ok(Some(_)) if self.has_begun => self.held.push_back(Item::End),
+            Ok(beyond) => {
+                let last_number = self.last_number.filter(|_| beyond.is_none());
+                self.held.extend(at_the_end(&self.info, range, last_number, self.has_begun));
+                self.held.push_back(Item::End);
+            }
+            Err(error) => self.held.push_back(Item::Failed(error.into())),
         }
+        self.decoder = None;
     }
-    if ended_within && let Some(item) = at_the_end(source.info(), range, last_number, sent) {
-        let _ = items.send(item);
-    }
-    let _ = items.send(Item::End);
 }
 
-/// The warning of a sequence that ended before its range did.
-fn at_the_end(info: &SourceInfo, range: Option<Range>, last_number: Option<u32>, sent: bool) -> Option<Item> {
+/// The error of a sequence without frames in its range, or the warning of one that ended before its range did.
+fn at_the_end(
+    info: &SourceInfo,
+    range: Option<Range>,
+    last_number: Option<u32>,
+    has_begun: bool,
+) -> Option<Item> {
     let name = &info.name;
     let failed = |why: String| Some(Item::Failed(anyhow!(why)));
     match (range, last_number) {
@@ -243,7 +243,7 @@ fn at_the_end(info: &SourceInfo, range: Option<Range>, last_number: Option<u32>,
         (Some(range), Some(last)) if last < range.first => failed(format!(
             "the range {range} starts beyond the end of {name}, whose last frame is {last}; choose an earlier start"
         )),
-        (Some(range), _) if !sent => failed(format!("{name} has no frames in the range {range}")),
+        (Some(range), _) if !has_begun => failed(format!("{name} has no frames in the range {range}")),
         (Some(range), Some(last)) if last < range.last => {
             Some(Item::Warning(format!("the range {range} is truncated at {last}, the last frame of {name}")))
         }
@@ -260,7 +260,7 @@ mod tests {
     const PICTURES: u32 = 40;
 
     /// Frame numbers, and W for a warning.
-    fn told(item: &Item) -> String {
+    fn text_of(item: &Item) -> String {
         match item {
             Item::Frame(frame) => frame.number.to_string(),
             Item::Warning(_) => "W".to_owned(),
@@ -286,7 +286,7 @@ mod tests {
             let expected: Vec<_> = Frames::open(video, Options::default(), range, None)
                 .unwrap()
                 .items()
-                .map(|item| told(&item))
+                .map(|item| text_of(&item))
                 .collect();
             let first = range.map_or(1, |range| range.first);
             let numbers: Vec<_> =
@@ -295,17 +295,17 @@ mod tests {
                 [(1 << 20, 0), (1 << 20, 11), (0, 11), (1 << 20, 500), (0, 500), (10 * 72, 11)]
             {
                 let mut frames = Frames::open(video, Options::default(), range, None).unwrap();
-                let mut learnt = Vec::new();
+                let mut learned = Vec::new();
                 let learn = |frames: &[&Frame]| {
-                    learnt.extend(frames.iter().map(|frame| frame.number));
+                    learned.extend(frames.iter().map(|frame| frame.number));
                     Ok(())
                 };
                 frames.learn_within(bytes, most, learn).unwrap();
-                assert_eq!(learnt, numbers[..numbers.len().min(most as usize)], "{range:?} {bytes} {most}");
+                assert_eq!(learned, numbers[..numbers.len().min(most as usize)], "{range:?} {bytes} {most}");
                 let (batch, after) = frames.batch(3);
                 let first: Vec<_> = batch.into_iter().map(Item::Frame).chain(after).collect();
                 let rest: Vec<_> = frames.items().collect();
-                let again: Vec<_> = first.iter().chain(&rest).map(told).collect();
+                let again: Vec<_> = first.iter().chain(&rest).map(text_of).collect();
                 assert_eq!(again, expected, "{range:?} {bytes} {most}");
             }
         }
@@ -316,6 +316,24 @@ mod tests {
             Ok(())
         };
         frames.learn_within(1 << 20, 10, learn).unwrap();
-        assert!(frames.items().any(|item| told(&item).contains("starts beyond the end")));
+        assert!(frames.items().any(|item| text_of(&item).contains("starts beyond the end")));
+    }
+
+    #[test]
+    fn a_range_in_a_gap_of_the_numbers_has_no_frames() {
+        let folder = tempfile::tempdir().unwrap();
+        for number in [1, 2, 50, 51] {
+            image::RgbImage::new(6, 4).save(folder.path().join(format!("{number:03}.png"))).unwrap();
+        }
+        let video = folder.path().to_str().unwrap();
+        let items = |first, last| -> Vec<_> {
+            let mut frames =
+                Frames::open(video, Options::default(), Some(Range { first, last }), None).unwrap();
+            frames.items().map(|item| text_of(&item)).collect()
+        };
+        assert_eq!(items(2, 20), ["2"]);
+        assert_eq!(items(20, 30), [format!("{video} has no frames in the range 20..30")]);
+        let beyond = &items(60, 70)[..];
+        assert!(matches!(beyond, [error] if error.contains("starts beyond the end")), "{beyond:?}");
     }
 }

@@ -41,14 +41,14 @@ impl<'a> FrameAnnotations<'a> {
 
 /// Draws boxes in the identities' colours (dashed where they are predicted), labels, trails, groups, and a banner
 /// with the frame's number and events.
-pub fn annotate(frame: &mut Frame, moment: &FrameAnnotations<'_>) {
+pub fn annotate(frame: &mut Frame, annotations: &FrameAnnotations<'_>) {
     let number = frame.number;
     let mut canvas = Canvas::new(frame);
     let style = Style::of(canvas.size().shorter_side());
-    let tracks = moment.recent.last().map_or(&[][..], |(_, tracks)| tracks);
+    let tracks = annotations.recent.last().map_or(&[][..], |(_, tracks)| tracks);
 
     for track in tracks {
-        draw_trail(&mut canvas, track, moment.recent, style);
+        draw_trail(&mut canvas, track, annotations.recent, style);
     }
     let groups = groups(tracks);
     for (_, outline) in &groups {
@@ -58,12 +58,12 @@ pub fn annotate(frame: &mut Frame, moment: &FrameAnnotations<'_>) {
     for track in tracks {
         draw_box(&mut canvas, track, style);
     }
-    for event in moment.events {
+    for event in annotations.events {
         let age = number.saturating_sub(event.frame) as f32;
         let paint = Paint::sheer(event_colour(event.kind), if age == 0.0 { 1.0 } else { 0.5 });
         canvas.circle([event.x, event.y], style.text * 0.5 + age, style.line, paint);
     }
-    let banner = draw_banner(&mut canvas, number, moment.events, style);
+    let banner = draw_banner(&mut canvas, number, annotations.events, style);
     draw_labels(&mut canvas, tracks, &groups, banner, style);
 }
 
@@ -101,7 +101,7 @@ fn draw_trail(canvas: &mut Canvas<'_>, track: &Track, recent: &[(u32, Vec<Track>
     let steps = centres.len().max(2) as f32;
     for (age, pair) in centres.windows(2).enumerate() {
         let opacity = 0.9 * (1.0 - age as f32 / steps);
-        canvas.lines(pair, style.line, Paint::sheer(identity_colour(track.id), opacity));
+        canvas.line(pair[0], pair[1], style.line, Paint::sheer(identity_colour(track.id), opacity));
     }
 }
 
@@ -144,16 +144,16 @@ fn draw_banner(canvas: &mut Canvas<'_>, number: u32, events: &[Event], style: St
     let mut chips = vec![(format!("frame {number}"), Paint::sheer(BLACK, 0.7), WHITE)];
     // The newest first.
     for event in events.iter().rev() {
-        let what = if event.objects == event.becomes || event.becomes.is_empty() || event.objects.is_empty() {
-            let who = if event.objects.is_empty() { &event.becomes } else { &event.objects };
-            format!("{} {}", event.kind.label(), joined(who))
+        let text = if event.objects == event.becomes || event.becomes.is_empty() || event.objects.is_empty() {
+            let objects = if event.objects.is_empty() { &event.becomes } else { &event.objects };
+            format!("{} {}", event.kind.label(), joined(objects))
         } else {
             format!("{} {} → {}", event.kind.label(), joined(&event.objects), joined(&event.becomes))
         };
         if event.frame == number {
-            chips.push((what, Paint::solid(event_colour(event.kind)), BLACK));
+            chips.push((text, Paint::solid(event_colour(event.kind)), BLACK));
         } else {
-            chips.push((what, Paint::sheer(BLACK, 0.7), event_colour(event.kind)));
+            chips.push((text, Paint::sheer(BLACK, 0.7), event_colour(event.kind)));
         }
     }
     let size = canvas.size();
@@ -204,11 +204,11 @@ fn draw_labels(
             [around.x - rim - w, around.bottom() - h],
         ];
         let size = canvas.size();
-        let held = |[x, y]: [f32; 2]| {
+        let inside = |[x, y]: [f32; 2]| {
             let (most_x, most_y) = ((size.width as f32 - w).max(0.0), (size.height as f32 - h).max(0.0));
             Rect::new(x.clamp(0.0, most_x), y.clamp(0.0, most_y), w, h)
         };
-        let hidden = |place: &Rect| {
+        let covered = |place: &Rect| {
             let over =
                 |others: &[Rect]| others.iter().map(|other| place.intersection(other).area()).sum::<f32>();
             3.0 * over(&taken) + over(&objects)
@@ -216,8 +216,8 @@ fn draw_labels(
         let best = places
             .into_iter()
             .filter(|place| place.iter().all(|value| value.is_finite()))
-            .map(held)
-            .min_by(|a, b| hidden(a).total_cmp(&hidden(b)));
+            .map(inside)
+            .min_by(|a, b| covered(a).total_cmp(&covered(b)));
         if let Some(place) = best {
             draw_chip(canvas, &place, &text, Paint::sheer(colour, 0.9), BLACK, style);
             taken.push(place);
@@ -293,23 +293,23 @@ mod tests {
     fn annotations_contain_recent_tracks_and_events() {
         let tracks: Vec<_> = (1..=50).map(|number| (number, vec![track(1, 0.0, 0.0)])).collect();
         let events: Vec<_> = (1..=50).map(|frame| event(frame, EventKind::Merge, &[1, 2])).collect();
-        let moment = FrameAnnotations::at(39, &tracks, &events, 10.0);
-        assert_eq!((moment.recent[0].0, moment.recent.last().unwrap().0), (21, 40));
-        assert_eq!((moment.events[0].frame, moment.events.last().unwrap().frame), (31, 40));
+        let annotations = FrameAnnotations::at(39, &tracks, &events, 10.0);
+        assert_eq!((annotations.recent[0].0, annotations.recent.last().unwrap().0), (21, 40));
+        assert_eq!((annotations.events[0].frame, annotations.events.last().unwrap().frame), (31, 40));
         let first = FrameAnnotations::at(0, &tracks, &events, 10.0);
         assert_eq!((first.recent.len(), first.events.len()), (1, 1));
     }
 
     #[test]
     fn any_size_and_any_box_can_be_drawn() {
-        let wild = [
+        let boxes = [
             Rect::new(-50.0, -50.0, 10.0, 10.0),
             Rect::new(f32::NAN, 0.0, 1.0, 1.0),
             Rect::new(0.0, 0.0, 0.0, 0.0),
             Rect::new(-1e7, -1e7, 3e7, 3e7),
         ];
         let group: Vec<_> = (1..=4).collect();
-        let tracks = wild
+        let tracks = boxes
             .iter()
             .zip(1..)
             .map(|(&bbox, id)| Track {

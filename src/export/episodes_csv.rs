@@ -17,7 +17,7 @@ pub fn write(out: &mut impl Write, episodes: &[Episode]) -> io::Result<()> {
             joined(&episode.objects),
             episode.start,
             episode.end,
-            significant(episode.least_visible.into()),
+            significant(episode.least_visible),
             episode.front.map_or_else(String::new, |front| front.to_string()),
             episode.identities_kept,
         )?;
@@ -27,8 +27,8 @@ pub fn write(out: &mut impl Write, episodes: &[Episode]) -> io::Result<()> {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
+    use crate::export::tests::written;
     use crate::occlusion::EpisodeKind;
 
     #[test]
@@ -50,10 +50,8 @@ mod tests {
             identities_kept: false,
             ..scene.clone()
         };
-        let mut text = Vec::new();
-        write(&mut text, &[scene, meeting]).unwrap();
         assert_eq!(
-            String::from_utf8(text).unwrap(),
+            written(|out| write(out, &[scene, meeting])),
             "kind,objects,start,end,least_visible,front,identities_kept\n\
              scene,7,10,20,0,,true\ninter-object,3+5,10,20,0.5,5,false\n"
         );

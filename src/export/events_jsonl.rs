@@ -15,8 +15,8 @@ pub fn write(out: &mut impl Write, events: &[Event]) -> io::Result<()> {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
+    use crate::export::tests::written;
     use crate::occlusion::{EventKind, Evidence};
 
     #[test]
@@ -34,9 +34,7 @@ mod tests {
             front: None,
             evidence,
         };
-        let mut text = Vec::new();
-        write(&mut text, &[event.clone(), event]).unwrap();
-        let text = String::from_utf8(text).unwrap();
+        let text = written(|out| write(out, &[event.clone(), event]));
         assert_eq!(text.lines().count(), 2);
         assert!(
             text.starts_with(

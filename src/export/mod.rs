@@ -31,12 +31,29 @@ fn joined(identities: &[Identity]) -> String {
     identities.iter().map(Identity::to_string).collect::<Vec<_>>().join("+")
 }
 
+/// The columns of a value with this number of channels: `mean_r,mean_g,mean_b`, or `mean` for one.
+fn channel_columns(name: &str, channels: usize) -> String {
+    match channels {
+        3 => format!("{name}_r,{name}_g,{name}_b"),
+        _ => name.to_owned(),
+    }
+}
+
 #[cfg(test)]
 pub(crate) mod tests {
+    #![allow(clippy::unwrap_used)]
+    use std::io;
     use std::sync::Arc;
 
     use crate::regions::Rect;
     use crate::tracking::{Identity, Track, TrackState};
+
+    /// What `write` writes, as text.
+    pub(crate) fn written(write: impl FnOnce(&mut Vec<u8>) -> io::Result<()>) -> String {
+        let mut bytes = Vec::new();
+        write(&mut bytes).unwrap();
+        String::from_utf8(bytes).unwrap()
+    }
 
     /// A visible object of 8 × 16 pixels with its upper left corner at (x, y).
     pub(crate) fn track(id: Identity, x: f32, y: f32) -> Track {

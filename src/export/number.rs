@@ -2,8 +2,9 @@
 
 /// The number as in C's `%.9g`: at most nine significant digits, no trailing zeros, an exponent only below 10⁻⁴ and
 /// from 10⁹ on.
-pub fn significant(value: f64) -> String {
+pub fn significant(value: impl Into<f64>) -> String {
     const DIGITS: i32 = 9;
+    let value = value.into();
     if value == 0.0 {
         return "0".to_owned();
     }
@@ -67,7 +68,7 @@ mod tests {
             bits = bits.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
             let value = f32::from_bits(bits);
             if value.is_finite() {
-                assert_eq!(significant(f64::from(value)).parse::<f32>().unwrap(), value);
+                assert_eq!(significant(value).parse::<f32>().unwrap(), value);
             }
         }
     }

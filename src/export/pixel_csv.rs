@@ -2,16 +2,14 @@
 
 use std::io::{self, Write};
 
+use super::channel_columns;
 use super::number::significant;
 use crate::explain::pixel::{PixelHistory, PixelState};
 use crate::mixture::Parameters;
 
 /// Writes the header for these parameters.
 pub fn write_header(out: &mut impl Write, parameters: &Parameters) -> io::Result<()> {
-    let channels = |name: &str| match parameters.channels() {
-        3 => format!("{name}_r,{name}_g,{name}_b"),
-        _ => name.to_owned(),
-    };
+    let channels = |name: &str| channel_columns(name, parameters.channels());
     write!(out, "frame,{},matched,rank,background_count,foreground,rho,p", channels("value"))?;
     for k in 1..=parameters.k {
         write!(out, ",w{k},{},var{k}", channels(&format!("mu{k}")))?;
@@ -34,15 +32,15 @@ pub fn write_row(out: &mut impl Write, parameters: &Parameters, state: &PixelSta
         outcome.rank,
         outcome.background_count,
         u8::from(outcome.foreground),
-        significant(outcome.rho.into()),
-        significant(outcome.p.into()),
+        significant(outcome.rho),
+        significant(outcome.p),
     )?;
     for component in state.pixel.components() {
-        write!(out, ",{}", significant(component.weight.into()))?;
+        write!(out, ",{}", significant(component.weight))?;
         for &mean in &component.mean[..channels] {
-            write!(out, ",{}", significant(mean.into()))?;
+            write!(out, ",{}", significant(mean))?;
         }
-        write!(out, ",{}", significant(component.variance.into()))?;
+        write!(out, ",{}", significant(component.variance))?;
     }
     writeln!(out)
 }
@@ -65,19 +63,18 @@ pub fn write_pins(out: &mut impl Write, pins: &[(u8, &PixelHistory)]) -> io::Res
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
+    use crate::export::tests::written;
     use crate::settings::{Preset, Settings, Space};
 
     fn table(settings: &Settings, colours: &[[u8; 3]]) -> Vec<String> {
         let parameters = Parameters::new(settings);
         let history = PixelHistory::of_colours((0, 0), parameters, (1..).zip(colours.iter().copied()));
-        let mut text = Vec::new();
-        write_header(&mut text, &parameters).unwrap();
-        for state in &history.states {
-            write_row(&mut text, &parameters, state).unwrap();
-        }
-        String::from_utf8(text).unwrap().lines().map(str::to_owned).collect()
+        let text = written(|out| {
+            write_header(out, &parameters)?;
+            history.states.iter().try_for_each(|state| write_row(out, &parameters, state))
+        });
+        text.lines().map(str::to_owned).collect()
     }
 
     #[test]
@@ -100,18 +97,14 @@ mod tests {
         let parameters = Parameters::new(&Settings { k: 1, ..Settings::preset(Preset::Plain) });
         let of = |at, level| PixelHistory::of_colours(at, parameters, (1..=2).map(|n| (n, [level; 3])));
         let (one, other) = (of((3, 4), 90), of((70, 8), 20));
-        let mut text = Vec::new();
-        write_pins(&mut text, &[(1, &one), (4, &other)]).unwrap();
-        let text = String::from_utf8(text).unwrap();
+        let text = written(|out| write_pins(out, &[(1, &one), (4, &other)]));
         let rows: Vec<_> = text.lines().collect();
         assert_eq!(rows.len(), 5);
         assert!(rows[0].starts_with("pin,x,y,frame,value_r,value_g,value_b,matched"), "{}", rows[0]);
         assert!(rows[2].starts_with("1,3,4,2,90,90,90,1,"), "{}", rows[2]);
         assert!(rows[3].starts_with("4,70,8,1,20,20,20,0,"), "{}", rows[3]);
         assert!(rows.iter().all(|row| row.matches(',').count() == rows[0].matches(',').count()));
-        let mut nothing = Vec::new();
-        write_pins(&mut nothing, &[]).unwrap();
-        assert!(nothing.is_empty());
+        assert_eq!(written(|out| write_pins(out, &[])), "");
     }
 
     #[test]

@@ -46,10 +46,10 @@ pub fn write(
 fn write_row(out: &mut impl Write, number: u32, row: &Row, objects: &[Identity]) -> io::Result<()> {
     let Row { label, shape, colour: [r, g, b] } = row;
     let [x, y, w, h] = [shape.bbox.x, shape.bbox.y, shape.bbox.w, shape.bbox.h];
-    let [cx, cy] = shape.centroid.map(|value| significant(value.into()));
+    let [cx, cy] = shape.centroid.map(significant);
     let [mu20, mu11, mu02] = [shape.mu20, shape.mu11, shape.mu02].map(significant);
     let [orientation, eccentricity, extent] =
-        [shape.orientation, shape.eccentricity, shape.extent].map(|value| significant(value.into()));
+        [shape.orientation, shape.eccentricity, shape.extent].map(significant);
     writeln!(
         out,
         "{number},{label},{},{x},{y},{w},{h},{cx},{cy},{mu20},{mu11},{mu02},{orientation},{eccentricity},{extent},{r},{g},{b},{}",
@@ -68,9 +68,8 @@ fn objects_of(label: u32, tracks: &[Track]) -> Vec<Identity> {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
-    use crate::export::tests::track;
+    use crate::export::tests::{track, written};
     use crate::regions::Rect;
 
     #[test]
@@ -89,9 +88,7 @@ mod tests {
         let row = |label| Row { label, shape, colour: [9, 8, 7] };
         let frames = [(3, vec![row(1)]), (4, vec![row(1), row(2)])];
         let tracks = [(4, vec![track(3, 0.0, 0.0), track(5, 0.0, 0.0)])];
-        let mut text = Vec::new();
-        write(&mut text, &frames, &tracks).unwrap();
-        let text = String::from_utf8(text).unwrap();
+        let text = written(|out| write(out, &frames, &tracks));
         let lines: Vec<_> = text.lines().collect();
         assert_eq!(lines[0], HEADER);
         assert_eq!(lines[1], "3,1,12,1,2,3,4,2,3.5,8,-0.5,15,1.5,0.25,1,9,8,7,");

@@ -12,14 +12,14 @@ pub fn write(out: &mut impl Write, history: &PixelHistory, shares: &RegionShares
     writeln!(out, "frame,model,cleaned")?;
     let both = shares.model.iter().zip(&shares.cleaned);
     history.states.iter().zip(both).try_for_each(|(state, (&model, &cleaned))| {
-        writeln!(out, "{},{},{}", state.number, significant(model.into()), significant(cleaned.into()))
+        writeln!(out, "{},{},{}", state.number, significant(model), significant(cleaned))
     })
 }
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
+    use crate::export::tests::written;
     use crate::mixture::Parameters;
     use crate::settings::{Preset, Settings};
 
@@ -29,10 +29,8 @@ mod tests {
         let history = PixelHistory::of_colours((4, 5), parameters, (11..=13).map(|n| (n, [90; 3])));
         let (model, cleaned) = (vec![0.0, 1.0 / 3.0, 1.0], vec![0.0, 0.25]);
         let shares = RegionShares { at: (4, 5), side: 3, pixels: 9, model, cleaned };
-        let mut text = Vec::new();
-        write(&mut text, &history, &shares).unwrap();
-        let text = String::from_utf8(text).unwrap();
-        let third = significant((1.0_f32 / 3.0).into());
+        let text = written(|out| write(out, &history, &shares));
+        let third = significant(1.0_f32 / 3.0);
         assert_eq!(text, format!("frame,model,cleaned\n11,0,0\n12,{third},0.25\n"));
     }
 }

@@ -3,6 +3,7 @@
 use std::io::{self, Write};
 use std::ops::Range;
 
+use super::channel_columns;
 use super::number::significant;
 use crate::explain::pixel::PixelHistory;
 use crate::explain::pixel::statistics::Statistics;
@@ -13,19 +14,17 @@ pub fn write(out: &mut impl Write, history: &PixelHistory, range: Range<usize>) 
     let end = range.end.min(history.states.len());
     let ends =
         [range.start, end.saturating_sub(1)].map(|at| history.states.get(at).map_or(0, |state| state.number));
-    let suffixes: &[&str] = if history.parameters.channels() == 3 { &["_r", "_g", "_b"] } else { &[""] };
-    let channels =
-        |name: &str| suffixes.iter().map(|suffix| format!(",{name}{suffix}")).collect::<Vec<_>>().concat();
+    let channels = history.parameters.channels();
     writeln!(
         out,
-        "from,to,frames{}{},foreground,births,replacements,mean_background_count,most_background_count,used,time_constant",
-        channels("mean"),
-        channels("variance")
+        "from,to,frames,{},{},foreground,births,replacements,mean_background_count,most_background_count,used,time_constant",
+        channel_columns("mean", channels),
+        channel_columns("variance", channels)
     )?;
     write!(out, "{},{},{}", ends[0], ends[1], statistics.frames)?;
     for values in [statistics.mean, statistics.variance] {
-        for value in &values[..suffixes.len()] {
-            write!(out, ",{}", significant((*value).into()))?;
+        for value in &values[..channels] {
+            write!(out, ",{}", significant(*value))?;
         }
     }
     writeln!(
@@ -34,26 +33,24 @@ pub fn write(out: &mut impl Write, history: &PixelHistory, range: Range<usize>) 
         statistics.foreground,
         statistics.births,
         statistics.replacements,
-        significant(statistics.mean_modes.into()),
+        significant(statistics.mean_modes),
         statistics.most_modes,
         statistics.used,
-        significant(f64::from(1.0 / history.parameters.alpha))
+        significant(1.0 / history.parameters.alpha)
     )
 }
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
+    use crate::export::tests::written;
     use crate::mixture::Parameters;
     use crate::settings::{Preset, Settings, Space};
 
     fn table(settings: &Settings, range: Range<usize>) -> Vec<String> {
         let colours = (1..=10).map(|n| (n + 100, if n == 10 { [200, 0, 0] } else { [20, 40, 60] }));
         let history = PixelHistory::of_colours((1, 2), Parameters::new(settings), colours);
-        let mut text = Vec::new();
-        write(&mut text, &history, range).unwrap();
-        String::from_utf8(text).unwrap().lines().map(str::to_owned).collect()
+        written(|out| write(out, &history, range)).lines().map(str::to_owned).collect()
     }
 
     #[test]

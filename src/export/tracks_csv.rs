@@ -9,8 +9,7 @@ use crate::tracking::{Track, TrackState};
 pub fn write(out: &mut impl Write, frames: &[(u32, Vec<Track>)]) -> io::Result<()> {
     for (number, tracks) in frames {
         for track in tracks {
-            let [x, y, w, h] = [track.bbox.x, track.bbox.y, track.bbox.w, track.bbox.h]
-                .map(|value| significant(f64::from(value)));
+            let [x, y, w, h] = [track.bbox.x, track.bbox.y, track.bbox.w, track.bbox.h].map(significant);
             let conf = confidence(track.state);
             writeln!(out, "{number},{},{x},{y},{w},{h},{conf},-1,-1,-1", track.id)?;
         }
@@ -28,18 +27,15 @@ pub fn confidence(state: TrackState) -> f32 {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
     use super::*;
-    use crate::export::tests::track;
+    use crate::export::tests::{track, written};
 
     #[test]
     fn rows_are_in_motchallenge_format() {
         let hidden = Track { state: TrackState::Hidden, ..track(7, 10.5, 20.25) };
         let frames = vec![(4, vec![track(3, 1.0, 2.0)]), (5, vec![]), (6, vec![track(3, 2.0, 2.0), hidden])];
-        let mut text = Vec::new();
-        write(&mut text, &frames).unwrap();
         assert_eq!(
-            String::from_utf8(text).unwrap(),
+            written(|out| write(out, &frames)),
             "4,3,1,2,8,16,1,-1,-1,-1\n6,3,2,2,8,16,1,-1,-1,-1\n6,7,10.5,20.25,8,16,0.5,-1,-1,-1\n"
         );
     }

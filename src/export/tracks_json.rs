@@ -61,20 +61,18 @@ fn record(frame: u32, track: &Track) -> Record<'_> {
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use crate::export::tests::track;
+    use crate::export::tests::{track, written};
 
     #[test]
     fn output_is_json_with_one_record_per_line() {
-        let mut text = Vec::new();
-        write(&mut text, &[(4, vec![track(3, 1.0, 2.0), track(5, 1.0, 2.0)])]).unwrap();
-        assert_eq!(String::from_utf8_lossy(&text).lines().count(), 4);
-        let read: serde_json::Value = serde_json::from_slice(&text).unwrap();
+        let text = written(|out| write(out, &[(4, vec![track(3, 1.0, 2.0), track(5, 1.0, 2.0)])]));
+        assert_eq!(text.lines().count(), 4);
+        let read: serde_json::Value = serde_json::from_str(&text).unwrap();
         assert_eq!(read[1]["id"], 5);
         assert_eq!(read[0]["state"], "visible");
         assert_eq!(read[0]["colours"][0][0], 200);
 
-        text.clear();
-        write(&mut text, &[]).unwrap();
-        assert_eq!(serde_json::from_slice::<serde_json::Value>(&text).unwrap(), serde_json::json!([]));
+        let text = written(|out| write(out, &[]));
+        assert_eq!(serde_json::from_str::<serde_json::Value>(&text).unwrap(), serde_json::json!([]));
     }
 }

@@ -51,6 +51,7 @@ mod tests {
 
     use super::*;
     use crate::explain::tuning::{TunableSetting, grid, map};
+    use crate::export::tests::written;
     use crate::mixture::Parameters;
     use crate::settings::Settings;
 
@@ -59,9 +60,7 @@ mod tests {
         let parameters = Parameters::new(&Settings::default());
         let values: Vec<_> = (0..40).map(|n| [if n > 36 { 200.0 } else { 60.0 }; 3]).collect();
         let map = map(&values, &parameters, [TunableSetting::Alpha, TunableSetting::K]);
-        let mut text = Vec::new();
-        write_map(&mut text, &map).unwrap();
-        let text = String::from_utf8(text).unwrap();
+        let text = written(|out| write_map(out, &map));
         let mut lines = text.lines();
         assert_eq!(lines.next(), Some("alpha,k,foreground"));
         for (row, &k) in map.axes[1].values.iter().enumerate() {
@@ -78,9 +77,7 @@ mod tests {
 
         let (axes, cells) = grid(&parameters, [TunableSetting::K, TunableSetting::T]);
         let decisions = vec![Decisions { tp: 1, fp: 1, fn_: 0, tn: 2 }; cells.len()];
-        let mut text = Vec::new();
-        write_decisions(&mut text, &axes, &decisions).unwrap();
-        let text = String::from_utf8(text).unwrap();
+        let text = written(|out| write_decisions(out, &axes, &decisions));
         assert_eq!(text.lines().count(), 1 + cells.len());
         assert!(text.starts_with("k,t,tp,fp,fn,tn,right,f_measure\n1,"));
         assert!(text.lines().skip(1).all(|line| line.ends_with(",1,1,0,2,0.75,0.666666667")));

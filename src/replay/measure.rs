@@ -12,7 +12,6 @@ use super::*;
 use crate::explain::pixel::component_slots::slots_by_rank;
 use crate::explain::pixel::downsampled_history::downsample;
 use crate::explain::tuning::TunableSetting;
-use crate::export::video::VideoFile;
 use crate::frame::Size;
 use crate::truth::Truth;
 use crate::truth::masks::{Label, TrueMask, TrueMasks};
@@ -28,17 +27,15 @@ const COLUMNS: usize = 500;
 #[ignore = "a measurement"]
 fn a_pixels_whole_history() {
     let folder = tempfile::tempdir().unwrap();
-    let path = folder.path().join("scene.mp4");
-    let mut video = VideoFile::create(&path, SIZE, 25.0).unwrap();
     for number in 1..=FRAMES {
         let level = |at: u32| (at % 97 + at / 768 % 89 + (at * 31 + number * 17) % 13 + 40) as u8;
         let rgb = (0..SIZE.pixels() as u32).flat_map(|at| [level(at), level(at + 7), level(at + 11)]);
-        video.write(&Frame::new(number, SIZE, rgb.collect())).unwrap();
+        let image = image::RgbImage::from_raw(SIZE.width, SIZE.height, rgb.collect()).unwrap();
+        image.save(folder.path().join(format!("{number:06}.jpg"))).unwrap();
     }
-    video.finish().unwrap();
 
     let (wake, woken) = channel();
-    let name = path.to_str().unwrap();
+    let name = folder.path().to_str().unwrap();
     let session = Session::open(
         name,
         crate::source::Options::default(),

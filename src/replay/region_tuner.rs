@@ -12,8 +12,9 @@ use crate::frame::{Frame, Size};
 use crate::mixture::Parameters;
 use crate::registration::{CorrectionChoice, corrected};
 use crate::settings::{BackgroundModel, Settings};
-use crate::truth::decisions::{Decisions, of_mixture};
+use crate::truth::decisions::Decisions;
 use crate::truth::masks::{TrueMask, TrueMasks};
+use crate::truth::mixture_score::of_mixture;
 
 /// Largest number of values, over all runs, in one step of some milliseconds.
 const MAX_VALUES_PER_STEP: usize = 1_000_000;

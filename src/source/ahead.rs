@@ -1,53 +1,45 @@
-//! Decodes frames on a separate thread, a few frames ahead of the consumer.
+//! Decodes frames on a separate thread, ahead of the consumer.
 
 use std::io;
 use std::thread::{self, JoinHandle};
 
 use crossbeam_channel::{Receiver, bounded};
-use xxhash_rust::xxh3::xxh3_64;
 
 use super::{Source, SourceError};
 use crate::frame::Frame;
 
-/// A hash that identifies a frame: equal frames have equal fingerprints, different frames have different ones in
-/// practice.
-pub(super) type Fingerprint = u64;
-
-/// The fingerprint of a frame's pixels.
-pub(super) fn fingerprint(frame: &Frame) -> Fingerprint {
-    xxh3_64(&frame.rgb)
-}
-
 /// The result of one read from a source.
-pub(super) struct Item {
+pub(crate) struct Decoded<T> {
     /// The frame; `None` at the end of the sequence.
-    pub(super) frame: Result<Option<(Frame, Fingerprint)>, SourceError>,
-    /// Warnings of problems that did not end the sequence.
-    pub(super) warnings: Vec<String>,
+    pub(crate) frame: Result<Option<T>, SourceError>,
+    /// Warnings of problems before the frame that did not end the sequence.
+    pub(crate) warnings: Vec<String>,
 }
 
-/// A source that is read ahead. It gives no items after the end or an error.
-pub(super) struct Ahead {
-    items: Option<Receiver<Item>>,
+/// A source that is read ahead. It gives nothing after the end or an error.
+pub(crate) struct Ahead<T> {
+    items: Option<Receiver<Decoded<T>>>,
     thread: Option<JoinHandle<()>>,
 }
 
-impl Ahead {
-    /// Starts the decoding thread; the queue holds at most `most` frames.
-    pub(super) fn start(mut source: Box<dyn Source>, most: usize) -> io::Result<Self> {
+impl<T: Send + 'static> Ahead<T> {
+    /// Starts the decoding thread; the queue holds at most `most` frames. The thread calls `prepare` with each frame.
+    /// The sequence ends at the first frame after which `is_stopped` holds.
+    pub(crate) fn start(
+        mut source: Box<dyn Source>,
+        most: usize,
+        is_stopped: impl Fn() -> bool + Send + 'static,
+        prepare: impl Fn(Frame) -> T + Send + 'static,
+    ) -> io::Result<Self> {
         let (sender, items) = bounded(most);
         let thread = thread::Builder::new().name("decode ahead".into()).spawn(move || {
             loop {
                 let next = source.next_frame();
                 let warnings = source.take_warnings();
-                let frame = next.map(|frame| {
-                    frame.map(|frame| {
-                        let fingerprint = fingerprint(&frame);
-                        (frame, fingerprint)
-                    })
-                });
-                let over = !matches!(frame, Ok(Some(_)));
-                if sender.send(Item { frame, warnings }).is_err() || over {
+                let next = if is_stopped() { Ok(None) } else { next };
+                let is_over = !matches!(next, Ok(Some(_)));
+                let frame = next.map(|frame| frame.map(&prepare));
+                if sender.send(Decoded { frame, warnings }).is_err() || is_over {
                     return;
                 }
             }
@@ -56,17 +48,17 @@ impl Ahead {
     }
 
     /// The next item; `None` when there are no more. Blocks until a frame is decoded.
-    pub(super) fn next(&self) -> Option<Item> {
+    pub(crate) fn next(&self) -> Option<Decoded<T>> {
         self.items.as_ref()?.recv().ok()
     }
 
-    /// Whether [`Self::next`] would return without blocking.
-    pub(super) fn is_ready(&self) -> bool {
+    /// Whether [`Self::next`] would return an item without blocking.
+    pub(crate) fn is_ready(&self) -> bool {
         self.items.as_ref().is_some_and(|items| !items.is_empty())
     }
 }
 
-impl Drop for Ahead {
+impl<T> Drop for Ahead<T> {
     fn drop(&mut self) {
         // Dropping the receiver ends the thread after its current frame. It must not be inside a decoder when the
         // process ends.
@@ -75,5 +67,87 @@ impl Drop for Ahead {
             // A panic in a decoder was already reported as an early end.
             let _ = thread.join();
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+    use std::sync::Arc;
+    use std::sync::atomic::{AtomicU32, Ordering};
+
+    use super::*;
+    use crate::frame::Size;
+    use crate::source::{FpsFrom, SourceInfo};
+
+    /// Frames 1, 2, … without an end, a warning before each. It counts the frames read.
+    struct Endless(SourceInfo, Arc<AtomicU32>);
+
+    impl Endless {
+        fn boxed(read: &Arc<AtomicU32>) -> Box<dyn Source> {
+            let info = SourceInfo {
+                name: "endless".into(),
+                size: Size::new(1, 1),
+                fps: 25.0,
+                fps_from: FpsFrom::Video,
+                frames: None,
+                live: true,
+            };
+            Box::new(Self(info, Arc::clone(read)))
+        }
+    }
+
+    impl Source for Endless {
+        fn info(&self) -> &SourceInfo {
+            &self.0
+        }
+
+        fn next_frame(&mut self) -> Result<Option<Frame>, SourceError> {
+            let number = self.1.fetch_add(1, Ordering::SeqCst) + 1;
+            if number == 9 {
+                return Err(SourceError::unusable("endless", "it broke"));
+            }
+            Ok(Some(Frame::new(number, Size::new(1, 1), vec![0; 3])))
+        }
+
+        fn take_warnings(&mut self) -> Vec<String> {
+            vec![format!("before {}", self.1.load(Ordering::SeqCst))]
+        }
+    }
+
+    fn items(ahead: &Ahead<u32>) -> Vec<(Option<u32>, String)> {
+        std::iter::from_fn(|| ahead.next())
+            .map(|Decoded { frame, warnings }| (frame.unwrap_or(Some(0)), warnings.concat()))
+            .collect()
+    }
+
+    #[test]
+    fn a_stop_ends_the_sequence_after_the_warnings_so_far() {
+        let read = Arc::new(AtomicU32::new(0));
+        let count = Arc::clone(&read);
+        let is_stopped = move || count.load(Ordering::SeqCst) == 3;
+        let ahead = Ahead::start(Endless::boxed(&read), 1, is_stopped, |frame| frame.number).unwrap();
+        let text = |number: u32| format!("before {number}");
+        assert_eq!(items(&ahead), [(Some(1), text(1)), (Some(2), text(2)), (None, text(3))]);
+        assert!(!ahead.is_ready());
+    }
+
+    #[test]
+    fn nothing_follows_an_error() {
+        let read = Arc::new(AtomicU32::new(0));
+        let ahead = Ahead::start(Endless::boxed(&read), 2, || false, |frame| frame.number).unwrap();
+        let items = items(&ahead);
+        assert_eq!((items.len(), &items[8]), (9, &(Some(0), "before 9".to_owned())));
+    }
+
+    #[test]
+    fn the_queue_bounds_the_frames_read_ahead_and_dropping_it_ends_the_thread() {
+        let read = Arc::new(AtomicU32::new(0));
+        let ahead = Ahead::start(Endless::boxed(&read), 2, || false, |frame| frame.number).unwrap();
+        assert!(ahead.next().is_some());
+        drop(ahead);
+        // One returned, two in the queue, one that waits for room.
+        assert!(read.load(Ordering::SeqCst) <= 4);
+        assert_eq!(Arc::strong_count(&read), 1, "the thread dropped its source");
     }
 }

@@ -5,10 +5,13 @@
 //! after a seek is found by comparing frame fingerprints recorded at the first decoding. Where that fails, the reader
 //! starts from the beginning, which is slower and gives the same frame.
 
-use std::collections::{BTreeMap, HashMap};
+use std::num::NonZeroUsize;
 use std::sync::Arc;
 
-use super::ahead::{Ahead, Fingerprint, Item, fingerprint};
+use lru::LruCache;
+use xxhash_rust::xxh3::xxh3_64;
+
+use super::ahead::{Ahead, Decoded};
 use super::{Options, Source, SourceError, SourceInfo};
 use crate::frame::Frame;
 use crate::registration::{Alignment, Registered};
@@ -46,6 +49,15 @@ const MAX_EQUAL_FRAMES: usize = 8;
 /// Largest number of frames that are decoded ahead.
 const MAX_FRAMES_AHEAD: usize = 32;
 
+/// A hash that identifies a frame: equal frames have equal fingerprints, different frames have different ones in
+/// practice.
+type Fingerprint = u64;
+
+/// The fingerprint of a frame's pixels.
+fn fingerprint(frame: &Frame) -> Fingerprint {
+    xxh3_64(&frame.rgb)
+}
+
 /// A second reader of the source, for frames that were evicted.
 struct RewoundSource {
     source: Box<dyn Source>,
@@ -60,7 +72,7 @@ pub struct FrameCache {
     open: Opener,
     info: Arc<SourceInfo>,
     /// The reader at the furthest position, `numbers.len()`.
-    front: Ahead,
+    front: Ahead<(Frame, Fingerprint)>,
     numbers: Vec<u32>,
     fingerprints: Vec<Fingerprint>,
     /// The alignment of each frame to those before it.
@@ -71,11 +83,8 @@ pub struct FrameCache {
     again: Option<RewoundSource>,
     /// Whether seeks have worked so far.
     jumps: bool,
-    kept: HashMap<u32, (Arc<Frame>, u64)>,
-    /// Positions by the time of their last use.
-    by_use: BTreeMap<u64, u32>,
-    clock: u64,
-    room: usize,
+    /// Decoded frames by position.
+    kept: LruCache<u32, Arc<Frame>>,
     warnings: Vec<String>,
 }
 
@@ -97,9 +106,16 @@ impl FrameCache {
         let frame_bytes = (info.size.pixels() * 3).max(1);
         let room = budget / frame_bytes;
         let ahead = (room / 4).clamp(1, if info.live { 2 } else { MAX_FRAMES_AHEAD });
-        let front = Ahead::start(front, ahead).map_err(|error| {
+        let with_fingerprint = |frame| {
+            let fingerprint = fingerprint(&frame);
+            (frame, fingerprint)
+        };
+        let front = Ahead::start(front, ahead, || false, with_fingerprint).map_err(|error| {
             SourceError::unusable(&info.name, format!("no thread to decode it can be started ({error})"))
         })?;
+        // `LruCache::new` would allocate for all frames of the budget, which a short sequence never has.
+        let mut kept = LruCache::unbounded();
+        kept.resize(NonZeroUsize::new(room.saturating_sub(ahead).max(2)).unwrap_or(NonZeroUsize::MIN));
         Ok(Self {
             open: Box::new(open),
             info,
@@ -111,10 +127,7 @@ impl FrameCache {
             failed: None,
             again: None,
             jumps: true,
-            kept: HashMap::new(),
-            by_use: BTreeMap::new(),
-            clock: 0,
-            room: room.saturating_sub(ahead).max(2),
+            kept,
             warnings: Vec::new(),
         })
     }
@@ -126,7 +139,7 @@ impl FrameCache {
 
     /// Maximum number of cached frames.
     pub fn room(&self) -> usize {
-        self.room
+        self.kept.cap().get()
     }
 
     /// The frame numbers of the positions known so far.
@@ -141,7 +154,7 @@ impl FrameCache {
 
     /// The positions whose decoded frames are cached, as inclusive ranges in ascending order.
     pub fn kept_ranges(&self) -> Vec<(u32, u32)> {
-        let mut positions: Vec<u32> = self.kept.keys().copied().collect();
+        let mut positions: Vec<u32> = self.kept.iter().map(|(position, _)| *position).collect();
         positions.sort_unstable();
         let ranges = positions.chunk_by(|a, b| a + 1 == *b);
         ranges.filter_map(|range| Some((*range.first()?, *range.last()?))).collect()
@@ -164,23 +177,17 @@ impl FrameCache {
             self.fingerprints.clear();
             self.alignments.clear();
             self.kept.clear();
-            self.by_use.clear();
         }
     }
 
     /// Whether the frame at `position` is cached.
     pub fn has(&self, position: u32) -> bool {
-        self.kept.contains_key(&position)
+        self.kept.contains(&position)
     }
 
     /// The frame at `position` if it is cached; counts as a use.
     pub fn kept(&mut self, position: u32) -> Option<Arc<Frame>> {
-        let (frame, used) = self.kept.get_mut(&position)?;
-        self.by_use.remove(used);
-        self.clock += 1;
-        *used = self.clock;
-        self.by_use.insert(self.clock, position);
-        Some(Arc::clone(frame))
+        self.kept.get(&position).cloned()
     }
 
     /// The frame at `position` if it is cached, or is the next of the sequence and already decoded.
@@ -231,7 +238,7 @@ impl FrameCache {
         if self.complete {
             return Ok(Fetched::End);
         }
-        let Some(Item { frame, warnings }) = self.front.next() else {
+        let Some(Decoded { frame, warnings }) = self.front.next() else {
             return Err(SourceError::unusable(&self.info.name, "its decoder failed; open it again"));
         };
         self.warnings.extend(warnings);
@@ -244,7 +251,7 @@ impl FrameCache {
         self.fingerprints.push(fingerprint);
         self.alignments.push(frame.alignment);
         let frame = Arc::new(frame);
-        self.insert(here, Arc::clone(&frame));
+        self.kept.put(here, Arc::clone(&frame));
         Ok(if here == position { Fetched::Frame(frame) } else { Fetched::OnTheWay })
     }
 
@@ -254,7 +261,7 @@ impl FrameCache {
             _ => {
                 let mut source = (self.open)()?;
                 if self.jumps && position > FAR {
-                    self.jumps = source.seek(position - RUN_UP_FRAMES.min(self.room as u32 / 2));
+                    self.jumps = source.seek(position - RUN_UP_FRAMES.min(self.room() as u32 / 2));
                     if self.jumps {
                         return self.land(source, position);
                     }
@@ -281,9 +288,9 @@ impl FrameCache {
         again.next = here + 1;
         self.again = Some(again);
         let frame = Arc::new(frame);
-        let near = (position - here) as usize <= self.room / 2;
-        if keep == Keep::Yes && near || self.kept.len() < self.room {
-            self.insert(here, Arc::clone(&frame));
+        let near = (position - here) as usize <= self.room() / 2;
+        if keep == Keep::Yes && near || self.kept.len() < self.room() {
+            self.kept.put(here, Arc::clone(&frame));
         }
         Ok(if here == position { Fetched::Frame(frame) } else { Fetched::OnTheWay })
     }
@@ -316,19 +323,6 @@ impl FrameCache {
             }
         }
         Ok(Fetched::OnTheWay)
-    }
-
-    fn insert(&mut self, position: u32, frame: Arc<Frame>) {
-        self.clock += 1;
-        if let Some((_, used)) = self.kept.insert(position, (frame, self.clock)) {
-            self.by_use.remove(&used);
-        }
-        self.by_use.insert(self.clock, position);
-        while self.kept.len() > self.room
-            && let Some((_, oldest)) = self.by_use.pop_first()
-        {
-            self.kept.remove(&oldest);
-        }
     }
 }
 
@@ -401,7 +395,7 @@ mod tests {
             let got = cache.get(position).unwrap();
             let expected = (position < 40).then(|| frame(position));
             assert_eq!(got.as_deref(), expected.as_ref(), "position {position}");
-            assert!(cache.kept.len() <= 6 && cache.by_use.len() == cache.kept.len());
+            assert!(cache.kept.len() <= 6);
         }
         assert!(cache.is_complete());
         assert_eq!(cache.numbers().len(), 40);

@@ -2,7 +2,7 @@
 //!
 //! All later stages process [`Frame`]s, 8-bit RGB, in order.
 
-mod ahead;
+pub(crate) mod ahead;
 pub mod cache;
 mod image_file;
 mod images;

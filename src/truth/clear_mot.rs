@@ -34,80 +34,83 @@ pub struct ClearMot {
 /// Scores `found` against `truth`; boxes can match if their IoU is at least `threshold`.
 pub fn score(truth: &Boxes, found: &Boxes, threshold: f64) -> ClearMot {
     let frames: BTreeSet<u32> = truth.keys().chain(found.keys()).copied().collect();
-    let nothing = BTreeMap::new();
+    let no_boxes = BTreeMap::new();
     let mut last_match: BTreeMap<u32, u32> = BTreeMap::new();
     // For each true object whether it was matched, frame by frame.
-    let mut lives: BTreeMap<u32, Vec<bool>> = BTreeMap::new();
+    let mut matches_of: BTreeMap<u32, Vec<bool>> = BTreeMap::new();
     let mut overlaps: BTreeMap<(u32, u32), i64> = BTreeMap::new();
-    let (mut matched, mut made_up, mut switches, mut distances) = (0_usize, 0, 0, 0.0);
+    let (mut matched, mut false_positives, mut switches, mut distance_sum) = (0_usize, 0, 0, 0.0);
     for frame in frames {
-        let (true_ones, found_ones) =
-            (truth.get(&frame).unwrap_or(&nothing), found.get(&frame).unwrap_or(&nothing));
-        let mut near: BTreeMap<(u32, u32), f64> = BTreeMap::new();
-        for (object, a) in true_ones {
-            for (identity, b) in found_ones {
+        let (true_boxes, found_boxes) =
+            (truth.get(&frame).unwrap_or(&no_boxes), found.get(&frame).unwrap_or(&no_boxes));
+        let mut distances: BTreeMap<(u32, u32), f64> = BTreeMap::new();
+        for (object, a) in true_boxes {
+            for (identity, b) in found_boxes {
                 let iou = a.iou(b);
                 if iou >= threshold {
-                    near.insert((*object, *identity), 1.0 - iou);
+                    distances.insert((*object, *identity), 1.0 - iou);
                     *overlaps.entry((*object, *identity)).or_default() += 1;
                 }
             }
         }
         let mut pairs: BTreeMap<u32, u32> = BTreeMap::new();
         // A match of the previous frame is kept if possible.
-        for object in true_ones.keys() {
+        for object in true_boxes.keys() {
             if let Some(&identity) = last_match.get(object)
-                && near.contains_key(&(*object, identity))
+                && distances.contains_key(&(*object, identity))
                 && !pairs.values().any(|taken| *taken == identity)
             {
                 pairs.insert(*object, identity);
             }
         }
-        let free: Vec<u32> = true_ones.keys().filter(|object| !pairs.contains_key(object)).copied().collect();
+        let unmatched_objects: Vec<u32> =
+            true_boxes.keys().filter(|object| !pairs.contains_key(object)).copied().collect();
         let taken: BTreeSet<u32> = pairs.values().copied().collect();
-        let open: Vec<u32> =
-            found_ones.keys().filter(|identity| !taken.contains(identity)).copied().collect();
+        let unmatched_identities: Vec<u32> =
+            found_boxes.keys().filter(|identity| !taken.contains(identity)).copied().collect();
         // The largest number of matches first, then the largest IoU.
         let weight = |object: &u32, identity: &u32| {
-            near.get(&(*object, *identity)).map_or(0, |distance| 1_000_000_000_000 - (distance * 1e8) as i64)
+            distances
+                .get(&(*object, *identity))
+                .map_or(0, |distance| 1_000_000_000_000 - (distance * 1e8) as i64)
         };
-        for (object, identity) in assign(&free, &open, weight) {
+        for (object, identity) in assign(&unmatched_objects, &unmatched_identities, weight) {
             if last_match.get(&object).is_some_and(|last| *last != identity) {
                 switches += 1;
             }
             pairs.insert(object, identity);
         }
-        for object in true_ones.keys() {
-            lives.entry(*object).or_default().push(pairs.contains_key(object));
+        for object in true_boxes.keys() {
+            matches_of.entry(*object).or_default().push(pairs.contains_key(object));
         }
         for (object, identity) in &pairs {
-            distances += near[&(*object, *identity)];
+            distance_sum += distances[&(*object, *identity)];
             last_match.insert(*object, *identity);
         }
         matched += pairs.len();
-        made_up += found_ones.len() - pairs.len();
+        false_positives += found_boxes.len() - pairs.len();
     }
     let boxes = |all: &Boxes| all.values().map(BTreeMap::len).sum::<usize>();
-    let (true_boxes, found_boxes) = (boxes(truth), boxes(found));
+    let (true_count, found_count) = (boxes(truth), boxes(found));
     let identities: BTreeSet<u32> = found.values().flat_map(BTreeMap::keys).copied().collect();
     let (objects, identities): (Vec<u32>, Vec<u32>) =
-        (lives.keys().copied().collect(), identities.into_iter().collect());
+        (matches_of.keys().copied().collect(), identities.into_iter().collect());
     let overlap = |object: &u32, identity: &u32| overlaps.get(&(*object, *identity)).copied().unwrap_or(0);
     let same: i64 = assign(&objects, &identities, overlap).iter().map(|(a, b)| overlap(a, b)).sum();
-    let missed = true_boxes - matched;
+    let missed = true_count - matched;
     ClearMot {
-        mota: 1.0 - share(missed + made_up + switches, true_boxes),
-        motp: distances / matched.max(1) as f64,
-        idf1: share(2 * same as usize, true_boxes + found_boxes),
-        precision: share(matched, found_boxes),
-        recall: share(matched, true_boxes),
+        mota: 1.0 - share(missed + false_positives + switches, true_count),
+        motp: distance_sum / matched.max(1) as f64,
+        idf1: share(2 * same as usize, true_count + found_count),
+        precision: share(matched, found_count),
+        recall: share(matched, true_count),
         num_switches: switches,
-        num_fragmentations: lives.values().map(|life| fragmentations(life)).sum(),
-        mostly_tracked: lives
+        num_fragmentations: matches_of.values().map(|matches| fragmentations(matches)).sum(),
+        mostly_tracked: matches_of
             .values()
-            .filter(|life| share(life.iter().filter(|matched| **matched).count(), life.len()) >= 0.8)
+            .filter(|matches| share(matches.iter().filter(|matched| **matched).count(), matches.len()) >= 0.8)
             .count(),
-        num_unique_objects: lives.len(),
+        num_unique_objects: matches_of.len(),
     }
 }
 
@@ -129,9 +132,12 @@ fn assign(rows: &[u32], columns: &[u32], weight: impl Fn(&u32, &u32) -> i64) -> 
 }
 
 /// Number of changes from matched to not matched, without the last one if it is final.
-fn fragmentations(life: &[bool]) -> usize {
-    let last = life.iter().rposition(|matched| *matched).unwrap_or(0);
-    life[..=last.min(life.len().saturating_sub(1))].windows(2).filter(|pair| pair[0] && !pair[1]).count()
+fn fragmentations(matches: &[bool]) -> usize {
+    let last = matches.iter().rposition(|matched| *matched).unwrap_or(0);
+    matches[..=last.min(matches.len().saturating_sub(1))]
+        .windows(2)
+        .filter(|pair| pair[0] && !pair[1])
+        .count()
 }
 
 #[cfg(test)]

@@ -79,10 +79,10 @@ pub fn read_episodes(path: &Path) -> Result<Vec<ScoredEvent>, TruthError> {
 /// The person that each identity matches most often; 0 if none.
 pub fn people(truth: &Boxes, found: &Boxes) -> BTreeMap<u32, u32> {
     let mut counts: BTreeMap<u32, BTreeMap<u32, usize>> = BTreeMap::new();
-    for (frame, found_ones) in found {
-        let Some(true_ones) = truth.get(frame) else { continue };
-        for (identity, place) in found_ones {
-            let best = true_ones.iter().map(|(person, true_place)| (place.iou(true_place), person));
+    for (frame, found_boxes) in found {
+        let Some(true_boxes) = truth.get(frame) else { continue };
+        for (identity, place) in found_boxes {
+            let best = true_boxes.iter().map(|(person, true_place)| (place.iou(true_place), person));
             if let Some((iou, person)) = best.max_by(|a, b| a.0.total_cmp(&b.0))
                 && iou >= MIN_IOU
             {

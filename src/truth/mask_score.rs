@@ -73,9 +73,7 @@ pub fn score(folder: &Path, truth: &MaskFiles) -> Result<MaskScore, TruthError> 
             ));
         }
         let data = found.iter().map(|&level| if level > 0 { Mask::FOREGROUND } else { Mask::BACKGROUND });
-        let mut judge = truth.judge();
-        Mask { size: truth.size(), data: data.collect() }.runs().for_each(|run| judge.take(run));
-        Ok(judge.decisions())
+        Ok(truth.score(&Mask { size: truth.size(), data: data.collect() }))
     };
     let decisions: Vec<Decisions> = pairs.par_iter().map(decide).collect::<Result<_, TruthError>>()?;
     Ok(MaskScore::new(pairs.len(), decisions.into_iter().sum()))

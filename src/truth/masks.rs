@@ -10,7 +10,7 @@ use rayon::prelude::*;
 
 use super::TruthError;
 use super::decisions::Decisions;
-use crate::frame::Size;
+use crate::frame::{Mask, Size};
 
 /// CDnet's gray levels of ignored pixels,
 const OUTSIDE: u8 = 85;
@@ -106,7 +106,14 @@ impl TrueMask {
         Self { size, runs }
     }
 
-    /// Starts to score a mask of the same size.
+    /// Scores a mask of the same size.
+    pub fn score(&self, mask: &Mask) -> Decisions {
+        let mut judge = self.judge();
+        mask.runs().for_each(|run| judge.take(run));
+        judge.decisions()
+    }
+
+    /// Starts to score a mask of the same size, run by run.
     pub fn judge(&self) -> Judge<'_> {
         Judge { mask: self, at: 0, found: 0, right: 0, uncounted: 0 }
     }
@@ -311,7 +318,6 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::frame::Mask;
 
     const SIZE: Size = Size::new(9, 7);
 
@@ -344,9 +350,7 @@ mod tests {
                 tn: count(places, false, Label::Background),
             };
             let all: Vec<_> = places.collect();
-            let mut judge = mask.judge();
-            found.runs().for_each(|run| judge.take(run));
-            prop_assert_eq!(judge.decisions(), expected(&all));
+            prop_assert_eq!(mask.score(&found), expected(&all));
 
             let part: Vec<_> =
                 all.iter().copied().filter(|(x, y)| columns.contains(x) && rows.contains(y)).collect();
@@ -354,9 +358,7 @@ mod tests {
             let of_part: Vec<_> = part.iter().map(|&(x, y)| mask.at(x, y).unwrap()).collect();
             prop_assert_eq!(cut.labels(), of_part);
             let data = part.iter().map(|&(x, y)| if found.is_foreground(x, y) { 255 } else { 0 }).collect();
-            let mut judge = cut.judge();
-            Mask { size: cut.size(), data }.runs().for_each(|run| judge.take(run));
-            prop_assert_eq!(judge.decisions(), expected(&part));
+            prop_assert_eq!(cut.score(&Mask { size: cut.size(), data }), expected(&part));
         }
     }
 

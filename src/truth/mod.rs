@@ -1,8 +1,8 @@
 //! Ground truth, and the scores of results against it.
 //!
 //! [`boxes`] reads tracks in MOTChallenge's format, [`clear_mot`] and [`survival`] score them, [`summary`] by both;
-//! [`masks`] reads masks in CDnet's format, [`decisions`] and [`mask_score`] score pixels against them;
-//! [`event_scoring`] scores events and episodes of rendered scenes.
+//! [`masks`] reads masks in CDnet's format, [`mask_score`] and [`mixture_score`] score pixels against them in counts of
+//! [`decisions`]; [`event_scoring`] scores events and episodes of rendered scenes.
 
 pub mod boxes;
 pub mod clear_mot;
@@ -10,6 +10,7 @@ pub mod decisions;
 pub mod event_scoring;
 pub mod mask_score;
 pub mod masks;
+pub mod mixture_score;
 pub mod summary;
 pub mod survival;
 

@@ -43,20 +43,20 @@ pub fn score(truth: &Boxes, found: &Boxes) -> Survival {
             objects.entry(*id).or_default().insert(*frame, *place);
         }
     }
-    let on = on(truth, found);
+    let identities = matched_identities(truth, found);
     let mut survival = Survival::default();
     for (a, boxes_a) in &objects {
         for (b, boxes_b) in objects.range(a + 1..) {
             for (start, end) in episodes(boxes_a, boxes_b) {
                 survival.episodes += 1;
                 survival.identities += 2;
-                let most = |object: u32, from: u32, to: u32| mostly(&on, object, from, to);
+                let most = |object: u32, from: u32, to: u32| most_frequent(&identities, object, from, to);
                 let before = [a, b].map(|id| most(*id, start.saturating_sub(FRAMES_AROUND_EPISODE), start));
                 let after = [a, b].map(|id| most(*id, end + 1, end + 1 + FRAMES_AROUND_EPISODE));
-                for (me, other) in [(0, 1), (1, 0)] {
-                    let kept = before[me].is_some() && before[me] == after[me];
-                    let mine = before[me] != before[other] && after[me] != after[other];
-                    survival.survived += usize::from(kept && mine);
+                for (object, other) in [(0, 1), (1, 0)] {
+                    let is_kept = before[object].is_some() && before[object] == after[object];
+                    let is_distinct = before[object] != before[other] && after[object] != after[other];
+                    survival.survived += usize::from(is_kept && is_distinct);
                 }
             }
         }
@@ -68,9 +68,9 @@ pub fn score(truth: &Boxes, found: &Boxes) -> Survival {
 
 fn episodes(a: &BTreeMap<u32, Bounds>, b: &BTreeMap<u32, Bounds>) -> Vec<(u32, u32)> {
     let mut runs: Vec<(u32, u32)> = Vec::new();
-    for (&frame, mine) in a {
-        let Some(theirs) = b.get(&frame) else { continue };
-        if mine.shared(theirs) < MIN_OVERLAP_SHARE * mine.area().min(theirs.area()) {
+    for (&frame, box_a) in a {
+        let Some(box_b) = b.get(&frame) else { continue };
+        if box_a.shared(box_b) < MIN_OVERLAP_SHARE * box_a.area().min(box_b.area()) {
             continue;
         }
         match runs.last_mut() {
@@ -88,30 +88,30 @@ fn episodes(a: &BTreeMap<u32, Bounds>, b: &BTreeMap<u32, Bounds>) -> Vec<(u32, u
 }
 
 /// The identity of each true object in each frame, from the pairs of largest IoU first.
-fn on(truth: &Boxes, found: &Boxes) -> BTreeMap<(u32, u32), u32> {
-    let mut on = BTreeMap::new();
-    for (frame, true_ones) in truth {
-        let Some(found_ones) = found.get(frame) else { continue };
+fn matched_identities(truth: &Boxes, found: &Boxes) -> BTreeMap<(u32, u32), u32> {
+    let mut identities = BTreeMap::new();
+    for (frame, true_boxes) in truth {
+        let Some(found_boxes) = found.get(frame) else { continue };
         let mut pairs: Vec<(f64, u32, u32)> = Vec::new();
-        for (object, a) in true_ones {
-            pairs.extend(found_ones.iter().map(|(identity, b)| (a.iou(b), *object, *identity)));
+        for (object, a) in true_boxes {
+            pairs.extend(found_boxes.iter().map(|(identity, b)| (a.iou(b), *object, *identity)));
         }
         pairs.sort_by(|a, b| b.0.total_cmp(&a.0).then((b.1, b.2).cmp(&(a.1, a.2))));
         let mut taken = Vec::new();
         for (iou, object, identity) in pairs {
-            if iou >= MIN_IOU && !on.contains_key(&(*frame, object)) && !taken.contains(&identity) {
-                on.insert((*frame, object), identity);
+            if iou >= MIN_IOU && !identities.contains_key(&(*frame, object)) && !taken.contains(&identity) {
+                identities.insert((*frame, object), identity);
                 taken.push(identity);
             }
         }
     }
-    on
+    identities
 }
 
 /// The identity that matches an object most often in frames `from..to`, the earlier one on a tie.
-fn mostly(on: &BTreeMap<(u32, u32), u32>, object: u32, from: u32, to: u32) -> Option<u32> {
+fn most_frequent(identities: &BTreeMap<(u32, u32), u32>, object: u32, from: u32, to: u32) -> Option<u32> {
     let mut counts: Vec<(u32, usize)> = Vec::new();
-    for identity in (from..to).filter_map(|frame| on.get(&(frame, object))) {
+    for identity in (from..to).filter_map(|frame| identities.get(&(frame, object))) {
         match counts.iter_mut().find(|(known, _)| known == identity) {
             Some((_, count)) => *count += 1,
             None => counts.push((*identity, 1)),

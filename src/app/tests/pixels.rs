@@ -157,7 +157,7 @@ fn plots_of_several_pixels_can_be_exported() {
     let copied = copied_text(&mut harness);
     let shares = scene.state.borrow().region.clone().unwrap();
     assert_eq!(copied.lines().count() as u32, FRAMES + 1);
-    let share = |share: f32| crate::export::number::significant(share.into());
+    let share = |share: f32| crate::export::number::significant(share);
     let row = format!("50,{},{}", share(shares.model[49]), share(shares.cleaned[49]));
     assert!(copied.starts_with("frame,model,cleaned\n") && copied.lines().nth(50) == Some(&row), "{copied}");
 

@@ -84,8 +84,8 @@ mod tests {
         assert_eq!(ticks(0.0, 795.0, 5), [0.0, 200.0, 400.0, 600.0]);
         assert_eq!(ticks(3.2, 9.1, 6), [4.0, 5.0, 6.0, 7.0, 8.0, 9.0]);
         assert_eq!(ticks(5.0, 5.0, 4), [5.0]);
-        let words: Vec<_> = Axis::new("w", (0.0, 0.3), 3).ticks.into_iter().map(|tick| tick.1).collect();
-        assert_eq!(words, ["0", "0.1", "0.2", "0.3"]);
+        let labels: Vec<_> = Axis::new("w", (0.0, 0.3), 3).ticks.into_iter().map(|tick| tick.1).collect();
+        assert_eq!(labels, ["0", "0.1", "0.2", "0.3"]);
     }
 
     #[test]
@@ -94,8 +94,8 @@ mod tests {
         assert_eq!((linear.share(0.0), linear.share(51.0), linear.share(255.0)), (0.0, 0.2, 1.0));
         let decades = Axis::logarithmic("ρ", (1e-4, 1.0), 1);
         assert!((decades.share(1e-2) - 0.5).abs() < 1e-12);
-        let words: Vec<_> = decades.ticks.iter().map(|tick| tick.1.as_str()).collect();
-        assert_eq!(words, ["0.0001", "0.001", "0.01", "0.1", "1"]);
+        let labels: Vec<_> = decades.ticks.iter().map(|tick| tick.1.as_str()).collect();
+        assert_eq!(labels, ["0.0001", "0.001", "0.01", "0.1", "1"]);
         assert_eq!(Axis::logarithmic("ρ", (1e-6, 1e-5), 1).ticks[0].1, "1e−6");
         assert_eq!(Axis::new("X", (3.0, 3.0), 5).share(3.0), 0.5);
     }

@@ -23,7 +23,7 @@ pub const NAMES: [&str; 3] = ["R", "G", "B"];
 /// Half the diagonal of the unit cube, which bounds its projection in each direction at any rotation.
 pub const EXTENT: f64 = 0.866_025_403_784_438_6;
 /// Space for labels around a figure's cube, in points.
-const WORDS: f64 = 27.0;
+const LABEL_SPACE: f64 = 27.0;
 /// Least projected length of an axis with tick labels.
 const MIN_AXIS_LENGTH: f64 = 0.3;
 
@@ -309,8 +309,8 @@ pub fn figure(
     let width = figure.size[0] - 2.0 * super::RIGHT;
     let ends = extent(&scene);
     // The scale, in points per side of the cube.
-    let scale = (width - 2.0 * WORDS) / (ends[0].1 - ends[0].0);
-    let ends = ends.map(|(low, high)| (low - WORDS / scale, high + WORDS / scale));
+    let scale = (width - 2.0 * LABEL_SPACE) / (ends[0].1 - ends[0].0);
+    let ends = ends.map(|(low, high)| (low - LABEL_SPACE / scale, high + LABEL_SPACE / scale));
     let [across, up] = [0, 1].map(|side| Axis::new("", ends[side], 1));
     let mut panel = Panel { frame: Frame::None, ..Panel::new(across, up) };
     for (role, points) in scene.below {
@@ -337,12 +337,7 @@ pub fn figure(
         panel.draw(name, Shape::Line { points, width, dashed }, component(slot), opacity);
     }
     if let Some(here) = scene.here {
-        panel.draw(
-            "current value",
-            Shape::Dots { places: vec![here], radius: 4.0, sign: Sign::Cross },
-            INK,
-            1.0,
-        );
+        panel.draw_cross("current value", here, 4.0);
     }
     for label in scene.labels {
         // The distance at which the label overlaps neither the edge nor a number.
@@ -351,7 +346,7 @@ pub fn figure(
         // The position of text is its baseline.
         let at = [x, if label.slot.is_some() { y } else { y - 0.35 * super::SMALL / scale }];
         let colour = label.slot.map_or(if label.name { INK } else { GRAY }, component);
-        panel.draw("", Shape::Words { at, text: label.text, anchor: Anchor::Middle }, colour, 1.0);
+        panel.draw("", Shape::Text { at, text: label.text, anchor: Anchor::Middle }, colour, 1.0);
     }
     let [across, up] = ends.map(|(from, to)| to - from);
     figure.stack(0, 1, vec![(panel, width * up / across)]);

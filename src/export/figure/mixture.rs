@@ -1,7 +1,8 @@
 //! Figures of the mixture at one frame: densities with the value, and weights with T and B.
 
 use super::{
-    Anchor, Axis, Figure, GRAY, INK, Key, NARROW, Panel, Shape, Sign, WIDE, component, parameters, pixel_name,
+    Anchor, Axis, Figure, GRAY, INK, Key, NARROW, Panel, Shape, Sign, WIDE, component, number_at, parameters,
+    pixel_name,
 };
 use crate::explain::pixel::PixelHistory;
 use crate::explain::pixel::component_states::{ComponentState, component_states, t_at};
@@ -46,8 +47,8 @@ pub fn densities(history: &PixelHistory, slots: &[[u8; MAX_K]], index: usize, mo
     let lambda = number(history.parameters.lambda);
     let mut legend =
         legend(&sides.iter().map(|(_, component_states)| &component_states[..]).collect::<Vec<_>>());
-    legend.push(Key { sign: Sign::Line, colour: INK, name: "value X".to_owned() });
-    legend.push(Key { sign: Sign::Plate(0.5), colour: GRAY, name: format!("bars: μ ± {lambda}σ") });
+    legend.push(Key::new(Sign::Line, INK, "value X"));
+    legend.push(Key::new(Sign::Patch(0.5), GRAY, format!("bars: μ ± {lambda}σ")));
     let mut figure = start(history, index, moment, legend);
     for (column, (before, component_states)) in sides.iter().enumerate() {
         let mut panels = Vec::new();
@@ -76,7 +77,7 @@ pub fn densities(history: &PixelHistory, slots: &[[u8; MAX_K]], index: usize, mo
                 panel.draw(format!("mean of rank {}", component_state.rank), middle, colour, 1.0);
             }
             let value = history.states.get(index).map_or(0.0, |state| state.value[channel]);
-            panel.upright("value", value.into(), 1.0, false);
+            panel.draw_vertical("value", value.into(), 1.0, false);
             panels.push((panel, 84.0));
         }
         figure.stack(column, sides.len(), panels);
@@ -94,11 +95,8 @@ pub fn weights(history: &PixelHistory, slots: &[[u8; MAX_K]], index: usize, mome
         .collect();
     let mut legend =
         legend(&sides.iter().map(|(_, (component_states, _))| &component_states[..]).collect::<Vec<_>>());
-    legend.push(Key {
-        sign: Sign::Dashed,
-        colour: INK,
-        name: format!("T = {}", number(t_at(history, index, moment == UpdateSide::Before))),
-    });
+    let t = number(t_at(history, index, moment == UpdateSide::Before));
+    legend.push(Key::new(Sign::Dashed, INK, format!("T = {t}")));
     let mut figure = start(history, index, moment, legend);
     let most =
         sides.iter().map(|(_, (component_states, _))| component_states.len()).max().unwrap_or(0).max(1);
@@ -125,20 +123,20 @@ pub fn weights(history: &PixelHistory, slots: &[[u8; MAX_K]], index: usize, mome
             let (at, anchor) =
                 if from > 1.0 - sum { (from - 0.015, Anchor::End) } else { (sum + 0.015, Anchor::Start) };
             let text = format!("{:.3}", component_state.component.weight);
-            panel.draw("", Shape::Words { at: [at, top - 0.66], text, anchor }, INK, 1.0);
+            panel.draw("", Shape::Text { at: [at, top - 0.66], text, anchor }, INK, 1.0);
         }
-        panel.upright("T", t_at(history, index, *before).into(), 1.0, true);
+        panel.draw_vertical("T", t_at(history, index, *before).into(), 1.0, true);
         let cut = (most - (*count).min(most)) as f64;
-        panel.across("B", cut, 0.6, false);
+        panel.draw_horizontal("B", cut, 0.6, false);
         let text = format!("B = {count}");
-        panel.draw("", Shape::Words { at: [0.99, cut + 0.16], text, anchor: Anchor::End }, GRAY, 1.0);
+        panel.draw("", Shape::Text { at: [0.99, cut + 0.16], text, anchor: Anchor::End }, GRAY, 1.0);
         figure.stack(column, sides.len(), vec![(panel, BAR * most as f64)]);
     }
     figure
 }
 
 fn start(history: &PixelHistory, index: usize, moment: UpdateSide, legend: Vec<Key>) -> Figure {
-    let number = history.states.get(index).map_or(0, |state| state.number);
+    let number = number_at(history, index);
     let when = match moment {
         UpdateSide::Before => " before the update",
         UpdateSide::After => " after the update",
@@ -173,9 +171,9 @@ fn legend(sides: &[&[ComponentState]]) -> Vec<Key> {
         };
         let name = if keys.is_empty() { format!("component of rank {rank}") } else { rank };
         let sign = if component_state.background { Sign::Band } else { Sign::Dashed };
-        keys.push(Key { sign, colour: component(component_state.slot), name });
+        keys.push(Key::new(sign, component(component_state.slot), name));
     }
-    keys.push(Key { sign: Sign::Dashed, colour: GRAY, name: "foreground component".to_owned() });
+    keys.push(Key::new(Sign::Dashed, GRAY, "foreground component"));
     keys
 }
 

@@ -15,12 +15,14 @@ pub mod scatter;
 pub mod svg;
 #[cfg(test)]
 mod tests;
+pub mod text;
 pub mod through_time;
 pub mod tuning;
 mod verdicts;
-pub mod words;
 
 pub use axis::Axis;
+
+use std::ops::Range;
 
 use crate::explain::pixel::PixelHistory;
 use crate::palette::component_on_light;
@@ -75,11 +77,18 @@ pub struct Key {
     pub name: String,
 }
 
+impl Key {
+    /// An entry.
+    pub fn new(sign: Sign, colour: Rgb, name: impl Into<String>) -> Self {
+        Self { sign, colour, name: name.into() }
+    }
+}
+
 /// A sign in the legend.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Sign {
     /// A filled rectangle of this opacity.
-    Plate(f64),
+    Patch(f64),
     /// A line on a pale rectangle.
     Band,
     /// A line.
@@ -163,7 +172,7 @@ pub enum Shape {
         sign: Sign,
     },
     /// A text.
-    Words {
+    Text {
         /// The position.
         at: [f64; 2],
         /// The text.
@@ -195,17 +204,17 @@ impl Figure {
     /// The top of the panels: below the title and the legend.
     pub fn top(&self) -> f64 {
         let lines = self.legend_places().last().map_or(0, |&(_, line)| line + 1);
-        words::LEGEND + lines as f64 * words::LINE + 4.0
+        text::LEGEND + lines as f64 * text::LINE + 4.0
     }
 
     /// For each entry of the legend its start, and the index of its line.
     pub fn legend_places(&self) -> Vec<(f64, usize)> {
-        let (mut x, mut line) = (words::MARGIN, 0);
+        let (mut x, mut line) = (text::MARGIN, 0);
         let mut places = Vec::with_capacity(self.legend.len());
         for key in &self.legend {
-            let width = words::SIGN + words::width(&key.name, SMALL);
-            if x > words::MARGIN && x + width > self.size[0] - words::MARGIN {
-                (x, line) = (words::MARGIN, line + 1);
+            let width = text::SIGN + text::width(&key.name, SMALL);
+            if x > text::MARGIN && x + width > self.size[0] - text::MARGIN {
+                (x, line) = (text::MARGIN, line + 1);
             }
             places.push((x, line));
             x += width + 10.0;
@@ -260,21 +269,44 @@ impl Panel {
     }
 
     /// Draws a horizontal line at a value, such as T.
-    pub fn across(&mut self, name: &str, y: f64, width: f64, dashed: bool) {
+    pub fn draw_horizontal(&mut self, name: &str, y: f64, width: f64, dashed: bool) {
         let (from, to) = self.x.ends;
         self.draw(name, Shape::Line { points: vec![[from, y], [to, y]], width, dashed }, INK, 1.0);
     }
 
     /// Draws a vertical line at a value, such as the frame in view.
-    pub fn upright(&mut self, name: &str, x: f64, width: f64, dashed: bool) {
+    pub fn draw_vertical(&mut self, name: &str, x: f64, width: f64, dashed: bool) {
         let (from, to) = self.y.ends;
         self.draw(name, Shape::Line { points: vec![[x, from], [x, to]], width, dashed }, INK, 1.0);
+    }
+
+    /// Draws a thin gray line at 0.
+    fn draw_ground(&mut self, name: &str) {
+        let (from, to) = self.x.ends;
+        let points = vec![[from, 0.0], [to, 0.0]];
+        self.draw(name, Shape::Line { points, width: 0.4, dashed: false }, GRAY, 1.0);
+    }
+
+    /// Draws a cross, such as at the current value.
+    fn draw_cross(&mut self, name: &str, at: [f64; 2], radius: f64) {
+        self.draw(name, Shape::Dots { places: vec![at], radius, sign: Sign::Cross }, INK, 1.0);
     }
 }
 
 /// `pixel (160, 137)`.
 fn pixel_name(history: &PixelHistory) -> String {
     format!("pixel ({}, {})", history.at.0, history.at.1)
+}
+
+/// The number of the frame at a position; 0 beyond the end.
+fn number_at(history: &PixelHistory, index: usize) -> u32 {
+    history.states.get(index).map_or(0, |state| state.number)
+}
+
+/// The ends of frames on an axis: from half a frame before the first number to half a frame after the last.
+fn frame_span(history: &PixelHistory, frames: &Range<usize>) -> [f64; 2] {
+    let from = f64::from(number_at(history, frames.start)) - 0.5;
+    [from, f64::from(number_at(history, frames.end.saturating_sub(1))) + 0.5]
 }
 
 /// The parameters of a pixel's mixture in the paper's symbols, so that a figure is reproducible.

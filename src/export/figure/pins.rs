@@ -1,7 +1,10 @@
 //! A figure of several pixels over time, stacked.
 
-use super::through_time::{COLUMNS, number_at};
-use super::{Axis, Figure, GRAY, INK, Key, Panel, Shape, Sign, WIDE, frames_axis, parameters, verdicts};
+use super::through_time::COLUMNS;
+use super::{
+    Axis, Figure, GRAY, INK, Key, Panel, Shape, Sign, WIDE, frame_span, frames_axis, number_at, parameters,
+    verdicts,
+};
 use crate::explain::pixel::PixelHistory;
 use crate::explain::pixel::sparklines::{SparklineColumn, level_range, sparkline};
 use crate::palette::identity_on_light;
@@ -18,12 +21,11 @@ pub fn figure(pins: &[(u8, &PixelHistory)], index: usize) -> Figure {
     let (first, last) = (number(0), number(frames.saturating_sub(1)));
     let lambda = longest.map_or(0.0, |history| history.parameters.lambda);
     let title = format!("pinned pixels, frames {first}–{last}");
-    let key = |sign, colour, name: &str| Key { sign, colour, name: name.to_owned() };
     let band = format!("μ ± {}σ of background components", crate::explain::pixel::verdict::number(lambda));
     let mut legend = vec![
-        key(Sign::Line, INK, "brightness"),
-        key(Sign::Plate(STRENGTHS[0]), GRAY, &band),
-        key(Sign::Dashed, INK, "current frame"),
+        Key::new(Sign::Line, INK, "brightness"),
+        Key::new(Sign::Patch(STRENGTHS[0]), GRAY, band),
+        Key::new(Sign::Dashed, INK, "current frame"),
     ];
     let columns: Vec<Vec<SparklineColumn>> =
         pins.iter().map(|(_, history)| sparkline(history, COLUMNS, frames)).collect();
@@ -42,7 +44,7 @@ pub fn figure(pins: &[(u8, &PixelHistory)], index: usize) -> Figure {
         panel.caption = format!("P{pin}, pixel ({x}, {y})");
         bands(&mut panel, history, sparks, identity_on_light((*pin).into()));
         let brightness = sparks.iter().flat_map(|spark| {
-            let [from, to] = edges(history, spark);
+            let [from, to] = frame_span(history, &spark.frames);
             let middle = f64::midpoint(from, to);
             [[middle, f64::from(spark.values.0)], [middle, f64::from(spark.values.1)]]
         });
@@ -51,10 +53,13 @@ pub fn figure(pins: &[(u8, &PixelHistory)], index: usize) -> Figure {
         panel.draw("brightness", Shape::Line { points, width: 0.6, dashed: false }, INK, 1.0);
         let mut below = Panel { grid: false, ..Panel::new(frames_axis(ends), Axis::new("", (0.0, 1.0), 1)) };
         below.y.ticks.clear();
-        verdicts::draw(&mut below, sparks.iter().map(|spark| (edges(history, spark), spark.foreground)));
+        verdicts::draw(
+            &mut below,
+            sparks.iter().map(|spark| (frame_span(history, &spark.frames), spark.foreground)),
+        );
         for panel in [&mut panel, &mut below] {
             if index < frames {
-                panel.upright("current frame", f64::from(number(index)), 0.6, true);
+                panel.draw_vertical("current frame", f64::from(number(index)), 0.6, true);
             }
         }
         panels.extend([(panel, 46.0), (below, 6.0)]);
@@ -63,18 +68,12 @@ pub fn figure(pins: &[(u8, &PixelHistory)], index: usize) -> Figure {
     figure
 }
 
-/// A frame spans from half a frame before its number to half a frame after it.
-fn edges(history: &PixelHistory, spark: &SparklineColumn) -> [f64; 2] {
-    let from = f64::from(number_at(history, spark.frames.start)) - 0.5;
-    [from, f64::from(number_at(history, spark.frames.end.saturating_sub(1))) + 0.5]
-}
-
 /// Draws the bands of the background components, one shape per rank.
 fn bands(panel: &mut Panel, history: &PixelHistory, sparks: &[SparklineColumn], colour: crate::regions::Rgb) {
     let most = sparks.iter().map(|spark| spark.bands.len()).max().unwrap_or(0);
     for rank in 0..most {
         let rects = sparks.iter().filter_map(|spark| {
-            let (&(low, high), [from, to]) = (spark.bands.get(rank)?, edges(history, spark));
+            let (&(low, high), [from, to]) = (spark.bands.get(rank)?, frame_span(history, &spark.frames));
             Some([from, f64::from(low), to, f64::from(high)])
         });
         let strength = STRENGTHS[rank.min(1)];

@@ -8,7 +8,7 @@ use std::sync::{Arc, LazyLock};
 use resvg::tiny_skia::{Pixmap, Transform};
 use resvg::usvg::{Options, Tree, fontdb};
 
-use super::words::TYPEFACE;
+use super::text::TYPEFACE;
 use super::{Figure, svg};
 use crate::frame::{Frame, Size};
 

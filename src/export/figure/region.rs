@@ -2,8 +2,11 @@
 
 use std::ops::Range;
 
-use super::through_time::{COLUMNS, number_at};
-use super::{Axis, Figure, GRAY, INK, Key, Panel, Shape, Sign, WIDE, frames_axis, parameters, pixel_name};
+use super::through_time::COLUMNS;
+use super::{
+    Axis, Figure, INK, Key, Panel, Shape, Sign, WIDE, frame_span, frames_axis, number_at, parameters,
+    pixel_name,
+};
 use crate::explain::pixel::PixelHistory;
 use crate::palette::verdict_colour;
 use crate::replay::RegionShares;
@@ -47,19 +50,14 @@ pub fn figure(history: &PixelHistory, shares: &RegionShares, index: usize) -> Fi
         shares.pixels,
         pixel_name(history)
     );
-    let key = |sign, colour, name: &str| Key { sign, colour, name: name.to_owned() };
     let legend = vec![
-        key(Sign::Plate(STRENGTH), verdict_colour(true, false), "after post-processing"),
-        key(Sign::Line, INK, "mixture verdicts"),
-        key(Sign::Dashed, INK, "current frame"),
+        Key::new(Sign::Patch(STRENGTH), verdict_colour(true, false), "after post-processing"),
+        Key::new(Sign::Line, INK, "mixture verdicts"),
+        Key::new(Sign::Dashed, INK, "current frame"),
     ];
     let region = format!("{side} × {side} pixels, {}", parameters(history), side = shares.side);
     let mut figure = Figure::new(WIDE, title, region, legend);
-    // A frame spans from half a frame before its number to half a frame after it.
-    let edges = |peak: &Peak| {
-        let from = f64::from(number_at(history, peak.frames.start)) - 0.5;
-        [from, f64::from(number_at(history, peak.frames.end.saturating_sub(1))) + 0.5]
-    };
+    let edges = |peak: &Peak| frame_span(history, &peak.frames);
     let ends = match (peaks.first(), peaks.last()) {
         (Some(first), Some(last)) => (edges(first)[0], edges(last)[1]),
         _ => (0.5, 1.5),
@@ -76,12 +74,9 @@ pub fn figure(history: &PixelHistory, shares: &RegionShares, index: usize) -> Fi
     let line = Shape::Line { points: steps(|peak| peak.model), width: 0.9, dashed: false };
     panel.draw("ratio before post-processing", line, INK, 1.0);
     if index < end {
-        panel.upright("current frame", f64::from(number_at(history, index)), 0.6, true);
+        panel.draw_vertical("current frame", f64::from(number_at(history, index)), 0.6, true);
     }
-    panel.across("none", 0.0, 0.4, false);
-    if let Some(mark) = panel.marks.last_mut() {
-        mark.colour = GRAY;
-    }
+    panel.draw_ground("none");
     figure.stack(0, 1, vec![(panel, 110.0)]);
     figure
 }

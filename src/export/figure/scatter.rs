@@ -75,11 +75,10 @@ pub fn figure(
         );
         let (text, anchor) = (component_state.rank.to_string(), Anchor::Middle);
         let lift = (up.1 - up.0) * 0.012;
-        panel.draw("", Shape::Words { at: [mx, my + reach + lift], text, anchor }, colour, 1.0);
+        panel.draw("", Shape::Text { at: [mx, my + reach + lift], text, anchor }, colour, 1.0);
     }
     if let Some(here) = here {
-        let places = vec![[here[0].into(), here[1].into()]];
-        panel.draw("current value", Shape::Dots { places, radius: 4.0, sign: Sign::Cross }, INK, 1.0);
+        panel.draw_cross("current value", [here[0].into(), here[1].into()], 4.0);
     }
     let side = figure.size[0] - super::LEFT - super::RIGHT;
     figure.stack(0, 1, vec![(panel, side)]);
@@ -145,7 +144,6 @@ pub(super) fn legend(
     component_states: &[ComponentState],
     gray: bool,
 ) -> Vec<Key> {
-    let key = |sign, colour, name: &str| Key { sign, colour, name: name.to_owned() };
     let mut keys = Vec::new();
     match choice.by {
         PointGrouping::Component => {
@@ -155,22 +153,22 @@ pub(super) fn legend(
                 } else {
                     component_state.rank.to_string()
                 };
-                keys.push(key(Sign::Dot, component(component_state.slot), &name));
+                keys.push(Key::new(Sign::Dot, component(component_state.slot), name));
             }
-            keys.push(key(Sign::Ring, GRAY, "foreground"));
+            keys.push(Key::new(Sign::Ring, GRAY, "foreground"));
         }
         PointGrouping::Verdict => {
-            keys.push(key(Sign::Dot, verdict_colour(false, false), "background"));
-            keys.push(key(Sign::Dot, verdict_colour(true, false), "foreground"));
+            keys.push(Key::new(Sign::Dot, verdict_colour(false, false), "background"));
+            keys.push(Key::new(Sign::Dot, verdict_colour(true, false), "foreground"));
         }
         PointGrouping::Time => {
-            keys.push(key(Sign::Dot, age_colour(0), "first frames"));
-            keys.push(key(Sign::Dot, age_colour(AGES - 1), "last frames"));
+            keys.push(Key::new(Sign::Dot, age_colour(0), "first frames"));
+            keys.push(Key::new(Sign::Dot, age_colour(AGES - 1), "last frames"));
         }
     }
     let form = if gray { "squares" } else { "circles" };
-    keys.push(key(Sign::Line, GRAY, &format!("{form}: λσ, λ = {}", number(history.parameters.lambda))));
-    keys.push(key(Sign::Cross, INK, "current value"));
+    keys.push(Key::new(Sign::Line, GRAY, format!("{form}: λσ, λ = {}", number(history.parameters.lambda))));
+    keys.push(Key::new(Sign::Cross, INK, "current value"));
     keys
 }
 

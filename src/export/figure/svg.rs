@@ -9,7 +9,7 @@ use svg::node::element::{
 };
 use svg::{Document, Node};
 
-use super::words::{FAMILY, LEGEND, LINE, MARGIN, SIGN};
+use super::text::{FAMILY, LEGEND, LINE, MARGIN, SIGN};
 use super::{Anchor, Figure, Frame, GRAY, INK, Key, Mark, Panel, SMALL, Shape, Sign, TEXT};
 use crate::regions::Rgb;
 
@@ -35,10 +35,10 @@ pub fn write(figure: &Figure) -> String {
         .add(Description::new().add(svg::node::Text::new(figure.description.as_str())))
         .add(clips)
         .add(rectangle([0.0, 0.0, width, height]).set("fill", "#ffffff"))
-        .add(words([MARGIN, 14.0], &figure.title, Anchor::Start, TEXT, INK));
+        .add(text_element([MARGIN, 14.0], &figure.title, Anchor::Start, TEXT, INK));
     for (key, (x, line)) in figure.legend.iter().zip(figure.legend_places()) {
         let y = LEGEND + (line as f64 + 0.5) * LINE;
-        document = document.add(sign(key, [x + 6.5, y])).add(words(
+        document = document.add(sign(key, [x + 6.5, y])).add(text_element(
             [x + SIGN, y + 0.36 * SMALL],
             &key.name,
             Anchor::Start,
@@ -69,21 +69,21 @@ fn panel_group(panel: &Panel, at: usize) -> Group {
     }
     let mut marks = Group::new().set("clip-path", format!("url(#panel{at})"));
     for mark in &panel.marks {
-        if !matches!(mark.shape, Shape::Words { .. }) {
+        if !matches!(mark.shape, Shape::Text { .. }) {
             marks = marks.add(drawn(panel, mark));
         }
     }
     group = group.add(marks).add(axes_above(panel));
     // Text may extend beyond the panel.
     for mark in &panel.marks {
-        if let Shape::Words { at, text, anchor } = &mark.shape {
+        if let Shape::Text { at, text, anchor } = &mark.shape {
             // A white outline keeps text legible over lines.
-            let words = words(panel.at(*at), text, *anchor, SMALL, mark.colour)
+            let element = text_element(panel.at(*at), text, *anchor, SMALL, mark.colour)
                 .set("paint-order", "stroke")
                 .set("stroke", "#ffffff")
                 .set("stroke-width", "2")
                 .set("stroke-linejoin", "round");
-            group = group.add(words);
+            group = group.add(element);
         }
     }
     group
@@ -121,7 +121,7 @@ fn drawn(panel: &Panel, mark: &Mark) -> Group {
             let places = places.iter().map(|place| panel.at(*place));
             places.fold(group, |group, place| group.add(dot(place, *radius, *sign, &colour)))
         }
-        Shape::Words { .. } => group,
+        Shape::Text { .. } => group,
     }
 }
 
@@ -163,7 +163,7 @@ fn axes_above(panel: &Panel) -> Group {
     let (right, bottom) = (left + width, top + height);
     let mut group = Group::new();
     if !panel.caption.is_empty() {
-        group = group.add(words([left, top - 3.0], &panel.caption, Anchor::Start, SMALL, GRAY));
+        group = group.add(text_element([left, top - 3.0], &panel.caption, Anchor::Start, SMALL, GRAY));
     }
     if panel.frame == Frame::None {
         return group;
@@ -177,7 +177,7 @@ fn axes_above(panel: &Panel) -> Group {
     ));
     for (value, name) in &panel.y.ticks {
         let y = top + height * (1.0 - panel.y.share(*value));
-        group = group.add(line([left - 2.5, y], [left, y], 0.6, &gray)).add(words(
+        group = group.add(line([left - 2.5, y], [left, y], 0.6, &gray)).add(text_element(
             [left - 4.0, y + 0.36 * SMALL],
             name,
             Anchor::End,
@@ -186,18 +186,23 @@ fn axes_above(panel: &Panel) -> Group {
         ));
     }
     let middle = top + height / 2.0;
-    let name = words([left - NAME, middle], &panel.y.name, Anchor::Middle, TEXT, INK);
+    let name = text_element([left - NAME, middle], &panel.y.name, Anchor::Middle, TEXT, INK);
     group = group.add(name.set("transform", format!("rotate(-90 {} {})", short(left - NAME), short(middle))));
     for (value, name) in &panel.x.ticks {
         let x = left + width * panel.x.share(*value);
         group = group.add(line([x, bottom], [x, bottom + 2.5], 0.6, &gray));
         if panel.frame == Frame::Axes {
-            group = group.add(words([x, bottom + 10.0], name, Anchor::Middle, SMALL, INK));
+            group = group.add(text_element([x, bottom + 10.0], name, Anchor::Middle, SMALL, INK));
         }
     }
     if panel.frame == Frame::Axes {
-        group =
-            group.add(words([left + width / 2.0, bottom + 20.0], &panel.x.name, Anchor::Middle, TEXT, INK));
+        group = group.add(text_element(
+            [left + width / 2.0, bottom + 20.0],
+            &panel.x.name,
+            Anchor::Middle,
+            TEXT,
+            INK,
+        ));
     }
     group
 }
@@ -205,7 +210,7 @@ fn axes_above(panel: &Panel) -> Group {
 /// A legend's sign around its centre.
 fn sign(key: &Key, [x, y]: [f64; 2]) -> Group {
     let colour = hex(key.colour);
-    let plate = |opacity: f64| {
+    let patch = |opacity: f64| {
         rectangle([x - 6.0, y - 3.5, 12.0, 7.0])
             .set("fill", colour.as_str())
             .set("fill-opacity", short(opacity))
@@ -213,8 +218,8 @@ fn sign(key: &Key, [x, y]: [f64; 2]) -> Group {
     let ends = ([x - 6.0, y], [x + 6.0, y]);
     let group = Group::new();
     match key.sign {
-        Sign::Plate(opacity) => group.add(plate(opacity)),
-        Sign::Band => group.add(plate(0.3)).add(line(ends.0, ends.1, 1.2, &colour)),
+        Sign::Patch(opacity) => group.add(patch(opacity)),
+        Sign::Band => group.add(patch(0.3)).add(line(ends.0, ends.1, 1.2, &colour)),
         Sign::Line => group.add(line(ends.0, ends.1, 1.2, &colour)),
         Sign::Dashed => group.add(line(ends.0, ends.1, 1.2, &colour).set("stroke-dasharray", "3 2")),
         Sign::Dot | Sign::Ring => group.add(dot([x, y], 2.2, key.sign, &colour)),
@@ -222,7 +227,7 @@ fn sign(key: &Key, [x, y]: [f64; 2]) -> Group {
     }
 }
 
-fn words(at: [f64; 2], text: &str, anchor: Anchor, size: f64, colour: Rgb) -> Text {
+fn text_element(at: [f64; 2], text: &str, anchor: Anchor, size: f64, colour: Rgb) -> Text {
     let anchor = match anchor {
         Anchor::Start => "start",
         Anchor::Middle => "middle",

@@ -15,6 +15,7 @@ use crate::explain::pixel::component_states::component_states;
 use crate::explain::pixel::scatter_points::{PointGrouping, ScatterSelection, ScatterSpace};
 use crate::explain::tuning::{TunableSetting, map};
 use crate::export::pixel_csv;
+use crate::export::tests::written;
 use crate::mixture::{MAX_K, Parameters};
 use crate::palette::component_on_light;
 use crate::replay::RegionShares;
@@ -114,19 +115,17 @@ fn panels(text: &str) -> Vec<Panel> {
     panels
 }
 
-fn near(a: f64, b: f64, off: f64) {
+fn assert_near(a: f64, b: f64, off: f64) {
     assert!((a - b).abs() <= off, "{a} is not {b}");
 }
 
 /// The table of `occluscope pixel`, as a map from column to values.
 fn csv(history: &PixelHistory) -> impl Fn(&str) -> Vec<f64> {
-    let mut text = Vec::new();
-    pixel_csv::write_header(&mut text, &history.parameters).unwrap();
-    history
-        .states
-        .iter()
-        .for_each(|state| pixel_csv::write_row(&mut text, &history.parameters, state).unwrap());
-    let mut reader = ::csv::Reader::from_reader(&text[..]);
+    let text = written(|out| {
+        pixel_csv::write_header(out, &history.parameters)?;
+        history.states.iter().try_for_each(|state| pixel_csv::write_row(out, &history.parameters, state))
+    });
+    let mut reader = ::csv::Reader::from_reader(text.as_bytes());
     let header = reader.headers().unwrap().clone();
     let rows: Vec<_> = reader.records().map(Result::unwrap).collect();
     move |name: &str| {
@@ -147,14 +146,14 @@ fn a_history_figure_equals_the_table_of_the_command_line() {
         let line = &panel.corners(&format!("value {}", channel.to_uppercase()))[0];
         assert_eq!(line.len(), 400);
         for ((point, frame), value) in line.iter().zip(&frames).zip(column(&format!("value_{channel}"))) {
-            near(point[0], *frame, 1e-3);
-            near(point[1], value, 5e-3);
+            assert_near(point[0], *frame, 1e-3);
+            assert_near(point[1], value, 5e-3);
         }
     }
     // The first mean is that of the component of rank 1, up to the first change of rank.
     let mean = &panels[0].corners("mean of component 1")[0];
     for (point, value) in mean[1..].iter().zip(column("mu1_r")).take(20) {
-        near(point[1], value, 5e-3);
+        assert_near(point[1], value, 5e-3);
     }
     let (w1, w2) = (column("w1"), column("w2"));
     for (at, rank) in [(0, 1), (1, 2)] {
@@ -164,19 +163,19 @@ fn a_history_figure_equals_the_table_of_the_command_line() {
             let upper = &area[..area.len() / 2];
             for step in upper.chunks_exact(2) {
                 let frame = f64::midpoint(step[0][0], step[1][0]).round() as usize - 1;
-                near(step[0][1], w1[frame] + f64::from(at) * w2[frame], 1e-4);
+                assert_near(step[0][1], w1[frame] + f64::from(at) * w2[frame], 1e-4);
             }
         }
     }
     let counts = &panels[4].corners("B")[0];
     for (step, count) in counts.chunks_exact(2).zip(column("background_count")) {
-        near(step[0][1], count, 1e-3);
+        assert_near(step[0][1], count, 1e-3);
     }
     let drawn: Vec<_> = panels[5].corners("ρ").into_iter().flatten().collect();
     let learned: Vec<_> = column("rho").into_iter().filter(|&rho| rho > 0.0).collect();
     assert_eq!(drawn.len(), 2 * learned.len());
     for (step, rho) in drawn.chunks_exact(2).zip(learned) {
-        near(step[0][1] / rho, 1.0, 1e-3);
+        assert_near(step[0][1] / rho, 1.0, 1e-3);
     }
     let foreground: BTreeSet<usize> = panels[7]
         .corners("foreground")
@@ -185,8 +184,8 @@ fn a_history_figure_equals_the_table_of_the_command_line() {
         .collect();
     let expected = column("foreground").into_iter().enumerate().filter(|(_, foreground)| *foreground == 1.0);
     assert_eq!(foreground, expected.map(|(at, _)| at + 1).collect());
-    near(panels[3].corners("T")[0][0][1], 0.8, 1e-4);
-    near(panels[2].corners("current frame")[0][0][0], 231.0, 1e-3);
+    assert_near(panels[3].corners("T")[0][0][1], 0.8, 1e-4);
+    assert_near(panels[2].corners("current frame")[0][0][0], 231.0, 1e-3);
     let born: Vec<_> = panels[6].corners("created").iter().map(|mark| mark[0][0].round() as usize).collect();
     let made = column("matched").iter().filter(|&&matched| matched == 0.0).count();
     let replaced = panels[6].corners("replaced").len();
@@ -200,7 +199,7 @@ fn a_part_of_a_history_has_its_own_frames_and_a_long_history_keeps_extremes() {
     let part = through_time::figure(&history, &slots_by_rank(&history), &choice);
     assert_eq!(part.title, "pixel (5, 4), frames 101–150");
     let panels_of_part = panels(&svg::write(&part));
-    near(panels_of_part[0].ends[0][0], 100.5, 0.0);
+    assert_near(panels_of_part[0].ends[0][0], 100.5, 0.0);
     assert_eq!(panels_of_part[1].corners("value G")[0].len(), 50);
     assert!(panels_of_part[0].corners("current frame").is_empty(), "the current frame is outside the part");
 
@@ -211,8 +210,8 @@ fn a_part_of_a_history_has_its_own_frames_and_a_long_history_keeps_extremes() {
     assert!(text.len() < 2_000_000, "{}", text.len());
     let line = panels(&text)[0].corners("value R").remove(0);
     let highest = line.iter().max_by(|a, b| a[1].total_cmp(&b[1])).unwrap();
-    near(highest[1], 250.0, 5e-3);
-    near(highest[0], 7777.0, 20_000.0 / 1500.0);
+    assert_near(highest[1], 250.0, 5e-3);
+    assert_near(highest[0], 7777.0, 20_000.0 / 1500.0);
 }
 
 #[test]
@@ -230,22 +229,26 @@ fn densities_and_weights_equal_those_of_the_mixture() {
                 for channel in 0..3 {
                     let panel = &panels_of[3 * column + channel];
                     for point in &panel.corners(&format!("density of rank {}", component_state.rank))[0] {
-                        near(point[1], component_state.marginal(channel, point[0]), 2e-5);
+                        assert_near(point[1], component_state.marginal(channel, point[0]), 2e-5);
                     }
                     let band = &panel.corners(&format!("band of rank {}", component_state.rank))[0];
                     let reach = 2.5 * f64::from(component_state.component.sigma());
-                    near(band[0][0], f64::from(component_state.component.mean[channel]) - reach, 5e-3);
-                    near(band[1][0], f64::from(component_state.component.mean[channel]) + reach, 5e-3);
-                    near(panel.corners("value")[0][0][0], history.states[index].value[channel].into(), 5e-3);
+                    assert_near(band[0][0], f64::from(component_state.component.mean[channel]) - reach, 5e-3);
+                    assert_near(band[1][0], f64::from(component_state.component.mean[channel]) + reach, 5e-3);
+                    assert_near(
+                        panel.corners("value")[0][0][0],
+                        history.states[index].value[channel].into(),
+                        5e-3,
+                    );
                 }
                 let bar = &weights[column].corners(&format!("weight of rank {}", component_state.rank))[0];
-                near(bar[0][0], sum, 1e-4);
+                assert_near(bar[0][0], sum, 1e-4);
                 sum += f64::from(component_state.component.weight);
-                near(bar[1][0], sum, 1e-4);
+                assert_near(bar[1][0], sum, 1e-4);
             }
             let cut = weights[column].corners("B")[0][0][1];
-            near(weights[column].ends[1][1] - cut, count as f64, 1e-3);
-            near(weights[column].corners("T")[0][0][0], 0.8, 1e-4);
+            assert_near(weights[column].ends[1][1] - cut, count as f64, 1e-3);
+            assert_near(weights[column].corners("T")[0][0][0], 0.8, 1e-4);
         }
     }
 }
@@ -364,12 +367,12 @@ fn the_shares_around_a_pixel_and_pinned_pixels_are_drawn_frame_by_frame() {
             for (corner, frame) in
                 [(corners[2 * at], at as f64 + 0.5), (corners[2 * at + 1], at as f64 + 1.5)]
             {
-                near(corner[0], frame, 1e-2);
-                near(corner[1], expected.into(), 1e-3);
+                assert_near(corner[0], frame, 1e-2);
+                assert_near(corner[1], expected.into(), 1e-3);
             }
         }
     }
-    near(panel.corners("current frame")[0][0][0], 231.0, 1e-2);
+    assert_near(panel.corners("current frame")[0][0][0], 231.0, 1e-2);
 
     let other = PixelHistory { at: (70, 8), ..history_of(&Settings { k: 2, ..settings() }, 400) };
     let figure = pins::figure(&[(1, &history), (4, &other)], 230);
@@ -386,20 +389,24 @@ fn the_shares_around_a_pixel_and_pinned_pixels_are_drawn_frame_by_frame() {
         let line = &pair[0].corners("brightness")[0];
         assert_eq!(line.len(), 400);
         for (point, state) in line.iter().zip(&history.states) {
-            near(point[0], state.number.into(), 1e-2);
-            near(point[1], crate::mixture::pixel::luma(state.rgb).into(), 1e-2);
+            assert_near(point[0], state.number.into(), 1e-2);
+            assert_near(point[1], crate::mixture::pixel::luma(state.rgb).into(), 1e-2);
         }
         let first = &pair[0].corners("band of rank 1");
         assert_eq!(first.len(), 400);
         let [r, g, b] = history.states[399].pixel.components()[0].mean.map(f64::from);
         let middle = f64::midpoint(first[399][0][1], first[399][1][1]);
-        near(middle, 0.299 * r + 0.587 * g + 0.114 * b, 1e-2);
+        assert_near(middle, 0.299 * r + 0.587 * g + 0.114 * b, 1e-2);
         let frames = pair[1].corners("foreground").iter().map(|rect| rect[1][0] - rect[0][0]).sum::<f64>();
-        near(frames, history.states.iter().filter(|state| state.outcome.foreground).count() as f64, 0.5);
+        assert_near(
+            frames,
+            history.states.iter().filter(|state| state.outcome.foreground).count() as f64,
+            0.5,
+        );
     }
 }
 
-fn everywhere(space: ScatterSpace, by: PointGrouping) -> ScatterSelection {
+fn selection(space: ScatterSpace, by: PointGrouping) -> ScatterSelection {
     ScatterSelection { space, frames: 0..400, by }
 }
 
@@ -421,7 +428,7 @@ fn a_scatter_plot_has_a_dot_for_every_value() {
             let text = svg::write(&scatter::figure(
                 &history,
                 &slots,
-                &everywhere(ScatterSpace::Plane(x, y), by),
+                &selection(ScatterSpace::Plane(x, y), by),
                 230,
             ));
             let expected = values.iter().map(|value| [value[x], value[y]]).collect();
@@ -432,7 +439,7 @@ fn a_scatter_plot_has_a_dot_for_every_value() {
             for point in circle {
                 let off =
                     (point[0] - f64::from(component.mean[x])).hypot(point[1] - f64::from(component.mean[y]));
-                near(off, 2.5 * f64::from(component.sigma()), 0.01);
+                assert_near(off, 2.5 * f64::from(component.sigma()), 0.01);
             }
         }
     }
@@ -441,7 +448,7 @@ fn a_scatter_plot_has_a_dot_for_every_value() {
     let text = svg::write(&scatter::figure(
         &gray,
         &slots,
-        &everywhere(ScatterSpace::Next, PointGrouping::Verdict),
+        &selection(ScatterSpace::Next, PointGrouping::Verdict),
         230,
     ));
     let expected =
@@ -455,7 +462,7 @@ fn the_front_view_of_a_cube_is_the_plane_of_r_and_b() {
     let slots = slots_by_rank(&history);
     let look = Look { turn: Turn { yaw: 0.0, pitch: 0.0 }, fit: false };
     let figure =
-        cube::figure(&history, &slots, &everywhere(ScatterSpace::Cube, PointGrouping::Verdict), 230, look);
+        cube::figure(&history, &slots, &selection(ScatterSpace::Cube, PointGrouping::Verdict), 230, look);
     let panel = &panels(&svg::write(&figure))[0];
     let drawn: BTreeSet<[i32; 2]> = panel
         .corners("values")
@@ -515,28 +522,28 @@ fn all() -> Vec<(&'static str, Figure)> {
             scatter::figure(
                 &history,
                 &of,
-                &everywhere(ScatterSpace::Plane(0, 1), PointGrouping::Component),
+                &selection(ScatterSpace::Plane(0, 1), PointGrouping::Component),
                 230,
             ),
         ),
         (
             "scatter-time",
-            scatter::figure(&history, &of, &everywhere(ScatterSpace::Plane(1, 2), PointGrouping::Time), 230),
+            scatter::figure(&history, &of, &selection(ScatterSpace::Plane(1, 2), PointGrouping::Time), 230),
         ),
         (
             "scatter-gray",
-            scatter::figure(&gray, &of_gray, &everywhere(ScatterSpace::Next, PointGrouping::Verdict), 230),
+            scatter::figure(&gray, &of_gray, &selection(ScatterSpace::Next, PointGrouping::Verdict), 230),
         ),
         (
             "cube",
-            cube::figure(&history, &of, &everywhere(ScatterSpace::Cube, PointGrouping::Component), 230, look),
+            cube::figure(&history, &of, &selection(ScatterSpace::Cube, PointGrouping::Component), 230, look),
         ),
         (
             "cube-time",
             cube::figure(
                 &history,
                 &of,
-                &everywhere(ScatterSpace::Cube, PointGrouping::Time),
+                &selection(ScatterSpace::Cube, PointGrouping::Time),
                 230,
                 Look { fit: false, ..look },
             ),
@@ -563,9 +570,9 @@ fn all_text_is_inside_its_figure() {
                     let anchor = attributes["text-anchor"].to_string();
                     open = (!upright).then(|| (get("x"), get("y"), get("font-size"), anchor));
                 }
-                Event::Text(words) => {
+                Event::Text(content) => {
                     let Some((x, y, size, anchor)) = open.take() else { continue };
-                    let wide = super::words::width(words, size);
+                    let wide = super::text::width(content, size);
                     let left = x - wide
                         * match anchor.as_str() {
                             "start" => 0.0,
@@ -574,10 +581,10 @@ fn all_text_is_inside_its_figure() {
                         };
                     assert!(
                         left >= 0.0 && left + wide <= width,
-                        "{name}: {words:?} from {left} to {}",
+                        "{name}: {content:?} from {left} to {}",
                         left + wide
                     );
-                    assert!(y - size >= 0.0 && y <= height, "{name}: {words:?} at {y} of {height}");
+                    assert!(y - size >= 0.0 && y <= height, "{name}: {content:?} at {y} of {height}");
                 }
                 _ => {}
             }

@@ -3,8 +3,8 @@
 use std::ops::Range;
 
 use super::{
-    Axis, Figure, GRAY, INK, Key, Panel, Shape, Sign, WIDE, component, frames_axis, parameters, pixel_name,
-    verdicts,
+    Axis, Figure, GRAY, INK, Key, Panel, Shape, Sign, WIDE, component, frame_span, frames_axis, number_at,
+    parameters, pixel_name, verdicts,
 };
 use crate::explain::pixel::PixelHistory;
 use crate::explain::pixel::component_states::component_states;
@@ -53,7 +53,7 @@ pub fn figure(history: &PixelHistory, slots: &[[u8; MAX_K]], choice: &HistorySel
 
     let mut panel = Panel::new(x(), Axis::new("w", (0.0, 1.0), 2));
     drawing.weights(&mut panel);
-    panel.across("T", history.parameters.t.into(), 0.9, true);
+    panel.draw_horizontal("T", history.parameters.t.into(), 0.9, true);
     panels.push((panel, 56.0));
 
     let most = history.parameters.k as f64;
@@ -83,22 +83,16 @@ pub fn figure(history: &PixelHistory, slots: &[[u8; MAX_K]], choice: &HistorySel
     if choice.frames.contains(&choice.index) {
         let here = f64::from(number_at(history, choice.index));
         for (panel, _) in &mut panels {
-            panel.upright("current frame", here, 0.6, true);
+            panel.draw_vertical("current frame", here, 0.6, true);
         }
     }
     figure.stack(0, 1, panels);
     figure
 }
 
-/// The number of the frame at a position.
-pub(super) fn number_at(history: &PixelHistory, index: usize) -> u32 {
-    history.states.get(index).map_or(0, |state| state.number)
-}
-
 fn legend(history: &PixelHistory, slots: &[[u8; MAX_K]], bins: &[HistoryColumn], index: usize) -> Vec<Key> {
     let lambda = number(history.parameters.lambda);
-    let key = |sign, colour, name: &str| Key { sign, colour, name: name.to_owned() };
-    let mut keys = vec![key(Sign::Line, INK, "value X")];
+    let mut keys = vec![Key::new(Sign::Line, INK, "value X")];
     // A component keeps its colour through changes of rank.
     for component_state in component_states(history, slots, index, false).0 {
         let name = if component_state.rank == 1 {
@@ -106,11 +100,11 @@ fn legend(history: &PixelHistory, slots: &[[u8; MAX_K]], bins: &[HistoryColumn],
         } else {
             component_state.rank.to_string()
         };
-        keys.push(key(Sign::Band, component(component_state.slot), &name));
+        keys.push(Key::new(Sign::Band, component(component_state.slot), name));
     }
-    keys.push(key(Sign::Dashed, GRAY, "foreground component (pale)"));
+    keys.push(Key::new(Sign::Dashed, GRAY, "foreground component (pale)"));
     keys.extend(verdicts::legend(bins.iter().map(HistoryColumn::foreground_share)));
-    keys.push(key(Sign::Dashed, INK, "T; current frame"));
+    keys.push(Key::new(Sign::Dashed, INK, "T; current frame"));
     keys
 }
 
@@ -120,20 +114,18 @@ struct Drawing<'a> {
 }
 
 impl Drawing<'_> {
-    /// A frame spans from half a frame before its number to half a frame after it.
-    fn edges(&self, bin: &HistoryColumn) -> (f64, f64) {
-        let from = f64::from(number_at(self.history, bin.frames.start)) - 0.5;
-        (from, f64::from(number_at(self.history, bin.frames.end.saturating_sub(1))) + 0.5)
+    fn edges(&self, bin: &HistoryColumn) -> [f64; 2] {
+        frame_span(self.history, &bin.frames)
     }
 
     fn middle(&self, bin: &HistoryColumn) -> f64 {
-        let (from, to) = self.edges(bin);
+        let [from, to] = self.edges(bin);
         f64::midpoint(from, to)
     }
 
     fn ends(&self) -> (f64, f64) {
         match (self.bins.first(), self.bins.last()) {
-            (Some(first), Some(last)) => (self.edges(first).0, self.edges(last).1),
+            (Some(first), Some(last)) => (self.edges(first)[0], self.edges(last)[1]),
             _ => (0.5, 1.5),
         }
     }
@@ -147,7 +139,7 @@ impl Drawing<'_> {
             for run in self.bins.chunk_by(|a, b| side(a) == side(b) && !b.made[slot]) {
                 let (Some(first), Some(last)) = (run.first(), run.last()) else { continue };
                 let Some(background) = side(first) else { continue };
-                let (from, to) = (self.edges(first).0, self.edges(last).1);
+                let (from, to) = (self.edges(first)[0], self.edges(last)[1]);
                 let along =
                     |of: &dyn Fn(&crate::explain::pixel::downsampled_history::Band) -> f32| -> Vec<[f64; 2]> {
                         let middle = run.iter().filter_map(|bin| {
@@ -199,7 +191,7 @@ impl Drawing<'_> {
                 };
                 let steps = |ranks: usize| {
                     run.iter().flat_map(move |bin| {
-                        let ((from, to), top) = (self.edges(bin), sum(bin, ranks));
+                        let ([from, to], top) = (self.edges(bin), sum(bin, ranks));
                         [[from, top], [to, top]]
                     })
                 };
@@ -214,7 +206,7 @@ impl Drawing<'_> {
 
     fn background_counts(&self, panel: &mut Panel) {
         let steps = self.bins.iter().flat_map(|bin| {
-            let ((from, to), count) = (self.edges(bin), f64::from(bin.most_background));
+            let ([from, to], count) = (self.edges(bin), f64::from(bin.most_background));
             [[from, count], [to, count]]
         });
         panel.draw("B", Shape::Line { points: steps.collect(), width: 0.9, dashed: false }, INK, 1.0);
@@ -227,7 +219,7 @@ impl Drawing<'_> {
                 .iter()
                 .filter_map(|bin| bin.rho.map(|rho| (bin, rho)))
                 .flat_map(|(bin, (low, high))| {
-                    let (from, to) = self.edges(bin);
+                    let [from, to] = self.edges(bin);
                     [[from, f64::from(low)], [to, f64::from(high)]]
                 })
                 .collect();
@@ -251,7 +243,6 @@ impl Drawing<'_> {
     }
 
     fn verdicts(&self, panel: &mut Panel) {
-        let columns = self.bins.iter().map(|bin| (<[f64; 2]>::from(self.edges(bin)), bin.foreground_share()));
-        verdicts::draw(panel, columns);
+        verdicts::draw(panel, self.bins.iter().map(|bin| (self.edges(bin), bin.foreground_share())));
     }
 }

@@ -1,6 +1,6 @@
 //! A figure of a tuning map: the verdict on one pixel, or the accuracy in a region.
 
-use super::{Axis, Figure, INK, Key, NARROW, Panel, Shape, Sign, parameters, pixel_name};
+use super::{Axis, Figure, INK, Key, NARROW, Panel, Shape, Sign, number_at, parameters, pixel_name};
 use crate::explain::pixel::PixelHistory;
 use crate::explain::tuning::{SettingAxis as Side, VerdictMap};
 use crate::palette::{ramp, verdict_colour};
@@ -13,11 +13,11 @@ const STEPS: usize = 17;
 
 /// The figure of the map of `history`'s pixel at the frame in view.
 pub fn figure(history: &PixelHistory, map: &VerdictMap, index: usize) -> Figure {
-    let frame = history.states.get(index).map_or(0, |state| state.number);
+    let frame = number_at(history, index);
     let colour = |foreground| verdict_colour(foreground, false);
     let legend = vec![
-        Key { sign: Sign::Plate(STRENGTHS[1]), colour: colour(true), name: "foreground".to_owned() },
-        Key { sign: Sign::Plate(STRENGTHS[0]), colour: colour(false), name: "background".to_owned() },
+        Key::new(Sign::Patch(STRENGTHS[1]), colour(true), "foreground"),
+        Key::new(Sign::Patch(STRENGTHS[0]), colour(false), "background"),
         present(),
     ];
     let title = format!("{}, frame {frame}, under other settings", pixel_name(history));
@@ -58,7 +58,7 @@ pub fn of_decisions(
     let mut legend: Vec<Key> = [0, STEPS / 2, STEPS - 1]
         .map(|step| {
             let value = low + (high - low) * step as f64 / (STEPS - 1) as f64;
-            Key { sign: Sign::Plate(1.0), colour: colour(step), name: format!("{value:.3}") }
+            Key::new(Sign::Patch(1.0), colour(step), format!("{value:.3}"))
         })
         .into();
     legend.push(present());
@@ -84,13 +84,12 @@ pub fn of_decisions(
 }
 
 fn present() -> Key {
-    Key { sign: Sign::Cross, colour: INK, name: "current settings".to_owned() }
+    Key::new(Sign::Cross, INK, "current settings")
 }
 
 fn draw_present(panel: &mut Panel, axes: &[Side; 2], history: &PixelHistory) {
     let here = axes.each_ref().map(|side| f64::from(side.knob.get(&history.parameters)));
-    let cross = Shape::Dots { places: vec![here], radius: 5.0, sign: Sign::Cross };
-    panel.draw("current settings", cross, INK, 1.0);
+    panel.draw_cross("current settings", here, 5.0);
 }
 
 fn cell([across, up]: &[Side; 2], column: usize, row: usize) -> [f64; 4] {

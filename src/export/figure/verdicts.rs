@@ -1,6 +1,6 @@
 //! The strip of verdicts below plots over time.
 
-use super::{GRAY, Key, Panel, Shape, Sign};
+use super::{Key, Panel, Shape, Sign};
 use crate::palette::verdict_colour;
 
 /// The opacity of background.
@@ -18,9 +18,9 @@ fn step(share: f32) -> Option<usize> {
 /// Draws columns in order, each with its edges and its share of foreground.
 pub(super) fn draw(panel: &mut Panel, columns: impl Iterator<Item = ([f64; 2], f32)>) {
     let columns: Vec<_> = columns.map(|(edges, share)| (edges, step(share))).collect();
-    let looks = [(None, "background", BACKGROUND)].into_iter();
+    let background = [(None, "background", BACKGROUND)].into_iter();
     let steps = FOREGROUND.iter().enumerate().map(|(step, &strength)| (Some(step), "foreground", strength));
-    for (step, name, strength) in looks.chain(steps) {
+    for (step, name, strength) in background.chain(steps) {
         let runs = columns.chunk_by(|a, b| a.1 == b.1).filter(|run| run[0].1 == step);
         let rects: Vec<_> =
             runs.filter_map(|run| Some([run.first()?.0[0], 0.0, run.last()?.0[1], 1.0])).collect();
@@ -29,18 +29,13 @@ pub(super) fn draw(panel: &mut Panel, columns: impl Iterator<Item = ([f64; 2], f
         }
     }
     // A ground line, so that pale background has a visible edge.
-    panel.across("ground", 0.0, 0.4, false);
-    if let Some(mark) = panel.marks.last_mut() {
-        mark.colour = GRAY;
-    }
+    panel.draw_ground("ground");
 }
 
 /// The legend of the opacities for columns of these shares.
 pub(super) fn legend(shares: impl Iterator<Item = f32>) -> Vec<Key> {
-    let key = |foreground, strength, name: &str| Key {
-        sign: Sign::Plate(strength),
-        colour: verdict_colour(foreground, false),
-        name: name.to_owned(),
+    let key = |foreground, strength, name: &str| {
+        Key::new(Sign::Patch(strength), verdict_colour(foreground, false), name)
     };
     let mut keys = vec![key(false, BACKGROUND, "background"), key(true, FOREGROUND[3], "foreground")];
     let mut parted = shares.filter(|&share| share > 0.0 && share < 1.0);

@@ -4,9 +4,10 @@ use std::collections::BTreeMap;
 
 use super::*;
 use crate::truth::Truth;
-use crate::truth::decisions::{Decisions, of_mixture};
+use crate::truth::decisions::Decisions;
 use crate::truth::mask_score::MaskScore;
 use crate::truth::masks::{Label, TrueMask, TrueMasks};
+use crate::truth::mixture_score::of_mixture;
 
 /// The resulting masks of some frames as truth, with the first row ignored.
 fn masks_of(straight: &[ShownFrame]) -> Arc<TrueMasks> {
