@@ -4,26 +4,10 @@
 //! The window holds a [`Session`] and sends requests; the worker publishes a [`State`] after every change. Neither
 //! blocks the other.
 
-mod analysis_pass;
-mod analysis_record;
-mod compared_pass;
-mod counterfactual;
-mod frame_consumer;
-mod last_foreground;
-mod local_checkpoints;
 mod memory;
-mod model_timeline;
-mod pictures;
-mod pin_follower;
-mod pixel_follower;
-mod region_shares;
-mod region_tuner;
-mod rle;
-mod scorer;
 mod session;
-mod strided_checkpoints;
-mod timeline_builder;
-mod tuner;
+mod store;
+mod tasks;
 mod worker;
 
 #[cfg(test)]
@@ -50,8 +34,8 @@ use crate::truth::masks::TrueMask;
 use crate::truth::summary::Score;
 
 pub use memory::memory;
-pub use region_shares::{RegionShares, region_bounds};
 pub use session::Session;
+pub use tasks::gather::region_shares::{RegionShares, region_bounds};
 
 /// The frame in view after opening. The first frame is shown until that one is reached.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -7,21 +7,21 @@ use std::time::{Duration, Instant};
 
 use image::{Rgb, RgbImage};
 
-use super::frame_consumer::FrameConsumer as _;
 use super::*;
 use crate::explain::tuning::{self, TunableSetting};
 use crate::frame::{Mask, Size};
 use crate::mixture::Parameters;
 use crate::pipeline::Pipeline;
 use crate::registration::{CorrectionChoice, Registered, corrected};
+use crate::replay::tasks::gather::frame_consumer::FrameConsumer as _;
 use crate::settings::{BackgroundModel, Preset, Span};
 use crate::source::cache::FrameCache;
 use crate::source::{self, Options, Source, SourceError};
 
 mod compare;
-mod compared;
 mod counterfactual;
 mod maps;
+mod pins;
 mod truth;
 
 pub(super) const FRAMES: u32 = 60;
@@ -414,7 +414,7 @@ fn the_history_of_the_chosen_pixel_needs_no_frames_under_new_settings() {
     let folder = scene();
     let expected = straight(folder.path(), &settings());
     let other = Settings { k: 2, alpha: 0.2, bootstrap: Span::Frames(40), ..settings() };
-    let mut pixel_follower = super::pixel_follower::PixelFollower::default();
+    let mut pixel_follower = crate::replay::tasks::gather::pixel_follower::PixelFollower::default();
     let (info, ..) = decoded(folder.path(), &settings());
     pixel_follower.choose(Some(PIXEL), &settings(), &info);
     for shown in &expected {

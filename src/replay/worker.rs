@@ -18,22 +18,22 @@ use std::time::Instant;
 
 use self::publish::Outbox;
 use self::speed_meter::SpeedMeter;
-use super::analysis_pass::{AnalysisPass, PassStep};
-use super::compared_pass::ComparedPass;
-use super::counterfactual::CounterfactualTask;
-use super::frame_consumer::{self, FrameConsumer as _};
-use super::pin_follower::PinFollower;
-use super::region_shares::RegionShareCounter;
-use super::region_tuner::RegionTuner;
-use super::scorer::ScoreStep;
 use super::session::{
     self, ExplainRequest, MapRequest, PixelRequest, RegionRequest, Requests, RoiRequest, Shared,
     TruthRequest, TuneRequest,
 };
-use super::tuner::Tuner;
 use super::{Phase, Progress, ShownFrame, Start, same};
 use crate::mixture::Quantity;
 use crate::regions::Roi;
+use crate::replay::tasks::analyse::analysis_pass::{AnalysisPass, PassStep};
+use crate::replay::tasks::analyse::compared_pass::ComparedPass;
+use crate::replay::tasks::explain::CounterfactualTask;
+use crate::replay::tasks::gather::frame_consumer::{self, FrameConsumer as _};
+use crate::replay::tasks::gather::pin_follower::PinFollower;
+use crate::replay::tasks::gather::region_shares::RegionShareCounter;
+use crate::replay::tasks::score::ScoreStep;
+use crate::replay::tasks::tune::pixel_tuner::PixelTuner;
+use crate::replay::tasks::tune::region_tuner::RegionTuner;
 use crate::settings::Settings;
 use crate::source::cache::{FrameCache, Keep};
 use crate::source::{SourceError, SourceInfo};
@@ -78,7 +78,7 @@ pub(super) struct Worker<'a> {
     pixel: Option<(u32, u32)>,
     pins: PinFollower,
     region: RegionShareCounter,
-    tuner: Tuner,
+    tuner: PixelTuner,
     region_tuner: RegionTuner,
     counterfactual_task: CounterfactualTask,
     /// The quantity mapped in the frame in view.
@@ -153,7 +153,7 @@ impl<'a> Worker<'a> {
             pixel: None,
             pins: PinFollower::default(),
             region: RegionShareCounter::default(),
-            tuner: Tuner::default(),
+            tuner: PixelTuner::default(),
             region_tuner: RegionTuner::default(),
             counterfactual_task: CounterfactualTask::default(),
             map: None,

@@ -4,8 +4,8 @@ use std::sync::Arc;
 
 use super::{StartTarget, StopReason, Worker};
 use crate::regions::Roi;
-use crate::replay::analysis_pass::AnalysisPass;
-use crate::replay::compared_pass::ComparedPass;
+use crate::replay::tasks::analyse::analysis_pass::AnalysisPass;
+use crate::replay::tasks::analyse::compared_pass::ComparedPass;
 use crate::replay::{Phase, ShownFrame};
 use crate::settings::{Settings, Stage};
 use crate::truth::Truth;

@@ -7,7 +7,7 @@ use super::{PassSlot, StartTarget, StopReason, Worker};
 use crate::frame::Frame;
 use crate::mixture::Quantity;
 use crate::occlusion::EventKind;
-use crate::replay::model_timeline::SeekStep;
+use crate::replay::tasks::analyse::model_timeline::SeekStep;
 use crate::replay::{Progress, ShownFrame};
 use crate::source::SourceError;
 use crate::source::cache::{Fetched, Keep};

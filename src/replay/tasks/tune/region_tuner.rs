@@ -5,12 +5,12 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::frame_consumer::FrameConsumer;
-use super::{RegionTuning, region_bounds};
 use crate::explain::tuning::{SettingAxis, TunableSetting, grid};
 use crate::frame::{Frame, Size};
 use crate::mixture::Parameters;
 use crate::registration::{CorrectionChoice, corrected};
+use crate::replay::tasks::gather::frame_consumer::FrameConsumer;
+use crate::replay::{RegionTuning, region_bounds};
 use crate::settings::{BackgroundModel, Settings};
 use crate::truth::decisions::{Decisions, of_mixture};
 use crate::truth::masks::{TrueMask, TrueMasks};
@@ -20,7 +20,7 @@ const MAX_VALUES_PER_STEP: usize = 1_000_000;
 
 /// Computes a [`RegionTuning`] and stores the last one.
 #[derive(Default)]
-pub(super) struct RegionTuner {
+pub(crate) struct RegionTuner {
     region: Option<RegionFrames>,
     /// Number of first frames that are learned from before classification.
     to_learn: u32,
@@ -63,7 +63,7 @@ struct RegionTuningJob {
 
 impl RegionTuner {
     /// Chooses a region of an image of `size` by its centre and side, or none.
-    pub(super) fn choose(&mut self, region: Option<((u32, u32), u32)>, size: Size) {
+    pub(crate) fn choose(&mut self, region: Option<((u32, u32), u32)>, size: Size) {
         let region = region.filter(|&((x, y), _)| size.index(x, y).is_some());
         if self.region.as_ref().map(|region| (region.at, region.side)) != region {
             self.region = region.map(|(at, side)| {
@@ -75,7 +75,7 @@ impl RegionTuner {
     }
 
     /// Applies the correction in the settings; drops frames collected under another one.
-    pub(super) fn register(&mut self, settings: &Settings) {
+    pub(crate) fn register(&mut self, settings: &Settings) {
         let registration = CorrectionChoice::new(settings);
         if registration != self.registration {
             self.registration = registration;
@@ -87,30 +87,30 @@ impl RegionTuner {
     }
 
     /// Chooses the two settings of the grid; `None` for no grid.
-    pub(super) const fn tune(&mut self, knobs: Option<[TunableSetting; 2]>) {
+    pub(crate) const fn tune(&mut self, knobs: Option<[TunableSetting; 2]>) {
         self.knobs = knobs;
     }
 
     /// Sets the number of first frames that are learned from.
-    pub(super) const fn set_to_learn(&mut self, to_learn: u32) {
+    pub(crate) const fn set_to_learn(&mut self, to_learn: u32) {
         self.to_learn = to_learn;
     }
 
     /// Sets the true masks, which have the size of the frames.
-    pub(super) fn set_truth(&mut self, truth: Option<Arc<TrueMasks>>) {
+    pub(crate) fn set_truth(&mut self, truth: Option<Arc<TrueMasks>>) {
         self.truth = truth;
         (self.job, self.done) = (None, None);
     }
 
     /// Drops all frames and results, after the sequence's first frame has changed.
-    pub(super) fn forget(&mut self) {
+    pub(crate) fn forget(&mut self) {
         self.lose();
         (self.job, self.done) = (None, None);
     }
 
     /// Advances on the collected frames; returns the number of finished runs and of all runs, if there was work to
     /// do.
-    pub(super) fn advance(&mut self, settings: &Settings) -> Option<(usize, usize)> {
+    pub(crate) fn advance(&mut self, settings: &Settings) -> Option<(usize, usize)> {
         let mixture = settings.background_model == BackgroundModel::Mixture;
         let (Some(region), Some(knobs), Some(truth)) = (&self.region, self.knobs, &self.truth) else {
             return None;
@@ -135,7 +135,7 @@ impl RegionTuner {
     }
 
     /// The newest tuning, which may belong to earlier inputs.
-    pub(super) fn latest(&self) -> Option<Arc<RegionTuning>> {
+    pub(crate) fn latest(&self) -> Option<Arc<RegionTuning>> {
         self.done.as_ref().map(|(_, tuning)| Arc::clone(tuning))
     }
 }

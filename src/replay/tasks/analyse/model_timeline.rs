@@ -6,16 +6,16 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::analysis_record::AnalysisRecord;
-use super::last_foreground::LastForeground;
-use super::local_checkpoints::LocalCheckpoints;
-use super::pictures::{Pictures, RecentPictures};
-use super::rle;
-use super::strided_checkpoints::StridedCheckpoints;
 use crate::frame::{Frame, Mask, Size};
 use crate::mixture::{BATCH, Mixture, Parameters, Quantity, Snapshot};
 use crate::pipeline::{Analysis, OfflineResult, Pipeline, PipelineError, offline_result};
 use crate::regions::Roi;
+use crate::replay::store::analysis_record::AnalysisRecord;
+use crate::replay::store::local_checkpoints::LocalCheckpoints;
+use crate::replay::store::model_pictures::{ModelPictures, RecentPictures};
+use crate::replay::store::rle;
+use crate::replay::store::strided_checkpoints::StridedCheckpoints;
+use crate::replay::tasks::gather::last_foreground::LastForeground;
 use crate::settings::{Settings, Stage};
 use crate::source::SourceInfo;
 
@@ -37,7 +37,7 @@ fn max_frames_per_step(size: Size) -> usize {
 /// same bits as the first pass. The state of MOG2 and KNN cannot be copied. Their background images are stored
 /// instead: every frame's while there is room, then every second one's, and so on. A frame without a stored image has
 /// that of the nearest earlier one.
-pub(super) struct ModelTimeline {
+pub(crate) struct ModelTimeline {
     settings: Arc<Settings>,
     roi: Option<Arc<Roi>>,
     info: Arc<SourceInfo>,
@@ -70,9 +70,9 @@ pub(super) struct ModelTimeline {
 }
 
 /// The result of a step of seeking to a frame.
-pub(super) enum SeekStep {
+pub(crate) enum SeekStep {
     /// The pictures of that frame.
-    Pictures(Pictures),
+    Pictures(ModelPictures),
     /// Another step is needed.
     Continues,
     /// The frames at these positions have to be passed to [`ModelTimeline::replay_frames`] first, at least one.
@@ -81,7 +81,7 @@ pub(super) enum SeekStep {
 
 impl ModelTimeline {
     /// A timeline before the first frame; `budget` is the memory for checkpoints and the record, in bytes.
-    pub(super) fn new(
+    pub(crate) fn new(
         settings: Arc<Settings>,
         roi: Option<Arc<Roi>>,
         info: &Arc<SourceInfo>,
@@ -116,7 +116,7 @@ impl ModelTimeline {
 
     /// A copy at the same position with its own `budget`; the record and checkpoints are shared. `None` where the
     /// model's state cannot be copied.
-    pub(super) fn fork(&self, budget: usize) -> Option<Self> {
+    pub(crate) fn fork(&self, budget: usize) -> Option<Self> {
         let mut fork = Self {
             pipeline: self.pipeline.try_clone()?,
             settings: Arc::clone(&self.settings),
@@ -138,7 +138,7 @@ impl ModelTimeline {
     }
 
     /// Sets the memory budget for checkpoints and the record, in bytes.
-    pub(super) fn set_budget(&mut self, budget: usize) {
+    pub(crate) fn set_budget(&mut self, budget: usize) {
         let frame_bytes = (self.info.size.pixels() * 3).max(1);
         let (for_pictures, for_local, for_last_foreground) = (budget / 8, budget / 8, budget / 16);
         self.model_budget_bytes = budget / 16 * 11;
@@ -156,35 +156,35 @@ impl ModelTimeline {
         self.backgrounds.set_capacity(room);
     }
 
-    pub(super) const fn settings(&self) -> &Arc<Settings> {
+    pub(crate) const fn settings(&self) -> &Arc<Settings> {
         &self.settings
     }
 
-    pub(super) const fn info(&self) -> &Arc<SourceInfo> {
+    pub(crate) const fn info(&self) -> &Arc<SourceInfo> {
         &self.info
     }
 
-    pub(super) const fn roi(&self) -> Option<&Arc<Roi>> {
+    pub(crate) const fn roi(&self) -> Option<&Arc<Roi>> {
         self.roi.as_ref()
     }
 
     /// Number of frames analysed under these settings.
-    pub(super) const fn front(&self) -> u32 {
+    pub(crate) const fn front(&self) -> u32 {
         self.front
     }
 
     /// Position of the next frame to learn from before classification; `None` once that has started.
-    pub(super) fn next_to_learn(&self) -> Option<u32> {
+    pub(crate) fn next_to_learn(&self) -> Option<u32> {
         (self.learnt < self.to_learn).then_some(self.learnt)
     }
 
     /// Number of first frames to learn from, as far as known.
-    pub(super) const fn to_learn(&self) -> u32 {
+    pub(crate) const fn to_learn(&self) -> u32 {
         self.to_learn
     }
 
     /// Learns from the next frames, starting at [`Self::next_to_learn`]: no more than [`Self::max_next_frames`].
-    pub(super) fn learn(&mut self, frames: &[Arc<Frame>]) -> Result<(), PipelineError> {
+    pub(crate) fn learn(&mut self, frames: &[Arc<Frame>]) -> Result<(), PipelineError> {
         let borrowed: Vec<_> = frames.iter().map(Arc::as_ref).collect();
         self.pipeline.learn(&borrowed)?;
         self.learnt += frames.len() as u32;
@@ -195,7 +195,7 @@ impl ModelTimeline {
     }
 
     /// Starts classification with the learned model: there are no more frames to learn from.
-    pub(super) fn begin(&mut self) {
+    pub(crate) fn begin(&mut self) {
         self.to_learn = self.learnt;
         self.pipeline.begin();
         self.start = self.pipeline.mixture().map(|mixture| Arc::new(mixture.snapshot()));
@@ -203,18 +203,18 @@ impl ModelTimeline {
     }
 
     /// Number of frames that the model has classified.
-    pub(super) fn modelled(&self) -> u32 {
+    pub(crate) fn modelled(&self) -> u32 {
         self.record.len()
     }
 
     /// Whether the next frame needs tracking only, by [`Self::track_next`].
-    pub(super) fn needs_tracking_only(&self) -> bool {
+    pub(crate) fn needs_tracking_only(&self) -> bool {
         self.front < self.record.len() && !self.redoing_regions
     }
 
     /// Applies other settings that are the same before `stage`; results of earlier stages stay. Another `roi` needs a
     /// stage no later than cleaning. Other settings of the model need another [`ModelTimeline`].
-    pub(super) fn restart_at(
+    pub(crate) fn restart_at(
         &mut self,
         stage: Stage,
         settings: Arc<Settings>,
@@ -232,7 +232,7 @@ impl ModelTimeline {
     }
 
     /// Tracks the next frame that is on record.
-    pub(super) fn track_next(&mut self) {
+    pub(crate) fn track_next(&mut self) {
         if let Some((analysis, _)) = self.record.outline(self.front) {
             let analysis = self.pipeline.track_again(analysis);
             self.record.replace(self.front, analysis);
@@ -242,7 +242,7 @@ impl ModelTimeline {
     }
 
     /// Largest number of next frames for one call of [`Self::learn`] or [`Self::step`]: up to the next checkpoint.
-    pub(super) fn max_next_frames(&self) -> usize {
+    pub(crate) fn max_next_frames(&self) -> usize {
         let until_kept = match self.pipeline.mixture() {
             _ if self.learnt < self.to_learn => self.to_learn - self.learnt,
             _ if self.front < self.record.len() => self.record.len() - self.front,
@@ -253,7 +253,7 @@ impl ModelTimeline {
     }
 
     /// Analyses the next frames, up to [`Self::max_next_frames`] of them.
-    pub(super) fn step(&mut self, frames: &[Arc<Frame>]) -> Result<(), PipelineError> {
+    pub(crate) fn step(&mut self, frames: &[Arc<Frame>]) -> Result<(), PipelineError> {
         let borrowed: Vec<_> = frames.iter().map(Arc::as_ref).collect();
         let position = self.front;
         self.front += frames.len() as u32;
@@ -293,28 +293,28 @@ impl ModelTimeline {
     }
 
     /// The record of the frames.
-    pub(super) const fn record(&self) -> &AnalysisRecord {
+    pub(crate) const fn record(&self) -> &AnalysisRecord {
         &self.record
     }
 
     /// The analysis of a frame, without mask and labels, and its share of foreground.
-    pub(super) fn outline(&self, position: u32) -> Option<(&Analysis, f32)> {
+    pub(crate) fn outline(&self, position: u32) -> Option<(&Analysis, f32)> {
         self.record.outline(position)
     }
 
     /// The analysis of a frame in full.
-    pub(super) fn analysis(&self, position: u32) -> Option<Analysis> {
+    pub(crate) fn analysis(&self, position: u32) -> Option<Analysis> {
         self.record.analysis(position)
     }
 
     /// The offline result of all analysed frames.
-    pub(super) fn offline_result(&self) -> OfflineResult {
+    pub(crate) fn offline_result(&self) -> OfflineResult {
         offline_result(self.record.outlines(), &self.pipeline)
     }
 
     /// One step of seeking to the pictures at `position`, whose frame is `frame`, with a map of `quantity` if the
     /// model has it.
-    pub(super) fn seek(
+    pub(crate) fn seek(
         &mut self,
         position: u32,
         frame: &Frame,
@@ -336,13 +336,13 @@ impl ModelTimeline {
     }
 
     /// Whether the model has this quantity.
-    pub(super) fn has(&self, quantity: Quantity) -> bool {
+    pub(crate) fn has(&self, quantity: Quantity) -> bool {
         !quantity.is_of_mixture() || self.pipeline.mixture().is_some()
     }
 
     /// The positions whose frames are needed for the pictures at `position` with a map of `quantity`, the last one
     /// being `position`; `None` where the earlier mixture is not available.
-    pub(super) fn frames_needed(&self, position: u32, quantity: Quantity) -> Option<Range<u32>> {
+    pub(crate) fn frames_needed(&self, position: u32, quantity: Quantity) -> Option<Range<u32>> {
         // The time since foreground needs masks only, and the pictures contain none of its values.
         let quantity = Some(quantity).filter(|quantity| quantity.is_of_mixture());
         let before = quantity == Some(Quantity::Matched);
@@ -380,17 +380,17 @@ impl ModelTimeline {
         // The matched rank cannot be derived from the mixture after the update.
         let is_there = is_last && quantity != Some(Quantity::Matched);
         let pictures = match self.pipeline.mixture() {
-            Some(mixture) if is_there => Pictures::of_mixture(mixture, frame, quantity),
+            Some(mixture) if is_there => ModelPictures::of_mixture(mixture, frame, quantity),
             // Earlier frames of a camera may be lost: the next frame may have a map where this one has none.
             Some(mixture) if is_last && self.info.live && !self.is_close_behind(position) => {
                 self.replay = Some((self.record.len(), mixture.clone()));
-                Pictures::of_mixture(mixture, frame, None)
+                ModelPictures::of_mixture(mixture, frame, None)
             }
             Some(_) => return Ok(self.seek_past(position, frame, quantity)),
-            None if is_last => Pictures::of_background(self.background(frame.number, frame.size)?),
+            None if is_last => ModelPictures::of_background(self.background(frame.number, frame.size)?),
             None => {
                 let kept = self.backgrounds.at_or_before(position).map(|(_, kept)| Arc::clone(kept));
-                Pictures::of_background(match kept {
+                ModelPictures::of_background(match kept {
                     Some(kept) => kept,
                     None => self.background(frame.number, frame.size)?,
                 })
@@ -442,13 +442,13 @@ impl ModelTimeline {
             mixture.replay(&[frame], &mut self.masks);
             *taken += 1;
         }
-        let pictures = Pictures::of_mixture(mixture, frame, quantity).with_map(quantity, matches);
+        let pictures = ModelPictures::of_mixture(mixture, frame, quantity).with_map(quantity, matches);
         self.recent.insert(position, pictures.clone());
         SeekStep::Pictures(pictures)
     }
 
     /// Advances the replay by the frames from `position` on, towards the one at `wanted`.
-    pub(super) fn replay_frames(&mut self, position: u32, frames: &[Arc<Frame>], wanted: u32) {
+    pub(crate) fn replay_frames(&mut self, position: u32, frames: &[Arc<Frame>], wanted: u32) {
         if let Some((taken, mixture)) = &mut self.replay
             && *taken == position
         {

@@ -3,11 +3,11 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::model_timeline::ModelTimeline;
 use crate::explain::events::counterfactual::{Counterfactual, CounterfactualQuery, CounterfactualSearch};
 use crate::explain::events::event_pairs::EventTolerance;
 use crate::frame::Size;
 use crate::occlusion::Event;
+use crate::replay::tasks::analyse::model_timeline::ModelTimeline;
 
 /// Seconds before the event at which the tracker starts, so that it learns the members, as far as the video goes
 /// back.
@@ -21,7 +21,7 @@ const MIN_PUBLISH_INTERVAL: Duration = Duration::from_millis(200);
 
 /// The task of finding the counterfactuals of one event at a time.
 #[derive(Default)]
-pub(super) struct CounterfactualTask {
+pub(crate) struct CounterfactualTask {
     event: Option<Event>,
     search: Option<CounterfactualSearch>,
     report: Option<Arc<Counterfactual>>,
@@ -30,14 +30,14 @@ pub(super) struct CounterfactualTask {
 
 impl CounterfactualTask {
     /// Sets the event, or none.
-    pub(super) fn set_event(&mut self, event: Option<Event>) {
+    pub(crate) fn set_event(&mut self, event: Option<Event>) {
         if self.event != event {
             *self = Self { event, ..Self::default() };
         }
     }
 
     /// Advances for a short time on the record of `run`; returns whether there was work to do.
-    pub(super) fn advance(&mut self, run: &ModelTimeline, numbers: &[u32], size: Size, fps: f32) -> bool {
+    pub(crate) fn advance(&mut self, run: &ModelTimeline, numbers: &[u32], size: Size, fps: f32) -> bool {
         let Some(event) = &self.event else { return false };
         if self.report.as_ref().is_some_and(|report| report.done) {
             return false;
@@ -61,7 +61,7 @@ impl CounterfactualTask {
     }
 
     /// The newest report.
-    pub(super) fn latest(&self) -> Option<Arc<Counterfactual>> {
+    pub(crate) fn latest(&self) -> Option<Arc<Counterfactual>> {
         self.report.clone()
     }
 }

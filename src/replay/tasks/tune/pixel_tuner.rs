@@ -4,20 +4,20 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::Tuning;
 use crate::explain::pixel::PixelHistory;
 use crate::explain::tuning::{
     FlipSearch, RunOutcome, SettingAxis, TunableSetting, VerdictFlip, VerdictMap, run,
 };
 use crate::mixture::Parameters;
 use crate::mixture::pixel::Value;
+use crate::replay::Tuning;
 
 /// Largest number of frames, over all runs, in one step of some milliseconds.
 const MAX_FRAMES_PER_STEP: usize = 60_000;
 
 /// Computes a [`Tuning`] and stores the last one.
 #[derive(Default)]
-pub(super) struct Tuner {
+pub(crate) struct PixelTuner {
     knobs: Option<[TunableSetting; 2]>,
     job: Option<TuningJob>,
     done: Option<Arc<Tuning>>,
@@ -44,19 +44,19 @@ struct TuningQuery {
     knobs: [TunableSetting; 2],
 }
 
-impl Tuner {
+impl PixelTuner {
     /// Chooses the two settings of the map; `None` for no map.
-    pub(super) fn choose(&mut self, knobs: Option<[TunableSetting; 2]>) {
+    pub(crate) fn choose(&mut self, knobs: Option<[TunableSetting; 2]>) {
         self.knobs = knobs;
     }
 
     /// Drops all results, after the sequence's first frame has changed.
-    pub(super) fn forget(&mut self) {
+    pub(crate) fn forget(&mut self) {
         (self.job, self.done) = (None, None);
     }
 
     /// Advances for the state of `history` at `position`; returns whether there was work to do.
-    pub(super) fn advance(&mut self, history: &PixelHistory, position: u32) -> bool {
+    pub(crate) fn advance(&mut self, history: &PixelHistory, position: u32) -> bool {
         let Some(knobs) = self.knobs else {
             self.forget();
             return false;
@@ -79,7 +79,7 @@ impl Tuner {
     }
 
     /// The newest tuning, which may belong to earlier inputs.
-    pub(super) fn latest(&self) -> Option<Arc<Tuning>> {
+    pub(crate) fn latest(&self) -> Option<Arc<Tuning>> {
         self.done.clone()
     }
 }
@@ -133,13 +133,13 @@ mod tests {
         PixelHistory::of_colours((2, 3), parameters, colours)
     }
 
-    fn all_pieces(tuner: &mut Tuner, history: &PixelHistory, position: u32) -> usize {
+    fn all_pieces(tuner: &mut PixelTuner, history: &PixelHistory, position: u32) -> usize {
         (0..2000).take_while(|_| tuner.advance(history, position)).count()
     }
 
     #[test]
     fn a_tuning_in_steps_equals_one_at_once_and_is_computed_once() {
-        let (mut tuner, history) = (Tuner::default(), history(0.01));
+        let (mut tuner, history) = (PixelTuner::default(), history(0.01));
         assert!(!tuner.advance(&history, 200), "no request is pending");
         for knobs in [
             [TunableSetting::Alpha, TunableSetting::Lambda],
@@ -167,7 +167,7 @@ mod tests {
 
     #[test]
     fn a_newer_tuning_request_replaces_the_current_one() {
-        let (mut tuner, one, other) = (Tuner::default(), history(0.01), history(0.2));
+        let (mut tuner, one, other) = (PixelTuner::default(), history(0.01), history(0.2));
         tuner.choose(Some([TunableSetting::Alpha, TunableSetting::Lambda]));
         for _ in 0..7 {
             tuner.advance(&one, 250);

@@ -1,8 +1,8 @@
 //! The last frame in which each pixel was foreground, from the masks on record.
 
-use super::analysis_record::AnalysisRecord;
-use super::strided_checkpoints::StridedCheckpoints;
 use crate::frame::Size;
+use crate::replay::store::analysis_record::AnalysisRecord;
+use crate::replay::store::strided_checkpoints::StridedCheckpoints;
 
 /// Number of frames of one step, and least distance of checkpoints.
 const FRAMES_PER_STEP: u32 = 64;
@@ -11,7 +11,7 @@ const NEVER: u32 = u32::MAX;
 
 /// The position at which each pixel was last foreground before some frame. It advances frame by frame; checkpoints
 /// are used to seek back.
-pub(super) struct LastForeground {
+pub(crate) struct LastForeground {
     size: Size,
     /// Number of frames processed.
     frames_taken: u32,
@@ -22,7 +22,7 @@ pub(super) struct LastForeground {
 
 impl LastForeground {
     /// An empty state.
-    pub(super) const fn new(size: Size) -> Self {
+    pub(crate) const fn new(size: Size) -> Self {
         Self {
             size,
             frames_taken: 0,
@@ -32,13 +32,13 @@ impl LastForeground {
     }
 
     /// Sets the capacity for checkpoints, in bytes.
-    pub(super) fn set_capacity(&mut self, room: usize) {
+    pub(crate) fn set_capacity(&mut self, room: usize) {
         self.checkpoints.set_capacity(room);
     }
 
     /// Advances towards the frame at `position`; returns whether it was reached. Does not go beyond the record.
     /// reached.
-    pub(super) fn advance_to(&mut self, position: u32, record: &AnalysisRecord) -> bool {
+    pub(crate) fn advance_to(&mut self, position: u32, record: &AnalysisRecord) -> bool {
         let Some(wanted) = position.checked_add(1).filter(|&wanted| wanted <= record.len()) else {
             return false;
         };
@@ -60,7 +60,7 @@ impl LastForeground {
 
     /// For each pixel the number of frames since it was last foreground at `position`, which must have been reached;
     /// infinite where it never was.
-    pub(super) fn frames_since(&self, position: u32) -> Vec<f32> {
+    pub(crate) fn frames_since(&self, position: u32) -> Vec<f32> {
         let ago = |&last: &u32| match last {
             NEVER => f32::INFINITY,
             _ => position.saturating_sub(last) as f32,
