@@ -58,18 +58,18 @@ impl ModelPictures {
 #[derive(Clone)]
 pub(crate) struct RecentPictures {
     pictures: VecDeque<(u32, ModelPictures)>,
-    room: usize,
+    capacity: usize,
 }
 
 impl RecentPictures {
-    pub(crate) const fn new(room: usize) -> Self {
-        Self { pictures: VecDeque::new(), room }
+    pub(crate) const fn new(capacity: usize) -> Self {
+        Self { pictures: VecDeque::new(), capacity }
     }
 
     /// Sets the capacity, in frames.
-    pub(crate) fn set_capacity(&mut self, room: usize) {
-        self.room = room;
-        while self.pictures.len() > self.room {
+    pub(crate) fn set_capacity(&mut self, capacity: usize) {
+        self.capacity = capacity;
+        while self.pictures.len() > self.capacity {
             self.pictures.pop_front();
         }
     }
@@ -81,7 +81,7 @@ impl RecentPictures {
     pub(crate) fn insert(&mut self, position: u32, pictures: ModelPictures) {
         self.pictures.retain(|(at, _)| *at != position);
         self.pictures.push_back((position, pictures));
-        while self.pictures.len() > self.room {
+        while self.pictures.len() > self.capacity {
             self.pictures.pop_front();
         }
     }

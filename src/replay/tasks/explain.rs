@@ -36,15 +36,15 @@ impl CounterfactualTask {
         }
     }
 
-    /// Advances for a short time on the record of `run`; returns whether there was work to do.
-    pub(crate) fn advance(&mut self, run: &ModelTimeline, numbers: &[u32], size: Size, fps: f32) -> bool {
+    /// Advances for a short time on the record of `model`; returns whether there was work to do.
+    pub(crate) fn advance(&mut self, model: &ModelTimeline, numbers: &[u32], size: Size, fps: f32) -> bool {
         let Some(event) = &self.event else { return false };
         if self.report.as_ref().is_some_and(|report| report.done) {
             return false;
         }
         let search = match &mut self.search {
             Some(search) => search,
-            none => none.insert(CounterfactualSearch::new(query(event, run, numbers, size, fps))),
+            none => none.insert(CounterfactualSearch::new(query(event, model, numbers, size, fps))),
         };
         let worked = search.advance();
         if !worked
@@ -66,26 +66,27 @@ impl CounterfactualTask {
     }
 }
 
-fn query(event: &Event, run: &ModelTimeline, numbers: &[u32], size: Size, fps: f32) -> CounterfactualQuery {
+fn query(event: &Event, model: &ModelTimeline, numbers: &[u32], size: Size, fps: f32) -> CounterfactualQuery {
     let at = numbers.partition_point(|&number| number < event.frame) as u32;
     let tolerance = EventTolerance::of(size, fps);
     // The decision can be some frames after the event.
     let decides = |position: &u32| {
-        run.outline(*position)
+        model
+            .outline(*position)
             .is_some_and(|(analysis, _)| analysis.events.iter().any(|other| tolerance.matches(event, other)))
     };
-    let most = (at + 60.max(10 * tolerance.frames)).min(run.front());
+    let most = (at + 60.max(10 * tolerance.frames)).min(model.analysed());
     let decided = (at..most).find(decides).unwrap_or(at);
     let from = at.saturating_sub(((SECONDS_BEFORE_EVENT * fps) as u32).max(MIN_FRAMES_BEFORE_EVENT));
     let after = ((SECONDS_AFTER_EVENT * fps) as u32).max(tolerance.frames);
-    let to = (decided + after + 1).min(run.front());
+    let to = (decided + after + 1).min(model.analysed());
     let frames = (from..to).filter_map(|position| {
-        let (analysis, _) = run.outline(position)?;
+        let (analysis, _) = model.outline(position)?;
         Some((analysis.number, Arc::clone(&analysis.regions)))
     });
     CounterfactualQuery {
         event: event.clone(),
-        settings: (**run.settings()).clone(),
+        settings: (**model.settings()).clone(),
         frames: Arc::new(frames.collect()),
         size,
         fps,

@@ -4,5 +4,6 @@ pub(crate) mod analyse;
 pub(crate) mod explain;
 pub(crate) mod gather;
 pub(crate) mod score;
+pub(crate) mod show;
 pub(crate) mod timeline;
 pub(crate) mod tune;

@@ -26,12 +26,12 @@ impl TimelineBuilder {
     }
 
     /// Replaces the online results by the offline result.
-    pub(crate) fn finish(&mut self, reading: OfflineResult) {
+    pub(crate) fn finish(&mut self, result: OfflineResult) {
         self.track_spans.clear();
-        for (position, (_, tracks)) in (0..).zip(&reading.tracks) {
+        for (position, (_, tracks)) in (0..).zip(&result.tracks) {
             extend_spans(&mut self.track_spans, position, tracks);
         }
-        self.events = reading.events;
+        self.events = result.events;
     }
 
     /// The current timeline; `numbers` are the frame numbers of the positions, in ascending order.

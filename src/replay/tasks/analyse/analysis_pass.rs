@@ -2,19 +2,21 @@
 
 use std::sync::Arc;
 
+use super::PassInputs;
+use super::model_timeline::ModelTimeline;
+use super::pass_progress::NextStep;
 use crate::frame::Frame;
 use crate::pipeline::PipelineError;
 use crate::regions::Roi;
 use crate::replay::store::model_pictures::ModelPictures;
-use crate::replay::tasks::analyse::model_timeline::ModelTimeline;
 use crate::replay::tasks::gather::frame_consumer::FrameConsumer as _;
 use crate::replay::tasks::gather::pixel_follower::PixelFollower;
 use crate::replay::tasks::score::{ScoreStep, Scorer};
 use crate::replay::tasks::timeline::TimelineBuilder;
 use crate::replay::{ShownFrame, Timeline};
 use crate::settings::{Settings, Stage};
+use crate::source::SourceError;
 use crate::source::cache::{Fetched, FrameCache, Keep};
-use crate::source::{SourceError, SourceInfo};
 use crate::truth::Truth;
 use crate::truth::boxes::Boxes;
 use crate::truth::summary;
@@ -51,15 +53,10 @@ pub(crate) enum PassStep {
 }
 
 impl AnalysisPass {
-    /// A pass before the first frame; `budget` is the memory for checkpoints and the record, in bytes.
-    pub(crate) fn new(
-        settings: Arc<Settings>,
-        roi: Option<Arc<Roi>>,
-        info: &Arc<SourceInfo>,
-        budget: usize,
-    ) -> Result<Self, PipelineError> {
+    /// A pass before the first frame.
+    pub(crate) fn new(inputs: PassInputs) -> Result<Self, PipelineError> {
         Ok(Self {
-            model: ModelTimeline::new(settings, roi, info, budget)?,
+            model: ModelTimeline::new(inputs)?,
             pixel_follower: PixelFollower::default(),
             timeline_builder: TimelineBuilder::default(),
             finished: None,
@@ -79,17 +76,12 @@ impl AnalysisPass {
     }
 
     /// A pass under other settings, which reuses the masks of this one where the model's settings are the same.
-    pub(crate) fn fork_under(
-        &self,
-        settings: Arc<Settings>,
-        roi: Option<Arc<Roi>>,
-        info: &Arc<SourceInfo>,
-        budget: usize,
-    ) -> Result<Self, PipelineError> {
-        let stage = self.first_difference(&settings, roi.as_ref()).filter(|&stage| stage > Stage::Mixture);
-        match stage.and_then(|stage| Some((stage, self.fork(budget)?))) {
-            Some((stage, mut fork)) => fork.restart_at(stage, settings, roi).map(|()| fork),
-            None => Self::new(settings, roi, info, budget),
+    pub(crate) fn fork_under(&self, inputs: PassInputs) -> Result<Self, PipelineError> {
+        let stage = self.first_difference(&inputs.settings, inputs.roi.as_ref());
+        let stage = stage.filter(|&stage| stage > Stage::Mixture);
+        match stage.and_then(|stage| Some((stage, self.fork(inputs.budget)?))) {
+            Some((stage, mut fork)) => fork.restart_at(stage, inputs.settings, inputs.roi).map(|()| fork),
+            None => Self::new(inputs),
         }
     }
 
@@ -124,7 +116,7 @@ impl AnalysisPass {
 
     /// Whether all frames of the source have been analysed.
     pub(crate) fn has_analysed_all(&self, frames: &FrameCache) -> bool {
-        frames.is_complete() && self.model.front() as usize == frames.numbers().len()
+        frames.is_complete() && self.model.analysed() as usize == frames.numbers().len()
     }
 
     /// Whether the offline result of all frames is complete.
@@ -132,15 +124,14 @@ impl AnalysisPass {
         self.finished.is_some()
     }
 
-    /// Its progress: 0 while the model learns from the first frames and 1 after that, and the position of the next
-    /// frame.
-    pub(crate) fn next_position(&self) -> (u32, u32) {
-        self.model.next_to_learn().map_or_else(|| (1, self.model.front()), |position| (0, position))
+    /// The key by which the steps of two passes are ordered: the pass whose key is less is behind.
+    pub(crate) fn next_order(&self) -> (u32, u32) {
+        self.model.next_step().order()
     }
 
-    /// Learns from or analyses the next decoded frames, or decodes one frame, up to the position `last`, if given, or
-    /// the end. `keep` says whether frames that are decoded again may evict others; `passed` is called with each
-    /// frame and its position.
+    /// Takes the next step: learns from or analyses the next decoded frames, or decodes one frame, up to the position
+    /// `last`, if given, or the end. `keep` says whether frames that are decoded again may evict others; `passed` is
+    /// called with each frame and its position.
     pub(crate) fn advance(
         &mut self,
         frames: &mut FrameCache,
@@ -148,47 +139,33 @@ impl AnalysisPass {
         keep: Keep,
         mut passed: impl FnMut(u32, &Frame),
     ) -> Result<PassStep, PassError> {
-        if let Some(position) = self.model.next_to_learn() {
-            match frames.fetch(position, keep)? {
-                Fetched::Frame(frame) => {
-                    let frames = self.with_buffered_frames(frames, position, frame, last);
-                    self.model.learn(&frames)?;
-                    for (position, frame) in (position..).zip(&frames) {
-                        self.pixel_follower.push(position, frame);
-                        passed(position, frame);
-                    }
-                }
-                Fetched::OnTheWay => {}
-                Fetched::End => self.model.begin(),
-                Fetched::Gone => return Ok(PassStep::FrameLost),
-            }
-            return Ok(PassStep::Advanced);
-        }
-        let position = self.model.front();
-        if self.model.needs_tracking_only() {
-            self.model.track_next();
+        let (step, analysed) = (self.model.next_step(), self.model.analysed());
+        let position = step.position();
+        if matches!(step, NextStep::Track(_)) {
+            self.model.advance(&[])?;
         } else {
             match frames.fetch(position, keep)? {
                 Fetched::Frame(frame) => {
                     let frames = self.with_buffered_frames(frames, position, frame, last);
-                    self.model.step(&frames)?;
+                    self.model.advance(&frames)?;
                     for (position, frame) in (position..).zip(&frames) {
                         self.pixel_follower.push(position, frame);
                         passed(position, frame);
                     }
                 }
+                Fetched::End if matches!(step, NextStep::Learn(_)) => self.model.begin(),
                 Fetched::OnTheWay | Fetched::End => {}
                 Fetched::Gone => return Ok(PassStep::FrameLost),
             }
         }
-        for position in position..self.model.front() {
+        for position in analysed..self.model.analysed() {
             let Some((analysis, share)) = self.model.outline(position) else { break };
             self.timeline_builder.push(analysis, share);
         }
         if self.has_analysed_all(frames) && self.finished.is_none() {
-            let reading = self.model.offline_result();
-            self.finished = Some(Arc::new(summary::boxes_of(&reading)));
-            self.timeline_builder.finish(reading);
+            let result = self.model.offline_result();
+            self.finished = Some(Arc::new(summary::boxes_of(&result)));
+            self.timeline_builder.finish(result);
         }
         Ok(PassStep::Advanced)
     }

@@ -2,8 +2,8 @@
 
 use std::sync::Arc;
 
-use crate::replay::tasks::analyse::analysis_pass::AnalysisPass;
-use crate::replay::{ShownFrame, same};
+use super::analysis_pass::AnalysisPass;
+use crate::replay::{ShownFrame, is_same};
 use crate::settings::Settings;
 
 /// A second choice of settings on the same frames.
@@ -32,7 +32,7 @@ impl ComparedPass {
     /// Whether the frame at a position has been analysed but not prepared.
     pub(crate) fn needs_frame(&self, position: u32) -> bool {
         let Some(pass) = &self.pass else { return false };
-        pass.model.front() > position
+        pass.model.analysed() > position
             && !self.shown.as_ref().is_some_and(|shown| is_frame_of(shown, pass, position))
     }
 
@@ -40,10 +40,10 @@ impl ComparedPass {
     pub(crate) fn is_current_in(&self, shown: &ShownFrame) -> bool {
         match (&self.settings, &self.pass) {
             (Some(_), None) => {
-                shown.compared.as_ref().is_some_and(|beside| beside.settings == shown.settings)
+                shown.compared.as_ref().is_some_and(|compared| compared.settings == shown.settings)
             }
-            (Some(_), Some(pass)) if pass.model.front() > shown.position => {
-                shown.compared.as_ref().is_some_and(|beside| is_frame_of(beside, pass, shown.position))
+            (Some(_), Some(pass)) if pass.model.analysed() > shown.position => {
+                shown.compared.as_ref().is_some_and(|compared| is_frame_of(compared, pass, shown.position))
             }
             _ => shown.compared.is_none(),
         }
@@ -55,15 +55,15 @@ impl ComparedPass {
         let Some(pass) = &mut self.pass else {
             return Some(Arc::new(ShownFrame { compared: None, ..shown.clone() }));
         };
-        let mine = self.shown.take_if(|mine| is_frame_of(mine, pass, shown.position))?;
+        let prepared = self.shown.take_if(|prepared| is_frame_of(prepared, pass, shown.position))?;
         let pixel = pass.pixel_follower.history_covering(shown.position);
-        let mine = if same(mine.pixel.as_ref(), pixel.as_ref()) {
-            mine
+        let prepared = if is_same(prepared.pixel.as_ref(), pixel.as_ref()) {
+            prepared
         } else {
-            Arc::new(ShownFrame { pixel, ..ShownFrame::clone(&mine) })
+            Arc::new(ShownFrame { pixel, ..ShownFrame::clone(&prepared) })
         };
-        self.shown = Some(Arc::clone(&mine));
-        Some(mine)
+        self.shown = Some(Arc::clone(&prepared));
+        Some(prepared)
     }
 
     /// Whether the chosen pixel's history is known but missing in the prepared frame.

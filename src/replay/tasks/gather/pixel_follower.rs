@@ -68,6 +68,15 @@ impl PixelFollower {
         self.history.as_ref().map(|_| self.colours.len() as u32)
     }
 
+    /// The number of known frames, and of those that the history needs to cover `position`; `None` when no pixel is
+    /// chosen or all of them are known.
+    pub(crate) fn progress_to(&self, position: u32) -> Option<(u32, u32)> {
+        let known = self.frames()?;
+        let to_learn = if self.complete { 0 } else { self.to_learn };
+        let needed = to_learn.max(position.saturating_add(1));
+        (known < needed).then_some((known, needed))
+    }
+
     /// The history, extended if it does not contain `position`; `None` while that is unknown.
     pub(crate) fn history_covering(&mut self, position: u32) -> Option<Arc<PixelHistory>> {
         if self.frames()? <= position || !self.has_learnt() {
@@ -126,5 +135,43 @@ impl FrameConsumer for PixelFollower {
     fn lose(&mut self) {
         let lost = self.history.as_ref().map(|history| history.at);
         *self = Self { lost, ..Self::default() };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::Size;
+    use crate::settings::Span;
+    use crate::source::FpsFrom;
+
+    #[test]
+    fn the_progress_counts_the_frames_to_learn_from_and_those_up_to_the_frame_in_view() {
+        let size = Size::new(1, 1);
+        let info = SourceInfo {
+            name: "pixel".into(),
+            size,
+            fps: 25.0,
+            fps_from: FpsFrom::Video,
+            frames: None,
+            live: false,
+        };
+        let settings = Settings { bootstrap: Span::Frames(3), ..Settings::default() };
+        let mut follower = PixelFollower::default();
+        assert_eq!(follower.progress_to(0), None, "no pixel is chosen");
+        follower.choose(Some((0, 0)), &settings, &info);
+        for position in 0..2 {
+            follower.push(position, &Frame::new(position + 1, size, vec![90; 3]));
+        }
+        assert_eq!((follower.progress_to(0), follower.progress_to(4)), (Some((2, 3)), Some((2, 5))));
+        follower.push(2, &Frame::new(3, size, vec![90; 3]));
+        assert_eq!((follower.progress_to(2), follower.progress_to(3)), (None, Some((3, 4))));
+
+        // A source with fewer frames than there are to learn from.
+        let longer = Settings { bootstrap: Span::Frames(10), ..settings };
+        follower.choose(Some((0, 0)), &longer, &info);
+        assert_eq!(follower.progress_to(2), Some((3, 10)));
+        follower.end();
+        assert_eq!(follower.progress_to(2), None);
     }
 }

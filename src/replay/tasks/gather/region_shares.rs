@@ -4,25 +4,11 @@ use std::ops::Range;
 use std::sync::Arc;
 
 use crate::frame::Size;
+use crate::replay::published::RegionShares;
 use crate::replay::store::analysis_record::AnalysisRecord;
 
 /// Number of frames of one step.
 const FRAMES_PER_STEP: u32 = 256;
-
-/// The share of foreground among the pixels around one, in every analysed frame.
-#[derive(Clone, Debug, PartialEq)]
-pub struct RegionShares {
-    /// The centre pixel: column and row.
-    pub at: (u32, u32),
-    /// Side of the region in pixels; it is clipped at the image's edge.
-    pub side: u32,
-    /// Number of pixels.
-    pub pixels: u32,
-    /// The share of foreground in the model's mask, before cleaning, by position.
-    pub model: Vec<f32>,
-    /// The share of foreground after cleaning, by position.
-    pub cleaned: Vec<f32>,
-}
 
 /// The columns and rows of the `side`×`side` pixels around one, clipped to the image.
 pub fn region_bounds((x, y): (u32, u32), side: u32, size: Size) -> (Range<u32>, Range<u32>) {

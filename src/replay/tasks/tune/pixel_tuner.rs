@@ -1,58 +1,27 @@
-//! The chosen pixel's state in the frame in view under other settings, in short steps.
+//! Tunes the chosen pixel in the frame in view.
 
 use std::sync::Arc;
 
-use rayon::prelude::*;
-
 use crate::explain::pixel::PixelHistory;
-use crate::explain::tuning::{
-    FlipSearch, RunOutcome, SettingAxis, TunableSetting, VerdictFlip, VerdictMap, run,
-};
-use crate::mixture::Parameters;
-use crate::mixture::pixel::Value;
-use crate::replay::Tuning;
-
-/// Largest number of frames, over all runs, in one step of some milliseconds.
-const MAX_FRAMES_PER_STEP: usize = 60_000;
+use crate::explain::tuning::{StepwiseTuning, TunableSetting, Tuning, TuningQuery};
 
 /// Computes a [`Tuning`] and stores the last one.
 #[derive(Default)]
 pub(crate) struct PixelTuner {
     knobs: Option<[TunableSetting; 2]>,
-    job: Option<TuningJob>,
+    current: Option<StepwiseTuning>,
     done: Option<Arc<Tuning>>,
-}
-
-/// A [`Tuning`] in progress.
-struct TuningJob {
-    query: TuningQuery,
-    values: Vec<Value>,
-    axes: [SettingAxis; 2],
-    runs: Vec<Parameters>,
-    outcomes: Vec<RunOutcome>,
-    search: FlipSearch,
-    /// The result of the search.
-    flips: Option<Vec<VerdictFlip>>,
-}
-
-/// The inputs of a tuning.
-#[derive(Clone, PartialEq)]
-struct TuningQuery {
-    at: (u32, u32),
-    position: u32,
-    parameters: Parameters,
-    knobs: [TunableSetting; 2],
 }
 
 impl PixelTuner {
     /// Chooses the two settings of the map; `None` for no map.
-    pub(crate) fn choose(&mut self, knobs: Option<[TunableSetting; 2]>) {
+    pub(crate) const fn choose(&mut self, knobs: Option<[TunableSetting; 2]>) {
         self.knobs = knobs;
     }
 
     /// Drops all results, after the sequence's first frame has changed.
     pub(crate) fn forget(&mut self) {
-        (self.job, self.done) = (None, None);
+        (self.current, self.done) = (None, None);
     }
 
     /// Advances for the state of `history` at `position`; returns whether there was work to do.
@@ -62,18 +31,18 @@ impl PixelTuner {
             return false;
         };
         let query = TuningQuery { at: history.at, position, parameters: history.parameters, knobs };
-        if self.done.as_ref().is_some_and(|done| TuningQuery::of(done) == query) {
+        if self.done.as_ref().is_some_and(|done| done.query() == query) {
             return false;
         }
-        let job = match self.job.take() {
-            Some(job) if job.query == query => self.job.insert(job),
+        let current = match self.current.take() {
+            Some(current) if *current.query() == query => self.current.insert(current),
             _ => {
                 let Some(values) = history.values_until(position as usize) else { return false };
-                self.job.insert(TuningJob::new(query, values))
+                self.current.insert(StepwiseTuning::new(query, values))
             }
         };
-        if let Some(tuning) = job.advance() {
-            (self.job, self.done) = (None, Some(Arc::new(tuning)));
+        if let Some(tuning) = current.advance() {
+            (self.current, self.done) = (None, Some(Arc::new(tuning)));
         }
         true
     }
@@ -84,47 +53,13 @@ impl PixelTuner {
     }
 }
 
-impl TuningQuery {
-    fn of(tuning: &Tuning) -> Self {
-        let knobs = tuning.map.axes.each_ref().map(|axis| axis.knob);
-        Self { at: tuning.at, position: tuning.position, parameters: tuning.parameters, knobs }
-    }
-}
-
-impl TuningJob {
-    fn new(query: TuningQuery, values: Vec<Value>) -> Self {
-        let axes = VerdictMap::axes(&query.parameters, query.knobs);
-        let runs = VerdictMap::runs(&query.parameters, &axes);
-        let search = FlipSearch::new(&query.parameters, &TunableSetting::ALL);
-        Self { query, values, axes, runs, outcomes: Vec::new(), search, flips: None }
-    }
-
-    /// Advances by one step; returns the tuning if it is complete.
-    fn advance(&mut self) -> Option<Tuning> {
-        let TuningQuery { at, position, parameters, .. } = self.query;
-        if self.flips.is_none() {
-            self.flips = self.search.advance(&self.values);
-            return None;
-        }
-        let done = self.outcomes.len();
-        // At least one run per thread, however long the history is.
-        let most = (MAX_FRAMES_PER_STEP / self.values.len().max(1)).max(rayon::current_num_threads());
-        let next = &self.runs[done..self.runs.len().min(done + most)];
-        self.outcomes.par_extend(next.par_iter().map(|parameters| run(&self.values, parameters)));
-        if self.outcomes.len() < self.runs.len() {
-            return None;
-        }
-        let map = VerdictMap::of(&parameters, self.axes.clone(), &self.outcomes);
-        Some(Tuning { at, position, parameters, map, flips: self.flips.take().unwrap_or_default() })
-    }
-}
-
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
 
     use super::*;
     use crate::explain::tuning::{flip, map};
+    use crate::mixture::Parameters;
     use crate::settings::{Preset, Settings};
 
     fn history(alpha: f32) -> PixelHistory {
