@@ -349,6 +349,21 @@ fn frames_are_decoded_once_for_both_passes() {
 }
 
 #[test]
+fn the_progress_of_a_pixel_is_published_until_its_history_covers_the_frame_in_view() {
+    let (folder, shared) = (scene(), shared());
+    let mut worker = worker(&shared, folder.path(), settings());
+    show(&mut worker, 40);
+    work_until_idle(&mut worker);
+    assert_eq!(shared.state().pixel_progress, None);
+    request(&mut worker, Request::Inspect(Some(PIXEL)));
+    let progress = shared.state().pixel_progress.unwrap();
+    assert_eq!((progress.done, progress.total), (0, Some(41)), "the first frames up to position 40");
+    work_until_idle(&mut worker);
+    let state = shared.state();
+    assert!(state.pixel_progress.is_none() && state.shown.unwrap().pixel.is_some());
+}
+
+#[test]
 fn new_results_are_published_once() {
     let (folder, count) = (scene(), Arc::new(AtomicU32::new(0)));
     let counted = Arc::clone(&count);
