@@ -18,8 +18,8 @@ use crate::app::commands::command::Command;
 use crate::app::files::dialogs::DialogResult;
 use crate::app::files::settings_file;
 use crate::app::golden::looks_as_before;
-use crate::app::model::Player;
 use crate::app::model::ab_settings::AbSlot;
+use crate::app::model::player::Player;
 use crate::app::views::View;
 use crate::explain::pixel::PixelHistory;
 use crate::explain::tuning::TunableSetting;
@@ -114,6 +114,10 @@ impl Player for Scene {
 }
 
 impl Scene {
+    fn show(&self, position: u32) {
+        self.request(Request::Show(position));
+    }
+
     /// Publishes the result of a request, where the tests need it.
     fn answer(&self, request: Request) {
         match request {

@@ -7,6 +7,7 @@ pub(crate) mod marks;
 pub(crate) mod overlays;
 pub(crate) mod persisted_state;
 pub(crate) mod pins;
+pub(crate) mod player;
 pub(crate) mod undo_history;
 
 use std::collections::BTreeMap;
@@ -20,6 +21,7 @@ use crate::app::model::areas::Areas;
 use crate::app::model::event_comparison::{ComparisonFilter, EventComparison, EventRef};
 use crate::app::model::marks::Marks;
 use crate::app::model::overlays::{Overlay, Overlays};
+use crate::app::model::player::Player;
 use crate::app::model::undo_history::UndoHistory;
 use crate::app::views::{Background, View};
 use crate::explain::pixel::PixelHistory;
@@ -28,38 +30,11 @@ use crate::frame::Size;
 use crate::mixture::Quantity;
 use crate::occlusion::{Event, EventKind};
 use crate::regions::Roi;
-use crate::replay::{Phase, RegionShares, Request, Session, ShownFrame, Start, State, Timeline};
+use crate::replay::{Phase, RegionShares, Request, ShownFrame, Start, State, Timeline};
 use crate::settings::Settings;
 use crate::source::Options;
 use crate::tracking::{Identity, Track};
 use crate::truth::Truth;
-
-/// The interface of the worker.
-pub(crate) trait Player {
-    /// The latest published state.
-    fn state(&self) -> State;
-    /// Sends a request.
-    fn request(&self, request: Request);
-    /// Ends the worker without waiting for it.
-    fn leave(self: Box<Self>);
-}
-
-impl Player for Session {
-    fn state(&self) -> State {
-        Session::state(self)
-    }
-
-    fn request(&self, request: Request) {
-        Session::request(self, request);
-    }
-
-    fn leave(self: Box<Self>) {
-        // The worker may be inside a decoder, and frees gigabytes. If no thread can be started, this thread waits for
-        // it.
-        let left = std::thread::Builder::new().name("leaving".into()).spawn(move || drop(self));
-        drop(left);
-    }
-}
 
 /// Starts a worker for a video name.
 pub(crate) type Opener =
