@@ -29,7 +29,7 @@ use crate::occlusion::{Counters, Event, EventKind, Evidence};
 use crate::pipeline::Analysis;
 use crate::regions::{self, LabelRun, Labels, Rect};
 use crate::replay::{
-    Phase, Progress, RegionShares, Request, ShownFrame, Start, State, Timeline, TrackTimeline,
+    Phase, RegionShares, Request, ShownFrame, Start, State, Timeline, TrackTimeline, WorkProgress,
 };
 use crate::settings::{SETTINGS, Settings};
 use crate::source::{FpsFrom, SourceInfo};

@@ -26,7 +26,7 @@ use std::sync::Arc;
 
 pub use memory::memory;
 pub use published::{
-    ComparedSequence, Phase, Progress, RegionShares, ShownFrame, Start, State, Timeline, TrackTimeline,
+    ComparedSequence, Phase, RegionShares, ShownFrame, Start, State, Timeline, TrackTimeline, WorkProgress,
 };
 pub use requests::Request;
 pub use session::Session;

@@ -57,7 +57,7 @@ pub struct State {
     pub pixel: Option<Arc<PixelHistory>>,
     /// The frames through which the chosen pixel has been followed, of those that its history needs to cover the frame
     /// in view; `None` when no pixel is chosen or all of them are known.
-    pub pixel_progress: Option<Progress>,
+    pub pixel_progress: Option<WorkProgress>,
     /// The histories of the pinned pixels over all known frames, in the order of `Request::Pin`, under the newest
     /// settings, without those that are unavailable.
     pub pins: Arc<Vec<Arc<PixelHistory>>>,
@@ -81,7 +81,7 @@ pub struct State {
     /// settings are equal.
     pub compared: Option<Arc<ComparedSequence>>,
     /// The current work of the worker, `None` when it is idle.
-    pub busy: Option<Progress>,
+    pub busy: Option<WorkProgress>,
     /// Frames analysed per second, averaged over about the last second of work; 0 when unknown.
     pub analysis_fps: f32,
 }
@@ -112,7 +112,7 @@ pub struct RegionShares {
 
 /// Work in progress.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Progress {
+pub struct WorkProgress {
     /// A description: `analysing`, `going back to frame 203`.
     pub what: String,
     /// Number of frames or runs that are done.

@@ -22,7 +22,7 @@ use std::sync::Arc;
 use self::change::SettingsChange;
 use self::publish::Outbox;
 use self::speed_meter::SpeedMeter;
-use super::published::{Phase, Progress, Start};
+use super::published::{Phase, Start, WorkProgress};
 use super::requests::Request;
 use super::shared::Shared;
 use super::tasks::analyse::PassInputs;
@@ -31,7 +31,7 @@ use super::tasks::analyse::compared_pass::ComparedPass;
 use super::tasks::explain::CounterfactualTask;
 use super::tasks::gather::pin_follower::PinFollower;
 use super::tasks::gather::region_shares::RegionShareCounter;
-use super::tasks::show::View;
+use super::tasks::show::FrameInView;
 use super::tasks::tune::pixel_tuner::PixelTuner;
 use super::tasks::tune::region_tuner::RegionTuner;
 use crate::regions::Roi;
@@ -69,7 +69,7 @@ pub(super) struct Worker<'a> {
     /// The pass of the candidate settings.
     compared: ComparedPass,
     /// The frame in view, and the one to show next.
-    view: View,
+    view: FrameInView,
     ahead: AheadMode,
     pixel: Option<(u32, u32)>,
     pins: PinFollower,
@@ -80,7 +80,7 @@ pub(super) struct Worker<'a> {
     /// The ground truth for scores.
     truth: Option<Arc<Truth>>,
     stopped: bool,
-    busy: Option<Progress>,
+    busy: Option<WorkProgress>,
     speed_meter: SpeedMeter,
     outbox: Outbox,
 }
@@ -126,7 +126,7 @@ impl<'a> Worker<'a> {
         Ok(Self {
             shared,
             frames,
-            view: View::new(start, info.live),
+            view: FrameInView::new(start, info.live),
             ahead: AheadMode::All,
             info,
             model_budget,

@@ -40,7 +40,7 @@ use crate::explain::pixel::verdict::{Verdict, overruled, verdict};
 use crate::explain::pixel::{PixelHistory, PixelState};
 use crate::explain::tuning::{RegionTuning, TunableSetting, Tuning};
 use crate::mixture::pixel::MAX_K;
-use crate::replay::{Progress, RegionShares, ShownFrame};
+use crate::replay::{RegionShares, ShownFrame, WorkProgress};
 use crate::settings::{BackgroundModel, Space};
 
 /// An action that the inspector requests of the window.
@@ -117,7 +117,7 @@ pub struct InspectorContext<'a> {
     /// The pinned pixels whose history can never be computed.
     pub lost: &'a [(u32, u32)],
     /// How far the chosen pixel has been followed, while its history is computed.
-    pub progress: Option<&'a Progress>,
+    pub progress: Option<&'a WorkProgress>,
     /// The foreground ratio around the chosen pixel, if [`InspectorRequests::around`] requests it.
     pub region: Option<&'a Arc<RegionShares>>,
     /// The accuracy around the chosen pixel, by the ground truth.
@@ -373,7 +373,7 @@ const LOST: &str = "Pixel history not available: it needs the first frames, whic
      frames.";
 
 /// The text while the chosen pixel's history is computed, with the percentage where it is known.
-fn computing_history(progress: Option<&Progress>) -> String {
+fn computing_history(progress: Option<&WorkProgress>) -> String {
     let share =
         progress.and_then(|progress| Some((progress.done, progress.total.filter(|&total| total > 0)?)));
     let percent = share.map(|(done, total)| u64::from(done) * 100 / u64::from(total));

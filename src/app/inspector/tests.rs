@@ -24,7 +24,7 @@ use crate::mixture::Parameters;
 use crate::occlusion::Counters;
 use crate::pipeline::Analysis;
 use crate::regions::Labels;
-use crate::replay::{Progress, RegionShares, ShownFrame};
+use crate::replay::{RegionShares, ShownFrame, WorkProgress};
 use crate::settings::{BackgroundModel, Preset, Settings, Space};
 
 const SIZE: Size = Size::new(8, 6);
@@ -727,7 +727,7 @@ fn statistics_cover_the_selected_frames_and_can_be_exported() {
 
 #[test]
 fn the_text_while_a_history_is_computed_has_the_percentage_where_it_is_known() {
-    let text = |done, total| computing_history(Some(&Progress { what: String::new(), done, total }));
+    let text = |done, total| computing_history(Some(&WorkProgress { what: String::new(), done, total }));
     assert_eq!(text(37, Some(100)), "Computing pixel history… 37 %");
     assert_eq!(text(299, Some(300)), "Computing pixel history… 99 %", "rounded down");
     assert_eq!(text(0, Some(0)), "Computing pixel history…");

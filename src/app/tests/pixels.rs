@@ -132,7 +132,7 @@ fn pixels_without_their_first_frames_are_reported_as_unavailable() {
     harness.get_by_label("Pixel 30, 40");
     harness.get_by_label("Computing pixel history…");
     scene.state.borrow_mut().pixel_progress =
-        Some(Progress { what: "computing pixel history".into(), done: 37, total: Some(100) });
+        Some(WorkProgress { what: "computing pixel history".into(), done: 37, total: Some(100) });
     settle(&mut harness);
     harness.get_by_label("Computing pixel history… 37 %");
     act(&mut harness, Action::ClearPins);

@@ -13,7 +13,7 @@ use crate::tracking::{HypothesisSummary, Track};
 #[derive(Clone)]
 pub(crate) struct AnalysisRecord {
     size: Size,
-    entries: Vec<FrameRecord>,
+    entries: Vec<RecordedFrame>,
     /// Size of the entries in memory, in bytes.
     bytes: usize,
     empty_mask: Arc<Mask>,
@@ -21,7 +21,7 @@ pub(crate) struct AnalysisRecord {
 }
 
 #[derive(Clone)]
-struct FrameRecord {
+struct RecordedFrame {
     /// The analysis, with an empty mask and empty labels.
     analysis: Analysis,
     /// Its run-length encoded mask and labels.
@@ -31,7 +31,7 @@ struct FrameRecord {
     foreground_share: f32,
 }
 
-impl FrameRecord {
+impl RecordedFrame {
     fn bytes(&self) -> usize {
         let regions = self.analysis.regions.iter().map(Region::bytes).sum::<usize>();
         let tracks = self.analysis.tracks.len() + self.analysis.objects.len() + self.analysis.tentative.len();
@@ -84,7 +84,7 @@ impl AnalysisRecord {
     }
 
     /// Changes an entry and updates the size in memory.
-    fn change(&mut self, position: u32, change: impl FnOnce(&mut FrameRecord)) {
+    fn change(&mut self, position: u32, change: impl FnOnce(&mut RecordedFrame)) {
         if let Some(entry) = self.entries.get_mut(position as usize) {
             self.bytes -= entry.bytes();
             change(entry);
@@ -92,7 +92,7 @@ impl AnalysisRecord {
         }
     }
 
-    fn entry(&self, analysis: Analysis, raw: Arc<[u8]>) -> FrameRecord {
+    fn entry(&self, analysis: Analysis, raw: Arc<[u8]>) -> RecordedFrame {
         let labels = rle::encode_labels(&analysis.labels).into();
         let foreground_share = analysis.mask.foreground_share();
         let analysis = Analysis {
@@ -100,7 +100,7 @@ impl AnalysisRecord {
             labels: Arc::clone(&self.empty_labels),
             ..analysis
         };
-        FrameRecord { analysis, labels, raw, foreground_share }
+        RecordedFrame { analysis, labels, raw, foreground_share }
     }
 
     /// The model's mask of a frame, before cleaning.

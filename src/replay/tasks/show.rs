@@ -15,7 +15,7 @@ use crate::tracking::{Identity, TrackState};
 const FRAMES_INTO_OCCLUSION: u32 = 10;
 
 /// The frame in view, and the one to show next.
-pub(crate) struct View {
+pub(crate) struct FrameInView {
     /// The position that the window wants to show.
     pub(crate) target: u32,
     /// Whether the newest frame is shown, for a live source.
@@ -35,7 +35,7 @@ enum StartTarget {
     Occlusion(Option<(u32, Vec<Identity>)>),
 }
 
-impl View {
+impl FrameInView {
     /// No frame is shown; the first one is the target until the position of `start` is known.
     pub(crate) const fn new(start: Start, live: bool) -> Self {
         let start = match start {

@@ -3,7 +3,7 @@
 use std::time::Instant;
 
 use super::{AheadMode, PassSlot, StopReason, Worker};
-use crate::replay::published::Progress;
+use crate::replay::published::WorkProgress;
 use crate::replay::tasks::analyse::analysis_pass::{AnalysisPass, PassStep};
 use crate::replay::tasks::analyse::pass_progress::NextStep;
 use crate::replay::tasks::gather::frame_consumer::FrameConsumer as _;
@@ -76,7 +76,7 @@ impl Worker<'_> {
             PassSlot::Compared => self.outbox.compared_grew = true,
         }
         if let NextStep::Learn(learnt) = next {
-            self.busy = Some(Progress {
+            self.busy = Some(WorkProgress {
                 what: "learning background".to_owned(),
                 done: learnt,
                 total: Some(to_learn),
@@ -97,7 +97,7 @@ impl Worker<'_> {
                 PassSlot::Compared => "analysing other settings".to_owned(),
                 PassSlot::InView => "analysing".to_owned(),
             };
-            self.busy = Some(Progress { what, done: front, total });
+            self.busy = Some(WorkProgress { what, done: front, total });
         }
         Ok(())
     }

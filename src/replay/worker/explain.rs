@@ -2,7 +2,7 @@
 
 use super::Worker;
 use crate::replay::is_same;
-use crate::replay::published::Progress;
+use crate::replay::published::WorkProgress;
 use crate::replay::tasks::score::ScoreStep;
 
 impl Worker<'_> {
@@ -26,7 +26,7 @@ impl Worker<'_> {
         if !is_same(before.as_ref(), self.region_tuner.latest().as_ref()) {
             self.publish_region_tuning();
         }
-        self.busy = Some(Progress {
+        self.busy = Some(WorkProgress {
             what: "testing other settings".to_owned(),
             done: done as u32,
             total: Some(total as u32),
@@ -60,7 +60,7 @@ impl Worker<'_> {
         }
         if worked {
             let (done, total) = answer.map_or((0, 0), |answer| answer.tried);
-            self.busy = Some(Progress {
+            self.busy = Some(WorkProgress {
                 what: "computing counterfactuals".to_owned(),
                 done: done as u32,
                 total: (total > 0).then_some(total as u32),

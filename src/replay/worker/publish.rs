@@ -6,7 +6,7 @@ use std::time::{Duration, Instant};
 use super::Worker;
 use crate::explain::pixel::PixelHistory;
 use crate::replay::is_same;
-use crate::replay::published::{ComparedSequence, Progress, ShownFrame, Timeline};
+use crate::replay::published::{ComparedSequence, ShownFrame, Timeline, WorkProgress};
 
 /// Least interval between two publications of growing results.
 const MIN_PUBLISH_INTERVAL: Duration = Duration::from_millis(100);
@@ -24,7 +24,7 @@ pub(super) struct Outbox {
     /// Number of analysed frames in the timeline published last.
     pub(super) analysed: u32,
     /// The last published progress.
-    busy: Option<Progress>,
+    busy: Option<WorkProgress>,
     published: Instant,
     publishing_took: Duration,
 }
@@ -134,10 +134,10 @@ impl Worker<'_> {
     }
 
     /// How far the chosen pixel has been followed, while its history does not cover the frame in view.
-    fn pixel_progress(&self) -> Option<Progress> {
+    fn pixel_progress(&self) -> Option<WorkProgress> {
         let shown = self.view.shown.as_ref()?;
         let (done, total) = self.pass.pixel_follower.progress_to(shown.position)?;
-        Some(Progress { what: "computing pixel history".to_owned(), done, total: Some(total) })
+        Some(WorkProgress { what: "computing pixel history".to_owned(), done, total: Some(total) })
     }
 
     /// Publishes new results at a limited rate, and everything before the worker sleeps.

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::{PassSlot, StopReason, Worker};
-use crate::replay::published::{Progress, ShownFrame};
+use crate::replay::published::{ShownFrame, WorkProgress};
 use crate::replay::tasks::show::{ShowStep, seek_frame};
 
 impl Worker<'_> {
@@ -47,11 +47,11 @@ impl Worker<'_> {
             ShowStep::Continues => {}
             ShowStep::Replays { number, from } => {
                 let what = format!("computing frame {number}");
-                self.busy = Some(Progress { what, done: from, total: Some(position + 1) });
+                self.busy = Some(WorkProgress { what, done: from, total: Some(position + 1) });
             }
             ShowStep::Decodes => {
                 let what = format!("decoding up to frame {}", self.number_of(position));
-                self.busy = Some(Progress { what, done: 0, total: None });
+                self.busy = Some(WorkProgress { what, done: 0, total: None });
             }
             ShowStep::FrameLost => self.show_newest_instead(),
         }
