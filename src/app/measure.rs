@@ -18,15 +18,13 @@ use egui_kittest::wgpu::{create_render_state, default_wgpu_setup};
 
 use crate::app::Window;
 use crate::app::commands::command::{Action, Command};
-use crate::app::model::Player;
-use crate::explain::tuning::TunableSetting;
+use crate::app::model::player::Player;
 use crate::export::tests::track;
 use crate::frame::{Frame, Mask, Size};
-use crate::mixture::Quantity;
 use crate::occlusion::Counters;
 use crate::pipeline::Analysis;
 use crate::regions::{self, Labels, Region, Shape};
-use crate::replay::{Phase, ShownFrame, Start, State, Timeline};
+use crate::replay::{Phase, Request, ShownFrame, Start, State, Timeline};
 use crate::settings::Settings;
 use crate::source::SourceInfo;
 use crate::tracking::Track;
@@ -50,34 +48,15 @@ impl Player for Ready {
         self.state.borrow().clone()
     }
 
-    fn show(&self, position: u32) {
-        let frames = &self.frames;
-        let shown = ShownFrame { position, ..frames[position as usize % frames.len()].clone() };
-        self.state.borrow_mut().shown = Some(Arc::new(shown));
+    fn request(&self, request: Request) {
+        if let Request::Show(position) = request {
+            let frames = &self.frames;
+            let shown = ShownFrame { position, ..frames[position as usize % frames.len()].clone() };
+            self.state.borrow_mut().shown = Some(Arc::new(shown));
+        }
     }
 
-    fn set_settings(&self, _: Settings, _: Option<Settings>) {}
-
-    fn explain(&self, _: Option<crate::occlusion::Event>) {}
-
-    fn set_truth(&self, _: Option<Arc<crate::truth::Truth>>) {}
-
-    fn set_roi(&self, _: Option<Arc<regions::Roi>>) {}
-
-    fn inspect(&self, _: Option<(u32, u32)>) {}
-
-    fn tune(&self, _: Option<[TunableSetting; 2]>) {}
-
-    fn analyse_ahead(&self, _: bool) {}
-
     fn leave(self: Box<Self>) {}
-
-    fn map(&self, _: Option<Quantity>) {}
-
-    fn pin(&self, _: Vec<(u32, u32)>) {}
-
-    fn region(&self, _: Option<((u32, u32), u32)>) {}
-    fn tune_region(&self, _: Option<((u32, u32), u32)>) {}
 }
 
 /// A frame with `count` people who walk in rows across the image.
@@ -159,19 +138,9 @@ fn ready(frames: Rc<Vec<ShownFrame>>) -> Ready {
     let state = State {
         phase: Phase::Ready,
         info: Some(Arc::new(info)),
-        warnings: Arc::default(),
         shown: Some(Arc::new(frames[0].clone())),
         timeline: Arc::new(timeline),
-        region_tuning: None,
-        compared: None,
-        counterfactual: None,
-        busy: None,
-        pixel: None,
-        pins: Arc::default(),
-        lost: Vec::new(),
-        region: None,
-        tuning: None,
-        analysis_fps: 0.0,
+        ..State::default()
     };
     Ready { frames, state: RefCell::new(state) }
 }

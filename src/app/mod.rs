@@ -40,7 +40,7 @@ use crate::app::panels::command_palette::CommandPalette;
 use crate::app::panels::status::FrameTiming;
 use crate::app::panels::toasts::Toasts;
 use crate::regions::Roi;
-use crate::replay::{Session, Start};
+use crate::replay::{Request, Session, Start};
 use crate::settings::Settings;
 use crate::source::Options;
 use crate::truth::Truth;
@@ -295,7 +295,10 @@ impl Window {
         self.model.read(None);
         self.model.explained = None;
         if let Some(player) = &self.model.player {
-            player.set_settings(self.model.settings.clone(), self.model.ab_settings.other.clone());
+            player.request(Request::Settings {
+                in_view: Box::new(self.model.settings.clone()),
+                candidate: self.model.ab_settings.other.clone().map(Box::new),
+            });
         }
     }
 
@@ -378,6 +381,7 @@ impl Window {
                     pins: &pins,
                     histories: state.map_or(&[], |state| &state.pins),
                     lost: state.map_or(&[], |state| &state.lost),
+                    progress: state.and_then(|state| state.pixel_progress.as_ref()),
                     region: model.region_shares(),
                     judged: RegionAccuracy {
                         has_masks: model.has_true_masks(),

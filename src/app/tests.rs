@@ -18,8 +18,8 @@ use crate::app::commands::command::Command;
 use crate::app::files::dialogs::DialogResult;
 use crate::app::files::settings_file;
 use crate::app::golden::looks_as_before;
-use crate::app::model::Player;
 use crate::app::model::ab_settings::AbSlot;
+use crate::app::model::player::Player;
 use crate::app::views::View;
 use crate::explain::pixel::PixelHistory;
 use crate::explain::tuning::TunableSetting;
@@ -28,7 +28,9 @@ use crate::mixture::{Parameters, Quantity, QuantityMap};
 use crate::occlusion::{Counters, Event, EventKind, Evidence};
 use crate::pipeline::Analysis;
 use crate::regions::{self, LabelRun, Labels, Rect};
-use crate::replay::{Phase, Progress, RegionShares, ShownFrame, Start, State, Timeline, TrackTimeline};
+use crate::replay::{
+    Phase, RegionShares, Request, ShownFrame, Start, State, Timeline, TrackTimeline, WorkProgress,
+};
 use crate::settings::{SETTINGS, Settings};
 use crate::source::{FpsFrom, SourceInfo};
 use crate::tracking::{HypothesisSummary, Track, TrackState};
@@ -85,77 +87,80 @@ impl Player for Scene {
         self.state.borrow().clone()
     }
 
-    fn show(&self, position: u32) {
-        self.asked.borrow_mut().push(PlayerCall::Show(position));
-        let shown = shown_at(position.min(FRAMES - 1));
-        let shown = ShownFrame { map: self.asked_map().map(map_of), truth: self.truth_of(&shown), ..shown };
-        self.state.borrow_mut().shown = Some(Arc::new(shown));
-    }
-
-    fn set_settings(&self, settings: Settings, beside: Option<Settings>) {
-        self.asked.borrow_mut().push(PlayerCall::Settings(Box::new(settings.clone())));
-        self.asked.borrow_mut().push(PlayerCall::Compare(beside.clone().map(Box::new)));
-        compare::answer(&mut self.state.borrow_mut(), &settings, beside);
-    }
-
-    fn explain(&self, event: Option<Event>) {
-        self.asked.borrow_mut().push(PlayerCall::Explain(event.map(Box::new)));
-    }
-
-    fn set_truth(&self, truth: Option<Arc<Truth>>) {
-        self.asked.borrow_mut().push(PlayerCall::Truth(truth.is_some()));
-        *self.truth.borrow_mut() = truth;
-        let shown = self.state.borrow().shown.clone();
-        self.state.borrow_mut().shown = shown
-            .map(|shown| Arc::new(ShownFrame { truth: self.truth_of(&shown), ..ShownFrame::clone(&shown) }));
-    }
-
-    fn set_roi(&self, roi: Option<Arc<regions::Roi>>) {
-        self.asked.borrow_mut().push(PlayerCall::Roi(roi.clone()));
-        let mut state = self.state.borrow_mut();
-        let shown = state.shown.as_ref().map(|shown| within(shown_at(shown.position), roi));
-        state.shown = shown.map(Arc::new);
-    }
-
-    fn inspect(&self, at: Option<(u32, u32)>) {
-        self.asked.borrow_mut().push(PlayerCall::Inspect(at));
-    }
-
-    fn tune(&self, knobs: Option<[TunableSetting; 2]>) {
-        self.asked.borrow_mut().push(PlayerCall::Tune(knobs));
-    }
-
-    fn analyse_ahead(&self, ahead: bool) {
-        self.asked.borrow_mut().push(PlayerCall::Ahead(ahead));
+    fn request(&self, request: Request) {
+        let calls = match &request {
+            Request::Show(position) => vec![PlayerCall::Show(*position)],
+            Request::Settings { in_view, candidate } => {
+                vec![PlayerCall::Settings(in_view.clone()), PlayerCall::Compare(candidate.clone())]
+            }
+            Request::Roi(roi) => vec![PlayerCall::Roi(roi.clone())],
+            Request::Truth(truth) => vec![PlayerCall::Truth(truth.is_some())],
+            Request::AnalyseAhead(ahead) => vec![PlayerCall::Ahead(*ahead)],
+            Request::Inspect(at) => vec![PlayerCall::Inspect(*at)],
+            Request::Pin(pixels) => vec![PlayerCall::Pin(pixels.clone())],
+            Request::Map(quantity) => vec![PlayerCall::Map(*quantity)],
+            Request::CountRegion(region) => vec![PlayerCall::Region(*region)],
+            Request::Tune(knobs) => vec![PlayerCall::Tune(*knobs)],
+            Request::TuneRegion(region) => vec![PlayerCall::TuneRegion(*region)],
+            Request::Explain(event) => vec![PlayerCall::Explain(event.clone())],
+        };
+        self.asked.borrow_mut().extend(calls);
+        self.answer(request);
     }
 
     fn leave(self: Box<Self>) {
         self.asked.borrow_mut().push(PlayerCall::Leave);
     }
-
-    fn map(&self, quantity: Option<Quantity>) {
-        self.asked.borrow_mut().push(PlayerCall::Map(quantity));
-        let mut state = self.state.borrow_mut();
-        let shown = state.shown.as_deref().cloned();
-        state.shown = shown.map(|shown| Arc::new(ShownFrame { map: quantity.map(map_of), ..shown }));
-    }
-
-    fn pin(&self, pixels: Vec<(u32, u32)>) {
-        self.state.borrow_mut().pins = Arc::new(pixels.iter().map(|&at| history_of(at)).collect());
-        self.asked.borrow_mut().push(PlayerCall::Pin(pixels));
-    }
-
-    fn region(&self, region: Option<((u32, u32), u32)>) {
-        self.state.borrow_mut().region = region.map(|(at, side)| Arc::new(shares_of(at, side)));
-        self.asked.borrow_mut().push(PlayerCall::Region(region));
-    }
-
-    fn tune_region(&self, region: Option<((u32, u32), u32)>) {
-        self.asked.borrow_mut().push(PlayerCall::TuneRegion(region));
-    }
 }
 
 impl Scene {
+    fn show(&self, position: u32) {
+        self.request(Request::Show(position));
+    }
+
+    /// Publishes the result of a request, where the tests need it.
+    fn answer(&self, request: Request) {
+        match request {
+            Request::Show(position) => {
+                let shown = shown_at(position.min(FRAMES - 1));
+                let (map, truth) = (self.asked_map().map(map_of), self.truth_of(&shown));
+                self.state.borrow_mut().shown = Some(Arc::new(ShownFrame { map, truth, ..shown }));
+            }
+            Request::Settings { in_view, candidate } => {
+                let candidate = candidate.map(|settings| *settings);
+                compare::answer(&mut self.state.borrow_mut(), &in_view, candidate);
+            }
+            Request::Roi(roi) => {
+                let mut state = self.state.borrow_mut();
+                let shown = state.shown.as_ref().map(|shown| within(shown_at(shown.position), roi));
+                state.shown = shown.map(Arc::new);
+            }
+            Request::Truth(truth) => {
+                *self.truth.borrow_mut() = truth;
+                let shown = self.state.borrow().shown.clone();
+                self.state.borrow_mut().shown = shown.map(|shown| {
+                    Arc::new(ShownFrame { truth: self.truth_of(&shown), ..ShownFrame::clone(&shown) })
+                });
+            }
+            Request::Map(quantity) => {
+                let mut state = self.state.borrow_mut();
+                let shown = state.shown.as_deref().cloned();
+                state.shown = shown.map(|shown| Arc::new(ShownFrame { map: quantity.map(map_of), ..shown }));
+            }
+            Request::Pin(pixels) => {
+                self.state.borrow_mut().pins = Arc::new(pixels.iter().map(|&at| history_of(at)).collect());
+            }
+            Request::CountRegion(region) => {
+                self.state.borrow_mut().region = region.map(|(at, side)| Arc::new(shares_of(at, side)));
+            }
+            Request::AnalyseAhead(_)
+            | Request::Inspect(_)
+            | Request::Tune(_)
+            | Request::TuneRegion(_)
+            | Request::Explain(_) => {}
+        }
+    }
+
     /// The ground-truth mask of a frame, if any.
     fn truth_of(&self, shown: &ShownFrame) -> Option<Arc<TrueMask>> {
         self.truth.borrow().as_ref()?.masks.as_ref()?.of(shown.frame.number).cloned()
@@ -387,19 +392,9 @@ fn state(phase: Phase, shown: Option<u32>) -> State {
                 live: false,
             })
         }),
-        warnings: Arc::default(),
         shown: shown.map(|position| Arc::new(shown_at(position))),
         timeline: if shown.is_some() { Arc::new(timeline()) } else { Arc::default() },
-        compared: None,
-        counterfactual: None,
-        busy: None,
-        pixel: None,
-        pins: Arc::default(),
-        lost: Vec::new(),
-        region: None,
-        region_tuning: None,
-        tuning: None,
-        analysis_fps: 0.0,
+        ..State::default()
     }
 }
 

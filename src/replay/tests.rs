@@ -7,21 +7,25 @@ use std::time::{Duration, Instant};
 
 use image::{Rgb, RgbImage};
 
-use super::frame_consumer::FrameConsumer as _;
 use super::*;
+use crate::explain::pixel::PixelHistory;
 use crate::explain::tuning::{self, TunableSetting};
-use crate::frame::{Mask, Size};
+use crate::frame::{Frame, Mask, Size};
 use crate::mixture::Parameters;
 use crate::pipeline::Pipeline;
+use crate::regions::Roi;
 use crate::registration::{CorrectionChoice, Registered, corrected};
-use crate::settings::{BackgroundModel, Preset, Span};
+use crate::replay::tasks::gather::frame_consumer::FrameConsumer as _;
+use crate::replay::tasks::gather::pixel_follower::PixelFollower;
+use crate::settings::{BackgroundModel, Preset, Settings, Span};
 use crate::source::cache::FrameCache;
-use crate::source::{self, Options, Source, SourceError};
+use crate::source::{self, Options, Source, SourceError, SourceInfo};
+use crate::tracking::TrackState;
 
 mod compare;
-mod compared;
 mod counterfactual;
 mod maps;
+mod pins;
 mod truth;
 
 pub(super) const FRAMES: u32 = 60;
@@ -77,12 +81,12 @@ pub(super) fn settings() -> Settings {
 }
 
 /// A session that reports changes of its state.
-struct Watched {
+struct WatchedSession {
     session: Session,
     woken: Receiver<()>,
 }
 
-impl Watched {
+impl WatchedSession {
     fn open(video: &Path, settings: Settings, start: Start, budget: usize) -> Self {
         let video = name(video);
         let path = video.clone();
@@ -109,8 +113,8 @@ impl Watched {
         Self { session, woken }
     }
 
-    /// Waits until `look` holds for a published state.
-    fn until(&self, mut look: impl FnMut(&State) -> bool) -> State {
+    /// Waits until `is_reached` holds for a published state.
+    fn wait_until(&self, mut is_reached: impl FnMut(&State) -> bool) -> State {
         let deadline = Instant::now() + Duration::from_mins(1);
         loop {
             let state = self.session.state();
@@ -118,7 +122,7 @@ impl Watched {
                 let number = state.timeline.numbers.get(shown.position as usize);
                 assert!(number.is_none_or(|&number| number == shown.frame.number));
             }
-            if look(&state) {
+            if is_reached(&state) {
                 return state;
             }
             let left = deadline.saturating_duration_since(Instant::now());
@@ -126,21 +130,29 @@ impl Watched {
         }
     }
 
-    fn until_after(&self, ask: impl FnOnce(&Session), look: impl FnMut(&State) -> bool) -> State {
-        ask(&self.session);
-        self.until(look)
+    fn request(&self, request: Request) {
+        self.session.request(request);
     }
 
-    fn until_done(&self) -> State {
-        self.until(|state| {
+    fn request_and_wait(&self, request: Request, is_reached: impl FnMut(&State) -> bool) -> State {
+        self.request(request);
+        self.wait_until(is_reached)
+    }
+
+    fn wait_until_analysed(&self) -> State {
+        self.wait_until(|state| {
             state.timeline.complete && state.timeline.analysed == FRAMES && state.busy.is_none()
         })
     }
 
-    fn shown(&self, position: u32) -> Arc<ShownFrame> {
-        self.session.show(position);
-        self.until(|state| shows(state, position)).shown.unwrap()
+    fn show_and_wait(&self, position: u32) -> Arc<ShownFrame> {
+        self.request_and_wait(Request::Show(position), |state| shows(state, position)).shown.unwrap()
     }
+}
+
+/// The request for these settings in view, and the candidate settings to compare with them.
+fn settings_request(in_view: Settings, candidate: Option<Settings>) -> Request {
+    Request::Settings { in_view: Box::new(in_view), candidate: candidate.map(Box::new) }
 }
 
 fn shows(state: &State, position: u32) -> bool {
@@ -148,8 +160,8 @@ fn shows(state: &State, position: u32) -> bool {
 }
 
 /// The frames of a single pass, without cache or replay.
-pub(super) fn straight(video: &Path, settings: &Settings) -> Vec<ShownFrame> {
-    straight_within(video, settings, None)
+pub(super) fn single_pass(video: &Path, settings: &Settings) -> Vec<ShownFrame> {
+    single_pass_within(video, settings, None)
 }
 
 /// All frames of a video, and the number of first ones that are learned from before classification.
@@ -162,7 +174,7 @@ pub(super) fn decoded(video: &Path, settings: &Settings) -> (SourceInfo, Vec<Fra
 }
 
 /// The stages after learning from `first`.
-pub(super) fn begun(settings: &Settings, info: &SourceInfo, first: &[Frame]) -> Pipeline {
+pub(super) fn learned_pipeline(settings: &Settings, info: &SourceInfo, first: &[Frame]) -> Pipeline {
     let mut pipeline = Pipeline::new(settings, info.size, info.fps).unwrap();
     for frame in first {
         pipeline.learn(&[frame]).unwrap();
@@ -171,7 +183,7 @@ pub(super) fn begun(settings: &Settings, info: &SourceInfo, first: &[Frame]) -> 
 }
 
 /// The history of a pixel before the first classified frame.
-pub(super) fn learnt(at: (u32, u32), settings: &Settings, first: &[Frame]) -> PixelHistory {
+pub(super) fn learned_history(at: (u32, u32), settings: &Settings, first: &[Frame]) -> PixelHistory {
     let mut history = PixelHistory::new(at, Parameters::new(settings));
     for frame in first {
         history.learn(frame);
@@ -180,12 +192,16 @@ pub(super) fn learnt(at: (u32, u32), settings: &Settings, first: &[Frame]) -> Pi
 }
 
 /// The same for a region of interest.
-pub(super) fn straight_within(video: &Path, settings: &Settings, roi: Option<&Arc<Roi>>) -> Vec<ShownFrame> {
+pub(super) fn single_pass_within(
+    video: &Path,
+    settings: &Settings,
+    roi: Option<&Arc<Roi>>,
+) -> Vec<ShownFrame> {
     let (info, frames, first) = decoded(video, settings);
-    let mut pipeline = begun(settings, &info, &frames[..first]);
+    let mut pipeline = learned_pipeline(settings, &info, &frames[..first]);
     pipeline.set_roi(roi.cloned()).unwrap();
     let shared = Arc::new(settings.clone());
-    let mut history = learnt(PIXEL, settings, &frames[..first]);
+    let mut history = learned_history(PIXEL, settings, &frames[..first]);
     let mut all = Vec::new();
     for frame in frames {
         let analysis = pipeline.step(&frame).unwrap();
@@ -226,7 +242,7 @@ pub(super) fn assert_same(got: &ShownFrame, expected: &ShownFrame) {
 }
 
 /// Pseudo-random positions, some beyond the end, with single steps among the jumps.
-fn walk() -> impl Iterator<Item = u32> {
+fn seek_positions() -> impl Iterator<Item = u32> {
     let mut position = 0_u32;
     (0..60_u32).map(move |step| {
         position = match step % 5 {
@@ -246,9 +262,9 @@ fn frames_in_any_order_equal_those_of_a_single_pass() {
     // clip, a part of it, or nothing.
     for (budget, learnt) in [(1 << 30, LEARNT), (frame_bytes * 160, 1000), (0, 0), (0, LEARNT)] {
         let settings = Settings { bootstrap: Span::Frames(learnt), ..settings() };
-        let expected = straight(folder.path(), &settings);
+        let expected = single_pass(folder.path(), &settings);
         assert!(expected.iter().any(|shown| shown.analysis.regions.len() >= 2));
-        any_walk_shows(folder.path(), &settings, &expected, budget);
+        assert_any_order_equals(folder.path(), &settings, &expected, budget);
     }
 }
 
@@ -262,22 +278,22 @@ fn frames_in_any_order_equal_those_of_a_single_pass_with_camera_shake_and_changi
         light: crate::settings::LightCorrection::Gain,
         ..settings()
     };
-    let expected = straight(folder.path(), &settings);
+    let expected = single_pass(folder.path(), &settings);
     let corrected = |shown: &&ShownFrame| corrected(&shown.frame, CorrectionChoice::new(&settings)).is_some();
     assert!(expected.iter().filter(corrected).count() > 20, "the frames need correction");
     for budget in [1 << 30, 0] {
-        any_walk_shows(folder.path(), &settings, &expected, budget);
+        assert_any_order_equals(folder.path(), &settings, &expected, budget);
     }
 }
 
-fn any_walk_shows(folder: &Path, settings: &Settings, expected: &[ShownFrame], budget: usize) {
-    let watched = Watched::open(folder, settings.clone(), Start::First, budget);
-    watched.session.inspect(Some(PIXEL));
-    for position in walk() {
-        watched.session.show(position);
+fn assert_any_order_equals(folder: &Path, settings: &Settings, expected: &[ShownFrame], budget: usize) {
+    let watched = WatchedSession::open(folder, settings.clone(), Start::First, budget);
+    watched.request(Request::Inspect(Some(PIXEL)));
+    for position in seek_positions() {
+        watched.request(Request::Show(position));
         let position = position.min(FRAMES - 1);
         let shown = watched
-            .until(|state| {
+            .wait_until(|state| {
                 let shown = state.shown.as_ref().filter(|shown| shown.position == position);
                 shown.is_some_and(|shown| shown.pixel.is_some())
             })
@@ -285,11 +301,11 @@ fn any_walk_shows(folder: &Path, settings: &Settings, expected: &[ShownFrame], b
             .unwrap();
         let expected = &expected[position as usize];
         assert_same(&shown, expected);
-        let (history, straight) = (shown.pixel.as_ref().unwrap(), expected.pixel.as_ref().unwrap());
+        let (history, single_pass) = (shown.pixel.as_ref().unwrap(), expected.pixel.as_ref().unwrap());
         assert_eq!(history.at, PIXEL);
-        assert_eq!(history.states[..=position as usize], straight.states[..], "history at {position}");
+        assert_eq!(history.states[..=position as usize], single_pass.states[..], "history at {position}");
     }
-    let done = watched.until_done();
+    let done = watched.wait_until_analysed();
     let history = done.shown.as_ref().unwrap().pixel.clone().unwrap();
     assert_eq!(history, expected.last().unwrap().pixel.clone().unwrap());
     let timeline = &done.timeline;
@@ -298,8 +314,8 @@ fn any_walk_shows(folder: &Path, settings: &Settings, expected: &[ShownFrame], b
     assert_eq!(timeline.foreground_share, shares);
     assert_eq!((&done.phase, done.warnings.len()), (&Phase::Ready, 0));
     assert!(done.analysis_fps > 0.0);
-    watched.session.inspect(None);
-    watched.until(|state| state.shown.as_ref().unwrap().pixel.is_none());
+    watched.request(Request::Inspect(None));
+    watched.wait_until(|state| state.shown.as_ref().unwrap().pixel.is_none());
 }
 
 #[test]
@@ -309,11 +325,11 @@ fn frames_never_mix_results_of_different_settings() {
     let cleaning = Settings { median: 0, min_area: 3, ..mixture.clone() };
     let tracking = Settings { gate: 0.9, process_noise: 3.0, ..cleaning.clone() };
     let choices = [settings(), mixture, cleaning, tracking];
-    let expected = choices.each_ref().map(|settings| straight(folder.path(), settings));
-    let watched = Watched::open(folder.path(), settings(), Start::First, 1 << 30);
-    watched.session.inspect(Some(PIXEL));
-    watched.session.show(40);
-    watched.until(|state| shows(state, 40));
+    let expected = choices.each_ref().map(|settings| single_pass(folder.path(), settings));
+    let watched = WatchedSession::open(folder.path(), settings(), Start::First, 1 << 30);
+    watched.request(Request::Inspect(Some(PIXEL)));
+    watched.request(Request::Show(40));
+    watched.wait_until(|state| shows(state, 40));
     let check = |state: &State| {
         let shown = state.shown.as_ref().unwrap();
         let choice = choices.iter().position(|settings| *settings == *shown.settings).unwrap();
@@ -329,25 +345,25 @@ fn frames_never_mix_results_of_different_settings() {
         if let Some(history) = &state.pixel {
             let settings = |settings: &&Settings| history.parameters.are_of(settings);
             let choice = choices.iter().position(|choice| settings(&choice)).unwrap();
-            let straight = expected[choice].last().unwrap().pixel.as_ref().unwrap();
-            assert_eq!(history.states[..], straight.states[..history.states.len()]);
+            let single_pass = expected[choice].last().unwrap().pixel.as_ref().unwrap();
+            assert_eq!(history.states[..], single_pass.states[..history.states.len()]);
         }
         shown.settings.clone()
     };
     for (round, settings) in choices.iter().cycle().skip(1).take(9).enumerate() {
         // A request that is replaced at once has no effect.
-        watched.session.set_settings(choices[(round + 2) % 4].clone());
-        watched.session.set_settings(settings.clone());
+        watched.request(settings_request(choices[(round + 2) % 4].clone(), None));
+        watched.request(settings_request(settings.clone(), None));
         if round % 3 == 1 {
-            watched.session.show(10 + round as u32);
+            watched.request(Request::Show(10 + round as u32));
         }
-        watched.until(|state| *check(state) == *settings);
+        watched.wait_until(|state| *check(state) == *settings);
     }
-    let last = watched.until_done();
+    let last = watched.wait_until_analysed();
     check(&last);
     for position in [59, 3, 30] {
-        watched.session.show(position);
-        watched.until(|state| {
+        watched.request(Request::Show(position));
+        watched.wait_until(|state| {
             check(state);
             shows(state, position)
         });
@@ -355,7 +371,7 @@ fn frames_never_mix_results_of_different_settings() {
 }
 
 /// The left or right half of the image.
-pub(super) fn half(left: bool) -> Arc<Roi> {
+pub(super) fn half_roi(left: bool) -> Arc<Roi> {
     let size = Size::new(WIDTH, HEIGHT);
     let inside = |at: usize| (at as u32 % WIDTH < WIDTH / 2) == left;
     let data = (0..size.pixels()).map(|at| if inside(at) { 255 } else { 0 }).collect();
@@ -365,56 +381,56 @@ pub(super) fn half(left: bool) -> Arc<Roi> {
 #[test]
 fn a_new_region_of_interest_equals_a_single_pass_and_does_not_run_the_model_again() {
     let folder = scene();
-    let watched = Watched::open(folder.path(), settings(), Start::First, 1 << 30);
-    watched.session.inspect(Some(PIXEL));
-    watched.until_done();
-    let areas = [Some(half(true)), Some(half(false)), None];
+    let watched = WatchedSession::open(folder.path(), settings(), Start::First, 1 << 30);
+    watched.request(Request::Inspect(Some(PIXEL)));
+    watched.wait_until_analysed();
+    let areas = [Some(half_roi(true)), Some(half_roi(false)), None];
     let other = Settings { gate: 0.95, ..settings() };
     for (area, settings) in areas.iter().zip([settings(), settings(), other]) {
-        let expected = straight_within(folder.path(), &settings, area.as_ref());
-        watched.session.set_roi(area.clone());
-        watched.session.set_settings(settings.clone());
-        let state = watched.until(|state| {
+        let expected = single_pass_within(folder.path(), &settings, area.as_ref());
+        watched.request(Request::Roi(area.clone()));
+        watched.request(settings_request(settings.clone(), None));
+        let state = watched.wait_until(|state| {
             let shown = state.shown.as_ref().unwrap();
             shown.roi == *area && *shown.settings == settings
         });
         let shown = state.shown.unwrap();
         assert_same(&shown, &expected[shown.position as usize]);
-        for position in walk().take(20) {
+        for position in seek_positions().take(20) {
             let position = position.min(FRAMES - 1);
-            assert_same(&watched.shown(position), &expected[position as usize]);
+            assert_same(&watched.show_and_wait(position), &expected[position as usize]);
         }
-        let done = watched.until_done();
+        let done = watched.wait_until_analysed();
         let shares: Vec<_> = expected.iter().map(|shown| shown.analysis.mask.foreground_share()).collect();
         assert_eq!(done.timeline.foreground_share, shares);
     }
-    assert!(straight(folder.path(), &settings()).iter().any(|shown| shown.analysis.regions.len() > 1));
+    assert!(single_pass(folder.path(), &settings()).iter().any(|shown| shown.analysis.regions.len() > 1));
 }
 
 #[test]
 fn a_region_of_another_size_fails_and_a_valid_one_continues() {
     let folder = scene();
-    let watched = Watched::open(folder.path(), settings(), Start::First, 1 << 30);
-    watched.until(|state| state.shown.is_some());
+    let watched = WatchedSession::open(folder.path(), settings(), Start::First, 1 << 30);
+    watched.wait_until(|state| state.shown.is_some());
     let small = Roi::new(Mask { size: Size::new(2, 1), data: vec![255, 0] }).map(Arc::new);
-    watched.session.set_roi(small);
-    let failed = watched.until(|state| matches!(state.phase, Phase::Failed(_))).phase;
+    watched.request(Request::Roi(small));
+    let failed = watched.wait_until(|state| matches!(state.phase, Phase::Failed(_))).phase;
     assert!(
         matches!(&failed, Phase::Failed(why) if why.contains("2×1") && why.contains("96×64")),
         "{failed:?}"
     );
-    watched.session.set_roi(Some(half(true)));
-    let expected = straight_within(folder.path(), &settings(), Some(&half(true)));
-    watched.until(|state| state.shown.as_ref().unwrap().roi.is_some());
-    assert_same(&watched.shown(50), &expected[50]);
+    watched.request(Request::Roi(Some(half_roi(true))));
+    let expected = single_pass_within(folder.path(), &settings(), Some(&half_roi(true)));
+    watched.wait_until(|state| state.shown.as_ref().unwrap().roi.is_some());
+    assert_same(&watched.show_and_wait(50), &expected[50]);
 }
 
 #[test]
 fn the_history_of_the_chosen_pixel_needs_no_frames_under_new_settings() {
     let folder = scene();
-    let expected = straight(folder.path(), &settings());
+    let expected = single_pass(folder.path(), &settings());
     let other = Settings { k: 2, alpha: 0.2, bootstrap: Span::Frames(40), ..settings() };
-    let mut pixel_follower = super::pixel_follower::PixelFollower::default();
+    let mut pixel_follower = PixelFollower::default();
     let (info, ..) = decoded(folder.path(), &settings());
     pixel_follower.choose(Some(PIXEL), &settings(), &info);
     for shown in &expected {
@@ -422,8 +438,8 @@ fn the_history_of_the_chosen_pixel_needs_no_frames_under_new_settings() {
     }
     assert_eq!(pixel_follower.latest(), expected.last().unwrap().pixel);
     pixel_follower.choose(Some(PIXEL), &other, &info);
-    let straight = straight(folder.path(), &other);
-    assert_eq!(pixel_follower.latest(), straight.last().unwrap().pixel);
+    let single_pass = single_pass(folder.path(), &other);
+    assert_eq!(pixel_follower.latest(), single_pass.last().unwrap().pixel);
     pixel_follower.choose(Some((3, 4)), &other, &info);
     assert_eq!(pixel_follower.frames(), Some(0));
     pixel_follower.choose(None, &other, &info);
@@ -434,13 +450,13 @@ fn the_history_of_the_chosen_pixel_needs_no_frames_under_new_settings() {
 fn tracking_again_equals_a_complete_run() {
     let folder = scene();
     let other = Settings { gate: 0.95, size_step: 0.4, ..settings() };
-    let watched = Watched::open(folder.path(), settings(), Start::First, 1 << 30);
-    watched.until_done();
-    watched.session.set_settings(other.clone());
-    watched.until(|state| *state.shown.as_ref().unwrap().settings == other);
-    let again = watched.until_done();
-    let fresh = Watched::open(folder.path(), other, Start::First, 1 << 30);
-    let fresh = fresh.until_done();
+    let watched = WatchedSession::open(folder.path(), settings(), Start::First, 1 << 30);
+    watched.wait_until_analysed();
+    watched.request(settings_request(other.clone(), None));
+    watched.wait_until(|state| *state.shown.as_ref().unwrap().settings == other);
+    let again = watched.wait_until_analysed();
+    let fresh = WatchedSession::open(folder.path(), other, Start::First, 1 << 30);
+    let fresh = fresh.wait_until_analysed();
     assert!(!fresh.timeline.events.is_empty());
     assert_eq!(again.timeline.events, fresh.timeline.events);
     assert_eq!(again.timeline.track_timelines, fresh.timeline.track_timelines);
@@ -467,13 +483,13 @@ fn seeking_in_videos_equals_seeking_in_images() {
         writer.write(&picture).unwrap();
     }
     writer.release().unwrap();
-    let expected = straight(&path, &settings());
+    let expected = single_pass(&path, &settings());
     assert_eq!(expected.len() as u32, FRAMES);
-    let watched = Watched::open(&path, settings(), Start::First, 64 * 48 * 3 * 40);
-    for position in walk() {
-        watched.session.show(position);
+    let watched = WatchedSession::open(&path, settings(), Start::First, 64 * 48 * 3 * 40);
+    for position in seek_positions() {
+        watched.request(Request::Show(position));
         let position = position.min(FRAMES - 1);
-        let state = watched.until(|state| shows(state, position));
+        let state = watched.wait_until(|state| shows(state, position));
         assert_same(&state.shown.unwrap(), &expected[position as usize]);
     }
 }
@@ -483,12 +499,12 @@ fn opencv_models_show_the_background_of_each_frame_within_the_budget() {
     let folder = scene();
     for model in [BackgroundModel::Mog2, BackgroundModel::Knn] {
         let settings = Settings { background_model: model, ..settings() };
-        let expected = straight(folder.path(), &settings);
-        let watched = Watched::open(folder.path(), settings, Start::First, 1 << 30);
-        watched.session.inspect(Some(PIXEL));
-        watched.until_done();
+        let expected = single_pass(folder.path(), &settings);
+        let watched = WatchedSession::open(folder.path(), settings, Start::First, 1 << 30);
+        watched.request(Request::Inspect(Some(PIXEL)));
+        watched.wait_until_analysed();
         for position in [59, 20, 41, 0] {
-            let shown = watched.shown(position);
+            let shown = watched.show_and_wait(position);
             assert_same(&shown, &expected[position as usize]);
             assert!(shown.pixel.is_none() && shown.multi_mode.is_none());
         }
@@ -500,8 +516,8 @@ fn the_first_frame_is_shown_before_the_requested_one() {
     let folder = scene();
     for (start, position) in [(FIRST + 30, 30), (0, 0), (FIRST + 1000, FRAMES - 1)] {
         let mut seen = Vec::new();
-        let watched = Watched::open(folder.path(), settings(), Start::Frame(start), 1 << 30);
-        watched.until(|state| {
+        let watched = WatchedSession::open(folder.path(), settings(), Start::Frame(start), 1 << 30);
+        watched.wait_until(|state| {
             if let Some(shown) = &state.shown {
                 seen.push(shown.position);
             }
@@ -514,20 +530,20 @@ fn the_first_frame_is_shown_before_the_requested_one() {
 
 #[test]
 fn an_unreadable_source_fails_with_a_sentence() {
-    let watched = Watched::open(Path::new("/nowhere/at/all.avi"), settings(), Start::First, 1 << 20);
-    let state = watched.until(|state| matches!(state.phase, Phase::Failed(_)));
+    let watched = WatchedSession::open(Path::new("/nowhere/at/all.avi"), settings(), Start::First, 1 << 20);
+    let state = watched.wait_until(|state| matches!(state.phase, Phase::Failed(_)));
     let expected = "/nowhere/at/all.avi does not exist; check the path".to_owned();
     assert_eq!(state.phase, Phase::Failed(expected));
-    watched.session.show(3);
-    watched.session.set_settings(settings());
+    watched.request(Request::Show(3));
+    watched.request(settings_request(settings(), None));
 }
 
 #[test]
 fn a_skipped_frame_causes_a_warning() {
     let folder = scene();
     std::fs::write(folder.path().join(format!("in{:06}.png", FIRST + 7)), "broken").unwrap();
-    let watched = Watched::open(folder.path(), settings(), Start::First, 1 << 30);
-    let state = watched.until(|state| state.timeline.complete && state.busy.is_none());
+    let watched = WatchedSession::open(folder.path(), settings(), Start::First, 1 << 30);
+    let state = watched.wait_until(|state| state.timeline.complete && state.busy.is_none());
     assert_eq!(state.timeline.numbers.len() as u32, FRAMES - 1);
     assert!(!state.timeline.numbers.contains(&(FIRST + 7)));
     assert_eq!(state.warnings.len(), 1);
@@ -579,12 +595,12 @@ fn dropping_a_session_ends_its_worker() {
 #[test]
 fn a_session_can_start_at_the_first_occlusion() {
     let folder = scene();
-    let watched = Watched::open(folder.path(), settings(), Start::FirstOcclusion, 1 << 30);
-    let first = watched.until(|state| state.shown.is_some());
-    let state = watched.until(|state| !shows(state, 0) && state.shown.is_some());
+    let watched = WatchedSession::open(folder.path(), settings(), Start::FirstOcclusion, 1 << 30);
+    let first = watched.wait_until(|state| state.shown.is_some());
+    let state = watched.wait_until(|state| !shows(state, 0) && state.shown.is_some());
     let tracks = state.shown.as_ref().unwrap().analysis.tracks.clone();
     assert!(tracks.iter().any(|track| track.state != TrackState::Visible), "{tracks:?}");
-    let done = watched.until_done();
+    let done = watched.wait_until_analysed();
     let merged =
         done.timeline.events.iter().find(|(_, event)| event.kind == crate::occlusion::EventKind::Merge);
     let (position, event) = merged.expect("the squares cross");
@@ -595,20 +611,20 @@ fn a_session_can_start_at_the_first_occlusion() {
     }
     assert!(!first.timeline.complete || first.timeline.analysed == FRAMES);
     // A requested frame stays in view.
-    let watched = Watched::open(folder.path(), settings(), Start::FirstOcclusion, 1 << 30);
-    watched.shown(2);
-    assert_eq!(watched.until_done().shown.unwrap().position, 2);
+    let watched = WatchedSession::open(folder.path(), settings(), Start::FirstOcclusion, 1 << 30);
+    watched.show_and_wait(2);
+    assert_eq!(watched.wait_until_analysed().shown.unwrap().position, 2);
 }
 
 /// A camera that sees the scene repeatedly until it is unplugged.
-struct Camera {
+struct LoopingCamera {
     info: SourceInfo,
     scene: Vec<Arc<Frame>>,
     next: u32,
     length: u32,
 }
 
-impl Source for Camera {
+impl Source for LoopingCamera {
     fn info(&self) -> &SourceInfo {
         &self.info
     }
@@ -625,9 +641,10 @@ impl Source for Camera {
     }
 }
 
-fn camera(length: u32, frames_kept: usize) -> Watched {
+fn camera(length: u32, frames_kept: usize) -> WatchedSession {
     let folder = scene();
-    let scene: Vec<_> = straight(folder.path(), &settings()).into_iter().map(|shown| shown.frame).collect();
+    let scene: Vec<_> =
+        single_pass(folder.path(), &settings()).into_iter().map(|shown| shown.frame).collect();
     let frame_bytes = scene[0].rgb.len();
     let info = SourceInfo {
         name: "camera:7".into(),
@@ -638,9 +655,9 @@ fn camera(length: u32, frames_kept: usize) -> Watched {
         live: true,
     };
     let open = move || -> Result<Box<dyn Source>, SourceError> {
-        Ok(Box::new(Camera { info: info.clone(), scene: scene.clone(), next: 0, length }))
+        Ok(Box::new(LoopingCamera { info: info.clone(), scene: scene.clone(), next: 0, length }))
     };
-    Watched::start(
+    WatchedSession::start(
         "camera:7",
         move || FrameCache::new(open, frames_kept * frame_bytes),
         1 << 28,
@@ -652,16 +669,17 @@ fn camera(length: u32, frames_kept: usize) -> Watched {
 #[test]
 fn a_camera_is_followed_until_an_earlier_frame_is_requested() {
     let watched = camera(400, 1000);
-    let newest = watched.until(|state| state.shown.as_ref().is_some_and(|shown| shown.position > 30));
+    let newest = watched.wait_until(|state| state.shown.as_ref().is_some_and(|shown| shown.position > 30));
     let newest_shown = newest.shown.unwrap();
     assert_eq!(newest_shown.frame.number, newest_shown.position + 1);
     assert!(newest.timeline.numbers.len() as u32 > newest_shown.position);
-    let earlier = watched.shown(12);
+    let earlier = watched.show_and_wait(12);
     assert_eq!(earlier.frame.number, 13);
-    let later = watched.until(|state| state.timeline.analysed > 100);
+    let later = watched.wait_until(|state| state.timeline.analysed > 100);
     assert_eq!(later.shown.unwrap().position, 12, "the frame stays in view");
-    watched.session.set_settings(Settings { alpha: 0.1, ..settings() });
-    let state = watched.until(|state| state.shown.as_ref().is_some_and(|shown| shown.settings.alpha == 0.1));
+    watched.request(settings_request(Settings { alpha: 0.1, ..settings() }, None));
+    let state =
+        watched.wait_until(|state| state.shown.as_ref().is_some_and(|shown| shown.settings.alpha == 0.1));
     assert_eq!(
         state.shown.unwrap().position,
         12,
@@ -672,13 +690,13 @@ fn a_camera_is_followed_until_an_earlier_frame_is_requested() {
 #[test]
 fn old_frames_of_a_camera_are_evicted() {
     let watched = camera(u32::MAX, 20);
-    watched.session.inspect(Some(PIXEL));
-    watched.until(|state| state.timeline.analysed > 60);
-    watched.session.show(3);
-    let state = watched.until(|state| !state.warnings.is_empty());
+    watched.request(Request::Inspect(Some(PIXEL)));
+    watched.wait_until(|state| state.timeline.analysed > 60);
+    watched.request(Request::Show(3));
+    let state = watched.wait_until(|state| !state.warnings.is_empty());
     assert!(state.warnings[0].contains("no longer kept"), "{:?}", state.warnings);
-    watched.session.set_settings(Settings { alpha: 0.1, ..settings() });
-    let state = watched.until(|state| {
+    watched.request(settings_request(Settings { alpha: 0.1, ..settings() }, None));
+    let state = watched.wait_until(|state| {
         let shown = state.shown.as_ref().unwrap();
         shown.settings.alpha == 0.1 && shown.position > 5 && shown.pixel.is_some()
     });
@@ -686,51 +704,51 @@ fn old_frames_of_a_camera_are_evicted() {
     assert!(shown.frame.number > 60 && shown.analysis.t == shown.position + 1);
     let history = shown.pixel.clone().unwrap();
     assert_eq!(history.states[shown.position as usize].number, shown.frame.number);
-    watched.session.set_settings(Settings { gate: 0.95, alpha: 0.1, ..settings() });
-    watched.until(|state| state.shown.as_ref().unwrap().settings.gate == 0.95);
+    watched.request(settings_request(Settings { gate: 0.95, alpha: 0.1, ..settings() }, None));
+    watched.wait_until(|state| state.shown.as_ref().unwrap().settings.gate == 0.95);
 }
 
 #[test]
 fn pixels_without_the_first_frames_of_a_camera_are_reported() {
     let watched = camera(u32::MAX, 20);
-    watched.until(|state| state.timeline.analysed > 60);
-    watched.session.inspect(Some(PIXEL));
-    watched.session.pin(vec![(30, 30), PIXEL]);
-    let state = watched.until(|state| state.lost.len() == 3);
+    watched.wait_until(|state| state.timeline.analysed > 60);
+    watched.request(Request::Inspect(Some(PIXEL)));
+    watched.request(Request::Pin(vec![(30, 30), PIXEL]));
+    let state = watched.wait_until(|state| state.lost.len() == 3);
     assert_eq!(state.lost, [PIXEL, (30, 30), PIXEL]);
     assert!(state.pixel.is_none() && state.pins.is_empty());
     // The model starts with an available frame under other settings.
-    watched.session.set_settings(Settings { alpha: 0.1, ..settings() });
+    watched.request(settings_request(Settings { alpha: 0.1, ..settings() }, None));
     let known = |state: &State| state.lost.is_empty() && state.pins.len() == 2 && state.pixel.is_some();
-    watched.until(known);
+    watched.wait_until(known);
 }
 
 #[test]
 fn a_request_without_effect_does_not_wake_the_window() {
     let folder = scene();
-    let watched = Watched::open(folder.path(), settings(), Start::First, 1 << 30);
-    watched.until_done();
+    let watched = WatchedSession::open(folder.path(), settings(), Start::First, 1 << 30);
+    watched.wait_until_analysed();
     while watched.woken.recv_timeout(Duration::from_millis(300)).is_ok() {}
-    watched.session.show(0);
-    watched.session.set_settings(settings());
-    watched.session.inspect(None);
+    watched.request(Request::Show(0));
+    watched.request(settings_request(settings(), None));
+    watched.request(Request::Inspect(None));
     assert!(watched.woken.recv_timeout(Duration::from_millis(500)).is_err());
 }
 
 #[test]
 fn a_tuning_equals_runs_of_the_pixel_under_other_settings() {
     let folder = scene();
-    let watched = Watched::open(folder.path(), settings(), Start::First, 1 << 30);
-    watched.session.inspect(Some(PIXEL));
+    let watched = WatchedSession::open(folder.path(), settings(), Start::First, 1 << 30);
+    watched.request(Request::Inspect(Some(PIXEL)));
     for (knobs, position, settings) in [
         ([TunableSetting::Alpha, TunableSetting::T], 31, settings()),
         ([TunableSetting::Lambda, TunableSetting::K], 33, settings()),
         ([TunableSetting::Lambda, TunableSetting::K], 33, Settings { alpha: 0.1, ..settings() }),
     ] {
-        watched.session.tune(Some(knobs));
-        watched.session.set_settings(settings.clone());
-        watched.session.show(position);
-        let state = watched.until(|state| {
+        watched.request(Request::Tune(Some(knobs)));
+        watched.request(settings_request(settings.clone(), None));
+        watched.request(Request::Show(position));
+        let state = watched.wait_until(|state| {
             let tuning = state.tuning.as_ref().filter(|tuning| tuning.position == position);
             tuning.is_some_and(|tuning| {
                 let of = tuning.map.axes.each_ref().map(|axis| axis.knob);
@@ -748,8 +766,8 @@ fn a_tuning_equals_runs_of_the_pixel_under_other_settings() {
             assert_eq!(*flip, tuning::flip(&values, &tuning.parameters, flip.knob));
         }
     }
-    watched.session.tune(None);
-    watched.until(|state| state.tuning.is_none());
+    watched.request(Request::Tune(None));
+    watched.wait_until(|state| state.tuning.is_none());
 }
 
 #[test]
@@ -762,37 +780,36 @@ fn a_stopped_session_analyses_only_requested_frames() {
         opened.recv().unwrap();
         FrameCache::open(&path, Options::default(), 1 << 20)
     };
-    let watched = Watched::start(&video, opens, 1 << 20, settings(), Start::FirstOcclusion);
-    watched.session.show(50);
-    watched.session.analyse_ahead(false);
+    let watched = WatchedSession::start(&video, opens, 1 << 20, settings(), Start::FirstOcclusion);
+    watched.request(Request::Show(50));
+    watched.request(Request::AnalyseAhead(false));
     open.send(()).unwrap();
-    watched.until(|state| shows(state, 0));
+    watched.wait_until(|state| shows(state, 0));
     for position in [1, 2, 3, 20, 21, 10, 22] {
-        let state = watched.until_after(|session| session.show(position), |state| shows(state, position));
+        let state = watched.request_and_wait(Request::Show(position), |state| shows(state, position));
         let most = if position == 10 { 22 } else { position + 1 };
         assert_eq!(state.timeline.analysed, most, "analysed beyond the requested position {position}");
     }
     // Under other settings the frame in view is analysed again, and nothing beyond it.
     let changed = Settings { t: 0.6, ..settings() };
-    let state = watched.until_after(
-        |session| session.set_settings(changed.clone()),
-        |state| state.shown.as_ref().is_some_and(|shown| *shown.settings == changed),
-    );
+    let state = watched.request_and_wait(settings_request(changed.clone(), None), |state| {
+        state.shown.as_ref().is_some_and(|shown| *shown.settings == changed)
+    });
     assert_eq!((state.shown.unwrap().position, state.timeline.analysed), (22, 23));
-    watched.session.analyse_ahead(true);
-    assert!(shows(&watched.until_done(), 22), "the frame stays in view");
+    watched.request(Request::AnalyseAhead(true));
+    assert!(shows(&watched.wait_until_analysed(), 22), "the frame stays in view");
 }
 
 #[test]
 fn stopping_has_no_effect_when_all_frames_are_analysed() {
     let folder = scene();
-    let watched = Watched::open(folder.path(), settings(), Start::First, 1 << 30);
-    watched.until_done();
-    watched.session.analyse_ahead(false);
+    let watched = WatchedSession::open(folder.path(), settings(), Start::First, 1 << 30);
+    watched.wait_until_analysed();
+    watched.request(Request::AnalyseAhead(false));
     // Processed by the worker before the settings are requested.
-    watched.shown(30);
+    watched.show_and_wait(30);
     let changed = Settings { t: 0.6, ..settings() };
-    watched.session.set_settings(changed.clone());
+    watched.request(settings_request(changed.clone(), None));
     let of_changed = |state: &State| state.shown.as_ref().is_some_and(|shown| *shown.settings == changed);
-    watched.until(|state| of_changed(state) && state.timeline.analysed == FRAMES);
+    watched.wait_until(|state| of_changed(state) && state.timeline.analysed == FRAMES);
 }

@@ -1,12 +1,16 @@
-//! The worker's side of a session: executes one short step of work after another, the most urgent first.
+//! The scheduler of a session: executes one short step of work after another, the most urgent first.
 //!
 //! The order is: the frame to show, under both settings where two are compared; the tuning of the chosen pixel in it;
 //! the histories of the chosen and the pinned pixels, and the region around the chosen one; the analysis ahead, both
 //! passes in turn; then scores, counterfactuals, and the tuning of the region. `view` seeks the frame to show,
-//! `change` applies other settings, `publish` publishes the state. Requests are read between two steps. A step takes
-//! some milliseconds, or the time to decode or analyse one frame if that is longer.
+//! `analyse` advances the passes, `gather` and `explain` the other tasks; `change` applies other settings, `publish`
+//! publishes the state. Requests are read between two steps. A step takes some milliseconds, or the time to decode or
+//! analyse one frame if that is longer.
 
+mod analyse;
 mod change;
+mod explain;
+mod gather;
 mod publish;
 mod speed_meter;
 #[cfg(test)]
@@ -14,30 +18,26 @@ mod tests;
 mod view;
 
 use std::sync::Arc;
-use std::time::Instant;
 
+use self::change::SettingsChange;
 use self::publish::Outbox;
 use self::speed_meter::SpeedMeter;
-use super::analysis_pass::{AnalysisPass, PassStep};
-use super::compared_pass::ComparedPass;
-use super::counterfactual::CounterfactualTask;
-use super::frame_consumer::{self, FrameConsumer as _};
-use super::pin_follower::PinFollower;
-use super::region_shares::RegionShareCounter;
-use super::region_tuner::RegionTuner;
-use super::scorer::ScoreStep;
-use super::session::{
-    self, ExplainRequest, MapRequest, PixelRequest, RegionRequest, Requests, RoiRequest, Shared,
-    TruthRequest, TuneRequest,
-};
-use super::tuner::Tuner;
-use super::{Phase, Progress, ShownFrame, Start, same};
-use crate::mixture::Quantity;
+use super::published::{Phase, Start, WorkProgress};
+use super::requests::Request;
+use super::shared::Shared;
+use super::tasks::analyse::PassInputs;
+use super::tasks::analyse::analysis_pass::AnalysisPass;
+use super::tasks::analyse::compared_pass::ComparedPass;
+use super::tasks::explain::CounterfactualTask;
+use super::tasks::gather::pin_follower::PinFollower;
+use super::tasks::gather::region_shares::RegionShareCounter;
+use super::tasks::show::FrameInView;
+use super::tasks::tune::pixel_tuner::PixelTuner;
+use super::tasks::tune::region_tuner::RegionTuner;
 use crate::regions::Roi;
 use crate::settings::Settings;
-use crate::source::cache::{FrameCache, Keep};
+use crate::source::cache::FrameCache;
 use crate::source::{SourceError, SourceInfo};
-use crate::tracking::Identity;
 use crate::truth::Truth;
 
 /// A pass of the worker.
@@ -68,26 +68,19 @@ pub(super) struct Worker<'a> {
     pass: AnalysisPass,
     /// The pass of the candidate settings.
     compared: ComparedPass,
-    /// The position that the window wants to show.
-    target_position: u32,
-    /// The frame to show first, until its position is known.
-    start_target: Option<StartTarget>,
-    /// Whether the newest frame is shown, for a live source.
-    follow: bool,
+    /// The frame in view, and the one to show next.
+    view: FrameInView,
     ahead: AheadMode,
     pixel: Option<(u32, u32)>,
     pins: PinFollower,
     region: RegionShareCounter,
-    tuner: Tuner,
+    pixel_tuner: PixelTuner,
     region_tuner: RegionTuner,
     counterfactual_task: CounterfactualTask,
-    /// The quantity mapped in the frame in view.
-    map: Option<Quantity>,
     /// The ground truth for scores.
     truth: Option<Arc<Truth>>,
     stopped: bool,
-    shown: Option<Arc<ShownFrame>>,
-    busy: Option<Progress>,
+    busy: Option<WorkProgress>,
     speed_meter: SpeedMeter,
     outbox: Outbox,
 }
@@ -97,13 +90,6 @@ pub(super) struct Worker<'a> {
 enum AheadMode {
     All,
     Nothing,
-}
-
-/// A frame to show first whose position is not known yet.
-enum StartTarget {
-    Number(u32),
-    /// The first occlusion: the position at which it was decided, and its members.
-    Occlusion(Option<(u32, Vec<Identity>)>),
 }
 
 impl<'a> Worker<'a> {
@@ -130,7 +116,9 @@ impl<'a> Worker<'a> {
     ) -> Result<Self, StopReason> {
         let frames = open()?;
         let info = Arc::clone(frames.info());
-        let pass = AnalysisPass::new(Arc::new(settings), roi, &info, model_budget)?;
+        let settings = Arc::new(settings);
+        let inputs = PassInputs { settings, roi, info: Arc::clone(&info), budget: model_budget };
+        let pass = AnalysisPass::new(inputs)?;
         shared.publish(|state| {
             state.phase = Phase::Ready;
             state.info = Some(Arc::clone(&info));
@@ -138,28 +126,20 @@ impl<'a> Worker<'a> {
         Ok(Self {
             shared,
             frames,
-            follow: info.live,
+            view: FrameInView::new(start, info.live),
             ahead: AheadMode::All,
             info,
             model_budget,
             pass,
             compared: ComparedPass::default(),
-            target_position: 0,
-            start_target: match start {
-                Start::First => None,
-                Start::FirstOcclusion => Some(StartTarget::Occlusion(None)),
-                Start::Frame(number) => Some(StartTarget::Number(number)),
-            },
             pixel: None,
             pins: PinFollower::default(),
             region: RegionShareCounter::default(),
-            tuner: Tuner::default(),
+            pixel_tuner: PixelTuner::default(),
             region_tuner: RegionTuner::default(),
             counterfactual_task: CounterfactualTask::default(),
-            map: None,
             truth: None,
             stopped: false,
-            shown: None,
             busy: None,
             speed_meter: SpeedMeter::default(),
             outbox: Outbox::new(),
@@ -179,66 +159,44 @@ impl<'a> Worker<'a> {
         }
     }
 
-    fn apply_requests(&mut self, requests: Requests) -> Result<(), StopReason> {
-        if let Some(ahead) = requests.analyse_ahead {
-            // Where nothing is left to stop, other settings are still analysed to the end.
-            let through = |pass: &AnalysisPass| pass.has_analysed_all(&self.frames);
-            let nothing = through(&self.pass) && self.compared.pass.as_ref().is_none_or(through);
-            self.ahead = if ahead || nothing { AheadMode::All } else { AheadMode::Nothing };
-            if !ahead {
-                self.cancel_seek();
+    fn apply_requests(&mut self, requests: Vec<Request>) -> Result<(), StopReason> {
+        // Settings and region of interest come last and together: they decide which stages run again.
+        let mut change: Option<SettingsChange> = None;
+        for request in requests {
+            match request {
+                Request::Show(position) => {
+                    self.view.request(position, self.pass.model.analysed(), self.info.live);
+                }
+                Request::Settings { in_view, candidate } => {
+                    let change = change.get_or_insert_with(|| self.present_settings());
+                    (change.in_view, change.candidate) = (*in_view, candidate.map(|settings| *settings));
+                }
+                Request::Roi(roi) => change.get_or_insert_with(|| self.present_settings()).roi = roi,
+                Request::Truth(truth) => self.set_truth_data(truth),
+                Request::AnalyseAhead(ahead) => self.analyse_ahead(ahead),
+                Request::Inspect(pixel) => self.inspect(pixel),
+                Request::Pin(pixels) => self.pin(pixels),
+                Request::Map(quantity) => self.view.map = quantity,
+                Request::CountRegion(region) => {
+                    self.region.choose(region, self.info.size);
+                    self.outbox.pixel_grew = true;
+                }
+                Request::Tune(knobs) => {
+                    self.pixel_tuner.choose(knobs);
+                    self.region_tuner.tune(knobs);
+                }
+                Request::TuneRegion(region) => {
+                    self.region_tuner.choose(region, self.info.size);
+                    self.region_tuner.set_settings(self.pass.settings(), &self.info);
+                    self.publish_region_tuning();
+                }
+                Request::Explain(event) => {
+                    self.counterfactual_task.set_event(event.map(|event| *event));
+                    self.publish_counterfactual();
+                }
             }
         }
-        if let Some(position) = requests.show {
-            self.start_target = None;
-            self.target_position = position;
-            self.follow = self.info.live && position >= self.pass.model.front().saturating_sub(1);
-        }
-        if let Some(PixelRequest(pixel)) = requests.inspect {
-            self.pixel = pixel.filter(|&(x, y)| self.info.size.index(x, y).is_some());
-            self.pass.inspect(self.pixel);
-            if let Some(pass) = &mut self.compared.pass {
-                pass.inspect(self.pixel);
-            }
-            self.show_pixel();
-        }
-        if let Some(TuneRequest(knobs)) = requests.tune {
-            self.tuner.choose(knobs);
-            self.region_tuner.tune(knobs);
-        }
-        if let Some(MapRequest(quantity)) = requests.map {
-            self.map = quantity;
-        }
-        if let Some(mut pins) = requests.pins {
-            pins.retain(|&(x, y)| self.info.size.index(x, y).is_some());
-            self.pins.choose(&pins, self.pass.settings(), &self.info);
-            self.outbox.pixel_grew = true;
-        }
-        if let Some(RegionRequest(region)) = requests.region {
-            self.region.choose(region, self.info.size);
-            self.outbox.pixel_grew = true;
-        }
-        if let Some(RegionRequest(region)) = requests.tune_region {
-            self.region_tuner.choose(region, self.info.size);
-            self.region_tuner.register(self.pass.settings());
-            self.publish_region_tuning();
-        }
-        if let Some(ExplainRequest(event)) = requests.explain {
-            self.counterfactual_task.set_event(event);
-            self.publish_counterfactual();
-        }
-        if let Some(TruthRequest(truth)) = requests.truth {
-            self.set_truth_data(truth);
-        }
-        if requests.settings.is_none() && requests.roi.is_none() && requests.compared.is_none() {
-            return Ok(());
-        }
-        let settings = requests.settings.unwrap_or_else(|| Settings::clone(self.pass.settings()));
-        let roi = requests.roi.map_or_else(|| self.pass.model.roi().cloned(), |RoiRequest(roi)| roi);
-        let beside = requests
-            .compared
-            .map_or_else(|| self.compared.settings.clone(), |session::CompareRequest(beside)| beside);
-        self.apply_settings(settings, roi, beside)
+        change.map_or(Ok(()), |change| self.apply_settings(change))
     }
 
     /// Executes the most urgent step of work; returns whether there was any.
@@ -246,14 +204,9 @@ impl<'a> Worker<'a> {
         if self.stopped {
             return Ok(false);
         }
-        self.resolve_start_target();
-        if self.follow && self.ahead == AheadMode::All {
-            self.target_position = self.pass.model.front().saturating_sub(1);
-        }
-        if self.frames.is_complete() {
-            self.target_position =
-                self.target_position.min((self.frames.numbers().len() as u32).saturating_sub(1));
-        }
+        self.view.resolve_start(&self.pass, &self.frames);
+        let ahead = self.ahead == AheadMode::All;
+        self.view.update_target(self.pass.model.analysed(), ahead, &self.frames);
         if !self.is_view_current() {
             self.advance_view()?;
         } else if self.advance_tuning() || self.follow_pixel()? || self.follow_pins()? {
@@ -268,213 +221,6 @@ impl<'a> Worker<'a> {
                 || self.advance_region_tuning());
         }
         Ok(true)
-    }
-
-    /// The pass to advance next. Both stay at the same position, so that each decoded frame is used by both.
-    fn next_due(&self) -> Option<PassSlot> {
-        let in_view = self.is_due(&self.pass);
-        let compared = self.compared.pass.as_ref().filter(|pass| self.is_due(pass));
-        match compared {
-            Some(compared) if !in_view || compared.next_position() < self.pass.next_position() => {
-                Some(PassSlot::Compared)
-            }
-            _ => in_view.then_some(PassSlot::InView),
-        }
-    }
-
-    /// Advances the counterfactual search; returns whether there was work to do.
-    fn advance_counterfactual(&mut self) -> bool {
-        let before = self.counterfactual_task.latest();
-        let numbers = self.frames.numbers();
-        let worked =
-            self.counterfactual_task.advance(&self.pass.model, numbers, self.info.size, self.info.fps);
-        let answer = self.counterfactual_task.latest();
-        if !same(before.as_ref(), answer.as_ref()) {
-            self.publish_counterfactual();
-        }
-        if worked {
-            let (done, total) = answer.map_or((0, 0), |answer| answer.tried);
-            self.busy = Some(Progress {
-                what: "computing counterfactuals".to_owned(),
-                done: done as u32,
-                total: (total > 0).then_some(total as u32),
-            });
-        }
-        worked
-    }
-
-    /// Whether frames remain to be analysed: all, or up to the requested one.
-    fn is_due(&self, pass: &AnalysisPass) -> bool {
-        if pass.has_analysed_all(&self.frames) {
-            // The other pass may have found the end.
-            return !pass.is_finished();
-        }
-        self.ahead == AheadMode::All || pass.model.front() <= self.target_position
-    }
-
-    /// Follows the chosen pixel through the known frames; returns whether there was work to do.
-    fn follow_pixel(&mut self) -> Result<bool, SourceError> {
-        if frame_consumer::feed_frames(&mut self.pass.pixel_follower, &mut self.frames)? {
-            self.outbox.pixel_grew = true;
-            if let Some(shown) = &self.shown
-                && shown.pixel.as_ref().map(|history| history.at) != self.pixel
-            {
-                self.show_pixel();
-            }
-            return Ok(true);
-        }
-        let Some(pass) = &mut self.compared.pass else { return Ok(false) };
-        let worked = pass.pixel_follower.copy_colours_from(&self.pass.pixel_follower)
-            || frame_consumer::feed_frames(&mut pass.pixel_follower, &mut self.frames)?;
-        if let Some(shown) = self.shown.clone().filter(|_| worked && self.compared.needs_pixel(self.pixel)) {
-            self.show(ShownFrame::clone(&shown));
-        }
-        Ok(worked)
-    }
-
-    /// Follows the pinned pixels through the known frames, counts the foreground around the chosen one, and collects
-    /// the colours there; returns whether there was work to do.
-    fn follow_pins(&mut self) -> Result<bool, SourceError> {
-        self.region_tuner.set_to_learn(self.info.bootstrap(self.pass.settings()));
-        let run = &self.pass.model;
-        let worked = frame_consumer::feed_frames(&mut self.pins, &mut self.frames)?
-            || self.region.count(run.record(), run.front(), self.info.size);
-        self.outbox.pixel_grew |= worked;
-        Ok(worked || frame_consumer::feed_frames(&mut self.region_tuner, &mut self.frames)?)
-    }
-
-    /// Advances the scores of complete analyses; returns whether there was work to do.
-    fn advance_scores(&mut self) -> bool {
-        let Some(truth) = &self.truth else { return false };
-        let in_view = self.pass.score(truth);
-        self.outbox.timeline_grew |= in_view == ScoreStep::Finished;
-        let Some(pass) = self.compared.pass.as_mut().filter(|_| in_view == ScoreStep::Idle) else {
-            return in_view != ScoreStep::Idle;
-        };
-        let beside = pass.score(truth);
-        self.outbox.compared_grew |= beside == ScoreStep::Finished;
-        beside != ScoreStep::Idle
-    }
-
-    /// Advances the tuning of the region; returns whether there was work to do.
-    fn advance_region_tuning(&mut self) -> bool {
-        let before = self.region_tuner.latest();
-        let Some((done, total)) = self.region_tuner.advance(self.pass.settings()) else { return false };
-        if !same(before.as_ref(), self.region_tuner.latest().as_ref()) {
-            self.publish_region_tuning();
-        }
-        self.busy = Some(Progress {
-            what: "testing other settings".to_owned(),
-            done: done as u32,
-            total: Some(total as u32),
-        });
-        true
-    }
-
-    /// Advances the tuning of the chosen pixel; returns whether there was work to do.
-    fn advance_tuning(&mut self) -> bool {
-        let history = self.shown.as_ref().and_then(|shown| shown.pixel.as_ref().map(|pixel| (pixel, shown)));
-        let Some((history, shown)) = history else { return false };
-        let before = self.tuner.latest();
-        let worked = self.tuner.advance(history, shown.position);
-        let tuning = self.tuner.latest();
-        if !same(tuning.as_ref(), before.as_ref()) {
-            self.shared.publish(|state| state.tuning = tuning);
-        }
-        worked
-    }
-
-    fn pass(&mut self, which: PassSlot) -> Option<&mut AnalysisPass> {
-        match which {
-            PassSlot::InView => Some(&mut self.pass),
-            PassSlot::Compared => self.compared.pass.as_mut(),
-        }
-    }
-
-    /// Analyses the next decoded frames, or decodes one.
-    fn analyse(&mut self, which: PassSlot) -> Result<(), StopReason> {
-        let started = Instant::now();
-        let (last, both) = (self.last_position_of(which), self.are_both_due());
-        // The other pass needs the same frame soon.
-        let keep = if both { Keep::Yes } else { Keep::IfRoom };
-        let pass = match which {
-            PassSlot::InView => &mut self.pass,
-            PassSlot::Compared => {
-                let Some(pass) = &mut self.compared.pass else { return Ok(()) };
-                pass
-            }
-        };
-        let (position, learnt) = (pass.model.front(), pass.model.next_to_learn());
-        let (pins, region_tuner) = (&mut self.pins, &mut self.region_tuner);
-        let step = pass.advance(&mut self.frames, last, keep, |position, frame| {
-            pins.push(position, frame);
-            region_tuner.push(position, frame);
-        });
-        let front = pass.model.front();
-        let to_learn = pass.model.to_learn();
-        self.outbox.warnings.extend(self.frames.take_warnings());
-        // The end of the sequence may have been found.
-        self.outbox.timeline_grew = true;
-        match step? {
-            PassStep::Advanced => {}
-            // After a change of settings, the new pass needs frames that a live source has lost.
-            PassStep::FrameLost => return self.start_over_live(),
-        }
-        match which {
-            PassSlot::InView => self.find_occlusion(position..front),
-            PassSlot::Compared => self.outbox.compared_grew = true,
-        }
-        if let Some(learnt) = learnt {
-            self.busy = Some(Progress {
-                what: "learning background".to_owned(),
-                done: learnt,
-                total: Some(to_learn),
-            });
-        }
-        if front > position {
-            self.speed_meter.add(started.elapsed(), front - position);
-            let total = if self.frames.is_complete() {
-                Some(self.frames.numbers().len() as u32)
-            } else {
-                self.info.frames.map(|frames| frames.max(front))
-            };
-            let what = match which {
-                PassSlot::InView if self.target_position >= front && !self.follow => {
-                    format!("analysing up to frame {}", self.number_of(self.target_position))
-                }
-                _ if both => "analysing A and B".to_owned(),
-                PassSlot::Compared => "analysing other settings".to_owned(),
-                PassSlot::InView => "analysing".to_owned(),
-            };
-            self.busy = Some(Progress { what, done: front, total });
-        }
-        Ok(())
-    }
-
-    /// The last position for one step of a pass, if it is limited.
-    fn last_position_of(&self, which: PassSlot) -> Option<u32> {
-        let (pass, next) = self.pass.next_position();
-        match (which, &self.compared.pass) {
-            // The requested frame comes first.
-            (PassSlot::InView, _) if !self.follow && pass > 0 && next <= self.target_position => {
-                Some(self.target_position)
-            }
-            // No further than the cached frames reach until the other pass needs them.
-            (PassSlot::InView, Some(compared)) if compared.next_position() <= (pass, next) => {
-                Some(next.saturating_add(self.frames.room().saturating_sub(2) as u32))
-            }
-            (PassSlot::Compared, Some(compared))
-                if compared.next_position().0 == pass && compared.next_position().1 < next =>
-            {
-                Some(next - 1)
-            }
-            _ => None,
-        }
-    }
-
-    /// Whether both passes have frames left to analyse.
-    fn are_both_due(&self) -> bool {
-        self.is_due(&self.pass) && self.compared.pass.as_ref().is_some_and(|pass| self.is_due(pass))
     }
 
     /// The frame number of a position; extrapolated beyond the known frames.

@@ -18,7 +18,7 @@ use crate::app::panels::timeline;
 use crate::app::views;
 use crate::app::views::View;
 use crate::mixture::Quantity;
-use crate::replay::Start;
+use crate::replay::{Request, Start};
 use crate::settings::Settings;
 
 impl Window {
@@ -43,7 +43,7 @@ impl Window {
             Command::Choose(pixel) => {
                 model.chosen = pixel;
                 if let Some(player) = &model.player {
-                    player.inspect(pixel);
+                    player.request(Request::Inspect(pixel));
                 }
             }
             Command::ChooseObject(object) => {
@@ -352,7 +352,7 @@ impl Window {
         // Event indices are invalid after the change.
         self.model.read(None);
         if let Some(player) = &self.model.player {
-            player.set_roi(self.model.areas.roi.clone());
+            player.request(Request::Roi(self.model.areas.roi.clone()));
         }
     }
 

@@ -38,9 +38,9 @@ use crate::app::model::pins;
 use crate::explain::pixel::component_slots;
 use crate::explain::pixel::verdict::{Verdict, overruled, verdict};
 use crate::explain::pixel::{PixelHistory, PixelState};
-use crate::explain::tuning::TunableSetting;
+use crate::explain::tuning::{RegionTuning, TunableSetting, Tuning};
 use crate::mixture::pixel::MAX_K;
-use crate::replay::{RegionShares, RegionTuning, ShownFrame, Tuning};
+use crate::replay::{RegionShares, ShownFrame, WorkProgress};
 use crate::settings::{BackgroundModel, Space};
 
 /// An action that the inspector requests of the window.
@@ -116,6 +116,8 @@ pub struct InspectorContext<'a> {
     pub histories: &'a [Arc<PixelHistory>],
     /// The pinned pixels whose history can never be computed.
     pub lost: &'a [(u32, u32)],
+    /// How far the chosen pixel has been followed, while its history is computed.
+    pub progress: Option<&'a WorkProgress>,
     /// The foreground ratio around the chosen pixel, if [`InspectorRequests::around`] requests it.
     pub region: Option<&'a Arc<RegionShares>>,
     /// The accuracy around the chosen pixel, by the ground truth.
@@ -322,17 +324,17 @@ impl Inspector {
         context: &InspectorContext<'_>,
     ) -> Option<InspectorAction> {
         let (title, text) = match context.chosen {
-            Some((x, y)) if context.lost.contains(&(x, y)) => (format!("Pixel {x}, {y}"), LOST),
-            Some((x, y)) => (format!("Pixel {x}, {y}"), COMPUTING_HISTORY),
-            None if context.pins.is_empty() => ("No pixel selected".to_owned(), CLICK),
-            None => ("No pixel selected".to_owned(), CLICK_OR_PIN),
+            Some((x, y)) if context.lost.contains(&(x, y)) => (format!("Pixel {x}, {y}"), LOST.to_owned()),
+            Some((x, y)) => (format!("Pixel {x}, {y}"), computing_history(context.progress)),
+            None if context.pins.is_empty() => ("No pixel selected".to_owned(), CLICK.to_owned()),
+            None => ("No pixel selected".to_owned(), CLICK_OR_PIN.to_owned()),
         };
         if context.pins.is_empty() {
-            empty(ui, &title, text);
+            empty(ui, &title, &text);
             return None;
         }
         ui.label(RichText::new(title).size(15.0).strong());
-        ui.label(style::aside(ui, text));
+        ui.label(style::aside(ui, &text));
         ui.add_space(8.0);
         let scrolled =
             ScrollArea::vertical().id_salt("pins alone").auto_shrink(false).min_scrolled_height(0.0);
@@ -366,10 +368,20 @@ impl Inspector {
 
 const CLICK: &str = "Click a pixel in any view to inspect its mixture, its history and its verdict.";
 const CLICK_OR_PIN: &str = "Click a pixel in any view, or a pinned one below, to inspect its mixture.";
-const COMPUTING_HISTORY: &str = "Computing pixel history…";
 const LOST: &str = "Pixel history not available: it needs the first frames, which this live source no \
      longer has. A changed mixture setting restarts it with the next frame; use a recording to keep all \
      frames.";
+
+/// The text while the chosen pixel's history is computed, with the percentage where it is known.
+fn computing_history(progress: Option<&WorkProgress>) -> String {
+    let share =
+        progress.and_then(|progress| Some((progress.done, progress.total.filter(|&total| total > 0)?)));
+    let percent = share.map(|(done, total)| u64::from(done) * 100 / u64::from(total));
+    percent.map_or_else(
+        || "Computing pixel history…".to_owned(),
+        |percent| format!("Computing pixel history… {percent} %"),
+    )
+}
 
 fn followed(known: &mut Option<SlottedHistory>, history: &Arc<PixelHistory>) -> Arc<Vec<[u8; MAX_K]>> {
     match known {

@@ -10,9 +10,8 @@ use super::plot::Plot;
 use super::style::{self, small};
 use super::{Chosen, InspectorAction, RegionAccuracy, menu, region_size};
 use crate::app::theme;
-use crate::explain::tuning::TunableSetting;
+use crate::explain::tuning::{RegionTuning, TunableSetting};
 use crate::palette;
-use crate::replay::RegionTuning;
 use crate::truth::decisions::{Decisions, Measure};
 
 /// Ratio of height to width of each map where there are two.

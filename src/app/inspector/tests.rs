@@ -13,18 +13,18 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 
 use super::super::golden::looks_as_before;
-use super::{Format, Inspector, InspectorAction, InspectorContext, SlottedHistory, Table};
+use super::{Format, Inspector, InspectorAction, InspectorContext, SlottedHistory, Table, computing_history};
 use crate::explain::pixel::PixelHistory;
 use crate::explain::pixel::component_slots::{ComponentChange, component_change};
 use crate::explain::pixel::statistics::Statistics;
 use crate::explain::pixel::verdict::{distance_in_sigmas, number, verdict};
-use crate::explain::tuning::{TunableSetting, flip, map};
+use crate::explain::tuning::{TunableSetting, Tuning, flip, map};
 use crate::frame::{Frame, Mask, Size};
 use crate::mixture::Parameters;
 use crate::occlusion::Counters;
 use crate::pipeline::Analysis;
 use crate::regions::Labels;
-use crate::replay::{RegionShares, ShownFrame, Tuning};
+use crate::replay::{RegionShares, ShownFrame, WorkProgress};
 use crate::settings::{BackgroundModel, Preset, Settings, Space};
 
 const SIZE: Size = Size::new(8, 6);
@@ -723,4 +723,13 @@ fn statistics_cover_the_selected_frames_and_can_be_exported() {
     harness.get_by_label("All").click();
     harness.run();
     check(&harness, 0..600);
+}
+
+#[test]
+fn the_text_while_a_history_is_computed_has_the_percentage_where_it_is_known() {
+    let text = |done, total| computing_history(Some(&WorkProgress { what: String::new(), done, total }));
+    assert_eq!(text(37, Some(100)), "Computing pixel history… 37 %");
+    assert_eq!(text(299, Some(300)), "Computing pixel history… 99 %", "rounded down");
+    assert_eq!(text(0, Some(0)), "Computing pixel history…");
+    assert_eq!((text(5, None), computing_history(None)), (text(0, Some(0)), text(0, Some(0))));
 }

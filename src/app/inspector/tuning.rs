@@ -12,8 +12,7 @@ use super::region_accuracy::{PAIRED_MAP_ASPECT, RegionAccuracyView};
 use super::style::{self, small};
 use super::{Chosen, InspectorAction, RegionAccuracy};
 use crate::explain::pixel::verdict::number;
-use crate::explain::tuning::{TunableSetting, VerdictFlip, VerdictMap};
-use crate::replay::Tuning;
+use crate::explain::tuning::{TunableSetting, Tuning, VerdictFlip, VerdictMap};
 
 /// Ratio of height to width of a single map, so that the list below it stays visible.
 const SINGLE_MAP_ASPECT: f32 = 0.62;

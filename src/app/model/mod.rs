@@ -7,6 +7,7 @@ pub(crate) mod marks;
 pub(crate) mod overlays;
 pub(crate) mod persisted_state;
 pub(crate) mod pins;
+pub(crate) mod player;
 pub(crate) mod undo_history;
 
 use std::collections::BTreeMap;
@@ -20,112 +21,20 @@ use crate::app::model::areas::Areas;
 use crate::app::model::event_comparison::{ComparisonFilter, EventComparison, EventRef};
 use crate::app::model::marks::Marks;
 use crate::app::model::overlays::{Overlay, Overlays};
+use crate::app::model::player::Player;
 use crate::app::model::undo_history::UndoHistory;
 use crate::app::views::{Background, View};
 use crate::explain::pixel::PixelHistory;
-use crate::explain::tuning::TunableSetting;
+use crate::explain::tuning::{RegionTuning, TunableSetting, Tuning};
 use crate::frame::Size;
 use crate::mixture::Quantity;
 use crate::occlusion::{Event, EventKind};
 use crate::regions::Roi;
-use crate::replay::{Phase, RegionShares, RegionTuning, Session, ShownFrame, Start, State, Timeline, Tuning};
+use crate::replay::{Phase, RegionShares, Request, ShownFrame, Start, State, Timeline};
 use crate::settings::Settings;
 use crate::source::Options;
 use crate::tracking::{Identity, Track};
 use crate::truth::Truth;
-
-/// The interface of the worker.
-pub(crate) trait Player {
-    /// The latest published state.
-    fn state(&self) -> State;
-    /// Requests a frame.
-    fn show(&self, position: u32);
-    /// Sets the settings in view, and the settings to compare with them.
-    fn set_settings(&self, settings: Settings, beside: Option<Settings>);
-    /// Requests the counterfactuals of an event.
-    fn explain(&self, event: Option<Event>);
-    /// Sets the ground truth.
-    fn set_truth(&self, truth: Option<Arc<Truth>>);
-    /// Sets the region of interest; `None` for the whole image.
-    fn set_roi(&self, roi: Option<Arc<Roi>>);
-    /// Chooses a pixel.
-    fn inspect(&self, at: Option<(u32, u32)>);
-    /// Requests the chosen pixel's verdict under other values of these two settings.
-    fn tune(&self, knobs: Option<[TunableSetting; 2]>);
-    /// Resumes or pauses the analysis beyond the frame in view.
-    fn analyse_ahead(&self, ahead: bool);
-    /// Ends the worker without waiting for it.
-    fn leave(self: Box<Self>);
-    /// Requests the map of a per-pixel quantity with every frame.
-    fn map(&self, quantity: Option<Quantity>);
-    /// Requests the histories of these pixels.
-    fn pin(&self, pixels: Vec<(u32, u32)>);
-    /// Requests the foreground ratio around a pixel, in a region of this side in pixels.
-    fn region(&self, region: Option<((u32, u32), u32)>);
-    /// Requests the accuracy of the mixture around a pixel under other settings, in a region of this side in pixels.
-    fn tune_region(&self, region: Option<((u32, u32), u32)>);
-}
-
-impl Player for Session {
-    fn state(&self) -> State {
-        Session::state(self)
-    }
-
-    fn show(&self, position: u32) {
-        Session::show(self, position);
-    }
-
-    fn set_settings(&self, settings: Settings, beside: Option<Settings>) {
-        self.compare(settings, beside);
-    }
-
-    fn explain(&self, event: Option<Event>) {
-        Session::explain(self, event);
-    }
-
-    fn set_truth(&self, truth: Option<Arc<Truth>>) {
-        Session::set_truth(self, truth);
-    }
-
-    fn set_roi(&self, roi: Option<Arc<Roi>>) {
-        Session::set_roi(self, roi);
-    }
-
-    fn inspect(&self, at: Option<(u32, u32)>) {
-        Session::inspect(self, at);
-    }
-
-    fn tune(&self, knobs: Option<[TunableSetting; 2]>) {
-        Session::tune(self, knobs);
-    }
-
-    fn analyse_ahead(&self, ahead: bool) {
-        Session::analyse_ahead(self, ahead);
-    }
-
-    fn leave(self: Box<Self>) {
-        // The worker may be inside a decoder, and frees gigabytes. If no thread can be started, this thread waits for
-        // it.
-        let left = std::thread::Builder::new().name("leaving".into()).spawn(move || drop(self));
-        drop(left);
-    }
-
-    fn map(&self, quantity: Option<Quantity>) {
-        Session::map(self, quantity);
-    }
-
-    fn pin(&self, pixels: Vec<(u32, u32)>) {
-        Session::pin(self, pixels);
-    }
-
-    fn region(&self, region: Option<((u32, u32), u32)>) {
-        Session::region(self, region);
-    }
-
-    fn tune_region(&self, region: Option<((u32, u32), u32)>) {
-        Session::tune_region(self, region);
-    }
-}
 
 /// Starts a worker for a video name.
 pub(crate) type Opener =
@@ -471,7 +380,7 @@ impl Model {
     pub(crate) fn stop_or_go_on(&mut self) {
         let Some(player) = &self.player else { return };
         self.work.ahead = !self.work.ahead && !self.is_busy();
-        player.analyse_ahead(self.work.ahead);
+        player.request(Request::AnalyseAhead(self.work.ahead));
         if !self.work.ahead {
             self.requested_position = None;
         }
@@ -528,7 +437,7 @@ impl Model {
             (read, explained) => read.is_none() && explained.is_none(),
         };
         if let Some(player) = self.player.as_ref().filter(|_| !asked) {
-            player.explain(read.cloned());
+            player.request(Request::Explain(read.cloned().map(Box::new)));
             self.explained = read.cloned();
         }
     }
@@ -549,7 +458,7 @@ impl Model {
     /// Requests the tuning map of these axes, once.
     pub(crate) fn tune(&mut self, knobs: Option<[TunableSetting; 2]>) {
         if let Some(player) = self.player.as_ref().filter(|_| self.tuned != knobs) {
-            player.tune(knobs);
+            player.request(Request::Tune(knobs));
             self.tuned = knobs;
         }
     }
@@ -558,7 +467,7 @@ impl Model {
     pub(crate) fn pin(&mut self) {
         let pins: Vec<_> = self.marks.pins.iter().map(|(_, at)| at).collect();
         if let Some(player) = self.player.as_ref().filter(|_| self.pinned != pins) {
-            player.pin(pins.clone());
+            player.request(Request::Pin(pins.clone()));
             self.pinned = pins;
         }
     }
@@ -567,7 +476,7 @@ impl Model {
     pub(crate) fn look_around(&mut self, side: Option<u32>) {
         let region = self.chosen.zip(side);
         if let Some(player) = self.player.as_ref().filter(|_| self.region != region) {
-            player.region(region);
+            player.request(Request::CountRegion(region));
             self.region = region;
         }
     }
@@ -581,7 +490,7 @@ impl Model {
     /// Requests the maps of this quantity, once.
     pub(crate) fn map(&mut self, quantity: Option<Quantity>) {
         if let Some(player) = self.player.as_ref().filter(|_| self.mapped != quantity) {
-            player.map(quantity);
+            player.request(Request::Map(quantity));
             self.mapped = quantity;
         }
     }
@@ -590,7 +499,7 @@ impl Model {
     pub(crate) fn judge(&mut self, side: Option<u32>) {
         let region = self.chosen.zip(side);
         if let Some(player) = self.player.as_ref().filter(|_| self.judged != region) {
-            player.tune_region(region);
+            player.request(Request::TuneRegion(region));
             self.judged = region;
         }
     }
@@ -610,7 +519,7 @@ impl Model {
     /// Sets the ground truth.
     pub(crate) fn take_truth(&mut self, truth: Arc<Truth>) {
         if let Some(player) = &self.player {
-            player.set_truth(Some(Arc::clone(&truth)));
+            player.request(Request::Truth(Some(Arc::clone(&truth))));
         }
         self.truth = Some(truth);
     }
@@ -818,7 +727,7 @@ impl Model {
         let frames = self.frames();
         let position = if frames > 0 { position.min(frames - 1) } else { position };
         if let Some(player) = &self.player {
-            player.show(position);
+            player.request(Request::Show(position));
             let here = self.newest.as_ref().is_some_and(|newest| newest.shown.position == position);
             if !here || self.requested_position.is_some() {
                 self.requested_position = Some(position);

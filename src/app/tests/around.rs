@@ -140,7 +140,7 @@ fn the_analysis_can_be_paused_and_resumed_beside_its_progress() {
     let asked = |scene: &Scene| scene.asked.borrow().last().cloned();
     {
         let mut state = scene.state.borrow_mut();
-        state.busy = Some(Progress { what: "analysing".into(), done: 70, total: Some(FRAMES) });
+        state.busy = Some(WorkProgress { what: "analysing".into(), done: 70, total: Some(FRAMES) });
         Arc::make_mut(&mut state.timeline).analysed = 70;
     }
     harness.run_steps(3);
@@ -156,7 +156,7 @@ fn the_analysis_can_be_paused_and_resumed_beside_its_progress() {
     harness.key_press(Key::End);
     harness.step();
     scene.state.borrow_mut().busy =
-        Some(Progress { what: "analysing".into(), done: 80, total: Some(FRAMES) });
+        Some(WorkProgress { what: "analysing".into(), done: 80, total: Some(FRAMES) });
     harness.run_steps(3);
     harness.key_press_modifiers(Modifiers::SHIFT, Key::Space);
     harness.run_steps(3);
@@ -185,7 +185,7 @@ fn closing_a_video_does_not_wait_for_its_worker() {
 #[test]
 fn opening_shows_its_progress() {
     let mut opening = state(Phase::Opening, None);
-    opening.busy = Some(Progress { what: "reading".into(), done: 3, total: Some(40) });
+    opening.busy = Some(WorkProgress { what: "reading".into(), done: 3, total: Some(40) });
     let (harness, _) = window(Some(opening), (1600.0, 1000.0), Theme::Dark);
     harness.get_by_role_and_label(egui::Role::ProgressIndicator, "Opening walk.mp4");
     harness.get_by_label("reading: 3 of 40");

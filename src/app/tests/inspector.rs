@@ -3,9 +3,8 @@
 use super::*;
 use crate::app::commands::command::Action;
 use crate::explain::pixel::PixelHistory;
-use crate::explain::tuning::{flip, map};
+use crate::explain::tuning::{Tuning, flip, map};
 use crate::mixture::Parameters;
-use crate::replay::Tuning;
 
 const AT: (u32, u32) = (80, 60);
 

@@ -130,7 +130,11 @@ fn pixels_without_their_first_frames_are_reported_as_unavailable() {
     apply(&mut harness, Command::Choose(Some(PINNED[1])));
     harness.run_steps(2);
     harness.get_by_label("Pixel 30, 40");
-    harness.get_by_label_contains("Computing pixel history");
+    harness.get_by_label("Computing pixel history…");
+    scene.state.borrow_mut().pixel_progress =
+        Some(WorkProgress { what: "computing pixel history".into(), done: 37, total: Some(100) });
+    settle(&mut harness);
+    harness.get_by_label("Computing pixel history… 37 %");
     act(&mut harness, Action::ClearPins);
     apply(&mut harness, Command::Choose(Some(AT)));
     harness.run_steps(2);

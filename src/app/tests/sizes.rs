@@ -17,9 +17,9 @@ const SCREENS: [((f32, f32), f32); 7] = [
 /// The states of the window, by name.
 fn states() -> [(&'static str, Option<State>); 4] {
     let mut opening = state(Phase::Opening, None);
-    opening.busy = Some(Progress { what: "reading".into(), done: 3, total: Some(40) });
+    opening.busy = Some(WorkProgress { what: "reading".into(), done: 3, total: Some(40) });
     let mut working = inspected_state(58);
-    working.busy = Some(Progress { what: "analysing".into(), done: 58, total: Some(120) });
+    working.busy = Some(WorkProgress { what: "analysing".into(), done: 58, total: Some(120) });
     working.analysis_fps = 84.0;
     working.warnings = Arc::new(vec!["in000007.jpg cannot be read and was skipped".into()]);
     let failed = Phase::Failed("clip.mp4 does not exist; check the path".into());

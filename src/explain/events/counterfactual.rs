@@ -95,32 +95,32 @@ struct BaselineRecord {
 impl BaselineRecord {
     fn record(
         &mut self,
-        seen: &FrameResult,
+        result: &FrameResult,
         number: u32,
         query: &CounterfactualQuery,
         tolerance: EventTolerance,
     ) {
-        self.events.extend(seen.events.iter().filter(|event| event.kind == query.event.kind).cloned());
+        self.events.extend(result.events.iter().filter(|event| event.kind == query.event.kind).cloned());
         if number + tolerance.frames >= query.event.frame {
-            let tracks = seen.tracks.iter().map(|track| (track.id, track.centre));
+            let tracks = result.tracks.iter().map(|track| (track.id, track.centre));
             self.tracks.push((number, tracks.collect()));
         }
     }
 
     /// Whether an event of another trial is the event in question, only later: it happens to the same objects, and
     /// there is none like it under the present settings. Identities differ between trials, places hardly do.
-    fn is_delayed(&self, asked: &Event, event: &Event, tolerance: EventTolerance) -> bool {
-        if event.kind != asked.kind
-            || event.frame <= asked.frame
+    fn is_delayed(&self, queried: &Event, event: &Event, tolerance: EventTolerance) -> bool {
+        if event.kind != queried.kind
+            || event.frame <= queried.frame
             || self.events.iter().any(|other| tolerance.matches(other, event))
         {
             return false;
         }
-        let Some(original) = self.events.iter().find(|other| tolerance.matches(asked, other)) else {
+        let Some(original) = self.events.iter().find(|other| tolerance.matches(queried, other)) else {
             return false;
         };
         // The last place of each object until then.
-        let mut places = vec![[asked.x, asked.y]];
+        let mut places = vec![[queried.x, queried.y]];
         for id in original.objects.iter().chain(&original.becomes) {
             let until = self.tracks.iter().rev().filter(|(number, _)| *number <= event.frame);
             let last = until.flat_map(|(_, tracks)| tracks).find(|(other, _)| other == id);
@@ -146,10 +146,10 @@ impl Trial {
     /// Advances by some frames. `baseline` is what follows the event under the present settings.
     fn advance(&mut self, query: &CounterfactualQuery, baseline: &BaselineRecord) {
         let tolerance = EventTolerance::of(query.size, query.fps);
-        let same = |event: &Event| {
+        let is_event = |event: &Event| {
             tolerance.matches(&query.event, event) || baseline.is_delayed(&query.event, event, tolerance)
         };
-        if self.frames(query).any(|(_, seen)| seen.events.iter().any(same)) {
+        if self.frames(query).any(|(_, result)| result.events.iter().any(is_event)) {
             self.happened = Some(true);
         } else {
             self.end(query, false);
@@ -159,8 +159,8 @@ impl Trial {
     /// Advances by some frames under the present settings, and records what follows the event.
     fn advance_baseline(&mut self, query: &CounterfactualQuery, baseline: &mut BaselineRecord) {
         let tolerance = EventTolerance::of(query.size, query.fps);
-        for (number, seen) in self.frames(query) {
-            baseline.record(&seen, number, query, tolerance);
+        for (number, result) in self.frames(query) {
+            baseline.record(&result, number, query, tolerance);
         }
         self.end(query, baseline.events.iter().any(|event| tolerance.matches(&query.event, event)));
     }
@@ -456,10 +456,14 @@ mod tests {
         let settings = Settings { placing: crate::settings::Placing::Predicted, ..Settings::default() };
         let frames: Vec<_> = (1..=100_u32)
             .map(|number| {
-                let seen = !(40..52).contains(&number);
+                let is_visible = !(40..52).contains(&number);
                 (
                     number,
-                    Arc::new(if seen { vec![region(1, 60.0 + number as f32, 24.0)] } else { Vec::new() }),
+                    Arc::new(if is_visible {
+                        vec![region(1, 60.0 + number as f32, 24.0)]
+                    } else {
+                        Vec::new()
+                    }),
                 )
             })
             .collect();
@@ -515,23 +519,23 @@ mod tests {
 
     #[test]
     fn an_event_that_is_only_delayed_is_not_prevented() {
-        let asked = query(EventKind::Reappear).unwrap().event;
-        let [id] = asked.objects[..] else { panic!() };
-        let at = |frame: u32, x: f32| Event { frame, x, ..asked.clone() };
+        let queried = query(EventKind::Reappear).unwrap().event;
+        let [id] = queried.objects[..] else { panic!() };
+        let at = |frame: u32, x: f32| Event { frame, x, ..queried.clone() };
         let tolerance = EventTolerance::of(SIZE, 25.0);
-        let tracks =
-            (0..100).map(|frame| (asked.frame + frame, vec![(id, [asked.x + 2.0 * frame as f32, asked.y])]));
-        let mut baseline = BaselineRecord { events: vec![asked.clone()], tracks: tracks.collect() };
+        let tracks = (0..100)
+            .map(|frame| (queried.frame + frame, vec![(id, [queried.x + 2.0 * frame as f32, queried.y])]));
+        let mut baseline = BaselineRecord { events: vec![queried.clone()], tracks: tracks.collect() };
         let delayed =
-            |baseline: &BaselineRecord, event: &Event| baseline.is_delayed(&asked, event, tolerance);
-        let later = at(asked.frame + 60, asked.x + 120.0);
+            |baseline: &BaselineRecord, event: &Event| baseline.is_delayed(&queried, event, tolerance);
+        let later = at(queried.frame + 60, queried.x + 120.0);
         assert!(delayed(&baseline, &later), "it went there");
         assert!(
-            !delayed(&baseline, &at(asked.frame + 60, asked.x + 220.0)),
+            !delayed(&baseline, &at(queried.frame + 60, queried.x + 220.0)),
             "somewhere else, to another one"
         );
         assert!(!delayed(&baseline, &Event { kind: EventKind::Merge, ..later.clone() }), "something else");
-        baseline.events.push(at(asked.frame + 64, asked.x + 128.0));
+        baseline.events.push(at(queried.frame + 64, queried.x + 128.0));
         assert!(!delayed(&baseline, &later), "it happens as well under the present settings");
     }
 

@@ -104,7 +104,7 @@ mod tests {
     const TOLERANCE: EventTolerance = EventTolerance { frames: 10, pixels: 20.0 };
 
     #[test]
-    fn each_event_has_at_most_one_other_the_nearest_in_time() {
+    fn an_event_is_paired_with_the_nearest_in_time_and_with_one_only() {
         use EventKind::{Demerge, Merge};
         let first =
             [event(5, Merge, 0.0), event(9, Merge, 0.0), event(30, Merge, 0.0), event(40, Demerge, 0.0)];
@@ -124,7 +124,7 @@ mod tests {
     }
 
     #[test]
-    fn equal_lists_are_paired_through() {
+    fn all_events_of_equal_lists_are_paired() {
         let events: Vec<_> =
             (0..50).map(|at| event(at / 2, EventKind::ALL[at as usize % 7], (at % 5) as f32)).collect();
         let pairs = pair_events(&events, &events, TOLERANCE);

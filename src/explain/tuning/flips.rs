@@ -26,7 +26,7 @@ pub struct VerdictFlip {
 }
 
 impl VerdictFlip {
-    /// A short form: `α ≥ 0.013`, `no T does`.
+    /// A short form: `α ≥ 0.013`, `no value of T`.
     pub fn words(&self) -> String {
         let symbol = self.knob.symbol();
         match self.value {

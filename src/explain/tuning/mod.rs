@@ -6,6 +6,8 @@
 //! the mixture, and needs a run per value like the others.
 
 mod flips;
+mod pixel_tuning;
+mod region_tuning;
 #[cfg(test)]
 mod tests;
 
@@ -15,6 +17,8 @@ use crate::mixture::pixel::{MAX_K, Outcome, Parameters, Pixel, Value};
 use crate::settings::{Setting, SettingError, Settings, Value as SettingValue};
 
 pub use flips::{FlipSearch, VerdictFlip, flip};
+pub use pixel_tuning::{StepwiseTuning, Tuning, TuningQuery};
+pub use region_tuning::{RegionTuning, RegionTuningQuery, StepwiseRegionTuning};
 
 /// Number of cells along an axis of a map, for settings that are not integers.
 pub const CELLS: usize = 24;

@@ -29,7 +29,7 @@ fn parameters() -> Parameters {
 }
 
 /// The verdict by the reference implementation: `Pixel::update` through all values.
-fn plainly(values: &[Value], parameters: &Parameters) -> bool {
+fn reference_verdict(values: &[Value], parameters: &Parameters) -> bool {
     let mut pixel = Pixel::unseen(parameters.k);
     (1..).zip(values).map(|(t, &value)| pixel.update(value, t, parameters).foreground).last().unwrap()
 }
@@ -54,7 +54,7 @@ fn every_cell_of_every_map_equals_a_run_of_the_reference() {
                     let (column, row) = (cell % map.axes[0].values.len(), cell / map.axes[0].values.len());
                     let there = x.with(&parameters, map.axes[0].values[column]);
                     let there = y.with(&there, map.axes[1].values[row]);
-                    let expected = plainly(&values, &there);
+                    let expected = reference_verdict(&values, &there);
                     assert_eq!(map.is_foreground(column, row), expected, "{x:?} {y:?} {column} {row}");
                     foreground += usize::from(expected);
                     background += usize::from(!expected);
@@ -81,7 +81,7 @@ fn a_flip_changes_the_verdict_and_nothing_nearer_does() {
     let mut found = 0;
     for frames in [40, 150, 301, 310, 325, 339, 345, 400] {
         let values = values(frames, &parameters);
-        let now = plainly(&values, &parameters);
+        let now = reference_verdict(&values, &parameters);
         for knob in TunableSetting::ALL {
             let flip = flip(&values, &parameters, knob);
             let from = knob.get(&parameters);
@@ -91,14 +91,14 @@ fn a_flip_changes_the_verdict_and_nothing_nearer_does() {
                     let there = knob.with(&parameters, value);
                     assert!(
                         value != value.clamp(knob.range().0, knob.range().1)
-                            || plainly(&values, &there) == now
+                            || reference_verdict(&values, &there) == now
                     );
                 }
                 continue;
             };
             found += 1;
             assert_eq!(flip.above, value > from);
-            assert_ne!(plainly(&values, &knob.with(&parameters, value)), now, "{knob:?} {value}");
+            assert_ne!(reference_verdict(&values, &knob.with(&parameters, value)), now, "{knob:?} {value}");
             // Up to the value, apart from rounding to three digits, the verdict does not flip.
             let reach = knob.scaled(value) - knob.scaled(from);
             for step in 0..=20 {
@@ -107,7 +107,11 @@ fn a_flip_changes_the_verdict_and_nothing_nearer_does() {
                 if (near / value - 1.0).abs() < 0.01 {
                     continue;
                 }
-                assert_eq!(plainly(&values, &knob.with(&parameters, near)), now, "{knob:?} {value} {near}");
+                assert_eq!(
+                    reference_verdict(&values, &knob.with(&parameters, near)),
+                    now,
+                    "{knob:?} {value} {near}"
+                );
             }
         }
     }
@@ -115,14 +119,14 @@ fn a_flip_changes_the_verdict_and_nothing_nearer_does() {
 }
 
 /// The nearest flip on one side, by linear search.
-fn plain_nearest(
+fn linear_search(
     values: &[Value],
     parameters: &Parameters,
     knob: TunableSetting,
     above: bool,
 ) -> Option<f32> {
-    let now = plainly(values, parameters);
-    let flips = |value: f32| plainly(values, &knob.with(parameters, value)) != now;
+    let now = reference_verdict(values, parameters);
+    let flips = |value: f32| reference_verdict(values, &knob.with(parameters, value)) != now;
     let (from, (low, high)) = (knob.get(parameters), knob.range());
     let end = if above { high } else { low };
     if knob == TunableSetting::K {
@@ -162,7 +166,7 @@ fn a_flip_equals_the_result_of_a_linear_search() {
         let values = values(frames, &parameters);
         for knob in TunableSetting::ALL {
             let flip = flip(&values, &parameters, knob);
-            let [below, above] = [false, true].map(|above| plain_nearest(&values, &parameters, knob, above));
+            let [below, above] = [false, true].map(|above| linear_search(&values, &parameters, knob, above));
             let from = knob.scaled(knob.get(&parameters));
             let distance = |value: f32| (knob.scaled(value) - from).abs();
             let expected = match (below, above) {

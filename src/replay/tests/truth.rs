@@ -10,8 +10,8 @@ use crate::truth::masks::{Label, TrueMask, TrueMasks};
 use crate::truth::mixture_score::of_mixture;
 
 /// The resulting masks of some frames as truth, with the first row ignored.
-fn masks_of(straight: &[ShownFrame]) -> Arc<TrueMasks> {
-    let masks = straight.iter().step_by(3).map(|shown| {
+fn masks_of(single_pass: &[ShownFrame]) -> Arc<TrueMasks> {
+    let masks = single_pass.iter().step_by(3).map(|shown| {
         let mask = &shown.analysis.mask;
         let label = |(at, &level): (usize, &u8)| match level {
             _ if at < WIDTH as usize => Label::Uncounted,
@@ -23,7 +23,7 @@ fn masks_of(straight: &[ShownFrame]) -> Arc<TrueMasks> {
     Arc::new(TrueMasks::new(masks.collect()).unwrap())
 }
 
-fn known(masks: &Arc<TrueMasks>) -> Arc<Truth> {
+fn truth_of_masks(masks: &Arc<TrueMasks>) -> Arc<Truth> {
     Arc::new(Truth { boxes: None, masks: Some(Arc::clone(masks)) })
 }
 
@@ -31,7 +31,7 @@ fn known(masks: &Arc<TrueMasks>) -> Arc<Truth> {
 fn masks_are_scored_and_shown_with_their_frames() {
     let folder = scene();
     let (a, b) = (settings(), compare::other());
-    let [of_a, of_b] = [&a, &b].map(|settings| straight(folder.path(), settings));
+    let [of_a, of_b] = [&a, &b].map(|settings| single_pass(folder.path(), settings));
     let truth = masks_of(&of_a);
     let decisions: Decisions = of_b
         .iter()
@@ -43,30 +43,31 @@ fn masks_are_scored_and_shown_with_their_frames() {
         .sum();
     assert!(decisions.fn_ > 100 && decisions.tp > 100, "{decisions:?}");
 
-    let watched = Watched::open(folder.path(), a.clone(), Start::First, 1 << 30);
-    watched.until_done();
-    watched.session.compare(a, Some(b));
-    watched.session.set_truth(Some(known(&truth)));
-    let state = watched.until(|state| {
-        let beside = state.compared.as_ref().is_some_and(|beside| beside.timeline.score.is_some());
-        beside && state.timeline.score.is_some() && state.shown.as_ref().unwrap().truth.is_some()
+    let watched = WatchedSession::open(folder.path(), a.clone(), Start::First, 1 << 30);
+    watched.wait_until_analysed();
+    watched.request(settings_request(a, Some(b)));
+    watched.request(Request::Truth(Some(truth_of_masks(&truth))));
+    let state = watched.wait_until(|state| {
+        let candidate = state.compared.as_ref().is_some_and(|candidate| candidate.timeline.score.is_some());
+        candidate && state.timeline.score.is_some() && state.shown.as_ref().unwrap().truth.is_some()
     });
     let score = |timeline: &Timeline| timeline.score.as_ref().unwrap().masks.unwrap();
     let of_view = score(&state.timeline);
     assert_eq!((of_view.f_measure, of_view.pwc, of_view.frames), (1.0, 0.0, 20));
     assert_eq!(score(&state.compared.unwrap().timeline), MaskScore::new(20, decisions));
-    assert_eq!(watched.shown(30).truth.as_ref(), truth.of(FIRST + 30));
-    assert_eq!(watched.shown(31).truth, None);
-    assert!(watched.shown(33).truth.is_some());
-    watched.session.set_truth(None);
-    watched.until(|state| state.shown.as_ref().unwrap().truth.is_none() && state.timeline.score.is_none());
+    assert_eq!(watched.show_and_wait(30).truth.as_ref(), truth.of(FIRST + 30));
+    assert_eq!(watched.show_and_wait(31).truth, None);
+    assert!(watched.show_and_wait(33).truth.is_some());
+    watched.request(Request::Truth(None));
+    watched
+        .wait_until(|state| state.shown.as_ref().unwrap().truth.is_none() && state.timeline.score.is_none());
 }
 
 #[test]
 fn a_region_is_scored_under_other_settings() {
     let folder = scene();
     let settings = settings();
-    let truth = masks_of(&straight(folder.path(), &settings));
+    let truth = masks_of(&single_pass(folder.path(), &settings));
     let frames: Vec<_> = (0..FRAMES).filter(|position| FIRST + position <= truth.last()).collect();
     let (columns, rows) = region_bounds(PIXEL, 9, Size::new(WIDTH, HEIGHT));
     let mut source = source::open(&name(folder.path()), Options::default()).unwrap();
@@ -75,14 +76,14 @@ fn a_region_is_scored_under_other_settings() {
     let labels: Vec<_> =
         part.iter().map(|frame| Some(truth.of(frame.number)?.cut(&columns, &rows))).collect();
 
-    let watched = Watched::open(folder.path(), settings.clone(), Start::First, 0);
-    watched.session.tune(Some([TunableSetting::K, TunableSetting::T]));
-    watched.session.tune_region(Some((PIXEL, 9)));
-    watched.session.set_truth(Some(known(&truth)));
+    let watched = WatchedSession::open(folder.path(), settings.clone(), Start::First, 0);
+    watched.request(Request::Tune(Some([TunableSetting::K, TunableSetting::T])));
+    watched.request(Request::TuneRegion(Some((PIXEL, 9))));
+    watched.request(Request::Truth(Some(truth_of_masks(&truth))));
     let tuned = |settings: &Settings| {
         let learnt = FRAMES.min(decoded(folder.path(), settings).2 as u32);
         let parameters = Parameters { learnt, ..Parameters::new(settings) };
-        let state = watched.until(|state| {
+        let state = watched.wait_until(|state| {
             state.region_tuning.as_ref().is_some_and(|tuning| tuning.parameters == parameters)
         });
         let tuning = state.region_tuning.unwrap();
@@ -92,27 +93,27 @@ fn a_region_is_scored_under_other_settings() {
     };
     let first = tuned(&settings);
     assert!(first.present.all() == 20 * 81 && first.present.tp > 50, "{:?}", first.present);
-    watched.session.set_settings(compare::other());
+    watched.request(settings_request(compare::other(), None));
     assert_ne!(tuned(&compare::other()).present, first.present);
     // Each one after the result of the previous one.
     for side in [1, 3, 5, 1, 3] {
-        watched.session.tune_region(Some((PIXEL, side)));
-        watched.until(|state| state.region_tuning.as_ref().is_some_and(|tuning| tuning.side == side));
+        watched.request(Request::TuneRegion(Some((PIXEL, side))));
+        watched.wait_until(|state| state.region_tuning.as_ref().is_some_and(|tuning| tuning.side == side));
     }
-    watched.session.tune_region(None);
-    watched.session.set_truth(None);
-    watched.until(|state| state.region_tuning.is_none());
+    watched.request(Request::TuneRegion(None));
+    watched.request(Request::Truth(None));
+    watched.wait_until(|state| state.region_tuning.is_none());
 }
 
 #[test]
 fn masks_of_another_size_are_refused_with_a_warning() {
     let folder = scene();
-    let watched = Watched::open(folder.path(), settings(), Start::First, 1 << 30);
+    let watched = WatchedSession::open(folder.path(), settings(), Start::First, 1 << 30);
     let mask = TrueMask::of_identities(Size::new(4, 3), &[1; 12]);
     let masks = Arc::new(TrueMasks::new(BTreeMap::from([(FIRST, Arc::new(mask))])).unwrap());
-    watched.session.set_truth(Some(known(&masks)));
-    let state = watched.until(|state| !state.warnings.is_empty());
+    watched.request(Request::Truth(Some(truth_of_masks(&masks))));
+    let state = watched.wait_until(|state| !state.warnings.is_empty());
     assert!(state.warnings[0].contains("4×3") && state.warnings[0].contains("96×64"), "{:?}", state.warnings);
-    let state = watched.until_done();
+    let state = watched.wait_until_analysed();
     assert_eq!(state.shown.unwrap().truth, None);
 }

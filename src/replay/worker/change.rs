@@ -2,13 +2,24 @@
 
 use std::sync::Arc;
 
-use super::{StartTarget, StopReason, Worker};
+use super::{StopReason, Worker};
 use crate::regions::Roi;
-use crate::replay::analysis_pass::AnalysisPass;
-use crate::replay::compared_pass::ComparedPass;
-use crate::replay::{Phase, ShownFrame};
+use crate::replay::published::{Phase, ShownFrame};
+use crate::replay::tasks::analyse::PassInputs;
+use crate::replay::tasks::analyse::analysis_pass::AnalysisPass;
+use crate::replay::tasks::analyse::compared_pass::ComparedPass;
 use crate::settings::{Settings, Stage};
 use crate::truth::Truth;
+
+/// What decides which stages run again.
+pub(super) struct SettingsChange {
+    /// The settings in view.
+    pub(super) in_view: Settings,
+    /// The candidate settings to compare with them.
+    pub(super) candidate: Option<Settings>,
+    /// The region of interest; `None` for the whole image.
+    pub(super) roi: Option<Arc<Roi>>,
+}
 
 impl Worker<'_> {
     /// Sets the ground truth, without masks if they have another size than the frames.
@@ -33,29 +44,26 @@ impl Worker<'_> {
         self.region_tuner.set_truth(masks);
         self.publish_region_tuning();
         (self.outbox.timeline_grew, self.outbox.compared_grew) = (true, true);
-        if let Some(shown) = self.shown.clone() {
+        if let Some(shown) = self.view.shown.clone() {
             self.show(ShownFrame::clone(&shown));
         }
     }
 
-    /// Cancels seeking: the frame in view stays, or the last analysed frame under new settings.
-    pub(super) fn cancel_seek(&mut self) {
-        self.start_target = None;
-        if let Some(shown) = &self.shown {
-            self.target_position = shown.position.min(self.pass.model.front().saturating_sub(1));
+    /// The present settings and region of interest.
+    pub(super) fn present_settings(&self) -> SettingsChange {
+        SettingsChange {
+            in_view: Settings::clone(self.pass.settings()),
+            candidate: self.compared.settings.clone(),
+            roi: self.pass.model.roi().cloned(),
         }
     }
 
     /// Applies other settings in view and compared, or another region of interest, and restarts the affected stages.
-    pub(super) fn apply_settings(
-        &mut self,
-        settings: Settings,
-        roi: Option<Arc<Roi>>,
-        beside: Option<Settings>,
-    ) -> Result<(), StopReason> {
-        let beside = self.comparable(beside);
-        let differs = self.pass.first_difference(&settings, roi.as_ref()).is_some();
-        if !differs && !self.stopped && beside == self.compared.settings {
+    pub(super) fn apply_settings(&mut self, change: SettingsChange) -> Result<(), StopReason> {
+        let SettingsChange { in_view, candidate, roi } = change;
+        let candidate = self.comparable(candidate);
+        let differs = self.pass.first_difference(&in_view, roi.as_ref()).is_some();
+        if !differs && !self.stopped && candidate == self.compared.settings {
             return Ok(());
         }
         if self.stopped {
@@ -66,37 +74,33 @@ impl Worker<'_> {
             self.counterfactual_task.set_event(None);
             self.publish_counterfactual();
         }
-        self.compared.settings = beside;
+        self.compared.settings = candidate;
         if differs || self.stopped {
-            self.change_view(settings, roi.clone())?;
+            self.change_view(in_view, roi.clone())?;
         }
         self.change_compared(roi)
     }
 
     /// The settings to compare, if possible: a live source's frames come once and only some are cached, which is not
     /// enough for two passes.
-    pub(super) fn comparable(&mut self, beside: Option<Settings>) -> Option<Settings> {
-        let refused = beside.is_some() && self.info.live;
+    fn comparable(&mut self, candidate: Option<Settings>) -> Option<Settings> {
+        let refused = candidate.is_some() && self.info.live;
         if refused && !std::mem::replace(&mut self.outbox.warned.live, true) {
             self.outbox.warnings.push(format!(
                 "two settings cannot be compared on the live source {}; record it first",
                 self.info.name
             ));
         }
-        beside.filter(|_| !refused)
+        candidate.filter(|_| !refused)
     }
 
     /// Makes other settings those in view.
-    pub(super) fn change_view(
-        &mut self,
-        settings: Settings,
-        roi: Option<Arc<Roi>>,
-    ) -> Result<(), StopReason> {
+    fn change_view(&mut self, settings: Settings, roi: Option<Arc<Roi>>) -> Result<(), StopReason> {
         // The pixel first: its history over all frames takes a millisecond.
         self.pass.pixel_follower.choose(self.pixel, &settings, &self.info);
         self.publish_pixel();
         self.pins.run_again(&settings, &self.info);
-        self.region_tuner.register(&settings);
+        self.region_tuner.set_settings(&settings, &self.info);
         self.region.forget();
         self.outbox.pixel_grew = true;
         let budget = self.budget();
@@ -114,7 +118,7 @@ impl Worker<'_> {
                 self.pass.restart_at(stage, settings, roi)?;
             }
             _ => {
-                let mut pass = AnalysisPass::new(settings, roi, &self.info, budget)?;
+                let mut pass = AnalysisPass::new(self.inputs(settings, roi, budget))?;
                 pass.pixel_follower = std::mem::take(&mut self.pass.pixel_follower);
                 let old = std::mem::replace(&mut self.pass, pass);
                 if self.compared.is(old.settings()) && !self.stopped {
@@ -133,9 +137,7 @@ impl Worker<'_> {
             }
         }
         self.stopped = false;
-        if let Some(StartTarget::Occlusion(found)) = &mut self.start_target {
-            *found = None;
-        }
+        self.view.restart_search();
         // The timeline changes together with the view.
         self.outbox.analysed = 0;
         self.outbox.timeline_grew = true;
@@ -144,19 +146,19 @@ impl Worker<'_> {
     }
 
     /// Swaps the two passes if the compared one has the requested settings; returns whether it did.
-    pub(super) fn swap_with_compared(&mut self, settings: &Settings, roi: Option<&Arc<Roi>>) -> bool {
+    fn swap_with_compared(&mut self, settings: &Settings, roi: Option<&Arc<Roi>>) -> bool {
         let Some(pass) = &mut self.compared.pass else { return false };
-        let same = pass.first_difference(settings, roi).is_none() && !self.stopped;
-        if same {
+        let is_requested = pass.first_difference(settings, roi).is_none() && !self.stopped;
+        if is_requested {
             std::mem::swap(pass, &mut self.pass);
             pass.inspect(self.pixel);
             self.compared.shown = None;
         }
-        same
+        is_requested
     }
 
     /// Sets the settings of the compared pass.
-    pub(super) fn change_compared(&mut self, roi: Option<Arc<Roi>>) -> Result<(), StopReason> {
+    fn change_compared(&mut self, roi: Option<Arc<Roi>>) -> Result<(), StopReason> {
         let budget = self.budget();
         self.pass.model.set_budget(budget);
         self.outbox.compared_grew = true;
@@ -167,18 +169,20 @@ impl Worker<'_> {
             rayon::spawn(move || drop(given_up));
             return Ok(());
         };
-        let settings = Arc::new(settings);
+        let inputs = self.inputs(Arc::new(settings), roi, budget);
         match &mut self.compared.pass {
-            Some(pass) => match pass.first_difference(&settings, roi.as_ref()) {
+            Some(pass) => match pass.first_difference(&inputs.settings, inputs.roi.as_ref()) {
                 None => {}
-                Some(stage) if stage > Stage::Mixture => pass.restart_at(stage, settings, roi)?,
+                Some(stage) if stage > Stage::Mixture => {
+                    pass.restart_at(stage, inputs.settings, inputs.roi)?;
+                }
                 Some(_) => {
-                    let other = self.pass.fork_under(settings, roi, &self.info, budget)?;
+                    let other = self.pass.fork_under(inputs)?;
                     let old = std::mem::replace(pass, other);
                     rayon::spawn(move || drop(old));
                 }
             },
-            none => *none = Some(self.pass.fork_under(settings, roi, &self.info, budget)?),
+            none => *none = Some(self.pass.fork_under(inputs)?),
         }
         if let Some(pass) = &mut self.compared.pass {
             pass.model.set_budget(budget);
@@ -187,8 +191,13 @@ impl Worker<'_> {
         Ok(())
     }
 
+    /// The inputs of a pass through the session's source.
+    fn inputs(&self, settings: Arc<Settings>, roi: Option<Arc<Roi>>, budget: usize) -> PassInputs {
+        PassInputs { settings, roi, info: Arc::clone(&self.info), budget }
+    }
+
     /// The memory budget for checkpoints and the record of one pass.
-    pub(super) const fn budget(&self) -> usize {
+    const fn budget(&self) -> usize {
         if self.compared.settings.is_some() { self.model_budget / 2 } else { self.model_budget }
     }
 
@@ -207,13 +216,13 @@ impl Worker<'_> {
         ));
         self.frames.forget();
         let (settings, roi) = (Arc::clone(self.pass.settings()), self.pass.model.roi().cloned());
-        self.pass = AnalysisPass::new(settings, roi, &self.info, self.model_budget)?;
+        self.pass = AnalysisPass::new(self.inputs(settings, roi, self.model_budget))?;
         self.pass.inspect(self.pixel);
         self.pins.forget(self.pass.settings(), &self.info);
         self.region.forget();
-        self.tuner.forget();
+        self.pixel_tuner.forget();
         self.region_tuner.forget();
-        self.follow = true;
+        self.view.follow = true;
         Ok(())
     }
 }

@@ -5,7 +5,8 @@ use std::time::{Duration, Instant};
 
 use super::Worker;
 use crate::explain::pixel::PixelHistory;
-use crate::replay::{ComparedSequence, Progress, ShownFrame, Timeline, same};
+use crate::replay::is_same;
+use crate::replay::published::{ComparedSequence, ShownFrame, Timeline, WorkProgress};
 
 /// Least interval between two publications of growing results.
 const MIN_PUBLISH_INTERVAL: Duration = Duration::from_millis(100);
@@ -23,7 +24,7 @@ pub(super) struct Outbox {
     /// Number of analysed frames in the timeline published last.
     pub(super) analysed: u32,
     /// The last published progress.
-    busy: Option<Progress>,
+    busy: Option<WorkProgress>,
     published: Instant,
     publishing_took: Duration,
 }
@@ -57,8 +58,8 @@ impl Outbox {
 
 impl Worker<'_> {
     pub(super) fn publish_counterfactual(&self) {
-        let what_if = self.counterfactual_task.latest();
-        self.shared.publish(|state| state.counterfactual = what_if);
+        let counterfactual = self.counterfactual_task.latest();
+        self.shared.publish(|state| state.counterfactual = counterfactual);
     }
 
     pub(super) fn publish_region_tuning(&self) {
@@ -71,23 +72,23 @@ impl Worker<'_> {
         let truth =
             self.truth.as_ref().and_then(|truth| truth.masks.as_ref()?.of(shown.frame.number).cloned());
         let shown = Arc::new(ShownFrame { compared: self.compared.frame_for(&shown), truth, ..shown });
-        self.shown = Some(Arc::clone(&shown));
+        self.view.shown = Some(Arc::clone(&shown));
         let timeline = (shown.position >= self.outbox.analysed).then(|| self.timeline());
         // The compared sequence is published together with it.
-        let beside = (timeline.is_some() && self.outbox.compared_grew).then(|| self.compared_sequence());
+        let compared = (timeline.is_some() && self.outbox.compared_grew).then(|| self.compared_sequence());
         if shown.pixel.is_some() || self.pixel.is_none() {
             self.outbox.pixel.clone_from(&shown.pixel);
         }
-        let pixel = self.outbox.pixel.clone();
+        let (pixel, pixel_progress) = (self.outbox.pixel.clone(), self.pixel_progress());
         self.shared.publish(|state| {
             state.shown = Some(shown);
-            state.pixel = pixel;
+            (state.pixel, state.pixel_progress) = (pixel, pixel_progress);
             state.analysis_fps = self.speed_meter.frames_a_second();
             if let Some(timeline) = timeline {
                 state.timeline = timeline;
             }
-            if let Some(beside) = beside {
-                state.compared = beside;
+            if let Some(compared) = compared {
+                state.compared = compared;
             }
         });
     }
@@ -112,14 +113,14 @@ impl Worker<'_> {
     pub(super) fn show_pixel(&mut self) {
         let pixel = self.pass.pixel_follower.latest();
         // While the frame in view waits for new settings, it keeps the history of the old ones.
-        let shown = self.shown.as_ref().filter(|shown| {
+        let shown = self.view.shown.as_ref().filter(|shown| {
             Arc::ptr_eq(&shown.settings, self.pass.settings())
-                && !same(shown.pixel.as_ref(), pixel.as_ref())
+                && !is_same(shown.pixel.as_ref(), pixel.as_ref())
                 && pixel.as_ref().is_none_or(|history| history.states.len() as u32 > shown.position)
         });
         if let Some(shown) = shown {
             self.show(ShownFrame { pixel, ..ShownFrame::clone(shown) });
-        } else if !same(self.outbox.pixel.as_ref(), pixel.as_ref()) {
+        } else if !is_same(self.outbox.pixel.as_ref(), pixel.as_ref()) {
             self.publish_pixel();
         }
     }
@@ -128,7 +129,15 @@ impl Worker<'_> {
     pub(super) fn publish_pixel(&mut self) {
         let pixel = self.pass.pixel_follower.latest();
         self.outbox.pixel.clone_from(&pixel);
-        self.shared.publish(|state| state.pixel = pixel);
+        let pixel_progress = self.pixel_progress();
+        self.shared.publish(|state| (state.pixel, state.pixel_progress) = (pixel, pixel_progress));
+    }
+
+    /// How far the chosen pixel has been followed, while its history does not cover the frame in view.
+    fn pixel_progress(&self) -> Option<WorkProgress> {
+        let shown = self.view.shown.as_ref()?;
+        let (done, total) = self.pass.pixel_follower.progress_to(shown.position)?;
+        Some(WorkProgress { what: "computing pixel history".to_owned(), done, total: Some(total) })
     }
 
     /// Publishes new results at a limited rate, and everything before the worker sleeps.
@@ -149,21 +158,23 @@ impl Worker<'_> {
         let started = Instant::now();
         // While the frame in view waits for new settings, so does the timeline.
         let view_lags =
-            self.shown.as_ref().is_some_and(|shown| !Arc::ptr_eq(&shown.settings, self.pass.settings()));
+            self.view.shown.as_ref().is_some_and(|shown| !Arc::ptr_eq(&shown.settings, self.pass.settings()));
         let timeline = (self.outbox.timeline_grew && !view_lags).then(|| self.timeline());
-        let beside = (self.outbox.compared_grew && !view_lags).then(|| self.compared_sequence());
+        let compared = (self.outbox.compared_grew && !view_lags).then(|| self.compared_sequence());
         let new_warnings = std::mem::take(&mut self.outbox.warnings);
         self.show_pixel();
-        let around = (Arc::new(self.pins.latest()), self.region.latest());
+        let (pins, region) = (Arc::new(self.pins.latest()), self.region.latest());
+        let pixel_progress = self.pixel_progress();
         let lost = self.pass.pixel_follower.lost().into_iter().chain(self.pins.lost()).collect();
         self.shared.publish(|state| {
-            (state.pins, state.region) = around;
+            (state.pins, state.region) = (pins, region);
+            state.pixel_progress = pixel_progress;
             state.lost = lost;
             if let Some(timeline) = timeline {
                 state.timeline = timeline;
             }
-            if let Some(beside) = beside {
-                state.compared = beside;
+            if let Some(compared) = compared {
+                state.compared = compared;
             }
             if !new_warnings.is_empty() {
                 Arc::make_mut(&mut state.warnings).extend(new_warnings);

@@ -6,9 +6,10 @@ use std::sync::atomic::{AtomicU32, Ordering};
 use super::*;
 use crate::frame::Frame;
 use crate::occlusion::EventKind;
+use crate::replay::published::ShownFrame;
 use crate::replay::tests::{
-    FIRST, FRAMES, HEIGHT, LEARNT, PIXEL, WIDTH, assert_same, half, name, scene, settings, straight,
-    straight_within,
+    FIRST, FRAMES, HEIGHT, LEARNT, PIXEL, WIDTH, assert_same, half_roi, name, scene, settings, single_pass,
+    single_pass_within,
 };
 use crate::settings::{BackgroundModel, Span};
 use crate::source::{Options, Source};
@@ -27,14 +28,14 @@ fn shared() -> Shared {
     Shared::new(|| {})
 }
 
-fn done<T>(result: Result<T, StopReason>) -> T {
+fn succeed<T>(result: Result<T, StopReason>) -> T {
     result.map_err(|StopReason(why)| why).unwrap()
 }
 
 /// A worker that executes steps on demand.
 fn worker<'a>(shared: &'a Shared, video: &Path, settings: Settings) -> Worker<'a> {
     let video = name(video);
-    done(Worker::open(
+    succeed(Worker::open(
         shared,
         || FrameCache::open(&video, Options::default(), ROOM),
         (settings, None),
@@ -43,29 +44,25 @@ fn worker<'a>(shared: &'a Shared, video: &Path, settings: Settings) -> Worker<'a
     ))
 }
 
-fn ask(worker: &mut Worker<'_>, change: impl FnOnce(&mut Requests)) {
-    let mut requests = Requests::default();
-    change(&mut requests);
-    done(worker.apply_requests(requests));
+fn request(worker: &mut Worker<'_>, request: Request) {
+    succeed(worker.apply_requests(vec![request]));
 }
 
-fn compare(worker: &mut Worker<'_>, settings: Settings, beside: Option<Settings>) {
-    ask(worker, |requests| {
-        requests.settings = Some(settings);
-        requests.compared = Some(session::CompareRequest(beside));
-    });
+fn compare(worker: &mut Worker<'_>, settings: Settings, candidate: Option<Settings>) {
+    let (in_view, candidate) = (Box::new(settings), candidate.map(Box::new));
+    request(worker, Request::Settings { in_view, candidate });
 }
 
 fn show(worker: &mut Worker<'_>, position: u32) {
-    ask(worker, |requests| requests.show = Some(position));
+    request(worker, Request::Show(position));
 }
 
 /// Works until nothing is left, or `enough` holds.
 fn work_until(worker: &mut Worker<'_>, mut enough: impl FnMut(&Worker<'_>) -> bool) {
-    while !enough(worker) && done(worker.work_once()) {}
+    while !enough(worker) && succeed(worker.work_once()) {}
 }
 
-fn rest(worker: &mut Worker<'_>) {
+fn work_until_idle(worker: &mut Worker<'_>) {
     work_until(worker, |_| false);
     worker.publish_in_time(true);
 }
@@ -75,10 +72,10 @@ fn compared<'a>(worker: &'a Worker<'_>) -> &'a AnalysisPass {
 }
 
 /// Both timelines, and some of the frames of both, are equal to those of a single pass.
-fn assert_both(worker: &mut Worker<'_>, expected: &[Vec<ShownFrame>; 2]) {
-    rest(worker);
+fn assert_both_passes(worker: &mut Worker<'_>, expected: &[Vec<ShownFrame>; 2]) {
+    work_until_idle(worker);
     for (pass, expected) in [(&worker.pass, &expected[0]), (compared(worker), &expected[1])] {
-        assert_eq!(pass.model.front(), FRAMES);
+        assert_eq!(pass.model.analysed(), FRAMES);
         for shown in expected {
             let analysis = pass.model.analysis(shown.position).unwrap();
             assert!(analysis.mask == shown.analysis.mask && analysis.tracks == shown.analysis.tracks);
@@ -86,8 +83,8 @@ fn assert_both(worker: &mut Worker<'_>, expected: &[Vec<ShownFrame>; 2]) {
     }
     for position in [59, 3, 40, 33, 58] {
         show(worker, position);
-        rest(worker);
-        let shown = worker.shown.clone().unwrap();
+        work_until_idle(worker);
+        let shown = worker.view.shown.clone().unwrap();
         assert_same(&shown, &expected[0][position as usize]);
         assert_same(shown.compared.as_ref().unwrap(), &expected[1][position as usize]);
     }
@@ -97,15 +94,15 @@ fn assert_both(worker: &mut Worker<'_>, expected: &[Vec<ShownFrame>; 2]) {
 fn the_compared_pass_can_be_stopped() {
     let (folder, shared) = (scene(), shared());
     let mut worker = worker(&shared, folder.path(), settings());
-    rest(&mut worker);
+    work_until_idle(&mut worker);
     compare(&mut worker, settings(), Some(other()));
-    work_until(&mut worker, |worker| compared(worker).model.front() > 0);
-    ask(&mut worker, |requests| requests.analyse_ahead = Some(false));
-    rest(&mut worker);
-    assert!(compared(&worker).model.front() < FRAMES / 2, "only the frame in view is analysed");
-    ask(&mut worker, |requests| requests.analyse_ahead = Some(true));
-    rest(&mut worker);
-    assert_eq!(compared(&worker).model.front(), FRAMES);
+    work_until(&mut worker, |worker| compared(worker).model.analysed() > 0);
+    request(&mut worker, Request::AnalyseAhead(false));
+    work_until_idle(&mut worker);
+    assert!(compared(&worker).model.analysed() < FRAMES / 2, "only the frame in view is analysed");
+    request(&mut worker, Request::AnalyseAhead(true));
+    work_until_idle(&mut worker);
+    assert_eq!(compared(&worker).model.analysed(), FRAMES);
 }
 
 #[test]
@@ -113,51 +110,54 @@ fn a_region_of_interest_does_not_run_the_model_again_while_both_settings_are_equ
     let (folder, shared) = (scene(), shared());
     let mut worker = worker(&shared, folder.path(), settings());
     compare(&mut worker, settings(), Some(settings()));
-    rest(&mut worker);
-    ask(&mut worker, |requests| requests.roi = Some(RoiRequest(Some(half(true)))));
-    assert_eq!((worker.pass.model.modelled(), worker.pass.model.front()), (FRAMES, 0));
+    work_until_idle(&mut worker);
+    request(&mut worker, Request::Roi(Some(half_roi(true))));
+    assert_eq!((worker.pass.model.classified(), worker.pass.model.analysed()), (FRAMES, 0));
     assert!(worker.compared.pass.is_none());
-    rest(&mut worker);
-    let expected = straight_within(folder.path(), &settings(), Some(&half(true)));
+    work_until_idle(&mut worker);
+    let expected = single_pass_within(folder.path(), &settings(), Some(&half_roi(true)));
     for shown in &expected {
         let analysis = worker.pass.model.analysis(shown.position).unwrap();
         assert!(analysis.mask == shown.analysis.mask && analysis.tracks == shown.analysis.tracks);
     }
-    assert_same(worker.shown.as_ref().unwrap(), &expected[0]);
+    assert_same(worker.view.shown.as_ref().unwrap(), &expected[0]);
 }
 
 #[test]
 fn a_setting_of_a_later_stage_does_not_run_the_model_again() {
     let folder = scene();
     for late in [Settings { gate: 0.9, ..settings() }, Settings { median: 0, min_area: 3, ..settings() }] {
-        let expected = [&late, &settings()].map(|settings| straight(folder.path(), settings));
+        let expected = [&late, &settings()].map(|settings| single_pass(folder.path(), settings));
         // Once when half is analysed, and once when all is.
         for analysed in [20, FRAMES] {
             let shared = shared();
             let mut worker = worker(&shared, folder.path(), settings());
-            ask(&mut worker, |requests| requests.inspect = Some(PixelRequest(Some(PIXEL))));
-            work_until(&mut worker, |worker| worker.pass.model.front() >= analysed);
-            let modelled = worker.pass.model.modelled();
-            assert!(modelled >= analysed && (modelled < FRAMES) == (analysed < FRAMES));
+            request(&mut worker, Request::Inspect(Some(PIXEL)));
+            work_until(&mut worker, |worker| worker.pass.model.analysed() >= analysed);
+            let classified = worker.pass.model.classified();
+            assert!(classified >= analysed && (classified < FRAMES) == (analysed < FRAMES));
             compare(&mut worker, settings(), Some(settings()));
             compare(&mut worker, late.clone(), Some(settings()));
-            assert_eq!((worker.pass.model.modelled(), worker.pass.model.front()), (modelled, 0));
+            assert_eq!((worker.pass.model.classified(), worker.pass.model.analysed()), (classified, 0));
             let before = &compared(&worker).model;
             assert_eq!(
-                (before.modelled(), before.front()),
-                (modelled, modelled),
+                (before.classified(), before.analysed()),
+                (classified, classified),
                 "the analysed frames are kept"
             );
-            assert_both(&mut worker, &expected);
+            assert_both_passes(&mut worker, &expected);
         }
         // The same for the compared settings.
         let shared = shared();
         let mut worker = worker(&shared, folder.path(), settings());
-        work_until(&mut worker, |worker| worker.pass.model.front() >= 20);
-        let modelled = worker.pass.model.modelled();
+        work_until(&mut worker, |worker| worker.pass.model.analysed() >= 20);
+        let classified = worker.pass.model.classified();
         compare(&mut worker, settings(), Some(late));
-        assert_eq!((compared(&worker).model.modelled(), compared(&worker).model.front()), (modelled, 0));
-        assert_both(&mut worker, &[expected[1].clone(), expected[0].clone()]);
+        assert_eq!(
+            (compared(&worker).model.classified(), compared(&worker).model.analysed()),
+            (classified, 0)
+        );
+        assert_both_passes(&mut worker, &[expected[1].clone(), expected[0].clone()]);
     }
 }
 
@@ -166,13 +166,13 @@ fn a_model_that_cannot_be_copied_runs_again_for_the_compared_pass_only() {
     let (folder, shared) = (scene(), shared());
     let knn = Settings { background_model: BackgroundModel::Knn, ..settings() };
     let late = Settings { gate: 0.9, ..knn.clone() };
-    let expected = [&late, &knn].map(|settings| straight(folder.path(), settings));
+    let expected = [&late, &knn].map(|settings| single_pass(folder.path(), settings));
     let mut worker = worker(&shared, folder.path(), knn.clone());
-    rest(&mut worker);
+    work_until_idle(&mut worker);
     compare(&mut worker, knn.clone(), Some(knn.clone()));
     compare(&mut worker, late, Some(knn));
-    assert_eq!((worker.pass.model.modelled(), compared(&worker).model.modelled()), (FRAMES, 0));
-    assert_both(&mut worker, &expected);
+    assert_eq!((worker.pass.model.classified(), compared(&worker).model.classified()), (FRAMES, 0));
+    assert_both_passes(&mut worker, &expected);
 }
 
 #[test]
@@ -181,9 +181,9 @@ fn the_settings_in_view_are_never_compared_with_themselves() {
     let mut worker = worker(&shared, folder.path(), settings());
     compare(&mut worker, settings(), Some(other()));
     show(&mut worker, 30);
-    rest(&mut worker);
-    for (in_view, beside) in [(other(), settings()), (settings(), other()), (other(), settings())] {
-        compare(&mut worker, in_view.clone(), Some(beside.clone()));
+    work_until_idle(&mut worker);
+    for (in_view, candidate) in [(other(), settings()), (settings(), other()), (other(), settings())] {
+        compare(&mut worker, in_view.clone(), Some(candidate.clone()));
         let mut pieces = 0;
         loop {
             worker.publish_in_time(true);
@@ -191,14 +191,14 @@ fn the_settings_in_view_are_never_compared_with_themselves() {
             let now = state.compared.unwrap();
             assert_ne!(now.settings, state.shown.as_ref().unwrap().settings, "after {pieces} pieces");
             pieces += 1;
-            if !done(worker.work_once()) {
+            if !succeed(worker.work_once()) {
                 break;
             }
         }
         let state = shared.state();
         assert_eq!(
             (&*state.shown.unwrap().settings, &*state.compared.unwrap().settings),
-            (&in_view, &beside)
+            (&in_view, &candidate)
         );
     }
 }
@@ -207,40 +207,40 @@ fn the_settings_in_view_are_never_compared_with_themselves() {
 fn the_status_names_the_current_work() {
     let (folder, shared) = (scene(), shared());
     let mut worker = worker(&shared, folder.path(), settings());
-    rest(&mut worker);
+    work_until_idle(&mut worker);
     let timeline = shared.state().timeline;
     let (_, merge) =
         timeline.events.iter().find(|(_, event)| event.kind == EventKind::Merge).unwrap().clone();
-    let going_back = |worker: &Worker<'_>| {
+    let is_seeking = |worker: &Worker<'_>| {
         worker.busy.as_ref().is_some_and(|busy| busy.what.starts_with("computing frame"))
     };
     show(&mut worker, 20);
-    work_until(&mut worker, going_back);
-    assert!(going_back(&worker));
-    ask(&mut worker, |requests| requests.explain = Some(ExplainRequest(Some(merge))));
-    let mut told = Vec::new();
+    work_until(&mut worker, is_seeking);
+    assert!(is_seeking(&worker));
+    request(&mut worker, Request::Explain(Some(Box::new(merge))));
+    let mut statuses = Vec::new();
     work_until(&mut worker, |worker| {
         if worker.counterfactual_task.latest().is_some_and(|answer| !answer.done) {
-            told.push(worker.busy.clone().unwrap());
+            statuses.push(worker.busy.clone().unwrap());
         }
         false
     });
-    assert!(!told.is_empty());
-    for busy in &told {
+    assert!(!statuses.is_empty());
+    for busy in &statuses {
         assert_eq!(busy.what, "computing counterfactuals");
         assert!(busy.total.is_some_and(|total| busy.done <= total && total > 0), "{busy:?}");
     }
 
     show(&mut worker, 7);
-    work_until(&mut worker, going_back);
-    assert!(going_back(&worker));
+    work_until(&mut worker, is_seeking);
+    assert!(is_seeking(&worker));
     let truth = Truth { boxes: Some(Boxes::new()), masks: None };
-    ask(&mut worker, |requests| requests.truth = Some(TruthRequest(Some(Arc::new(truth)))));
+    request(&mut worker, Request::Truth(Some(Arc::new(truth))));
     while !worker.is_view_current() {
-        assert!(done(worker.work_once()));
+        assert!(succeed(worker.work_once()));
     }
     assert!(
-        done(worker.work_once()) && worker.busy.is_none(),
+        succeed(worker.work_once()) && worker.busy.is_none(),
         "scoring does not seek back: {:?}",
         worker.busy
     );
@@ -250,40 +250,40 @@ fn the_status_names_the_current_work() {
 fn scores_are_against_the_newest_truth() {
     let (folder, shared) = (scene(), shared());
     let mut worker = worker(&shared, folder.path(), settings());
-    rest(&mut worker);
+    work_until_idle(&mut worker);
     let truths = [0, 1, 2].map(|count| {
         let boxes = (0..count).map(|at| (FIRST + 20 + at, [(1, Bounds([34.0, 26.0, 9.0, 14.0]))].into()));
         Some(Arc::new(Truth { boxes: Some(boxes.collect()), masks: None }))
     });
-    let mut ask_for = |truth: &Option<Arc<Truth>>, pieces: bool| {
-        ask(&mut worker, |requests| requests.truth = Some(TruthRequest(truth.clone())));
+    let mut score_against = |truth: &Option<Arc<Truth>>, pieces: bool| {
+        request(&mut worker, Request::Truth(truth.clone()));
         if pieces {
-            done(worker.work_once());
+            succeed(worker.work_once());
         } else {
-            rest(&mut worker);
+            work_until_idle(&mut worker);
         }
         shared.state().timeline.score.clone()
     };
-    let alone = truths.each_ref().map(|truth| ask_for(truth, false).unwrap());
+    let alone = truths.each_ref().map(|truth| score_against(truth, false).unwrap());
     assert!(alone[0] != alone[1] && alone[1] != alone[2] && alone[0] != alone[2]);
     for last in [1, 0, 2, 1, 2] {
         for at in 0..truths.len() {
             // Another truth is requested before the score is available, or just as it becomes available.
-            ask_for(&truths[(last + 1 + at) % truths.len()], true);
+            score_against(&truths[(last + 1 + at) % truths.len()], true);
         }
-        assert_eq!(ask_for(&truths[last], false).as_ref(), Some(&alone[last]));
+        assert_eq!(score_against(&truths[last], false).as_ref(), Some(&alone[last]));
     }
 }
 
 /// The decoded scene, with a count of decoded frames.
-struct Counted {
+struct CountingSource {
     info: SourceInfo,
     frames: Arc<Vec<Arc<Frame>>>,
     next: usize,
     decoded: Arc<AtomicU32>,
 }
 
-impl Source for Counted {
+impl Source for CountingSource {
     fn info(&self) -> &SourceInfo {
         &self.info
     }
@@ -303,7 +303,7 @@ impl Source for Counted {
 #[test]
 fn frames_are_decoded_once_for_both_passes() {
     let folder = scene();
-    let expected = [&settings(), &other()].map(|settings| straight(folder.path(), settings));
+    let expected = [&settings(), &other()].map(|settings| single_pass(folder.path(), settings));
     let frames: Arc<Vec<_>> = Arc::new(expected[0].iter().map(|shown| Arc::clone(&shown.frame)).collect());
     for room in [1000, 24, 0] {
         let decoded = Arc::new(AtomicU32::new(0));
@@ -318,13 +318,13 @@ fn frames_are_decoded_once_for_both_passes() {
         };
         let open = move || -> Result<Box<dyn Source>, SourceError> {
             let (info, frames, decoded) = (info.clone(), Arc::clone(&frames), Arc::clone(&count));
-            Ok(Box::new(Counted { info, frames, next: 0, decoded }))
+            Ok(Box::new(CountingSource { info, frames, next: 0, decoded }))
         };
         let cache = || FrameCache::new(open, room * FRAME_BYTES);
         let shared = shared();
-        let mut worker = done(Worker::open(&shared, cache, (settings(), None), Start::First, ROOM));
+        let mut worker = succeed(Worker::open(&shared, cache, (settings(), None), Start::First, ROOM));
         compare(&mut worker, settings(), Some(other()));
-        rest(&mut worker);
+        work_until_idle(&mut worker);
         // Frames that were learned from and not cached are decoded again, for each of both passes where nothing is
         // cached.
         let again = decoded.swap(0, Ordering::Relaxed) - FRAMES;
@@ -335,17 +335,32 @@ fn frames_are_decoded_once_for_both_passes() {
         };
         assert!(again <= most, "room for {room}: {again}");
         // A pixel that is chosen later needs at most one more pass.
-        ask(&mut worker, |requests| requests.inspect = Some(PixelRequest(Some(PIXEL))));
-        rest(&mut worker);
+        request(&mut worker, Request::Inspect(Some(PIXEL)));
+        work_until_idle(&mut worker);
         let again = decoded.load(Ordering::Relaxed);
         assert!(again <= FRAMES, "room for {room}: {again}");
-        let shown = worker.shown.clone().unwrap();
+        let shown = worker.view.shown.clone().unwrap();
         for (shown, expected) in [&shown, shown.compared.as_ref().unwrap()].into_iter().zip(&expected) {
-            let (history, straight) = (shown.pixel.as_ref().unwrap(), expected.last().unwrap());
-            assert_eq!(Some(history), straight.pixel.as_ref());
+            let (history, single_pass) = (shown.pixel.as_ref().unwrap(), expected.last().unwrap());
+            assert_eq!(Some(history), single_pass.pixel.as_ref());
         }
-        assert_eq!(compared(&worker).model.front(), FRAMES);
+        assert_eq!(compared(&worker).model.analysed(), FRAMES);
     }
+}
+
+#[test]
+fn the_progress_of_a_pixel_is_published_until_its_history_covers_the_frame_in_view() {
+    let (folder, shared) = (scene(), shared());
+    let mut worker = worker(&shared, folder.path(), settings());
+    show(&mut worker, 40);
+    work_until_idle(&mut worker);
+    assert_eq!(shared.state().pixel_progress, None);
+    request(&mut worker, Request::Inspect(Some(PIXEL)));
+    let progress = shared.state().pixel_progress.unwrap();
+    assert_eq!((progress.done, progress.total), (0, Some(41)), "the first frames up to position 40");
+    work_until_idle(&mut worker);
+    let state = shared.state();
+    assert!(state.pixel_progress.is_none() && state.shown.unwrap().pixel.is_some());
 }
 
 #[test]
@@ -356,7 +371,7 @@ fn new_results_are_published_once() {
         counted.fetch_add(1, Ordering::Relaxed);
     });
     let mut worker = worker(&shared, folder.path(), settings());
-    rest(&mut worker);
+    work_until_idle(&mut worker);
     (worker.outbox.timeline_grew, worker.outbox.pixel_grew) = (true, true);
     count.store(0, Ordering::Relaxed);
     for _ in 0..3 {

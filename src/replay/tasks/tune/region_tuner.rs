@@ -1,27 +1,21 @@
-//! Accuracy of the mixture in a region under other settings, in short steps.
+//! Collects a region of all frames, and tunes the mixture in it.
 
 use std::ops::Range;
 use std::sync::Arc;
 
-use rayon::prelude::*;
-
-use super::frame_consumer::FrameConsumer;
-use super::{RegionTuning, region_bounds};
-use crate::explain::tuning::{SettingAxis, TunableSetting, grid};
+use crate::explain::tuning::{RegionTuning, RegionTuningQuery, StepwiseRegionTuning, TunableSetting};
 use crate::frame::{Frame, Size};
 use crate::mixture::Parameters;
 use crate::registration::{CorrectionChoice, corrected};
+use crate::replay::region_bounds;
+use crate::replay::tasks::gather::frame_consumer::FrameConsumer;
 use crate::settings::{BackgroundModel, Settings};
-use crate::truth::decisions::Decisions;
+use crate::source::SourceInfo;
 use crate::truth::masks::{TrueMask, TrueMasks};
-use crate::truth::mixture_score::of_mixture;
-
-/// Largest number of values, over all runs, in one step of some milliseconds.
-const MAX_VALUES_PER_STEP: usize = 1_000_000;
 
 /// Computes a [`RegionTuning`] and stores the last one.
 #[derive(Default)]
-pub(super) struct RegionTuner {
+pub(crate) struct RegionTuner {
     region: Option<RegionFrames>,
     /// Number of first frames that are learned from before classification.
     to_learn: u32,
@@ -29,7 +23,7 @@ pub(super) struct RegionTuner {
     registration: CorrectionChoice,
     knobs: Option<[TunableSetting; 2]>,
     truth: Option<Arc<TrueMasks>>,
-    job: Option<RegionTuningJob>,
+    current: Option<StepwiseRegionTuning>,
     done: Option<(RegionTuningQuery, Arc<RegionTuning>)>,
 }
 
@@ -42,76 +36,60 @@ struct RegionFrames {
     frames: Vec<Frame>,
 }
 
-/// The inputs of a tuning.
-#[derive(Clone, PartialEq)]
-struct RegionTuningQuery {
-    at: (u32, u32),
-    side: u32,
-    knobs: [TunableSetting; 2],
-    parameters: Parameters,
-    frames: usize,
-}
-
-/// A [`RegionTuning`] in progress.
-struct RegionTuningJob {
-    query: RegionTuningQuery,
-    axes: [SettingAxis; 2],
-    truth: Vec<Option<TrueMask>>,
-    /// The present parameters, then those of each cell.
-    runs: Vec<Parameters>,
-    decisions: Vec<Decisions>,
+impl RegionFrames {
+    /// The true masks of the region in each of its frames.
+    fn true_masks(&self, truth: &TrueMasks) -> Vec<Option<TrueMask>> {
+        let masks = self.frames.iter().map(|frame| truth.of(frame.number));
+        masks.map(|mask| mask.map(|mask| mask.cut(&self.columns, &self.rows))).collect()
+    }
 }
 
 impl RegionTuner {
     /// Chooses a region of an image of `size` by its centre and side, or none.
-    pub(super) fn choose(&mut self, region: Option<((u32, u32), u32)>, size: Size) {
+    pub(crate) fn choose(&mut self, region: Option<((u32, u32), u32)>, size: Size) {
         let region = region.filter(|&((x, y), _)| size.index(x, y).is_some());
         if self.region.as_ref().map(|region| (region.at, region.side)) != region {
             self.region = region.map(|(at, side)| {
                 let (columns, rows) = region_bounds(at, side, size);
                 RegionFrames { at, side, columns, rows, frames: Vec::new() }
             });
-            (self.job, self.done) = (None, None);
+            (self.current, self.done) = (None, None);
         }
     }
 
-    /// Applies the correction in the settings; drops frames collected under another one.
-    pub(super) fn register(&mut self, settings: &Settings) {
+    /// Applies the settings; drops frames collected under another correction.
+    pub(crate) fn set_settings(&mut self, settings: &Settings, info: &SourceInfo) {
+        self.to_learn = info.bootstrap(settings);
         let registration = CorrectionChoice::new(settings);
         if registration != self.registration {
             self.registration = registration;
             if let Some(region) = &mut self.region {
                 region.frames.clear();
             }
-            (self.job, self.done) = (None, None);
+            (self.current, self.done) = (None, None);
         }
     }
 
     /// Chooses the two settings of the grid; `None` for no grid.
-    pub(super) const fn tune(&mut self, knobs: Option<[TunableSetting; 2]>) {
+    pub(crate) const fn tune(&mut self, knobs: Option<[TunableSetting; 2]>) {
         self.knobs = knobs;
     }
 
-    /// Sets the number of first frames that are learned from.
-    pub(super) const fn set_to_learn(&mut self, to_learn: u32) {
-        self.to_learn = to_learn;
-    }
-
     /// Sets the true masks, which have the size of the frames.
-    pub(super) fn set_truth(&mut self, truth: Option<Arc<TrueMasks>>) {
+    pub(crate) fn set_truth(&mut self, truth: Option<Arc<TrueMasks>>) {
         self.truth = truth;
-        (self.job, self.done) = (None, None);
+        (self.current, self.done) = (None, None);
     }
 
     /// Drops all frames and results, after the sequence's first frame has changed.
-    pub(super) fn forget(&mut self) {
+    pub(crate) fn forget(&mut self) {
         self.lose();
-        (self.job, self.done) = (None, None);
+        (self.current, self.done) = (None, None);
     }
 
     /// Advances on the collected frames; returns the number of finished runs and of all runs, if there was work to
     /// do.
-    pub(super) fn advance(&mut self, settings: &Settings) -> Option<(usize, usize)> {
+    pub(crate) fn advance(&mut self, settings: &Settings) -> Option<(usize, usize)> {
         let mixture = settings.background_model == BackgroundModel::Mixture;
         let (Some(region), Some(knobs), Some(truth)) = (&self.region, self.knobs, &self.truth) else {
             return None;
@@ -124,19 +102,20 @@ impl RegionTuner {
         if known || frames == 0 || !mixture {
             return None;
         }
-        let job = match self.job.take() {
-            Some(job) if job.query == query => self.job.insert(job),
-            _ => self.job.insert(RegionTuningJob::new(query, region, truth)),
+        let current = match self.current.take() {
+            Some(current) if *current.query() == query => self.current.insert(current),
+            _ => self.current.insert(StepwiseRegionTuning::new(query.clone(), region.true_masks(truth))),
         };
-        let progress = (job.decisions.len(), job.runs.len());
-        if let Some(tuning) = job.advance(&region.frames) {
-            self.done = self.job.take().map(|job| (job.query, Arc::new(tuning)));
+        let progress = current.progress();
+        if let Some(tuning) = current.advance(&region.frames) {
+            self.current = None;
+            self.done = Some((query, Arc::new(tuning)));
         }
         Some(progress)
     }
 
     /// The newest tuning, which may belong to earlier inputs.
-    pub(super) fn latest(&self) -> Option<Arc<RegionTuning>> {
+    pub(crate) fn latest(&self) -> Option<Arc<RegionTuning>> {
         self.done.as_ref().map(|(_, tuning)| Arc::clone(tuning))
     }
 }
@@ -165,46 +144,6 @@ impl FrameConsumer for RegionTuner {
     }
 }
 
-impl RegionTuningJob {
-    fn new(query: RegionTuningQuery, region: &RegionFrames, truth: &TrueMasks) -> Self {
-        let (axes, cells) = grid(&query.parameters, query.knobs);
-        let truth = region
-            .frames
-            .iter()
-            .map(|frame| truth.of(frame.number).map(|mask| mask.cut(&region.columns, &region.rows)));
-        let mut runs = vec![query.parameters];
-        runs.extend(cells);
-        Self { query, axes, truth: truth.collect(), runs, decisions: Vec::new() }
-    }
-
-    /// Advances by one step; returns the tuning if it is complete.
-    fn advance(&mut self, frames: &[Frame]) -> Option<RegionTuning> {
-        let values = frames.first().map_or(1, |frame| frame.size.pixels()) * frames.len();
-        // At least one run per thread, whatever its length.
-        let most = (MAX_VALUES_PER_STEP / values.max(1)).max(rayon::current_num_threads());
-        let done = self.decisions.len();
-        let next = &self.runs[done..self.runs.len().min(done + most)];
-        let truth = &self.truth;
-        self.decisions.par_extend(next.par_iter().map(|run| of_mixture(frames, truth, *run)));
-        if self.decisions.len() < self.runs.len() {
-            return None;
-        }
-        let RegionTuningQuery { at, side, parameters, .. } = self.query;
-        let extent = frames.first().map_or([0; 2], |frame| [frame.size.width, frame.size.height]);
-        let mut decisions = std::mem::take(&mut self.decisions).into_iter();
-        Some(RegionTuning {
-            at,
-            side,
-            parameters,
-            extent,
-            frames: self.truth.iter().flatten().count(),
-            present: decisions.next().unwrap_or_default(),
-            axes: self.axes.clone(),
-            cells: decisions.collect(),
-        })
-    }
-}
-
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
@@ -214,6 +153,7 @@ mod tests {
     use super::*;
     use crate::settings::Preset;
     use crate::synth::{self, Parameters as Scene};
+    use crate::truth::mixture_score::of_mixture;
 
     #[test]
     fn every_cell_computed_in_steps_equals_a_run_of_its_settings() {

@@ -6,8 +6,8 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread;
 use std::time::Instant;
 
-use super::analysis_record::AnalysisRecord;
-use super::frame_consumer::MAX_TURN;
+use crate::replay::store::analysis_record::AnalysisRecord;
+use crate::replay::tasks::gather::frame_consumer::MAX_TURN;
 use crate::truth::Truth;
 use crate::truth::boxes::Boxes;
 use crate::truth::decisions::Decisions;
@@ -16,7 +16,7 @@ use crate::truth::summary::{self, Score, TrackScore};
 
 /// Scores a complete analysis and stores the last score.
 #[derive(Default)]
-pub(super) struct Scorer {
+pub(crate) struct Scorer {
     job: Option<ScoreJob>,
     /// The ground truth, and the score against it.
     done: Option<(Arc<Truth>, Arc<Score>)>,
@@ -24,7 +24,7 @@ pub(super) struct Scorer {
 
 /// The result of a step.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum ScoreStep {
+pub(crate) enum ScoreStep {
     /// There is nothing to do.
     Idle,
     /// Another step is needed.
@@ -46,7 +46,7 @@ struct ScoreJob {
 
 impl Scorer {
     /// Advances the score of an analysis on `record`, whose offline result is `found`, against `truth`.
-    pub(super) fn advance(
+    pub(crate) fn advance(
         &mut self,
         truth: &Arc<Truth>,
         found: &Arc<Boxes>,
@@ -65,7 +65,7 @@ impl Scorer {
     }
 
     /// The score against `truth`, if it is complete.
-    pub(super) fn by(&self, truth: &Arc<Truth>) -> Option<Arc<Score>> {
+    pub(crate) fn by(&self, truth: &Arc<Truth>) -> Option<Arc<Score>> {
         let score = self.done.as_ref().filter(|(by, _)| Arc::ptr_eq(by, truth));
         score.map(|(_, score)| Arc::clone(score))
     }

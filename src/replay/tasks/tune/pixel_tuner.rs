@@ -1,121 +1,55 @@
-//! The chosen pixel's state in the frame in view under other settings, in short steps.
+//! Tunes the chosen pixel in the frame in view.
 
 use std::sync::Arc;
 
-use rayon::prelude::*;
-
-use super::Tuning;
 use crate::explain::pixel::PixelHistory;
-use crate::explain::tuning::{
-    FlipSearch, RunOutcome, SettingAxis, TunableSetting, VerdictFlip, VerdictMap, run,
-};
-use crate::mixture::Parameters;
-use crate::mixture::pixel::Value;
-
-/// Largest number of frames, over all runs, in one step of some milliseconds.
-const MAX_FRAMES_PER_STEP: usize = 60_000;
+use crate::explain::tuning::{StepwiseTuning, TunableSetting, Tuning, TuningQuery};
 
 /// Computes a [`Tuning`] and stores the last one.
 #[derive(Default)]
-pub(super) struct Tuner {
+pub(crate) struct PixelTuner {
     knobs: Option<[TunableSetting; 2]>,
-    job: Option<TuningJob>,
+    current: Option<StepwiseTuning>,
     done: Option<Arc<Tuning>>,
 }
 
-/// A [`Tuning`] in progress.
-struct TuningJob {
-    query: TuningQuery,
-    values: Vec<Value>,
-    axes: [SettingAxis; 2],
-    runs: Vec<Parameters>,
-    outcomes: Vec<RunOutcome>,
-    search: FlipSearch,
-    /// The result of the search.
-    flips: Option<Vec<VerdictFlip>>,
-}
-
-/// The inputs of a tuning.
-#[derive(Clone, PartialEq)]
-struct TuningQuery {
-    at: (u32, u32),
-    position: u32,
-    parameters: Parameters,
-    knobs: [TunableSetting; 2],
-}
-
-impl Tuner {
+impl PixelTuner {
     /// Chooses the two settings of the map; `None` for no map.
-    pub(super) fn choose(&mut self, knobs: Option<[TunableSetting; 2]>) {
+    pub(crate) const fn choose(&mut self, knobs: Option<[TunableSetting; 2]>) {
         self.knobs = knobs;
     }
 
     /// Drops all results, after the sequence's first frame has changed.
-    pub(super) fn forget(&mut self) {
-        (self.job, self.done) = (None, None);
+    pub(crate) fn forget(&mut self) {
+        (self.current, self.done) = (None, None);
     }
 
     /// Advances for the state of `history` at `position`; returns whether there was work to do.
-    pub(super) fn advance(&mut self, history: &PixelHistory, position: u32) -> bool {
+    pub(crate) fn advance(&mut self, history: &PixelHistory, position: u32) -> bool {
         let Some(knobs) = self.knobs else {
             self.forget();
             return false;
         };
         let query = TuningQuery { at: history.at, position, parameters: history.parameters, knobs };
-        if self.done.as_ref().is_some_and(|done| TuningQuery::of(done) == query) {
+        if self.done.as_ref().is_some_and(|done| done.query() == query) {
             return false;
         }
-        let job = match self.job.take() {
-            Some(job) if job.query == query => self.job.insert(job),
+        let current = match self.current.take() {
+            Some(current) if *current.query() == query => self.current.insert(current),
             _ => {
                 let Some(values) = history.values_until(position as usize) else { return false };
-                self.job.insert(TuningJob::new(query, values))
+                self.current.insert(StepwiseTuning::new(query, values))
             }
         };
-        if let Some(tuning) = job.advance() {
-            (self.job, self.done) = (None, Some(Arc::new(tuning)));
+        if let Some(tuning) = current.advance() {
+            (self.current, self.done) = (None, Some(Arc::new(tuning)));
         }
         true
     }
 
     /// The newest tuning, which may belong to earlier inputs.
-    pub(super) fn latest(&self) -> Option<Arc<Tuning>> {
+    pub(crate) fn latest(&self) -> Option<Arc<Tuning>> {
         self.done.clone()
-    }
-}
-
-impl TuningQuery {
-    fn of(tuning: &Tuning) -> Self {
-        let knobs = tuning.map.axes.each_ref().map(|axis| axis.knob);
-        Self { at: tuning.at, position: tuning.position, parameters: tuning.parameters, knobs }
-    }
-}
-
-impl TuningJob {
-    fn new(query: TuningQuery, values: Vec<Value>) -> Self {
-        let axes = VerdictMap::axes(&query.parameters, query.knobs);
-        let runs = VerdictMap::runs(&query.parameters, &axes);
-        let search = FlipSearch::new(&query.parameters, &TunableSetting::ALL);
-        Self { query, values, axes, runs, outcomes: Vec::new(), search, flips: None }
-    }
-
-    /// Advances by one step; returns the tuning if it is complete.
-    fn advance(&mut self) -> Option<Tuning> {
-        let TuningQuery { at, position, parameters, .. } = self.query;
-        if self.flips.is_none() {
-            self.flips = self.search.advance(&self.values);
-            return None;
-        }
-        let done = self.outcomes.len();
-        // At least one run per thread, however long the history is.
-        let most = (MAX_FRAMES_PER_STEP / self.values.len().max(1)).max(rayon::current_num_threads());
-        let next = &self.runs[done..self.runs.len().min(done + most)];
-        self.outcomes.par_extend(next.par_iter().map(|parameters| run(&self.values, parameters)));
-        if self.outcomes.len() < self.runs.len() {
-            return None;
-        }
-        let map = VerdictMap::of(&parameters, self.axes.clone(), &self.outcomes);
-        Some(Tuning { at, position, parameters, map, flips: self.flips.take().unwrap_or_default() })
     }
 }
 
@@ -125,6 +59,7 @@ mod tests {
 
     use super::*;
     use crate::explain::tuning::{flip, map};
+    use crate::mixture::Parameters;
     use crate::settings::{Preset, Settings};
 
     fn history(alpha: f32) -> PixelHistory {
@@ -133,13 +68,13 @@ mod tests {
         PixelHistory::of_colours((2, 3), parameters, colours)
     }
 
-    fn all_pieces(tuner: &mut Tuner, history: &PixelHistory, position: u32) -> usize {
+    fn all_pieces(tuner: &mut PixelTuner, history: &PixelHistory, position: u32) -> usize {
         (0..2000).take_while(|_| tuner.advance(history, position)).count()
     }
 
     #[test]
     fn a_tuning_in_steps_equals_one_at_once_and_is_computed_once() {
-        let (mut tuner, history) = (Tuner::default(), history(0.01));
+        let (mut tuner, history) = (PixelTuner::default(), history(0.01));
         assert!(!tuner.advance(&history, 200), "no request is pending");
         for knobs in [
             [TunableSetting::Alpha, TunableSetting::Lambda],
@@ -167,7 +102,7 @@ mod tests {
 
     #[test]
     fn a_newer_tuning_request_replaces_the_current_one() {
-        let (mut tuner, one, other) = (Tuner::default(), history(0.01), history(0.2));
+        let (mut tuner, one, other) = (PixelTuner::default(), history(0.01), history(0.2));
         tuner.choose(Some([TunableSetting::Alpha, TunableSetting::Lambda]));
         for _ in 0..7 {
             tuner.advance(&one, 250);

@@ -3,11 +3,11 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use super::model_timeline::ModelTimeline;
 use crate::explain::events::counterfactual::{Counterfactual, CounterfactualQuery, CounterfactualSearch};
 use crate::explain::events::event_pairs::EventTolerance;
 use crate::frame::Size;
 use crate::occlusion::Event;
+use crate::replay::tasks::analyse::model_timeline::ModelTimeline;
 
 /// Seconds before the event at which the tracker starts, so that it learns the members, as far as the video goes
 /// back.
@@ -21,7 +21,7 @@ const MIN_PUBLISH_INTERVAL: Duration = Duration::from_millis(200);
 
 /// The task of finding the counterfactuals of one event at a time.
 #[derive(Default)]
-pub(super) struct CounterfactualTask {
+pub(crate) struct CounterfactualTask {
     event: Option<Event>,
     search: Option<CounterfactualSearch>,
     report: Option<Arc<Counterfactual>>,
@@ -30,21 +30,21 @@ pub(super) struct CounterfactualTask {
 
 impl CounterfactualTask {
     /// Sets the event, or none.
-    pub(super) fn set_event(&mut self, event: Option<Event>) {
+    pub(crate) fn set_event(&mut self, event: Option<Event>) {
         if self.event != event {
             *self = Self { event, ..Self::default() };
         }
     }
 
-    /// Advances for a short time on the record of `run`; returns whether there was work to do.
-    pub(super) fn advance(&mut self, run: &ModelTimeline, numbers: &[u32], size: Size, fps: f32) -> bool {
+    /// Advances for a short time on the record of `model`; returns whether there was work to do.
+    pub(crate) fn advance(&mut self, model: &ModelTimeline, numbers: &[u32], size: Size, fps: f32) -> bool {
         let Some(event) = &self.event else { return false };
         if self.report.as_ref().is_some_and(|report| report.done) {
             return false;
         }
         let search = match &mut self.search {
             Some(search) => search,
-            none => none.insert(CounterfactualSearch::new(query(event, run, numbers, size, fps))),
+            none => none.insert(CounterfactualSearch::new(query(event, model, numbers, size, fps))),
         };
         let worked = search.advance();
         if !worked
@@ -61,31 +61,32 @@ impl CounterfactualTask {
     }
 
     /// The newest report.
-    pub(super) fn latest(&self) -> Option<Arc<Counterfactual>> {
+    pub(crate) fn latest(&self) -> Option<Arc<Counterfactual>> {
         self.report.clone()
     }
 }
 
-fn query(event: &Event, run: &ModelTimeline, numbers: &[u32], size: Size, fps: f32) -> CounterfactualQuery {
+fn query(event: &Event, model: &ModelTimeline, numbers: &[u32], size: Size, fps: f32) -> CounterfactualQuery {
     let at = numbers.partition_point(|&number| number < event.frame) as u32;
     let tolerance = EventTolerance::of(size, fps);
     // The decision can be some frames after the event.
     let decides = |position: &u32| {
-        run.outline(*position)
+        model
+            .outline(*position)
             .is_some_and(|(analysis, _)| analysis.events.iter().any(|other| tolerance.matches(event, other)))
     };
-    let most = (at + 60.max(10 * tolerance.frames)).min(run.front());
+    let most = (at + 60.max(10 * tolerance.frames)).min(model.analysed());
     let decided = (at..most).find(decides).unwrap_or(at);
     let from = at.saturating_sub(((SECONDS_BEFORE_EVENT * fps) as u32).max(MIN_FRAMES_BEFORE_EVENT));
     let after = ((SECONDS_AFTER_EVENT * fps) as u32).max(tolerance.frames);
-    let to = (decided + after + 1).min(run.front());
+    let to = (decided + after + 1).min(model.analysed());
     let frames = (from..to).filter_map(|position| {
-        let (analysis, _) = run.outline(position)?;
+        let (analysis, _) = model.outline(position)?;
         Some((analysis.number, Arc::clone(&analysis.regions)))
     });
     CounterfactualQuery {
         event: event.clone(),
-        settings: (**run.settings()).clone(),
+        settings: (**model.settings()).clone(),
         frames: Arc::new(frames.collect()),
         size,
         fps,

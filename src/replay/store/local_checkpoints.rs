@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 /// Checkpoints by position; the farthest from the playhead are dropped first when they exceed the capacity.
-pub(super) struct LocalCheckpoints<T> {
+pub(crate) struct LocalCheckpoints<T> {
     /// The checkpoints and their sizes in bytes, by position.
     entries: BTreeMap<u32, (T, usize)>,
     capacity_bytes: usize,
@@ -14,23 +14,23 @@ pub(super) struct LocalCheckpoints<T> {
 
 impl<T> LocalCheckpoints<T> {
     /// An empty store with a capacity in bytes.
-    pub(super) const fn new(capacity_bytes: usize) -> Self {
+    pub(crate) const fn new(capacity_bytes: usize) -> Self {
         Self { entries: BTreeMap::new(), capacity_bytes, used_bytes: 0, centre: 0 }
     }
 
     /// Changes the capacity, in bytes.
-    pub(super) fn set_capacity(&mut self, capacity_bytes: usize) {
+    pub(crate) fn set_capacity(&mut self, capacity_bytes: usize) {
         self.capacity_bytes = capacity_bytes;
         self.thin();
     }
 
     /// Whether there is a checkpoint at this position.
-    pub(super) fn has(&self, position: u32) -> bool {
+    pub(crate) fn has(&self, position: u32) -> bool {
         self.entries.contains_key(&position)
     }
 
     /// Stores a checkpoint of `bytes` at `position`, if the capacity around `centre` allows it.
-    pub(super) fn insert(&mut self, position: u32, value: T, bytes: usize, centre: u32) {
+    pub(crate) fn insert(&mut self, position: u32, value: T, bytes: usize, centre: u32) {
         self.used_bytes += bytes;
         if let Some((_, before)) = self.entries.insert(position, (value, bytes)) {
             self.used_bytes -= before;
@@ -55,7 +55,7 @@ impl<T> LocalCheckpoints<T> {
     }
 
     /// The last checkpoint at or before a position.
-    pub(super) fn at_or_before(&self, position: u32) -> Option<(u32, &T)> {
+    pub(crate) fn at_or_before(&self, position: u32) -> Option<(u32, &T)> {
         self.entries.range(..=position).next_back().map(|(&position, (value, _))| (position, value))
     }
 }

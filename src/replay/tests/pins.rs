@@ -5,13 +5,13 @@ use super::*;
 const PINS: [(u32, u32); 3] = [(30, 30), PIXEL, (0, 63)];
 
 /// The histories of pixels, and the masks before and after cleaning, from a single pass.
-fn straight_pins(video: &Path, settings: &Settings) -> (Vec<PixelHistory>, Vec<Mask>, Vec<Arc<Mask>>) {
+fn single_pass_pins(video: &Path, settings: &Settings) -> (Vec<PixelHistory>, Vec<Mask>, Vec<Arc<Mask>>) {
     let (info, frames, first) = decoded(video, settings);
     let first = &frames[..first];
-    let mut pipeline = begun(settings, &info, first);
+    let mut pipeline = learned_pipeline(settings, &info, first);
     let mut model = crate::mixture::Mixture::new(info.size, Parameters::new(settings));
     model.learn(&first.iter().collect::<Vec<_>>());
-    let mut histories = PINS.map(|at| learnt(at, settings, first));
+    let mut histories = PINS.map(|at| learned_history(at, settings, first));
     let (mut raw, mut cleaned) = (Vec::new(), Vec::new());
     for frame in &frames {
         raw.push(model.step(frame));
@@ -28,36 +28,36 @@ fn histories_of_pinned_pixels_equal_those_of_chosen_pixels() {
     let folder = scene();
     let settings = settings();
     for budget in [1 << 30, 0] {
-        let watched = Watched::open(folder.path(), settings.clone(), Start::First, budget);
-        watched.session.pin(PINS[..1].to_vec());
-        watched.shown(20);
+        let watched = WatchedSession::open(folder.path(), settings.clone(), Start::First, budget);
+        watched.request(Request::Pin(PINS[..1].to_vec()));
+        watched.show_and_wait(20);
         // One more pixel, whose history needs earlier frames.
-        watched.session.pin([PINS[1], (500, 2), PINS[0], PINS[2]].to_vec());
+        watched.request(Request::Pin([PINS[1], (500, 2), PINS[0], PINS[2]].to_vec()));
         let order = [PINS[1], PINS[0], PINS[2]];
         let complete = |state: &State| {
             state.pins.iter().map(|pin| pin.at).eq(order)
                 && state.pins.iter().all(|pin| pin.states.len() == FRAMES as usize)
         };
-        let expected = straight_pins(folder.path(), &settings).0;
-        let state = watched.until(complete);
+        let expected = single_pass_pins(folder.path(), &settings).0;
+        let state = watched.wait_until(complete);
         assert_eq!(*state.pins[0], expected[1]);
         assert_eq!((&*state.pins[1], &*state.pins[2]), (&expected[0], &expected[2]));
 
         let other = Settings { alpha: 0.1, ..settings.clone() };
-        watched.session.set_settings(other.clone());
+        watched.request(settings_request(other.clone(), None));
         let of_other =
             |state: &State| complete(state) && state.pins.iter().all(|pin| pin.parameters.are_of(&other));
-        let state = watched.until(of_other);
-        assert_eq!(*state.pins[0], straight_pins(folder.path(), &other).0[1]);
-        watched.session.pin(Vec::new());
-        watched.until(|state| state.pins.is_empty());
+        let state = watched.wait_until(of_other);
+        assert_eq!(*state.pins[0], single_pass_pins(folder.path(), &other).0[1]);
+        watched.request(Request::Pin(Vec::new()));
+        watched.wait_until(|state| state.pins.is_empty());
     }
 }
 
 #[test]
 fn the_share_of_a_region_equals_that_of_the_masks() {
     let folder = scene();
-    let watched = Watched::open(folder.path(), settings(), Start::First, 1 << 30);
+    let watched = WatchedSession::open(folder.path(), settings(), Start::First, 1 << 30);
     for (at, side, settings) in [
         (PIXEL, 9, settings()),
         (PIXEL, 1, settings()),
@@ -65,9 +65,9 @@ fn the_share_of_a_region_equals_that_of_the_masks() {
         (PIXEL, 9, Settings { median: 0, min_area: 0, ..settings() }),
         (PIXEL, 9, Settings { t: 0.99, ..settings() }),
     ] {
-        watched.session.set_settings(settings.clone());
-        watched.session.region(Some((at, side)));
-        let (_, raw, cleaned) = straight_pins(folder.path(), &settings);
+        watched.request(settings_request(settings.clone(), None));
+        watched.request(Request::CountRegion(Some((at, side))));
+        let (_, raw, cleaned) = single_pass_pins(folder.path(), &settings);
         let (columns, rows) = region_bounds(at, side, Size::new(WIDTH, HEIGHT));
         let pixels = (columns.len() * rows.len()) as f32;
         let share = |mask: &Mask| {
@@ -77,7 +77,7 @@ fn the_share_of_a_region_equals_that_of_the_masks() {
         let model: Vec<_> = raw.iter().map(share).collect();
         let cleaned: Vec<_> = cleaned.iter().map(|mask| share(mask)).collect();
         // Counts under the previous settings may be published for a moment.
-        let state = watched.until(|state| {
+        let state = watched.wait_until(|state| {
             let region = state.region.as_ref().filter(|region| (region.at, region.side) == (at, side));
             region.is_some_and(|region| region.model == model && region.cleaned == cleaned)
         });
@@ -85,9 +85,9 @@ fn the_share_of_a_region_equals_that_of_the_masks() {
         assert_eq!(region.pixels as f32, pixels);
         assert!(region.model.iter().any(|&share| share > 0.0));
     }
-    watched.session.region(None);
-    watched.until(|state| state.region.is_none());
-    watched.session.region(Some(((WIDTH, 3), 5)));
-    watched.session.show(3);
-    assert!(watched.until(|state| shows(state, 3)).region.is_none(), "outside the image");
+    watched.request(Request::CountRegion(None));
+    watched.wait_until(|state| state.region.is_none());
+    watched.request(Request::CountRegion(Some(((WIDTH, 3), 5))));
+    watched.request(Request::Show(3));
+    assert!(watched.wait_until(|state| shows(state, 3)).region.is_none(), "outside the image");
 }

@@ -3,26 +3,12 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::analysis_record::AnalysisRecord;
 use crate::frame::Size;
+use crate::replay::published::RegionShares;
+use crate::replay::store::analysis_record::AnalysisRecord;
 
 /// Number of frames of one step.
 const FRAMES_PER_STEP: u32 = 256;
-
-/// The share of foreground among the pixels around one, in every analysed frame.
-#[derive(Clone, Debug, PartialEq)]
-pub struct RegionShares {
-    /// The centre pixel: column and row.
-    pub at: (u32, u32),
-    /// Side of the region in pixels; it is clipped at the image's edge.
-    pub side: u32,
-    /// Number of pixels.
-    pub pixels: u32,
-    /// The share of foreground in the model's mask, before cleaning, by position.
-    pub model: Vec<f32>,
-    /// The share of foreground after cleaning, by position.
-    pub cleaned: Vec<f32>,
-}
 
 /// The columns and rows of the `side`×`side` pixels around one, clipped to the image.
 pub fn region_bounds((x, y): (u32, u32), side: u32, size: Size) -> (Range<u32>, Range<u32>) {
@@ -33,11 +19,11 @@ pub fn region_bounds((x, y): (u32, u32), side: u32, size: Size) -> (Range<u32>, 
 
 /// Computes [`RegionShares`].
 #[derive(Default)]
-pub(super) struct RegionShareCounter(Option<Arc<RegionShares>>);
+pub(crate) struct RegionShareCounter(Option<Arc<RegionShares>>);
 
 impl RegionShareCounter {
     /// Chooses a region of an image of `size` by its centre and side, or none.
-    pub(super) fn choose(&mut self, region: Option<((u32, u32), u32)>, size: Size) {
+    pub(crate) fn choose(&mut self, region: Option<((u32, u32), u32)>, size: Size) {
         let region = region.filter(|&((x, y), _)| size.index(x, y).is_some());
         let same = self.0.as_ref().map(|shares| (shares.at, shares.side)) == region;
         if !same {
@@ -50,7 +36,7 @@ impl RegionShareCounter {
     }
 
     /// Drops the counts, because the masks are computed again.
-    pub(super) fn forget(&mut self) {
+    pub(crate) fn forget(&mut self) {
         if let Some(shares) = &mut self.0 {
             let shares = Arc::make_mut(shares);
             shares.model.clear();
@@ -59,7 +45,7 @@ impl RegionShareCounter {
     }
 
     /// Counts in some of the `front` analysed frames; returns whether there was work to do.
-    pub(super) fn count(&mut self, record: &AnalysisRecord, front: u32, size: Size) -> bool {
+    pub(crate) fn count(&mut self, record: &AnalysisRecord, front: u32, size: Size) -> bool {
         let Some(shares) = self.0.as_mut().filter(|shares| (shares.model.len() as u32) < front) else {
             return false;
         };
@@ -78,7 +64,7 @@ impl RegionShareCounter {
     }
 
     /// The current shares.
-    pub(super) fn latest(&self) -> Option<Arc<RegionShares>> {
+    pub(crate) fn latest(&self) -> Option<Arc<RegionShares>> {
         self.0.clone()
     }
 }

@@ -2,28 +2,31 @@
 
 use std::sync::Arc;
 
-use super::frame_consumer::FrameConsumer as _;
+use super::PassInputs;
 use super::model_timeline::ModelTimeline;
-use super::pixel_follower::PixelFollower;
-use super::scorer::{ScoreStep, Scorer};
-use super::timeline_builder::TimelineBuilder;
-use super::{ShownFrame, Timeline, pictures::Pictures};
+use super::pass_progress::NextStep;
 use crate::frame::Frame;
 use crate::pipeline::PipelineError;
 use crate::regions::Roi;
+use crate::replay::store::model_pictures::ModelPictures;
+use crate::replay::tasks::gather::frame_consumer::FrameConsumer as _;
+use crate::replay::tasks::gather::pixel_follower::PixelFollower;
+use crate::replay::tasks::score::{ScoreStep, Scorer};
+use crate::replay::tasks::timeline::TimelineBuilder;
+use crate::replay::{ShownFrame, Timeline};
 use crate::settings::{Settings, Stage};
+use crate::source::SourceError;
 use crate::source::cache::{Fetched, FrameCache, Keep};
-use crate::source::{SourceError, SourceInfo};
 use crate::truth::Truth;
 use crate::truth::boxes::Boxes;
 use crate::truth::summary;
 
 /// A pass through the sequence under one choice of settings.
-pub(super) struct AnalysisPass {
+pub(crate) struct AnalysisPass {
     /// Its progress, its record and its model at any frame.
-    pub(super) model: ModelTimeline,
+    pub(crate) model: ModelTimeline,
     /// The chosen pixel under the same settings.
-    pub(super) pixel_follower: PixelFollower,
+    pub(crate) pixel_follower: PixelFollower,
     timeline_builder: TimelineBuilder,
     /// The boxes of the offline result, once it has replaced the online one.
     finished: Option<Arc<Boxes>>,
@@ -32,7 +35,7 @@ pub(super) struct AnalysisPass {
 
 /// An error that ends a pass.
 #[derive(Debug, thiserror::Error)]
-pub(super) enum PassError {
+pub(crate) enum PassError {
     /// An error of the source.
     #[error(transparent)]
     Source(#[from] SourceError),
@@ -42,7 +45,7 @@ pub(super) enum PassError {
 }
 
 /// The result of a step.
-pub(super) enum PassStep {
+pub(crate) enum PassStep {
     /// Frames were analysed, or are being decoded.
     Advanced,
     /// The next frame of a live source is no longer cached.
@@ -50,15 +53,10 @@ pub(super) enum PassStep {
 }
 
 impl AnalysisPass {
-    /// A pass before the first frame; `budget` is the memory for checkpoints and the record, in bytes.
-    pub(super) fn new(
-        settings: Arc<Settings>,
-        roi: Option<Arc<Roi>>,
-        info: &Arc<SourceInfo>,
-        budget: usize,
-    ) -> Result<Self, PipelineError> {
+    /// A pass before the first frame.
+    pub(crate) fn new(inputs: PassInputs) -> Result<Self, PipelineError> {
         Ok(Self {
-            model: ModelTimeline::new(settings, roi, info, budget)?,
+            model: ModelTimeline::new(inputs)?,
             pixel_follower: PixelFollower::default(),
             timeline_builder: TimelineBuilder::default(),
             finished: None,
@@ -67,7 +65,7 @@ impl AnalysisPass {
     }
 
     /// A copy at the same position, with its own `budget`; `None` where the model's state cannot be copied.
-    pub(super) fn fork(&self, budget: usize) -> Option<Self> {
+    pub(crate) fn fork(&self, budget: usize) -> Option<Self> {
         Some(Self {
             model: self.model.fork(budget)?,
             pixel_follower: self.pixel_follower.clone(),
@@ -78,39 +76,34 @@ impl AnalysisPass {
     }
 
     /// A pass under other settings, which reuses the masks of this one where the model's settings are the same.
-    pub(super) fn fork_under(
-        &self,
-        settings: Arc<Settings>,
-        roi: Option<Arc<Roi>>,
-        info: &Arc<SourceInfo>,
-        budget: usize,
-    ) -> Result<Self, PipelineError> {
-        let stage = self.first_difference(&settings, roi.as_ref()).filter(|&stage| stage > Stage::Mixture);
-        match stage.and_then(|stage| Some((stage, self.fork(budget)?))) {
-            Some((stage, mut fork)) => fork.restart_at(stage, settings, roi).map(|()| fork),
-            None => Self::new(settings, roi, info, budget),
+    pub(crate) fn fork_under(&self, inputs: PassInputs) -> Result<Self, PipelineError> {
+        let stage = self.first_difference(&inputs.settings, inputs.roi.as_ref());
+        let stage = stage.filter(|&stage| stage > Stage::Mixture);
+        match stage.and_then(|stage| Some((stage, self.fork(inputs.budget)?))) {
+            Some((stage, mut fork)) => fork.restart_at(stage, inputs.settings, inputs.roi).map(|()| fork),
+            None => Self::new(inputs),
         }
     }
 
     /// The settings of the pass.
-    pub(super) const fn settings(&self) -> &Arc<Settings> {
+    pub(crate) const fn settings(&self) -> &Arc<Settings> {
         self.model.settings()
     }
 
     /// Chooses the pixel to follow; `None` for none.
-    pub(super) fn inspect(&mut self, at: Option<(u32, u32)>) {
+    pub(crate) fn inspect(&mut self, at: Option<(u32, u32)>) {
         self.pixel_follower.choose(at, self.model.settings(), self.model.info());
     }
 
     /// The first stage affected by other settings or another region of interest; `None` where nothing differs.
-    pub(super) fn first_difference(&self, settings: &Settings, roi: Option<&Arc<Roi>>) -> Option<Stage> {
+    pub(crate) fn first_difference(&self, settings: &Settings, roi: Option<&Arc<Roi>>) -> Option<Stage> {
         let of_settings = self.settings().first_difference(settings);
         let of_roi = (self.model.roi() != roi).then_some(Stage::Cleaning);
         [of_settings, of_roi].into_iter().flatten().min()
     }
 
     /// Restarts at `stage` under other settings, of which those before `stage` are the same; the model itself stays.
-    pub(super) fn restart_at(
+    pub(crate) fn restart_at(
         &mut self,
         stage: Stage,
         settings: Arc<Settings>,
@@ -122,72 +115,57 @@ impl AnalysisPass {
     }
 
     /// Whether all frames of the source have been analysed.
-    pub(super) fn has_analysed_all(&self, frames: &FrameCache) -> bool {
-        frames.is_complete() && self.model.front() as usize == frames.numbers().len()
+    pub(crate) fn has_analysed_all(&self, frames: &FrameCache) -> bool {
+        frames.is_complete() && self.model.analysed() as usize == frames.numbers().len()
     }
 
     /// Whether the offline result of all frames is complete.
-    pub(super) const fn is_finished(&self) -> bool {
+    pub(crate) const fn is_finished(&self) -> bool {
         self.finished.is_some()
     }
 
-    /// Its progress: 0 while the model learns from the first frames and 1 after that, and the position of the next
-    /// frame.
-    pub(super) fn next_position(&self) -> (u32, u32) {
-        self.model.next_to_learn().map_or_else(|| (1, self.model.front()), |position| (0, position))
+    /// The key by which the steps of two passes are ordered: the pass whose key is less is behind.
+    pub(crate) fn next_order(&self) -> (u32, u32) {
+        self.model.next_step().order()
     }
 
-    /// Learns from or analyses the next decoded frames, or decodes one frame, up to the position `last`, if given, or
-    /// the end. `keep` says whether frames that are decoded again may evict others; `passed` is called with each
-    /// frame and its position.
-    pub(super) fn advance(
+    /// Takes the next step: learns from or analyses the next decoded frames, or decodes one frame, up to the position
+    /// `last`, if given, or the end. `keep` says whether frames that are decoded again may evict others; `passed` is
+    /// called with each frame and its position.
+    pub(crate) fn advance(
         &mut self,
         frames: &mut FrameCache,
         last: Option<u32>,
         keep: Keep,
         mut passed: impl FnMut(u32, &Frame),
     ) -> Result<PassStep, PassError> {
-        if let Some(position) = self.model.next_to_learn() {
-            match frames.fetch(position, keep)? {
-                Fetched::Frame(frame) => {
-                    let frames = self.with_buffered_frames(frames, position, frame, last);
-                    self.model.learn(&frames)?;
-                    for (position, frame) in (position..).zip(&frames) {
-                        self.pixel_follower.push(position, frame);
-                        passed(position, frame);
-                    }
-                }
-                Fetched::OnTheWay => {}
-                Fetched::End => self.model.begin(),
-                Fetched::Gone => return Ok(PassStep::FrameLost),
-            }
-            return Ok(PassStep::Advanced);
-        }
-        let position = self.model.front();
-        if self.model.needs_tracking_only() {
-            self.model.track_next();
+        let (step, analysed) = (self.model.next_step(), self.model.analysed());
+        let position = step.position();
+        if matches!(step, NextStep::Track(_)) {
+            self.model.advance(&[])?;
         } else {
             match frames.fetch(position, keep)? {
                 Fetched::Frame(frame) => {
                     let frames = self.with_buffered_frames(frames, position, frame, last);
-                    self.model.step(&frames)?;
+                    self.model.advance(&frames)?;
                     for (position, frame) in (position..).zip(&frames) {
                         self.pixel_follower.push(position, frame);
                         passed(position, frame);
                     }
                 }
+                Fetched::End if matches!(step, NextStep::Learn(_)) => self.model.begin(),
                 Fetched::OnTheWay | Fetched::End => {}
                 Fetched::Gone => return Ok(PassStep::FrameLost),
             }
         }
-        for position in position..self.model.front() {
+        for position in analysed..self.model.analysed() {
             let Some((analysis, share)) = self.model.outline(position) else { break };
             self.timeline_builder.push(analysis, share);
         }
         if self.has_analysed_all(frames) && self.finished.is_none() {
-            let reading = self.model.offline_result();
-            self.finished = Some(Arc::new(summary::boxes_of(&reading)));
-            self.timeline_builder.finish(reading);
+            let result = self.model.offline_result();
+            self.finished = Some(Arc::new(summary::boxes_of(&result)));
+            self.timeline_builder.finish(result);
         }
         Ok(PassStep::Advanced)
     }
@@ -213,11 +191,11 @@ impl AnalysisPass {
     }
 
     /// The frame to show at a position with these pictures; `None` where it has not been analysed.
-    pub(super) fn shown(
+    pub(crate) fn shown(
         &mut self,
         position: u32,
         frame: Arc<Frame>,
-        pictures: Pictures,
+        pictures: ModelPictures,
     ) -> Option<ShownFrame> {
         let analysis = self.model.analysis(position)?;
         Some(ShownFrame {
@@ -236,13 +214,13 @@ impl AnalysisPass {
     }
 
     /// Advances the score of the offline result and the masks against `truth`, if the analysis is complete.
-    pub(super) fn score(&mut self, truth: &Arc<Truth>) -> ScoreStep {
+    pub(crate) fn score(&mut self, truth: &Arc<Truth>) -> ScoreStep {
         let Some(found) = &self.finished else { return ScoreStep::Idle };
         self.scorer.advance(truth, found, self.model.record())
     }
 
     /// The current timeline, with the score against `truth`.
-    pub(super) fn timeline(&self, frames: &FrameCache, truth: Option<&Arc<Truth>>) -> Timeline {
+    pub(crate) fn timeline(&self, frames: &FrameCache, truth: Option<&Arc<Truth>>) -> Timeline {
         Timeline {
             decoded: frames.kept_ranges(),
             alignments: frames.alignments().to_vec(),

@@ -6,16 +6,18 @@ use std::sync::Arc;
 
 use rayon::prelude::*;
 
-use super::analysis_record::AnalysisRecord;
-use super::last_foreground::LastForeground;
-use super::local_checkpoints::LocalCheckpoints;
-use super::pictures::{Pictures, RecentPictures};
-use super::rle;
-use super::strided_checkpoints::StridedCheckpoints;
+use super::PassInputs;
+use super::pass_progress::{NextStep, PassProgress};
 use crate::frame::{Frame, Mask, Size};
 use crate::mixture::{BATCH, Mixture, Parameters, Quantity, Snapshot};
 use crate::pipeline::{Analysis, OfflineResult, Pipeline, PipelineError, offline_result};
 use crate::regions::Roi;
+use crate::replay::store::analysis_record::AnalysisRecord;
+use crate::replay::store::local_checkpoints::LocalCheckpoints;
+use crate::replay::store::model_pictures::{ModelPictures, RecentPictures};
+use crate::replay::store::rle;
+use crate::replay::store::strided_checkpoints::StridedCheckpoints;
+use crate::replay::tasks::gather::last_foreground::LastForeground;
 use crate::settings::{Settings, Stage};
 use crate::source::SourceInfo;
 
@@ -37,22 +39,15 @@ fn max_frames_per_step(size: Size) -> usize {
 /// same bits as the first pass. The state of MOG2 and KNN cannot be copied. Their background images are stored
 /// instead: every frame's while there is room, then every second one's, and so on. A frame without a stored image has
 /// that of the nearest earlier one.
-pub(super) struct ModelTimeline {
+pub(crate) struct ModelTimeline {
     settings: Arc<Settings>,
     roi: Option<Arc<Roi>>,
     info: Arc<SourceInfo>,
     pipeline: Pipeline,
     record: AnalysisRecord,
-    /// Number of first frames that the model learns from before classification; fewer where the source has fewer.
-    to_learn: u32,
-    /// Number of frames that it has learned from.
-    learnt: u32,
+    progress: PassProgress,
     /// The mixture at the start of classification, if it learned from any frames.
     start: Option<Arc<Snapshot>>,
-    /// Number of fully analysed frames; fewer than on record while later stages are run again.
-    front: u32,
-    /// Whether the stages that are run again start with the regions, and not with tracking.
-    redoing_regions: bool,
     /// Memory budget for checkpoints and the record, in bytes.
     model_budget_bytes: usize,
     /// Snapshots of the mixture by the number of processed frames.
@@ -70,9 +65,9 @@ pub(super) struct ModelTimeline {
 }
 
 /// The result of a step of seeking to a frame.
-pub(super) enum SeekStep {
+pub(crate) enum SeekStep {
     /// The pictures of that frame.
-    Pictures(Pictures),
+    Pictures(ModelPictures),
     /// Another step is needed.
     Continues,
     /// The frames at these positions have to be passed to [`ModelTimeline::replay_frames`] first, at least one.
@@ -80,43 +75,35 @@ pub(super) enum SeekStep {
 }
 
 impl ModelTimeline {
-    /// A timeline before the first frame; `budget` is the memory for checkpoints and the record, in bytes.
-    pub(super) fn new(
-        settings: Arc<Settings>,
-        roi: Option<Arc<Roi>>,
-        info: &Arc<SourceInfo>,
-        budget: usize,
-    ) -> Result<Self, PipelineError> {
+    /// A timeline before the first frame.
+    pub(crate) fn new(inputs: PassInputs) -> Result<Self, PipelineError> {
+        let PassInputs { settings, roi, info, budget } = inputs;
         let mut pipeline = Pipeline::new(&settings, info.size, info.fps)?;
         pipeline.set_roi(roi.clone())?;
-        let to_learn = info.bootstrap(&settings);
-        let mut run = Self {
+        let mut timeline = Self {
             model_budget_bytes: 0,
             checkpoints: StridedCheckpoints::new(MIN_CHECKPOINT_SPACING_FRAMES, 0),
             local_checkpoints: LocalCheckpoints::new(0),
             backgrounds: StridedCheckpoints::new(1, 0),
             record: AnalysisRecord::new(info.size),
-            info: Arc::clone(info),
+            progress: PassProgress::new(info.bootstrap(&settings)),
             settings,
             roi,
             pipeline,
-            to_learn,
-            learnt: 0,
             start: None,
-            front: 0,
-            redoing_regions: false,
             replay: None,
             masks: Vec::new(),
             recent: RecentPictures::new(1),
             last_foreground: LastForeground::new(info.size),
+            info,
         };
-        run.set_budget(budget);
-        Ok(run)
+        timeline.set_budget(budget);
+        Ok(timeline)
     }
 
     /// A copy at the same position with its own `budget`; the record and checkpoints are shared. `None` where the
     /// model's state cannot be copied.
-    pub(super) fn fork(&self, budget: usize) -> Option<Self> {
+    pub(crate) fn fork(&self, budget: usize) -> Option<Self> {
         let mut fork = Self {
             pipeline: self.pipeline.try_clone()?,
             settings: Arc::clone(&self.settings),
@@ -138,7 +125,7 @@ impl ModelTimeline {
     }
 
     /// Sets the memory budget for checkpoints and the record, in bytes.
-    pub(super) fn set_budget(&mut self, budget: usize) {
+    pub(crate) fn set_budget(&mut self, budget: usize) {
         let frame_bytes = (self.info.size.pixels() * 3).max(1);
         let (for_pictures, for_local, for_last_foreground) = (budget / 8, budget / 8, budget / 16);
         self.model_budget_bytes = budget / 16 * 11;
@@ -151,70 +138,75 @@ impl ModelTimeline {
     /// Sets the capacity for checkpoints to what the record leaves of the budget: the record is never dropped.
     fn update_capacity(&mut self) {
         let start = self.start.as_ref().map_or(0, |start| start.bytes());
-        let room = self.model_budget_bytes.saturating_sub(self.record.bytes() + start);
-        self.checkpoints.set_capacity(room);
-        self.backgrounds.set_capacity(room);
+        let capacity = self.model_budget_bytes.saturating_sub(self.record.bytes() + start);
+        self.checkpoints.set_capacity(capacity);
+        self.backgrounds.set_capacity(capacity);
     }
 
-    pub(super) const fn settings(&self) -> &Arc<Settings> {
+    pub(crate) const fn settings(&self) -> &Arc<Settings> {
         &self.settings
     }
 
-    pub(super) const fn info(&self) -> &Arc<SourceInfo> {
+    pub(crate) const fn info(&self) -> &Arc<SourceInfo> {
         &self.info
     }
 
-    pub(super) const fn roi(&self) -> Option<&Arc<Roi>> {
+    pub(crate) const fn roi(&self) -> Option<&Arc<Roi>> {
         self.roi.as_ref()
     }
 
     /// Number of frames analysed under these settings.
-    pub(super) const fn front(&self) -> u32 {
-        self.front
+    pub(crate) const fn analysed(&self) -> u32 {
+        self.progress.analysed()
     }
 
-    /// Position of the next frame to learn from before classification; `None` once that has started.
-    pub(super) fn next_to_learn(&self) -> Option<u32> {
-        (self.learnt < self.to_learn).then_some(self.learnt)
+    /// The next step, and the position of its frame.
+    pub(crate) fn next_step(&self) -> NextStep {
+        self.progress.next_step(self.record.len())
     }
 
     /// Number of first frames to learn from, as far as known.
-    pub(super) const fn to_learn(&self) -> u32 {
-        self.to_learn
+    pub(crate) const fn to_learn(&self) -> u32 {
+        self.progress.frames_to_learn()
     }
 
-    /// Learns from the next frames, starting at [`Self::next_to_learn`]: no more than [`Self::max_next_frames`].
-    pub(super) fn learn(&mut self, frames: &[Arc<Frame>]) -> Result<(), PipelineError> {
+    /// Takes the next step on its frame and the frames after it: no more than [`Self::max_next_frames`]. Frames are not
+    /// needed, and one is processed, where the step is [`NextStep::Track`].
+    pub(crate) fn advance(&mut self, frames: &[Arc<Frame>]) -> Result<(), PipelineError> {
+        match self.next_step() {
+            NextStep::Learn(_) => self.learn(frames)?,
+            NextStep::Classify(_) => self.classify(frames)?,
+            NextStep::FindRegions(position) => self.find_regions(position, frames)?,
+            NextStep::Track(position) => self.track(position),
+        }
+        Ok(())
+    }
+
+    fn learn(&mut self, frames: &[Arc<Frame>]) -> Result<(), PipelineError> {
         let borrowed: Vec<_> = frames.iter().map(Arc::as_ref).collect();
         self.pipeline.learn(&borrowed)?;
-        self.learnt += frames.len() as u32;
-        if self.learnt == self.to_learn {
+        if self.progress.add_learnt(frames.len() as u32) {
             self.begin();
         }
         Ok(())
     }
 
     /// Starts classification with the learned model: there are no more frames to learn from.
-    pub(super) fn begin(&mut self) {
-        self.to_learn = self.learnt;
+    pub(crate) fn begin(&mut self) {
+        self.progress.end_learning();
         self.pipeline.begin();
         self.start = self.pipeline.mixture().map(|mixture| Arc::new(mixture.snapshot()));
         self.update_capacity();
     }
 
     /// Number of frames that the model has classified.
-    pub(super) fn modelled(&self) -> u32 {
+    pub(crate) fn classified(&self) -> u32 {
         self.record.len()
-    }
-
-    /// Whether the next frame needs tracking only, by [`Self::track_next`].
-    pub(super) fn needs_tracking_only(&self) -> bool {
-        self.front < self.record.len() && !self.redoing_regions
     }
 
     /// Applies other settings that are the same before `stage`; results of earlier stages stay. Another `roi` needs a
     /// stage no later than cleaning. Other settings of the model need another [`ModelTimeline`].
-    pub(super) fn restart_at(
+    pub(crate) fn restart_at(
         &mut self,
         stage: Stage,
         settings: Arc<Settings>,
@@ -222,50 +214,51 @@ impl ModelTimeline {
     ) -> Result<(), PipelineError> {
         self.pipeline.set_roi(roi.clone())?;
         self.roi = roi;
-        // Frames that were not reached yet still have regions of the previous settings.
-        let half_done = self.redoing_regions && self.front < self.record.len();
-        self.redoing_regions = half_done || stage <= Stage::Regions;
+        self.progress.restart_at(stage, self.record.len());
         self.pipeline.restart_finding(&settings, self.info.fps);
         self.settings = settings;
-        self.front = 0;
         Ok(())
     }
 
-    /// Tracks the next frame that is on record.
-    pub(super) fn track_next(&mut self) {
-        if let Some((analysis, _)) = self.record.outline(self.front) {
-            let analysis = self.pipeline.track_again(analysis);
-            self.record.replace(self.front, analysis);
-            self.front += 1;
-            self.update_capacity();
-        }
-    }
-
-    /// Largest number of next frames for one call of [`Self::learn`] or [`Self::step`]: up to the next checkpoint.
-    pub(super) fn max_next_frames(&self) -> usize {
-        let until_kept = match self.pipeline.mixture() {
-            _ if self.learnt < self.to_learn => self.to_learn - self.learnt,
-            _ if self.front < self.record.len() => self.record.len() - self.front,
-            Some(_) => self.checkpoints.until_next(self.front),
-            None => 1,
+    /// Largest number of next frames for one call of [`Self::advance`]: up to the next checkpoint.
+    pub(crate) fn max_next_frames(&self) -> usize {
+        let until_kept = match self.next_step() {
+            NextStep::Learn(position) => self.to_learn() - position,
+            NextStep::FindRegions(position) | NextStep::Track(position) => self.record.len() - position,
+            NextStep::Classify(position) if self.pipeline.mixture().is_some() => {
+                self.checkpoints.until_next(position)
+            }
+            NextStep::Classify(_) => 1,
         };
         max_frames_per_step(self.info.size).min(until_kept as usize).max(1)
     }
 
-    /// Analyses the next frames, up to [`Self::max_next_frames`] of them.
-    pub(super) fn step(&mut self, frames: &[Arc<Frame>]) -> Result<(), PipelineError> {
-        let borrowed: Vec<_> = frames.iter().map(Arc::as_ref).collect();
-        let position = self.front;
-        self.front += frames.len() as u32;
-        if position < self.record.len() {
-            let raw =
-                (position..).map_while(|position| self.record.raw(position)).take(frames.len()).collect();
-            for (position, analysis) in (position..).zip(self.pipeline.find_many(&borrowed, raw)?) {
-                self.record.replace_regions(position, analysis);
-            }
+    /// Tracks the regions of a frame that are on record.
+    fn track(&mut self, position: u32) {
+        if let Some((analysis, _)) = self.record.outline(position) {
+            let analysis = self.pipeline.track_again(analysis);
+            self.record.replace(position, analysis);
+            self.progress.add_analysed(1);
             self.update_capacity();
-            return Ok(());
         }
+    }
+
+    /// Finds and tracks regions in the masks on record, from `position` on.
+    fn find_regions(&mut self, position: u32, frames: &[Arc<Frame>]) -> Result<(), PipelineError> {
+        let borrowed: Vec<_> = frames.iter().map(Arc::as_ref).collect();
+        self.progress.add_analysed(frames.len() as u32);
+        let raw = (position..).map_while(|position| self.record.raw(position)).take(frames.len()).collect();
+        for (position, analysis) in (position..).zip(self.pipeline.find_many(&borrowed, raw)?) {
+            self.record.replace_regions(position, analysis);
+        }
+        self.update_capacity();
+        Ok(())
+    }
+
+    /// Analyses frames that are not on record.
+    fn classify(&mut self, frames: &[Arc<Frame>]) -> Result<(), PipelineError> {
+        let borrowed: Vec<_> = frames.iter().map(Arc::as_ref).collect();
+        self.progress.add_analysed(frames.len() as u32);
         let raw = self.pipeline.masks(&borrowed)?;
         let kept: Vec<_> = raw.par_iter().map(rle::encode_mask).collect();
         for (analysis, raw) in self.pipeline.find_many(&borrowed, raw)?.into_iter().zip(kept) {
@@ -276,13 +269,13 @@ impl ModelTimeline {
 
     /// Stores a checkpoint of the model after this frame, if there is room.
     fn keep_model(&mut self, last: Option<&Arc<Frame>>) -> Result<(), PipelineError> {
-        let Some((last, position)) = last.zip(self.front.checked_sub(1)) else { return Ok(()) };
+        let Some((last, position)) = last.zip(self.analysed().checked_sub(1)) else { return Ok(()) };
         self.update_capacity();
         if let Some(mixture) = self.pipeline.mixture() {
-            if self.checkpoints.accepts(self.front) {
+            if self.checkpoints.accepts(self.analysed()) {
                 let snapshot = mixture.snapshot();
                 let bytes = snapshot.bytes();
-                self.checkpoints.insert(self.front, Arc::new(snapshot), bytes);
+                self.checkpoints.insert(self.analysed(), Arc::new(snapshot), bytes);
             }
         } else if self.backgrounds.accepts(position) {
             let background = self.background(last.number, last.size)?;
@@ -293,28 +286,28 @@ impl ModelTimeline {
     }
 
     /// The record of the frames.
-    pub(super) const fn record(&self) -> &AnalysisRecord {
+    pub(crate) const fn record(&self) -> &AnalysisRecord {
         &self.record
     }
 
     /// The analysis of a frame, without mask and labels, and its share of foreground.
-    pub(super) fn outline(&self, position: u32) -> Option<(&Analysis, f32)> {
+    pub(crate) fn outline(&self, position: u32) -> Option<(&Analysis, f32)> {
         self.record.outline(position)
     }
 
     /// The analysis of a frame in full.
-    pub(super) fn analysis(&self, position: u32) -> Option<Analysis> {
+    pub(crate) fn analysis(&self, position: u32) -> Option<Analysis> {
         self.record.analysis(position)
     }
 
     /// The offline result of all analysed frames.
-    pub(super) fn offline_result(&self) -> OfflineResult {
+    pub(crate) fn offline_result(&self) -> OfflineResult {
         offline_result(self.record.outlines(), &self.pipeline)
     }
 
     /// One step of seeking to the pictures at `position`, whose frame is `frame`, with a map of `quantity` if the
     /// model has it.
-    pub(super) fn seek(
+    pub(crate) fn seek(
         &mut self,
         position: u32,
         frame: &Frame,
@@ -331,24 +324,24 @@ impl ModelTimeline {
             SeekStep::Pictures(pictures) => SeekStep::Pictures(
                 pictures.with_map(quantity, Some(self.last_foreground.frames_since(position))),
             ),
-            on_the_way => on_the_way,
+            unfinished => unfinished,
         })
     }
 
     /// Whether the model has this quantity.
-    pub(super) fn has(&self, quantity: Quantity) -> bool {
+    pub(crate) fn has(&self, quantity: Quantity) -> bool {
         !quantity.is_of_mixture() || self.pipeline.mixture().is_some()
     }
 
     /// The positions whose frames are needed for the pictures at `position` with a map of `quantity`, the last one
     /// being `position`; `None` where the earlier mixture is not available.
-    pub(super) fn frames_needed(&self, position: u32, quantity: Quantity) -> Option<Range<u32>> {
+    pub(crate) fn frames_needed(&self, position: u32, quantity: Quantity) -> Option<Range<u32>> {
         // The time since foreground needs masks only, and the pictures contain none of its values.
         let quantity = Some(quantity).filter(|quantity| quantity.is_of_mixture());
         let before = quantity == Some(Quantity::Matched);
-        let at_hand = self.recent.get(position);
-        let at_hand = at_hand.is_some_and(|pictures| quantity.is_none_or(|quantity| pictures.has(quantity)));
-        if at_hand || self.pipeline.mixture().is_none() {
+        let recent = self.recent.get(position);
+        let recent = recent.is_some_and(|pictures| quantity.is_none_or(|quantity| pictures.has(quantity)));
+        if recent || self.pipeline.mixture().is_none() {
             return Some(position..position + 1);
         }
         let is_last = position + 1 == self.record.len();
@@ -360,9 +353,12 @@ impl ModelTimeline {
         }
         let wanted = if before { position } else { position + 1 };
         let kept = checkpoint(&self.checkpoints, &self.local_checkpoints, wanted).map_or(0, |(kept, _)| kept);
-        let come =
-            self.replay.as_ref().map(|(taken, _)| *taken).filter(|taken| (kept..=wanted).contains(taken));
-        Some(come.unwrap_or(kept).min(position)..position + 1)
+        let replay_at = self
+            .replay
+            .as_ref()
+            .map(|(replayed, _)| *replayed)
+            .filter(|replayed| (kept..=wanted).contains(replayed));
+        Some(replay_at.unwrap_or(kept).min(position)..position + 1)
     }
 
     fn seek_model(
@@ -380,17 +376,17 @@ impl ModelTimeline {
         // The matched rank cannot be derived from the mixture after the update.
         let is_there = is_last && quantity != Some(Quantity::Matched);
         let pictures = match self.pipeline.mixture() {
-            Some(mixture) if is_there => Pictures::of_mixture(mixture, frame, quantity),
+            Some(mixture) if is_there => ModelPictures::of_mixture(mixture, frame, quantity),
             // Earlier frames of a camera may be lost: the next frame may have a map where this one has none.
             Some(mixture) if is_last && self.info.live && !self.is_close_behind(position) => {
                 self.replay = Some((self.record.len(), mixture.clone()));
-                Pictures::of_mixture(mixture, frame, None)
+                ModelPictures::of_mixture(mixture, frame, None)
             }
             Some(_) => return Ok(self.seek_past(position, frame, quantity)),
-            None if is_last => Pictures::of_background(self.background(frame.number, frame.size)?),
+            None if is_last => ModelPictures::of_background(self.background(frame.number, frame.size)?),
             None => {
                 let kept = self.backgrounds.at_or_before(position).map(|(_, kept)| Arc::clone(kept));
-                Pictures::of_background(match kept {
+                ModelPictures::of_background(match kept {
                     Some(kept) => kept,
                     None => self.background(frame.number, frame.size)?,
                 })
@@ -402,7 +398,7 @@ impl ModelTimeline {
     /// Whether the replay is at most a checkpoint distance before `position`.
     fn is_close_behind(&self, position: u32) -> bool {
         let close = position.saturating_sub(MIN_CHECKPOINT_SPACING_FRAMES)..=position;
-        self.replay.as_ref().is_some_and(|(taken, _)| close.contains(taken))
+        self.replay.as_ref().is_some_and(|(replayed, _)| close.contains(replayed))
     }
 
     fn seek_past(&mut self, position: u32, frame: &Frame, quantity: Option<Quantity>) -> SeekStep {
@@ -420,47 +416,49 @@ impl ModelTimeline {
             }
             (0, mixture)
         };
-        let (taken, mixture) = self.replay.get_or_insert_with(new);
+        let (replayed, mixture) = self.replay.get_or_insert_with(new);
         let checkpoint = checkpoint(&self.checkpoints, &self.local_checkpoints, wanted);
         // The replay is nearer if it is past the checkpoint but not past the target.
         let nearest = checkpoint.map_or(0, |(kept, _)| kept);
-        if !(nearest..=wanted).contains(taken) {
+        if !(nearest..=wanted).contains(replayed) {
             match checkpoint {
-                Some((kept, snapshot)) if mixture.restore(snapshot) => *taken = kept,
-                _ => (*taken, *mixture) = new(),
+                Some((kept, snapshot)) if mixture.restore(snapshot) => *replayed = kept,
+                _ => (*replayed, *mixture) = new(),
             }
         }
-        if *taken < wanted {
+        if *replayed < wanted {
             // No further than the next position for a checkpoint.
             let most = (max_frames_per_step(self.info.size) as u32)
-                .min(MIN_CHECKPOINT_SPACING_FRAMES - *taken % MIN_CHECKPOINT_SPACING_FRAMES);
-            return SeekStep::NeedsFrames(*taken..wanted.min(*taken + most));
+                .min(MIN_CHECKPOINT_SPACING_FRAMES - *replayed % MIN_CHECKPOINT_SPACING_FRAMES);
+            return SeekStep::NeedsFrames(*replayed..wanted.min(*replayed + most));
         }
         let matches = before.then(|| mixture.matches(frame));
         if before {
             self.masks.resize_with(1, || Mask::empty(self.info.size));
             mixture.replay(&[frame], &mut self.masks);
-            *taken += 1;
+            *replayed += 1;
         }
-        let pictures = Pictures::of_mixture(mixture, frame, quantity).with_map(quantity, matches);
+        let pictures = ModelPictures::of_mixture(mixture, frame, quantity).with_map(quantity, matches);
         self.recent.insert(position, pictures.clone());
         SeekStep::Pictures(pictures)
     }
 
     /// Advances the replay by the frames from `position` on, towards the one at `wanted`.
-    pub(super) fn replay_frames(&mut self, position: u32, frames: &[Arc<Frame>], wanted: u32) {
-        if let Some((taken, mixture)) = &mut self.replay
-            && *taken == position
+    pub(crate) fn replay_frames(&mut self, position: u32, frames: &[Arc<Frame>], wanted: u32) {
+        if let Some((replayed, mixture)) = &mut self.replay
+            && *replayed == position
         {
             let borrowed: Vec<_> = frames.iter().map(Arc::as_ref).collect();
             self.masks.resize_with(frames.len(), || Mask::empty(self.info.size));
             mixture.replay(&borrowed, &mut self.masks);
-            *taken += frames.len() as u32;
+            *replayed += frames.len() as u32;
             // Checkpoints may be sparse: some are stored on the way, for the next step back.
-            if taken.is_multiple_of(MIN_CHECKPOINT_SPACING_FRAMES) && !self.local_checkpoints.has(*taken) {
+            if replayed.is_multiple_of(MIN_CHECKPOINT_SPACING_FRAMES)
+                && !self.local_checkpoints.has(*replayed)
+            {
                 let snapshot = mixture.snapshot();
                 let bytes = snapshot.bytes();
-                self.local_checkpoints.insert(*taken, snapshot, bytes, wanted);
+                self.local_checkpoints.insert(*replayed, snapshot, bytes, wanted);
             }
         }
     }
@@ -473,11 +471,11 @@ impl ModelTimeline {
 /// The stored mixture nearest to, and not after, this number of frames.
 fn checkpoint<'a>(
     checkpoints: &'a StridedCheckpoints<Arc<Snapshot>>,
-    near: &'a LocalCheckpoints<Snapshot>,
+    local: &'a LocalCheckpoints<Snapshot>,
     wanted: u32,
 ) -> Option<(u32, &'a Snapshot)> {
-    let spaced = checkpoints.at_or_before(wanted).map(|(kept, snapshot)| (kept, &**snapshot));
-    [spaced, near.at_or_before(wanted)].into_iter().flatten().max_by_key(|(kept, _)| *kept)
+    let strided = checkpoints.at_or_before(wanted).map(|(kept, snapshot)| (kept, &**snapshot));
+    [strided, local.at_or_before(wanted)].into_iter().flatten().max_by_key(|(kept, _)| *kept)
 }
 
 #[cfg(test)]
@@ -485,7 +483,8 @@ mod tests {
     #![allow(clippy::unwrap_used)]
 
     use super::*;
-    use crate::replay::tests::{scene, settings, straight};
+    use crate::replay::tests::{scene, settings, single_pass};
+    use crate::settings::Span;
 
     /// Enough frames for two checkpoints.
     const FRAMES: usize = 2 * MIN_CHECKPOINT_SPACING_FRAMES as usize + 6;
@@ -494,7 +493,7 @@ mod tests {
     fn the_record_of_a_second_pass_reduces_the_memory_for_checkpoints() {
         let folder = scene();
         let frames: Vec<_> =
-            straight(folder.path(), &settings()).into_iter().map(|shown| shown.frame).collect();
+            single_pass(folder.path(), &settings()).into_iter().map(|shown| shown.frame).collect();
         let size = frames[0].size;
         let info = SourceInfo {
             name: "scene".into(),
@@ -504,27 +503,28 @@ mod tests {
             frames: None,
             live: false,
         };
-        let few = Arc::new(Settings { median: 5, min_area: 2000, ..settings() });
-        let many = Arc::new(Settings { median: 0, min_area: 0, ..settings() });
+        let without_learning = Settings { bootstrap: Span::Frames(0), ..settings() };
+        let few = Arc::new(Settings { median: 5, min_area: 2000, ..without_learning.clone() });
+        let many = Arc::new(Settings { median: 0, min_area: 0, ..without_learning.clone() });
         let pass = |run: &mut ModelTimeline| {
             for frame in frames.iter().cycle().take(FRAMES) {
-                run.step(std::slice::from_ref(frame)).unwrap();
+                run.advance(std::slice::from_ref(frame)).unwrap();
             }
         };
-        let run = |settings: &Arc<Settings>, budget| {
-            let mut run =
-                ModelTimeline::new(Arc::clone(settings), None, &Arc::new(info.clone()), budget).unwrap();
+        let run_of = |settings: &Arc<Settings>, budget| {
+            let (settings, info) = (Arc::clone(settings), Arc::new(info.clone()));
+            let mut run = ModelTimeline::new(PassInputs { settings, roi: None, info, budget }).unwrap();
             pass(&mut run);
             run
         };
-        let [first, second] = [&few, &many].map(|settings| run(settings, 1 << 30));
+        let [first, second] = [&few, &many].map(|settings| run_of(settings, 1 << 30));
         let (one_pass, two_passes) = (first.record.bytes(), second.record.bytes());
         assert!(two_passes > one_pass + 10_000, "{one_pass} {two_passes}");
         let models = [MIN_CHECKPOINT_SPACING_FRAMES, 2 * MIN_CHECKPOINT_SPACING_FRAMES]
             .map(|at| first.checkpoints.at_or_before(at).unwrap().1.bytes());
         let model_budget_bytes = models.iter().sum::<usize>() + usize::midpoint(one_pass, two_passes);
 
-        let mut run = run(&few, model_budget_bytes.div_ceil(11) * 16);
+        let mut run = run_of(&few, model_budget_bytes.div_ceil(11) * 16);
         assert!(
             run.checkpoints.at_or_before(MIN_CHECKPOINT_SPACING_FRAMES).is_some(),
             "the capacity is sufficient for both"
@@ -533,14 +533,11 @@ mod tests {
         pass(&mut run);
         assert_eq!(run.record.bytes(), two_passes);
         assert!(run.checkpoints.at_or_before(MIN_CHECKPOINT_SPACING_FRAMES).is_none(), "one is dropped");
-        let late = Settings { max_hypotheses: 1, ..settings() };
-        let late = Arc::new(Settings { median: 0, min_area: 0, ..late });
-        let fresh = self::ModelTimeline::new(Arc::clone(&late), None, &Arc::new(info.clone()), 1 << 30);
-        let mut fresh = fresh.unwrap();
-        pass(&mut fresh);
+        let late = Arc::new(Settings { max_hypotheses: 1, ..Settings::clone(&many) });
+        let fresh = run_of(&late, 1 << 30);
         run.restart_at(Stage::Tracking, late, None).unwrap();
-        while run.needs_tracking_only() {
-            run.track_next();
+        while matches!(run.next_step(), NextStep::Track(_)) {
+            run.advance(&[]).unwrap();
         }
         assert_eq!(run.record.bytes(), fresh.record.bytes());
         assert_ne!(fresh.record.bytes(), two_passes);

@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 
 /// Checkpoints by position, at multiples of a stride that doubles whenever the capacity is exceeded.
 #[derive(Clone)]
-pub(super) struct StridedCheckpoints<T> {
+pub(crate) struct StridedCheckpoints<T> {
     /// The checkpoints and their sizes in bytes, by position.
     entries: BTreeMap<u32, (T, usize)>,
     stride: u32,
@@ -14,30 +14,30 @@ pub(super) struct StridedCheckpoints<T> {
 
 impl<T> StridedCheckpoints<T> {
     /// An empty store with a capacity in bytes and an initial stride.
-    pub(super) const fn new(stride: u32, capacity_bytes: usize) -> Self {
+    pub(crate) const fn new(stride: u32, capacity_bytes: usize) -> Self {
         Self { entries: BTreeMap::new(), stride, capacity_bytes, used_bytes: 0 }
     }
 
     /// Whether a checkpoint at this position would be kept.
-    pub(super) fn accepts(&self, position: u32) -> bool {
+    pub(crate) fn accepts(&self, position: u32) -> bool {
         self.capacity_bytes > 0
             && position.is_multiple_of(self.stride)
             && !self.entries.contains_key(&position)
     }
 
     /// Distance from a position to the next multiple of the stride, at least 1.
-    pub(super) const fn until_next(&self, position: u32) -> u32 {
+    pub(crate) const fn until_next(&self, position: u32) -> u32 {
         self.stride - position % self.stride
     }
 
     /// Changes the capacity, in bytes.
-    pub(super) fn set_capacity(&mut self, capacity_bytes: usize) {
+    pub(crate) fn set_capacity(&mut self, capacity_bytes: usize) {
         self.capacity_bytes = capacity_bytes;
         self.thin();
     }
 
     /// Stores a checkpoint of `bytes`, and drops every other one when they exceed the capacity.
-    pub(super) fn insert(&mut self, position: u32, value: T, bytes: usize) {
+    pub(crate) fn insert(&mut self, position: u32, value: T, bytes: usize) {
         self.used_bytes += bytes;
         if let Some((_, before)) = self.entries.insert(position, (value, bytes)) {
             self.used_bytes -= before;
@@ -59,7 +59,7 @@ impl<T> StridedCheckpoints<T> {
     }
 
     /// The last checkpoint at or before a position.
-    pub(super) fn at_or_before(&self, position: u32) -> Option<(u32, &T)> {
+    pub(crate) fn at_or_before(&self, position: u32) -> Option<(u32, &T)> {
         self.entries.range(..=position).next_back().map(|(&position, (value, _))| (position, value))
     }
 }

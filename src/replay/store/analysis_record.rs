@@ -3,17 +3,17 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use super::rle;
 use crate::frame::{Mask, Size};
 use crate::pipeline::Analysis;
 use crate::regions::{Labels, Region};
+use crate::replay::store::rle;
 use crate::tracking::{HypothesisSummary, Track};
 
 /// The analyses of a sequence from its first frame on. Copies share the large parts.
 #[derive(Clone)]
-pub(super) struct AnalysisRecord {
+pub(crate) struct AnalysisRecord {
     size: Size,
-    entries: Vec<Entry>,
+    entries: Vec<RecordedFrame>,
     /// Size of the entries in memory, in bytes.
     bytes: usize,
     empty_mask: Arc<Mask>,
@@ -21,7 +21,7 @@ pub(super) struct AnalysisRecord {
 }
 
 #[derive(Clone)]
-struct Entry {
+struct RecordedFrame {
     /// The analysis, with an empty mask and empty labels.
     analysis: Analysis,
     /// Its run-length encoded mask and labels.
@@ -31,7 +31,7 @@ struct Entry {
     foreground_share: f32,
 }
 
-impl Entry {
+impl RecordedFrame {
     fn bytes(&self) -> usize {
         let regions = self.analysis.regions.iter().map(Region::bytes).sum::<usize>();
         let tracks = self.analysis.tracks.len() + self.analysis.objects.len() + self.analysis.tentative.len();
@@ -46,7 +46,7 @@ impl Entry {
 }
 
 impl AnalysisRecord {
-    pub(super) fn new(size: Size) -> Self {
+    pub(crate) fn new(size: Size) -> Self {
         let none = Size::new(0, 0);
         Self {
             size,
@@ -58,24 +58,24 @@ impl AnalysisRecord {
     }
 
     /// Number of frames on record.
-    pub(super) fn len(&self) -> u32 {
+    pub(crate) fn len(&self) -> u32 {
         self.entries.len() as u32
     }
 
     /// Adds the analysis of the next frame, and the model's mask before cleaning.
-    pub(super) fn push(&mut self, analysis: Analysis, raw: Box<[u8]>) {
+    pub(crate) fn push(&mut self, analysis: Analysis, raw: Box<[u8]>) {
         let entry = self.entry(analysis, raw.into());
         self.bytes += entry.bytes();
         self.entries.push(entry);
     }
 
     /// Approximate size in memory, in bytes; some kilobytes per frame.
-    pub(super) const fn bytes(&self) -> usize {
+    pub(crate) const fn bytes(&self) -> usize {
         self.bytes
     }
 
     /// Replaces the analysis of a frame after regions were found again; its model mask stays.
-    pub(super) fn replace_regions(&mut self, position: u32, analysis: Analysis) {
+    pub(crate) fn replace_regions(&mut self, position: u32, analysis: Analysis) {
         let Some(raw) = self.entries.get(position as usize).map(|entry| Arc::clone(&entry.raw)) else {
             return;
         };
@@ -84,7 +84,7 @@ impl AnalysisRecord {
     }
 
     /// Changes an entry and updates the size in memory.
-    fn change(&mut self, position: u32, change: impl FnOnce(&mut Entry)) {
+    fn change(&mut self, position: u32, change: impl FnOnce(&mut RecordedFrame)) {
         if let Some(entry) = self.entries.get_mut(position as usize) {
             self.bytes -= entry.bytes();
             change(entry);
@@ -92,7 +92,7 @@ impl AnalysisRecord {
         }
     }
 
-    fn entry(&self, analysis: Analysis, raw: Arc<[u8]>) -> Entry {
+    fn entry(&self, analysis: Analysis, raw: Arc<[u8]>) -> RecordedFrame {
         let labels = rle::encode_labels(&analysis.labels).into();
         let foreground_share = analysis.mask.foreground_share();
         let analysis = Analysis {
@@ -100,45 +100,45 @@ impl AnalysisRecord {
             labels: Arc::clone(&self.empty_labels),
             ..analysis
         };
-        Entry { analysis, labels, raw, foreground_share }
+        RecordedFrame { analysis, labels, raw, foreground_share }
     }
 
     /// The model's mask of a frame, before cleaning.
-    pub(super) fn raw(&self, position: u32) -> Option<Mask> {
+    pub(crate) fn raw(&self, position: u32) -> Option<Mask> {
         self.entries.get(position as usize).map(|entry| rle::decode_mask(&entry.raw, self.size))
     }
 
     /// Calls `take` with the pixels of each run of the model's mask of a frame, before cleaning.
-    pub(super) fn for_each_raw_run(&self, position: u32, take: impl FnMut(Range<usize>)) {
+    pub(crate) fn for_each_raw_run(&self, position: u32, take: impl FnMut(Range<usize>)) {
         if let Some(entry) = self.entries.get(position as usize) {
             rle::for_each_run(&entry.raw, take);
         }
     }
 
     /// Calls `take` with the pixels of each run of foreground of a frame, after cleaning.
-    pub(super) fn for_each_run(&self, position: u32, take: impl FnMut(Range<usize>)) {
+    pub(crate) fn for_each_run(&self, position: u32, take: impl FnMut(Range<usize>)) {
         if let Some(entry) = self.entries.get(position as usize) {
             rle::for_each_labelled_run(&entry.labels, take);
         }
     }
 
     /// Replaces the analysis of a frame except its mask and labels.
-    pub(super) fn replace(&mut self, position: u32, analysis: Analysis) {
+    pub(crate) fn replace(&mut self, position: u32, analysis: Analysis) {
         self.change(position, |entry| entry.analysis = analysis);
     }
 
     /// The analysis of a frame without its mask and labels, and its share of foreground.
-    pub(super) fn outline(&self, position: u32) -> Option<(&Analysis, f32)> {
+    pub(crate) fn outline(&self, position: u32) -> Option<(&Analysis, f32)> {
         self.entries.get(position as usize).map(|entry| (&entry.analysis, entry.foreground_share))
     }
 
     /// All analyses without their masks and labels.
-    pub(super) fn outlines(&self) -> impl Iterator<Item = &Analysis> {
+    pub(crate) fn outlines(&self) -> impl Iterator<Item = &Analysis> {
         self.entries.iter().map(|entry| &entry.analysis)
     }
 
     /// The complete analysis of a frame.
-    pub(super) fn analysis(&self, position: u32) -> Option<Analysis> {
+    pub(crate) fn analysis(&self, position: u32) -> Option<Analysis> {
         let entry = self.entries.get(position as usize)?;
         let (mask, labels) = rle::decode_labels(&entry.labels, self.size);
         Some(Analysis { mask: Arc::new(mask), labels: Arc::new(labels), ..entry.analysis.clone() })

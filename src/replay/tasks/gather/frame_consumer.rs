@@ -7,10 +7,10 @@ use crate::source::SourceError;
 use crate::source::cache::{Fetched, FrameCache, Keep};
 
 /// Maximum duration of a turn before other work is done.
-pub(super) const MAX_TURN: Duration = Duration::from_millis(4);
+pub(crate) const MAX_TURN: Duration = Duration::from_millis(4);
 
 /// A consumer of frames in order, from the first on.
-pub(super) trait FrameConsumer {
+pub(crate) trait FrameConsumer {
     /// The position of the next frame that is needed; `None` if none is.
     fn next(&self) -> Option<u32>;
     /// Consumes the frame at a position, if it is the next.
@@ -25,7 +25,7 @@ pub(super) trait FrameConsumer {
 }
 
 /// Passes decoded frames to `consumer` for a short time; returns whether there was work to do.
-pub(super) fn feed_frames(
+pub(crate) fn feed_frames(
     consumer: &mut impl FrameConsumer,
     frames: &mut FrameCache,
 ) -> Result<bool, SourceError> {

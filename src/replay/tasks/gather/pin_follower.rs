@@ -2,20 +2,20 @@
 
 use std::sync::Arc;
 
-use super::frame_consumer::FrameConsumer;
-use super::pixel_follower::PixelFollower;
 use crate::explain::pixel::PixelHistory;
 use crate::frame::Frame;
+use crate::replay::tasks::gather::frame_consumer::FrameConsumer;
+use crate::replay::tasks::gather::pixel_follower::PixelFollower;
 use crate::settings::Settings;
 use crate::source::SourceInfo;
 
 /// Follows several pixels. They consume frames together, so that each frame is decoded once.
 #[derive(Default)]
-pub(super) struct PinFollower(Vec<((u32, u32), PixelFollower)>);
+pub(crate) struct PinFollower(Vec<((u32, u32), PixelFollower)>);
 
 impl PinFollower {
     /// Chooses the pixels to follow. The colours of pixels that were followed before are kept.
-    pub(super) fn choose(&mut self, pixels: &[(u32, u32)], settings: &Settings, info: &SourceInfo) {
+    pub(crate) fn choose(&mut self, pixels: &[(u32, u32)], settings: &Settings, info: &SourceInfo) {
         let mut before = std::mem::take(&mut self.0);
         for &at in pixels {
             let known = before.iter().position(|(pixel, _)| *pixel == at);
@@ -26,14 +26,14 @@ impl PinFollower {
     }
 
     /// Runs the mixtures again if their parameters differ.
-    pub(super) fn run_again(&mut self, settings: &Settings, info: &SourceInfo) {
+    pub(crate) fn run_again(&mut self, settings: &Settings, info: &SourceInfo) {
         for (at, pixel_follower) in &mut self.0 {
             pixel_follower.choose(Some(*at), settings, info);
         }
     }
 
     /// Drops all colours, after the sequence's first frame has changed.
-    pub(super) fn forget(&mut self, settings: &Settings, info: &SourceInfo) {
+    pub(crate) fn forget(&mut self, settings: &Settings, info: &SourceInfo) {
         for (_, pixel_follower) in &mut self.0 {
             *pixel_follower = PixelFollower::default();
         }
@@ -41,12 +41,12 @@ impl PinFollower {
     }
 
     /// The pixels whose histories are unavailable.
-    pub(super) fn lost(&self) -> impl Iterator<Item = (u32, u32)> {
+    pub(crate) fn lost(&self) -> impl Iterator<Item = (u32, u32)> {
         self.0.iter().filter_map(|(_, pixel_follower)| pixel_follower.lost())
     }
 
     /// The histories over all known frames, without those that are unavailable.
-    pub(super) fn latest(&mut self) -> Vec<Arc<PixelHistory>> {
+    pub(crate) fn latest(&mut self) -> Vec<Arc<PixelHistory>> {
         self.0.iter_mut().filter_map(|(_, pixel_follower)| pixel_follower.latest()).collect()
     }
 }

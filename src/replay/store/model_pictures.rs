@@ -8,16 +8,16 @@ use crate::mixture::{Mixture, Quantity, QuantityMap};
 
 /// The images of a model after a frame.
 #[derive(Clone)]
-pub(super) struct Pictures {
-    pub(super) background: Arc<Frame>,
-    pub(super) multi_mode: Option<Arc<Frame>>,
+pub(crate) struct ModelPictures {
+    pub(crate) background: Arc<Frame>,
+    pub(crate) multi_mode: Option<Arc<Frame>>,
     /// The requested map, if the model has it.
-    pub(super) map: Option<Arc<QuantityMap>>,
+    pub(crate) map: Option<Arc<QuantityMap>>,
 }
 
-impl Pictures {
+impl ModelPictures {
     /// The images of a mixture after `frame`, with a map of `quantity` if the mixture after the frame determines it.
-    pub(super) fn of_mixture(mixture: &Mixture, frame: &Frame, quantity: Option<Quantity>) -> Self {
+    pub(crate) fn of_mixture(mixture: &Mixture, frame: &Frame, quantity: Option<Quantity>) -> Self {
         let picture = |rgb| Arc::new(Frame::new(frame.number, frame.size, rgb));
         let appearance = mixture.appearance();
         let values = match quantity {
@@ -38,50 +38,50 @@ impl Pictures {
     }
 
     /// The same images with a map of this quantity.
-    pub(super) fn with_map(self, quantity: Option<Quantity>, values: Option<Vec<f32>>) -> Self {
+    pub(crate) fn with_map(self, quantity: Option<Quantity>, values: Option<Vec<f32>>) -> Self {
         let map = quantity.zip(values).map(|(quantity, values)| Arc::new(QuantityMap { quantity, values }));
         Self { map: map.or(self.map), ..self }
     }
 
     /// Whether they include a map of `quantity`.
-    pub(super) fn has(&self, quantity: Quantity) -> bool {
+    pub(crate) fn has(&self, quantity: Quantity) -> bool {
         self.map.as_ref().is_some_and(|map| map.quantity == quantity)
     }
 
     /// The image of a model that has only a background image.
-    pub(super) const fn of_background(background: Arc<Frame>) -> Self {
+    pub(crate) const fn of_background(background: Arc<Frame>) -> Self {
         Self { background, multi_mode: None, map: None }
     }
 }
 
 /// The most recent images by position: stepping back revisits frames that were just replayed.
 #[derive(Clone)]
-pub(super) struct RecentPictures {
-    pictures: VecDeque<(u32, Pictures)>,
-    room: usize,
+pub(crate) struct RecentPictures {
+    pictures: VecDeque<(u32, ModelPictures)>,
+    capacity: usize,
 }
 
 impl RecentPictures {
-    pub(super) const fn new(room: usize) -> Self {
-        Self { pictures: VecDeque::new(), room }
+    pub(crate) const fn new(capacity: usize) -> Self {
+        Self { pictures: VecDeque::new(), capacity }
     }
 
     /// Sets the capacity, in frames.
-    pub(super) fn set_capacity(&mut self, room: usize) {
-        self.room = room;
-        while self.pictures.len() > self.room {
+    pub(crate) fn set_capacity(&mut self, capacity: usize) {
+        self.capacity = capacity;
+        while self.pictures.len() > self.capacity {
             self.pictures.pop_front();
         }
     }
 
-    pub(super) fn get(&self, position: u32) -> Option<Pictures> {
+    pub(crate) fn get(&self, position: u32) -> Option<ModelPictures> {
         self.pictures.iter().find(|(at, _)| *at == position).map(|(_, pictures)| pictures.clone())
     }
 
-    pub(super) fn insert(&mut self, position: u32, pictures: Pictures) {
+    pub(crate) fn insert(&mut self, position: u32, pictures: ModelPictures) {
         self.pictures.retain(|(at, _)| *at != position);
         self.pictures.push_back((position, pictures));
-        while self.pictures.len() > self.room {
+        while self.pictures.len() > self.capacity {
             self.pictures.pop_front();
         }
     }

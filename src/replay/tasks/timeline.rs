@@ -2,14 +2,14 @@
 
 use std::collections::BTreeMap;
 
-use super::{Timeline, TrackTimeline};
 use crate::occlusion::Event;
 use crate::pipeline::{Analysis, OfflineResult};
+use crate::replay::{Timeline, TrackTimeline};
 use crate::tracking::{Identity, Track, TrackState};
 
 /// A [`Timeline`] in progress.
 #[derive(Clone, Default)]
-pub(super) struct TimelineBuilder {
+pub(crate) struct TimelineBuilder {
     foreground_share: Vec<f32>,
     events: Vec<Event>,
     track_spans: TrackSpans,
@@ -19,23 +19,23 @@ type TrackSpans = BTreeMap<Identity, Vec<(u32, u32, TrackState)>>;
 
 impl TimelineBuilder {
     /// Adds the analysis of the next position.
-    pub(super) fn push(&mut self, analysis: &Analysis, foreground_share: f32) {
+    pub(crate) fn push(&mut self, analysis: &Analysis, foreground_share: f32) {
         extend_spans(&mut self.track_spans, self.foreground_share.len() as u32, &analysis.tracks);
         self.foreground_share.push(foreground_share);
         self.events.extend(analysis.events.iter().cloned());
     }
 
     /// Replaces the online results by the offline result.
-    pub(super) fn finish(&mut self, reading: OfflineResult) {
+    pub(crate) fn finish(&mut self, result: OfflineResult) {
         self.track_spans.clear();
-        for (position, (_, tracks)) in (0..).zip(&reading.tracks) {
+        for (position, (_, tracks)) in (0..).zip(&result.tracks) {
             extend_spans(&mut self.track_spans, position, tracks);
         }
-        self.events = reading.events;
+        self.events = result.events;
     }
 
     /// The current timeline; `numbers` are the frame numbers of the positions, in ascending order.
-    pub(super) fn timeline(&self, numbers: &[u32], complete: bool) -> Timeline {
+    pub(crate) fn timeline(&self, numbers: &[u32], complete: bool) -> Timeline {
         let position = |frame: u32| numbers.partition_point(|&number| number < frame) as u32;
         let mut events: Vec<_> =
             self.events.iter().map(|event| (position(event.frame), event.clone())).collect();

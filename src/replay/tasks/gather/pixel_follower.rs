@@ -2,17 +2,17 @@
 
 use std::sync::Arc;
 
-use super::frame_consumer::FrameConsumer;
 use crate::explain::pixel::PixelHistory;
 use crate::frame::Frame;
 use crate::mixture::Parameters;
 use crate::registration::{CorrectionChoice, ObservedColour};
+use crate::replay::tasks::gather::frame_consumer::FrameConsumer;
 use crate::settings::{BackgroundModel, Settings};
 use crate::source::SourceInfo;
 
 /// Follows one pixel through all known frames, analysed or not.
 #[derive(Clone, Default)]
-pub(super) struct PixelFollower {
+pub(crate) struct PixelFollower {
     history: Option<Arc<PixelHistory>>,
     /// Number of each frame and the pixel's colour as the mixture's input. `history` can be shorter: it is extended
     /// on request, because it has to be copied while the previous one is shared.
@@ -28,7 +28,7 @@ pub(super) struct PixelFollower {
 impl PixelFollower {
     /// Chooses a pixel, or none. The colours of the same pixel are kept, and the mixture runs over them again if its
     /// parameters differ.
-    pub(super) fn choose(&mut self, at: Option<(u32, u32)>, settings: &Settings, info: &SourceInfo) {
+    pub(crate) fn choose(&mut self, at: Option<(u32, u32)>, settings: &Settings, info: &SourceInfo) {
         let at = at.filter(|_| settings.background_model == BackgroundModel::Mixture);
         self.lost = None;
         let registration = CorrectionChoice::new(settings);
@@ -46,12 +46,12 @@ impl PixelFollower {
     }
 
     /// The pixel whose history is unavailable, because the first frames are lost.
-    pub(super) const fn lost(&self) -> Option<(u32, u32)> {
+    pub(crate) const fn lost(&self) -> Option<(u32, u32)> {
         self.lost
     }
 
     /// Copies additional colours of the same pixel from another follower; returns whether there were any.
-    pub(super) fn copy_colours_from(&mut self, other: &Self) -> bool {
+    pub(crate) fn copy_colours_from(&mut self, other: &Self) -> bool {
         let seen = |history: &Arc<PixelHistory>| (history.at, history.parameters.registration);
         let at = |pixel_follower: &Self| pixel_follower.history.as_ref().map(seen);
         let known = self.colours.len();
@@ -64,12 +64,21 @@ impl PixelFollower {
     }
 
     /// Number of known frames; `None` when no pixel is chosen.
-    pub(super) fn frames(&self) -> Option<u32> {
+    pub(crate) fn frames(&self) -> Option<u32> {
         self.history.as_ref().map(|_| self.colours.len() as u32)
     }
 
+    /// The number of known frames, and of those that the history needs to cover `position`; `None` when no pixel is
+    /// chosen or all of them are known.
+    pub(crate) fn progress_to(&self, position: u32) -> Option<(u32, u32)> {
+        let known = self.frames()?;
+        let to_learn = if self.complete { 0 } else { self.to_learn };
+        let needed = to_learn.max(position.saturating_add(1));
+        (known < needed).then_some((known, needed))
+    }
+
     /// The history, extended if it does not contain `position`; `None` while that is unknown.
-    pub(super) fn history_covering(&mut self, position: u32) -> Option<Arc<PixelHistory>> {
+    pub(crate) fn history_covering(&mut self, position: u32) -> Option<Arc<PixelHistory>> {
         if self.frames()? <= position || !self.has_learnt() {
             return None;
         }
@@ -86,7 +95,7 @@ impl PixelFollower {
     }
 
     /// The history of all known frames.
-    pub(super) fn latest(&mut self) -> Option<Arc<PixelHistory>> {
+    pub(crate) fn latest(&mut self) -> Option<Arc<PixelHistory>> {
         let has_learnt = self.has_learnt();
         let history = self.history.as_mut()?;
         if has_learnt && history.states.len() < self.colours.len() {
@@ -126,5 +135,43 @@ impl FrameConsumer for PixelFollower {
     fn lose(&mut self) {
         let lost = self.history.as_ref().map(|history| history.at);
         *self = Self { lost, ..Self::default() };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::frame::Size;
+    use crate::settings::Span;
+    use crate::source::FpsFrom;
+
+    #[test]
+    fn the_progress_counts_the_frames_to_learn_from_and_those_up_to_the_frame_in_view() {
+        let size = Size::new(1, 1);
+        let info = SourceInfo {
+            name: "pixel".into(),
+            size,
+            fps: 25.0,
+            fps_from: FpsFrom::Video,
+            frames: None,
+            live: false,
+        };
+        let settings = Settings { bootstrap: Span::Frames(3), ..Settings::default() };
+        let mut follower = PixelFollower::default();
+        assert_eq!(follower.progress_to(0), None, "no pixel is chosen");
+        follower.choose(Some((0, 0)), &settings, &info);
+        for position in 0..2 {
+            follower.push(position, &Frame::new(position + 1, size, vec![90; 3]));
+        }
+        assert_eq!((follower.progress_to(0), follower.progress_to(4)), (Some((2, 3)), Some((2, 5))));
+        follower.push(2, &Frame::new(3, size, vec![90; 3]));
+        assert_eq!((follower.progress_to(2), follower.progress_to(3)), (None, Some((3, 4))));
+
+        // A source with fewer frames than there are to learn from.
+        let longer = Settings { bootstrap: Span::Frames(10), ..settings };
+        follower.choose(Some((0, 0)), &longer, &info);
+        assert_eq!(follower.progress_to(2), Some((3, 10)));
+        follower.end();
+        assert_eq!(follower.progress_to(2), None);
     }
 }

@@ -9,7 +9,7 @@ use crate::regions::{LabelRun, Labels};
 
 /// Encodes labels as runs of foreground: for each the number of background pixels before it, its length, and its
 /// label.
-pub(super) fn encode_labels(labels: &Labels) -> Box<[u8]> {
+pub(crate) fn encode_labels(labels: &Labels) -> Box<[u8]> {
     let mut bytes = Vec::new();
     let mut end = 0;
     for run in &labels.runs {
@@ -22,7 +22,7 @@ pub(super) fn encode_labels(labels: &Labels) -> Box<[u8]> {
 }
 
 /// Decodes labels, and the mask that they imply.
-pub(super) fn decode_labels(mut bytes: &[u8], size: Size) -> (Mask, Labels) {
+pub(crate) fn decode_labels(mut bytes: &[u8], size: Size) -> (Mask, Labels) {
     let mut mask = Mask::empty(size);
     let mut labels = Labels::none(size);
     let mut end = 0;
@@ -37,7 +37,7 @@ pub(super) fn decode_labels(mut bytes: &[u8], size: Size) -> (Mask, Labels) {
 }
 
 /// Calls `take` with the pixels of each run of labels, in order.
-pub(super) fn for_each_labelled_run(mut bytes: &[u8], mut take: impl FnMut(Range<usize>)) {
+pub(crate) fn for_each_labelled_run(mut bytes: &[u8], mut take: impl FnMut(Range<usize>)) {
     let mut end = 0;
     while !bytes.is_empty() {
         let start = end + read(&mut bytes) as usize;
@@ -48,7 +48,7 @@ pub(super) fn for_each_labelled_run(mut bytes: &[u8], mut take: impl FnMut(Range
 }
 
 /// Encodes a mask as runs of foreground: for each the number of background pixels before it, and its length.
-pub(super) fn encode_mask(mask: &Mask) -> Box<[u8]> {
+pub(crate) fn encode_mask(mask: &Mask) -> Box<[u8]> {
     let mut bytes = Vec::new();
     let mut end = 0;
     for run in mask.runs() {
@@ -60,14 +60,14 @@ pub(super) fn encode_mask(mask: &Mask) -> Box<[u8]> {
 }
 
 /// Decodes a mask.
-pub(super) fn decode_mask(bytes: &[u8], size: Size) -> Mask {
+pub(crate) fn decode_mask(bytes: &[u8], size: Size) -> Mask {
     let mut mask = Mask::empty(size);
     for_each_run(bytes, |run| mask.data[run].fill(Mask::FOREGROUND));
     mask
 }
 
 /// Calls `take` with the pixels of each run of a mask, in order.
-pub(super) fn for_each_run(mut bytes: &[u8], mut take: impl FnMut(Range<usize>)) {
+pub(crate) fn for_each_run(mut bytes: &[u8], mut take: impl FnMut(Range<usize>)) {
     let mut end = 0;
     while !bytes.is_empty() {
         let start = end + read(&mut bytes) as usize;

@@ -1,0 +1,9 @@
+//! The kinds of work, each in short steps. The worker decides which of them is due; none of them knows it.
+
+pub(crate) mod analyse;
+pub(crate) mod explain;
+pub(crate) mod gather;
+pub(crate) mod score;
+pub(crate) mod show;
+pub(crate) mod timeline;
+pub(crate) mod tune;
