@@ -18,7 +18,7 @@ use egui_kittest::wgpu::{create_render_state, default_wgpu_setup};
 
 use crate::app::Window;
 use crate::app::commands::command::{Action, Command};
-use crate::app::model::Player;
+use crate::app::model::player::Player;
 use crate::explain::tuning::TunableSetting;
 use crate::export::tests::track;
 use crate::frame::{Frame, Mask, Size};

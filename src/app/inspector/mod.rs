@@ -34,7 +34,7 @@ use egui_material_icons::icons;
 use self::pixels::FramePosition;
 pub use self::plot::{Format, Plot};
 pub use self::table::Table;
-use super::pins;
+use crate::app::model::pins;
 use crate::explain::pixel::component_slots;
 use crate::explain::pixel::verdict::{Verdict, overruled, verdict};
 use crate::explain::pixel::{PixelHistory, PixelState};

@@ -39,9 +39,9 @@ use serde::{Deserialize, Serialize};
 use self::compose::{Compose, ComposeStyle, Composer, Composition};
 use self::layer::Layer;
 use self::pictures::UploadedFrame;
-use super::ab_settings::{AbSettings, AbSlot};
-use super::state::Model;
-use super::theme::Colours;
+use crate::app::model::Model;
+use crate::app::model::ab_settings::{AbSettings, AbSlot};
+use crate::app::theme::Colours;
 use crate::replay::ShownFrame;
 
 /// A view of the frame.
