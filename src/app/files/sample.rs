@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 /// A video of two people who cross.
 const CROSSING: &[u8] = include_bytes!("../../../sample_videos/crossing.mp4");
-const NAME: &str = "crossing.mp4";
+const FILE_NAME: &str = "crossing.mp4";
 /// A pixel on the occluder during the crossing, chosen when the sample opens.
 pub(crate) const PIXEL: (u32, u32) = (160, 137);
 
@@ -30,7 +30,7 @@ fn folders() -> Vec<PathBuf> {
 }
 
 fn unpack_into(folder: &Path) -> std::io::Result<PathBuf> {
-    let path = folder.join(NAME);
+    let path = folder.join(FILE_NAME);
     if std::fs::read(&path).is_ok_and(|there| there == CROSSING) {
         return Ok(path);
     }

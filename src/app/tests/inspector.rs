@@ -60,7 +60,7 @@ fn a_visible_tuning_map_is_requested_and_a_cell_becomes_the_settings() {
     harness.drop_at(at);
     harness.run_steps(8);
     let settings = given(&scene).expect("no cell was applied");
-    let cell = harness.state().model.tuning().unwrap().map.clone();
+    let cell = harness.state().model.worker.tuning().unwrap().map.clone();
     assert!(cell.axes[0].values.contains(&settings.alpha) && cell.axes[1].values.contains(&settings.t));
     assert_eq!(Settings { alpha: settings.alpha, t: settings.t, ..Settings::default() }, settings);
     harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);

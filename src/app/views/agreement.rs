@@ -40,8 +40,8 @@ impl Agreement {
 }
 
 /// The composition of the view.
-pub(super) fn look(pane: &Pane<'_>) -> ComposeStyle {
-    let in_view = pane.model.ab_settings.in_view;
+pub(super) fn compose_style(pane: &Pane<'_>) -> ComposeStyle {
+    let in_view = pane.model.edits.ab_settings.in_view;
     let share = |[r, g, b]: [u8; 3]| [r, g, b, 255].map(|channel| f32::from(channel) / 255.0);
     ComposeStyle {
         overlay: share(in_view.colour()),
@@ -51,10 +51,10 @@ pub(super) fn look(pane: &Pane<'_>) -> ComposeStyle {
 }
 
 /// Draws the view.
-pub(super) fn paint(pane: &Pane<'_>, beside: &ShownFrame) {
-    let in_view = pane.model.ab_settings.in_view;
-    pane.compose(look(pane));
-    let (first, second) = (&pane.shown.analysis.mask, &beside.analysis.mask);
+pub(super) fn paint(pane: &Pane<'_>, compared: &ShownFrame) {
+    let in_view = pane.model.edits.ab_settings.in_view;
+    pane.compose(compose_style(pane));
+    let (first, second) = (&pane.shown.analysis.mask, &compared.analysis.mask);
     let ground = |(x, y)| match (first.is_foreground(x, y), second.is_foreground(x, y)) {
         (true, true) => theme::rgb(BOTH),
         (true, false) => theme::rgb(in_view.colour()),
@@ -84,8 +84,8 @@ fn legend(pane: &Pane<'_>, in_view: AbSlot, agreement: Agreement) {
 
 /// Whether a pixel is foreground in A and in B; `None` where no settings are compared.
 pub(super) fn of_pixel(shown: &ShownFrame, in_view: AbSlot, (x, y): (u32, u32)) -> Option<[bool; 2]> {
-    let beside = shown.compared.as_ref()?;
-    let [seen, other] = [&shown.analysis, &beside.analysis].map(|of| of.mask.is_foreground(x, y));
+    let compared = shown.compared.as_ref()?;
+    let [seen, other] = [&shown.analysis, &compared.analysis].map(|of| of.mask.is_foreground(x, y));
     Some(match in_view {
         AbSlot::A => [seen, other],
         AbSlot::B => [other, seen],

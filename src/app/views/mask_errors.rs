@@ -26,7 +26,7 @@ pub(super) fn judge(mask: &Mask, truth: &TrueMask) -> Decisions {
 }
 
 /// The composition of the view.
-pub(super) fn look() -> ComposeStyle {
+pub(super) fn compose_style() -> ComposeStyle {
     let share = |[r, g, b]: [u8; 3]| [r, g, b, 255].map(|channel| f32::from(channel) / 255.0);
     ComposeStyle {
         overlay: share(FALSE_POSITIVE),
@@ -47,7 +47,7 @@ pub(super) fn paint(pane: &Pane<'_>) {
         draw::message(pane.painter, &pane.canvas, why, pane.colours.weak);
         return;
     };
-    pane.compose(look());
+    pane.compose(compose_style());
     let mask = &pane.shown.analysis.mask;
     let ground = |(x, y)| match (truth.at(x, y), mask.is_foreground(x, y)) {
         (Some(Label::Foreground), true) => theme::rgb(TRUE_POSITIVE),
