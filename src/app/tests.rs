@@ -75,13 +75,13 @@ enum PlayerCall {
 
 /// A worker that answers at once and records requests.
 #[derive(Clone)]
-struct Scene {
+struct RecordingPlayer {
     state: Rc<RefCell<State>>,
     asked: Rc<RefCell<Vec<PlayerCall>>>,
     truth: Rc<RefCell<Option<Arc<Truth>>>>,
 }
 
-impl Player for Scene {
+impl Player for RecordingPlayer {
     fn state(&self) -> State {
         self.state.borrow().clone()
     }
@@ -156,7 +156,7 @@ impl Player for Scene {
     }
 }
 
-impl Scene {
+impl RecordingPlayer {
     /// The ground-truth mask of a frame, if any.
     fn truth_of(&self, shown: &ShownFrame) -> Option<Arc<TrueMask>> {
         self.truth.borrow().as_ref()?.masks.as_ref()?.of(shown.frame.number).cloned()
@@ -405,7 +405,11 @@ fn state(phase: Phase, shown: Option<u32>) -> State {
 }
 
 /// A window on a scene; without a state nothing is open.
-fn window(state: Option<State>, size: (f32, f32), theme: Theme) -> (Harness<'static, Window>, Scene) {
+fn window(
+    state: Option<State>,
+    size: (f32, f32),
+    theme: Theme,
+) -> (Harness<'static, Window>, RecordingPlayer) {
     window_at(state, size, 1.0, theme)
 }
 
@@ -415,10 +419,10 @@ fn window_at(
     size: (f32, f32),
     pixels_per_point: f32,
     theme: Theme,
-) -> (Harness<'static, Window>, Scene) {
+) -> (Harness<'static, Window>, RecordingPlayer) {
     let asked = Rc::<RefCell<Vec<PlayerCall>>>::default();
     let first = state.clone().unwrap_or_else(|| self::state(Phase::Opening, None));
-    let scene = Scene { state: Rc::new(RefCell::new(first)), asked, truth: Rc::default() };
+    let scene = RecordingPlayer { state: Rc::new(RefCell::new(first)), asked, truth: Rc::default() };
     let player = scene.clone();
     let mut harness = Harness::builder()
         .with_size(vec2(size.0, size.1))
@@ -458,11 +462,11 @@ fn settle(harness: &mut Harness<'_, Window>) {
     harness.step();
 }
 
-fn ready(position: u32) -> (Harness<'static, Window>, Scene) {
+fn ready(position: u32) -> (Harness<'static, Window>, RecordingPlayer) {
     window(Some(state(Phase::Ready, Some(position))), (1600.0, 1000.0), Theme::Dark)
 }
 
-fn shows(scene: &Scene) -> Vec<u32> {
+fn shows(scene: &RecordingPlayer) -> Vec<u32> {
     let asked = scene.asked.borrow();
     asked
         .iter()
@@ -471,7 +475,7 @@ fn shows(scene: &Scene) -> Vec<u32> {
 }
 
 /// The settings last sent to the worker.
-fn given(scene: &Scene) -> Option<Settings> {
+fn given(scene: &RecordingPlayer) -> Option<Settings> {
     let asked = scene.asked.borrow();
     asked
         .iter()

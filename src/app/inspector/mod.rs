@@ -301,10 +301,10 @@ impl Inspector {
         context: &InspectorContext<'_>,
     ) -> Option<InspectorAction> {
         let (title, text) = match context.chosen {
-            Some((x, y)) if context.lost.contains(&(x, y)) => (format!("Pixel {x}, {y}"), LOST),
+            Some((x, y)) if context.lost.contains(&(x, y)) => (format!("Pixel {x}, {y}"), LOST_HISTORY),
             Some((x, y)) => (format!("Pixel {x}, {y}"), COMPUTING_HISTORY),
-            None if context.pins.is_empty() => ("No pixel selected".to_owned(), CLICK),
-            None => ("No pixel selected".to_owned(), CLICK_OR_PIN),
+            None if context.pins.is_empty() => ("No pixel selected".to_owned(), CLICK_PIXEL),
+            None => ("No pixel selected".to_owned(), CLICK_PIXEL_OR_PIN),
         };
         if context.pins.is_empty() {
             message(ui, &title, text);
@@ -344,10 +344,10 @@ impl Inspector {
     }
 }
 
-const CLICK: &str = "Click a pixel in any view to inspect its mixture, its history and its verdict.";
-const CLICK_OR_PIN: &str = "Click a pixel in any view, or a pinned one below, to inspect its mixture.";
+const CLICK_PIXEL: &str = "Click a pixel in any view to inspect its mixture, its history and its verdict.";
+const CLICK_PIXEL_OR_PIN: &str = "Click a pixel in any view, or a pinned one below, to inspect its mixture.";
 const COMPUTING_HISTORY: &str = "Computing pixel history…";
-const LOST: &str = "Pixel history not available: it needs the first frames, which this live source no \
+const LOST_HISTORY: &str = "Pixel history not available: it needs the first frames, which this live source no \
      longer has. A changed mixture setting restarts it with the next frame; use a recording to keep all \
      frames.";
 

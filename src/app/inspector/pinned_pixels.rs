@@ -26,7 +26,7 @@ const SPARKLINE_HEIGHT: f32 = 34.0;
 const VERDICT_STRIP_HEIGHT: f32 = 5.0;
 
 const COMPUTING_HISTORY: &str = "Computing history…";
-const LOST: &str = "Not available: this live source no longer has the first frames.";
+const LOST_HISTORY: &str = "Not available: this live source no longer has the first frames.";
 
 /// The cached columns of each pixel.
 #[derive(Default)]
@@ -103,7 +103,7 @@ impl PinnedPixelsView {
                 }
                 Some(_) => {}
                 None => {
-                    let text = if context.lost.contains(&at) { LOST } else { COMPUTING_HISTORY };
+                    let text = if context.lost.contains(&at) { LOST_HISTORY } else { COMPUTING_HISTORY };
                     let text = Label::new(style::aside(ui, text)).wrap();
                     ui.new_child(UiBuilder::new().max_rect(area)).add(text);
                 }

@@ -29,14 +29,14 @@ fn click(harness: &mut Harness<'_, Window>, [x, y]: [f32; 2]) {
 }
 
 /// The region of interest last sent to the worker.
-fn asked(scene: &Scene) -> Option<Arc<Roi>> {
+fn asked(scene: &RecordingPlayer) -> Option<Arc<Roi>> {
     let asked = scene.asked.borrow();
     let mut rois = asked.iter().rev();
     rois.find_map(|asked| if let PlayerCall::Roi(roi) = asked { Some(roi.clone()) } else { None })
         .expect("no region of interest was sent")
 }
 
-fn how_often(scene: &Scene) -> usize {
+fn how_often(scene: &RecordingPlayer) -> usize {
     scene.asked.borrow().iter().filter(|asked| matches!(asked, PlayerCall::Roi(_))).count()
 }
 

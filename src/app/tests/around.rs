@@ -137,7 +137,7 @@ fn a_setting_is_found_by_name_and_scrolled_into_view() {
 fn the_analysis_can_be_paused_and_resumed_beside_its_progress() {
     let (mut harness, scene) = ready(58);
     assert!(harness.query_by_label("Pause analysis").is_none(), "the analysis is idle");
-    let asked = |scene: &Scene| scene.asked.borrow().last().cloned();
+    let asked = |scene: &RecordingPlayer| scene.asked.borrow().last().cloned();
     {
         let mut state = scene.state.borrow_mut();
         state.busy = Some(Progress { what: "analysing".into(), done: 70, total: Some(FRAMES) });
@@ -174,8 +174,9 @@ fn the_analysis_can_be_paused_and_resumed_beside_its_progress() {
 fn closing_a_video_does_not_wait_for_its_worker() {
     let (mut harness, scene) = ready(58);
     let ctx = harness.ctx.clone();
-    let left =
-        |scene: &Scene| scene.asked.borrow().iter().filter(|asked| **asked == PlayerCall::Leave).count();
+    let left = |scene: &RecordingPlayer| {
+        scene.asked.borrow().iter().filter(|asked| **asked == PlayerCall::Leave).count()
+    };
     harness.state_mut().apply(&ctx, Command::Open("/videos/other.mp4".into(), Start::First));
     assert_eq!(left(&scene), 1);
     act(&mut harness, Action::CloseVideo);

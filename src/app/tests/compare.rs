@@ -77,7 +77,7 @@ pub(super) fn answer(state: &mut State, settings: &Settings, beside: Option<Sett
 }
 
 /// A scene with K = 2 as B, which is in view, in the comparison layout.
-fn comparing() -> (Harness<'static, Window>, Scene) {
+fn comparing() -> (Harness<'static, Window>, RecordingPlayer) {
     let (mut harness, scene) = ready(30);
     harness.key_press(Key::B);
     harness.run_steps(3);
@@ -89,7 +89,7 @@ fn comparing() -> (Harness<'static, Window>, Scene) {
     (harness, scene)
 }
 
-fn beside(scene: &Scene) -> Option<Settings> {
+fn beside(scene: &RecordingPlayer) -> Option<Settings> {
     let asked = scene.asked.borrow();
     let last = asked.iter().rev().find_map(|asked| match asked {
         PlayerCall::Compare(beside) => Some(beside.clone()),

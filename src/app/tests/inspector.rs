@@ -32,11 +32,11 @@ pub(super) fn inspected_state(position: u32) -> State {
     }
 }
 
-fn inspected(position: u32) -> (Harness<'static, Window>, Scene) {
+fn inspected(position: u32) -> (Harness<'static, Window>, RecordingPlayer) {
     window(Some(inspected_state(position)), (1600.0, 1000.0), Theme::Dark)
 }
 
-fn tuned(scene: &Scene) -> Vec<Option<[TunableSetting; 2]>> {
+fn tuned(scene: &RecordingPlayer) -> Vec<Option<[TunableSetting; 2]>> {
     let asked = scene.asked.borrow();
     asked
         .iter()

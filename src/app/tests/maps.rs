@@ -12,7 +12,7 @@ fn act(harness: &mut Harness<'_, Window>, action: Action) {
     settle(harness);
 }
 
-fn maps_asked(scene: &Scene) -> Vec<Option<Quantity>> {
+fn maps_asked(scene: &RecordingPlayer) -> Vec<Option<Quantity>> {
     let asked = scene.asked.borrow();
     asked.iter().filter_map(|asked| if let PlayerCall::Map(of) = asked { Some(*of) } else { None }).collect()
 }

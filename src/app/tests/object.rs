@@ -16,7 +16,7 @@ fn click(harness: &mut Harness<'_, Window>, view: &str, at: [f32; 2]) {
 }
 
 /// A window that shows the whole panel.
-fn tall() -> (Harness<'static, Window>, Scene) {
+fn tall() -> (Harness<'static, Window>, RecordingPlayer) {
     window(Some(state(Phase::Ready, Some(30))), (1600.0, 1700.0), Theme::Dark)
 }
 
@@ -152,7 +152,7 @@ fn the_selected_event_stays_the_same_when_events_are_inserted_before_it() {
     harness.state_mut().apply(&ctx, Command::OpenEvent(Some(EventRef::InView(3))));
     settle(&mut harness);
     harness.get_by_label("Evidence for merge 1 + 2");
-    let explained = |scene: &Scene| {
+    let explained = |scene: &RecordingPlayer| {
         scene.asked.borrow().iter().filter(|asked| matches!(asked, PlayerCall::Explain(Some(_)))).count()
     };
     assert_eq!(explained(&scene), 1);

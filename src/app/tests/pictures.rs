@@ -11,7 +11,7 @@ use crate::app::views::ViewCanvas;
 use crate::palette::identity_colour;
 
 /// One maximised view, with an integer number of screen pixels per image pixel.
-fn alone(view: View, position: u32) -> (Harness<'static, Window>, Scene, ViewCanvas) {
+fn alone(view: View, position: u32) -> (Harness<'static, Window>, RecordingPlayer, ViewCanvas) {
     let (mut harness, scene) =
         window(Some(state(Phase::Ready, Some(position))), (1600.0, 1000.0), Theme::Dark);
     harness.state_mut().model.display.maximised = Some(view);

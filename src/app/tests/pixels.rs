@@ -19,7 +19,7 @@ fn apply(harness: &mut Harness<'_, Window>, command: Command) {
 }
 
 /// A scene with a chosen pixel.
-fn inspected(size: (f32, f32), theme: Theme) -> (Harness<'static, Window>, Scene) {
+fn inspected(size: (f32, f32), theme: Theme) -> (Harness<'static, Window>, RecordingPlayer) {
     let history = Some(history_of(AT));
     let shown = ShownFrame { pixel: history.clone(), ..shown_at(58) };
     let state = State { shown: Some(Arc::new(shown)), pixel: history, ..state(Phase::Ready, Some(58)) };
@@ -28,7 +28,7 @@ fn inspected(size: (f32, f32), theme: Theme) -> (Harness<'static, Window>, Scene
     (harness, scene)
 }
 
-fn pins_asked(scene: &Scene) -> Vec<Vec<(u32, u32)>> {
+fn pins_asked(scene: &RecordingPlayer) -> Vec<Vec<(u32, u32)>> {
     let asked = scene.asked.borrow();
     asked
         .iter()
@@ -36,7 +36,7 @@ fn pins_asked(scene: &Scene) -> Vec<Vec<(u32, u32)>> {
         .collect()
 }
 
-fn regions_asked(scene: &Scene) -> Vec<Option<((u32, u32), u32)>> {
+fn regions_asked(scene: &RecordingPlayer) -> Vec<Option<((u32, u32), u32)>> {
     let asked = scene.asked.borrow();
     asked
         .iter()

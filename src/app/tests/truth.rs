@@ -45,7 +45,7 @@ fn tuning_of(state: &State, side: u32) -> RegionTuning {
 }
 
 /// A scene with ground truth and a chosen pixel whose tuning tab is open.
-fn judged(size: (f32, f32), theme: Theme) -> (Harness<'static, Window>, Scene) {
+fn judged(size: (f32, f32), theme: Theme) -> (Harness<'static, Window>, RecordingPlayer) {
     let state = inspected_state(58);
     let (mut harness, scene) = window(Some(state), size, theme);
     let ctx = harness.ctx.clone();
@@ -63,7 +63,7 @@ fn load(harness: &mut Harness<'_, Window>, truth: Arc<Truth>) {
     settle(harness);
 }
 
-fn asked(scene: &Scene) -> Vec<Option<((u32, u32), u32)>> {
+fn asked(scene: &RecordingPlayer) -> Vec<Option<((u32, u32), u32)>> {
     let asked = scene.asked.borrow();
     asked
         .iter()
@@ -164,7 +164,7 @@ fn accuracy_under_other_settings_is_requested_shown_and_applied() {
 fn a_hidden_tab_requests_nothing() {
     use crate::app::model::selection::Subject;
     let (mut harness, scene) = judged((1600.0, 1000.0), Theme::Dark);
-    let tuned = |scene: &Scene| {
+    let tuned = |scene: &RecordingPlayer| {
         let asked = scene.asked.borrow();
         let last = asked
             .iter()

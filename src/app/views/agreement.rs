@@ -9,7 +9,7 @@ use crate::frame::Mask;
 use crate::replay::ShownFrame;
 
 /// The colour of pixels that are foreground in both masks.
-pub(super) const BOTH: [u8; 3] = [228, 232, 238];
+pub(super) const BOTH_COLOUR: [u8; 3] = [228, 232, 238];
 
 /// Numbers of foreground pixels in two masks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -56,7 +56,7 @@ pub(super) fn paint(pane: &Pane<'_>, compared: &ShownFrame) {
     pane.compose(compose_style(pane));
     let (first, second) = (&pane.shown.analysis.mask, &compared.analysis.mask);
     let ground = |(x, y)| match (first.is_foreground(x, y), second.is_foreground(x, y)) {
-        (true, true) => theme::rgb(BOTH),
+        (true, true) => theme::rgb(BOTH_COLOUR),
         (true, false) => theme::rgb(in_view.colour()),
         (false, true) => theme::rgb(in_view.other().colour()),
         (false, false) => Color32::BLACK,
@@ -76,7 +76,7 @@ fn legend(pane: &Pane<'_>, in_view: AbSlot, agreement: Agreement) {
     let rows = [
         (AbSlot::A.colour(), "A only", a),
         (AbSlot::B.colour(), "B only", b),
-        (BOTH, "both", agreement.both),
+        (BOTH_COLOUR, "both", agreement.both),
     ];
     let rows = rows.map(|(colour, word, count)| (colour, format!("{word}  {count} px")));
     draw::legend(pane.painter, pane.canvas.rect, &rows);

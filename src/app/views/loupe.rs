@@ -27,7 +27,7 @@ const TEXT_LINES: f32 = 3.0;
 const POINTER_DISTANCE: f32 = 22.0;
 
 /// The colour of values.
-const INK: Color32 = Color32::from_rgb(236, 240, 246);
+const VALUE_INK: Color32 = Color32::from_rgb(236, 240, 246);
 /// The colour of other text.
 const WEAK_INK: Color32 = Color32::from_rgb(170, 178, 190);
 
@@ -95,7 +95,7 @@ pub(crate) fn words(
 ) -> [(String, Color32); 3] {
     let (x, y) = pixel;
     let value = pixel_value(view, model, shown, pixel);
-    [(format!("{x}, {y}"), WEAK_INK), (value, INK), verdict(view, model, shown, pixel)]
+    [(format!("{x}, {y}"), WEAK_INK), (value, VALUE_INK), verdict(view, model, shown, pixel)]
 }
 
 fn verdict(view: View, model: &Model, shown: &ShownFrame, pixel: (u32, u32)) -> (String, Color32) {

@@ -176,7 +176,7 @@ impl Window {
             Ok(path) => {
                 self.open(ctx, &path.to_string_lossy(), Start::FirstOcclusion);
                 self.model.videos.origin = Origin::Sample;
-                self.model.choose_pixel(Some(sample::PIXEL));
+                self.model.choose_pixel(Some(sample::SAMPLE_PIXEL));
             }
             Err(why) => self.toasts.fail(ctx, why),
         }
