@@ -18,7 +18,7 @@ const ALLOWED: [(&str, &[&str]); 6] = [
 
 /// The module of the window that follows each `crate::app::` in a source text, outside comments and test code.
 fn used_modules(source: &str) -> Vec<String> {
-    let code = source.split("#[cfg(test)]\nmod tests").next().unwrap_or_default();
+    let code = source.split("#[cfg(test)]\nmod tests {").next().unwrap_or_default();
     let lines = code.lines().filter(|line| !line.trim_start().starts_with("//"));
     let uses = lines.flat_map(|line| line.split("crate::app::").skip(1));
     uses.map(|rest| {
