@@ -44,7 +44,6 @@ mod layout;
 mod loupe;
 mod maps;
 mod object;
-mod panels;
 mod pictures;
 mod pixels;
 mod sizes;

@@ -231,11 +231,6 @@ fn the_tabs_are_in_one_line_at_every_width() {
         assert!(rects.iter().all(|rect| rect.top() == rects[0].top()), "{width}: {rects:?}");
         assert!(rects.windows(2).all(|pair| pair[0].right() <= pair[1].left()), "{width}: {rects:?}");
         assert!(rects[5].right() <= width - 8.0, "{width}: {rects:?}");
-        if width == 216.0 {
-            let line =
-                egui::Rect::from_x_y_ranges(0.0..=width, rects[0].top() - 6.0..=rects[0].bottom() + 6.0);
-            looks_as_before(&harness.render().unwrap(), Some(line), "tabs-narrow");
-        }
         open(&mut harness, "Tuning");
         harness.get_by_label_contains("Tuning map");
     }
