@@ -22,7 +22,7 @@ pub(crate) const fn of_event(kind: EventKind) -> Icon {
 
 /// An icon in a line of text.
 pub(crate) fn text(icon: Icon) -> RichText {
-    icon.rich_text().size(theme::ICON)
+    icon.rich_text().size(theme::ICON_SIZE)
 }
 
 /// An icon in a line of text, in a colour.

@@ -38,12 +38,12 @@ const WARM_UP: usize = 70;
 const MEASURED: usize = 120;
 
 /// A worker with all frames ready.
-struct Ready {
+struct ReadyPlayer {
     frames: Rc<Vec<ShownFrame>>,
     state: RefCell<State>,
 }
 
-impl Player for Ready {
+impl Player for ReadyPlayer {
     fn state(&self) -> State {
         self.state.borrow().clone()
     }
@@ -125,7 +125,7 @@ fn shown_at(position: u32, count: u32) -> ShownFrame {
     }
 }
 
-fn ready(frames: Rc<Vec<ShownFrame>>) -> Ready {
+fn ready(frames: Rc<Vec<ShownFrame>>) -> ReadyPlayer {
     let info = SourceInfo {
         name: "crowd.mp4".into(),
         size: SIZE,
@@ -142,7 +142,7 @@ fn ready(frames: Rc<Vec<ShownFrame>>) -> Ready {
         timeline: Arc::new(timeline),
         ..State::default()
     };
-    Ready { frames, state: RefCell::new(state) }
+    ReadyPlayer { frames, state: RefCell::new(state) }
 }
 
 /// The CPU time of this thread, without other threads and processes.
@@ -267,7 +267,7 @@ fn measure(count: u32) {
             shown.push(drawn);
         }
     }
-    let position = window.model.shown().unwrap().position;
+    let position = window.model.worker.shown().unwrap().position;
     println!("{count} objects, {position} frames seen");
     for (what, took) in [
         ("logic and ui", &mut ui),

@@ -20,7 +20,7 @@ use crate::app::files::settings_file;
 use crate::app::golden::looks_as_before;
 use crate::app::model::ab_settings::AbSlot;
 use crate::app::model::player::Player;
-use crate::app::views::View;
+use crate::app::model::view::View;
 use crate::explain::pixel::PixelHistory;
 use crate::explain::tuning::TunableSetting;
 use crate::frame::{Frame, Mask, Size};
@@ -76,13 +76,13 @@ enum PlayerCall {
 
 /// A worker that answers at once and records requests.
 #[derive(Clone)]
-struct Scene {
+struct RecordingPlayer {
     state: Rc<RefCell<State>>,
     asked: Rc<RefCell<Vec<PlayerCall>>>,
     truth: Rc<RefCell<Option<Arc<Truth>>>>,
 }
 
-impl Player for Scene {
+impl Player for RecordingPlayer {
     fn state(&self) -> State {
         self.state.borrow().clone()
     }
@@ -113,7 +113,7 @@ impl Player for Scene {
     }
 }
 
-impl Scene {
+impl RecordingPlayer {
     fn show(&self, position: u32) {
         self.request(Request::Show(position));
     }
@@ -399,7 +399,11 @@ fn state(phase: Phase, shown: Option<u32>) -> State {
 }
 
 /// A window on a scene; without a state nothing is open.
-fn window(state: Option<State>, size: (f32, f32), theme: Theme) -> (Harness<'static, Window>, Scene) {
+fn window(
+    state: Option<State>,
+    size: (f32, f32),
+    theme: Theme,
+) -> (Harness<'static, Window>, RecordingPlayer) {
     window_at(state, size, 1.0, theme)
 }
 
@@ -409,10 +413,10 @@ fn window_at(
     size: (f32, f32),
     pixels_per_point: f32,
     theme: Theme,
-) -> (Harness<'static, Window>, Scene) {
+) -> (Harness<'static, Window>, RecordingPlayer) {
     let asked = Rc::<RefCell<Vec<PlayerCall>>>::default();
     let first = state.clone().unwrap_or_else(|| self::state(Phase::Opening, None));
-    let scene = Scene { state: Rc::new(RefCell::new(first)), asked, truth: Rc::default() };
+    let scene = RecordingPlayer { state: Rc::new(RefCell::new(first)), asked, truth: Rc::default() };
     let player = scene.clone();
     let mut harness = Harness::builder()
         .with_size(vec2(size.0, size.1))
@@ -452,11 +456,11 @@ fn settle(harness: &mut Harness<'_, Window>) {
     harness.step();
 }
 
-fn ready(position: u32) -> (Harness<'static, Window>, Scene) {
+fn ready(position: u32) -> (Harness<'static, Window>, RecordingPlayer) {
     window(Some(state(Phase::Ready, Some(position))), (1600.0, 1000.0), Theme::Dark)
 }
 
-fn shows(scene: &Scene) -> Vec<u32> {
+fn shows(scene: &RecordingPlayer) -> Vec<u32> {
     let asked = scene.asked.borrow();
     asked
         .iter()
@@ -465,7 +469,7 @@ fn shows(scene: &Scene) -> Vec<u32> {
 }
 
 /// The settings last sent to the worker.
-fn given(scene: &Scene) -> Option<Settings> {
+fn given(scene: &RecordingPlayer) -> Option<Settings> {
     let asked = scene.asked.borrow();
     asked
         .iter()
@@ -554,7 +558,7 @@ fn typing_a_frame_number_goes_to_the_frame_and_triggers_no_shortcut() {
     // As shortcuts, 5 would maximise a view and F would fit the image.
     harness.get_by_role_and_label(egui::Role::SpinButton, "Frame").type_text("57");
     harness.run_steps(2);
-    assert_eq!(harness.state().model.maximised, None);
+    assert_eq!(harness.state().model.display.maximised, None);
     harness.key_press(Key::Enter);
     harness.run_steps(3);
     assert_eq!(shows(&scene).last(), Some(&56));
@@ -563,7 +567,7 @@ fn typing_a_frame_number_goes_to_the_frame_and_triggers_no_shortcut() {
 #[test]
 fn every_setting_has_a_control_and_sliders_change_them() {
     let (mut harness, scene) = ready(10);
-    harness.state_mut().model.settings_panel = true;
+    harness.state_mut().model.panels.settings = true;
     harness.run_steps(2);
     for stage in ["Registration", "Post-processing", "Regions", "Tracking", "Occlusion"] {
         // The regions view has the same name; the settings are left of it.
@@ -643,10 +647,10 @@ fn a_click_in_a_view_chooses_the_pixel_and_the_wheel_zooms_all_views() {
         source: egui::MouseWheelSource::Wheel,
     });
     harness.run_steps(20);
-    assert!(harness.state().model.camera.magnification > 1.5);
+    assert!(harness.state().model.display.camera.magnification > 1.5);
     harness.key_press(Key::F);
     harness.run_steps(3);
-    assert_eq!(harness.state().model.camera.magnification, 1.0);
+    assert_eq!(harness.state().model.display.camera.magnification, 1.0);
 }
 
 #[test]
@@ -654,7 +658,7 @@ fn number_keys_maximise_and_restore_a_view() {
     let (mut harness, _) = ready(58);
     harness.key_press(Key::Num5);
     harness.run_steps(3);
-    assert_eq!(harness.state().model.maximised, Some(View::Tracks));
+    assert_eq!(harness.state().model.display.maximised, Some(View::Tracks));
     assert!(harness.query_by_label("Input view").is_none());
     picture(&mut harness, "tracks-alone");
     harness.key_press(Key::Num4);
@@ -668,8 +672,9 @@ fn number_keys_maximise_and_restore_a_view() {
 #[test]
 fn magnified_pixels_show_their_values() {
     let (mut harness, _) = ready(58);
-    harness.state_mut().model.camera = crate::app::model::Camera { magnification: 30.0, centre: [0.5, 0.5] };
-    harness.state_mut().model.chosen = Some((80, 60));
+    harness.state_mut().model.display.camera =
+        crate::app::model::camera::ViewCamera { magnification: 30.0, centre: [0.5, 0.5] };
+    harness.state_mut().model.selection.pixel = Some((80, 60));
     harness.run_steps(3);
     picture(&mut harness, "close-up");
 }
@@ -684,7 +689,7 @@ fn the_palette_finds_an_action_and_help_lists_the_keys() {
     picture(&mut harness, "finder");
     harness.key_press(Key::Enter);
     harness.run_steps(3);
-    assert_eq!(harness.state().model.maximised, Some(View::Tracks));
+    assert_eq!(harness.state().model.display.maximised, Some(View::Tracks));
     harness.key_press(Key::Questionmark);
     harness.run_steps(4);
     assert!(harness.query_by_label("Double click").is_some());
@@ -706,7 +711,7 @@ fn a_and_b_have_separate_settings_and_undo_applies_to_the_edited_slot() {
     };
     press(&mut harness, Key::A);
     press(&mut harness, Key::B);
-    assert_eq!(harness.state().model.ab_settings.in_view, AbSlot::B);
+    assert_eq!(harness.state().model.edits.ab_settings.in_view, AbSlot::B);
     assert_eq!(given(&scene).map(|settings| settings.t), Some(0.8), "a copy has equal settings");
     harness.get_by_label("background ratio slider").set_value_accesskit(0.9);
     harness.run_steps(8);
@@ -721,7 +726,7 @@ fn a_and_b_have_separate_settings_and_undo_applies_to_the_edited_slot() {
     let undo = |harness: &mut Harness<'_, Window>, more| {
         harness.key_press_modifiers(Modifiers::COMMAND | more, Key::Z);
         harness.run_steps(8);
-        (harness.state().model.ab_settings.in_view, harness.state().model.settings.t)
+        (harness.state().model.edits.ab_settings.in_view, harness.state().model.edits.settings.t)
     };
     let first = Settings::default().t;
     assert_eq!(undo(&mut harness, Modifiers::NONE), (AbSlot::B, 0.8));
@@ -742,7 +747,7 @@ fn a_settings_file_replaces_all_settings_and_an_invalid_file_changes_nothing() {
     let load = |harness: &mut Harness<'_, Window>, path: &Path| {
         let answer = settings_file::read(path).map(|settings| (path.to_owned(), Box::new(settings)));
         let ctx = harness.ctx.clone();
-        harness.state_mut().answered(&ctx, DialogResult::Settings(answer));
+        harness.state_mut().handle_result(&ctx, DialogResult::Settings(answer));
         harness.run_steps(8);
     };
     load(&mut harness, &path);
@@ -750,7 +755,7 @@ fn a_settings_file_replaces_all_settings_and_an_invalid_file_changes_nothing() {
     std::fs::write(&path, "k = 4\nt = 7").unwrap();
     load(&mut harness, &path);
     assert_eq!(given(&scene).as_ref(), Some(&wanted));
-    assert_eq!(harness.state().model.settings, wanted);
+    assert_eq!(harness.state().model.edits.settings, wanted);
     picture(&mut harness, "bad-settings-file");
     harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);
     harness.run_steps(8);

@@ -7,20 +7,23 @@ use eframe::egui::{
     vec2,
 };
 
-/// Size of secondary text: units, hints, axis labels.
-pub const SMALL: f32 = 11.0;
-/// Size of ordinary text.
-pub const BODY: f32 = 13.0;
-/// Size of numbers in tables and pixels.
-pub const MONO: f32 = 12.0;
-/// Size of a panel's heading.
-pub const HEADING: f32 = 15.0;
-/// Size of an icon in a line of text.
-pub const ICON: f32 = 16.0;
-/// The base distance; all others are its multiples.
+use crate::palette::identity_colour;
+use crate::regions::roi::Purpose;
+
+/// Size of secondary text, in points: units, hints, axis labels.
+pub const SMALL_TEXT: f32 = 11.0;
+/// Size of ordinary text, in points.
+pub const BODY_TEXT: f32 = 13.0;
+/// Size of numbers in tables and pixels, in points.
+pub const MONO_TEXT: f32 = 12.0;
+/// Size of a panel's heading, in points.
+pub const HEADING_TEXT: f32 = 15.0;
+/// Size of an icon in a line of text, in points.
+pub const ICON_SIZE: f32 = 16.0;
+/// The base distance, in points; all others are its multiples.
 pub const SPACE: f32 = 4.0;
-/// Height of a row in lists, and of a view's title bar.
-pub const ROW: f32 = 24.0;
+/// Height of a row in lists, and of a view's title bar, in points.
+pub const ROW_HEIGHT: f32 = 24.0;
 
 /// The colours that egui does not define, for dark and light.
 #[derive(Clone, Copy, Debug)]
@@ -73,6 +76,29 @@ const LIGHT: Colours = Colours {
     bad: Color32::from_rgb(190, 44, 36),
 };
 
+/// The colour of an area's purpose.
+pub(crate) const fn area_colour(purpose: Purpose) -> Color32 {
+    match purpose {
+        Purpose::Analyse => Color32::from_rgb(64, 196, 140),
+        Purpose::Ignore => Color32::from_rgb(240, 140, 60),
+    }
+}
+
+/// A palette colour adapted to panels: darker on a light panel.
+pub(crate) fn readable_colour(ui: &eframe::egui::Ui, colour: [u8; 3]) -> Color32 {
+    let colour = rgb(colour);
+    if ui.visuals().dark_mode {
+        colour
+    } else {
+        Color32::from_rgb(colour.r() / 10 * 7, colour.g() / 10 * 7, colour.b() / 10 * 7)
+    }
+}
+
+/// The colour of the pinned pixel of this number.
+pub(crate) fn pin_colour(number: u8) -> Color32 {
+    rgb(identity_colour(number.into()))
+}
+
 /// The colours of these visuals.
 pub fn colours(visuals: &Visuals) -> Colours {
     if visuals.dark_mode { DARK } else { LIGHT }
@@ -111,7 +137,7 @@ pub fn focus(ui: &eframe::egui::Ui, response: &eframe::egui::Response) {
 }
 
 /// The frame of a dialog over the window.
-pub fn sheet(ctx: &eframe::egui::Context) -> Frame {
+pub fn dialog_frame(ctx: &eframe::egui::Context) -> Frame {
     Frame::popup(&ctx.global_style()).inner_margin(4.0 * SPACE)
 }
 
@@ -126,11 +152,11 @@ pub fn install(ctx: &eframe::egui::Context) {
 
 fn apply(style: &mut Style, visuals: Visuals, colours: &Colours) {
     style.text_styles = [
-        (TextStyle::Small, FontId::new(SMALL, FontFamily::Proportional)),
-        (TextStyle::Body, FontId::new(BODY, FontFamily::Proportional)),
-        (TextStyle::Button, FontId::new(BODY, FontFamily::Proportional)),
-        (TextStyle::Monospace, FontId::new(MONO, FontFamily::Monospace)),
-        (TextStyle::Heading, FontId::new(HEADING, FontFamily::Proportional)),
+        (TextStyle::Small, FontId::new(SMALL_TEXT, FontFamily::Proportional)),
+        (TextStyle::Body, FontId::new(BODY_TEXT, FontFamily::Proportional)),
+        (TextStyle::Button, FontId::new(BODY_TEXT, FontFamily::Proportional)),
+        (TextStyle::Monospace, FontId::new(MONO_TEXT, FontFamily::Monospace)),
+        (TextStyle::Heading, FontId::new(HEADING_TEXT, FontFamily::Proportional)),
     ]
     .into();
     style.drag_value_text_style = TextStyle::Monospace;

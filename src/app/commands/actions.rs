@@ -3,17 +3,18 @@
 use eframe::egui::Key;
 use egui_material_icons::icons as m;
 
-use crate::app::commands::command::{Action, Scale};
-use crate::app::commands::entry::{Entry, Menu, alt, ctrl, ctrl_shift, entry, key, shift};
-use crate::app::commands::keys::FLIP;
+use crate::app::commands::command::{Action, UiScale};
+use crate::app::commands::entry::{ActionEntry, Menu, alt, ctrl, ctrl_shift, entry, key, shift};
+use crate::app::commands::keys::FLIP_KEY;
 use crate::app::model::ab_settings::AbSlot;
-use crate::app::model::overlays::Drawn;
-use crate::app::views::{Layout, View};
+use crate::app::model::layout::ViewLayout;
+use crate::app::model::overlays::TrackOverlay;
+use crate::app::model::view::View;
 use crate::mixture::Quantity;
 use crate::regions::roi::Purpose;
 
 /// All actions, in menu order.
-pub(crate) static ACTIONS: &[Entry] = &[
+pub(crate) static ACTIONS: &[ActionEntry] = &[
     entry(
         Menu::File,
         Action::OpenVideo,
@@ -239,7 +240,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
     .within("Views"),
     entry(
         Menu::View,
-        Action::Arrange(Layout::All),
+        Action::Arrange(ViewLayout::All),
         m::ICON_GRID_VIEW,
         "Default layout",
         &[],
@@ -249,7 +250,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
     .always(),
     entry(
         Menu::View,
-        Action::Arrange(Layout::Figure),
+        Action::Arrange(ViewLayout::Figure),
         m::ICON_VIEW_MODULE,
         "Paper figure",
         &[],
@@ -259,7 +260,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
     .always(),
     entry(
         Menu::View,
-        Action::Arrange(Layout::Tuning),
+        Action::Arrange(ViewLayout::Tuning),
         m::ICON_TUNE,
         "Tuning",
         &[],
@@ -269,7 +270,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
     .always(),
     entry(
         Menu::View,
-        Action::Arrange(Layout::Compare),
+        Action::Arrange(ViewLayout::Compare),
         m::ICON_COMPARE,
         "Compare",
         &[],
@@ -279,7 +280,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
     .always(),
     entry(
         Menu::View,
-        Action::Arrange(Layout::Inspect),
+        Action::Arrange(ViewLayout::Inspect),
         m::ICON_FRAME_INSPECT,
         "Inspect a pixel",
         &[],
@@ -526,7 +527,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
     ),
     entry(
         Menu::View,
-        Action::Draw(Drawn::Trails),
+        Action::Draw(TrackOverlay::Trails),
         m::ICON_TIMELINE,
         "Trails",
         &[key(Key::T)],
@@ -535,7 +536,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
     .within("Track overlays"),
     entry(
         Menu::View,
-        Action::Draw(Drawn::Gates),
+        Action::Draw(TrackOverlay::Gates),
         m::ICON_SCATTER_PLOT,
         "Gates",
         &[key(Key::G)],
@@ -544,7 +545,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
     .within("Track overlays"),
     entry(
         Menu::View,
-        Action::Draw(Drawn::Groups),
+        Action::Draw(TrackOverlay::Groups),
         m::ICON_WORKSPACES,
         "Groups",
         &[],
@@ -553,7 +554,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
     .within("Track overlays"),
     entry(
         Menu::View,
-        Action::Draw(Drawn::Occlusions),
+        Action::Draw(TrackOverlay::Occlusions),
         m::ICON_TEXTURE,
         "Occlusions",
         &[],
@@ -562,18 +563,25 @@ pub(crate) static ACTIONS: &[Entry] = &[
     .within("Track overlays"),
     entry(
         Menu::View,
-        Action::Draw(Drawn::Names),
+        Action::Draw(TrackOverlay::Names),
         m::ICON_TAG,
         "Identities",
         &[],
         "Identity of each object, and its state while merged or occluded",
     )
     .within("Track overlays"),
-    entry(Menu::View, Action::Draw(Drawn::Events), m::ICON_FLAG, "Events", &[], "Events of this frame")
-        .within("Track overlays"),
     entry(
         Menu::View,
-        Action::Draw(Drawn::Truth),
+        Action::Draw(TrackOverlay::Events),
+        m::ICON_FLAG,
+        "Events",
+        &[],
+        "Events of this frame",
+    )
+    .within("Track overlays"),
+    entry(
+        Menu::View,
+        Action::Draw(TrackOverlay::Truth),
         m::ICON_FACT_CHECK,
         "Ground truth",
         &[],
@@ -667,7 +675,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
     .always(),
     entry(
         Menu::View,
-        Action::Scale(Scale::Larger),
+        Action::Scale(UiScale::Larger),
         m::ICON_TEXT_INCREASE,
         "Larger text",
         &[ctrl(Key::Plus), ctrl(Key::Equals)],
@@ -678,7 +686,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
     .repeats(),
     entry(
         Menu::View,
-        Action::Scale(Scale::Smaller),
+        Action::Scale(UiScale::Smaller),
         m::ICON_TEXT_DECREASE,
         "Smaller text",
         &[ctrl(Key::Minus)],
@@ -689,7 +697,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
     .repeats(),
     entry(
         Menu::View,
-        Action::Scale(Scale::Usual),
+        Action::Scale(UiScale::Usual),
         m::ICON_FORMAT_SIZE,
         "Default text size",
         &[ctrl(Key::Num0)],
@@ -937,7 +945,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
         Action::FlipSettings,
         m::ICON_SYNC_ALT,
         "Swap A and B while held",
-        &[key(FLIP)],
+        &[key(FLIP_KEY)],
         "Show the other settings while the key is held",
     ),
     entry(
@@ -1070,7 +1078,7 @@ pub(crate) static ACTIONS: &[Entry] = &[
 
 impl Action {
     /// The action's entry in the table.
-    pub(crate) fn entry(self) -> Option<&'static Entry> {
+    pub(crate) fn entry(self) -> Option<&'static ActionEntry> {
         ACTIONS.iter().find(|entry| entry.action == self)
     }
 }
@@ -1153,7 +1161,7 @@ mod tests {
     fn the_readme_lists_every_shortcut() {
         let rows = include_str!("../../../README.md").lines().filter(|line| line.starts_with("| <kbd>"));
         let listed: Vec<String> = rows.flat_map(|row| keys_of(row.split('|').nth(1).unwrap())).collect();
-        let texts = |entry: &Entry| entry.shortcuts.iter().map(|key| key.text()).collect::<Vec<_>>();
+        let texts = |entry: &ActionEntry| entry.shortcuts.iter().map(|key| key.text()).collect::<Vec<_>>();
         for key in &listed {
             let does = ACTIONS.iter().filter(|entry| texts(entry).contains(key)).count();
             assert_eq!(does, 1, "{key} is in the README and calls {does} actions");

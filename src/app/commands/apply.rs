@@ -1,400 +1,216 @@
-//! Execution of commands; the only place where they change the window's state.
+//! Execution of the commands that change only the model. The window executes the others.
 
-use std::sync::Arc;
-
-use eframe::egui::{ColorImage, Context, Theme, ViewportCommand};
-
-use crate::app::Window;
-use crate::app::commands::command::{Action, Command, Scale};
-use crate::app::files::export_frame::FrameExport;
-use crate::app::files::sample;
-use crate::app::model::ab_settings::AbSettings;
-use crate::app::model::areas::{AreaEdit, Areas};
+use crate::app::commands::command::{Action, Command};
+use crate::app::model::Model;
+use crate::app::model::camera::ViewCamera;
 use crate::app::model::event_comparison::EventRef;
-use crate::app::model::overlays::Overlay;
-use crate::app::model::undo_history::RestoredState;
-use crate::app::model::{Camera, Origin, SPEEDS, Subject};
-use crate::app::panels::timeline;
-use crate::app::views;
-use crate::app::views::View;
-use crate::mixture::Quantity;
-use crate::replay::{Request, Start};
+use crate::app::model::overlays::MaskOverlay;
+use crate::app::model::playback::SPEEDS;
+use crate::app::model::timeline_span::zoomed_span;
+use crate::app::model::undo_history::Direction;
 use crate::settings::Settings;
 
-impl Window {
-    /// Executes a command.
-    pub(crate) fn apply(&mut self, ctx: &Context, command: Command) {
-        let model = &mut self.model;
-        match command {
-            Command::Act(action) => self.act(ctx, action),
-            Command::Open(name, start) => self.open(ctx, &name, start),
-            Command::Rate(fps) => self.set_rate(ctx, fps),
-            Command::ReadTruth(path) => self.dialogs.read_truth(ctx, path),
-            Command::OpenSample => self.open_sample(ctx),
-            Command::CopyTable(table) => self.dialogs.write_table(ctx, table),
-            Command::SaveTable(table) => self.dialogs.save_table(ctx, table),
-            Command::CopyPlot(plot) => self.dialogs.draw_plot(ctx, plot),
-            Command::SavePlot(plot, format) => self.dialogs.save_plot(ctx, plot, format),
-            Command::GoTo(position) => model.go_to(position),
-            Command::GoToNumber(number) => model.go_to(model.position_of(number)),
-            Command::Span(span) => model.span = span,
-            Command::Speed(place) => model.playback.speed = place.min(SPEEDS.len() - 1),
-            Command::Set(settings) => model.settings = *settings,
-            Command::Choose(pixel) => {
-                model.chosen = pixel;
-                if let Some(player) = &model.player {
-                    player.request(Request::Inspect(pixel));
-                }
-            }
-            Command::ChooseObject(object) => {
-                model.object = object;
-                model.subject = if object.is_some() { Subject::Object } else { Subject::Pixel };
-            }
-            Command::Explain(subject) => model.subject = subject,
-            Command::Unpin(number) => model.marks.pins.remove(number),
-            Command::SetCamera(camera) => model.camera = camera,
-            Command::Hover(hover) => {
-                model.hovered = hover;
-                // The status line was drawn before the pointer position was read.
-                ctx.request_repaint();
-            }
-            Command::ShowBackground(kind) => model.background = kind,
-            Command::Overlay(opacity) => model.overlay.opacity = opacity.min(100),
-            Command::Area(change) => self.change_areas(ctx, change),
-            Command::RevealSetting(setting) => {
-                model.settings_panel = true;
-                model.looked_at = Some(setting);
-            }
-            Command::SettingRevealed => model.looked_at = None,
-            Command::HideHint => model.hint = false,
-            Command::OpenEvent(event) => model.read(event),
-            Command::LetGo(slot) => {
-                model.held = None;
-                model.show_slot(slot);
-            }
-            Command::List(listing) => model.listing = listing,
-            Command::FilterEvents(place, listed) => {
-                if let Some(kind) = model.listed.get_mut(place) {
-                    *kind = listed;
-                }
-            }
-        }
-    }
+/// The factor of a zoom by one key press.
+const ZOOM_FACTOR: f32 = 1.25;
 
-    fn act(&mut self, ctx: &Context, action: Action) {
-        if !action.entry().is_some_and(|entry| crate::app::panels::top_bar::allowed(&self.model, entry)) {
-            return;
+/// Executes a command.
+pub(crate) fn apply(model: &mut Model, command: Command) {
+    match command {
+        Command::GoTo(position) => model.worker.go_to(position),
+        Command::GoToNumber(number) => model.worker.go_to(model.worker.position_of(number)),
+        Command::Span(span) => model.panels.timeline_span = span,
+        Command::Speed(index) => model.playback.speed = index.min(SPEEDS.len() - 1),
+        Command::Set(settings) => model.edits.settings = *settings,
+        Command::Choose(pixel) => model.choose_pixel(pixel),
+        Command::ChooseObject(object) => model.choose_object(object),
+        Command::ShowSubject(subject) => model.selection.subject = subject,
+        Command::Unpin(number) => model.playback.marks.pins.remove(number),
+        Command::SetCamera(camera) => model.display.camera = camera,
+        Command::Hover(hover) => model.selection.hovered = hover,
+        Command::ShowBackground(kind) => model.display.background = kind,
+        Command::Overlay(opacity) => model.display.overlay.opacity = opacity.min(100),
+        Command::RevealSetting(setting) => {
+            model.panels.settings = true;
+            model.panels.revealed_setting = Some(setting);
         }
-        let model = &mut self.model;
-        match action {
-            Action::OpenVideo => self.dialogs.video(ctx),
-            Action::OpenFolder => self.dialogs.folder(ctx),
-            Action::OpenSample => self.open_sample(ctx),
-            Action::ExportFrame => {
-                if let Some(picture) = FrameExport::of(model) {
-                    self.dialogs.export_frame(ctx, picture);
-                }
+        Command::SettingRevealed => model.panels.revealed_setting = None,
+        Command::HideHint => model.panels.hint = false,
+        Command::OpenEvent(event) => model.choose_event(event),
+        Command::ReleaseSlot(slot) => {
+            model.edits.held_slot = None;
+            model.edits.show_slot(slot);
+        }
+        Command::FilterComparison(filter) => model.events.filter = filter,
+        Command::FilterEvents(index, listed) => {
+            if let Some(kind) = model.events.listed_kinds.get_mut(index) {
+                *kind = listed;
             }
-            Action::CloseVideo => self.close(ctx),
-            Action::CopyPlace => {
-                if let Some(place) = model.place() {
-                    self.toasts.done(ctx, format!("Copied: {place}"));
-                    ctx.copy_text(place);
-                }
+        }
+        // These need the window.
+        Command::Act(_)
+        | Command::Open(..)
+        | Command::Rate(_)
+        | Command::ReadTruth(_)
+        | Command::OpenSample
+        | Command::Area(_) => {}
+    }
+}
+
+/// Executes an action at a time of the window's clock, in seconds.
+pub(crate) fn act(model: &mut Model, action: Action, now: f64) {
+    match action {
+        Action::Undo => step(model, Direction::Undo),
+        Action::Redo => step(model, Direction::Redo),
+        Action::FlipSettings => {
+            let in_view = model.edits.ab_settings.in_view;
+            model.edits.held_slot = Some(in_view);
+            model.edits.show_slot(in_view.other());
+        }
+        Action::CopySettings => {
+            model.edits.change_slots(|slots, settings| slots.other = Some(settings.clone()));
+        }
+        Action::SwapSettings => model.edits.change_slots(|slots, settings| {
+            if let Some(other) = &mut slots.other {
+                std::mem::swap(other, settings);
             }
-            Action::CopyPicture => {
-                if let Some(picture) = FrameExport::of(model) {
-                    let frame = picture.drawn();
-                    let size = [frame.size.width as usize, frame.size.height as usize];
-                    ctx.copy_image(ColorImage::from_rgb(size, &frame.rgb));
-                    self.toasts.done(ctx, format!("Copied frame {}", frame.number));
-                }
-            }
-            Action::SaveSettings => self.dialogs.save_settings(ctx, model.settings.clone()),
-            Action::LoadSettings => self.dialogs.load_settings(ctx),
-            Action::Quit => ctx.send_viewport_cmd(ViewportCommand::Close),
-            Action::Undo => {
-                let again = model.history.undo();
-                self.again(again);
-            }
-            Action::Redo => {
-                let again = model.history.redo();
-                self.again(again);
-            }
-            Action::AbSlot(slot) => {
-                if model.show_slot(slot) {
-                    self.toasts.done(
-                        ctx,
-                        "Settings B start as a copy of A. Keys A and B switch between them; View, Layout, \
-                         Compare shows both",
-                    );
-                }
-            }
-            Action::FlipSettings => {
-                let other = model.ab_settings.in_view.other();
-                model.held = Some(model.ab_settings.in_view);
-                model.show_slot(other);
-            }
-            Action::CopySettings => {
-                model.change_slots(|slots, settings| slots.other = Some(settings.clone()));
-            }
-            Action::SwapSettings => model.change_slots(|slots, settings| {
-                if let Some(other) = &mut slots.other {
-                    std::mem::swap(other, settings);
-                }
-            }),
-            Action::KeepSettings => {
-                model.change_slots(|slots, _| *slots = AbSettings::new());
-                model.held = None;
-                self.toasts.done(ctx, "The current settings are A; B is discarded");
-            }
-            Action::DefaultSettings => model.settings = Settings::default(),
-            Action::DrawArea(purpose) => {
-                let again = model.areas.draft.as_ref().is_some_and(|draft| draft.purpose == purpose);
-                self.change_areas(ctx, if again { AreaEdit::Cancel } else { AreaEdit::Begin(purpose) });
-            }
-            Action::CloseArea => self.change_areas(ctx, AreaEdit::Close),
-            Action::UndoCorner => self.change_areas(ctx, AreaEdit::Back),
-            Action::CancelArea => {
-                let drawing = model.areas.draft.is_some();
-                self.change_areas(ctx, if drawing { AreaEdit::Cancel } else { AreaEdit::Choose(None) });
-            }
-            Action::DeleteArea => {
-                if let Some(place) = model.areas.chosen {
-                    self.change_areas(ctx, AreaEdit::Delete(place));
-                }
-            }
-            Action::ClearAreas => self.change_areas(ctx, AreaEdit::Clear),
-            Action::LoadTruth => self.dialogs.load_truth(ctx),
-            Action::LoadTruthFolder => self.dialogs.load_truth_folder(ctx),
-            Action::LoadMask => self.dialogs.load_mask(ctx),
-            Action::SaveMask => {
-                if let Some(roi) = &model.areas.roi {
-                    self.dialogs.save_mask(ctx, Arc::clone(roi));
-                }
-            }
-            Action::Play => {
-                model.playback.playing = !model.playback.playing;
-                model.playback.next_at = ctx.input(|input| input.time);
-                let at_end = model.timeline().is_some_and(|timeline| timeline.complete)
-                    && model.position() + 1 >= model.frames();
-                if model.playback.playing && at_end {
-                    model.go_to(0);
-                }
-            }
-            Action::Step(by) => {
+        }),
+        Action::DefaultSettings => model.edits.settings = Settings::default(),
+        Action::Play => model.playback.toggle(&mut model.worker, now),
+        Action::Step(by) => {
+            model.playback.playing = false;
+            model.worker.go_to(model.worker.position().saturating_add_signed(by));
+        }
+        Action::NextEvent | Action::PreviousEvent => {
+            let forward = action == Action::NextEvent;
+            if let Some((event, position)) = model.events.adjacent_event(&model.worker, forward) {
                 model.playback.playing = false;
-                model.go_to(model.position().saturating_add_signed(by));
+                model.choose_event(Some(EventRef::InView(event)));
+                model.worker.go_to(position);
             }
-            Action::NextEvent | Action::PreviousEvent => {
-                if let Some((event, position)) = model.event_beside(action == Action::NextEvent) {
-                    model.playback.playing = false;
-                    model.read(Some(EventRef::InView(event)));
-                    model.go_to(position);
-                }
-            }
-            Action::First => model.go_to(0),
-            Action::Last => model.go_to(model.frames().saturating_sub(1)),
-            Action::StartHere => model.marks.toggle_start(model.position()),
-            Action::EndHere => model.marks.toggle_end(model.position()),
-            Action::Bookmark => model.marks.toggle_bookmark(model.position()),
-            Action::NextBookmark | Action::PreviousBookmark => {
-                if let Some(place) =
-                    model.marks.adjacent_bookmark(model.position(), action == Action::NextBookmark)
-                {
-                    model.playback.playing = false;
-                    model.go_to(place);
-                }
-            }
-            Action::WholeTimeline => model.span = None,
-            Action::ZoomTimeline(into) => model.span = timeline::zoomed(model, into),
-            Action::AnalyseAhead => model.stop_or_go_on(),
-            Action::Slower => model.playback.speed = model.playback.speed.saturating_sub(1),
-            Action::Faster => model.playback.speed = (model.playback.speed + 1).min(SPEEDS.len() - 1),
-            Action::Maximise(view) => {
-                model.maximised = if model.maximised == Some(view) { None } else { Some(view) };
-            }
-            Action::Fit => model.camera = Camera::FIT,
-            Action::Actual => {
-                if let Some(fitted) = self.fitted {
-                    model.camera.magnification = 1.0 / (ctx.pixels_per_point() * fitted);
-                }
-            }
-            Action::Open(view) => {
-                let open = views::is_open(&self.tree, view);
-                views::set_open(&mut self.tree, view, !open);
-            }
-            Action::Arrange(layout) => {
-                self.tree = layout.tree();
-                (model.settings_panel, model.inspector_panel) = layout.panels();
-                (model.maximised, model.camera) = (None, Camera::FIT);
-            }
-            Action::Draw(what) => model.drawn.toggle(what),
-            Action::ZoomIn => model.zoom_by(1.25),
-            Action::ZoomOut => model.zoom_by(0.8),
-            Action::Background => model.background = model.background.next(),
-            Action::Map(quantity) => self.show_map(quantity),
-            Action::NextMap => {
-                let all = Quantity::ALL.iter().cycle();
-                let next = all.skip_while(|&&quantity| quantity != model.quantity).nth(1);
-                // The first call shows the current quantity instead of the next one.
-                let next = next.filter(|_| model.mapped.is_some()).copied();
-                let next = next.unwrap_or(model.quantity);
-                self.show_map(next);
-            }
-            Action::Overlay => model.overlay.on = !model.overlay.on,
-            Action::OverlayOpacity => {
-                model.overlay = Overlay { on: true, opacity: model.overlay.next() };
-            }
-            Action::MovePixel(columns, rows) => {
-                let pixel = model.pixel_beside(columns, rows);
-                self.apply(ctx, Command::Choose(pixel));
-            }
-            Action::ClearPixel => self.apply(ctx, Command::Choose(None)),
-            Action::ClearObject => self.apply(ctx, Command::ChooseObject(None)),
-            Action::Loupe => model.loupe = !model.loupe,
-            Action::Pin => {
-                if let Some(at) = model.chosen
-                    && !model.marks.pins.toggle(at)
-                {
-                    let text = format!(
-                        "{} pixels are pinned, the maximum; unpin one first",
-                        crate::app::model::pins::MAX_PINS
-                    );
-                    self.toasts.warn(ctx, text);
-                }
-            }
-            Action::ClearPins => model.marks.pins.clear(),
-            Action::SettingsPanel => model.settings_panel = !model.settings_panel,
-            Action::InspectorPanel => model.inspector_panel = !model.inspector_panel,
-            Action::Scale(scale) => {
-                let tenths = (ctx.zoom_factor() * 10.0).round();
-                let tenths = match scale {
-                    Scale::Larger => tenths + 1.0,
-                    Scale::Smaller => tenths - 1.0,
-                    Scale::Usual => 10.0,
-                };
-                ctx.set_zoom_factor(tenths.clamp(5.0, 30.0) / 10.0);
-            }
-            Action::Theme => {
-                let other = if ctx.theme() == Theme::Dark { Theme::Light } else { Theme::Dark };
-                ctx.set_theme(other);
-            }
-            Action::Messages => self.toasts.messages.open = !self.toasts.messages.open,
-            Action::About => self.about.open = true,
-            Action::Help => self.help = !self.help,
-            Action::Palette => self.command_palette.toggle(),
         }
+        Action::First => model.worker.go_to(0),
+        Action::Last => model.worker.go_to(model.worker.frames().saturating_sub(1)),
+        Action::StartHere => model.playback.marks.toggle_start(model.worker.position()),
+        Action::EndHere => model.playback.marks.toggle_end(model.worker.position()),
+        Action::Bookmark => model.playback.marks.toggle_bookmark(model.worker.position()),
+        Action::NextBookmark | Action::PreviousBookmark => {
+            let forward = action == Action::NextBookmark;
+            let bookmark = model.playback.marks.adjacent_bookmark(model.worker.position(), forward);
+            if let Some(position) = bookmark {
+                model.playback.playing = false;
+                model.worker.go_to(position);
+            }
+        }
+        Action::WholeTimeline => model.panels.timeline_span = None,
+        Action::ZoomTimeline(into) => model.panels.timeline_span = zoomed_span(model, into),
+        Action::AnalyseAhead => model.worker.toggle_analysis(),
+        Action::Slower => model.playback.speed = model.playback.speed.saturating_sub(1),
+        Action::Faster => model.playback.speed = (model.playback.speed + 1).min(SPEEDS.len() - 1),
+        Action::Maximise(view) => {
+            let maximised = model.display.maximised == Some(view);
+            model.display.maximised = if maximised { None } else { Some(view) };
+        }
+        Action::Fit => model.display.camera = ViewCamera::FIT,
+        Action::Draw(what) => model.display.track_overlays.toggle(what),
+        Action::ZoomIn => model.zoom_by(ZOOM_FACTOR),
+        Action::ZoomOut => model.zoom_by(1.0 / ZOOM_FACTOR),
+        Action::Background => model.display.background = model.display.background.next(),
+        Action::Overlay => model.display.overlay.on = !model.display.overlay.on,
+        Action::OverlayOpacity => {
+            model.display.overlay = MaskOverlay { on: true, opacity: model.display.overlay.next() };
+        }
+        Action::MovePixel(columns, rows) => {
+            let size = model.worker.shown().map(|shown| shown.frame.size);
+            let pixel = size.map(|size| model.selection.adjacent_pixel(size, columns, rows));
+            model.choose_pixel(pixel);
+        }
+        Action::ClearPixel => model.choose_pixel(None),
+        Action::ClearObject => model.choose_object(None),
+        Action::Loupe => model.display.loupe = !model.display.loupe,
+        Action::ClearPins => model.playback.marks.pins.clear(),
+        Action::SettingsPanel => model.panels.settings = !model.panels.settings,
+        Action::InspectorPanel => model.panels.inspector = !model.panels.inspector,
+        // These need the window.
+        Action::OpenVideo
+        | Action::OpenFolder
+        | Action::OpenSample
+        | Action::CloseVideo
+        | Action::ExportFrame
+        | Action::CopyPlace
+        | Action::CopyPicture
+        | Action::SaveSettings
+        | Action::LoadSettings
+        | Action::Quit
+        | Action::AbSlot(_)
+        | Action::KeepSettings
+        | Action::DrawArea(_)
+        | Action::CloseArea
+        | Action::UndoCorner
+        | Action::CancelArea
+        | Action::DeleteArea
+        | Action::ClearAreas
+        | Action::LoadMask
+        | Action::SaveMask
+        | Action::LoadTruth
+        | Action::LoadTruthFolder
+        | Action::Open(_)
+        | Action::Arrange(_)
+        | Action::Actual
+        | Action::Map(_)
+        | Action::NextMap
+        | Action::Pin
+        | Action::Scale(_)
+        | Action::Theme
+        | Action::Messages
+        | Action::About
+        | Action::Help
+        | Action::Palette => {}
+    }
+}
+
+/// Undoes or redoes an edit.
+fn step(model: &mut Model, direction: Direction) {
+    if model.edits.step(direction) {
+        model.send_roi();
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn values_outside_their_range_are_clamped_or_ignored() {
+        let mut model = Model::new(Settings::default());
+        apply(&mut model, Command::Overlay(200));
+        apply(&mut model, Command::Speed(99));
+        apply(&mut model, Command::FilterEvents(99, false));
+        assert_eq!((model.display.overlay.opacity, model.playback.speed), (100, SPEEDS.len() - 1));
+        assert!(model.events.listed_kinds.iter().all(|listed| *listed));
+        apply(&mut model, Command::FilterEvents(1, false));
+        assert!(!model.events.listed_kinds[1]);
     }
 
-    /// Shows the map of a per-pixel quantity and brings the map view to the front.
-    fn show_map(&mut self, quantity: Quantity) {
-        self.model.quantity = quantity;
-        if self.model.maximised.is_some() {
-            self.model.maximised = Some(View::Map);
-        }
-        views::set_open(&mut self.tree, View::Map, true);
+    #[test]
+    fn revealing_a_setting_opens_its_panel() {
+        let mut model = Model::new(Settings::default());
+        act(&mut model, Action::SettingsPanel, 0.0);
+        assert!(!model.panels.settings);
+        apply(&mut model, Command::RevealSetting("alpha"));
+        assert_eq!((model.panels.settings, model.panels.revealed_setting), (true, Some("alpha")));
     }
 
-    fn open_sample(&mut self, ctx: &Context) {
-        match sample::unpacked() {
-            Ok(path) => {
-                self.open(ctx, &path.to_string_lossy(), Start::FirstOcclusion);
-                self.model.origin = Origin::Sample;
-                self.apply(ctx, Command::Choose(Some(sample::PIXEL)));
-            }
-            Err(why) => self.toasts.fail(ctx, why),
-        }
-    }
-
-    /// Edits the areas, or shows why the edit is rejected.
-    pub(crate) fn change_areas(&mut self, ctx: &Context, change: AreaEdit) {
-        let model = &mut self.model;
-        let Some(size) = model.size() else { return };
-        if let AreaEdit::Load(mask) = &change
-            && let Err(error) = mask.check(size)
-        {
-            self.toasts.fail(ctx, error.to_string());
-            return;
-        }
-        let before = model.areas.clone();
-        match model.areas.change(change, size) {
-            Ok(false) => {}
-            Ok(true) => {
-                model.history.note_areas(Areas { draft: None, ..before }, model.areas.clone());
-                self.send_areas();
-            }
-            Err(refused) => self.toasts.warn(ctx, refused.to_string()),
-        }
-    }
-
-    /// Restores the state of an undo or redo.
-    fn again(&mut self, again: Option<RestoredState>) {
-        let model = &mut self.model;
-        match again {
-            Some(RestoredState::Settings(slot, settings)) => {
-                model.ab_settings.show(slot, &mut model.settings);
-                model.settings = *settings;
-            }
-            Some(RestoredState::AbSettings(slots, settings)) => {
-                (model.ab_settings, model.settings) = (slots, *settings);
-            }
-            Some(RestoredState::Areas(areas)) => {
-                model.areas = areas;
-                self.send_areas();
-            }
-            None => {}
-        }
-    }
-
-    /// Sends the region of interest to the worker.
-    fn send_areas(&mut self) {
-        // Event indices are invalid after the change.
-        self.model.read(None);
-        if let Some(player) = &self.model.player {
-            player.request(Request::Roi(self.model.areas.roi.clone()));
-        }
-    }
-
-    /// Closes the video, or cancels opening it.
-    fn close(&mut self, ctx: &Context) {
-        self.pictures.clear();
-        self.inspector.forget();
-        self.model.closed();
-        ctx.send_viewport_cmd(ViewportCommand::Title("Occluscope".into()));
-    }
-
-    /// Sets the video's frame rate. Restarts the analysis if the rate differs, because settings in seconds depend on
-    /// it.
-    fn set_rate(&mut self, ctx: &Context, fps: f32) {
-        let model = &mut self.model;
-        let Some(name) = model.opened.clone() else { return };
-        if model.options_of(&name).fps == Some(fps) {
-            return;
-        }
-        model.told_rate = None;
-        model.rates.insert(name.clone(), fps);
-        let (chosen, truth, camera) = (model.chosen, model.truth.clone(), model.camera);
-        let start = Start::Frame(model.number(model.position()));
-        self.open(ctx, &name, start);
-        self.model.camera = camera;
-        self.apply(ctx, Command::Choose(chosen));
-        if let Some(truth) = truth {
-            self.model.take_truth(truth);
-        }
-    }
-
-    /// Opens a video with a new worker, which replaces the present one.
-    fn open(&mut self, ctx: &Context, name: &str, start: Start) {
-        let roi = self.model.areas_for(name);
-        let options = self.model.options_of(name);
-        let player = (self.opener)(name, options, (self.model.settings.clone(), roi), start, ctx);
-        self.pictures.clear();
-        self.inspector.forget();
-        self.model.opened(name, player);
-        let short = std::path::Path::new(name)
-            .file_name()
-            .map_or_else(|| name.into(), |short| short.to_string_lossy());
-        ctx.send_viewport_cmd(ViewportCommand::Title(format!("{short} - Occluscope")));
+    #[test]
+    fn swapped_settings_are_undone_and_redone() {
+        let (start, five) = (Settings::default(), Settings { k: 5, ..Settings::default() });
+        let mut model = Model::new(start.clone());
+        act(&mut model, Action::CopySettings, 0.0);
+        apply(&mut model, Command::Set(Box::new(five.clone())));
+        act(&mut model, Action::SwapSettings, 0.0);
+        assert_eq!((&model.edits.settings, model.edits.ab_settings.other.as_ref()), (&start, Some(&five)));
+        act(&mut model, Action::Undo, 0.0);
+        assert_eq!((&model.edits.settings, model.edits.ab_settings.other.as_ref()), (&five, Some(&start)));
+        act(&mut model, Action::Redo, 0.0);
+        assert_eq!((&model.edits.settings, model.edits.ab_settings.other.as_ref()), (&start, Some(&five)));
     }
 }

@@ -1,16 +1,17 @@
-//! Actions, called by name or shortcut, and the commands that panels pass to [`crate::app::commands::apply`].
+//! Actions, called by name or shortcut, and the commands that panels return.
 
 use std::path::PathBuf;
 
 pub(crate) use crate::app::commands::actions::ACTIONS;
-pub(crate) use crate::app::commands::entry::{Entry, Menu};
-use crate::app::inspector::{Format, Plot, Table};
+pub(crate) use crate::app::commands::entry::{ActionEntry, Menu};
 use crate::app::model::ab_settings::AbSlot;
 use crate::app::model::areas::AreaEdit;
+use crate::app::model::camera::{Hover, ViewCamera};
 use crate::app::model::event_comparison::{ComparisonFilter, EventRef};
-use crate::app::model::overlays::Drawn;
-use crate::app::model::{Camera, Hover, Subject};
-use crate::app::views::{Background, Layout, View};
+use crate::app::model::layout::ViewLayout;
+use crate::app::model::overlays::TrackOverlay;
+use crate::app::model::selection::Subject;
+use crate::app::model::view::{BackgroundDisplay, View};
 use crate::mixture::Quantity;
 use crate::regions::roi::Purpose;
 use crate::replay::Start;
@@ -19,7 +20,7 @@ use crate::tracking::Identity;
 
 /// A change of the user interface's scale.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Scale {
+pub(crate) enum UiScale {
     /// Larger by a tenth.
     Larger,
     /// Smaller by a tenth.
@@ -124,7 +125,7 @@ pub(crate) enum Action {
     /// Open or close a view.
     Open(View),
     /// Arrange views and panels in a layout.
-    Arrange(Layout),
+    Arrange(ViewLayout),
     /// Fit the whole image into each view.
     Fit,
     /// Draw each image pixel as one screen pixel.
@@ -160,9 +161,9 @@ pub(crate) enum Action {
     /// Show or hide the panel with inspector and events.
     InspectorPanel,
     /// Show or hide an overlay of the tracks view.
-    Draw(Drawn),
+    Draw(TrackOverlay),
     /// Change the scale of the user interface.
-    Scale(Scale),
+    Scale(UiScale),
     /// Switch between the dark and the light theme.
     Theme,
     /// Show or hide the messages.
@@ -178,14 +179,6 @@ pub(crate) enum Action {
 /// A command of a panel.
 #[derive(Clone, Debug)]
 pub(crate) enum Command {
-    /// Copy a table to the clipboard.
-    CopyTable(Table),
-    /// Save a table to a file.
-    SaveTable(Table),
-    /// Copy a plot to the clipboard.
-    CopyPlot(Box<Plot>),
-    /// Save a plot to a file.
-    SavePlot(Box<Plot>, Format),
     /// Execute an action of the table.
     Act(Action),
     /// Open this video at this position.
@@ -211,15 +204,15 @@ pub(crate) enum Command {
     /// Choose an object by its identity.
     ChooseObject(Option<Identity>),
     /// Show this subject in the panel on the right.
-    Explain(Subject),
+    ShowSubject(Subject),
     /// Unpin the pixel of this number.
     Unpin(u8),
     /// Set the camera of all views.
-    SetCamera(Camera),
+    SetCamera(ViewCamera),
     /// The pointer moved to this pixel, or left the views.
     Hover(Option<Hover>),
     /// Show this kind of background.
-    ShowBackground(Background),
+    ShowBackground(BackgroundDisplay),
     /// Set the opacity of the mask over the input, in per cent.
     Overlay(u8),
     /// Edit the areas to analyse or ignore.
@@ -233,9 +226,9 @@ pub(crate) enum Command {
     /// Show the evidence of an event.
     OpenEvent(Option<EventRef>),
     /// The key that showed the other slot was released: bring this slot back into view.
-    LetGo(AbSlot),
+    ReleaseSlot(AbSlot),
     /// List these events while settings are compared.
-    List(ComparisonFilter),
+    FilterComparison(ComparisonFilter),
     /// Show or hide a kind of event, by its index in [`crate::occlusion::EventKind::ALL`].
     FilterEvents(usize, bool),
 }

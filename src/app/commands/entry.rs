@@ -107,7 +107,7 @@ pub(crate) const fn alt(k: Key) -> Shortcut {
 }
 
 /// The description of an action.
-pub(crate) struct Entry {
+pub(crate) struct ActionEntry {
     /// The action.
     pub(crate) action: Action,
     /// Its name in menus, command palette and help.
@@ -138,8 +138,8 @@ pub(crate) const fn entry(
     text: &'static str,
     shortcuts: &'static [Shortcut],
     tooltip: &'static str,
-) -> Entry {
-    Entry {
+) -> ActionEntry {
+    ActionEntry {
         action,
         text,
         tooltip,
@@ -153,7 +153,7 @@ pub(crate) const fn entry(
     }
 }
 
-impl Entry {
+impl ActionEntry {
     /// Puts a separator before the entry.
     pub(crate) const fn after_line(mut self) -> Self {
         self.line_before = true;

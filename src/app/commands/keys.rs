@@ -2,12 +2,12 @@
 
 use eframe::egui::{Context, Event, Key, Modifiers, Popup};
 
+use crate::app::commands::availability::is_available;
 use crate::app::commands::command::{ACTIONS, Command};
 use crate::app::model::Model;
-use crate::app::panels::top_bar;
 
 /// While this key is held, the other slot is in view.
-pub(crate) const FLIP: Key = Key::X;
+pub(crate) const FLIP_KEY: Key = Key::X;
 
 /// The available actions whose shortcuts were pressed. None while text is edited. While a control has the focus, none
 /// whose key moves or activates it.
@@ -15,8 +15,8 @@ pub(crate) fn pressed(ctx: &Context, model: &Model, commands: &mut Vec<Command>)
     if ctx.text_edit_focused() {
         return;
     }
-    if let Some(slot) = model.held.filter(|_| !ctx.input(|input| input.key_down(FLIP))) {
-        commands.push(Command::LetGo(slot));
+    if let Some(slot) = model.edits.held_slot.filter(|_| !ctx.input(|input| input.key_down(FLIP_KEY))) {
+        commands.push(Command::ReleaseSlot(slot));
     }
     let focused = ctx.memory(|memory| memory.focused().is_some());
     let menu = Popup::is_any_open(ctx);
@@ -34,7 +34,7 @@ pub(crate) fn pressed(ctx: &Context, model: &Model, commands: &mut Vec<Command>)
                 .iter()
                 .find(|entry| entry.shortcuts.iter().any(|shortcut| shortcut.matches(*key, *modifiers)))
                 // A key without an available action is left to other controls.
-                .filter(|entry| top_bar::allowed(model, entry));
+                .filter(|entry| is_available(model, entry));
             if let Some(entry) = called
                 && (!repeat || entry.repeats)
             {

@@ -11,25 +11,24 @@ use rfd::FileDialog;
 use crate::app::files::atomic_write;
 use crate::app::files::export_frame::FrameExport;
 use crate::app::files::settings_file;
-use crate::app::inspector::{Format, Plot, Table};
 use crate::export::picture;
 use crate::regions::Roi;
 use crate::settings::Settings;
 use crate::truth::Truth;
 
 /// Minimum time in which a user can cancel a dialog. A dialog that ends sooner was never shown.
-const TOO_SOON: Duration = Duration::from_millis(250);
+const MIN_DIALOG_DURATION: Duration = Duration::from_millis(250);
 
 /// The result of a dialog.
 pub(crate) enum DialogResult {
     /// A video or folder to open.
     Open(PathBuf),
     /// A file was written, or an error in a sentence.
-    Wrote(Result<PathBuf, String>),
+    Written(Result<PathBuf, String>),
     /// A plot was drawn for the clipboard, or an error in a sentence.
-    Drawn(Result<ColorImage, String>),
+    Plot(Result<ColorImage, String>),
     /// A table was written for the clipboard, with its number of rows, or an error in a sentence.
-    Tabled(Result<(String, usize), String>),
+    Table(Result<(String, usize), String>),
     /// Settings were read from a file, or an error in a sentence.
     Settings(Result<(PathBuf, Box<Settings>), String>),
     /// A mask was read from a file, or an error in a sentence.
@@ -83,27 +82,22 @@ impl Dialogs {
 
     /// Asks for a path and writes a frame there.
     pub(crate) fn export_frame(&mut self, ctx: &Context, picture: FrameExport) {
-        self.ask(ctx, move || {
-            let dialog = FileDialog::new().set_title("Export frame").set_file_name(picture.name());
-            let path = dialog.add_filter("PNG image", &["png"]).save_file()?;
-            Some(DialogResult::Wrote(picture.write(path)))
-        });
+        let (name, kind) = (picture.name(), ("PNG image", "png"));
+        self.save(ctx, "Export frame", name, kind, move |path| picture.write(path));
     }
 
     /// Asks for a path and writes settings there.
     pub(crate) fn save_settings(&mut self, ctx: &Context, settings: Settings) {
-        self.ask(ctx, move || {
-            let dialog = FileDialog::new().set_title("Save settings").set_file_name(settings_file::NAME);
-            let path = dialog.add_filter("Settings", &[settings_file::ENDING]).save_file()?;
-            Some(DialogResult::Wrote(settings_file::write(path, &settings)))
-        });
+        let (name, kind) = (settings_file::FILE_NAME.to_owned(), ("Settings", settings_file::EXTENSION));
+        self.save(ctx, "Save settings", name, kind, move |path| settings_file::write(path, &settings));
     }
 
     /// Asks for a settings file and reads it.
     pub(crate) fn load_settings(&mut self, ctx: &Context) {
         self.ask(ctx, || {
-            let dialog =
-                FileDialog::new().set_title("Load settings").add_filter("Settings", &[settings_file::ENDING]);
+            let dialog = FileDialog::new()
+                .set_title("Load settings")
+                .add_filter("Settings", &[settings_file::EXTENSION]);
             let path = dialog.add_filter("All files", &["*"]).pick_file()?;
             let read = settings_file::read(&path);
             Some(DialogResult::Settings(read.map(|settings| (path, Box::new(settings)))))
@@ -138,71 +132,47 @@ impl Dialogs {
 
     /// Reads ground truth from a file or folder.
     pub(crate) fn read_truth(&mut self, ctx: &Context, path: PathBuf) {
-        self.make(ctx, move || truth(&path));
+        self.run(ctx, move || truth(&path));
     }
 
     /// Asks for a path and writes the region of interest there as an image.
     pub(crate) fn save_mask(&mut self, ctx: &Context, roi: Arc<Roi>) {
+        self.save(ctx, "Save area mask", "roi.png".to_owned(), ("PNG image", "png"), move |path| {
+            atomic_write::write(path, "png", |at| picture::write_mask(at, roi.mask()))
+        });
+    }
+
+    /// Asks for a path with this proposed file name, of a kind of file given by its name and extension, and writes
+    /// the file there.
+    pub(crate) fn save(
+        &mut self,
+        ctx: &Context,
+        title: &'static str,
+        file_name: String,
+        (kind, extension): (&'static str, &'static str),
+        write: impl FnOnce(PathBuf) -> Result<PathBuf, String> + Send + 'static,
+    ) {
         self.ask(ctx, move || {
-            let dialog = FileDialog::new().set_title("Save area mask").set_file_name("roi.png");
-            let path = dialog.add_filter("PNG image", &["png"]).save_file()?;
-            Some(DialogResult::Wrote(atomic_write::write(path, "png", |at| {
-                picture::write_mask(at, roi.mask())
-            })))
-        });
-    }
-
-    /// Asks for a path and writes a table there.
-    pub(crate) fn save_table(&mut self, ctx: &Context, table: Table) {
-        self.ask(ctx, move || {
-            let dialog = FileDialog::new().set_title("Save table").set_file_name(table.name());
-            let path = dialog.add_filter("CSV table", &["csv"]).save_file()?;
-            Some(DialogResult::Wrote(table.save(path)))
-        });
-    }
-
-    /// Asks for a path, draws a plot and writes it there.
-    pub(crate) fn save_plot(&mut self, ctx: &Context, plot: Box<Plot>, format: Format) {
-        self.ask(ctx, move || {
-            let dialog = FileDialog::new().set_title("Save figure").set_file_name(plot.name(format));
-            let path = dialog.add_filter(format.name(), &[format.ending()]).save_file()?;
-            Some(DialogResult::Wrote(plot.save(path, format)))
-        });
-    }
-
-    /// Draws a plot for the clipboard.
-    pub(crate) fn draw_plot(&mut self, ctx: &Context, plot: Box<Plot>) {
-        self.make(ctx, move || {
-            DialogResult::Drawn(plot.drawn().map(|picture| {
-                let size = [picture.size.width as usize, picture.size.height as usize];
-                ColorImage::from_rgb(size, &picture.rgb)
-            }))
-        });
-    }
-
-    /// Writes a table for the clipboard.
-    pub(crate) fn write_table(&mut self, ctx: &Context, table: Table) {
-        self.make(ctx, move || {
-            let failed = |error| format!("the table cannot be copied: {error}; save it instead");
-            DialogResult::Tabled(table.csv().map(|text| (text, table.rows())).map_err(failed))
+            let dialog = FileDialog::new().set_title(title).set_file_name(file_name);
+            Some(DialogResult::Written(write(dialog.add_filter(kind, &[extension]).save_file()?)))
         });
     }
 
     /// Runs work without a dialog on a thread of its own.
-    fn make(&mut self, ctx: &Context, make: impl FnOnce() -> DialogResult + Send + 'static) {
+    pub(crate) fn run(&mut self, ctx: &Context, work: impl FnOnce() -> DialogResult + Send + 'static) {
         let (sender, ctx) = (self.sender.clone(), ctx.clone());
         std::thread::spawn(move || {
-            let _ = sender.send(DialogOutcome { answer: Some(make()), from_dialog: false });
+            let _ = sender.send(DialogOutcome { answer: Some(work()), from_dialog: false });
             ctx.request_repaint();
         });
     }
 
     /// The next pending result.
     pub(crate) fn answer(&mut self) -> Option<DialogResult> {
-        let brought = self.receiver.try_recv().ok()?;
+        let outcome = self.receiver.try_recv().ok()?;
         // Results for the clipboard come from no dialog; a dialog may still be open.
-        self.open &= !brought.from_dialog;
-        brought.answer
+        self.open &= !outcome.from_dialog;
+        outcome.answer
     }
 
     fn ask(&mut self, ctx: &Context, dialog: impl FnOnce() -> Option<DialogResult> + Send + 'static) {
@@ -214,7 +184,8 @@ impl Dialogs {
         let (sender, ctx) = (self.sender.clone(), ctx.clone());
         std::thread::spawn(move || {
             let asked = Instant::now();
-            let answer = dialog().or_else(|| (asked.elapsed() < TOO_SOON).then_some(DialogResult::NoDialog));
+            let answer = dialog()
+                .or_else(|| (asked.elapsed() < MIN_DIALOG_DURATION).then_some(DialogResult::NoDialog));
             // Sending fails if the window is already closed; the result is then discarded.
             let _ = sender.send(DialogOutcome { answer, from_dialog: true });
             ctx.request_repaint();
@@ -234,7 +205,7 @@ mod tests {
     use super::*;
 
     /// The result of a dialog, once it has ended.
-    fn brought(dialog: impl FnOnce() -> Option<DialogResult> + Send + 'static) -> Option<DialogResult> {
+    fn outcome(dialog: impl FnOnce() -> Option<DialogResult> + Send + 'static) -> Option<DialogResult> {
         let (ctx, mut dialogs) = (Context::default(), Dialogs::default());
         dialogs.ask(&ctx, dialog);
         assert!(dialogs.open);
@@ -249,20 +220,20 @@ mod tests {
     fn a_clipboard_result_closes_no_dialog() {
         let (ctx, mut dialogs) = (Context::default(), Dialogs::default());
         dialogs.open = true;
-        dialogs.make(&ctx, || DialogResult::Tabled(Ok(("a,b\n".to_owned(), 0))));
+        dialogs.run(&ctx, || DialogResult::Table(Ok(("a,b\n".to_owned(), 0))));
         let answer = dialogs.receiver.recv().unwrap();
         dialogs.sender.send(answer).unwrap();
-        assert!(matches!(dialogs.answer(), Some(DialogResult::Tabled(Ok(_)))) && dialogs.open);
+        assert!(matches!(dialogs.answer(), Some(DialogResult::Table(Ok(_)))) && dialogs.open);
     }
 
     #[test]
     fn a_dialog_that_was_never_shown_differs_from_a_cancelled_one() {
-        assert!(matches!(brought(|| None), Some(DialogResult::NoDialog)));
+        assert!(matches!(outcome(|| None), Some(DialogResult::NoDialog)));
         let cancelled = || {
-            std::thread::sleep(2 * TOO_SOON);
+            std::thread::sleep(2 * MIN_DIALOG_DURATION);
             None
         };
-        assert!(brought(cancelled).is_none());
-        assert!(matches!(brought(|| Some(DialogResult::Open("a".into()))), Some(DialogResult::Open(_))));
+        assert!(outcome(cancelled).is_none());
+        assert!(matches!(outcome(|| Some(DialogResult::Open("a".into()))), Some(DialogResult::Open(_))));
     }
 }

@@ -22,14 +22,14 @@ pub(crate) struct FrameExport {
 impl FrameExport {
     /// The frame in view.
     pub(crate) fn of(model: &Model) -> Option<Self> {
-        let moment = model.in_view.as_deref()?;
-        let shown = Arc::clone(&moment.shown);
-        let recent = moment
+        let frame = model.worker.in_view.as_deref()?;
+        let shown = Arc::clone(&frame.shown);
+        let recent = frame
             .trails
             .range(..=shown.position)
             .map(|(_, (number, tracks))| (*number, tracks.as_ref().clone()))
             .collect();
-        let timeline = model.timeline()?;
+        let timeline = model.worker.timeline()?;
         let here = timeline.events.iter().filter(|(position, _)| *position == shown.position);
         let events = here.map(|(_, event)| event.clone()).collect();
         Some(Self { shown, recent, events })

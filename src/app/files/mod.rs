@@ -2,7 +2,6 @@
 
 pub(crate) mod atomic_write;
 pub(crate) mod dialogs;
-pub(crate) mod drop_files;
 pub(crate) mod export_frame;
 pub(crate) mod sample;
 pub(crate) mod settings_file;

@@ -4,10 +4,10 @@ use std::io::Write;
 use std::path::{Path, PathBuf};
 
 /// A video of two people who cross.
-const CROSSING: &[u8] = include_bytes!("../../../sample_videos/crossing.mp4");
-const NAME: &str = "crossing.mp4";
+const CROSSING_VIDEO: &[u8] = include_bytes!("../../../sample_videos/crossing.mp4");
+const FILE_NAME: &str = "crossing.mp4";
 /// A pixel on the occluder during the crossing, chosen when the sample opens.
-pub(crate) const PIXEL: (u32, u32) = (160, 137);
+pub(crate) const SAMPLE_PIXEL: (u32, u32) = (160, 137);
 
 /// The path of the sample, which is written if it is missing or differs. Returns an error in a sentence.
 pub(crate) fn unpacked() -> Result<PathBuf, String> {
@@ -30,13 +30,13 @@ fn folders() -> Vec<PathBuf> {
 }
 
 fn unpack_into(folder: &Path) -> std::io::Result<PathBuf> {
-    let path = folder.join(NAME);
-    if std::fs::read(&path).is_ok_and(|there| there == CROSSING) {
+    let path = folder.join(FILE_NAME);
+    if std::fs::read(&path).is_ok_and(|there| there == CROSSING_VIDEO) {
         return Ok(path);
     }
     std::fs::create_dir_all(folder)?;
     let mut file = tempfile::NamedTempFile::new_in(folder)?;
-    file.write_all(CROSSING)?;
+    file.write_all(CROSSING_VIDEO)?;
     file.persist(&path).map_err(|error| error.error)?;
     Ok(path)
 }
@@ -51,9 +51,9 @@ mod tests {
     fn the_sample_is_written_once_and_a_broken_copy_is_replaced() {
         let folder = tempfile::tempdir().unwrap();
         let path = unpack_into(folder.path()).unwrap();
-        assert_eq!(std::fs::read(&path).unwrap(), CROSSING);
+        assert_eq!(std::fs::read(&path).unwrap(), CROSSING_VIDEO);
         std::fs::write(&path, b"broken").unwrap();
         assert_eq!(unpack_into(folder.path()).unwrap(), path);
-        assert_eq!(std::fs::read(&path).unwrap(), CROSSING);
+        assert_eq!(std::fs::read(&path).unwrap(), CROSSING_VIDEO);
     }
 }

@@ -8,15 +8,15 @@ use crate::app::files::atomic_write;
 use crate::settings::Settings;
 
 /// The proposed file name.
-pub(crate) const NAME: &str = "settings.toml";
+pub(crate) const FILE_NAME: &str = "settings.toml";
 /// The file extension.
-pub(crate) const ENDING: &str = "toml";
+pub(crate) const EXTENSION: &str = "toml";
 /// An upper bound of the size of a settings file, in bytes.
 const MAX_FILE_BYTES: u64 = 1 << 20;
 
 /// Writes settings. Returns the path, or an error in a sentence.
 pub(crate) fn write(path: PathBuf, settings: &Settings) -> Result<PathBuf, String> {
-    atomic_write::write(path, ENDING, |at| fs::write(at, settings.to_toml()))
+    atomic_write::write(path, EXTENSION, |at| fs::write(at, settings.to_toml()))
 }
 
 /// Reads settings; a missing key has its default, as on the command line. Returns an error in a sentence if the file
@@ -62,7 +62,7 @@ mod tests {
         for preset in Preset::ALL {
             let settings = Settings { k: 7, ..Settings::preset(preset) };
             let path = write(folder.path().join(preset.word()), &settings).unwrap();
-            assert_eq!(path.extension().unwrap(), ENDING);
+            assert_eq!(path.extension().unwrap(), EXTENSION);
             assert_eq!(read(&path), Ok(settings));
         }
     }

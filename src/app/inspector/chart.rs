@@ -6,13 +6,13 @@ use super::style;
 pub(super) use crate::export::figure::axis::ticks;
 
 /// Width of the label column on the left of a plot.
-pub(super) const GUTTER: f32 = 34.0;
+pub(super) const GUTTER_WIDTH: f32 = 34.0;
 /// Distance between a label and the plot.
 pub(super) const LABEL_GAP: f32 = 4.0;
 /// Margin on the right of a plot, so that the last tick label stays inside.
-pub(super) const RIGHT: f32 = 8.0;
+pub(super) const RIGHT_MARGIN: f32 = 8.0;
 /// Height of a row of tick labels.
-pub(super) const TICKS: f32 = 13.0;
+pub(super) const TICKS_HEIGHT: f32 = 13.0;
 
 /// A linear map from data to the screen; `screen` may be reversed, as for y.
 #[derive(Clone, Copy, Debug)]
@@ -52,7 +52,10 @@ impl ChartAxis {
 /// The plot area of a row: without the label column and the right margin.
 pub(super) fn inner(row: Rect) -> Rect {
     Rect::from_x_y_ranges(
-        Rangef::new(row.left() + GUTTER, (row.right() - RIGHT).max(row.left() + GUTTER + 1.0)),
+        Rangef::new(
+            row.left() + GUTTER_WIDTH,
+            (row.right() - RIGHT_MARGIN).max(row.left() + GUTTER_WIDTH + 1.0),
+        ),
         row.y_range(),
     )
 }
@@ -84,7 +87,7 @@ pub(super) fn x_labels(painter: &Painter, rect: Rect, labels: &[(f32, String)], 
         painter.vline(*x, Rangef::new(rect.bottom(), rect.bottom() + 3.0), style::faint(visuals));
         let galley = painter.layout_no_wrap(label.clone(), style::tick_font(), style::muted(visuals));
         let width = galley.size().x;
-        let left = (x - width / 2.0).min(rect.right() + RIGHT - width);
+        let left = (x - width / 2.0).min(rect.right() + RIGHT_MARGIN - width);
         if left > free {
             free = left + width + 6.0;
             painter.galley(Pos2::new(left, rect.bottom() + 3.0), galley, style::muted(visuals));

@@ -2,8 +2,8 @@
 
 use eframe::egui::{Align, Layout, Pos2, Rect, Sense, Stroke, Ui, UiBuilder, Vec2};
 
-use super::Chosen;
-use super::style::{self, SMALL, small};
+use super::ChosenPixel;
+use super::style::{self, SMALL_TEXT, small};
 use crate::explain::pixel::component_states::ComponentState;
 use crate::explain::pixel::verdict::number;
 
@@ -17,7 +17,7 @@ const TWO_LINES: Lines =
     &[&[(0, 24.0), (2, 82.0), (3, 34.0), (6, 52.0)], &[(0, 24.0), (1, 50.0), (4, 62.0), (5, 56.0)]];
 
 /// The components of a mixture, one row each.
-pub(super) fn table(ui: &mut Ui, chosen: &Chosen<'_>, rows: &[ComponentState]) {
+pub(super) fn table(ui: &mut Ui, chosen: &ChosenPixel<'_>, rows: &[ComponentState]) {
     let gray = chosen.channels().len() == 1;
     let heads = [
         ("", "Rank and plot colour of the component. The colour is kept when the rank changes."),
@@ -90,20 +90,20 @@ pub(super) fn table(ui: &mut Ui, chosen: &Chosen<'_>, rows: &[ComponentState]) {
 
 /// A row of the table: columns at fixed positions, numbers aligned right.
 fn line(ui: &mut Ui, rank: Option<usize>, mut cell: impl FnMut(&mut Ui, usize)) {
-    const HEIGHT: f32 = SMALL + 6.0;
+    const LINE_HEIGHT: f32 = SMALL_TEXT + 6.0;
     let least = |columns: &[(usize, f32)]| columns.iter().map(|(_, width)| width).sum::<f32>();
     let lines = if ui.available_width() < least(ONE_LINE[0]) { TWO_LINES } else { ONE_LINE };
-    let size = Vec2::new(ui.available_width(), HEIGHT * lines.len() as f32);
+    let size = Vec2::new(ui.available_width(), LINE_HEIGHT * lines.len() as f32);
     let (area, _) = ui.allocate_exact_size(size, Sense::hover());
     if rank.is_some_and(|rank| rank % 2 == 1) {
         ui.painter().rect_filled(area, 2.0, ui.visuals().faint_bg_color);
     }
     for (at, columns) in lines.iter().enumerate() {
         let spare = (area.width() - least(columns)).max(0.0) / (columns.len() - 1).max(1) as f32;
-        let (mut x, top) = (area.left(), area.top() + HEIGHT * at as f32);
+        let (mut x, top) = (area.left(), area.top() + LINE_HEIGHT * at as f32);
         for &(column, width) in *columns {
             let width = if column == 0 { width } else { width + spare };
-            let place = Rect::from_min_size(Pos2::new(x, top), Vec2::new(width, HEIGHT));
+            let place = Rect::from_min_size(Pos2::new(x, top), Vec2::new(width, LINE_HEIGHT));
             x += width;
             // Only the first line has the rank.
             if column == 0 && at > 0 {
@@ -134,7 +134,7 @@ fn dot(ui: &mut Ui, row: &ComponentState) {
 }
 
 /// The other quantities of the frame's update, in columns.
-pub(super) fn numbers(ui: &mut Ui, chosen: &Chosen<'_>) {
+pub(super) fn numbers(ui: &mut Ui, chosen: &ChosenPixel<'_>) {
     let (outcome, parameters) = (chosen.state.outcome, &chosen.history.parameters);
     let before = chosen.history.before(chosen.index).map(|before| *before.past()).unwrap_or_default();
     let alpha = parameters.alpha_of(&before, chosen.state.t);
@@ -170,7 +170,8 @@ pub(super) fn numbers(ui: &mut Ui, chosen: &Chosen<'_>) {
     ui.separator();
     let across = if ui.available_width() < 270.0 { 2 } else { 3 };
     for pair in cells.chunks(across) {
-        let (area, _) = ui.allocate_exact_size(Vec2::new(ui.available_width(), SMALL + 7.0), Sense::hover());
+        let (area, _) =
+            ui.allocate_exact_size(Vec2::new(ui.available_width(), SMALL_TEXT + 7.0), Sense::hover());
         let width = (area.width() / across as f32).min(130.0);
         for (column, (name, value, meaning)) in pair.iter().enumerate() {
             let left = area.left() + width * column as f32;

@@ -9,8 +9,7 @@ use eframe::egui::{
 };
 use egui_material_icons::icons as m;
 
-use super::Chosen;
-use super::scatter::colour;
+use super::ChosenPixel;
 use super::style::{self, small};
 use crate::app::theme;
 use crate::explain::pixel::component_states::component_states;
@@ -19,11 +18,11 @@ use crate::export::figure::cube::{EXTENT, Look, Role as Line, Scene, Span, Turn,
 use crate::export::figure::scatter::density;
 
 /// The angle that one key press or button turns, in radians.
-const STEP: f64 = std::f64::consts::PI / 18.0;
+const TURN_STEP_RADIANS: f64 = std::f64::consts::PI / 18.0;
 /// Margin for labels around the cube.
-const WORDS: f32 = 24.0;
+const LABEL_MARGIN_PT: f32 = 24.0;
 /// Maximum side of the plot.
-const SIDE: f32 = 440.0;
+const MAX_SIDE_PT: f32 = 440.0;
 
 /// The orientation of the cube.
 pub(super) struct CubeView {
@@ -37,9 +36,9 @@ impl Default for CubeView {
 }
 
 impl CubeView {
-    pub(super) fn ui(&mut self, ui: &mut Ui, chosen: &Chosen<'_>, places: &[ScatterPoint]) {
+    pub(super) fn ui(&mut self, ui: &mut Ui, chosen: &ChosenPixel<'_>, places: &[ScatterPoint]) {
         self.controls(ui);
-        let side = ui.available_width().min(SIDE);
+        let side = ui.available_width().min(MAX_SIDE_PT);
         let (area, response) = ui.allocate_exact_size(Vec2::splat(side), Sense::click_and_drag());
         self.turn(ui, &response);
 
@@ -62,7 +61,7 @@ impl CubeView {
         });
         if ui.is_rect_visible(area) {
             let scene = scene(places, &component_states, here, lambda, span, self.look.turn);
-            Drawing { ui, painter: ui.painter_at(area), area }.draw(&scene);
+            CubePainter { ui, painter: ui.painter_at(area), area }.draw(&scene);
         }
         if response.has_focus() {
             let stroke = Stroke::new(1.0, theme::colours(ui.visuals()).accent);
@@ -77,10 +76,10 @@ impl CubeView {
             ui.spacing_mut().item_spacing.x = 2.0;
             ui.label(style::aside(ui, "rotate"));
             for (icon, name, yaw, pitch) in [
-                (m::ICON_CHEVRON_LEFT, "Rotate left", -STEP, 0.0),
-                (m::ICON_CHEVRON_RIGHT, "Rotate right", STEP, 0.0),
-                (m::ICON_EXPAND_LESS, "Increase elevation", 0.0, STEP),
-                (m::ICON_EXPAND_MORE, "Decrease elevation", 0.0, -STEP),
+                (m::ICON_CHEVRON_LEFT, "Rotate left", -TURN_STEP_RADIANS, 0.0),
+                (m::ICON_CHEVRON_RIGHT, "Rotate right", TURN_STEP_RADIANS, 0.0),
+                (m::ICON_EXPAND_LESS, "Increase elevation", 0.0, TURN_STEP_RADIANS),
+                (m::ICON_EXPAND_MORE, "Decrease elevation", 0.0, -TURN_STEP_RADIANS),
             ] {
                 let button = Button::new(icon.rich_text().size(14.0)).small();
                 if ui.add(button).accessible_name(name).on_hover_text(name).clicked() {
@@ -113,22 +112,22 @@ impl CubeView {
             let arrows =
                 EventFilter { horizontal_arrows: true, vertical_arrows: true, ..EventFilter::default() };
             ui.memory_mut(|memory| memory.set_focus_lock_filter(response.id, arrows));
-            let presses = |key| ui.input(|input| input.num_presses(key)) as f64 * STEP;
+            let presses = |key| ui.input(|input| input.num_presses(key)) as f64 * TURN_STEP_RADIANS;
             let yaw = presses(Key::ArrowRight) - presses(Key::ArrowLeft);
             self.look.turn = self.look.turn.by(yaw, presses(Key::ArrowUp) - presses(Key::ArrowDown));
         }
     }
 }
 
-struct Drawing<'a> {
+struct CubePainter<'a> {
     ui: &'a Ui,
     painter: Painter,
     area: Rect,
 }
 
-impl Drawing<'_> {
+impl CubePainter<'_> {
     fn at(&self, [x, y]: [f64; 2]) -> Pos2 {
-        let scale = (self.area.width() - 2.0 * WORDS) / (2.0 * EXTENT as f32);
+        let scale = (self.area.width() - 2.0 * LABEL_MARGIN_PT) / (2.0 * EXTENT as f32);
         self.area.center() + Vec2::new(x as f32, -y as f32) * scale
     }
 
@@ -155,7 +154,7 @@ impl Drawing<'_> {
             let hollow = matches!(spot.place.kind, PointKind::Component { foreground: true, .. });
             let strength = [0.55, 0.75, 0.95][density(spot.place.count)];
             let (place, radius) = (self.at(spot.at), 1.3 + 1.0 * nearness);
-            let colour = colour(visuals, spot.place.kind);
+            let colour = style::point_colour(visuals, spot.place.kind);
             if hollow {
                 self.painter.circle_stroke(place, radius + 0.7, Stroke::new(1.0, colour));
             } else {
@@ -190,7 +189,7 @@ impl Drawing<'_> {
         for label in &scene.labels {
             let (font, colour): (FontId, Color32) = match label.slot {
                 Some(slot) => (style::font(), style::component(visuals, slot)),
-                None if label.name => (FontId::proportional(theme::BODY), visuals.text_color()),
+                None if label.name => (FontId::proportional(theme::BODY_TEXT), visuals.text_color()),
                 None => (style::tick_font(), muted),
             };
             let anchor = if label.slot.is_some() { Align2::CENTER_BOTTOM } else { Align2::CENTER_CENTER };

@@ -7,16 +7,16 @@ use eframe::egui::{
 };
 
 use super::InspectorAction;
-use super::chart::{self, Columns, TICKS};
+use super::chart::{self, Columns, TICKS_HEIGHT};
 use super::style::{self, small};
 use crate::explain::pixel::verdict::number;
 use crate::explain::tuning::{SettingAxis, TunableSetting};
 use crate::mixture::Parameters;
 
 /// Height of the x axis name.
-const NAME: f32 = 15.0;
+const AXIS_NAME_HEIGHT: f32 = 15.0;
 /// Maximum side of the grid.
-const SIDE: f32 = 380.0;
+const MAX_SIDE_PT: f32 = 380.0;
 
 /// A computed grid.
 pub(super) struct Grid<'a> {
@@ -34,12 +34,15 @@ pub(super) struct Grid<'a> {
 
 /// Draws the grid called `name`, or a placeholder until it is computed; `flat` is the ratio of height to width.
 pub(super) fn ui(ui: &mut Ui, name: &str, flat: f32, grid: Option<&Grid<'_>>) -> Option<InspectorAction> {
-    let side = (ui.available_width() - chart::GUTTER - chart::RIGHT).clamp(80.0, SIDE);
-    let size = Vec2::new(side + chart::GUTTER + chart::RIGHT, 6.0 + side * flat + TICKS + NAME);
+    let side = (ui.available_width() - chart::GUTTER_WIDTH - chart::RIGHT_MARGIN).clamp(80.0, MAX_SIDE_PT);
+    let size = Vec2::new(
+        side + chart::GUTTER_WIDTH + chart::RIGHT_MARGIN,
+        6.0 + side * flat + TICKS_HEIGHT + AXIS_NAME_HEIGHT,
+    );
     let (area, response) = ui.allocate_exact_size(size, Sense::click());
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, name));
     let plot = Rect::from_min_size(
-        Pos2::new(area.left() + chart::GUTTER, area.top() + 6.0),
+        Pos2::new(area.left() + chart::GUTTER_WIDTH, area.top() + 6.0),
         Vec2::new(side, side * flat),
     );
     let (painter, visuals) = (ui.painter_at(area), ui.visuals());
@@ -105,7 +108,7 @@ fn axes(painter: &Painter, ui: &Ui, plot: Rect, [x, y]: &[SettingAxis; 2]) {
         .collect();
     chart::x_labels(painter, plot, &labels, visuals);
     let name = format!("{}, {}", x.knob.symbol(), x.knob.name());
-    let place = Pos2::new(plot.center().x, plot.bottom() + TICKS + 2.0);
+    let place = Pos2::new(plot.center().x, plot.bottom() + TICKS_HEIGHT + 2.0);
     painter.text(place, Align2::CENTER_TOP, name, style::font(), visuals.text_color());
 
     let labels: Vec<_> = ticks(y, (plot.height() / 30.0) as usize)
@@ -179,5 +182,5 @@ fn pick(
         ui.label(words(values));
         ui.label(small(&format!("{} Click to apply these settings.", (grid.words)(column, row))));
     });
-    response.clicked().then_some(InspectorAction::Take(values))
+    response.clicked().then_some(InspectorAction::Apply(values))
 }

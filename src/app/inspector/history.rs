@@ -8,12 +8,12 @@ use eframe::egui::{
     Align2, Pos2, Rangef, Rect, Response, Sense, Shape, Stroke, Tooltip, Ui, Vec2, WidgetInfo,
 };
 
-use super::chart::{self, ChartAxis, Columns, TICKS};
+use super::chart::{self, ChartAxis, Columns, TICKS_HEIGHT};
 use super::menu;
 use super::plot::Plot;
-use super::rows::{LANE, changes_plot, channel_plot, count_plot, rates_plot, weights_plot, x_range};
+use super::rows::{LANE_HEIGHT, changes_plot, channel_plot, count_plot, rates_plot, weights_plot, x_range};
 use super::style::{self, small};
-use super::{Chosen, InspectorAction};
+use super::{ChosenPixel, InspectorAction};
 use crate::explain::pixel::PixelHistory;
 use crate::explain::pixel::component_slots::{ComponentChange, component_change};
 use crate::explain::pixel::downsampled_history::{HistoryColumn, downsample, value_range};
@@ -21,14 +21,15 @@ use crate::explain::pixel::verdict::{number, verdict};
 use crate::export::figure::through_time::HistorySelection;
 
 /// Minimum number of visible frames.
-const LEAST_FRAMES: f64 = 8.0;
-const CAPTION: f32 = 15.0;
-const GAP: f32 = 5.0;
-const CHANNEL: f32 = 62.0;
-const WEIGHTS: f32 = 60.0;
-const COUNT: f32 = 26.0;
-const RATE: f32 = 34.0;
-const VERDICT: f32 = 10.0;
+const MIN_SHOWN_FRAMES: f64 = 8.0;
+// Heights of the parts, in points, from top to bottom.
+const CAPTION_HEIGHT: f32 = 15.0;
+const GAP_HEIGHT: f32 = 5.0;
+const CHANNEL_HEIGHT: f32 = 62.0;
+const WEIGHTS_HEIGHT: f32 = 60.0;
+const COUNT_HEIGHT: f32 = 26.0;
+const RATE_HEIGHT: f32 = 34.0;
+const VERDICT_HEIGHT: f32 = 10.0;
 
 /// The visible frames, and the cached columns.
 #[derive(Default)]
@@ -39,11 +40,11 @@ pub(super) struct HistoryView {
     fit: bool,
     /// The previous frame in view, to detect when it leaves the visible range.
     index: usize,
-    cache: Option<Cache>,
+    cache: Option<CachedColumns>,
 }
 
 /// Cached columns, recomputed only for another history, range or width.
-struct Cache {
+struct CachedColumns {
     history: Arc<PixelHistory>,
     frames: Range<usize>,
     columns: usize,
@@ -51,14 +52,19 @@ struct Cache {
 }
 
 impl HistoryView {
-    pub(super) fn ui(&mut self, ui: &mut Ui, chosen: &Chosen<'_>) -> Option<InspectorAction> {
+    pub(super) fn ui(&mut self, ui: &mut Ui, chosen: &ChosenPixel<'_>) -> Option<InspectorAction> {
         let total = chosen.history.states.len();
         let asked = self.controls(ui, chosen);
         legend(ui, chosen);
 
         let channels = chosen.channels().len() as f32;
-        let rows = CHANNEL * channels + WEIGHTS + COUNT + RATE + 3.0 * LANE + VERDICT;
-        let height = (CAPTION + GAP) * (channels + 5.0) + rows + TICKS;
+        let rows = CHANNEL_HEIGHT * channels
+            + WEIGHTS_HEIGHT
+            + COUNT_HEIGHT
+            + RATE_HEIGHT
+            + 3.0 * LANE_HEIGHT
+            + VERDICT_HEIGHT;
+        let height = (CAPTION_HEIGHT + GAP_HEIGHT) * (channels + 5.0) + rows + TICKS_HEIGHT;
         let size = Vec2::new(ui.available_width(), height);
         let (area, response) = ui.allocate_exact_size(size, Sense::click_and_drag());
         response.widget_info(|| {
@@ -94,17 +100,17 @@ impl HistoryView {
     }
 
     /// The figure's selection of the visible frames.
-    fn choice(&self, chosen: &Chosen<'_>) -> HistorySelection {
+    fn choice(&self, chosen: &ChosenPixel<'_>) -> HistorySelection {
         let total = chosen.history.states.len();
         let (from, to) = self.range(total);
         let frames = from.floor() as usize..(to.ceil() as usize).min(total);
         HistorySelection { frames, index: chosen.index, fit: self.fit }
     }
 
-    fn controls(&mut self, ui: &mut Ui, chosen: &Chosen<'_>) -> Option<InspectorAction> {
+    fn controls(&mut self, ui: &mut Ui, chosen: &ChosenPixel<'_>) -> Option<InspectorAction> {
         let total = chosen.history.states.len();
         let choice = self.choice(chosen);
-        let plot = || Plot::History(chosen.followed(), choice.clone());
+        let plot = || Plot::History(chosen.slotted_history(), choice.clone());
         menu::row(
             ui,
             |ui| menu::of_plot(ui, "the frames in view", plot),
@@ -136,7 +142,7 @@ impl HistoryView {
         let (from, to) = self.range(total);
         let centre = centre.clamp(from, to);
         let width = (to - from) * factor;
-        if width < LEAST_FRAMES && factor < 1.0 {
+        if width < MIN_SHOWN_FRAMES && factor < 1.0 {
             return;
         }
         let from = centre - (centre - from) * factor;
@@ -150,7 +156,7 @@ impl HistoryView {
     }
 
     /// Pans and zooms by the pointer, and scrolls to the frame in view when it leaves the visible range.
-    fn look_around(&mut self, ui: &Ui, response: &Response, plot: Rect, chosen: &Chosen<'_>) {
+    fn look_around(&mut self, ui: &Ui, response: &Response, plot: Rect, chosen: &ChosenPixel<'_>) {
         let total = chosen.history.states.len();
         if let Some((from, to)) = self.view {
             // Another video, or a repeated run, may be shorter.
@@ -181,7 +187,7 @@ impl HistoryView {
         }
     }
 
-    fn draw(&mut self, ui: &Ui, chosen: &Chosen<'_>, area: Rect, axis: ChartAxis) {
+    fn draw(&mut self, ui: &Ui, chosen: &ChosenPixel<'_>, area: Rect, axis: ChartAxis) {
         let frames = axis.min.floor() as usize..axis.max.ceil() as usize;
         let plot = chart::inner(area);
         let fit = self.fit;
@@ -193,17 +199,17 @@ impl HistoryView {
         let mut y = area.top();
         let mut rows = Vec::new();
         let mut row = |caption: &str, height: f32| {
-            let place = Pos2::new(plot.left(), y + CAPTION - 2.0);
+            let place = Pos2::new(plot.left(), y + CAPTION_HEIGHT - 2.0);
             painter.text(place, Align2::LEFT_BOTTOM, caption, style::font(), style::muted(visuals));
-            let top = y + CAPTION;
-            y = top + height + GAP;
+            let top = y + CAPTION_HEIGHT;
+            y = top + height + GAP_HEIGHT;
             let rect = Rect::from_x_y_ranges(plot.x_range(), Rangef::new(top, top + height));
             rows.push(rect.y_range());
             rect
         };
         let names: &[&str] = if chosen.channels().len() == 1 { &["luma"] } else { &["red", "green", "blue"] };
         for (channel, name) in names.iter().enumerate() {
-            let rect = row(name, CHANNEL);
+            let rect = row(name, CHANNEL_HEIGHT);
             let values = ChartAxis::y(low, high, rect);
             channel_plot(
                 &painter.with_clip_rect(rect.expand2(Vec2::new(0.0, 1.0)).intersect(painter.clip_rect())),
@@ -226,20 +232,20 @@ impl HistoryView {
         }
 
         let t = chosen.history.parameters.t;
-        let rect = row("weights, stacked by rank", WEIGHTS);
+        let rect = row("weights, stacked by rank", WEIGHTS_HEIGHT);
         weights_plot(&painter, visuals, bins, axis, rect, t);
 
         let k = chosen.history.parameters.k;
-        let rect = row("B, number of background components", COUNT);
+        let rect = row("B, number of background components", COUNT_HEIGHT);
         count_plot(&painter, visuals, bins, axis, rect, k);
 
-        let rect = row("ρ, update rate", RATE);
+        let rect = row("ρ, update rate", RATE_HEIGHT);
         rates_plot(&painter, visuals, bins, axis, rect);
 
-        let rect = row("components created, replaced, moved up in rank", 3.0 * LANE);
+        let rect = row("components created, replaced, moved up in rank", 3.0 * LANE_HEIGHT);
         changes_plot(&painter, visuals, bins, axis, rect);
 
-        let rect = row("mixture verdict", VERDICT);
+        let rect = row("mixture verdict", VERDICT_HEIGHT);
         let mut columns = Columns::default();
         for bin in bins {
             let colour = style::verdict_share(visuals, bin.foreground_share());
@@ -247,7 +253,8 @@ impl HistoryView {
         }
         columns.paint(&painter.with_clip_rect(rect.intersect(painter.clip_rect())));
 
-        let last = Rect::from_x_y_ranges(plot.x_range(), Rangef::new(area.top() + CAPTION, rect.bottom()));
+        let last =
+            Rect::from_x_y_ranges(plot.x_range(), Rangef::new(area.top() + CAPTION_HEIGHT, rect.bottom()));
         let states = &chosen.history.states;
         let labels: Vec<_> = chart::ticks(axis.min, axis.max, (plot.width() / 60.0) as usize)
             .into_iter()
@@ -277,21 +284,21 @@ impl HistoryView {
         self.cache = None;
     }
 
-    fn bins(&mut self, chosen: &Chosen<'_>, frames: Range<usize>, columns: usize) -> &[HistoryColumn] {
+    fn bins(&mut self, chosen: &ChosenPixel<'_>, frames: Range<usize>, columns: usize) -> &[HistoryColumn] {
         let fits = self.cache.as_mut().is_some_and(|cache| {
             let same = (&cache.frames, cache.columns) == (&frames, columns);
             same && chosen.shares(&mut cache.history, frames.end)
         });
         if !fits {
             let bins = downsample(chosen.history, chosen.slots, frames.clone(), columns);
-            self.cache = Some(Cache { history: Arc::clone(chosen.history), frames, columns, bins });
+            self.cache = Some(CachedColumns { history: Arc::clone(chosen.history), frames, columns, bins });
         }
         self.cache.as_ref().map_or(&[], |cache| &cache.bins)
     }
 }
 
 /// The legend of component colours in the frame in view.
-fn legend(ui: &mut Ui, chosen: &Chosen<'_>) {
+fn legend(ui: &mut Ui, chosen: &ChosenPixel<'_>) {
     ui.horizontal_wrapped(|ui| {
         ui.spacing_mut().item_spacing = Vec2::new(4.0, 1.0);
         let lambda = number(chosen.history.parameters.lambda);
@@ -313,7 +320,7 @@ fn legend(ui: &mut Ui, chosen: &Chosen<'_>) {
 }
 
 /// The tooltip of the frame under the pointer.
-fn frame_words(ui: &mut Ui, chosen: &Chosen<'_>, frame: usize) {
+fn frame_words(ui: &mut Ui, chosen: &ChosenPixel<'_>, frame: usize) {
     let Some(state) = chosen.history.states.get(frame) else { return };
     let words = verdict(chosen.history, frame);
     ui.set_max_width(260.0);
@@ -351,7 +358,8 @@ mod tests {
         let mut view = HistoryView::default();
         let mut made = |history: &Arc<PixelHistory>, frames: Range<usize>, columns: usize| {
             let slots = Arc::new(slots_by_rank(history));
-            let chosen = Chosen { history, slots: &slots, index: 3, state: &history.states[3], fps: 25.0 };
+            let chosen =
+                ChosenPixel { history, slots: &slots, index: 3, state: &history.states[3], fps: 25.0 };
             let bins = view.bins(&chosen, frames, columns);
             (bins.as_ptr(), bins.len(), bins[0].value[0].0)
         };
@@ -381,7 +389,7 @@ mod tests {
             view.zoom(0.5, 0.0, 100);
         }
         let (from, to) = view.range(100);
-        assert!(from == 0.0 && to - from >= LEAST_FRAMES);
+        assert!(from == 0.0 && to - from >= MIN_SHOWN_FRAMES);
         view.set(95.0, 105.0, 100);
         assert_eq!(view.range(100), (90.0, 100.0));
         view.set(-10.0, 0.0, 100);

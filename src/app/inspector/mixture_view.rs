@@ -4,23 +4,23 @@ use eframe::egui;
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Align2, Button, Painter, Pos2, Rangef, Rect, Sense, Shape, Stroke, Ui, Vec2, WidgetInfo};
 
-use super::chart::{self, ChartAxis, Columns, TICKS};
+use super::chart::{self, ChartAxis, Columns, TICKS_HEIGHT};
 use super::components::{numbers, table};
 use super::menu;
 use super::plot::Plot;
 use super::style::{self, small};
-use super::{Chosen, InspectorAction};
+use super::{ChosenPixel, InspectorAction};
 use crate::explain::pixel::component_states::{ComponentState, component_states, t_at};
 use crate::explain::pixel::verdict::{Verdict, number};
 use crate::export::figure::mixture::UpdateSide;
 
 /// Minimum width at which both mixtures are side by side.
-const BESIDE: f32 = 330.0;
+const MIN_SIDE_BY_SIDE_WIDTH: f32 = 330.0;
 
 /// Which mixture is shown.
 #[derive(Default)]
 pub(super) struct MixtureView {
-    moment: UpdateSide,
+    side: UpdateSide,
 }
 
 /// A mixture before or after the update, as shown.
@@ -35,13 +35,13 @@ impl MixtureView {
     pub(super) fn ui(
         &mut self,
         ui: &mut Ui,
-        chosen: &Chosen<'_>,
+        chosen: &ChosenPixel<'_>,
         words: &Verdict,
     ) -> Option<InspectorAction> {
         details(ui, words);
-        let moment = self.moment(ui, chosen);
+        let side = self.choose_side(ui, chosen);
         ui.add_space(2.0);
-        let sides: Vec<MixtureSide> = moment
+        let sides: Vec<MixtureSide> = side
             .sides()
             .iter()
             .map(|&before| {
@@ -52,8 +52,8 @@ impl MixtureView {
 
         let lambda = number(chosen.history.parameters.lambda);
         let caption = format!("Densities w·η, bars μ ± {lambda}σ");
-        let densities_asked = menu::caption(ui, &caption, DENSITIES, "the densities", || {
-            Plot::Densities(chosen.followed(), chosen.index, moment)
+        let densities_asked = menu::caption(ui, &caption, DENSITIES_MEANING, "the densities", || {
+            Plot::Densities(chosen.slotted_history(), chosen.index, side)
         });
         let peaks = sides.iter().flat_map(|side| side.rows.iter().map(ComponentState::peak));
         let top = peaks.fold(f64::MIN_POSITIVE, f64::max) * 1.08;
@@ -62,8 +62,8 @@ impl MixtureView {
 
         let counts: Vec<_> = sides.iter().map(|side| side.count.to_string()).collect();
         let caption = format!("B = {}: cumulative weights until they exceed T", counts.join(", then "));
-        let weights_asked = menu::caption(ui, &caption, WEIGHTS, "the weights", || {
-            Plot::Weights(chosen.followed(), chosen.index, moment)
+        let weights_asked = menu::caption(ui, &caption, WEIGHTS_MEANING, "the weights", || {
+            Plot::Weights(chosen.slotted_history(), chosen.index, side)
         });
         side_by_side(ui, &sides, |ui, side| weights(ui, chosen, side));
         ui.add_space(8.0);
@@ -81,14 +81,14 @@ impl MixtureView {
     }
 
     /// Selects the displayed mixture. The first frame of the model has none before the update.
-    fn moment(&mut self, ui: &mut Ui, chosen: &Chosen<'_>) -> UpdateSide {
+    fn choose_side(&mut self, ui: &mut Ui, chosen: &ChosenPixel<'_>) -> UpdateSide {
         let first = chosen.history.before(chosen.index).is_none();
-        let shown = |moment| if first { UpdateSide::After } else { moment };
+        let shown = |side| if first { UpdateSide::After } else { side };
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing.x = 3.0;
             ui.spacing_mut().button_padding.x = 6.0;
             ui.label("Show").on_hover_text("Mixture before this frame's update, after it, or both.");
-            for (moment, name, meaning) in [
+            for (side, name, meaning) in [
                 (
                     UpdateSide::Before,
                     "before",
@@ -101,26 +101,26 @@ impl MixtureView {
                     "Mixtures before and after the update, side by side if space permits.",
                 ),
             ] {
-                let button = Button::selectable(shown(self.moment) == moment, name);
-                let button = ui.add_enabled(!first || moment == UpdateSide::After, button);
+                let button = Button::selectable(shown(self.side) == side, name);
+                let button = ui.add_enabled(!first || side == UpdateSide::After, button);
                 if button.on_hover_text(meaning).clicked() {
-                    self.moment = moment;
+                    self.side = side;
                 }
             }
         });
-        shown(self.moment)
+        shown(self.side)
     }
 }
 
-const DENSITIES: &str = "Each curve is the marginal density of a component in one channel, with variance \
+const DENSITIES_MEANING: &str = "Each curve is the marginal density of a component in one channel, with variance \
      σ². σ² is the squared distance summed over the channels, so with three channels a curve is wider than \
      the data of one channel. A value matches if its distance over all channels is at most λσ; lying \
      inside the bar of one channel is necessary, not sufficient. Filled: background. Dashed: foreground.";
 
-const WEIGHTS: &str = "Each bar is a weight, placed at the cumulative sum Σ of the weights above it. B is \
+const WEIGHTS_MEANING: &str = "Each bar is a weight, placed at the cumulative sum Σ of the weights above it. B is \
      the first rank at which the sum exceeds T: components 1 to B are background, the others foreground.";
 
-/// Draws each mixture, side by side where there is room.
+/// Draws each mixture, side by side where the panel is wide enough.
 fn side_by_side(ui: &mut Ui, sides: &[MixtureSide], mut draw: impl FnMut(&mut Ui, &MixtureSide)) {
     let named = |ui: &mut Ui, side: &MixtureSide, draw: &mut dyn FnMut(&mut Ui, &MixtureSide)| {
         ui.label(style::aside(ui, name_of(side)));
@@ -128,7 +128,7 @@ fn side_by_side(ui: &mut Ui, sides: &[MixtureSide], mut draw: impl FnMut(&mut Ui
     };
     match sides {
         [one] => draw(ui, one),
-        _ if ui.available_width() >= BESIDE => ui.columns(sides.len(), |columns| {
+        _ if ui.available_width() >= MIN_SIDE_BY_SIDE_WIDTH => ui.columns(sides.len(), |columns| {
             for (ui, side) in columns.iter_mut().zip(sides) {
                 named(ui, side, &mut draw);
             }
@@ -156,13 +156,13 @@ fn details(ui: &mut Ui, words: &Verdict) {
 }
 
 /// A small plot for each channel, stacked on a common axis 0..255.
-fn densities(ui: &mut Ui, chosen: &Chosen<'_>, side: &MixtureSide, top: f64) {
-    const CURVES: f32 = 50.0;
+fn densities(ui: &mut Ui, chosen: &ChosenPixel<'_>, side: &MixtureSide, top: f64) {
+    const CURVES_HEIGHT: f32 = 50.0;
     let rows = &side.rows;
     let lane = if rows.len() > 4 { 6.0 } else { 10.0 };
     let lanes = lane * rows.len() as f32;
     let channels = chosen.channels();
-    let height = (CURVES + lanes + 8.0) * channels.len() as f32 + TICKS + 2.0;
+    let height = (CURVES_HEIGHT + lanes + 8.0) * channels.len() as f32 + TICKS_HEIGHT + 2.0;
     let lambda = chosen.history.parameters.lambda;
 
     let (area, response) = ui.allocate_exact_size(Vec2::new(ui.available_width(), height), Sense::hover());
@@ -182,7 +182,7 @@ fn densities(ui: &mut Ui, chosen: &Chosen<'_>, side: &MixtureSide, top: f64) {
     let mut y = area.top();
     let mut last = area;
     for (channel, name) in channels.iter().enumerate() {
-        let row = Rect::from_min_size(Pos2::new(area.left(), y), Vec2::new(area.width(), CURVES));
+        let row = Rect::from_min_size(Pos2::new(area.left(), y), Vec2::new(area.width(), CURVES_HEIGHT));
         let plot = chart::inner(row);
         let (x_axis, y_axis) = (ChartAxis::x(0.0, 255.0, plot), ChartAxis::y(0.0, top, plot));
         chart::frame(&painter, plot, visuals);
@@ -225,7 +225,7 @@ fn densities(ui: &mut Ui, chosen: &Chosen<'_>, side: &MixtureSide, top: f64) {
         let rect = anchor.anchor_size(place, galley.size());
         painter.rect_filled(rect, 2.0, visuals.panel_fill.gamma_multiply(0.7));
         painter.galley(rect.min, galley, style::ink(visuals));
-        y += CURVES + lanes + 8.0;
+        y += CURVES_HEIGHT + lanes + 8.0;
         last = Rect::from_x_y_ranges(plot.x_range(), Rangef::new(plot.top(), strip.bottom()));
     }
     let axis = ChartAxis::x(0.0, 255.0, last);
@@ -275,11 +275,11 @@ fn curve(
 }
 
 /// The weights as stacked bars, each starting at the sum of those above it, with T and the B cut.
-fn weights(ui: &mut Ui, chosen: &Chosen<'_>, side: &MixtureSide) {
-    const BAR: f32 = 13.0;
+fn weights(ui: &mut Ui, chosen: &ChosenPixel<'_>, side: &MixtureSide) {
+    const BAR_HEIGHT: f32 = 13.0;
     let MixtureSide { before, rows, count } = side;
     let t = t_at(chosen.history, chosen.index, *before);
-    let height = 14.0 + BAR * rows.len() as f32 + 2.0 + TICKS;
+    let height = 14.0 + BAR_HEIGHT * rows.len() as f32 + 2.0 + TICKS_HEIGHT;
     let (area, response) = ui.allocate_exact_size(Vec2::new(ui.available_width(), height), Sense::hover());
     let listed = rows.iter().map(|row| format!("{:.3}", row.component.weight)).collect::<Vec<_>>().join(", ");
     response.widget_info(|| {
@@ -288,7 +288,7 @@ fn weights(ui: &mut Ui, chosen: &Chosen<'_>, side: &MixtureSide) {
     let (painter, visuals) = (ui.painter_at(area), ui.visuals());
     let bars = Rect::from_min_size(
         Pos2::new(area.left(), area.top() + 14.0),
-        Vec2::new(area.width(), BAR * rows.len() as f32),
+        Vec2::new(area.width(), BAR_HEIGHT * rows.len() as f32),
     );
     let mut plot = chart::inner(bars);
     // Numbers have their own columns, clear of bars and T.
@@ -303,7 +303,10 @@ fn weights(ui: &mut Ui, chosen: &Chosen<'_>, side: &MixtureSide) {
     let mut sum = 0.0;
     for (at, row) in rows.iter().enumerate() {
         let colour = style::component(visuals, row.slot);
-        let y = Rangef::new(plot.top() + at as f32 * BAR + 1.5, plot.top() + (at + 1) as f32 * BAR - 1.5);
+        let y = Rangef::new(
+            plot.top() + at as f32 * BAR_HEIGHT + 1.5,
+            plot.top() + (at + 1) as f32 * BAR_HEIGHT - 1.5,
+        );
         let from = axis.at(sum);
         sum += f64::from(row.component.weight);
         let to = axis.clamped(sum).max(from + 1.0);
@@ -337,7 +340,7 @@ fn weights(ui: &mut Ui, chosen: &Chosen<'_>, side: &MixtureSide) {
     let place = Pos2::new(x.min(plot.right() - half).max(plot.left() + half), plot.top() - 3.0);
     painter.text(place, Align2::CENTER_BOTTOM, text, style::font(), visuals.text_color());
     if *count < rows.len() {
-        let y = plot.top() + *count as f32 * BAR;
+        let y = plot.top() + *count as f32 * BAR_HEIGHT;
         let stroke = Stroke::new(1.0, style::muted(visuals));
         painter.hline(Rangef::new(area.left(), plot.right()), y, stroke);
     }

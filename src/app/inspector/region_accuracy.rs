@@ -8,7 +8,7 @@ use super::chart::Columns;
 use super::grid::{self, Grid};
 use super::plot::Plot;
 use super::style::{self, small};
-use super::{Chosen, InspectorAction, RegionAccuracy, menu, region_size};
+use super::{ChosenPixel, InspectorAction, RegionAccuracy, menu, region_size};
 use crate::app::theme;
 use crate::explain::tuning::{RegionTuning, TunableSetting};
 use crate::palette;
@@ -34,26 +34,26 @@ impl RegionAccuracyView {
     pub(super) fn ui(
         &mut self,
         ui: &mut Ui,
-        chosen: &Chosen<'_>,
-        knobs: [TunableSetting; 2],
-        judged: &RegionAccuracy<'_>,
+        chosen: &ChosenPixel<'_>,
+        axes: [TunableSetting; 2],
+        accuracy: &RegionAccuracy<'_>,
     ) -> Option<InspectorAction> {
-        if !judged.has_masks {
+        if !accuracy.has_masks {
             return nothing(ui);
         }
         let parameters = &chosen.history.parameters;
-        let of_knobs = |tuning: &RegionTuning| tuning.axes.each_ref().map(|axis| axis.knob) == knobs;
-        let tuning = judged.tuning.filter(|tuning| of_knobs(tuning) && tuning.at == chosen.history.at);
+        let is_of_axes = |tuning: &RegionTuning| tuning.axes.each_ref().map(|axis| axis.knob) == axes;
+        let tuning = accuracy.tuning.filter(|tuning| is_of_axes(tuning) && tuning.at == chosen.history.at);
         let current = tuning.filter(|tuning| tuning.parameters == *parameters);
         let measure = self.measure;
         let menu = |ui: &mut Ui| {
             let tuning = current?;
-            let plot = || Plot::RegionAccuracy(chosen.followed(), Arc::clone(tuning), measure);
+            let plot = || Plot::RegionAccuracy(chosen.slotted_history(), Arc::clone(tuning), measure);
             menu::of_plot(ui, "the accuracy map", plot)
         };
         let asked = menu::row(ui, menu, |ui| self.controls(ui));
         let ends = tuning.map(|tuning| ends(tuning, self.measure));
-        let [across, up] = knobs.map(TunableSetting::symbol);
+        let [across, up] = axes.map(TunableSetting::symbol);
         let what = self.measure.name();
         let name = format!("Map of {what} against the ground truth; X axis {across}, Y axis {up}");
         let value = |tuning: &RegionTuning, column: usize, row: usize| {
@@ -139,7 +139,7 @@ impl RegionAccuracyView {
             ui.label(small(&format!("Best: {}", self.words(*decisions))));
             let button = ui.small_button(small(&grid::words(values)));
             if button.on_hover_text("Apply the best of these settings").clicked() {
-                taken = Some(InspectorAction::Take(values));
+                taken = Some(InspectorAction::Apply(values));
             }
         });
         taken

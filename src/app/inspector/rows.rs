@@ -11,7 +11,7 @@ use crate::explain::pixel::verdict::number;
 use crate::export::figure::axis::power_of_ten;
 
 /// Height of a lane of component changes; each kind of change has a lane.
-pub(super) const LANE: f32 = 9.0;
+pub(super) const LANE_HEIGHT: f32 = 9.0;
 
 /// The horizontal range of a column.
 pub(super) fn x_range(bin: &HistoryColumn, axis: ChartAxis) -> Rangef {
@@ -158,20 +158,20 @@ pub(super) fn changes_plot(
     let clipped = painter.with_clip_rect(rect.intersect(painter.clip_rect()));
     let mut labels = Vec::new();
     for (lane, name) in ["new", "repl.", "up"].into_iter().enumerate() {
-        let top = rect.top() + LANE * lane as f32;
+        let top = rect.top() + LANE_HEIGHT * lane as f32;
         for bin in bins {
             let Some(slot) = bin.changes[lane] else { continue };
             // A single frame among a hundred thousand stays visible.
             let x = x_range(bin, axis);
             let half = (x.span() / 2.0).clamp(0.8, 2.5);
             let stroke = Rangef::new(x.center() - half, x.center() + half);
-            let rect = Rect::from_x_y_ranges(stroke, Rangef::new(top + 1.0, top + LANE - 1.0));
+            let rect = Rect::from_x_y_ranges(stroke, Rangef::new(top + 1.0, top + LANE_HEIGHT - 1.0));
             clipped.rect_filled(rect, 0.0, style::component(visuals, slot));
         }
         if lane > 0 {
             painter.hline(rect.x_range(), top, Stroke::new(0.5, style::faint(visuals).color));
         }
-        labels.push((top + LANE / 2.0, name.to_owned()));
+        labels.push((top + LANE_HEIGHT / 2.0, name.to_owned()));
     }
     chart::frame(painter, rect, visuals);
     chart::y_labels(painter, rect.left(), &labels, visuals);
@@ -230,7 +230,7 @@ mod tests {
                 let words = rate_words(rate);
                 let width =
                     ui.painter().layout_no_wrap(words.clone(), style::tick_font(), Color32::WHITE).size().x;
-                assert!(width <= chart::GUTTER - chart::LABEL_GAP, "{words} takes {width}");
+                assert!(width <= chart::GUTTER_WIDTH - chart::LABEL_GAP, "{words} takes {width}");
             }
         });
         output.textures_delta.clear();

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use eframe::egui;
 use eframe::egui::accesskit::Role;
-use eframe::egui::{Color32, DragValue, Rangef, Ui, Visuals, WidgetInfo};
+use eframe::egui::{DragValue, Rangef, Ui, Visuals, WidgetInfo};
 use egui_plot::{
     AxisHints, GridInput, GridMark, HoverPosition, Line, LineStyle, MarkerShape, Plot, PlotPoint, PlotPoints,
     Points,
@@ -16,28 +16,27 @@ use super::cube::CubeView;
 use super::menu;
 use super::plot;
 use super::style::{self, small};
-use super::{Chosen, InspectorAction};
+use super::{ChosenPixel, InspectorAction};
 use crate::explain::pixel::PixelHistory;
 use crate::explain::pixel::component_states::component_states;
 use crate::explain::pixel::scatter_points::{
-    AGES, PointGrouping, PointKind, ScatterPoint, ScatterSelection, ScatterSpace, coordinates_of,
-    scatter_points,
+    PointGrouping, PointKind, ScatterPoint, ScatterSelection, ScatterSpace, coordinates_of, scatter_points,
 };
 use crate::explain::pixel::verdict::number;
 use crate::export::figure::{cube, scatter};
 
 /// The displayed space and frames.
-pub(super) struct Scatter {
+pub(super) struct ScatterView {
     /// The space for pixels of three channels.
     space: ScatterSpace,
     /// The number of frames up to the frame in view; 0 for the whole history.
     last: usize,
     by: PointGrouping,
     cube: CubeView,
-    cache: Option<Cache>,
+    cache: Option<CachedPoints>,
 }
 
-impl Default for Scatter {
+impl Default for ScatterView {
     fn default() -> Self {
         let (space, by) = (ScatterSpace::Plane(0, 1), PointGrouping::Component);
         Self { space, last: 500, by, cube: CubeView::default(), cache: None }
@@ -45,29 +44,31 @@ impl Default for Scatter {
 }
 
 /// Points are recomputed only for another history or selection.
-struct Cache {
+struct CachedPoints {
     history: Arc<PixelHistory>,
     choice: ScatterSelection,
     places: Vec<ScatterPoint>,
-    groups: Vec<Group>,
+    groups: Vec<PointGroup>,
 }
 
 /// Points of one appearance.
-struct Group {
+struct PointGroup {
     kind: PointKind,
     /// 0..=2: the number of frames at the same point, on a logarithmic scale.
     density: usize,
     points: Vec<PlotPoint>,
 }
 
-impl Scatter {
-    pub(super) fn ui(&mut self, ui: &mut Ui, chosen: &Chosen<'_>) -> Option<InspectorAction> {
+impl ScatterView {
+    pub(super) fn ui(&mut self, ui: &mut Ui, chosen: &ChosenPixel<'_>) -> Option<InspectorAction> {
         let gray = chosen.channels().len() == 1;
         let choice = self.choice(chosen);
         let look = self.cube.look;
         let plot = || match choice.space {
-            ScatterSpace::Cube => plot::Plot::Cube(chosen.followed(), choice.clone(), chosen.index, look),
-            _ => plot::Plot::Scatter(chosen.followed(), choice.clone(), chosen.index),
+            ScatterSpace::Cube => {
+                plot::Plot::Cube(chosen.slotted_history(), choice.clone(), chosen.index, look)
+            }
+            _ => plot::Plot::Scatter(chosen.slotted_history(), choice.clone(), chosen.index),
         };
         let asked = menu::row(
             ui,
@@ -136,7 +137,7 @@ impl Scatter {
         asked
     }
 
-    fn choice(&self, chosen: &Chosen<'_>) -> ScatterSelection {
+    fn choice(&self, chosen: &ChosenPixel<'_>) -> ScatterSelection {
         let end = chosen.index + 1;
         let frames: Range<usize> =
             if self.last == 0 { 0..chosen.history.states.len() } else { end.saturating_sub(self.last)..end };
@@ -149,7 +150,7 @@ impl Scatter {
         self.cache = None;
     }
 
-    fn count(&mut self, chosen: &Chosen<'_>, choice: ScatterSelection) {
+    fn count(&mut self, chosen: &ChosenPixel<'_>, choice: ScatterSelection) {
         // A point of this space also needs the next frame's value.
         let end = choice.frames.end + usize::from(choice.space == ScatterSpace::Next);
         let fits = self
@@ -163,10 +164,10 @@ impl Scatter {
         let count = if cube { cube::spots } else { scatter_points };
         let places = count(chosen.history, chosen.slots, &choice);
         let groups = if cube { Vec::new() } else { groups(&places) };
-        self.cache = Some(Cache { history: Arc::clone(chosen.history), choice, places, groups });
+        self.cache = Some(CachedPoints { history: Arc::clone(chosen.history), choice, places, groups });
     }
 
-    fn caption(&self, chosen: &Chosen<'_>) -> String {
+    fn caption(&self, chosen: &ChosenPixel<'_>) -> String {
         let lambda = number(chosen.history.parameters.lambda);
         let reach = match self.choice(chosen).space {
             ScatterSpace::Next => "Squares",
@@ -190,7 +191,7 @@ impl Scatter {
 }
 
 /// A plane of two channels, or of a value and the next, with pan and zoom.
-fn plane(ui: &mut Ui, chosen: &Chosen<'_>, choice: &ScatterSelection, groups: &[Group]) {
+fn plane(ui: &mut Ui, chosen: &ChosenPixel<'_>, choice: &ScatterSelection, groups: &[PointGroup]) {
     let (x, y) = if let ScatterSpace::Plane(x, y) = choice.space { (x, y) } else { (0, 0) };
     let gray = choice.space == ScatterSpace::Next;
     let visuals = ui.visuals().clone();
@@ -228,7 +229,7 @@ fn plane(ui: &mut Ui, chosen: &Chosen<'_>, choice: &ScatterSelection, groups: &[
                 // Rings are faint, and foreground is rare and must be visible.
                 let hollow = matches!(group.kind, PointKind::Component { foreground: true, .. });
                 let strength = if hollow { 1.0 } else { [0.45, 0.65, 0.9][group.density.min(2)] };
-                let colour = colour(&visuals, group.kind).gamma_multiply(strength);
+                let colour = style::point_colour(&visuals, group.kind).gamma_multiply(strength);
                 plot.points(
                     Points::new("", PlotPoints::Borrowed(&group.points))
                         .color(colour)
@@ -276,18 +277,6 @@ fn plane(ui: &mut Ui, chosen: &Chosen<'_>, choice: &ScatterSelection, groups: &[
     });
 }
 
-/// The colour of a kind of point.
-pub(super) fn colour(visuals: &Visuals, kind: PointKind) -> Color32 {
-    match kind {
-        PointKind::Component { slot, .. } => style::component(visuals, slot),
-        PointKind::Verdict { foreground } => style::verdict_colour(visuals, foreground),
-        PointKind::Age(age) => {
-            let share = f32::from(age + 1) / f32::from(AGES);
-            visuals.panel_fill.lerp_to_gamma(visuals.strong_text_color(), 0.15 + 0.85 * share)
-        }
-    }
-}
-
 fn axis<'a>(hints: AxisHints<'a>, name: &str, visuals: &Visuals) -> AxisHints<'a> {
     hints
         .label(small(name))
@@ -305,8 +294,8 @@ fn marks(input: &GridInput) -> Vec<GridMark> {
 }
 
 /// Groups points by appearance.
-fn groups(places: &[ScatterPoint]) -> Vec<Group> {
-    let mut groups: Vec<Group> = Vec::new();
+fn groups(places: &[ScatterPoint]) -> Vec<PointGroup> {
+    let mut groups: Vec<PointGroup> = Vec::new();
     let mut sorted: Vec<_> =
         places.iter().map(|place| (place.kind, scatter::density(place.count), place.at)).collect();
     sorted.sort_unstable();
@@ -314,7 +303,7 @@ fn groups(places: &[ScatterPoint]) -> Vec<Group> {
         let point = PlotPoint::new(x, y);
         match groups.last_mut().filter(|group| (group.kind, group.density) == (kind, density)) {
             Some(group) => group.points.push(point),
-            None => groups.push(Group { kind, density, points: vec![point] }),
+            None => groups.push(PointGroup { kind, density, points: vec![point] }),
         }
     }
     groups

@@ -8,7 +8,7 @@ use eframe::egui::{Align2, DragValue, Label, Pos2, Rect, Sense, Ui, Vec2};
 use super::menu;
 use super::style::{self, small};
 use super::table::Table;
-use super::{Chosen, InspectorAction};
+use super::{ChosenPixel, InspectorAction};
 use crate::explain::pixel::PixelHistory;
 use crate::explain::pixel::statistics::Statistics;
 use crate::explain::pixel::verdict::number;
@@ -22,7 +22,7 @@ pub(super) struct StatisticsView {
 }
 
 impl StatisticsView {
-    pub(super) fn ui(&mut self, ui: &mut Ui, chosen: &Chosen<'_>) -> Option<InspectorAction> {
+    pub(super) fn ui(&mut self, ui: &mut Ui, chosen: &ChosenPixel<'_>) -> Option<InspectorAction> {
         self.controls(ui, chosen);
         ui.add_space(4.0);
         let range = self.range(chosen);
@@ -105,7 +105,7 @@ impl StatisticsView {
         asked
     }
 
-    fn range(&self, chosen: &Chosen<'_>) -> Range<usize> {
+    fn range(&self, chosen: &ChosenPixel<'_>) -> Range<usize> {
         let total = chosen.history.states.len();
         match &self.part {
             // Another video, or a repeated run, may be shorter.
@@ -114,7 +114,7 @@ impl StatisticsView {
         }
     }
 
-    fn controls(&mut self, ui: &mut Ui, chosen: &Chosen<'_>) {
+    fn controls(&mut self, ui: &mut Ui, chosen: &ChosenPixel<'_>) {
         let states = &chosen.history.states;
         let range = self.range(chosen);
         let (Some(first), Some(last)) = (states.first(), states.last()) else { return };
@@ -153,7 +153,7 @@ impl StatisticsView {
     }
 
     /// The statistics, recomputed only for another history or range.
-    fn statistics(&mut self, chosen: &Chosen<'_>, range: Range<usize>) -> Statistics {
+    fn statistics(&mut self, chosen: &ChosenPixel<'_>, range: Range<usize>) -> Statistics {
         if let Some((of, frames, statistics)) = &mut self.cache
             && *frames == range
             && chosen.shares(of, range.end)
@@ -167,7 +167,7 @@ impl StatisticsView {
 }
 
 fn row(ui: &mut Ui, at: usize, name: &str, value: &str, meaning: &str) {
-    let height = style::SMALL + 8.0;
+    let height = style::SMALL_TEXT + 8.0;
     let (area, response) = ui.allocate_exact_size(Vec2::new(ui.available_width(), height), Sense::hover());
     response.on_hover_text(meaning);
     if at.is_multiple_of(2) {

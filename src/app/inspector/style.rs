@@ -6,15 +6,16 @@ use eframe::egui::{
 };
 
 use crate::app::theme;
-pub(super) use crate::app::theme::SMALL;
+pub(super) use crate::app::theme::SMALL_TEXT;
+use crate::explain::pixel::scatter_points::{AGES, PointKind};
 use crate::palette::{self, component_colour, component_on_light};
 
 pub(super) fn small(text: &str) -> RichText {
-    RichText::new(text).size(SMALL)
+    RichText::new(text).size(SMALL_TEXT)
 }
 
 pub(super) fn font() -> FontId {
-    FontId::proportional(SMALL)
+    FontId::proportional(SMALL_TEXT)
 }
 
 /// The font of numbers on axes.
@@ -39,6 +40,18 @@ pub(super) fn verdict_share(visuals: &Visuals, share: f32) -> Color32 {
         verdict_colour(visuals, true).gamma_multiply(0.45 + 0.55 * share)
     } else {
         verdict_colour(visuals, false).gamma_multiply(0.30)
+    }
+}
+
+/// The colour of a kind of point.
+pub(super) fn point_colour(visuals: &Visuals, kind: PointKind) -> Color32 {
+    match kind {
+        PointKind::Component { slot, .. } => component(visuals, slot),
+        PointKind::Verdict { foreground } => verdict_colour(visuals, foreground),
+        PointKind::Age(age) => {
+            let share = f32::from(age + 1) / f32::from(AGES);
+            visuals.panel_fill.lerp_to_gamma(visuals.strong_text_color(), 0.15 + 0.85 * share)
+        }
     }
 }
 

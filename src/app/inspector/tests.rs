@@ -222,6 +222,21 @@ fn every_tab_can_be_drawn_dark_and_light_narrow_and_wide() {
 }
 
 #[test]
+fn the_tabs_are_in_one_line_at_every_width() {
+    // The least width of the panel leaves 200 points, as the margins of this harness do at 216.
+    for width in [216.0, 260.0, 340.0, 500.0] {
+        let (mut harness, _) = harness(Some(shown(430)), Vec2::new(width, 400.0), Theme::Dark);
+        let tabs = ["Mixture", "History", "Scatter", "Tuning", "Statistics", "Pixels"];
+        let rects = tabs.map(|tab| harness.get_by_label(tab).rect());
+        assert!(rects.iter().all(|rect| rect.top() == rects[0].top()), "{width}: {rects:?}");
+        assert!(rects.windows(2).all(|pair| pair[0].right() <= pair[1].left()), "{width}: {rects:?}");
+        assert!(rects[5].right() <= width - 8.0, "{width}: {rects:?}");
+        open(&mut harness, "Tuning");
+        harness.get_by_label_contains("Tuning map");
+    }
+}
+
+#[test]
 fn every_tab_matches_its_golden_image() {
     for (theme, look) in [(Theme::Dark, "dark"), (Theme::Light, "light")] {
         let (mut harness, _) = harness(Some(shown(430)), Vec2::new(340.0, 900.0), theme);
@@ -429,7 +444,7 @@ fn component_changes_are_described_where_the_history_marks_them() {
     let history = Arc::clone(shown.pixel.as_ref().unwrap());
     let (mut harness, _) = tall(Some(shown));
     open(&mut harness, "History");
-    let mut told = Vec::new();
+    let mut changes = Vec::new();
     for index in (0..600).filter(|&index| component_change(&history, index).is_some()) {
         harness.hover_at(on_history(&harness, (index as f32 + 0.5) / 600.0));
         harness.run();
@@ -439,11 +454,11 @@ fn component_changes_are_described_where_the_history_marks_them() {
             ComponentChange::Rose { .. } => "It moved up from rank",
         };
         assert!(says(&harness, words), "frame {index}: {words:?} in {:?}", texts(&harness));
-        told.push(words);
+        changes.push(words);
     }
     assert!(
-        told.contains(&"was created") && told.contains(&"It moved up from rank"),
-        "the history must contain both changes: {told:?}"
+        changes.contains(&"was created") && changes.contains(&"It moved up from rank"),
+        "the history must contain both changes: {changes:?}"
     );
 }
 
@@ -557,16 +572,16 @@ fn component_slots_are_extended_from_the_end_of_the_previous_history() {
     let [short, long] = [300, 600].map(|frames| Arc::new(history_of(&settings, frames)));
     let expected = crate::explain::pixel::component_slots::slots_by_rank(&long);
     let mut followed = None;
-    super::followed(&mut followed, &short);
-    assert_eq!(*super::followed(&mut followed, &long), expected);
+    super::slotted(&mut followed, &short);
+    assert_eq!(*super::slotted(&mut followed, &long), expected);
     // Slots that no computation would produce show which were reused.
     let marked = Arc::new(vec![[7; crate::mixture::MAX_K]; 300]);
     let mut followed = Some(SlottedHistory { history: Arc::clone(&short), slots: marked });
-    let slots = super::followed(&mut followed, &long);
+    let slots = super::slotted(&mut followed, &long);
     assert_eq!((slots.len(), slots[0], slots[299]), (600, [7; 8], [7; 8]));
     let another = Arc::new(history_of(&other, 600));
     assert_eq!(
-        *super::followed(&mut followed, &another),
+        *super::slotted(&mut followed, &another),
         crate::explain::pixel::component_slots::slots_by_rank(&another)
     );
 }
@@ -596,8 +611,11 @@ fn a_long_history_is_drawn_with_few_vertices() {
 fn on_map(harness: &Harness<'_>, share: Vec2) -> Pos2 {
     let area = harness.get_by_label_contains("Tuning map, ").rect();
     let plot = egui::Rect::from_min_max(
-        Pos2::new(area.left() + super::chart::GUTTER, area.top() + 6.0),
-        Pos2::new(area.right() - super::chart::RIGHT, area.bottom() - super::chart::TICKS - 15.0),
+        Pos2::new(area.left() + super::chart::GUTTER_WIDTH, area.top() + 6.0),
+        Pos2::new(
+            area.right() - super::chart::RIGHT_MARGIN,
+            area.bottom() - super::chart::TICKS_HEIGHT - 15.0,
+        ),
     );
     Pos2::new(plot.left() + plot.width() * share.x, plot.bottom() - plot.height() * share.y)
 }
@@ -630,7 +648,7 @@ fn a_click_in_the_tuning_map_applies_the_cell_named_in_its_tooltip() {
         harness.run();
         assert_eq!(
             actions.take(),
-            [InspectorAction::Take([(TunableSetting::Alpha, alpha), (TunableSetting::T, t)])]
+            [InspectorAction::Apply([(TunableSetting::Alpha, alpha), (TunableSetting::T, t)])]
         );
     }
 }
@@ -647,7 +665,7 @@ fn settings_that_flip_the_verdict_are_listed_and_applied() {
         let Some(value) = flip.value else { continue };
         harness.get_by_label(&flip.words()).click();
         harness.run();
-        assert_eq!(actions.take(), [InspectorAction::Take([(flip.knob, value); 2])]);
+        assert_eq!(actions.take(), [InspectorAction::Apply([(flip.knob, value); 2])]);
         taken += 1;
     }
     assert!(taken > 1, "several settings must flip the verdict: {:?}", tuning.flips);
@@ -656,7 +674,7 @@ fn settings_that_flip_the_verdict_are_listed_and_applied() {
 #[test]
 fn a_map_of_other_settings_is_requested_and_shown_when_computed() {
     let (shown, mut inspector) = (shown(430), Inspector::default());
-    assert_eq!(inspector.asks().tune, None, "the tab is hidden");
+    assert_eq!(inspector.requests().tuning_axes, None, "the tab is hidden");
     let asked = Rc::new(RefCell::new(None));
     let (noted, tuning) = (Rc::clone(&asked), tuning_of(&shown, [TunableSetting::Alpha, TunableSetting::T]));
     let mut harness = Harness::builder()
@@ -665,7 +683,7 @@ fn a_map_of_other_settings_is_requested_and_shown_when_computed() {
         .build_ui(move |ui| {
             egui::CentralPanel::default().show(ui, |ui| {
                 inspector.ui(ui, Some(&shown), None, tuning.as_ref(), 10.0, &InspectorContext::default());
-                *noted.borrow_mut() = inspector.asks().tune;
+                *noted.borrow_mut() = inspector.requests().tuning_axes;
             });
         });
     open(&mut harness, "Tuning");

@@ -10,24 +10,24 @@ use super::menu;
 use super::plot::Plot;
 use super::region_accuracy::{PAIRED_MAP_ASPECT, RegionAccuracyView};
 use super::style::{self, small};
-use super::{Chosen, InspectorAction, RegionAccuracy};
+use super::{ChosenPixel, InspectorAction, RegionAccuracy};
 use crate::explain::pixel::verdict::number;
 use crate::explain::tuning::{TunableSetting, Tuning, VerdictFlip, VerdictMap};
 
 /// Ratio of height to width of a single map, so that the list below it stays visible.
 const SINGLE_MAP_ASPECT: f32 = 0.62;
 /// Minimum width at which the accuracy map is beside the verdict map; below, it is under it.
-const BESIDE: f32 = 560.0;
+const MIN_SIDE_BY_SIDE_WIDTH: f32 = 560.0;
 /// A result that is outdated for this many seconds is drawn pale.
 const STALE_AFTER_SECONDS: f64 = 0.15;
 
 /// Opacities of background and foreground. A large area of either must not hide the cross.
-const STRENGTHS: [f32; 2] = [0.34, 0.72];
+const VERDICT_OPACITIES: [f32; 2] = [0.34, 0.72];
 
 /// The settings of the map.
 pub(super) struct TuningView {
-    pub(super) knobs: [TunableSetting; 2],
-    pub(super) judged: RegionAccuracyView,
+    pub(super) axes: [TunableSetting; 2],
+    pub(super) accuracy: RegionAccuracyView,
     /// The time since which the result is outdated, in seconds of the window's clock.
     late_since: Option<f64>,
 }
@@ -35,8 +35,8 @@ pub(super) struct TuningView {
 impl Default for TuningView {
     fn default() -> Self {
         Self {
-            knobs: [TunableSetting::Alpha, TunableSetting::T],
-            judged: RegionAccuracyView::default(),
+            axes: [TunableSetting::Alpha, TunableSetting::T],
+            accuracy: RegionAccuracyView::default(),
             late_since: None,
         }
     }
@@ -46,29 +46,28 @@ impl TuningView {
     pub(super) fn ui(
         &mut self,
         ui: &mut Ui,
-        chosen: &Chosen<'_>,
+        chosen: &ChosenPixel<'_>,
         tuning: Option<&Tuning>,
-        judged: &RegionAccuracy<'_>,
+        accuracy: &RegionAccuracy<'_>,
     ) -> Option<InspectorAction> {
         let tuning = tuning.filter(|tuning| tuning.at == chosen.history.at);
-        let of_knobs = tuning.filter(|tuning| tuning.map.axes.each_ref().map(|axis| axis.knob) == self.knobs);
+        let of_axes = tuning.filter(|tuning| tuning.map.axes.each_ref().map(|axis| axis.knob) == self.axes);
         let current = tuning.filter(|tuning| {
             tuning.position as usize == chosen.index && tuning.parameters == chosen.history.parameters
         });
-        let asked = self.controls(ui, chosen, of_knobs.filter(|_| current.is_some()));
+        let asked = self.controls(ui, chosen, of_axes.filter(|_| current.is_some()));
         // The settings selected in this frame have no map yet.
-        let of_knobs =
-            of_knobs.filter(|tuning| tuning.map.axes.each_ref().map(|axis| axis.knob) == self.knobs);
-        let pale = self.is_late(ui, of_knobs.is_some() && current.is_none());
-        let flat = if judged.has_masks { PAIRED_MAP_ASPECT } else { SINGLE_MAP_ASPECT };
+        let of_axes = of_axes.filter(|tuning| tuning.map.axes.each_ref().map(|axis| axis.knob) == self.axes);
+        let pale = self.is_late(ui, of_axes.is_some() && current.is_none());
+        let flat = if accuracy.has_masks { PAIRED_MAP_ASPECT } else { SINGLE_MAP_ASPECT };
         let map = |ui: &mut Ui| {
-            let taken = map_ui(ui, chosen, self.knobs, of_knobs.map(|tuning| &tuning.map), pale, flat);
+            let taken = map_ui(ui, chosen, self.axes, of_axes.map(|tuning| &tuning.map), pale, flat);
             ui.horizontal_wrapped(legend);
             taken
         };
         let flips = |ui: &mut Ui| flips_ui(ui, chosen, current.map(|tuning| &tuning.flips[..]));
-        let mut of_truth = |ui: &mut Ui| self.judged.ui(ui, chosen, self.knobs, judged);
-        let taken = if ui.available_width() >= BESIDE {
+        let mut of_truth = |ui: &mut Ui| self.accuracy.ui(ui, chosen, self.axes, accuracy);
+        let taken = if ui.available_width() >= MIN_SIDE_BY_SIDE_WIDTH {
             let of_map = ui.columns(2, |columns| {
                 let heading = |ui: &mut Ui| {
                     ui.label(RichText::new("This pixel in this frame").strong());
@@ -83,9 +82,9 @@ impl TuningView {
             // The map comes first, then the values that flip the verdict.
             let of_map = map(ui);
             ui.add_space(6.0);
-            let of_map = if judged.has_masks { of_map.or(of_truth(ui)) } else { of_map.or(flips(ui)) };
+            let of_map = if accuracy.has_masks { of_map.or(of_truth(ui)) } else { of_map.or(flips(ui)) };
             ui.add_space(8.0);
-            if judged.has_masks { of_map.or(flips(ui)) } else { of_map.or(of_truth(ui)) }
+            if accuracy.has_masks { of_map.or(flips(ui)) } else { of_map.or(of_truth(ui)) }
         };
         ui.add_space(8.0);
         taken.or(asked)
@@ -94,34 +93,34 @@ impl TuningView {
     fn controls(
         &mut self,
         ui: &mut Ui,
-        chosen: &Chosen<'_>,
+        chosen: &ChosenPixel<'_>,
         map: Option<&Tuning>,
     ) -> Option<InspectorAction> {
         let mut asked = None;
         for (side, name) in ["X axis", "Y axis"].into_iter().enumerate() {
             let menu = |ui: &mut Ui| {
                 let map = map.filter(|_| side == 0)?;
-                menu::of_plot(ui, "the map", || Plot::Map(chosen.followed(), Box::new(map.clone())))
+                menu::of_plot(ui, "the map", || Plot::Map(chosen.slotted_history(), Box::new(map.clone())))
             };
-            asked = asked.or(menu::row(ui, menu, |ui| self.knobs(ui, side, name)));
+            asked = asked.or(menu::row(ui, menu, |ui| self.choose_axis(ui, side, name)));
         }
         asked
     }
 
-    fn knobs(&mut self, ui: &mut Ui, side: usize, name: &str) {
+    fn choose_axis(&mut self, ui: &mut Ui, side: usize, name: &str) {
         ui.spacing_mut().item_spacing.x = 2.0;
         let (rect, _) = ui.allocate_exact_size(Vec2::new(38.0, 16.0), Sense::hover());
         let (painter, visuals) = (ui.painter(), ui.visuals());
         painter.text(rect.left_center(), Align2::LEFT_CENTER, name, style::font(), style::muted(visuals));
         for knob in TunableSetting::ALL {
-            let label = ui.selectable_label(self.knobs[side] == knob, knob.symbol());
+            let label = ui.selectable_label(self.axes[side] == knob, knob.symbol());
             let label = label.on_hover_text(format!("{}: {}, {name}", knob.symbol(), knob.name()));
-            if label.clicked() && self.knobs[side] != knob {
+            if label.clicked() && self.axes[side] != knob {
                 // Selecting the other axis' setting swaps the axes.
-                if self.knobs[1 - side] == knob {
-                    self.knobs.swap(0, 1);
+                if self.axes[1 - side] == knob {
+                    self.axes.swap(0, 1);
                 } else {
-                    self.knobs[side] = knob;
+                    self.axes[side] = knob;
                 }
             }
         }
@@ -146,7 +145,7 @@ fn legend(ui: &mut Ui) {
     ui.spacing_mut().item_spacing.x = 4.0;
     for (foreground, name) in [(true, "foreground"), (false, "background")] {
         let (rect, _) = ui.allocate_exact_size(Vec2::new(12.0, 10.0), Sense::hover());
-        let strength = STRENGTHS[usize::from(foreground)];
+        let strength = VERDICT_OPACITIES[usize::from(foreground)];
         let colour = style::verdict_colour(ui.visuals(), foreground).gamma_multiply(strength);
         let plate = Rect::from_center_size(rect.center(), Vec2::new(12.0, 8.0));
         ui.painter().rect_filled(plate, 1.0, colour);
@@ -157,13 +156,13 @@ fn legend(ui: &mut Ui) {
 
 fn map_ui(
     ui: &mut Ui,
-    chosen: &Chosen<'_>,
-    knobs: [TunableSetting; 2],
+    chosen: &ChosenPixel<'_>,
+    axes: [TunableSetting; 2],
     map: Option<&VerdictMap>,
     pale: bool,
     flat: f32,
 ) -> Option<InspectorAction> {
-    let [across, up] = knobs.map(TunableSetting::symbol);
+    let [across, up] = axes.map(TunableSetting::symbol);
     let share = map.map_or("not computed yet".to_owned(), |map| {
         format!("foreground in {:.0} % of cells", map.foreground_share() * 100.0)
     });
@@ -171,7 +170,7 @@ fn map_ui(
     let strength = if pale { 0.4 } else { 1.0 };
     let colours = [false, true].map(|foreground| {
         style::verdict_colour(ui.visuals(), foreground)
-            .gamma_multiply(STRENGTHS[usize::from(foreground)] * strength)
+            .gamma_multiply(VERDICT_OPACITIES[usize::from(foreground)] * strength)
     });
     let Some(map) = map else { return grid::ui(ui, &name, flat, None) };
     let colour = |column, row| colours[usize::from(map.is_foreground(column, row))];
@@ -183,7 +182,7 @@ fn map_ui(
 }
 
 /// For each setting alone, the nearest value that flips the verdict.
-fn flips_ui(ui: &mut Ui, chosen: &Chosen<'_>, flips: Option<&[VerdictFlip]>) -> Option<InspectorAction> {
+fn flips_ui(ui: &mut Ui, chosen: &ChosenPixel<'_>, flips: Option<&[VerdictFlip]>) -> Option<InspectorAction> {
     ui.label(RichText::new("Single changes that flip this pixel").strong()).on_hover_text(
         "For each setting, the nearest value at which the mixture's verdict for this pixel in this frame \
          is the other one. Computed by re-running the pixel from the first frame.",
@@ -192,7 +191,7 @@ fn flips_ui(ui: &mut Ui, chosen: &Chosen<'_>, flips: Option<&[VerdictFlip]>) -> 
     for (at, knob) in TunableSetting::ALL.into_iter().enumerate() {
         let flip = flips.and_then(|flips| flips.iter().find(|flip| flip.knob == knob));
         let present = knob.get(&chosen.history.parameters);
-        let height = style::SMALL + 9.0;
+        let height = style::SMALL_TEXT + 9.0;
         let (row, _) = ui.allocate_exact_size(Vec2::new(ui.available_width(), height), Sense::hover());
         if at % 2 == 0 {
             ui.painter().rect_filled(row, 2.0, ui.visuals().faint_bg_color);
@@ -219,7 +218,7 @@ fn flips_ui(ui: &mut Ui, chosen: &Chosen<'_>, flips: Option<&[VerdictFlip]>) -> 
                     let says = format!("Set {} to {value}", knob.symbol());
                     if button.on_hover_text(says).clicked() {
                         // The same setting twice, so that no other setting changes.
-                        taken = Some(InspectorAction::Take([(knob, *value); 2]));
+                        taken = Some(InspectorAction::Apply([(knob, *value); 2]));
                     }
                 }
                 Some(flip) => {

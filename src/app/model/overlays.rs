@@ -1,29 +1,32 @@
-//! Overlays of the views.
+//! TrackOverlays of the views.
 
 use serde::{Deserialize, Serialize};
 
 /// The mask over the input.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub(crate) struct Overlay {
+pub(crate) struct MaskOverlay {
     /// Whether it is shown.
     pub(crate) on: bool,
     /// Its opacity, in per cent.
     pub(crate) opacity: u8,
 }
 
-impl Overlay {
+impl MaskOverlay {
     /// The opacities that a shortcut steps through, in per cent.
-    const STEPS: [u8; 4] = [25, 50, 75, 100];
+    const OPACITY_STEPS_PERCENT: [u8; 4] = [25, 50, 75, 100];
 
     /// The next of these opacities; the first after the last.
     pub(crate) fn next(self) -> u8 {
-        Self::STEPS.into_iter().find(|&step| step > self.opacity).unwrap_or(Self::STEPS[0])
+        Self::OPACITY_STEPS_PERCENT
+            .into_iter()
+            .find(|&step| step > self.opacity)
+            .unwrap_or(Self::OPACITY_STEPS_PERCENT[0])
     }
 }
 
 /// An overlay of the tracks view.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
-pub(crate) enum Drawn {
+pub(crate) enum TrackOverlay {
     /// Past positions of each object.
     Trails,
     /// Gates of the motion model.
@@ -40,7 +43,7 @@ pub(crate) enum Drawn {
     Truth,
 }
 
-impl Drawn {
+impl TrackOverlay {
     /// All overlays in order.
     pub(crate) const ALL: [Self; 7] =
         [Self::Trails, Self::Gates, Self::Groups, Self::Occlusions, Self::Names, Self::Events, Self::Truth];
@@ -48,22 +51,22 @@ impl Drawn {
 
 /// The set of shown overlays.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub(crate) struct Overlays([bool; Drawn::ALL.len()]);
+pub(crate) struct TrackOverlays([bool; TrackOverlay::ALL.len()]);
 
-impl Default for Overlays {
+impl Default for TrackOverlays {
     fn default() -> Self {
-        Self([true; Drawn::ALL.len()])
+        Self([true; TrackOverlay::ALL.len()])
     }
 }
 
-impl Overlays {
+impl TrackOverlays {
     /// Whether an overlay is shown.
-    pub(crate) const fn has(self, what: Drawn) -> bool {
+    pub(crate) const fn has(self, what: TrackOverlay) -> bool {
         self.0[what as usize]
     }
 
     /// Shows or hides an overlay.
-    pub(crate) const fn toggle(&mut self, what: Drawn) {
+    pub(crate) const fn toggle(&mut self, what: TrackOverlay) {
         self.0[what as usize] = !self.0[what as usize];
     }
 }

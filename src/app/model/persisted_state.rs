@@ -6,16 +6,17 @@ use eframe::Storage;
 use eframe::egui::{Context, Theme};
 use serde::{Deserialize, Serialize};
 
+use crate::app::model::Model;
 use crate::app::model::marks::Marks;
-use crate::app::model::overlays::{Overlay, Overlays};
-use crate::app::model::{Model, SPEEDS};
-use crate::app::views::Background;
+use crate::app::model::overlays::{MaskOverlay, TrackOverlays};
+use crate::app::model::playback::SPEEDS;
+use crate::app::model::view::BackgroundDisplay;
 use crate::mixture::Quantity;
 use crate::occlusion::EventKind;
 use crate::source::FPS_RANGE;
 
 /// The storage key.
-const NAME: &str = "window";
+const STORAGE_KEY: &str = "window";
 
 /// The persisted state. Fields that an older version did not write have their initial values.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -25,11 +26,11 @@ pub(crate) struct PersistedState {
     hint: bool,
     /// Visibility of the settings panel and of the inspector panel.
     panels: [bool; 2],
-    background: Background,
+    background: BackgroundDisplay,
     quantity: Quantity,
-    overlay: Overlay,
+    overlay: MaskOverlay,
     loupe: bool,
-    drawn: Overlays,
+    drawn: TrackOverlays,
     speed: usize,
     listed: Vec<bool>,
     recent: Vec<String>,
@@ -48,45 +49,46 @@ impl PersistedState {
     pub(crate) fn of(model: &Model, light: bool) -> Self {
         Self {
             light,
-            hint: model.hint,
-            panels: [model.settings_panel, model.inspector_panel],
-            background: model.background,
-            quantity: model.quantity,
-            overlay: model.overlay,
-            loupe: model.loupe,
-            drawn: model.drawn,
+            hint: model.panels.hint,
+            panels: [model.panels.settings, model.panels.inspector],
+            background: model.display.background,
+            quantity: model.display.quantity,
+            overlay: model.display.overlay,
+            loupe: model.display.loupe,
+            drawn: model.display.track_overlays,
             speed: model.playback.speed,
-            listed: model.listed.to_vec(),
-            recent: model.recent.clone(),
-            marks: model.marks_of.clone(),
-            rates: model.rates.clone(),
+            listed: model.events.listed_kinds.to_vec(),
+            recent: model.videos.recent.clone(),
+            marks: model.videos.marks.clone(),
+            rates: model.videos.frame_rates.clone(),
         }
     }
 
     /// Reads the state. An unreadable state has its initial values.
     pub(crate) fn read(storage: Option<&dyn Storage>) -> Self {
-        storage.and_then(|storage| eframe::get_value(storage, NAME)).unwrap_or_default()
+        storage.and_then(|storage| eframe::get_value(storage, STORAGE_KEY)).unwrap_or_default()
     }
 
     /// Writes the state.
     pub(crate) fn write(&self, storage: &mut dyn Storage) {
-        eframe::set_value(storage, NAME, self);
+        eframe::set_value(storage, STORAGE_KEY, self);
     }
 
     /// Restores the window.
     pub(crate) fn restore(self, ctx: &Context, model: &mut Model) {
         ctx.set_theme(if self.light { Theme::Light } else { Theme::Dark });
-        [model.settings_panel, model.inspector_panel] = self.panels;
-        (model.background, model.quantity) = (self.background, self.quantity);
-        model.overlay = Overlay { opacity: self.overlay.opacity.clamp(5, 100), ..self.overlay };
-        (model.drawn, model.loupe) = (self.drawn, self.loupe);
+        [model.panels.settings, model.panels.inspector] = self.panels;
+        (model.display.background, model.display.quantity) = (self.background, self.quantity);
+        model.display.overlay = MaskOverlay { opacity: self.overlay.opacity.clamp(5, 100), ..self.overlay };
+        (model.display.track_overlays, model.display.loupe) = (self.drawn, self.loupe);
         model.playback.speed = self.speed.min(SPEEDS.len() - 1);
         if let Ok(listed) = <[bool; EventKind::ALL.len()]>::try_from(self.listed) {
-            model.listed = listed;
+            model.events.listed_kinds = listed;
         }
-        (model.recent, model.hint) = (self.recent, self.hint);
-        model.marks_of = self.marks;
+        (model.videos.recent, model.panels.hint) = (self.recent, self.hint);
+        model.videos.marks = self.marks;
         let (least, greatest) = FPS_RANGE;
-        model.rates = self.rates.into_iter().filter(|(_, fps)| (least..=greatest).contains(fps)).collect();
+        model.videos.frame_rates =
+            self.rates.into_iter().filter(|(_, fps)| (least..=greatest).contains(fps)).collect();
     }
 }

@@ -2,11 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use eframe::egui::Color32;
 use serde::{Deserialize, Serialize};
-
-use crate::app::theme;
-use crate::palette::identity_colour;
 
 /// Largest number of pinned pixels.
 pub(crate) const MAX_PINS: u8 = 8;
@@ -58,11 +54,6 @@ impl Pins {
 /// The label of a pin. A number alone would be an object's identity.
 pub(crate) fn name(number: u8) -> String {
     format!("P{number}")
-}
-
-/// The colour of a pin.
-pub(crate) fn colour(number: u8) -> Color32 {
-    theme::rgb(identity_colour(number.into()))
 }
 
 #[cfg(test)]

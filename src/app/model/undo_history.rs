@@ -18,6 +18,15 @@ enum Edit {
     AbSettings { before: Box<(AbSettings, Settings)>, after: Box<(AbSettings, Settings)> },
 }
 
+/// The direction of a step in the history.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Direction {
+    /// To the state before the last edit.
+    Undo,
+    /// To the state after the edit that was undone last.
+    Redo,
+}
+
 /// The state that an undo or redo restores.
 #[derive(Clone, Debug, PartialEq)]
 pub(crate) enum RestoredState {
@@ -45,7 +54,7 @@ impl UndoHistory {
     }
 
     /// Records settings of the slot in view once they stop changing; nothing when they equal those recorded last.
-    pub(crate) fn note(&mut self, settings: &Settings) {
+    pub(crate) fn record(&mut self, settings: &Settings) {
         let (slot, present) = &mut self.present;
         if settings == present {
             return;
@@ -56,12 +65,12 @@ impl UndoHistory {
     }
 
     /// Records a change of the areas.
-    pub(crate) fn note_areas(&mut self, before: Areas, after: Areas) {
+    pub(crate) fn record_areas(&mut self, before: Areas, after: Areas) {
         self.add(Edit::Areas { before, after });
     }
 
     /// Records a change of the slots, each with the settings in view.
-    pub(crate) fn note_slots(&mut self, before: (AbSettings, Settings), after: (AbSettings, Settings)) {
+    pub(crate) fn record_slots(&mut self, before: (AbSettings, Settings), after: (AbSettings, Settings)) {
         self.present = (after.0.in_view, after.1.clone());
         self.add(Edit::AbSettings { before: Box::new(before), after: Box::new(after) });
     }
@@ -82,32 +91,24 @@ impl UndoHistory {
     }
 
     /// Sets the slot in view and its settings. This is no edit.
-    pub(crate) fn look(&mut self, slot: AbSlot, settings: &Settings) {
+    pub(crate) fn set_present(&mut self, slot: AbSlot, settings: &Settings) {
         self.present = (slot, settings.clone());
     }
 
-    /// Undoes the last edit.
-    pub(crate) fn undo(&mut self) -> Option<RestoredState> {
-        let change = self.past.pop()?;
-        let again = match &change {
-            Edit::Settings { slot, before, .. } => self.settings(*slot, Settings::clone(before)),
-            Edit::Areas { before, .. } => RestoredState::Areas(before.clone()),
-            Edit::AbSettings { before, .. } => self.slots((**before).clone()),
+    /// Undoes the last edit, or redoes the edit that was undone last.
+    pub(crate) fn step(&mut self, direction: Direction) -> Option<RestoredState> {
+        let (from, to) = match direction {
+            Direction::Undo => (&mut self.past, &mut self.future),
+            Direction::Redo => (&mut self.future, &mut self.past),
         };
-        self.future.push(change);
-        Some(again)
-    }
-
-    /// Redoes the edit that was undone last.
-    pub(crate) fn redo(&mut self) -> Option<RestoredState> {
-        let change = self.future.pop()?;
-        let again = match &change {
-            Edit::Settings { slot, after, .. } => self.settings(*slot, Settings::clone(after)),
-            Edit::Areas { after, .. } => RestoredState::Areas(after.clone()),
-            Edit::AbSettings { after, .. } => self.slots((**after).clone()),
-        };
-        self.past.push(change);
-        Some(again)
+        let change = from.pop()?;
+        to.push(change.clone());
+        let undo = direction == Direction::Undo;
+        Some(match change {
+            Edit::Settings { slot, before, after } => self.settings(slot, *if undo { before } else { after }),
+            Edit::Areas { before, after } => RestoredState::Areas(if undo { before } else { after }),
+            Edit::AbSettings { before, after } => self.slots(*if undo { before } else { after }),
+        })
     }
 
     fn settings(&mut self, slot: AbSlot, settings: Settings) -> RestoredState {
@@ -120,9 +121,14 @@ impl UndoHistory {
         RestoredState::AbSettings(slots, Box::new(settings))
     }
 
-    /// Whether there is an edit to undo, and one to redo.
-    pub(crate) fn can(&self) -> (bool, bool) {
-        (!self.past.is_empty(), !self.future.is_empty())
+    /// Whether there is an edit to undo.
+    pub(crate) const fn can_undo(&self) -> bool {
+        !self.past.is_empty()
+    }
+
+    /// Whether there is an edit to redo.
+    pub(crate) const fn can_redo(&self) -> bool {
+        !self.future.is_empty()
     }
 }
 
@@ -135,16 +141,22 @@ mod tests {
         let start = Settings::default();
         let (two, five) = (Settings { k: 2, ..start.clone() }, Settings { k: 5, ..start.clone() });
         let mut history = UndoHistory::new(start.clone());
-        history.note(&start);
-        assert_eq!(history.can(), (false, false));
-        history.note(&two);
-        history.note(&five);
-        assert_eq!(history.undo(), Some(RestoredState::Settings(AbSlot::A, Box::new(two.clone()))));
-        assert_eq!(history.undo(), Some(RestoredState::Settings(AbSlot::A, Box::new(start.clone()))));
-        assert_eq!(history.undo(), None);
-        assert_eq!(history.redo(), Some(RestoredState::Settings(AbSlot::A, Box::new(two))));
-        history.note(&start);
-        assert_eq!(history.redo(), None);
+        history.record(&start);
+        assert_eq!((history.can_undo(), history.can_redo()), (false, false));
+        history.record(&two);
+        history.record(&five);
+        assert_eq!(
+            history.step(Direction::Undo),
+            Some(RestoredState::Settings(AbSlot::A, Box::new(two.clone())))
+        );
+        assert_eq!(
+            history.step(Direction::Undo),
+            Some(RestoredState::Settings(AbSlot::A, Box::new(start.clone())))
+        );
+        assert_eq!(history.step(Direction::Undo), None);
+        assert_eq!(history.step(Direction::Redo), Some(RestoredState::Settings(AbSlot::A, Box::new(two))));
+        history.record(&start);
+        assert_eq!(history.step(Direction::Redo), None);
     }
 
     #[test]
@@ -152,17 +164,20 @@ mod tests {
         let start = Settings::default();
         let (two, five) = (Settings { k: 2, ..start.clone() }, Settings { k: 5, ..start.clone() });
         let mut history = UndoHistory::new(start.clone());
-        history.look(AbSlot::B, &start);
-        history.note(&five);
-        history.look(AbSlot::A, &start);
-        history.note(&two);
-        history.look(AbSlot::B, &five);
-        history.note(&five);
-        assert_eq!(history.undo(), Some(RestoredState::Settings(AbSlot::A, Box::new(start.clone()))));
-        assert_eq!(history.undo(), Some(RestoredState::Settings(AbSlot::B, Box::new(start))));
-        assert_eq!(history.undo(), None);
-        assert_eq!(history.redo(), Some(RestoredState::Settings(AbSlot::B, Box::new(five))));
-        assert_eq!(history.redo(), Some(RestoredState::Settings(AbSlot::A, Box::new(two))));
+        history.set_present(AbSlot::B, &start);
+        history.record(&five);
+        history.set_present(AbSlot::A, &start);
+        history.record(&two);
+        history.set_present(AbSlot::B, &five);
+        history.record(&five);
+        assert_eq!(
+            history.step(Direction::Undo),
+            Some(RestoredState::Settings(AbSlot::A, Box::new(start.clone())))
+        );
+        assert_eq!(history.step(Direction::Undo), Some(RestoredState::Settings(AbSlot::B, Box::new(start))));
+        assert_eq!(history.step(Direction::Undo), None);
+        assert_eq!(history.step(Direction::Redo), Some(RestoredState::Settings(AbSlot::B, Box::new(five))));
+        assert_eq!(history.step(Direction::Redo), Some(RestoredState::Settings(AbSlot::A, Box::new(two))));
     }
 
     #[test]
@@ -171,11 +186,17 @@ mod tests {
         let five = Settings { k: 5, ..start.clone() };
         let slots = |other: &Settings| AbSettings { in_view: AbSlot::A, other: Some(other.clone()) };
         let mut history = UndoHistory::new(start.clone());
-        history.note_slots((slots(&five), start.clone()), (slots(&start), five.clone()));
-        history.note(&five);
-        assert_eq!(history.undo(), Some(RestoredState::AbSettings(slots(&five), Box::new(start.clone()))));
-        history.note(&start);
-        assert_eq!(history.redo(), Some(RestoredState::AbSettings(slots(&start), Box::new(five))));
+        history.record_slots((slots(&five), start.clone()), (slots(&start), five.clone()));
+        history.record(&five);
+        assert_eq!(
+            history.step(Direction::Undo),
+            Some(RestoredState::AbSettings(slots(&five), Box::new(start.clone())))
+        );
+        history.record(&start);
+        assert_eq!(
+            history.step(Direction::Redo),
+            Some(RestoredState::AbSettings(slots(&start), Box::new(five)))
+        );
     }
 
     #[test]
@@ -184,15 +205,15 @@ mod tests {
         let five = Settings { k: 5, ..start.clone() };
         let chosen = Areas { chosen: Some(0), ..Areas::default() };
         let mut history = UndoHistory::new(start.clone());
-        history.note_areas(Areas::default(), chosen.clone());
-        history.note(&five);
-        assert_eq!(history.undo(), Some(RestoredState::Settings(AbSlot::A, Box::new(start))));
-        assert_eq!(history.undo(), Some(RestoredState::Areas(Areas::default())));
-        assert_eq!(history.redo(), Some(RestoredState::Areas(chosen)));
+        history.record_areas(Areas::default(), chosen.clone());
+        history.record(&five);
+        assert_eq!(history.step(Direction::Undo), Some(RestoredState::Settings(AbSlot::A, Box::new(start))));
+        assert_eq!(history.step(Direction::Undo), Some(RestoredState::Areas(Areas::default())));
+        assert_eq!(history.step(Direction::Redo), Some(RestoredState::Areas(chosen)));
         history.forget_areas();
         assert_eq!(
-            (history.can(), history.redo()),
-            ((false, true), Some(RestoredState::Settings(AbSlot::A, Box::new(five))))
+            (history.can_undo(), history.can_redo(), history.step(Direction::Redo)),
+            (false, true, Some(RestoredState::Settings(AbSlot::A, Box::new(five))))
         );
     }
 }

@@ -41,7 +41,7 @@ impl About {
         if !self.open {
             return;
         }
-        let response = Modal::new(Id::unique("about")).frame(theme::sheet(ctx)).show(ctx, |ui| {
+        let response = Modal::new(Id::unique("about")).frame(theme::dialog_frame(ctx)).show(ctx, |ui| {
             ui.set_width(440.0);
             ui.label(RichText::new("Occluscope").size(20.0).strong());
             ui.label("A microscope for background models, moving regions, tracks and occlusions in video.");

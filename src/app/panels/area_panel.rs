@@ -3,14 +3,13 @@
 use eframe::egui::{Align, Button, CollapsingHeader, Layout, RichText, Ui, vec2};
 use egui_material_icons::icons as m;
 
+use crate::app::commands::availability::is_available;
 use crate::app::commands::command::{Action, Command};
 use crate::app::icons;
 use crate::app::icons::Icon;
 use crate::app::model::Model;
 use crate::app::model::areas::{AreaEdit, Areas};
-use crate::app::panels::top_bar;
 use crate::app::theme;
-use crate::app::views;
 use crate::regions::roi::{Area, Purpose};
 
 /// The label of an area's purpose in the list.
@@ -23,7 +22,7 @@ const fn word(purpose: Purpose) -> &'static str {
 
 /// Draws the panel.
 pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
-    let areas = &model.areas;
+    let areas = &model.edits.areas;
     let title = match &areas.roi {
         Some(roi) => format!("Areas  ({} % analysed)", percent(roi.share())),
         None => "Areas".to_owned(),
@@ -64,7 +63,7 @@ fn list(ui: &mut Ui, areas: &Areas, commands: &mut Vec<Command>) {
     for (place, area) in areas.drawn.iter().enumerate() {
         let name = format!("{} {}", word(area.purpose), place + 1);
         let chosen = areas.chosen == Some(place);
-        let (clicked, deleted) = row(ui, icon(area), views::area_colour(area.purpose), &name, chosen);
+        let (clicked, deleted) = row(ui, icon(area), theme::area_colour(area.purpose), &name, chosen);
         if clicked {
             commands.push(Command::Area(AreaEdit::Choose((!chosen).then_some(place))));
         }
@@ -107,12 +106,12 @@ fn act(
     let Some(entry) = action.entry() else { return };
     let button = match word {
         Some(word) => Button::selectable(
-            model.areas.draft.as_ref().is_some_and(|draft| Action::DrawArea(draft.purpose) == action),
+            model.edits.areas.draft.as_ref().is_some_and(|draft| Action::DrawArea(draft.purpose) == action),
             (icons::text(icon), word),
         ),
         None => Button::new(icons::text(icon)).frame_when_inactive(false),
     };
-    let response = ui.add_enabled(top_bar::allowed(model, entry), button).accessible_name(entry.text);
+    let response = ui.add_enabled(is_available(model, entry), button).accessible_name(entry.text);
     if response.on_hover_text(entry.tooltip_with_keys()).clicked() {
         commands.push(Command::Act(action));
     }

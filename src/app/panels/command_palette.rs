@@ -3,18 +3,18 @@
 use eframe::egui::{Align, Align2, Button, Context, Id, Key, Modal, Modifiers, ScrollArea, TextEdit};
 use egui_material_icons::icons as m;
 
-use crate::app::commands::command::{ACTIONS, Action, Command, Entry};
+use crate::app::commands::availability::is_available;
+use crate::app::commands::command::{ACTIONS, Action, ActionEntry, Command};
 use crate::app::icons;
 use crate::app::icons::Icon;
 use crate::app::model::Model;
-use crate::app::panels::top_bar;
 use crate::app::theme;
 use crate::settings::{SETTINGS, Setting};
 
 /// An entry of the palette.
 #[derive(Clone, Copy)]
 enum PaletteEntry {
-    Action(&'static Entry),
+    Action(&'static ActionEntry),
     Setting(&'static Setting),
 }
 
@@ -87,45 +87,46 @@ impl CommandPalette {
             return;
         }
         let area = Modal::default_area(Id::unique("finder")).anchor(Align2::CENTER_TOP, [0.0, 80.0]);
-        let response = Modal::new(Id::unique("finder")).area(area).frame(theme::sheet(ctx)).show(ctx, |ui| {
-            ui.set_width(440.0);
-            let pressed = |key| ui.input_mut(|input| input.consume_key(Modifiers::NONE, key));
-            let (up, down, enter) = (pressed(Key::ArrowUp), pressed(Key::ArrowDown), pressed(Key::Enter));
-            let edit = TextEdit::singleline(&mut self.text)
-                .hint_text("Action or setting")
-                .desired_width(f32::INFINITY);
-            let response = ui.add(edit).accessible_name("Command palette");
-            response.request_focus();
-            if response.changed() {
-                self.chosen = 0;
-            }
-            let found = find(&self.text, model);
-            let last = found.len().saturating_sub(1);
-            self.chosen = (self.chosen + usize::from(down)).saturating_sub(usize::from(up)).min(last);
-            let mut done = enter.then(|| found.get(self.chosen).copied()).flatten();
-            ui.add_space(theme::SPACE);
-            if found.is_empty() {
-                ui.weak("No matching action or setting.");
-            }
-            ScrollArea::vertical().max_height(300.0).show(ui, |ui| {
-                ui.with_layout(eframe::egui::Layout::top_down_justified(Align::Min), |ui| {
-                    for (index, &each) in found.iter().enumerate() {
-                        let chosen = index == self.chosen;
-                        let text = each.text();
-                        let button = Button::selectable(chosen, (icons::text(each.icon()), &text))
-                            .shortcut_text(each.note());
-                        let response = ui.add(button).accessible_name(text);
-                        if chosen && (up || down) {
-                            response.scroll_to_me(None);
+        let response =
+            Modal::new(Id::unique("finder")).area(area).frame(theme::dialog_frame(ctx)).show(ctx, |ui| {
+                ui.set_width(440.0);
+                let pressed = |key| ui.input_mut(|input| input.consume_key(Modifiers::NONE, key));
+                let (up, down, enter) = (pressed(Key::ArrowUp), pressed(Key::ArrowDown), pressed(Key::Enter));
+                let edit = TextEdit::singleline(&mut self.text)
+                    .hint_text("Action or setting")
+                    .desired_width(f32::INFINITY);
+                let response = ui.add(edit).accessible_name("Command palette");
+                response.request_focus();
+                if response.changed() {
+                    self.chosen = 0;
+                }
+                let found = find(&self.text, model);
+                let last = found.len().saturating_sub(1);
+                self.chosen = (self.chosen + usize::from(down)).saturating_sub(usize::from(up)).min(last);
+                let mut done = enter.then(|| found.get(self.chosen).copied()).flatten();
+                ui.add_space(theme::SPACE);
+                if found.is_empty() {
+                    ui.weak("No matching action or setting.");
+                }
+                ScrollArea::vertical().max_height(300.0).show(ui, |ui| {
+                    ui.with_layout(eframe::egui::Layout::top_down_justified(Align::Min), |ui| {
+                        for (index, &each) in found.iter().enumerate() {
+                            let chosen = index == self.chosen;
+                            let text = each.text();
+                            let button = Button::selectable(chosen, (icons::text(each.icon()), &text))
+                                .shortcut_text(each.note());
+                            let response = ui.add(button).accessible_name(text);
+                            if chosen && (up || down) {
+                                response.scroll_to_me(None);
+                            }
+                            if response.on_hover_text(each.tooltip()).clicked() {
+                                done = Some(each);
+                            }
                         }
-                        if response.on_hover_text(each.tooltip()).clicked() {
-                            done = Some(each);
-                        }
-                    }
+                    });
                 });
+                done
             });
-            done
-        });
         if let Some(found) = response.inner {
             self.open = false;
             match found {
@@ -142,7 +143,7 @@ impl CommandPalette {
 
 /// The available actions and the settings whose name contains the letters, best match first.
 fn find(text: &str, model: &Model) -> Vec<PaletteEntry> {
-    let actions = ACTIONS.iter().filter(|entry| top_bar::allowed(model, entry)).map(PaletteEntry::Action);
+    let actions = ACTIONS.iter().filter(|entry| is_available(model, entry)).map(PaletteEntry::Action);
     let mut found: Vec<_> = actions
         .chain(SETTINGS.iter().map(PaletteEntry::Setting))
         .filter_map(|each| Some((each.score(text)?, each)))

@@ -6,7 +6,7 @@ use crate::app::commands::command::{ACTIONS, Menu};
 use crate::app::theme;
 
 /// The actions of the pointer.
-const POINTER: &[(&str, &str)] = &[
+const POINTER_ACTIONS: &[(&str, &str)] = &[
     ("Click", "select the pixel in all views"),
     ("Wheel", "zoom at the pointer"),
     ("Drag", "pan all views"),
@@ -18,7 +18,7 @@ const POINTER: &[(&str, &str)] = &[
 ];
 
 /// The keys of the focused control.
-const FOCUS: &[(&str, &str)] = &[
+const FOCUS_KEYS: &[(&str, &str)] = &[
     ("Tab", "next control"),
     ("Shift+Tab", "previous control"),
     ("Space", "activate control"),
@@ -32,9 +32,9 @@ pub(crate) fn ui(ctx: &Context, open: &mut bool) {
     if !*open {
         return;
     }
-    let response = Modal::new(Id::unique("help")).frame(theme::sheet(ctx)).show(ctx, |ui| {
-        let room = ctx.content_rect();
-        ui.set_width((room.width() - 80.0).min(760.0));
+    let response = Modal::new(Id::unique("help")).frame(theme::dialog_frame(ctx)).show(ctx, |ui| {
+        let screen = ctx.content_rect();
+        ui.set_width((screen.width() - 80.0).min(760.0));
         let mut close = false;
         ui.horizontal(|ui| {
             ui.label(RichText::new("Keyboard and mouse").size(18.0).strong());
@@ -42,8 +42,8 @@ pub(crate) fn ui(ctx: &Context, open: &mut bool) {
         });
         ui.add_space(2.0 * theme::SPACE);
         ScrollArea::vertical()
-            .max_height(room.height() - 140.0)
-            .min_scrolled_height(room.height() - 140.0)
+            .max_height(screen.height() - 140.0)
+            .min_scrolled_height(screen.height() - 140.0)
             .show(ui, |ui| {
                 ui.columns(2, |columns| {
                     if let [left, right] = columns {
@@ -51,8 +51,8 @@ pub(crate) fn ui(ctx: &Context, open: &mut bool) {
                         keys(right, Menu::View);
                         keys(right, Menu::File);
                         keys(right, Menu::Help);
-                        told(right, "Mouse", POINTER);
-                        told(right, "Keyboard focus", FOCUS);
+                        rows_ui(right, "Mouse", POINTER_ACTIONS);
+                        rows_ui(right, "Keyboard focus", FOCUS_KEYS);
                     }
                 });
             });
@@ -76,7 +76,7 @@ fn keys(ui: &mut Ui, menu: Menu) {
     ui.add_space(3.0 * theme::SPACE);
 }
 
-fn told(ui: &mut Ui, title: &str, rows: &[(&str, &str)]) {
+fn rows_ui(ui: &mut Ui, title: &str, rows: &[(&str, &str)]) {
     heading(ui, title);
     Grid::new(title).num_columns(2).spacing(vec2(16.0, 5.0)).show(ui, |ui| {
         for (what, does) in rows {

@@ -7,9 +7,9 @@ use eframe::egui::{
 
 use crate::app::commands::command::Command;
 use crate::app::icons;
+use crate::app::model::Model;
 use crate::app::model::event_comparison::EventRef;
-use crate::app::model::{Model, Subject};
-use crate::app::panels::events_panel::participants;
+use crate::app::panels::evidence::participants;
 use crate::app::theme;
 use crate::palette::{event_colour, identity_colour};
 use crate::regions::{Region, colour::delta_e};
@@ -17,45 +17,31 @@ use crate::replay::TrackTimeline;
 use crate::tracking::{HypothesisSummary, Identity, Track, TrackState};
 
 /// The number of displayed colours of a region's histogram.
-const COLOURS: usize = 10;
-
-/// The choice between pixel and object, once an object was chosen.
-pub(crate) fn choice(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
-    let Some(id) = model.object else { return };
-    ui.horizontal(|ui| {
-        let pixel = model.chosen.map_or_else(|| "Pixel".to_owned(), |(x, y)| format!("Pixel {x}, {y}"));
-        for (subject, word) in [(Subject::Pixel, pixel), (Subject::Object, format!("Object {id}"))] {
-            let name = format!("Explain {}", word.to_lowercase());
-            let response = ui.selectable_label(model.subject == subject, word).accessible_name(name);
-            if response.on_hover_text("Select what this panel explains").clicked() {
-                commands.push(Command::Explain(subject));
-            }
-        }
-    });
-    ui.separator();
-}
+const MAX_HISTOGRAM_BARS: usize = 10;
 
 /// Draws the chosen object in the frame in view.
 pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
-    let Some((id, shown)) = model.object.zip(model.shown()) else { return };
-    let life =
-        model.timeline().and_then(|timeline| timeline.track_timelines.iter().find(|line| line.id == id));
+    let Some((id, shown)) = model.selection.object.zip(model.worker.shown()) else { return };
+    let life = model
+        .worker
+        .timeline()
+        .and_then(|timeline| timeline.track_timelines.iter().find(|line| line.id == id));
     let track = shown.analysis.tracks.iter().find(|track| track.id == id);
     ScrollArea::vertical().id_salt("object").auto_shrink(false).min_scrolled_height(0.0).show(ui, |ui| {
         head(ui, id, track);
-        ui.label(track.map_or_else(|| "No box in this frame.".to_owned(), sentence));
+        ui.label(track.map_or_else(|| "No box in this frame.".to_owned(), state_sentence));
         if let Some(life) = life {
-            lived(ui, model, life, commands);
+            track_timeline(ui, model, life, commands);
         }
         if let Some(track) = track {
-            motion(ui, track, model.fps(), &shown.settings);
-            competing(ui, &track.hypotheses);
+            motion(ui, track, model.worker.fps(), &shown.settings);
+            hypotheses_table(ui, &track.hypotheses);
             for region in shown.analysis.regions.iter().filter(|region| track.regions.contains(&region.label))
             {
-                looks(ui, region, track, shown.settings.same_colour);
+                appearance(ui, region, track, shown.settings.same_colour);
             }
         }
-        happened(ui, model, id, commands);
+        object_events(ui, model, id, commands);
         ui.add_space(2.0 * theme::SPACE);
     });
 }
@@ -65,7 +51,7 @@ fn head(ui: &mut Ui, id: Identity, track: Option<&Track>) {
         let (rect, response) = ui.allocate_exact_size(vec2(18.0, 18.0), Sense::hover());
         response.widget_info(|| WidgetInfo::labeled(Role::Image, true, format!("colour of object {id}")));
         ui.painter().rect_filled(rect, 3.0, theme::rgb(identity_colour(id)));
-        ui.label(RichText::new(format!("Object {id}")).size(theme::HEADING).strong());
+        ui.label(RichText::new(format!("Object {id}")).size(theme::HEADING_TEXT).strong());
         if let Some(track) = track {
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| ui.weak(track.state.label()));
         }
@@ -73,7 +59,7 @@ fn head(ui: &mut Ui, id: Identity, track: Option<&Track>) {
 }
 
 /// The object's state in a sentence, with its numbers.
-fn sentence(track: &Track) -> String {
+fn state_sentence(track: &Track) -> String {
     let list = |numbers: &mut dyn Iterator<Item = u32>| {
         numbers.map(|number| number.to_string()).collect::<Vec<_>>().join(", ")
     };
@@ -103,7 +89,7 @@ fn section(ui: &mut Ui, title: &str, meaning: &str) {
 }
 
 fn row(ui: &mut Ui, name: &str, value: String, meaning: &str) {
-    ui.label(RichText::new(name).size(theme::SMALL).color(theme::colours(ui.visuals()).weak))
+    ui.label(RichText::new(name).size(theme::SMALL_TEXT).color(theme::colours(ui.visuals()).weak))
         .on_hover_text(meaning);
     ui.label(RichText::new(value).monospace()).on_hover_text(meaning);
     ui.end_row();
@@ -152,7 +138,7 @@ fn motion(ui: &mut Ui, track: &Track, fps: f32, settings: &crate::settings::Sett
 }
 
 /// The association hypotheses that compete for the object.
-fn competing(ui: &mut Ui, hypotheses: &[HypothesisSummary]) {
+fn hypotheses_table(ui: &mut Ui, hypotheses: &[HypothesisSummary]) {
     section(
         ui,
         "Hypotheses",
@@ -166,7 +152,7 @@ fn competing(ui: &mut Ui, hypotheses: &[HypothesisSummary]) {
     let colours = theme::colours(ui.visuals());
     Grid::new("hypotheses").num_columns(5).spacing([3.0 * theme::SPACE, 2.0]).striped(true).show(ui, |ui| {
         for title in ["", "probability", "fitness", "association", "centre"] {
-            ui.label(RichText::new(title).size(theme::SMALL).color(colours.weak));
+            ui.label(RichText::new(title).size(theme::SMALL_TEXT).color(colours.weak));
         }
         ui.end_row();
         for (rank, each) in hypotheses.iter().enumerate() {
@@ -187,7 +173,7 @@ fn competing(ui: &mut Ui, hypotheses: &[HypothesisSummary]) {
 }
 
 /// A region's shape and colours, compared with the object's appearance model.
-fn looks(ui: &mut Ui, region: &Region, track: &Track, same_colour: f32) {
+fn appearance(ui: &mut Ui, region: &Region, track: &Track, same_colour: f32) {
     let title = format!("Region {}", region.label);
     section(
         ui,
@@ -224,7 +210,7 @@ fn looks(ui: &mut Ui, region: &Region, track: &Track, same_colour: f32) {
         ui.spacing_mut().item_spacing.x = theme::SPACE;
         ui.weak("Appearance model");
         for &colour in &track.colours {
-            plate(ui, colour, 14.0);
+            colour_swatch(ui, colour, 14.0);
         }
         if nearest.is_finite() {
             let same = if nearest <= same_colour { "same" } else { "different" };
@@ -233,7 +219,7 @@ fn looks(ui: &mut Ui, region: &Region, track: &Track, same_colour: f32) {
     });
 }
 
-fn plate(ui: &mut Ui, colour: [u8; 3], side: f32) {
+fn colour_swatch(ui: &mut Ui, colour: [u8; 3], side: f32) {
     let [r, g, b] = colour;
     let (rect, response) = ui.allocate_exact_size(vec2(side, side), Sense::hover());
     response.widget_info(|| WidgetInfo::labeled(Role::Image, true, format!("colour {r}, {g}, {b}")));
@@ -248,7 +234,7 @@ fn histogram(ui: &mut Ui, region: &Region) {
     let mut bins: Vec<_> = region.histogram.bins().map(|(_, bin)| (bin.count / total, bin.mean())).collect();
     bins.sort_by(|a, b| b.0.total_cmp(&a.0));
     let kinds = bins.len();
-    bins.truncate(COLOURS);
+    bins.truncate(MAX_HISTOGRAM_BARS);
     let Some(&(most, [r, g, b])) = bins.first() else { return };
     ui.weak(format!(
         "dominant colour R {r} G {g} B {b}, {:.0} % of pixels; {kinds} bins of 16 levels per channel",
@@ -262,7 +248,7 @@ fn histogram(ui: &mut Ui, region: &Region) {
     let colours = theme::colours(ui.visuals());
     ui.painter().rect_filled(rect, 3.0, colours.canvas);
     let inside = rect.shrink(3.0);
-    let pitch = inside.width() / COLOURS as f32;
+    let pitch = inside.width() / MAX_HISTOGRAM_BARS as f32;
     let column = |at: usize| {
         let left = inside.left() + at as f32 * pitch;
         Rect::from_x_y_ranges(left..=left + pitch - 2.0, inside.y_range())
@@ -283,7 +269,7 @@ fn histogram(ui: &mut Ui, region: &Region) {
 }
 
 /// The object's states over time, with the frame in view. A click goes to a frame.
-fn lived(ui: &mut Ui, model: &Model, life: &TrackTimeline, commands: &mut Vec<Command>) {
+fn track_timeline(ui: &mut Ui, model: &Model, life: &TrackTimeline, commands: &mut Vec<Command>) {
     let first = life.spans.iter().map(|span| span.0).min().unwrap_or(0);
     let last = life.spans.iter().map(|span| span.1).max().unwrap_or(0);
     section(ui, "Track timeline", "Full: visible; pale: merged; thin: occluded. Click to go to a frame");
@@ -307,7 +293,7 @@ fn lived(ui: &mut Ui, model: &Model, life: &TrackTimeline, commands: &mut Vec<Co
         );
         ui.painter().rect_filled(span, 1.0, colour.gamma_multiply(strength));
     }
-    if let Some(shown) = model.shown().filter(|shown| (first..=last).contains(&shown.position)) {
+    if let Some(shown) = model.worker.shown().filter(|shown| (first..=last).contains(&shown.position)) {
         let at = f32::midpoint(x(shown.position), x(shown.position + 1));
         ui.painter().vline(at, rect.y_range(), Stroke::new(1.5, colours.accent));
     }
@@ -319,11 +305,11 @@ fn lived(ui: &mut Ui, model: &Model, life: &TrackTimeline, commands: &mut Vec<Co
         let spans = life.spans.iter().filter(|span| span.2 == wanted);
         spans.map(|(from, to, _)| to - from + 1).sum()
     };
-    let seconds = many / model.fps();
+    let seconds = many / model.worker.fps();
     ui.weak(format!(
         "frames {}–{}, {seconds:.1} s: {} visible, {} merged, {} occluded",
-        model.number(first),
-        model.number(last),
+        model.worker.number(first),
+        model.worker.number(last),
         frames(TrackState::Visible),
         frames(TrackState::Merged),
         frames(TrackState::Hidden)
@@ -331,8 +317,8 @@ fn lived(ui: &mut Ui, model: &Model, life: &TrackTimeline, commands: &mut Vec<Co
 }
 
 /// The events of the object. A click goes to the event and shows its evidence.
-fn happened(ui: &mut Ui, model: &Model, id: Identity, commands: &mut Vec<Command>) {
-    let Some(timeline) = model.timeline() else { return };
+fn object_events(ui: &mut Ui, model: &Model, id: Identity, commands: &mut Vec<Command>) {
+    let Some(timeline) = model.worker.timeline() else { return };
     let about = |(_, (_, event)): &(usize, &(u32, crate::occlusion::Event))| {
         event.objects.contains(&id) || event.becomes.contains(&id)
     };
@@ -346,7 +332,7 @@ fn happened(ui: &mut Ui, model: &Model, id: Identity, commands: &mut Vec<Command
             let colour: Color32 = theme::rgb(event_colour(event.kind));
             ui.label(icons::coloured(icons::of_event(event.kind), colour).size(14.0));
             let text = format!("#{}  {} {}", event.frame, event.kind.label(), participants(event));
-            let read = model.reading == Some(EventRef::InView(index));
+            let read = model.selection.event == Some(EventRef::InView(index));
             if ui.selectable_label(read, text).on_hover_text(&event.evidence.branch).clicked() {
                 commands.push(Command::OpenEvent(Some(EventRef::InView(index))));
                 commands.push(Command::GoTo(*position));

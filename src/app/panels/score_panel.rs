@@ -12,7 +12,7 @@ use crate::truth::summary::TrackScore;
 /// A column: its heading, its meaning, and the text of a score in it.
 type Column<S> = (&'static str, &'static str, fn(&S) -> String);
 
-const OF_TRACKS: [Column<TrackScore>; 4] = [
+const TRACK_COLUMNS: [Column<TrackScore>; 4] = [
     ("MOTA", "1 − (FN + FP + IDSW)/GT, boxes matched at IoU ≥ 0.5", |score| {
         format!("{:.3}", score.strict.mota)
     }),
@@ -29,7 +29,7 @@ const OF_TRACKS: [Column<TrackScore>; 4] = [
     ),
 ];
 
-const OF_MASKS: [Column<MaskScore>; 4] = [
+const MASK_COLUMNS: [Column<MaskScore>; 4] = [
     (
         "F",
         "2·precision·recall/(precision + recall) of all evaluated pixels, after post-processing",
@@ -43,44 +43,50 @@ const OF_MASKS: [Column<MaskScore>; 4] = [
 ];
 
 /// Width of the row names, in points.
-const NAMES: f32 = 36.0;
+const NAME_COLUMN_WIDTH: f32 = 36.0;
 
 /// Draws the scores of the settings in view and of the compared settings, while there is ground truth.
 pub(crate) fn ui(ui: &mut Ui, model: &Model) {
     let Some(truth) = &model.truth else { return };
-    let mut rows = vec![(None, model.timeline())];
-    if let Some(other) = &model.ab_settings.other {
-        let slot = model.ab_settings.in_view;
+    let mut rows = vec![(None, model.worker.timeline())];
+    if let Some(other) = &model.edits.ab_settings.other {
+        let slot = model.edits.ab_settings.in_view;
         // Equal settings share one run.
-        let of_other = if *other == model.settings { model.timeline() } else { model.compared_timeline() };
-        rows = vec![(Some(slot), model.timeline()), (Some(slot.other()), of_other)];
+        let of_other = if *other == model.edits.settings {
+            model.worker.timeline()
+        } else {
+            model.worker.compared_timeline()
+        };
+        rows = vec![(Some(slot), model.worker.timeline()), (Some(slot.other()), of_other)];
         rows.sort_by_key(|(slot, _)| *slot == Some(AbSlot::B));
     }
     let score = |timeline: Option<&Timeline>| timeline.and_then(|timeline| timeline.score.clone());
     if truth.boxes.is_some() {
         let rows = rows.iter().map(|&(slot, of)| (slot, score(of).and_then(|score| score.tracks.clone())));
-        grid(ui, "tracks", &OF_TRACKS, rows.collect());
+        grid(ui, "tracks", &TRACK_COLUMNS, rows.collect());
     }
     if model.has_true_masks() {
         let rows = rows.iter().map(|&(slot, of)| (slot, score(of).and_then(|score| score.masks)));
-        grid(ui, "masks", &OF_MASKS, rows.collect());
+        grid(ui, "masks", &MASK_COLUMNS, rows.collect());
     }
 }
 
 fn grid<S>(ui: &mut Ui, name: &str, columns: &[Column<S>], rows: Vec<(Option<AbSlot>, Option<S>)>) {
     ui.add_space(theme::SPACE);
     let spacing = vec2(theme::SPACE, 2.0);
-    let width = ((ui.available_width() - NAMES) / columns.len() as f32 - spacing.x).max(0.0);
-    Grid::new(("scores", name)).num_columns(columns.len() + 1).spacing(spacing).min_col_width(NAMES).show(
-        ui,
-        |ui| {
-            ui.label(RichText::new(name).size(theme::SMALL).weak());
+    let width = ((ui.available_width() - NAME_COLUMN_WIDTH) / columns.len() as f32 - spacing.x).max(0.0);
+    Grid::new(("scores", name))
+        .num_columns(columns.len() + 1)
+        .spacing(spacing)
+        .min_col_width(NAME_COLUMN_WIDTH)
+        .show(ui, |ui| {
+            ui.label(RichText::new(name).size(theme::SMALL_TEXT).weak());
             for (name, meaning, _) in columns {
-                right(ui, width, RichText::new(*name).size(theme::SMALL).weak()).on_hover_text(*meaning);
+                right(ui, width, RichText::new(*name).size(theme::SMALL_TEXT).weak()).on_hover_text(*meaning);
             }
             ui.end_row();
             for (slot, score) in rows {
-                ui.label(RichText::new(slot.map_or("score", AbSlot::name)).size(theme::SMALL));
+                ui.label(RichText::new(slot.map_or("score", AbSlot::name)).size(theme::SMALL_TEXT));
                 for (_, meaning, number) in columns {
                     let text = score.as_ref().map_or_else(|| "…".to_owned(), number);
                     right(ui, width, RichText::new(text).monospace()).on_hover_text(match score {
@@ -90,8 +96,7 @@ fn grid<S>(ui: &mut Ui, name: &str, columns: &[Column<S>], rows: Vec<(Option<AbS
                 }
                 ui.end_row();
             }
-        },
-    );
+        });
 }
 
 fn right(ui: &mut Ui, width: f32, text: RichText) -> Response {

@@ -10,7 +10,7 @@ use crate::app::theme;
 use crate::settings::{Kind, Setting, Settings, Span, Value};
 
 /// A range of integers whose ends have at least this ratio gets a logarithmic slider.
-const WIDE: u32 = 200;
+const MIN_LOGARITHMIC_RATIO: u32 = 200;
 
 /// Draws the control and writes a change to `settings`. Returns its response.
 pub(crate) fn ui(
@@ -32,7 +32,7 @@ pub(crate) fn ui(
             let name = RichText::new(name).color(if differs { colours.accent } else { colours.text });
             let label = ui.label(name).on_hover_ui(|ui| tooltip(ui, setting, defaults));
             if !setting.symbol.is_empty() {
-                let symbol = RichText::new(setting.symbol).size(theme::MONO).color(colours.weak);
+                let symbol = RichText::new(setting.symbol).size(theme::MONO_TEXT).color(colours.weak);
                 ui.label(symbol).on_hover_ui(|ui| tooltip(ui, setting, defaults));
             }
             ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
@@ -198,7 +198,7 @@ fn slider(ui: &mut Ui, setting: &Setting, value: &mut Value) {
     };
     match (setting.kind, *value) {
         (Kind::Integer { min, max }, Value::Integer(mut number)) => {
-            let wide = max / min.max(1) > WIDE;
+            let wide = max / min.max(1) > MIN_LOGARITHMIC_RATIO;
             let slider = Slider::new(&mut number, min..=max).logarithmic(wide).smallest_positive(1.0);
             if plain(slider, ui).changed() {
                 *value = Value::Integer(number);

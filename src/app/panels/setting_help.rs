@@ -1,7 +1,7 @@
 //! Help on the settings: the equation or rule of each, and the effect of a larger value.
 
 /// The help on one setting.
-pub(crate) struct Help {
+pub(crate) struct SettingHelp {
     /// Its key in the table of settings.
     name: &'static str,
     /// Its equation or rule.
@@ -11,16 +11,16 @@ pub(crate) struct Help {
 }
 
 /// The help on the setting of this key, if any.
-pub(crate) fn help(name: &str) -> Option<&'static Help> {
+pub(crate) fn help(name: &str) -> Option<&'static SettingHelp> {
     HELP.iter().find(|help| help.name == name)
 }
 
-const fn of(name: &'static str, equation: &'static str, raising: &'static str) -> Help {
-    Help { name, equation, raising }
+const fn of(name: &'static str, equation: &'static str, raising: &'static str) -> SettingHelp {
+    SettingHelp { name, equation, raising }
 }
 
 /// All help texts, in the order of the table of settings.
-static HELP: &[Help] = &[
+static HELP: &[SettingHelp] = &[
     of(
         "stabilise",
         "X(p) = I(A·p + d), A and d from points of high contrast",
@@ -366,12 +366,12 @@ mod tests {
         for setting in SETTINGS {
             let (Kind::Choice(words), Some(help)) = (setting.kind, help(setting.name)) else { continue };
             for word in words {
-                let told = help.raising.split(". ").any(|sentence| {
+                let explained = help.raising.split(". ").any(|sentence| {
                     sentence
                         .split_once(':')
                         .is_some_and(|(names, _)| names.split(", ").any(|name| name == *word))
                 });
-                assert!(told, "{}: what does {word} do?", setting.name);
+                assert!(explained, "{}: what does {word} do?", setting.name);
             }
         }
     }

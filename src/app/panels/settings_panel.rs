@@ -9,26 +9,27 @@ use egui_material_icons::icons as m;
 
 use crate::app::commands::command::{Action, Command};
 use crate::app::icons;
+use crate::app::menu_item::menu_item;
 use crate::app::model::Model;
 use crate::app::model::ab_settings::{self, AbSlot};
+use crate::app::model::layout::ViewLayout;
 use crate::app::panels::area_panel;
 use crate::app::panels::score_panel;
 use crate::app::panels::setting_control;
-use crate::app::panels::top_bar;
 use crate::app::theme;
 use crate::settings::{Preset, SETTINGS, Setting, Settings, Stage};
 
 /// Draws the panel.
 pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
-    let mut settings = model.settings.clone();
+    let mut settings = model.edits.settings.clone();
     head(ui, model, &mut settings, commands);
     score_panel::ui(ui, model);
     ui.add_space(theme::SPACE);
-    let fps = model.fps();
+    let fps = model.worker.fps();
     ScrollArea::vertical().auto_shrink(false).show(ui, |ui| {
         for stage in Stage::ALL {
             // Ignored areas are removed before post-processing.
-            if stage == Stage::Cleaning && model.size().is_some() {
+            if stage == Stage::Cleaning && model.worker.size().is_some() {
                 area_panel::ui(ui, model, commands);
             }
             let defaults = Settings::default();
@@ -39,14 +40,14 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             } else {
                 RichText::new(format!("{}  ({changed} changed)", stage.name())).strong()
             };
-            let looked_at = model.looked_at.and_then(Setting::named);
+            let looked_at = model.panels.revealed_setting.and_then(Setting::named);
             CollapsingHeader::new(title)
                 .id_salt(stage.name())
                 .default_open(stage == Stage::Mixture)
                 .open(looked_at.filter(|setting| setting.stage == stage).map(|_| true))
                 .show_unindented(ui, |ui| {
                     for setting in of_stage() {
-                        let looked_at = model.looked_at == Some(setting.name);
+                        let looked_at = model.panels.revealed_setting == Some(setting.name);
                         let response = setting_control::ui(ui, setting, &mut settings, &defaults, fps);
                         if looked_at {
                             response.scroll_to_me(Some(Align::Center));
@@ -70,7 +71,7 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
                 });
         }
     });
-    if settings != model.settings {
+    if settings != model.edits.settings {
         commands.push(Command::Set(Box::new(settings)));
     }
 }
@@ -81,7 +82,7 @@ fn head(ui: &mut Ui, model: &Model, settings: &mut Settings, commands: &mut Vec<
         slots(ui, model, commands);
         ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
             ui.spacing_mut().item_spacing.x = theme::SPACE;
-            let (undo, redo) = model.history.can();
+            let (undo, redo) = (model.edits.history.can_undo(), model.edits.history.can_redo());
             for (enabled, icon, action, name) in
                 [(redo, m::ICON_REDO, Action::Redo, "Redo"), (undo, m::ICON_UNDO, Action::Undo, "Undo")]
             {
@@ -113,15 +114,18 @@ fn head(ui: &mut Ui, model: &Model, settings: &mut Settings, commands: &mut Vec<
 
 /// The selector of the slot in view, once there are two.
 fn slots(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
-    let Some(other) = &model.ab_settings.other else { return };
+    let Some(other) = &model.edits.ab_settings.other else { return };
     ui.spacing_mut().item_spacing.x = theme::SPACE;
     for slot in AbSlot::ALL {
-        let here = slot == model.ab_settings.in_view;
+        let here = slot == model.edits.ab_settings.in_view;
         let response = ui
             .selectable_label(here, slot.name())
             .accessible_name(format!("Settings {}", slot.name()))
             .on_hover_ui(|ui| {
-                ui.label(format!("{}; keys A and B switch", ab_settings::difference(&model.settings, other)));
+                ui.label(format!(
+                    "{}; keys A and B switch",
+                    ab_settings::difference(&model.edits.settings, other)
+                ));
             });
         if response.clicked() && !here {
             commands.push(Command::Act(Action::AbSlot(slot)));
@@ -137,12 +141,12 @@ fn slots(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
         for action in [Action::FlipSettings, Action::CopySettings, Action::SwapSettings, Action::KeepSettings]
         {
             if let Some(entry) = action.entry() {
-                top_bar::item(ui, model, entry, commands);
+                menu_item(ui, model, entry, commands);
             }
         }
         ui.separator();
-        if let Some(entry) = Action::Arrange(crate::app::views::Layout::Compare).entry() {
-            top_bar::item(ui, model, entry, commands);
+        if let Some(entry) = Action::Arrange(ViewLayout::Compare).entry() {
+            menu_item(ui, model, entry, commands);
         }
     });
     response.accessible_name("A and B").on_hover_text("Actions on settings A and B");

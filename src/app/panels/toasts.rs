@@ -10,12 +10,12 @@ use crate::app::panels::messages::Messages;
 use crate::app::theme;
 
 /// How long a confirmation is shown.
-const BRIEFLY: Duration = Duration::from_secs(4);
+const CONFIRMATION_DURATION: Duration = Duration::from_secs(4);
 /// How long an error is shown; it is also shown elsewhere.
-const LONGER: Duration = Duration::from_secs(8);
+const ERROR_DURATION: Duration = Duration::from_secs(8);
 
 /// Maximum number of characters in a line.
-const MAX_LINE_LETTERS: usize = 68;
+const MAX_LINE_CHARACTERS: usize = 68;
 
 /// The visible messages, and the log of all messages.
 pub(crate) struct Toasts {
@@ -25,7 +25,7 @@ pub(crate) struct Toasts {
 }
 
 /// The colour of a message, by theme.
-type Colour = fn(&theme::Colours) -> Color32;
+type ThemeColour = fn(&theme::Colours) -> Color32;
 
 impl Default for Toasts {
     fn default() -> Self {
@@ -38,17 +38,17 @@ impl Default for Toasts {
 impl Toasts {
     /// Shows a confirmation.
     pub(crate) fn done(&mut self, ctx: &Context, text: impl Into<String>) {
-        self.add(ctx, text, m::ICON_CHECK_CIRCLE, |colours| colours.good, BRIEFLY);
+        self.add(ctx, text, m::ICON_CHECK_CIRCLE, |colours| colours.good, CONFIRMATION_DURATION);
     }
 
     /// Shows a warning: an error that does not end the work.
     pub(crate) fn warn(&mut self, ctx: &Context, text: impl Into<String>) {
-        self.add(ctx, text, m::ICON_WARNING, |colours| colours.warn, LONGER);
+        self.add(ctx, text, m::ICON_WARNING, |colours| colours.warn, ERROR_DURATION);
     }
 
     /// Shows an error.
     pub(crate) fn fail(&mut self, ctx: &Context, text: impl Into<String>) {
-        self.add(ctx, text, m::ICON_ERROR, |colours| colours.bad, LONGER);
+        self.add(ctx, text, m::ICON_ERROR, |colours| colours.bad, ERROR_DURATION);
     }
 
     /// Logs an error that the window shows in full elsewhere.
@@ -68,12 +68,19 @@ impl Toasts {
         self.shown = Self::default().shown;
     }
 
-    fn add(&mut self, ctx: &Context, text: impl Into<String>, icon: Icon, colour: Colour, time: Duration) {
+    fn add(
+        &mut self,
+        ctx: &Context,
+        text: impl Into<String>,
+        icon: Icon,
+        colour: ThemeColour,
+        time: Duration,
+    ) {
         let text = text.into();
         self.messages.add(ctx.input(|input| input.time), &text, icon, colour);
         let colour = colour(&theme::colours(&ctx.global_style().visuals));
         self.shown
-            .custom(lines(&text, MAX_LINE_LETTERS), icon.codepoint.to_owned(), colour)
+            .custom(lines(&text, MAX_LINE_CHARACTERS), icon.codepoint.to_owned(), colour)
             .duration(time)
             .closable(false);
     }
@@ -82,22 +89,22 @@ impl Toasts {
 /// Wraps the text to lines of at most this many characters. A longer path is broken.
 fn lines(text: &str, most: usize) -> String {
     let mut lines = vec![String::new()];
-    let mut room = most;
+    let mut free = most;
     for word in text.split_whitespace() {
         let letters: Vec<char> = word.chars().collect();
         for (piece, part) in letters.chunks(most).enumerate() {
-            let gap = usize::from(piece == 0 && room < most);
-            if part.len() + gap > room {
+            let gap = usize::from(piece == 0 && free < most);
+            if part.len() + gap > free {
                 lines.push(String::new());
-                room = most;
+                free = most;
             }
             if let Some(line) = lines.last_mut() {
-                if gap > 0 && room < most {
+                if gap > 0 && free < most {
                     line.push(' ');
-                    room -= 1;
+                    free -= 1;
                 }
                 line.extend(part);
-                room -= part.len();
+                free -= part.len();
             }
         }
     }

@@ -5,11 +5,25 @@ use egui_material_icons::icons as m;
 
 use crate::app::commands::command::{Action, Command};
 use crate::app::icons::Icon;
-use crate::app::model::{Model, SPEEDS};
+use crate::app::model::Model;
+use crate::app::model::playback::SPEEDS;
 use crate::app::theme;
 
+/// Width of the controls, in points.
+const WIDTH_PT: f32 = 244.0;
+
+/// Draws the buttons in a row, and frame and speed below.
+pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    ui.vertical(|ui| {
+        ui.set_width(WIDTH_PT);
+        ui.horizontal(|ui| buttons(ui, model, commands));
+        ui.add_space(theme::SPACE);
+        ui.horizontal(|ui| place(ui, model, commands));
+    });
+}
+
 /// The playback buttons.
-pub(crate) fn buttons(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+fn buttons(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.spacing_mut().item_spacing.x = theme::SPACE / 2.0;
     let play = if model.playback.playing { (m::ICON_PAUSE, "Pause") } else { (m::ICON_PLAY_ARROW, "Play") };
     for (action, (icon, name)) in [
@@ -28,7 +42,7 @@ pub(crate) fn buttons(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 }
 
 /// The frame in view and the speed.
-pub(crate) fn place(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+fn place(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.spacing_mut().item_spacing.x = theme::SPACE;
     frame_field(ui, model, commands);
     ui.add_space(2.0 * theme::SPACE);
@@ -52,9 +66,9 @@ fn button(ui: &mut Ui, action: Action, icon: Icon, name: &str) -> bool {
 
 fn frame_field(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let label = ui.label("Frame");
-    let last = model.number(model.frames().max(1) - 1);
-    let first = model.number(0);
-    let mut number = model.number(model.position());
+    let last = model.worker.number(model.worker.frames().max(1) - 1);
+    let first = model.worker.number(0);
+    let mut number = model.worker.number(model.worker.position());
     ui.spacing_mut().interact_size.x = 56.0;
     // A typed number applies when the field loses the focus, not digit by digit.
     let drag = DragValue::new(&mut number).range(first..=last.max(first)).update_while_editing(false);

@@ -2,13 +2,13 @@
 
 use std::time::Duration;
 
-use eframe::egui::{Align, Button, Frame, Label, Layout, Margin, Panel, RichText, Spinner, Ui, vec2};
+use eframe::egui::{Align, Button, Layout, RichText, Spinner, Ui, vec2};
 use egui_material_icons::icons as m;
 
 use crate::app::commands::command::{Action, Command};
 use crate::app::icons::Icon;
-use crate::app::model::{Model, Origin};
-use crate::app::panels::top_bar;
+use crate::app::model::Model;
+use crate::app::model::videos::file_name;
 use crate::app::theme;
 use crate::replay::{Phase, Start};
 
@@ -28,7 +28,7 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     ui.add_space((rect.height() * 0.5 - 130.0 * scale).max(12.0));
     ui.with_layout(Layout::top_down(Align::Center), |ui| {
         ui.set_max_width((rect.width() - 40.0).min(560.0 * scale));
-        match model.state.as_ref().map(|state| &state.phase) {
+        match model.worker.state.as_ref().map(|state| &state.phase) {
             Some(Phase::Failed(why)) => {
                 ui.label(m::ICON_ERROR.rich_text().size(44.0 * scale).color(colours.bad));
                 ui.add_space(2.0 * theme::SPACE);
@@ -58,23 +58,23 @@ fn opening(ui: &mut Ui, model: &Model, scale: f32, commands: &mut Vec<Command>) 
     let colours = theme::colours(ui.visuals());
     ui.add(Spinner::new().size(36.0 * scale).color(colours.accent));
     ui.add_space(3.0 * theme::SPACE);
-    let name = model.opened.as_deref().unwrap_or_default();
+    let name = model.videos.opened.as_deref().unwrap_or_default();
     ui.label(RichText::new("Opening").size(20.0 * scale).strong());
-    ui.label(top_bar::short(name)).on_hover_text(name);
+    ui.label(file_name(name)).on_hover_text(name);
     ui.add_space(theme::SPACE);
-    if let Some(busy) = model.state.as_ref().and_then(|state| state.busy.as_ref()) {
+    if let Some(busy) = model.worker.state.as_ref().and_then(|state| state.busy.as_ref()) {
         let total = busy.total.filter(|&total| total > 0);
         if let Some(total) = total {
             let share = busy.done as f32 / total as f32;
             let bar = theme::progress(ui, share, ui.available_width().min(260.0 * scale));
-            bar.accessible_name(format!("Opening {}", top_bar::short(name)));
+            bar.accessible_name(format!("Opening {}", file_name(name)));
             ui.add_space(theme::SPACE);
         }
         let total = total.map_or_else(String::new, |total| format!(" of {total}"));
         ui.weak(format!("{}: {}{total}", busy.what, busy.done));
     }
     // The spinner repaints every frame, and with it the seconds.
-    let waited = model.work.since.map(|at| at.elapsed()).unwrap_or_default();
+    let waited = model.worker.opened_at.map(|at| at.elapsed()).unwrap_or_default();
     if waited >= SLOW_OPENING {
         let seconds = waited.as_secs();
         ui.weak(format!("{seconds} s elapsed; the camera or network drive may not be responding"));
@@ -87,60 +87,16 @@ fn opening(ui: &mut Ui, model: &Model, scale: f32, commands: &mut Vec<Command>) 
 
 /// The list of recent videos.
 fn recent(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
-    if model.recent.is_empty() {
+    if model.videos.recent.is_empty() {
         return;
     }
     ui.add_space(5.0 * theme::SPACE);
     ui.weak("Recent");
-    for name in model.recent.iter().take(5) {
-        if ui.link(top_bar::short(name)).on_hover_text(name).clicked() {
+    for name in model.videos.recent.iter().take(5) {
+        if ui.link(file_name(name)).on_hover_text(name).clicked() {
             commands.push(Command::Open(name.clone(), Start::First));
         }
     }
-}
-
-/// A hint over the views of the bundled sample on what to try first, until it is dismissed.
-pub(crate) fn hint(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
-    if !model.hint || model.origin != Origin::Sample {
-        return;
-    }
-    let colours = theme::colours(ui.visuals());
-    let strip = Frame::new().fill(colours.panel).inner_margin(Margin::symmetric(10, 3));
-    Panel::top("hint").frame(strip).show(ui, |ui| {
-        ui.horizontal(|ui| {
-            ui.label(m::ICON_LIGHTBULB.rich_text().size(theme::ICON).color(colours.accent));
-            let text = "Two people cross. Step with the arrow keys; the panel on the right explains the \
-             pixel under the cross. Click any pixel to inspect it.";
-            ui.with_layout(Layout::right_to_left(Align::Center), |ui| {
-                let close = Button::new(m::ICON_CLOSE.rich_text().size(14.0)).frame_when_inactive(false);
-                let close = ui.add(close).accessible_name("Hide hint");
-                if close.on_hover_text("Do not show again").clicked() {
-                    commands.push(Command::HideHint);
-                }
-                ui.with_layout(Layout::left_to_right(Align::Center), |ui| {
-                    ui.add(Label::new(RichText::new(text).color(colours.weak)).wrap());
-                });
-            });
-        });
-    });
-}
-
-/// A bar over the views after the analysis has failed while a frame was in view.
-pub(crate) fn stopped(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
-    let Some(Phase::Failed(why)) = model.state.as_ref().map(|state| &state.phase) else { return };
-    let colours = theme::colours(ui.visuals());
-    let strip = Frame::new().fill(colours.bad.gamma_multiply(0.18)).inner_margin(Margin::symmetric(10, 6));
-    Panel::top("stopped").frame(strip).show(ui, |ui| {
-        ui.horizontal_wrapped(|ui| {
-            ui.label(m::ICON_ERROR.rich_text().size(theme::ICON).color(colours.bad));
-            ui.label(why);
-            if let Some(name) = &model.opened
-                && ui.button("Open again").clicked()
-            {
-                commands.push(Command::Open(name.clone(), Start::First));
-            }
-        });
-    });
 }
 
 fn choices(ui: &mut Ui, scale: f32, commands: &mut Vec<Command>) {

@@ -221,7 +221,7 @@ fn focused_views_and_timeline_handle_arrow_keys_and_show_the_focus() {
         harness.key_press(key);
         harness.run_steps(2);
     }
-    assert_eq!(harness.state().model.chosen, Some((81, 61)), "the selection starts at the centre");
+    assert_eq!(harness.state().model.selection.pixel, Some((81, 61)), "the selection starts at the centre");
     assert!(harness.get_by_label("Foreground view").is_focused());
 
     harness.get_by_label("Timeline").focus();

@@ -19,7 +19,7 @@ fn opening_can_be_cancelled_and_a_video_closed() {
     let (mut harness, _) = window(Some(state(Phase::Opening, None)), (1600.0, 1000.0), Theme::Dark);
     harness.get_by_label("Cancel").click();
     harness.run_steps(3);
-    assert!(harness.state().model.player.is_none());
+    assert!(harness.state().model.worker.player.is_none());
     harness.get_by_label("Open a video");
 
     let (mut harness, _) = ready(10);
@@ -30,8 +30,8 @@ fn opening_can_be_cancelled_and_a_video_closed() {
     harness.get_by_label("walk.mp4").click();
     harness.run_steps(3);
     settle(&mut harness);
-    assert_eq!(harness.state().model.opened.as_deref(), Some("/videos/walk.mp4"));
-    assert!(harness.state().model.shown().is_some());
+    assert_eq!(harness.state().model.videos.opened.as_deref(), Some("/videos/walk.mp4"));
+    assert!(harness.state().model.worker.shown().is_some());
 }
 
 #[test]
@@ -78,7 +78,7 @@ fn the_about_dialog_shows_version_and_graphics_adapter() {
     // Shortcuts do not act on what is under the dialog.
     harness.key_press(Key::Num5);
     harness.run_steps(2);
-    assert_eq!(harness.state().model.maximised, None);
+    assert_eq!(harness.state().model.display.maximised, None);
     harness.key_press(Key::Escape);
     harness.run_steps(3);
     assert!(harness.query_by_label(env!("OCCLUSCOPE_VERSION")).is_none());
@@ -91,14 +91,14 @@ fn the_sample_shows_a_hint_until_it_is_dismissed() {
     act(&mut harness, Action::OpenSample);
     settle(&mut harness);
     assert_eq!(
-        harness.state().model.recent,
+        harness.state().model.videos.recent,
         ["/videos/walk.mp4"],
         "the sample is not among the recent videos"
     );
     picture(&mut harness, "hint");
     harness.get_by_label("Hide hint").click();
     harness.run_steps(3);
-    assert!(harness.query_by_label("Hide hint").is_none() && !harness.state().model.hint);
+    assert!(harness.query_by_label("Hide hint").is_none() && !harness.state().model.panels.hint);
 }
 
 #[test]
@@ -130,14 +130,14 @@ fn a_setting_is_found_by_name_and_scrolled_into_view() {
     // After that the panel stays at the user's scroll offset.
     harness.get_by_label("Input view").click();
     harness.run_steps(3);
-    assert_eq!(harness.state().model.looked_at, None);
+    assert_eq!(harness.state().model.panels.revealed_setting, None);
 }
 
 #[test]
 fn the_analysis_can_be_paused_and_resumed_beside_its_progress() {
     let (mut harness, scene) = ready(58);
     assert!(harness.query_by_label("Pause analysis").is_none(), "the analysis is idle");
-    let asked = |scene: &Scene| scene.asked.borrow().last().cloned();
+    let asked = |scene: &RecordingPlayer| scene.asked.borrow().last().cloned();
     {
         let mut state = scene.state.borrow_mut();
         state.busy = Some(WorkProgress { what: "analysing".into(), done: 70, total: Some(FRAMES) });
@@ -161,7 +161,7 @@ fn the_analysis_can_be_paused_and_resumed_beside_its_progress() {
     harness.key_press_modifiers(Modifiers::SHIFT, Key::Space);
     harness.run_steps(3);
     assert_eq!(asked(&scene), Some(PlayerCall::Ahead(false)));
-    assert_eq!(harness.state().model.requested_position, None);
+    assert_eq!(harness.state().model.worker.requested_position, None);
     scene.state.borrow_mut().busy = None;
     harness.run_steps(3);
     harness.get_by_label("Resume analysis").click();
@@ -174,8 +174,9 @@ fn the_analysis_can_be_paused_and_resumed_beside_its_progress() {
 fn closing_a_video_does_not_wait_for_its_worker() {
     let (mut harness, scene) = ready(58);
     let ctx = harness.ctx.clone();
-    let left =
-        |scene: &Scene| scene.asked.borrow().iter().filter(|asked| **asked == PlayerCall::Leave).count();
+    let left = |scene: &RecordingPlayer| {
+        scene.asked.borrow().iter().filter(|asked| **asked == PlayerCall::Leave).count()
+    };
     harness.state_mut().apply(&ctx, Command::Open("/videos/other.mp4".into(), Start::First));
     assert_eq!(left(&scene), 1);
     act(&mut harness, Action::CloseVideo);
@@ -197,23 +198,23 @@ fn pixels_and_the_timeline_have_shortcuts() {
     let chosen = |harness: &mut Harness<'_, Window>, modifiers, key| {
         harness.key_press_modifiers(modifiers, key);
         harness.run_steps(2);
-        harness.state().model.chosen
+        harness.state().model.selection.pixel
     };
     assert_eq!(chosen(&mut harness, Modifiers::ALT, Key::ArrowLeft), Some((80, 60)), "the centre at first");
     assert_eq!(chosen(&mut harness, Modifiers::ALT, Key::ArrowLeft), Some((79, 60)));
     assert_eq!(chosen(&mut harness, Modifiers::ALT, Key::ArrowDown), Some((79, 61)));
     assert_eq!(scene.asked.borrow().last(), Some(&PlayerCall::Inspect(Some((79, 61)))));
-    harness.state_mut().model.chosen = Some((159, 0));
+    harness.state_mut().model.selection.pixel = Some((159, 0));
     assert_eq!(chosen(&mut harness, Modifiers::ALT, Key::ArrowRight), Some((159, 0)), "at the edge");
     assert_eq!(chosen(&mut harness, Modifiers::ALT, Key::ArrowUp), Some((159, 0)));
 
     harness.key_press_modifiers(Modifiers::ALT, Key::Plus);
     harness.run_steps(2);
-    let (from, to) = harness.state().model.span.unwrap();
+    let (from, to) = harness.state().model.panels.timeline_span.unwrap();
     assert!((to - from - 60.0).abs() < 0.1 && (from..to).contains(&58.5), "{from} to {to}");
     harness.key_press_modifiers(Modifiers::ALT, Key::Minus);
     harness.run_steps(2);
-    assert_eq!(harness.state().model.span, None);
+    assert_eq!(harness.state().model.panels.timeline_span, None);
 }
 
 #[test]
@@ -231,13 +232,13 @@ fn an_unknown_frame_rate_is_labelled_as_assumed_and_can_be_typed() {
     harness.run_steps(2);
     harness.get_by_role_and_label(field.0, field.1).type_text("12.5");
     harness.run_steps(2);
-    assert!(harness.state().model.rates.is_empty(), "no rate is applied while typing");
+    assert!(harness.state().model.videos.frame_rates.is_empty(), "no rate is applied while typing");
     let said = scene.asked.borrow().len();
     harness.key_press(Key::Enter);
     harness.run_steps(3);
     let model = &harness.state().model;
-    assert_eq!(model.rates.get("/videos/walk.mp4"), Some(&12.5));
-    assert_eq!(model.chosen, Some((30, 60)), "the chosen pixel is retained");
+    assert_eq!(model.videos.frame_rates.get("/videos/walk.mp4"), Some(&12.5));
+    assert_eq!(model.selection.pixel, Some((30, 60)), "the chosen pixel is retained");
     assert!(
         scene.asked.borrow()[said..].iter().any(|asked| matches!(asked, PlayerCall::Inspect(Some((30, 60)))))
     );

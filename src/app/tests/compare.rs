@@ -3,7 +3,8 @@
 use super::*;
 use crate::app::commands::command::Action;
 use crate::app::model::event_comparison::{ComparisonFilter, EventRef};
-use crate::app::views::{Canvas, Layout, loupe_words};
+use crate::app::model::layout::ViewLayout;
+use crate::app::views::{ViewCanvas, loupe_words};
 use crate::replay::ComparedSequence;
 use crate::truth::Truth;
 use crate::truth::boxes::Boxes;
@@ -76,19 +77,19 @@ pub(super) fn answer(state: &mut State, settings: &Settings, beside: Option<Sett
 }
 
 /// A scene with K = 2 as B, which is in view, in the comparison layout.
-fn comparing() -> (Harness<'static, Window>, Scene) {
+fn comparing() -> (Harness<'static, Window>, RecordingPlayer) {
     let (mut harness, scene) = ready(30);
     harness.key_press(Key::B);
     harness.run_steps(3);
-    harness.state_mut().model.settings.k = 2;
+    harness.state_mut().model.edits.settings.k = 2;
     harness.run_steps(3);
     let ctx = harness.ctx.clone();
-    harness.state_mut().apply(&ctx, Command::Act(Action::Arrange(Layout::Compare)));
+    harness.state_mut().apply(&ctx, Command::Act(Action::Arrange(ViewLayout::Compare)));
     settle(&mut harness);
     (harness, scene)
 }
 
-fn beside(scene: &Scene) -> Option<Settings> {
+fn beside(scene: &RecordingPlayer) -> Option<Settings> {
     let asked = scene.asked.borrow();
     let last = asked.iter().rev().find_map(|asked| match asked {
         PlayerCall::Compare(beside) => Some(beside.clone()),
@@ -107,7 +108,7 @@ fn both_slots_are_requested_and_shown_side_by_side() {
     let picture = harness.render().unwrap();
     let at = |view: &str, pixel: (u32, u32)| {
         let rect = harness.get_by_label(view).rect();
-        let canvas = super::super::views::Canvas::new(rect, SIZE, harness.state().model.camera);
+        let canvas = super::super::views::ViewCanvas::new(rect, SIZE, harness.state().model.display.camera);
         let place = canvas.place_pixel(pixel).center();
         picture.get_pixel(place.x as u32, place.y as u32).0
     };
@@ -120,7 +121,7 @@ fn both_slots_are_requested_and_shown_side_by_side() {
     assert!(both[0] > 150 && both[2] > 150, "{both:?} is not the colour of both");
     harness.get_by_label("Foreground (B)");
     harness.get_by_label("Foreground (A)");
-    harness.state_mut().model.camera.magnification = 30.0;
+    harness.state_mut().model.display.camera.magnification = 30.0;
     super::picture(&mut harness, "compare-near");
 }
 
@@ -143,9 +144,9 @@ fn the_loupe_shows_the_verdict_of_the_settings_of_its_view() {
         state.shown = Some(Arc::new(shown));
     }
     settle(&mut harness);
-    let told = |harness: &Harness<'_, Window>, view, pixel| {
+    let words = |harness: &Harness<'_, Window>, view, pixel| {
         let model = &harness.state().model;
-        loupe_words(view, model, model.shown().unwrap(), pixel).map(|(text, _)| text)
+        loupe_words(view, model, model.worker.shown().unwrap(), pixel).map(|(text, _)| text)
     };
     let at = |(x, y): (u32, u32)| format!("{x}, {y}");
     for (view, pixel, value, verdict) in [
@@ -156,16 +157,17 @@ fn the_loupe_shows_the_verdict_of_the_settings_of_its_view() {
         (View::Agreement, wall, "0 0", "foreground in neither"),
     ] {
         assert_eq!(
-            told(&harness, view, pixel),
+            words(&harness, view, pixel),
             [at(pixel), value.to_owned(), verdict.to_owned()],
             "{view:?}"
         );
     }
     for view in [View::ComparedBackground, View::ComparedTracks] {
-        assert_eq!(told(&harness, view, third)[2], "foreground, no match", "{view:?}");
+        assert_eq!(words(&harness, view, third)[2], "foreground, no match", "{view:?}");
     }
     let rect = harness.get_by_label("A vs B difference view").rect();
-    let pointer = Canvas::new(rect, SIZE, harness.state().model.camera).place_pixel(third).center();
+    let pointer =
+        ViewCanvas::new(rect, SIZE, harness.state().model.display.camera).place_pixel(third).center();
     harness.hover_at(pointer);
     harness.run_steps(3);
     harness.get_by_label("A vs B difference  255 0");
@@ -176,14 +178,14 @@ fn the_loupe_shows_the_verdict_of_the_settings_of_its_view() {
     harness.key_press(Key::A);
     harness.run_steps(5);
     settle(&mut harness);
-    assert_eq!(told(&harness, View::Agreement, third)[1..], ["255 0", "foreground in A only"]);
+    assert_eq!(words(&harness, View::Agreement, third)[1..], ["255 0", "foreground in A only"]);
 }
 
 #[test]
 fn comparison_views_name_what_is_missing() {
     let (mut harness, scene) = ready(30);
     let ctx = harness.ctx.clone();
-    harness.state_mut().apply(&ctx, Command::Act(Action::Arrange(Layout::Compare)));
+    harness.state_mut().apply(&ctx, Command::Act(Action::Arrange(ViewLayout::Compare)));
     settle(&mut harness);
     picture(&mut harness, "compare-one");
     harness.key_press(Key::B);
@@ -236,9 +238,9 @@ fn copying_swapping_and_dropping_a_slot_can_be_undone() {
     assert_eq!(act(&mut harness, Action::CopySettings), (2, Some(2)));
     assert_eq!(act(&mut harness, Action::Undo), (2, Some(k)));
     assert_eq!(act(&mut harness, Action::KeepSettings), (2, None));
-    assert_eq!(harness.state().model.ab_settings.in_view, AbSlot::A);
+    assert_eq!(harness.state().model.edits.ab_settings.in_view, AbSlot::A);
     assert_eq!(act(&mut harness, Action::Undo), (2, Some(k)));
-    assert_eq!(harness.state().model.ab_settings.in_view, AbSlot::B);
+    assert_eq!(harness.state().model.edits.ab_settings.in_view, AbSlot::B);
 }
 
 #[test]
@@ -253,12 +255,12 @@ fn events_are_filtered_by_slot() {
     right_panel_looks_as_before(&mut harness, "compare-events");
     harness.get_by_label("Events under A only").click();
     harness.run_steps(3);
-    assert_eq!(harness.state().model.listing, ComparisonFilter::OnlyCompared);
+    assert_eq!(harness.state().model.events.filter, ComparisonFilter::OnlyCompared);
     assert!(harness.query_by_label_contains("exit 1").is_none());
     // An event of the compared settings is selected like any other.
     harness.get_by_label("disappear 3, frame 41, A").click();
     harness.run_steps(3);
-    assert_eq!(harness.state().model.reading, Some(EventRef::Compared(2)));
+    assert_eq!(harness.state().model.selection.event, Some(EventRef::Compared(2)));
     assert_eq!(shows(&scene).last(), Some(&40));
     harness.get_by_label("Evidence for disappear 3");
 }
@@ -268,7 +270,7 @@ fn both_slots_are_scored_against_the_ground_truth() {
     let (mut harness, scene) = comparing();
     let ctx = harness.ctx.clone();
     let boxes = Truth { boxes: Some(Boxes::new()), masks: None };
-    harness.state_mut().answered(&ctx, DialogResult::Truth(Ok(Arc::new(boxes))));
+    harness.state_mut().handle_result(&ctx, DialogResult::Truth(Ok(Arc::new(boxes))));
     settle(&mut harness);
     assert!(scene.asked.borrow().contains(&PlayerCall::Truth(true)));
     harness.get_all_by_label("0.900").next().unwrap();

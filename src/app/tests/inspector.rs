@@ -31,11 +31,11 @@ pub(super) fn inspected_state(position: u32) -> State {
     }
 }
 
-fn inspected(position: u32) -> (Harness<'static, Window>, Scene) {
+fn inspected(position: u32) -> (Harness<'static, Window>, RecordingPlayer) {
     window(Some(inspected_state(position)), (1600.0, 1000.0), Theme::Dark)
 }
 
-fn tuned(scene: &Scene) -> Vec<Option<[TunableSetting; 2]>> {
+fn tuned(scene: &RecordingPlayer) -> Vec<Option<[TunableSetting; 2]>> {
     let asked = scene.asked.borrow();
     asked
         .iter()
@@ -59,7 +59,7 @@ fn a_visible_tuning_map_is_requested_and_a_cell_becomes_the_settings() {
     harness.drop_at(at);
     harness.run_steps(8);
     let settings = given(&scene).expect("no cell was applied");
-    let cell = harness.state().model.tuning().unwrap().map.clone();
+    let cell = harness.state().model.worker.tuning().unwrap().map.clone();
     assert!(cell.axes[0].values.contains(&settings.alpha) && cell.axes[1].values.contains(&settings.t));
     assert_eq!(Settings { alpha: settings.alpha, t: settings.t, ..Settings::default() }, settings);
     harness.key_press_modifiers(Modifiers::COMMAND, Key::Z);

@@ -4,8 +4,8 @@ use std::collections::HashMap;
 
 use super::*;
 use crate::app::commands::command::Action;
-use crate::app::model::overlays::Drawn;
-use crate::app::views::Layout;
+use crate::app::model::layout::ViewLayout;
+use crate::app::model::overlays::TrackOverlay;
 
 fn act(harness: &mut Harness<'_, Window>, action: Action) {
     let ctx = harness.ctx.clone();
@@ -31,21 +31,21 @@ fn a_view_can_be_closed_and_reopened_except_the_last() {
     harness.get_by_label("Regions view").click();
     harness.run_steps(4);
     assert!(is_seen(&harness, View::Regions));
-    for view in View::ALL.into_iter().filter(|view| view.is_there_at_first()) {
+    for view in View::ALL.into_iter().filter(|view| view.is_open_at_first()) {
         act(&mut harness, Action::Open(view));
     }
     let open = View::ALL.into_iter().filter(|&view| is_seen(&harness, view)).count();
-    assert_eq!((open, harness.state().model.open.iter().filter(|open| **open).count()), (1, 1));
+    assert_eq!((open, harness.state().model.display.open.iter().filter(|open| **open).count()), (1, 1));
 }
 
 #[test]
 fn layouts_arrange_views_and_panels() {
     let (mut harness, _) = ready(58);
     for (layout, name, seen) in [
-        (Layout::Figure, "figure", &View::ALL[..6]),
-        (Layout::Tuning, "tuning", &[View::Input, View::Foreground, View::Tracks]),
+        (ViewLayout::Figure, "figure", &View::ALL[..6]),
+        (ViewLayout::Tuning, "tuning", &[View::Input, View::Foreground, View::Tracks]),
         (
-            Layout::Compare,
+            ViewLayout::Compare,
             "compare",
             &[
                 View::Foreground,
@@ -55,8 +55,12 @@ fn layouts_arrange_views_and_panels() {
                 View::ComparedTracks,
             ],
         ),
-        (Layout::Inspect, "inspect", &[View::Input, View::Background, View::Foreground]),
-        (Layout::All, "all", &[View::Input, View::Background, View::Foreground, View::Regions, View::Tracks]),
+        (ViewLayout::Inspect, "inspect", &[View::Input, View::Background, View::Foreground]),
+        (
+            ViewLayout::All,
+            "all",
+            &[View::Input, View::Background, View::Foreground, View::Regions, View::Tracks],
+        ),
     ] {
         act(&mut harness, Action::Arrange(layout));
         for &view in seen {
@@ -72,15 +76,15 @@ fn layouts_arrange_views_and_panels() {
 #[test]
 fn overlays_of_the_tracks_view_can_be_hidden() {
     let (mut harness, _) = ready(58);
-    harness.state_mut().model.maximised = Some(View::Tracks);
+    harness.state_mut().model.display.maximised = Some(View::Tracks);
     settle(&mut harness);
     let full = harness.render().unwrap();
     let mut plain = full.clone();
-    for what in Drawn::ALL {
+    for what in TrackOverlay::ALL {
         act(&mut harness, Action::Draw(what));
         let less = harness.render().unwrap();
         // A single frame has no trails and no events, and no ground truth is loaded.
-        let nothing = matches!(what, Drawn::Trails | Drawn::Events | Drawn::Truth);
+        let nothing = matches!(what, TrackOverlay::Trails | TrackOverlay::Events | TrackOverlay::Truth);
         assert_eq!(less == plain, nothing, "{what:?}");
         plain = less;
     }
@@ -88,14 +92,16 @@ fn overlays_of_the_tracks_view_can_be_hidden() {
     harness.key_press(Key::T);
     harness.key_press(Key::G);
     harness.run_steps(3);
-    let drawn = harness.state().model.drawn;
-    assert!(drawn.has(Drawn::Trails) && drawn.has(Drawn::Gates) && !drawn.has(Drawn::Names));
+    let drawn = harness.state().model.display.track_overlays;
+    assert!(
+        drawn.has(TrackOverlay::Trails) && drawn.has(TrackOverlay::Gates) && !drawn.has(TrackOverlay::Names)
+    );
 }
 
 #[test]
 fn ground_truth_boxes_are_drawn_over_the_tracks_of_their_frame() {
     let (mut harness, _) = ready(58);
-    harness.state_mut().model.maximised = Some(View::Tracks);
+    harness.state_mut().model.display.maximised = Some(View::Tracks);
     settle(&mut harness);
     let without = harness.render().unwrap();
     let folder = tempfile::tempdir().unwrap();
@@ -103,13 +109,13 @@ fn ground_truth_boxes_are_drawn_over_the_tracks_of_their_frame() {
     std::fs::write(&path, "59,1,20,20,30,50,1,1,1\n60,2,90,20,30,50,1,1,1\n").unwrap();
     let truth = crate::truth::Truth::read(&path).unwrap();
     let ctx = harness.ctx.clone();
-    harness.state_mut().answered(&ctx, DialogResult::Truth(Ok(Arc::new(truth))));
+    harness.state_mut().handle_result(&ctx, DialogResult::Truth(Ok(Arc::new(truth))));
     // The toast about the ground truth would change the image.
     harness.state_mut().toasts = crate::app::panels::toasts::Toasts::default();
     harness.run_steps(2);
     let with = harness.render().unwrap();
     let rect = harness.get_by_label("Tracks and occlusions view").rect();
-    let canvas = crate::app::views::Canvas::new(rect, SIZE, harness.state().model.camera);
+    let canvas = crate::app::views::ViewCanvas::new(rect, SIZE, harness.state().model.display.camera);
     let differs = |place: Rect| {
         let place = canvas.place(&place);
         let pixels = (place.left() as u32..place.right() as u32)
@@ -128,7 +134,7 @@ fn actual_size_draws_each_pixel_as_one_screen_pixel() {
     let (mut harness, _) = ready(10);
     act(&mut harness, Action::Actual);
     let rect = harness.get_by_label("Tracks and occlusions view").rect();
-    let canvas = crate::app::views::Canvas::new(rect, SIZE, harness.state().model.camera);
+    let canvas = crate::app::views::ViewCanvas::new(rect, SIZE, harness.state().model.display.camera);
     assert!((canvas.scale - 1.0).abs() < 1e-3, "{}", canvas.scale);
 }
 
@@ -155,9 +161,9 @@ impl eframe::Storage for Storage {
 fn the_window_state_survives_a_restart() {
     use eframe::App as _;
     let (mut harness, _) = ready(10);
-    act(&mut harness, Action::Arrange(Layout::Compare));
+    act(&mut harness, Action::Arrange(ViewLayout::Compare));
     act(&mut harness, Action::Open(View::Difference));
-    act(&mut harness, Action::Draw(Drawn::Gates));
+    act(&mut harness, Action::Draw(TrackOverlay::Gates));
     act(&mut harness, Action::OverlayOpacity);
     act(&mut harness, Action::Faster);
     act(&mut harness, Action::Bookmark);
@@ -170,24 +176,25 @@ fn the_window_state_survives_a_restart() {
     next.state_mut().restore(&ctx, Some(&storage));
     next.run_steps(2);
     let (was, is) = (&harness.state().model, &next.state().model);
-    assert_eq!(is.open, was.open);
-    assert!(!is.open[View::Difference.place()] && is.settings_panel && !is.inspector_panel);
-    assert_eq!((is.drawn, is.overlay, is.playback.speed), (was.drawn, was.overlay, was.playback.speed));
-    assert!(!is.drawn.has(Drawn::Gates));
-    assert_eq!(is.recent, ["/videos/walk.mp4"]);
+    assert_eq!(is.display.open, was.display.open);
+    assert!(!is.display.open[View::Difference.index()] && is.panels.settings && !is.panels.inspector);
+    assert_eq!(is.display.track_overlays, was.display.track_overlays);
+    assert_eq!((is.display.overlay, is.playback.speed), (was.display.overlay, was.playback.speed));
+    assert!(!is.display.track_overlays.has(TrackOverlay::Gates));
+    assert_eq!(is.videos.recent, ["/videos/walk.mp4"]);
     assert!(next.state().light);
     next.state_mut().apply(&ctx, Command::Open("/videos/walk.mp4".into(), Start::First));
-    assert!(next.state().model.marks.bookmarks.contains(&10));
+    assert!(next.state().model.playback.marks.bookmarks.contains(&10));
     next.state_mut().apply(&ctx, Command::Open("/videos/other.mp4".into(), Start::First));
-    assert!(next.state().model.marks.is_empty());
+    assert!(next.state().model.playback.marks.is_empty());
 
     // An unreadable state gives the initial values.
     storage.0.insert("window".into(), "(light: 7".into());
     storage.0.insert("layout".into(), "nothing".into());
     let (mut fresh, _) = window(None, (1600.0, 1000.0), Theme::Dark);
     fresh.state_mut().restore(&ctx, Some(&storage));
-    assert_eq!(fresh.state().model.open, View::ALL.map(View::is_there_at_first));
-    assert!(fresh.state().model.recent.is_empty());
+    assert_eq!(fresh.state().model.display.open, View::ALL.map(View::is_open_at_first));
+    assert!(fresh.state().model.videos.recent.is_empty());
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The loupe beside the pointer.
 
 use super::*;
-use crate::app::views::{Canvas, loupe_picture, loupe_place};
+use crate::app::views::{ViewCanvas, loupe_picture, loupe_place};
 
 #[test]
 fn the_loupe_magnifies_the_pixel_under_the_pointer_and_changes_nothing_else() {
@@ -16,7 +16,7 @@ fn the_loupe_magnifies_the_pixel_under_the_pointer_and_changes_nothing_else() {
                 settle(&mut harness);
             }
             let rect = harness.get_by_label(&format!("{} view", view.title())).rect();
-            let canvas = Canvas::new(rect, SIZE, harness.state().model.camera);
+            let canvas = ViewCanvas::new(rect, SIZE, harness.state().model.display.camera);
             // Away from the edges of the map's steps: a small view blends adjacent colours.
             let pixel = if view == View::Map { (90, 60) } else { (80, 60) };
             let pointer = canvas.place_pixel(pixel).center();

@@ -2,7 +2,8 @@
 
 use super::*;
 use crate::app::commands::command::Action;
-use crate::app::model::{Camera, Hover};
+use crate::app::model::camera::{Hover, ViewCamera};
+use crate::app::views::pixel_value;
 
 fn act(harness: &mut Harness<'_, Window>, action: Action) {
     let ctx = harness.ctx.clone();
@@ -11,7 +12,7 @@ fn act(harness: &mut Harness<'_, Window>, action: Action) {
     settle(harness);
 }
 
-fn maps_asked(scene: &Scene) -> Vec<Option<Quantity>> {
+fn maps_asked(scene: &RecordingPlayer) -> Vec<Option<Quantity>> {
     let asked = scene.asked.borrow();
     asked.iter().filter_map(|asked| if let PlayerCall::Map(of) = asked { Some(*of) } else { None }).collect()
 }
@@ -38,10 +39,10 @@ fn a_map_is_requested_only_while_it_is_visible() {
     harness.key_press(Key::Num1);
     harness.run_steps(3);
     act(&mut harness, Action::NextMap);
-    assert_eq!(harness.state().model.maximised, Some(View::Map));
-    assert_eq!(harness.state().model.quantity, Quantity::BackgroundCount, "the quantity shown last");
+    assert_eq!(harness.state().model.display.maximised, Some(View::Map));
+    assert_eq!(harness.state().model.display.quantity, Quantity::BackgroundCount, "the quantity shown last");
     act(&mut harness, Action::NextMap);
-    assert_eq!(harness.state().model.quantity, Quantity::Matched);
+    assert_eq!(harness.state().model.display.quantity, Quantity::Matched);
 }
 
 #[test]
@@ -49,12 +50,13 @@ fn each_value_has_its_colour_and_its_text() {
     let (mut harness, _) = window(Some(state(Phase::Ready, Some(58))), (1600.0, 1000.0), Theme::Dark);
     let view = "Map view";
     for quantity in Quantity::ALL {
-        harness.state_mut().model.maximised = Some(View::Map);
+        harness.state_mut().model.display.maximised = Some(View::Map);
         act(&mut harness, Action::Map(quantity));
-        harness.state_mut().model.hovered = Some(Hover { view: View::Map, pixel: (100, 60), scale: 5.0 });
+        harness.state_mut().model.selection.hovered =
+            Some(Hover { view: View::Map, pixel: (100, 60), scale: 5.0 });
         picture(&mut harness, &format!("map-{quantity:?}"));
         let rect = harness.get_by_label(view).rect();
-        let canvas = crate::app::views::Canvas::new(rect, SIZE, harness.state().model.camera);
+        let canvas = crate::app::views::ViewCanvas::new(rect, SIZE, harness.state().model.display.camera);
         let picture = harness.render().unwrap();
         let colour = |at: (u32, u32)| {
             let middle = canvas.place_pixel(at).center();
@@ -78,12 +80,14 @@ fn each_value_has_its_colour_and_its_text() {
             }
         }
     }
-    let value = |window: &Window, pixel| View::Map.value(&window.model, window.model.shown().unwrap(), pixel);
+    let value = |window: &Window, pixel| {
+        pixel_value(View::Map, &window.model, window.model.worker.shown().unwrap(), pixel)
+    };
     assert_eq!(value(harness.state(), (10, 5)), "since=never");
     assert_eq!(value(harness.state(), (100, 60)), "since=500");
     act(&mut harness, Action::Map(Quantity::Sigma));
     assert_eq!(value(harness.state(), (10, 5)), "σ=6.50");
-    harness.state_mut().model.camera = Camera { magnification: 24.0, centre: [0.5, 0.5] };
+    harness.state_mut().model.display.camera = ViewCamera { magnification: 24.0, centre: [0.5, 0.5] };
     picture(&mut harness, "map-close-up");
 }
 
@@ -104,7 +108,7 @@ fn a_map_is_readable_in_small_windows_and_in_the_light_theme() {
 #[test]
 fn a_model_without_a_mixture_shows_a_message() {
     let (mut harness, scene) = ready(58);
-    harness.state_mut().model.maximised = Some(View::Map);
+    harness.state_mut().model.display.maximised = Some(View::Map);
     settle(&mut harness);
     let settings =
         Settings { background_model: crate::settings::BackgroundModel::Knn, ..Settings::default() };
@@ -112,7 +116,7 @@ fn a_model_without_a_mixture_shows_a_message() {
     scene.state.borrow_mut().shown = Some(Arc::new(shown));
     settle(&mut harness);
     let empty = harness.render().unwrap();
-    harness.state_mut().model.quantity = Quantity::SinceForeground;
+    harness.state_mut().model.display.quantity = Quantity::SinceForeground;
     harness.step();
     scene.state.borrow_mut().shown.as_mut().map(|shown| Arc::make_mut(shown).map.take());
     settle(&mut harness);

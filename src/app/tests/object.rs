@@ -2,21 +2,21 @@
 
 use super::*;
 use crate::app::commands::command::Action;
-use crate::app::model::Subject;
 use crate::app::model::event_comparison::EventRef;
-use crate::app::views::Canvas;
+use crate::app::model::selection::Subject;
+use crate::app::views::ViewCanvas;
 
 /// Clicks on a place of the image in a view.
 fn click(harness: &mut Harness<'_, Window>, view: &str, at: [f32; 2]) {
     let rect = harness.get_by_label(view).rect();
-    let canvas = Canvas::new(rect, SIZE, harness.state().model.camera);
+    let canvas = ViewCanvas::new(rect, SIZE, harness.state().model.display.camera);
     click_at(harness, canvas.screen(at));
     // Two clicks at once would be a double click.
     harness.run_steps(40);
 }
 
 /// A window that shows the whole panel.
-fn tall() -> (Harness<'static, Window>, Scene) {
+fn tall() -> (Harness<'static, Window>, RecordingPlayer) {
     window(Some(state(Phase::Ready, Some(30))), (1600.0, 1700.0), Theme::Dark)
 }
 
@@ -24,8 +24,11 @@ fn tall() -> (Harness<'static, Window>, Scene) {
 fn a_click_on_an_object_explains_it_with_its_numbers() {
     let (mut harness, scene) = tall();
     click(&mut harness, "Tracks and occlusions view", [50.5, 60.5]);
-    assert_eq!((harness.state().model.object, harness.state().model.subject), (Some(1), Subject::Object));
-    assert_eq!(harness.state().model.chosen, Some((50, 60)), "the click chooses the pixel, too");
+    assert_eq!(
+        (harness.state().model.selection.object, harness.state().model.selection.subject),
+        (Some(1), Subject::Object)
+    );
+    assert_eq!(harness.state().model.selection.pixel, Some((50, 60)), "the click chooses the pixel, too");
     harness.get_by_label("Associated with region 1; 100 % of its full size is visible.");
     assert_eq!(harness.query_all_by_label("50.0, 60.0 px").count(), 2, "centre and centroid");
     harness.get_by_label("+1.00, +0.00 px/frame");
@@ -42,16 +45,16 @@ fn a_click_on_an_object_explains_it_with_its_numbers() {
     right_panel_looks_as_before(&mut harness, "object");
     harness.get_by_label("#51  merge 1 + 2").click();
     settle(&mut harness);
-    assert_eq!(harness.state().model.reading, Some(EventRef::InView(3)));
+    assert_eq!(harness.state().model.selection.event, Some(EventRef::InView(3)));
     assert_eq!(shows(&scene), [50]);
     right_panel_looks_as_before(&mut harness, "object-merged");
     harness.get_by_label_contains("Shares region 1 with 2;");
     harness.get_by_label("Explain pixel 50, 60").click();
     harness.run_steps(3);
-    assert_eq!(harness.state().model.subject, Subject::Pixel);
+    assert_eq!(harness.state().model.selection.subject, Subject::Pixel);
     harness.get_by_label("Explain object 1").click();
     harness.run_steps(3);
-    assert_eq!(harness.state().model.subject, Subject::Object);
+    assert_eq!(harness.state().model.selection.subject, Subject::Object);
     let ctx = harness.ctx.clone();
     harness.state_mut().apply(&ctx, Command::Act(Action::ClearObject));
     harness.run_steps(3);
@@ -63,11 +66,14 @@ fn clicking_a_region_chooses_its_object_and_an_absent_object_is_reported() {
     let (mut harness, scene) = tall();
     // Where two boxes overlap, the region determines the object.
     click(&mut harness, "Regions view", [110.0, 66.0]);
-    assert_eq!(harness.state().model.object, Some(2));
+    assert_eq!(harness.state().model.selection.object, Some(2));
     click(&mut harness, "Input view", [110.0, 66.0]);
-    assert_eq!((harness.state().model.object, harness.state().model.subject), (Some(2), Subject::Pixel));
+    assert_eq!(
+        (harness.state().model.selection.object, harness.state().model.selection.subject),
+        (Some(2), Subject::Pixel)
+    );
     click(&mut harness, "Tracks and occlusions view", [120.0, 30.0]);
-    assert_eq!(harness.state().model.object, Some(3));
+    assert_eq!(harness.state().model.selection.object, Some(3));
     let life = harness.get_by_label("Frame in track timeline").rect();
     click_at(&mut harness, life.lerp_inside(vec2(0.5, 0.5)));
     assert_eq!(shows(&scene).last(), Some(&60));
@@ -75,7 +81,7 @@ fn clicking_a_region_chooses_its_object_and_an_absent_object_is_reported() {
     harness.get_by_label_contains("Occluded: no associated region.");
     harness.get_by_label("No hypotheses: no associated region.");
     picture(&mut harness, "object-hidden");
-    harness.state_mut().model.object = Some(9);
+    harness.state_mut().model.selection.object = Some(9);
     harness.run_steps(3);
     harness.get_by_label("No box in this frame.");
     picture(&mut harness, "object-away");
@@ -146,7 +152,7 @@ fn the_selected_event_stays_the_same_when_events_are_inserted_before_it() {
     harness.state_mut().apply(&ctx, Command::OpenEvent(Some(EventRef::InView(3))));
     settle(&mut harness);
     harness.get_by_label("Evidence for merge 1 + 2");
-    let explained = |scene: &Scene| {
+    let explained = |scene: &RecordingPlayer| {
         scene.asked.borrow().iter().filter(|asked| matches!(asked, PlayerCall::Explain(Some(_)))).count()
     };
     assert_eq!(explained(&scene), 1);
@@ -156,7 +162,7 @@ fn the_selected_event_stays_the_same_when_events_are_inserted_before_it() {
     later.events.insert(2, event(EventKind::Appear, 20, &[3], (120.0, 38.0)));
     scene.state.borrow_mut().timeline = Arc::new(later.clone());
     settle(&mut harness);
-    assert_eq!(harness.state().model.reading, Some(EventRef::InView(4)));
+    assert_eq!(harness.state().model.selection.event, Some(EventRef::InView(4)));
     harness.get_by_label("Evidence for merge 1 + 2");
     harness.get_by_label("Occluder: 2");
     assert_eq!(explained(&scene), 1, "the same event is requested once");
@@ -177,7 +183,7 @@ fn the_selected_event_stays_the_same_when_events_are_inserted_before_it() {
     later.events.remove(4);
     scene.state.borrow_mut().timeline = Arc::new(later);
     settle(&mut harness);
-    assert_eq!(harness.state().model.reading, None, "the event was removed");
+    assert_eq!(harness.state().model.selection.event, None, "the event was removed");
     harness.state_mut().apply(&ctx, Command::OpenEvent(Some(EventRef::InView(3))));
     settle(&mut harness);
     assert_eq!(explained(&scene), 2);
@@ -187,7 +193,7 @@ fn the_selected_event_stays_the_same_when_events_are_inserted_before_it() {
 fn the_chosen_object_is_matched_by_position_under_other_settings() {
     let (mut harness, scene) = tall();
     click(&mut harness, "Tracks and occlusions view", [50.5, 60.5]);
-    assert_eq!(harness.state().model.object, Some(1));
+    assert_eq!(harness.state().model.selection.object, Some(1));
     let renamed = |names: [u32; 3], alpha: f32| {
         let shown = shown_at(30);
         let mut analysis = Analysis::clone(&shown.analysis);
@@ -199,10 +205,10 @@ fn the_chosen_object_is_matched_by_position_under_other_settings() {
     };
     scene.state.borrow_mut().shown = Some(Arc::new(renamed([2, 7, 1], 0.01)));
     settle(&mut harness);
-    assert_eq!(harness.state().model.object, Some(2), "identity 1 is another object");
+    assert_eq!(harness.state().model.selection.object, Some(2), "identity 1 is another object");
     let mut gone = renamed([2, 7, 1], 0.02);
     Arc::make_mut(&mut Arc::make_mut(&mut gone.analysis).tracks).retain(|track| track.id != 2);
     scene.state.borrow_mut().shown = Some(Arc::new(gone));
     settle(&mut harness);
-    assert_eq!(harness.state().model.object, None, "no object is at that position");
+    assert_eq!(harness.state().model.selection.object, None, "no object is at that position");
 }

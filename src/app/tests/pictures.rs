@@ -5,32 +5,33 @@ use image::{Rgba, RgbaImage};
 
 use super::*;
 use crate::app::commands::command::Action;
-use crate::app::model::Camera;
-use crate::app::views::{Background, Canvas};
+use crate::app::model::camera::ViewCamera;
+use crate::app::model::view::BackgroundDisplay;
+use crate::app::views::ViewCanvas;
 use crate::palette::identity_colour;
 
 /// One maximised view, with an integer number of screen pixels per image pixel.
-fn alone(view: View, position: u32) -> (Harness<'static, Window>, Scene, Canvas) {
+fn alone(view: View, position: u32) -> (Harness<'static, Window>, RecordingPlayer, ViewCanvas) {
     let (mut harness, scene) =
         window(Some(state(Phase::Ready, Some(position))), (1600.0, 1000.0), Theme::Dark);
-    harness.state_mut().model.maximised = Some(view);
+    harness.state_mut().model.display.maximised = Some(view);
     settle(&mut harness);
     let canvas = whole_scale(&mut harness, view);
     (harness, scene, canvas)
 }
 
-fn whole_scale(harness: &mut Harness<'_, Window>, view: View) -> Canvas {
+fn whole_scale(harness: &mut Harness<'_, Window>, view: View) -> ViewCanvas {
     let fitted = canvas(harness, view);
     let magnification = fitted.scale.floor() / fitted.scale;
-    harness.state_mut().model.camera = Camera { magnification, centre: [0.5, 0.5] };
+    harness.state_mut().model.display.camera = ViewCamera { magnification, centre: [0.5, 0.5] };
     settle(harness);
     canvas(harness, view)
 }
 
-fn canvas(harness: &Harness<'_, Window>, view: View) -> Canvas {
+fn canvas(harness: &Harness<'_, Window>, view: View) -> ViewCanvas {
     let rect = harness.get_by_label(&format!("{} view", view.title())).rect();
     let model = &harness.state().model;
-    Canvas::new(rect, model.shown().unwrap().frame.size, model.camera)
+    ViewCanvas::new(rect, model.worker.shown().unwrap().frame.size, model.display.camera)
 }
 
 fn at(picture: &RgbaImage, at: Pos2) -> [u8; 3] {
@@ -44,12 +45,12 @@ type Expected = fn(&ShownFrame, (u32, u32)) -> [u8; 3];
 /// Checks that pixels all over the image have the colour of `expected`, within two levels.
 fn compare(
     harness: &mut Harness<'_, Window>,
-    canvas: &Canvas,
+    canvas: &ViewCanvas,
     expected: impl Fn(&ShownFrame, (u32, u32)) -> [u8; 3],
 ) {
     settle(harness);
     let picture = harness.render().unwrap();
-    let shown = harness.state().model.shown().unwrap().clone();
+    let shown = harness.state().model.worker.shown().unwrap().clone();
     let mut seen = 0;
     for y in (1..SIZE.height).step_by(3) {
         for x in (1..SIZE.width).step_by(3) {
@@ -106,7 +107,7 @@ fn the_background_view_shows_the_kind_that_is_chosen() {
     let modes = Arc::new(Frame::new(11, SIZE, [40, 90, 200].repeat(SIZE.pixels())));
     let shown = ShownFrame { multi_mode: Some(modes), ..shown_at(10) };
     scene.state.borrow_mut().shown = Some(Arc::new(shown));
-    harness.state_mut().model.background = Background::MultiMode;
+    harness.state_mut().model.display.background = BackgroundDisplay::MultiMode;
     compare(&mut harness, &canvas, |_, _| [40, 90, 200]);
     let shown = ShownFrame { multi_mode: None, ..shown_at(10) };
     scene.state.borrow_mut().shown = Some(Arc::new(shown));
@@ -137,7 +138,7 @@ fn the_mask_overlay_has_the_requested_opacity() {
     picture(&mut harness, "mask-over-input");
     harness.get_by_label("Mask overlay").click();
     harness.run_steps(2);
-    assert!(!harness.state().model.overlay.on);
+    assert!(!harness.state().model.display.overlay.on);
     compare(&mut harness, &canvas, over(0.0));
 }
 
@@ -151,12 +152,12 @@ fn zooming_panning_and_the_mask_overlay_upload_nothing() {
         change(&mut harness.state_mut().model);
         settle(harness);
     };
-    model(&mut harness, |model| model.camera = Camera { magnification: 7.0, centre: [0.3, 0.4] });
-    model(&mut harness, |model| model.overlay.on = true);
-    model(&mut harness, |model| model.overlay.opacity = 80);
-    model(&mut harness, |model| model.maximised = Some(View::Regions));
-    model(&mut harness, |model| model.maximised = Some(View::Difference));
-    model(&mut harness, |model| model.maximised = None);
+    model(&mut harness, |model| model.display.camera = ViewCamera { magnification: 7.0, centre: [0.3, 0.4] });
+    model(&mut harness, |model| model.display.overlay.on = true);
+    model(&mut harness, |model| model.display.overlay.opacity = 80);
+    model(&mut harness, |model| model.display.maximised = Some(View::Regions));
+    model(&mut harness, |model| model.display.maximised = Some(View::Difference));
+    model(&mut harness, |model| model.display.maximised = None);
     assert!(Arc::ptr_eq(&before, &set(&harness)));
 }
 
@@ -179,16 +180,16 @@ fn only_changed_layers_of_visible_views_are_uploaded() {
     // Under other settings the input is unchanged.
     scene.state.borrow_mut().shown = Some(Arc::new(ShownFrame { frame: same.frame, ..shown_at(11) }));
     assert_eq!(bytes(&mut harness), colour + mask + labels + palette);
-    harness.state_mut().model.maximised = Some(View::Foreground);
+    harness.state_mut().model.display.maximised = Some(View::Foreground);
     settle(&mut harness);
     scene.show(12);
     assert_eq!(bytes(&mut harness), mask);
-    harness.state_mut().model.maximised = Some(View::Tracks);
+    harness.state_mut().model.display.maximised = Some(View::Tracks);
     assert_eq!(bytes(&mut harness), colour, "a layer is uploaded when its view becomes visible");
 }
 
 /// The first column of a row whose colour `is` accepts.
-fn columns(picture: &RgbaImage, canvas: &Canvas, y: u32, is: impl Fn([u8; 3]) -> bool) -> Option<u32> {
+fn columns(picture: &RgbaImage, canvas: &ViewCanvas, y: u32, is: impl Fn([u8; 3]) -> bool) -> Option<u32> {
     (0..SIZE.width).find(|&x| is(at(picture, canvas.place_pixel((x, y)).center())))
 }
 
@@ -201,14 +202,14 @@ fn all_views_change_frame_at_the_same_time() {
     for _ in 0..60 {
         harness.step();
         let picture = harness.render().unwrap();
-        let shown = harness.state().model.shown().unwrap();
+        let shown = harness.state().model.worker.shown().unwrap();
         let (input, foreground) = (canvas(&harness, View::Input), canvas(&harness, View::Foreground));
         // The first person, in red, is at 20 + t, 9 pixels wide to either side.
         let wanted = Some(20 + shown.position - 9);
         let y = 60;
         assert_eq!(columns(&picture, &input, y, |[r, g, b]| r > 150 && g < 110 && b < 100), wanted);
         assert_eq!(columns(&picture, &foreground, y, |colour| colour[1] > 128), wanted);
-        assert_eq!(harness.state().pictures.in_view().unwrap().moment().shown.position, shown.position);
+        assert_eq!(harness.state().pictures.in_view().unwrap().frame().shown.position, shown.position);
         positions.push(shown.position);
     }
     assert!(positions.is_sorted(), "{positions:?}");
@@ -227,11 +228,11 @@ fn a_frame_of_the_previous_video_is_never_shown() {
     for _ in 0..10 {
         std::thread::sleep(Duration::from_millis(5));
         harness.step();
-        assert!(harness.state().model.shown().is_none());
+        assert!(harness.state().model.worker.shown().is_none());
     }
     scene.show(3);
     settle(&mut harness);
-    assert_eq!(harness.state().model.shown().unwrap().position, 3);
+    assert_eq!(harness.state().model.worker.shown().unwrap().position, 3);
 }
 
 #[test]
@@ -243,7 +244,7 @@ fn trails_belong_to_their_frame_and_restart_under_other_settings() {
     }
     settle(&mut harness);
     let trails = |harness: &Harness<'_, Window>| {
-        let moment = harness.state().model.in_view.clone().unwrap();
+        let moment = harness.state().model.worker.in_view.clone().unwrap();
         moment.trails.keys().copied().collect::<Vec<_>>()
     };
     assert_eq!(trails(&harness), [10, 11, 12, 13]);
@@ -287,7 +288,8 @@ fn a_line_one_pixel_wide_neither_vanishes_nor_flickers_in_a_small_view() {
         let lines = (size.width as f32 / 400.0).round();
         for step in 0..8 {
             let across = 0.5 + step as f32 * 0.13 / size.width as f32;
-            harness.state_mut().model.camera = Camera { magnification: 1.0, centre: [across, 0.5] };
+            harness.state_mut().model.display.camera =
+                ViewCamera { magnification: 1.0, centre: [across, 0.5] };
             settle(&mut harness);
             let seen = brightness(&mut harness);
             assert!((seen - lines).abs() < 0.1 * lines, "{seen} of {lines} lines in step {step}");
@@ -301,8 +303,8 @@ fn an_image_larger_than_the_texture_limit_is_shown() {
     let mut first = state(Phase::Ready, Some(0));
     first.shown = Some(Arc::new(shown_with_mask(size, |x, _| x >= 10_000)));
     let (mut harness, _) = window(Some(first), (1024.0, 640.0), Theme::Dark);
-    harness.state_mut().model.maximised = Some(View::Foreground);
-    harness.state_mut().model.camera = Camera { magnification: 20.0, centre: [0.5, 0.5] };
+    harness.state_mut().model.display.maximised = Some(View::Foreground);
+    harness.state_mut().model.display.camera = ViewCamera { magnification: 20.0, centre: [0.5, 0.5] };
     settle(&mut harness);
     let canvas = canvas(&harness, View::Foreground);
     let picture = harness.render().unwrap();
@@ -318,8 +320,8 @@ fn the_last_opacity_is_followed_by_the_first() {
     let mut opacities = Vec::new();
     for _ in 0..4 {
         harness.state_mut().apply(&ctx, Command::Act(Action::OverlayOpacity));
-        assert!(harness.state().model.overlay.on);
-        opacities.push(harness.state().model.overlay.opacity);
+        assert!(harness.state().model.display.overlay.on);
+        opacities.push(harness.state().model.display.overlay.opacity);
     }
     assert_eq!(opacities, [75, 100, 25, 50]);
 }

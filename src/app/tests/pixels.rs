@@ -3,7 +3,7 @@
 use super::inspector::copied_text;
 use super::*;
 use crate::app::commands::command::Action;
-use crate::app::model::Camera;
+use crate::app::model::camera::ViewCamera;
 
 const AT: (u32, u32) = (80, 60);
 const PINNED: [(u32, u32); 3] = [(80, 60), (30, 40), (120, 50)];
@@ -19,7 +19,7 @@ fn apply(harness: &mut Harness<'_, Window>, command: Command) {
 }
 
 /// A scene with a chosen pixel.
-fn inspected(size: (f32, f32), theme: Theme) -> (Harness<'static, Window>, Scene) {
+fn inspected(size: (f32, f32), theme: Theme) -> (Harness<'static, Window>, RecordingPlayer) {
     let history = Some(history_of(AT));
     let shown = ShownFrame { pixel: history.clone(), ..shown_at(58) };
     let state = State { shown: Some(Arc::new(shown)), pixel: history, ..state(Phase::Ready, Some(58)) };
@@ -28,7 +28,7 @@ fn inspected(size: (f32, f32), theme: Theme) -> (Harness<'static, Window>, Scene
     (harness, scene)
 }
 
-fn pins_asked(scene: &Scene) -> Vec<Vec<(u32, u32)>> {
+fn pins_asked(scene: &RecordingPlayer) -> Vec<Vec<(u32, u32)>> {
     let asked = scene.asked.borrow();
     asked
         .iter()
@@ -36,7 +36,7 @@ fn pins_asked(scene: &Scene) -> Vec<Vec<(u32, u32)>> {
         .collect()
 }
 
-fn regions_asked(scene: &Scene) -> Vec<Option<((u32, u32), u32)>> {
+fn regions_asked(scene: &RecordingPlayer) -> Vec<Option<((u32, u32), u32)>> {
     let asked = scene.asked.borrow();
     asked
         .iter()
@@ -64,7 +64,7 @@ fn pixels_are_pinned_listed_chosen_and_unpinned() {
     harness.run_steps(4);
     harness.get_by_label("30, 40").click();
     harness.run_steps(3);
-    assert_eq!(harness.state().model.chosen, Some((30, 40)));
+    assert_eq!(harness.state().model.selection.pixel, Some((30, 40)));
     harness.get_by_label("Unpin 1").click();
     harness.run_steps(3);
     assert_eq!(pins_asked(&scene).last().unwrap()[..], PINNED[1..]);
@@ -92,7 +92,7 @@ fn pins_belong_to_their_video() {
     let (mut harness, scene) = inspected((1600.0, 1000.0), Theme::Dark);
     act(&mut harness, Action::Pin);
     apply(&mut harness, Command::Open("/videos/other.mp4".into(), Start::First));
-    assert!(harness.state().model.marks.pins.is_empty());
+    assert!(harness.state().model.playback.marks.pins.is_empty());
     apply(&mut harness, Command::Open("/videos/walk.mp4".into(), Start::First));
     assert_eq!(pins_asked(&scene), [vec![AT], vec![AT]], "requested of the new worker, too");
     // Without a chosen pixel, the pins are listed to choose from.
@@ -102,7 +102,7 @@ fn pins_belong_to_their_video() {
     harness.get_by_label("No pixel selected");
     harness.get_by_label("80, 60").click();
     harness.run_steps(3);
-    assert_eq!(harness.state().model.chosen, Some(AT));
+    assert_eq!(harness.state().model.selection.pixel, Some(AT));
 }
 
 #[test]
@@ -204,7 +204,7 @@ fn several_pixels_can_be_compared_in_both_themes_and_all_window_sizes() {
             harness.get_by_label("Pixels").click();
             harness.run_steps(4);
             picture(&mut harness, &format!("pixels-{}-{name}", size.0));
-            harness.state_mut().model.camera = Camera { magnification: 30.0, centre: [0.5, 0.5] };
+            harness.state_mut().model.display.camera = ViewCamera { magnification: 30.0, centre: [0.5, 0.5] };
             picture(&mut harness, &format!("pixels-close-up-{}-{name}", size.0));
         }
     }

@@ -101,8 +101,8 @@ fn shrinking_the_window_shrinks_every_panel() {
     harness.run_steps(4);
     let small = harness.get_by_label("Events").rect();
     // Between tabs and events there is space for a readable plot, and several events remain visible.
-    let room = small.top() - harness.get_by_label("History").rect().bottom();
-    assert!(room > 120.0, "{room} points are left to the inspector's tab");
+    let space = small.top() - harness.get_by_label("History").rect().bottom();
+    assert!(space > 120.0, "{space} points are left to the inspector's tab");
     assert!(harness.get_by_label("Timeline").rect().top() - small.top() > 100.0, "{small} leaves no list");
     assert!(small.left() > 1024.0 * 0.6, "{small} leaves no space for the views");
     assert!(large.top() > 0.38 * 1400.0, "{large}");

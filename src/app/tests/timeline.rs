@@ -20,12 +20,12 @@ fn the_wheel_zooms_and_pans_and_a_key_shows_the_whole_video() {
     let middle = rect.center();
     harness.hover_at(middle);
     wheel(&mut harness, vec2(0.0, 300.0));
-    let (from, to) = harness.state().model.span.unwrap();
+    let (from, to) = harness.state().model.panels.timeline_span.unwrap();
     assert!(to - from < 40.0 && from > 30.0 && to < 90.0, "{from} to {to}");
-    assert_eq!(harness.state().model.camera.magnification, 1.0, "the views' camera is unchanged");
+    assert_eq!(harness.state().model.display.camera.magnification, 1.0, "the views' camera is unchanged");
     picture(&mut harness, "timeline-near");
     wheel(&mut harness, vec2(-200.0, 0.0));
-    let moved = harness.state().model.span.unwrap();
+    let moved = harness.state().model.panels.timeline_span.unwrap();
     assert!(moved.0 > from + 2.0 && (moved.1 - moved.0 - (to - from)).abs() < 0.01, "{moved:?}");
     // A click selects the position that is visible under the pointer.
     harness.event(egui::Event::PointerMoved(rect.left_center() + vec2(9.0, 20.0)));
@@ -40,7 +40,7 @@ fn the_wheel_zooms_and_pans_and_a_key_shows_the_whole_video() {
     assert!((clicked - moved.0).abs() <= 1.0, "{clicked} at {moved:?}");
     harness.key_press_modifiers(Modifiers::SHIFT, Key::F);
     harness.run_steps(3);
-    assert_eq!(harness.state().model.span, None);
+    assert_eq!(harness.state().model.panels.timeline_span, None);
 }
 
 #[test]
@@ -48,7 +48,7 @@ fn a_playback_range_is_repeated() {
     let (mut harness, scene) = ready(40);
     harness.key_press_modifiers(Modifiers::SHIFT, Key::Home);
     harness.run_steps(3);
-    harness.state_mut().model.marks.toggle_end(43);
+    harness.state_mut().model.playback.marks.toggle_end(43);
     picture(&mut harness, "timeline-part");
     harness.key_press(Key::Space);
     harness.run_steps(60);
@@ -76,5 +76,5 @@ fn bookmarks_are_set_and_visited_by_key() {
     assert_eq!(shows(&scene), [50, 40, 50]);
     harness.key_press(Key::K);
     harness.run_steps(3);
-    assert_eq!(harness.state().model.marks.bookmarks.len(), 1);
+    assert_eq!(harness.state().model.playback.marks.bookmarks.len(), 1);
 }

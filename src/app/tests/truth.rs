@@ -44,7 +44,7 @@ fn tuning_of(state: &State, side: u32) -> RegionTuning {
 }
 
 /// A scene with ground truth and a chosen pixel whose tuning tab is open.
-fn judged(size: (f32, f32), theme: Theme) -> (Harness<'static, Window>, Scene) {
+fn judged(size: (f32, f32), theme: Theme) -> (Harness<'static, Window>, RecordingPlayer) {
     let state = inspected_state(58);
     let (mut harness, scene) = window(Some(state), size, theme);
     let ctx = harness.ctx.clone();
@@ -57,12 +57,12 @@ fn judged(size: (f32, f32), theme: Theme) -> (Harness<'static, Window>, Scene) {
 
 fn load(harness: &mut Harness<'_, Window>, truth: Arc<Truth>) {
     let ctx = harness.ctx.clone();
-    harness.state_mut().answered(&ctx, DialogResult::Truth(Ok(truth)));
+    harness.state_mut().handle_result(&ctx, DialogResult::Truth(Ok(truth)));
     harness.state_mut().toasts = crate::app::panels::toasts::Toasts::default();
     settle(harness);
 }
 
-fn asked(scene: &Scene) -> Vec<Option<((u32, u32), u32)>> {
+fn asked(scene: &RecordingPlayer) -> Vec<Option<((u32, u32), u32)>> {
     let asked = scene.asked.borrow();
     asked
         .iter()
@@ -81,7 +81,7 @@ fn ground_truth_masks_show_true_and_false_decisions() {
     picture(&mut harness, "right-all-views");
     harness.key_press(Key::Num9);
     settle(&mut harness);
-    assert_eq!(harness.state().model.maximised, Some(View::MaskErrors));
+    assert_eq!(harness.state().model.display.maximised, Some(View::MaskErrors));
     let (mask, truth) = (shown_at(58).analysis.mask.clone(), true_mask(58));
     let mut judge = truth.judge();
     mask.runs().for_each(|run| judge.take(run));
@@ -90,7 +90,7 @@ fn ground_truth_masks_show_true_and_false_decisions() {
     assert_eq!(harness.state().pictures.in_view().unwrap().decisions(), Some(expected));
     let image = harness.render().unwrap();
     let rect = harness.get_by_label("Mask errors view").rect();
-    let canvas = crate::app::views::Canvas::new(rect, SIZE, harness.state().model.camera);
+    let canvas = crate::app::views::ViewCanvas::new(rect, SIZE, harness.state().model.display.camera);
     // A pixel of each kind has its colour on the screen.
     for (label, found, colour) in [
         (Label::Foreground, true, [228, 232, 238]),
@@ -161,9 +161,9 @@ fn accuracy_under_other_settings_is_requested_shown_and_applied() {
 
 #[test]
 fn a_hidden_tab_requests_nothing() {
-    use crate::app::model::Subject;
+    use crate::app::model::selection::Subject;
     let (mut harness, scene) = judged((1600.0, 1000.0), Theme::Dark);
-    let tuned = |scene: &Scene| {
+    let tuned = |scene: &RecordingPlayer| {
         let asked = scene.asked.borrow();
         let last = asked
             .iter()
@@ -173,10 +173,10 @@ fn a_hidden_tab_requests_nothing() {
     };
     assert!(tuned(&scene).is_some());
     let ctx = harness.ctx.clone();
-    harness.state_mut().apply(&ctx, Command::Explain(Subject::Object));
+    harness.state_mut().apply(&ctx, Command::ShowSubject(Subject::Object));
     harness.run_steps(3);
     assert_eq!((tuned(&scene), asked(&scene).last().copied()), (None, Some(None)), "the object tab is open");
-    harness.state_mut().apply(&ctx, Command::Explain(Subject::Pixel));
+    harness.state_mut().apply(&ctx, Command::ShowSubject(Subject::Pixel));
     harness.run_steps(3);
     assert!(tuned(&scene).is_some());
     harness.state_mut().apply(&ctx, Command::Act(Action::InspectorPanel));

@@ -9,7 +9,7 @@ use crate::frame::Mask;
 use crate::replay::ShownFrame;
 
 /// The colour of pixels that are foreground in both masks.
-pub(super) const BOTH: [u8; 3] = [228, 232, 238];
+pub(super) const BOTH_COLOUR: [u8; 3] = [228, 232, 238];
 
 /// Numbers of foreground pixels in two masks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -40,8 +40,8 @@ impl Agreement {
 }
 
 /// The composition of the view.
-pub(super) fn look(pane: &Pane<'_>) -> ComposeStyle {
-    let in_view = pane.model.ab_settings.in_view;
+pub(super) fn compose_style(pane: &Pane<'_>) -> ComposeStyle {
+    let in_view = pane.model.edits.ab_settings.in_view;
     let share = |[r, g, b]: [u8; 3]| [r, g, b, 255].map(|channel| f32::from(channel) / 255.0);
     ComposeStyle {
         overlay: share(in_view.colour()),
@@ -51,12 +51,12 @@ pub(super) fn look(pane: &Pane<'_>) -> ComposeStyle {
 }
 
 /// Draws the view.
-pub(super) fn paint(pane: &Pane<'_>, beside: &ShownFrame) {
-    let in_view = pane.model.ab_settings.in_view;
-    pane.compose(look(pane));
-    let (first, second) = (&pane.shown.analysis.mask, &beside.analysis.mask);
+pub(super) fn paint(pane: &Pane<'_>, compared: &ShownFrame) {
+    let in_view = pane.model.edits.ab_settings.in_view;
+    pane.compose(compose_style(pane));
+    let (first, second) = (&pane.shown.analysis.mask, &compared.analysis.mask);
     let ground = |(x, y)| match (first.is_foreground(x, y), second.is_foreground(x, y)) {
-        (true, true) => theme::rgb(BOTH),
+        (true, true) => theme::rgb(BOTH_COLOUR),
         (true, false) => theme::rgb(in_view.colour()),
         (false, true) => theme::rgb(in_view.other().colour()),
         (false, false) => Color32::BLACK,
@@ -76,7 +76,7 @@ fn legend(pane: &Pane<'_>, in_view: AbSlot, agreement: Agreement) {
     let rows = [
         (AbSlot::A.colour(), "A only", a),
         (AbSlot::B.colour(), "B only", b),
-        (BOTH, "both", agreement.both),
+        (BOTH_COLOUR, "both", agreement.both),
     ];
     let rows = rows.map(|(colour, word, count)| (colour, format!("{word}  {count} px")));
     draw::legend(pane.painter, pane.canvas.rect, &rows);
@@ -84,8 +84,8 @@ fn legend(pane: &Pane<'_>, in_view: AbSlot, agreement: Agreement) {
 
 /// Whether a pixel is foreground in A and in B; `None` where no settings are compared.
 pub(super) fn of_pixel(shown: &ShownFrame, in_view: AbSlot, (x, y): (u32, u32)) -> Option<[bool; 2]> {
-    let beside = shown.compared.as_ref()?;
-    let [seen, other] = [&shown.analysis, &beside.analysis].map(|of| of.mask.is_foreground(x, y));
+    let compared = shown.compared.as_ref()?;
+    let [seen, other] = [&shown.analysis, &compared.analysis].map(|of| of.mask.is_foreground(x, y));
     Some(match in_view {
         AbSlot::A => [seen, other],
         AbSlot::B => [other, seen],

@@ -2,26 +2,18 @@
 
 use eframe::egui::{Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2};
 
-use super::Canvas;
+use super::ViewCanvas;
 use crate::app::model::areas::Areas;
 use crate::app::theme;
 use crate::regions::roi::{Area, Purpose};
 
 /// A click within this distance of the first corner closes the area, in points.
-const CATCH: f32 = 9.0;
-
-/// The colour of an area's purpose.
-pub(crate) const fn area_colour(purpose: Purpose) -> Color32 {
-    match purpose {
-        Purpose::Analyse => Color32::from_rgb(64, 196, 140),
-        Purpose::Ignore => Color32::from_rgb(240, 140, 60),
-    }
-}
+const CLOSING_REACH_PT: f32 = 9.0;
 
 /// Draws the areas. `pointer` is the position of the next corner, `drag` the start of a rectangle.
 pub(super) fn paint(
     painter: &Painter,
-    canvas: &Canvas,
+    canvas: &ViewCanvas,
     areas: &Areas,
     pointer: Option<Pos2>,
     drag: Option<Pos2>,
@@ -29,15 +21,15 @@ pub(super) fn paint(
     for (place, area) in areas.drawn.iter().enumerate() {
         let chosen = areas.chosen == Some(place);
         let points = corners(canvas, area);
-        line(painter, &points, area_colour(area.purpose), if chosen { 2.5 } else { 1.5 }, true);
+        line(painter, &points, theme::area_colour(area.purpose), if chosen { 2.5 } else { 1.5 }, true);
         if chosen {
             for at in points {
-                handle(painter, at, area_colour(area.purpose));
+                handle(painter, at, theme::area_colour(area.purpose));
             }
         }
     }
     let Some(draft) = &areas.draft else { return };
-    let colour = area_colour(draft.purpose);
+    let colour = theme::area_colour(draft.purpose);
     if let Some((from, to)) = drag.zip(pointer) {
         let rect = Rect::from_two_pos(from, to);
         let points = [rect.left_top(), rect.right_top(), rect.right_bottom(), rect.left_bottom()];
@@ -64,7 +56,7 @@ pub(super) fn paint(
 }
 
 /// A hint on drawing at the bottom of the view.
-pub(super) fn hint(painter: &Painter, canvas: &Canvas, draft: &Area) {
+pub(super) fn hint(painter: &Painter, canvas: &ViewCanvas, draft: &Area) {
     let what = match draft.purpose {
         Purpose::Analyse => "Analysis area",
         Purpose::Ignore => "Ignore area",
@@ -73,7 +65,7 @@ pub(super) fn hint(painter: &Painter, canvas: &Canvas, draft: &Area) {
         format!("{what}: click corners, close with Enter or double click; drag for a rectangle; Esc cancels");
     let ink = Color32::from_rgb(236, 240, 246);
     let wrap = canvas.rect.width() - 24.0;
-    let galley = painter.layout(text, FontId::proportional(theme::MONO), ink, wrap.max(40.0));
+    let galley = painter.layout(text, FontId::proportional(theme::MONO_TEXT), ink, wrap.max(40.0));
     let size = galley.size() + vec2(16.0, 8.0);
     let plate =
         Rect::from_center_size(pos2(canvas.rect.center().x, canvas.rect.bottom() - 8.0 - size.y / 2.0), size);
@@ -82,11 +74,11 @@ pub(super) fn hint(painter: &Painter, canvas: &Canvas, draft: &Area) {
 }
 
 /// Whether a click here closes the area.
-pub(super) fn closes(canvas: &Canvas, draft: &Area, at: Pos2) -> bool {
-    draft.corners.len() > 2 && canvas.screen(draft.corners[0]).distance(at) < CATCH
+pub(super) fn closes(canvas: &ViewCanvas, draft: &Area, at: Pos2) -> bool {
+    draft.corners.len() > 2 && canvas.screen(draft.corners[0]).distance(at) < CLOSING_REACH_PT
 }
 
-fn corners(canvas: &Canvas, area: &Area) -> Vec<Pos2> {
+fn corners(canvas: &ViewCanvas, area: &Area) -> Vec<Pos2> {
     area.corners.iter().map(|&corner| canvas.screen(corner)).collect()
 }
 

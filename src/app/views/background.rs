@@ -1,11 +1,12 @@
 //! The background model: the mean of component 1, or of the background components.
 
-use super::{Background, ComposeStyle, NO_MIXTURE, Pane, draw};
+use super::{ComposeStyle, NO_MIXTURE, Pane, draw};
+use crate::app::model::view::BackgroundDisplay;
 use crate::app::theme;
 use crate::replay::ShownFrame;
 
 /// The composition of the view.
-pub(super) fn look(pane: &Pane<'_>) -> ComposeStyle {
+pub(super) fn compose_style(pane: &Pane<'_>) -> ComposeStyle {
     ComposeStyle::plain(in_view(pane).compose())
 }
 
@@ -14,8 +15,8 @@ pub(super) fn paint(pane: &Pane<'_>) {
     let shown = pane.shown;
     let kind = in_view(pane);
     let picture = match kind {
-        Background::Mean => Some(&shown.background),
-        Background::MultiMode => shown.multi_mode.as_ref(),
+        BackgroundDisplay::Mean => Some(&shown.background),
+        BackgroundDisplay::MultiMode => shown.multi_mode.as_ref(),
     };
     let Some(frame) = picture else {
         draw::message(pane.painter, &pane.canvas, NO_MIXTURE, pane.colours.weak);
@@ -27,19 +28,21 @@ pub(super) fn paint(pane: &Pane<'_>) {
 }
 
 /// The selected kind. Until its layer is uploaded, the previous kind, so that the view is never empty.
-fn in_view(pane: &Pane<'_>) -> Background {
-    let chosen = pane.model.background;
-    let is_there = |kind: &Background| kind.compose().layers().iter().all(|&layer| pane.set.has(layer));
-    let is_on_its_way = chosen.compose().layers().iter().all(|layer| layer.is_in(pane.shown));
-    let other = if is_there(&chosen) { None } else { Background::ALL.into_iter().find(is_there) };
-    other.filter(|_| is_on_its_way).unwrap_or(chosen)
+fn in_view(pane: &Pane<'_>) -> BackgroundDisplay {
+    let chosen = pane.model.display.background;
+    let is_uploaded =
+        |kind: &BackgroundDisplay| kind.compose().layers().iter().all(|&layer| pane.set.has(layer));
+    let is_published = chosen.compose().layers().iter().all(|layer| layer.is_in(pane.shown));
+    let other =
+        if is_uploaded(&chosen) { None } else { BackgroundDisplay::ALL.into_iter().find(is_uploaded) };
+    other.filter(|_| is_published).unwrap_or(chosen)
 }
 
 /// Red, green and blue of a pixel.
-pub(super) fn value(shown: &ShownFrame, kind: Background, (x, y): (u32, u32)) -> String {
+pub(super) fn value(shown: &ShownFrame, kind: BackgroundDisplay, (x, y): (u32, u32)) -> String {
     let colour = match kind {
-        Background::Mean => shown.background.pixel(x, y),
-        Background::MultiMode => shown.multi_mode.as_ref().and_then(|frame| frame.pixel(x, y)),
+        BackgroundDisplay::Mean => shown.background.pixel(x, y),
+        BackgroundDisplay::MultiMode => shown.multi_mode.as_ref().and_then(|frame| frame.pixel(x, y)),
     };
     colour.map_or_else(String::new, |[r, g, b]| format!("{r} {g} {b}"))
 }

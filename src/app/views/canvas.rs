@@ -2,20 +2,20 @@
 
 use eframe::egui::{Pos2, Rect, Vec2, vec2};
 
-use crate::app::model::Camera;
+use crate::app::model::camera::ViewCamera;
 use crate::frame::Size;
 use crate::regions;
 
 /// Maximum size of an image pixel, in points.
-const MAX_SCALE: f32 = 160.0;
+const MAX_PIXEL_PT: f32 = 160.0;
 /// Minimum magnification relative to the fitted image.
 const MIN_MAGNIFICATION: f32 = 0.5;
 /// The fraction of the view that a fitted image fills.
-const FIT: f32 = 0.985;
+const FITTED_SHARE: f32 = 0.985;
 
 /// An image in a view.
 #[derive(Clone, Copy, Debug)]
-pub(crate) struct Canvas {
+pub(crate) struct ViewCanvas {
     /// The view's rectangle.
     pub(crate) rect: Rect,
     /// The image's size.
@@ -24,15 +24,15 @@ pub(crate) struct Canvas {
     pub(crate) scale: f32,
     origin: Pos2,
     fitted: f32,
-    camera: Camera,
+    camera: ViewCamera,
 }
 
-impl Canvas {
+impl ViewCanvas {
     /// The canvas of an image of `size` in the view `rect` for a camera.
-    pub(crate) fn new(rect: Rect, size: Size, camera: Camera) -> Self {
+    pub(crate) fn new(rect: Rect, size: Size, camera: ViewCamera) -> Self {
         let (w, h) = (size.width.max(1) as f32, size.height.max(1) as f32);
-        let fitted = (rect.width() / w).min(rect.height() / h).max(1e-3) * FIT;
-        let scale = (fitted * camera.magnification).min(MAX_SCALE.max(fitted));
+        let fitted = (rect.width() / w).min(rect.height() / h).max(1e-3) * FITTED_SHARE;
+        let scale = (fitted * camera.magnification).min(MAX_PIXEL_PT.max(fitted));
         let centre = vec2(camera.centre[0] * w, camera.centre[1] * h);
         Self { rect, size, scale, origin: rect.center() - centre * scale, fitted, camera }
     }
@@ -41,7 +41,7 @@ impl Canvas {
     /// pixel.
     pub(crate) fn around(rect: Rect, size: Size, (x, y): (u32, u32), scale: f32) -> Self {
         let centre = [x as f32 + 0.5, y as f32 + 0.5];
-        let whole = Self::new(rect, size, Camera::FIT);
+        let whole = Self::new(rect, size, ViewCamera::FIT);
         Self { scale, origin: rect.center() - vec2(centre[0], centre[1]) * scale, ..whole }
     }
 
@@ -93,8 +93,8 @@ impl Canvas {
     }
 
     /// The camera after zooming by `factor` around the point under `at`.
-    pub(crate) fn zoomed(&self, at: Pos2, factor: f32) -> Camera {
-        let most = (MAX_SCALE / self.fitted).max(1.0);
+    pub(crate) fn zoomed(&self, at: Pos2, factor: f32) -> ViewCamera {
+        let most = (MAX_PIXEL_PT / self.fitted).max(1.0);
         let magnification = (self.camera.magnification * factor).clamp(MIN_MAGNIFICATION, most);
         let pinned = self.image(at);
         let scale = self.fitted * magnification;
@@ -103,14 +103,14 @@ impl Canvas {
     }
 
     /// The camera after the image was dragged by `delta` points.
-    pub(crate) fn panned(&self, delta: Vec2) -> Camera {
+    pub(crate) fn panned(&self, delta: Vec2) -> ViewCamera {
         let middle = self.image(self.rect.center() - delta);
         self.looking_at(middle, self.camera.magnification)
     }
 
-    fn looking_at(&self, [x, y]: [f32; 2], magnification: f32) -> Camera {
+    fn looking_at(&self, [x, y]: [f32; 2], magnification: f32) -> ViewCamera {
         let share = |value: f32, of: u32| (value / of.max(1) as f32).clamp(0.0, 1.0);
-        Camera { magnification, centre: [share(x, self.size.width), share(y, self.size.height)] }
+        ViewCamera { magnification, centre: [share(x, self.size.width), share(y, self.size.height)] }
     }
 }
 
@@ -120,13 +120,17 @@ mod tests {
 
     use super::*;
 
-    fn canvas(camera: Camera) -> Canvas {
-        Canvas::new(Rect::from_min_size(pos2(100.0, 50.0), vec2(400.0, 300.0)), Size::new(200, 100), camera)
+    fn canvas(camera: ViewCamera) -> ViewCanvas {
+        ViewCanvas::new(
+            Rect::from_min_size(pos2(100.0, 50.0), vec2(400.0, 300.0)),
+            Size::new(200, 100),
+            camera,
+        )
     }
 
     #[test]
     fn a_fitted_image_is_complete_and_centred() {
-        let canvas = canvas(Camera::FIT);
+        let canvas = canvas(ViewCamera::FIT);
         assert!(canvas.rect.contains_rect(canvas.whole()));
         assert!((canvas.whole().center() - canvas.rect.center()).length() < 0.01);
         assert_eq!(canvas.pixel(canvas.rect.min), None);
@@ -135,7 +139,7 @@ mod tests {
 
     #[test]
     fn zooming_keeps_the_point_under_the_pointer() {
-        let before = canvas(Camera::FIT);
+        let before = canvas(ViewCamera::FIT);
         let at = pos2(180.0, 170.0);
         let after = canvas(before.zoomed(at, 3.0));
         let (a, b) = (before.image(at), after.image(at));
@@ -146,7 +150,7 @@ mod tests {
     #[test]
     fn a_canvas_around_a_pixel_centres_it() {
         let rect = Rect::from_min_size(pos2(10.0, 20.0), vec2(90.0, 90.0));
-        let canvas = Canvas::around(rect, Size::new(200, 100), (3, 99), 12.0);
+        let canvas = ViewCanvas::around(rect, Size::new(200, 100), (3, 99), 12.0);
         assert_eq!(canvas.pixel(rect.center()), Some((3, 99)));
         assert!((canvas.place_pixel((3, 99)).center() - rect.center()).length() < 0.01);
         assert_eq!(canvas.pixel(rect.center() + vec2(0.0, 12.0)), None, "there is no row below");
@@ -154,7 +158,7 @@ mod tests {
 
     #[test]
     fn dragging_moves_the_image_with_the_pointer() {
-        let before = canvas(Camera { magnification: 4.0, centre: [0.5, 0.5] });
+        let before = canvas(ViewCamera { magnification: 4.0, centre: [0.5, 0.5] });
         let after = canvas(before.panned(vec2(30.0, -12.0)));
         let moved = after.screen([50.0, 50.0]) - before.screen([50.0, 50.0]);
         assert!((moved - vec2(30.0, -12.0)).length() < 0.05, "{moved:?}");
@@ -162,7 +166,7 @@ mod tests {
 
     #[test]
     fn pixels_outside_the_view_are_not_visible() {
-        let canvas = canvas(Camera { magnification: 10.0, centre: [0.5, 0.5] });
+        let canvas = canvas(ViewCamera { magnification: 10.0, centre: [0.5, 0.5] });
         let (columns, rows) = canvas.visible();
         assert!(columns.start > 60 && columns.end < 140 && !columns.is_empty(), "{columns:?}");
         assert!(rows.start > 20 && rows.end < 80 && !rows.is_empty(), "{rows:?}");

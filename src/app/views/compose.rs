@@ -6,9 +6,10 @@ use eframe::egui::{PaintCallback, PaintCallbackInfo, Rect};
 use eframe::egui_wgpu::wgpu::{self, util::DeviceExt as _};
 use eframe::egui_wgpu::{Callback, CallbackResources, CallbackTrait, RenderState, ScreenDescriptor};
 
-use super::layer::Layer;
+use super::ViewCanvas;
+use super::layer::ViewLayer;
 use super::pictures::UploadedFrame;
-use super::{Canvas, View};
+use crate::app::model::view::View;
 
 /// The kind of composition, in the order of the shader's constants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -57,20 +58,20 @@ impl Compose {
     ];
 
     /// The layers that it needs.
-    pub(crate) const fn layers(self) -> &'static [Layer] {
+    pub(crate) const fn layers(self) -> &'static [ViewLayer] {
         match self {
-            Self::Input => &[Layer::Input],
-            Self::Masked => &[Layer::Input, Layer::Mask],
-            Self::Mean => &[Layer::Mean],
-            Self::Modes => &[Layer::Modes],
-            Self::Map => &[Layer::Map, Layer::Palette],
-            Self::Mask => &[Layer::Mask],
-            Self::Regions => &[Layer::Input, Layer::Labels, Layer::Palette],
-            Self::Difference => &[Layer::Input, Layer::Mean],
-            Self::ComparedMean => &[Layer::ComparedMean],
-            Self::ComparedMask => &[Layer::ComparedMask],
-            Self::Agreement => &[Layer::Input, Layer::Mask, Layer::ComparedMask],
-            Self::MaskErrors => &[Layer::Input, Layer::Mask, Layer::Truth],
+            Self::Input => &[ViewLayer::Input],
+            Self::Masked => &[ViewLayer::Input, ViewLayer::Mask],
+            Self::Mean => &[ViewLayer::Mean],
+            Self::Modes => &[ViewLayer::Modes],
+            Self::Map => &[ViewLayer::Map, ViewLayer::Palette],
+            Self::Mask => &[ViewLayer::Mask],
+            Self::Regions => &[ViewLayer::Input, ViewLayer::Labels, ViewLayer::Palette],
+            Self::Difference => &[ViewLayer::Input, ViewLayer::Mean],
+            Self::ComparedMean => &[ViewLayer::ComparedMean],
+            Self::ComparedMask => &[ViewLayer::ComparedMask],
+            Self::Agreement => &[ViewLayer::Input, ViewLayer::Mask, ViewLayer::ComparedMask],
+            Self::MaskErrors => &[ViewLayer::Input, ViewLayer::Mask, ViewLayer::Truth],
         }
     }
 }
@@ -99,11 +100,11 @@ impl ComposeStyle {
 }
 
 /// Offset between the uniforms of two views, in bytes: the largest alignment that a card may require.
-const SLOT: u64 = 256;
+const UNIFORM_STRIDE_BYTES: u64 = 256;
 /// The number of slots: one for each view, and one for the loupe.
-const SLOTS: u64 = View::ALL.len() as u64 + 1;
+const UNIFORM_SLOTS: u64 = View::ALL.len() as u64 + 1;
 /// Size of the shader's `View` struct, in bytes.
-const VALUES: u64 = 96;
+const UNIFORM_BYTES: u64 = 96;
 
 /// The shader, its pipeline and its uniforms, for all views.
 pub(crate) struct Composer {
@@ -122,7 +123,7 @@ impl Composer {
         let module = device.create_shader_module(wgpu::include_wgsl!("compose.wgsl"));
         let values = device.create_buffer(&wgpu::BufferDescriptor {
             label: Some("views"),
-            size: SLOT * SLOTS,
+            size: UNIFORM_STRIDE_BYTES * UNIFORM_SLOTS,
             usage: wgpu::BufferUsages::UNIFORM | wgpu::BufferUsages::COPY_DST,
             mapped_at_creation: false,
         });
@@ -135,7 +136,7 @@ impl Composer {
                     ty: wgpu::BindingType::Buffer {
                         ty: wgpu::BufferBindingType::Uniform,
                         has_dynamic_offset: true,
-                        min_binding_size: wgpu::BufferSize::new(VALUES),
+                        min_binding_size: wgpu::BufferSize::new(UNIFORM_BYTES),
                     },
                     count: None,
                 },
@@ -147,7 +148,7 @@ impl Composer {
                 },
             ],
         });
-        let entries = Layer::ALL.map(|layer| wgpu::BindGroupLayoutEntry {
+        let entries = ViewLayer::ALL.map(|layer| wgpu::BindGroupLayoutEntry {
             binding: layer as u32,
             visibility: wgpu::ShaderStages::FRAGMENT,
             ty: wgpu::BindingType::Texture {
@@ -214,13 +215,13 @@ impl Composer {
                     resource: wgpu::BindingResource::Buffer(wgpu::BufferBinding {
                         buffer: &values,
                         offset: 0,
-                        size: wgpu::BufferSize::new(VALUES),
+                        size: wgpu::BufferSize::new(UNIFORM_BYTES),
                     }),
                 },
                 wgpu::BindGroupEntry { binding: 1, resource: wgpu::BindingResource::Sampler(&smooth) },
             ],
         });
-        let blank = Layer::ALL.map(|layer| {
+        let blank = ViewLayer::ALL.map(|layer| {
             let descriptor = wgpu::TextureDescriptor {
                 label: Some("no layer"),
                 size: wgpu::Extent3d::default(),
@@ -244,9 +245,9 @@ impl Composer {
     pub(crate) fn bind<'a>(
         &'a self,
         device: &wgpu::Device,
-        layer: impl Fn(Layer) -> Option<&'a wgpu::TextureView>,
+        layer: impl Fn(ViewLayer) -> Option<&'a wgpu::TextureView>,
     ) -> wgpu::BindGroup {
-        let entries = Layer::ALL.map(|which| wgpu::BindGroupEntry {
+        let entries = ViewLayer::ALL.map(|which| wgpu::BindGroupEntry {
             binding: which as u32,
             resource: wgpu::BindingResource::TextureView(layer(which).unwrap_or(&self.blank[which as usize])),
         });
@@ -265,8 +266,8 @@ pub(crate) struct Composition {
     set: Arc<UploadedFrame>,
     /// The index of its uniforms.
     slot: u64,
-    look: ComposeStyle,
-    canvas: Canvas,
+    style: ComposeStyle,
+    canvas: ViewCanvas,
 }
 
 impl Composition {
@@ -275,51 +276,51 @@ impl Composition {
         composer: &Arc<Composer>,
         set: &Arc<UploadedFrame>,
         view: View,
-        look: ComposeStyle,
-        canvas: Canvas,
+        style: ComposeStyle,
+        canvas: ViewCanvas,
     ) -> Option<PaintCallback> {
-        Self::of_slot(composer, set, view as u64, look, canvas)
+        Self::of_slot(composer, set, view as u64, style, canvas)
     }
 
     /// The paint callback of the loupe.
     pub(crate) fn loupe(
         composer: &Arc<Composer>,
         set: &Arc<UploadedFrame>,
-        look: ComposeStyle,
-        canvas: Canvas,
+        style: ComposeStyle,
+        canvas: ViewCanvas,
     ) -> Option<PaintCallback> {
-        Self::of_slot(composer, set, SLOTS - 1, look, canvas)
+        Self::of_slot(composer, set, UNIFORM_SLOTS - 1, style, canvas)
     }
 
     fn of_slot(
         composer: &Arc<Composer>,
         set: &Arc<UploadedFrame>,
         slot: u64,
-        look: ComposeStyle,
-        canvas: Canvas,
+        style: ComposeStyle,
+        canvas: ViewCanvas,
     ) -> Option<PaintCallback> {
         let seen: Rect = canvas.whole().intersect(canvas.rect);
-        let whole = look.what.layers().iter().all(|&layer| set.has(layer));
+        let whole = style.what.layers().iter().all(|&layer| set.has(layer));
         (whole && seen.is_positive()).then(|| {
             let (composer, set) = (Arc::clone(composer), Arc::clone(set));
-            Callback::new_paint_callback(seen, Self { composer, set, slot, look, canvas })
+            Callback::new_paint_callback(seen, Self { composer, set, slot, style, canvas })
         })
     }
 
     /// The offset of its uniforms, in bytes.
     const fn offset(&self) -> u64 {
-        self.slot * SLOT
+        self.slot * UNIFORM_STRIDE_BYTES
     }
 
     /// The bytes of the shader's `View` struct.
-    fn values(&self, screen: &ScreenDescriptor) -> [u8; VALUES as usize] {
+    fn values(&self, screen: &ScreenDescriptor) -> [u8; UNIFORM_BYTES as usize] {
         let dense = screen.pixels_per_point;
         let whole = self.canvas.whole();
         let [width, height] = screen.size_in_pixels.map(|side| side as f32);
         let texels = self.set.texels();
-        let [r, g, b, a] = self.look.overlay;
-        let other_colour = self.look.other_colour;
-        let [kind, offset, low, high] = self.look.scale;
+        let [r, g, b, a] = self.style.overlay;
+        let other_colour = self.style.other_colour;
+        let [kind, offset, low, high] = self.style.scale;
         let values = [
             whole.left() * dense,
             whole.top() * dense,
@@ -338,7 +339,7 @@ impl Composition {
             low,
             high,
             self.canvas.scale * dense * self.set.every() as f32,
-            self.look.tint,
+            self.style.tint,
             dense,
             0.0,
             other_colour[0],
@@ -346,7 +347,7 @@ impl Composition {
             other_colour[2],
             other_colour[3],
         ];
-        let mut bytes = [0; VALUES as usize];
+        let mut bytes = [0; UNIFORM_BYTES as usize];
         for (four, value) in bytes.chunks_exact_mut(4).zip(values) {
             four.copy_from_slice(&value.to_ne_bytes());
         }
@@ -376,7 +377,7 @@ impl CallbackTrait for Composition {
         // The shader positions the image in the whole window, with subpixel accuracy like the shapes over it.
         let [width, height] = info.screen_size_px.map(|side| side as f32);
         pass.set_viewport(0.0, 0.0, width, height, 0.0, 1.0);
-        pass.set_pipeline(&self.composer.pipelines[self.look.what as usize]);
+        pass.set_pipeline(&self.composer.pipelines[self.style.what as usize]);
         pass.set_bind_group(0, &self.composer.views, &[self.offset() as u32]);
         pass.set_bind_group(1, self.set.group(), &[]);
         pass.draw(0..4, 0..1);

@@ -7,14 +7,14 @@ use eframe::egui::{
     Align2, Color32, FontId, Mesh, Painter, Pos2, Rangef, Rect, Shape, Stroke, StrokeKind, Vec2, pos2, vec2,
 };
 
-use super::canvas::Canvas;
+use super::canvas::ViewCanvas;
 use crate::app::theme;
 
 /// Width over which an edge fades, in points.
-const FEATHER: f32 = 1.0;
+const FEATHER_PT: f32 = 1.0;
 
 /// Minimum size of an image pixel for showing its value, in points.
-const VALUES_FROM: f32 = 40.0;
+const MIN_VALUES_PIXEL_PT: f32 = 40.0;
 
 /// A dashed outline. Dashes outside the view are not created: an outline much larger than the view has very many.
 pub(crate) fn dashed_rect(painter: &Painter, rect: Rect, stroke: Stroke, dash: f32) {
@@ -41,7 +41,7 @@ fn dashes(rect: Rect, seen: Rect, stroke: Stroke, dash: f32) -> Vec<Shape> {
 
 /// A legend of colours on a dark plate in the lower left corner, if the view has space for it.
 pub(crate) fn legend(painter: &Painter, view: Rect, rows: &[([u8; 3], String)]) {
-    let font = FontId::proportional(theme::SMALL);
+    let font = FontId::proportional(theme::SMALL_TEXT);
     let ink = Color32::from_rgb(228, 232, 238);
     let texts: Vec<_> =
         rows.iter().map(|(_, text)| painter.layout_no_wrap(text.clone(), font.clone(), ink)).collect();
@@ -124,8 +124,8 @@ pub(crate) fn add_line(mesh: &mut Mesh, points: impl Iterator<Item = (Pos2, Colo
 
 /// Adds the vertices across a line at one of its points, and, where `on`, the segment from the previous vertices.
 fn add_column(mesh: &mut Mesh, at: Pos2, across: Vec2, colour: Color32, width: f32, on: bool) {
-    let inside = (width - FEATHER).max(0.0) / 2.0;
-    let outside = inside + FEATHER;
+    let inside = (width - FEATHER_PT).max(0.0) / 2.0;
+    let outside = inside + FEATHER_PT;
     let first = mesh.vertices.len() as u32;
     mesh.colored_vertex(at - across * outside, Color32::TRANSPARENT);
     mesh.colored_vertex(at - across * inside, colour);
@@ -155,7 +155,7 @@ pub(crate) fn free_tag(
     taken: &mut OccupiedRects,
 ) -> Rect {
     let ink = theme::ink_on(fill);
-    let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(theme::MONO), ink);
+    let galley = painter.layout_no_wrap(text.to_owned(), FontId::proportional(theme::MONO_TEXT), ink);
     let size = galley.size() + vec2(8.0, 2.0);
     let mut rect = Rect::from_min_size(pos2(at.x, at.y - size.y), size);
     let shift = vec2(
@@ -174,11 +174,11 @@ pub(crate) fn free_tag(
 pub(crate) struct OccupiedRects(HashMap<i32, Vec<Rect>>);
 
 /// Height of a band, in points: about the height of a tag.
-const BAND: f32 = 24.0;
+const BAND_HEIGHT_PT: f32 = 24.0;
 
 impl OccupiedRects {
     fn bands(rect: Rect) -> RangeInclusive<i32> {
-        (rect.top() / BAND).floor() as i32..=(rect.bottom() / BAND).floor() as i32
+        (rect.top() / BAND_HEIGHT_PT).floor() as i32..=(rect.bottom() / BAND_HEIGHT_PT).floor() as i32
     }
 
     /// Adds an occupied rectangle.
@@ -206,7 +206,7 @@ fn free_place(rect: Rect, bounds: Rect, taken: &OccupiedRects) -> Rect {
 }
 
 /// A cross through the chosen pixel, drawn in all views.
-pub(crate) fn cross(painter: &Painter, canvas: &Canvas, pixel: (u32, u32), accent: Color32) {
+pub(crate) fn cross(painter: &Painter, canvas: &ViewCanvas, pixel: (u32, u32), accent: Color32) {
     let place = canvas.place_pixel(pixel);
     let centre = place.center();
     let gap = (place.width() / 2.0).max(5.0);
@@ -230,11 +230,11 @@ pub(crate) fn cross(painter: &Painter, canvas: &Canvas, pixel: (u32, u32), accen
 /// The values of pixels, drawn into them where they are large enough.
 pub(crate) fn values(
     painter: &Painter,
-    canvas: &Canvas,
+    canvas: &ViewCanvas,
     value: impl Fn((u32, u32)) -> String,
     ground: impl Fn((u32, u32)) -> Color32,
 ) {
-    if canvas.scale < VALUES_FROM {
+    if canvas.scale < MIN_VALUES_PIXEL_PT {
         return;
     }
     let font = FontId::monospace((canvas.scale / 5.0).clamp(8.0, 15.0));
@@ -255,12 +255,12 @@ pub(crate) fn values(
 }
 
 /// A message in the middle of an empty view.
-pub(crate) fn message(painter: &Painter, canvas: &Canvas, text: &str, colour: Color32) {
+pub(crate) fn message(painter: &Painter, canvas: &ViewCanvas, text: &str, colour: Color32) {
     painter.text(
         canvas.rect.center(),
         Align2::CENTER_CENTER,
         text,
-        FontId::proportional(theme::BODY),
+        FontId::proportional(theme::BODY_TEXT),
         colour,
     );
 }

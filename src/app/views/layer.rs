@@ -12,7 +12,7 @@ use crate::truth::masks::Label;
 
 /// A layer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Layer {
+pub(crate) enum ViewLayer {
     /// The input's colours.
     Input,
     /// The mean of component 1.
@@ -45,7 +45,7 @@ const PALETTE_ROWS: u32 = 2;
 /// The largest label with its own colour; larger labels share it.
 const LAST_LABEL: u32 = u16::MAX as u32;
 
-impl Layer {
+impl ViewLayer {
     /// All layers, in the order of their bindings in the shader.
     pub(crate) const ALL: [Self; 11] = [
         Self::Input,
@@ -101,7 +101,7 @@ impl Layer {
         fn both<T>(a: Option<&Arc<T>>, b: Option<&Arc<T>>) -> bool {
             a.zip(b).is_some_and(|(a, b)| Arc::ptr_eq(a, b))
         }
-        fn beside<'a>(a: &'a ShownFrame, b: &'a ShownFrame) -> Option<(&'a ShownFrame, &'a ShownFrame)> {
+        fn compared<'a>(a: &'a ShownFrame, b: &'a ShownFrame) -> Option<(&'a ShownFrame, &'a ShownFrame)> {
             a.compared.as_deref().zip(b.compared.as_deref())
         }
         match self {
@@ -113,8 +113,8 @@ impl Layer {
             Self::Labels => Arc::ptr_eq(&a.analysis.labels, &b.analysis.labels),
             Self::Palette => Arc::ptr_eq(&a.analysis, &b.analysis),
             Self::Ignored => both(a.roi.as_ref(), b.roi.as_ref()),
-            Self::ComparedMean => beside(a, b).is_some_and(|(a, b)| Self::Mean.is_same(a, b)),
-            Self::ComparedMask => beside(a, b).is_some_and(|(a, b)| Self::Mask.is_same(a, b)),
+            Self::ComparedMean => compared(a, b).is_some_and(|(a, b)| Self::Mean.is_same(a, b)),
+            Self::ComparedMask => compared(a, b).is_some_and(|(a, b)| Self::Mask.is_same(a, b)),
             Self::Truth => both(a.truth.as_ref(), b.truth.as_ref()),
         }
     }
@@ -164,19 +164,19 @@ impl Layer {
                 }
             }
             Self::ComparedMean | Self::ComparedMask => {
-                if let Some(beside) = &shown.compared {
+                if let Some(compared) = &shown.compared {
                     let like = if self == Self::ComparedMean { Self::Mean } else { Self::Mask };
-                    like.write(beside, every as u32, put);
+                    like.write(compared, every as u32, put);
                 }
             }
             Self::Palette => {
                 let mut row = vec![0; PALETTE_WIDTH * 4];
-                let ramp = (0..ramp::RAMP).map(ramp::ramp).chain([ramp::NEVER]);
+                let ramp = (0..ramp::RAMP_COLOURS).map(ramp::ramp).chain([ramp::INFINITE_COLOUR]);
                 for (texel, colour) in row.chunks_exact_mut(4).zip(ramp) {
                     texel.copy_from_slice(&colour.to_array());
                 }
                 put(0, &row);
-                for (texel, colour) in row.chunks_exact_mut(4).zip(ramp::STEPS) {
+                for (texel, colour) in row.chunks_exact_mut(4).zip(ramp::COUNT_COLOURS) {
                     texel.copy_from_slice(&colour.to_array());
                 }
                 put(1, &row);
@@ -195,27 +195,27 @@ impl Layer {
 
 /// A set of layers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct Layers([bool; Layer::ALL.len()]);
+pub(crate) struct LayerSet([bool; ViewLayer::ALL.len()]);
 
-impl Layers {
+impl LayerSet {
     /// The empty set.
-    pub(crate) const NONE: Self = Self([false; Layer::ALL.len()]);
+    pub(crate) const NONE: Self = Self([false; ViewLayer::ALL.len()]);
 
     /// Adds layers.
-    pub(crate) fn add(&mut self, layers: &[Layer]) {
+    pub(crate) fn add(&mut self, layers: &[ViewLayer]) {
         for &layer in layers {
             self.0[layer as usize] = true;
         }
     }
 
     /// Whether a layer is in the set.
-    pub(crate) const fn has(self, layer: Layer) -> bool {
+    pub(crate) const fn has(self, layer: ViewLayer) -> bool {
         self.0[layer as usize]
     }
 
     /// Whether the set contains all of `others`.
     pub(crate) fn covers(self, others: Self) -> bool {
-        Layer::ALL.into_iter().all(|layer| self.has(layer) || !others.has(layer))
+        ViewLayer::ALL.into_iter().all(|layer| self.has(layer) || !others.has(layer))
     }
 }
 

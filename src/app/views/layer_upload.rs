@@ -5,7 +5,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 
 use eframe::egui_wgpu::wgpu;
 
-use super::layer::{Layer, Layers};
+use super::layer::{LayerSet, ViewLayer};
 use crate::frame::Size;
 use crate::replay::ShownFrame;
 
@@ -16,11 +16,11 @@ pub(crate) struct UploadedLayer {
     pub(crate) view: wgpu::TextureView,
 }
 
-/// The layers of a frame, in the order of [`Layer::ALL`].
-pub(crate) type UploadedLayers = [Option<Arc<UploadedLayer>>; Layer::ALL.len()];
+/// The layers of a frame, in the order of [`ViewLayer::ALL`].
+pub(crate) type UploadedLayers = [Option<Arc<UploadedLayer>>; ViewLayer::ALL.len()];
 
 /// A staging buffer: mapped for writing here, and the source of a copy on the card.
-struct Staging {
+struct StagingBuffer {
     buffer: wgpu::Buffer,
     /// Whether the buffer may be written: the card has copied its content.
     is_ours: Arc<AtomicBool>,
@@ -33,7 +33,7 @@ const MAX_COPIES_IN_FLIGHT: usize = 2;
 #[derive(Default)]
 struct LayerBuffers {
     textures: Vec<Arc<UploadedLayer>>,
-    staging: Vec<Staging>,
+    staging: Vec<StagingBuffer>,
 }
 
 /// Uploads layers.
@@ -43,7 +43,7 @@ struct LayerBuffers {
 pub(crate) struct LayerUploader {
     device: wgpu::Device,
     queue: wgpu::Queue,
-    stocks: [LayerBuffers; Layer::ALL.len()],
+    stocks: [LayerBuffers; ViewLayer::ALL.len()],
     /// Bytes uploaded for the current frame.
     bytes: u64,
 }
@@ -58,16 +58,16 @@ impl LayerUploader {
     pub(crate) fn send(
         &mut self,
         shown: &ShownFrame,
-        layers: Layers,
+        layers: LayerSet,
         every: u32,
-        known: impl Fn(Layer) -> Option<Arc<UploadedLayer>>,
+        known: impl Fn(ViewLayer) -> Option<Arc<UploadedLayer>>,
     ) -> Result<(UploadedLayers, u64), wgpu::MapRangeError> {
         self.bytes = 0;
         let mut encoder =
             self.device.create_command_encoder(&wgpu::CommandEncoderDescriptor { label: Some("layers") });
         let mut uploaded = UploadedLayers::default();
         let mut filled = Vec::new();
-        for layer in Layer::ALL {
+        for layer in ViewLayer::ALL {
             if !layers.has(layer) || !layer.is_in(shown) {
                 self.stocks[layer as usize] = LayerBuffers::default();
                 continue;
@@ -95,11 +95,11 @@ impl LayerUploader {
 
     fn fill(
         &mut self,
-        layer: Layer,
+        layer: ViewLayer,
         shown: &ShownFrame,
         every: u32,
         encoder: &mut wgpu::CommandEncoder,
-    ) -> Result<(Arc<UploadedLayer>, Staging), wgpu::MapRangeError> {
+    ) -> Result<(Arc<UploadedLayer>, StagingBuffer), wgpu::MapRangeError> {
         let texels = layer.texels(shown, every);
         let row = texels.width as usize * layer.texel_bytes();
         let stride = row.next_multiple_of(wgpu::COPY_BYTES_PER_ROW_ALIGNMENT as usize);
@@ -137,7 +137,7 @@ impl LayerUploader {
 
 impl LayerBuffers {
     /// A texture that no frame uses.
-    fn texture(&mut self, device: &wgpu::Device, layer: Layer, texels: Size) -> Arc<UploadedLayer> {
+    fn texture(&mut self, device: &wgpu::Device, layer: ViewLayer, texels: Size) -> Arc<UploadedLayer> {
         let fits = |sent: &Arc<UploadedLayer>| {
             (sent.texture.width(), sent.texture.height()) == (texels.width, texels.height)
         };
@@ -162,7 +162,7 @@ impl LayerBuffers {
     }
 
     /// A staging buffer of this length that may be written.
-    fn staging(&mut self, device: &wgpu::Device, length: u64) -> Staging {
+    fn staging(&mut self, device: &wgpu::Device, length: u64) -> StagingBuffer {
         self.staging.retain(|staging| staging.buffer.size() == length);
         for poll in [wgpu::PollType::Poll, wgpu::PollType::wait_indefinitely()] {
             if poll.is_wait() && self.staging.len() < MAX_COPIES_IN_FLIGHT {
@@ -180,6 +180,6 @@ impl LayerBuffers {
             usage: wgpu::BufferUsages::MAP_WRITE | wgpu::BufferUsages::COPY_SRC,
             mapped_at_creation: true,
         });
-        Staging { buffer, is_ours: Arc::new(AtomicBool::new(true)) }
+        StagingBuffer { buffer, is_ours: Arc::new(AtomicBool::new(true)) }
     }
 }

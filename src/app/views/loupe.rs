@@ -5,29 +5,35 @@ use eframe::egui::{
 };
 
 use super::compose::Composition;
-use super::{Canvas, Pane, View, agreement};
+use super::{Pane, ViewCanvas, agreement, pixel_value};
 use crate::app::model::Model;
+use crate::app::model::view::View;
 use crate::app::theme;
 use crate::mixture::Quantity;
 use crate::palette::verdict_colour;
 use crate::replay::ShownFrame;
 
 /// Side of the loupe, in points.
-const SIDE: f32 = 143.0;
-/// Magnification relative to the view, before clamping to the limits of `PIXEL`.
-const LARGER: f32 = 3.0;
-const PIXEL: (f32, f32) = (13.0, 47.0);
-const LINE: f32 = 15.0;
-const LINES: f32 = 3.0;
+const LOUPE_SIDE_PT: f32 = 143.0;
+/// Magnification relative to the view, before clamping to [`PIXEL_RANGE_PT`].
+const LOUPE_ZOOM: f32 = 3.0;
+/// Minimum and maximum size of an image pixel in the loupe, in points.
+const PIXEL_RANGE_PT: (f32, f32) = (13.0, 47.0);
+/// Height of a line of text, in points.
+const LINE_HEIGHT_PT: f32 = 15.0;
+/// Number of lines of text.
+const TEXT_LINES: f32 = 3.0;
 /// Distance from the pointer, in points.
 const POINTER_DISTANCE: f32 = 22.0;
 
-const INK: Color32 = Color32::from_rgb(236, 240, 246);
-const WEAK: Color32 = Color32::from_rgb(170, 178, 190);
+/// The colour of values.
+const VALUE_INK: Color32 = Color32::from_rgb(236, 240, 246);
+/// The colour of other text.
+const WEAK_INK: Color32 = Color32::from_rgb(170, 178, 190);
 
 /// The loupe's rectangle: below and to the right of the pointer, or on the opposite side at the window's edge.
 pub(crate) fn place(pointer: Pos2, window: Rect) -> Rect {
-    let size = vec2(SIDE + 8.0, SIDE + LINES * LINE + 12.0);
+    let size = vec2(LOUPE_SIDE_PT + 8.0, LOUPE_SIDE_PT + TEXT_LINES * LINE_HEIGHT_PT + 12.0);
     let along = |at: f32, size: f32, end: f32| {
         if at + POINTER_DISTANCE + size > end { at - POINTER_DISTANCE - size } else { at + POINTER_DISTANCE }
     };
@@ -40,7 +46,7 @@ pub(crate) fn place(pointer: Pos2, window: Rect) -> Rect {
 
 /// The part of the rectangle that shows the image.
 pub(crate) fn picture(place: Rect) -> Rect {
-    Rect::from_min_size(place.min + Vec2::splat(4.0), Vec2::splat(SIDE))
+    Rect::from_min_size(place.min + Vec2::splat(4.0), Vec2::splat(LOUPE_SIDE_PT))
 }
 
 /// Draws the loupe over everything else.
@@ -56,11 +62,11 @@ pub(super) fn paint(ui: &Ui, pane: &Pane<'_>, pointer: Pos2, pixel: (u32, u32)) 
         StrokeKind::Inside,
     );
     let picture = picture(place);
-    let scale = (pane.canvas.scale * LARGER).clamp(PIXEL.0, PIXEL.1);
-    let canvas = Canvas::around(picture, pane.canvas.size, pixel, scale);
+    let scale = (pane.canvas.scale * LOUPE_ZOOM).clamp(PIXEL_RANGE_PT.0, PIXEL_RANGE_PT.1);
+    let canvas = ViewCanvas::around(picture, pane.canvas.size, pixel, scale);
     let inside = painter.with_clip_rect(picture);
-    if let Some(look) = pane.view.look(pane)
-        && let Some(shape) = Composition::loupe(pane.composer, pane.set, look, canvas)
+    if let Some(style) = pane.view.compose_style(pane)
+        && let Some(shape) = Composition::loupe(pane.composer, pane.set, style, canvas)
     {
         inside.add(shape);
     }
@@ -73,10 +79,10 @@ pub(super) fn paint(ui: &Ui, pane: &Pane<'_>, pointer: Pos2, pixel: (u32, u32)) 
     );
     inside.rect_stroke(middle.expand(1.0), 0.0, Stroke::new(1.5, Color32::WHITE), StrokeKind::Middle);
 
-    let mut at = pos2(picture.left() + 2.0, picture.bottom() + 3.0 + LINE / 2.0);
+    let mut at = pos2(picture.left() + 2.0, picture.bottom() + 3.0 + LINE_HEIGHT_PT / 2.0);
     for (text, ink) in words(pane.view, pane.model, pane.shown, pixel) {
-        painter.text(at, Align2::LEFT_CENTER, text, FontId::monospace(theme::SMALL), ink);
-        at.y += LINE;
+        painter.text(at, Align2::LEFT_CENTER, text, FontId::monospace(theme::SMALL_TEXT), ink);
+        at.y += LINE_HEIGHT_PT;
     }
 }
 
@@ -88,19 +94,19 @@ pub(crate) fn words(
     pixel: (u32, u32),
 ) -> [(String, Color32); 3] {
     let (x, y) = pixel;
-    let value = view.value(model, shown, pixel);
-    [(format!("{x}, {y}"), WEAK), (value, INK), verdict(view, model, shown, pixel)]
+    let value = pixel_value(view, model, shown, pixel);
+    [(format!("{x}, {y}"), WEAK_INK), (value, VALUE_INK), verdict(view, model, shown, pixel)]
 }
 
 fn verdict(view: View, model: &Model, shown: &ShownFrame, pixel: (u32, u32)) -> (String, Color32) {
     let (x, y) = pixel;
     let colour = |foreground| theme::rgb(verdict_colour(foreground, true));
     if shown.roi.as_ref().is_some_and(|roi| !roi.contains(x, y)) {
-        return ("ignored".to_owned(), WEAK);
+        return ("ignored".to_owned(), WEAK_INK);
     }
     let shown = match (view, &shown.compared) {
         (View::Agreement, _) => {
-            let both = agreement::of_pixel(shown, model.ab_settings.in_view, pixel);
+            let both = agreement::of_pixel(shown, model.edits.ab_settings.in_view, pixel);
             let where_it_is = both.map(|both| match both {
                 [true, true] => "in A and B",
                 [true, false] => "in A only",
@@ -110,9 +116,11 @@ fn verdict(view: View, model: &Model, shown: &ShownFrame, pixel: (u32, u32)) -> 
             let text = where_it_is.map_or_else(String::new, |words| format!("foreground {words}"));
             return (text, colour(both.is_some_and(|both| both.contains(&true))));
         }
-        (View::ComparedBackground | View::ComparedForeground | View::ComparedTracks, Some(beside)) => beside,
+        (View::ComparedBackground | View::ComparedForeground | View::ComparedTracks, Some(compared)) => {
+            compared
+        }
         (View::ComparedBackground | View::ComparedForeground | View::ComparedTracks, None) => {
-            return (String::new(), WEAK);
+            return (String::new(), WEAK_INK);
         }
         _ => shown,
     };
@@ -133,7 +141,7 @@ fn matched(model: &Model, shown: &ShownFrame, pixel: (u32, u32)) -> Option<u8> {
         let index = shown.frame.size.index(pixel.0, pixel.1)?;
         return map.values.get(index).map(|&rank| rank as u8);
     }
-    let pins = model.state.as_ref().map_or(&[][..], |state| &state.pins);
+    let pins = model.worker.state.as_ref().map_or(&[][..], |state| &state.pins);
     let mut known = shown.pixel.iter().chain(pins);
     let history = known.find(|history| history.at == pixel && history.parameters.are_of(&shown.settings))?;
     history.states.get(shown.position as usize).map(|state| state.outcome.matched)

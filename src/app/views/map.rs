@@ -4,7 +4,7 @@ use eframe::egui::{
     Align2, Color32, FontId, Mesh, Painter, Pos2, Rangef, Rect, Shape, Stroke, StrokeKind, pos2, vec2,
 };
 
-use super::ramp::{NEVER, RAMP, STEPS, Scale, ramp};
+use super::ramp::{COUNT_COLOURS, ColourScale, INFINITE_COLOUR, RAMP_COLOURS, ramp};
 use super::{Compose, ComposeStyle, NO_MIXTURE, Pane, draw};
 use crate::app::theme;
 use crate::mixture::Quantity;
@@ -12,10 +12,10 @@ use crate::replay::ShownFrame;
 use crate::settings::{BackgroundModel, Settings};
 
 /// The message for a live source, which delivers each frame only once, so that a map may be unavailable.
-const NOT_AT_HAND: &str = "Previous frames are not available";
+const NO_PREVIOUS_FRAMES: &str = "Previous frames are not available";
 
 /// Number of frames since foreground from which the colour is constant.
-const LONG_AGO: f32 = 1000.0;
+const MAX_FRAMES_AGO: f32 = 1000.0;
 
 /// The quantity's name in menus.
 pub(crate) const fn name(quantity: Quantity) -> &'static str {
@@ -54,16 +54,16 @@ const fn caption(quantity: Quantity) -> &'static str {
 }
 
 /// The colour scale. It depends on the settings but not on the frame, to avoid flicker during playback.
-fn scale(quantity: Quantity, settings: &Settings) -> Scale {
+fn scale(quantity: Quantity, settings: &Settings) -> ColourScale {
     match quantity {
         Quantity::Sigma => {
             let low = settings.min_sigma;
-            Scale::Log { offset: 0.0, low, high: (4.0 * settings.initial_sigma).max(2.0 * low) }
+            ColourScale::Log { offset: 0.0, low, high: (4.0 * settings.initial_sigma).max(2.0 * low) }
         }
-        Quantity::Weight => Scale::Linear { low: 0.0, high: 1.0 },
+        Quantity::Weight => ColourScale::Linear { low: 0.0, high: 1.0 },
         // Recent foreground is brightest.
-        Quantity::SinceForeground => Scale::Log { offset: 1.0, low: LONG_AGO, high: 0.0 },
-        Quantity::Used | Quantity::BackgroundCount | Quantity::Matched => Scale::Steps,
+        Quantity::SinceForeground => ColourScale::Log { offset: 1.0, low: MAX_FRAMES_AGO, high: 0.0 },
+        Quantity::Used | Quantity::BackgroundCount | Quantity::Matched => ColourScale::Steps,
     }
 }
 
@@ -79,30 +79,24 @@ fn number(quantity: Quantity, value: f32) -> String {
 }
 
 /// The composition of the view; `None` without a map.
-pub(super) fn look(pane: &Pane<'_>) -> Option<ComposeStyle> {
+pub(super) fn compose_style(pane: &Pane<'_>) -> Option<ComposeStyle> {
     let scale = scale(pane.shown.map.as_ref()?.quantity, &pane.shown.settings);
     Some(ComposeStyle { scale: scale.values(), ..ComposeStyle::plain(Compose::Map) })
 }
 
 /// Draws the view.
 pub(super) fn paint(pane: &Pane<'_>) {
-    let Some((map, look)) = pane.shown.map.as_ref().zip(look(pane)) else {
+    let Some((map, style)) = pane.shown.map.as_ref().zip(compose_style(pane)) else {
         let other = pane.shown.settings.background_model != BackgroundModel::Mixture;
-        if other && pane.model.quantity.is_of_mixture() {
+        if other && pane.model.display.quantity.is_of_mixture() {
             draw::message(pane.painter, &pane.canvas, NO_MIXTURE, pane.colours.weak);
-        } else if pane
-            .model
-            .state
-            .as_ref()
-            .and_then(|state| state.info.as_ref())
-            .is_some_and(|info| info.live)
-        {
-            draw::message(pane.painter, &pane.canvas, NOT_AT_HAND, pane.colours.weak);
+        } else if pane.model.worker.is_live() {
+            draw::message(pane.painter, &pane.canvas, NO_PREVIOUS_FRAMES, pane.colours.weak);
         }
         return;
     };
     let scale = scale(map.quantity, &pane.shown.settings);
-    pane.compose(look);
+    pane.compose(style);
     let number = |at| at_pixel(pane.shown, at).map_or_else(String::new, |value| number(map.quantity, value));
     let ground = |at| scale.colour(at_pixel(pane.shown, at).unwrap_or(0.0));
     draw::values(pane.painter, &pane.canvas, number, ground);
@@ -121,37 +115,46 @@ pub(super) fn value(shown: &ShownFrame, at: (u32, u32)) -> String {
     value.map_or_else(String::new, |(of, value)| format!("{}={}", symbol(of), number(of, value)))
 }
 
-const INK: Color32 = Color32::from_rgb(236, 240, 246);
+/// The colour of the legend's text.
+const LEGEND_INK: Color32 = Color32::from_rgb(236, 240, 246);
 /// Minimum and maximum length of the ramp in the legend, in points.
-const BAR: Rangef = Rangef { min: 60.0, max: 132.0 };
+const RAMP_LENGTH_RANGE_PT: Rangef = Rangef { min: 60.0, max: 132.0 };
 /// Height of a line of the legend.
-const LINE: f32 = 14.0;
-const MARGIN: f32 = 6.0;
+const LEGEND_LINE_HEIGHT_PT: f32 = 14.0;
+/// Distance of the legend's content from its edge, and of the legend from the view's edge.
+const LEGEND_MARGIN_PT: f32 = 6.0;
 /// Minimum width of a view for the caption; the title bar shows the name, too.
-const CAPTION_FROM: f32 = 290.0;
+const MIN_CAPTION_WIDTH_PT: f32 = 290.0;
 /// Minimum distance of two numbers under the ramp.
-const NUMBER_SPACING: f32 = 22.0;
+const MIN_NUMBER_SPACING_PT: f32 = 22.0;
 
 /// The legend on a dark plate in the lower left corner, if the view has space for it.
-fn legend(painter: &Painter, view: Rect, quantity: Quantity, scale: Scale) {
-    let font = FontId::proportional(theme::SMALL);
-    let word = if view.width() < CAPTION_FROM { "" } else { caption(quantity) };
-    let caption = painter.layout_no_wrap(word.to_owned(), font, INK);
+fn legend(painter: &Painter, view: Rect, quantity: Quantity, scale: ColourScale) {
+    let font = FontId::proportional(theme::SMALL_TEXT);
+    let word = if view.width() < MIN_CAPTION_WIDTH_PT { "" } else { caption(quantity) };
+    let caption = painter.layout_no_wrap(word.to_owned(), font, LEGEND_INK);
     let before = if word.is_empty() { 0.0 } else { caption.size().x + 10.0 };
     let swatches = swatches(quantity);
     let beside = swatches.iter().map(|(_, word)| swatch_width(word)).sum::<f32>();
-    let steps = scale == Scale::Steps;
-    let room = view.width() - 24.0 - 2.0 * MARGIN - before - beside;
-    let bar = if steps { 0.0 } else { BAR.clamp(room - 18.0) };
+    let steps = scale == ColourScale::Steps;
+    let space = view.width() - 24.0 - 2.0 * LEGEND_MARGIN_PT - before - beside;
+    let bar = if steps { 0.0 } else { RAMP_LENGTH_RANGE_PT.clamp(space - 18.0) };
     let (ramp, lines) = if steps { (0.0, 1.0) } else { (bar + 18.0, 2.0) };
-    let size = vec2(before + ramp + beside + 2.0 * MARGIN, lines * LINE + 2.0 * MARGIN - 4.0);
+    let size = vec2(
+        before + ramp + beside + 2.0 * LEGEND_MARGIN_PT,
+        lines * LEGEND_LINE_HEIGHT_PT + 2.0 * LEGEND_MARGIN_PT - 4.0,
+    );
     let place = Rect::from_min_size(view.left_bottom() + vec2(8.0, -8.0 - size.y), size);
     if !view.contains_rect(place.expand(4.0)) {
         return;
     }
     painter.rect_filled(place, 3.0, Color32::from_black_alpha(200));
-    let corner = place.min + vec2(MARGIN, MARGIN - 2.0);
-    painter.galley(pos2(corner.x, corner.y + (LINE - caption.size().y) / 2.0), caption, INK);
+    let corner = place.min + vec2(LEGEND_MARGIN_PT, LEGEND_MARGIN_PT - 2.0);
+    painter.galley(
+        pos2(corner.x, corner.y + (LEGEND_LINE_HEIGHT_PT - caption.size().y) / 2.0),
+        caption,
+        LEGEND_INK,
+    );
     let mut x = corner.x + before;
     if !steps {
         let bar = Rect::from_min_size(pos2(x + 6.0, corner.y + 3.0), vec2(bar, 8.0));
@@ -160,15 +163,15 @@ fn legend(painter: &Painter, view: Rect, quantity: Quantity, scale: Scale) {
         for tick in ticks(quantity, scale) {
             let at = bar.left() + scale.share(tick).unwrap_or(0.0) * bar.width();
             if at >= free {
-                free = at + NUMBER_SPACING;
-                painter.vline(at, bar.bottom()..=bar.bottom() + 3.0, (1.0, INK));
+                free = at + MIN_NUMBER_SPACING_PT;
+                painter.vline(at, bar.bottom()..=bar.bottom() + 3.0, (1.0, LEGEND_INK));
                 text(painter, pos2(at, bar.bottom() + 9.0), Align2::CENTER_CENTER, &format!("{tick}"));
             }
         }
         x = bar.right() + 12.0;
     }
     for (colour, word) in swatches {
-        let middle = corner.y + LINE / 2.0;
+        let middle = corner.y + LEGEND_LINE_HEIGHT_PT / 2.0;
         let swatch = Rect::from_min_size(pos2(x, middle - 5.0), vec2(10.0, 10.0));
         let rim = Stroke::new(1.0, Color32::from_white_alpha(90));
         painter.rect(swatch, 2.0, colour, rim, StrokeKind::Inside);
@@ -182,30 +185,30 @@ fn swatch_width(word: &str) -> f32 {
 }
 
 fn text(painter: &Painter, at: Pos2, anchor: Align2, text: &str) {
-    painter.text(at, anchor, text, FontId::proportional(theme::SMALL - 1.0), INK);
+    painter.text(at, anchor, text, FontId::proportional(theme::SMALL_TEXT - 1.0), LEGEND_INK);
 }
 
 /// Swatches beside the ramp, or in its place.
 fn swatches(quantity: Quantity) -> Vec<(Color32, String)> {
     let step = |count: usize| {
-        let more = if count + 1 == STEPS.len() { "+" } else { "" };
-        (STEPS[count], format!("{count}{more}"))
+        let more = if count + 1 == COUNT_COLOURS.len() { "+" } else { "" };
+        (COUNT_COLOURS[count], format!("{count}{more}"))
     };
-    let counts = (1..STEPS.len()).map(step);
+    let counts = (1..COUNT_COLOURS.len()).map(step);
     match quantity {
         Quantity::Used | Quantity::BackgroundCount => counts.collect(),
-        Quantity::Matched => counts.chain([(STEPS[0], "none".to_owned())]).collect(),
-        Quantity::SinceForeground => vec![(NEVER, "never".to_owned())],
+        Quantity::Matched => counts.chain([(COUNT_COLOURS[0], "none".to_owned())]).collect(),
+        Quantity::SinceForeground => vec![(INFINITE_COLOUR, "never".to_owned())],
         Quantity::Sigma | Quantity::Weight => Vec::new(),
     }
 }
 
 /// The values labelled under the ramp.
-fn ticks(quantity: Quantity, scale: Scale) -> Vec<f32> {
+fn ticks(quantity: Quantity, scale: ColourScale) -> Vec<f32> {
     match (quantity, scale) {
         (Quantity::SinceForeground, _) => vec![1000.0, 100.0, 10.0, 0.0],
         (Quantity::Weight, _) => vec![0.0, 0.5, 1.0],
-        (_, Scale::Log { low, high, .. }) => {
+        (_, ColourScale::Log { low, high, .. }) => {
             let decades = [0.1, 1.0, 10.0, 100.0].into_iter();
             let round = decades.flat_map(|decade| [1.0, 2.0, 3.0, 5.0].map(|digit| digit * decade));
             let mut ticks = vec![low];
@@ -226,7 +229,7 @@ fn ramp_bar(painter: &Painter, bar: Rect) {
     let columns = bar.width().max(2.0) as usize;
     for column in 0..columns {
         let at = |column: usize| bar.left() + bar.width() * column as f32 / columns as f32;
-        let colour = ramp(column * (RAMP - 1) / (columns - 1));
+        let colour = ramp(column * (RAMP_COLOURS - 1) / (columns - 1));
         let place = Rect::from_x_y_ranges(at(column)..=at(column + 1), bar.y_range());
         mesh.add_colored_rect(place, colour);
     }

@@ -10,13 +10,13 @@ use crate::truth::decisions::Decisions;
 use crate::truth::masks::{Label, TrueMask};
 
 /// True positive.
-const TRUE_POSITIVE: [u8; 3] = super::agreement::BOTH;
+const TRUE_POSITIVE: [u8; 3] = super::agreement::BOTH_COLOUR;
 /// False positive.
 const FALSE_POSITIVE: [u8; 3] = [232, 92, 28];
 /// False negative.
 const FALSE_NEGATIVE: [u8; 3] = [86, 180, 233];
 /// Ignored; the shader draws it equally dark.
-const IGNORED: [u8; 3] = [58, 52, 66];
+const IGNORED_COLOUR: [u8; 3] = [58, 52, 66];
 
 /// Counts true and false decisions of a mask of the frame.
 pub(super) fn judge(mask: &Mask, truth: &TrueMask) -> Decisions {
@@ -26,7 +26,7 @@ pub(super) fn judge(mask: &Mask, truth: &TrueMask) -> Decisions {
 }
 
 /// The composition of the view.
-pub(super) fn look() -> ComposeStyle {
+pub(super) fn compose_style() -> ComposeStyle {
     let share = |[r, g, b]: [u8; 3]| [r, g, b, 255].map(|channel| f32::from(channel) / 255.0);
     ComposeStyle {
         overlay: share(FALSE_POSITIVE),
@@ -47,14 +47,14 @@ pub(super) fn paint(pane: &Pane<'_>) {
         draw::message(pane.painter, &pane.canvas, why, pane.colours.weak);
         return;
     };
-    pane.compose(look());
+    pane.compose(compose_style());
     let mask = &pane.shown.analysis.mask;
     let ground = |(x, y)| match (truth.at(x, y), mask.is_foreground(x, y)) {
         (Some(Label::Foreground), true) => theme::rgb(TRUE_POSITIVE),
         (Some(Label::Foreground), false) => theme::rgb(FALSE_NEGATIVE),
         (Some(Label::Background), true) => theme::rgb(FALSE_POSITIVE),
         (Some(Label::Background), false) => Color32::BLACK,
-        (Some(Label::Uncounted) | None, _) => theme::rgb(IGNORED),
+        (Some(Label::Uncounted) | None, _) => theme::rgb(IGNORED_COLOUR),
     };
     draw::values(pane.painter, &pane.canvas, |at| value(pane.shown, at), ground);
     if let Some(decisions) = pane.set.decisions() {
@@ -65,7 +65,7 @@ pub(super) fn paint(pane: &Pane<'_>) {
             (FALSE_NEGATIVE, format!("FN  {} px", decisions.fn_)),
         ];
         if uncounted > 0 {
-            rows.push((IGNORED, format!("ignored  {uncounted} px")));
+            rows.push((IGNORED_COLOUR, format!("ignored  {uncounted} px")));
         }
         draw::legend(pane.painter, pane.canvas.rect, &rows);
     }

@@ -14,17 +14,17 @@ use eframe::egui_wgpu::{RenderState, wgpu};
 
 use super::agreement::Agreement;
 use super::compose::Composer;
-use super::layer::{self, Layer, Layers};
+use super::layer::{self, LayerSet, ViewLayer};
 use super::layer_upload::{LayerUploader, UploadedLayers};
 use super::mask_errors;
-use super::{Background, View};
-use crate::app::model::FrameWithTrails;
+use crate::app::model::trails::FrameWithTrails;
+use crate::app::model::view::{BackgroundDisplay, View};
 use crate::frame::Size;
 use crate::truth::decisions::Decisions;
 
 /// A frame whose layers are uploaded.
 pub(crate) struct UploadedFrame {
-    moment: Arc<FrameWithTrails>,
+    frame: Arc<FrameWithTrails>,
     video: u32,
     every: u32,
     uploaded: UploadedLayers,
@@ -37,12 +37,12 @@ pub(crate) struct UploadedFrame {
 
 impl UploadedFrame {
     /// The frame.
-    pub(crate) const fn moment(&self) -> &Arc<FrameWithTrails> {
-        &self.moment
+    pub(crate) const fn frame(&self) -> &Arc<FrameWithTrails> {
+        &self.frame
     }
 
     /// Whether a layer is there.
-    pub(crate) const fn has(&self, layer: Layer) -> bool {
+    pub(crate) const fn has(&self, layer: ViewLayer) -> bool {
         self.uploaded[layer as usize].is_some()
     }
 
@@ -53,7 +53,7 @@ impl UploadedFrame {
 
     /// Width and height in texels.
     pub(crate) fn texels(&self) -> Size {
-        Layer::Input.texels(&self.moment.shown, self.every)
+        ViewLayer::Input.texels(&self.frame.shown, self.every)
     }
 
     /// The bind group of the layers.
@@ -72,7 +72,7 @@ impl UploadedFrame {
     }
 
     /// The duration of the upload.
-    pub(crate) const fn took(&self) -> Duration {
+    pub(crate) const fn duration(&self) -> Duration {
         self.took
     }
 
@@ -84,35 +84,35 @@ impl UploadedFrame {
 
 /// A request to the upload thread.
 #[derive(Clone)]
-struct Request {
-    moment: Arc<FrameWithTrails>,
-    layers: Layers,
+struct UploadRequest {
+    frame: Arc<FrameWithTrails>,
+    layers: LayerSet,
     /// The index of its video. Late results of a previous video are not shown.
     video: u32,
 }
 
 /// The uploaded frame that waits for the window; a newer one replaces it.
-type Ready = Arc<Mutex<Option<UploadedFrame>>>;
+type UploadSlot = Arc<Mutex<Option<UploadedFrame>>>;
 
 /// The window's side of the upload.
-pub(crate) struct Pictures {
+pub(crate) struct FrameUploads {
     composer: Arc<Composer>,
-    requests: Option<mpsc::Sender<Request>>,
-    ready: Ready,
+    requests: Option<mpsc::Sender<UploadRequest>>,
+    ready: UploadSlot,
     thread: Option<JoinHandle<()>>,
-    asked: Option<Request>,
+    asked: Option<UploadRequest>,
     video: u32,
-    layers: Layers,
+    layers: LayerSet,
     in_view: Option<Arc<UploadedFrame>>,
 }
 
-impl Pictures {
+impl FrameUploads {
     /// Starts the thread. It wakes the window when a frame is uploaded.
     pub(crate) fn start(ctx: &Context, gpu: &RenderState) -> io::Result<Self> {
         let composer = Arc::new(Composer::new(gpu));
         let (requests, received) = mpsc::channel();
-        let ready = Ready::default();
-        let worker = Worker {
+        let ready = UploadSlot::default();
+        let worker = UploadThread {
             sender: LayerUploader::new(gpu.device.clone(), gpu.queue.clone()),
             device: gpu.device.clone(),
             composer: Arc::clone(&composer),
@@ -143,34 +143,34 @@ impl Pictures {
     }
 
     /// Sets the layers that the views need.
-    pub(crate) const fn need(&mut self, layers: Layers) {
+    pub(crate) const fn set_layers(&mut self, layers: LayerSet) {
         self.layers = layers;
     }
 
     /// Whether a map is visible.
     pub(crate) const fn shows_map(&self) -> bool {
-        self.layers.has(Layer::Map)
+        self.layers.has(ViewLayer::Map)
     }
 
     /// Requests a frame, unless it was requested last.
-    pub(crate) fn ask(&mut self, moment: &Arc<FrameWithTrails>) {
+    pub(crate) fn request(&mut self, frame: &Arc<FrameWithTrails>) {
         let (layers, video) = (self.layers, self.video);
         let known = self.asked.as_ref().is_some_and(|asked| {
-            Arc::ptr_eq(&asked.moment, moment) && asked.layers.covers(layers) && asked.video == video
+            Arc::ptr_eq(&asked.frame, frame) && asked.layers.covers(layers) && asked.video == video
         });
         if known {
             return;
         }
-        let request = Request { moment: Arc::clone(moment), layers, video };
+        let request = UploadRequest { frame: Arc::clone(frame), layers, video };
         if let Some(requests) = &self.requests {
-            // Sending fails if the thread has ended, which `is_dead` reports.
+            // Sending fails if the thread has ended, which `has_failed` reports.
             let _ = requests.send(request.clone());
         }
         self.asked = Some(request);
     }
 
     /// Brings the latest uploaded frame into view. Returns whether there was one.
-    pub(crate) fn turn(&mut self) -> bool {
+    pub(crate) fn show_latest(&mut self) -> bool {
         let set = self.ready.lock().unwrap_or_else(PoisonError::into_inner).take();
         let set = set.filter(|set| set.video == self.video);
         let turned = set.is_some();
@@ -185,16 +185,16 @@ impl Pictures {
     pub(crate) fn is_settled(&self) -> bool {
         self.asked.as_ref().is_none_or(|asked| {
             self.in_view.as_ref().is_some_and(|set| {
-                let missing = |&layer: &Layer| {
-                    asked.layers.has(layer) && layer.is_in(&asked.moment.shown) && !set.has(layer)
+                let missing = |&layer: &ViewLayer| {
+                    asked.layers.has(layer) && layer.is_in(&asked.frame.shown) && !set.has(layer)
                 };
-                Arc::ptr_eq(&set.moment, &asked.moment) && !Layer::ALL.iter().any(missing)
+                Arc::ptr_eq(&set.frame, &asked.frame) && !ViewLayer::ALL.iter().any(missing)
             })
         })
     }
 
     /// Whether the thread has ended unexpectedly.
-    pub(crate) fn is_dead(&self) -> bool {
+    pub(crate) fn has_failed(&self) -> bool {
         self.thread.as_ref().is_some_and(JoinHandle::is_finished)
     }
 
@@ -207,17 +207,17 @@ impl Pictures {
 }
 
 /// The layers of the initially open views, so that the first frame is complete.
-fn first_layers() -> Layers {
-    let mut layers = Layers::NONE;
+fn first_layers() -> LayerSet {
+    let mut layers = LayerSet::NONE;
     // A map is computed only once its view is visible.
     for view in View::ALL.into_iter().filter(|&view| view != View::Map) {
-        layers.add(view.layers(Background::Mean));
+        layers.add(view.layers(BackgroundDisplay::Mean));
     }
-    layers.add(&[Layer::Ignored]);
+    layers.add(&[ViewLayer::Ignored]);
     layers
 }
 
-impl Drop for Pictures {
+impl Drop for FrameUploads {
     fn drop(&mut self) {
         // The process must not end while the thread is inside the graphics driver.
         self.requests = None;
@@ -228,47 +228,48 @@ impl Drop for Pictures {
 }
 
 /// The thread's side of the upload.
-struct Worker {
+struct UploadThread {
     sender: LayerUploader,
     device: wgpu::Device,
     composer: Arc<Composer>,
-    ready: Ready,
+    ready: UploadSlot,
     ctx: Context,
 }
 
-impl Worker {
-    fn work(mut self, requests: &mpsc::Receiver<Request>) {
+impl UploadThread {
+    fn work(mut self, requests: &mpsc::Receiver<UploadRequest>) {
         let mut last: Option<(Arc<FrameWithTrails>, u32, UploadedLayers)> = None;
         while let Ok(mut request) = requests.recv() {
             while let Ok(newer) = requests.try_recv() {
                 request = newer;
             }
             let started = Instant::now();
-            let shown = &request.moment.shown;
+            let shown = &request.frame.shown;
             let every = layer::thinning(shown.frame.size, self.device.limits().max_texture_dimension_2d);
-            let known = |layer: Layer| {
+            let known = |layer: ViewLayer| {
                 let (before, thinned, uploaded) = last.as_ref()?;
                 let sent = uploaded[layer as usize].as_ref()?;
                 (*thinned == every && layer.is_same(&before.shown, shown)).then(|| Arc::clone(sent))
             };
             let Ok((uploaded, bytes)) = self.sender.send(shown, request.layers, every, known) else { return };
-            let view = |layer: Layer| uploaded[layer as usize].as_ref().map(|sent| &sent.view);
-            let beside = shown.compared.as_ref().filter(|_| request.layers.has(Layer::ComparedMask));
-            let agreement = beside.map(|beside| Agreement::of(&shown.analysis.mask, &beside.analysis.mask));
-            let truth = shown.truth.as_ref().filter(|_| request.layers.has(Layer::Truth));
+            let view = |layer: ViewLayer| uploaded[layer as usize].as_ref().map(|sent| &sent.view);
+            let compared = shown.compared.as_ref().filter(|_| request.layers.has(ViewLayer::ComparedMask));
+            let agreement =
+                compared.map(|compared| Agreement::of(&shown.analysis.mask, &compared.analysis.mask));
+            let truth = shown.truth.as_ref().filter(|_| request.layers.has(ViewLayer::Truth));
             let decisions = truth.map(|truth| mask_errors::judge(&shown.analysis.mask, truth));
             let set = UploadedFrame {
                 agreement,
                 decisions,
                 group: self.composer.bind(&self.device, view),
-                moment: Arc::clone(&request.moment),
+                frame: Arc::clone(&request.frame),
                 video: request.video,
                 every,
                 took: started.elapsed(),
                 bytes,
                 uploaded: uploaded.clone(),
             };
-            last = Some((request.moment, every, uploaded));
+            last = Some((request.frame, every, uploaded));
             *self.ready.lock().unwrap_or_else(PoisonError::into_inner) = Some(set);
             self.ctx.request_repaint();
         }

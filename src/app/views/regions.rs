@@ -9,15 +9,15 @@ use crate::palette::identity_colour;
 use crate::pipeline::Analysis;
 use crate::replay::ShownFrame;
 
-const UNKNOWN: Color32 = Color32::from_rgb(150, 156, 170);
-const GROUP: Color32 = Color32::from_rgb(244, 246, 250);
+const UNASSOCIATED_COLOUR: Color32 = Color32::from_rgb(150, 156, 170);
+const GROUP_COLOUR: Color32 = Color32::from_rgb(244, 246, 250);
 
 /// The colour of each label: of its object, of an occlusion group, or of a region without a track.
 pub(super) fn colours(analysis: &Analysis) -> Vec<Color32> {
     let most = analysis.regions.iter().map(|region| region.label).max().unwrap_or(0) as usize;
-    let mut colours = vec![UNKNOWN; most + 1];
+    let mut colours = vec![UNASSOCIATED_COLOUR; most + 1];
     for track in analysis.tracks.iter() {
-        let colour = if track.group.len() > 1 { GROUP } else { theme::rgb(identity_colour(track.id)) };
+        let colour = if track.group.len() > 1 { GROUP_COLOUR } else { theme::rgb(identity_colour(track.id)) };
         for &label in &track.regions {
             if let Some(of_label) = colours.get_mut(label as usize) {
                 *of_label = colour;
@@ -32,7 +32,7 @@ pub(super) fn paint(pane: &Pane<'_>) {
     pane.compose(ComposeStyle::plain(Compose::Regions));
     let (frame, analysis) = (&pane.shown.frame, &pane.shown.analysis);
     let colours = colours(analysis);
-    let colour_of = |label: u32| colours.get(label as usize).copied().unwrap_or(UNKNOWN);
+    let colour_of = |label: u32| colours.get(label as usize).copied().unwrap_or(UNASSOCIATED_COLOUR);
     let ground = |(x, y)| {
         let gray = luma(frame.pixel(x, y).unwrap_or_default());
         match analysis.labels.at(x, y) {

@@ -7,7 +7,7 @@ use eframe::egui::{Align2, Color32, FontId, Mesh, Rect, Stroke, pos2, vec2};
 use super::draw::OccupiedRects;
 use super::{Compose, ComposeStyle, Pane, draw};
 use crate::app::icons;
-use crate::app::model::overlays::Drawn;
+use crate::app::model::overlays::TrackOverlay;
 use crate::app::theme;
 use crate::palette::{event_colour, identity_colour};
 use crate::regions;
@@ -15,19 +15,19 @@ use crate::tracking::{Identity, Track, TrackState};
 use crate::truth::boxes::Bounds;
 
 /// The composition of the view: a darker input, so that boxes stand out.
-pub(super) fn look() -> ComposeStyle {
+pub(super) fn compose_style() -> ComposeStyle {
     ComposeStyle { tint: 205.0 / 255.0, ..ComposeStyle::plain(Compose::Input) }
 }
 
 /// Draws the view.
 pub(super) fn paint(pane: &Pane<'_>) {
-    pane.compose(look());
-    let (tracks, drawn) = (&pane.shown.analysis.tracks, pane.model.drawn);
+    pane.compose(compose_style());
+    let (tracks, drawn) = (&pane.shown.analysis.tracks, pane.model.display.track_overlays);
     // Trails exist only for the settings in view.
-    if drawn.has(Drawn::Trails) && !pane.view.compares() {
+    if drawn.has(TrackOverlay::Trails) && !pane.view.compares() {
         trails(pane);
     }
-    for (index, track) in tracks.iter().enumerate().filter(|_| drawn.has(Drawn::Occlusions)) {
+    for (index, track) in tracks.iter().enumerate().filter(|_| drawn.has(TrackOverlay::Occlusions)) {
         for other in &tracks[index + 1..] {
             if track.group.contains(&other.id) {
                 occlusion(pane, &pane.canvas.place(&track.bbox.intersection(&other.bbox)));
@@ -37,7 +37,7 @@ pub(super) fn paint(pane: &Pane<'_>) {
             occlusion(pane, &pane.canvas.place(&track.bbox));
         }
     }
-    let groups = if drawn.has(Drawn::Groups) { groups(tracks) } else { Vec::new() };
+    let groups = if drawn.has(TrackOverlay::Groups) { groups(tracks) } else { Vec::new() };
     for group in &groups {
         outline(pane, group);
     }
@@ -50,16 +50,16 @@ pub(super) fn paint(pane: &Pane<'_>) {
         object(pane, track, &mut gates);
     }
     // Under other settings the same identity may be another object.
-    let object = pane.model.object.filter(|_| !pane.view.compares());
+    let object = pane.model.selection.object.filter(|_| !pane.view.compares());
     if let Some(track) = tracks.iter().find(|track| object == Some(track.id)) {
         chosen(pane, track);
     }
-    if drawn.has(Drawn::Gates) {
+    if drawn.has(TrackOverlay::Gates) {
         pane.painter.add(gates);
     }
     let truth =
         pane.model.truth.as_ref().and_then(|truth| truth.boxes.as_ref()?.get(&pane.shown.frame.number));
-    let truth = truth.filter(|_| drawn.has(Drawn::Truth));
+    let truth = truth.filter(|_| drawn.has(TrackOverlay::Truth));
     for &Bounds([x, y, w, h]) in truth.into_iter().flat_map(|boxes| boxes.values()) {
         let place = regions::Rect::new(x as f32, y as f32, w as f32, h as f32);
         let place = pane.canvas.place(&place);
@@ -69,7 +69,7 @@ pub(super) fn paint(pane: &Pane<'_>) {
     }
     // Texts come last, so that no box crosses them.
     let mut taken = OccupiedRects::default();
-    for track in tracks.iter().filter(|_| drawn.has(Drawn::Names)) {
+    for track in tracks.iter().filter(|_| drawn.has(TrackOverlay::Names)) {
         let word = match track.state {
             TrackState::Visible => track.id.to_string(),
             state => format!("{} {}", track.id, state.label()),
@@ -83,14 +83,14 @@ pub(super) fn paint(pane: &Pane<'_>) {
         let word = format!("GT {id}");
         draw::free_tag(pane.painter, foot, &word, Color32::from_gray(225), pane.canvas.rect, &mut taken);
     }
-    for group in groups.iter().filter(|_| drawn.has(Drawn::Names)) {
+    for group in groups.iter().filter(|_| drawn.has(TrackOverlay::Names)) {
         let place = around(pane, group);
         let names: Vec<String> = group.iter().map(|track| track.id.to_string()).collect();
         let at = pos2(place.left(), place.bottom() + 18.0);
         let colour = Color32::from_rgb(244, 246, 250);
         draw::free_tag(pane.painter, at, &names.join(" + "), colour, pane.canvas.rect, &mut taken);
     }
-    if drawn.has(Drawn::Events) {
+    if drawn.has(TrackOverlay::Events) {
         flags(pane, taken);
     }
 }
@@ -135,7 +135,7 @@ fn chosen(pane: &Pane<'_>, track: &Track) {
         let ring = Stroke::new(1.5, if rank == 0 { colour } else { Color32::WHITE });
         pane.painter.circle(centre, size, Color32::from_black_alpha(120), ring);
         let number = Align2::LEFT_CENTER;
-        let font = FontId::proportional(theme::SMALL);
+        let font = FontId::proportional(theme::SMALL_TEXT);
         if track.hypotheses.len() > 1 {
             let at = centre + vec2(size + 3.0, 0.0);
             let word = (rank + 1).to_string();
@@ -146,7 +146,7 @@ fn chosen(pane: &Pane<'_>, track: &Track) {
     pane.painter.add(gates);
     // The predicted position in half a second, at the model's velocity.
     let from = pane.canvas.screen(track.centre);
-    let way = vec2(track.velocity[0], track.velocity[1]) * 0.5 * pane.model.fps() * pane.canvas.scale;
+    let way = vec2(track.velocity[0], track.velocity[1]) * 0.5 * pane.model.worker.fps() * pane.canvas.scale;
     if way.length() > 6.0 && way.length() < pane.canvas.rect.width() {
         pane.painter.arrow(from, way, Stroke::new(3.5, Color32::from_black_alpha(140)));
         pane.painter.arrow(from, way, Stroke::new(1.5, colour));
@@ -187,7 +187,7 @@ fn trails(pane: &Pane<'_>) {
     let (here, tracks) = (pane.shown.position, &pane.shown.analysis.tracks);
     let mut lines: HashMap<Identity, Vec<(u32, [f32; 2])>> =
         tracks.iter().map(|track| (track.id, Vec::new())).collect();
-    for (&position, (_, objects)) in pane.set.moment().trails.range(..=here) {
+    for (&position, (_, objects)) in pane.set.frame().trails.range(..=here) {
         for then in objects.iter() {
             if let Some(line) = lines.get_mut(&then.id) {
                 line.push((position, then.centre));
@@ -213,8 +213,12 @@ fn trails(pane: &Pane<'_>) {
 
 /// The flags of the frame's events, placed beside the rectangles in `taken`.
 fn flags(pane: &Pane<'_>, mut taken: OccupiedRects) {
-    let timeline = if pane.view.compares() { pane.model.compared_timeline() } else { pane.model.timeline() };
-    let Some(timeline) = timeline.or_else(|| pane.model.timeline()) else { return };
+    let timeline = if pane.view.compares() {
+        pane.model.worker.compared_timeline()
+    } else {
+        pane.model.worker.timeline()
+    };
+    let Some(timeline) = timeline.or_else(|| pane.model.worker.timeline()) else { return };
     let here = pane.shown.position;
     let first = timeline.events.partition_point(|(position, _)| *position < here);
     for (_, event) in timeline.events[first..].iter().take_while(|(position, _)| *position == here) {
@@ -222,7 +226,7 @@ fn flags(pane: &Pane<'_>, mut taken: OccupiedRects) {
         let colour = theme::rgb(event_colour(event.kind));
         let ids: Vec<String> = event.objects.iter().map(ToString::to_string).collect();
         let word = format!("{} {}", event.kind.label(), ids.join("+"));
-        let font = FontId::proportional(theme::MONO);
+        let font = FontId::proportional(theme::MONO_TEXT);
         let width = pane.painter.layout_no_wrap(word.clone(), font.clone(), colour).size().x + 30.0;
         let mut flag = Rect::from_min_size(foot - vec2(0.0, 46.0), vec2(width, 20.0));
         while !taken.is_free(flag) {

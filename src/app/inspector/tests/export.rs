@@ -121,7 +121,7 @@ fn the_region_and_the_pins_are_exported_as_png_svg_and_table() {
                 chosen: Some(AT),
                 pins: &[(2, AT), (5, (1, 2)), (6, (3, 3))],
                 histories: &histories,
-                region: Some(&shares),
+                shares: Some(&shares),
                 ..InspectorContext::default()
             };
             egui::CentralPanel::default().show(ui, |ui| {

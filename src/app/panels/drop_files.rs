@@ -18,7 +18,7 @@ pub(crate) fn ui(ctx: &Context, model: &Model, commands: &mut Vec<Command>) {
         (!input.raw.hovered_files.is_empty(), path)
     });
     if let Some(path) = dropped.filter(|path| !path.is_empty()) {
-        if model.shown().is_some() && is_truth(Path::new(&path)) {
+        if model.worker.shown().is_some() && is_truth(Path::new(&path)) {
             commands.push(Command::ReadTruth(path.into()));
         } else {
             commands.push(Command::Open(path, Start::First));

@@ -1,0 +1,123 @@
+//! The open video, and what is remembered of it and of others.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use crate::app::model::marks::Marks;
+use crate::source::Options;
+
+/// Maximum number of recent videos.
+const MAX_RECENT_VIDEOS: usize = 10;
+
+/// The relation of the open video to the list of recent videos.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Origin {
+    /// The video is added to the list once it has opened.
+    New,
+    /// The video is in the list.
+    Listed,
+    /// The bundled sample, which is never listed.
+    Sample,
+}
+
+/// The open video, and the state of each video by its name.
+#[derive(Clone, Debug)]
+pub(crate) struct Videos {
+    /// The name of the open video.
+    pub(crate) opened: Option<String>,
+    /// The relation of that video to the list of recent videos.
+    pub(crate) origin: Origin,
+    /// Recent videos, latest first.
+    pub(crate) recent: Vec<String>,
+    /// The marks in other videos, by name.
+    pub(crate) marks: BTreeMap<String, Marks>,
+    /// Typed frame rates of videos, by name.
+    pub(crate) frame_rates: BTreeMap<String, f32>,
+    /// The video whose frame rate the command line sets, for this run only, with that rate.
+    pub(crate) command_line_rate: Option<(String, f32)>,
+}
+
+impl Videos {
+    /// No open video, nothing remembered.
+    pub(super) const fn new() -> Self {
+        Self {
+            opened: None,
+            origin: Origin::New,
+            recent: Vec::new(),
+            marks: BTreeMap::new(),
+            frame_rates: BTreeMap::new(),
+            command_line_rate: None,
+        }
+    }
+
+    /// The options of a video.
+    pub(crate) fn options_of(&self, name: &str) -> Options {
+        let given = self.command_line_rate.as_ref().filter(|(of, _)| of == name).map(|(_, fps)| *fps);
+        Options { fps: given.or_else(|| self.frame_rates.get(name).copied()) }
+    }
+
+    /// Stores the marks of the open video under its name.
+    pub(crate) fn store_marks(&mut self, marks: &Marks) {
+        let Some(name) = &self.opened else { return };
+        if marks.is_empty() {
+            self.marks.remove(name);
+        } else {
+            self.marks.insert(name.clone(), marks.clone());
+        }
+    }
+
+    /// Moves the open video to the front of the recent videos, unless it is `live`.
+    pub(super) fn remember(&mut self, live: bool) {
+        self.origin = Origin::Listed;
+        let Some(name) = self.opened.as_ref().filter(|_| !live) else { return };
+        // A relative name from the command line depends on the working directory.
+        let whole = std::path::absolute(name).ok().filter(|path| path.exists());
+        let name = whole.map_or_else(|| name.clone(), |path| path.to_string_lossy().into_owned());
+        self.recent.retain(|other| *other != name);
+        self.recent.insert(0, name);
+        self.recent.truncate(MAX_RECENT_VIDEOS);
+    }
+}
+
+/// The last part of a video's path.
+pub(crate) fn file_name(name: &str) -> &str {
+    Path::new(name).file_name().and_then(|last| last.to_str()).unwrap_or(name)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_rate_of_the_command_line_precedes_a_typed_one() {
+        let mut videos = Videos::new();
+        videos.frame_rates.insert("a.mp4".into(), 12.5);
+        videos.command_line_rate = Some(("b.mp4".into(), 30.0));
+        assert_eq!(
+            ["a.mp4", "b.mp4", "c.mp4"].map(|name| videos.options_of(name).fps),
+            [Some(12.5), Some(30.0), None]
+        );
+        videos.command_line_rate = Some(("a.mp4".into(), 50.0));
+        assert_eq!(videos.options_of("a.mp4").fps, Some(50.0));
+    }
+
+    #[test]
+    fn recent_videos_are_listed_once_and_latest_first() {
+        let mut videos = Videos::new();
+        for (name, live) in [("a", false), ("b", false), ("camera", true), ("a", false)] {
+            videos.opened = Some(name.into());
+            videos.remember(live);
+        }
+        assert_eq!(videos.recent, ["a", "b"]);
+        for number in 0..20 {
+            videos.opened = Some(format!("video-{number}"));
+            videos.remember(false);
+        }
+        assert_eq!((videos.recent.len(), videos.recent[0].as_str()), (10, "video-19"));
+    }
+
+    #[test]
+    fn the_file_name_is_the_last_part_of_a_path() {
+        assert_eq!(["/videos/walk.mp4", "walk.mp4", "/"].map(file_name), ["walk.mp4", "walk.mp4", "/"]);
+    }
+}

@@ -1,0 +1,240 @@
+//! Execution of the commands that need the window: dialogs, messages, views, the clipboard and videos.
+
+use std::sync::Arc;
+
+use eframe::egui::{ColorImage, Context, Theme, ViewportCommand};
+
+use crate::app::commands::apply;
+use crate::app::commands::availability::is_available;
+use crate::app::commands::command::{Action, Command, UiScale};
+use crate::app::files::export_frame::FrameExport;
+use crate::app::files::sample;
+use crate::app::model::ab_settings::AbSettings;
+use crate::app::model::areas::AreaEdit;
+use crate::app::model::camera::ViewCamera;
+use crate::app::model::pins::MAX_PINS;
+use crate::app::model::videos::{Origin, file_name};
+use crate::app::model::view::View;
+use crate::app::views;
+use crate::app::window::Window;
+use crate::mixture::Quantity;
+use crate::replay::Start;
+
+impl Window {
+    /// Executes a command.
+    pub(in crate::app) fn apply(&mut self, ctx: &Context, command: Command) {
+        match command {
+            Command::Act(action) => self.act(ctx, action),
+            Command::Open(name, start) => self.open(ctx, &name, start),
+            Command::Rate(fps) => self.set_rate(ctx, fps),
+            Command::ReadTruth(path) => self.dialogs.read_truth(ctx, path),
+            Command::OpenSample => self.open_sample(ctx),
+            Command::Area(change) => self.change_areas(ctx, change),
+            Command::Hover(_) => {
+                apply::apply(&mut self.model, command);
+                // The status line was drawn before the pointer position was read.
+                ctx.request_repaint();
+            }
+            command => apply::apply(&mut self.model, command),
+        }
+    }
+
+    fn act(&mut self, ctx: &Context, action: Action) {
+        if !action.entry().is_some_and(|entry| is_available(&self.model, entry)) {
+            return;
+        }
+        let model = &mut self.model;
+        match action {
+            Action::OpenVideo => self.dialogs.video(ctx),
+            Action::OpenFolder => self.dialogs.folder(ctx),
+            Action::OpenSample => self.open_sample(ctx),
+            Action::ExportFrame => {
+                if let Some(picture) = FrameExport::of(model) {
+                    self.dialogs.export_frame(ctx, picture);
+                }
+            }
+            Action::CloseVideo => self.close(ctx),
+            Action::CopyPlace => {
+                if let Some(place) = model.frame_description() {
+                    self.toasts.done(ctx, format!("Copied: {place}"));
+                    ctx.copy_text(place);
+                }
+            }
+            Action::CopyPicture => {
+                if let Some(picture) = FrameExport::of(model) {
+                    let frame = picture.drawn();
+                    let size = [frame.size.width as usize, frame.size.height as usize];
+                    ctx.copy_image(ColorImage::from_rgb(size, &frame.rgb));
+                    self.toasts.done(ctx, format!("Copied frame {}", frame.number));
+                }
+            }
+            Action::SaveSettings => self.dialogs.save_settings(ctx, model.edits.settings.clone()),
+            Action::LoadSettings => self.dialogs.load_settings(ctx),
+            Action::Quit => ctx.send_viewport_cmd(ViewportCommand::Close),
+            Action::AbSlot(slot) => {
+                if model.edits.show_slot(slot) {
+                    self.toasts.done(
+                        ctx,
+                        "Settings B start as a copy of A. Keys A and B switch between them; View, Layout, \
+                         Compare shows both",
+                    );
+                }
+            }
+            Action::KeepSettings => {
+                model.edits.change_slots(|slots, _| *slots = AbSettings::new());
+                model.edits.held_slot = None;
+                self.toasts.done(ctx, "The current settings are A; B is discarded");
+            }
+            Action::DrawArea(purpose) => {
+                let draft = model.edits.areas.draft.as_ref();
+                let again = draft.is_some_and(|draft| draft.purpose == purpose);
+                self.change_areas(ctx, if again { AreaEdit::Cancel } else { AreaEdit::Begin(purpose) });
+            }
+            Action::CloseArea => self.change_areas(ctx, AreaEdit::Close),
+            Action::UndoCorner => self.change_areas(ctx, AreaEdit::Back),
+            Action::CancelArea => {
+                let drawing = model.edits.areas.draft.is_some();
+                self.change_areas(ctx, if drawing { AreaEdit::Cancel } else { AreaEdit::Choose(None) });
+            }
+            Action::DeleteArea => {
+                if let Some(index) = model.edits.areas.chosen {
+                    self.change_areas(ctx, AreaEdit::Delete(index));
+                }
+            }
+            Action::ClearAreas => self.change_areas(ctx, AreaEdit::Clear),
+            Action::LoadTruth => self.dialogs.load_truth(ctx),
+            Action::LoadTruthFolder => self.dialogs.load_truth_folder(ctx),
+            Action::LoadMask => self.dialogs.load_mask(ctx),
+            Action::SaveMask => {
+                if let Some(roi) = &model.edits.areas.roi {
+                    self.dialogs.save_mask(ctx, Arc::clone(roi));
+                }
+            }
+            Action::Actual => {
+                if let Some(fitted) = self.fitted {
+                    model.display.camera.magnification = 1.0 / (ctx.pixels_per_point() * fitted);
+                }
+            }
+            Action::Open(view) => {
+                let open = views::is_open(&self.tree, view);
+                views::set_open(&mut self.tree, view, !open);
+            }
+            Action::Arrange(layout) => {
+                self.tree = views::tree_of(layout);
+                (model.panels.settings, model.panels.inspector) = layout.panels();
+                (model.display.maximised, model.display.camera) = (None, ViewCamera::FIT);
+            }
+            Action::Map(quantity) => self.show_map(quantity),
+            Action::NextMap => {
+                let all = Quantity::ALL.iter().cycle();
+                let next = all.skip_while(|&&quantity| quantity != model.display.quantity).nth(1);
+                // The first call shows the current quantity instead of the next one.
+                let next = next.filter(|_| model.worker.sent.map.is_some()).copied();
+                let next = next.unwrap_or(model.display.quantity);
+                self.show_map(next);
+            }
+            Action::Pin => {
+                if let Some(at) = model.selection.pixel
+                    && !model.playback.marks.pins.toggle(at)
+                {
+                    let text = format!("{MAX_PINS} pixels are pinned, the maximum; unpin one first");
+                    self.toasts.warn(ctx, text);
+                }
+            }
+            Action::Scale(scale) => {
+                let tenths = (ctx.zoom_factor() * 10.0).round();
+                let tenths = match scale {
+                    UiScale::Larger => tenths + 1.0,
+                    UiScale::Smaller => tenths - 1.0,
+                    UiScale::Usual => 10.0,
+                };
+                ctx.set_zoom_factor(tenths.clamp(5.0, 30.0) / 10.0);
+            }
+            Action::Theme => {
+                let other = if ctx.theme() == Theme::Dark { Theme::Light } else { Theme::Dark };
+                ctx.set_theme(other);
+            }
+            Action::Messages => self.toasts.messages.open = !self.toasts.messages.open,
+            Action::About => self.about.open = true,
+            Action::Help => self.help = !self.help,
+            Action::Palette => self.command_palette.toggle(),
+            action => apply::act(model, action, ctx.input(|input| input.time)),
+        }
+    }
+
+    /// Shows the map of a per-pixel quantity and brings the map view to the front.
+    fn show_map(&mut self, quantity: Quantity) {
+        self.model.display.quantity = quantity;
+        if self.model.display.maximised.is_some() {
+            self.model.display.maximised = Some(View::Map);
+        }
+        views::set_open(&mut self.tree, View::Map, true);
+    }
+
+    fn open_sample(&mut self, ctx: &Context) {
+        match sample::unpacked() {
+            Ok(path) => {
+                self.open(ctx, &path.to_string_lossy(), Start::FirstOcclusion);
+                self.model.videos.origin = Origin::Sample;
+                self.model.choose_pixel(Some(sample::SAMPLE_PIXEL));
+            }
+            Err(why) => self.toasts.fail(ctx, why),
+        }
+    }
+
+    /// Edits the areas, or shows why the edit is rejected.
+    pub(super) fn change_areas(&mut self, ctx: &Context, change: AreaEdit) {
+        let Some(size) = self.model.worker.size() else { return };
+        if let AreaEdit::Load(mask) = &change
+            && let Err(error) = mask.check(size)
+        {
+            self.toasts.fail(ctx, error.to_string());
+            return;
+        }
+        match self.model.edits.change_areas(change, size) {
+            Ok(false) => {}
+            Ok(true) => self.model.send_roi(),
+            Err(refused) => self.toasts.warn(ctx, refused.to_string()),
+        }
+    }
+
+    /// Closes the video, or cancels opening it.
+    fn close(&mut self, ctx: &Context) {
+        self.pictures.clear();
+        self.inspector.forget();
+        self.model.close();
+        ctx.send_viewport_cmd(ViewportCommand::Title("Occluscope".into()));
+    }
+
+    /// Sets the video's frame rate. Restarts the analysis if the rate differs, because settings in seconds depend on
+    /// it.
+    fn set_rate(&mut self, ctx: &Context, fps: f32) {
+        let model = &mut self.model;
+        let Some(name) = model.videos.opened.clone() else { return };
+        if model.videos.options_of(&name).fps == Some(fps) {
+            return;
+        }
+        model.videos.command_line_rate = None;
+        model.videos.frame_rates.insert(name.clone(), fps);
+        let (pixel, truth, camera) = (model.selection.pixel, model.truth.clone(), model.display.camera);
+        let start = Start::Frame(model.worker.number(model.worker.position()));
+        self.open(ctx, &name, start);
+        self.model.display.camera = camera;
+        self.model.choose_pixel(pixel);
+        if let Some(truth) = truth {
+            self.model.set_truth(truth);
+        }
+    }
+
+    /// Opens a video with a new worker, which replaces the present one.
+    fn open(&mut self, ctx: &Context, name: &str, start: Start) {
+        let roi = self.model.roi_of(name);
+        let options = self.model.videos.options_of(name);
+        let settings = self.model.edits.settings.clone();
+        let player = (self.player_factory)(name, options, (settings, roi), start, ctx);
+        self.pictures.clear();
+        self.inspector.forget();
+        self.model.open(name, player);
+        ctx.send_viewport_cmd(ViewportCommand::Title(format!("{} - Occluscope", file_name(name))));
+    }
+}
