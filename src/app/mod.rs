@@ -35,7 +35,7 @@ use self::model::areas::Areas;
 use self::model::worker::PlayerFactory;
 use self::window::Window;
 use crate::regions::Roi;
-use crate::replay::{Request, Session, Start};
+use crate::replay::{Session, Start};
 use crate::settings::Settings;
 use crate::source::Options;
 

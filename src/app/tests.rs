@@ -46,6 +46,7 @@ mod layout;
 mod loupe;
 mod maps;
 mod object;
+mod panels;
 mod pictures;
 mod pixels;
 mod sizes;
@@ -493,7 +494,7 @@ fn right_panel_looks_as_before(harness: &mut Harness<'_, Window>, name: &str) {
     picture(harness, name);
     harness.state_mut().toasts.hide();
     harness.step();
-    let slots = &harness.state().model.ab_settings;
+    let slots = &harness.state().model.edits.ab_settings;
     let view = |view: &View| {
         harness.query_by_label(&format!("{} view", view.label(slots))).map(|found| found.rect())
     };
