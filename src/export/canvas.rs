@@ -88,7 +88,7 @@ impl<'a> Canvas<'a> {
         self.stroke(&dashes, false, width, paint);
     }
 
-    /// A circle. One that is larger or further away than [`FAR`] is not drawn: a moved centre gives another circle.
+    /// A circle. One that is more than 32,768 pixels large or away is not drawn: a moved centre gives another circle.
     pub fn circle(&mut self, centre: [f32; 2], radius: f32, width: f32, paint: Paint) {
         if self.near(centre) != Some(centre) || radius > FAR {
             return;
