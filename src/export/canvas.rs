@@ -88,10 +88,12 @@ impl<'a> Canvas<'a> {
         self.stroke(&dashes, false, width, paint);
     }
 
-    /// A circle.
+    /// A circle. One that is more than 32,768 pixels large or away is not drawn: a moved centre gives another circle.
     pub fn circle(&mut self, centre: [f32; 2], radius: f32, width: f32, paint: Paint) {
-        let Some([x, y]) = self.near(centre) else { return };
-        if let Some(circle) = PathBuilder::from_circle(x, y, radius.clamp(0.0, FAR)) {
+        if self.near(centre) != Some(centre) || radius > FAR {
+            return;
+        }
+        if let Some(circle) = PathBuilder::from_circle(centre[0], centre[1], radius) {
             self.stroke_path(&circle, width, paint);
         }
     }
@@ -237,7 +239,8 @@ mod tests {
         let mut frame = black(10, 5);
         Canvas::new(&mut frame).line([0.0, 2.5], [10.0, 2.5], 1.5, WHITE);
         assert_eq!(frame.pixel(5, 2), Some([255; 3]));
-        assert_eq!(frame.pixel(5, 1), Some([64; 3]));
+        // A quarter of 255, rounded down.
+        assert_eq!(frame.pixel(5, 1), Some([63; 3]));
         assert_eq!(frame.pixel(5, 0), Some([0; 3]));
     }
 
@@ -285,6 +288,10 @@ mod tests {
         canvas.text([-20.0, -3.0], 14.0, "merge 3+5 → 3", WHITE);
         canvas.circle([0.0, 0.0], 1e7, 1.0, WHITE);
         assert_eq!(frame.pixel(0, 7), Some([255; 3]));
+
+        let mut frame = black(8, 8);
+        Canvas::new(&mut frame).circle([0.0, f32::MAX], 95_632.92, 20.0, WHITE);
+        assert!(frame.rgb.iter().all(|&level| level == 0), "the circle is not moved into the image");
     }
 
     type Draw<'a> = &'a dyn Fn(&mut Canvas<'_>);
