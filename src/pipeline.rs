@@ -247,18 +247,22 @@ impl Pipeline {
     /// most of the work on a frame is independent of the previous one.
     pub fn step_many(&mut self, frames: &[&Frame]) -> Result<Vec<Analysis>, PipelineError> {
         let raw = self.masks(frames)?;
-        self.find_many(frames, raw)
+        self.analyse_masks(frames, raw)
     }
 
     /// The model's masks of the next frames, before cleaning: the first stage only. Each has to be passed to
-    /// [`Self::find_many`].
+    /// [`Self::analyse_masks`].
     pub fn masks(&mut self, frames: &[&Frame]) -> Result<Vec<Mask>, PipelineError> {
         self.check_sizes(frames)?;
         self.model.masks(frames, self.registration)
     }
 
     /// Processes frames in all stages after the model, whose masks are `raw`.
-    pub fn find_many(&mut self, frames: &[&Frame], raw: Vec<Mask>) -> Result<Vec<Analysis>, PipelineError> {
+    pub fn analyse_masks(
+        &mut self,
+        frames: &[&Frame],
+        raw: Vec<Mask>,
+    ) -> Result<Vec<Analysis>, PipelineError> {
         let region_finder = &self.region_finder;
         let found = frames.par_iter().zip(raw).map(|(frame, mask)| region_finder.find(frame, mask));
         let found = found.collect::<Result<Vec<_>, _>>()?;
@@ -285,8 +289,8 @@ impl Pipeline {
     }
 
     /// Restarts the stages after the model under `settings`, which must be the same for the model. Frames then pass
-    /// through [`Self::find_many`] in order, with the model's masks.
-    pub fn restart_finding(&mut self, settings: &Settings, fps: f32) {
+    /// through [`Self::analyse_masks`] in order, with the model's masks.
+    pub fn restart_after_model(&mut self, settings: &Settings, fps: f32) {
         self.region_finder = RegionFinder::new(settings, self.region_finder.roi.take());
         self.restart_tracking(settings, fps);
     }
@@ -428,12 +432,12 @@ mod tests {
     fn moving_foreground(pipeline: &mut Pipeline, frames: u32) -> Vec<Analysis> {
         let frames: Vec<Frame> = (1..=frames).map(frame).collect();
         let masks = (0..frames.len()).map(|at| mask(8 + 2 * at as u32)).collect();
-        pipeline.find_many(&frames.iter().collect::<Vec<_>>(), masks).unwrap()
+        pipeline.analyse_masks(&frames.iter().collect::<Vec<_>>(), masks).unwrap()
     }
 
     /// The analysis of a frame with these tracks and nothing else.
     fn analysis(number: u32, objects: Vec<Track>) -> Analysis {
-        let mut found = pipeline().find_many(&[&frame(number)], vec![Mask::empty(SIZE)]).unwrap();
+        let mut found = pipeline().analyse_masks(&[&frame(number)], vec![Mask::empty(SIZE)]).unwrap();
         Analysis { objects: Arc::new(objects), ..found.swap_remove(0) }
     }
 
@@ -474,7 +478,7 @@ mod tests {
         let mut pipeline = pipeline();
         pipeline.set_roi(Roi::new(mask(40)).map(Arc::new)).unwrap();
         let masks = vec![mask(8), mask(36)];
-        let found = pipeline.find_many(&[&frame(1), &frame(2)], masks).unwrap();
+        let found = pipeline.analyse_masks(&[&frame(1), &frame(2)], masks).unwrap();
         assert!(found[0].regions.is_empty());
         assert_eq!(found[1].regions[0].shape.bbox, Rect::new(40.0, 16.0, 4.0, 16.0));
     }

@@ -159,7 +159,7 @@ proptest! {
                 let outcome = pixel.update(value(frame, index), t, &parameters);
                 let (x, y) = (index as u32 % width, index as u32 / width);
                 prop_assert_eq!(bits(&image.pixel(x, y).unwrap()), bits(pixel), "pixel {} {} at {}", x, y, t);
-                prop_assert!(outcome.foreground || outcome.doubtful || mask.data[index] == Mask::BACKGROUND);
+                prop_assert!(outcome.foreground || outcome.weak_match || mask.data[index] == Mask::BACKGROUND);
             }
         }
     }
@@ -193,8 +193,8 @@ proptest! {
             }
             for (frame, mask) in batch.iter().zip(&masks) {
                 // The result of each pixel by itself: `None` for background, the brightness in levels for shadow or
-                // highlight, 0 for other foreground; and which pixels are doubtful.
-                let mut doubtful = Vec::new();
+                // highlight, 0 for other foreground; and which pixels are weak_match.
+                let mut weak_match = Vec::new();
                 let alone: Vec<Option<u32>> = plain
                     .iter_mut()
                     .enumerate()
@@ -206,7 +206,7 @@ proptest! {
                         let surface = pixel.components()[0].mean;
                         let (value, surface) = (&value[..channels], &surface[..channels]);
                         let covers = parameters.shadow.covers(value, surface);
-                        doubtful.push(outcome.doubtful && !covers);
+                        weak_match.push(outcome.weak_match && !covers);
                         outcome.foreground.then(|| {
                             if covers { 1 + (60.0 * parameters.shadow.of(value, surface).0) as u32 } else { 0 }
                         })
@@ -243,7 +243,7 @@ proptest! {
                 for index in 0..alone.len() {
                     let around = square(index, parameters.hysteresis.window as i32 / 2);
                     let near = around.iter().filter(|&&at| sure[at]).count() as f32;
-                    let joins = doubtful[index] && near >= parameters.hysteresis.share * around.len() as f32;
+                    let joins = weak_match[index] && near >= parameters.hysteresis.share * around.len() as f32;
                     let expected = if sure[index] || joins { Mask::FOREGROUND } else { Mask::BACKGROUND };
                     let (x, y) = (index as u32 % width, index as u32 / width);
                     prop_assert_eq!(mask.data[index], expected, "pixel {} {} in frame {}", x, y, frame.number);

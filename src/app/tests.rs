@@ -22,15 +22,14 @@ use crate::app::model::ab_settings::AbSlot;
 use crate::app::model::player::Player;
 use crate::app::model::view::View;
 use crate::explain::pixel::PixelHistory;
+use crate::explain::pixel::region_shares::RegionShares;
 use crate::explain::tuning::TunableSetting;
 use crate::frame::{Frame, Mask, Size};
 use crate::mixture::{Parameters, Quantity, QuantityMap};
 use crate::occlusion::{Counters, Event, EventKind, Evidence};
 use crate::pipeline::Analysis;
 use crate::regions::{self, LabelRun, Labels, Rect};
-use crate::replay::{
-    Phase, RegionShares, Request, ShownFrame, Start, State, Timeline, TrackTimeline, WorkProgress,
-};
+use crate::replay::{Phase, Request, ShownFrame, Start, State, Timeline, TrackTimeline, WorkProgress};
 use crate::settings::{SETTINGS, Settings};
 use crate::source::{FpsFrom, SourceInfo};
 use crate::tracking::{HypothesisSummary, Track, TrackState};

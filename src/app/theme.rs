@@ -169,10 +169,11 @@ fn apply(style: &mut Style, visuals: Visuals, colours: &Colours) {
     spacing.window_margin = Margin::same(14);
     spacing.tooltip_width = 360.0;
     spacing.scroll = ScrollStyle { bar_width: 6.0, ..ScrollStyle::solid() };
-    style.visuals = dressed(visuals, colours);
+    style.visuals = visuals_with_colours(visuals, colours);
 }
 
-fn dressed(mut visuals: Visuals, colours: &Colours) -> Visuals {
+/// The visuals of egui in these colours.
+fn visuals_with_colours(mut visuals: Visuals, colours: &Colours) -> Visuals {
     let corner = CornerRadius::same(4);
     let dark = visuals.dark_mode;
     let step = |amount: u8| -> Color32 {

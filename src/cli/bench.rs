@@ -192,7 +192,7 @@ fn scaled(frame: Frame, size: Size) -> anyhow::Result<Frame> {
 }
 
 fn stop_if_asked(video: &str) -> anyhow::Result<()> {
-    if interrupt::asked() {
+    if interrupt::is_stop_requested() {
         bail!("stopped before the measurement of {video} was complete");
     }
     Ok(())

@@ -82,7 +82,7 @@ impl Frames {
         };
         // A camera has no end: interrupting it ends the recording.
         let live = info.live;
-        let is_stopped = move || live && interrupt::asked();
+        let is_stopped = move || live && interrupt::is_stop_requested();
         let ahead = ahead.clamp(MIN_FRAMES_AHEAD, MAX_FRAMES_AHEAD);
         let decoder = Some(Ahead::start(source, ahead, is_stopped, |frame| frame)?);
         let held = VecDeque::new();
@@ -127,7 +127,7 @@ impl Frames {
         let mut held = (expected <= room).then(VecDeque::new);
         let (mut left, mut over) = (most as usize, false);
         while left > 0 && !over {
-            if interrupt::asked() {
+            if interrupt::is_stop_requested() {
                 bail!("stopped before bootstrap on {} was complete", self.info.name);
             }
             let (frames, after) = self.batch(left.min(BATCH));
@@ -212,7 +212,7 @@ impl Frames {
                     self.held.push_back(Item::Frame(frame));
                     return;
                 }
-                if !interrupt::asked() {
+                if !interrupt::is_stop_requested() {
                     return;
                 }
                 self.held.push_back(Item::Failed(anyhow!("stopped; nothing was written")));

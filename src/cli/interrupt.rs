@@ -3,7 +3,7 @@
 use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-static ASKED: AtomicBool = AtomicBool::new(false);
+static STOP_REQUESTED: AtomicBool = AtomicBool::new(false);
 
 /// Installs the handler: the first Ctrl-C (or SIGTERM) requests a stop, the second ends the process.
 pub(super) fn watch() {
@@ -11,7 +11,7 @@ pub(super) fn watch() {
     ONCE.call_once(|| {
         // Without a handler, Ctrl-C ends the process at once.
         let _ = ctrlc::set_handler(|| {
-            if ASKED.swap(true, Ordering::SeqCst) {
+            if STOP_REQUESTED.swap(true, Ordering::SeqCst) {
                 std::process::exit(1);
             }
         });
@@ -19,6 +19,6 @@ pub(super) fn watch() {
 }
 
 /// Whether a stop was requested.
-pub(super) fn asked() -> bool {
-    ASKED.load(Ordering::SeqCst)
+pub(super) fn is_stop_requested() -> bool {
+    STOP_REQUESTED.load(Ordering::SeqCst)
 }

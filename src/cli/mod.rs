@@ -70,7 +70,7 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
             return ExitCode::from(error.exit_code() as u8);
         }
     };
-    tell_bugs_in_one_line();
+    install_panic_hook();
     // Unwinding removes incomplete output.
     match panic::catch_unwind(AssertUnwindSafe(|| dispatch(&matches))) {
         Ok(Ok(())) => ExitCode::SUCCESS,
@@ -91,8 +91,8 @@ fn dispatch(matches: &ArgMatches) -> anyhow::Result<()> {
     }
 }
 
-/// Reports a panic in one line; with a backtrace if one is requested.
-fn tell_bugs_in_one_line() {
+/// Reports a panic in one line, or with a backtrace if one is requested.
+fn install_panic_hook() {
     if env::var_os("RUST_BACKTRACE").is_none() {
         panic::set_hook(Box::new(|bug| {
             let line = bug.to_string().split_whitespace().collect::<Vec<_>>().join(" ");

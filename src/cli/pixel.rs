@@ -159,7 +159,7 @@ impl Follow<'_> {
         let progress = self.console.progress("analysing pixel", frames.total);
         let live = frames.info.live;
         for item in frames.items() {
-            if interrupt::asked() && !live {
+            if interrupt::is_stop_requested() && !live {
                 bail!("stopped before the end of {}", self.video);
             }
             match item {

@@ -131,7 +131,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     write_file(&staging, SUMMARY, |out| summary::write(out, &summary))?;
     staging.publish(SUMMARY).with_context(|| job.out_failure())?;
 
-    tell(&job, &summary);
+    print_summary(&job, &summary);
     flags::note_assumed_fps(&frames.info, job.console);
     Ok(())
 }
@@ -214,7 +214,7 @@ fn analyse(job: &RunJob, frames: &mut Frames, staging: &Staging) -> anyhow::Resu
     let most = if pictures.background.is_some() { 1 } else { BATCH };
     loop {
         // Stopping ends a recording; any other work is then incomplete.
-        if interrupt::asked() && !info.live {
+        if interrupt::is_stop_requested() && !info.live {
             bail!("stopped before the end of {}; nothing was written", job.video);
         }
         let (batch, after) = frames.batch(most);
@@ -395,7 +395,7 @@ fn draw(job: &RunJob, record: &RunRecord, staging: &Staging) -> anyhow::Result<(
     });
     let mut done = 0;
     while done < tracks.len() {
-        if interrupt::asked() {
+        if interrupt::is_stop_requested() {
             bail!("stopped before all frames of {} were drawn; nothing was written", job.video);
         }
         let some = 2 * rayon::current_num_threads();
@@ -519,7 +519,7 @@ fn summarise(
 }
 
 /// Prints a summary of the results.
-fn tell(job: &RunJob, summary: &Summary) {
+fn print_summary(job: &RunJob, summary: &Summary) {
     job.console.note(&format!(
         "{} frames, {} objects, {} occlusion episodes, {:.0} frames/s; written to {}",
         summary.input.frames,

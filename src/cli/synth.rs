@@ -116,7 +116,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let video = synth::write(&scene, &parameters, out, matches.get_flag("lossless"), |done| {
         bar.advance((done - so_far) as usize);
         so_far = done;
-        if interrupt::asked() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+        if interrupt::is_stop_requested() { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
     })?;
     drop(bar);
     console.note(&format!(

@@ -4,7 +4,7 @@ use std::io::{self, Write};
 
 use super::number::significant;
 use crate::explain::pixel::PixelHistory;
-use crate::replay::RegionShares;
+use crate::explain::pixel::region_shares::RegionShares;
 
 /// Writes header and rows: the number of each frame, and the shares before and after cleaning. `history` is that of
 /// the centre pixel, which has the frame numbers.

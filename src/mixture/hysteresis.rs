@@ -11,12 +11,12 @@ use crate::settings::Settings;
 ///
 /// The band of λσ has to be wide enough that noise is background everywhere. Near foreground a pixel is more likely
 /// to be foreground: clothes of nearly the background's colour, a hole in a body, an edge. There a second threshold
-/// is used, as in Canny's edge detector. A *doubtful* pixel matches the background but is farther from its
+/// is used, as in Canny's edge detector. A *weakly matched* pixel matches the background but is farther from its
 /// component's mean than this threshold. It becomes foreground where enough of the square around it is foreground.
 /// The threshold is in levels, not in σ: where σ is large (water), the background says little about the pixel.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Hysteresis {
-    /// Largest distance in levels, from the mean of the matched component, of a pixel that is not doubtful; 0 is off.
+    /// Largest distance in levels, from the mean of the matched component, of a pixel that is not weakly matched; 0 is off.
     pub distance: f32,
     /// Side of the square, in pixels.
     pub window: u32,
@@ -25,8 +25,8 @@ pub struct Hysteresis {
 }
 
 impl Hysteresis {
-    /// The mask's value of a doubtful pixel before the vote. Marks of shadow are below it.
-    pub const DOUBTFUL: u8 = 254;
+    /// The mask's value of a weakly matched pixel before the vote. Marks of shadow are below it.
+    pub const WEAK_MATCH: u8 = 254;
 
     /// The hysteresis parameters in `settings`.
     pub const fn new(settings: &Settings) -> Self {
@@ -37,17 +37,17 @@ impl Hysteresis {
         }
     }
 
-    /// Whether any pixel can be doubtful.
+    /// Whether any pixel can be weakly matched.
     pub fn is_on(self) -> bool {
         self.distance > 0.0 && self.window > 0
     }
 
-    /// ‖X − μ‖² above which a pixel is doubtful.
+    /// ‖X − μ‖² above which a pixel is weakly matched.
     pub fn distance_squared(self) -> f32 {
         if self.is_on() { self.distance * self.distance } else { f32::INFINITY }
     }
 
-    /// Decides the doubtful pixels of each mask by the vote of their neighbours. All instruction sets give the same
+    /// Decides the weakly matched pixels of each mask by the vote of their neighbours. All instruction sets give the same
     /// result.
     pub(super) fn settle(self, level: Level, masks: &mut [Mask]) {
         if self.is_on() {
@@ -62,7 +62,7 @@ impl Hysteresis {
             mask,
             radius,
             #[inline(always)]
-            |byte| byte == Self::DOUBTFUL,
+            |byte| byte == Self::WEAK_MATCH,
             #[inline(always)]
             |mask, y, votes| {
                 let row = &mask.data[y * votes.len()..][..votes.len()];
@@ -97,7 +97,7 @@ mod tests {
         let size = Size::new(rows[0].len() as u32, 8);
         let byte = |mark: u8| match mark {
             b'#' => Mask::FOREGROUND,
-            b'?' => Hysteresis::DOUBTFUL,
+            b'?' => Hysteresis::WEAK_MATCH,
             _ => Mask::BACKGROUND,
         };
         let mut mask = Mask { size, data: rows.iter().flat_map(|row| row.bytes().map(byte)).collect() };

@@ -81,7 +81,7 @@ impl Parameters {
     }
 
     /// Whether they equal those in `settings`, apart from the number of learned frames.
-    pub fn are_of(&self, settings: &Settings) -> bool {
+    pub fn equal_settings(&self, settings: &Settings) -> bool {
         Self { learnt: 0, ..*self } == Self::new(settings)
     }
 
@@ -221,7 +221,7 @@ pub struct Outcome {
     pub foreground: bool,
     /// Whether the pixel is background, but farther from the mean of its component before the update than hysteresis
     /// allows near foreground.
-    pub doubtful: bool,
+    pub weak_match: bool,
     /// ρ, 0 if nothing matched.
     pub rho: f32,
     /// P(X), the density of the mixture at the value, before the update; 0 in the first frame.
@@ -386,7 +386,7 @@ impl Pixel {
             rank: rank as u8,
             background_count: background_count as u8,
             foreground,
-            doubtful: far && !foreground,
+            weak_match: far && !foreground,
             rho,
             p: 0.0,
         }

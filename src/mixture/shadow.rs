@@ -35,7 +35,7 @@ pub struct Shadow {
 
 impl Shadow {
     /// Before the vote, a mask has 1 plus this many levels per unit of s at each candidate. s is at most 4, which
-    /// stays below `Hysteresis::DOUBTFUL`.
+    /// stays below `Hysteresis::WEAK_MATCH`.
     pub const LEVELS: f32 = 60.0;
 
     /// The shadow parameters in `settings`.
@@ -177,7 +177,7 @@ fn holds_candidate(pixels: &[u8]) -> bool {
 /// Whether a pixel is an undecided candidate.
 #[inline(always)]
 const fn is_candidate(byte: u8) -> bool {
-    byte != Mask::BACKGROUND && byte < Hysteresis::DOUBTFUL
+    byte != Mask::BACKGROUND && byte < Hysteresis::WEAK_MATCH
 }
 
 #[cfg(test)]

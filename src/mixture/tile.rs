@@ -186,8 +186,8 @@ pub(super) struct Constants {
     lambda_squared: f32,
     initial_variance: f32,
     least_variance: f32,
-    /// The squared distance from its component above which background is doubtful.
-    doubtful: f32,
+    /// The squared distance from its component above which background is weakly matched.
+    weak_match: f32,
 }
 
 impl Constants {
@@ -197,7 +197,7 @@ impl Constants {
             lambda_squared: parameters.lambda * parameters.lambda,
             initial_variance: parameters.initial_sigma * parameters.initial_sigma,
             least_variance: parameters.min_sigma * parameters.min_sigma,
-            doubtful: parameters.hysteresis.distance_squared(),
+            weak_match: parameters.hysteresis.distance_squared(),
         }
     }
 
@@ -334,11 +334,11 @@ impl<const N: usize> Tile<'_, N> {
                     first.variance,
                 );
                 first.learn(&x, rho, constants);
-                let doubtful = distance.simd_gt(constants.doubtful);
-                *marks = if doubtful.any_true() {
+                let weak_match = distance.simd_gt(constants.weak_match);
+                *marks = if weak_match.any_true() {
                     marks_of(
                         mask32x16::splat(simd, false),
-                        doubtful,
+                        weak_match,
                         &x,
                         &first,
                         &constants.parameters.shadow,
@@ -379,7 +379,7 @@ impl<const N: usize> Tile<'_, N> {
                 // Components in use in any lane, and one more, if there is room, for a new one. A constant known at
                 // compile time lets the compiler unroll loops over them.
                 let open = (usize::from(*self.used) + 1).min(constants.parameters.k);
-                let (foreground, doubtful, missed) = match open {
+                let (foreground, weak_match, missed) = match open {
                     1 => self.step_open::<S, 1>(&x, moment, constants),
                     2 => self.step_open::<S, 2>(&x, moment, constants),
                     3 => self.step_open::<S, 3>(&x, moment, constants),
@@ -394,8 +394,8 @@ impl<const N: usize> Tile<'_, N> {
                     *self.used = open as u8;
                 }
                 let shadow = &constants.parameters.shadow;
-                if (foreground | doubtful).any_true() {
-                    marks_of(foreground, doubtful, &x, &Vectors::load(simd, self.first), shadow)
+                if (foreground | weak_match).any_true() {
+                    marks_of(foreground, weak_match, &x, &Vectors::load(simd, self.first), shadow)
                 } else {
                     [Mask::BACKGROUND; LANES]
                 }
@@ -443,7 +443,7 @@ impl<const N: usize> Tile<'_, N> {
     }
 
     /// All of §V–VI on the first `W` components, of which the last is unused or may be replaced. Returns which pixels
-    /// are foreground, which are doubtful, and whether any of them matched nothing.
+    /// are foreground, which are weakly matched, and whether any of them matched nothing.
     #[inline(always)]
     fn step_open<S: Simd, const W: usize>(
         &mut self,
@@ -532,7 +532,7 @@ impl<const N: usize> Tile<'_, N> {
         for (k, component) in components.iter().enumerate() {
             component.store(if k == 0 { &mut *self.first } else { &mut self.others[k - 1] });
         }
-        (foreground, matched & !foreground & distance.simd_gt(constants.doubtful), any_missed)
+        (foreground, matched & !foreground & distance.simd_gt(constants.weak_match), any_missed)
     }
 }
 
@@ -647,12 +647,12 @@ fn beyond_background<S: Simd, const N: usize, const W: usize>(
     beyond | (!reached & rank.simd_gt(used))
 }
 
-/// [`Shadow::mark`] in foreground lanes, [`Hysteresis::DOUBTFUL`] in doubtful ones that are not shadow, 0 in all
+/// [`Shadow::mark`] in foreground lanes, [`Hysteresis::WEAK_MATCH`] in weakly matched ones that are not shadow, 0 in all
 /// others.
 #[inline(always)]
 fn marks_of<S: Simd, const N: usize>(
     foreground: mask32x16<S>,
-    doubtful: mask32x16<S>,
+    weak_match: mask32x16<S>,
     x: &[f32x16<S>; N],
     surface: &Vectors<S, N>,
     shadow: &Shadow,
@@ -676,7 +676,7 @@ fn marks_of<S: Simd, const N: usize>(
     let marks = covers.select(covered, u32x16::splat(simd, Mask::FOREGROUND.into()));
     let mut all = [0; LANES];
     let mark = |mark: u8| u32x16::splat(simd, mark.into());
-    let others = (doubtful & !covers).select(mark(Hysteresis::DOUBTFUL), mark(Mask::BACKGROUND));
+    let others = (weak_match & !covers).select(mark(Hysteresis::WEAK_MATCH), mark(Mask::BACKGROUND));
     foreground.select(marks, others).store_array(&mut all);
     all.map(|mark| mark as u8)
 }

@@ -6,13 +6,13 @@ use super::object::{Detection, Object};
 use super::object_table::{ObjectTable, TrackedBlob};
 use super::partition::{self, Cluster, ExpectedRegion};
 use crate::regions::Rect;
-use crate::tracking::pool::{Blob, Observation, PoolSettings};
+use crate::tracking::pool::{Blob, HypothesisMatcher, Observation};
 
 /// Matches blobs to detections by the pool's joint matching.
 pub(super) fn match_blobs(context: &Context, table: &mut ObjectTable, detections: &[Detection]) {
     let observations: Vec<Observation> = detections.iter().map(Detection::observation).collect();
     let mut blobs: Vec<&mut Blob> = table.blobs_mut().map(|tracked| &mut tracked.blob).collect();
-    let matched = context.pool.match_observations(&mut blobs, &observations);
+    let matched = context.matcher.match_observations(&mut blobs, &observations);
     for (tracked, matched) in table.blobs_mut().zip(matched) {
         tracked.matched = matched;
     }
@@ -63,12 +63,12 @@ pub(super) fn match_manoeuvred_blobs(
     let blobs: Vec<&Blob> = lost.iter().map(|tracked| &tracked.blob).collect();
     let observations: Vec<&Observation> = free.iter().map(|(.., observed)| observed).collect();
     let mut matched = Vec::new();
-    for (row, column) in context.pool.match_manoeuvres(&blobs, &observations) {
+    for (row, column) in context.matcher.match_manoeuvres(&blobs, &observations) {
         let (Some(tracked), Some((index, detection, observed))) = (lost.get_mut(row), free.get(column))
         else {
             continue;
         };
-        PoolSettings::update_after_manoeuvre(&mut tracked.blob, observed);
+        HypothesisMatcher::update_after_manoeuvre(&mut tracked.blob, observed);
         tracked.detection = Some(Detection::clone(detection));
         matched.push(*index);
     }

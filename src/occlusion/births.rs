@@ -23,7 +23,7 @@ pub(super) fn start_objects(
         Some(UnexplainedDetection { index, observation, labels })
     };
     let mut tracks = Vec::new();
-    for seed in seeds.step(&context.pool, unexplained.iter().filter_map(candidate).collect()) {
+    for seed in seeds.step(&context.matcher, unexplained.iter().filter_map(candidate).collect()) {
         let Some(detection) = detections.get(seed.index) else { continue };
         let blob = Blob::new(seed.model.clone(), &detection.observation());
         let birth = (context.recent[0], seed.earlier[0].observation.bbox);

@@ -179,8 +179,8 @@ fn update_with_detection(context: &Context, table: &mut ObjectTable, blob: usize
         return;
     }
     let fits =
-        tracked.blob.shown().model.distance_squared(&measured.measurement()) <= 4.0 * context.pool.gate;
-    tracked.blob.settle(&measured, |model| {
+        tracked.blob.shown().model.distance_squared(&measured.measurement()) <= 4.0 * context.matcher.gate;
+    tracked.blob.keep_shown(&measured, |model| {
         if fits && whole && !cut_off {
             model.update(&measured.measurement(), 2.0);
         } else {
@@ -216,7 +216,7 @@ fn merged_model(
     let mean = table.objects_of(members).map(|object| object.model.velocity()).sum::<Vector3<f32>>()
         / members.len().max(1) as f32;
     let velocity = Vector3::new(mean.x, mean.y, 0.0);
-    let noise = context.pool.noise;
+    let noise = context.matcher.noise;
     KalmanModel::new(detection.observation().measurement(), velocity, noise.measurement, noise)
 }
 

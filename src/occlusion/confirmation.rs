@@ -165,7 +165,7 @@ fn join_fragment(
         return;
     };
     let measured = detection.observation();
-    tracked.blob.settle(&measured, |model| model.restart_at(&measured.measurement()));
+    tracked.blob.keep_shown(&measured, |model| model.restart_at(&measured.measurement()));
     tracked.detection = Some(detection.clone());
     let model = tracked.blob.shown().model.clone();
     let Some(object) = table.get_mut(whole) else { return };

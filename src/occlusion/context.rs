@@ -3,7 +3,7 @@
 use crate::frame::Size;
 use crate::regions::Rect;
 use crate::settings::Settings;
-use crate::tracking::pool::PoolSettings;
+use crate::tracking::pool::HypothesisMatcher;
 
 /// The times and lengths of the settings in frames and pixels of this video.
 #[derive(Clone, Copy, Debug)]
@@ -50,7 +50,7 @@ impl Limits {
 #[derive(Clone, Debug)]
 pub(super) struct Context {
     pub(super) settings: Settings,
-    pub(super) pool: PoolSettings,
+    pub(super) matcher: HypothesisMatcher,
     pub(super) limits: Limits,
     pub(super) size: Size,
     /// Frames processed so far, the present one included.
@@ -66,7 +66,7 @@ impl Context {
     pub(super) fn new(settings: &Settings, size: Size, fps: f32) -> Self {
         Self {
             settings: settings.clone(),
-            pool: PoolSettings::new(settings, fps),
+            matcher: HypothesisMatcher::new(settings, fps),
             limits: Limits::new(settings, size, fps),
             size,
             t: 0,

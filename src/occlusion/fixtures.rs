@@ -73,7 +73,7 @@ pub(super) fn shared_region(label: u32, parts: &[(Rect, Rgb)]) -> Region {
 
 /// A tentative object that was detected in this frame, with a velocity in pixels a frame.
 pub(super) fn object(context: &Context, id: ObjectId, detection: &Detection, [vx, vy]: [f32; 2]) -> Object {
-    let noise = context.pool.noise;
+    let noise = context.matcher.noise;
     let velocity = Vector3::new(vx, vy, 0.0);
     let model = KalmanModel::new(detection.observation().measurement(), velocity, 0.1, noise);
     Object::new(id, (context.number, detection.bbox), model, detection.clone())

@@ -127,7 +127,7 @@ fn track_of(
 ) -> Track {
     let velocity = object.model.velocity();
     let shown = blob.map(Blob::shown);
-    let gate = context.pool.gate;
+    let gate = context.matcher.gate;
     Track {
         id: 0,
         key: object.key,

@@ -129,7 +129,7 @@ fn start_companion(
         Some(_) => (known.first_frame, known.first_bbox),
         None => (context.number, body.bbox),
     };
-    let noise = context.pool.noise;
+    let noise = context.matcher.noise;
     let model = |detection: &Detection| {
         KalmanModel::new(detection.observation().measurement(), velocity, noise.measurement, noise)
     };

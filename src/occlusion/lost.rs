@@ -30,7 +30,7 @@ pub(super) fn resolve_lost_blobs(context: &Context, table: &mut ObjectTable, dec
         let lost_from = *tracked.lost_from.get_or_insert(now);
         let frames = context.t - lost_from.t + 1;
         let (members, bbox) = (tracked.members().to_vec(), tracked.blob.bbox);
-        let waits = !context.pool.is_unfit(&tracked.blob) && !context.is_outside(&bbox);
+        let waits = !context.matcher.is_unfit(&tracked.blob) && !context.is_outside(&bbox);
         if !members.iter().any(|&id| table.is_confirmed(id)) {
             if frames > MAX_TENTATIVE_GAP_FRAMES {
                 for id in members {
@@ -167,7 +167,7 @@ mod tests {
             for tracked in table.blobs_mut() {
                 tracked.detection = None;
                 tracked.blob.predict();
-                context.pool.match_observations(&mut [&mut tracked.blob], &[]);
+                context.matcher.match_observations(&mut [&mut tracked.blob], &[]);
             }
             resolve_lost_blobs(&context, table, &mut decisions);
             assert_eq!(table.check(), None);
@@ -212,7 +212,7 @@ mod tests {
         let tracked = table.blob_mut(0).unwrap();
         tracked.detection = None;
         for _ in 0..10 {
-            context(3).pool.match_observations(&mut [&mut tracked.blob], &[]);
+            context(3).matcher.match_observations(&mut [&mut tracked.blob], &[]);
         }
         tracked.lost_from = Some(FrameRef { number: 3, t: 3 });
         resolve_lost_blobs(&context(8), &mut table, &mut decisions);

@@ -52,7 +52,7 @@ mod tests {
         let mut table = ObjectTable::default();
         let id = start(&context(1), &mut table, person(100.0, 80.0), RED, [3.0, -1.0]);
         // Its blob was corrected since.
-        table.blob_mut(0).unwrap().blob.settle(
+        table.blob_mut(0).unwrap().blob.keep_shown(
             &crate::occlusion::fixtures::detection(person(104.0, 80.0), RED).observation(),
             |model| model.set_centre([114.0, 110.0]),
         );
@@ -67,7 +67,7 @@ mod tests {
         let id = start_confirmed(&context(1), &mut table, person(100.0, 80.0), RED, [3.0, 0.0]);
         table.get_mut(id).unwrap().partial_frames = 1;
         let observed = crate::occlusion::fixtures::detection(person(150.0, 80.0), RED).observation();
-        table.blob_mut(0).unwrap().blob.settle(&observed, |model| model.set_centre([160.0, 110.0]));
+        table.blob_mut(0).unwrap().blob.keep_shown(&observed, |model| model.set_centre([160.0, 110.0]));
         predict_one_frame(&mut table);
         assert_eq!(table.get(id).unwrap().model.centre(), [113.0, 110.0]);
     }

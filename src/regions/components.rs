@@ -2,7 +2,6 @@
 //!
 //! The passes process runs of foreground pixels in a row. Most of a mask is background, which is skipped many pixels
 //! at a time.
-//! background, and that is skipped many pixels at a time.
 
 use std::ops::Range;
 use std::sync::Arc;

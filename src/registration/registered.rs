@@ -17,13 +17,13 @@ pub fn measure_all(frames: &mut [Frame], choice: CorrectionChoice) {
     for at in 0..frames.len() {
         frames[at].alignment = estimator.step(&frames[at]);
         if at + 1 == frames.len().min(BEGINNING_FRAMES as usize) {
-            tell_rest(&mut frames[..=at], &estimator);
+            set_rest_of_beginning(&mut frames[..=at], &estimator);
         }
     }
 }
 
 /// Adds a shake that was detected in the beginning to the alignment of its frames.
-fn tell_rest<'a>(beginning: impl IntoIterator<Item = &'a mut Frame>, estimator: &Estimator) {
+fn set_rest_of_beginning<'a>(beginning: impl IntoIterator<Item = &'a mut Frame>, estimator: &Estimator) {
     if let Some(rest) = estimator.rest() {
         for frame in beginning {
             frame.alignment.rest = Some(rest);
@@ -87,7 +87,7 @@ impl Registered {
                 Err(error) => (self.end, self.ahead) = (Some(Err(error)), 0),
             }
         }
-        tell_rest(&mut self.held, &self.estimator);
+        set_rest_of_beginning(&mut self.held, &self.estimator);
     }
 }
 

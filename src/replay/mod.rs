@@ -26,11 +26,10 @@ use std::sync::Arc;
 
 pub use memory::memory;
 pub use published::{
-    ComparedSequence, Phase, RegionShares, ShownFrame, Start, State, Timeline, TrackTimeline, WorkProgress,
+    ComparedSequence, Phase, ShownFrame, Start, State, Timeline, TrackTimeline, WorkProgress,
 };
 pub use requests::Request;
 pub use session::Session;
-pub use tasks::gather::region_shares::region_bounds;
 
 /// Whether both point to the same allocation, or both are `None`.
 fn is_same<T>(one: Option<&Arc<T>>, other: Option<&Arc<T>>) -> bool {

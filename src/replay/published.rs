@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use crate::explain::events::counterfactual::Counterfactual;
 use crate::explain::pixel::PixelHistory;
+use crate::explain::pixel::region_shares::RegionShares;
 use crate::explain::tuning::{RegionTuning, Tuning};
 use crate::frame::Frame;
 use crate::mixture::QuantityMap;
@@ -93,21 +94,6 @@ pub struct ComparedSequence {
     pub settings: Arc<Settings>,
     /// The current timeline.
     pub timeline: Timeline,
-}
-
-/// The share of foreground among the pixels around one, in every analysed frame.
-#[derive(Clone, Debug, PartialEq)]
-pub struct RegionShares {
-    /// The centre pixel: column and row.
-    pub at: (u32, u32),
-    /// Side of the region in pixels; it is clipped at the image's edge.
-    pub side: u32,
-    /// Number of pixels.
-    pub pixels: u32,
-    /// The share of foreground in the model's mask, before cleaning, by position.
-    pub model: Vec<f32>,
-    /// The share of foreground after cleaning, by position.
-    pub cleaned: Vec<f32>,
 }
 
 /// Work in progress.

@@ -335,7 +335,7 @@ fn frames_never_mix_results_of_different_settings() {
         let choice = choices.iter().position(|settings| *settings == *shown.settings).unwrap();
         assert_same(shown, &expected[choice][shown.position as usize]);
         if let Some(history) = &shown.pixel {
-            assert!(history.parameters.are_of(&shown.settings));
+            assert!(history.parameters.equal_settings(&shown.settings));
         }
         let shares = expected[choice].iter().map(|shown| shown.analysis.mask.foreground_share());
         let analysed = state.timeline.foreground_share.len();
@@ -343,7 +343,7 @@ fn frames_never_mix_results_of_different_settings() {
         assert!(state.timeline.foreground_share.iter().copied().eq(shares.take(analysed)));
         // The pixel's history may be newer than the frame in view.
         if let Some(history) = &state.pixel {
-            let settings = |settings: &&Settings| history.parameters.are_of(settings);
+            let settings = |settings: &&Settings| history.parameters.equal_settings(settings);
             let choice = choices.iter().position(|choice| settings(&choice)).unwrap();
             let single_pass = expected[choice].last().unwrap().pixel.as_ref().unwrap();
             assert_eq!(history.states[..], single_pass.states[..history.states.len()]);
@@ -752,7 +752,7 @@ fn a_tuning_equals_runs_of_the_pixel_under_other_settings() {
             let tuning = state.tuning.as_ref().filter(|tuning| tuning.position == position);
             tuning.is_some_and(|tuning| {
                 let of = tuning.map.axes.each_ref().map(|axis| axis.knob);
-                of == knobs && tuning.parameters.are_of(&settings)
+                of == knobs && tuning.parameters.equal_settings(&settings)
             })
         });
         let tuning = state.tuning.unwrap();

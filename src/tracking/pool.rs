@@ -46,7 +46,8 @@ const NULL_FACTOR_FPS: f32 = 25.0;
 /// for two frames at any rate.
 const MAX_NULL_FRAMES: f32 = 5.0 / 3.0;
 
-/// Inverse of the variance of the prediction error: of its squared Mahalanobis length, averaged.
+/// How well a model predicts: 1 / mean squared Mahalanobis length of its errors, times the null factors since the last
+/// match.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fitness {
     mean_error: f32,
@@ -155,7 +156,7 @@ impl Blob {
 
     /// Drops all but the shown hypothesis and lets `change` correct its model: after an interaction the others no
     /// longer apply.
-    pub fn settle(&mut self, observation: &Observation, change: impl FnOnce(&mut KalmanModel)) {
+    pub fn keep_shown(&mut self, observation: &Observation, change: impl FnOnce(&mut KalmanModel)) {
         self.others.clear();
         change(&mut self.shown.model);
         self.shown.score = 0.0;
@@ -167,7 +168,7 @@ impl Blob {
 
 /// How hypotheses are matched, scored and dropped.
 #[derive(Clone, Debug)]
-pub struct PoolSettings {
+pub struct HypothesisMatcher {
     /// The Kalman models' noise.
     pub noise: Noise,
     /// χ² at the edge of the gate.
@@ -179,7 +180,7 @@ pub struct PoolSettings {
     max_hypotheses: usize,
 }
 
-impl PoolSettings {
+impl HypothesisMatcher {
     /// The pool's part of `settings`, for `fps` frames a second.
     pub fn new(settings: &Settings, fps: f32) -> Self {
         let frames = (NULL_FACTOR_FPS / fps.max(1.0)).min(MAX_NULL_FRAMES);
@@ -256,7 +257,9 @@ impl PoolSettings {
     /// Updates a blob with an observation after a manoeuvre.
     pub fn update_after_manoeuvre(blob: &mut Blob, observation: &Observation) {
         let manoeuvre = MANOEUVRE_SIGMA * blob.shown().model.scale();
-        blob.settle(observation, |model| model.update_after_manoeuvre(&observation.measurement(), manoeuvre));
+        blob.keep_shown(observation, |model| {
+            model.update_after_manoeuvre(&observation.measurement(), manoeuvre);
+        });
     }
 
     /// The children of a blob's hypotheses: of several that took the same observation, the best.
@@ -349,8 +352,8 @@ mod tests {
         Observation { bbox: Rect::around([x, y], 20.0, 40.0), area: 800.0 }
     }
 
-    fn settings() -> PoolSettings {
-        PoolSettings::new(&Settings::preset(Preset::Plain), 25.0)
+    fn settings() -> HypothesisMatcher {
+        HypothesisMatcher::new(&Settings::preset(Preset::Plain), 25.0)
     }
 
     fn blob(x: f32, y: f32, vx: f32) -> Blob {
@@ -360,7 +363,7 @@ mod tests {
     }
 
     fn step_with(
-        settings: &PoolSettings,
+        settings: &HypothesisMatcher,
         blobs: &mut [Blob],
         observations: &[Observation],
     ) -> Vec<Option<usize>> {
@@ -393,7 +396,7 @@ mod tests {
     #[test]
     fn without_a_region_a_model_is_unfit_after_a_fifth_of_a_second_and_sooner_where_it_predicts_badly() {
         let frames_until_unfit = |fps: f32, mean_error: f32| {
-            let settings = PoolSettings::new(&Settings::default(), fps);
+            let settings = HypothesisMatcher::new(&Settings::default(), fps);
             let mut blobs = [blob(100.0, 50.0, 3.0)];
             blobs[0].shown.fitness.mean_error = mean_error;
             let mut frames = 0;
@@ -405,7 +408,7 @@ mod tests {
         };
         let of_rates = |mean_error| [7.0, 10.0, 25.0, 50.0].map(|fps| frames_until_unfit(fps, mean_error));
         assert_eq!(of_rates(EXPECTED_ERROR), [3, 3, 5, 10]);
-        assert_eq!(of_rates(0.1), [3, 3, 5, 10], "fitter than its covariance says is no model");
+        assert_eq!(of_rates(0.1), [3, 3, 5, 10], "smaller errors than expected do not raise the fitness");
         assert_eq!(of_rates(6.0), [2, 2, 2, 4]);
     }
 
@@ -416,7 +419,7 @@ mod tests {
         assert_eq!(matched(&blobs[0]), [true], "it stands at one");
         step(&mut blobs, &[]);
         assert_eq!(matched(&blobs[0]), [false], "a null match");
-        blobs[0].settle(&at(106.0, 50.0), |_| {});
+        blobs[0].keep_shown(&at(106.0, 50.0), |_| {});
         assert_eq!(matched(&blobs[0]), [true]);
         step(&mut blobs, &[at(109.0, 50.0)]);
         assert_eq!(matched(&blobs[0])[..2], [true, false], "the region, or none");
@@ -430,7 +433,7 @@ mod tests {
         assert_eq!(step_with(&settings, &mut blobs, &[manoeuvred.clone(), far.clone()]), [None, None]);
         let lost: Vec<&Blob> = blobs.iter().collect();
         assert_eq!(settings.match_manoeuvres(&lost, &[&far, &manoeuvred]), [(0, 1)]);
-        PoolSettings::update_after_manoeuvre(&mut blobs[0], &manoeuvred);
+        HypothesisMatcher::update_after_manoeuvre(&mut blobs[0], &manoeuvred);
         assert_eq!(blobs[0].lost, 0);
         let [x, y] = blobs[0].shown().model.centre();
         assert!((x - 118.0).abs() < 2.0 && (y - 62.0).abs() < 2.0);

@@ -1,7 +1,7 @@
 //! New models from pairs of unexplained detections of the previous two frames, tested on the current one (§VIII).
 
 use super::kalman::KalmanModel;
-use super::pool::{Observation, PoolSettings};
+use super::pool::{HypothesisMatcher, Observation};
 
 /// A detection that no blob explains.
 #[derive(Clone, Debug)]
@@ -40,7 +40,11 @@ impl SeedFinder {
 
     /// Processes the frame's unexplained detections, and returns the models that explain one of them, the best for
     /// each.
-    pub fn step(&mut self, settings: &PoolSettings, unexplained: Vec<UnexplainedDetection>) -> Vec<Seed> {
+    pub fn step(
+        &mut self,
+        settings: &HypothesisMatcher,
+        unexplained: Vec<UnexplainedDetection>,
+    ) -> Vec<Seed> {
         let mut found = Vec::new();
         for first in &self.before_last {
             for second in &self.last {

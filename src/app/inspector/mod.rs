@@ -40,11 +40,12 @@ pub use self::plot::{Format, Plot};
 pub use self::table::Table;
 use self::tabs::Tab;
 use crate::explain::pixel::component_slots;
+use crate::explain::pixel::region_shares::RegionShares;
 use crate::explain::pixel::verdict::{overruled, verdict};
 use crate::explain::pixel::{PixelHistory, PixelState};
 use crate::explain::tuning::{RegionTuning, TunableSetting, Tuning};
 use crate::mixture::pixel::MAX_K;
-use crate::replay::{RegionShares, ShownFrame, WorkProgress};
+use crate::replay::{ShownFrame, WorkProgress};
 use crate::settings::BackgroundModel;
 
 /// An action that the inspector requests of the window.
@@ -218,8 +219,9 @@ impl Inspector {
             return None;
         }
         let index = shown.position as usize;
-        let ahead =
-            newest.filter(|newest| !newest.parameters.are_of(&shown.settings) && newest.states.len() > index);
+        let ahead = newest.filter(|newest| {
+            !newest.parameters.equal_settings(&shown.settings) && newest.states.len() > index
+        });
         let here = FramePosition { index, fps };
         let Some(history) = ahead.or(shown.pixel.as_ref()) else {
             return self.without_history(ui, here, context);

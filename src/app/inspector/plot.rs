@@ -7,13 +7,13 @@ use std::{fs, io};
 use super::SlottedHistory;
 use super::table::{Table, borrowed};
 use crate::app::files::atomic_write;
+use crate::explain::pixel::region_shares::RegionShares;
 use crate::explain::pixel::{PixelHistory, scatter_points};
 use crate::explain::tuning::{RegionTuning, Tuning};
 use crate::export::figure::cube::{self, Look};
 use crate::export::figure::mixture::{self, UpdateSide};
 use crate::export::figure::{Figure, pins, raster, region, scatter, svg, through_time, tuning};
 use crate::frame::Frame;
-use crate::replay::RegionShares;
 use crate::truth::decisions::Measure;
 
 /// A plot as drawn in the window. Its figure is made only on request, on another thread.

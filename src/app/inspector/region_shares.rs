@@ -14,8 +14,8 @@ use super::plot::Plot;
 use super::style::{self, small};
 use super::{InspectorAction, region_size};
 use crate::explain::pixel::PixelHistory;
+use crate::explain::pixel::region_shares::RegionShares;
 use crate::export::figure::region::{Peak, peaks};
-use crate::replay::RegionShares;
 
 /// Height of the plot, in points.
 const SHARES_HEIGHT: f32 = 64.0;

@@ -7,9 +7,9 @@ use std::{fs, io};
 
 use crate::app::files::atomic_write;
 use crate::explain::pixel::PixelHistory;
+use crate::explain::pixel::region_shares::RegionShares;
 use crate::explain::tuning::{RegionTuning, Tuning};
 use crate::export::{pixel_csv, shares_csv, statistics_csv, tuning_csv};
-use crate::replay::RegionShares;
 
 /// A table that can be copied or saved. It is written only on request.
 #[derive(Clone, Debug, PartialEq)]

@@ -16,6 +16,7 @@ use super::super::golden::looks_as_before;
 use super::{Format, Inspector, InspectorAction, InspectorContext, SlottedHistory, Table, computing_history};
 use crate::explain::pixel::PixelHistory;
 use crate::explain::pixel::component_slots::{ComponentChange, component_change};
+use crate::explain::pixel::region_shares::RegionShares;
 use crate::explain::pixel::statistics::Statistics;
 use crate::explain::pixel::verdict::{distance_in_sigmas, number, verdict};
 use crate::explain::tuning::{TunableSetting, Tuning, flip, map};
@@ -24,7 +25,7 @@ use crate::mixture::Parameters;
 use crate::occlusion::Counters;
 use crate::pipeline::Analysis;
 use crate::regions::Labels;
-use crate::replay::{RegionShares, ShownFrame, WorkProgress};
+use crate::replay::{ShownFrame, WorkProgress};
 use crate::settings::{BackgroundModel, Preset, Settings, Space};
 
 const SIZE: Size = Size::new(8, 6);

@@ -9,13 +9,14 @@ use crate::app::model::event_comparison::EventRef;
 use crate::app::model::player::Player;
 use crate::app::model::trails::FrameWithTrails;
 use crate::explain::pixel::PixelHistory;
+use crate::explain::pixel::region_shares::RegionShares;
 use crate::explain::tuning::TunableSetting;
 use crate::explain::tuning::{RegionTuning, Tuning};
 use crate::frame::Size;
 use crate::mixture::Quantity;
 use crate::occlusion::Event;
 use crate::regions::Roi;
-use crate::replay::{Phase, RegionShares, Request, ShownFrame, Start, State, Timeline};
+use crate::replay::{Phase, Request, ShownFrame, Start, State, Timeline};
 use crate::settings::Settings;
 use crate::source::Options;
 

@@ -143,7 +143,8 @@ fn matched(model: &Model, shown: &ShownFrame, pixel: (u32, u32)) -> Option<u8> {
     }
     let pins = model.worker.state.as_ref().map_or(&[][..], |state| &state.pins);
     let mut known = shown.pixel.iter().chain(pins);
-    let history = known.find(|history| history.at == pixel && history.parameters.are_of(&shown.settings))?;
+    let history =
+        known.find(|history| history.at == pixel && history.parameters.equal_settings(&shown.settings))?;
     history.states.get(shown.position as usize).map(|state| state.outcome.matched)
 }
 

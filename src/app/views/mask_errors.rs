@@ -4,10 +4,8 @@ use eframe::egui::Color32;
 
 use super::{Compose, ComposeStyle, Pane, draw};
 use crate::app::theme;
-use crate::frame::Mask;
 use crate::replay::ShownFrame;
-use crate::truth::decisions::Decisions;
-use crate::truth::masks::{Label, TrueMask};
+use crate::truth::masks::Label;
 
 /// True positive.
 const TRUE_POSITIVE: [u8; 3] = super::agreement::BOTH_COLOUR;
@@ -17,13 +15,6 @@ const FALSE_POSITIVE: [u8; 3] = [232, 92, 28];
 const FALSE_NEGATIVE: [u8; 3] = [86, 180, 233];
 /// Ignored; the shader draws it equally dark.
 const IGNORED_COLOUR: [u8; 3] = [58, 52, 66];
-
-/// Counts true and false decisions of a mask of the frame.
-pub(super) fn judge(mask: &Mask, truth: &TrueMask) -> Decisions {
-    let mut judge = truth.judge();
-    mask.runs().for_each(|run| judge.take(run));
-    judge.decisions()
-}
 
 /// The composition of the view.
 pub(super) fn compose_style() -> ComposeStyle {

@@ -16,7 +16,6 @@ use super::agreement::Agreement;
 use super::compose::Composer;
 use super::layer::{self, LayerSet, ViewLayer};
 use super::layer_upload::{LayerUploader, UploadedLayers};
-use super::mask_errors;
 use crate::app::model::trails::FrameWithTrails;
 use crate::app::model::view::{BackgroundDisplay, View};
 use crate::frame::Size;
@@ -257,7 +256,7 @@ impl UploadThread {
             let agreement =
                 compared.map(|compared| Agreement::of(&shown.analysis.mask, &compared.analysis.mask));
             let truth = shown.truth.as_ref().filter(|_| request.layers.has(ViewLayer::Truth));
-            let decisions = truth.map(|truth| mask_errors::judge(&shown.analysis.mask, truth));
+            let decisions = truth.map(|truth| truth.score(&shown.analysis.mask));
             let set = UploadedFrame {
                 agreement,
                 decisions,

@@ -6,8 +6,8 @@ use super::{ViewCanvas, draw};
 use crate::app::model::Model;
 use crate::app::model::pins::{self, Pins};
 use crate::app::theme;
+use crate::explain::pixel::region_shares::region_bounds;
 use crate::regions;
-use crate::replay::region_bounds;
 
 /// Minimum size of an image pixel for a frame around it, in points.
 const MIN_FRAMED_PIXEL_PT: f32 = 8.0;

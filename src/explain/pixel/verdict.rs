@@ -118,12 +118,12 @@ fn shadow(state: &PixelState, parameters: &Parameters) -> Option<String> {
     })
 }
 
-/// Whether the pixel is doubtful, i.e. background only as long as few of its neighbours are foreground, in words.
+/// Whether the pixel is weakly matched, i.e. background only as long as few of its neighbours are foreground, in words.
 fn doubt(state: &PixelState, before: &Pixel, parameters: &Parameters) -> Option<String> {
     let channels = parameters.channels();
     let surface = state.pixel.components().first()?;
     let is_shadow = parameters.shadow.covers(&state.value[..channels], &surface.mean[..channels]);
-    if !state.outcome.doubtful || is_shadow {
+    if !state.outcome.weak_match || is_shadow {
         return None;
     }
     let component = before.components().get(usize::from(state.outcome.matched).checked_sub(1)?)?;

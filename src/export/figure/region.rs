@@ -8,8 +8,8 @@ use super::{
     pixel_name,
 };
 use crate::explain::pixel::PixelHistory;
+use crate::explain::pixel::region_shares::RegionShares;
 use crate::palette::verdict_colour;
-use crate::replay::RegionShares;
 
 /// The opacity of the area.
 const STRENGTH: f64 = 0.55;

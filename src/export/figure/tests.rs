@@ -12,13 +12,13 @@ use super::{Figure, Sign, cube, pins, region, scatter, svg, through_time, tuning
 use crate::explain::pixel::PixelHistory;
 use crate::explain::pixel::component_slots::{ComponentChange, component_change, slots_by_rank};
 use crate::explain::pixel::component_states::component_states;
+use crate::explain::pixel::region_shares::RegionShares;
 use crate::explain::pixel::scatter_points::{PointGrouping, ScatterSelection, ScatterSpace};
 use crate::explain::tuning::{TunableSetting, map};
 use crate::export::pixel_csv;
 use crate::export::tests::written;
 use crate::mixture::{MAX_K, Parameters};
 use crate::palette::component_on_light;
-use crate::replay::RegionShares;
 use crate::settings::{Preset, Settings, Space as Channels};
 
 /// Two surfaces in turn with noise, and temporarily a third.

@@ -1,4 +1,4 @@
-//! The kinds of work, each in short steps. The worker decides which of them is due; none of them knows it.
+//! The kinds of work, each in short steps. The worker decides which is due; tasks do not depend on the worker.
 
 pub(crate) mod analyse;
 pub(crate) mod explain;

@@ -1,6 +1,7 @@
 //! Pinned pixels, and the share of foreground around one.
 
 use super::*;
+use crate::explain::pixel::region_shares::region_bounds;
 
 const PINS: [(u32, u32); 3] = [(30, 30), PIXEL, (0, 63)];
 
@@ -45,8 +46,9 @@ fn histories_of_pinned_pixels_equal_those_of_chosen_pixels() {
 
         let other = Settings { alpha: 0.1, ..settings.clone() };
         watched.request(settings_request(other.clone(), None));
-        let of_other =
-            |state: &State| complete(state) && state.pins.iter().all(|pin| pin.parameters.are_of(&other));
+        let of_other = |state: &State| {
+            complete(state) && state.pins.iter().all(|pin| pin.parameters.equal_settings(&other))
+        };
         let state = watched.wait_until(of_other);
         assert_eq!(*state.pins[0], single_pass_pins(folder.path(), &other).0[1]);
         watched.request(Request::Pin(Vec::new()));

@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::*;
+use crate::explain::pixel::region_shares::region_bounds;
 use crate::truth::Truth;
 use crate::truth::decisions::Decisions;
 use crate::truth::mask_score::MaskScore;

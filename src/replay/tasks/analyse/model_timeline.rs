@@ -215,7 +215,7 @@ impl ModelTimeline {
         self.pipeline.set_roi(roi.clone())?;
         self.roi = roi;
         self.progress.restart_at(stage, self.record.len());
-        self.pipeline.restart_finding(&settings, self.info.fps);
+        self.pipeline.restart_after_model(&settings, self.info.fps);
         self.settings = settings;
         Ok(())
     }
@@ -248,7 +248,7 @@ impl ModelTimeline {
         let borrowed: Vec<_> = frames.iter().map(Arc::as_ref).collect();
         self.progress.add_analysed(frames.len() as u32);
         let raw = (position..).map_while(|position| self.record.raw(position)).take(frames.len()).collect();
-        for (position, analysis) in (position..).zip(self.pipeline.find_many(&borrowed, raw)?) {
+        for (position, analysis) in (position..).zip(self.pipeline.analyse_masks(&borrowed, raw)?) {
             self.record.replace_regions(position, analysis);
         }
         self.update_capacity();
@@ -261,7 +261,7 @@ impl ModelTimeline {
         self.progress.add_analysed(frames.len() as u32);
         let raw = self.pipeline.masks(&borrowed)?;
         let kept: Vec<_> = raw.par_iter().map(rle::encode_mask).collect();
-        for (analysis, raw) in self.pipeline.find_many(&borrowed, raw)?.into_iter().zip(kept) {
+        for (analysis, raw) in self.pipeline.analyse_masks(&borrowed, raw)?.into_iter().zip(kept) {
             self.record.push(analysis, raw);
         }
         self.keep_model(frames.last())

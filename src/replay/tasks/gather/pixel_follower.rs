@@ -38,8 +38,9 @@ impl PixelFollower {
             self.complete = false;
         }
         self.to_learn = info.bootstrap(settings);
-        let same =
-            |history: &Arc<PixelHistory>| Some(history.at) == at && history.parameters.are_of(settings);
+        let same = |history: &Arc<PixelHistory>| {
+            Some(history.at) == at && history.parameters.equal_settings(settings)
+        };
         if !self.history.as_ref().is_some_and(same) {
             self.history = at.map(|at| Arc::new(PixelHistory::new(at, Parameters::new(settings))));
         }

@@ -3,19 +3,12 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use crate::explain::pixel::region_shares::{RegionShares, region_bounds};
 use crate::frame::Size;
-use crate::replay::published::RegionShares;
 use crate::replay::store::analysis_record::AnalysisRecord;
 
 /// Number of frames of one step.
 const FRAMES_PER_STEP: u32 = 256;
-
-/// The columns and rows of the `side`×`side` pixels around one, clipped to the image.
-pub fn region_bounds((x, y): (u32, u32), side: u32, size: Size) -> (Range<u32>, Range<u32>) {
-    let half = side / 2;
-    let range = |at: u32, end: u32| at.saturating_sub(half)..at.saturating_add(half + 1).min(end);
-    (range(x, size.width), range(y, size.height))
-}
 
 /// Computes [`RegionShares`].
 #[derive(Default)]
@@ -96,7 +89,5 @@ mod tests {
                 assert_eq!(inside(&(start..end), &columns, &rows, size), expected.count(), "{start}..{end}");
             }
         }
-        assert_eq!(region_bounds((0, 5), 5, size), (0..3, 3..6), "clipped at the edges");
-        assert_eq!(region_bounds((9, 0), 1, size), (9..10, 0..1));
     }
 }

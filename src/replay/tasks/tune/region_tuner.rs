@@ -3,11 +3,11 @@
 use std::ops::Range;
 use std::sync::Arc;
 
+use crate::explain::pixel::region_shares::region_bounds;
 use crate::explain::tuning::{RegionTuning, RegionTuningQuery, StepwiseRegionTuning, TunableSetting};
 use crate::frame::{Frame, Size};
 use crate::mixture::Parameters;
 use crate::registration::{CorrectionChoice, corrected};
-use crate::replay::region_bounds;
 use crate::replay::tasks::gather::frame_consumer::FrameConsumer;
 use crate::settings::{BackgroundModel, Settings};
 use crate::source::SourceInfo;
