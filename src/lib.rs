@@ -1,5 +1,8 @@
 //! Occluscope: a microscope for background models, moving regions, tracks and occlusions in video.
 //!
+//! The method is that of K. A. Chavan and P. P. Halkarnikar, *Occlusion detection in video sequences*; sections (§) and
+//! Algorithms 1–3 in the documentation are those of that paper.
+//!
 //! The modules are the stages of the method, in the order in which a frame passes them:
 //!
 //! ```text
@@ -14,7 +17,7 @@
 //! - [`pipeline`] runs all stages on a frame; [`replay`] gives random access in time.
 //! - [`truth`] scores results, [`explain`] explains decisions, [`export`] writes files, [`synth`] renders scenes with
 //!   exact ground truth.
-//! - [`cli`] is the command line, `app` (feature `gui`) the window.
+//! - [`settings`] is the table of all parameters. [`cli`] is the command line, `app` (feature `gui`) the window.
 //!
 //! # Use as a library
 //!

@@ -5,13 +5,25 @@ use crate::regions::Rect;
 use crate::settings::Settings;
 use crate::tracking::pool::HypothesisMatcher;
 
+/// Seconds without a region after which the region is taken to be absent.
+const MAX_GAP_SECONDS: f32 = 0.2;
+/// Seconds for which a region has to show more heads than it has members.
+const HEAD_COUNT_SECONDS: f32 = 0.3;
+/// Seconds for which an object is partly visible before its appearance is learnt anew.
+const RELEARN_SECONDS: f32 = 1.5;
+
 /// The times and lengths of the settings in frames and pixels of this video.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Limits {
+    /// Least area in pixels of a region that becomes an object.
     pub(super) min_area_px: f32,
+    /// Distance from the image edge in pixels within which objects enter and exit.
     pub(super) border_px: f32,
+    /// Frames in which an object must have a region before it is confirmed.
     pub(super) min_track_frames: u32,
+    /// Frames after which an occluded object is given up.
     pub(super) max_hidden_frames: u32,
+    /// Frames apart within which the same objects' shared regions are one episode.
     pub(super) same_episode_frames: u32,
     /// Frames without a region after which the region is taken to be absent.
     pub(super) max_gap_frames: u32,
@@ -36,9 +48,9 @@ impl Limits {
             min_track_frames: settings.min_track.frames(fps),
             max_hidden_frames: settings.max_hidden.frames(fps),
             same_episode_frames: settings.same_episode.frames(fps),
-            max_gap_frames: ((0.2 * fps).round() as u32).max(3),
-            head_count_frames: ((0.3 * fps).round() as u32).max(3),
-            relearn_frames: ((1.5 * fps).round() as u32).max(10),
+            max_gap_frames: ((MAX_GAP_SECONDS * fps).round() as u32).max(3),
+            head_count_frames: ((HEAD_COUNT_SECONDS * fps).round() as u32).max(3),
+            relearn_frames: ((RELEARN_SECONDS * fps).round() as u32).max(10),
             max_coast_frames: settings.predict_for.frames(fps),
             fps: fps.max(1.0),
             edge_wait_frames: (fps.round() as u32).max(settings.min_track.frames(fps)),
