@@ -45,7 +45,7 @@ pub fn association_score(
     settings: &Settings,
 ) -> AssociationScore {
     let (colour, delta_e) = object.colour_similarity(&region.histogram, settings);
-    let distance = distance_outside(&object.predicted_box(), &region.bbox);
+    let distance = object.predicted_box().distance_outside(&region.bbox);
     let motion = (-0.5 * (distance / position_sigma).powi(2)).max(MIN_MOTION_NATS);
     AssociationScore { colour, delta_e, distance, motion }
 }
@@ -62,19 +62,6 @@ pub fn association_scores(
         regions.iter().map(|region| association_score(object, sigma, region, settings)).collect()
     };
     objects.iter().zip(position_sigma).map(row).collect()
-}
-
-/// The distance that one box would have to move to lie inside the other (or to contain it, where it is larger).
-pub fn distance_outside(a: &Rect, b: &Rect) -> f32 {
-    let axis = |low: f32, high: f32, other_low: f32, other_high: f32| {
-        let (below, above) = (other_low - low, high - other_high);
-        if high - low <= other_high - other_low {
-            below.max(above).max(0.0)
-        } else {
-            (-below).max(-above).max(0.0)
-        }
-    };
-    axis(a.x, a.right(), b.x, b.right()).hypot(axis(a.y, a.bottom(), b.y, b.bottom()))
 }
 
 /// For each object the index of its region, with the best total score: of colours, motion and the regions' areas. With
@@ -289,14 +276,6 @@ mod tests {
 
     use super::*;
     use crate::occlusion::fixtures::{RED, context, detection, object, person};
-
-    #[test]
-    fn a_box_inside_another_is_at_no_distance() {
-        let large = Rect::new(0.0, 0.0, 50.0, 60.0);
-        assert_eq!(distance_outside(&Rect::new(10.0, 0.0, 20.0, 60.0), &large), 0.0);
-        assert_eq!(distance_outside(&Rect::new(33.0, 0.0, 20.0, 60.0), &large), 3.0);
-        assert_eq!(distance_outside(&large, &Rect::new(-4.0, 3.0, 20.0, 20.0)), 4.0);
-    }
 
     fn score(colour: f32, motion: f32) -> AssociationScore {
         AssociationScore { colour, motion, ..AssociationScore::default() }

@@ -243,7 +243,7 @@ fn record_merge_cause(
     evidence.at_least("region growth", grown, context.settings.size_step);
     for &id in members {
         let Some(object) = table.get(id) else { continue };
-        let contained = partition::contained_share(&object.predicted_box(), &detection.bbox);
+        let contained = object.predicted_box().share_within(&detection.bbox);
         let whose = table.identity(id).unwrap_or_default();
         evidence.at_least(format!("share of the predicted box of {whose} inside the region"), contained, 0.5);
     }

@@ -1,6 +1,5 @@
 //! Confirmation of tentative objects: re-identified, joined to another one as its fragment, or new.
 
-use super::assign::distance_outside;
 use super::coherence::{FragmentVerdict, fragment_verdict};
 use super::context::Context;
 use super::decisions::Decisions;
@@ -9,7 +8,6 @@ use super::event::{Comparison, Event, EventKind, Evidence};
 use super::object::{Detection, Object};
 use super::object_table::ObjectTable;
 use super::occluded::{needs_clearer_view, try_match_reappearance};
-use super::partition::contained_share;
 use super::split_member::try_match_split_member;
 use crate::regions::Rect;
 use crate::tracking::{Identity, ObjectId};
@@ -61,7 +59,7 @@ fn absorb_fragments(table: &mut ObjectTable) {
         .map(|(_, object, _)| object.predicted_box())
         .collect();
     let is_fragment = |object: &Object, detection: &Detection| {
-        !object.confirmed && extents.iter().any(|extent| contained_share(&detection.bbox, extent) >= 0.5)
+        !object.confirmed && extents.iter().any(|extent| detection.bbox.share_within(extent) >= 0.5)
     };
     let fragments: Vec<ObjectId> = table
         .lone_objects()
@@ -135,7 +133,7 @@ fn rejected_matches(context: &Context, table: &ObjectTable, birthplace: &Rect) -
         .iter()
         .filter_map(|occluded| {
             let past = table.get(occluded.id)?;
-            let distance = distance_outside(&past.predicted_box(), birthplace);
+            let distance = past.predicted_box().distance_outside(birthplace);
             let reach = past.reappearance_radius(context.t - occluded.since.t);
             Some((distance, reach, table.identity(occluded.id)?))
         })

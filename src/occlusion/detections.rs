@@ -5,7 +5,6 @@ use std::sync::Arc;
 use super::context::Context;
 use super::object::{Detection, Object};
 use super::object_table::ObjectTable;
-use super::partition::contained_share;
 use crate::regions::{Rect, Region};
 use crate::tracking::fragments::group_fragments;
 
@@ -31,7 +30,7 @@ pub(super) fn detections(context: &Context, table: &ObjectTable, regions: &[Regi
         })
         .collect();
     let owner = |(bbox, _): &(Rect, f32)| {
-        let contained = predicted.iter().map(|expected| contained_share(bbox, expected)).enumerate();
+        let contained = predicted.iter().map(|expected| bbox.share_within(expected)).enumerate();
         contained.filter(|(_, share)| *share >= 0.5).max_by(|a, b| a.1.total_cmp(&b.1)).map(|(at, _)| at)
     };
     let owners: Vec<Option<usize>> = observed.iter().map(owner).collect();

@@ -4,7 +4,6 @@ use super::context::Context;
 use super::group_episodes::GroupEpisodes;
 use super::object::Object;
 use super::object_table::{ObjectTable, TrackedBlob};
-use super::partition::contained_share;
 use crate::regions::Rect;
 use crate::tracking::ObjectId;
 
@@ -26,7 +25,7 @@ fn has_overlap(boxes: &[Rect]) -> bool {
     boxes
         .iter()
         .enumerate()
-        .any(|(index, a)| boxes.iter().skip(index + 1).any(|b| contained_share(a, b) >= MIN_OVERLAP))
+        .any(|(index, a)| boxes.iter().skip(index + 1).any(|b| a.share_within(b) >= MIN_OVERLAP))
 }
 
 /// The visible share of a member in its group, 1 while the group has no detection.

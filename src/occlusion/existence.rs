@@ -7,7 +7,6 @@ use super::emission::{can_leave, emit_exit, mark_occluded};
 use super::event::Evidence;
 use super::object::{Detection, Object};
 use super::object_table::{FrameRef, ObjectTable, TrackedBlob};
-use super::partition::contained_share;
 use crate::tracking::ObjectId;
 
 /// Upper limit of the log odds of existence.
@@ -66,7 +65,7 @@ fn update_log_odds(context: &Context, table: &mut ObjectTable) -> Vec<ObjectId> 
         for id in members {
             let Some(object) = table.get_mut(id) else { continue };
             let seen = if shows_one { Some(id) == best } else { object.unseen_frames == 0 };
-            let covered = contained_share(&object.predicted_box(), &region) >= 0.5;
+            let covered = object.predicted_box().share_within(&region) >= 0.5;
             let rate = match (seen, covered) {
                 (true, _) => EXISTENCE_GAIN_NATS_PER_SECOND,
                 (false, true) => -COVERED_LOSS_NATS_PER_SECOND,

@@ -1,6 +1,5 @@
 //! Blobs without a region: wait, exit, or occluded by the scene (Algorithm 2).
 
-use super::assign::distance_outside;
 use super::context::Context;
 use super::decisions::Decisions;
 use super::demerges::settle_demerges_of;
@@ -106,7 +105,7 @@ fn try_recover_track(context: &Context, table: &mut ObjectTable, id: ObjectId, l
     let Some(past) = table.get(id).filter(|object| object.confirmed) else { return false };
     let reach = past.reappearance_radius(0);
     let since = |new: &Object| new.first_frame.abs_diff(lost_from.number);
-    let near = |new: &Object| distance_outside(&past.predicted_box(), &new.last_detection.bbox);
+    let near = |new: &Object| past.predicted_box().distance_outside(&new.last_detection.bbox);
     let new = table
         .lone_objects()
         .filter(|(_, new, _)| {

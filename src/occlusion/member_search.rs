@@ -1,6 +1,5 @@
 //! Re-identification of unseen group members and occluded objects in the regions of others.
 
-use super::assign::distance_outside;
 use super::context::Context;
 use super::decisions::{Decisions, PendingReappearance};
 use super::demerges::settle_demerges_of;
@@ -58,7 +57,7 @@ fn find_in_groups(context: &Context, table: &ObjectTable, id: ObjectId) -> Optio
         let Some(detection) = &tracked.detection else { continue };
         if tracked.members().contains(&id)
             || !tracked.members().iter().any(|&member| table.is_confirmed(member))
-            || distance_outside(&object.predicted_box(), &detection.bbox) > reach
+            || object.predicted_box().distance_outside(&detection.bbox) > reach
             || shows_one_object(table, tracked, detection)
         {
             continue;

@@ -1,13 +1,11 @@
 //! Occluded objects: their end, and their re-identification as a new object (Algorithm 3).
 
-use super::assign::distance_outside;
 use super::context::Context;
 use super::decisions::{Decisions, PendingReappearance};
 use super::emission::emit_reappearance;
 use super::event::{Event, EventKind, Evidence};
 use super::object::Object;
 use super::object_table::{ObjectTable, OccludedObject};
-use super::partition::contained_share;
 use crate::regions::Rect;
 use crate::settings::ReappearBy;
 use crate::tracking::ObjectId;
@@ -173,7 +171,7 @@ fn reappearance_place(
     let frames = context.t - occluded.since.t;
     let (at_rest, wide) = (past.stationary_radius(frames), past.reappearance_radius(frames));
     let predicted_box = past.predicted_box();
-    let distance = distance_outside(&predicted_box, bbox);
+    let distance = predicted_box.distance_outside(bbox);
     if !context.is_outside(&predicted_box) && distance <= wide {
         let near = distance <= at_rest;
         return Some(ReappearancePlace { distance, reach: wide, predicted: true, near });
@@ -186,7 +184,7 @@ fn reappearance_place(
     let outside = |step: u8| {
         let share = f32::from(step) / f32::from(STOP_POSITIONS);
         let at = [from_x + share * (to_x - from_x), from_y + share * (to_y - from_y)];
-        distance_outside(&Rect::around(at, w, h), bbox)
+        Rect::around(at, w, h).distance_outside(bbox)
     };
     let distance = (0..=STOP_POSITIONS).map(outside).fold(f32::INFINITY, f32::min);
     let place = ReappearancePlace { distance, reach: at_rest, predicted: false, near: false };
@@ -196,7 +194,7 @@ fn reappearance_place(
 /// Whether an object without a region is at a known occluder: a place where one disappeared and reappeared before.
 pub(super) fn is_behind_known_occluder(decisions: &Decisions, object: &Object) -> bool {
     let bbox = object.predicted_box();
-    decisions.occluders().iter().any(|occluder| contained_share(&bbox, occluder) >= 0.5)
+    decisions.occluders().iter().any(|occluder| bbox.share_within(occluder) >= 0.5)
 }
 
 #[cfg(test)]

@@ -66,11 +66,9 @@ pub fn clusters(expected: &[ExpectedRegion], observed: &[(Rect, f32)], size_step
     for (blob, it) in expected.iter().enumerate() {
         for (observation, ((bbox, area), owner)) in observed.iter().zip(&owners).enumerate() {
             let belongs = match owner {
-                None => {
-                    it.matched.is_none() && (lies_inside(bbox, it) || contained_share(&it.bbox, bbox) >= 0.5)
-                }
+                None => it.matched.is_none() && (lies_inside(bbox, it) || it.bbox.share_within(bbox) >= 0.5),
                 Some(owner) if it.matched.is_none() => {
-                    let contained = contained_share(&it.bbox, bbox);
+                    let contained = it.bbox.share_within(bbox);
                     let grown = *area >= (1.0 + size_step) * owner.area;
                     contained >= 0.5 || (contained >= 0.2 && grown)
                 }
@@ -93,7 +91,7 @@ fn owner_of_unclaimed(bbox: &Rect, area: f32, expected: &[ExpectedRegion]) -> Op
     let belongs = |it: &ExpectedRegion| lies_inside(bbox, it) || near(it);
     let candidates = expected.iter().enumerate().filter(|(_, it)| belongs(it));
     let nearer = |a: &ExpectedRegion, b: &ExpectedRegion| {
-        let contained = |it: &ExpectedRegion| contained_share(bbox, &it.bbox);
+        let contained = |it: &ExpectedRegion| bbox.share_within(&it.bbox);
         contained(b).total_cmp(&contained(a)).then(gap(bbox, &a.bbox).total_cmp(&gap(bbox, &b.bbox)))
     };
     candidates.min_by(|a, b| nearer(a.1, b.1)).map(|(blob, _)| blob)
@@ -104,12 +102,7 @@ fn lies_inside(bbox: &Rect, expected: &ExpectedRegion) -> bool {
     let (grow, least) = if expected.group { (0.1, 0.3) } else { (0.2, 0.5) };
     let it = expected.bbox;
     let around = Rect::around(it.centre(), it.w * (1.0 + grow), it.h * (1.0 + grow));
-    contained_share(bbox, &around) >= least
-}
-
-/// The share of `inner` that lies within `outer`, 0..=1.
-pub fn contained_share(inner: &Rect, outer: &Rect) -> f32 {
-    inner.intersection(outer).area() / inner.area().max(f32::MIN_POSITIVE)
+    bbox.share_within(&around) >= least
 }
 
 /// The sizes of the objects that a set of regions can show.
@@ -143,7 +136,7 @@ pub fn join_fragments(observed: &[(Rect, f32)], extent: Extent, inside: Option<R
                 && inside.is_some_and(|it| {
                     let around = Rect::around(it.centre(), it.w * 1.2, it.h * 1.2);
                     let mine = |it: &(Rect, f32)| {
-                        contained_share(&it.0, &around) >= 0.5
+                        it.0.share_within(&around) >= 0.5
                             || it.1 <= MAX_SMALL_FRAGMENT_SHARE * extent.least_area
                     };
                     mine(first) && mine(second)

@@ -86,6 +86,25 @@ impl Rect {
         if all > 0.0 { shared / all } else { 0.0 }
     }
 
+    /// The share of its area that lies within `outer`, 0..=1.
+    pub fn share_within(&self, outer: &Self) -> f32 {
+        self.intersection(outer).area() / self.area().max(f32::MIN_POSITIVE)
+    }
+
+    /// The distance in pixels that it would have to move to lie inside `other`, or to contain it where it is larger.
+    pub fn distance_outside(&self, other: &Self) -> f32 {
+        let axis = |low: f32, high: f32, other_low: f32, other_high: f32| {
+            let (below, above) = (other_low - low, high - other_high);
+            if high - low <= other_high - other_low {
+                below.max(above).max(0.0)
+            } else {
+                (-below).max(-above).max(0.0)
+            }
+        };
+        let across = axis(self.x, self.right(), other.x, other.right());
+        across.hypot(axis(self.y, self.bottom(), other.y, other.bottom()))
+    }
+
     /// Distance to the nearest edge of an image of this size, in pixels; negative beyond the edge.
     pub fn distance_to_edge(&self, size: Size) -> f32 {
         let right = size.width as f32 - self.right();
@@ -188,5 +207,18 @@ impl ShapeSums {
             eccentricity: if longer > 0.0 { (1.0 - shorter / longer).max(0.0).sqrt() as f32 } else { 0.0 },
             extent: self.area as f32 / (w * h),
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_box_inside_another_is_at_no_distance() {
+        let large = Rect::new(0.0, 0.0, 50.0, 60.0);
+        assert_eq!(Rect::new(10.0, 0.0, 20.0, 60.0).distance_outside(&large), 0.0);
+        assert_eq!(Rect::new(33.0, 0.0, 20.0, 60.0).distance_outside(&large), 3.0);
+        assert_eq!(large.distance_outside(&Rect::new(-4.0, 3.0, 20.0, 20.0)), 4.0);
     }
 }
