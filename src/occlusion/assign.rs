@@ -1,9 +1,8 @@
 //! Assignment of group members to the regions after a demerge (Algorithms 1 and 3).
 
-use crate::regions::{Histogram, Rect};
-use crate::settings::Settings;
-
 use super::object::Object;
+use super::split_region::{AssociationScore, SplitRegion};
+use crate::settings::Settings;
 
 /// Weight of full colour similarity against predicted motion, in nats. Large, as Algorithm 3 compares colours first;
 /// where they are similar to all alike, motion decides.
@@ -12,30 +11,6 @@ const MAX_COLOUR_NATS: f32 = 20.0;
 const MIN_MOTION_NATS: f32 = -10.0;
 /// Standard deviation of ln(area of a region / area of its objects).
 const LOG_AREA_SIGMA: f32 = 0.6;
-
-/// A region of a group after a demerge.
-#[derive(Clone, Debug)]
-pub struct SplitRegion {
-    /// Its box.
-    pub bbox: Rect,
-    /// Its pixels.
-    pub area: f32,
-    /// Its colours.
-    pub histogram: Histogram,
-}
-
-/// The score of one object for one region.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct AssociationScore {
-    /// Colour similarity, 0..=1.2.
-    pub colour: f32,
-    /// Least ΔE between two dominant colours.
-    pub delta_e: f32,
-    /// Distance in pixels by which the object's predicted box lies outside the region.
-    pub distance: f32,
-    /// Log-likelihood of that distance in nats, at most 0.
-    pub motion: f32,
-}
 
 /// The score of an object for a region. `position_sigma` is the standard deviation of its predicted place, in pixels.
 pub fn association_score(
@@ -276,6 +251,7 @@ mod tests {
 
     use super::*;
     use crate::occlusion::fixtures::{RED, context, detection, object, person};
+    use crate::regions::{Histogram, Rect};
 
     fn score(colour: f32, motion: f32) -> AssociationScore {
         AssociationScore { colour, motion, ..AssociationScore::default() }

@@ -5,7 +5,7 @@ use std::collections::BTreeMap;
 
 use nalgebra::Vector3;
 
-use super::assign::{self, AssociationScore, SplitRegion};
+use super::assign;
 use super::context::Context;
 use super::decisions::Decisions;
 use super::demerges::{settle_before_merge, start_demerge};
@@ -14,6 +14,7 @@ use super::groups::GroupChange;
 use super::object::{Detection, Object};
 use super::object_table::{ObjectTable, SplitPart, TrackedBlob};
 use super::partition::{self, Cluster, Extent};
+use super::split_region::{AssociationScore, SplitRegion};
 use crate::regions::Rect;
 use crate::tracking::ObjectId;
 use crate::tracking::kalman::KalmanModel;

@@ -1,10 +1,11 @@
 //! Decisions about objects: those that wait for later frames, and the events and episodes that are decided and not
 //! returned yet.
 
-use super::assign::{AssociationScore, SplitRegion};
 use super::event::{Episode, Event};
 use super::group_episodes::GroupEpisodes;
+use super::object::Object;
 use super::object_table::FrameRef;
+use super::split_region::{AssociationScore, SplitRegion};
 use crate::regions::Rect;
 use crate::tracking::ObjectId;
 
@@ -91,9 +92,15 @@ impl Decisions {
         Some(self.reappearances.remove(index))
     }
 
-    /// The known occluders.
+    /// The known occluders: places where an object disappeared and reappeared.
     pub(super) fn occluders(&self) -> &[Rect] {
         &self.occluders
+    }
+
+    /// Whether an object without a region is behind a known occluder.
+    pub(super) fn is_behind_known_occluder(&self, object: &Object) -> bool {
+        let bbox = object.predicted_box();
+        self.occluders.iter().any(|occluder| bbox.share_within(occluder) >= 0.5)
     }
 
     /// Remembers a place where an object was occluded by the scene.

@@ -3,13 +3,14 @@
 
 use std::collections::BTreeMap;
 
-use super::assign::{self, AssociationScore, SplitRegion};
+use super::assign;
 use super::context::Context;
 use super::decisions::{Decisions, PendingDemerge};
 use super::emission::emit_demerge;
 use super::event::{Comparison, Evidence};
 use super::groups::GroupChange;
 use super::object_table::{FrameRef, ObjectTable, SplitPart};
+use super::split_region::{AssociationScore, SplitRegion};
 use crate::regions::Histogram;
 use crate::tracking::ObjectId;
 

@@ -3,7 +3,7 @@
 use super::context::Context;
 use super::group_episodes::GroupEpisodes;
 use super::object::Object;
-use super::object_table::{ObjectTable, TrackedBlob};
+use super::object_table::ObjectTable;
 use crate::regions::Rect;
 use crate::tracking::ObjectId;
 
@@ -14,8 +14,10 @@ const MIN_OVERLAP: f32 = 0.3;
 pub(super) fn update_group_episodes(context: &Context, table: &ObjectTable, episodes: &mut GroupEpisodes) {
     for tracked in table.blobs().iter().filter(|tracked| tracked.is_shared()) {
         let boxes: Vec<Rect> = table.objects_of(tracked.members()).map(Object::predicted_box).collect();
+        let visible_share =
+            |id: ObjectId| table.get(id).map_or(1.0, |object| tracked.visible_share_of(object));
         let shares: Vec<(ObjectId, f32)> =
-            tracked.members().iter().map(|&id| (id, visible_share(table, id, tracked))).collect();
+            tracked.members().iter().map(|&id| (id, visible_share(id))).collect();
         episodes.record_sharing(&shares, context.number, context.t, has_overlap(&boxes));
     }
     episodes.close(context.t, context.limits.same_episode_frames);
@@ -26,14 +28,6 @@ fn has_overlap(boxes: &[Rect]) -> bool {
         .iter()
         .enumerate()
         .any(|(index, a)| boxes.iter().skip(index + 1).any(|b| a.share_within(b) >= MIN_OVERLAP))
-}
-
-/// The visible share of a member in its group, 1 while the group has no detection.
-pub(super) fn visible_share(table: &ObjectTable, id: ObjectId, tracked: &TrackedBlob) -> f32 {
-    match (table.get(id), &tracked.detection) {
-        (Some(object), Some(detection)) => object.visible_share_in(detection),
-        _ => 1.0,
-    }
 }
 
 #[cfg(test)]

@@ -4,11 +4,9 @@ use std::sync::Arc;
 
 use super::context::Context;
 use super::decisions::Decisions;
-use super::episodes::visible_share;
 use super::event::{Episode, Event};
 use super::object::Object;
 use super::object_table::ObjectTable;
-use super::occluded::is_behind_known_occluder;
 use crate::regions::Rect;
 use crate::tracking::pool::Blob;
 use crate::tracking::seed_finder::UnexplainedDetection;
@@ -71,9 +69,9 @@ pub(super) fn object_tracks(context: &Context, table: &ObjectTable, decisions: &
                     (TrackState::Visible, bbox, object.visible_share(detection.area))
                 }
                 (Some(_), true) => {
-                    (TrackState::Merged, object.predicted_box(), visible_share(table, id, tracked))
+                    (TrackState::Merged, object.predicted_box(), tracked.visible_share_of(object))
                 }
-                (None, _) if is_behind_known_occluder(decisions, object) => {
+                (None, _) if decisions.is_behind_known_occluder(object) => {
                     (TrackState::Hidden, object.predicted_box(), 0.0)
                 }
                 (None, _) => continue,
@@ -87,7 +85,7 @@ pub(super) fn object_tracks(context: &Context, table: &ObjectTable, decisions: &
     for occluded in table.occluded() {
         if let Some(object) = table.get(occluded.id)
             && context.t - occluded.since.t <= context.limits.max_coast_frames
-            && is_behind_known_occluder(decisions, object)
+            && decisions.is_behind_known_occluder(object)
         {
             tracks.push(track_of(context, object, None, TrackState::Hidden, object.predicted_box(), 0.0));
         }

@@ -42,6 +42,7 @@ pub mod perspective;
 mod prediction;
 mod region_counts;
 mod split_member;
+pub mod split_region;
 pub mod template;
 pub mod tracker;
 

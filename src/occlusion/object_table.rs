@@ -61,6 +61,11 @@ impl TrackedBlob {
     pub(super) fn is_shared(&self) -> bool {
         self.members.len() > 1
     }
+
+    /// The visible share of a member in its region, 1 while it has no detection.
+    pub(super) fn visible_share_of(&self, member: &Object) -> f32 {
+        self.detection.as_ref().map_or(1.0, |detection| member.visible_share_in(detection))
+    }
 }
 
 /// An object that the scene occludes: the paper's past object.

@@ -191,12 +191,6 @@ fn reappearance_place(
     (distance <= at_rest).then_some(place)
 }
 
-/// Whether an object without a region is at a known occluder: a place where one disappeared and reappeared before.
-pub(super) fn is_behind_known_occluder(decisions: &Decisions, object: &Object) -> bool {
-    let bbox = object.predicted_box();
-    decisions.occluders().iter().any(|occluder| bbox.share_within(occluder) >= 0.5)
-}
-
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used, clippy::indexing_slicing)]

@@ -1,6 +1,6 @@
 //! Re-identification of a new object as a member that left a group (Algorithm 3).
 
-use super::assign::{self, AssociationScore, SplitRegion};
+use super::assign;
 use super::context::Context;
 use super::decisions::Decisions;
 use super::demerges::settle_demerges_of;
@@ -8,6 +8,7 @@ use super::event::Evidence;
 use super::groups::GroupChange;
 use super::object::Object;
 use super::object_table::ObjectTable;
+use super::split_region::{AssociationScore, SplitRegion};
 use crate::tracking::ObjectId;
 
 /// A member left at most this many standard deviations from its predicted place.
