@@ -6,9 +6,9 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
-use super::context::Context;
-use super::object::{Appearance, Detection, Object, template_of};
-use super::object_table::ObjectTable;
+use super::state::context::Context;
+use super::state::object::{Appearance, Detection, Object, template_of};
+use super::state::object_table::ObjectTable;
 use crate::frame::Size;
 use crate::regions::mosaic::Cell;
 use crate::regions::{Mosaic, Rect, Region, Rgb, Shape};

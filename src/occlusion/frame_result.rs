@@ -2,11 +2,11 @@
 
 use std::sync::Arc;
 
-use super::context::Context;
-use super::decisions::Decisions;
 use super::event::{Episode, Event};
-use super::object::Object;
-use super::object_table::ObjectTable;
+use super::state::context::Context;
+use super::state::decisions::Decisions;
+use super::state::object::Object;
+use super::state::object_table::ObjectTable;
 use crate::regions::Rect;
 use crate::tracking::pool::Blob;
 use crate::tracking::seed_finder::UnexplainedDetection;
@@ -148,7 +148,7 @@ fn track_of(
 mod tests {
     use super::*;
     use crate::occlusion::fixtures::{RED, context, detection, person, start_confirmed, start_group};
-    use crate::occlusion::object_table::FrameRef;
+    use crate::occlusion::state::object_table::FrameRef;
 
     #[test]
     fn a_lone_object_is_visible_members_are_merged_and_a_lost_object_is_left_out() {

@@ -1,49 +1,30 @@
 //! Merging, disappearing, demerging, reappearing: Algorithms 1–3, each decision with its evidence.
 //!
 //! [`tracker`] takes a frame's regions through the stages, one file each: functions of the `context` (settings and
-//! frame), the `object_table` (where each object is) and the `decisions` (pending ones, events and episodes).
-//! [`partition`] clusters objects and regions that interact, [`assign`] assigns the members of a group to the regions
-//! after a demerge.
+//! frame), the `object_table` (where each object is) and the `decisions` (pending ones, events and episodes). These
+//! three are in `state`; the stages are in
+//!
+//! - `association`: regions become detections, each of a blob or of a new object;
+//! - `members`: motion, appearance and existence of the objects in each region;
+//! - `heads`: regions with more heads than members;
+//! - `identities`: confirmation, re-identification, occlusion and end of objects;
+//! - `events`: merges, demerges, episodes, and the emission of all events.
+//!
+//! No two folders depend on each other: `association`, `members` and `identities` use `events`, `identities` uses
+//! `members`, `heads` uses `identities`, and all use `state`.
 
 #![deny(clippy::indexing_slicing)]
 
-pub mod assign;
 mod association;
-mod births;
-mod cluster_update;
-mod coherence;
-mod confirmation;
-mod context;
-mod decisions;
-mod demerges;
-mod detections;
-mod emission;
-mod episodes;
 pub mod event;
-mod existence;
+mod events;
 #[cfg(test)]
 mod fixtures;
 mod frame_result;
-mod group_changes;
-pub mod group_episodes;
-mod groups;
-pub mod head_count;
-mod head_split;
-pub mod localisation;
-mod lost;
-mod member_localisation;
-mod member_search;
-pub mod object;
-mod object_table;
-mod object_update;
-mod occluded;
-pub mod partition;
-pub mod perspective;
-mod prediction;
-mod region_counts;
-mod split_member;
-pub mod split_region;
-pub mod template;
+mod heads;
+mod identities;
+mod members;
+mod state;
 pub mod tracker;
 
 pub use event::{Comparison, Counters, Episode, EpisodeKind, Event, EventKind, Evidence, Relation};

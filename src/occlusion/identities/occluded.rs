@@ -1,0 +1,252 @@
+//! Occluded objects: their end, and their re-identification as a new object (Algorithm 3).
+
+use crate::occlusion::event::{Event, EventKind, Evidence};
+use crate::occlusion::events::emission::emit_reappearance;
+use crate::occlusion::state::context::Context;
+use crate::occlusion::state::decisions::{Decisions, PendingReappearance};
+use crate::occlusion::state::object::Object;
+use crate::occlusion::state::object_table::{ObjectTable, OccludedObject};
+use crate::regions::Rect;
+use crate::settings::ReappearBy;
+use crate::tracking::ObjectId;
+
+/// Least colour similarity of an occluded object and a new one away from the predicted place. In rendered scenes it
+/// is up to .95 and more for the same person, and at most .7 for others.
+const MIN_COLOUR_SIMILARITY: f32 = 0.8;
+/// Number of intervals between the last and the predicted place at whose ends an occluded object may have stopped.
+const STOP_POSITIONS: u8 = 8;
+
+/// The place of a new object relative to where an occluded one may reappear.
+#[derive(Clone, Copy, Debug, PartialEq)]
+struct ReappearancePlace {
+    /// Distance from there in pixels, and the largest allowed distance.
+    distance: f32,
+    reach: f32,
+    /// Whether it is at the predicted place, or else between the last place and that.
+    predicted: bool,
+    /// Whether it is near enough to the predicted place to need no clearer view.
+    near: bool,
+}
+
+impl ReappearancePlace {
+    /// Distance over the largest allowed one.
+    fn share(&self) -> f32 {
+        self.distance / self.reach
+    }
+}
+
+/// Ends objects that have been occluded for too long, and emits the reappearances of those that stayed visible.
+pub(crate) fn update_occluded(context: &Context, table: &mut ObjectTable, decisions: &mut Decisions) {
+    let has_ended = |occluded: &OccludedObject| {
+        // By position alone no object reappears from outside the image.
+        let lost = |object: &Object| {
+            context.settings.reappear_by == ReappearBy::Position
+                && context.is_outside(&object.predicted_box())
+        };
+        table.get(occluded.id).is_none_or(lost)
+            || context.t - occluded.since.t > context.limits.max_hidden_frames
+    };
+    let ended: Vec<ObjectId> =
+        table.occluded().iter().filter(|occluded| has_ended(occluded)).map(|occluded| occluded.id).collect();
+    for id in ended {
+        table.end_object(id);
+    }
+    let stayed: Vec<ObjectId> = decisions
+        .reappearances
+        .iter()
+        .filter(|pending| context.t - pending.t > context.limits.same_episode_frames)
+        .map(|pending| pending.id)
+        .collect();
+    for id in stayed {
+        emit_reappearance(context, table, decisions, id);
+    }
+}
+
+/// Matches a new object to an occluded one; on success that one continues in its place. Whether it was matched.
+pub(super) fn try_match_reappearance(
+    context: &Context,
+    table: &mut ObjectTable,
+    decisions: &mut Decisions,
+    id: ObjectId,
+) -> bool {
+    let Some(new) = table.get(id) else { return false };
+    if context.is_near_border(&new.first_bbox) {
+        return false;
+    }
+    let candidate = |occluded: &OccludedObject| {
+        let past = table.get(occluded.id).filter(|past| new.may_match(past))?;
+        let place = reappearance_place(context, past, occluded, &new.last_detection.bbox)?;
+        let (similarity, _) = past.colour_similarity(&new.last_detection.histogram, &context.settings);
+        (place.predicted || similarity >= MIN_COLOUR_SIMILARITY).then_some((place, similarity, *occluded))
+    };
+    let candidates: Vec<_> = table.occluded().iter().filter_map(candidate).collect();
+    let by_colour = context.settings.reappear_by == ReappearBy::Colour && candidates.len() > 1;
+    let chosen = if by_colour {
+        candidates.iter().max_by(|a, b| a.1.total_cmp(&b.1))
+    } else {
+        candidates.iter().min_by(|a, b| a.0.share().total_cmp(&b.0.share()))
+    };
+    let Some(&(place, similarity, occluded)) = chosen else { return false };
+    let evidence = reappearance_evidence(context, place, similarity, occluded, by_colour);
+    continue_occluded(context, table, decisions, id, occluded, evidence);
+    true
+}
+
+fn reappearance_evidence(
+    context: &Context,
+    place: ReappearancePlace,
+    similarity: f32,
+    occluded: OccludedObject,
+    by_colour: bool,
+) -> Evidence {
+    let branch = match (by_colour, place.predicted) {
+        (true, _) => {
+            "unassociated region within reach of several occluded objects; selected by colour similarity"
+        }
+        (false, true) => "unassociated region at the predicted position of an occluded object",
+        (false, false) => {
+            "unassociated region where an occluded object may have stopped or turned; its colours are similar"
+        }
+    };
+    let mut evidence = Evidence::of_branch(branch);
+    let from = if place.predicted { "predicted position" } else { "predicted path" };
+    evidence.at_most(format!("distance to {from}, pixels"), place.distance, place.reach);
+    if place.predicted {
+        evidence.note("colour similarity, 0 to 1.2", similarity);
+    } else {
+        evidence.at_least("colour similarity", similarity, MIN_COLOUR_SIMILARITY);
+    }
+    evidence.note("frames occluded", (context.t - occluded.since.t) as f32);
+    evidence
+}
+
+/// Lets an occluded object continue in the place of the new one, with a pending reappearance.
+fn continue_occluded(
+    context: &Context,
+    table: &mut ObjectTable,
+    decisions: &mut Decisions,
+    new: ObjectId,
+    occluded: OccludedObject,
+    evidence: Evidence,
+) {
+    let Some(from) = table.get(occluded.id).map(|object| object.last_detection.bbox) else { return };
+    let Some(seen) = table.get(new) else { return };
+    // Its new region may have begun before the old one was given up.
+    let (frame, at) = (seen.first_frame.max(occluded.since.number), seen.first_bbox.centre());
+    table.merge_track_into(new, occluded.id);
+    let Some(identity) = table.identity(occluded.id) else { return };
+    let event = Event::of_one(frame, EventKind::Reappear, identity, at, evidence);
+    decisions.reappearances.push(PendingReappearance {
+        id: occluded.id,
+        since: occluded.since,
+        t: context.t,
+        event,
+        from,
+    });
+}
+
+/// Whether a new object needs a clearer view before its colours can be compared with occluded ones.
+pub(super) fn needs_clearer_view(context: &Context, table: &ObjectTable, id: ObjectId) -> bool {
+    let Some(new) = table.get(id) else { return false };
+    let by_colours = |occluded: &OccludedObject| {
+        table.get(occluded.id).is_some_and(|past| {
+            let place = reappearance_place(context, past, occluded, &new.last_detection.bbox);
+            place.is_some_and(|place| !place.near) && !past.is_nearly_whole(&new.last_detection)
+        })
+    };
+    context.settings.reappear_by == ReappearBy::Colour
+        && new.seen_frames < context.limits.edge_wait_frames
+        && !context.is_near_border(&new.first_bbox)
+        && table.occluded().iter().any(by_colours)
+}
+
+/// The place of a box relative to an occluded object, if it may be that one's: at the predicted place, or else between
+/// the last place and that, as it may have stopped or turned.
+fn reappearance_place(
+    context: &Context,
+    past: &Object,
+    occluded: &OccludedObject,
+    bbox: &Rect,
+) -> Option<ReappearancePlace> {
+    let frames = context.t - occluded.since.t;
+    let (at_rest, wide) = (past.stationary_radius(frames), past.reappearance_radius(frames));
+    let predicted_box = past.predicted_box();
+    let distance = predicted_box.distance_outside(bbox);
+    if !context.is_outside(&predicted_box) && distance <= wide {
+        let near = distance <= at_rest;
+        return Some(ReappearancePlace { distance, reach: wide, predicted: true, near });
+    }
+    if context.settings.reappear_by == ReappearBy::Position {
+        return None;
+    }
+    let ([from_x, from_y], [to_x, to_y]) = (past.last_detection.bbox.centre(), past.model.centre());
+    let (w, h) = past.size();
+    let outside = |step: u8| {
+        let share = f32::from(step) / f32::from(STOP_POSITIONS);
+        let at = [from_x + share * (to_x - from_x), from_y + share * (to_y - from_y)];
+        Rect::around(at, w, h).distance_outside(bbox)
+    };
+    let distance = (0..=STOP_POSITIONS).map(outside).fold(f32::INFINITY, f32::min);
+    let place = ReappearancePlace { distance, reach: at_rest, predicted: false, near: false };
+    (distance <= at_rest).then_some(place)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
+    use super::*;
+    use crate::occlusion::fixtures::{BLUE, RED, context, person, start, start_confirmed};
+    use crate::occlusion::state::object_table::FrameRef;
+    use crate::regions::Rgb;
+
+    /// A red person that is occluded from frame 2 on at x = 100, and a new object in frame 10. Gives the number of
+    /// the known one if the new one is matched to it.
+    fn match_new(x: f32, colour: Rgb) -> (Option<ObjectId>, ObjectTable, Decisions) {
+        let (mut table, mut decisions, now) = (ObjectTable::default(), Decisions::default(), context(10));
+        let known = start_confirmed(&context(1), &mut table, person(100.0, 80.0), RED, [0.0; 2]);
+        table.occlude(known, FrameRef { number: 2, t: 2 });
+        table.drop_empty_blobs();
+        let new = start(&now, &mut table, person(x, 80.0), colour, [0.0; 2]);
+        let matched = try_match_reappearance(&now, &mut table, &mut decisions, new);
+        assert_eq!(table.check(), None);
+        (matched.then_some(known), table, decisions)
+    }
+
+    #[test]
+    fn a_new_object_at_the_predicted_place_continues_the_occluded_one() {
+        let (known, table, decisions) = match_new(106.0, RED);
+        assert_eq!(known, Some(1));
+        assert_eq!(table.blobs()[0].members(), [1]);
+        assert!(table.occluded().is_empty() && !table.contains(2));
+        // The tracks of the new one, under its key, have the known one's identity.
+        assert_eq!(table.identity_map().of(2), table.identity(1));
+        let pending = &decisions.reappearances[0];
+        assert_eq!((pending.since.number, pending.event.frame), (2, 10));
+        assert_eq!(pending.event.evidence.comparisons[0].threshold, Some(0.6 * 60.0 + 8.0_f32.sqrt()));
+    }
+
+    #[test]
+    fn a_new_object_beyond_the_radius_is_another_one() {
+        let (known, table, _) = match_new(180.0, RED);
+        assert_eq!((known, table.occluded().len()), (None, 1));
+    }
+
+    #[test]
+    fn a_new_object_at_the_image_edge_is_another_one() {
+        let (known, ..) = match_new(2.0, BLUE);
+        assert_eq!(known, None);
+    }
+
+    #[test]
+    fn an_object_ends_after_it_was_occluded_for_too_long() {
+        let (mut table, mut decisions) = (ObjectTable::default(), Decisions::default());
+        let id = start_confirmed(&context(1), &mut table, person(100.0, 80.0), RED, [0.0; 2]);
+        table.occlude(id, FrameRef { number: 2, t: 2 });
+        table.drop_empty_blobs();
+        let most = context(1).limits.max_hidden_frames;
+        update_occluded(&context(2 + most), &mut table, &mut decisions);
+        assert!(table.contains(id));
+        update_occluded(&context(3 + most), &mut table, &mut decisions);
+        assert!(!table.contains(id));
+    }
+}

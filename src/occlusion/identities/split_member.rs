@@ -1,0 +1,133 @@
+//! Re-identification of a new object as a member that left a group (Algorithm 3).
+
+use crate::occlusion::event::Evidence;
+use crate::occlusion::events::assign;
+use crate::occlusion::events::demerges::settle_demerges_of;
+use crate::occlusion::state::context::Context;
+use crate::occlusion::state::decisions::Decisions;
+use crate::occlusion::state::groups::GroupChange;
+use crate::occlusion::state::object::Object;
+use crate::occlusion::state::object_table::ObjectTable;
+use crate::occlusion::state::split_region::{AssociationScore, SplitRegion};
+use crate::tracking::ObjectId;
+
+/// A member left at most this many standard deviations from its predicted place.
+const MAX_DISTANCE_SIGMAS: f32 = 3.0;
+
+/// A group's member that a new object may be.
+#[derive(Clone, Copy, Debug)]
+struct Candidate {
+    member: ObjectId,
+    score: AssociationScore,
+    /// The group's area relative to the expected one of its members.
+    filled: f32,
+    /// Number of members of the group.
+    members: usize,
+}
+
+/// Matches a new object to a member of a group that shrank: it left where the group's region no longer is
+/// (Algorithm 3). On success that member continues in its place. Whether it was matched.
+pub(super) fn try_match_split_member(
+    context: &Context,
+    table: &mut ObjectTable,
+    decisions: &mut Decisions,
+    id: ObjectId,
+) -> bool {
+    let Some(new) = table.get(id) else { return false };
+    if context.is_near_border(&new.first_bbox) {
+        return false;
+    }
+    let (frame, at) = (new.first_frame, new.first_bbox.centre());
+    let Some(candidate) = best_candidate(context, table, decisions, id, new) else { return false };
+    if decisions.has_demerge_of(candidate.member) {
+        // The identities within the group were undecided until now.
+        settle_demerges_of(context, table, decisions, candidate.member);
+        return try_match_split_member(context, table, decisions, id);
+    }
+    let evidence = split_evidence(context, candidate);
+    table.merge_track_into(id, candidate.member);
+    table.groups_mut().record_leaving(candidate.member, GroupChange { frame, at, evidence });
+    true
+}
+
+fn best_candidate(
+    context: &Context,
+    table: &ObjectTable,
+    decisions: &Decisions,
+    id: ObjectId,
+    new: &Object,
+) -> Option<Candidate> {
+    let region = SplitRegion {
+        bbox: new.first_bbox,
+        area: new.last_detection.area,
+        histogram: new.last_detection.histogram.clone(),
+    };
+    let mut best: Option<(f32, Candidate)> = None;
+    for group in table.blobs().iter().filter(|it| it.is_shared() && !it.members().contains(&id)) {
+        let due: f32 = table.objects_of(group.members()).map(Object::area).sum();
+        let seen = group.detection.as_ref().map_or(0.0, |detection| detection.area);
+        let shrunk = seen <= (1.0 - context.settings.size_step) * due;
+        let known = group.members().iter().filter_map(|&id| Some((id, table.get(id)?)));
+        for (member, object) in known.filter(|(_, object)| shrunk || object.unseen_frames > 0) {
+            if !new.may_match(object) {
+                continue;
+            }
+            let sigma = object.position_sigma(Some(decisions.group_episodes.duration_of(member, context.t)));
+            let score = assign::association_score(object, sigma, &region, &context.settings);
+            if score.distance > MAX_DISTANCE_SIGMAS * sigma {
+                continue;
+            }
+            let value = assign::total_nats(score);
+            if best.is_none_or(|(most, _)| value > most) {
+                let members = group.members().len();
+                best = Some((value, Candidate { member, score, filled: seen / due, members }));
+            }
+        }
+    }
+    best.map(|(_, candidate)| candidate)
+}
+
+fn split_evidence(context: &Context, Candidate { score, filled, members, .. }: Candidate) -> Evidence {
+    let step = context.settings.size_step;
+    let why = if filled <= 1.0 - step { "that shrank" } else { "in which it was not visible" };
+    let mut evidence = Evidence::of_branch(format!(
+        "unassociated region next to one shared by {members} objects, {why}; assigned to the best-matching \
+         group member",
+    ));
+    evidence.at_most("group area relative to the expected area of its members", filled, 1.0 - step);
+    evidence.note("colour similarity, 0 to 1.2", score.colour);
+    evidence.note("distance to the member's prediction, pixels", score.distance);
+    evidence
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
+    use super::*;
+    use crate::occlusion::fixtures::{BLUE, RED, context, detection, person, start, start_group};
+    use crate::occlusion::state::object_table::TrackedBlob;
+
+    /// A group of a red and a blue person, of which only the red one's region is left, and a new blue object.
+    fn match_new(x: f32) -> (bool, ObjectTable, [ObjectId; 2]) {
+        let (mut table, mut decisions, now) = (ObjectTable::default(), Decisions::default(), context(9));
+        let members = start_group(&context(1), &mut table, person(120.0, 80.0), person(140.0, 80.0));
+        table.blob_mut(0).unwrap().detection = Some(detection(person(120.0, 80.0), RED));
+        let new = start(&now, &mut table, person(x, 80.0), BLUE, [0.0; 2]);
+        let matched = try_match_split_member(&now, &mut table, &mut decisions, new);
+        assert_eq!(table.check(), None);
+        (matched, table, members)
+    }
+
+    #[test]
+    fn a_new_object_beside_a_group_that_shrank_is_the_member_of_its_colours() {
+        let (matched, table, [red, blue]) = match_new(152.0);
+        assert!(matched);
+        assert_eq!(table.blobs().iter().map(TrackedBlob::members).collect::<Vec<_>>(), [[red], [blue]]);
+        assert!(table.groups().cause_of_leaving(&[blue].into()).is_some());
+    }
+
+    #[test]
+    fn a_new_object_far_from_the_group_is_none_of_its_members() {
+        assert!(!match_new(240.0).0);
+    }
+}

@@ -1,0 +1,522 @@
+//! The state of one object: size, appearance and motion.
+
+use std::sync::Arc;
+
+use nalgebra::Vector3;
+
+use super::perspective::Perspective;
+use super::template::Template;
+use crate::occlusion::event::{Comparison, EventKind};
+use crate::regions::colour::delta_e;
+use crate::regions::{Histogram, Mosaic, Rect, Rgb};
+use crate::settings::{ColourMemory, Placing, Settings};
+use crate::tracking::ObjectId;
+use crate::tracking::kalman::KalmanModel;
+use crate::tracking::pool::Observation;
+
+/// Learning rate of the appearance, once a few clear frames were seen.
+const APPEARANCE_LEARNING_RATE: f32 = 0.1;
+/// A detection shows nearly the whole object from this share of its expected area on,
+const MIN_WHOLE_AREA_SHARE: f32 = 0.7;
+/// and from this share of its expected height on, which varies less than the width of a walking person.
+const MIN_WHOLE_HEIGHT_SHARE: f32 = 0.8;
+
+/// Factor on the velocity of an unseen member in each frame.
+const VELOCITY_DAMPING: f32 = 0.9;
+
+/// An object has moved once its centre is this share of √area away from its first box: ghosts and remains of passing
+/// light stay in place. Tried on four real sequences and 24 variations of them: .75 gives the same, .25 half of the
+/// gain.
+const MIN_TRAVEL_SHARE: f32 = 0.5;
+
+/// Frames in succession after which an observation is no flicker of the mask.
+pub(crate) const MIN_STABLE_FRAMES: u32 = 3;
+
+/// The region of an object in one frame, or its joined fragments.
+#[derive(Clone, Debug)]
+pub(crate) struct Detection {
+    /// Box of its regions.
+    pub(crate) bbox: Rect,
+    /// Pixels of its regions.
+    pub(crate) area: f32,
+    /// Colours of its pixels.
+    pub(crate) histogram: Histogram,
+    /// The labels of its regions.
+    pub(crate) labels: Vec<u32>,
+    /// The colours of its cells by position.
+    pub(crate) mosaic: Arc<Mosaic>,
+}
+
+impl Detection {
+    /// Joins the detections of one object's fragments.
+    pub(crate) fn join(parts: &[&Self]) -> Self {
+        let mut histogram = Histogram::default();
+        for part in parts {
+            histogram.add_scaled(&part.histogram, 1.0);
+        }
+        let mosaics: Vec<Arc<Mosaic>> = parts.iter().map(|part| Arc::clone(&part.mosaic)).collect();
+        let mosaic = match &mosaics[..] {
+            [only] => Arc::clone(only),
+            _ => Arc::new(Mosaic::join(&mosaics)),
+        };
+        Self {
+            bbox: parts.iter().map(|part| part.bbox).reduce(|a, b| a.union(&b)).unwrap_or_default(),
+            area: parts.iter().map(|part| part.area).sum(),
+            histogram,
+            labels: parts.iter().flat_map(|part| part.labels.iter().copied()).collect(),
+            mosaic,
+        }
+    }
+
+    /// What the Kalman models observe of it.
+    pub(crate) fn observation(&self) -> Observation {
+        Observation { bbox: self.bbox, area: self.area }
+    }
+}
+
+/// An object's unoccluded appearance: running averages over its clear frames.
+#[derive(Clone, Debug)]
+pub(crate) struct Appearance {
+    /// Width of its box in pixels.
+    pub(crate) w: f32,
+    /// Height of its box.
+    pub(crate) h: f32,
+    /// Pixels.
+    pub(crate) area: f32,
+    /// Mean y of its box's centre, in pixels from the top of the image.
+    pub(crate) y: f32,
+    /// Share of each colour.
+    pub(crate) histogram: Histogram,
+    /// Velocity in pixels a frame, to the right and down, from clear frames only: the box of an object that moves
+    /// behind an occluder shrinks at its front, so that its centre falls behind.
+    pub(crate) velocity: [f32; 2],
+    /// Number of clear frames.
+    pub(crate) frames: u32,
+}
+
+impl Appearance {
+    /// From one detection.
+    pub(crate) fn new(detection: &Detection, velocity: [f32; 2]) -> Self {
+        let mut histogram = Histogram::default();
+        histogram.add_scaled(&detection.histogram, 1.0 / detection.area.max(1.0));
+        let Rect { w, h, .. } = detection.bbox;
+        let [_, y] = detection.bbox.centre();
+        Self { w, h, area: detection.area, y, histogram, velocity, frames: 1 }
+    }
+
+    fn update(&mut self, detection: &Detection, velocity: [f32; 2]) {
+        let rate = APPEARANCE_LEARNING_RATE.max(1.0 / (self.frames + 1) as f32);
+        self.w += rate * (detection.bbox.w - self.w);
+        self.h += rate * (detection.bbox.h - self.h);
+        self.area += rate * (detection.area - self.area);
+        self.y += rate * (detection.bbox.centre()[1] - self.y);
+        for (mean, now) in self.velocity.iter_mut().zip(velocity) {
+            *mean += rate * (now - *mean);
+        }
+        let mut histogram = Histogram::default();
+        histogram.add_scaled(&self.histogram, 1.0 - rate);
+        histogram.add_scaled(&detection.histogram, rate / detection.area.max(1.0));
+        histogram.forget_below(0.002);
+        self.histogram = histogram;
+        self.frames += 1;
+    }
+}
+
+/// An object, from its first to its last detection.
+#[derive(Clone, Debug)]
+pub(crate) struct Object {
+    /// The number under which its tracks are recorded: its own until its first demerge.
+    pub(crate) key: ObjectId,
+    /// Number of the first frame with a detection.
+    pub(crate) first_frame: u32,
+    /// Its first box.
+    pub(crate) first_bbox: Rect,
+    /// Number of frames with a detection.
+    pub(crate) seen_frames: u32,
+    /// Whether it is confirmed: it has an identity.
+    pub(crate) confirmed: bool,
+    /// Frame and kind of the last emitted event of it or its group.
+    pub(crate) last_event: Option<(u32, EventKind)>,
+    /// Its own motion model: the blob's while it is alone, its own prediction otherwise.
+    pub(crate) model: KalmanModel,
+    /// Its unoccluded appearance, `None` before its first clear frame.
+    pub(crate) appearance: Option<Appearance>,
+    /// Scale from its mean clear place to its present place, by perspective.
+    pub(crate) scale: f32,
+    /// Appearance template by position in the box, `None` before it was seen alone.
+    pub(crate) template: Option<Template>,
+    /// Score of the frames in which its region showed more heads than members.
+    pub(crate) extra_head_score: u32,
+    /// Its visible share in its group's region at the last localisation, 0..=1.
+    pub(crate) visible_share_in_group: f32,
+    /// Log odds that it exists at its believed place, in nats.
+    pub(crate) existence: f32,
+    /// Frames in succession without visible pixels in its group's region.
+    pub(crate) unseen_frames: u32,
+    /// Its last detection while alone.
+    pub(crate) last_detection: Detection,
+    /// Frames in succession in which it was partly visible or not visible.
+    pub(crate) partial_frames: u32,
+    /// Its centre in the first frame of that series.
+    pub(crate) partial_start: [f32; 2],
+    /// Evidence for fragments that were joined to it, until its first event.
+    pub(crate) fragments: Vec<Comparison>,
+    /// Counter of frames in which it looked like two objects side by side; others count down.
+    pub(crate) side_by_side_frames: u32,
+    /// The centre its motion model predicted in this frame, if it was constrained to a region.
+    pub(crate) unconstrained_centre: Option<[f32; 2]>,
+}
+
+impl Object {
+    /// A new tentative object with its key, first frame and box, motion model and detection.
+    pub(crate) fn new(
+        key: ObjectId,
+        (first_frame, first_bbox): (u32, Rect),
+        model: KalmanModel,
+        last_detection: Detection,
+    ) -> Self {
+        Self {
+            key,
+            first_frame,
+            first_bbox,
+            seen_frames: 1,
+            confirmed: false,
+            last_event: None,
+            partial_start: model.centre(),
+            unconstrained_centre: None,
+            model,
+            appearance: None,
+            scale: 1.0,
+            template: None,
+            extra_head_score: 0,
+            unseen_frames: 0,
+            visible_share_in_group: 1.0,
+            existence: 0.0,
+            last_detection,
+            partial_frames: 0,
+            fragments: Vec::new(),
+            side_by_side_frames: 0,
+        }
+    }
+
+    /// Whether it has moved away from its first box.
+    pub(crate) fn has_moved(&self) -> bool {
+        let ([x, y], [from_x, from_y]) = (self.last_detection.bbox.centre(), self.first_bbox.centre());
+        (x - from_x).hypot(y - from_y) >= MIN_TRAVEL_SHARE * self.last_detection.area.sqrt()
+    }
+
+    /// Whether it may be matched to the occluded object `known`: an object that has not moved only if nearly whole.
+    pub(crate) fn may_match(&self, known: &Self) -> bool {
+        self.has_moved() || known.is_nearly_whole(&self.last_detection)
+    }
+
+    /// Expected width and height of its box.
+    pub(crate) fn size(&self) -> (f32, f32) {
+        let size = |clear: &Appearance| (self.scale * clear.w, self.scale * clear.h);
+        self.appearance.as_ref().map_or((self.last_detection.bbox.w, self.last_detection.bbox.h), size)
+    }
+
+    /// Expected area in pixels.
+    pub(crate) fn area(&self) -> f32 {
+        self.appearance
+            .as_ref()
+            .map_or(self.last_detection.area, |clear| self.scale * self.scale * clear.area)
+    }
+
+    /// Updates its scale by its place.
+    pub(crate) fn update_scale(&mut self, perspective: &Perspective) {
+        if let Some(clear) = &self.appearance {
+            let [_, y] = self.model.centre();
+            self.scale = perspective.scale(y, clear.y);
+        }
+    }
+
+    /// Its predicted box.
+    pub(crate) fn predicted_box(&self) -> Rect {
+        let (w, h) = self.size();
+        Rect::around(self.model.centre(), w, h)
+    }
+
+    /// Predicts its own motion by one frame.
+    pub(crate) fn predict(&mut self) {
+        self.unconstrained_centre = None;
+        self.model.predict();
+    }
+
+    /// Takes the motion of its blob.
+    pub(crate) fn set_model(&mut self, model: &KalmanModel) {
+        self.unconstrained_centre = None;
+        self.model = model.clone();
+    }
+
+    /// Sets the velocity to the mean of its clear frames.
+    pub(crate) fn restore_clear_velocity(&mut self) {
+        if let Some(Appearance { velocity: [x, y], .. }) = self.appearance {
+            self.model.set_velocity(Vector3::new(x, y, 0.0));
+        }
+    }
+
+    /// Damps the velocity: an unseen object may have stopped or turned.
+    pub(crate) fn damp_velocity(&mut self) {
+        let velocity = self.model.velocity();
+        self.model.set_velocity(VELOCITY_DAMPING * velocity);
+    }
+
+    /// The share of its expected area that `area` pixels show, 0..=1.
+    pub(crate) fn visible_share(&self, area: f32) -> f32 {
+        (area / self.area().max(1.0)).min(1.0)
+    }
+
+    /// Updates it with a detection of a part: its own motion continues, and its full extent is placed around the
+    /// detection.
+    pub(crate) fn update_partial(&mut self, detection: &Detection) {
+        self.seen_frames += 1;
+        if self.partial_frames == 0 {
+            self.partial_start = self.model.centre();
+        }
+        self.partial_frames += 1;
+        self.last_detection = detection.clone();
+        if self.template.is_none() {
+            self.restore_clear_velocity();
+        }
+        let (w, h) = self.size();
+        let [x, y] = self.model.centre();
+        let [middle_x, middle_y] = detection.bbox.centre();
+        self.constrain_centre([
+            clamp_around(middle_x, (w - detection.bbox.w) / 2.0, x),
+            clamp_around(middle_y, (h - detection.bbox.h) / 2.0, y),
+        ]);
+    }
+
+    /// Continues as the object `seen`, which proved to be this one: with its key, place and detection.
+    pub(super) fn continue_as(&mut self, seen: Self) {
+        self.key = seen.key;
+        self.seen_frames += seen.seen_frames;
+        if self.is_nearly_whole(&seen.last_detection) {
+            self.model = seen.model;
+            self.partial_frames = 0;
+        } else {
+            self.update_partial(&seen.last_detection);
+        }
+        self.last_detection = seen.last_detection;
+    }
+
+    /// Standard deviation of its predicted place, in pixels. In a group it is larger the longer the object has not
+    /// been localised: for its unseen frames, or without a template for all `group_frames` in the group; `None` of
+    /// an object alone.
+    pub(crate) fn position_sigma(&self, group_frames: Option<u32>) -> f32 {
+        let (_, height) = self.size();
+        let apart = match (group_frames, &self.template) {
+            (None, _) => 0.0,
+            (Some(_), Some(_)) => self.unseen_frames as f32,
+            (Some(frames), None) => frames as f32,
+        };
+        let velocity = self.model.velocity();
+        0.15 * height + 0.25 * velocity.x.hypot(velocity.y) * apart
+    }
+
+    /// Radius in pixels around the predicted place within which it may reappear after so many occluded frames: it
+    /// may have slowed down, stopped or turned.
+    pub(crate) fn reappearance_radius(&self, frames: u32) -> f32 {
+        let velocity = self.model.velocity();
+        self.stationary_radius(frames) + 0.5 * velocity.x.hypot(velocity.y) * frames as f32
+    }
+
+    /// The radius around any place where it may have stopped.
+    pub(crate) fn stationary_radius(&self, frames: u32) -> f32 {
+        0.6 * self.size().1 + (frames as f32).sqrt()
+    }
+
+    /// The visible share of a group's member: the share of its own colours that the group's region contains.
+    pub(crate) fn visible_share_in(&self, region: &Detection) -> f32 {
+        self.appearance.as_ref().map_or(1.0, |clear| region.histogram.holds(&clear.histogram, clear.area))
+    }
+
+    /// Moves it to a centre, independent of its motion.
+    pub(crate) fn set_centre(&mut self, centre: [f32; 2]) {
+        self.unconstrained_centre = None;
+        self.model.set_centre(centre);
+    }
+
+    /// Constrains it to a centre other than the predicted one.
+    pub(crate) fn constrain_centre(&mut self, centre: [f32; 2]) {
+        self.unconstrained_centre.get_or_insert(self.model.centre());
+        self.model.set_centre(centre);
+    }
+
+    /// Updates its motion with a localised centre and visible share, above 0 to 1. The innovation is taken against
+    /// the unconstrained prediction: against the constrained one, the constraint would accelerate it frame by frame.
+    pub(crate) fn update_position(&mut self, [x, y]: [f32; 2], seen: f32) {
+        self.unseen_frames = 0;
+        if let Some(predicted) = self.unconstrained_centre.take() {
+            self.model.set_centre(predicted);
+        }
+        let scale = self.model.scale();
+        self.model.update(&Vector3::new(x, y, scale), 1.0 / seen);
+    }
+
+    /// Counts frames in which it looks like two objects side by side. After `MIN_STABLE_FRAMES` more such frames than
+    /// others it was two from the start, and its joint appearance is dropped.
+    pub(crate) fn record_side_by_side(&mut self, beside: bool) {
+        self.side_by_side_frames =
+            if beside { self.side_by_side_frames + 1 } else { self.side_by_side_frames.saturating_sub(1) };
+        if self.side_by_side_frames >= MIN_STABLE_FRAMES {
+            self.reset_appearance();
+        }
+    }
+
+    /// Drops its size and appearance: they belong to something else.
+    pub(crate) fn reset_appearance(&mut self) {
+        self.appearance = None;
+        self.template = None;
+        self.scale = 1.0;
+        self.partial_frames = 0;
+    }
+
+    /// Coasts for a frame without a detection.
+    pub(crate) fn coast(&mut self) {
+        self.partial_frames += 1;
+        self.restore_clear_velocity();
+    }
+
+    /// Updates its appearance with a detection while alone. `cut_off` says that the image edge may hide a part of it.
+    pub(crate) fn update_appearance(&mut self, detection: &Detection, cut_off: bool, settings: &Settings) {
+        self.seen_frames += 1;
+        self.partial_frames = 0;
+        self.last_detection = detection.clone();
+        let [x, y, _] = self.model.velocity().into();
+        match &mut self.appearance {
+            // Until its whole was visible once, a larger detection is a clearer one.
+            Some(clear) if cut_off && detection.area > clear.area => clear.update(detection, [x, y]),
+            Some(clear) if !cut_off => clear.update(detection, [x, y]),
+            None if !cut_off => self.appearance = Some(Appearance::new(detection, [x, y])),
+            Some(_) | None => {}
+        }
+        match &mut self.template {
+            Some(template) if !cut_off => template.update(&detection.mosaic, &detection.bbox),
+            Some(_) => {}
+            None => self.template = template_of(detection, settings),
+        }
+    }
+
+    /// Whether it moved farther while partly visible than an occluder could hide the rest.
+    pub(crate) fn has_moved_while_partial(&self, detection: &Detection) -> bool {
+        let [x, y] = self.model.centre();
+        (x - self.partial_start[0]).hypot(y - self.partial_start[1])
+            > self.size().0.min(detection.bbox.w.max(0.5 * self.size().0))
+    }
+
+    /// Learns its appearance anew from a detection that seemed a part for long.
+    pub(crate) fn relearn_appearance(&mut self, detection: &Detection, settings: &Settings) {
+        let [x, y, _] = self.model.velocity().into();
+        self.appearance = Some(Appearance::new(detection, [x, y]));
+        self.template = template_of(detection, settings);
+        self.scale = 1.0;
+    }
+
+    /// Whether a detection shows nearly the whole of it.
+    pub(crate) fn is_nearly_whole(&self, detection: &Detection) -> bool {
+        self.appearance.is_none()
+            || (detection.area >= MIN_WHOLE_AREA_SHARE * self.area()
+                && detection.bbox.h >= MIN_WHOLE_HEIGHT_SHARE * self.size().1)
+    }
+
+    /// Its dominant colours as Algorithm 1 compares them, the most frequent first.
+    pub(crate) fn colours(&self, settings: &Settings) -> Vec<Rgb> {
+        dominant_colours(self.histogram(settings), settings)
+    }
+
+    /// Its colours as Algorithm 1 compares them.
+    pub(crate) fn histogram(&self, settings: &Settings) -> &Histogram {
+        match (&self.appearance, settings.colour_memory) {
+            (Some(clear), ColourMemory::Clear) => &clear.histogram,
+            _ => &self.last_detection.histogram,
+        }
+    }
+
+    /// Colour similarity to a detection, 0..=1.2, and the least ΔE between two of their dominant colours.
+    pub(crate) fn colour_similarity(&self, seen: &Histogram, settings: &Settings) -> (f32, f32) {
+        let mine = self.histogram(settings);
+        let least = dominant_colours(mine, settings)
+            .iter()
+            .flat_map(|&a| dominant_colours(seen, settings).into_iter().map(move |b| delta_e(a, b)))
+            .fold(f32::INFINITY, f32::min);
+        let same = if least <= settings.same_colour { 1.0 } else { 0.0 };
+        let similarity = match settings.colour_memory {
+            ColourMemory::Frame => same,
+            // Several objects often share one dominant colour, such as dark trousers; the whole histogram measures
+            // the degree of similarity.
+            ColourMemory::Clear => mine.likeness(seen) + 0.2 * same,
+        };
+        (similarity, least)
+    }
+}
+
+/// `value` clamped to at most `slack` from `middle`; `middle` where `slack` is negative.
+pub(crate) fn clamp_around(middle: f32, slack: f32, value: f32) -> f32 {
+    let slack = slack.max(0.0);
+    middle + (value - middle).clamp(-slack, slack)
+}
+
+/// The template of a first detection, where the settings use templates.
+pub(crate) fn template_of(detection: &Detection, settings: &Settings) -> Option<Template> {
+    (settings.placing == Placing::Looks).then(|| Template::new(&detection.mosaic, &detection.bbox))
+}
+
+fn dominant_colours(histogram: &Histogram, settings: &Settings) -> Vec<Rgb> {
+    match settings.colour_memory {
+        ColourMemory::Frame => histogram.dominant().into_iter().collect(),
+        ColourMemory::Clear => histogram.dominant_at_least(0.5),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::tracking::kalman::Noise;
+
+    #[test]
+    fn an_object_constrained_in_every_frame_does_not_accelerate() {
+        let bbox = Rect::around([100.0, 100.0], 40.0, 100.0);
+        let (histogram, mosaic) = (Histogram::default(), Arc::default());
+        let detection = Detection { bbox, area: 2500.0, histogram, labels: vec![1], mosaic };
+        let noise = Noise { process: 0.5, measurement: 2.0 };
+        let model = KalmanModel::new(Vector3::new(100.0, 100.0, 50.0), Vector3::zeros(), 1.0, noise);
+        let mut object = Object::new(1, (1, bbox), model, detection);
+        // Its region is smaller than its box, and each frame it is localised a little beside the region's middle.
+        for _ in 0..100 {
+            object.predict();
+            object.constrain_centre([100.0, 100.0]);
+            object.update_position([106.0, 112.0], 0.5);
+        }
+        let ([x, y], velocity) = (object.model.centre(), object.model.velocity());
+        assert!(velocity.norm() < 0.1, "it stands still: {velocity}");
+        assert!((x - 106.0).abs() < 0.5 && (y - 112.0).abs() < 0.5, "where it is seen: {x} {y}");
+    }
+
+    #[test]
+    fn its_scale_follows_from_its_place_and_does_not_accumulate() {
+        let mut perspective = Perspective::default();
+        for n in 0..500 {
+            let y = (100 + n % 50) as f32;
+            perspective.update(y, 100.0 * (0.01 * (y - 100.0)).exp(), 100.0, 100.0);
+        }
+        let bbox = Rect::around([100.0, 100.0], 40.0, 100.0);
+        let detection = Detection {
+            bbox,
+            area: 2500.0,
+            histogram: Histogram::default(),
+            labels: vec![1],
+            mosaic: Arc::default(),
+        };
+        let noise = Noise { process: 0.5, measurement: 2.0 };
+        let model = KalmanModel::new(Vector3::new(100.0, 100.0, 50.0), Vector3::zeros(), 1.0, noise);
+        let mut object = Object::new(1, (1, bbox), model, detection.clone());
+        object.update_appearance(&detection, false, &Settings::default());
+        object.set_centre([100.0, 110.0]);
+        for _ in 0..20 {
+            object.update_scale(&perspective);
+        }
+        assert!((object.scale.ln() - 0.1).abs() < 0.01, "{}", object.scale);
+    }
+}
