@@ -73,13 +73,17 @@ fn absorb_fragments(table: &mut ObjectTable) {
 }
 
 /// Matches a tentative object to an occluded object or to an unseen group member; on success it continues as that one.
-/// Whether it was matched.
+/// One that was first detected near the image edge enters, and is matched to none. Whether it was matched.
 fn try_reidentify(
     context: &Context,
     table: &mut ObjectTable,
     decisions: &mut Decisions,
     id: ObjectId,
 ) -> bool {
+    let Some(new) = table.get(id) else { return false };
+    if context.is_near_border(&new.first_bbox) {
+        return false;
+    }
     let known = try_match_reappearance(context, table, decisions, id)
         || try_match_split_member(context, table, decisions, id);
     if known {
@@ -185,6 +189,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::occlusion::fixtures::{RED, context, detection, person, start, start_confirmed};
+    use crate::occlusion::state::object_table::FrameRef;
 
     /// A tentative object that moved from `from` to `to` and was detected in so many frames; the kinds of events.
     fn confirm(from: Rect, to: Rect, seen_frames: u32) -> Vec<EventKind> {
@@ -211,6 +216,19 @@ mod tests {
     fn an_object_that_was_first_detected_near_the_image_edge_enters() {
         assert_eq!(confirm(person(4.0, 80.0), person(40.0, 80.0), 5), [EventKind::Enter]);
         assert_eq!(confirm(person(6.0, 80.0), person(40.0, 80.0), 5), [EventKind::Appear]);
+    }
+
+    #[test]
+    fn an_object_that_was_first_detected_near_the_image_edge_is_not_the_occluded_one_there() {
+        let reidentify = |x: f32| {
+            let (mut table, now) = (ObjectTable::default(), context(10));
+            let known = start_confirmed(&context(1), &mut table, person(8.0, 80.0), RED, [0.0; 2]);
+            table.occlude(known, FrameRef { number: 2, t: 2 });
+            table.drop_empty_blobs();
+            let new = start(&now, &mut table, person(x, 80.0), RED, [0.0; 2]);
+            try_reidentify(&now, &mut table, &mut Decisions::default(), new)
+        };
+        assert_eq!([2.0, 6.0].map(reidentify), [false, true]);
     }
 
     #[test]

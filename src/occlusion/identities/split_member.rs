@@ -33,17 +33,15 @@ pub(super) fn try_match_split_member(
     decisions: &mut Decisions,
     id: ObjectId,
 ) -> bool {
-    let Some(new) = table.get(id) else { return false };
-    if context.is_near_border(&new.first_bbox) {
-        return false;
-    }
-    let (frame, at) = (new.first_frame, new.first_bbox.centre());
-    let Some(candidate) = best_candidate(context, table, decisions, id, new) else { return false };
-    if decisions.has_demerge_of(candidate.member) {
-        // The identities within the group were undecided until now.
+    let (candidate, frame, at) = loop {
+        let Some(new) = table.get(id) else { return false };
+        let Some(candidate) = best_candidate(context, table, decisions, id, new) else { return false };
+        if !decisions.has_demerge_of(candidate.member) {
+            break (candidate, new.first_frame, new.first_bbox.centre());
+        }
+        // The identities within the group were undecided until now: another member may fit better.
         settle_demerges_of(context, table, decisions, candidate.member);
-        return try_match_split_member(context, table, decisions, id);
-    }
+    };
     let evidence = split_evidence(context, candidate);
     table.merge_track_into(id, candidate.member);
     table.groups_mut().record_leaving(candidate.member, GroupChange { frame, at, evidence });
