@@ -79,8 +79,8 @@ pub(super) fn object(context: &Context, id: ObjectId, detection: &Detection, [vx
     Object::new(id, (context.number, detection.bbox), model, detection.clone())
 }
 
-/// Starts a tentative object in a blob of its own.
-pub(super) fn start(
+/// Starts a tentative object in a blob of its own, without an appearance yet.
+pub(super) fn start_tentative(
     context: &Context,
     table: &mut ObjectTable,
     bbox: Rect,
@@ -93,7 +93,7 @@ pub(super) fn start(
     table.start_alone(|id| object(context, id, &detection, velocity), blob, detection.clone())
 }
 
-/// Starts a confirmed object in a blob of its own, with an appearance.
+/// Starts a confirmed object in a blob of its own, with an appearance and a template.
 pub(super) fn start_confirmed(
     context: &Context,
     table: &mut ObjectTable,
@@ -101,7 +101,7 @@ pub(super) fn start_confirmed(
     colour: Rgb,
     velocity: [f32; 2],
 ) -> ObjectId {
-    let id = start(context, table, bbox, colour, velocity);
+    let id = start_tentative(context, table, bbox, colour, velocity);
     let object = table.get_mut(id).unwrap();
     object.appearance = Some(Appearance::new(&object.last_detection, velocity));
     object.template = template_of(&object.last_detection, &context.settings);

@@ -344,7 +344,8 @@ mod tests {
     use super::*;
     use crate::occlusion::association::matching::{clusters, match_blobs};
     use crate::occlusion::fixtures::{
-        BLUE, RED, context, detection, person, shared_detection, start, start_confirmed, start_group,
+        BLUE, RED, context, detection, person, shared_detection, start_confirmed, start_group,
+        start_tentative,
     };
 
     /// The members of each blob after these detections, and the unexplained ones.
@@ -400,7 +401,7 @@ mod tests {
     fn a_tentative_object_in_the_region_of_a_confirmed_one_ends() {
         let (mut table, mut decisions) = (ObjectTable::default(), Decisions::default());
         let confirmed = start_confirmed(&context(1), &mut table, person(100.0, 80.0), RED, [0.0; 2]);
-        let tentative = start(&context(1), &mut table, person(126.0, 80.0), BLUE, [0.0; 2]);
+        let tentative = start_tentative(&context(1), &mut table, person(126.0, 80.0), BLUE, [0.0; 2]);
         let shared = [shared_detection(&[(person(104.0, 80.0), RED), (person(122.0, 80.0), BLUE)])];
         assert_eq!(update(&mut table, &mut decisions, &shared).0, [[confirmed]]);
         assert!(!table.contains(tentative));

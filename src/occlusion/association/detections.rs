@@ -55,7 +55,7 @@ fn detection_of(region: &Region) -> Detection {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::occlusion::fixtures::{BLUE, RED, context, region, start};
+    use crate::occlusion::fixtures::{BLUE, RED, context, region, start_tentative};
 
     /// A torso and legs with a gap at the belt.
     fn torso_and_legs() -> [Region; 2] {
@@ -75,7 +75,7 @@ mod tests {
     fn regions_of_two_objects_are_two_detections() {
         let (mut table, context) = (ObjectTable::default(), context(1));
         for fragment in torso_and_legs() {
-            start(&context, &mut table, fragment.shape.bbox, fragment.colour, [0.0; 2]);
+            start_tentative(&context, &mut table, fragment.shape.bbox, fragment.colour, [0.0; 2]);
         }
         let labels: Vec<Vec<u32>> =
             detections(&context, &table, &torso_and_legs()).into_iter().map(|it| it.labels).collect();

@@ -80,13 +80,15 @@ pub(crate) fn match_manoeuvred_blobs(
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use crate::occlusion::fixtures::{BLUE, RED, context, detection, person, shared_detection, start};
+    use crate::occlusion::fixtures::{
+        BLUE, RED, context, detection, person, shared_detection, start_tentative,
+    };
 
     /// Two people at x = 100 and 160, matched to the detections.
     fn matched_to(detections: &[Detection]) -> ObjectTable {
         let (mut table, context) = (ObjectTable::default(), context(2));
         for (x, colour) in [(100.0, RED), (160.0, BLUE)] {
-            start(&context, &mut table, person(x, 80.0), colour, [0.0; 2]);
+            start_tentative(&context, &mut table, person(x, 80.0), colour, [0.0; 2]);
         }
         table.blobs_mut().for_each(|tracked| tracked.detection = None);
         match_blobs(&context, &mut table, detections);

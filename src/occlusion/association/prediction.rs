@@ -40,7 +40,7 @@ pub(crate) fn predict(context: &Context, table: &mut ObjectTable, perspective: &
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use crate::occlusion::fixtures::{RED, context, person, start, start_confirmed, start_group};
+    use crate::occlusion::fixtures::{RED, context, person, start_confirmed, start_group, start_tentative};
     use crate::occlusion::state::object_table::FrameRef;
 
     fn predict_one_frame(table: &mut ObjectTable) {
@@ -50,7 +50,7 @@ mod tests {
     #[test]
     fn a_lone_object_follows_its_blob_and_has_no_detection_yet() {
         let mut table = ObjectTable::default();
-        let id = start(&context(1), &mut table, person(100.0, 80.0), RED, [3.0, -1.0]);
+        let id = start_tentative(&context(1), &mut table, person(100.0, 80.0), RED, [3.0, -1.0]);
         // Its blob was corrected since.
         table.blob_mut(0).unwrap().blob.keep_shown(
             &crate::occlusion::fixtures::detection(person(104.0, 80.0), RED).observation(),

@@ -188,13 +188,13 @@ fn join_fragment(
 mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
-    use crate::occlusion::fixtures::{RED, context, detection, person, start, start_confirmed};
+    use crate::occlusion::fixtures::{RED, context, detection, person, start_confirmed, start_tentative};
     use crate::occlusion::state::object_table::FrameRef;
 
     /// A tentative object that moved from `from` to `to` and was detected in so many frames; the kinds of events.
     fn confirm(from: Rect, to: Rect, seen_frames: u32) -> Vec<EventKind> {
         let (mut table, mut decisions, now) = (ObjectTable::default(), Decisions::default(), context(9));
-        let id = start(&context(1), &mut table, from, RED, [0.0; 2]);
+        let id = start_tentative(&context(1), &mut table, from, RED, [0.0; 2]);
         let object = table.get_mut(id).unwrap();
         object.last_detection = detection(to, RED);
         object.seen_frames = seen_frames;
@@ -225,7 +225,7 @@ mod tests {
             let known = start_confirmed(&context(1), &mut table, person(8.0, 80.0), RED, [0.0; 2]);
             table.occlude(known, FrameRef { number: 2, t: 2 });
             table.drop_empty_blobs();
-            let new = start(&now, &mut table, person(x, 80.0), RED, [0.0; 2]);
+            let new = start_tentative(&now, &mut table, person(x, 80.0), RED, [0.0; 2]);
             try_reidentify(&now, &mut table, &mut Decisions::default(), new)
         };
         assert_eq!([2.0, 6.0].map(reidentify), [false, true]);
@@ -236,8 +236,8 @@ mod tests {
         let (mut table, now) = (ObjectTable::default(), context(3));
         let whole = start_confirmed(&now, &mut table, person(100.0, 80.0), RED, [0.0; 2]);
         table.get_mut(whole).unwrap().partial_frames = 2;
-        let foot = start(&now, &mut table, Rect::new(104.0, 130.0, 8.0, 10.0), RED, [0.0; 2]);
-        let beside = start(&now, &mut table, person(140.0, 80.0), RED, [0.0; 2]);
+        let foot = start_tentative(&now, &mut table, Rect::new(104.0, 130.0, 8.0, 10.0), RED, [0.0; 2]);
+        let beside = start_tentative(&now, &mut table, person(140.0, 80.0), RED, [0.0; 2]);
         confirm_objects(&now, &mut table, &mut Decisions::default());
         assert_eq!([whole, foot, beside].map(|id| table.contains(id)), [true, false, true]);
     }
@@ -246,7 +246,7 @@ mod tests {
     fn two_fragments_that_move_alike_are_confirmed_as_one() {
         let (mut table, mut decisions, now) = (ObjectTable::default(), Decisions::default(), context(11));
         for y in [80.0, 112.0] {
-            let id = start(&context(1), &mut table, Rect::new(100.0, y, 20.0, 28.0), RED, [0.0; 2]);
+            let id = start_tentative(&context(1), &mut table, Rect::new(100.0, y, 20.0, 28.0), RED, [0.0; 2]);
             let moved = detection(Rect::new(130.0, y, 20.0, 28.0), RED);
             table.blobs_mut().last().unwrap().detection = Some(moved.clone());
             let object = table.get_mut(id).unwrap();

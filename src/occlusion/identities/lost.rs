@@ -156,7 +156,7 @@ mod tests {
     #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
     use super::*;
     use crate::occlusion::event::EventKind;
-    use crate::occlusion::fixtures::{RED, context, person, start, start_confirmed};
+    use crate::occlusion::fixtures::{RED, context, person, start_confirmed, start_tentative};
 
     /// Lets the only blob go without a region until it is decided about; gives the frame's t and the kinds of events.
     fn lose(table: &mut ObjectTable) -> (u32, Vec<EventKind>) {
@@ -199,7 +199,7 @@ mod tests {
     #[test]
     fn a_tentative_object_ends_in_the_third_frame_without_a_region() {
         let mut table = ObjectTable::default();
-        start(&context(1), &mut table, person(150.0, 80.0), RED, [0.0; 2]);
+        start_tentative(&context(1), &mut table, person(150.0, 80.0), RED, [0.0; 2]);
         assert_eq!(lose(&mut table), (4, vec![]));
     }
 
@@ -207,7 +207,7 @@ mod tests {
     fn a_tentative_object_that_began_at_its_place_continues_a_lost_one() {
         let (mut table, mut decisions) = (ObjectTable::default(), Decisions::default());
         let known = start_confirmed(&context(1), &mut table, person(150.0, 80.0), RED, [0.0; 2]);
-        let new = start(&context(3), &mut table, person(160.0, 80.0), RED, [0.0; 2]);
+        let new = start_tentative(&context(3), &mut table, person(160.0, 80.0), RED, [0.0; 2]);
         let tracked = table.blob_mut(0).unwrap();
         tracked.detection = None;
         for _ in 0..10 {

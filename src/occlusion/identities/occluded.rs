@@ -192,7 +192,7 @@ fn reappearance_place(
 mod tests {
     #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
     use super::*;
-    use crate::occlusion::fixtures::{RED, context, person, start, start_confirmed};
+    use crate::occlusion::fixtures::{RED, context, person, start_confirmed, start_tentative};
     use crate::occlusion::state::object_table::FrameRef;
 
     /// A red person that is occluded from frame 2 on at x = 100, and a new object in frame 10. Gives the number of
@@ -202,7 +202,7 @@ mod tests {
         let known = start_confirmed(&context(1), &mut table, person(100.0, 80.0), RED, [0.0; 2]);
         table.occlude(known, FrameRef { number: 2, t: 2 });
         table.drop_empty_blobs();
-        let new = start(&now, &mut table, person(x, 80.0), RED, [0.0; 2]);
+        let new = start_tentative(&now, &mut table, person(x, 80.0), RED, [0.0; 2]);
         let matched = try_match_reappearance(&now, &mut table, &mut decisions, new);
         assert_eq!(table.check(), None);
         (matched.then_some(known), table, decisions)

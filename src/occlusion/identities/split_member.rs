@@ -102,7 +102,7 @@ fn split_evidence(context: &Context, Candidate { score, filled, members, .. }: C
 mod tests {
     #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
     use super::*;
-    use crate::occlusion::fixtures::{BLUE, RED, context, detection, person, start, start_group};
+    use crate::occlusion::fixtures::{BLUE, RED, context, detection, person, start_group, start_tentative};
     use crate::occlusion::state::object_table::TrackedBlob;
 
     /// A group of a red and a blue person, of which only the red one's region is left, and a new blue object.
@@ -110,7 +110,7 @@ mod tests {
         let (mut table, mut decisions, now) = (ObjectTable::default(), Decisions::default(), context(9));
         let members = start_group(&context(1), &mut table, person(120.0, 80.0), person(140.0, 80.0));
         table.blob_mut(0).unwrap().detection = Some(detection(person(120.0, 80.0), RED));
-        let new = start(&now, &mut table, person(x, 80.0), BLUE, [0.0; 2]);
+        let new = start_tentative(&now, &mut table, person(x, 80.0), BLUE, [0.0; 2]);
         let matched = try_match_split_member(&now, &mut table, &mut decisions, new);
         assert_eq!(table.check(), None);
         (matched, table, members)

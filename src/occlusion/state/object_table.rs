@@ -490,7 +490,9 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
-    use crate::occlusion::fixtures::{BLUE, RED, context, detection, object, person, start, start_confirmed};
+    use crate::occlusion::fixtures::{
+        BLUE, RED, context, detection, object, person, start_confirmed, start_tentative,
+    };
 
     const NOW: FrameRef = FrameRef { number: 1, t: 1 };
 
@@ -507,7 +509,7 @@ mod tests {
         let (a, b, new) = (of(known.clone(), pick[0]), of(known, pick[1]), of(new, pick[0]));
         let seen = detection(person(100.0, 80.0), RED);
         match (kind, a, b, new) {
-            (0, ..) => drop(start(&context(1), table, person(100.0, 80.0), BLUE, [0.0; 2])),
+            (0, ..) => drop(start_tentative(&context(1), table, person(100.0, 80.0), BLUE, [0.0; 2])),
             (1, _, _, Some(new)) => drop(table.confirm(new)),
             (2, Some(a), ..) => table.occlude(a, NOW),
             (3, Some(a), _, Some(new)) => drop(table.merge_track_into(new, a)),
@@ -595,7 +597,7 @@ mod tests {
         let known = start_confirmed(&context, &mut table, person(100.0, 80.0), RED, [0.0; 2]);
         table.occlude(known, NOW);
         table.drop_empty_blobs();
-        let new = start(&context, &mut table, person(150.0, 80.0), RED, [0.0; 2]);
+        let new = start_tentative(&context, &mut table, person(150.0, 80.0), RED, [0.0; 2]);
         assert_eq!(table.merge_track_into(new, known).map(|it| it.since), Some(NOW));
         assert_eq!(table.blobs[0].members(), [known]);
         let object = table.get(known).unwrap();
