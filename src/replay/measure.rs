@@ -109,21 +109,24 @@ fn the_time_from_a_click_to_the_history() {
     let mask = Arc::new(TrueMask::new(SIZE, labels));
     let masks = TrueMasks::new((1..=FRAMES).map(|number| (number, Arc::clone(&mask))).collect());
     session.request(Request::Truth(Some(Arc::new(Truth { boxes: None, masks: masks.map(Arc::new) }))));
-    for knobs in [[TunableSetting::Alpha, TunableSetting::T], [TunableSetting::Alpha, TunableSetting::Lambda]]
+    for tuned_settings in
+        [[TunableSetting::Alpha, TunableSetting::T], [TunableSetting::Alpha, TunableSetting::Lambda]]
     {
-        session.request(Request::Tune(Some(knobs)));
+        session.request(Request::Tune(Some(tuned_settings)));
         for side in [1, 9, 15] {
             let requested = Instant::now();
             session.request(Request::TuneRegion(Some(((300, 200), side))));
             let whole = |tuning: &Arc<RegionTuning>| {
                 tuning.side == side
                     && tuning.frames as u32 == FRAMES
-                    && tuning.axes.each_ref().map(|axis| axis.knob) == knobs
+                    && tuning.axes.each_ref().map(|axis| axis.knob) == tuned_settings
             };
             let tuning = wait_until(&|state| state.region_tuning.as_ref().is_some_and(whole));
             let cells = tuning.region_tuning.unwrap().cells.len();
             let took = requested.elapsed().as_secs_f64() * 1000.0;
-            println!("{knobs:?}: {took:.0} ms until {side}×{side} pixels are judged under {cells} settings");
+            println!(
+                "{tuned_settings:?}: {took:.0} ms until {side}×{side} pixels are judged under {cells} settings"
+            );
         }
     }
 }

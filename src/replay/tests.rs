@@ -740,19 +740,19 @@ fn a_tuning_equals_runs_of_the_pixel_under_other_settings() {
     let folder = scene();
     let watched = WatchedSession::open(folder.path(), settings(), Start::First, 1 << 30);
     watched.request(Request::Inspect(Some(PIXEL)));
-    for (knobs, position, settings) in [
+    for (tuned_settings, position, settings) in [
         ([TunableSetting::Alpha, TunableSetting::T], 31, settings()),
         ([TunableSetting::Lambda, TunableSetting::K], 33, settings()),
         ([TunableSetting::Lambda, TunableSetting::K], 33, Settings { alpha: 0.1, ..settings() }),
     ] {
-        watched.request(Request::Tune(Some(knobs)));
+        watched.request(Request::Tune(Some(tuned_settings)));
         watched.request(settings_request(settings.clone(), None));
         watched.request(Request::Show(position));
         let state = watched.wait_until(|state| {
             let tuning = state.tuning.as_ref().filter(|tuning| tuning.position == position);
             tuning.is_some_and(|tuning| {
                 let of = tuning.map.axes.each_ref().map(|axis| axis.knob);
-                of == knobs && tuning.parameters.equal_settings(&settings)
+                of == tuned_settings && tuning.parameters.equal_settings(&settings)
             })
         });
         let tuning = state.tuning.unwrap();
@@ -761,7 +761,7 @@ fn a_tuning_equals_runs_of_the_pixel_under_other_settings() {
         let colours = (0..LEARNT).chain(0..FRAMES).map(|at| history.states[at as usize].value);
         let values: Vec<_> = colours.take(seen).collect();
         assert_eq!(tuning.at, PIXEL);
-        assert_eq!(tuning.map, tuning::map(&values, &tuning.parameters, knobs));
+        assert_eq!(tuning.map, tuning::map(&values, &tuning.parameters, tuned_settings));
         for flip in &tuning.flips {
             assert_eq!(*flip, tuning::flip(&values, &tuning.parameters, flip.knob));
         }

@@ -181,9 +181,9 @@ impl<'a> Worker<'a> {
                     self.region.choose(region, self.info.size);
                     self.outbox.pixel_grew = true;
                 }
-                Request::Tune(knobs) => {
-                    self.pixel_tuner.choose(knobs);
-                    self.region_tuner.tune(knobs);
+                Request::Tune(tuned_settings) => {
+                    self.pixel_tuner.choose(tuned_settings);
+                    self.region_tuner.tune(tuned_settings);
                 }
                 Request::TuneRegion(region) => {
                     self.region_tuner.choose(region, self.info.size);

@@ -147,14 +147,14 @@ impl Occluder {
     fn trunk(&self, x: f32, y: f32, seed: u64) -> Option<Colour> {
         let up = (self.at[1] - y) / self.width;
         let across_raw = (x - self.at[0]) / (self.width / 2.0);
-        let knobs =
+        let bumps =
             fractal_noise(salted(seed, 62), up * 2.2 + 9.0, if across_raw < 0.0 { 0.0 } else { 50.0 }, 3)
                 - 0.5;
         // The roots spread at the foot; the trunk tapers slowly upwards.
-        let spread = 1.0 + 0.46 * (-up.max(0.0) * 4.2).exp() - 0.035 * up + 0.10 * knobs;
+        let spread = 1.0 + 0.46 * (-up.max(0.0) * 4.2).exp() - 0.035 * up + 0.10 * bumps;
         let across = across_raw / spread;
         // The foot is round: its middle is nearer to the camera than its sides.
-        let foot = -0.05 * (1.0 - across * across).max(0.0).sqrt() + 0.03 * knobs;
+        let foot = -0.05 * (1.0 - across * across).max(0.0).sqrt() + 0.03 * bumps;
         if across.abs() > 1.0 || up < foot || up * self.width > self.height {
             return None;
         }

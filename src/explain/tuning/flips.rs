@@ -36,12 +36,12 @@ impl VerdictFlip {
     }
 }
 
-/// The nearest value of `knob` at which the verdict after `values` differs from that under `parameters`.
+/// The nearest value of `setting` at which the verdict after `values` differs from that under `parameters`.
 ///
 /// Each side of the present value is searched in steps, and the first step whose end flips is bisected; two flips
 /// within one step are not found. The returned value has been verified to flip the verdict.
-pub fn flip(values: &[Value], parameters: &Parameters, knob: TunableSetting) -> VerdictFlip {
-    let mut search = FlipSearch::new(parameters, &[knob]);
+pub fn flip(values: &[Value], parameters: &Parameters, setting: TunableSetting) -> VerdictFlip {
+    let mut search = FlipSearch::new(parameters, &[setting]);
     loop {
         if let Some(&[found]) = search.advance(values).as_deref() {
             return found;
@@ -60,11 +60,11 @@ pub struct FlipSearch {
 
 impl FlipSearch {
     /// A search before its first run.
-    pub fn new(parameters: &Parameters, knobs: &[TunableSetting]) -> Self {
-        let sides = |&knob: &TunableSetting| {
-            [false, true].map(|above| SearchSide::new(knob, knob.get(parameters), above))
+    pub fn new(parameters: &Parameters, tuned_settings: &[TunableSetting]) -> Self {
+        let sides = |&setting: &TunableSetting| {
+            [false, true].map(|above| SearchSide::new(setting, setting.get(parameters), above))
         };
-        Self { parameters: *parameters, present: None, sides: knobs.iter().map(sides).collect() }
+        Self { parameters: *parameters, present: None, sides: tuned_settings.iter().map(sides).collect() }
     }
 
     /// Tries the next value on each side of each setting, with at most one run through `values` for each. Returns the
@@ -75,10 +75,10 @@ impl FlipSearch {
         let now = present.is_foreground(parameters.t);
         self.sides.as_flattened_mut().par_iter_mut().for_each(|side| {
             if let Some(value) = side.next() {
-                let foreground = if side.knob.is_decision_only(&parameters) {
+                let foreground = if side.setting.is_decision_only(&parameters) {
                     present.is_foreground(value)
                 } else {
-                    run(values, &side.knob.with(&parameters, value)).is_foreground(parameters.t)
+                    run(values, &side.setting.with(&parameters, value)).is_foreground(parameters.t)
                 };
                 side.learn(value, foreground != now);
             }
@@ -92,15 +92,15 @@ fn nearest(sides: &[SearchSide; 2]) -> Option<VerdictFlip> {
     let [SearchStage::Done(below), SearchStage::Done(above)] = sides.each_ref().map(|side| side.stage) else {
         return None;
     };
-    let SearchSide { knob, from, .. } = sides[0];
-    let distance = |value: f32| (knob.scaled(value) - knob.scaled(from)).abs();
+    let SearchSide { setting, from, .. } = sides[0];
+    let distance = |value: f32| (setting.scaled(value) - setting.scaled(from)).abs();
     let found = [below, above].into_iter().flatten().min_by(|a, b| distance(*a).total_cmp(&distance(*b)));
-    Some(VerdictFlip { knob, value: found, above: found.is_some_and(|value| value > from) })
+    Some(VerdictFlip { knob: setting, value: found, above: found.is_some_and(|value| value > from) })
 }
 
 /// The search on one side of the present value.
 struct SearchSide {
-    knob: TunableSetting,
+    setting: TunableSetting,
     /// The present value.
     from: f32,
     above: bool,
@@ -121,8 +121,8 @@ enum SearchStage {
 }
 
 impl SearchSide {
-    fn new(knob: TunableSetting, from: f32, above: bool) -> Self {
-        let mut side = Self { knob, from, above, stage: SearchStage::Stepping(0) };
+    fn new(setting: TunableSetting, from: f32, above: bool) -> Self {
+        let mut side = Self { setting, from, above, stage: SearchStage::Stepping(0) };
         let end = side.end();
         if (above && from >= end) || (!above && from <= end) {
             side.stage = SearchStage::Done(None);
@@ -132,37 +132,38 @@ impl SearchSide {
 
     /// The limit of the search.
     const fn end(&self) -> f32 {
-        let (low, high) = self.knob.range();
+        let (low, high) = self.setting.range();
         if self.above { high } else { low }
     }
 
     /// The number of steps to the limit.
     fn steps(&self) -> usize {
-        if self.knob == TunableSetting::K { (self.end() - self.from).abs() as usize } else { MAX_STEPS }
+        if self.setting == TunableSetting::K { (self.end() - self.from).abs() as usize } else { MAX_STEPS }
     }
 
     /// The value at a step.
     fn at(&self, step: usize) -> f32 {
-        let Self { knob, from, above, .. } = *self;
+        let Self { setting, from, above, .. } = *self;
         match step {
             0 => from,
-            _ if knob == TunableSetting::K && above => from + step as f32,
-            _ if knob == TunableSetting::K => from - step as f32,
+            _ if setting == TunableSetting::K && above => from + step as f32,
+            _ if setting == TunableSetting::K => from - step as f32,
             MAX_STEPS => self.end(),
             _ => {
-                let (start, width) = (knob.scaled(from), knob.scaled(self.end()) - knob.scaled(from));
-                knob.unscaled(start + width * step as f64 / MAX_STEPS as f64)
+                let (start, width) =
+                    (setting.scaled(from), setting.scaled(self.end()) - setting.scaled(from));
+                setting.unscaled(start + width * step as f64 / MAX_STEPS as f64)
             }
         }
     }
 
     /// The value to try next.
     fn next(&self) -> Option<f32> {
-        let knob = self.knob;
+        let setting = self.setting;
         match self.stage {
             SearchStage::Stepping(step) => Some(self.at(step + 1)),
             SearchStage::Halving { inner, outer, .. } => {
-                Some(knob.unscaled(f64::midpoint(knob.scaled(inner), knob.scaled(outer))))
+                Some(setting.unscaled(f64::midpoint(setting.scaled(inner), setting.scaled(outer))))
             }
             SearchStage::Rounding { outer, digits } => Some(self.short(outer, digits)),
             SearchStage::Done(_) => None,
@@ -172,7 +173,7 @@ impl SearchSide {
     /// Advances the search by the verdict at the tried value.
     fn learn(&mut self, value: f32, flips: bool) {
         self.stage = match self.stage {
-            SearchStage::Stepping(_) if flips && self.knob == TunableSetting::K => {
+            SearchStage::Stepping(_) if flips && self.setting == TunableSetting::K => {
                 SearchStage::Done(Some(value))
             }
             SearchStage::Stepping(step) if flips => {
@@ -202,7 +203,7 @@ impl SearchSide {
     /// The stage after the bisection: rounding to the first number of digits, from `digits` on, within the setting's
     /// range.
     fn rounding(&self, outer: f32, digits: i32) -> SearchStage {
-        let (low, high) = self.knob.range();
+        let (low, high) = self.setting.range();
         let inside = |digits: &i32| (low..=high).contains(&self.short(outer, *digits));
         match (digits..=MAX_DIGITS).find(inside) {
             Some(digits) => SearchStage::Rounding { outer, digits },

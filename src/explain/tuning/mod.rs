@@ -152,13 +152,17 @@ pub struct SettingAxis {
 
 impl SettingAxis {
     /// An axis that includes `present`.
-    pub fn new(knob: TunableSetting, present: f32) -> Self {
-        let (low, high) = knob.range();
-        if knob == TunableSetting::K {
-            return Self { knob, values: (1..=MAX_K).map(|k| k as f32).collect(), ends: (0.5, high + 0.5) };
+    pub fn new(setting: TunableSetting, present: f32) -> Self {
+        let (low, high) = setting.range();
+        if setting == TunableSetting::K {
+            return Self {
+                knob: setting,
+                values: (1..=MAX_K).map(|k| k as f32).collect(),
+                ends: (0.5, high + 0.5),
+            };
         }
         let ends = (low.min(present), high.max(present));
-        let mut axis = Self { knob, values: Vec::new(), ends };
+        let mut axis = Self { knob: setting, values: Vec::new(), ends };
         let centres = (0..CELLS).map(|cell| (cell as f32 + 0.5) / CELLS as f32);
         axis.values = centres.map(|share| rounded(axis.value_at(share), 3, Rounding::Nearest)).collect();
         axis
@@ -217,8 +221,11 @@ pub fn run(values: &[Value], parameters: &Parameters) -> RunOutcome {
 }
 
 /// The axes of a grid of two settings around `parameters`, and the parameters of each cell, row by row.
-pub fn grid(parameters: &Parameters, knobs: [TunableSetting; 2]) -> ([SettingAxis; 2], Vec<Parameters>) {
-    let axes = VerdictMap::axes(parameters, knobs);
+pub fn grid(
+    parameters: &Parameters,
+    tuned_settings: [TunableSetting; 2],
+) -> ([SettingAxis; 2], Vec<Parameters>) {
+    let axes = VerdictMap::axes(parameters, tuned_settings);
     let [across, along] = &axes;
     let rows = along.values.iter().map(|&y| along.knob.with(parameters, y));
     let cells = rows.flat_map(|row| across.values.iter().map(move |&x| across.knob.with(&row, x)));
@@ -237,8 +244,8 @@ pub struct VerdictMap {
 
 impl VerdictMap {
     /// The axes of a map around `parameters`.
-    pub fn axes(parameters: &Parameters, knobs: [TunableSetting; 2]) -> [SettingAxis; 2] {
-        knobs.map(|knob| SettingAxis::new(knob, knob.get(parameters)))
+    pub fn axes(parameters: &Parameters, tuned_settings: [TunableSetting; 2]) -> [SettingAxis; 2] {
+        tuned_settings.map(|setting| SettingAxis::new(setting, setting.get(parameters)))
     }
 
     /// The runs that a map needs: one per cell, or one per row or column where the other setting is T and does not
@@ -286,9 +293,9 @@ impl VerdictMap {
     }
 }
 
-/// The map of `knobs` around `parameters` for a pixel with these values.
-pub fn map(values: &[Value], parameters: &Parameters, knobs: [TunableSetting; 2]) -> VerdictMap {
-    let axes = VerdictMap::axes(parameters, knobs);
+/// The map of `tuned_settings` around `parameters` for a pixel with these values.
+pub fn map(values: &[Value], parameters: &Parameters, tuned_settings: [TunableSetting; 2]) -> VerdictMap {
+    let axes = VerdictMap::axes(parameters, tuned_settings);
     let outcomes: Vec<_> =
         VerdictMap::runs(parameters, &axes).par_iter().map(|parameters| run(values, parameters)).collect();
     VerdictMap::of(parameters, axes, &outcomes)

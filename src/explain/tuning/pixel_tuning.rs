@@ -26,8 +26,8 @@ pub struct Tuning {
 impl Tuning {
     /// The inputs from which it was computed.
     pub fn query(&self) -> TuningQuery {
-        let knobs = self.map.axes.each_ref().map(|axis| axis.knob);
-        TuningQuery { at: self.at, position: self.position, parameters: self.parameters, knobs }
+        let tuned_settings = self.map.axes.each_ref().map(|axis| axis.knob);
+        TuningQuery { at: self.at, position: self.position, parameters: self.parameters, tuned_settings }
     }
 }
 
@@ -41,7 +41,7 @@ pub struct TuningQuery {
     /// The present parameters.
     pub parameters: Parameters,
     /// The two settings of the map.
-    pub knobs: [TunableSetting; 2],
+    pub tuned_settings: [TunableSetting; 2],
 }
 
 /// A [`Tuning`] in progress.
@@ -59,7 +59,7 @@ pub struct StepwiseTuning {
 impl StepwiseTuning {
     /// A tuning before its first step; `values` are the pixel's, from the model's start to the frame.
     pub fn new(query: TuningQuery, values: Vec<Value>) -> Self {
-        let axes = VerdictMap::axes(&query.parameters, query.knobs);
+        let axes = VerdictMap::axes(&query.parameters, query.tuned_settings);
         let runs = VerdictMap::runs(&query.parameters, &axes);
         let search = FlipSearch::new(&query.parameters, &TunableSetting::ALL);
         Self { query, values, axes, runs, outcomes: Vec::new(), search, flips: None }

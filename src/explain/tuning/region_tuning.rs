@@ -41,7 +41,7 @@ pub struct RegionTuningQuery {
     /// Side of the region in pixels.
     pub side: u32,
     /// The two settings of the grid.
-    pub knobs: [TunableSetting; 2],
+    pub tuned_settings: [TunableSetting; 2],
     /// The present parameters.
     pub parameters: Parameters,
     /// Number of frames, scored or not.
@@ -61,7 +61,7 @@ pub struct StepwiseRegionTuning {
 impl StepwiseRegionTuning {
     /// A tuning before its first step; `truth` is the true mask of the region in each frame, if there is one.
     pub fn new(query: RegionTuningQuery, truth: Vec<Option<TrueMask>>) -> Self {
-        let (axes, cells) = grid(&query.parameters, query.knobs);
+        let (axes, cells) = grid(&query.parameters, query.tuned_settings);
         let mut runs = vec![query.parameters];
         runs.extend(cells);
         Self { query, axes, truth, runs, decisions: Vec::new() }

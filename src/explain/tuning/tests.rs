@@ -70,8 +70,8 @@ fn the_first_frame_is_background_everywhere() {
     let values = values(1, &parameters());
     let map = map(&values, &parameters(), [TunableSetting::Alpha, TunableSetting::T]);
     assert_eq!(map.foreground_share(), 0.0);
-    for knob in TunableSetting::ALL {
-        assert_eq!(flip(&values, &parameters(), knob).value, None, "{knob:?}");
+    for setting in TunableSetting::ALL {
+        assert_eq!(flip(&values, &parameters(), setting).value, None, "{setting:?}");
     }
 }
 
@@ -82,15 +82,15 @@ fn a_flip_changes_the_verdict_and_nothing_nearer_does() {
     for frames in [40, 150, 301, 310, 325, 339, 345, 400] {
         let values = values(frames, &parameters);
         let now = reference_verdict(&values, &parameters);
-        for knob in TunableSetting::ALL {
-            let flip = flip(&values, &parameters, knob);
-            let from = knob.get(&parameters);
+        for setting in TunableSetting::ALL {
+            let flip = flip(&values, &parameters, setting);
+            let from = setting.get(&parameters);
             let Some(value) = flip.value else {
                 // None of the map's values flips either.
-                for value in SettingAxis::new(knob, from).values {
-                    let there = knob.with(&parameters, value);
+                for value in SettingAxis::new(setting, from).values {
+                    let there = setting.with(&parameters, value);
                     assert!(
-                        value != value.clamp(knob.range().0, knob.range().1)
+                        value != value.clamp(setting.range().0, setting.range().1)
                             || reference_verdict(&values, &there) == now
                     );
                 }
@@ -98,19 +98,23 @@ fn a_flip_changes_the_verdict_and_nothing_nearer_does() {
             };
             found += 1;
             assert_eq!(flip.above, value > from);
-            assert_ne!(reference_verdict(&values, &knob.with(&parameters, value)), now, "{knob:?} {value}");
+            assert_ne!(
+                reference_verdict(&values, &setting.with(&parameters, value)),
+                now,
+                "{setting:?} {value}"
+            );
             // Up to the value, apart from rounding to three digits, the verdict does not flip.
-            let reach = knob.scaled(value) - knob.scaled(from);
+            let reach = setting.scaled(value) - setting.scaled(from);
             for step in 0..=20 {
-                let near = knob.unscaled(knob.scaled(from) + reach * f64::from(step) / 20.0);
-                let near = if knob == TunableSetting::K { from } else { near };
+                let near = setting.unscaled(setting.scaled(from) + reach * f64::from(step) / 20.0);
+                let near = if setting == TunableSetting::K { from } else { near };
                 if (near / value - 1.0).abs() < 0.01 {
                     continue;
                 }
                 assert_eq!(
-                    reference_verdict(&values, &knob.with(&parameters, near)),
+                    reference_verdict(&values, &setting.with(&parameters, near)),
                     now,
-                    "{knob:?} {value} {near}"
+                    "{setting:?} {value} {near}"
                 );
             }
         }
@@ -122,14 +126,14 @@ fn a_flip_changes_the_verdict_and_nothing_nearer_does() {
 fn linear_search(
     values: &[Value],
     parameters: &Parameters,
-    knob: TunableSetting,
+    setting: TunableSetting,
     above: bool,
 ) -> Option<f32> {
     let now = reference_verdict(values, parameters);
-    let flips = |value: f32| reference_verdict(values, &knob.with(parameters, value)) != now;
-    let (from, (low, high)) = (knob.get(parameters), knob.range());
+    let flips = |value: f32| reference_verdict(values, &setting.with(parameters, value)) != now;
+    let (from, (low, high)) = (setting.get(parameters), setting.range());
     let end = if above { high } else { low };
-    if knob == TunableSetting::K {
+    if setting == TunableSetting::K {
         let one = if above { 1.0 } else { -1.0 };
         let mut all = (1..=(end - from).abs() as usize).map(|step| from + one * step as f32);
         return all.find(|&k| flips(k)).filter(|_| above == (end > from));
@@ -137,17 +141,17 @@ fn linear_search(
     if above == (from >= end) {
         return None;
     }
-    let (start, width) = (knob.scaled(from), knob.scaled(end) - knob.scaled(from));
+    let (start, width) = (setting.scaled(from), setting.scaled(end) - setting.scaled(from));
     let steps = (0..=24).map(|step| match step {
         0 => from,
         24 => end,
-        _ => knob.unscaled(start + width * f64::from(step) / 24.0),
+        _ => setting.unscaled(start + width * f64::from(step) / 24.0),
     });
     let steps: Vec<f32> = steps.collect();
     let step = (1..=24).find(|&step| flips(steps[step]))?;
     let (mut inner, mut outer) = (steps[step - 1], steps[step]);
     for _ in 0..14 {
-        let middle = knob.unscaled(f64::midpoint(knob.scaled(inner), knob.scaled(outer)));
+        let middle = setting.unscaled(f64::midpoint(setting.scaled(inner), setting.scaled(outer)));
         *(if flips(middle) { &mut outer } else { &mut inner }) = middle;
     }
     let how = if above { Rounding::Up } else { Rounding::Down };
@@ -164,16 +168,17 @@ fn a_flip_equals_the_result_of_a_linear_search() {
         [(parameters(), 301), (parameters(), 325), (parameters(), 345), (gray, 204), (at_the_end, 310)]
     {
         let values = values(frames, &parameters);
-        for knob in TunableSetting::ALL {
-            let flip = flip(&values, &parameters, knob);
-            let [below, above] = [false, true].map(|above| linear_search(&values, &parameters, knob, above));
-            let from = knob.scaled(knob.get(&parameters));
-            let distance = |value: f32| (knob.scaled(value) - from).abs();
+        for setting in TunableSetting::ALL {
+            let flip = flip(&values, &parameters, setting);
+            let [below, above] =
+                [false, true].map(|above| linear_search(&values, &parameters, setting, above));
+            let from = setting.scaled(setting.get(&parameters));
+            let distance = |value: f32| (setting.scaled(value) - from).abs();
             let expected = match (below, above) {
                 (Some(below), Some(above)) if distance(above) < distance(below) => Some(above),
                 (below, above) => below.or(above),
             };
-            assert_eq!(flip.value.map(f32::to_bits), expected.map(f32::to_bits), "{knob:?} {frames}");
+            assert_eq!(flip.value.map(f32::to_bits), expected.map(f32::to_bits), "{setting:?} {frames}");
             found += usize::from(expected.is_some());
         }
     }
@@ -201,7 +206,7 @@ fn the_flip_of_lambda_is_the_distance_of_the_nearest_background_component() {
 
 #[test]
 fn an_axis_includes_the_present_value_and_only_valid_values() {
-    for (knob, present) in [
+    for (setting, present) in [
         (TunableSetting::Alpha, 0.01),
         (TunableSetting::Alpha, 0.9),
         (TunableSetting::Alpha, 0.000_01),
@@ -210,14 +215,14 @@ fn an_axis_includes_the_present_value_and_only_valid_values() {
         (TunableSetting::Lambda, 0.5),
         (TunableSetting::InitialSigma, 128.0),
     ] {
-        let axis = SettingAxis::new(knob, present);
-        assert!((-0.001..=1.001).contains(&axis.share_of(present)), "{knob:?}");
+        let axis = SettingAxis::new(setting, present);
+        assert!((-0.001..=1.001).contains(&axis.share_of(present)), "{setting:?}");
         assert!(axis.values.is_sorted_by(|a, b| a < b));
         for (cell, &value) in axis.values.iter().enumerate() {
             let mut settings = Settings::preset(Preset::Plain);
-            knob.set(&mut settings, value).unwrap();
-            assert_eq!(knob.get(&Parameters::new(&settings)), value);
-            assert_eq!(axis.cell_at(axis.share_of(value)), cell, "{knob:?} {value}");
+            setting.set(&mut settings, value).unwrap();
+            assert_eq!(setting.get(&Parameters::new(&settings)), value);
+            assert_eq!(axis.cell_at(axis.share_of(value)), cell, "{setting:?} {value}");
         }
     }
     assert!(TunableSetting::T.set(&mut Settings::default(), 1.5).is_err());

@@ -504,7 +504,7 @@ fn all() -> Vec<(&'static str, Figure)> {
     let of_gray = slots_by_rank(&gray);
     let values: Vec<_> = history.states[..=230].iter().map(|state| state.value).collect();
     let maps = [[TunableSetting::Alpha, TunableSetting::T], [TunableSetting::Lambda, TunableSetting::K]]
-        .map(|knobs| map(&values, &history.parameters, knobs));
+        .map(|tuned_settings| map(&values, &history.parameters, tuned_settings));
     let look = Look { turn: Turn::default(), fit: true };
     let part = |frames, fit| through_time::HistorySelection { frames, index: 230, fit };
     vec![

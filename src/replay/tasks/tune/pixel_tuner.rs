@@ -8,15 +8,15 @@ use crate::explain::tuning::{StepwiseTuning, TunableSetting, Tuning, TuningQuery
 /// Computes a [`Tuning`] and stores the last one.
 #[derive(Default)]
 pub(crate) struct PixelTuner {
-    knobs: Option<[TunableSetting; 2]>,
+    tuned_settings: Option<[TunableSetting; 2]>,
     current: Option<StepwiseTuning>,
     done: Option<Arc<Tuning>>,
 }
 
 impl PixelTuner {
     /// Chooses the two settings of the map; `None` for no map.
-    pub(crate) const fn choose(&mut self, knobs: Option<[TunableSetting; 2]>) {
-        self.knobs = knobs;
+    pub(crate) const fn choose(&mut self, tuned_settings: Option<[TunableSetting; 2]>) {
+        self.tuned_settings = tuned_settings;
     }
 
     /// Drops all results, after the sequence's first frame has changed.
@@ -26,11 +26,11 @@ impl PixelTuner {
 
     /// Advances for the state of `history` at `position`; returns whether there was work to do.
     pub(crate) fn advance(&mut self, history: &PixelHistory, position: u32) -> bool {
-        let Some(knobs) = self.knobs else {
+        let Some(tuned_settings) = self.tuned_settings else {
             self.forget();
             return false;
         };
-        let query = TuningQuery { at: history.at, position, parameters: history.parameters, knobs };
+        let query = TuningQuery { at: history.at, position, parameters: history.parameters, tuned_settings };
         if self.done.as_ref().is_some_and(|done| done.query() == query) {
             return false;
         }
@@ -76,22 +76,22 @@ mod tests {
     fn a_tuning_in_steps_equals_one_at_once_and_is_computed_once() {
         let (mut tuner, history) = (PixelTuner::default(), history(0.01));
         assert!(!tuner.advance(&history, 200), "no request is pending");
-        for knobs in [
+        for tuned_settings in [
             [TunableSetting::Alpha, TunableSetting::Lambda],
             [TunableSetting::T, TunableSetting::K],
             [TunableSetting::InitialSigma, TunableSetting::T],
         ] {
-            tuner.choose(Some(knobs));
+            tuner.choose(Some(tuned_settings));
             for position in [0, 145, 299] {
                 let pieces = all_pieces(&mut tuner, &history, position);
                 assert!(pieces > TunableSetting::ALL.len());
                 assert!(pieces > 16, "at most one run on each side of a value per step: {pieces}");
                 let tuning = tuner.latest().unwrap();
                 let values: Vec<_> = history.states[..=position as usize].iter().map(|s| s.value).collect();
-                assert_eq!(tuning.map, map(&values, &history.parameters, knobs));
+                assert_eq!(tuning.map, map(&values, &history.parameters, tuned_settings));
                 assert_eq!(
                     tuning.flips,
-                    TunableSetting::ALL.map(|knob| flip(&values, &history.parameters, knob))
+                    TunableSetting::ALL.map(|setting| flip(&values, &history.parameters, setting))
                 );
                 assert_eq!((tuning.at, tuning.position), ((2, 3), position));
                 assert!(!tuner.advance(&history, position));

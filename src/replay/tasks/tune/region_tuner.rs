@@ -21,7 +21,7 @@ pub(crate) struct RegionTuner {
     to_learn: u32,
     /// The correction of the collected frames.
     registration: CorrectionChoice,
-    knobs: Option<[TunableSetting; 2]>,
+    tuned_settings: Option<[TunableSetting; 2]>,
     truth: Option<Arc<TrueMasks>>,
     current: Option<StepwiseRegionTuning>,
     done: Option<(RegionTuningQuery, Arc<RegionTuning>)>,
@@ -71,8 +71,8 @@ impl RegionTuner {
     }
 
     /// Chooses the two settings of the grid; `None` for no grid.
-    pub(crate) const fn tune(&mut self, knobs: Option<[TunableSetting; 2]>) {
-        self.knobs = knobs;
+    pub(crate) const fn tune(&mut self, tuned_settings: Option<[TunableSetting; 2]>) {
+        self.tuned_settings = tuned_settings;
     }
 
     /// Sets the true masks, which have the size of the frames.
@@ -91,13 +91,15 @@ impl RegionTuner {
     /// do.
     pub(crate) fn advance(&mut self, settings: &Settings) -> Option<(usize, usize)> {
         let mixture = settings.background_model == BackgroundModel::Mixture;
-        let (Some(region), Some(knobs), Some(truth)) = (&self.region, self.knobs, &self.truth) else {
+        let (Some(region), Some(tuned_settings), Some(truth)) =
+            (&self.region, self.tuned_settings, &self.truth)
+        else {
             return None;
         };
         let (at, side, frames) = (region.at, region.side, region.frames.len());
         let learnt = self.to_learn.min(frames as u32);
         let parameters = Parameters { learnt, ..Parameters::new(settings) };
-        let query = RegionTuningQuery { at, side, knobs, parameters, frames };
+        let query = RegionTuningQuery { at, side, tuned_settings, parameters, frames };
         let known = self.done.as_ref().is_some_and(|(done, _)| *done == query);
         if known || frames == 0 || !mixture {
             return None;
@@ -178,11 +180,12 @@ mod tests {
         }
         assert_eq!(tuner.region.as_ref().unwrap().frames.len(), 76, "no frame after the last scored one");
         assert!(tuner.advance(&settings).is_none(), "no request is pending");
-        for knobs in [[TunableSetting::Alpha, TunableSetting::T], [TunableSetting::K, TunableSetting::Lambda]]
+        for tuned_settings in
+            [[TunableSetting::Alpha, TunableSetting::T], [TunableSetting::K, TunableSetting::Lambda]]
         {
-            tuner.tune(Some(knobs));
+            tuner.tune(Some(tuned_settings));
             let pieces = std::iter::from_fn(|| tuner.advance(&settings)).count();
-            assert!(pieces > usize::from(knobs[0] == TunableSetting::Alpha), "{pieces}");
+            assert!(pieces > usize::from(tuned_settings[0] == TunableSetting::Alpha), "{pieces}");
             let tuning = tuner.latest().unwrap();
             let [across, up] = &tuning.axes;
             assert_eq!(tuning.cells.len(), across.values.len() * up.values.len());
@@ -191,8 +194,8 @@ mod tests {
             let labels: Vec<_> =
                 part.iter().map(|frame| Some(truth.of(frame.number)?.cut(&(28..33), &(28..33)))).collect();
             for (column, row) in [(0, 0), (5, 2), (1, up.values.len() - 1)] {
-                let cell = knobs[1].with(&tuning.parameters, up.values[row]);
-                let cell = knobs[0].with(&cell, across.values[column]);
+                let cell = tuned_settings[1].with(&tuning.parameters, up.values[row]);
+                let cell = tuned_settings[0].with(&cell, across.values[column]);
                 let expected = of_mixture(&part, &labels, cell);
                 assert_eq!(tuning.cells[row * across.values.len() + column], expected, "{column} {row}");
             }
