@@ -2,7 +2,8 @@
 
 use eframe::egui::{CursorIcon, EventFilter, Key, Modifiers, Painter, PointerButton, Pos2, Response, Ui};
 
-use super::{ViewCanvas, areas};
+use super::areas;
+use super::canvas::ViewCanvas;
 use crate::app::commands::command::{Action, Command};
 use crate::app::model::Model;
 use crate::app::model::areas::AreaEdit;

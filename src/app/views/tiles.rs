@@ -5,8 +5,12 @@ use eframe::egui::{
 };
 use egui_tiles::{Behavior, SimplificationOptions, TabState, Tabs, TileId, Tiles, Tree, UiResponse};
 
+use super::canvas::ViewCanvas;
+use super::contents::content;
+use super::frame_uploads::FrameUploads;
 use super::layer::{LayerSet, ViewLayer};
-use super::{FrameUploads, Pane, ViewCanvas, draw, loupe, pins, pointer, title_bar};
+use super::pane::Pane;
+use super::{draw, loupe, pins, pointer, title_bar};
 use crate::app::commands::command::{Action, Command};
 use crate::app::model::Model;
 use crate::app::model::camera::Hover;
@@ -75,7 +79,7 @@ impl Panes<'_> {
         let colours = theme::colours(ui.visuals());
         let painter = ui.painter().with_clip_rect(rect);
         painter.rect_filled(rect, 0.0, colours.canvas);
-        self.layers.add(view.layers(self.model.display.background));
+        self.layers.add(content(view).layers(self.model.display.background));
         self.layers.add(&[ViewLayer::Ignored]);
         let Some(set) = self.pictures.in_view() else { return };
         let shown = &*set.frame().shown;
@@ -99,7 +103,7 @@ impl Panes<'_> {
             set,
             colours,
         };
-        view.paint(&pane);
+        content(view).paint(&pane);
         pins::paint(&painter, &canvas, self.model);
         if let Some(pixel) = self.model.selection.pixel {
             draw::cross(&painter, &canvas, pixel, Color32::from_rgb(255, 255, 255));
