@@ -2,7 +2,7 @@
 
 use eframe::egui::{Align, Layout, Pos2, Rect, Sense, Stroke, Ui, UiBuilder, Vec2};
 
-use super::ChosenPixel;
+use super::chosen_pixel::ChosenPixel;
 use super::style::{self, SMALL_TEXT, small};
 use crate::explain::pixel::component_states::ComponentState;
 use crate::explain::pixel::verdict::number;

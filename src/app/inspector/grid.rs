@@ -6,7 +6,7 @@ use eframe::egui::{
     WidgetInfo,
 };
 
-use super::InspectorAction;
+use super::action::InspectorAction;
 use super::chart::{self, Columns, TICKS_HEIGHT};
 use super::style::{self, small};
 use crate::explain::pixel::verdict::number;

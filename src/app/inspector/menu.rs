@@ -4,7 +4,7 @@ use eframe::egui::containers::menu::MenuButton;
 use eframe::egui::{Button, Label, Response, Ui};
 use egui_material_icons::icons as m;
 
-use super::InspectorAction;
+use super::action::InspectorAction;
 use super::plot::{Format, Plot};
 use super::style;
 use super::table::Table;

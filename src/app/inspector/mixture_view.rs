@@ -4,12 +4,13 @@ use eframe::egui;
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Align2, Button, Painter, Pos2, Rangef, Rect, Sense, Shape, Stroke, Ui, Vec2, WidgetInfo};
 
+use super::action::InspectorAction;
 use super::chart::{self, ChartAxis, Columns, TICKS_HEIGHT};
+use super::chosen_pixel::ChosenPixel;
 use super::components::{numbers, table};
 use super::menu;
 use super::plot::Plot;
 use super::style::{self, small};
-use super::{ChosenPixel, InspectorAction};
 use crate::explain::pixel::component_states::{ComponentState, component_states, t_at};
 use crate::explain::pixel::verdict::{Verdict, number};
 use crate::export::figure::mixture::UpdateSide;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::{fs, io};
 
-use super::SlottedHistory;
+use super::chosen_pixel::SlottedHistory;
 use super::table::{Table, borrowed};
 use crate::app::files::atomic_write;
 use crate::explain::pixel::region_shares::RegionShares;

@@ -4,11 +4,14 @@ use std::sync::Arc;
 
 use eframe::egui::{Rangef, RichText, Sense, Ui, Vec2};
 
+use super::action::InspectorAction;
 use super::chart::Columns;
+use super::chosen_pixel::ChosenPixel;
+use super::context::RegionAccuracy;
 use super::grid::{self, Grid};
 use super::plot::Plot;
 use super::style::{self, small};
-use super::{ChosenPixel, InspectorAction, RegionAccuracy, menu, region_size};
+use super::{menu, region_size};
 use crate::app::theme;
 use crate::explain::tuning::{RegionTuning, TunableSetting};
 use crate::palette;

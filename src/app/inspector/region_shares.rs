@@ -7,12 +7,13 @@ use eframe::egui::{
     Color32, Pos2, Rangef, Rect, RichText, Sense, Shape, Stroke, Ui, Visuals, WidgetInfo, vec2,
 };
 
+use super::action::InspectorAction;
 use super::chart::{self, ChartAxis, Columns, TICKS_HEIGHT};
 use super::frame_axis::{FramePosition, go_to, mark};
 use super::menu;
 use super::plot::Plot;
+use super::region_size;
 use super::style::{self, small};
-use super::{InspectorAction, region_size};
 use crate::explain::pixel::PixelHistory;
 use crate::explain::pixel::region_shares::RegionShares;
 use crate::export::figure::region::{Peak, peaks};

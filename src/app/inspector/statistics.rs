@@ -5,10 +5,11 @@ use std::sync::Arc;
 
 use eframe::egui::{Align2, DragValue, Label, Pos2, Rect, Sense, Ui, Vec2};
 
+use super::action::InspectorAction;
+use super::chosen_pixel::ChosenPixel;
 use super::menu;
 use super::style::{self, small};
 use super::table::Table;
-use super::{ChosenPixel, InspectorAction};
 use crate::explain::pixel::PixelHistory;
 use crate::explain::pixel::statistics::Statistics;
 use crate::explain::pixel::verdict::number;

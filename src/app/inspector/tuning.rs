@@ -5,12 +5,14 @@ use std::time::Duration;
 
 use eframe::egui::{Align2, Pos2, Rect, RichText, Sense, Ui, Vec2};
 
+use super::action::InspectorAction;
+use super::chosen_pixel::ChosenPixel;
+use super::context::RegionAccuracy;
 use super::grid::{self, Grid};
 use super::menu;
 use super::plot::Plot;
 use super::region_accuracy::{PAIRED_MAP_ASPECT, RegionAccuracyView};
 use super::style::{self, small};
-use super::{ChosenPixel, InspectorAction, RegionAccuracy};
 use crate::explain::pixel::verdict::number;
 use crate::explain::tuning::{TunableSetting, Tuning, VerdictFlip, VerdictMap};
 
