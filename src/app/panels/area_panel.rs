@@ -3,8 +3,9 @@
 use eframe::egui::{Align, Button, CollapsingHeader, Layout, RichText, Ui, vec2};
 use egui_material_icons::icons as m;
 
+use crate::app::commands::action::Action;
 use crate::app::commands::availability::is_available;
-use crate::app::commands::command::{Action, Command};
+use crate::app::commands::command::Command;
 use crate::app::icons;
 use crate::app::icons::Icon;
 use crate::app::model::Model;

@@ -3,8 +3,11 @@
 use eframe::egui::{Align, Align2, Button, Context, Id, Key, Modal, Modifiers, ScrollArea, TextEdit};
 use egui_material_icons::icons as m;
 
+use crate::app::commands::action::Action;
+use crate::app::commands::actions::ACTIONS;
 use crate::app::commands::availability::is_available;
-use crate::app::commands::command::{ACTIONS, Action, ActionEntry, Command};
+use crate::app::commands::command::Command;
+use crate::app::commands::entry::ActionEntry;
 use crate::app::icons;
 use crate::app::icons::Icon;
 use crate::app::model::Model;

@@ -2,7 +2,8 @@
 
 use eframe::egui::{Align, Context, Grid, Id, Layout, Modal, RichText, ScrollArea, Ui, vec2};
 
-use crate::app::commands::command::{ACTIONS, Menu};
+use crate::app::commands::actions::ACTIONS;
+use crate::app::commands::entry::Menu;
 use crate::app::theme;
 
 /// The actions of the pointer.

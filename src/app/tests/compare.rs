@@ -1,7 +1,7 @@
 //! Comparison of the settings A and B.
 
 use super::*;
-use crate::app::commands::command::Action;
+use crate::app::commands::action::Action;
 use crate::app::model::event_comparison::{ComparisonFilter, EventRef};
 use crate::app::model::layout::ViewLayout;
 use crate::app::views::{ViewCanvas, loupe_words};

@@ -1,7 +1,7 @@
 //! Inspector requests and their execution by the window.
 
 use super::*;
-use crate::app::commands::command::Action;
+use crate::app::commands::action::Action;
 use crate::explain::pixel::PixelHistory;
 use crate::explain::tuning::{Tuning, flip, map};
 use crate::mixture::Parameters;

@@ -1,7 +1,7 @@
 //! The object panel.
 
 use super::*;
-use crate::app::commands::command::Action;
+use crate::app::commands::action::Action;
 use crate::app::model::event_comparison::EventRef;
 use crate::app::model::selection::Subject;
 use crate::app::views::ViewCanvas;

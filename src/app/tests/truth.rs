@@ -2,7 +2,7 @@
 
 use super::inspector::inspected_state;
 use super::*;
-use crate::app::commands::command::Action;
+use crate::app::commands::action::Action;
 use crate::explain::tuning::{RegionTuning, grid};
 use crate::truth::decisions::Decisions;
 use crate::truth::masks::{Label, TrueMask, TrueMasks};

@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use eframe::egui::{ColorImage, Context};
 
-use crate::app::commands::command::{Action, Command};
+use crate::app::commands::action::Action;
+use crate::app::commands::command::Command;
 use crate::app::files::dialogs::DialogResult;
 use crate::app::inspector::InspectorAction;
 use crate::app::model::areas::AreaEdit;

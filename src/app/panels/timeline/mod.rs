@@ -16,7 +16,8 @@ use self::marks::{
     EVENT_ROW_HEIGHT, NUMBER_ROW_HEIGHT, draw_events, draw_marks, draw_numbers, draw_playhead, nearest_event,
 };
 use self::tracks::draw_tracks;
-use crate::app::commands::command::{Action, Command};
+use crate::app::commands::action::Action;
+use crate::app::commands::command::Command;
 use crate::app::icons;
 use crate::app::model::Model;
 use crate::app::model::event_comparison::EventRef;
