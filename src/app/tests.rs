@@ -100,7 +100,7 @@ impl Player for RecordingPlayer {
             Request::Pin(pixels) => vec![PlayerCall::Pin(pixels.clone())],
             Request::Map(quantity) => vec![PlayerCall::Map(*quantity)],
             Request::CountRegion(region) => vec![PlayerCall::Region(*region)],
-            Request::Tune(knobs) => vec![PlayerCall::Tune(*knobs)],
+            Request::Tune(settings) => vec![PlayerCall::Tune(*settings)],
             Request::TuneRegion(region) => vec![PlayerCall::TuneRegion(*region)],
             Request::Explain(event) => vec![PlayerCall::Explain(event.clone())],
         };

@@ -168,7 +168,7 @@ fn a_hidden_tab_requests_nothing() {
         let last = asked
             .iter()
             .rev()
-            .find_map(|asked| if let PlayerCall::Tune(knobs) = asked { Some(*knobs) } else { None });
+            .find_map(|asked| if let PlayerCall::Tune(settings) = asked { Some(*settings) } else { None });
         last.flatten()
     };
     assert!(tuned(&scene).is_some());
