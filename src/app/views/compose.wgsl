@@ -1,7 +1,7 @@
 // Composes one view from the layers of a frame. A texel is one pixel of the image, or every n-th
 // one of an image that is too large for the card.
 
-struct View {
+struct ViewUniforms {
     // The image's upper left corner and the window's size, in pixels of the screen.
     origin: vec2<f32>,
     screen: vec2<f32>,
@@ -25,7 +25,7 @@ struct View {
     beside: vec4<f32>,
 }
 
-@group(0) @binding(0) var<uniform> view: View;
+@group(0) @binding(0) var<uniform> view: ViewUniforms;
 @group(0) @binding(1) var smooth_sampler: sampler;
 
 @group(1) @binding(0) var input: texture_2d<f32>;

@@ -13,7 +13,7 @@ const UNIFORM_STRIDE_BYTES: u64 = 256;
 const UNIFORM_SLOTS: u64 = View::ALL.len() as u64 + 1;
 /// The slot of the loupe.
 pub(super) const LOUPE_SLOT: u64 = UNIFORM_SLOTS - 1;
-/// Size of the shader's `View` struct, in bytes.
+/// Size of the shader's `ViewUniforms`, in bytes.
 pub(super) const UNIFORM_BYTES: u64 = 96;
 
 /// The shader, its pipeline and its uniforms, for all views.
@@ -168,7 +168,7 @@ impl Composer {
         })
     }
 
-    /// Writes the bytes of the shader's `View` struct into a slot.
+    /// Writes the bytes of the shader's `ViewUniforms` into a slot.
     pub(super) fn write(&self, queue: &wgpu::Queue, slot: u64, values: &[u8; UNIFORM_BYTES as usize]) {
         queue.write_buffer(&self.values, slot * UNIFORM_STRIDE_BYTES, values);
     }

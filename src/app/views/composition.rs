@@ -60,7 +60,7 @@ impl Composition {
         })
     }
 
-    /// The bytes of the shader's `View` struct.
+    /// The bytes of the shader's `ViewUniforms`.
     fn values(&self, screen: &ScreenDescriptor) -> [u8; UNIFORM_BYTES as usize] {
         let dense = screen.pixels_per_point;
         let whole = self.canvas.whole();
