@@ -89,9 +89,11 @@ impl CommandPalette {
         if !self.open {
             return;
         }
-        let area = Modal::default_area(Id::unique("finder")).anchor(Align2::CENTER_TOP, [0.0, 80.0]);
-        let response =
-            Modal::new(Id::unique("finder")).area(area).frame(theme::dialog_frame(ctx)).show(ctx, |ui| {
+        let area = Modal::default_area(Id::unique("command palette")).anchor(Align2::CENTER_TOP, [0.0, 80.0]);
+        let response = Modal::new(Id::unique("command palette"))
+            .area(area)
+            .frame(theme::dialog_frame(ctx))
+            .show(ctx, |ui| {
                 ui.set_width(440.0);
                 let pressed = |key| ui.input_mut(|input| input.consume_key(Modifiers::NONE, key));
                 let (up, down, enter) = (pressed(Key::ArrowUp), pressed(Key::ArrowDown), pressed(Key::Enter));
