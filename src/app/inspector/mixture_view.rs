@@ -88,18 +88,18 @@ impl MixtureView {
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing.x = 3.0;
             ui.spacing_mut().button_padding.x = 6.0;
-            ui.label("Show").on_hover_text("Mixture before this frame's update, after it, or both.");
+            ui.label("Show").on_hover_text("Mixture before this frame's update, after it, or both");
             for (side, name, meaning) in [
                 (
                     UpdateSide::Before,
                     "before",
-                    "Mixture of the previous frame, with which the value is compared.",
+                    "Mixture of the previous frame, with which the value is compared",
                 ),
-                (UpdateSide::After, "after", "Mixture updated with this frame's value, which determines B."),
+                (UpdateSide::After, "after", "Mixture updated with this frame's value, which determines B"),
                 (
                     UpdateSide::Both,
                     "both",
-                    "Mixtures before and after the update, side by side if space permits.",
+                    "Mixtures before and after the update, side by side if space permits",
                 ),
             ] {
                 let button = Button::selectable(shown(self.side) == side, name);

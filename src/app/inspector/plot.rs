@@ -118,7 +118,7 @@ impl Plot {
             Self::Scatter(of, ..) => ("scatter", &of.history),
             Self::Cube(of, ..) => ("scatter-3d", &of.history),
             Self::Map(of, _) => ("tuning", &of.history),
-            Self::RegionAccuracy(of, ..) => ("right", &of.history),
+            Self::RegionAccuracy(of, ..) => ("accuracy", &of.history),
             Self::Region(of, ..) => ("region", of),
             Self::Pins(..) => return format!("pins.{}", format.ending()),
         };

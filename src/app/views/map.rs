@@ -17,7 +17,7 @@ use crate::replay::ShownFrame;
 use crate::settings::{BackgroundModel, Settings};
 
 /// The message for a live source, which delivers each frame only once, so that a map may be unavailable.
-const NO_PREVIOUS_FRAMES: &str = "Previous frames are not available";
+const NO_PREVIOUS_FRAMES: &str = "Previous frames are not available.";
 
 /// Number of frames since foreground from which the colour is constant.
 const MAX_FRAMES_AGO: f32 = 1000.0;

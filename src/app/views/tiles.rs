@@ -13,6 +13,7 @@ use super::pane::Pane;
 use super::{draw, loupe, pins, pointer, title_bar};
 use crate::app::commands::action::Action;
 use crate::app::commands::command::Command;
+use crate::app::commands::shortcut::Shortcut;
 use crate::app::model::Model;
 use crate::app::model::camera::Hover;
 use crate::app::model::view::View;
@@ -36,7 +37,9 @@ pub(crate) fn show(
             ui.horizontal_centered(|ui| {
                 ui.add_space(2.0 * theme::SPACE);
                 ui.strong(view.title());
-                ui.weak("press the same key to restore all views");
+                if let Some(key) = maximise_key(view) {
+                    ui.weak(format!("Press {} to restore all views", key.text()));
+                }
                 title_bar::controls(ui, model, view, 1, panes.commands);
             });
         });
@@ -52,6 +55,11 @@ pub(crate) fn show(
         commands.push(Command::Hover(hover));
     }
     fitted.map(|(_, fitted)| fitted)
+}
+
+/// The key that maximises a view and restores all views, if any.
+fn maximise_key(view: View) -> Option<Shortcut> {
+    Action::Maximise(view).entry().and_then(|entry| entry.shortcuts.first()).copied()
 }
 
 struct Panes<'a> {
@@ -145,8 +153,7 @@ impl Behavior<View> for Panes<'_> {
     ) -> eframe::egui::Response {
         match tiles.get_pane(&tile_id) {
             Some(view) => {
-                let entry = Action::Maximise(*view).entry();
-                let key = entry.and_then(|entry| entry.shortcuts.first());
+                let key = maximise_key(*view);
                 let key = key.map_or_else(String::new, |key| format!(" Key {}.", key.text()));
                 response.on_hover_text(format!("{}{key}", view.meaning()))
             }

@@ -18,7 +18,7 @@ pub(super) const ENTRIES: &[ActionEntry] = &[
         &[key(Key::I)],
         "Exclude an area from analysis: click corners or drag a rectangle in any view",
     )
-    .within("Area")
+    .within("Areas")
     .after_line(),
     entry(
         Menu::Analysis,
@@ -28,7 +28,7 @@ pub(super) const ENTRIES: &[ActionEntry] = &[
         &[shift(Key::I)],
         "Restrict analysis to such areas",
     )
-    .within("Area"),
+    .within("Areas"),
     entry(
         Menu::Analysis,
         Action::CloseArea,
@@ -37,7 +37,7 @@ pub(super) const ENTRIES: &[ActionEntry] = &[
         &[key(Key::Enter)],
         "Connect the last corner to the first",
     )
-    .within("Area"),
+    .within("Areas"),
     entry(
         Menu::Analysis,
         Action::UndoCorner,
@@ -46,7 +46,7 @@ pub(super) const ENTRIES: &[ActionEntry] = &[
         &[key(Key::Backspace)],
         "Remove the last corner of the area being drawn",
     )
-    .within("Area")
+    .within("Areas")
     .repeats(),
     entry(
         Menu::Analysis,
@@ -56,7 +56,7 @@ pub(super) const ENTRIES: &[ActionEntry] = &[
         &[key(Key::Escape)],
         "Cancel the area being drawn and clear the area selection",
     )
-    .within("Area"),
+    .within("Areas"),
     entry(
         Menu::Analysis,
         Action::DeleteArea,
@@ -65,7 +65,7 @@ pub(super) const ENTRIES: &[ActionEntry] = &[
         &[key(Key::Delete)],
         "Delete the selected area; select one by clicking its outline or the list",
     )
-    .within("Area"),
+    .within("Areas"),
     entry(
         Menu::Analysis,
         Action::ClearAreas,
@@ -74,5 +74,5 @@ pub(super) const ENTRIES: &[ActionEntry] = &[
         &[],
         "Analyse the whole image again",
     )
-    .within("Area"),
+    .within("Areas"),
 ];

@@ -36,7 +36,7 @@ pub(super) const ENTRIES: &[ActionEntry] = &[
         &[ctrl(Key::Plus), ctrl(Key::Equals)],
         "Increase the size of text and controls",
     )
-    .within("Text and controls")
+    .within("Text size")
     .always()
     .repeats(),
     entry(
@@ -47,7 +47,7 @@ pub(super) const ENTRIES: &[ActionEntry] = &[
         &[ctrl(Key::Minus)],
         "Decrease the size of text and controls",
     )
-    .within("Text and controls")
+    .within("Text size")
     .always()
     .repeats(),
     entry(
@@ -58,7 +58,7 @@ pub(super) const ENTRIES: &[ActionEntry] = &[
         &[ctrl(Key::Num0)],
         "Reset text and controls to the system's size",
     )
-    .within("Text and controls")
+    .within("Text size")
     .always(),
     entry(
         Menu::View,

@@ -85,7 +85,7 @@ pub(super) const ENTRIES: &[ActionEntry] = &[
         m::ICON_LAST_PAGE,
         "Last frame",
         &[key(Key::End)],
-        "Go to the last analysed frame",
+        "Go to the last frame",
     ),
     entry(
         Menu::Analysis,

@@ -125,7 +125,7 @@ fn tooltip(ui: &mut Ui, model: &Model, timeline: &Timeline, near: Option<usize>,
         ui.label(&event.evidence.branch);
         return;
     }
-    ui.strong(format!("frame {}", model.worker.number(column)));
+    ui.strong(format!("Frame {}", model.worker.number(column)));
     match timeline.foreground_share.get(column as usize) {
         Some(share) => ui.label(format!("foreground {:.2} %", share * 100.0)),
         None => ui.weak("not analysed yet"),
