@@ -76,7 +76,7 @@ fn counterfactuals(ui: &mut Ui, model: &Model, event: &Event, commands: &mut Vec
     });
     let (tried, all) = what_if.tried;
     if !what_if.done {
-        ui.weak(format!("Tested {tried} of {all} settings…"));
+        ui.weak(format!("Tested {tried} of {all} values…"));
     } else if what_if.preventions.is_empty() {
         ui.weak("No single tracking or occlusion setting prevents it.");
     } else {

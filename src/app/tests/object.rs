@@ -131,7 +131,7 @@ fn counterfactuals_of_an_event_are_requested_shown_and_applied() {
     };
     scene.state.borrow_mut().counterfactual = answer((12, 40), false);
     harness.run_steps(4);
-    harness.get_by_label("Tested 12 of 40 settings…");
+    harness.get_by_label("Tested 12 of 40 values…");
     right_panel_looks_as_before(&mut harness, "prevented");
     scene.state.borrow_mut().counterfactual = answer((40, 40), true);
     harness.run_steps(4);
