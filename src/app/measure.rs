@@ -17,7 +17,8 @@ use eframe::egui_wgpu::{RendererOptions, ScreenDescriptor, wgpu};
 use egui_kittest::wgpu::{create_render_state, default_wgpu_setup};
 
 use crate::app::Window;
-use crate::app::commands::command::{Action, Command};
+use crate::app::commands::action::Action;
+use crate::app::commands::command::Command;
 use crate::app::model::player::Player;
 use crate::export::tests::track;
 use crate::frame::{Frame, Mask, Size};

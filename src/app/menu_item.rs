@@ -4,7 +4,8 @@ use eframe::egui::{Button, Ui};
 use egui_material_icons::icons as m;
 
 use crate::app::commands::availability::{is_available, switch_state};
-use crate::app::commands::command::{ActionEntry, Command};
+use crate::app::commands::command::Command;
+use crate::app::commands::entry::ActionEntry;
 use crate::app::icons;
 use crate::app::model::Model;
 

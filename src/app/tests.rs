@@ -100,7 +100,7 @@ impl Player for RecordingPlayer {
             Request::Pin(pixels) => vec![PlayerCall::Pin(pixels.clone())],
             Request::Map(quantity) => vec![PlayerCall::Map(*quantity)],
             Request::CountRegion(region) => vec![PlayerCall::Region(*region)],
-            Request::Tune(knobs) => vec![PlayerCall::Tune(*knobs)],
+            Request::Tune(settings) => vec![PlayerCall::Tune(*settings)],
             Request::TuneRegion(region) => vec![PlayerCall::TuneRegion(*region)],
             Request::Explain(event) => vec![PlayerCall::Explain(event.clone())],
         };
@@ -488,19 +488,29 @@ fn picture(harness: &mut Harness<'_, Window>, name: &str) {
     }
 }
 
-/// Checks the part of the window right of the views against its golden image.
-fn right_panel_looks_as_before(harness: &mut Harness<'_, Window>, name: &str) {
-    picture(harness, name);
-    harness.state_mut().toasts.hide();
-    harness.step();
+/// The part of the window with the views.
+fn views(harness: &Harness<'_, Window>) -> egui::Rect {
     let slots = &harness.state().model.edits.ab_settings;
     let view = |view: &View| {
         harness.query_by_label(&format!("{} view", view.label(slots))).map(|found| found.rect())
     };
-    let views = View::ALL.iter().filter_map(view).reduce(egui::Rect::union).unwrap();
+    View::ALL.iter().filter_map(view).reduce(egui::Rect::union).unwrap()
+}
+
+/// Checks a part of the window against its golden image.
+fn part_looks_as_before(harness: &mut Harness<'_, Window>, part: egui::Rect, name: &str) {
+    picture(harness, name);
+    harness.state_mut().toasts.hide();
+    harness.step();
+    let part = part.intersect(harness.ctx.content_rect());
+    looks_as_before(&harness.render().unwrap(), Some(part), name);
+}
+
+/// Checks the part of the window right of the views against its golden image.
+fn right_panel_looks_as_before(harness: &mut Harness<'_, Window>, name: &str) {
+    let views = views(harness);
     let corner = egui::pos2(harness.ctx.content_rect().right(), views.bottom());
-    let panel = egui::Rect::from_two_pos(views.right_top(), corner);
-    looks_as_before(&harness.render().unwrap(), Some(panel), name);
+    part_looks_as_before(harness, egui::Rect::from_two_pos(views.right_top(), corner), name);
 }
 
 #[test]

@@ -27,7 +27,7 @@ pub fn write_decisions(out: &mut impl Write, axes: &[SettingAxis; 2], cells: &[D
 }
 
 fn header(out: &mut impl Write, [x, y]: &[SettingAxis; 2], columns: &str) -> io::Result<()> {
-    writeln!(out, "{},{},{columns}", x.knob.key(), y.knob.key())
+    writeln!(out, "{},{},{columns}", x.setting.key(), y.setting.key())
 }
 
 /// Calls `write` with each cell: its column, its row, and the values of both settings.

@@ -119,7 +119,7 @@ fn the_time_from_a_click_to_the_history() {
             let whole = |tuning: &Arc<RegionTuning>| {
                 tuning.side == side
                     && tuning.frames as u32 == FRAMES
-                    && tuning.axes.each_ref().map(|axis| axis.knob) == tuned_settings
+                    && tuning.axes.each_ref().map(|axis| axis.setting) == tuned_settings
             };
             let tuning = wait_until(&|state| state.region_tuning.as_ref().is_some_and(whole));
             let cells = tuning.region_tuning.unwrap().cells.len();

@@ -751,7 +751,7 @@ fn a_tuning_equals_runs_of_the_pixel_under_other_settings() {
         let state = watched.wait_until(|state| {
             let tuning = state.tuning.as_ref().filter(|tuning| tuning.position == position);
             tuning.is_some_and(|tuning| {
-                let of = tuning.map.axes.each_ref().map(|axis| axis.knob);
+                let of = tuning.map.axes.each_ref().map(|axis| axis.setting);
                 of == tuned_settings && tuning.parameters.equal_settings(&settings)
             })
         });
@@ -763,7 +763,7 @@ fn a_tuning_equals_runs_of_the_pixel_under_other_settings() {
         assert_eq!(tuning.at, PIXEL);
         assert_eq!(tuning.map, tuning::map(&values, &tuning.parameters, tuned_settings));
         for flip in &tuning.flips {
-            assert_eq!(*flip, tuning::flip(&values, &tuning.parameters, flip.knob));
+            assert_eq!(*flip, tuning::flip(&values, &tuning.parameters, flip.setting));
         }
     }
     watched.request(Request::Tune(None));

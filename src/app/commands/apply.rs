@@ -1,6 +1,7 @@
 //! Execution of the commands that change only the model. The window executes the others.
 
-use crate::app::commands::command::{Action, Command};
+use crate::app::commands::action::Action;
+use crate::app::commands::command::Command;
 use crate::app::model::Model;
 use crate::app::model::camera::ViewCamera;
 use crate::app::model::event_comparison::EventRef;

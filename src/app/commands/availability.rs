@@ -1,6 +1,7 @@
 //! Which actions are available, and which switches are on.
 
-use crate::app::commands::command::{Action, ActionEntry};
+use crate::app::commands::action::Action;
+use crate::app::commands::entry::ActionEntry;
 use crate::app::model::Model;
 use crate::app::model::overlays::TrackOverlay;
 

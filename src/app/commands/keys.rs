@@ -2,12 +2,11 @@
 
 use eframe::egui::{Context, Event, Key, Modifiers, Popup};
 
+use crate::app::commands::actions::ACTIONS;
 use crate::app::commands::availability::is_available;
-use crate::app::commands::command::{ACTIONS, Command};
+use crate::app::commands::command::Command;
+use crate::app::commands::shortcut::FLIP_KEY;
 use crate::app::model::Model;
-
-/// While this key is held, the other slot is in view.
-pub(crate) const FLIP_KEY: Key = Key::X;
 
 /// The available actions whose shortcuts were pressed. None while text is edited. While a control has the focus, none
 /// whose key moves or activates it.

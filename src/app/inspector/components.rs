@@ -2,7 +2,7 @@
 
 use eframe::egui::{Align, Layout, Pos2, Rect, Sense, Stroke, Ui, UiBuilder, Vec2};
 
-use super::ChosenPixel;
+use super::chosen_pixel::ChosenPixel;
 use super::style::{self, SMALL_TEXT, small};
 use crate::explain::pixel::component_states::ComponentState;
 use crate::explain::pixel::verdict::number;
@@ -21,11 +21,11 @@ pub(super) fn table(ui: &mut Ui, chosen: &ChosenPixel<'_>, rows: &[ComponentStat
     let gray = chosen.channels().len() == 1;
     let heads = [
         ("", "Rank and plot colour of the component. The colour is kept when the rank changes."),
-        ("w", "Weight: share of the recent frames that the component accounts for."),
-        ("μ", "Mean."),
-        ("σ", "Standard deviation; σ² is updated with the squared distance summed over the channels."),
-        ("w/σ", "Ranking criterion of the components."),
-        ("dist.", "Distance of the value from the component before the update, in σ."),
+        ("w", "Weight: share of the recent frames that the component accounts for"),
+        ("μ", "Mean"),
+        ("σ", "Standard deviation; σ² is updated with the squared distance summed over the channels"),
+        ("w/σ", "Ranking criterion of the components"),
+        ("dist.", "Distance of the value from the component before the update, in σ"),
         ("", ""),
     ];
     line(ui, None, |ui, column| {
@@ -74,14 +74,14 @@ pub(super) fn table(ui: &mut Ui, chosen: &ChosenPixel<'_>, rows: &[ComponentStat
                 let foreground = style::verdict_colour(ui.visuals(), true);
                 let (text, colour) = if row.background { ("bg", background) } else { ("fg", foreground) };
                 ui.label(small(text).color(colour)).on_hover_text(if row.background {
-                    "Background: its rank is at most B."
+                    "Background: its rank is at most B"
                 } else {
-                    "Foreground: its rank is greater than B."
+                    "Foreground: its rank is greater than B"
                 });
                 if row.matched {
-                    ui.label(small("match").strong()).on_hover_text("The value matches this component.");
+                    ui.label(small("match").strong()).on_hover_text("The value matches this component");
                 } else if row.new {
-                    ui.label(small("new").strong()).on_hover_text("Created in this frame from its value.");
+                    ui.label(small("new").strong()).on_hover_text("Created in this frame from its value");
                 }
             }
         });
@@ -140,31 +140,31 @@ pub(super) fn numbers(ui: &mut Ui, chosen: &ChosenPixel<'_>) {
     let alpha = parameters.alpha_of(&before, chosen.state.t);
     let past = chosen.state.pixel.past();
     let mut cells = vec![
-        ("P(X)", number(outcome.p), "Probability density of the value under the mixture before the update."),
-        ("ρ", number(outcome.rho), "Update rate of the matched component's μ and σ²; 0 without a match."),
+        ("P(X)", number(outcome.p), "Probability density of the value under the mixture before the update"),
+        ("ρ", number(outcome.rho), "Update rate of the matched component's μ and σ²; 0 without a match"),
         (
             "α",
             number(alpha),
-            "Learning rate of the weights in this frame (1/t during warm-up; adapted by feedback).",
+            "Learning rate of the weights in this frame (1/t during warm-up; adapted by feedback)",
         ),
-        ("B", outcome.background_count.to_string(), "Number of background components after the update."),
+        ("B", outcome.background_count.to_string(), "Number of background components after the update"),
         (
             "t",
             chosen.state.t.to_string(),
-            "Number of frames processed by the model, including this frame and bootstrap.",
+            "Number of frames processed by the model, including this frame and bootstrap",
         ),
         (
             "λ, T",
             format!("{}, {}", number(parameters.lambda), number(parameters.t_of(past))),
-            "Match threshold λ in σ, and background ratio T.",
+            "Match threshold λ in σ, and background ratio T",
         ),
     ];
     if parameters.feedback.is_on() {
-        cells.push(("run", number(past.run), "Number of consecutive foreground frames."));
+        cells.push(("run", number(past.run), "Number of consecutive foreground frames"));
         cells.push((
             "u",
             number(past.unrest),
-            "Flicker: share of recent frames in which the verdict under T changed.",
+            "Flicker: share of recent frames in which the verdict under T changed",
         ));
     }
     ui.separator();

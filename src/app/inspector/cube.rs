@@ -9,7 +9,7 @@ use eframe::egui::{
 };
 use egui_material_icons::icons as m;
 
-use super::ChosenPixel;
+use super::chosen_pixel::ChosenPixel;
 use super::style::{self, small};
 use crate::app::theme;
 use crate::explain::pixel::component_states::component_states;

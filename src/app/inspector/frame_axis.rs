@@ -2,7 +2,7 @@
 
 use eframe::egui::{Painter, Rangef, Response, Stroke, Tooltip, Ui, Visuals};
 
-use super::InspectorAction;
+use super::action::InspectorAction;
 use super::chart::ChartAxis;
 use super::style;
 

@@ -6,7 +6,7 @@ use eframe::egui::{
     WidgetInfo,
 };
 
-use super::InspectorAction;
+use super::action::InspectorAction;
 use super::chart::{self, Columns, TICKS_HEIGHT};
 use super::style::{self, small};
 use crate::explain::pixel::verdict::number;
@@ -69,8 +69,8 @@ pub(super) fn ui(ui: &mut Ui, name: &str, flat: f32, grid: Option<&Grid<'_>>) ->
         }
     }
     let here = Pos2::new(
-        plot.left() + plot.width() * x.share_of(x.knob.get(grid.parameters)).clamp(0.0, 1.0),
-        plot.bottom() - plot.height() * y.share_of(y.knob.get(grid.parameters)).clamp(0.0, 1.0),
+        plot.left() + plot.width() * x.share_of(x.setting.get(grid.parameters)).clamp(0.0, 1.0),
+        plot.bottom() - plot.height() * y.share_of(y.setting.get(grid.parameters)).clamp(0.0, 1.0),
     );
     cross(&painter, ui, here);
     pick(ui, &response, &painter, plot, grid)
@@ -107,7 +107,7 @@ fn axes(painter: &Painter, ui: &Ui, plot: Rect, [x, y]: &[SettingAxis; 2]) {
         .map(|value| (plot.left() + plot.width() * x.share_of(value), number(value)))
         .collect();
     chart::x_labels(painter, plot, &labels, visuals);
-    let name = format!("{}, {}", x.knob.symbol(), x.knob.name());
+    let name = format!("{}, {}", x.setting.symbol(), x.setting.name());
     let place = Pos2::new(plot.center().x, plot.bottom() + TICKS_HEIGHT + 2.0);
     painter.text(place, Align2::CENTER_TOP, name, style::font(), visuals.text_color());
 
@@ -119,13 +119,13 @@ fn axes(painter: &Painter, ui: &Ui, plot: Rect, [x, y]: &[SettingAxis; 2]) {
         .collect();
     chart::y_labels(painter, plot.left(), &labels, visuals);
     let place = Pos2::new(plot.left() - 6.0, plot.top() - 2.0);
-    painter.text(place, Align2::RIGHT_TOP, y.knob.symbol(), style::font(), visuals.text_color());
+    painter.text(place, Align2::RIGHT_TOP, y.setting.symbol(), style::font(), visuals.text_color());
 }
 
 /// Round values along an axis.
 fn ticks(axis: &SettingAxis, most: usize) -> Vec<f32> {
     let (low, high) = (axis.value_at(0.0), axis.value_at(1.0));
-    if !axis.knob.is_logarithmic() {
+    if !axis.setting.is_logarithmic() {
         let round = chart::ticks(low.into(), high.into(), most).into_iter().map(|value| value as f32);
         return round.collect();
     }
@@ -154,12 +154,12 @@ pub(super) fn values(
     [x, y]: &[SettingAxis; 2],
     (column, row): (usize, usize),
 ) -> Option<[(TunableSetting, f32); 2]> {
-    Some([(x.knob, *x.values.get(column)?), (y.knob, *y.values.get(row)?)])
+    Some([(x.setting, *x.values.get(column)?), (y.setting, *y.values.get(row)?)])
 }
 
 /// The settings of a cell as text.
 pub(super) fn words(values: [(TunableSetting, f32); 2]) -> String {
-    values.map(|(knob, value)| format!("{} = {}", knob.symbol(), number(value))).join(",  ")
+    values.map(|(setting, value)| format!("{} = {}", setting.symbol(), number(value))).join(",  ")
 }
 
 /// The cell under the pointer: shows its values, and applies them on a click.

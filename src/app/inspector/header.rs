@@ -3,8 +3,9 @@
 use eframe::egui::{self, RichText, Ui};
 use egui_material_icons::icons;
 
+use super::action::InspectorAction;
+use super::chosen_pixel::ChosenPixel;
 use super::style;
-use super::{ChosenPixel, InspectorAction};
 use crate::app::theme;
 use crate::explain::pixel::verdict::Verdict;
 use crate::settings::Space;

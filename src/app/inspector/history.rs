@@ -8,12 +8,13 @@ use eframe::egui::{
     Align2, Pos2, Rangef, Rect, Response, Sense, Shape, Stroke, Tooltip, Ui, Vec2, WidgetInfo,
 };
 
+use super::action::InspectorAction;
 use super::chart::{self, ChartAxis, Columns, TICKS_HEIGHT};
+use super::chosen_pixel::ChosenPixel;
 use super::menu;
 use super::plot::Plot;
 use super::rows::{LANE_HEIGHT, changes_plot, channel_plot, count_plot, rates_plot, weights_plot, x_range};
 use super::style::{self, small};
-use super::{ChosenPixel, InspectorAction};
 use crate::explain::pixel::PixelHistory;
 use crate::explain::pixel::component_slots::{ComponentChange, component_change};
 use crate::explain::pixel::downsampled_history::{HistoryColumn, downsample, value_range};

@@ -4,7 +4,7 @@ use eframe::egui::containers::menu::MenuButton;
 use eframe::egui::{Button, Label, Response, Ui};
 use egui_material_icons::icons as m;
 
-use super::InspectorAction;
+use super::action::InspectorAction;
 use super::plot::{Format, Plot};
 use super::style;
 use super::table::Table;
@@ -22,11 +22,11 @@ enum PlotExport {
 }
 
 const OF_PLOTS: [(PlotExport, &str, &str); 5] = [
-    (PlotExport::CopyPicture, "Copy image", "Copy as an image of 300 dpi on white."),
-    (PlotExport::Save(Format::Png), "Save PNG…", "Save as a PNG image of 300 dpi on white."),
-    (PlotExport::Save(Format::Svg), "Save SVG…", "Save as a vector image on white."),
-    (PlotExport::CopyTable, "Copy CSV", "Copy the plotted data as a table."),
-    (PlotExport::SaveTable, "Save CSV…", "Save the plotted data as a table."),
+    (PlotExport::CopyPicture, "Copy image", "Copy as an image of 300 dpi on white"),
+    (PlotExport::Save(Format::Png), "Save PNG…", "Save as a PNG image of 300 dpi on white"),
+    (PlotExport::Save(Format::Svg), "Save SVG…", "Save as a vector image on white"),
+    (PlotExport::CopyTable, "Copy CSV", "Copy the plotted data as a table"),
+    (PlotExport::SaveTable, "Save CSV…", "Save the plotted data as a table"),
 ];
 
 /// A plot's caption with its menu at the right. Longer explanations are in the caption's tooltip.
@@ -99,10 +99,10 @@ pub(super) fn of_tables(
             if at > 0 {
                 ui.separator();
             }
-            if entry(ui, &format!("Copy CSV of {name}"), "Copy as a table.").clicked() {
+            if entry(ui, &format!("Copy CSV of {name}"), "Copy as a table").clicked() {
                 asked = Some(InspectorAction::Copy(table()));
             }
-            if entry(ui, &format!("Save CSV of {name}…"), "Save as a table.").clicked() {
+            if entry(ui, &format!("Save CSV of {name}…"), "Save as a table").clicked() {
                 asked = Some(InspectorAction::Save(table()));
             }
         }

@@ -4,12 +4,13 @@ use eframe::egui;
 use eframe::egui::accesskit::Role;
 use eframe::egui::{Align2, Button, Painter, Pos2, Rangef, Rect, Sense, Shape, Stroke, Ui, Vec2, WidgetInfo};
 
+use super::action::InspectorAction;
 use super::chart::{self, ChartAxis, Columns, TICKS_HEIGHT};
+use super::chosen_pixel::ChosenPixel;
 use super::components::{numbers, table};
 use super::menu;
 use super::plot::Plot;
 use super::style::{self, small};
-use super::{ChosenPixel, InspectorAction};
 use crate::explain::pixel::component_states::{ComponentState, component_states, t_at};
 use crate::explain::pixel::verdict::{Verdict, number};
 use crate::export::figure::mixture::UpdateSide;
@@ -87,18 +88,18 @@ impl MixtureView {
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing.x = 3.0;
             ui.spacing_mut().button_padding.x = 6.0;
-            ui.label("Show").on_hover_text("Mixture before this frame's update, after it, or both.");
+            ui.label("Show").on_hover_text("Mixture before this frame's update, after it, or both");
             for (side, name, meaning) in [
                 (
                     UpdateSide::Before,
                     "before",
-                    "Mixture of the previous frame, with which the value is compared.",
+                    "Mixture of the previous frame, with which the value is compared",
                 ),
-                (UpdateSide::After, "after", "Mixture updated with this frame's value, which determines B."),
+                (UpdateSide::After, "after", "Mixture updated with this frame's value, which determines B"),
                 (
                     UpdateSide::Both,
                     "both",
-                    "Mixtures before and after the update, side by side if space permits.",
+                    "Mixtures before and after the update, side by side if space permits",
                 ),
             ] {
                 let button = Button::selectable(shown(self.side) == side, name);

@@ -5,8 +5,11 @@
 //! once. These modules only draw; the data are computed in [`crate::mixture`]. Each plot has a `menu` that exports it
 //! as a [`crate::export::figure`], or its `table`.
 
+mod action;
 mod chart;
+mod chosen_pixel;
 mod components;
+mod context;
 mod cube;
 mod frame_axis;
 mod grid;
@@ -34,44 +37,20 @@ use std::sync::Arc;
 
 use eframe::egui::{RichText, ScrollArea, Ui};
 
+pub use self::action::InspectorAction;
+pub use self::chosen_pixel::SlottedHistory;
+use self::chosen_pixel::{ChosenPixel, slotted};
+pub use self::context::{InspectorContext, InspectorRequests, RegionAccuracy};
 use self::frame_axis::FramePosition;
 use self::header::{header, message, verdict_ui};
 pub use self::plot::{Format, Plot};
 pub use self::table::Table;
 use self::tabs::Tab;
-use crate::explain::pixel::component_slots;
-use crate::explain::pixel::region_shares::RegionShares;
+use crate::explain::pixel::PixelHistory;
 use crate::explain::pixel::verdict::{overruled, verdict};
-use crate::explain::pixel::{PixelHistory, PixelState};
-use crate::explain::tuning::{RegionTuning, TunableSetting, Tuning};
-use crate::mixture::pixel::MAX_K;
+use crate::explain::tuning::Tuning;
 use crate::replay::{ShownFrame, WorkProgress};
 use crate::settings::BackgroundModel;
-
-/// An action that the inspector requests of the window.
-#[derive(Clone, Debug, PartialEq)]
-pub enum InspectorAction {
-    /// Show the frame at this position of the sequence, from 0.
-    GoTo(u32),
-    /// Apply these values of these settings.
-    Apply([(TunableSetting, f32); 2]),
-    /// Choose this pixel.
-    Choose((u32, u32)),
-    /// Pin the chosen pixel, or unpin it.
-    Pin,
-    /// Unpin the pixel of this number.
-    Unpin(u8),
-    /// Choose a folder of ground truth.
-    LoadTruth,
-    /// Copy the numbers behind a plot to the clipboard.
-    Copy(Table),
-    /// Write them to a file.
-    Save(Table),
-    /// Copy a plot to the clipboard as an image.
-    CopyPicture(Box<Plot>),
-    /// Write it to a file.
-    SavePicture(Box<Plot>, Format),
-}
 
 /// The state of the panel: the open tab, and the state of its plots.
 #[derive(Default)]
@@ -97,91 +76,6 @@ pub struct Inspector {
 struct ComparedPanel {
     now: mixture_view::MixtureView,
     followed: Option<SlottedHistory>,
-}
-
-/// The data that the inspector shows besides the chosen pixel's history.
-#[derive(Clone, Copy, Default)]
-pub struct InspectorContext<'a> {
-    /// The chosen pixel.
-    pub chosen: Option<(u32, u32)>,
-    /// The pinned pixels, with their numbers.
-    pub pins: &'a [(u8, (u32, u32))],
-    /// The available histories of the pinned pixels.
-    pub histories: &'a [Arc<PixelHistory>],
-    /// The pinned pixels whose history can never be computed.
-    pub lost: &'a [(u32, u32)],
-    /// How far the chosen pixel has been followed, while its history is computed.
-    pub progress: Option<&'a WorkProgress>,
-    /// The foreground ratio around the chosen pixel, if [`InspectorRequests::shares_side`] requests it.
-    pub shares: Option<&'a Arc<RegionShares>>,
-    /// The accuracy around the chosen pixel, by the ground truth.
-    pub accuracy: RegionAccuracy<'a>,
-}
-
-/// Accuracy in the region around the chosen pixel, by the ground truth.
-#[derive(Clone, Copy, Default)]
-pub struct RegionAccuracy<'a> {
-    /// Whether there are ground-truth masks.
-    pub has_masks: bool,
-    /// The tuning of the region, if [`InspectorRequests::accuracy_side`] requests it.
-    pub tuning: Option<&'a Arc<RegionTuning>>,
-}
-
-/// The data that the visible tab requests.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct InspectorRequests {
-    /// The two settings of the tuning map.
-    pub tuning_axes: Option<[TunableSetting; 2]>,
-    /// The side in pixels of the region whose accuracy is requested.
-    pub accuracy_side: Option<u32>,
-    /// The side in pixels of the region whose foreground ratio is requested.
-    pub shares_side: Option<u32>,
-}
-
-/// A history with the slots of its components; recomputed only for another history.
-#[derive(Clone, Debug, PartialEq)]
-pub struct SlottedHistory {
-    history: Arc<PixelHistory>,
-    slots: Arc<Vec<[u8; MAX_K]>>,
-}
-
-/// The chosen pixel in the frame in view.
-#[derive(Clone, Copy)]
-struct ChosenPixel<'a> {
-    history: &'a Arc<PixelHistory>,
-    /// Slots by rank, one set for each state; a component's slot determines its colour.
-    slots: &'a Arc<Vec<[u8; MAX_K]>>,
-    /// Index of the state of the frame in view.
-    index: usize,
-    state: &'a PixelState,
-    /// The source's frame rate.
-    fps: f32,
-}
-
-impl ChosenPixel<'_> {
-    /// The history with its slots, with shared ownership.
-    fn slotted_history(&self) -> SlottedHistory {
-        SlottedHistory { history: Arc::clone(self.history), slots: Arc::clone(self.slots) }
-    }
-
-    /// Whether the first `end` states equal those of `made_of`, a history from which something was computed. If so,
-    /// the present history replaces `made_of`.
-    fn shares(&self, made_of: &mut Arc<PixelHistory>, end: usize) -> bool {
-        if Arc::ptr_eq(made_of, self.history) {
-            return true;
-        }
-        // A history only grows: many times a second during the analysis.
-        let shares = end <= made_of.states.len() && self.history.extends(made_of);
-        if shares {
-            *made_of = Arc::clone(self.history);
-        }
-        shares
-    }
-
-    /// The names of the value's channels, as many as it has.
-    fn channels(&self) -> &'static [&'static str] {
-        self.history.parameters.channel_names()
-    }
 }
 
 impl Inspector {
@@ -365,21 +259,4 @@ fn computing_history(progress: Option<&WorkProgress>) -> String {
         || "Computing pixel history…".to_owned(),
         |percent| format!("Computing pixel history… {percent} %"),
     )
-}
-
-fn slotted(known: &mut Option<SlottedHistory>, history: &Arc<PixelHistory>) -> Arc<Vec<[u8; MAX_K]>> {
-    match known {
-        // The old history is kept alive, so that equal addresses imply the same history.
-        Some(followed) if Arc::ptr_eq(&followed.history, history) => Arc::clone(&followed.slots),
-        Some(followed) if history.extends(&followed.history) => {
-            component_slots::extend_slots(Arc::make_mut(&mut followed.slots), history);
-            followed.history = Arc::clone(history);
-            Arc::clone(&followed.slots)
-        }
-        _ => {
-            let slots = Arc::new(component_slots::slots_by_rank(history));
-            *known = Some(SlottedHistory { history: Arc::clone(history), slots: Arc::clone(&slots) });
-            slots
-        }
-    }
 }

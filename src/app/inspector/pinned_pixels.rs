@@ -9,12 +9,13 @@ use eframe::egui::{
 };
 use egui_material_icons::icons as m;
 
+use super::action::InspectorAction;
 use super::chart::{ChartAxis, Columns};
+use super::context::InspectorContext;
 use super::frame_axis::{FramePosition, go_to, mark};
 use super::menu;
 use super::plot::Plot;
 use super::style::{self, small};
-use super::{InspectorAction, InspectorContext};
 use crate::app::model::pins;
 use crate::app::theme;
 use crate::explain::pixel::sparklines::{SparklineColumn, level_range, sparkline};

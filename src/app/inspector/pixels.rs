@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use eframe::egui::Ui;
 
+use super::action::InspectorAction;
+use super::context::InspectorContext;
 use super::frame_axis::FramePosition;
 use super::pinned_pixels::PinnedPixelsView;
 use super::region_shares::RegionSharesView;
-use super::{InspectorAction, InspectorContext};
 use crate::explain::pixel::PixelHistory;
 
 /// The two parts of the tab.

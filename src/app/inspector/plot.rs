@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::{fs, io};
 
-use super::SlottedHistory;
+use super::chosen_pixel::SlottedHistory;
 use super::table::{Table, borrowed};
 use crate::app::files::atomic_write;
 use crate::explain::pixel::region_shares::RegionShares;
@@ -118,7 +118,7 @@ impl Plot {
             Self::Scatter(of, ..) => ("scatter", &of.history),
             Self::Cube(of, ..) => ("scatter-3d", &of.history),
             Self::Map(of, _) => ("tuning", &of.history),
-            Self::RegionAccuracy(of, ..) => ("right", &of.history),
+            Self::RegionAccuracy(of, ..) => ("accuracy", &of.history),
             Self::Region(of, ..) => ("region", of),
             Self::Pins(..) => return format!("pins.{}", format.ending()),
         };

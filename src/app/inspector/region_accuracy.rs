@@ -4,11 +4,14 @@ use std::sync::Arc;
 
 use eframe::egui::{Rangef, RichText, Sense, Ui, Vec2};
 
+use super::action::InspectorAction;
 use super::chart::Columns;
+use super::chosen_pixel::ChosenPixel;
+use super::context::RegionAccuracy;
 use super::grid::{self, Grid};
 use super::plot::Plot;
 use super::style::{self, small};
-use super::{ChosenPixel, InspectorAction, RegionAccuracy, menu, region_size};
+use super::{menu, region_size};
 use crate::app::theme;
 use crate::explain::tuning::{RegionTuning, TunableSetting};
 use crate::palette;
@@ -42,7 +45,7 @@ impl RegionAccuracyView {
             return nothing(ui);
         }
         let parameters = &chosen.history.parameters;
-        let is_of_axes = |tuning: &RegionTuning| tuning.axes.each_ref().map(|axis| axis.knob) == axes;
+        let is_of_axes = |tuning: &RegionTuning| tuning.axes.each_ref().map(|axis| axis.setting) == axes;
         let tuning = accuracy.tuning.filter(|tuning| is_of_axes(tuning) && tuning.at == chosen.history.at);
         let current = tuning.filter(|tuning| tuning.parameters == *parameters);
         let measure = self.measure;
@@ -168,7 +171,7 @@ fn ends(tuning: &RegionTuning, measure: Measure) -> (f64, f64) {
 /// The best cell, if it is better than the present settings. Of equal cells, the one nearest to them.
 fn best(tuning: &RegionTuning, measure: Measure) -> Option<(usize, usize)> {
     let [x, y] = &tuning.axes;
-    let here = [x, y].map(|axis| axis.share_of(axis.knob.get(&tuning.parameters)));
+    let here = [x, y].map(|axis| axis.share_of(axis.setting.get(&tuning.parameters)));
     let columns = x.values.len().max(1);
     let cells = tuning.cells.iter().enumerate().map(|(index, &decisions)| {
         let at = (index % columns, index / columns);

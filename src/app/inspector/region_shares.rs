@@ -7,12 +7,13 @@ use eframe::egui::{
     Color32, Pos2, Rangef, Rect, RichText, Sense, Shape, Stroke, Ui, Visuals, WidgetInfo, vec2,
 };
 
+use super::action::InspectorAction;
 use super::chart::{self, ChartAxis, Columns, TICKS_HEIGHT};
 use super::frame_axis::{FramePosition, go_to, mark};
 use super::menu;
 use super::plot::Plot;
+use super::region_size;
 use super::style::{self, small};
-use super::{InspectorAction, region_size};
 use crate::explain::pixel::PixelHistory;
 use crate::explain::pixel::region_shares::RegionShares;
 use crate::export::figure::region::{Peak, peaks};
@@ -70,7 +71,7 @@ impl RegionSharesView {
             ui.add_space(4.0);
             region_size::choice(ui, &mut self.side);
         });
-        let asked = self.shares_ui(ui, here, shares);
+        let asked = self.shares_ui(ui, chosen, here, shares);
         ui.horizontal_wrapped(|ui| {
             ui.spacing_mut().item_spacing.x = 4.0;
             let (rect, _) = ui.allocate_exact_size(vec2(12.0, 10.0), Sense::hover());
@@ -87,6 +88,7 @@ impl RegionSharesView {
     fn shares_ui(
         &mut self,
         ui: &mut Ui,
+        chosen: &PixelHistory,
         here: FramePosition,
         shares: Option<&Arc<RegionShares>>,
     ) -> Option<InspectorAction> {
@@ -136,7 +138,8 @@ impl RegionSharesView {
         go_to(ui, &response, axis, frames, |ui, frame| {
             let Some(shares) = shares else { return };
             let per_cent = |shares: &[f32]| shares.get(frame).copied().unwrap_or(0.0) * 100.0;
-            ui.label(format!("Position {}, {} s", frame + 1, style::seconds(frame, here.fps)));
+            let Some(state) = chosen.states.get(frame) else { return };
+            ui.label(format!("Frame {}, {} s", state.number, style::seconds(frame, here.fps)));
             let (after, before) = (per_cent(&shares.cleaned), per_cent(&shares.model));
             ui.label(small(&format!(
                 "{after:.0} % of {} pixels, {before:.0} % before post-processing",

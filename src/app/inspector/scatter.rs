@@ -11,12 +11,13 @@ use egui_plot::{
     Points,
 };
 
+use super::action::InspectorAction;
 use super::chart;
+use super::chosen_pixel::ChosenPixel;
 use super::cube::CubeView;
 use super::menu;
 use super::plot;
 use super::style::{self, small};
-use super::{ChosenPixel, InspectorAction};
 use crate::explain::pixel::PixelHistory;
 use crate::explain::pixel::component_states::component_states;
 use crate::explain::pixel::scatter_points::{

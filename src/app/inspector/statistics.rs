@@ -5,10 +5,11 @@ use std::sync::Arc;
 
 use eframe::egui::{Align2, DragValue, Label, Pos2, Rect, Sense, Ui, Vec2};
 
+use super::action::InspectorAction;
+use super::chosen_pixel::ChosenPixel;
 use super::menu;
 use super::style::{self, small};
 use super::table::Table;
-use super::{ChosenPixel, InspectorAction};
 use crate::explain::pixel::PixelHistory;
 use crate::explain::pixel::statistics::Statistics;
 use crate::explain::pixel::verdict::number;
@@ -40,18 +41,18 @@ impl StatisticsView {
             (
                 "frames",
                 format!("{frames},  {} s", seconds(frames as f32)),
-                "Number of frames in the statistics.",
+                "Number of frames in the statistics",
             ),
-            ("mean", format!("{}  levels", each(statistics.mean)), "Mean of each channel."),
+            ("mean", format!("{}  levels", each(statistics.mean)), "Mean of each channel"),
             (
                 "variance",
                 format!("{}  levels²", each(statistics.variance)),
-                "Variance of each channel over these frames, over all components.",
+                "Variance of each channel over these frames, over all components",
             ),
             (
                 "std. dev.",
                 format!("{}  levels", each(statistics.variance.map(f32::sqrt))),
-                "Standard deviation of each channel.",
+                "Standard deviation of each channel",
             ),
             (
                 "foreground",
@@ -60,33 +61,33 @@ impl StatisticsView {
                     statistics.foreground_share() * 100.0,
                     statistics.foreground
                 ),
-                "Number of frames with a foreground verdict of the mixture, before post-processing.",
+                "Number of frames with a foreground verdict of the mixture, before post-processing",
             ),
             (
                 "created",
                 statistics.births.to_string(),
                 "Number of components created while fewer than K were in use; the first frame creates the \
-                 first.",
+                 first",
             ),
             (
                 "replaced",
                 statistics.replacements.to_string(),
-                "Number of replacements of the last component: no match while all K components were in use.",
+                "Number of replacements of the last component: no match while all K components were in use",
             ),
             (
                 "background, B",
                 format!("{:.2} on average,  at most {}", statistics.mean_modes, statistics.most_modes),
-                "Number of background components.",
+                "Number of background components",
             ),
             (
                 "in use",
                 format!("{} of {} components", statistics.used, chosen.history.parameters.k),
-                "Number of components in use at the end of these frames.",
+                "Number of components in use at the end of these frames",
             ),
             (
                 "1/α",
                 format!("{} frames,  {} s", number(1.0 / alpha), seconds(1.0 / alpha)),
-                "Time constant of the weights: an old weight decays to 37 % in this time.",
+                "Time constant of the weights: an old weight decays to 37 % in this time",
             ),
         ];
         let history = || Arc::clone(chosen.history);

@@ -46,7 +46,7 @@ impl Table {
         match self {
             Self::History(history, _) => format!("pixel-{}-{}.csv", history.at.0, history.at.1),
             Self::Map(tuning) => format!("tuning-{}-{}.csv", tuning.at.0, tuning.at.1),
-            Self::RegionAccuracy(judged) => format!("right-{}-{}.csv", judged.at.0, judged.at.1),
+            Self::RegionAccuracy(judged) => format!("accuracy-{}-{}.csv", judged.at.0, judged.at.1),
             Self::Statistics(history, _) => format!("statistics-{}-{}.csv", history.at.0, history.at.1),
             Self::Region(history, _) => format!("region-{}-{}.csv", history.at.0, history.at.1),
             Self::Pins(_) => "pins.csv".to_owned(),

@@ -99,7 +99,7 @@ fn shown(position: u32) -> ShownFrame {
     shown_of(settings, Some(history), position)
 }
 
-fn tuning_of(shown: &ShownFrame, knobs: [TunableSetting; 2]) -> Option<Tuning> {
+fn tuning_of(shown: &ShownFrame, settings: [TunableSetting; 2]) -> Option<Tuning> {
     let history = shown.pixel.as_ref()?;
     let states = history.states.get(..=shown.position as usize)?;
     // Other tests cover long histories.
@@ -109,8 +109,8 @@ fn tuning_of(shown: &ShownFrame, knobs: [TunableSetting; 2]) -> Option<Tuning> {
         at: history.at,
         position: shown.position,
         parameters,
-        map: map(&values, &parameters, knobs),
-        flips: TunableSetting::ALL.iter().map(|&knob| flip(&values, &parameters, knob)).collect(),
+        map: map(&values, &parameters, settings),
+        flips: TunableSetting::ALL.iter().map(|&setting| flip(&values, &parameters, setting)).collect(),
     })
 }
 
@@ -666,7 +666,7 @@ fn settings_that_flip_the_verdict_are_listed_and_applied() {
         let Some(value) = flip.value else { continue };
         harness.get_by_label(&flip.words()).click();
         harness.run();
-        assert_eq!(actions.take(), [InspectorAction::Apply([(flip.knob, value); 2])]);
+        assert_eq!(actions.take(), [InspectorAction::Apply([(flip.setting, value); 2])]);
         taken += 1;
     }
     assert!(taken > 1, "several settings must flip the verdict: {:?}", tuning.flips);

@@ -5,12 +5,14 @@ use std::time::Duration;
 
 use eframe::egui::{Align2, Pos2, Rect, RichText, Sense, Ui, Vec2};
 
+use super::action::InspectorAction;
+use super::chosen_pixel::ChosenPixel;
+use super::context::RegionAccuracy;
 use super::grid::{self, Grid};
 use super::menu;
 use super::plot::Plot;
 use super::region_accuracy::{PAIRED_MAP_ASPECT, RegionAccuracyView};
 use super::style::{self, small};
-use super::{ChosenPixel, InspectorAction, RegionAccuracy};
 use crate::explain::pixel::verdict::number;
 use crate::explain::tuning::{TunableSetting, Tuning, VerdictFlip, VerdictMap};
 
@@ -51,13 +53,15 @@ impl TuningView {
         accuracy: &RegionAccuracy<'_>,
     ) -> Option<InspectorAction> {
         let tuning = tuning.filter(|tuning| tuning.at == chosen.history.at);
-        let of_axes = tuning.filter(|tuning| tuning.map.axes.each_ref().map(|axis| axis.knob) == self.axes);
+        let of_axes =
+            tuning.filter(|tuning| tuning.map.axes.each_ref().map(|axis| axis.setting) == self.axes);
         let current = tuning.filter(|tuning| {
             tuning.position as usize == chosen.index && tuning.parameters == chosen.history.parameters
         });
         let asked = self.controls(ui, chosen, of_axes.filter(|_| current.is_some()));
         // The settings selected in this frame have no map yet.
-        let of_axes = of_axes.filter(|tuning| tuning.map.axes.each_ref().map(|axis| axis.knob) == self.axes);
+        let of_axes =
+            of_axes.filter(|tuning| tuning.map.axes.each_ref().map(|axis| axis.setting) == self.axes);
         let pale = self.is_late(ui, of_axes.is_some() && current.is_none());
         let flat = if accuracy.has_masks { PAIRED_MAP_ASPECT } else { SINGLE_MAP_ASPECT };
         let map = |ui: &mut Ui| {
@@ -112,15 +116,15 @@ impl TuningView {
         let (rect, _) = ui.allocate_exact_size(Vec2::new(38.0, 16.0), Sense::hover());
         let (painter, visuals) = (ui.painter(), ui.visuals());
         painter.text(rect.left_center(), Align2::LEFT_CENTER, name, style::font(), style::muted(visuals));
-        for knob in TunableSetting::ALL {
-            let label = ui.selectable_label(self.axes[side] == knob, knob.symbol());
-            let label = label.on_hover_text(format!("{}: {}, {name}", knob.symbol(), knob.name()));
-            if label.clicked() && self.axes[side] != knob {
+        for setting in TunableSetting::ALL {
+            let label = ui.selectable_label(self.axes[side] == setting, setting.symbol());
+            let label = label.on_hover_text(format!("{}: {}, {name}", setting.symbol(), setting.name()));
+            if label.clicked() && self.axes[side] != setting {
                 // Selecting the other axis' setting swaps the axes.
-                if self.axes[1 - side] == knob {
+                if self.axes[1 - side] == setting {
                     self.axes.swap(0, 1);
                 } else {
-                    self.axes[side] = knob;
+                    self.axes[side] = setting;
                 }
             }
         }
@@ -188,9 +192,9 @@ fn flips_ui(ui: &mut Ui, chosen: &ChosenPixel<'_>, flips: Option<&[VerdictFlip]>
          is the other one. Computed by re-running the pixel from the first frame.",
     );
     let mut taken = None;
-    for (at, knob) in TunableSetting::ALL.into_iter().enumerate() {
-        let flip = flips.and_then(|flips| flips.iter().find(|flip| flip.knob == knob));
-        let present = knob.get(&chosen.history.parameters);
+    for (at, setting) in TunableSetting::ALL.into_iter().enumerate() {
+        let flip = flips.and_then(|flips| flips.iter().find(|flip| flip.setting == setting));
+        let present = setting.get(&chosen.history.parameters);
         let height = style::SMALL_TEXT + 9.0;
         let (row, _) = ui.allocate_exact_size(Vec2::new(ui.available_width(), height), Sense::hover());
         if at % 2 == 0 {
@@ -202,9 +206,9 @@ fn flips_ui(ui: &mut Ui, chosen: &ChosenPixel<'_>, flips: Option<&[VerdictFlip]>
             ui.painter().text(place, Align2::LEFT_CENTER, text, style::font(), colour);
         };
         // A narrow panel has no space for the name; the map shows it too.
-        let name = if row.width() < 270.0 { "" } else { knob.name() };
+        let name = if row.width() < 270.0 { "" } else { setting.name() };
         let left = if name.is_empty() { 26.0 } else { 124.0 };
-        text(6.0, knob.symbol(), visuals.text_color());
+        text(6.0, setting.symbol(), visuals.text_color());
         text(26.0, name, style::muted(visuals));
         text(left, &format!("now {}", number(present)), style::muted(visuals));
         let place = Rect::from_min_max(Pos2::new(row.left() + left + 72.0, row.top()), row.right_bottom());
@@ -215,10 +219,10 @@ fn flips_ui(ui: &mut Ui, chosen: &ChosenPixel<'_>, flips: Option<&[VerdictFlip]>
                 }
                 Some(flip @ VerdictFlip { value: Some(value), .. }) => {
                     let button = ui.small_button(small(&flip.words()));
-                    let says = format!("Set {} to {value}", knob.symbol());
+                    let says = format!("Set {} to {value}", setting.symbol());
                     if button.on_hover_text(says).clicked() {
                         // The same setting twice, so that no other setting changes.
-                        taken = Some(InspectorAction::Apply([(knob, *value); 2]));
+                        taken = Some(InspectorAction::Apply([(setting, *value); 2]));
                     }
                 }
                 Some(flip) => {

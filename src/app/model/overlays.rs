@@ -1,4 +1,4 @@
-//! TrackOverlays of the views.
+//! Overlays of the views.
 
 use serde::{Deserialize, Serialize};
 

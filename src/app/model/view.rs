@@ -38,7 +38,7 @@ pub(crate) enum View {
 }
 
 impl View {
-    /// All views in the order of their keys, from 1.
+    /// All views in menu order; the first nine have the keys 1 to 9.
     pub(crate) const ALL: [Self; 12] = [
         Self::Input,
         Self::Background,
@@ -47,11 +47,11 @@ impl View {
         Self::Tracks,
         Self::Difference,
         Self::Map,
-        Self::ComparedBackground,
-        Self::ComparedForeground,
-        Self::ComparedTracks,
         Self::Agreement,
         Self::MaskErrors,
+        Self::ComparedForeground,
+        Self::ComparedTracks,
+        Self::ComparedBackground,
     ];
 
     /// Its title.

@@ -3,8 +3,9 @@
 use eframe::egui::{Align, Button, CollapsingHeader, Layout, RichText, Ui, vec2};
 use egui_material_icons::icons as m;
 
+use crate::app::commands::action::Action;
 use crate::app::commands::availability::is_available;
-use crate::app::commands::command::{Action, Command};
+use crate::app::commands::command::Command;
 use crate::app::icons;
 use crate::app::icons::Icon;
 use crate::app::model::Model;
@@ -88,7 +89,8 @@ fn row(ui: &mut Ui, icon: Icon, colour: eframe::egui::Color32, name: &str, chose
             let close = ui.add(close.min_size(vec2(20.0, 18.0))).accessible_name(format!("Delete {name}"));
             let row = Button::selectable(chosen, (icons::coloured(icon, colour).size(14.0), name));
             let row = ui.with_layout(Layout::left_to_right(Align::Center), |ui| ui.add(row).clicked()).inner;
-            (row, close.on_hover_text("Delete (Delete key: selected area)").clicked())
+            let text = if chosen { "Delete this area (Delete)" } else { "Delete this area" };
+            (row, close.on_hover_text(text).clicked())
         });
         delete.inner
     })

@@ -3,8 +3,11 @@
 use eframe::egui::{Align, Align2, Button, Context, Id, Key, Modal, Modifiers, ScrollArea, TextEdit};
 use egui_material_icons::icons as m;
 
+use crate::app::commands::action::Action;
+use crate::app::commands::actions::ACTIONS;
 use crate::app::commands::availability::is_available;
-use crate::app::commands::command::{ACTIONS, Action, ActionEntry, Command};
+use crate::app::commands::command::Command;
+use crate::app::commands::entry::ActionEntry;
 use crate::app::icons;
 use crate::app::icons::Icon;
 use crate::app::model::Model;
@@ -86,9 +89,11 @@ impl CommandPalette {
         if !self.open {
             return;
         }
-        let area = Modal::default_area(Id::unique("finder")).anchor(Align2::CENTER_TOP, [0.0, 80.0]);
-        let response =
-            Modal::new(Id::unique("finder")).area(area).frame(theme::dialog_frame(ctx)).show(ctx, |ui| {
+        let area = Modal::default_area(Id::unique("command palette")).anchor(Align2::CENTER_TOP, [0.0, 80.0]);
+        let response = Modal::new(Id::unique("command palette"))
+            .area(area)
+            .frame(theme::dialog_frame(ctx))
+            .show(ctx, |ui| {
                 ui.set_width(440.0);
                 let pressed = |key| ui.input_mut(|input| input.consume_key(Modifiers::NONE, key));
                 let (up, down, enter) = (pressed(Key::ArrowUp), pressed(Key::ArrowDown), pressed(Key::Enter));

@@ -76,11 +76,11 @@ fn counterfactuals(ui: &mut Ui, model: &Model, event: &Event, commands: &mut Vec
     });
     let (tried, all) = what_if.tried;
     if !what_if.done {
-        ui.weak(format!("… tested {tried} of {all}"));
+        ui.weak(format!("Tested {tried} of {all} values…"));
     } else if what_if.preventions.is_empty() {
         ui.weak("No single tracking or occlusion setting prevents it.");
     } else {
-        ui.weak(format!("tested up to frame {}", what_if.until)).on_hover_text(
+        ui.weak(format!("Tested up to frame {}.", what_if.until)).on_hover_text(
             "Last frame tested after the event; values that only delay the event up to this frame are not \
              listed",
         );

@@ -2,29 +2,31 @@
 
 use eframe::egui::{Align, Context, Grid, Id, Layout, Modal, RichText, ScrollArea, Ui, vec2};
 
-use crate::app::commands::command::{ACTIONS, Menu};
+use crate::app::commands::actions::ACTIONS;
+use crate::app::commands::entry::Menu;
 use crate::app::theme;
 
 /// The actions of the pointer.
 const POINTER_ACTIONS: &[(&str, &str)] = &[
-    ("Click", "select the pixel in all views"),
-    ("Wheel", "zoom at the pointer"),
-    ("Drag", "pan all views"),
-    ("Double click", "fit image"),
-    ("Hold Alt", "loupe at the pointer"),
-    ("Click an outline", "select the area"),
-    ("Drag a view's title", "move the view"),
-    ("Drop a file", "open a video or image folder"),
+    ("Click", "Select the pixel in all views"),
+    ("Wheel", "Zoom at the pointer"),
+    ("Drag", "Pan all views"),
+    ("Double click", "Fit image"),
+    ("Hold Alt", "Loupe at the pointer"),
+    ("Wheel in timeline", "Zoom; with Shift, pan"),
+    ("Click an outline", "Select the area"),
+    ("Drag a view's title", "Move the view"),
+    ("Drop a file", "Open a video or image folder"),
 ];
 
 /// The keys of the focused control.
 const FOCUS_KEYS: &[(&str, &str)] = &[
-    ("Tab", "next control"),
-    ("Shift+Tab", "previous control"),
-    ("Space", "activate control"),
-    ("Arrow keys in a view", "select a pixel"),
-    ("Arrow keys in timeline", "previous, next frame"),
-    ("Esc", "leave control"),
+    ("Tab", "Next control"),
+    ("Shift+Tab", "Previous control"),
+    ("Space", "Activate control"),
+    ("Arrow keys in a view", "Select a pixel"),
+    ("Arrow keys in timeline", "Previous, next frame"),
+    ("Esc", "Leave control"),
 ];
 
 /// Draws the dialog while `open`.

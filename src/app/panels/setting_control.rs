@@ -131,7 +131,8 @@ fn exact(ui: &mut Ui, setting: &Setting, value: &mut Value, fps: f32, label: efr
             response.response.labelled_by(label);
         }
         (Kind::Span { max_frames, max_seconds }, Value::Span(span)) => {
-            *value = Value::Span(span_control(ui, span, (max_frames, max_seconds), fps, setting.name, label));
+            *value =
+                Value::Span(span_control(ui, span, (max_frames, max_seconds), fps, &setting.label(), label));
         }
         // A setting always holds a value of its own kind.
         _ => {}

@@ -7,7 +7,8 @@ use eframe::egui::{
 };
 use egui_material_icons::icons as m;
 
-use crate::app::commands::command::{Action, Command};
+use crate::app::commands::action::Action;
+use crate::app::commands::command::Command;
 use crate::app::icons;
 use crate::app::menu_item::menu_item;
 use crate::app::model::Model;

@@ -5,7 +5,8 @@ use std::time::Duration;
 use eframe::egui::{Align, Button, Layout, RichText, Ui, vec2};
 use egui_material_icons::icons as m;
 
-use crate::app::commands::command::{Action, Command};
+use crate::app::commands::action::Action;
+use crate::app::commands::command::Command;
 use crate::app::icons;
 use crate::app::model::Model;
 use crate::app::model::playback::SPEEDS;
@@ -83,7 +84,7 @@ fn right(ui: &mut Ui, model: &Model, timing: FrameTiming, commands: &mut Vec<Com
     let Some(state) = &model.worker.state else { return };
     let colours = theme::colours(ui.visuals());
     if state.analysis_fps > 0.0 {
-        let text = format!("{:.0} fps analysed", state.analysis_fps);
+        let text = format!("analysis {:.0} fps", state.analysis_fps);
         ui.label(RichText::new(text).size(theme::SMALL_TEXT).color(colours.weak)).on_hover_ui(|ui| {
             ui.label("Analysis rate in frames per second, over the last second of work");
             if let Some((worked, (took, bytes))) = timing.frame_seconds.zip(timing.upload) {

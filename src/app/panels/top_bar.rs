@@ -2,7 +2,10 @@
 
 use eframe::egui::{Align, DragValue, Layout, MenuBar, RichText, Ui};
 
-use crate::app::commands::command::{ACTIONS, Action, ActionEntry, Command, Menu};
+use crate::app::commands::action::Action;
+use crate::app::commands::actions::ACTIONS;
+use crate::app::commands::command::Command;
+use crate::app::commands::entry::{ActionEntry, Menu};
 use crate::app::menu_item::menu_item;
 use crate::app::model::Model;
 use crate::app::model::videos::file_name;

@@ -3,7 +3,8 @@
 use eframe::egui::{Button, ComboBox, DragValue, RichText, Ui, vec2};
 use egui_material_icons::icons as m;
 
-use crate::app::commands::command::{Action, Command};
+use crate::app::commands::action::Action;
+use crate::app::commands::command::Command;
 use crate::app::icons::Icon;
 use crate::app::model::Model;
 use crate::app::model::playback::SPEEDS;

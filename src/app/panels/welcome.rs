@@ -5,7 +5,8 @@ use std::time::Duration;
 use eframe::egui::{Align, Button, Layout, RichText, Spinner, Ui, vec2};
 use egui_material_icons::icons as m;
 
-use crate::app::commands::command::{Action, Command};
+use crate::app::commands::action::Action;
+use crate::app::commands::command::Command;
 use crate::app::icons::Icon;
 use crate::app::model::Model;
 use crate::app::model::videos::file_name;

@@ -6,7 +6,9 @@ use egui_kittest::kittest::{AccessKitNode, NodeT as _};
 
 use super::inspector::inspected_state;
 use super::*;
-use crate::app::commands::command::{ACTIONS, Action, Menu};
+use crate::app::commands::action::Action;
+use crate::app::commands::actions::ACTIONS;
+use crate::app::commands::entry::Menu;
 
 type Nodes<'a> = Box<dyn Iterator<Item = AccessKitNode<'a>> + 'a>;
 

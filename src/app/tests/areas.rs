@@ -112,7 +112,7 @@ fn areas_are_cancelled_selected_deleted_and_cleared() {
     for (a, b) in [([5.0, 5.0], [40.0, 40.0]), ([60.0, 60.0], [90.0, 90.0])] {
         harness.state_mut().apply(
             &ctx,
-            Command::Act(crate::app::commands::command::Action::DrawArea(
+            Command::Act(crate::app::commands::action::Action::DrawArea(
                 crate::regions::roi::Purpose::Ignore,
             )),
         );
@@ -181,7 +181,7 @@ fn escape_closes_an_open_menu_before_it_deselects_an_area() {
     let ctx = harness.ctx.clone();
     harness.state_mut().apply(
         &ctx,
-        Command::Act(crate::app::commands::command::Action::DrawArea(crate::regions::roi::Purpose::Ignore)),
+        Command::Act(crate::app::commands::action::Action::DrawArea(crate::regions::roi::Purpose::Ignore)),
     );
     harness.state_mut().apply(&ctx, Command::Area(AreaEdit::Rectangle([5.0, 5.0], [40.0, 40.0])));
     harness.run_steps(3);

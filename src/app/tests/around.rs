@@ -1,7 +1,7 @@
 //! Opening and closing videos, messages, copying, the hint, and help on settings.
 
 use super::*;
-use crate::app::commands::command::Action;
+use crate::app::commands::action::Action;
 
 fn act(harness: &mut Harness<'_, Window>, action: Action) {
     let ctx = harness.ctx.clone();

@@ -1,7 +1,8 @@
 //! Comparison of the settings A and B.
 
+use super::panels::settings_panel;
 use super::*;
-use crate::app::commands::command::Action;
+use crate::app::commands::action::Action;
 use crate::app::model::event_comparison::{ComparisonFilter, EventRef};
 use crate::app::model::layout::ViewLayout;
 use crate::app::views::{ViewCanvas, loupe_words};
@@ -275,7 +276,10 @@ fn both_slots_are_scored_against_the_ground_truth() {
     assert!(scene.asked.borrow().contains(&PlayerCall::Truth(true)));
     harness.get_all_by_label("0.900").next().unwrap();
     harness.get_all_by_label("0.400").next().unwrap();
-    picture(&mut harness, "compare-scores");
+    let end =
+        harness.get_all_by_label("Registration").map(|node| node.rect().top()).reduce(f32::min).unwrap();
+    let part = settings_panel(&harness).with_max_y(end);
+    part_looks_as_before(&mut harness, part, "compare-scores");
 }
 
 #[test]

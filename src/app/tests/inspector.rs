@@ -1,7 +1,7 @@
 //! Inspector requests and their execution by the window.
 
 use super::*;
-use crate::app::commands::command::Action;
+use crate::app::commands::action::Action;
 use crate::explain::pixel::PixelHistory;
 use crate::explain::tuning::{Tuning, flip, map};
 use crate::mixture::Parameters;
@@ -19,7 +19,7 @@ pub(super) fn inspected_state(position: u32) -> State {
         position,
         parameters,
         map: map(&values, &parameters, [TunableSetting::Alpha, TunableSetting::T]),
-        flips: TunableSetting::ALL.iter().map(|&knob| flip(&values, &parameters, knob)).collect(),
+        flips: TunableSetting::ALL.iter().map(|&setting| flip(&values, &parameters, setting)).collect(),
     };
     let history = Some(Arc::new(history));
     let shown = ShownFrame { pixel: history.clone(), ..shown_at(position) };
@@ -39,7 +39,7 @@ fn tuned(scene: &RecordingPlayer) -> Vec<Option<[TunableSetting; 2]>> {
     let asked = scene.asked.borrow();
     asked
         .iter()
-        .filter_map(|asked| if let PlayerCall::Tune(knobs) = asked { Some(*knobs) } else { None })
+        .filter_map(|asked| if let PlayerCall::Tune(settings) = asked { Some(*settings) } else { None })
         .collect()
 }
 

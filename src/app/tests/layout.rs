@@ -3,7 +3,7 @@
 use std::collections::HashMap;
 
 use super::*;
-use crate::app::commands::command::Action;
+use crate::app::commands::action::Action;
 use crate::app::model::layout::ViewLayout;
 use crate::app::model::overlays::TrackOverlay;
 

@@ -10,7 +10,7 @@ fn the_loupe_magnifies_the_pixel_under_the_pointer_and_changes_nothing_else() {
             let (mut harness, _) = window(Some(state(Phase::Ready, Some(58))), size, theme);
             if view == View::Map {
                 let ctx = harness.ctx.clone();
-                let action = crate::app::commands::command::Action::Map(Quantity::Matched);
+                let action = crate::app::commands::action::Action::Map(Quantity::Matched);
                 harness.state_mut().apply(&ctx, Command::Act(action));
                 harness.run_steps(3);
                 settle(&mut harness);

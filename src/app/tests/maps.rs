@@ -1,7 +1,7 @@
 //! Maps of per-pixel quantities: their content, and when they are requested.
 
 use super::*;
-use crate::app::commands::command::Action;
+use crate::app::commands::action::Action;
 use crate::app::model::camera::{Hover, ViewCamera};
 use crate::app::views::pixel_value;
 

@@ -1,7 +1,7 @@
 //! The object panel.
 
 use super::*;
-use crate::app::commands::command::Action;
+use crate::app::commands::action::Action;
 use crate::app::model::event_comparison::EventRef;
 use crate::app::model::selection::Subject;
 use crate::app::views::ViewCanvas;
@@ -131,12 +131,12 @@ fn counterfactuals_of_an_event_are_requested_shown_and_applied() {
     };
     scene.state.borrow_mut().counterfactual = answer((12, 40), false);
     harness.run_steps(4);
-    harness.get_by_label("… tested 12 of 40");
+    harness.get_by_label("Tested 12 of 40 values…");
     right_panel_looks_as_before(&mut harness, "prevented");
     scene.state.borrow_mut().counterfactual = answer((40, 40), true);
     harness.run_steps(4);
     harness.get_by_label("Apply placing = predicted");
-    harness.get_by_label("tested up to frame 143");
+    harness.get_by_label("Tested up to frame 143.");
     harness.get_by_label("Apply size_step ≥ 0.42").click();
     harness.run_steps(8);
     assert_eq!(given(&scene).unwrap().size_step, 0.42);

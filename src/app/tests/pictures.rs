@@ -4,7 +4,7 @@ use eframe::egui::{Pos2, pos2};
 use image::{Rgba, RgbaImage};
 
 use super::*;
-use crate::app::commands::command::Action;
+use crate::app::commands::action::Action;
 use crate::app::model::camera::ViewCamera;
 use crate::app::model::view::BackgroundDisplay;
 use crate::app::views::ViewCanvas;

@@ -2,7 +2,7 @@
 
 use super::inspector::copied_text;
 use super::*;
-use crate::app::commands::command::Action;
+use crate::app::commands::action::Action;
 use crate::app::model::camera::ViewCamera;
 
 const AT: (u32, u32) = (80, 60);

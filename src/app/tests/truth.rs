@@ -2,7 +2,7 @@
 
 use super::inspector::inspected_state;
 use super::*;
-use crate::app::commands::command::Action;
+use crate::app::commands::action::Action;
 use crate::explain::tuning::{RegionTuning, grid};
 use crate::truth::decisions::Decisions;
 use crate::truth::masks::{Label, TrueMask, TrueMasks};
@@ -168,7 +168,7 @@ fn a_hidden_tab_requests_nothing() {
         let last = asked
             .iter()
             .rev()
-            .find_map(|asked| if let PlayerCall::Tune(knobs) = asked { Some(*knobs) } else { None });
+            .find_map(|asked| if let PlayerCall::Tune(settings) = asked { Some(*settings) } else { None });
         last.flatten()
     };
     assert!(tuned(&scene).is_some());

@@ -2,7 +2,7 @@
 
 use eframe::egui::{Color32, FontId, Painter, Pos2, Rect, Shape, Stroke, Vec2, pos2, vec2};
 
-use super::ViewCanvas;
+use super::canvas::ViewCanvas;
 use crate::app::model::areas::Areas;
 use crate::app::theme;
 use crate::regions::roi::{Area, Purpose};

@@ -1,7 +1,7 @@
 // Composes one view from the layers of a frame. A texel is one pixel of the image, or every n-th
 // one of an image that is too large for the card.
 
-struct View {
+struct ViewUniforms {
     // The image's upper left corner and the window's size, in pixels of the screen.
     origin: vec2<f32>,
     screen: vec2<f32>,
@@ -9,23 +9,23 @@ struct View {
     extent: vec2<f32>,
     // Width and height in texels.
     texels: vec2<f32>,
-    // What lies over foreground, and how strong, 0 to 1.
+    // The colour over foreground, and its opacity, 0 to 1.
     overlay: vec4<f32>,
-    // How numbers become colours: 0 by steps, 1 along a line, 2 along a logarithm; what is added to them; what is
-    // darkest and what is brightest.
+    // The colour scale: 0 for steps, 1 for linear, 2 for logarithmic; the offset; the values of the darkest and the
+    // brightest colour.
     numbers: vec4<f32>,
-    // Pixels of the screen a texel.
+    // Screen pixels per texel.
     scale: f32,
     // All colours are multiplied by this.
     tint: f32,
-    // Pixels of the screen a point.
+    // Screen pixels per point.
     dense: f32,
     unused: f32,
-    // The colour of what is foreground in the other mask, or in truth, alone.
-    beside: vec4<f32>,
+    // The colour of pixels that are foreground only in the other mask, or only in the ground truth.
+    other_colour: vec4<f32>,
 }
 
-@group(0) @binding(0) var<uniform> view: View;
+@group(0) @binding(0) var<uniform> view: ViewUniforms;
 @group(0) @binding(1) var smooth_sampler: sampler;
 
 @group(1) @binding(0) var input: texture_2d<f32>;
@@ -36,13 +36,13 @@ struct View {
 @group(1) @binding(5) var labels: texture_2d<u32>;
 @group(1) @binding(6) var palette: texture_2d<f32>;
 @group(1) @binding(7) var ignored: texture_2d<f32>;
-@group(1) @binding(8) var beside_mean: texture_2d<f32>;
-@group(1) @binding(9) var beside_mask: texture_2d<f32>;
-// Whether it is foreground, and whether that is known.
+@group(1) @binding(8) var compared_mean: texture_2d<f32>;
+@group(1) @binding(9) var compared_mask: texture_2d<f32>;
+// Foreground in the ground truth, and pixels that are not ignored.
 @group(1) @binding(10) var truth: texture_2d<f32>;
 
-// What is composed, in the order of `Compose`. Not a value of the view: software adapters go through all branches
-// of what they do not know when the shader is built.
+// The kind of composition, in the order of `Compose`. It is a constant and not a uniform: software adapters execute all
+// branches of a condition that is unknown when the shader is built.
 override WHAT: u32 = 0u;
 const INPUT: u32 = 0u;
 const MASKED: u32 = 1u;
@@ -52,22 +52,22 @@ const MAP: u32 = 4u;
 const MASK: u32 = 5u;
 const REGIONS: u32 = 6u;
 const DIFFERENCE: u32 = 7u;
-const BESIDE_MEAN: u32 = 8u;
-const BESIDE_MASK: u32 = 9u;
+const COMPARED_MEAN: u32 = 8u;
+const COMPARED_MASK: u32 = 9u;
 const AGREEMENT: u32 = 10u;
-const RIGHT: u32 = 11u;
+const MASK_ERRORS: u32 = 11u;
 
-// Where it is not known what is right.
-const UNKNOWN = vec3<f32>(58.0, 52.0, 66.0) / 255.0;
+// The colour of ignored pixels.
+const IGNORED = vec3<f32>(58.0, 52.0, 66.0) / 255.0;
 
-// Where both masks are foreground.
+// The colour of pixels that are foreground in both masks.
 const BOTH = vec3<f32>(228.0, 232.0, 238.0) / 255.0;
 
-// How many colours the ramp in the palette's first row has, and the steps in its second.
+// Number of colours of the ramp in the palette's first row, and of the steps in its second.
 const RAMP: u32 = 255u;
 const STEPS: u32 = 6u;
 
-// Of texels that are smaller than a pixel of the screen, at most so many are looked at in a row.
+// Maximum number of texels per screen pixel and direction that are read where texels are smaller.
 const MOST_TEXELS: f32 = 64.0;
 
 @vertex
@@ -86,12 +86,12 @@ fn masked(input_here: vec3<f32>, mask_here: f32) -> vec3<f32> {
     return mix(input_here, view.overlay.rgb, view.overlay.a * mask_here);
 }
 
-fn apart(input_here: vec3<f32>, mean_here: vec3<f32>) -> vec3<f32> {
+fn difference(input_here: vec3<f32>, mean_here: vec3<f32>) -> vec3<f32> {
     let channels = abs(input_here - mean_here);
     return vec3<f32>(min(2.0 * max(channels.r, max(channels.g, channels.b)), 1.0));
 }
 
-// The colour of a number; less than 0 stands for what has none.
+// The colour of a value on the colour scale. Values below 0 stand for infinite ones.
 fn of_number(value: f32) -> vec4<f32> {
     if value < 0.0 {
         return textureLoad(palette, vec2<u32>(RAMP, 0u), 0);
@@ -107,7 +107,7 @@ fn of_number(value: f32) -> vec4<f32> {
     return textureLoad(palette, vec2<u32>(u32(share * f32(RAMP - 1u) + 0.5), 0u), 0);
 }
 
-// The colour of a number, or of a region, at a texel; its alpha is 0 where there is no region.
+// The colour of a map's value, or of a region, at a texel; alpha is 0 where there is no region.
 fn named(at: vec2<i32>) -> vec4<f32> {
     if WHAT == MAP {
         return of_number(textureLoad(map, at, 0).r);
@@ -119,7 +119,7 @@ fn named(at: vec2<i32>) -> vec4<f32> {
     return textureLoad(palette, vec2<u32>(label & 255u, 2u + (label >> 8u)), 0);
 }
 
-// Regions in their colours over a dark input. A little of the input's light keeps a region's inside readable.
+// Regions in their colours over a dark input. A fraction of the input's luma keeps their inside recognisable.
 fn over_dark(region: vec4<f32>, input_here: vec3<f32>) -> vec3<f32> {
     let gray = luma(input_here);
     let ground = floor(gray / 4.0) / 255.0;
@@ -127,19 +127,19 @@ fn over_dark(region: vec4<f32>, input_here: vec3<f32>) -> vec3<f32> {
     return lit + ground * (1.0 - region.a);
 }
 
-// One mask, the other or both over a dark input; each is a share of foreground.
-fn agreed(mask_here: f32, beside_here: f32, input_here: vec3<f32>) -> vec3<f32> {
-    let both = mask_here * beside_here;
+// Pixels of one mask, the other or both over a dark input; each argument is a share of foreground.
+fn agreement(mask_here: f32, compared_here: f32, input_here: vec3<f32>) -> vec3<f32> {
+    let both = mask_here * compared_here;
     let first = mask_here - both;
-    let second = beside_here - both;
+    let second = compared_here - both;
     let gray = luma(input_here) / 255.0;
-    let named = BOTH * both + view.overlay.rgb * first + view.beside.rgb * second;
+    let named = BOTH * both + view.overlay.rgb * first + view.other_colour.rgb * second;
     return named * (0.75 + 0.25 * gray) + 0.3 * gray * (1.0 - both - first - second);
 }
 
-// The mask against the truth; what is not known is of one dark colour.
-fn judged(mask_here: f32, truth_here: vec2<f32>, input_here: vec3<f32>) -> vec3<f32> {
-    return mix(UNKNOWN, agreed(min(mask_here, truth_here.y), truth_here.x, input_here), truth_here.y);
+// The mask against the ground truth; ignored pixels have one dark colour.
+fn mask_errors(mask_here: f32, truth_here: vec2<f32>, input_here: vec3<f32>) -> vec3<f32> {
+    return mix(IGNORED, agreement(min(mask_here, truth_here.y), truth_here.x, input_here), truth_here.y);
 }
 
 fn texel(at: vec2<i32>) -> vec3<f32> {
@@ -150,16 +150,16 @@ fn texel(at: vec2<i32>) -> vec3<f32> {
         case MAP: { return named(at).rgb; }
         case MASK: { return vec3<f32>(textureLoad(mask, at, 0).r); }
         case REGIONS: { return over_dark(named(at), textureLoad(input, at, 0).rgb); }
-        case DIFFERENCE: { return apart(textureLoad(input, at, 0).rgb, textureLoad(mean, at, 0).rgb); }
-        case BESIDE_MEAN: { return textureLoad(beside_mean, at, 0).rgb; }
-        case BESIDE_MASK: { return vec3<f32>(textureLoad(beside_mask, at, 0).r); }
+        case DIFFERENCE: { return difference(textureLoad(input, at, 0).rgb, textureLoad(mean, at, 0).rgb); }
+        case COMPARED_MEAN: { return textureLoad(compared_mean, at, 0).rgb; }
+        case COMPARED_MASK: { return vec3<f32>(textureLoad(compared_mask, at, 0).r); }
         case AGREEMENT: {
-            let beside_here = textureLoad(beside_mask, at, 0).r;
-            return agreed(textureLoad(mask, at, 0).r, beside_here, textureLoad(input, at, 0).rgb);
+            let compared_here = textureLoad(compared_mask, at, 0).r;
+            return agreement(textureLoad(mask, at, 0).r, compared_here, textureLoad(input, at, 0).rgb);
         }
-        case RIGHT: {
+        case MASK_ERRORS: {
             let truth_here = textureLoad(truth, at, 0).rg;
-            return judged(textureLoad(mask, at, 0).r, truth_here, textureLoad(input, at, 0).rgb);
+            return mask_errors(textureLoad(mask, at, 0).r, truth_here, textureLoad(input, at, 0).rgb);
         }
         default: { return textureLoad(input, at, 0).rgb; }
     }
@@ -201,19 +201,19 @@ fn smooth_texels(at: vec2<f32>) -> vec3<f32> {
         case MASK: { return vec3<f32>(textureSampleLevel(mask, smooth_sampler, at, 0.0).r); }
         case DIFFERENCE: {
             let mean_here = textureSampleLevel(mean, smooth_sampler, at, 0.0).rgb;
-            return apart(textureSampleLevel(input, smooth_sampler, at, 0.0).rgb, mean_here);
+            return difference(textureSampleLevel(input, smooth_sampler, at, 0.0).rgb, mean_here);
         }
-        case BESIDE_MEAN: { return textureSampleLevel(beside_mean, smooth_sampler, at, 0.0).rgb; }
-        case BESIDE_MASK: { return vec3<f32>(textureSampleLevel(beside_mask, smooth_sampler, at, 0.0).r); }
+        case COMPARED_MEAN: { return textureSampleLevel(compared_mean, smooth_sampler, at, 0.0).rgb; }
+        case COMPARED_MASK: { return vec3<f32>(textureSampleLevel(compared_mask, smooth_sampler, at, 0.0).r); }
         case AGREEMENT: {
             let mask_here = textureSampleLevel(mask, smooth_sampler, at, 0.0).r;
-            let beside_here = textureSampleLevel(beside_mask, smooth_sampler, at, 0.0).r;
-            return agreed(mask_here, beside_here, textureSampleLevel(input, smooth_sampler, at, 0.0).rgb);
+            let compared_here = textureSampleLevel(compared_mask, smooth_sampler, at, 0.0).r;
+            return agreement(mask_here, compared_here, textureSampleLevel(input, smooth_sampler, at, 0.0).rgb);
         }
-        case RIGHT: {
+        case MASK_ERRORS: {
             let mask_here = textureSampleLevel(mask, smooth_sampler, at, 0.0).r;
             let truth_here = textureSampleLevel(truth, smooth_sampler, at, 0.0).rg;
-            return judged(mask_here, truth_here, textureSampleLevel(input, smooth_sampler, at, 0.0).rgb);
+            return mask_errors(mask_here, truth_here, textureSampleLevel(input, smooth_sampler, at, 0.0).rgb);
         }
         default: { return textureSampleLevel(input, smooth_sampler, at, 0.0).rgb; }
     }

@@ -13,6 +13,9 @@ use crate::app::theme;
 /// Width over which an edge fades, in points.
 const FEATHER_PT: f32 = 1.0;
 
+/// The message of a view that needs a mixture.
+pub(crate) const NO_MIXTURE: &str = "No mixture in this background model.";
+
 /// Minimum size of an image pixel for showing its value, in points.
 const MIN_VALUES_PIXEL_PT: f32 = 40.0;
 

@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use eframe::egui_wgpu::wgpu::TextureFormat;
 
-use super::{ramp, regions};
+use super::{ramp, region_colours};
 use crate::frame::{Frame, Size};
 use crate::regions::Labels;
 use crate::replay::ShownFrame;
@@ -122,7 +122,7 @@ impl ViewLayer {
     /// Width and height in texels if every `every`-th pixel of each row and column is sampled.
     pub(crate) fn texels(self, shown: &ShownFrame, every: u32) -> Size {
         if self == Self::Palette {
-            let labels = regions::colours(&shown.analysis).len().min(LAST_LABEL as usize + 1);
+            let labels = region_colours::colours(&shown.analysis).len().min(LAST_LABEL as usize + 1);
             return Size::new(PALETTE_WIDTH as u32, PALETTE_ROWS + labels.div_ceil(PALETTE_WIDTH) as u32);
         }
         texels(shown.frame.size, every)
@@ -180,7 +180,7 @@ impl ViewLayer {
                     texel.copy_from_slice(&colour.to_array());
                 }
                 put(1, &row);
-                let colours = regions::colours(&shown.analysis);
+                let colours = region_colours::colours(&shown.analysis);
                 let kept = &colours[..colours.len().min(LAST_LABEL as usize + 1)];
                 for (y, colours) in kept.chunks(PALETTE_WIDTH).enumerate() {
                     for (texel, colour) in row.chunks_exact_mut(4).zip(colours) {

@@ -4,8 +4,11 @@ use eframe::egui::{
     Align2, Color32, FontId, Id, LayerId, Order, Pos2, Rect, Stroke, StrokeKind, Ui, Vec2, pos2, vec2,
 };
 
-use super::compose::Composition;
-use super::{Pane, ViewCanvas, agreement, pixel_value};
+use super::agreement;
+use super::canvas::ViewCanvas;
+use super::composition::Composition;
+use super::contents::{content, pixel_value};
+use super::pane::Pane;
 use crate::app::model::Model;
 use crate::app::model::view::View;
 use crate::app::theme;
@@ -65,7 +68,7 @@ pub(super) fn paint(ui: &Ui, pane: &Pane<'_>, pointer: Pos2, pixel: (u32, u32)) 
     let scale = (pane.canvas.scale * LOUPE_ZOOM).clamp(PIXEL_RANGE_PT.0, PIXEL_RANGE_PT.1);
     let canvas = ViewCanvas::around(picture, pane.canvas.size, pixel, scale);
     let inside = painter.with_clip_rect(picture);
-    if let Some(style) = pane.view.compose_style(pane)
+    if let Some(style) = content(pane.view).compose_style(pane)
         && let Some(shape) = Composition::loupe(pane.composer, pane.set, style, canvas)
     {
         inside.add(shape);

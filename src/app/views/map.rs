@@ -4,15 +4,20 @@ use eframe::egui::{
     Align2, Color32, FontId, Mesh, Painter, Pos2, Rangef, Rect, Shape, Stroke, StrokeKind, pos2, vec2,
 };
 
+use super::compose_style::{Compose, ComposeStyle};
+use super::draw;
+use super::layer::ViewLayer;
+use super::pane::{Pane, ViewContent};
 use super::ramp::{COUNT_COLOURS, ColourScale, INFINITE_COLOUR, RAMP_COLOURS, ramp};
-use super::{Compose, ComposeStyle, NO_MIXTURE, Pane, draw};
+use crate::app::model::Model;
+use crate::app::model::view::BackgroundDisplay;
 use crate::app::theme;
 use crate::mixture::Quantity;
 use crate::replay::ShownFrame;
 use crate::settings::{BackgroundModel, Settings};
 
 /// The message for a live source, which delivers each frame only once, so that a map may be unavailable.
-const NO_PREVIOUS_FRAMES: &str = "Previous frames are not available";
+const NO_PREVIOUS_FRAMES: &str = "Previous frames are not available.";
 
 /// Number of frames since foreground from which the colour is constant.
 const MAX_FRAMES_AGO: f32 = 1000.0;
@@ -78,41 +83,48 @@ fn number(quantity: Quantity, value: f32) -> String {
     }
 }
 
-/// The composition of the view; `None` without a map.
-pub(super) fn compose_style(pane: &Pane<'_>) -> Option<ComposeStyle> {
-    let scale = scale(pane.shown.map.as_ref()?.quantity, &pane.shown.settings);
-    Some(ComposeStyle { scale: scale.values(), ..ComposeStyle::plain(Compose::Map) })
-}
+/// The map of a quantity.
+pub(super) struct MapContent;
 
-/// Draws the view.
-pub(super) fn paint(pane: &Pane<'_>) {
-    let Some((map, style)) = pane.shown.map.as_ref().zip(compose_style(pane)) else {
-        let other = pane.shown.settings.background_model != BackgroundModel::Mixture;
-        if other && pane.model.display.quantity.is_of_mixture() {
-            draw::message(pane.painter, &pane.canvas, NO_MIXTURE, pane.colours.weak);
-        } else if pane.model.worker.is_live() {
-            draw::message(pane.painter, &pane.canvas, NO_PREVIOUS_FRAMES, pane.colours.weak);
-        }
-        return;
-    };
-    let scale = scale(map.quantity, &pane.shown.settings);
-    pane.compose(style);
-    let number = |at| at_pixel(pane.shown, at).map_or_else(String::new, |value| number(map.quantity, value));
-    let ground = |at| scale.colour(at_pixel(pane.shown, at).unwrap_or(0.0));
-    draw::values(pane.painter, &pane.canvas, number, ground);
-    legend(pane.painter, pane.canvas.rect, map.quantity, scale);
+impl ViewContent for MapContent {
+    fn layers(&self, _: BackgroundDisplay) -> &'static [ViewLayer] {
+        Compose::Map.layers()
+    }
+
+    fn compose_style(&self, pane: &Pane<'_>) -> Option<ComposeStyle> {
+        let scale = scale(pane.shown.map.as_ref()?.quantity, &pane.shown.settings);
+        Some(ComposeStyle { scale: scale.values(), ..ComposeStyle::plain(Compose::Map) })
+    }
+
+    fn paint(&self, pane: &Pane<'_>) {
+        let Some((map, style)) = pane.shown.map.as_ref().zip(self.compose_style(pane)) else {
+            let other = pane.shown.settings.background_model != BackgroundModel::Mixture;
+            if other && pane.model.display.quantity.is_of_mixture() {
+                draw::message(pane.painter, &pane.canvas, draw::NO_MIXTURE, pane.colours.weak);
+            } else if pane.model.worker.is_live() {
+                draw::message(pane.painter, &pane.canvas, NO_PREVIOUS_FRAMES, pane.colours.weak);
+            }
+            return;
+        };
+        let scale = scale(map.quantity, &pane.shown.settings);
+        pane.compose(style);
+        let number =
+            |at| at_pixel(pane.shown, at).map_or_else(String::new, |value| number(map.quantity, value));
+        let ground = |at| scale.colour(at_pixel(pane.shown, at).unwrap_or(0.0));
+        draw::values(pane.painter, &pane.canvas, number, ground);
+        legend(pane.painter, pane.canvas.rect, map.quantity, scale);
+    }
+
+    fn value(&self, _: &Model, shown: &ShownFrame, at: (u32, u32)) -> String {
+        let quantity = shown.map.as_ref().map(|map| map.quantity);
+        let value = quantity.zip(at_pixel(shown, at));
+        value.map_or_else(String::new, |(of, value)| format!("{}={}", symbol(of), number(of, value)))
+    }
 }
 
 fn at_pixel(shown: &ShownFrame, (x, y): (u32, u32)) -> Option<f32> {
     let index = shown.frame.size.index(x, y)?;
     shown.map.as_ref()?.values.get(index).copied()
-}
-
-/// The value of a pixel, with its symbol.
-pub(super) fn value(shown: &ShownFrame, at: (u32, u32)) -> String {
-    let quantity = shown.map.as_ref().map(|map| map.quantity);
-    let value = quantity.zip(at_pixel(shown, at));
-    value.map_or_else(String::new, |(of, value)| format!("{}={}", symbol(of), number(of, value)))
 }
 
 /// The colour of the legend's text.

@@ -2,7 +2,8 @@
 
 use eframe::egui::{Color32, Painter, Rect, Stroke, Vec2, vec2};
 
-use super::{ViewCanvas, draw};
+use super::canvas::ViewCanvas;
+use super::draw;
 use crate::app::model::Model;
 use crate::app::model::pins::{self, Pins};
 use crate::app::theme;

@@ -2,8 +2,10 @@
 
 use eframe::egui::{CursorIcon, EventFilter, Key, Modifiers, Painter, PointerButton, Pos2, Response, Ui};
 
-use super::{ViewCanvas, areas};
-use crate::app::commands::command::{Action, Command};
+use super::areas;
+use super::canvas::ViewCanvas;
+use crate::app::commands::action::Action;
+use crate::app::commands::command::Command;
 use crate::app::model::Model;
 use crate::app::model::areas::AreaEdit;
 use crate::app::model::camera::{Hover, ViewCamera};

@@ -5,9 +5,15 @@ use eframe::egui::{
 };
 use egui_tiles::{Behavior, SimplificationOptions, TabState, Tabs, TileId, Tiles, Tree, UiResponse};
 
+use super::canvas::ViewCanvas;
+use super::contents::content;
+use super::frame_uploads::FrameUploads;
 use super::layer::{LayerSet, ViewLayer};
-use super::{FrameUploads, Pane, ViewCanvas, draw, loupe, pins, pointer, title_bar};
-use crate::app::commands::command::{Action, Command};
+use super::pane::Pane;
+use super::{draw, loupe, pins, pointer, title_bar};
+use crate::app::commands::action::Action;
+use crate::app::commands::command::Command;
+use crate::app::commands::shortcut::Shortcut;
 use crate::app::model::Model;
 use crate::app::model::camera::Hover;
 use crate::app::model::view::View;
@@ -31,7 +37,9 @@ pub(crate) fn show(
             ui.horizontal_centered(|ui| {
                 ui.add_space(2.0 * theme::SPACE);
                 ui.strong(view.title());
-                ui.weak("press the same key to restore all views");
+                if let Some(key) = maximise_key(view) {
+                    ui.weak(format!("Press {} to restore all views", key.text()));
+                }
                 title_bar::controls(ui, model, view, 1, panes.commands);
             });
         });
@@ -47,6 +55,11 @@ pub(crate) fn show(
         commands.push(Command::Hover(hover));
     }
     fitted.map(|(_, fitted)| fitted)
+}
+
+/// The key that maximises a view and restores all views, if any.
+fn maximise_key(view: View) -> Option<Shortcut> {
+    Action::Maximise(view).entry().and_then(|entry| entry.shortcuts.first()).copied()
 }
 
 struct Panes<'a> {
@@ -75,7 +88,7 @@ impl Panes<'_> {
         let colours = theme::colours(ui.visuals());
         let painter = ui.painter().with_clip_rect(rect);
         painter.rect_filled(rect, 0.0, colours.canvas);
-        self.layers.add(view.layers(self.model.display.background));
+        self.layers.add(content(view).layers(self.model.display.background));
         self.layers.add(&[ViewLayer::Ignored]);
         let Some(set) = self.pictures.in_view() else { return };
         let shown = &*set.frame().shown;
@@ -99,7 +112,7 @@ impl Panes<'_> {
             set,
             colours,
         };
-        view.paint(&pane);
+        content(view).paint(&pane);
         pins::paint(&painter, &canvas, self.model);
         if let Some(pixel) = self.model.selection.pixel {
             draw::cross(&painter, &canvas, pixel, Color32::from_rgb(255, 255, 255));
@@ -140,8 +153,7 @@ impl Behavior<View> for Panes<'_> {
     ) -> eframe::egui::Response {
         match tiles.get_pane(&tile_id) {
             Some(view) => {
-                let entry = Action::Maximise(*view).entry();
-                let key = entry.and_then(|entry| entry.shortcuts.first());
+                let key = maximise_key(*view);
                 let key = key.map_or_else(String::new, |key| format!(" Key {}.", key.text()));
                 response.on_hover_text(format!("{}{key}", view.meaning()))
             }

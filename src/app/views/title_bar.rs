@@ -5,8 +5,9 @@ use eframe::egui::{Align, Button, DragValue, Layout, RichText, Ui, vec2};
 use egui_material_icons::icons as m;
 
 use super::map;
+use crate::app::commands::action::Action;
 use crate::app::commands::availability::is_available;
-use crate::app::commands::command::{Action, Command};
+use crate::app::commands::command::Command;
 use crate::app::menu_item::menu_item;
 use crate::app::model::Model;
 use crate::app::model::overlays::TrackOverlay;

@@ -4,22 +4,49 @@ use std::collections::HashMap;
 
 use eframe::egui::{Align2, Color32, FontId, Mesh, Rect, Stroke, pos2, vec2};
 
-use super::draw::OccupiedRects;
-use super::{Compose, ComposeStyle, Pane, draw};
+use super::compose_style::{Compose, ComposeStyle};
+use super::draw::{self, OccupiedRects};
+use super::input;
+use super::layer::ViewLayer;
+use super::pane::{Pane, ViewContent};
 use crate::app::icons;
+use crate::app::model::Model;
 use crate::app::model::overlays::TrackOverlay;
+use crate::app::model::view::BackgroundDisplay;
 use crate::app::theme;
 use crate::palette::{event_colour, identity_colour};
 use crate::regions;
+use crate::replay::ShownFrame;
 use crate::tracking::{Identity, Track, TrackState};
 use crate::truth::boxes::Bounds;
+
+/// The objects over the input.
+pub(super) struct TracksContent;
+
+impl ViewContent for TracksContent {
+    fn layers(&self, _: BackgroundDisplay) -> &'static [ViewLayer] {
+        Compose::Input.layers()
+    }
+
+    fn compose_style(&self, _: &Pane<'_>) -> Option<ComposeStyle> {
+        Some(compose_style())
+    }
+
+    fn paint(&self, pane: &Pane<'_>) {
+        paint(pane);
+    }
+
+    fn value(&self, _: &Model, shown: &ShownFrame, at: (u32, u32)) -> String {
+        input::value(shown, at)
+    }
+}
 
 /// The composition of the view: a darker input, so that boxes stand out.
 pub(super) fn compose_style() -> ComposeStyle {
     ComposeStyle { tint: 205.0 / 255.0, ..ComposeStyle::plain(Compose::Input) }
 }
 
-/// Draws the view.
+/// Draws the objects of the pane's frame.
 pub(super) fn paint(pane: &Pane<'_>) {
     pane.compose(compose_style());
     let (tracks, drawn) = (&pane.shown.analysis.tracks, pane.model.display.track_overlays);
@@ -187,7 +214,7 @@ fn trails(pane: &Pane<'_>) {
     let (here, tracks) = (pane.shown.position, &pane.shown.analysis.tracks);
     let mut lines: HashMap<Identity, Vec<(u32, [f32; 2])>> =
         tracks.iter().map(|track| (track.id, Vec::new())).collect();
-    for (&position, (_, objects)) in pane.set.frame().trails.range(..=here) {
+    for (&position, (_, objects)) in pane.set.frame.trails.range(..=here) {
         for then in objects.iter() {
             if let Some(line) = lines.get_mut(&then.id) {
                 line.push((position, then.centre));

@@ -4,9 +4,10 @@ use std::sync::Arc;
 
 use eframe::egui::{ColorImage, Context, Theme, ViewportCommand};
 
+use crate::app::commands::action::{Action, UiScale};
 use crate::app::commands::apply;
 use crate::app::commands::availability::is_available;
-use crate::app::commands::command::{Action, Command, UiScale};
+use crate::app::commands::command::Command;
 use crate::app::files::export_frame::FrameExport;
 use crate::app::files::sample;
 use crate::app::model::ab_settings::AbSettings;

@@ -4,7 +4,8 @@ use std::sync::Arc;
 
 use eframe::egui::{ColorImage, Context};
 
-use crate::app::commands::command::{Action, Command};
+use crate::app::commands::action::Action;
+use crate::app::commands::command::Command;
 use crate::app::files::dialogs::DialogResult;
 use crate::app::inspector::InspectorAction;
 use crate::app::model::areas::AreaEdit;
@@ -28,7 +29,7 @@ impl Window {
             DialogResult::Written(Ok(path)) => self.toasts.done(ctx, format!("Wrote {}", path.display())),
             DialogResult::Settings(Ok((path, settings))) => {
                 self.apply(ctx, Command::Set(settings));
-                self.toasts.done(ctx, format!("Settings of {}", path.display()));
+                self.toasts.done(ctx, format!("Loaded the settings of {}", path.display()));
             }
             DialogResult::Mask(Ok(mask)) => self.change_areas(ctx, AreaEdit::Load(mask)),
             DialogResult::Truth(Ok(truth)) => self.set_truth(ctx, truth),
@@ -67,7 +68,7 @@ impl Window {
             views::set_open(&mut self.tree, View::MaskErrors, true);
         }
         self.model.set_truth(truth);
-        self.toasts.done(ctx, format!("Ground truth: {}", parts.join("; ")));
+        self.toasts.done(ctx, format!("Loaded ground truth: {}", parts.join("; ")));
     }
 
     /// Executes an action of the inspector.

@@ -17,7 +17,7 @@ const MAX_DIGITS: i32 = 5;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct VerdictFlip {
     /// The setting.
-    pub knob: TunableSetting,
+    pub setting: TunableSetting,
     /// The value nearest to the present one at which the verdict flips, on a logarithmic scale where the setting has
     /// one. `None` if none was found.
     pub value: Option<f32>,
@@ -28,7 +28,7 @@ pub struct VerdictFlip {
 impl VerdictFlip {
     /// A short form: `α ≥ 0.013`, `no value of T`.
     pub fn words(&self) -> String {
-        let symbol = self.knob.symbol();
+        let symbol = self.setting.symbol();
         match self.value {
             None => format!("no value of {symbol}"),
             Some(value) => format!("{symbol} {} {value}", if self.above { '≥' } else { '≤' }),
@@ -95,7 +95,7 @@ fn nearest(sides: &[SearchSide; 2]) -> Option<VerdictFlip> {
     let SearchSide { setting, from, .. } = sides[0];
     let distance = |value: f32| (setting.scaled(value) - setting.scaled(from)).abs();
     let found = [below, above].into_iter().flatten().min_by(|a, b| distance(*a).total_cmp(&distance(*b)));
-    Some(VerdictFlip { knob: setting, value: found, above: found.is_some_and(|value| value > from) })
+    Some(VerdictFlip { setting, value: found, above: found.is_some_and(|value| value > from) })
 }
 
 /// The search on one side of the present value.

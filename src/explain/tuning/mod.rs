@@ -144,7 +144,7 @@ impl TunableSetting {
 #[derive(Clone, Debug, PartialEq)]
 pub struct SettingAxis {
     /// The setting.
-    pub knob: TunableSetting,
+    pub setting: TunableSetting,
     /// The value of each cell, ascending.
     pub values: Vec<f32>,
     ends: (f32, f32),
@@ -156,13 +156,13 @@ impl SettingAxis {
         let (low, high) = setting.range();
         if setting == TunableSetting::K {
             return Self {
-                knob: setting,
+                setting,
                 values: (1..=MAX_K).map(|k| k as f32).collect(),
                 ends: (0.5, high + 0.5),
             };
         }
         let ends = (low.min(present), high.max(present));
-        let mut axis = Self { knob: setting, values: Vec::new(), ends };
+        let mut axis = Self { setting, values: Vec::new(), ends };
         let centres = (0..CELLS).map(|cell| (cell as f32 + 0.5) / CELLS as f32);
         axis.values = centres.map(|share| rounded(axis.value_at(share), 3, Rounding::Nearest)).collect();
         axis
@@ -170,14 +170,14 @@ impl SettingAxis {
 
     /// The position of `value` on the axis, 0 at its low end and 1 at its high end.
     pub fn share_of(&self, value: f32) -> f32 {
-        let (low, high) = (self.knob.scaled(self.ends.0), self.knob.scaled(self.ends.1));
-        ((self.knob.scaled(value) - low) / (high - low)) as f32
+        let (low, high) = (self.setting.scaled(self.ends.0), self.setting.scaled(self.ends.1));
+        ((self.setting.scaled(value) - low) / (high - low)) as f32
     }
 
     /// The value at a position of the axis, 0..=1.
     pub fn value_at(&self, share: f32) -> f32 {
-        let (low, high) = (self.knob.scaled(self.ends.0), self.knob.scaled(self.ends.1));
-        self.knob.unscaled(low + f64::from(share) * (high - low))
+        let (low, high) = (self.setting.scaled(self.ends.0), self.setting.scaled(self.ends.1));
+        self.setting.unscaled(low + f64::from(share) * (high - low))
     }
 
     /// The cell at a position of the axis, 0..=1.
@@ -227,8 +227,8 @@ pub fn grid(
 ) -> ([SettingAxis; 2], Vec<Parameters>) {
     let axes = VerdictMap::axes(parameters, tuned_settings);
     let [across, along] = &axes;
-    let rows = along.values.iter().map(|&y| along.knob.with(parameters, y));
-    let cells = rows.flat_map(|row| across.values.iter().map(move |&x| across.knob.with(&row, x)));
+    let rows = along.values.iter().map(|&y| along.setting.with(parameters, y));
+    let cells = rows.flat_map(|row| across.values.iter().map(move |&x| across.setting.with(&row, x)));
     let cells = cells.collect();
     (axes, cells)
 }
@@ -252,12 +252,12 @@ impl VerdictMap {
     /// affect the mixture.
     pub fn runs(parameters: &Parameters, axes: &[SettingAxis; 2]) -> Vec<Parameters> {
         let values = |axis: &SettingAxis| {
-            if axis.knob.is_decision_only(parameters) { vec![parameters.t] } else { axis.values.clone() }
+            if axis.setting.is_decision_only(parameters) { vec![parameters.t] } else { axis.values.clone() }
         };
         let (across, along) = (values(&axes[0]), values(&axes[1]));
-        let rows = along.iter().map(|&y| axes[1].knob.with(parameters, y));
+        let rows = along.iter().map(|&y| axes[1].setting.with(parameters, y));
         rows.flat_map(|row| across.iter().map(move |&x| (row, x)))
-            .map(|(row, x)| axes[0].knob.with(&row, x))
+            .map(|(row, x)| axes[0].setting.with(&row, x))
             .collect()
     }
 
@@ -267,14 +267,14 @@ impl VerdictMap {
         let mut foreground = Vec::with_capacity(across.values.len() * along.values.len());
         for (row, &y) in along.values.iter().enumerate() {
             for (column, &x) in across.values.iter().enumerate() {
-                let at = if across.knob.is_decision_only(parameters) {
+                let at = if across.setting.is_decision_only(parameters) {
                     row
-                } else if along.knob.is_decision_only(parameters) {
+                } else if along.setting.is_decision_only(parameters) {
                     column
                 } else {
                     row * across.values.len() + column
                 };
-                let cell = along.knob.with(&across.knob.with(parameters, x), y);
+                let cell = along.setting.with(&across.setting.with(parameters, x), y);
                 foreground.push(outcomes.get(at).is_some_and(|outcome| outcome.is_foreground(cell.t)));
             }
         }

@@ -26,7 +26,7 @@ pub struct Tuning {
 impl Tuning {
     /// The inputs from which it was computed.
     pub fn query(&self) -> TuningQuery {
-        let tuned_settings = self.map.axes.each_ref().map(|axis| axis.knob);
+        let tuned_settings = self.map.axes.each_ref().map(|axis| axis.setting);
         TuningQuery { at: self.at, position: self.position, parameters: self.parameters, tuned_settings }
     }
 }

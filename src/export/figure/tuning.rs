@@ -88,7 +88,7 @@ fn present() -> Key {
 }
 
 fn draw_present(panel: &mut Panel, axes: &[Side; 2], history: &PixelHistory) {
-    let here = axes.each_ref().map(|side| f64::from(side.knob.get(&history.parameters)));
+    let here = axes.each_ref().map(|side| f64::from(side.setting.get(&history.parameters)));
     panel.draw_cross("current settings", here, 5.0);
 }
 
@@ -98,9 +98,9 @@ fn cell([across, up]: &[Side; 2], column: usize, row: usize) -> [f64; 4] {
 }
 
 fn axis(side: &Side) -> Axis {
-    let name = format!("{} ({})", side.knob.symbol(), side.knob.name());
+    let name = format!("{} ({})", side.setting.symbol(), side.setting.name());
     let ends = (f64::from(side.value_at(0.0)), f64::from(side.value_at(1.0)));
-    if side.knob.is_logarithmic() { Axis::logarithmic(name, ends, 1) } else { Axis::new(name, ends, 6) }
+    if side.setting.is_logarithmic() { Axis::logarithmic(name, ends, 1) } else { Axis::new(name, ends, 6) }
 }
 
 /// The edges of a cell.

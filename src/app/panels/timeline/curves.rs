@@ -112,7 +112,7 @@ pub(super) fn alignment_words(alignment: &Alignment) -> Option<String> {
     let rest = alignment.rest.unwrap_or_default();
     let (dx, dy) = (alignment.motion.dx - rest.dx, alignment.motion.dy - rest.dy);
     let moved = (motion_of(alignment) > 0.0).then(|| format!("camera {dx:+.1}, {dy:+.1} px"));
-    let light = (light_of(alignment) > 0.0).then(|| format!("light {:.2}", alignment.light.luma_gain()));
+    let light = (light_of(alignment) > 0.0).then(|| format!("light gain {:.2}", alignment.light.luma_gain()));
     let words: Vec<_> = [moved, light].into_iter().flatten().collect();
     (!words.is_empty()).then(|| words.join(", "))
 }

@@ -16,7 +16,8 @@ use self::marks::{
     EVENT_ROW_HEIGHT, NUMBER_ROW_HEIGHT, draw_events, draw_marks, draw_numbers, draw_playhead, nearest_event,
 };
 use self::tracks::draw_tracks;
-use crate::app::commands::command::{Action, Command};
+use crate::app::commands::action::Action;
+use crate::app::commands::command::Command;
 use crate::app::icons;
 use crate::app::model::Model;
 use crate::app::model::event_comparison::EventRef;
@@ -124,7 +125,7 @@ fn tooltip(ui: &mut Ui, model: &Model, timeline: &Timeline, near: Option<usize>,
         ui.label(&event.evidence.branch);
         return;
     }
-    ui.strong(format!("frame {}", model.worker.number(column)));
+    ui.strong(format!("Frame {}", model.worker.number(column)));
     match timeline.foreground_share.get(column as usize) {
         Some(share) => ui.label(format!("foreground {:.2} %", share * 100.0)),
         None => ui.weak("not analysed yet"),

@@ -11,6 +11,9 @@ use crate::settings::{BackgroundModel, Settings};
 use crate::source::SourceInfo;
 
 /// Follows one pixel through all known frames, analysed or not.
+///
+/// It reads each frame once, to learn from and to classify, so the number of colours is its progress. A pass reads the
+/// first frames twice and counts both with `PassProgress`.
 #[derive(Clone, Default)]
 pub(crate) struct PixelFollower {
     history: Option<Arc<PixelHistory>>,

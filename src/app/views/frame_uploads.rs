@@ -1,4 +1,4 @@
-//! The frame in view on the graphics card, and the thread that uploads it.
+//! The thread that uploads frames to the graphics card, and the frame in view.
 //!
 //! The window's thread requests a frame and does not wait. The frame comes into view, in all views at once, when all
 //! of its layers are uploaded.
@@ -7,79 +7,19 @@ use std::io;
 use std::sync::mpsc;
 use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
-use std::time::{Duration, Instant};
+use std::time::Instant;
 
 use eframe::egui::Context;
 use eframe::egui_wgpu::{RenderState, wgpu};
 
-use super::agreement::Agreement;
-use super::compose::Composer;
+use super::composer::Composer;
+use super::contents::content;
 use super::layer::{self, LayerSet, ViewLayer};
 use super::layer_upload::{LayerUploader, UploadedLayers};
+use super::mask_agreement::MaskAgreement;
+use super::uploaded_frame::UploadedFrame;
 use crate::app::model::trails::FrameWithTrails;
 use crate::app::model::view::{BackgroundDisplay, View};
-use crate::frame::Size;
-use crate::truth::decisions::Decisions;
-
-/// A frame whose layers are uploaded.
-pub(crate) struct UploadedFrame {
-    frame: Arc<FrameWithTrails>,
-    video: u32,
-    every: u32,
-    uploaded: UploadedLayers,
-    group: wgpu::BindGroup,
-    agreement: Option<Agreement>,
-    decisions: Option<Decisions>,
-    took: Duration,
-    bytes: u64,
-}
-
-impl UploadedFrame {
-    /// The frame.
-    pub(crate) const fn frame(&self) -> &Arc<FrameWithTrails> {
-        &self.frame
-    }
-
-    /// Whether a layer is there.
-    pub(crate) const fn has(&self, layer: ViewLayer) -> bool {
-        self.uploaded[layer as usize].is_some()
-    }
-
-    /// The sampling step from pixels to texels.
-    pub(crate) const fn every(&self) -> u32 {
-        self.every
-    }
-
-    /// Width and height in texels.
-    pub(crate) fn texels(&self) -> Size {
-        ViewLayer::Input.texels(&self.frame.shown, self.every)
-    }
-
-    /// The bind group of the layers.
-    pub(crate) const fn group(&self) -> &wgpu::BindGroup {
-        &self.group
-    }
-
-    /// The agreement of its mask with the mask of the compared settings, if both exist.
-    pub(crate) const fn agreement(&self) -> Option<Agreement> {
-        self.agreement
-    }
-
-    /// The decisions of its mask against the ground truth, if there is a ground-truth mask and its view is visible.
-    pub(crate) const fn decisions(&self) -> Option<Decisions> {
-        self.decisions
-    }
-
-    /// The duration of the upload.
-    pub(crate) const fn duration(&self) -> Duration {
-        self.took
-    }
-
-    /// The number of uploaded bytes. Unchanged layers of the previous frame are reused.
-    pub(crate) const fn bytes(&self) -> u64 {
-        self.bytes
-    }
-}
 
 /// A request to the upload thread.
 #[derive(Clone)]
@@ -210,7 +150,7 @@ fn first_layers() -> LayerSet {
     let mut layers = LayerSet::NONE;
     // A map is computed only once its view is visible.
     for view in View::ALL.into_iter().filter(|&view| view != View::Map) {
-        layers.add(view.layers(BackgroundDisplay::Mean));
+        layers.add(content(view).layers(BackgroundDisplay::Mean));
     }
     layers.add(&[ViewLayer::Ignored]);
     layers
@@ -254,7 +194,7 @@ impl UploadThread {
             let view = |layer: ViewLayer| uploaded[layer as usize].as_ref().map(|sent| &sent.view);
             let compared = shown.compared.as_ref().filter(|_| request.layers.has(ViewLayer::ComparedMask));
             let agreement =
-                compared.map(|compared| Agreement::of(&shown.analysis.mask, &compared.analysis.mask));
+                compared.map(|compared| MaskAgreement::of(&shown.analysis.mask, &compared.analysis.mask));
             let truth = shown.truth.as_ref().filter(|_| request.layers.has(ViewLayer::Truth));
             let decisions = truth.map(|truth| truth.score(&shown.analysis.mask));
             let set = UploadedFrame {
