@@ -69,7 +69,7 @@ fn mixture(c: &mut Criterion) {
         model.replay(&before, &mut masks);
         group.throughput(Throughput::Elements(size.pixels() as u64));
         group.bench_function(BenchmarkId::new("appearance", size), |b| {
-            b.iter(|| black_box(model.appearance()));
+            b.iter(|| black_box(model.background_images()));
         });
         group.bench_function(BenchmarkId::new("copy", size), |b| b.iter(|| black_box(model.clone())));
     }

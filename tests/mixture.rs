@@ -253,17 +253,17 @@ proptest! {
                 let (x, y) = (index as u32 % width, index as u32 / width);
                 prop_assert_eq!(bits(&image.pixel(x, y).unwrap()), bits(pixel), "pixel {} {}", x, y);
             }
-            let appearance = image.appearance();
-            prop_assert_eq!(&appearance.mean, &image.mean_image());
+            let images = image.background_images();
+            prop_assert_eq!(&images.mean, &image.mean_image());
             for (index, pixel) in plain.iter().enumerate() {
                 let t = parameters.t_of(pixel.past());
                 let rgb = |mean: [f32; 3]| {
                     let gray = parameters.space == Space::Gray;
                     [0, 1, 2].map(|channel| mean[if gray { 0 } else { channel }].round() as u8)
                 };
-                prop_assert_eq!(&appearance.mean[3 * index..][..3], rgb(pixel.components()[0].mean));
-                prop_assert_eq!(&appearance.multi_mode[3 * index..][..3], rgb(pixel.background_mean(t)));
-                prop_assert_eq!(usize::from(appearance.background_count[index]), pixel.background_count(t));
+                prop_assert_eq!(&images.mean[3 * index..][..3], rgb(pixel.components()[0].mean));
+                prop_assert_eq!(&images.multi_mode[3 * index..][..3], rgb(pixel.background_mean(t)));
+                prop_assert_eq!(usize::from(images.background_count[index]), pixel.background_count(t));
             }
             rest = later;
             if rest.is_empty() {

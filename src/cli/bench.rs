@@ -14,7 +14,7 @@ use image::imageops::{self, FilterType};
 use serde::Serialize;
 
 use super::console::{Console, Progress};
-use super::flags::{self, Range};
+use super::flags::{self, FrameRange};
 use super::frames::{Frames, Item};
 use super::interrupt;
 use crate::frame::{Frame, Mask, Size};
@@ -351,7 +351,8 @@ impl Meter {
         } else {
             let last = sequence.frames.last().map_or(0, |frame| frame.number);
             let first = sequence.frames.first().map_or(0, |frame| frame.number);
-            let mut frames = Frames::open(video, Options::default(), Some(Range { first, last }), choice)?;
+            let mut frames =
+                Frames::open(video, Options::default(), Some(FrameRange { first, last }), choice)?;
             loop {
                 stop_if_asked(video)?;
                 let (batch, after) = frames.batch(BATCH);

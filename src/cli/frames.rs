@@ -6,7 +6,7 @@ use std::iter;
 use anyhow::{anyhow, bail};
 
 use super::console::Console;
-use super::flags::Range;
+use super::flags::FrameRange;
 use super::interrupt;
 use crate::frame::Frame;
 use crate::mixture::BATCH;
@@ -43,7 +43,7 @@ pub(super) struct Frames {
     /// Number of frames, as far as known.
     pub total: Option<u32>,
     options: Options,
-    range: Option<Range>,
+    range: Option<FrameRange>,
     /// The correction of frames before the mixture, if they are measured for it.
     choice: Option<CorrectionChoice>,
     /// Items that were received and come before those of `decoder`.
@@ -61,7 +61,7 @@ impl Frames {
     pub(super) fn open(
         video: &str,
         options: Options,
-        range: Option<Range>,
+        range: Option<FrameRange>,
         choice: Option<CorrectionChoice>,
     ) -> anyhow::Result<Self> {
         interrupt::watch();
@@ -232,7 +232,7 @@ impl Frames {
 /// The error of a sequence without frames in its range, or the warning of one that ended before its range did.
 fn at_the_end(
     info: &SourceInfo,
-    range: Option<Range>,
+    range: Option<FrameRange>,
     last_number: Option<u32>,
     has_begun: bool,
 ) -> Option<Item> {
@@ -282,7 +282,8 @@ mod tests {
         }
         let video = folder.path().to_str().unwrap();
         let readable = |number: &u32| ![7, 30].contains(number);
-        for range in [None, Some(Range { first: 5, last: 20 }), Some(Range { first: 35, last: 90 })] {
+        for range in [None, Some(FrameRange { first: 5, last: 20 }), Some(FrameRange { first: 35, last: 90 })]
+        {
             let expected: Vec<_> = Frames::open(video, Options::default(), range, None)
                 .unwrap()
                 .items()
@@ -309,7 +310,7 @@ mod tests {
                 assert_eq!(again, expected, "{range:?} {bytes} {most}");
             }
         }
-        let beyond = Some(Range { first: 90, last: 95 });
+        let beyond = Some(FrameRange { first: 90, last: 95 });
         let mut frames = Frames::open(video, Options::default(), beyond, None).unwrap();
         let learn = |frames: &[&Frame]| {
             assert!(frames.is_empty());
@@ -328,7 +329,7 @@ mod tests {
         let video = folder.path().to_str().unwrap();
         let items = |first, last| -> Vec<_> {
             let mut frames =
-                Frames::open(video, Options::default(), Some(Range { first, last }), None).unwrap();
+                Frames::open(video, Options::default(), Some(FrameRange { first, last }), None).unwrap();
             frames.items().map(|item| text_of(&item)).collect()
         };
         assert_eq!(items(2, 20), ["2"]);

@@ -13,13 +13,13 @@ const HEADER: &str =
 
 /// A row's data of a region: small, so that a long video's regions fit in memory.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Row {
+pub struct RegionRow {
     label: u32,
     shape: Shape,
     colour: Rgb,
 }
 
-impl From<&Region> for Row {
+impl From<&Region> for RegionRow {
     fn from(region: &Region) -> Self {
         Self { label: region.label, shape: region.shape, colour: region.colour }
     }
@@ -28,7 +28,7 @@ impl From<&Region> for Row {
 /// Writes the regions of each frame with the objects of the same frame, both `(frame number, …)` in order.
 pub fn write(
     out: &mut impl Write,
-    frames: &[(u32, Vec<Row>)],
+    frames: &[(u32, Vec<RegionRow>)],
     tracks: &[(u32, Vec<Track>)],
 ) -> io::Result<()> {
     writeln!(out, "{HEADER}")?;
@@ -43,8 +43,8 @@ pub fn write(
     Ok(())
 }
 
-fn write_row(out: &mut impl Write, number: u32, row: &Row, objects: &[Identity]) -> io::Result<()> {
-    let Row { label, shape, colour: [r, g, b] } = row;
+fn write_row(out: &mut impl Write, number: u32, row: &RegionRow, objects: &[Identity]) -> io::Result<()> {
+    let RegionRow { label, shape, colour: [r, g, b] } = row;
     let [x, y, w, h] = [shape.bbox.x, shape.bbox.y, shape.bbox.w, shape.bbox.h];
     let [cx, cy] = shape.centroid.map(significant);
     let [mu20, mu11, mu02] = [shape.mu20, shape.mu11, shape.mu02].map(significant);
@@ -85,7 +85,7 @@ mod tests {
             eccentricity: 0.25,
             extent: 1.0,
         };
-        let row = |label| Row { label, shape, colour: [9, 8, 7] };
+        let row = |label| RegionRow { label, shape, colour: [9, 8, 7] };
         let frames = [(3, vec![row(1)]), (4, vec![row(1), row(2)])];
         let tracks = [(4, vec![track(3, 0.0, 0.0), track(5, 0.0, 0.0)])];
         let text = written(|out| write(out, &frames, &tracks));

@@ -10,7 +10,7 @@ use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
 
 use super::pixel::{Parameters, Pixel};
-use super::tile::{self, Constants, FrameParameters, Gaussians, LANES, Rgb, Tile, VerdictMemories};
+use super::tile::{self, Constants, FrameParameters, Gaussians, LANES, Tile, TileRgb, VerdictMemories};
 use crate::frame::{Frame, Mask, Size};
 use crate::registration::Corrected;
 use crate::settings::{Rate, Space};
@@ -263,7 +263,7 @@ impl<const N: usize> Packed<N> {
 
 /// Consecutive tiles, and their part of consecutive frames and masks.
 struct TileJob<'a, const N: usize> {
-    state: State<'a, N>,
+    state: TileStates<'a, N>,
     /// The bytes of each frame.
     rgb: Vec<&'a [u8]>,
     /// For each frame the pixels that it does not show; empty where all frames show all pixels.
@@ -273,7 +273,7 @@ struct TileJob<'a, const N: usize> {
 }
 
 /// The state of a job's tiles.
-struct State<'a, const N: usize> {
+struct TileStates<'a, const N: usize> {
     first: &'a mut [Gaussians<N>],
     others: &'a mut [Gaussians<N>],
     used: &'a mut [u8],
@@ -282,7 +282,7 @@ struct State<'a, const N: usize> {
     pasts: &'a mut [VerdictMemories],
 }
 
-impl<const N: usize> State<'_, N> {
+impl<const N: usize> TileStates<'_, N> {
     /// One tile, of K components.
     #[inline(always)]
     fn tile(&mut self, index: usize, k: usize) -> Tile<'_, N> {
@@ -413,7 +413,7 @@ impl<const N: usize> Tiles<N> {
                 let others = others.next().unwrap_or_default();
                 let pasts = pasts.next().unwrap_or_default();
                 TileJob {
-                    state: State { first, others, used, settled, pasts },
+                    state: TileStates { first, others, used, settled, pasts },
                     rgb: frames.iter().map(|frame| &frame.rgb[3 * pixels.start..3 * pixels.end]).collect(),
                     unknown: unknown.iter().map(|unknown| unknown.map(|all| &all[pixels.clone()])).collect(),
                     masks: masks.iter_mut().filter_map(Iterator::next).collect(),
@@ -428,7 +428,7 @@ impl<const N: usize> Tiles<N> {
 /// is fastest, and a tile needs little of each frame.
 #[derive(Default)]
 struct JobBuffers {
-    rgb: Vec<Rgb>,
+    rgb: Vec<TileRgb>,
     marks: Vec<[u8; LANES]>,
 }
 

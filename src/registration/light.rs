@@ -41,7 +41,7 @@ const ENDS: f32 = 0.01;
 type SamplePoint = (u32, u32, usize);
 
 /// The colours of the sample points, and the last estimate of the light.
-pub(super) struct Reference {
+pub(super) struct LightReference {
     size: Size,
     places: Vec<SamplePoint>,
     /// The colours in the light of the first frames.
@@ -69,7 +69,7 @@ impl ColourPair {
     }
 }
 
-impl Reference {
+impl LightReference {
     pub(super) fn new(size: Size) -> Self {
         let step = ((size.pixels() as f32 / PLACES as f32).sqrt() as u32).max(1);
         let (across, down) = PARTS;

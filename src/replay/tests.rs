@@ -214,7 +214,7 @@ pub(super) fn single_pass_within(
             roi: roi.cloned(),
             analysis: Arc::new(analysis),
             background: picture(pipeline.background_image().unwrap()),
-            multi_mode: mixture.map(|mixture| picture(mixture.appearance().multi_mode)),
+            multi_mode: mixture.map(|mixture| picture(mixture.background_images().multi_mode)),
             map: None,
             pixel: mixture.is_some().then(|| Arc::new(history.clone())),
             frame: Arc::new(frame),

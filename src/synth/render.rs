@@ -372,11 +372,11 @@ mod tests {
 
     use super::*;
     use crate::regions::colour::delta_e;
-    use crate::synth::{Parameters, catalogue};
+    use crate::synth::{SceneParameters, catalogue};
 
     fn scene(name: &str, seed: u64) -> Scene {
         let parameters =
-            Parameters { size: Size::new(128, 96), seed, shadows: true, ..Parameters::default() };
+            SceneParameters { size: Size::new(128, 96), seed, shadows: true, ..SceneParameters::default() };
         catalogue::scene(name, &parameters).unwrap()
     }
 

@@ -7,7 +7,7 @@ use anyhow::{Context as _, bail};
 use super::arguments::RunJob;
 use super::live_annotation::LiveAnnotation;
 use super::pictures::Pictures;
-use super::record::{Recorder, RunRecord};
+use super::record::{ResultRecorder, RunRecord};
 use crate::cli::frames::{Frames, Item};
 use crate::cli::interrupt;
 use crate::export::Staging;
@@ -20,7 +20,7 @@ pub(super) fn analyse(job: &RunJob, frames: &mut Frames, staging: &Staging) -> a
     let mut pipeline = prepare(job, frames)?;
     let mut pictures = Pictures::new(job, staging).with_context(|| job.out_failure())?;
     let mut live = LiveAnnotation::new(job, info, staging)?;
-    let mut recorder = Recorder::new(info);
+    let mut recorder = ResultRecorder::new(info);
 
     let progress = job.console.progress("analysing", frames.total);
     // Images of the model are of the state after each frame.

@@ -7,7 +7,7 @@ use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 
 use super::bulky_output::{self, ANNOTATED, BulkyOutput, FRAMES};
 use crate::cli::console::Console;
-use crate::cli::flags::{self, Range};
+use crate::cli::flags::{self, FrameRange};
 use crate::regions::Roi;
 use crate::settings::Settings;
 use crate::source::Options;
@@ -50,7 +50,7 @@ pub(super) struct RunJob {
     /// The region of interest; `None` for the whole image.
     pub roi: Option<Arc<Roi>>,
     /// The analysed frames; `None` for all.
-    pub range: Option<Range>,
+    pub range: Option<FrameRange>,
     pub options: Options,
     pub console: Console,
     /// The flags of the requested bulky files.

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use sha2::{Digest, Sha256};
 
 use super::input_hash::{hexadecimal, is_images};
-use crate::export::regions_csv::Row;
+use crate::export::regions_csv::RegionRow;
 use crate::frame::{Frame, Mask, Size};
 use crate::pipeline::{Analysis, OfflineResult, Pipeline, offline_result};
 use crate::regions::{Labels, Region};
@@ -15,7 +15,7 @@ use crate::source::SourceInfo;
 pub(super) struct RunRecord {
     pub result: OfflineResult,
     /// The number of each frame in order, and its regions.
-    pub regions: Vec<(u32, Vec<Row>)>,
+    pub regions: Vec<(u32, Vec<RegionRow>)>,
     /// Mean share of foreground pixels, 0..=1.
     pub foreground_share: f64,
     /// Warnings about the input, one sentence each.
@@ -25,10 +25,10 @@ pub(super) struct RunRecord {
 }
 
 /// Records the results frame by frame.
-pub(super) struct Recorder {
+pub(super) struct ResultRecorder {
     size: Size,
     analyses: Vec<Analysis>,
-    regions: Vec<(u32, Vec<Row>)>,
+    regions: Vec<(u32, Vec<RegionRow>)>,
     foreground_pixels: usize,
     warnings: Vec<String>,
     hasher: Option<Sha256>,
@@ -37,7 +37,7 @@ pub(super) struct Recorder {
     no_regions: Arc<Vec<Region>>,
 }
 
-impl Recorder {
+impl ResultRecorder {
     /// Before the first frame of this source.
     pub(super) fn new(info: &SourceInfo) -> Self {
         Self {
@@ -59,7 +59,7 @@ impl Recorder {
             hasher.update(&frame.rgb);
         }
         self.foreground_pixels += analysis.mask.foreground_pixels();
-        self.regions.push((frame.number, analysis.regions.iter().map(Row::from).collect()));
+        self.regions.push((frame.number, analysis.regions.iter().map(RegionRow::from).collect()));
         // Masks, labels and histograms would exceed the memory, and the offline result does not need them.
         self.analyses.push(Analysis {
             mask: self.no_mask.clone(),

@@ -152,13 +152,13 @@ mod tests {
 
     use super::*;
     use crate::settings::Preset;
-    use crate::synth::{self, Parameters as Scene};
+    use crate::synth::{self, SceneParameters};
     use crate::truth::mixture_score::of_mixture;
 
     #[test]
     fn every_cell_computed_in_steps_equals_a_run_of_its_settings() {
-        let scene = Scene { size: Size::new(64, 48), ..Scene::default() };
-        let scene = synth::catalogue::scene("crossing", &scene).unwrap();
+        let parameters = SceneParameters { size: Size::new(64, 48), ..SceneParameters::default() };
+        let scene = synth::catalogue::scene("crossing", &parameters).unwrap();
         let (mut frames, mut masks) = (Vec::new(), BTreeMap::new());
         for (frame, truth) in synth::render(&scene).take(90) {
             let number = frame.number;

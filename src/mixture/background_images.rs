@@ -10,7 +10,7 @@ use crate::settings::Space;
 
 /// The background model at each pixel, in row order.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Appearance {
+pub struct BackgroundImages {
     /// The mean of component 1: RGB bytes, luma repeated.
     pub mean: Vec<u8>,
     /// The weighted mean of the B background components: RGB bytes.
@@ -19,8 +19,8 @@ pub struct Appearance {
     pub background_count: Vec<u8>,
 }
 
-/// The part of an [`Appearance`] that belongs to one tile.
-struct TileAppearance {
+/// The part of a [`BackgroundImages`] that belongs to one tile.
+struct TileBackground {
     mean: [u8; 3 * LANES],
     multi_mode: [u8; 3 * LANES],
     background_count: [u8; LANES],
@@ -35,9 +35,9 @@ impl Mixture {
     ///
     /// [`Pixel::background_mean`]: super::Pixel::background_mean
     /// [`Pixel::background_count`]: super::Pixel::background_count
-    pub fn appearance(&self) -> Appearance {
+    pub fn background_images(&self) -> BackgroundImages {
         let pixels = self.size().pixels();
-        let mut all = Appearance {
+        let mut all = BackgroundImages {
             mean: vec![0; 3 * pixels],
             multi_mode: vec![0; 3 * pixels],
             background_count: vec![0; pixels],
@@ -126,7 +126,7 @@ fn look_at<S: Simd, const N: usize>(
     others: &[Gaussians<N>],
     keep: &[f32],
     t: f32x16<S>,
-) -> TileAppearance {
+) -> TileBackground {
     let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
     let first = Vectors::load(simd, first);
     let settled = |other: &Gaussians<N>| {
@@ -168,7 +168,7 @@ fn look_at<S: Simd, const N: usize>(
         each(&settled(other));
     }
     let count = count.to_array();
-    TileAppearance {
+    TileBackground {
         mean: bytes(first.mean),
         multi_mode: bytes(multi_mode),
         background_count: std::array::from_fn(|lane| count[lane] as u8),
