@@ -109,7 +109,7 @@ impl BackgroundSubtractor {
         let masks = match self {
             Self::Mixture(mixture) => {
                 let mut masks = vec![Mask::empty(mixture.size()); frames.len()];
-                mixture.replay(frames, &mut masks);
+                mixture.step_many(frames, &mut masks);
                 masks
             }
             Self::Opencv(model) => {

@@ -245,7 +245,7 @@ impl Figures {
             let batch: Vec<&Frame> = batch.iter().collect();
             let pixels = batch.len() * size.pixels();
             stream.time(pixels, || batch.iter().for_each(|frame| drop(black_box(streamed.step(frame)))));
-            replay.time(pixels, || replayed.replay(black_box(&batch), &mut masks[..batch.len()]));
+            replay.time(pixels, || replayed.step_many(black_box(&batch), &mut masks[..batch.len()]));
             black_box(&masks);
             mog2_meter.time(pixels, || batch.iter().try_for_each(|frame| mog2.step(frame).map(drop)))?;
             knn_meter.time(pixels, || batch.iter().try_for_each(|frame| knn.step(frame).map(drop)))?;
@@ -258,7 +258,7 @@ impl Figures {
             let mut alone = Mixture::new(size, parameters);
             alone.learn(&first);
             mixture.pass(video, sequence, scaled, None, &progress, |batch| {
-                alone.replay(batch, &mut masks[..batch.len()]);
+                alone.step_many(batch, &mut masks[..batch.len()]);
                 Ok(())
             })?;
             let mut whole = Pipeline::new(settings, size, sequence.info.fps)?;

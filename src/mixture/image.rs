@@ -2,7 +2,7 @@
 //!
 //! Pixels are independent, except for the votes of neighbours on shadow and doubt, which come last. They are stored
 //! in tiles of sixteen, and a tile processes many frames while its mixtures are in the nearest cache.
-//! [`Mixture::replay`] loads and stores the state of a pixel once for all frames, [`Mixture::step`] once per frame.
+//! [`Mixture::step_many`] loads and stores the state of a pixel once for all frames, [`Mixture::step`] once per frame.
 
 use std::ops::Range;
 
@@ -112,7 +112,7 @@ impl Mixture {
     /// If the frame has another size than the mixture.
     pub fn step(&mut self, frame: &Frame) -> Mask {
         let mut mask = Mask::empty(self.size);
-        self.replay(&[frame], std::slice::from_mut(&mut mask));
+        self.step_many(&[frame], std::slice::from_mut(&mut mask));
         mask
     }
 
@@ -121,7 +121,7 @@ impl Mixture {
     ///
     /// # Panics
     /// If a frame has another size than the mixture, or the numbers of masks and frames differ.
-    pub fn replay(&mut self, frames: &[&Frame], masks: &mut [Mask]) {
+    pub fn step_many(&mut self, frames: &[&Frame], masks: &mut [Mask]) {
         assert_eq!(frames.len(), masks.len(), "a mask for each frame");
         self.begin();
         for (frames, masks) in frames.chunks(BATCH).zip(masks.chunks_mut(BATCH)) {

@@ -435,7 +435,7 @@ impl ModelTimeline {
         let matches = before.then(|| mixture.matches(frame));
         if before {
             self.masks.resize_with(1, || Mask::empty(self.info.size));
-            mixture.replay(&[frame], &mut self.masks);
+            mixture.step_many(&[frame], &mut self.masks);
             *replayed += 1;
         }
         let pictures = ModelPictures::of_mixture(mixture, frame, quantity).with_map(quantity, matches);
@@ -450,7 +450,7 @@ impl ModelTimeline {
         {
             let borrowed: Vec<_> = frames.iter().map(Arc::as_ref).collect();
             self.masks.resize_with(frames.len(), || Mask::empty(self.info.size));
-            mixture.replay(&borrowed, &mut self.masks);
+            mixture.step_many(&borrowed, &mut self.masks);
             *replayed += frames.len() as u32;
             // Checkpoints may be sparse: some are stored on the way, for the next step back.
             if replayed.is_multiple_of(MIN_CHECKPOINT_SPACING_FRAMES)
