@@ -175,7 +175,7 @@ fn unmatched(
 
 /// For each person the identities that matched while the person was clearly visible.
 fn identities(truth: &SceneTruth, found: &OfflineResult) -> BTreeMap<Identity, BTreeSet<Identity>> {
-    let tracks: BTreeMap<u32, _> = found.tracks.iter().map(|(frame, tracks)| (*frame, tracks)).collect();
+    let tracks: BTreeMap<u32, _> = found.tracks.iter().map(|frame| (frame.number, &frame.tracks)).collect();
     let mut matched: BTreeMap<Identity, BTreeSet<Identity>> = BTreeMap::new();
     for (frame, person) in &truth.boxes {
         let ids = matched.entry(person.id).or_default();

@@ -34,7 +34,7 @@ pub(super) fn annotate_frames(job: &RunJob, result: &OfflineResult, staging: &St
         let most = (2 * rayon::current_num_threads()).min(tracks.len() - done);
         let mut batch: Vec<Frame> = decoded.by_ref().take(most).collect::<Result<_, _>>()?;
         let mut pairs = batch.iter().zip(&tracks[done..]);
-        if batch.is_empty() || pairs.any(|(frame, (number, _))| frame.number != *number) {
+        if batch.is_empty() || pairs.any(|(frame, tracks)| frame.number != tracks.number) {
             return Err(anyhow!("{} changed during the analysis; run again", job.video));
         }
         batch.par_iter_mut().enumerate().for_each(|(offset, frame)| {

@@ -8,13 +8,13 @@ use crate::frame::Frame;
 use crate::occlusion::Event;
 use crate::pipeline::Analysis;
 use crate::source::SourceInfo;
-use crate::tracking::Track;
+use crate::tracking::FrameTracks;
 
 /// Draws the online result onto each frame.
 pub(super) struct LiveAnnotation {
     output: AnnotatedOutput,
     fps: f32,
-    tracks: Vec<(u32, Vec<Track>)>,
+    tracks: Vec<FrameTracks>,
     events: Vec<Event>,
 }
 
@@ -30,7 +30,7 @@ impl LiveAnnotation {
 
     /// Writes the next frame with its results.
     pub(super) fn write(&mut self, frame: &Frame, analysis: &Analysis) -> anyhow::Result<()> {
-        self.tracks.push((analysis.number, analysis.tracks.to_vec()));
+        self.tracks.push(FrameTracks { number: analysis.number, tracks: analysis.tracks.to_vec() });
         self.events.extend(analysis.events.iter().cloned());
         // An event can be decided some frames after it happened.
         self.events.sort_by_key(|event| event.frame);

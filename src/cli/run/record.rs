@@ -5,7 +5,7 @@ use std::sync::Arc;
 use sha2::{Digest, Sha256};
 
 use super::input_hash::{hexadecimal, is_images};
-use crate::export::regions_csv::RegionRow;
+use crate::export::regions_csv::{FrameRows, RegionRow};
 use crate::frame::{Frame, Mask, Size};
 use crate::pipeline::{Analysis, OfflineResult, Pipeline, offline_result};
 use crate::regions::{Labels, Region};
@@ -14,8 +14,8 @@ use crate::source::SourceInfo;
 /// The recorded results of the whole sequence.
 pub(super) struct RunRecord {
     pub result: OfflineResult,
-    /// The number of each frame in order, and its regions.
-    pub regions: Vec<(u32, Vec<RegionRow>)>,
+    /// The regions of each frame, in order.
+    pub regions: Vec<FrameRows>,
     /// Mean share of foreground pixels, 0..=1.
     pub foreground_share: f64,
     /// Warnings about the input, one sentence each.
@@ -28,7 +28,7 @@ pub(super) struct RunRecord {
 pub(super) struct ResultRecorder {
     size: Size,
     analyses: Vec<Analysis>,
-    regions: Vec<(u32, Vec<RegionRow>)>,
+    regions: Vec<FrameRows>,
     foreground_pixels: usize,
     warnings: Vec<String>,
     hasher: Option<Sha256>,
@@ -59,7 +59,8 @@ impl ResultRecorder {
             hasher.update(&frame.rgb);
         }
         self.foreground_pixels += analysis.mask.foreground_pixels();
-        self.regions.push((frame.number, analysis.regions.iter().map(RegionRow::from).collect()));
+        let rows = analysis.regions.iter().map(RegionRow::from).collect();
+        self.regions.push(FrameRows { number: frame.number, rows });
         // Masks, labels and histograms would exceed the memory, and the offline result does not need them.
         self.analyses.push(Analysis {
             mask: self.no_mask.clone(),

@@ -12,7 +12,7 @@ use crate::export::Staging;
 use crate::export::summary::{self, Input, Summary, Timing};
 use crate::occlusion::EventKind;
 use crate::source::SourceInfo;
-use crate::tracking::Track;
+use crate::tracking::FrameTracks;
 
 /// The name of the file.
 pub(super) const FILE: &str = "summary.json";
@@ -39,9 +39,9 @@ pub(super) fn summarise(
 ) -> Summary {
     let result = &record.result;
     let frames = result.tracks.len() as u32;
-    let number = |entry: Option<&(u32, Vec<Track>)>| entry.map_or(0, |(number, _)| *number);
+    let number = |frame: Option<&FrameTracks>| frame.map_or(0, |frame| frame.number);
     let identities: BTreeSet<_> =
-        result.tracks.iter().flat_map(|(_, tracks)| tracks.iter().map(|track| track.id)).collect();
+        result.tracks.iter().flat_map(|frame| frame.tracks.iter().map(|track| track.id)).collect();
     let seconds = duration.as_secs_f64();
     Summary {
         version: env!("CARGO_PKG_VERSION"),
