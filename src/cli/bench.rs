@@ -15,7 +15,7 @@ use serde::Serialize;
 
 use super::console::{Console, Progress};
 use super::flags::{self, FrameRange};
-use super::frames::{Frames, Item};
+use super::frames::{Batch, Frames, Item};
 use super::interrupt;
 use crate::frame::{Frame, Mask, Size};
 use crate::mixture::opencv::OpencvModel;
@@ -161,7 +161,7 @@ impl Sequence {
             source.take_warnings().iter().for_each(|warning| progress.warn(warning));
             if !batch.is_empty() {
                 let pixels = batch.iter().map(|frame: &Frame| frame.size.pixels()).sum();
-                sequence.decoding.0.push((pixels, took));
+                sequence.decoding.0.push(TimedWork { pixels, took });
             }
             progress.advance(batch.len());
             for frame in batch {
@@ -317,15 +317,28 @@ fn opencv_model(settings: &Settings, size: Size, model: BackgroundModel) -> anyh
     OpencvModel::new(&settings, size)?.context("OpenCV has this model")
 }
 
-/// Pixels and duration of each measurement.
+/// The time that some work on this number of pixels took.
+struct TimedWork {
+    pixels: usize,
+    took: Duration,
+}
+
+impl TimedWork {
+    /// Megapixels per second.
+    fn speed(&self) -> f64 {
+        self.pixels as f64 / 1e6 / self.took.as_secs_f64().max(1e-9)
+    }
+}
+
+/// The measurements of one kind of work.
 #[derive(Default)]
-struct Meter(Vec<(usize, Duration)>);
+struct Meter(Vec<TimedWork>);
 
 impl Meter {
     fn time<T>(&mut self, pixels: usize, work: impl FnOnce() -> T) -> T {
         let started = Instant::now();
         let result = work();
-        self.0.push((pixels, started.elapsed()));
+        self.0.push(TimedWork { pixels, took: started.elapsed() });
         result
     }
 
@@ -355,7 +368,7 @@ impl Meter {
                 Frames::open(video, Options::default(), Some(FrameRange { first, last }), choice)?;
             loop {
                 stop_if_asked(video)?;
-                let (batch, after) = frames.batch(BATCH);
+                let Batch { frames: batch, after } = frames.batch(BATCH);
                 work(&batch.iter().collect::<Vec<_>>())?;
                 progress.advance(batch.len());
                 match after {
@@ -366,14 +379,13 @@ impl Meter {
                 }
             }
         }
-        self.0.push((pixels, started.elapsed()));
+        self.0.push(TimedWork { pixels, took: started.elapsed() });
         Ok(())
     }
 
     /// The median in megapixels per second.
     fn median(&self) -> f64 {
-        let speed = |(pixels, took): &(usize, Duration)| *pixels as f64 / 1e6 / took.as_secs_f64().max(1e-9);
-        let mut speeds: Vec<_> = self.0.iter().map(speed).collect();
+        let mut speeds: Vec<_> = self.0.iter().map(TimedWork::speed).collect();
         speeds.sort_by(f64::total_cmp);
         speeds.get(speeds.len() / 2).copied().unwrap_or(0.0)
     }
@@ -385,8 +397,10 @@ mod tests {
 
     #[test]
     fn one_slow_batch_does_not_change_the_median() {
-        let second = Duration::from_secs(1);
-        let meter = Meter(vec![(2_000_000, second), (3_000_000, second), (2_000_000, 100 * second)]);
+        let measured = [(2_000_000, 1), (3_000_000, 1), (2_000_000, 100)];
+        let measured =
+            measured.map(|(pixels, seconds)| TimedWork { pixels, took: Duration::from_secs(seconds) });
+        let meter = Meter(measured.into());
         assert_eq!(meter.median(), 2.0);
         assert_eq!(Meter::default().median(), 0.0);
     }

@@ -32,6 +32,14 @@ pub(super) enum Item {
     End,
 }
 
+/// Frames that are processed together.
+pub(super) struct Batch {
+    /// The frames in order.
+    pub frames: Vec<Frame>,
+    /// The item after them, if it is available and not a frame.
+    pub after: Option<Item>,
+}
+
 /// Largest memory of frames that are learned from and kept until they are classified; beyond it they are decoded
 /// again.
 const MAX_KEPT_BYTES: usize = 512 << 20;
@@ -130,7 +138,7 @@ impl Frames {
             if interrupt::is_stop_requested() {
                 bail!("stopped before bootstrap on {} was complete", self.info.name);
             }
-            let (frames, after) = self.batch(left.min(BATCH));
+            let Batch { frames, after } = self.batch(left.min(BATCH));
             learn(&frames.iter().collect::<Vec<_>>())?;
             left -= frames.len();
             over = matches!(after, Some(Item::End | Item::Failed(_)));
@@ -152,17 +160,16 @@ impl Frames {
         Ok(())
     }
 
-    /// The available frames, up to `most` and, unless another item comes first, at least one; and the item after
-    /// them, if it is available and not a frame.
-    pub(super) fn batch(&mut self, most: usize) -> (Vec<Frame>, Option<Item>) {
+    /// The available frames, up to `most` and, unless another item comes first, at least one.
+    pub(super) fn batch(&mut self, most: usize) -> Batch {
         let mut frames = Vec::new();
         while frames.len() < most && (frames.is_empty() || self.is_ready()) {
             match self.next() {
                 Item::Frame(frame) => frames.push(frame),
-                other => return (frames, Some(other)),
+                other => return Batch { frames, after: Some(other) },
             }
         }
-        (frames, None)
+        Batch { frames, after: None }
     }
 
     /// All remaining frames and other items, in order.
@@ -303,8 +310,8 @@ mod tests {
                 };
                 frames.learn_within(bytes, most, learn).unwrap();
                 assert_eq!(learned, numbers[..numbers.len().min(most as usize)], "{range:?} {bytes} {most}");
-                let (batch, after) = frames.batch(3);
-                let first: Vec<_> = batch.into_iter().map(Item::Frame).chain(after).collect();
+                let batch = frames.batch(3);
+                let first: Vec<_> = batch.frames.into_iter().map(Item::Frame).chain(batch.after).collect();
                 let rest: Vec<_> = frames.items().collect();
                 let again: Vec<_> = first.iter().chain(&rest).map(text_of).collect();
                 assert_eq!(again, expected, "{range:?} {bytes} {most}");

@@ -8,7 +8,7 @@ use super::arguments::RunJob;
 use super::live_annotation::LiveAnnotation;
 use super::pictures::Pictures;
 use super::record::{ResultRecorder, RunRecord};
-use crate::cli::frames::{Frames, Item};
+use crate::cli::frames::{Batch, Frames, Item};
 use crate::cli::interrupt;
 use crate::export::Staging;
 use crate::mixture::BATCH;
@@ -30,7 +30,7 @@ pub(super) fn analyse(job: &RunJob, frames: &mut Frames, staging: &Staging) -> a
         if interrupt::is_stop_requested() && !info.live {
             bail!("stopped before the end of {}; nothing was written", job.video);
         }
-        let (batch, after) = frames.batch(most);
+        let Batch { frames: batch, after } = frames.batch(most);
         let batch: Vec<_> = batch.into_iter().map(Arc::new).collect();
         let borrowed: Vec<_> = batch.iter().map(Arc::as_ref).collect();
         let analyses = pipeline.step_many(&borrowed).with_context(|| job.video.clone())?;
