@@ -2,6 +2,7 @@
 
 use std::collections::VecDeque;
 
+use super::alignment::LevelChange;
 use super::geometry::{self, Pyramid};
 use super::plane::{Plane, reduction};
 use super::robust;
@@ -287,7 +288,7 @@ impl Estimator {
 
 /// Blends a frame, aligned by `found` and in the average's light, into the average.
 fn blend(average: &mut Plane, frame: &Plane, found: &geometry::MotionEstimate, rate: f32) {
-    let geometry::MotionEstimate { motion, light: (gain, offset), .. } = found;
+    let geometry::MotionEstimate { motion, light: LevelChange { gain, offset }, .. } = found;
     let relit = |value: f32| (value - offset) / gain;
     if *motion == Motion::NONE {
         for (mean, value) in average.data.iter_mut().zip(&frame.data) {

@@ -3,6 +3,7 @@
 use nalgebra::{SMatrix, SVector};
 
 use super::Motion;
+use super::alignment::LevelChange;
 use super::plane::{Plane, square};
 use super::robust;
 use crate::frame::Frame;
@@ -82,14 +83,19 @@ pub(super) struct MotionEstimate {
     pub(super) cost: f32,
     /// Whether the motion explains the image far better than no motion, in all quarters but one.
     pub(super) is_clear: bool,
-    /// Gain and offset of the luma under this motion.
-    pub(super) light: (f32, f32),
+    /// The change of the luma under this motion.
+    pub(super) light: LevelChange,
 }
 
 impl MotionEstimate {
     /// The estimate where there is no usable contrast.
-    pub(super) const NOTHING: Self =
-        Self { motion: Motion::NONE, correlation: 1.0, cost: f32::MAX, is_clear: false, light: (1.0, 0.0) };
+    pub(super) const NOTHING: Self = Self {
+        motion: Motion::NONE,
+        correlation: 1.0,
+        cost: f32::MAX,
+        is_clear: false,
+        light: LevelChange::NONE,
+    };
 }
 
 impl MotionReference {
@@ -120,7 +126,7 @@ impl MotionReference {
             correlation: correlation(seen()),
             cost,
             is_clear: false,
-            light: (still.gain, still.offset),
+            light: LevelChange { gain: still.gain, offset: still.offset },
         })
     }
 
@@ -154,7 +160,8 @@ impl MotionReference {
         let fit = best;
         let is_clear = cost < MAX_UNEXPLAINED * cost_still && self.is_clear(&fit, &still, plane);
         let correlation = correlation(fit.seen(plane, points));
-        MotionEstimate { motion: fit.motion, correlation, cost, is_clear, light: (fit.gain, fit.offset) }
+        let light = LevelChange { gain: fit.gain, offset: fit.offset };
+        MotionEstimate { motion: fit.motion, correlation, cost, is_clear, light }
     }
 
     /// Whether `fit` explains the quarters of the image better than `still`, all but one.
