@@ -235,7 +235,7 @@ impl ModelTimeline {
 
     /// Tracks the regions of a frame that are on record.
     fn track(&mut self, position: u32) {
-        if let Some((analysis, _)) = self.record.outline(position) {
+        if let Some(analysis) = self.record.outline(position) {
             let analysis = self.pipeline.track_again(analysis);
             self.record.replace(position, analysis);
             self.progress.add_analysed(1);
@@ -290,8 +290,8 @@ impl ModelTimeline {
         &self.record
     }
 
-    /// The analysis of a frame, without mask and labels, and its share of foreground.
-    pub(crate) fn outline(&self, position: u32) -> Option<(&Analysis, f32)> {
+    /// The analysis of a frame, without mask and labels.
+    pub(crate) fn outline(&self, position: u32) -> Option<&Analysis> {
         self.record.outline(position)
     }
 
