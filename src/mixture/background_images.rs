@@ -19,11 +19,18 @@ pub struct BackgroundImages {
     pub background_count: Vec<u8>,
 }
 
-/// The part of a [`BackgroundImages`] that belongs to one tile.
+/// The part of [`BackgroundImages`] that belongs to one tile.
 struct TileBackground {
     mean: [u8; 3 * LANES],
     multi_mode: [u8; 3 * LANES],
     background_count: [u8; LANES],
+}
+
+/// The part of [`BackgroundImages`] that a thread writes.
+struct BackgroundSlices<'a> {
+    mean: &'a mut [u8],
+    multi_mode: &'a mut [u8],
+    background_count: &'a mut [u8],
 }
 
 /// Number of tiles in a thread's job.
@@ -48,11 +55,12 @@ impl Mixture {
             .zip(all.multi_mode.par_chunks_mut(3 * LANES * TILES_A_JOB))
             .zip(all.background_count.par_chunks_mut(LANES * TILES_A_JOB))
             .enumerate()
-            .for_each(|(job, ((mean, multi_mode), count))| {
+            .for_each(|(job, ((mean, multi_mode), background_count))| {
                 let start = job * TILES_A_JOB;
+                let images = BackgroundSlices { mean, multi_mode, background_count };
                 dispatch!(level, simd => match &self.planes {
-                    Planes::Rgb(tiles) => look(simd, self, tiles, start, (mean, multi_mode, count)),
-                    Planes::Gray(tiles) => look(simd, self, tiles, start, (mean, multi_mode, count)),
+                    Planes::Rgb(tiles) => write_tiles(simd, self, tiles, start, images),
+                    Planes::Gray(tiles) => write_tiles(simd, self, tiles, start, images),
                 });
             });
         all
@@ -78,23 +86,26 @@ impl Mixture {
 }
 
 #[inline(always)]
-fn look<S: Simd, const N: usize>(
+fn write_tiles<S: Simd, const N: usize>(
     simd: S,
     mixture: &Mixture,
     tiles: &Tiles<N>,
     start: usize,
-    (mean, multi_mode, count): (&mut [u8], &mut [u8], &mut [u8]),
+    images: BackgroundSlices<'_>,
 ) {
     let others = mixture.parameters().k - 1;
-    let places =
-        mean.chunks_mut(3 * LANES).zip(multi_mode.chunks_mut(3 * LANES)).zip(count.chunks_mut(LANES));
+    let BackgroundSlices { mean, multi_mode, background_count } = images;
+    let places = mean
+        .chunks_mut(3 * LANES)
+        .zip(multi_mode.chunks_mut(3 * LANES))
+        .zip(background_count.chunks_mut(LANES));
     for (tile, ((mean, multi_mode), count)) in (start..).zip(places) {
         let used = usize::from(tiles.used[tile]);
         let others = &tiles.others[tile * others..][..used.saturating_sub(1)];
         // Brings the weights up to date, some of which are stored as of an earlier frame.
         let keep = tiles.keep(tile, mixture);
         let t = tile_t(simd, tiles.pasts.get(tile), keep.len(), mixture.parameters());
-        let seen = look_at(simd, &tiles.first[tile], others, &keep, t);
+        let seen = background_of_tile(simd, &tiles.first[tile], others, &keep, t);
         mean.copy_from_slice(&seen.mean[..mean.len()]);
         multi_mode.copy_from_slice(&seen.multi_mode[..multi_mode.len()]);
         count.copy_from_slice(&seen.background_count[..count.len()]);
@@ -120,7 +131,7 @@ fn tile_t<S: Simd>(
 }
 
 #[inline(always)]
-fn look_at<S: Simd, const N: usize>(
+fn background_of_tile<S: Simd, const N: usize>(
     simd: S,
     first: &Gaussians<N>,
     others: &[Gaussians<N>],

@@ -10,7 +10,9 @@ use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
 
 use super::pixel::{Parameters, Pixel};
-use super::tile::{self, Constants, FrameParameters, Gaussians, LANES, Tile, TileRgb, VerdictMemories};
+use super::tile::{
+    self, Constants, FrameParameters, Gaussians, LANES, StoredTile, Tile, TileRgb, VerdictMemories,
+};
 use crate::frame::{Frame, Mask, Size};
 use crate::registration::Corrected;
 use crate::settings::{Rate, Space};
@@ -193,10 +195,10 @@ impl Mixture {
         self.t += frames.len() as u32;
         let k = self.parameters.k;
         match &mut self.planes {
-            Planes::Rgb(tiles) => tiles.take(k, (frames, unknown), masks, |near, job| {
+            Planes::Rgb(tiles) => tiles.take(k, frames, unknown, masks, |near, job| {
                 dispatch!(level, simd => run::<_, 3>(simd, near, job, &constants, &frame_parameters));
             }),
-            Planes::Gray(tiles) => tiles.take(k, (frames, unknown), masks, |near, job| {
+            Planes::Gray(tiles) => tiles.take(k, frames, unknown, masks, |near, job| {
                 dispatch!(level, simd => run::<_, 1>(simd, near, job, &constants, &frame_parameters));
             }),
         }
@@ -387,15 +389,21 @@ impl<const N: usize> Tiles<N> {
     fn pixel(&self, index: usize, parameters: &Parameters, t: u32) -> Pixel {
         let (tile, others) = (index / LANES, parameters.k - 1);
         let others = &self.others[tile * others..(tile + 1) * others];
-        let past = (self.settled[tile], self.pasts.get(tile));
-        tile::read((&self.first[tile], others), past, index % LANES, (parameters, t))
+        let stored = StoredTile {
+            first: &self.first[tile],
+            others,
+            settled: self.settled[tile],
+            pasts: self.pasts.get(tile),
+        };
+        tile::read(&stored, index % LANES, parameters, t)
     }
 
     /// Divides the image among threads.
     fn take(
         &mut self,
         k: usize,
-        (frames, unknown): (&[&Frame], &[Option<&[bool]>]),
+        frames: &[&Frame],
+        unknown: &[Option<&[bool]>],
         masks: &mut [Mask],
         run: impl Fn(&mut JobBuffers, TileJob<'_, N>) + Send + Sync,
     ) {

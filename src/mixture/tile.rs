@@ -133,13 +133,26 @@ pub(super) struct Tile<'a, const N: usize> {
     pub(super) place: u32,
 }
 
-/// The pixel of one lane after frame `t`, whose components 2 to K are stored as of frame `settled`.
+/// A tile as it is stored.
+pub(super) struct StoredTile<'a, const N: usize> {
+    /// Component 1.
+    pub(super) first: &'a Gaussians<N>,
+    /// Components 2 to K.
+    pub(super) others: &'a [Gaussians<N>],
+    /// The frame as of which `others` and the unrest of `pasts` are stored.
+    pub(super) settled: u32,
+    /// The past classification; `None` where feedback is off.
+    pub(super) pasts: Option<&'a VerdictMemories>,
+}
+
+/// The pixel of one lane after frame `t`.
 pub(super) fn read<const N: usize>(
-    (first, others): (&Gaussians<N>, &[Gaussians<N>]),
-    (settled, pasts): (u32, Option<&VerdictMemories>),
+    stored: &StoredTile<'_, N>,
     lane: usize,
-    (parameters, t): (&Parameters, u32),
+    parameters: &Parameters,
+    t: u32,
 ) -> Pixel {
+    let &StoredTile { first, others, settled, pasts } = stored;
     let mut pixel = Pixel::unseen(parameters.k);
     for (component, gaussians) in pixel.components_mut().iter_mut().zip(std::iter::once(first).chain(others))
     {

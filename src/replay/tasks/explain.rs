@@ -3,7 +3,9 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use crate::explain::events::counterfactual::{Counterfactual, CounterfactualQuery, CounterfactualSearch};
+use crate::explain::events::counterfactual::{
+    Counterfactual, CounterfactualQuery, CounterfactualSearch, FrameRegions,
+};
 use crate::explain::events::event_pairs::EventTolerance;
 use crate::frame::Size;
 use crate::occlusion::Event;
@@ -82,7 +84,7 @@ fn query(event: &Event, model: &ModelTimeline, numbers: &[u32], size: Size, fps:
     let to = (decided + after + 1).min(model.analysed());
     let frames = (from..to).filter_map(|position| {
         let analysis = model.outline(position)?;
-        Some((analysis.number, Arc::clone(&analysis.regions)))
+        Some(FrameRegions { number: analysis.number, regions: Arc::clone(&analysis.regions) })
     });
     CounterfactualQuery {
         event: event.clone(),
