@@ -241,11 +241,6 @@ struct Packed<const N: usize> {
 }
 
 impl Snapshot {
-    /// Number of frames that the mixture had processed.
-    pub const fn frames_seen(&self) -> u32 {
-        self.t
-    }
-
     /// Size in memory, in bytes.
     pub const fn bytes(&self) -> usize {
         match &self.packed {

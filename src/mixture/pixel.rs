@@ -247,7 +247,8 @@ impl Pixel {
     }
 
     /// A pixel with these components, in rank order, unused ones last; at most [`MAX_K`].
-    pub fn from_components(components: &[Component]) -> Self {
+    #[cfg(test)]
+    pub(crate) fn from_components(components: &[Component]) -> Self {
         let mut pixel = Self::unseen(components.len());
         pixel.components[..components.len()].copy_from_slice(components);
         pixel

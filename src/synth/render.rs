@@ -98,11 +98,6 @@ impl Renderer {
         Self { scene: scene.clone(), background, occluders }
     }
 
-    /// The scene.
-    pub fn scene(&self) -> &Scene {
-        &self.scene
-    }
-
     /// Renders frame `number`, from 1; numbers beyond the scene's frames continue the motion.
     pub fn frame(&self, number: u32) -> (Frame, FrameTruth) {
         let size = self.scene.size;

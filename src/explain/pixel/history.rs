@@ -67,7 +67,8 @@ impl PixelHistory {
     }
 
     /// Learns from colours before the first classified frame.
-    pub fn learn_colours(&mut self, colours: impl IntoIterator<Item = [u8; 3]>) {
+    #[cfg(test)]
+    pub(crate) fn learn_colours(&mut self, colours: impl IntoIterator<Item = [u8; 3]>) {
         self.learn_seen(
             colours.into_iter().map(|rgb| ObservedColour { colour: Some(rgb), applied: Applied::NOTHING }),
         );
@@ -101,7 +102,8 @@ impl PixelHistory {
     }
 
     /// The history of pixel `at` from its colours, `(frame number, colour)` in order.
-    pub fn of_colours(
+    #[cfg(test)]
+    pub(crate) fn of_colours(
         at: (u32, u32),
         parameters: Parameters,
         colours: impl IntoIterator<Item = (u32, [u8; 3])>,
