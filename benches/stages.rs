@@ -55,21 +55,21 @@ fn mixture(c: &mut Criterion) {
                 }
                 let parameters = Parameters::new(&Settings { k, rate, ..settings() });
                 let mut model = Mixture::new(size, parameters);
-                model.replay(&before, &mut masks);
+                model.step_many(&before, &mut masks);
                 let name = format!("K={k} {} {size}", rate.word());
                 group.bench_function(BenchmarkId::new("stream", &name), |b| {
                     b.iter(|| batch.iter().for_each(|frame| drop(black_box(model.step(frame)))));
                 });
                 group.bench_function(BenchmarkId::new("replay", &name), |b| {
-                    b.iter(|| model.replay(black_box(&batch), &mut masks));
+                    b.iter(|| model.step_many(black_box(&batch), &mut masks));
                 });
             }
         }
         let mut model = Mixture::new(size, Parameters::new(&settings()));
-        model.replay(&before, &mut masks);
+        model.step_many(&before, &mut masks);
         group.throughput(Throughput::Elements(size.pixels() as u64));
         group.bench_function(BenchmarkId::new("appearance", size), |b| {
-            b.iter(|| black_box(model.appearance()));
+            b.iter(|| black_box(model.background_images()));
         });
         group.bench_function(BenchmarkId::new("copy", size), |b| b.iter(|| black_box(model.clone())));
     }

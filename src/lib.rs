@@ -71,9 +71,9 @@
 //! }
 //!
 //! let result = analyse("sample_videos/crossing.mp4")?;
-//! for (number, tracks) in &result.tracks {
-//!     for track in tracks {
-//!         println!("frame {number}: object {} at {:?}", track.id, track.bbox);
+//! for frame in &result.tracks {
+//!     for track in &frame.tracks {
+//!         println!("frame {}: object {} at {:?}", frame.number, track.id, track.bbox);
 //!     }
 //! }
 //! assert!(result.events.iter().any(|event| event.kind == occluscope::occlusion::EventKind::Merge));

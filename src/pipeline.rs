@@ -13,7 +13,7 @@ use crate::regions::roi::RoiError;
 use crate::regions::{Cleaning, Labels, Region, Roi, find_regions};
 use crate::registration::{Correction, CorrectionChoice, corrected};
 use crate::settings::Settings;
-use crate::tracking::{IdentityMap, Track};
+use crate::tracking::{FrameTracks, IdentityMap, Track};
 
 /// An error of the analysis of a frame.
 #[derive(Debug, thiserror::Error)]
@@ -71,8 +71,8 @@ pub struct Analysis {
 /// The offline result of a sequence: late decisions applied, short tracks removed.
 #[derive(Clone, Debug, Default)]
 pub struct OfflineResult {
-    /// The number of each frame in order, and its confirmed objects by identity.
-    pub tracks: Vec<(u32, Vec<Track>)>,
+    /// The confirmed objects of each frame by identity, in order of frames.
+    pub tracks: Vec<FrameTracks>,
     /// The events by frame, then by kind.
     pub events: Vec<Event>,
     /// The episodes by start.
@@ -109,7 +109,7 @@ impl BackgroundSubtractor {
         let masks = match self {
             Self::Mixture(mixture) => {
                 let mut masks = vec![Mask::empty(mixture.size()); frames.len()];
-                mixture.replay(frames, &mut masks);
+                mixture.step_many(frames, &mut masks);
                 masks
             }
             Self::Opencv(model) => {
@@ -379,7 +379,7 @@ pub fn offline_result<'a>(
             !analysis.objects.iter().any(same)
         });
         let objects = before.into_iter().chain(analysis.objects.iter());
-        result.tracks.push((analysis.number, identity_map.apply(objects)));
+        result.tracks.push(FrameTracks { number: analysis.number, tracks: identity_map.apply(objects) });
         result.events.extend(analysis.events.iter().cloned());
     }
     result.events.extend(last.events);
@@ -455,7 +455,7 @@ mod tests {
         assert_eq!(analyses[11].counters.appear, 1);
         let offline = offline_result(&analyses, &pipeline);
         let boxes: Vec<_> =
-            offline.tracks.iter().map(|(_, tracks)| (tracks[0].id, tracks[0].bbox.x)).collect();
+            offline.tracks.iter().map(|frame| (frame.tracks[0].id, frame.tracks[0].bbox.x)).collect();
         assert_eq!(boxes, (0..12).map(|at| (1, 8.0 + 2.0 * at as f32)).collect::<Vec<_>>());
     }
 
@@ -497,9 +497,9 @@ mod tests {
         analyses[1].settled =
             Arc::new(SettledResults { identities: vec![(4, 1)], ..SettledResults::default() });
         let offline = offline_result(&analyses, &pipeline());
-        let ids: Vec<_> = offline.tracks.iter().map(|(number, tracks)| (*number, tracks.len())).collect();
+        let ids: Vec<_> = offline.tracks.iter().map(|frame| (frame.number, frame.tracks.len())).collect();
         assert_eq!(ids, [(1, 1), (2, 1)]);
-        assert_eq!((offline.tracks[0].1[0].id, offline.tracks[0].1[0].bbox.x), (1, 20.0));
+        assert_eq!((offline.tracks[0].tracks[0].id, offline.tracks[0].tracks[0].bbox.x), (1, 20.0));
     }
 
     #[test]
@@ -511,7 +511,7 @@ mod tests {
             ..SettledResults::default()
         });
         let offline = offline_result(&analyses, &pipeline());
-        let places = |at: usize| offline.tracks[at].1.iter().map(|it| it.bbox.x).collect::<Vec<_>>();
+        let places = |at: usize| offline.tracks[at].tracks.iter().map(|it| it.bbox.x).collect::<Vec<_>>();
         assert_eq!([places(0), places(1), places(2)], [vec![10.0], vec![20.0], vec![]]);
     }
 

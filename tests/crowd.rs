@@ -12,7 +12,7 @@ use occluscope::frame::{Frame, Mask, Size};
 use occluscope::occlusion::{EventKind, Tracker};
 use occluscope::regions::find_regions;
 use occluscope::settings::{Kind, SETTINGS, Settings, Span, Stage, Value};
-use occluscope::tracking::IdentityMap;
+use occluscope::tracking::{FrameTracks, IdentityMap, Track};
 use proptest::prelude::*;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg32;
@@ -153,7 +153,11 @@ proptest! {
         }
         episodes.extend(ending.settled.episodes);
         told.sort_by(|a, b| (a.frame, a.kind, &a.objects).cmp(&(b.frame, b.kind, &b.objects)));
-        let tracks: Vec<_> = frames.iter().map(|(number, objects)| (*number, identity_map.apply(objects))).collect();
+        let apply = |(number, objects): &(u32, Vec<Track>)| FrameTracks {
+            number: *number,
+            tracks: identity_map.apply(objects),
+        };
+        let tracks: Vec<_> = frames.iter().map(apply).collect();
         let faults = balance::faults(&told, &tracks, &settings, fps);
         prop_assert!(faults.is_empty(), "{:#?}", faults);
         for episode in episodes {

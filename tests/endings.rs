@@ -11,7 +11,7 @@ use blocks::{Block, regions};
 use occluscope::frame::Size;
 use occluscope::occlusion::{Event, EventKind, Tracker};
 use occluscope::settings::Settings;
-use occluscope::tracking::IdentityMap;
+use occluscope::tracking::{FrameTracks, IdentityMap, Track};
 
 const SIZE: Size = Size::new(320, 240);
 const FPS: f32 = 25.0;
@@ -43,8 +43,11 @@ fn told_of(ways: &[Trajectory]) -> Vec<Vec<Event>> {
         for &(key, identity) in identities.iter().chain(&end.settled.identities) {
             identity_map.set(key, identity);
         }
-        let tracks: Vec<_> =
-            frames.iter().map(|(number, objects)| (*number, identity_map.apply(objects))).collect();
+        let apply = |(number, objects): &(u32, Vec<Track>)| FrameTracks {
+            number: *number,
+            tracks: identity_map.apply(objects),
+        };
+        let tracks: Vec<_> = frames.iter().map(apply).collect();
         let faults = balance::faults(&told, &tracks, &settings, FPS);
         assert!(faults.is_empty(), "a video of {number} frames: {faults:#?}");
         endings.push(told);

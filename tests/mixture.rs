@@ -148,7 +148,7 @@ proptest! {
         copy.begin();
         let start = copy.snapshot();
         let mut masks = vec![Mask::empty(size); 60];
-        copy.replay(&frames.iter().collect::<Vec<_>>(), &mut masks);
+        copy.step_many(&frames.iter().collect::<Vec<_>>(), &mut masks);
         prop_assert!(copy.restore(&start));
         for (t, (frame, mask)) in (to_learn as u32 + 1..).zip(frames.iter().zip(&masks)) {
             prop_assert_eq!(&image.step(frame), mask);
@@ -189,7 +189,7 @@ proptest! {
             if let [frame] = batch {
                 masks[0] = pool.install(|| image.step(frame));
             } else {
-                pool.install(|| image.replay(&batch.iter().collect::<Vec<_>>(), &mut masks));
+                pool.install(|| image.step_many(&batch.iter().collect::<Vec<_>>(), &mut masks));
             }
             for (frame, mask) in batch.iter().zip(&masks) {
                 // The result of each pixel by itself: `None` for background, the brightness in levels for shadow or
@@ -253,17 +253,17 @@ proptest! {
                 let (x, y) = (index as u32 % width, index as u32 / width);
                 prop_assert_eq!(bits(&image.pixel(x, y).unwrap()), bits(pixel), "pixel {} {}", x, y);
             }
-            let appearance = image.appearance();
-            prop_assert_eq!(&appearance.mean, &image.mean_image());
+            let images = image.background_images();
+            prop_assert_eq!(&images.mean, &image.mean_image());
             for (index, pixel) in plain.iter().enumerate() {
                 let t = parameters.t_of(pixel.past());
                 let rgb = |mean: [f32; 3]| {
                     let gray = parameters.space == Space::Gray;
                     [0, 1, 2].map(|channel| mean[if gray { 0 } else { channel }].round() as u8)
                 };
-                prop_assert_eq!(&appearance.mean[3 * index..][..3], rgb(pixel.components()[0].mean));
-                prop_assert_eq!(&appearance.multi_mode[3 * index..][..3], rgb(pixel.background_mean(t)));
-                prop_assert_eq!(usize::from(appearance.background_count[index]), pixel.background_count(t));
+                prop_assert_eq!(&images.mean[3 * index..][..3], rgb(pixel.components()[0].mean));
+                prop_assert_eq!(&images.multi_mode[3 * index..][..3], rgb(pixel.background_mean(t)));
+                prop_assert_eq!(usize::from(images.background_count[index]), pixel.background_count(t));
             }
             rest = later;
             if rest.is_empty() {
@@ -323,7 +323,7 @@ fn faded_components_are_treated_alike() {
         let mut image = Mixture::new(size, parameters);
         let mut plain = vec![Pixel::unseen(k); size.pixels()];
         let mut masks = vec![Mask::empty(size); frames.len()];
-        image.replay(&frames.iter().collect::<Vec<_>>(), &mut masks);
+        image.step_many(&frames.iter().collect::<Vec<_>>(), &mut masks);
         for (frame, mask) in frames.iter().zip(&masks) {
             for (x, pixel) in (0..).zip(&mut plain) {
                 let value = parameters.value(frame.pixel(x, 0).unwrap());

@@ -5,34 +5,36 @@
 use occluscope::frame::{Frame, Mask, Size};
 use occluscope::occlusion::EventKind::{self, Demerge, Disappear, Enter, Exit, Merge, Reappear};
 use occluscope::regions::find_regions;
-use occluscope::synth::noise::Noise;
+use occluscope::synth::noise::CameraNoise;
 use occluscope::synth::render::FrameTruth;
-use occluscope::synth::{Parameters, Recorder, Renderer, Scene, Silhouette, Truth, catalogue, render, write};
+use occluscope::synth::{
+    Recorder, Renderer, Scene, SceneParameters, SceneTruth, Silhouette, catalogue, render, write,
+};
 use occluscope::tracking::Identity;
 
 /// Small parameters without noise.
-fn small(seed: u64) -> Parameters {
+fn small(seed: u64) -> SceneParameters {
     let sizes = [Size::new(96, 72), Size::new(128, 72), Size::new(160, 120)];
-    Parameters {
+    SceneParameters {
         size: sizes[seed as usize % sizes.len()],
         seed,
-        noise: Noise { sigma: 0.0, signal_dependent: false },
+        noise: CameraNoise { sigma: 0.0, signal_dependent: false },
         speed: [1.0, 0.7, 1.6][(seed / 2) as usize % 3],
-        ..Parameters::default()
+        ..SceneParameters::default()
     }
 }
 
-fn scene(name: &str, parameters: &Parameters) -> Scene {
+fn scene(name: &str, parameters: &SceneParameters) -> Scene {
     catalogue::scene(name, parameters).unwrap()
 }
 
-fn truth_of(scene: &Scene) -> Truth {
+fn truth_of(scene: &Scene) -> SceneTruth {
     let mut recorder = Recorder::new(scene.fps);
     render(scene).for_each(|(_, truth)| recorder.push(&truth));
     recorder.finish()
 }
 
-fn frame_of(truth: &Truth, kind: EventKind) -> u32 {
+fn frame_of(truth: &SceneTruth, kind: EventKind) -> u32 {
     truth.events.iter().find(|event| event.kind == kind).unwrap().frame
 }
 
@@ -116,7 +118,7 @@ fn meeting_people_turn_back_and_joining_people_stay() {
 fn merges_are_at_the_scene_s_positions() {
     for seed in 1..=4 {
         let parameters = small(seed);
-        let at_edge = |name: &str, frame: &dyn Fn(&Truth) -> u32| {
+        let at_edge = |name: &str, frame: &dyn Fn(&SceneTruth) -> u32| {
             let truth = truth_of(&scene(name, &parameters));
             let frame = frame(&truth);
             let near = |who: &Silhouette| {
@@ -149,7 +151,7 @@ fn size_changes_on_diagonals_and_turns() {
 #[test]
 fn twelve_people_enter_and_exit() {
     for seed in 1..=3 {
-        let scene = scene("crowd", &Parameters { size: Size::new(160, 120), ..small(seed) });
+        let scene = scene("crowd", &SceneParameters { size: Size::new(160, 120), ..small(seed) });
         let truth = truth_of(&scene);
         let count = |kind| truth.events.iter().filter(|event| event.kind == kind).count();
         assert_eq!((count(Enter), count(Exit)), (12, 12));
@@ -167,7 +169,7 @@ fn twelve_people_enter_and_exit() {
 
 #[test]
 fn a_bag_splits_the_visible_silhouette_and_arms_widen_it() {
-    let bag = scene("bag", &Parameters { size: Size::new(320, 240), seed: 1, ..small(1) });
+    let bag = scene("bag", &SceneParameters { size: Size::new(320, 240), seed: 1, ..small(1) });
     let empty = Renderer::new(&Scene { actors: Vec::new(), ..bag.clone() }).frame(1).0;
     let renderer = Renderer::new(&bag);
     let mut pieces = Vec::new();
@@ -234,7 +236,8 @@ fn light_changes_by_forty_per_cent() {
 
 #[test]
 fn shadow_is_darker_and_less_noisy() {
-    let parameters = Parameters { noise: Noise { sigma: 8.0, signal_dependent: false }, ..small(3) };
+    let parameters =
+        SceneParameters { noise: CameraNoise { sigma: 8.0, signal_dependent: false }, ..small(3) };
     let renderer = Renderer::new(&Scene { actors: Vec::new(), ..scene("shade", &parameters) });
     let (a, b) = (renderer.frame(1).0, renderer.frame(2).0);
     let Size { width, height } = parameters.size;
@@ -255,7 +258,7 @@ fn shadow_is_darker_and_less_noisy() {
 #[test]
 fn moving_background_is_not_in_the_truth() {
     for name in ["flag", "lamp", "monitor", "glints", "swaying-tree"] {
-        let moving = Scene { actors: Vec::new(), ..scene(name, &Parameters { seed: 2, ..small(3) }) };
+        let moving = Scene { actors: Vec::new(), ..scene(name, &SceneParameters { seed: 2, ..small(3) }) };
         let renderer = Renderer::new(&moving);
         let first = renderer.frame(1).0;
         let mut ever = vec![false; first.size.pixels()];
@@ -303,10 +306,10 @@ fn difference_at(a: &Frame, at: usize, b: &Frame, other: usize) -> u8 {
 
 #[test]
 fn a_person_passes_every_eight_seconds() {
-    let truth = truth_of(&scene("passers-by", &Parameters { frames: Some(900), ..small(3) }));
+    let truth = truth_of(&scene("passers-by", &SceneParameters { frames: Some(900), ..small(3) }));
     let enters: Vec<u32> =
         truth.events.iter().filter(|event| event.kind == Enter).map(|event| event.frame).collect();
     assert!(enters.len() >= 4, "{enters:?}");
-    let all = catalogue::scene("passers-by", &Parameters { frames: Some(400_000), ..small(1) }).unwrap();
+    let all = catalogue::scene("passers-by", &SceneParameters { frames: Some(400_000), ..small(1) }).unwrap();
     assert!(all.actors.len() <= 255, "an identity is a byte in the truth's images");
 }

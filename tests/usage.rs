@@ -6,64 +6,140 @@ mod common;
 
 use std::fs;
 use std::io::{BufRead as _, BufReader};
+use std::path::Path;
 use std::process::{Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
 use common::{TestFolder, fails, occluscope, scene, text, works, write_images};
 
-#[test]
-fn settings_out_of_range_or_unknown_are_wrong_usage() {
+/// The message of a run with these arguments, which has to be refused as wrong usage and to write nothing.
+fn refusal(arguments: &[&str]) -> String {
     let place = TestFolder::new();
     let video = place.path("images");
     write_images(&video, 2, 1);
     let out = place.path("out");
-    let run = ["run", text(&video), "--out", text(&out)];
-    let refused = |more: &[&str]| fails(&[&run[..], more].concat(), 2);
+    let line = fails(&[&["run", text(&video), "--out", text(&out)], arguments].concat(), 2);
+    assert!(!out.exists(), "{arguments:?}");
+    line
+}
 
-    let alpha = refused(&["--alpha", "1"]);
-    assert!(alpha.contains("alpha") && alpha.contains("0 < α < 1"), "{alpha}");
-    assert!(refused(&["--alpha", "-0.5"]).contains("`-0.5`"));
-    assert!(refused(&["--k", "9"]).contains("1–8"));
-    assert!(refused(&["--rate", "fast"]).contains("density | weight | constant"));
-    assert!(refused(&["--max-hidden", "99999999s"]).contains("max_hidden"));
-    assert!(refused(&["--background-model", "median"]).contains("mixture | mog2 | knn"));
-    assert!(refused(&["--preset", "best"]).contains("opencv-mog"));
-    for range in ["5", "9..3", "a..b", "-1..3"] {
-        assert!(refused(&["--range", range]).contains("--range"), "{range}");
-    }
-
+/// The message of a run with a settings file of this content, which has to be refused and to name the file.
+fn refusal_of_file(content: &str) -> String {
+    let place = TestFolder::new();
     let file = place.path("my.toml");
-    for (content, part) in
-        [("alfa = 0.1", "alfa"), ("alpha = 2.0", "0 < α < 1"), ("alpha = [1]", "alpha"), ("alpha", "my.toml")]
-    {
-        fs::write(&file, content).unwrap();
-        let line = refused(&["--settings", text(&file)]);
-        assert!(line.contains(part) && line.contains("my.toml"), "{content}: {line}");
-    }
-    assert!(!out.exists());
+    fs::write(&file, content).unwrap();
+    let line = refusal(&["--settings", text(&file)]);
+    assert!(line.contains("my.toml"), "{content}: {line}");
+    line
 }
 
 #[test]
-fn the_command_line_itself_is_checked() {
-    for arguments in [
-        &["run", "video.avi", "--out", "there", "--threads", "0"][..],
-        &["run", "video.avi", "--out", "there", "--alfa", "0.1"],
-        &["run", "video.avi"],
-        &["run", "--out", "there"],
-        &["pixel", "video.avi"],
-        &["one.avi", "two.avi"],
-        &["one.avi", "--memory", "5"],
-        &["score", "results"],
-        &["bench", "one.avi", "--frames", "3"],
-        &["settings", "--quiet", "-v"],
+fn a_setting_out_of_range_is_refused_with_its_range() {
+    let alpha = refusal(&["--alpha", "1"]);
+    assert!(alpha.contains("alpha") && alpha.contains("0 < α < 1"), "{alpha}");
+    let k = refusal(&["--k", "9"]);
+    assert!(k.contains("1–8"), "{k}");
+}
+
+#[test]
+fn a_negative_number_is_refused_as_the_value_of_its_setting() {
+    let line = refusal(&["--alpha", "-0.5"]);
+    assert!(line.contains("`-0.5`"), "{line}");
+}
+
+#[test]
+fn a_duration_out_of_range_is_refused() {
+    let line = refusal(&["--max-hidden", "99999999s"]);
+    assert!(line.contains("max_hidden"), "{line}");
+}
+
+#[test]
+fn an_unknown_choice_is_refused_with_the_known_ones() {
+    for (flag, word, known) in [
+        ("--rate", "fast", "density | weight | constant"),
+        ("--background-model", "median", "mixture | mog2 | knn"),
     ] {
-        let output = occluscope(arguments).output().unwrap();
-        assert_eq!(output.status.code(), Some(2), "{arguments:?}");
-        assert!(!output.stderr.is_empty() && output.stdout.is_empty(), "{arguments:?}");
+        let line = refusal(&[flag, word]);
+        assert!(line.contains(known), "{flag}: {line}");
     }
+}
+
+#[test]
+fn an_unknown_preset_is_refused_with_the_known_ones() {
+    let line = refusal(&["--preset", "best"]);
+    assert!(line.contains("opencv-mog"), "{line}");
+}
+
+#[test]
+fn a_range_that_is_not_two_numbers_in_order_is_refused() {
+    for range in ["5", "9..3", "a..b", "-1..3"] {
+        let line = refusal(&["--range", range]);
+        assert!(line.contains("--range"), "{range}: {line}");
+    }
+}
+
+#[test]
+fn a_settings_file_with_an_unknown_setting_is_refused() {
+    let line = refusal_of_file("alfa = 0.1");
+    assert!(line.contains("alfa"), "{line}");
+}
+
+#[test]
+fn a_settings_file_with_a_value_out_of_range_is_refused() {
+    let line = refusal_of_file("alpha = 2.0");
+    assert!(line.contains("0 < α < 1"), "{line}");
+}
+
+#[test]
+fn a_settings_file_with_a_value_of_another_type_is_refused() {
+    let line = refusal_of_file("alpha = [1]");
+    assert!(line.contains("alpha"), "{line}");
+}
+
+#[test]
+fn a_settings_file_that_is_not_toml_is_refused() {
+    refusal_of_file("alpha");
+}
+
+/// Asserts that the command line is refused: status 2, a message on stderr and nothing on stdout.
+fn assert_wrong_usage(arguments: &[&str]) {
+    let output = occluscope(arguments).output().unwrap();
+    assert_eq!(output.status.code(), Some(2), "{arguments:?}");
+    assert!(!output.stderr.is_empty() && output.stdout.is_empty(), "{arguments:?}");
+}
+
+#[test]
+fn an_option_out_of_range_is_refused() {
+    assert_wrong_usage(&["run", "video.avi", "--out", "there", "--threads", "0"]);
+    assert_wrong_usage(&["one.avi", "--memory", "5"]);
+    assert_wrong_usage(&["bench", "one.avi", "--frames", "3"]);
+}
+
+#[test]
+fn an_unknown_flag_is_refused() {
+    assert_wrong_usage(&["run", "video.avi", "--out", "there", "--alfa", "0.1"]);
+    assert_wrong_usage(&["settings", "--quiet", "-v"]);
+}
+
+#[test]
+fn a_missing_argument_is_refused() {
+    assert_wrong_usage(&["run", "video.avi"]);
+    assert_wrong_usage(&["run", "--out", "there"]);
+    assert_wrong_usage(&["pixel", "video.avi"]);
+    assert_wrong_usage(&["score", "results"]);
+}
+
+#[test]
+fn a_second_video_is_refused() {
+    assert_wrong_usage(&["one.avi", "two.avi"]);
+}
+
+#[test]
+fn a_pixel_that_is_not_two_numbers_is_refused() {
     for at in ["5", "a,b", "5,", "-1,3", "5,5,5", "99999999999,1"] {
-        assert!(fails(&["pixel", "video.avi", "--at", at], 2).contains("--at"), "{at}");
+        let line = fails(&["pixel", "video.avi", "--at", at], 2);
+        assert!(line.contains("--at"), "{at}: {line}");
     }
 }
 
@@ -86,31 +162,51 @@ fn help_and_version_are_printed() {
     assert!(!help.contains("sweep"));
 }
 
+/// Asserts that `run` and `pixel` fail on `input` in one line that names it, and write nothing into `place`.
+fn assert_unusable(place: &TestFolder, input: &Path) {
+    let before = place.names(".");
+    let out = place.path("new/out");
+    let line = fails(&["run", text(input), "--out", text(&out), "--masks"], 1);
+    assert!(line.contains(text(input)), "{line}");
+    let line = fails(&["pixel", text(input), "--at", "1,1", "--out", text(&place.path("p.csv"))], 1);
+    assert!(line.contains(text(input)), "{line}");
+    assert_eq!(place.names("."), before);
+}
+
 #[test]
-fn unusable_inputs_fail_in_one_line_and_leave_no_output() {
+fn a_missing_video_leaves_no_output() {
     let place = TestFolder::new();
-    let file = |name: &str, content: &str| {
-        fs::write(place.path(name), content).unwrap();
-        place.path(name)
-    };
-    let missing = place.path("nowhere.avi");
-    let no_video = file("notes.txt", "this is no video");
-    let empty_file = file("empty.avi", "");
-    let empty = place.path("empty");
-    fs::create_dir(&empty).unwrap();
+    assert_unusable(&place, &place.path("nowhere.avi"));
+}
+
+#[test]
+fn a_file_that_is_no_video_leaves_no_output() {
+    let place = TestFolder::new();
+    fs::write(place.path("notes.txt"), "this is no video").unwrap();
+    assert_unusable(&place, &place.path("notes.txt"));
+}
+
+#[test]
+fn an_empty_file_leaves_no_output() {
+    let place = TestFolder::new();
+    fs::write(place.path("empty.avi"), "").unwrap();
+    assert_unusable(&place, &place.path("empty.avi"));
+}
+
+#[test]
+fn an_empty_folder_leaves_no_output() {
+    let place = TestFolder::new();
+    fs::create_dir(place.path("empty")).unwrap();
+    assert_unusable(&place, &place.path("empty"));
+}
+
+#[test]
+fn images_of_different_sizes_leave_no_output() {
+    let place = TestFolder::new();
     let mixed = place.path("mixed");
     write_images(&mixed, 3, 1);
     image::RgbImage::new(20, 20).save(mixed.join("in000002.png")).unwrap();
-    let before = place.names(".");
-
-    for input in [&missing, &no_video, &empty_file, &empty, &mixed] {
-        let out = place.path("new/out");
-        let line = fails(&["run", text(input), "--out", text(&out), "--masks"], 1);
-        assert!(line.contains(text(input)), "{line}");
-        let line = fails(&["pixel", text(input), "--at", "1,1", "--out", text(&place.path("p.csv"))], 1);
-        assert!(line.contains(text(input)), "{line}");
-        assert_eq!(place.names("."), before, "after {}", input.display());
-    }
+    assert_unusable(&place, &mixed);
 }
 
 #[test]
@@ -131,22 +227,36 @@ fn the_error_of_a_pixel_outside_the_image_names_the_size() {
     let images = place.path("images");
     let line = fails(&["pixel", text(&images), "--at", "96,0"], 1);
     assert!(line.contains("96×72") && line.contains("0–95"), "{line}");
+}
+
+#[test]
+fn a_pixel_of_a_model_without_mixture_is_refused() {
+    let place = TestFolder::new();
+    write_images(&place.path("images"), 2, 1);
+    let images = place.path("images");
     for model in ["mog2", "knn"] {
         let line = fails(&["pixel", text(&images), "--at", "1,1", "--background-model", model], 2);
-        assert!(line.contains("no mixture"), "{line}");
+        assert!(line.contains("no mixture"), "{model}: {line}");
     }
 }
 
 #[test]
-fn unwritable_results_fail_in_one_line() {
+fn a_file_in_place_of_the_output_folder_stays() {
     let place = TestFolder::new();
     write_images(&place.path("images"), 2, 1);
     let images = place.path("images");
     fs::write(place.path("taken"), "a file").unwrap();
     let taken = place.path("taken");
     assert!(fails(&["run", text(&images), "--out", text(&taken)], 1).contains("taken"));
-    assert!(fails(&["pixel", text(&images), "--at", "1,1", "--out", text(&images)], 1).contains("images"));
     assert_eq!(fs::read_to_string(taken).unwrap(), "a file");
+}
+
+#[test]
+fn a_folder_in_place_of_the_output_file_is_reported() {
+    let place = TestFolder::new();
+    write_images(&place.path("images"), 2, 1);
+    let images = place.path("images");
+    assert!(fails(&["pixel", text(&images), "--at", "1,1", "--out", text(&images)], 1).contains("images"));
 }
 
 #[test]
@@ -222,6 +332,10 @@ fn a_build_without_the_window_reports_it() {
 fn missing_truth_is_reported_before_the_window_opens() {
     let why = fails(&["video.avi", "--truth", "no/such/truth"], 1);
     assert!(why.contains("no/such/truth") && why.contains("does not exist"), "{why}");
+}
+
+#[test]
+fn unknown_truth_is_reported_before_the_window_opens() {
     let place = TestFolder::new();
     fs::create_dir(place.path("empty")).unwrap();
     assert!(

@@ -35,7 +35,7 @@ use self::model::areas::Areas;
 use self::model::worker::PlayerFactory;
 use self::window::Window;
 use crate::regions::Roi;
-use crate::replay::{Session, Start};
+use crate::replay::{AnalysisOptions, Session, Start};
 use crate::settings::Settings;
 use crate::source::Options;
 
@@ -93,9 +93,10 @@ pub fn run(opening: Opening) -> anyhow::Result<()> {
 
 /// A factory of sessions that stay within a memory limit in bytes.
 fn open_sessions(memory: Option<usize>) -> PlayerFactory {
-    Box::new(move |name, options, under, start, ctx| {
+    Box::new(move |name, options, (settings, roi), start, ctx| {
         let ctx = ctx.clone();
-        Box::new(Session::open(name, options, under, start, memory, move || ctx.request_repaint()))
+        let analysis = AnalysisOptions { settings, roi };
+        Box::new(Session::open(name, options, analysis, start, memory, move || ctx.request_repaint()))
     })
 }
 

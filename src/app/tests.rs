@@ -22,7 +22,7 @@ use crate::app::model::ab_settings::AbSlot;
 use crate::app::model::player::Player;
 use crate::app::model::view::View;
 use crate::explain::pixel::PixelHistory;
-use crate::explain::pixel::region_shares::RegionShares;
+use crate::explain::pixel::region_shares::{PixelRegion, RegionShares};
 use crate::explain::tuning::TunableSetting;
 use crate::frame::{Frame, Mask, Size};
 use crate::mixture::{Parameters, Quantity, QuantityMap};
@@ -70,8 +70,8 @@ enum PlayerCall {
     Leave,
     Map(Option<Quantity>),
     Pin(Vec<(u32, u32)>),
-    Region(Option<((u32, u32), u32)>),
-    TuneRegion(Option<((u32, u32), u32)>),
+    Region(Option<PixelRegion>),
+    TuneRegion(Option<PixelRegion>),
 }
 
 /// A worker that answers at once and records requests.
@@ -151,7 +151,8 @@ impl RecordingPlayer {
                 self.state.borrow_mut().pins = Arc::new(pixels.iter().map(|&at| history_of(at)).collect());
             }
             Request::CountRegion(region) => {
-                self.state.borrow_mut().region = region.map(|(at, side)| Arc::new(shares_of(at, side)));
+                let shares = |region: PixelRegion| Arc::new(shares_of(region.centre, region.side));
+                self.state.borrow_mut().region = region.map(shares);
             }
             Request::AnalyseAhead(_)
             | Request::Inspect(_)

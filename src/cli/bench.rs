@@ -14,8 +14,8 @@ use image::imageops::{self, FilterType};
 use serde::Serialize;
 
 use super::console::{Console, Progress};
-use super::flags::{self, Range};
-use super::frames::{Frames, Item};
+use super::flags::{self, FrameRange};
+use super::frames::{Batch, Frames, Item};
 use super::interrupt;
 use crate::frame::{Frame, Mask, Size};
 use crate::mixture::opencv::OpencvModel;
@@ -161,7 +161,7 @@ impl Sequence {
             source.take_warnings().iter().for_each(|warning| progress.warn(warning));
             if !batch.is_empty() {
                 let pixels = batch.iter().map(|frame: &Frame| frame.size.pixels()).sum();
-                sequence.decoding.0.push((pixels, took));
+                sequence.decoding.0.push(TimedWork { pixels, took });
             }
             progress.advance(batch.len());
             for frame in batch {
@@ -245,7 +245,7 @@ impl Figures {
             let batch: Vec<&Frame> = batch.iter().collect();
             let pixels = batch.len() * size.pixels();
             stream.time(pixels, || batch.iter().for_each(|frame| drop(black_box(streamed.step(frame)))));
-            replay.time(pixels, || replayed.replay(black_box(&batch), &mut masks[..batch.len()]));
+            replay.time(pixels, || replayed.step_many(black_box(&batch), &mut masks[..batch.len()]));
             black_box(&masks);
             mog2_meter.time(pixels, || batch.iter().try_for_each(|frame| mog2.step(frame).map(drop)))?;
             knn_meter.time(pixels, || batch.iter().try_for_each(|frame| knn.step(frame).map(drop)))?;
@@ -258,7 +258,7 @@ impl Figures {
             let mut alone = Mixture::new(size, parameters);
             alone.learn(&first);
             mixture.pass(video, sequence, scaled, None, &progress, |batch| {
-                alone.replay(batch, &mut masks[..batch.len()]);
+                alone.step_many(batch, &mut masks[..batch.len()]);
                 Ok(())
             })?;
             let mut whole = Pipeline::new(settings, size, sequence.info.fps)?;
@@ -317,15 +317,28 @@ fn opencv_model(settings: &Settings, size: Size, model: BackgroundModel) -> anyh
     OpencvModel::new(&settings, size)?.context("OpenCV has this model")
 }
 
-/// Pixels and duration of each measurement.
+/// The time that some work on this number of pixels took.
+struct TimedWork {
+    pixels: usize,
+    took: Duration,
+}
+
+impl TimedWork {
+    /// Megapixels per second.
+    fn speed(&self) -> f64 {
+        self.pixels as f64 / 1e6 / self.took.as_secs_f64().max(1e-9)
+    }
+}
+
+/// The measurements of one kind of work.
 #[derive(Default)]
-struct Meter(Vec<(usize, Duration)>);
+struct Meter(Vec<TimedWork>);
 
 impl Meter {
     fn time<T>(&mut self, pixels: usize, work: impl FnOnce() -> T) -> T {
         let started = Instant::now();
         let result = work();
-        self.0.push((pixels, started.elapsed()));
+        self.0.push(TimedWork { pixels, took: started.elapsed() });
         result
     }
 
@@ -351,10 +364,11 @@ impl Meter {
         } else {
             let last = sequence.frames.last().map_or(0, |frame| frame.number);
             let first = sequence.frames.first().map_or(0, |frame| frame.number);
-            let mut frames = Frames::open(video, Options::default(), Some(Range { first, last }), choice)?;
+            let mut frames =
+                Frames::open(video, Options::default(), Some(FrameRange { first, last }), choice)?;
             loop {
                 stop_if_asked(video)?;
-                let (batch, after) = frames.batch(BATCH);
+                let Batch { frames: batch, after } = frames.batch(BATCH);
                 work(&batch.iter().collect::<Vec<_>>())?;
                 progress.advance(batch.len());
                 match after {
@@ -365,14 +379,13 @@ impl Meter {
                 }
             }
         }
-        self.0.push((pixels, started.elapsed()));
+        self.0.push(TimedWork { pixels, took: started.elapsed() });
         Ok(())
     }
 
     /// The median in megapixels per second.
     fn median(&self) -> f64 {
-        let speed = |(pixels, took): &(usize, Duration)| *pixels as f64 / 1e6 / took.as_secs_f64().max(1e-9);
-        let mut speeds: Vec<_> = self.0.iter().map(speed).collect();
+        let mut speeds: Vec<_> = self.0.iter().map(TimedWork::speed).collect();
         speeds.sort_by(f64::total_cmp);
         speeds.get(speeds.len() / 2).copied().unwrap_or(0.0)
     }
@@ -384,8 +397,10 @@ mod tests {
 
     #[test]
     fn one_slow_batch_does_not_change_the_median() {
-        let second = Duration::from_secs(1);
-        let meter = Meter(vec![(2_000_000, second), (3_000_000, second), (2_000_000, 100 * second)]);
+        let measured = [(2_000_000, 1), (3_000_000, 1), (2_000_000, 100)];
+        let measured =
+            measured.map(|(pixels, seconds)| TimedWork { pixels, took: Duration::from_secs(seconds) });
+        let meter = Meter(measured.into());
         assert_eq!(meter.median(), 2.0);
         assert_eq!(Meter::default().median(), 0.0);
     }

@@ -171,10 +171,10 @@ pub(super) fn with_range(command: Command) -> Command {
 }
 
 /// The requested frames, `None` for all.
-pub(super) fn range(matches: &ArgMatches) -> Result<Option<Range>, UsageError> {
+pub(super) fn range(matches: &ArgMatches) -> Result<Option<FrameRange>, UsageError> {
     let Some(text) = matches.get_one::<String>("range") else { return Ok(None) };
     let parsed = text.split_once("..").and_then(|(first, last)| {
-        Some(Range { first: first.trim().parse().ok()?, last: last.trim().parse().ok()? })
+        Some(FrameRange { first: first.trim().parse().ok()?, last: last.trim().parse().ok()? })
     });
     match parsed {
         Some(range) if range.first <= range.last => Ok(Some(range)),
@@ -200,21 +200,21 @@ pub(super) fn roi(matches: &ArgMatches) -> anyhow::Result<Option<Arc<Roi>>> {
 
 /// An inclusive range of frame numbers.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) struct Range {
+pub(super) struct FrameRange {
     /// The first number.
     pub first: u32,
     /// The last number.
     pub last: u32,
 }
 
-impl Range {
+impl FrameRange {
     /// The number of frames, at most `u32::MAX`.
     pub(super) const fn count(self) -> u32 {
         (self.last - self.first).saturating_add(1)
     }
 }
 
-impl fmt::Display for Range {
+impl fmt::Display for FrameRange {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}..{}", self.first, self.last)
     }
@@ -260,7 +260,7 @@ mod tests {
     #[test]
     fn ranges_are_two_numbers_in_order() {
         assert_eq!(range(&parsed(&[])).unwrap(), None);
-        assert_eq!(range(&parsed(&["--range", "3..3"])).unwrap(), Some(Range { first: 3, last: 3 }));
+        assert_eq!(range(&parsed(&["--range", "3..3"])).unwrap(), Some(FrameRange { first: 3, last: 3 }));
         let all = range(&parsed(&["--range", "0..4294967295"])).unwrap().unwrap();
         assert_eq!(all.count(), u32::MAX);
         for text in ["", "5", "5..", "..5", "5..4", "a..b", "1...4", "-1..4", "1..99999999999"] {

@@ -6,7 +6,7 @@ use std::iter;
 use anyhow::{anyhow, bail};
 
 use super::console::Console;
-use super::flags::Range;
+use super::flags::FrameRange;
 use super::interrupt;
 use crate::frame::Frame;
 use crate::mixture::BATCH;
@@ -32,6 +32,14 @@ pub(super) enum Item {
     End,
 }
 
+/// Frames that are processed together.
+pub(super) struct Batch {
+    /// The frames in order.
+    pub frames: Vec<Frame>,
+    /// The item after them, if it is available and not a frame.
+    pub after: Option<Item>,
+}
+
 /// Largest memory of frames that are learned from and kept until they are classified; beyond it they are decoded
 /// again.
 const MAX_KEPT_BYTES: usize = 512 << 20;
@@ -43,7 +51,7 @@ pub(super) struct Frames {
     /// Number of frames, as far as known.
     pub total: Option<u32>,
     options: Options,
-    range: Option<Range>,
+    range: Option<FrameRange>,
     /// The correction of frames before the mixture, if they are measured for it.
     choice: Option<CorrectionChoice>,
     /// Items that were received and come before those of `decoder`.
@@ -61,7 +69,7 @@ impl Frames {
     pub(super) fn open(
         video: &str,
         options: Options,
-        range: Option<Range>,
+        range: Option<FrameRange>,
         choice: Option<CorrectionChoice>,
     ) -> anyhow::Result<Self> {
         interrupt::watch();
@@ -130,7 +138,7 @@ impl Frames {
             if interrupt::is_stop_requested() {
                 bail!("stopped before bootstrap on {} was complete", self.info.name);
             }
-            let (frames, after) = self.batch(left.min(BATCH));
+            let Batch { frames, after } = self.batch(left.min(BATCH));
             learn(&frames.iter().collect::<Vec<_>>())?;
             left -= frames.len();
             over = matches!(after, Some(Item::End | Item::Failed(_)));
@@ -152,17 +160,16 @@ impl Frames {
         Ok(())
     }
 
-    /// The available frames, up to `most` and, unless another item comes first, at least one; and the item after
-    /// them, if it is available and not a frame.
-    pub(super) fn batch(&mut self, most: usize) -> (Vec<Frame>, Option<Item>) {
+    /// The available frames, up to `most` and, unless another item comes first, at least one.
+    pub(super) fn batch(&mut self, most: usize) -> Batch {
         let mut frames = Vec::new();
         while frames.len() < most && (frames.is_empty() || self.is_ready()) {
             match self.next() {
                 Item::Frame(frame) => frames.push(frame),
-                other => return (frames, Some(other)),
+                other => return Batch { frames, after: Some(other) },
             }
         }
-        (frames, None)
+        Batch { frames, after: None }
     }
 
     /// All remaining frames and other items, in order.
@@ -232,7 +239,7 @@ impl Frames {
 /// The error of a sequence without frames in its range, or the warning of one that ended before its range did.
 fn at_the_end(
     info: &SourceInfo,
-    range: Option<Range>,
+    range: Option<FrameRange>,
     last_number: Option<u32>,
     has_begun: bool,
 ) -> Option<Item> {
@@ -282,7 +289,8 @@ mod tests {
         }
         let video = folder.path().to_str().unwrap();
         let readable = |number: &u32| ![7, 30].contains(number);
-        for range in [None, Some(Range { first: 5, last: 20 }), Some(Range { first: 35, last: 90 })] {
+        for range in [None, Some(FrameRange { first: 5, last: 20 }), Some(FrameRange { first: 35, last: 90 })]
+        {
             let expected: Vec<_> = Frames::open(video, Options::default(), range, None)
                 .unwrap()
                 .items()
@@ -302,14 +310,14 @@ mod tests {
                 };
                 frames.learn_within(bytes, most, learn).unwrap();
                 assert_eq!(learned, numbers[..numbers.len().min(most as usize)], "{range:?} {bytes} {most}");
-                let (batch, after) = frames.batch(3);
-                let first: Vec<_> = batch.into_iter().map(Item::Frame).chain(after).collect();
+                let batch = frames.batch(3);
+                let first: Vec<_> = batch.frames.into_iter().map(Item::Frame).chain(batch.after).collect();
                 let rest: Vec<_> = frames.items().collect();
                 let again: Vec<_> = first.iter().chain(&rest).map(text_of).collect();
                 assert_eq!(again, expected, "{range:?} {bytes} {most}");
             }
         }
-        let beyond = Some(Range { first: 90, last: 95 });
+        let beyond = Some(FrameRange { first: 90, last: 95 });
         let mut frames = Frames::open(video, Options::default(), beyond, None).unwrap();
         let learn = |frames: &[&Frame]| {
             assert!(frames.is_empty());
@@ -328,7 +336,7 @@ mod tests {
         let video = folder.path().to_str().unwrap();
         let items = |first, last| -> Vec<_> {
             let mut frames =
-                Frames::open(video, Options::default(), Some(Range { first, last }), None).unwrap();
+                Frames::open(video, Options::default(), Some(FrameRange { first, last }), None).unwrap();
             frames.items().map(|item| text_of(&item)).collect()
         };
         assert_eq!(items(2, 20), ["2"]);

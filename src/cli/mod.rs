@@ -1,4 +1,4 @@
-//! The command line: one file per subcommand, and shared code.
+//! The command line: one file or folder per subcommand, and shared code.
 //!
 //! Exit status 0 is success, 1 a failure of the work, 2 wrong usage. A failure prints one line to stderr.
 

@@ -9,7 +9,7 @@ use anyhow::{Context as _, bail};
 use clap::{Arg, ArgMatches, Command, value_parser};
 
 use super::console::Console;
-use super::flags::{self, Range, UsageError};
+use super::flags::{self, FrameRange, UsageError};
 use super::frames::{Frames, Item};
 use super::interrupt;
 use crate::explain::pixel::PixelHistory;
@@ -116,7 +116,7 @@ struct Follow<'a> {
     at: (u32, u32),
     settings: &'a Settings,
     roi: Option<Arc<Roi>>,
-    range: Option<Range>,
+    range: Option<FrameRange>,
     options: Options,
     console: Console,
 }

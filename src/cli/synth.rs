@@ -10,8 +10,8 @@ use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 use super::console::Console;
 use super::interrupt;
 use crate::frame::Size;
-use crate::synth::noise::Noise;
-use crate::synth::{self, Parameters, catalogue};
+use crate::synth::noise::CameraNoise;
+use crate::synth::{self, SceneParameters, catalogue};
 
 /// Defines the subcommand. All invalid values are detected here, as wrong usage.
 pub fn command() -> Command {
@@ -128,14 +128,14 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     Ok(())
 }
 
-fn parameters(matches: &ArgMatches) -> Parameters {
-    let usual = Parameters::default();
+fn parameters(matches: &ArgMatches) -> SceneParameters {
+    let usual = SceneParameters::default();
     let number = |name: &str, usual: f32| matches.get_one::<f32>(name).copied().unwrap_or(usual);
-    Parameters {
+    SceneParameters {
         size: matches.get_one::<Size>("size").copied().unwrap_or(usual.size),
         frames: matches.get_one::<u32>("frames").copied(),
         seed: matches.get_one::<u64>("seed").copied().unwrap_or(usual.seed),
-        noise: Noise {
+        noise: CameraNoise {
             sigma: number("noise", usual.noise.sigma),
             signal_dependent: matches.get_flag("photon-noise"),
         },
@@ -188,7 +188,7 @@ mod tests {
     fn the_command_is_valid_and_its_defaults_equal_the_library_s() {
         command().debug_assert();
         let matches = parse("crossing --out there").unwrap();
-        assert_eq!(parameters(&matches), Parameters::default());
+        assert_eq!(parameters(&matches), SceneParameters::default());
     }
 
     #[test]
@@ -196,11 +196,11 @@ mod tests {
         let matches = parse(
             "tree --out d --seed 7 --frames 50 --size 640x480 --noise 4 --speed 1.5 --photon-noise --shadows",
         );
-        let expected = Parameters {
+        let expected = SceneParameters {
             size: Size::new(640, 480),
             frames: Some(50),
             seed: 7,
-            noise: Noise { sigma: 4.0, signal_dependent: true },
+            noise: CameraNoise { sigma: 4.0, signal_dependent: true },
             speed: 1.5,
             shadows: true,
         };

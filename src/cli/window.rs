@@ -45,14 +45,15 @@ pub(super) fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     flags::start_threads(matches)?;
     let memory = matches.get_one::<u64>("memory").map(|&mib| mib as usize * (1 << 20));
     let options = flags::source_options(matches)?;
-    open(matches.get_one::<String>("video").cloned(), options, (settings, roi), truth, memory)
+    open(matches.get_one::<String>("video").cloned(), options, settings, roi, truth, memory)
 }
 
 #[cfg(feature = "gui")]
 fn open(
     video: Option<String>,
     options: Options,
-    (settings, roi): (Settings, Option<Arc<Roi>>),
+    settings: Settings,
+    roi: Option<Arc<Roi>>,
     truth: Option<PathBuf>,
     memory: Option<usize>,
 ) -> anyhow::Result<()> {
@@ -63,7 +64,8 @@ fn open(
 fn open(
     video: Option<String>,
     _: Options,
-    _: (Settings, Option<Arc<Roi>>),
+    _: Settings,
+    _: Option<Arc<Roi>>,
     _: Option<PathBuf>,
     _: Option<usize>,
 ) -> anyhow::Result<()> {

@@ -6,7 +6,7 @@ use crate::frame::Frame;
 use crate::occlusion::Event;
 use crate::palette::{event_colour, identity_colour};
 use crate::regions::Rect;
-use crate::tracking::{Identity, Track, TrackState};
+use crate::tracking::{FrameTracks, Identity, Track, TrackState};
 
 /// The length of a trail, in seconds.
 pub const TRAIL_SECONDS: f32 = 2.0;
@@ -19,18 +19,18 @@ const WHITE: [u8; 3] = [255; 3];
 /// The annotations of a frame.
 #[derive(Clone, Copy, Debug)]
 pub struct FrameAnnotations<'a> {
-    /// The objects of the last frames up to this one, `(frame number, tracks)`, for the length of a trail.
-    pub recent: &'a [(u32, Vec<Track>)],
+    /// The objects of the last frames up to this one, for the length of a trail.
+    pub recent: &'a [FrameTracks],
     /// The events of this frame and of those shortly before it.
     pub events: &'a [Event],
 }
 
 impl<'a> FrameAnnotations<'a> {
     /// The annotations of the frame at `index`, from the results of a sequence.
-    pub fn at(index: usize, tracks: &'a [(u32, Vec<Track>)], events: &'a [Event], fps: f32) -> Self {
+    pub fn at(index: usize, tracks: &'a [FrameTracks], events: &'a [Event], fps: f32) -> Self {
         let start = (index + 1).saturating_sub(((TRAIL_SECONDS * fps).round() as usize).max(2));
         let recent = tracks.get(start..=index).unwrap_or_default();
-        let now = recent.last().map_or(0, |(number, _)| *number);
+        let now = recent.last().map_or(0, |frame| frame.number);
         let shown = ((EVENT_SECONDS * fps).round() as u32).max(1);
         // Events are in order of frames.
         let first = events.partition_point(|event| event.frame + shown <= now);
@@ -45,13 +45,13 @@ pub fn annotate(frame: &mut Frame, annotations: &FrameAnnotations<'_>) {
     let number = frame.number;
     let mut canvas = Canvas::new(frame);
     let style = Style::of(canvas.size().shorter_side());
-    let tracks = annotations.recent.last().map_or(&[][..], |(_, tracks)| tracks);
+    let tracks = annotations.recent.last().map_or(&[][..], |frame| &frame.tracks);
 
     for track in tracks {
         draw_trail(&mut canvas, track, annotations.recent, style);
     }
     let groups = groups(tracks);
-    for (_, outline) in &groups {
+    for GroupOutline { outline, .. } in &groups {
         canvas.outline(outline, style.line * 2.0, 0.0, Paint::sheer(BLACK, 0.4));
         canvas.outline(outline, style.line * 0.8, 0.0, Paint::sheer(WHITE, 0.9));
     }
@@ -91,11 +91,11 @@ impl Style {
     }
 }
 
-fn draw_trail(canvas: &mut Canvas<'_>, track: &Track, recent: &[(u32, Vec<Track>)], style: Style) {
+fn draw_trail(canvas: &mut Canvas<'_>, track: &Track, recent: &[FrameTracks], style: Style) {
     let centres: Vec<_> = recent
         .iter()
         .rev()
-        .map_while(|(_, tracks)| tracks.iter().find(|other| other.id == track.id))
+        .map_while(|frame| frame.tracks.iter().find(|other| other.id == track.id))
         .map(|other| other.bbox.centre())
         .collect();
     let steps = centres.len().max(2) as f32;
@@ -118,17 +118,23 @@ fn draw_box(canvas: &mut Canvas<'_>, track: &Track, style: Style) {
     canvas.outline(&around, style.line, dash, Paint::solid(identity_colour(track.id)));
 }
 
-/// The groups among these objects, and the bounding rectangle of each.
-fn groups(tracks: &[Track]) -> Vec<(Vec<Identity>, Rect)> {
-    let mut groups: Vec<(Vec<Identity>, Rect)> = Vec::new();
+/// An occlusion group and the rectangle around it.
+struct GroupOutline {
+    members: Vec<Identity>,
+    outline: Rect,
+}
+
+/// The outlines of the groups among these objects.
+fn groups(tracks: &[Track]) -> Vec<GroupOutline> {
+    let mut groups: Vec<GroupOutline> = Vec::new();
     for track in tracks.iter().filter(|track| track.group.len() > 1) {
-        match groups.iter_mut().find(|(members, _)| *members == track.group) {
-            Some((_, outline)) => *outline = outline.union(&track.bbox),
-            None => groups.push((track.group.clone(), track.bbox)),
+        match groups.iter_mut().find(|group| group.members == track.group) {
+            Some(group) => group.outline = group.outline.union(&track.bbox),
+            None => groups.push(GroupOutline { members: track.group.clone(), outline: track.bbox }),
         }
     }
     let margin = 5.0;
-    for (_, outline) in &mut groups {
+    for GroupOutline { outline, .. } in &mut groups {
         *outline = Rect::new(
             outline.x - margin,
             outline.y - margin,
@@ -180,14 +186,14 @@ fn draw_banner(canvas: &mut Canvas<'_>, number: u32, events: &[Event], style: St
 fn draw_labels(
     canvas: &mut Canvas<'_>,
     tracks: &[Track],
-    groups: &[(Vec<Identity>, Rect)],
+    groups: &[GroupOutline],
     banner: Vec<Rect>,
     style: Style,
 ) {
     let objects: Vec<_> = tracks.iter().map(|track| track.bbox).collect();
     let mut taken = banner;
     let chips = tracks.iter().map(|track| (track.id.to_string(), track.bbox, identity_colour(track.id)));
-    let group_chips = groups.iter().map(|(members, outline)| (joined(members), *outline, WHITE));
+    let group_chips = groups.iter().map(|group| (joined(&group.members), group.outline, WHITE));
     for (text, around, colour) in chips.chain(group_chips) {
         let (w, h) = (style.chip_width(&text), style.chip_height());
         let rim = style.line;
@@ -259,7 +265,8 @@ mod tests {
 
     #[test]
     fn a_box_has_the_colour_of_its_identity_and_does_not_cover_the_object() {
-        let tracks = vec![(9, vec![Track { bbox: Rect::new(40.0, 50.0, 20.0, 40.0), ..track(4, 0.0, 0.0) }])];
+        let object = Track { bbox: Rect::new(40.0, 50.0, 20.0, 40.0), ..track(4, 0.0, 0.0) };
+        let tracks = vec![FrameTracks { number: 9, tracks: vec![object] }];
         let mut frame = grey(9, Size::new(200, 120));
         annotate(&mut frame, &FrameAnnotations::at(0, &tracks, &[], 10.0));
         assert_eq!(frame.pixel(39, 70), Some(identity_colour(4)));
@@ -282,7 +289,7 @@ mod tests {
             bbox: Rect::new(40.0, 40.0, 60.0, 60.0),
             ..track(1, 0.0, 0.0)
         };
-        let tracks = vec![(9, vec![hidden])];
+        let tracks = vec![FrameTracks { number: 9, tracks: vec![hidden] }];
         let mut frame = grey(9, Size::new(200, 120));
         annotate(&mut frame, &FrameAnnotations::at(0, &tracks, &[], 10.0));
         let coloured = (40..100).filter(|&y| frame.pixel(100, y) == Some(identity_colour(1))).count();
@@ -291,10 +298,11 @@ mod tests {
 
     #[test]
     fn annotations_contain_recent_tracks_and_events() {
-        let tracks: Vec<_> = (1..=50).map(|number| (number, vec![track(1, 0.0, 0.0)])).collect();
+        let tracks: Vec<_> =
+            (1..=50).map(|number| FrameTracks { number, tracks: vec![track(1, 0.0, 0.0)] }).collect();
         let events: Vec<_> = (1..=50).map(|frame| event(frame, EventKind::Merge, &[1, 2])).collect();
         let annotations = FrameAnnotations::at(39, &tracks, &events, 10.0);
-        assert_eq!((annotations.recent[0].0, annotations.recent.last().unwrap().0), (21, 40));
+        assert_eq!((annotations.recent[0].number, annotations.recent.last().unwrap().number), (21, 40));
         assert_eq!((annotations.events[0].frame, annotations.events.last().unwrap().frame), (31, 40));
         let first = FrameAnnotations::at(0, &tracks, &events, 10.0);
         assert_eq!((first.recent.len(), first.events.len()), (1, 1));
@@ -319,7 +327,7 @@ mod tests {
                 ..track(id, 0.0, 0.0)
             })
             .collect();
-        let frames = vec![(1, tracks)];
+        let frames = vec![FrameTracks { number: 1, tracks }];
         let events = vec![event(1, EventKind::Merge, &group); 30];
         for size in [Size::new(1, 1), Size::new(20, 300), Size::new(333, 21)] {
             annotate(&mut grey(1, size), &FrameAnnotations::at(0, &frames, &events, 25.0));

@@ -5,7 +5,7 @@ use std::io::{self, Write};
 use super::joined;
 use super::number::significant;
 use crate::regions::{Region, Rgb, Shape};
-use crate::tracking::{Identity, Track};
+use crate::tracking::{FrameTracks, Identity, Track};
 
 /// The columns of the header.
 const HEADER: &str =
@@ -13,29 +13,35 @@ const HEADER: &str =
 
 /// A row's data of a region: small, so that a long video's regions fit in memory.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Row {
+pub struct RegionRow {
     label: u32,
     shape: Shape,
     colour: Rgb,
 }
 
-impl From<&Region> for Row {
+impl From<&Region> for RegionRow {
     fn from(region: &Region) -> Self {
         Self { label: region.label, shape: region.shape, colour: region.colour }
     }
 }
 
-/// Writes the regions of each frame with the objects of the same frame, both `(frame number, …)` in order.
-pub fn write(
-    out: &mut impl Write,
-    frames: &[(u32, Vec<Row>)],
-    tracks: &[(u32, Vec<Track>)],
-) -> io::Result<()> {
+/// The rows of one frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FrameRows {
+    /// The frame's number.
+    pub number: u32,
+    /// A row for each region.
+    pub rows: Vec<RegionRow>,
+}
+
+/// Writes the regions of each frame with the objects of the same frame, both in order of frames.
+pub fn write(out: &mut impl Write, frames: &[FrameRows], tracks: &[FrameTracks]) -> io::Result<()> {
     writeln!(out, "{HEADER}")?;
     let mut tracks = tracks.iter().peekable();
-    for (number, rows) in frames {
-        while tracks.next_if(|(of, _)| of < number).is_some() {}
-        let here = tracks.peek().filter(|(of, _)| of == number).map_or(&[][..], |(_, tracks)| tracks);
+    for FrameRows { number, rows } in frames {
+        while tracks.next_if(|frame| frame.number < *number).is_some() {}
+        let here = tracks.peek().filter(|frame| frame.number == *number);
+        let here = here.map_or(&[][..], |frame| &frame.tracks);
         for row in rows {
             write_row(out, *number, row, &objects_of(row.label, here))?;
         }
@@ -43,8 +49,8 @@ pub fn write(
     Ok(())
 }
 
-fn write_row(out: &mut impl Write, number: u32, row: &Row, objects: &[Identity]) -> io::Result<()> {
-    let Row { label, shape, colour: [r, g, b] } = row;
+fn write_row(out: &mut impl Write, number: u32, row: &RegionRow, objects: &[Identity]) -> io::Result<()> {
+    let RegionRow { label, shape, colour: [r, g, b] } = row;
     let [x, y, w, h] = [shape.bbox.x, shape.bbox.y, shape.bbox.w, shape.bbox.h];
     let [cx, cy] = shape.centroid.map(significant);
     let [mu20, mu11, mu02] = [shape.mu20, shape.mu11, shape.mu02].map(significant);
@@ -85,9 +91,12 @@ mod tests {
             eccentricity: 0.25,
             extent: 1.0,
         };
-        let row = |label| Row { label, shape, colour: [9, 8, 7] };
-        let frames = [(3, vec![row(1)]), (4, vec![row(1), row(2)])];
-        let tracks = [(4, vec![track(3, 0.0, 0.0), track(5, 0.0, 0.0)])];
+        let row = |label| RegionRow { label, shape, colour: [9, 8, 7] };
+        let frames = [
+            FrameRows { number: 3, rows: vec![row(1)] },
+            FrameRows { number: 4, rows: vec![row(1), row(2)] },
+        ];
+        let tracks = [FrameTracks { number: 4, tracks: vec![track(3, 0.0, 0.0), track(5, 0.0, 0.0)] }];
         let text = written(|out| write(out, &frames, &tracks));
         let lines: Vec<_> = text.lines().collect();
         assert_eq!(lines[0], HEADER);

@@ -3,11 +3,11 @@
 use std::io::{self, Write};
 
 use super::number::significant;
-use crate::tracking::{Track, TrackState};
+use crate::tracking::{FrameTracks, TrackState};
 
-/// Writes the objects of each frame, `(frame number, tracks)` in order.
-pub fn write(out: &mut impl Write, frames: &[(u32, Vec<Track>)]) -> io::Result<()> {
-    for (number, tracks) in frames {
+/// Writes the objects of each frame, in order.
+pub fn write(out: &mut impl Write, frames: &[FrameTracks]) -> io::Result<()> {
+    for FrameTracks { number, tracks } in frames {
         for track in tracks {
             let [x, y, w, h] = [track.bbox.x, track.bbox.y, track.bbox.w, track.bbox.h].map(significant);
             let conf = confidence(track.state);
@@ -29,11 +29,14 @@ pub fn confidence(state: TrackState) -> f32 {
 mod tests {
     use super::*;
     use crate::export::tests::{track, written};
+    use crate::tracking::Track;
 
     #[test]
     fn rows_are_in_motchallenge_format() {
         let hidden = Track { state: TrackState::Hidden, ..track(7, 10.5, 20.25) };
-        let frames = vec![(4, vec![track(3, 1.0, 2.0)]), (5, vec![]), (6, vec![track(3, 2.0, 2.0), hidden])];
+        let tracks = [vec![track(3, 1.0, 2.0)], vec![], vec![track(3, 2.0, 2.0), hidden]];
+        let frames: Vec<_> =
+            (4..).zip(tracks).map(|(number, tracks)| FrameTracks { number, tracks }).collect();
         assert_eq!(
             written(|out| write(out, &frames)),
             "4,3,1,2,8,16,1,-1,-1,-1\n6,3,2,2,8,16,1,-1,-1,-1\n6,7,10.5,20.25,8,16,0.5,-1,-1,-1\n"

@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::tracks_csv::confidence;
 use crate::regions::Rgb;
-use crate::tracking::{Identity, Track, TrackState};
+use crate::tracking::{FrameTracks, Identity, Track, TrackState};
 
 /// One object in one frame.
 #[derive(Serialize)]
@@ -27,9 +27,9 @@ struct Record<'a> {
     regions: &'a [u32],
 }
 
-/// Writes the objects of each frame, `(frame number, tracks)` in order.
-pub fn write(out: &mut impl Write, frames: &[(u32, Vec<Track>)]) -> io::Result<()> {
-    let all = frames.iter().flat_map(|(number, tracks)| tracks.iter().map(|track| record(*number, track)));
+/// Writes the objects of each frame, in order.
+pub fn write(out: &mut impl Write, frames: &[FrameTracks]) -> io::Result<()> {
+    let all = frames.iter().flat_map(|frame| frame.tracks.iter().map(|track| record(frame.number, track)));
     out.write_all(b"[")?;
     for (index, record) in all.enumerate() {
         out.write_all(if index == 0 { b"\n" } else { b",\n" })?;
@@ -65,7 +65,8 @@ mod tests {
 
     #[test]
     fn output_is_json_with_one_record_per_line() {
-        let text = written(|out| write(out, &[(4, vec![track(3, 1.0, 2.0), track(5, 1.0, 2.0)])]));
+        let frame = FrameTracks { number: 4, tracks: vec![track(3, 1.0, 2.0), track(5, 1.0, 2.0)] };
+        let text = written(|out| write(out, &[frame]));
         assert_eq!(text.lines().count(), 4);
         let read: serde_json::Value = serde_json::from_str(&text).unwrap();
         assert_eq!(read[1]["id"], 5);

@@ -2,7 +2,7 @@
 //!
 //! Pixels are independent, except for the votes of neighbours on shadow and doubt, which come last. They are stored
 //! in tiles of sixteen, and a tile processes many frames while its mixtures are in the nearest cache.
-//! [`Mixture::replay`] loads and stores the state of a pixel once for all frames, [`Mixture::step`] once per frame.
+//! [`Mixture::step_many`] loads and stores the state of a pixel once for all frames, [`Mixture::step`] once per frame.
 
 use std::ops::Range;
 
@@ -10,7 +10,9 @@ use fearless_simd::{Level, Simd, dispatch};
 use rayon::prelude::*;
 
 use super::pixel::{Parameters, Pixel};
-use super::tile::{self, Constants, FrameParameters, Gaussians, LANES, Rgb, Tile, VerdictMemories};
+use super::tile::{
+    self, Constants, FrameParameters, Gaussians, LANES, StoredTile, Tile, TileRgb, VerdictMemories,
+};
 use crate::frame::{Frame, Mask, Size};
 use crate::registration::Corrected;
 use crate::settings::{Rate, Space};
@@ -112,7 +114,7 @@ impl Mixture {
     /// If the frame has another size than the mixture.
     pub fn step(&mut self, frame: &Frame) -> Mask {
         let mut mask = Mask::empty(self.size);
-        self.replay(&[frame], std::slice::from_mut(&mut mask));
+        self.step_many(&[frame], std::slice::from_mut(&mut mask));
         mask
     }
 
@@ -121,7 +123,7 @@ impl Mixture {
     ///
     /// # Panics
     /// If a frame has another size than the mixture, or the numbers of masks and frames differ.
-    pub fn replay(&mut self, frames: &[&Frame], masks: &mut [Mask]) {
+    pub fn step_many(&mut self, frames: &[&Frame], masks: &mut [Mask]) {
         assert_eq!(frames.len(), masks.len(), "a mask for each frame");
         self.begin();
         for (frames, masks) in frames.chunks(BATCH).zip(masks.chunks_mut(BATCH)) {
@@ -193,10 +195,10 @@ impl Mixture {
         self.t += frames.len() as u32;
         let k = self.parameters.k;
         match &mut self.planes {
-            Planes::Rgb(tiles) => tiles.take(k, (frames, unknown), masks, |near, job| {
+            Planes::Rgb(tiles) => tiles.take(k, frames, unknown, masks, |near, job| {
                 dispatch!(level, simd => run::<_, 3>(simd, near, job, &constants, &frame_parameters));
             }),
-            Planes::Gray(tiles) => tiles.take(k, (frames, unknown), masks, |near, job| {
+            Planes::Gray(tiles) => tiles.take(k, frames, unknown, masks, |near, job| {
                 dispatch!(level, simd => run::<_, 1>(simd, near, job, &constants, &frame_parameters));
             }),
         }
@@ -239,11 +241,6 @@ struct Packed<const N: usize> {
 }
 
 impl Snapshot {
-    /// Number of frames that the mixture had processed.
-    pub const fn frames_seen(&self) -> u32 {
-        self.t
-    }
-
     /// Size in memory, in bytes.
     pub const fn bytes(&self) -> usize {
         match &self.packed {
@@ -263,7 +260,7 @@ impl<const N: usize> Packed<N> {
 
 /// Consecutive tiles, and their part of consecutive frames and masks.
 struct TileJob<'a, const N: usize> {
-    state: State<'a, N>,
+    state: TileStates<'a, N>,
     /// The bytes of each frame.
     rgb: Vec<&'a [u8]>,
     /// For each frame the pixels that it does not show; empty where all frames show all pixels.
@@ -273,7 +270,7 @@ struct TileJob<'a, const N: usize> {
 }
 
 /// The state of a job's tiles.
-struct State<'a, const N: usize> {
+struct TileStates<'a, const N: usize> {
     first: &'a mut [Gaussians<N>],
     others: &'a mut [Gaussians<N>],
     used: &'a mut [u8],
@@ -282,7 +279,7 @@ struct State<'a, const N: usize> {
     pasts: &'a mut [VerdictMemories],
 }
 
-impl<const N: usize> State<'_, N> {
+impl<const N: usize> TileStates<'_, N> {
     /// One tile, of K components.
     #[inline(always)]
     fn tile(&mut self, index: usize, k: usize) -> Tile<'_, N> {
@@ -387,15 +384,21 @@ impl<const N: usize> Tiles<N> {
     fn pixel(&self, index: usize, parameters: &Parameters, t: u32) -> Pixel {
         let (tile, others) = (index / LANES, parameters.k - 1);
         let others = &self.others[tile * others..(tile + 1) * others];
-        let past = (self.settled[tile], self.pasts.get(tile));
-        tile::read((&self.first[tile], others), past, index % LANES, (parameters, t))
+        let stored = StoredTile {
+            first: &self.first[tile],
+            others,
+            settled: self.settled[tile],
+            pasts: self.pasts.get(tile),
+        };
+        tile::read(&stored, index % LANES, parameters, t)
     }
 
     /// Divides the image among threads.
     fn take(
         &mut self,
         k: usize,
-        (frames, unknown): (&[&Frame], &[Option<&[bool]>]),
+        frames: &[&Frame],
+        unknown: &[Option<&[bool]>],
         masks: &mut [Mask],
         run: impl Fn(&mut JobBuffers, TileJob<'_, N>) + Send + Sync,
     ) {
@@ -413,7 +416,7 @@ impl<const N: usize> Tiles<N> {
                 let others = others.next().unwrap_or_default();
                 let pasts = pasts.next().unwrap_or_default();
                 TileJob {
-                    state: State { first, others, used, settled, pasts },
+                    state: TileStates { first, others, used, settled, pasts },
                     rgb: frames.iter().map(|frame| &frame.rgb[3 * pixels.start..3 * pixels.end]).collect(),
                     unknown: unknown.iter().map(|unknown| unknown.map(|all| &all[pixels.clone()])).collect(),
                     masks: masks.iter_mut().filter_map(Iterator::next).collect(),
@@ -428,7 +431,7 @@ impl<const N: usize> Tiles<N> {
 /// is fastest, and a tile needs little of each frame.
 #[derive(Default)]
 struct JobBuffers {
-    rgb: Vec<Rgb>,
+    rgb: Vec<TileRgb>,
     marks: Vec<[u8; LANES]>,
 }
 

@@ -4,7 +4,7 @@
 //! whole image: it processes sixteen pixels of a `tile` at once, and many frames per tile. [`maps`] gives one quantity
 //! of every pixel's mixture.
 
-mod appearance;
+mod background_images;
 pub mod exponential;
 pub mod feedback;
 pub mod hysteresis;
@@ -16,7 +16,7 @@ pub mod pixel;
 pub mod shadow;
 mod tile;
 
-pub use appearance::Appearance;
+pub use background_images::BackgroundImages;
 pub use feedback::{Feedback, VerdictMemory};
 pub use image::{BATCH, Mixture, Snapshot};
 pub use maps::{Quantity, QuantityMap};

@@ -17,7 +17,7 @@ use crate::settings::{Rate, Settings, Space, Span};
 pub const MAX_K: usize = 8;
 
 /// A pixel's value: n channels in 0..=255, those beyond n are 0.
-pub type Value = [f32; 3];
+pub type PixelValue = [f32; 3];
 
 /// The parameters of the pixel process, with the symbols of §V–VI.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -133,7 +133,7 @@ impl Parameters {
     }
 
     /// X of an RGB pixel.
-    pub fn value(&self, rgb: [u8; 3]) -> Value {
+    pub fn value(&self, rgb: [u8; 3]) -> PixelValue {
         match self.space {
             Space::Rgb => rgb.map(f32::from),
             Space::Gray => [f32::from(luma(rgb)), 0.0, 0.0],
@@ -153,7 +153,7 @@ pub struct Component {
     /// w, the share of the recent data that the component accounts for.
     pub weight: f32,
     /// μ.
-    pub mean: Value,
+    pub mean: PixelValue,
     /// σ², equal in all channels; it is estimated from the squared distance summed over the channels.
     pub variance: f32,
 }
@@ -180,13 +180,13 @@ impl Component {
     }
 
     /// ‖X − μ‖², summed over the channels.
-    pub fn distance_squared(&self, x: Value) -> f32 {
+    pub fn distance_squared(&self, x: PixelValue) -> f32 {
         let [r, g, b] = [x[0] - self.mean[0], x[1] - self.mean[1], x[2] - self.mean[2]];
         (r * r + g * g) + b * b
     }
 
     /// η(X; μ, σ²I) over `channels` channels, with the usual normaliser (2π)^(n/2)·σⁿ.
-    pub fn density(&self, x: Value, channels: usize) -> f32 {
+    pub fn density(&self, x: PixelValue, channels: usize) -> f32 {
         density(self.distance_squared(x), self.variance, channels)
     }
 }
@@ -201,7 +201,7 @@ pub fn density(distance_squared: f32, variance: f32, channels: usize) -> f32 {
 }
 
 /// The first component in rank order within λ standard deviations of the value: ‖X − μ‖² ≤ λ²σ².
-pub(super) fn first_match(components: &[Component], x: Value, lambda: f32) -> Option<usize> {
+pub(super) fn first_match(components: &[Component], x: PixelValue, lambda: f32) -> Option<usize> {
     let lambda_squared = lambda * lambda;
     components.iter().position(|component| {
         component.is_used() && component.distance_squared(x) <= lambda_squared * component.variance
@@ -247,7 +247,8 @@ impl Pixel {
     }
 
     /// A pixel with these components, in rank order, unused ones last; at most [`MAX_K`].
-    pub fn from_components(components: &[Component]) -> Self {
+    #[cfg(test)]
+    pub(crate) fn from_components(components: &[Component]) -> Self {
         let mut pixel = Self::unseen(components.len());
         pixel.components[..components.len()].copy_from_slice(components);
         pixel
@@ -277,7 +278,7 @@ impl Pixel {
     }
 
     /// P(X) = Σ w·η(X; μ, σ²I), in rank order.
-    pub fn probability(&self, x: Value, channels: usize) -> f32 {
+    pub fn probability(&self, x: PixelValue, channels: usize) -> f32 {
         let used = self.components().iter().filter(|component| component.is_used());
         used.fold(0.0, |sum, component| sum + component.weight * component.density(x, channels))
     }
@@ -295,7 +296,7 @@ impl Pixel {
     }
 
     /// The weighted mean of the B background components.
-    pub fn background_mean(&self, t: f32) -> Value {
+    pub fn background_mean(&self, t: f32) -> PixelValue {
         let background = &self.components()[..self.background_count(t)];
         let total: f32 = background.iter().map(|component| component.weight).sum();
         let mut mean = [0.0; 3];
@@ -330,7 +331,7 @@ impl Pixel {
 
     /// Updates the mixture by the value of the `t`-th frame (from 1) and classifies the pixel. The first frame after
     /// those that were learned from is processed after [`Self::begin`].
-    pub fn update(&mut self, x: Value, t: u32, parameters: &Parameters) -> Outcome {
+    pub fn update(&mut self, x: PixelValue, t: u32, parameters: &Parameters) -> Outcome {
         if parameters.begins_at(t) {
             self.begin(parameters);
         }
@@ -345,7 +346,7 @@ impl Pixel {
     }
 
     /// [`Pixel::update`] without P(X), which costs K exponentials and has no effect on the state.
-    pub(crate) fn step(&mut self, x: Value, t: u32, parameters: &Parameters) -> Outcome {
+    pub(crate) fn step(&mut self, x: PixelValue, t: u32, parameters: &Parameters) -> Outcome {
         if t <= 1 {
             return self.first_frame(x, parameters);
         }
@@ -393,7 +394,7 @@ impl Pixel {
     }
 
     /// One component of weight 1 around the first value; every pixel starts as background.
-    fn first_frame(&mut self, x: Value, parameters: &Parameters) -> Outcome {
+    fn first_frame(&mut self, x: PixelValue, parameters: &Parameters) -> Outcome {
         *self = Self::unseen(parameters.k);
         self.components[0] =
             Component { weight: 1.0, mean: x, variance: parameters.initial_sigma * parameters.initial_sigma };
@@ -411,7 +412,7 @@ impl Pixel {
     }
 
     /// μ ← (1 − ρ)μ + ρX, then with the new μ, σ² ← (1 − ρ)σ² + ρ‖X − μ‖², at least σ_min². Returns ρ.
-    fn learn(&mut self, index: usize, x: Value, alpha: f32, parameters: &Parameters) -> f32 {
+    fn learn(&mut self, index: usize, x: PixelValue, alpha: f32, parameters: &Parameters) -> f32 {
         let component = &mut self.components[index];
         let rho = match parameters.rate {
             Rate::Density => alpha * component.density(x, parameters.channels()),
@@ -429,7 +430,7 @@ impl Pixel {
     }
 
     /// Replaces the least probable component by (w₀, X, σ₀²).
-    fn replace_last(&mut self, x: Value, parameters: &Parameters) {
+    fn replace_last(&mut self, x: PixelValue, parameters: &Parameters) {
         self.components[self.k - 1] = Component {
             weight: parameters.initial_weight,
             mean: x,

@@ -18,37 +18,37 @@ use crate::settings::Rate;
 pub(super) const LANES: usize = 16;
 
 /// The bytes of a tile in a frame.
-pub(super) type Rgb = [u8; 3 * LANES];
+pub(super) type TileRgb = [u8; 3 * LANES];
 
 /// One number per pixel of a tile.
 #[derive(Clone, Copy, Debug)]
 #[repr(align(64))]
-struct Plane([f32; LANES]);
+struct Lanes([f32; LANES]);
 
 /// One component of each pixel of a tile, in N channels.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Gaussians<const N: usize> {
-    weight: Plane,
-    variance: Plane,
-    mean: [Plane; N],
+    weight: Lanes,
+    variance: Lanes,
+    mean: [Lanes; N],
 }
 
 impl<const N: usize> Gaussians<N> {
     /// Components that are not in use.
     pub(super) const UNUSED: Self =
-        Self { weight: Plane([0.0; LANES]), variance: Plane([0.0; LANES]), mean: [Plane([0.0; LANES]); N] };
+        Self { weight: Lanes([0.0; LANES]), variance: Lanes([0.0; LANES]), mean: [Lanes([0.0; LANES]); N] };
 
     /// w ← 1.
     pub(super) fn make_certain(&mut self) {
-        self.weight = Plane([1.0; LANES]);
+        self.weight = Lanes([1.0; LANES]);
     }
 
     /// Writes a component to one lane.
     pub(super) fn set_lane(&mut self, lane: usize, component: &Component) {
         self.weight.0[lane] = component.weight;
         self.variance.0[lane] = component.variance;
-        for (plane, channel) in self.mean.iter_mut().zip(component.mean) {
-            plane.0[lane] = channel;
+        for (lanes, channel) in self.mean.iter_mut().zip(component.mean) {
+            lanes.0[lane] = channel;
         }
     }
 
@@ -64,8 +64,8 @@ impl<const N: usize> Gaussians<N> {
     /// The component of one lane.
     pub(super) fn lane(&self, lane: usize) -> Component {
         let mut mean = [0.0; 3];
-        for (channel, plane) in mean.iter_mut().zip(&self.mean) {
-            *channel = plane.0[lane];
+        for (channel, lanes) in mean.iter_mut().zip(&self.mean) {
+            *channel = lanes.0[lane];
         }
         Component { weight: self.weight.0[lane], variance: self.variance.0[lane], mean }
     }
@@ -74,8 +74,8 @@ impl<const N: usize> Gaussians<N> {
 /// The past classification of each pixel of a tile.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct VerdictMemories {
-    run: Plane,
-    unrest: Plane,
+    run: Lanes,
+    unrest: Lanes,
     /// One bit per lane.
     strict: u16,
     /// Whether any lane was foreground, in the final result or under the parameter T.
@@ -85,7 +85,7 @@ pub(super) struct VerdictMemories {
 impl VerdictMemories {
     /// The memory of pixels without data.
     pub(super) const NONE: Self =
-        Self { run: Plane([0.0; LANES]), unrest: Plane([0.0; LANES]), strict: 0, busy: false };
+        Self { run: Lanes([0.0; LANES]), unrest: Lanes([0.0; LANES]), strict: 0, busy: false };
 
     /// u of each lane, as of the frame of `settled`.
     #[inline(always)]
@@ -133,13 +133,26 @@ pub(super) struct Tile<'a, const N: usize> {
     pub(super) place: u32,
 }
 
-/// The pixel of one lane after frame `t`, whose components 2 to K are stored as of frame `settled`.
+/// A tile as it is stored.
+pub(super) struct StoredTile<'a, const N: usize> {
+    /// Component 1.
+    pub(super) first: &'a Gaussians<N>,
+    /// Components 2 to K.
+    pub(super) others: &'a [Gaussians<N>],
+    /// The frame as of which `others` and the unrest of `pasts` are stored.
+    pub(super) settled: u32,
+    /// The past classification; `None` where feedback is off.
+    pub(super) pasts: Option<&'a VerdictMemories>,
+}
+
+/// The pixel of one lane after frame `t`.
 pub(super) fn read<const N: usize>(
-    (first, others): (&Gaussians<N>, &[Gaussians<N>]),
-    (settled, pasts): (u32, Option<&VerdictMemories>),
+    stored: &StoredTile<'_, N>,
     lane: usize,
-    (parameters, t): (&Parameters, u32),
+    parameters: &Parameters,
+    t: u32,
 ) -> Pixel {
+    let &StoredTile { first, others, settled, pasts } = stored;
     let mut pixel = Pixel::unseen(parameters.k);
     for (component, gaussians) in pixel.components_mut().iter_mut().zip(std::iter::once(first).chain(others))
     {
@@ -242,7 +255,7 @@ pub(super) struct Vectors<S: Simd, const N: usize> {
 impl<S: Simd, const N: usize> Vectors<S, N> {
     #[inline(always)]
     pub(super) fn load(simd: S, from: &Gaussians<N>) -> Self {
-        let vector = |plane: &Plane| f32x16::load_array_ref(simd, &plane.0);
+        let vector = |lanes: &Lanes| f32x16::load_array_ref(simd, &lanes.0);
         Self {
             weight: vector(&from.weight),
             variance: vector(&from.variance),
@@ -315,7 +328,7 @@ impl<const N: usize> Tile<'_, N> {
         simd: S,
         constants: &Constants,
         frame_parameters: &[FrameParameters],
-        rgb: &[Rgb],
+        rgb: &[TileRgb],
         marks: &mut [[u8; LANES]],
     ) {
         let mut first = Vectors::load(simd, self.first);
@@ -363,7 +376,7 @@ impl<const N: usize> Tile<'_, N> {
     fn step<S: Simd>(
         &mut self,
         simd: S,
-        rgb: &Rgb,
+        rgb: &TileRgb,
         moment: FrameParameters,
         constants: &Constants,
     ) -> [u8; LANES] {
@@ -683,7 +696,7 @@ fn marks_of<S: Simd, const N: usize>(
 
 /// X of each pixel: three channels, or BT.601 luma in 8 bits as in [`super::pixel::luma`].
 #[inline(always)]
-fn values<S: Simd, const N: usize>(simd: S, rgb: &Rgb) -> [f32x16<S>; N] {
+fn values<S: Simd, const N: usize>(simd: S, rgb: &TileRgb) -> [f32x16<S>; N] {
     let [r, g, b] = channels(simd, rgb);
     if N == 3 {
         let all = [r, g, b];
@@ -698,7 +711,7 @@ fn values<S: Simd, const N: usize>(simd: S, rgb: &Rgb) -> [f32x16<S>; N] {
 
 /// Red, green and blue of each pixel.
 #[inline(always)]
-fn channels<S: Simd>(simd: S, rgb: &Rgb) -> [u32x16<S>; 3] {
+fn channels<S: Simd>(simd: S, rgb: &TileRgb) -> [u32x16<S>; 3] {
     // Four pixels per block of 16 bytes; the last block starts 4 bytes early so that it ends with the data.
     const SPREAD: [u8; 64] = [
         0, 1, 2, 3, 3, 4, 5, 6, 6, 7, 8, 9, 9, 10, 11, 12, //

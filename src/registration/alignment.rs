@@ -62,6 +62,23 @@ impl Motion {
     }
 }
 
+/// Change of the levels of one channel.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct LevelChange {
+    pub(super) gain: f32,
+    pub(super) offset: f32,
+}
+
+impl LevelChange {
+    /// No change.
+    pub(super) const NONE: Self = Self { gain: 1.0, offset: 0.0 };
+
+    /// gain·level + offset.
+    pub(super) fn apply(self, level: f32) -> f32 {
+        self.gain * level + self.offset
+    }
+}
+
 /// Change of light: a level v of the reference, 0..=255, is gain·v + offset in the frame.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Light {
@@ -77,13 +94,13 @@ impl Light {
 
     /// The gain of the luma.
     pub fn luma_gain(&self) -> f32 {
-        self.luma().0
+        self.luma().gain
     }
 
-    /// Gain and offset of the luma.
-    pub(super) fn luma(&self) -> (f32, f32) {
+    /// The change of the luma.
+    pub(super) fn luma(&self) -> LevelChange {
         let luma = |[r, g, b]: [f32; 3]| (0.299 * r + 0.587 * g) + 0.114 * b;
-        (luma(self.gain), luma(self.offset))
+        LevelChange { gain: luma(self.gain), offset: luma(self.offset) }
     }
 
     /// This change of light relative to `usual`.

@@ -131,11 +131,6 @@ impl Correction {
         &self.motion
     }
 
-    /// The change of light that is corrected.
-    pub const fn light(&self) -> &Light {
-        &self.light
-    }
-
     /// The corrected colour at (x, y); `None` where the frame does not show it.
     pub fn pixel(&self, frame: &Frame, x: u32, y: u32) -> Option<[u8; 3]> {
         let rgb = if self.motion == Motion::NONE {

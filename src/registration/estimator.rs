@@ -2,6 +2,7 @@
 
 use std::collections::VecDeque;
 
+use super::alignment::LevelChange;
 use super::geometry::{self, Pyramid};
 use super::plane::{Plane, reduction};
 use super::robust;
@@ -41,7 +42,7 @@ const MIN_MOVED_SHARE: f32 = 0.012;
 /// For which frames the motion is estimated. Samples are always among them, and the rest, the light and the report
 /// that the camera moved depend on samples alone.
 #[derive(Clone, Copy, PartialEq, Eq)]
-enum Extent {
+enum MeasuredFrames {
     /// For all frames.
     All,
     /// For all frames once a shake is detected.
@@ -66,11 +67,11 @@ struct MotionSample {
 pub struct Estimator {
     size: Size,
     factor: usize,
-    extent: Extent,
+    measured: MeasuredFrames,
     frames: u32,
     average: Plane,
-    reference: Option<geometry::Reference>,
-    light: Option<light::Reference>,
+    reference: Option<geometry::MotionReference>,
+    light: Option<light::LightReference>,
     /// The recent samples.
     window: VecDeque<MotionSample>,
     rest: Option<Motion>,
@@ -86,11 +87,11 @@ impl Estimator {
         Self {
             size,
             factor: reduction(size.width as usize, size.height as usize),
-            extent: Extent::All,
+            measured: MeasuredFrames::All,
             frames: 0,
             average: Plane::default(),
             reference: None,
-            light: Some(light::Reference::new(size)),
+            light: Some(light::LightReference::new(size)),
             window: VecDeque::new(),
             rest: None,
             settled: Motion::NONE,
@@ -101,14 +102,14 @@ impl Estimator {
     /// An estimator that measures only what `choice` corrects and, in samples, whether the camera moved for good.
     pub fn of(size: Size, choice: CorrectionChoice) -> Self {
         let no_light = choice.light == LightCorrection::Off;
-        let extent = match choice.stabilise {
-            Stabilise::Off if no_light => Extent::Samples,
+        let measured = match choice.stabilise {
+            Stabilise::Off if no_light => MeasuredFrames::Samples,
             // Light is compared at corresponding points, which a shake displaces.
-            Stabilise::Off | Stabilise::Auto => Extent::Shaken,
-            Stabilise::Shift | Stabilise::Similarity => Extent::All,
+            Stabilise::Off | Stabilise::Auto => MeasuredFrames::Shaken,
+            Stabilise::Shift | Stabilise::Similarity => MeasuredFrames::All,
         };
         let all = Self::new(size);
-        Self { extent, light: all.light.filter(|_| !no_light), ..all }
+        Self { measured, light: all.light.filter(|_| !no_light), ..all }
     }
 
     /// The rest motion around which the camera shakes, once a shake is detected.
@@ -128,10 +129,10 @@ impl Estimator {
         }
         self.frames += 1;
         let is_sample = self.frames <= BEGINNING_FRAMES || self.frames.is_multiple_of(SAMPLE_INTERVAL_FRAMES);
-        let is_wanted = match self.extent {
-            Extent::All => true,
-            Extent::Shaken => self.rest.is_some(),
-            Extent::Samples => false,
+        let is_wanted = match self.measured {
+            MeasuredFrames::All => true,
+            MeasuredFrames::Shaken => self.rest.is_some(),
+            MeasuredFrames::Samples => false,
         };
         let mut motion = Motion::NONE;
         let mut moved_since = None;
@@ -215,7 +216,7 @@ impl Estimator {
         } else {
             self.average = plane;
         }
-        self.reference = Some(geometry::Reference::new(&self.average));
+        self.reference = Some(geometry::MotionReference::new(&self.average));
     }
 
     /// The median motion of the samples, if enough of them deviate from it.
@@ -257,7 +258,7 @@ impl Estimator {
         if self.window.iter().all(|seen| seen.correlation < MIN_CORRELATION) {
             // The old reference is no longer in view; the current frame becomes the reference.
             self.average = Plane::luma(frame, self.factor);
-            self.reference = Some(geometry::Reference::new(&self.average));
+            self.reference = Some(geometry::MotionReference::new(&self.average));
             (self.frames, self.settled, self.usual) = (1, Motion::NONE, f32::MAX);
             self.rest = self.rest.map(|_| Motion::NONE);
             if let Some(light) = &mut self.light {
@@ -287,7 +288,7 @@ impl Estimator {
 
 /// Blends a frame, aligned by `found` and in the average's light, into the average.
 fn blend(average: &mut Plane, frame: &Plane, found: &geometry::MotionEstimate, rate: f32) {
-    let geometry::MotionEstimate { motion, light: (gain, offset), .. } = found;
+    let geometry::MotionEstimate { motion, light: LevelChange { gain, offset }, .. } = found;
     let relit = |value: f32| (value - offset) / gain;
     if *motion == Motion::NONE {
         for (mean, value) in average.data.iter_mut().zip(&frame.data) {

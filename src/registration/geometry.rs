@@ -3,6 +3,7 @@
 use nalgebra::{SMatrix, SVector};
 
 use super::Motion;
+use super::alignment::LevelChange;
 use super::plane::{Plane, square};
 use super::robust;
 use crate::frame::Frame;
@@ -44,7 +45,7 @@ const MAX_STILL_RATIO: f32 = 1.25;
 
 /// A point of the reference on one pyramid level: position relative to the image's centre, value and gradient.
 #[derive(Clone, Copy)]
-struct Point {
+struct ContrastPoint {
     x: f32,
     y: f32,
     value: f32,
@@ -53,10 +54,10 @@ struct Point {
 }
 
 /// The reference, with its points of strong contrast on each pyramid level.
-pub(super) struct Reference {
+pub(super) struct MotionReference {
     coarse: Plane,
     /// The points at a quarter, a half, and the full scale.
-    points: [Vec<Point>; 3],
+    points: [Vec<ContrastPoint>; 3],
     /// Column and row of the points at full scale.
     places: Vec<(usize, usize)>,
 }
@@ -82,17 +83,22 @@ pub(super) struct MotionEstimate {
     pub(super) cost: f32,
     /// Whether the motion explains the image far better than no motion, in all quarters but one.
     pub(super) is_clear: bool,
-    /// Gain and offset of the luma under this motion.
-    pub(super) light: (f32, f32),
+    /// The change of the luma under this motion.
+    pub(super) light: LevelChange,
 }
 
 impl MotionEstimate {
     /// The estimate where there is no usable contrast.
-    pub(super) const NOTHING: Self =
-        Self { motion: Motion::NONE, correlation: 1.0, cost: f32::MAX, is_clear: false, light: (1.0, 0.0) };
+    pub(super) const NOTHING: Self = Self {
+        motion: Motion::NONE,
+        correlation: 1.0,
+        cost: f32::MAX,
+        is_clear: false,
+        light: LevelChange::NONE,
+    };
 }
 
-impl Reference {
+impl MotionReference {
     /// The reference of a plane.
     pub(super) fn new(plane: &Plane) -> Self {
         let half = plane.halved();
@@ -120,7 +126,7 @@ impl Reference {
             correlation: correlation(seen()),
             cost,
             is_clear: false,
-            light: (still.gain, still.offset),
+            light: LevelChange { gain: still.gain, offset: still.offset },
         })
     }
 
@@ -154,7 +160,8 @@ impl Reference {
         let fit = best;
         let is_clear = cost < MAX_UNEXPLAINED * cost_still && self.is_clear(&fit, &still, plane);
         let correlation = correlation(fit.seen(plane, points));
-        MotionEstimate { motion: fit.motion, correlation, cost, is_clear, light: (fit.gain, fit.offset) }
+        let light = LevelChange { gain: fit.gain, offset: fit.offset };
+        MotionEstimate { motion: fit.motion, correlation, cost, is_clear, light }
     }
 
     /// Whether `fit` explains the quarters of the image better than `still`, all but one.
@@ -263,14 +270,14 @@ fn gradient(plane: &Plane, x: usize, y: usize) -> (f32, f32) {
 }
 
 /// The points at these positions, on a plane of the full, half or quarter scale (`part` 1, 2 or 4).
-fn points(plane: &Plane, places: &[(usize, usize)], part: usize) -> Vec<Point> {
+fn points(plane: &Plane, places: &[(usize, usize)], part: usize) -> Vec<ContrastPoint> {
     let (centre_x, centre_y) = centre(plane);
     let inside = |x: usize, y: usize| x > 0 && y > 0 && x + 1 < plane.width && y + 1 < plane.height;
     let all = places.iter().map(|&(x, y)| (x / part, y / part)).filter(|&(x, y)| inside(x, y));
     all.map(|(x, y)| {
         let (across, down) = gradient(plane, x, y);
         let value = plane.data[y * plane.width + x];
-        Point { x: x as f32 - centre_x, y: y as f32 - centre_y, value, across, down }
+        ContrastPoint { x: x as f32 - centre_x, y: y as f32 - centre_y, value, across, down }
     })
     .collect()
 }
@@ -293,7 +300,11 @@ impl MotionFit {
     }
 
     /// The frame's value at each point inside it.
-    fn seen<'a>(&self, plane: &'a Plane, points: &'a [Point]) -> impl Iterator<Item = (Point, f32)> + 'a {
+    fn seen<'a>(
+        &self,
+        plane: &'a Plane,
+        points: &'a [ContrastPoint],
+    ) -> impl Iterator<Item = (ContrastPoint, f32)> + 'a {
         let (centre_x, centre_y) = centre(plane);
         let motion = self.motion;
         points.iter().filter_map(move |point| {
@@ -302,12 +313,12 @@ impl MotionFit {
         })
     }
 
-    fn residual(&self, point: &Point, value: f32) -> f32 {
+    fn residual(&self, point: &ContrastPoint, value: f32) -> f32 {
         value - (self.gain * point.value + self.offset)
     }
 
     /// Iterates robust least squares over the given parameters until the step is short.
-    fn improve<const N: usize>(&mut self, plane: &Plane, points: &[Point], numbers: &[usize; N]) {
+    fn improve<const N: usize>(&mut self, plane: &Plane, points: &[ContrastPoint], numbers: &[usize; N]) {
         for _ in 0..LEAST_SQUARES_STEPS {
             match self.improved(plane, points, numbers) {
                 Some((better, length)) => {
@@ -325,7 +336,7 @@ impl MotionFit {
     fn improved<const N: usize>(
         &self,
         plane: &Plane,
-        points: &[Point],
+        points: &[ContrastPoint],
         numbers: &[usize; N],
     ) -> Option<(Self, f32)> {
         let seen: Vec<_> = self.seen(plane, points).collect();
@@ -383,7 +394,7 @@ impl MotionFit {
     }
 
     /// Fits the gain to these points.
-    fn relight(&mut self, seen: impl Iterator<Item = (Point, f32)>) {
+    fn relight(&mut self, seen: impl Iterator<Item = (ContrastPoint, f32)>) {
         let mut ratios: Vec<f32> =
             seen.filter(|(point, _)| point.value > 8.0).map(|(point, value)| value / point.value).collect();
         if !ratios.is_empty() {
@@ -393,7 +404,7 @@ impl MotionFit {
     }
 
     /// The mean of the limited absolute differences.
-    fn cost(&self, seen: impl Iterator<Item = (Point, f32)>) -> f32 {
+    fn cost(&self, seen: impl Iterator<Item = (ContrastPoint, f32)>) -> f32 {
         let (mut sum, mut count) = (0.0, 0.0);
         for (point, value) in seen {
             sum += self.residual(&point, value).abs().min(MAX_RESIDUAL_LEVELS);
@@ -403,7 +414,7 @@ impl MotionFit {
     }
 }
 
-fn correlation(seen: impl Iterator<Item = (Point, f32)>) -> f32 {
+fn correlation(seen: impl Iterator<Item = (ContrastPoint, f32)>) -> f32 {
     let mut sums = [0.0_f64; 6];
     for (point, value) in seen {
         let (a, b) = (f64::from(point.value), f64::from(value));

@@ -1,5 +1,6 @@
 //! Estimates changes of light: a gain and an offset of the whole image, by consensus of its parts.
 
+use super::alignment::LevelChange;
 use super::robust;
 use super::{Light, Motion};
 use crate::frame::{Frame, Size};
@@ -37,11 +38,17 @@ const FOLLOWED: f32 = 0.0003;
 const STARTS: f32 = 0.04;
 const ENDS: f32 = 0.01;
 
-/// Column, row and image part of a point.
-type SamplePoint = (u32, u32, usize);
+/// A point at which the light is measured.
+#[derive(Clone, Copy)]
+struct SamplePoint {
+    x: u32,
+    y: u32,
+    /// The index of the part of the image that it is in.
+    part: usize,
+}
 
 /// The colours of the sample points, and the last estimate of the light.
-pub(super) struct Reference {
+pub(super) struct LightReference {
     size: Size,
     places: Vec<SamplePoint>,
     /// The colours in the light of the first frames.
@@ -63,13 +70,31 @@ struct ColourPair {
 }
 
 impl ColourPair {
-    fn luma(&self) -> (f32, f32) {
+    fn luma(&self) -> LevelPair {
         let luma = |[r, g, b]: [f32; 3]| (0.299 * r + 0.587 * g) + 0.114 * b;
-        (luma(self.before), luma(self.now))
+        LevelPair { before: luma(self.before), now: luma(self.now) }
+    }
+
+    fn channel(&self, channel: usize) -> LevelPair {
+        LevelPair { before: self.before[channel], now: self.now[channel] }
     }
 }
 
-impl Reference {
+/// The level of a sample point in one channel, in the reference and in the frame.
+#[derive(Clone, Copy)]
+struct LevelPair {
+    before: f32,
+    now: f32,
+}
+
+impl LevelPair {
+    /// What `change` does not explain.
+    fn residual(self, change: LevelChange) -> f32 {
+        self.now - change.apply(self.before)
+    }
+}
+
+impl LightReference {
     pub(super) fn new(size: Size) -> Self {
         let step = ((size.pixels() as f32 / PLACES as f32).sqrt() as u32).max(1);
         let (across, down) = PARTS;
@@ -78,7 +103,7 @@ impl Reference {
             for x in (step / 2..size.width).step_by(step as usize) {
                 let column = x as usize * across / size.width as usize;
                 let row = y as usize * down / size.height as usize;
-                places.push((x, y, row * across + column));
+                places.push(SamplePoint { x, y, part: row * across + column });
             }
         }
         Self {
@@ -112,9 +137,9 @@ impl Reference {
         }
         let seen = self.places.iter().zip(&self.colours).zip(&now);
         let pairs: Vec<_> = seen
-            .filter_map(|((&(_, _, part), &before), now)| Some(ColourPair { part, before, now: (*now)? }))
+            .filter_map(|((place, &before), now)| Some(ColourPair { part: place.part, before, now: (*now)? }))
             .filter(|pair| {
-                let (before, now) = pair.luma();
+                let LevelPair { before, now } = pair.luma();
                 [before, now].iter().all(|level| (DARKEST..BRIGHTEST).contains(level))
             })
             .collect();
@@ -126,7 +151,12 @@ impl Reference {
     }
 
     /// The frame's colour at a sample point moved by `motion`.
-    fn colour(&self, frame: &Frame, motion: &Motion, &(x, y, _): &SamplePoint) -> Option<[f32; 3]> {
+    fn colour(
+        &self,
+        frame: &Frame,
+        motion: &Motion,
+        &SamplePoint { x, y, .. }: &SamplePoint,
+    ) -> Option<[f32; 3]> {
         let (centre_x, centre_y) =
             (0.5 * (self.size.width as f32 - 1.0), 0.5 * (self.size.height as f32 - 1.0));
         let (x, y) = motion.apply(x as f32 - centre_x, y as f32 - centre_y);
@@ -137,12 +167,11 @@ impl Reference {
 
     /// Whether a few of the points indicate the same light as in the previous frame.
     fn is_alike(&self, frame: &Frame, motion: &Motion) -> bool {
-        let (gain, offset) = self.light.luma();
+        let change = self.light.luma();
         let pairs = self.places.iter().zip(&self.colours).step_by(GLANCE);
         let off = pairs.filter_map(|(place, &before)| {
-            let (before, now) =
-                ColourPair { part: 0, before, now: self.colour(frame, motion, place)? }.luma();
-            Some(now - (gain * before + offset))
+            let pair = ColourPair { part: 0, before, now: self.colour(frame, motion, place)? };
+            Some(pair.luma().residual(change))
         });
         robust::median(&mut off.collect::<Vec<_>>()).abs() < ALIKE
     }
@@ -180,8 +209,7 @@ impl Reference {
             return self.light;
         }
         let levels: Vec<_> = pairs.iter().map(ColourPair::luma).collect();
-        let (was_gain, was_offset) = self.light.luma();
-        let Some((gain, offset)) = fit(&levels) else { return self.light };
+        let Some(change) = fit(&levels) else { return self.light };
         let mut parts = vec![Vec::new(); PARTS.0 * PARTS.1];
         for (pair, level) in pairs.iter().zip(&levels) {
             parts[pair.part].push(*level);
@@ -190,21 +218,21 @@ impl Reference {
         if judged.len() < LEAST_PARTS {
             return self.light;
         }
-        let agreeing = |gain: f32, offset: f32| {
-            let agree = |levels: &&&Vec<(f32, f32)>| {
-                let off = levels.iter().map(|(before, now)| now - (gain * before + offset));
+        let agreeing = |change: LevelChange| {
+            let agree = |levels: &&&Vec<LevelPair>| {
+                let off = levels.iter().map(|pair| pair.residual(change));
                 robust::median(&mut off.collect::<Vec<_>>()).abs() < CLOSE
             };
             judged.iter().filter(agree).count()
         };
-        let (changed, same) = (agreeing(gain, offset), agreeing(was_gain, was_offset));
+        let (changed, same) = (agreeing(change), agreeing(self.light.luma()));
         if changed < same || (changed as f32) < AGREEING * judged.len() as f32 {
             return self.light;
         }
         let mut light = Light::SAME;
         for channel in 0..3 {
-            let levels: Vec<_> = pairs.iter().map(|pair| (pair.before[channel], pair.now[channel])).collect();
-            let (gain, offset) = fit(&levels).unwrap_or((gain, offset));
+            let levels: Vec<_> = pairs.iter().map(|pair| pair.channel(channel)).collect();
+            let LevelChange { gain, offset } = fit(&levels).unwrap_or(change);
             (light.gain[channel], light.offset[channel]) = (gain, offset);
         }
         light
@@ -217,25 +245,25 @@ fn away(one: &Light, other: &Light) -> f32 {
     (0..3).map(|channel| (lit(one, channel) - lit(other, channel)).abs() / MIDDLE).fold(0.0, f32::max)
 }
 
-/// Gain and offset from pairs of old and new levels, by robust least squares.
-fn fit(levels: &[(f32, f32)]) -> Option<(f32, f32)> {
+/// The change of levels by robust least squares.
+fn fit(levels: &[LevelPair]) -> Option<LevelChange> {
     let mut ratios: Vec<f32> =
-        levels.iter().filter(|(before, _)| *before > 12.0).map(|(before, now)| now / before).collect();
+        levels.iter().filter(|pair| pair.before > 12.0).map(|pair| pair.now / pair.before).collect();
     if ratios.len() < 32 {
         return None;
     }
-    let (mut gain, mut offset) = (robust::median(&mut ratios), 0.0);
+    let mut change = LevelChange { gain: robust::median(&mut ratios), offset: 0.0 };
     let mut sizes = Vec::with_capacity(levels.len());
     for _ in 0..6 {
         sizes.clear();
-        sizes.extend(levels.iter().map(|(before, now)| (now - (gain * before + offset)).abs()));
+        sizes.extend(levels.iter().map(|pair| pair.residual(change).abs()));
         let reach = robust::reach(&mut sizes).clamp(6.0, 30.0);
         let mut sums = [0.0_f64; 5];
-        for &(before, now) in levels {
-            let share = (now - (gain * before + offset)) / reach;
+        for pair in levels {
+            let share = pair.residual(change) / reach;
             if share.abs() < 1.0 {
                 let weight = f64::from((1.0 - share * share) * (1.0 - share * share));
-                let (before, now) = (f64::from(before), f64::from(now));
+                let (before, now) = (f64::from(pair.before), f64::from(pair.now));
                 let terms = [1.0, before, now, before * before, before * now];
                 for (sum, term) in sums.iter_mut().zip(terms) {
                     *sum += weight * term;
@@ -249,13 +277,13 @@ fn fit(levels: &[(f32, f32)]) -> Option<(f32, f32)> {
         if determinant <= f64::EPSILON {
             return None;
         }
-        let before = gain * MIDDLE + offset;
-        gain = ((n * bf - b * f) / determinant) as f32;
-        offset = ((bb * f - b * bf) / determinant) as f32;
-        if (gain * MIDDLE + offset - before).abs() < SETTLED {
+        let before = change.apply(MIDDLE);
+        change.gain = ((n * bf - b * f) / determinant) as f32;
+        change.offset = ((bb * f - b * bf) / determinant) as f32;
+        if (change.apply(MIDDLE) - before).abs() < SETTLED {
             break;
         }
     }
-    let sound = (0.2..=5.0).contains(&gain) && offset.abs() < 64.0;
-    sound.then_some((gain, offset))
+    let sound = (0.2..=5.0).contains(&change.gain) && change.offset.abs() < 64.0;
+    sound.then_some(change)
 }

@@ -212,7 +212,7 @@ fn in_batches_of_any_length_the_mixture_equals_single_pixels() {
         let mut replayed = vec![Mask::empty(SIZE); all.len()];
         let mut start = 0;
         for length in [1, 7, 16, 40, 56] {
-            together.replay(&all[start..start + length], &mut replayed[start..start + length]);
+            together.step_many(&all[start..start + length], &mut replayed[start..start + length]);
             start += length;
         }
         assert_eq!(start, all.len());

@@ -12,9 +12,9 @@ use super::*;
 use crate::explain::pixel::PixelHistory;
 use crate::explain::pixel::component_slots::slots_by_rank;
 use crate::explain::pixel::downsampled_history::downsample;
+use crate::explain::pixel::region_shares::PixelRegion;
 use crate::explain::tuning::{RegionTuning, TunableSetting};
 use crate::frame::{Frame, Size};
-use crate::settings::Settings;
 use crate::source::cache::FrameCache;
 use crate::source::{FpsFrom, Source, SourceError, SourceInfo};
 use crate::truth::Truth;
@@ -74,8 +74,8 @@ fn the_time_from_a_click_to_the_history() {
     let open = || -> Result<Box<dyn Source>, SourceError> { Ok(Box::new(Texture::new())) };
     let cache = move || FrameCache::new(open, MEMORY / 2);
     let (wake, woken) = channel();
-    let under = (Settings::default(), None);
-    let session = Session::start("texture", cache, MEMORY / 2, under, Start::First, move || {
+    let analysis = AnalysisOptions::default();
+    let session = Session::start("texture", cache, MEMORY / 2, analysis, Start::First, move || {
         let _ = wake.send(());
     });
     let wait_until = |done: &dyn Fn(&State) -> bool| loop {
@@ -115,7 +115,7 @@ fn the_time_from_a_click_to_the_history() {
         session.request(Request::Tune(Some(tuned_settings)));
         for side in [1, 9, 15] {
             let requested = Instant::now();
-            session.request(Request::TuneRegion(Some(((300, 200), side))));
+            session.request(Request::TuneRegion(Some(PixelRegion { centre: (300, 200), side })));
             let whole = |tuning: &Arc<RegionTuning>| {
                 tuning.side == side
                     && tuning.frames as u32 == FRAMES

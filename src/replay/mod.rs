@@ -29,7 +29,7 @@ pub use published::{
     ComparedSequence, Phase, ShownFrame, Start, State, Timeline, TrackTimeline, WorkProgress,
 };
 pub use requests::Request;
-pub use session::Session;
+pub use session::{AnalysisOptions, Session};
 
 /// Whether both point to the same allocation, or both are `None`.
 fn is_same<T>(one: Option<&Arc<T>>, other: Option<&Arc<T>>) -> bool {

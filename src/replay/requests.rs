@@ -3,6 +3,7 @@
 use std::mem::discriminant;
 use std::sync::Arc;
 
+use crate::explain::pixel::region_shares::PixelRegion;
 use crate::explain::tuning::TunableSetting;
 use crate::mixture::Quantity;
 use crate::occlusion::Event;
@@ -40,14 +41,14 @@ pub enum Request {
     Pin(Vec<(u32, u32)>),
     /// Map a quantity with every shown frame; `None` to stop.
     Map(Option<Quantity>),
-    /// Count the share of foreground among the `side`×`side` pixels around one in each frame; `None` to stop.
-    CountRegion(Option<((u32, u32), u32)>),
+    /// Count the share of foreground in a region in each frame; `None` to stop.
+    CountRegion(Option<PixelRegion>),
     /// Compute the verdict on the chosen pixel in the frame in view over a grid of these two settings, and for each
     /// alone; `None` to stop.
     Tune(Option<[TunableSetting; 2]>),
-    /// Compute the accuracy of the mixture in the `side`×`side` pixels around one, over the grid of [`Self::Tune`];
-    /// `None` to stop. It needs true masks, and is computed after all other work.
-    TuneRegion(Option<((u32, u32), u32)>),
+    /// Compute the accuracy of the mixture in a region, over the grid of [`Self::Tune`]; `None` to stop. It needs true
+    /// masks, and is computed after all other work.
+    TuneRegion(Option<PixelRegion>),
     /// Compute the counterfactuals of an event under the settings in view; `None` to stop.
     Explain(Option<Box<Event>>),
 }
@@ -108,9 +109,10 @@ mod tests {
 
     #[test]
     fn regions_to_count_and_to_tune_are_different_kinds() {
-        let (near, far) = (Some(((1, 2), 3)), Some(((4, 5), 6)));
+        let near = Some(PixelRegion { centre: (1, 2), side: 3 });
+        let far = Some(PixelRegion { centre: (4, 5), side: 6 });
         let requests = [Request::CountRegion(near), Request::TuneRegion(far), Request::CountRegion(far)];
-        assert_eq!(queued(&requests), ["TuneRegion(Some(((4, 5), 6)))", "CountRegion(Some(((4, 5), 6)))"]);
+        assert_eq!(queued(&requests), [format!("TuneRegion({far:?})"), format!("CountRegion({far:?})")]);
     }
 
     #[test]

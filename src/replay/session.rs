@@ -17,6 +17,15 @@ use crate::settings::Settings;
 use crate::source::cache::FrameCache;
 use crate::source::{Options, SourceError};
 
+/// What decides the results of an analysis, apart from the video.
+#[derive(Clone, Debug, Default)]
+pub struct AnalysisOptions {
+    /// The settings.
+    pub settings: Settings,
+    /// The region of interest, which has the size of the frames; `None` for the whole image.
+    pub roi: Option<Arc<Roi>>,
+}
+
 /// A video under analysis. Dropping it ends its worker.
 pub struct Session {
     shared: Arc<Shared>,
@@ -27,13 +36,12 @@ pub struct Session {
 impl Session {
     /// Starts a worker on `video` (a name as in [`crate::source::open`]) and returns at once.
     ///
-    /// `roi` is the region of interest, `None` the whole image; the session fails if its size is not that of the
-    /// frames. The worker calls `wake`, from its own thread, after every change of [`Self::state`]. It caches up to
+    /// The session fails if the size of the region of interest is not that of the frames. The worker calls `wake`, from its own thread, after every change of [`Self::state`]. It caches up to
     /// `memory` bytes of frames and models, or a quarter of the machine's memory.
     pub fn open(
         video: &str,
         options: Options,
-        (settings, roi): (Settings, Option<Arc<Roi>>),
+        analysis: AnalysisOptions,
         start: Start,
         memory: Option<usize>,
         wake: impl Fn() + Send + Sync + 'static,
@@ -43,7 +51,7 @@ impl Session {
         // has half.
         let budget = memory.unwrap_or_else(memory::quarter) / 2;
         let open = move || FrameCache::open(&name, options, budget);
-        Self::start(video, open, budget, (settings, roi), start, wake)
+        Self::start(video, open, budget, analysis, start, wake)
     }
 
     /// As [`Self::open`], on the frames of `open`; `model_budget` is the memory for checkpoints.
@@ -51,7 +59,7 @@ impl Session {
         video: &str,
         open: impl FnOnce() -> Result<FrameCache, SourceError> + Send + 'static,
         model_budget: usize,
-        under: (Settings, Option<Arc<Roi>>),
+        analysis: AnalysisOptions,
         start: Start,
         wake: impl Fn() + Send + Sync + 'static,
     ) -> Self {
@@ -60,7 +68,7 @@ impl Session {
         let (of_worker, video) = (Arc::clone(&shared), video.to_owned());
         let started = thread::Builder::new().name("analysis".into()).spawn(move || {
             let work =
-                AssertUnwindSafe(|| Worker::open_and_run(&of_worker, open, under, start, model_budget));
+                AssertUnwindSafe(|| Worker::open_and_run(&of_worker, open, analysis, start, model_budget));
             if let Err(payload) = catch_unwind(work) {
                 of_worker.fail(format!(
                     "{video} cannot be analysed further: internal error ({}); open it again",

@@ -107,7 +107,8 @@ impl WatchedSession {
         start: Start,
     ) -> Self {
         let (wake, woken) = channel();
-        let session = Session::start(name, open, model_budget, (settings, None), start, move || {
+        let analysis = AnalysisOptions { settings, roi: None };
+        let session = Session::start(name, open, model_budget, analysis, start, move || {
             let _ = wake.send(());
         });
         Self { session, woken }
@@ -214,7 +215,7 @@ pub(super) fn single_pass_within(
             roi: roi.cloned(),
             analysis: Arc::new(analysis),
             background: picture(pipeline.background_image().unwrap()),
-            multi_mode: mixture.map(|mixture| picture(mixture.appearance().multi_mode)),
+            multi_mode: mixture.map(|mixture| picture(mixture.background_images().multi_mode)),
             map: None,
             pixel: mixture.is_some().then(|| Arc::new(history.clone())),
             frame: Arc::new(frame),
@@ -558,7 +559,7 @@ fn a_panic_in_the_worker_becomes_a_failure() {
     let session = Session::open(
         &name(folder.path()),
         Options::default(),
-        (settings(), None),
+        AnalysisOptions { settings: settings(), roi: None },
         Start::First,
         None,
         move || {
@@ -578,7 +579,7 @@ fn dropping_a_session_ends_its_worker() {
     let session = Session::open(
         &name(folder.path()),
         Options::default(),
-        (settings(), None),
+        AnalysisOptions { settings: settings(), roi: None },
         Start::First,
         None,
         move || {

@@ -24,6 +24,7 @@ use self::publish::Outbox;
 use self::speed_meter::SpeedMeter;
 use super::published::{Phase, Start, WorkProgress};
 use super::requests::Request;
+use super::session::AnalysisOptions;
 use super::shared::Shared;
 use super::tasks::analyse::PassInputs;
 use super::tasks::analyse::analysis_pass::AnalysisPass;
@@ -34,8 +35,6 @@ use super::tasks::gather::region_shares::RegionShareCounter;
 use super::tasks::show::FrameInView;
 use super::tasks::tune::pixel_tuner::PixelTuner;
 use super::tasks::tune::region_tuner::RegionTuner;
-use crate::regions::Roi;
-use crate::settings::Settings;
 use crate::source::cache::FrameCache;
 use crate::source::{SourceError, SourceInfo};
 use crate::truth::Truth;
@@ -97,11 +96,11 @@ impl<'a> Worker<'a> {
     pub(super) fn open_and_run(
         shared: &'a Shared,
         open: impl FnOnce() -> Result<FrameCache, SourceError>,
-        under: (Settings, Option<Arc<Roi>>),
+        analysis: AnalysisOptions,
         start: Start,
         model_budget: usize,
     ) {
-        match Self::open(shared, open, under, start, model_budget) {
+        match Self::open(shared, open, analysis, start, model_budget) {
             Ok(mut worker) => worker.work(),
             Err(StopReason(why)) => shared.fail(why),
         }
@@ -110,7 +109,7 @@ impl<'a> Worker<'a> {
     fn open(
         shared: &'a Shared,
         open: impl FnOnce() -> Result<FrameCache, SourceError>,
-        (settings, roi): (Settings, Option<Arc<Roi>>),
+        AnalysisOptions { settings, roi }: AnalysisOptions,
         start: Start,
         model_budget: usize,
     ) -> Result<Self, StopReason> {

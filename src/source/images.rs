@@ -6,6 +6,7 @@ use std::path::{Path, PathBuf};
 
 use super::numbering::frame_numbers;
 use super::pattern::Pattern;
+use super::rate::ImageRate;
 use super::{FpsFrom, Options, Source, SourceError, SourceInfo, image_file, rate};
 use crate::frame::{Frame, Size};
 
@@ -108,11 +109,10 @@ impl ImageSequence {
         let (size, _) = first.ok_or_else(none)?;
         let frames = listed.iter().filter(|file| file.unreadable.is_none()).count() as u32;
         // Image files carry no frame rate.
-        let (said, warning) = match options.fps {
-            Some(fps) => (Some((fps, FpsFrom::Given)), None),
+        let ImageRate { fps, from: fps_from, warning } = match options.fps {
+            Some(fps) => ImageRate { fps, from: FpsFrom::Given, warning: None },
             None => rate::of_images(folder),
         };
-        let (fps, fps_from) = said.unwrap_or((rate::ASSUMED, FpsFrom::Assumed));
         let frames = Some(frames);
         let info = SourceInfo { name: name.to_owned(), size, fps, fps_from, frames, live: false };
         let warnings = warning.into_iter().collect();

@@ -46,19 +46,29 @@ pub fn parse_fps(text: &str) -> Option<f32> {
     text.trim().parse().ok().filter(|fps| (least..=greatest).contains(fps))
 }
 
-/// The frame rate in the `seqinfo.ini` in the folder of the images or its parent, and a warning where the file exists
-/// but gives no rate.
-pub(super) fn of_images(folder: &Path) -> (Option<(f32, FpsFrom)>, Option<String>) {
+/// The frame rate of a sequence of images.
+#[derive(Debug, PartialEq)]
+pub(super) struct ImageRate {
+    /// Frames per second.
+    pub(super) fps: f32,
+    pub(super) from: FpsFrom,
+    /// A warning where `seqinfo.ini` exists but gives no rate.
+    pub(super) warning: Option<String>,
+}
+
+/// The frame rate in the `seqinfo.ini` in the folder of the images or its parent, else the assumed one.
+pub(super) fn of_images(folder: &Path) -> ImageRate {
+    let assumed = |warning| ImageRate { fps: ASSUMED, from: FpsFrom::Assumed, warning };
     let folder = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-    let Some(path) = seqinfo(folder) else { return (None, None) };
+    let Some(path) = seqinfo(folder) else { return assumed(None) };
     match rate_in(&path) {
-        Ok(fps) => (Some((fps, FpsFrom::SeqInfo)), None),
+        Ok(fps) => ImageRate { fps, from: FpsFrom::SeqInfo, warning: None },
         Err(why) => {
             let text = format!(
                 "{} is ignored: {why}; {ASSUMED} frames per second are assumed, set it with --fps",
                 path.display()
             );
-            (None, Some(text.split_whitespace().collect::<Vec<_>>().join(" ")))
+            assumed(Some(text.split_whitespace().collect::<Vec<_>>().join(" ")))
         }
     }
 }
@@ -131,18 +141,20 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let images = folder.path().join("img1");
         fs::create_dir(&images).unwrap();
-        assert_eq!(of_images(&images), (None, None));
+        let assumed = ImageRate { fps: ASSUMED, from: FpsFrom::Assumed, warning: None };
+        assert_eq!(of_images(&images), assumed);
         fs::write(folder.path().join(SEQINFO), "frameRate=14").unwrap();
-        assert_eq!(of_images(&images), (Some((14.0, FpsFrom::SeqInfo)), None));
+        let read = |fps| ImageRate { fps, from: FpsFrom::SeqInfo, warning: None };
+        assert_eq!(of_images(&images), read(14.0));
         fs::write(images.join(SEQINFO), [0xff, 0xfe, 0, b'=', b'\n']).unwrap();
-        let (rate, warning) = of_images(&images);
+        let ImageRate { from, warning, .. } = of_images(&images);
         let warning = warning.unwrap();
         assert!(
-            rate.is_none() && warning.contains("seqinfo.ini is ignored: it has no frameRate"),
+            from == FpsFrom::Assumed && warning.contains("seqinfo.ini is ignored: it has no frameRate"),
             "{warning}"
         );
         assert!(warning.contains("25 frames per second are assumed") && !warning.contains('\n'), "{warning}");
         fs::write(images.join(SEQINFO), "frameRate=12.5").unwrap();
-        assert_eq!(of_images(&images), (Some((12.5, FpsFrom::SeqInfo)), None));
+        assert_eq!(of_images(&images), read(12.5));
     }
 }

@@ -7,7 +7,7 @@ use crate::frame::Size;
 
 /// A global gain of the light, which can change over time, and a shadow over one side.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-pub struct Light {
+pub struct Lighting {
     /// Key frames and their gains, in order, with linear interpolation between them and constant values before the
     /// first and after the last. Empty is a gain of 1.
     pub gains: Vec<(f32, f32)>,
@@ -26,7 +26,7 @@ pub struct Shade {
     pub light: f32,
 }
 
-impl Light {
+impl Lighting {
     /// Whether it has no effect.
     pub fn is_usual(&self) -> bool {
         *self == Self::default()
@@ -73,15 +73,15 @@ mod tests {
 
     #[test]
     fn gain_is_interpolated_between_key_frames_and_constant_beyond_them() {
-        let light = Light { gains: vec![(10.0, 0.5), (20.0, 1.0)], shade: None };
+        let light = Lighting { gains: vec![(10.0, 0.5), (20.0, 1.0)], shade: None };
         assert_eq!([1.0, 10.0, 15.0, 20.0, 99.0].map(|frame| light.gain(frame)), [0.5, 0.5, 0.75, 1.0, 1.0]);
-        assert_eq!(Light::default().gain(7.0), 1.0);
+        assert_eq!(Lighting::default().gain(7.0), 1.0);
     }
 
     #[test]
     fn a_shadow_covers_one_side() {
         let shade = Shade { from: 40.0, softness: 10.0, light: 0.25 };
-        let light = Light { gains: vec![(0.0, 2.0)], shade: Some(shade) };
+        let light = Lighting { gains: vec![(0.0, 2.0)], shade: Some(shade) };
         let mut image = vec![[10.0; 3]; 200];
         light.fall_on(&mut image, Size::new(100, 2), 5.0);
         assert_eq!((image[39], image[150]), ([20.0; 3], [5.0; 3]));

@@ -1,14 +1,14 @@
 //! Procedurally rendered scenes with exact ground truth: positions, visibility, and occluders.
 //!
 //! A [`Scene`] describes objects and their paths. A [`Renderer`] renders any frame of it and, from the same geometry,
-//! a [`FrameTruth`]. [`Recorder`] derives the events and episodes of [`Truth`] from the truth of all frames.
+//! a [`FrameTruth`]. [`Recorder`] derives the events and episodes of [`SceneTruth`] from the truth of all frames.
 //! [`catalogue`] has the scenes by name, [`write()`] writes one to files.
 //!
 //! ```
-//! use occluscope::synth::{self, Parameters, Recorder};
+//! use occluscope::synth::{self, SceneParameters, Recorder};
 //! use occluscope::frame::Size;
 //!
-//! let small = Parameters { size: Size::new(96, 72), ..Parameters::default() };
+//! let small = SceneParameters { size: Size::new(96, 72), ..SceneParameters::default() };
 //! let scene = synth::catalogue::scene("crossing", &small).expect("it is in the catalogue");
 //! let mut recorder = Recorder::new(scene.fps);
 //! for (frame, truth) in synth::render(&scene) {
@@ -36,8 +36,8 @@ pub mod truth;
 pub mod walker;
 pub mod write;
 
-pub use catalogue::Parameters;
+pub use catalogue::SceneParameters;
 pub use render::{FrameTruth, Renderer, Silhouette, render};
 pub use scene::Scene;
-pub use truth::{Recorder, Truth, TruthEvent};
+pub use truth::{Recorder, SceneTruth, TruthEvent};
 pub use write::{WriteError, write};

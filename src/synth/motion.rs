@@ -10,7 +10,7 @@ const SAMPLES: u32 = 2;
 
 /// A background object that changes repeatedly. It is not part of the truth.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Motion {
+pub struct BackgroundMotion {
     /// Its kind.
     pub kind: MotionKind,
     /// Its centre, in pixels.
@@ -23,7 +23,7 @@ pub struct Motion {
     pub period: f32,
 }
 
-/// Kinds of [`Motion`].
+/// Kinds of [`BackgroundMotion`].
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum MotionKind {
@@ -37,7 +37,7 @@ pub enum MotionKind {
     Glints,
 }
 
-impl Motion {
+impl BackgroundMotion {
     /// Draws it as of a frame.
     pub(super) fn draw(&self, image: &mut [Colour], size: Size, seed: u64, frame: f32) {
         let turn = frame / self.period;

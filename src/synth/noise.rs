@@ -9,7 +9,7 @@ use super::texture::{Colour, hash};
 
 /// Gaussian noise, independent for every channel of every pixel of every frame.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Noise {
+pub struct CameraNoise {
     /// Standard deviation in gray levels.
     pub sigma: f32,
     /// Whether it grows with the light, as photon noise does: σ at mid gray, 0.4 σ in black, 1.35 σ in white.
@@ -66,7 +66,7 @@ fn normal_quantile(p: f64) -> f64 {
     polynomial(&A, q * q) * q / polynomial(&B, q * q)
 }
 
-impl Noise {
+impl CameraNoise {
     /// Converts a row of light to the camera's bytes. The noise depends only on the seed, the frame and the row, so
     /// that rows and frames can be rendered in any order.
     pub fn expose(&self, light: &[Colour], rgb: &mut [u8], seed: u64, frame: u32, row: u32) {
@@ -91,7 +91,7 @@ impl Noise {
 mod tests {
     use super::*;
 
-    fn spread(noise: Noise, level: f32) -> (f32, f32) {
+    fn spread(noise: CameraNoise, level: f32) -> (f32, f32) {
         let light = vec![[level; 3]; 20_000];
         let mut rgb = vec![0; 60_000];
         noise.expose(&light, &mut rgb, 1, 2, 3);
@@ -102,9 +102,9 @@ mod tests {
 
     #[test]
     fn noise_has_the_given_standard_deviation() {
-        let (mean, sigma) = spread(Noise { sigma: 5.0, signal_dependent: false }, 100.0);
+        let (mean, sigma) = spread(CameraNoise { sigma: 5.0, signal_dependent: false }, 100.0);
         assert!((mean - 100.0).abs() < 0.1 && (sigma - 5.0).abs() < 0.1, "{mean} {sigma}");
-        let by_light = Noise { sigma: 5.0, signal_dependent: true };
+        let by_light = CameraNoise { sigma: 5.0, signal_dependent: true };
         let (dark, bright) = (spread(by_light, 30.0).1, spread(by_light, 200.0).1);
         assert!((dark - 2.99).abs() < 0.1 && (bright - 6.08).abs() < 0.1, "{dark} {bright}");
     }
@@ -118,7 +118,7 @@ mod tests {
 
     #[test]
     fn noise_differs_between_frames_and_rows() {
-        let noise = Noise { sigma: 5.0, signal_dependent: false };
+        let noise = CameraNoise { sigma: 5.0, signal_dependent: false };
         let row = |seed, frame, row| {
             let mut rgb = vec![0; 300];
             noise.expose(&[[100.0; 3]; 100], &mut rgb, seed, frame, row);

@@ -16,12 +16,12 @@ pub struct Path {
     pub velocity: [f32; 2],
     /// Changes of velocity, in order.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub turns: Vec<Turn>,
+    pub turns: Vec<VelocityChange>,
 }
 
 /// A change of velocity.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Turn {
+pub struct VelocityChange {
     /// The frame of the change.
     pub frame: f32,
     /// Pixels per frame, to the right and down; zero is a stop.
@@ -30,7 +30,7 @@ pub struct Turn {
 
 /// A straight piece of a path.
 #[derive(Clone, Copy)]
-struct Leg {
+struct PathSegment {
     /// A frame, and the position in it.
     frame: f32,
     at: [f32; 2],
@@ -39,7 +39,7 @@ struct Leg {
     end: f32,
 }
 
-impl Leg {
+impl PathSegment {
     fn position(&self, frame: f32) -> [f32; 2] {
         let passed = frame - self.frame;
         [self.at[0] + self.velocity[0] * passed, self.at[1] + self.velocity[1] * passed]
@@ -59,35 +59,36 @@ impl Path {
     /// Adds a change of velocity at `frame`, which must be later than all previous ones.
     #[must_use]
     pub fn then(mut self, frame: f32, velocity: [f32; 2]) -> Self {
-        self.turns.push(Turn { frame, velocity });
+        self.turns.push(VelocityChange { frame, velocity });
         self
     }
 
-    fn legs(&self) -> impl Iterator<Item = Leg> {
+    fn segments(&self) -> impl Iterator<Item = PathSegment> {
         let end = |index: usize| self.turns.get(index).map_or(f32::INFINITY, |turn| turn.frame);
-        let first = Leg { frame: self.frame, at: self.at, velocity: self.velocity, end: end(0) };
+        let first = PathSegment { frame: self.frame, at: self.at, velocity: self.velocity, end: end(0) };
         let turns = self.turns.iter().zip(1..).scan(first, move |before, (turn, next)| {
             let at = before.position(turn.frame);
-            *before = Leg { frame: turn.frame, at, velocity: turn.velocity, end: end(next) };
+            *before = PathSegment { frame: turn.frame, at, velocity: turn.velocity, end: end(next) };
             Some(*before)
         });
         std::iter::once(first).chain(turns)
     }
 
     /// The piece that contains a frame.
-    fn leg(&self, frame: f32) -> Leg {
-        let first = Leg { frame: self.frame, at: self.at, velocity: self.velocity, end: f32::INFINITY };
-        self.legs().find(|leg| frame < leg.end).unwrap_or(first)
+    fn segment(&self, frame: f32) -> PathSegment {
+        let first =
+            PathSegment { frame: self.frame, at: self.at, velocity: self.velocity, end: f32::INFINITY };
+        self.segments().find(|segment| frame < segment.end).unwrap_or(first)
     }
 
     /// The point on the ground in a frame.
     pub fn position(&self, frame: f32) -> [f32; 2] {
-        self.leg(frame).position(frame)
+        self.segment(frame).position(frame)
     }
 
     /// Pixels per frame, to the right and down.
     pub fn velocity(&self, frame: f32) -> [f32; 2] {
-        self.leg(frame).velocity
+        self.segment(frame).velocity
     }
 
     /// Whether the object stands still in a frame.
@@ -97,10 +98,10 @@ impl Path {
 
     /// The signed distance along the path from `at` to the position in a frame, in pixels.
     pub fn walked(&self, frame: f32) -> f32 {
-        let before = self.legs().take_while(|leg| leg.end <= frame);
-        let before: f32 = before.map(|leg| (leg.end - leg.frame) * leg.speed()).sum();
-        let leg = self.leg(frame);
-        before + (frame - leg.frame) * leg.speed()
+        let before = self.segments().take_while(|segment| segment.end <= frame);
+        let before: f32 = before.map(|segment| (segment.end - segment.frame) * segment.speed()).sum();
+        let segment = self.segment(frame);
+        before + (frame - segment.frame) * segment.speed()
     }
 
     /// 1 while walking, 0 while standing, with smooth transitions.
@@ -111,15 +112,16 @@ impl Path {
 
     /// 1 to the right, −1 to the left; while standing or moving vertically, the last horizontal direction.
     pub fn facing(&self, frame: f32) -> f32 {
-        let until_now = self.legs().take_while(|leg| leg.frame <= frame || leg.frame == self.frame);
-        let sideways = until_now.map(|leg| leg.velocity[0]).filter(|&speed| speed != 0.0);
+        let until_now =
+            self.segments().take_while(|segment| segment.frame <= frame || segment.frame == self.frame);
+        let sideways = until_now.map(|segment| segment.velocity[0]).filter(|&speed| speed != 0.0);
         if sideways.last().is_some_and(|speed| speed < 0.0) { -1.0 } else { 1.0 }
     }
 
     /// The last frame, on the way out, in which the object is `reach` pixels to the right or left of column `middle`;
     /// `None` if it does not move horizontally at the end.
     pub fn last_within(&self, middle: f32, reach: f32) -> Option<f32> {
-        let last = self.legs().last()?;
+        let last = self.segments().last()?;
         let [across, _] = last.velocity;
         let way = reach - (last.at[0] - middle) * across.signum();
         (across != 0.0).then(|| last.frame + way / across.abs())

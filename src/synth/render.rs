@@ -98,11 +98,6 @@ impl Renderer {
         Self { scene: scene.clone(), background, occluders }
     }
 
-    /// The scene.
-    pub fn scene(&self) -> &Scene {
-        &self.scene
-    }
-
     /// Renders frame `number`, from 1; numbers beyond the scene's frames continue the motion.
     pub fn frame(&self, number: u32) -> (Frame, FrameTruth) {
         let size = self.scene.size;
@@ -372,11 +367,11 @@ mod tests {
 
     use super::*;
     use crate::regions::colour::delta_e;
-    use crate::synth::{Parameters, catalogue};
+    use crate::synth::{SceneParameters, catalogue};
 
     fn scene(name: &str, seed: u64) -> Scene {
         let parameters =
-            Parameters { size: Size::new(128, 96), seed, shadows: true, ..Parameters::default() };
+            SceneParameters { size: Size::new(128, 96), seed, shadows: true, ..SceneParameters::default() };
         catalogue::scene(name, &parameters).unwrap()
     }
 

@@ -2,9 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::light::Light;
-use super::motion::Motion;
-use super::noise::Noise;
+use super::light::Lighting;
+use super::motion::BackgroundMotion;
+use super::noise::CameraNoise;
 use super::occluder::Occluder;
 use super::path::Path;
 use crate::frame::Size;
@@ -29,7 +29,7 @@ pub struct Scene {
     pub background: Background,
     /// Moving background objects, which are not part of the truth.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub motions: Vec<Motion>,
+    pub motions: Vec<BackgroundMotion>,
     /// The people; the first one's identity is 1.
     pub actors: Vec<Actor>,
     /// The cars; their identities follow those of the people.
@@ -38,13 +38,13 @@ pub struct Scene {
     /// The occluders.
     pub occluders: Vec<Occluder>,
     /// The lighting.
-    #[serde(default, skip_serializing_if = "Light::is_usual")]
-    pub light: Light,
+    #[serde(default, skip_serializing_if = "Lighting::is_usual")]
+    pub light: Lighting,
     /// The amplitude of camera shake in whole pixels, random in every frame.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub jitter: u32,
     /// The camera's noise.
-    pub noise: Noise,
+    pub noise: CameraNoise,
     /// Whether people cast a soft contact shadow, which is background in the truth.
     pub shadows: bool,
 }

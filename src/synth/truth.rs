@@ -42,7 +42,7 @@ pub struct TruthEvent {
 
 /// All true events and episodes of a scene.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Truth {
+pub struct SceneTruth {
     /// The events by frame, then by kind.
     pub events: Vec<TruthEvent>,
     /// The episodes by start. `least_visible` is relative to the full silhouettes, as is MOTChallenge's visibility.
@@ -120,7 +120,7 @@ impl Recorder {
     }
 
     /// The events and episodes of the added frames.
-    pub fn finish(&self) -> Truth {
+    pub fn finish(&self) -> SceneTruth {
         let people = self.presences();
         let groups = self.groups(&people);
         let mut events = self.comings_and_goings(&people);
@@ -134,7 +134,7 @@ impl Recorder {
             let present = |id| people.iter().any(|person| person.id == id && person.is_in(at));
             boxes.extend(moment.silhouettes.iter().filter(|s| present(s.id)).map(|s| (moment.number, *s)));
         }
-        Truth { events, episodes, boxes }
+        SceneTruth { events, episodes, boxes }
     }
 
     /// Joins ranges that are separated by too short a break.
@@ -355,10 +355,10 @@ mod tests {
     use super::*;
     use crate::frame::Size;
     use crate::regions::Rect;
-    use crate::synth::noise::Noise;
-    use crate::synth::{Parameters, catalogue, render};
+    use crate::synth::noise::CameraNoise;
+    use crate::synth::{SceneParameters, catalogue, render};
 
-    fn truth_of(name: &str, parameters: &Parameters) -> Truth {
+    fn truth_of(name: &str, parameters: &SceneParameters) -> SceneTruth {
         let scene = catalogue::scene(name, parameters).unwrap();
         let mut recorder = Recorder::new(scene.fps);
         for (_, truth) in render(&scene) {
@@ -367,23 +367,23 @@ mod tests {
         recorder.finish()
     }
 
-    fn kinds(truth: &Truth) -> Vec<(EventKind, Vec<Identity>)> {
+    fn kinds(truth: &SceneTruth) -> Vec<(EventKind, Vec<Identity>)> {
         truth.events.iter().map(|event| (event.kind, event.objects.clone())).collect()
     }
 
-    fn count(truth: &Truth, kind: EventKind) -> usize {
+    fn count(truth: &SceneTruth, kind: EventKind) -> usize {
         truth.events.iter().filter(|event| event.kind == kind).count()
     }
 
     /// Several seeds, sizes and speeds; small images for speed.
-    fn varied() -> impl Iterator<Item = Parameters> {
+    fn varied() -> impl Iterator<Item = SceneParameters> {
         let sizes = [Size::new(96, 72), Size::new(128, 72), Size::new(160, 120), Size::new(100, 140)];
-        (1..=6u64).map(move |seed| Parameters {
+        (1..=6u64).map(move |seed| SceneParameters {
             size: sizes[seed as usize % sizes.len()],
             seed,
             speed: [1.0, 0.7, 1.6, 2.2][(seed / 2) as usize % 4],
-            noise: Noise { sigma: 0.0, signal_dependent: false },
-            ..Parameters::default()
+            noise: CameraNoise { sigma: 0.0, signal_dependent: false },
+            ..SceneParameters::default()
         })
     }
 
@@ -450,7 +450,10 @@ mod tests {
             let pair = truth_of("pair", &parameters);
             assert_eq!((count(&pair, EventKind::Enter), count(&pair, EventKind::Exit)), (2, 2));
             assert!(pair.events.len() == 4 && pair.episodes.is_empty(), "{:?}", pair.events);
-            assert_eq!(truth_of("empty", &Parameters { frames: Some(3), ..parameters }), Truth::default());
+            assert_eq!(
+                truth_of("empty", &SceneParameters { frames: Some(3), ..parameters }),
+                SceneTruth::default()
+            );
         }
     }
 
@@ -498,13 +501,13 @@ mod tests {
         }
     }
 
-    fn told(frames: impl IntoIterator<Item = FrameTruth>) -> Truth {
+    fn told(frames: impl IntoIterator<Item = FrameTruth>) -> SceneTruth {
         let mut recorder = Recorder::new(10.0);
         frames.into_iter().for_each(|frame| recorder.push(&frame));
         recorder.finish()
     }
 
-    fn frames_and_kinds(truth: &Truth) -> Vec<(u32, EventKind)> {
+    fn frames_and_kinds(truth: &SceneTruth) -> Vec<(u32, EventKind)> {
         truth.events.iter().map(|event| (event.frame, event.kind)).collect()
     }
 

@@ -22,10 +22,10 @@ use opencv::{core, imgproc, prelude::*, videoio};
 use rayon::prelude::*;
 use serde::Serialize;
 
-use super::catalogue::Parameters;
+use super::catalogue::SceneParameters;
 use super::render::{FrameTruth, Renderer};
 use super::scene::Scene;
-use super::truth::{Recorder, Truth};
+use super::truth::{Recorder, SceneTruth};
 use crate::frame::{Frame, Size};
 use crate::source::silence_libraries;
 
@@ -68,7 +68,7 @@ struct SceneFile<'a> {
     #[serde(flatten)]
     scene: &'a Scene,
     video: &'a str,
-    parameters: &'a Parameters,
+    parameters: &'a SceneParameters,
     version: &'static str,
 }
 
@@ -77,7 +77,7 @@ struct SceneFile<'a> {
 /// with the number of rendered frames and can stop the work.
 pub fn write(
     scene: &Scene,
-    parameters: &Parameters,
+    parameters: &SceneParameters,
     out: &Path,
     lossless: bool,
     mut progress: impl FnMut(u32) -> ControlFlow<()>,
@@ -155,7 +155,7 @@ fn remove_later_identities(folder: &Path, frames: u32) -> Result<(), WriteError>
     Ok(())
 }
 
-fn write_truth(folder: &Path, truth: &Truth) -> Result<(), WriteError> {
+fn write_truth(folder: &Path, truth: &SceneTruth) -> Result<(), WriteError> {
     let put = |name: &str, text: String| {
         let path = folder.join(name);
         fs::File::create(&path)
@@ -171,7 +171,7 @@ fn write_truth(folder: &Path, truth: &Truth) -> Result<(), WriteError> {
 }
 
 /// The text of `gt.txt`.
-pub fn boxes_text(truth: &Truth) -> String {
+pub fn boxes_text(truth: &SceneTruth) -> String {
     let line = |(frame, who): &(u32, super::Silhouette)| {
         let (place, visibility) = (who.bbox, who.visibility());
         // MOTChallenge's 0 marks boxes that are not to be counted.
@@ -185,12 +185,12 @@ pub fn boxes_text(truth: &Truth) -> String {
 }
 
 /// The text of `events.jsonl`.
-pub fn events_text(truth: &Truth) -> Result<String, serde_json::Error> {
+pub fn events_text(truth: &SceneTruth) -> Result<String, serde_json::Error> {
     truth.events.iter().map(|event| Ok(serde_json::to_string(event)? + "\n")).collect()
 }
 
 /// The text of `episodes.csv`.
-pub fn episodes_text(truth: &Truth) -> String {
+pub fn episodes_text(truth: &SceneTruth) -> String {
     let line = |episode: &crate::occlusion::Episode| {
         let objects: Vec<String> = episode.objects.iter().map(ToString::to_string).collect();
         let front = episode.front.map(|id| id.to_string()).unwrap_or_default();
@@ -289,8 +289,9 @@ mod tests {
     use super::*;
     use crate::synth::{catalogue, render};
 
-    fn small(name: &str, frames: Option<u32>) -> (Scene, Parameters) {
-        let parameters = Parameters { size: Size::new(96, 72), frames, speed: 2.0, ..Parameters::default() };
+    fn small(name: &str, frames: Option<u32>) -> (Scene, SceneParameters) {
+        let parameters =
+            SceneParameters { size: Size::new(96, 72), frames, speed: 2.0, ..SceneParameters::default() };
         (catalogue::scene(name, &parameters).unwrap(), parameters)
     }
 
@@ -390,7 +391,7 @@ mod tests {
     fn the_bundled_samples_equal_the_program_s_output() {
         let samples = Path::new(env!("CARGO_MANIFEST_DIR")).join("sample_videos");
         for name in ["crossing", "tree"] {
-            let mut parameters = Parameters::default();
+            let mut parameters = SceneParameters::default();
             parameters.noise.sigma = 6.0;
             let scene = catalogue::scene(name, &parameters).unwrap();
             let mut recorder = Recorder::new(scene.fps);
@@ -420,7 +421,7 @@ mod tests {
 
     #[test]
     fn stopped_work_leaves_no_file() {
-        let parameters = Parameters { frames: Some(40), ..Parameters::default() };
+        let parameters = SceneParameters { frames: Some(40), ..SceneParameters::default() };
         let scene = catalogue::scene("tree", &parameters).unwrap();
         let folder = tempfile::tempdir().unwrap();
         let stopped = write(&scene, &parameters, folder.path(), false, |_| ControlFlow::Break(()));

@@ -13,4 +13,4 @@ pub mod seed_finder;
 pub mod track;
 
 pub use identity_map::IdentityMap;
-pub use track::{HypothesisSummary, Identity, ObjectId, Track, TrackState};
+pub use track::{FrameTracks, HypothesisSummary, Identity, ObjectId, Track, TrackState};

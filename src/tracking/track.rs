@@ -95,3 +95,12 @@ pub struct Track {
     /// While merged, the identities of the whole group, itself among them (their keys, in tentative tracks).
     pub group: Vec<Identity>,
 }
+
+/// The objects of one frame.
+#[derive(Clone, Debug, PartialEq)]
+pub struct FrameTracks {
+    /// The frame's number.
+    pub number: u32,
+    /// Its confirmed objects.
+    pub tracks: Vec<Track>,
+}

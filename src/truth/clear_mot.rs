@@ -7,6 +7,7 @@ use pathfinding::prelude::kuhn_munkres;
 use serde::Serialize;
 
 use super::boxes::Boxes;
+use super::share::share_or_zero;
 
 /// Tracking accuracy, for matches from some IoU on.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -98,8 +99,9 @@ pub fn score(truth: &Boxes, found: &Boxes, threshold: f64) -> ClearMot {
     let overlap = |object: &u32, identity: &u32| overlaps.get(&(*object, *identity)).copied().unwrap_or(0);
     let same: i64 = assign(&objects, &identities, overlap).iter().map(|(a, b)| overlap(a, b)).sum();
     let missed = true_count - matched;
+    let share = |part: usize, whole: usize| share_or_zero(part as u64, whole as u64);
     ClearMot {
-        mota: 1.0 - share(missed + false_positives + switches, true_count),
+        mota: 1.0 - (missed + false_positives + switches) as f64 / true_count.max(1) as f64,
         motp: distance_sum / matched.max(1) as f64,
         idf1: share(2 * same as usize, true_count + found_count),
         precision: share(matched, found_count),
@@ -112,10 +114,6 @@ pub fn score(truth: &Boxes, found: &Boxes, threshold: f64) -> ClearMot {
             .count(),
         num_unique_objects: matches_of.len(),
     }
-}
-
-fn share(part: usize, whole: usize) -> f64 {
-    part as f64 / whole.max(1) as f64
 }
 
 /// The assignment of the greatest total weight; pairs of weight 0 are not assigned.
@@ -191,5 +189,7 @@ mod tests {
         let missed = score(&some, &Boxes::new(), 0.5);
         assert_eq!((missed.mota, missed.recall, missed.idf1), (0.0, 0.0, 0.0));
         assert_eq!(score(&Boxes::new(), &some, 0.5).precision, 0.0);
+        // Without true boxes each false positive counts as for one true box.
+        assert_eq!(score(&Boxes::new(), &some, 0.5).mota, 0.0);
     }
 }

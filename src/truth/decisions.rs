@@ -5,6 +5,8 @@ use std::ops::AddAssign;
 
 use serde::Serialize;
 
+use super::share::share_or_zero;
+
 /// The confusion matrix of foreground against truth, in pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Decisions {
@@ -27,12 +29,12 @@ impl Decisions {
 
     /// The share of right decisions (accuracy), 0..=1; 0 without decisions.
     pub fn right(self) -> f64 {
-        share(self.tp + self.tn, self.all())
+        share_or_zero(self.tp + self.tn, self.all())
     }
 
     /// 2·precision·recall / (precision + recall), 0..=1; 0 without foreground.
     pub fn f_measure(self) -> f64 {
-        share(2 * self.tp, 2 * self.tp + self.fp + self.fn_)
+        share_or_zero(2 * self.tp, 2 * self.tp + self.fp + self.fn_)
     }
 }
 
@@ -83,11 +85,6 @@ impl Measure {
             }
         }
     }
-}
-
-/// part / whole; 0 where `whole` is 0.
-pub(super) fn share(part: u64, whole: u64) -> f64 {
-    part as f64 / whole.max(1) as f64
 }
 
 impl AddAssign for Decisions {

@@ -8,6 +8,7 @@ use serde::{Deserialize, Serialize};
 
 use super::TruthError;
 use super::boxes::Boxes;
+use super::share::share_or_one;
 
 /// Least IoU at which a reported box belongs to a true object.
 const MIN_IOU: f64 = 0.5;
@@ -132,10 +133,9 @@ pub fn compare(
             open.remove(at);
         }
     }
-    let share = |part: usize, whole: usize| if whole > 0 { part as f64 / whole as f64 } else { 1.0 };
     for found in all.values_mut() {
-        found.precision = share(found.matched, found.reported);
-        found.recall = share(found.matched, found.truth);
+        found.precision = share_or_one(found.matched as u64, found.reported as u64);
+        found.recall = share_or_one(found.matched as u64, found.truth as u64);
     }
     all
 }

@@ -6,8 +6,9 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use super::TruthError;
-use super::decisions::{Decisions, share};
+use super::decisions::Decisions;
 use super::masks::{self, MaskFiles};
+use super::share::share_or_zero;
 use crate::frame::{Mask, Size};
 
 /// The confusion matrix of all pixels, and the measures computed from it.
@@ -41,13 +42,13 @@ impl MaskScore {
         Self {
             frames,
             decisions,
-            recall: share(tp, tp + fn_),
-            specificity: share(tn, tn + fp),
-            fpr: share(fp, fp + tn),
-            fnr: share(fn_, tp + fn_),
-            pwc: 100.0 * share(fn_ + fp, decisions.all()),
+            recall: share_or_zero(tp, tp + fn_),
+            specificity: share_or_zero(tn, tn + fp),
+            fpr: share_or_zero(fp, fp + tn),
+            fnr: share_or_zero(fn_, tp + fn_),
+            pwc: 100.0 * share_or_zero(fn_ + fp, decisions.all()),
             f_measure: decisions.f_measure(),
-            precision: share(tp, tp + fp),
+            precision: share_or_zero(tp, tp + fp),
         }
     }
 }

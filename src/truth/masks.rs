@@ -34,11 +34,11 @@ pub enum Label {
 pub struct TrueMask {
     size: Size,
     /// The runs of all labels except background, in row order.
-    runs: Vec<Run>,
+    runs: Vec<TruthRun>,
 }
 
 #[derive(Clone, Debug, PartialEq, Eq)]
-struct Run {
+struct TruthRun {
     pixels: Range<u32>,
     counts: bool,
 }
@@ -46,13 +46,13 @@ struct Run {
 impl TrueMask {
     /// A mask from the label of each pixel, in row order.
     pub fn new(size: Size, labels: impl IntoIterator<Item = Label>) -> Self {
-        let mut runs: Vec<Run> = Vec::new();
+        let mut runs: Vec<TruthRun> = Vec::new();
         for (at, label) in (0..size.pixels() as u32).zip(labels) {
             let counts = label == Label::Foreground;
             match runs.last_mut() {
                 _ if label == Label::Background => {}
                 Some(run) if run.pixels.end == at && run.counts == counts => run.pixels.end = at + 1,
-                _ => runs.push(Run { pixels: at..at + 1, counts }),
+                _ => runs.push(TruthRun { pixels: at..at + 1, counts }),
             }
         }
         Self { size, runs }
@@ -98,9 +98,8 @@ impl TrueMask {
             let (from, to) = (start + columns.start, start + columns.end);
             let first = self.runs.partition_point(|run| run.pixels.end <= from);
             let moved = |at: u32| (row - rows.start) * size.width + at.clamp(from, to) - from;
-            runs.extend(self.runs[first..].iter().take_while(|run| run.pixels.start < to).map(|run| Run {
-                pixels: moved(run.pixels.start)..moved(run.pixels.end),
-                counts: run.counts,
+            runs.extend(self.runs[first..].iter().take_while(|run| run.pixels.start < to).map(|run| {
+                TruthRun { pixels: moved(run.pixels.start)..moved(run.pixels.end), counts: run.counts }
             }));
         }
         Self { size, runs }

@@ -19,7 +19,7 @@ pub fn of_mixture(frames: &[Frame], truth: &[Option<TrueMask>], parameters: Para
     let mut decisions = Decisions::default();
     for (frames, truth) in frames.chunks(BATCH).zip(truth.chunks(BATCH)) {
         let frames: Vec<&Frame> = frames.iter().collect();
-        mixture.replay(&frames, &mut masks[..frames.len()]);
+        mixture.step_many(&frames, &mut masks[..frames.len()]);
         for (mask, truth) in masks.iter().zip(truth) {
             if let Some(truth) = truth {
                 decisions += truth.score(mask);

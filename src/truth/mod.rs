@@ -11,6 +11,7 @@ pub mod event_scoring;
 pub mod mask_score;
 pub mod masks;
 pub mod mixture_score;
+mod share;
 pub mod summary;
 pub mod survival;
 

@@ -9,6 +9,7 @@ use super::clear_mot::{self, ClearMot};
 use super::mask_score::MaskScore;
 use super::survival::{self, Survival};
 use crate::pipeline::OfflineResult;
+use crate::tracking::FrameTracks;
 
 /// The scores of tracks.
 #[derive(Clone, Debug, PartialEq, Serialize)]
@@ -42,9 +43,9 @@ pub fn score(truth: &Boxes, found: &Boxes) -> TrackScore {
 }
 
 /// The boxes of an offline result, as in its file of tracks.
-pub fn boxes_of(reading: &OfflineResult) -> Boxes {
+pub fn boxes_of(result: &OfflineResult) -> Boxes {
     let mut boxes = Boxes::new();
-    for (number, tracks) in &reading.tracks {
+    for FrameTracks { number, tracks } in &result.tracks {
         let of_frame: BTreeMap<_, _> = tracks
             .iter()
             .map(|track| {

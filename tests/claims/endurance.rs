@@ -3,7 +3,7 @@
 use occluscope::frame::Size;
 use occluscope::settings::Settings;
 use occluscope::synth::scene::Background;
-use occluscope::synth::{Parameters, Scene, catalogue};
+use occluscope::synth::{Scene, SceneParameters, catalogue};
 
 use crate::measure::{Counts, watch};
 
@@ -14,7 +14,7 @@ const ROUND: u32 = 800;
 fn the_model_does_not_drift_in_thousands_of_frames() {
     for (background, rounds) in [(Background::Plaza, 4), (Background::Room, 2)] {
         let frames = Some(ROUND * rounds);
-        let parameters = Parameters { size: Size::new(128, 96), frames, ..Parameters::default() };
+        let parameters = SceneParameters { size: Size::new(128, 96), frames, ..SceneParameters::default() };
         let scene = catalogue::scene("passers-by", &parameters).expect("it is in the catalogue");
         let scene = Scene { background, ..scene };
         let mut passing = vec![Counts::default(); rounds as usize];

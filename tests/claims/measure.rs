@@ -4,14 +4,14 @@ use occluscope::frame::{Mask, Size};
 use occluscope::pipeline::Pipeline;
 use occluscope::registration::{CorrectionChoice, Estimator};
 use occluscope::settings::Settings;
-use occluscope::synth::noise::Noise;
+use occluscope::synth::noise::CameraNoise;
 use occluscope::synth::render::FrameTruth;
-use occluscope::synth::{Parameters, Scene, catalogue, render};
+use occluscope::synth::{Scene, SceneParameters, catalogue, render};
 
 /// A scene of the catalogue at a small size.
 pub(crate) fn scene(name: &str) -> Scene {
-    let noise = Noise { sigma: 4.0, signal_dependent: false };
-    let parameters = Parameters { size: Size::new(160, 120), noise, ..Parameters::default() };
+    let noise = CameraNoise { sigma: 4.0, signal_dependent: false };
+    let parameters = SceneParameters { size: Size::new(160, 120), noise, ..SceneParameters::default() };
     catalogue::scene(name, &parameters).expect("a scene of the catalogue")
 }
 

@@ -2,8 +2,8 @@
 //! with which a single component is background.
 
 use occluscope::settings::{Preset, Settings};
-use occluscope::synth::noise::Noise;
-use occluscope::synth::{Parameters, Scene, catalogue};
+use occluscope::synth::noise::CameraNoise;
+use occluscope::synth::{Scene, SceneParameters, catalogue};
 
 use crate::measure::{Counts, counts, scene, watch};
 
@@ -22,8 +22,8 @@ fn lit_and_shaded(scene: &Scene, settings: &Settings) -> [f64; 2] {
 
 #[test]
 fn a_walker_is_segmented_in_light_and_in_shadow() {
-    let noise = Noise { sigma: 6.0, signal_dependent: true };
-    let parameters = Parameters { noise, size: scene("shade").size, ..Parameters::default() };
+    let noise = CameraNoise { sigma: 6.0, signal_dependent: true };
+    let parameters = SceneParameters { noise, size: scene("shade").size, ..SceneParameters::default() };
     let scene = catalogue::scene("shade", &parameters).expect("it is in the catalogue");
     let plain = Settings::preset(Preset::Plain);
     let [lit, shaded] = lit_and_shaded(&scene, &plain);

@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use occluscope::occlusion::{Event, EventKind};
 use occluscope::settings::Settings;
-use occluscope::tracking::{Identity, Track, TrackState};
+use occluscope::tracking::{FrameTracks, Identity, Track, TrackState};
 
 type Set = BTreeSet<Identity>;
 
@@ -22,18 +22,13 @@ struct Replay {
 
 /// All contradictions between events (by frame and kind) and tracks (by frame), one line each. Objects that merge
 /// again within `same_episode` count as merged throughout, and objects that flicker in a gap as occluded.
-pub(crate) fn faults(
-    events: &[Event],
-    tracks: &[(u32, Vec<Track>)],
-    settings: &Settings,
-    fps: f32,
-) -> Vec<String> {
+pub(crate) fn faults(events: &[Event], tracks: &[FrameTracks], settings: &Settings, fps: f32) -> Vec<String> {
     let same_episode = settings.same_episode.frames(fps);
     // A re-identified object has its identity after this many frames.
     let known_again = settings.min_track.frames(fps).max(fps.round() as u32);
     let mut replay = Replay::default();
     let mut events = events.iter().peekable();
-    for (frame, tracks) in tracks {
+    for FrameTracks { number: frame, tracks } in tracks {
         let mut now = Vec::new();
         while let Some(event) = events.next_if(|event| event.frame <= *frame) {
             now.push(event);

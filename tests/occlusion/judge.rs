@@ -10,7 +10,7 @@ use occluscope::pipeline::{Analysis, OfflineResult, Pipeline, offline_result};
 use occluscope::regions::Rect;
 use occluscope::registration::{CorrectionChoice, measure_all};
 use occluscope::settings::Settings;
-use occluscope::synth::{Parameters, Recorder, Scene, Truth, catalogue, render};
+use occluscope::synth::{Recorder, Scene, SceneParameters, SceneTruth, catalogue, render};
 use occluscope::tracking::Identity;
 use occluscope::truth::boxes::{Bounds, Boxes};
 use occluscope::truth::clear_mot::{self, ClearMot};
@@ -24,7 +24,7 @@ const CLEAR: f32 = 0.9;
 
 /// The analysis of a scene, as by `run` on a file.
 pub(crate) struct JudgedRun {
-    truth: Truth,
+    truth: SceneTruth,
     analyses: Vec<Analysis>,
     pipeline: Pipeline,
     /// The current settings of tracking.
@@ -122,7 +122,7 @@ impl JudgedRun {
 }
 
 /// All differences of the analysis of a scene from the truth, one line each.
-pub(crate) fn differences(scene: &str, parameters: &Parameters, settings: &Settings) -> Vec<String> {
+pub(crate) fn differences(scene: &str, parameters: &SceneParameters, settings: &Settings) -> Vec<String> {
     let scene = catalogue::scene(scene, parameters).expect("a scene of the catalogue");
     differences_in(&scene, parameters.speed, settings)
 }
@@ -133,7 +133,7 @@ pub(crate) fn differences_in(scene: &Scene, speed: f32, settings: &Settings) -> 
 }
 
 /// People with a wrong identity or with several, one line each, and the person of each identity.
-fn confusions(truth: &Truth, found: &OfflineResult) -> (Vec<String>, BTreeMap<Identity, Identity>) {
+fn confusions(truth: &SceneTruth, found: &OfflineResult) -> (Vec<String>, BTreeMap<Identity, Identity>) {
     let mut differences = Vec::new();
     let mut person_of = BTreeMap::new();
     for (person, ids) in &identities(truth, found) {
@@ -174,8 +174,8 @@ fn unmatched(
 }
 
 /// For each person the identities that matched while the person was clearly visible.
-fn identities(truth: &Truth, found: &OfflineResult) -> BTreeMap<Identity, BTreeSet<Identity>> {
-    let tracks: BTreeMap<u32, _> = found.tracks.iter().map(|(frame, tracks)| (*frame, tracks)).collect();
+fn identities(truth: &SceneTruth, found: &OfflineResult) -> BTreeMap<Identity, BTreeSet<Identity>> {
+    let tracks: BTreeMap<u32, _> = found.tracks.iter().map(|frame| (frame.number, &frame.tracks)).collect();
     let mut matched: BTreeMap<Identity, BTreeSet<Identity>> = BTreeMap::new();
     for (frame, person) in &truth.boxes {
         let ids = matched.entry(person.id).or_default();

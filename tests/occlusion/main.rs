@@ -13,22 +13,22 @@ mod sweep;
 
 use occluscope::frame::Size;
 use occluscope::settings::{Settings, Span};
-use occluscope::synth::noise::Noise;
-use occluscope::synth::{Parameters, catalogue};
+use occluscope::synth::noise::CameraNoise;
+use occluscope::synth::{SceneParameters, catalogue};
 
-fn parameters(seed: u64, (width, height): (u32, u32), speed: f32, sigma: f32) -> Parameters {
-    Parameters {
+fn parameters(seed: u64, (width, height): (u32, u32), speed: f32, sigma: f32) -> SceneParameters {
+    SceneParameters {
         size: Size::new(width, height),
         frames: None,
         seed,
-        noise: Noise { sigma, signal_dependent: seed.is_multiple_of(2) },
+        noise: CameraNoise { sigma, signal_dependent: seed.is_multiple_of(2) },
         speed,
         shadows: false,
     }
 }
 
 /// Different seeds (clothes, textures, paces), sizes, speeds and noise.
-fn variations() -> [Parameters; 4] {
+fn variations() -> [SceneParameters; 4] {
     [
         parameters(1, (320, 240), 1.0, 4.0),
         parameters(2, (480, 360), 1.5, 2.0),
@@ -38,11 +38,11 @@ fn variations() -> [Parameters; 4] {
 }
 
 /// Analyses the variations of a scene in parallel and fails with all differences.
-fn is_right(scene: &str, variations: &[Parameters]) {
+fn is_right(scene: &str, variations: &[SceneParameters]) {
     is_right_under(&Settings::default(), scene, variations);
 }
 
-fn is_right_under(settings: &Settings, scene: &str, variations: &[Parameters]) {
+fn is_right_under(settings: &Settings, scene: &str, variations: &[SceneParameters]) {
     let wrong: Vec<String> = std::thread::scope(|scope| {
         let runs: Vec<_> = variations
             .iter()
@@ -135,7 +135,7 @@ fn changes_of_light_cause_no_object() {
 
 #[test]
 fn shadows_cause_no_object() {
-    let with_shadows = variations().map(|parameters| Parameters { shadows: true, ..parameters });
+    let with_shadows = variations().map(|parameters| SceneParameters { shadows: true, ..parameters });
     is_right("crossing", &with_shadows[..2]);
     is_right("tree", &with_shadows[..2]);
 }

@@ -1,11 +1,11 @@
 //! Random scenes of people who mill about, more difficult than those of the catalogue. A seed determines a scene.
 
 use occluscope::frame::Size;
-use occluscope::synth::noise::Noise;
+use occluscope::synth::noise::CameraNoise;
 use occluscope::synth::occluder::{Occluder, OccluderKind};
 use occluscope::synth::path::Path;
 use occluscope::synth::scene::{Actor, Scene};
-use occluscope::synth::{Parameters, catalogue};
+use occluscope::synth::{SceneParameters, catalogue};
 
 const SIZE: Size = Size::new(240, 180);
 const BODY: f32 = 65.0;
@@ -44,8 +44,8 @@ impl Mill {
     /// The scene of a seed: people come from both sides, are near the middle at about the same time, stop, turn or
     /// walk on, and leave; sometimes behind an occluder.
     pub(crate) fn scene(self, seed: u64) -> Scene {
-        let noise = Noise { sigma: 4.0, signal_dependent: false };
-        let parameters = Parameters { size: SIZE, seed, noise, ..Parameters::default() };
+        let noise = CameraNoise { sigma: 4.0, signal_dependent: false };
+        let parameters = SceneParameters { size: SIZE, seed, noise, ..SceneParameters::default() };
         let scene = |name| catalogue::scene(name, &parameters).expect("a scene of the catalogue");
         let mut dice = Dice(seed.wrapping_mul(0x9E37_79B9_7F4A_7C15).wrapping_add(7));
         for _ in 0..3 {

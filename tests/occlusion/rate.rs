@@ -2,7 +2,7 @@
 
 use occluscope::frame::Size;
 use occluscope::settings::Settings;
-use occluscope::synth::{Parameters, catalogue};
+use occluscope::synth::{SceneParameters, catalogue};
 
 use super::judge::JudgedRun;
 
@@ -22,7 +22,7 @@ fn differences(name: &str) -> Vec<String> {
     for fps in [7.0, 10.0, 25.0, 50.0] {
         // The same speed in pixels per second at any frame rate.
         let speed = catalogue::FPS / fps;
-        let parameters = Parameters { size: Size::new(240, 180), speed, ..Parameters::default() };
+        let parameters = SceneParameters { size: Size::new(240, 180), speed, ..SceneParameters::default() };
         let mut scene = catalogue::scene(name, &parameters).expect("a scene of the catalogue");
         scene.fps = fps;
         let mut run = JudgedRun::new(&scene, speed, &settings);

@@ -10,12 +10,12 @@ use crate::export::picture;
 use crate::frame::Frame;
 use crate::occlusion::Event;
 use crate::replay::ShownFrame;
-use crate::tracking::Track;
+use crate::tracking::FrameTracks;
 
 /// A frame with its annotations, retained while a path is chosen.
 pub(crate) struct FrameExport {
     shown: Arc<ShownFrame>,
-    recent: Vec<(u32, Vec<Track>)>,
+    recent: Vec<FrameTracks>,
     events: Vec<Event>,
 }
 
@@ -27,7 +27,7 @@ impl FrameExport {
         let recent = frame
             .trails
             .range(..=shown.position)
-            .map(|(_, (number, tracks))| (*number, tracks.as_ref().clone()))
+            .map(|(_, (number, tracks))| FrameTracks { number: *number, tracks: tracks.as_ref().clone() })
             .collect();
         let timeline = model.worker.timeline()?;
         let here = timeline.events.iter().filter(|(position, _)| *position == shown.position);

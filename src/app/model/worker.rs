@@ -9,7 +9,7 @@ use crate::app::model::event_comparison::EventRef;
 use crate::app::model::player::Player;
 use crate::app::model::trails::FrameWithTrails;
 use crate::explain::pixel::PixelHistory;
-use crate::explain::pixel::region_shares::RegionShares;
+use crate::explain::pixel::region_shares::{PixelRegion, RegionShares};
 use crate::explain::tuning::TunableSetting;
 use crate::explain::tuning::{RegionTuning, Tuning};
 use crate::frame::Size;
@@ -23,9 +23,6 @@ use crate::source::Options;
 /// Starts a worker for a video name.
 pub(crate) type PlayerFactory =
     Box<dyn Fn(&str, Options, (Settings, Option<Arc<Roi>>), Start, &Context) -> Box<dyn Player>>;
-
-/// A pixel, and the side in pixels of the region around it.
-type PixelRegion = ((u32, u32), u32);
 
 /// The requests that were sent last, so that none is sent twice.
 #[derive(Clone, Debug)]
@@ -235,7 +232,8 @@ impl WorkerLink {
     /// The accuracy in the region that was requested last, if computed.
     pub(crate) fn region_tuning(&self) -> Option<&Arc<RegionTuning>> {
         let tuning = self.state.as_ref()?.region_tuning.as_ref();
-        tuning.filter(|tuning| Some((tuning.at, tuning.side)) == self.sent.accuracy_region)
+        let region = |tuning: &RegionTuning| PixelRegion { centre: tuning.at, side: tuning.side };
+        tuning.filter(|tuning| Some(region(tuning)) == self.sent.accuracy_region)
     }
 
     /// The sequence's timeline under the settings in view.

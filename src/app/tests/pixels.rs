@@ -41,6 +41,7 @@ fn regions_asked(scene: &RecordingPlayer) -> Vec<Option<((u32, u32), u32)>> {
     asked
         .iter()
         .filter_map(|asked| if let PlayerCall::Region(region) = asked { Some(*region) } else { None })
+        .map(|region| region.map(|region| (region.centre, region.side)))
         .collect()
 }
 

@@ -67,6 +67,7 @@ fn asked(scene: &RecordingPlayer) -> Vec<Option<((u32, u32), u32)>> {
     asked
         .iter()
         .filter_map(|asked| if let PlayerCall::TuneRegion(region) = asked { Some(*region) } else { None })
+        .map(|region| region.map(|region| (region.centre, region.side)))
         .collect()
 }
 

@@ -18,8 +18,8 @@ const RING_RADIUS_PT: f32 = 4.5;
 /// Draws the pins and the region.
 pub(super) fn paint(painter: &Painter, canvas: &ViewCanvas, model: &Model) {
     let judged = model.worker.sent.accuracy_region.filter(|_| model.has_true_masks());
-    if let Some((at, side)) = model.worker.sent.shares_region.or(judged).filter(|&(_, side)| side > 1) {
-        let (columns, rows) = region_bounds(at, side, canvas.size);
+    if let Some(region) = model.worker.sent.shares_region.or(judged).filter(|region| region.side > 1) {
+        let (columns, rows) = region_bounds(region.centre, region.side, canvas.size);
         let (width, height) = (columns.len() as f32, rows.len() as f32);
         let place = canvas.place(&regions::Rect::new(columns.start as f32, rows.start as f32, width, height));
         draw::dashed_rect(painter, place, Stroke::new(3.0, Color32::from_black_alpha(90)), 4.0);

@@ -26,6 +26,7 @@ use crate::app::panels::toasts::Toasts;
 use crate::app::panels::{drop_files, help};
 use crate::app::theme;
 use crate::app::views::{self, FrameUploads};
+use crate::explain::pixel::region_shares::PixelRegion;
 use crate::settings::Settings;
 
 /// Minimum interval between settings sent to the worker while a slider is dragged.
@@ -156,8 +157,9 @@ impl Window {
         let pixel = self.model.selection.pixel;
         let worker = &mut self.model.worker;
         worker.request_tuning(requests.tuning_axes);
-        worker.request_accuracy(pixel.zip(requests.accuracy_side));
-        worker.request_shares(pixel.zip(requests.shares_side));
+        let region = |side: Option<u32>| Some(PixelRegion { centre: pixel?, side: side? });
+        worker.request_accuracy(region(requests.accuracy_side));
+        worker.request_shares(region(requests.shares_side));
         self.model.request_evidence();
         let map = self.pictures.shows_map().then_some(self.model.display.quantity);
         self.model.worker.request_map(map);

@@ -24,6 +24,15 @@ const FRAMES_PER_ADVANCE: usize = 4;
 /// Trials that advance in parallel.
 const MAX_PARALLEL_TRIALS: usize = 16;
 
+/// The regions of one frame.
+#[derive(Clone)]
+pub struct FrameRegions {
+    /// The frame's number.
+    pub number: u32,
+    /// Its regions.
+    pub regions: Arc<Vec<Region>>,
+}
+
 /// The event, and the frames and settings under which it happened.
 #[derive(Clone)]
 pub struct CounterfactualQuery {
@@ -31,9 +40,8 @@ pub struct CounterfactualQuery {
     pub event: Event,
     /// The settings under which it happened.
     pub settings: Settings,
-    /// Number and regions of the frames that led to it, of those in which it was decided, and of those after it in
-    /// which it must not happen either.
-    pub frames: Arc<Vec<(u32, Arc<Vec<Region>>)>>,
+    /// The frames that led to it, those in which it was decided, and those after it in which it must not happen either.
+    pub frames: Arc<Vec<FrameRegions>>,
     /// The size of the frames.
     pub size: Size,
     /// Frames a second.
@@ -171,9 +179,9 @@ impl Trial {
         query: &'a CounterfactualQuery,
     ) -> impl Iterator<Item = (u32, FrameResult)> + 'a {
         let from = self.at;
-        query.frames.iter().skip(from).take(FRAMES_PER_ADVANCE).map(|(number, regions)| {
+        query.frames.iter().skip(from).take(FRAMES_PER_ADVANCE).map(|frame| {
             self.at += 1;
-            (*number, self.tracker.step(*number, regions))
+            (frame.number, self.tracker.step(frame.number, &frame.regions))
         })
     }
 
@@ -320,7 +328,7 @@ impl CounterfactualSearch {
             preventions: preventions.collect(),
             tried: (self.tried, self.tried + trials_left),
             happens,
-            until: self.query.frames.last().map_or(0, |(number, _)| *number),
+            until: self.query.frames.last().map_or(0, |frame| frame.number),
             done: !happens || (self.present.happened.is_some() && trials_left == 0),
         }
     }
@@ -457,19 +465,13 @@ mod tests {
         let frames: Vec<_> = (1..=100_u32)
             .map(|number| {
                 let is_visible = !(40..52).contains(&number);
-                (
-                    number,
-                    Arc::new(if is_visible {
-                        vec![region(1, 60.0 + number as f32, 24.0)]
-                    } else {
-                        Vec::new()
-                    }),
-                )
+                let region = is_visible.then(|| region(1, 60.0 + number as f32, 24.0));
+                FrameRegions { number, regions: Arc::new(region.into_iter().collect()) }
             })
             .collect();
         let mut tracker = Tracker::new(&settings, SIZE, 25.0);
         let events: Vec<Event> =
-            frames.iter().flat_map(|(number, regions)| tracker.step(*number, regions).events).collect();
+            frames.iter().flat_map(|frame| tracker.step(frame.number, &frame.regions).events).collect();
         let event = events.into_iter().find(|event| event.kind == kind)?;
         Some(CounterfactualQuery { event, settings, frames: Arc::new(frames), size: SIZE, fps: 25.0 })
     }

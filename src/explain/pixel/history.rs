@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use crate::frame::Frame;
-use crate::mixture::pixel::{Outcome, Parameters, Pixel, Value};
+use crate::mixture::pixel::{Outcome, Parameters, Pixel, PixelValue};
 use crate::registration::{Applied, ObservedColour};
 use crate::settings::Space;
 
@@ -18,7 +18,7 @@ pub struct PixelState {
     /// The pixel's colour in the frame.
     pub rgb: [u8; 3],
     /// X, the mixture's input: three channels, or luma and two zeros.
-    pub value: Value,
+    pub value: PixelValue,
     /// The mixture after the update, in rank order.
     pub pixel: Pixel,
     /// The outcome of the update.
@@ -33,7 +33,7 @@ pub struct PixelState {
 /// The state of one pixel after the frames that are only learned from.
 #[derive(Clone, Debug, PartialEq)]
 pub struct LearntState {
-    values: Vec<Value>,
+    values: Vec<PixelValue>,
     /// The mixture after the last of them.
     pixel: Pixel,
     /// The mixture with which classification starts.
@@ -67,7 +67,8 @@ impl PixelHistory {
     }
 
     /// Learns from colours before the first classified frame.
-    pub fn learn_colours(&mut self, colours: impl IntoIterator<Item = [u8; 3]>) {
+    #[cfg(test)]
+    pub(crate) fn learn_colours(&mut self, colours: impl IntoIterator<Item = [u8; 3]>) {
         self.learn_seen(
             colours.into_iter().map(|rgb| ObservedColour { colour: Some(rgb), applied: Applied::NOTHING }),
         );
@@ -95,13 +96,14 @@ impl PixelHistory {
 
     /// The values that were learned from, and those of the states up to `index`: all inputs of the mixture after that
     /// state. `None` where there is no such state.
-    pub fn values_until(&self, index: usize) -> Option<Vec<Value>> {
+    pub fn values_until(&self, index: usize) -> Option<Vec<PixelValue>> {
         let judged = self.states.get(..=index)?.iter().map(|state| state.value);
         Some(self.learnt.iter().flat_map(|learnt| learnt.values.iter().copied()).chain(judged).collect())
     }
 
     /// The history of pixel `at` from its colours, `(frame number, colour)` in order.
-    pub fn of_colours(
+    #[cfg(test)]
+    pub(crate) fn of_colours(
         at: (u32, u32),
         parameters: Parameters,
         colours: impl IntoIterator<Item = (u32, [u8; 3])>,

@@ -4,6 +4,22 @@ use std::ops::Range;
 
 use crate::frame::Size;
 
+/// The `side`×`side` pixels around one, as far as they are inside the image.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct PixelRegion {
+    /// The centre pixel: column and row.
+    pub centre: (u32, u32),
+    /// Side in pixels.
+    pub side: u32,
+}
+
+impl PixelRegion {
+    /// Whether its centre is inside an image of `size`.
+    pub fn is_centred_in(self, size: Size) -> bool {
+        size.index(self.centre.0, self.centre.1).is_some()
+    }
+}
+
 /// The share of foreground among the pixels around one, in every analysed frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RegionShares {

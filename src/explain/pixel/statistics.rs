@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use crate::explain::pixel::component_slots::{ComponentChange, component_change};
 use crate::explain::pixel::history::PixelHistory;
-use crate::mixture::pixel::Value;
+use crate::mixture::pixel::PixelValue;
 
 /// Statistics of a pixel over some frames.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -12,9 +12,9 @@ pub struct Statistics {
     /// Number of frames.
     pub frames: usize,
     /// The mean of each channel, in levels.
-    pub mean: Value,
+    pub mean: PixelValue,
     /// The variance of each channel, in squared levels: the mean squared distance from the mean.
-    pub variance: Value,
+    pub variance: PixelValue,
     /// Number of frames in which the mixture classified it as foreground.
     pub foreground: usize,
     /// Number of components created in a free slot, including that of the first frame.
@@ -38,7 +38,7 @@ impl Statistics {
         let Some(last) = states.last() else { return Self::default() };
         let count = states.len() as f64;
         let mean =
-            |of: &dyn Fn(Value) -> f64| states.iter().map(|state| of(state.value)).sum::<f64>() / count;
+            |of: &dyn Fn(PixelValue) -> f64| states.iter().map(|state| of(state.value)).sum::<f64>() / count;
         let means: [f64; 3] = std::array::from_fn(|channel| mean(&|value| f64::from(value[channel])));
         let variance = std::array::from_fn(|channel| {
             mean(&|value| (f64::from(value[channel]) - means[channel]).powi(2)) as f32

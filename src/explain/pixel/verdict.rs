@@ -2,9 +2,9 @@
 
 use crate::explain::pixel::history::{PixelHistory, PixelState};
 use crate::mixture::hysteresis::Hysteresis;
-use crate::mixture::pixel::{Component, Parameters, Pixel, Value};
+use crate::mixture::pixel::{Component, Parameters, Pixel, PixelValue};
 use crate::mixture::shadow::Shadow;
-use crate::settings::{Rate, SETTINGS, Setting, Settings, Stage, Value as SettingValue};
+use crate::settings::{Rate, SETTINGS, Setting, Settings, Stage, Value};
 
 /// The mixture's classification of a pixel in one frame, before any later stage.
 #[derive(Clone, Debug, PartialEq)]
@@ -18,7 +18,7 @@ pub struct Verdict {
 }
 
 /// ‖X − μ‖ / σ: the distance of `x` from a component's mean in standard deviations.
-pub fn distance_in_sigmas(component: &Component, x: Value) -> f32 {
+pub fn distance_in_sigmas(component: &Component, x: PixelValue) -> f32 {
     (component.distance_squared(x) / component.variance).sqrt()
 }
 
@@ -162,7 +162,7 @@ pub fn overruled(mixture: bool, mask: bool, ignored: bool, settings: &Settings) 
         .iter()
         .filter(|setting| changes_masks(setting))
         .filter_map(|setting| match setting.get(settings) {
-            SettingValue::Integer(0) | SettingValue::Real(1.0) | SettingValue::Choice("off" | "none") => None,
+            Value::Integer(0) | Value::Real(1.0) | Value::Choice("off" | "none") => None,
             value => Some(format!("{} {value}", setting.label())),
         })
         .collect();

@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::{Rounding, RunOutcome, TunableSetting, rounded, run};
-use crate::mixture::pixel::{Parameters, Value};
+use crate::mixture::pixel::{Parameters, PixelValue};
 
 /// Number of search steps on each side of the present value.
 const MAX_STEPS: usize = 24;
@@ -40,7 +40,7 @@ impl VerdictFlip {
 ///
 /// Each side of the present value is searched in steps, and the first step whose end flips is bisected; two flips
 /// within one step are not found. The returned value has been verified to flip the verdict.
-pub fn flip(values: &[Value], parameters: &Parameters, setting: TunableSetting) -> VerdictFlip {
+pub fn flip(values: &[PixelValue], parameters: &Parameters, setting: TunableSetting) -> VerdictFlip {
     let mut search = FlipSearch::new(parameters, &[setting]);
     loop {
         if let Some(&[found]) = search.advance(values).as_deref() {
@@ -69,7 +69,7 @@ impl FlipSearch {
 
     /// Tries the next value on each side of each setting, with at most one run through `values` for each. Returns the
     /// results, in the order of the settings, when the search is complete.
-    pub fn advance(&mut self, values: &[Value]) -> Option<Vec<VerdictFlip>> {
+    pub fn advance(&mut self, values: &[PixelValue]) -> Option<Vec<VerdictFlip>> {
         let parameters = self.parameters;
         let present = *self.present.get_or_insert_with(|| run(values, &parameters));
         let now = present.is_foreground(parameters.t);

@@ -13,8 +13,8 @@ mod tests;
 
 use rayon::prelude::*;
 
-use crate::mixture::pixel::{MAX_K, Outcome, Parameters, Pixel, Value};
-use crate::settings::{Setting, SettingError, Settings, Value as SettingValue};
+use crate::mixture::pixel::{MAX_K, Outcome, Parameters, Pixel, PixelValue};
+use crate::settings::{Setting, SettingError, Settings, Value};
 
 pub use flips::{FlipSearch, VerdictFlip, flip};
 pub use pixel_tuning::{StepwiseTuning, Tuning, TuningQuery};
@@ -112,8 +112,8 @@ impl TunableSetting {
     /// Sets the value in `settings`.
     pub fn set(self, settings: &mut Settings, value: f32) -> Result<(), SettingError> {
         let value = match self {
-            Self::K => SettingValue::Integer(value.round().max(0.0) as u32),
-            _ => SettingValue::Real(value),
+            Self::K => Value::Integer(value.round().max(0.0) as u32),
+            _ => Value::Real(value),
         };
         let setting = Setting::named(self.key());
         setting.ok_or_else(|| SettingError::Unknown(self.key().to_owned()))?.set(settings, value)
@@ -211,7 +211,7 @@ impl RunOutcome {
 }
 
 /// Runs a new pixel through all of `values`.
-pub fn run(values: &[Value], parameters: &Parameters) -> RunOutcome {
+pub fn run(values: &[PixelValue], parameters: &Parameters) -> RunOutcome {
     let mut pixel = Pixel::unseen(parameters.k);
     let mut outcome = Outcome::default();
     for (t, &value) in (1..).zip(values) {
@@ -294,7 +294,11 @@ impl VerdictMap {
 }
 
 /// The map of `tuned_settings` around `parameters` for a pixel with these values.
-pub fn map(values: &[Value], parameters: &Parameters, tuned_settings: [TunableSetting; 2]) -> VerdictMap {
+pub fn map(
+    values: &[PixelValue],
+    parameters: &Parameters,
+    tuned_settings: [TunableSetting; 2],
+) -> VerdictMap {
     let axes = VerdictMap::axes(parameters, tuned_settings);
     let outcomes: Vec<_> =
         VerdictMap::runs(parameters, &axes).par_iter().map(|parameters| run(values, parameters)).collect();

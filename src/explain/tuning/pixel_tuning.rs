@@ -3,7 +3,7 @@
 use rayon::prelude::*;
 
 use super::{FlipSearch, RunOutcome, SettingAxis, TunableSetting, VerdictFlip, VerdictMap, run};
-use crate::mixture::pixel::{Parameters, Value};
+use crate::mixture::pixel::{Parameters, PixelValue};
 
 /// Largest number of frames, over all runs, in one step of some milliseconds.
 const MAX_FRAMES_PER_STEP: usize = 60_000;
@@ -47,7 +47,7 @@ pub struct TuningQuery {
 /// A [`Tuning`] in progress.
 pub struct StepwiseTuning {
     query: TuningQuery,
-    values: Vec<Value>,
+    values: Vec<PixelValue>,
     axes: [SettingAxis; 2],
     runs: Vec<Parameters>,
     outcomes: Vec<RunOutcome>,
@@ -58,7 +58,7 @@ pub struct StepwiseTuning {
 
 impl StepwiseTuning {
     /// A tuning before its first step; `values` are the pixel's, from the model's start to the frame.
-    pub fn new(query: TuningQuery, values: Vec<Value>) -> Self {
+    pub fn new(query: TuningQuery, values: Vec<PixelValue>) -> Self {
         let axes = VerdictMap::axes(&query.parameters, query.tuned_settings);
         let runs = VerdictMap::runs(&query.parameters, &axes);
         let search = FlipSearch::new(&query.parameters, &TunableSetting::ALL);

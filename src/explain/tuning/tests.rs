@@ -5,7 +5,7 @@ use crate::explain::pixel::PixelHistory;
 use crate::settings::{Preset, Space};
 
 /// A wall with a swaying branch in front, and from frame 300 on a person in dark clothes.
-fn values(frames: u32, parameters: &Parameters) -> Vec<Value> {
+fn values(frames: u32, parameters: &Parameters) -> Vec<PixelValue> {
     let mut seed = 99_u32;
     let mut noise = move || {
         seed = seed.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
@@ -29,7 +29,7 @@ fn parameters() -> Parameters {
 }
 
 /// The verdict by the reference implementation: `Pixel::update` through all values.
-fn reference_verdict(values: &[Value], parameters: &Parameters) -> bool {
+fn reference_verdict(values: &[PixelValue], parameters: &Parameters) -> bool {
     let mut pixel = Pixel::unseen(parameters.k);
     (1..).zip(values).map(|(t, &value)| pixel.update(value, t, parameters).foreground).last().unwrap()
 }
@@ -124,7 +124,7 @@ fn a_flip_changes_the_verdict_and_nothing_nearer_does() {
 
 /// The nearest flip on one side, by linear search.
 fn linear_search(
-    values: &[Value],
+    values: &[PixelValue],
     parameters: &Parameters,
     setting: TunableSetting,
     above: bool,

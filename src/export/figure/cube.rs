@@ -7,7 +7,7 @@ use std::f64::consts::{FRAC_PI_2, PI, TAU};
 
 use super::scatter::{legend, look, title};
 use super::{
-    Anchor, Axis, Figure, Frame, GRAY, INK, NARROW, Panel, Shape, Sign, axis, component, parameters,
+    Anchor, Axis, DrawnAxes, Figure, GRAY, INK, MarkShape, NARROW, Panel, Sign, axis, component, parameters,
 };
 use crate::explain::pixel::PixelHistory;
 use crate::explain::pixel::component_states::{ComponentState, component_states};
@@ -133,7 +133,7 @@ pub struct Spot {
 
 /// A label of a scene.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Label {
+pub struct SceneLabel {
     /// Its anchor on the picture.
     pub at: [f64; 2],
     /// The unit vector from the anchor to the text.
@@ -156,7 +156,7 @@ pub struct Scene {
     /// Lines above the points.
     pub above: Vec<(Role, Vec<[f64; 2]>)>,
     /// The labels.
-    pub labels: Vec<Label>,
+    pub labels: Vec<SceneLabel>,
     /// The value of the frame in view.
     pub here: Option<[f64; 2]>,
 }
@@ -201,7 +201,7 @@ pub fn scene(
         let outline = angles().map(|(sin, cos)| [x + radius * cos, y + radius * sin]).collect();
         scene.above.push((Role::Reach { slot, background }, outline));
         let text = component_state.rank.to_string();
-        scene.labels.push(Label {
+        scene.labels.push(SceneLabel {
             at: [x, y + radius],
             out: [0.0, 1.0],
             text,
@@ -248,7 +248,13 @@ fn cube(scene: &mut Scene, span: Span, turn: Turn) {
             let along = (value - span.low[axis]) / span.side - 0.5;
             let at = corner(axis, along, others, side);
             if !short {
-                scene.labels.push(Label { at, out, text: axis::written(value), slot: None, name: false });
+                scene.labels.push(SceneLabel {
+                    at,
+                    out,
+                    text: axis::written(value),
+                    slot: None,
+                    name: false,
+                });
             }
             // Two lines that meet at the rear edge.
             let [j, k] = back;
@@ -256,7 +262,7 @@ fn cube(scene: &mut Scene, span: Span, turn: Turn) {
             scene.below.push((Role::Grid, grid.to_vec()));
         }
         let text = name.to_owned();
-        scene.labels.push(Label { at: [mx, my], out, text, slot: None, name: true });
+        scene.labels.push(SceneLabel { at: [mx, my], out, text, slot: None, name: true });
     }
     // Edges are drawn over the grid.
     scene.below.sort_by_key(|(role, _)| *role == Role::Edge);
@@ -312,13 +318,13 @@ pub fn figure(
     let scale = (width - 2.0 * LABEL_SPACE) / (ends[0].1 - ends[0].0);
     let ends = ends.map(|(low, high)| (low - LABEL_SPACE / scale, high + LABEL_SPACE / scale));
     let [across, up] = [0, 1].map(|side| Axis::new("", ends[side], 1));
-    let mut panel = Panel { frame: Frame::None, ..Panel::new(across, up) };
+    let mut panel = Panel { frame: DrawnAxes::None, ..Panel::new(across, up) };
     for (role, points) in scene.below {
         let (name, colour, width) = match role {
             Role::Grid => ("grid", [222, 226, 232], 0.4),
             _ => ("edge", GRAY, 0.6),
         };
-        panel.draw(name, Shape::Line { points, width, dashed: false }, colour, 1.0);
+        panel.draw(name, MarkShape::Line { points, width, dashed: false }, colour, 1.0);
     }
     // Three sizes of dots: nearer ones are larger.
     let size = |spot: &Spot| (spot.nearness * 3.0).min(2.0) as usize;
@@ -326,7 +332,7 @@ pub fn figure(
         let (colour, sign, opacity) = look(&run[0].place);
         let radius = [0.95, 1.15, 1.4][size(&run[0])] + if sign == Sign::Ring { 0.3 } else { 0.0 };
         let places = run.iter().map(|spot| spot.at).collect();
-        panel.draw("values", Shape::Dots { places, radius, sign }, colour, opacity);
+        panel.draw("values", MarkShape::Dots { places, radius, sign }, colour, opacity);
     }
     for (role, points) in scene.above {
         let (name, slot, width, dashed, opacity) = match role {
@@ -334,7 +340,7 @@ pub fn figure(
             Role::Girdle { slot } => ("girdle", slot, 0.5, false, 0.55),
             Role::Grid | Role::Edge => continue,
         };
-        panel.draw(name, Shape::Line { points, width, dashed }, component(slot), opacity);
+        panel.draw(name, MarkShape::Line { points, width, dashed }, component(slot), opacity);
     }
     if let Some(here) = scene.here {
         panel.draw_cross("current value", here, 4.0);
@@ -346,7 +352,7 @@ pub fn figure(
         // The position of text is its baseline.
         let at = [x, if label.slot.is_some() { y } else { y - 0.35 * super::SMALL / scale }];
         let colour = label.slot.map_or(if label.name { INK } else { GRAY }, component);
-        panel.draw("", Shape::Text { at, text: label.text, anchor: Anchor::Middle }, colour, 1.0);
+        panel.draw("", MarkShape::Text { at, text: label.text, anchor: Anchor::Middle }, colour, 1.0);
     }
     let [across, up] = ends.map(|(from, to)| to - from);
     figure.stack(0, 1, vec![(panel, width * up / across)]);

@@ -1,8 +1,8 @@
 //! Figures of the mixture at one frame: densities with the value, and weights with T and B.
 
 use super::{
-    Anchor, Axis, Figure, GRAY, INK, Key, NARROW, Panel, Shape, Sign, WIDE, component, number_at, parameters,
-    pixel_name,
+    Anchor, Axis, Figure, GRAY, INK, Key, MarkShape, NARROW, Panel, Sign, WIDE, component, number_at,
+    parameters, pixel_name,
 };
 use crate::explain::pixel::PixelHistory;
 use crate::explain::pixel::component_states::{ComponentState, component_states, t_at};
@@ -70,10 +70,10 @@ pub fn densities(history: &PixelHistory, slots: &[[u8; MAX_K]], index: usize, mo
                 let (low, high) = (-lane * (at as f64 + 1.2), -lane * (at as f64 + 0.4));
                 let colour = component(component_state.slot);
                 let strength = if component_state.background { 0.55 } else { 0.25 };
-                let bar = Shape::Rects(vec![[mean - reach, low, mean + reach, high]]);
+                let bar = MarkShape::Rects(vec![[mean - reach, low, mean + reach, high]]);
                 panel.draw(format!("band of rank {}", component_state.rank), bar, colour, strength);
                 let middle =
-                    Shape::Line { points: vec![[mean, low], [mean, high]], width: 1.2, dashed: false };
+                    MarkShape::Line { points: vec![[mean, low], [mean, high]], width: 1.2, dashed: false };
                 panel.draw(format!("mean of rank {}", component_state.rank), middle, colour, 1.0);
             }
             let value = history.states.get(index).map_or(0.0, |state| state.value[channel]);
@@ -111,7 +111,7 @@ pub fn weights(history: &PixelHistory, slots: &[[u8; MAX_K]], index: usize, mome
         for component_state in component_states {
             let (from, top) = (sum, (most + 1 - component_state.rank) as f64);
             sum += f64::from(component_state.component.weight);
-            let bar = Shape::Rects(vec![[from, top - 0.88, sum, top - 0.12]]);
+            let bar = MarkShape::Rects(vec![[from, top - 0.88, sum, top - 0.12]]);
             let strength = if component_state.background { 0.75 } else { 0.28 };
             panel.draw(
                 format!("weight of rank {}", component_state.rank),
@@ -123,13 +123,13 @@ pub fn weights(history: &PixelHistory, slots: &[[u8; MAX_K]], index: usize, mome
             let (at, anchor) =
                 if from > 1.0 - sum { (from - 0.015, Anchor::End) } else { (sum + 0.015, Anchor::Start) };
             let text = format!("{:.3}", component_state.component.weight);
-            panel.draw("", Shape::Text { at: [at, top - 0.66], text, anchor }, INK, 1.0);
+            panel.draw("", MarkShape::Text { at: [at, top - 0.66], text, anchor }, INK, 1.0);
         }
         panel.draw_vertical("T", t_at(history, index, *before).into(), 1.0, true);
         let cut = (most - (*count).min(most)) as f64;
         panel.draw_horizontal("B", cut, 0.6, false);
         let text = format!("B = {count}");
-        panel.draw("", Shape::Text { at: [0.99, cut + 0.16], text, anchor: Anchor::End }, GRAY, 1.0);
+        panel.draw("", MarkShape::Text { at: [0.99, cut + 0.16], text, anchor: Anchor::End }, GRAY, 1.0);
         figure.stack(column, sides.len(), vec![(panel, BAR * most as f64)]);
     }
     figure
@@ -188,8 +188,8 @@ fn curve(panel: &mut Panel, component_state: &ComponentState, channel: usize) {
     for run in points.chunk_by(|a, b| (a[1] > least) == (b[1] > least)).filter(|run| run[0][1] > least) {
         let ends = [[run[run.len() - 1][0], 0.0], [run[0][0], 0.0]];
         let strength = if component_state.background { 0.38 } else { 0.10 };
-        panel.draw("", Shape::Area([run, &ends].concat()), colour, strength);
-        let line = Shape::Line { points: run.to_vec(), width: 1.0, dashed: !component_state.background };
+        panel.draw("", MarkShape::Area([run, &ends].concat()), colour, strength);
+        let line = MarkShape::Line { points: run.to_vec(), width: 1.0, dashed: !component_state.background };
         panel.draw(format!("density of rank {}", component_state.rank), line, colour, 1.0);
     }
 }

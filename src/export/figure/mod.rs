@@ -117,14 +117,14 @@ pub struct Panel {
     /// The marks, in drawing order.
     pub marks: Vec<Mark>,
     /// Which parts of the axes are drawn.
-    pub frame: Frame,
+    pub frame: DrawnAxes,
     /// Whether faint horizontal lines are drawn at the ticks of the vertical axis.
     pub grid: bool,
 }
 
 /// Which parts of a panel's axes are drawn.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Frame {
+pub enum DrawnAxes {
     /// Both axes with tick labels.
     Axes,
     /// Both axes, but tick labels on the vertical one only; those of the horizontal axis are in a lower panel.
@@ -139,7 +139,7 @@ pub struct Mark {
     /// Its meaning, for readers of the file: `value R`, `weight of rank 1`; empty for decorations of another mark.
     pub name: String,
     /// Its shape.
-    pub shape: Shape,
+    pub shape: MarkShape,
     /// Its colour.
     pub colour: Rgb,
     /// Its opacity, 0..=1.
@@ -148,7 +148,7 @@ pub struct Mark {
 
 /// The shape of a mark.
 #[derive(Clone, Debug, PartialEq)]
-pub enum Shape {
+pub enum MarkShape {
     /// A polyline.
     Line {
         /// Its points, from left to right.
@@ -233,8 +233,8 @@ impl Figure {
                 y += TEXT + 3.0;
             }
             panel.place = [left, y, width, height];
-            if at < last && panel.frame == Frame::Axes {
-                panel.frame = Frame::UpOnly;
+            if at < last && panel.frame == DrawnAxes::Axes {
+                panel.frame = DrawnAxes::UpOnly;
             }
             y += height + if at < last { GAP } else { BELOW };
             self.panels.push(panel);
@@ -252,7 +252,7 @@ impl Panel {
             x,
             y,
             marks: Vec::new(),
-            frame: Frame::Axes,
+            frame: DrawnAxes::Axes,
             grid: true,
         }
     }
@@ -264,32 +264,32 @@ impl Panel {
     }
 
     /// Draws a mark over the existing ones.
-    pub fn draw(&mut self, name: impl Into<String>, shape: Shape, colour: Rgb, opacity: f64) {
+    pub fn draw(&mut self, name: impl Into<String>, shape: MarkShape, colour: Rgb, opacity: f64) {
         self.marks.push(Mark { name: name.into(), shape, colour, opacity });
     }
 
     /// Draws a horizontal line at a value, such as T.
     pub fn draw_horizontal(&mut self, name: &str, y: f64, width: f64, dashed: bool) {
         let (from, to) = self.x.ends;
-        self.draw(name, Shape::Line { points: vec![[from, y], [to, y]], width, dashed }, INK, 1.0);
+        self.draw(name, MarkShape::Line { points: vec![[from, y], [to, y]], width, dashed }, INK, 1.0);
     }
 
     /// Draws a vertical line at a value, such as the frame in view.
     pub fn draw_vertical(&mut self, name: &str, x: f64, width: f64, dashed: bool) {
         let (from, to) = self.y.ends;
-        self.draw(name, Shape::Line { points: vec![[x, from], [x, to]], width, dashed }, INK, 1.0);
+        self.draw(name, MarkShape::Line { points: vec![[x, from], [x, to]], width, dashed }, INK, 1.0);
     }
 
     /// Draws a thin gray line at 0.
     fn draw_ground(&mut self, name: &str) {
         let (from, to) = self.x.ends;
         let points = vec![[from, 0.0], [to, 0.0]];
-        self.draw(name, Shape::Line { points, width: 0.4, dashed: false }, GRAY, 1.0);
+        self.draw(name, MarkShape::Line { points, width: 0.4, dashed: false }, GRAY, 1.0);
     }
 
     /// Draws a cross, such as at the current value.
     fn draw_cross(&mut self, name: &str, at: [f64; 2], radius: f64) {
-        self.draw(name, Shape::Dots { places: vec![at], radius, sign: Sign::Cross }, INK, 1.0);
+        self.draw(name, MarkShape::Dots { places: vec![at], radius, sign: Sign::Cross }, INK, 1.0);
     }
 }
 

@@ -2,8 +2,8 @@
 
 use super::through_time::COLUMNS;
 use super::{
-    Axis, Figure, GRAY, INK, Key, Panel, Shape, Sign, WIDE, frame_span, frames_axis, number_at, parameters,
-    verdicts,
+    Axis, Figure, GRAY, INK, Key, MarkShape, Panel, Sign, WIDE, frame_span, frames_axis, number_at,
+    parameters, verdicts,
 };
 use crate::explain::pixel::PixelHistory;
 use crate::explain::pixel::sparklines::{SparklineColumn, level_range, sparkline};
@@ -50,7 +50,7 @@ pub fn figure(pins: &[(u8, &PixelHistory)], index: usize) -> Figure {
         });
         let mut points: Vec<_> = brightness.collect();
         points.dedup();
-        panel.draw("brightness", Shape::Line { points, width: 0.6, dashed: false }, INK, 1.0);
+        panel.draw("brightness", MarkShape::Line { points, width: 0.6, dashed: false }, INK, 1.0);
         let mut below = Panel { grid: false, ..Panel::new(frames_axis(ends), Axis::new("", (0.0, 1.0), 1)) };
         below.y.ticks.clear();
         verdicts::draw(
@@ -77,6 +77,6 @@ fn bands(panel: &mut Panel, history: &PixelHistory, sparks: &[SparklineColumn], 
             Some([from, f64::from(low), to, f64::from(high)])
         });
         let strength = STRENGTHS[rank.min(1)];
-        panel.draw(format!("band of rank {}", rank + 1), Shape::Rects(rects.collect()), colour, strength);
+        panel.draw(format!("band of rank {}", rank + 1), MarkShape::Rects(rects.collect()), colour, strength);
     }
 }

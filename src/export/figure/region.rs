@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use super::through_time::COLUMNS;
 use super::{
-    Axis, Figure, INK, Key, Panel, Shape, Sign, WIDE, frame_span, frames_axis, number_at, parameters,
+    Axis, Figure, INK, Key, MarkShape, Panel, Sign, WIDE, frame_span, frames_axis, number_at, parameters,
     pixel_name,
 };
 use crate::explain::pixel::PixelHistory;
@@ -70,8 +70,8 @@ pub fn figure(history: &PixelHistory, shares: &RegionShares, index: usize) -> Fi
     };
     let mut area = steps(|peak| peak.cleaned);
     area.extend([[ends.1, 0.0], [ends.0, 0.0]]);
-    panel.draw("ratio after post-processing", Shape::Area(area), verdict_colour(true, false), STRENGTH);
-    let line = Shape::Line { points: steps(|peak| peak.model), width: 0.9, dashed: false };
+    panel.draw("ratio after post-processing", MarkShape::Area(area), verdict_colour(true, false), STRENGTH);
+    let line = MarkShape::Line { points: steps(|peak| peak.model), width: 0.9, dashed: false };
     panel.draw("ratio before post-processing", line, INK, 1.0);
     if index < end {
         panel.draw_vertical("current frame", f64::from(number_at(history, index)), 0.6, true);

@@ -1,7 +1,7 @@
 //! A figure of a pixel's values in a plane of its channels.
 
 use super::{
-    Anchor, Axis, Figure, GRAY, INK, Key, NARROW, Panel, Shape, Sign, component, parameters, pixel_name,
+    Anchor, Axis, Figure, GRAY, INK, Key, MarkShape, NARROW, Panel, Sign, component, parameters, pixel_name,
 };
 use crate::explain::pixel::PixelHistory;
 use crate::explain::pixel::component_states::{ComponentState, component_states};
@@ -30,7 +30,7 @@ pub fn figure(
     let (component_states, _) = component_states(history, slots, index, false);
     let here = coordinates_of(history, index, choice.space);
 
-    let mut range = Range::default();
+    let mut range = ValueRange::default();
     for place in &places {
         range.take([place.at[0].into(), place.at[1].into()], 2.0);
     }
@@ -59,7 +59,7 @@ pub fn figure(
         let (colour, sign, opacity) = look(&run[0]);
         let places = run.iter().map(|place| [place.at[0].into(), place.at[1].into()]).collect();
         let radius = if sign == Sign::Ring { 1.5 } else { 1.2 };
-        panel.draw(name, Shape::Dots { places, radius, sign }, colour, opacity);
+        panel.draw(name, MarkShape::Dots { places, radius, sign }, colour, opacity);
     }
     for component_state in &component_states {
         let reach = f64::from(component_state.component.reach(history.parameters.lambda));
@@ -69,13 +69,13 @@ pub fn figure(
         let (colour, dashed) = (component(component_state.slot), !component_state.background);
         panel.draw(
             format!("reach of rank {}", component_state.rank),
-            Shape::Line { points, width: 1.1, dashed },
+            MarkShape::Line { points, width: 1.1, dashed },
             colour,
             1.0,
         );
         let (text, anchor) = (component_state.rank.to_string(), Anchor::Middle);
         let lift = (up.1 - up.0) * 0.012;
-        panel.draw("", Shape::Text { at: [mx, my + reach + lift], text, anchor }, colour, 1.0);
+        panel.draw("", MarkShape::Text { at: [mx, my + reach + lift], text, anchor }, colour, 1.0);
     }
     if let Some(here) = here {
         panel.draw_cross("current value", [here[0].into(), here[1].into()], 4.0);
@@ -189,18 +189,18 @@ fn square([x, y]: [f64; 2], reach: f64) -> Vec<[f64; 2]> {
 }
 
 /// The range of displayed values.
-struct Range {
+struct ValueRange {
     low: [f64; 2],
     high: [f64; 2],
 }
 
-impl Default for Range {
+impl Default for ValueRange {
     fn default() -> Self {
         Self { low: [f64::INFINITY; 2], high: [f64::NEG_INFINITY; 2] }
     }
 }
 
-impl Range {
+impl ValueRange {
     fn take(&mut self, at: [f64; 2], reach: f64) {
         for (side, value) in at.into_iter().enumerate() {
             self.low[side] = self.low[side].min(value - reach);

@@ -10,7 +10,7 @@ use svg::node::element::{
 use svg::{Document, Node};
 
 use super::text::{FAMILY, LEGEND, LINE, MARGIN, SIGN};
-use super::{Anchor, Figure, Frame, GRAY, INK, Key, Mark, Panel, SMALL, Shape, Sign, TEXT};
+use super::{Anchor, DrawnAxes, Figure, GRAY, INK, Key, Mark, MarkShape, Panel, SMALL, Sign, TEXT};
 use crate::regions::Rgb;
 
 /// Distance from a panel's left edge to the middle of its axis' name.
@@ -69,14 +69,14 @@ fn panel_group(panel: &Panel, at: usize) -> Group {
     }
     let mut marks = Group::new().set("clip-path", format!("url(#panel{at})"));
     for mark in &panel.marks {
-        if !matches!(mark.shape, Shape::Text { .. }) {
+        if !matches!(mark.shape, MarkShape::Text { .. }) {
             marks = marks.add(drawn(panel, mark));
         }
     }
     group = group.add(marks).add(axes_above(panel));
     // Text may extend beyond the panel.
     for mark in &panel.marks {
-        if let Shape::Text { at, text, anchor } = &mark.shape {
+        if let MarkShape::Text { at, text, anchor } = &mark.shape {
             // A white outline keeps text legible over lines.
             let element = text_element(panel.at(*at), text, *anchor, SMALL, mark.colour)
                 .set("paint-order", "stroke")
@@ -95,7 +95,7 @@ fn drawn(panel: &Panel, mark: &Mark) -> Group {
     let group = if mark.opacity < 1.0 { group.set("opacity", short(mark.opacity)) } else { group };
     let colour = hex(mark.colour);
     match &mark.shape {
-        Shape::Line { points, width, dashed } => {
+        MarkShape::Line { points, width, dashed } => {
             let line = Polyline::new()
                 .set("points", points_text(panel, points))
                 .set("fill", "none")
@@ -104,10 +104,10 @@ fn drawn(panel: &Panel, mark: &Mark) -> Group {
                 .set("stroke-linejoin", "round");
             group.add(if *dashed { line.set("stroke-dasharray", "3 2") } else { line })
         }
-        Shape::Area(points) => {
+        MarkShape::Area(points) => {
             group.add(Polygon::new().set("points", points_text(panel, points)).set("fill", colour))
         }
-        Shape::Rects(rects) => {
+        MarkShape::Rects(rects) => {
             // One path for all cells, which is compact and has no seams.
             let cells = rects.iter().map(|&[x0, y0, x1, y1]| {
                 let ([left, bottom], [right, top]) = (panel.at([x0, y0]), panel.at([x1, y1]));
@@ -117,11 +117,11 @@ fn drawn(panel: &Panel, mark: &Mark) -> Group {
             let path = cells.collect::<Vec<_>>().concat();
             group.add(Path::new().set("d", path).set("fill", colour).set("shape-rendering", "crispEdges"))
         }
-        Shape::Dots { places, radius, sign } => {
+        MarkShape::Dots { places, radius, sign } => {
             let places = places.iter().map(|place| panel.at(*place));
             places.fold(group, |group, place| group.add(dot(place, *radius, *sign, &colour)))
         }
-        Shape::Text { .. } => group,
+        MarkShape::Text { .. } => group,
     }
 }
 
@@ -147,7 +147,7 @@ fn dot([x, y]: [f64; 2], radius: f64, sign: Sign, colour: &str) -> Box<dyn Node>
 fn axes_below(panel: &Panel) -> Group {
     let [left, top, width, height] = panel.place;
     let mut group = Group::new();
-    if panel.frame == Frame::None || !panel.grid {
+    if panel.frame == DrawnAxes::None || !panel.grid {
         return group;
     }
     for (value, _) in &panel.y.ticks {
@@ -165,7 +165,7 @@ fn axes_above(panel: &Panel) -> Group {
     if !panel.caption.is_empty() {
         group = group.add(text_element([left, top - 3.0], &panel.caption, Anchor::Start, SMALL, GRAY));
     }
-    if panel.frame == Frame::None {
+    if panel.frame == DrawnAxes::None {
         return group;
     }
     let gray = hex(GRAY);
@@ -191,11 +191,11 @@ fn axes_above(panel: &Panel) -> Group {
     for (value, name) in &panel.x.ticks {
         let x = left + width * panel.x.share(*value);
         group = group.add(line([x, bottom], [x, bottom + 2.5], 0.6, &gray));
-        if panel.frame == Frame::Axes {
+        if panel.frame == DrawnAxes::Axes {
             group = group.add(text_element([x, bottom + 10.0], name, Anchor::Middle, SMALL, INK));
         }
     }
-    if panel.frame == Frame::Axes {
+    if panel.frame == DrawnAxes::Axes {
         group = group.add(text_element(
             [left + width / 2.0, bottom + 20.0],
             &panel.x.name,

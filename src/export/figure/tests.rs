@@ -44,7 +44,7 @@ fn settings() -> Settings {
 }
 
 /// A panel parsed from the file.
-struct Panel {
+struct WrittenPanel {
     place: [f64; 4],
     ends: [[f64; 2]; 2],
     logarithmic: bool,
@@ -52,7 +52,7 @@ struct Panel {
     marks: Vec<(String, String)>,
 }
 
-impl Panel {
+impl WrittenPanel {
     /// The values at a position in the figure.
     fn values(&self, [x, y]: [f64; 2]) -> [f64; 2] {
         let [left, top, width, height] = self.place;
@@ -79,14 +79,14 @@ fn numbers(text: &str) -> Vec<f64> {
 }
 
 /// The panels of a file. Rectangles are given by their lower left and upper right corners, dots by their centres.
-fn panels(text: &str) -> Vec<Panel> {
-    let (mut panels, mut name) = (Vec::<Panel>::new(), String::new());
+fn panels(text: &str) -> Vec<WrittenPanel> {
+    let (mut panels, mut name) = (Vec::<WrittenPanel>::new(), String::new());
     for event in ::svg::read(text).unwrap() {
         let Event::Tag(tag, _, attributes) = event else { continue };
         let get = |key: &str| attributes.get(key).map_or("", |value| value);
         if !get("data-place").is_empty() {
             let ends = |key| numbers(get(key)).try_into().unwrap();
-            panels.push(Panel {
+            panels.push(WrittenPanel {
                 place: numbers(get("data-place")).try_into().unwrap(),
                 ends: [ends("data-x"), ends("data-y")],
                 logarithmic: get("data-log") == "y",
@@ -271,7 +271,7 @@ fn a_long_history_shows_how_much_of_a_column_is_foreground() {
             .iter()
             .filter(|mark| mark.name == "foreground")
             .flat_map(|mark| {
-                let super::Shape::Rects(rects) = &mark.shape else { panic!("{mark:?}") };
+                let super::MarkShape::Rects(rects) = &mark.shape else { panic!("{mark:?}") };
                 rects.iter().map(|rect| (rect[0], rect[2], mark.opacity))
             })
             .collect();
@@ -411,7 +411,7 @@ fn selection(space: ScatterSpace, by: PointGrouping) -> ScatterSelection {
 }
 
 /// All dots of a panel, in whole levels.
-fn dots(panel: &Panel) -> BTreeSet<[i32; 2]> {
+fn dots(panel: &WrittenPanel) -> BTreeSet<[i32; 2]> {
     let names: BTreeSet<_> = panel.marks.iter().map(|(name, _)| name.as_str()).collect();
     let values = names.into_iter().filter(|name| name.starts_with("values"));
     values.flat_map(|name| panel.corners(name)).map(|at| at[0].map(|level| level.round() as i32)).collect()

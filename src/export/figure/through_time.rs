@@ -3,8 +3,8 @@
 use std::ops::Range;
 
 use super::{
-    Axis, Figure, GRAY, INK, Key, Panel, Shape, Sign, WIDE, component, frame_span, frames_axis, number_at,
-    parameters, pixel_name, verdicts,
+    Axis, Figure, GRAY, INK, Key, MarkShape, Panel, Sign, WIDE, component, frame_span, frames_axis,
+    number_at, parameters, pixel_name, verdicts,
 };
 use crate::explain::pixel::PixelHistory;
 use crate::explain::pixel::component_states::component_states;
@@ -154,9 +154,9 @@ impl Drawing<'_> {
                 area.extend(along(&|band| band.range[channel].0).into_iter().rev());
                 let (colour, name) = (component(slot as u8), slot + 1);
                 let strength = if background { 0.3 } else { 0.1 };
-                panel.draw(format!("band of component {name}"), Shape::Area(area), colour, strength);
+                panel.draw(format!("band of component {name}"), MarkShape::Area(area), colour, strength);
                 let points = along(&|band| band.mean[channel]);
-                let line = Shape::Line { points, width: 0.9, dashed: !background };
+                let line = MarkShape::Line { points, width: 0.9, dashed: !background };
                 means.push((format!("mean of component {name}"), line, colour));
             }
         }
@@ -175,7 +175,7 @@ impl Drawing<'_> {
             }
         }
         let name = format!("value {}", self.history.parameters.channel_names()[channel]);
-        panel.draw(name, Shape::Line { points, width: 0.6, dashed: false }, INK, 1.0);
+        panel.draw(name, MarkShape::Line { points, width: 0.6, dashed: false }, INK, 1.0);
     }
 
     /// Draws the weights stacked in rank order.
@@ -199,7 +199,7 @@ impl Drawing<'_> {
                 area.extend(steps(rank).collect::<Vec<_>>().into_iter().rev());
                 let strength = if background { 0.75 } else { 0.28 };
                 let name = format!("weight of rank {}", rank + 1);
-                panel.draw(name, Shape::Area(area), component(slot), strength);
+                panel.draw(name, MarkShape::Area(area), component(slot), strength);
             }
         }
     }
@@ -209,7 +209,7 @@ impl Drawing<'_> {
             let ([from, to], count) = (self.edges(bin), f64::from(bin.most_background));
             [[from, count], [to, count]]
         });
-        panel.draw("B", Shape::Line { points: steps.collect(), width: 0.9, dashed: false }, INK, 1.0);
+        panel.draw("B", MarkShape::Line { points: steps.collect(), width: 0.9, dashed: false }, INK, 1.0);
     }
 
     /// Draws ρ, interrupted where nothing matched.
@@ -224,7 +224,7 @@ impl Drawing<'_> {
                 })
                 .collect();
             if !points.is_empty() {
-                panel.draw("ρ", Shape::Line { points, width: 0.7, dashed: false }, INK, 1.0);
+                panel.draw("ρ", MarkShape::Line { points, width: 0.7, dashed: false }, INK, 1.0);
             }
         }
     }
@@ -237,7 +237,7 @@ impl Drawing<'_> {
                 let Some(slot) = bin.changes[lane] else { continue };
                 let x = self.middle(bin);
                 let points = vec![[x, bottom + 0.1], [x, bottom + 0.9]];
-                panel.draw(name, Shape::Line { points, width: 0.8, dashed: false }, component(slot), 1.0);
+                panel.draw(name, MarkShape::Line { points, width: 0.8, dashed: false }, component(slot), 1.0);
             }
         }
     }

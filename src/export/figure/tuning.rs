@@ -1,6 +1,6 @@
 //! A figure of a tuning map: the verdict on one pixel, or the accuracy in a region.
 
-use super::{Axis, Figure, INK, Key, NARROW, Panel, Shape, Sign, number_at, parameters, pixel_name};
+use super::{Axis, Figure, INK, Key, MarkShape, NARROW, Panel, Sign, number_at, parameters, pixel_name};
 use crate::explain::pixel::PixelHistory;
 use crate::explain::tuning::{SettingAxis as Side, VerdictMap};
 use crate::palette::{ramp, verdict_colour};
@@ -33,7 +33,7 @@ pub fn figure(history: &PixelHistory, map: &VerdictMap, index: usize) -> Figure 
                 }
             }
         }
-        panel.draw(name, Shape::Rects(cells), colour(foreground), STRENGTHS[usize::from(foreground)]);
+        panel.draw(name, MarkShape::Rects(cells), colour(foreground), STRENGTHS[usize::from(foreground)]);
     }
     draw_present(&mut panel, &map.axes, history);
     figure.stack(0, 1, vec![(panel, 160.0)]);
@@ -76,7 +76,7 @@ pub fn of_decisions(
                 cell(axes, column, row)
             })
             .collect();
-        panel.draw(measure.name(), Shape::Rects(cells), colour(wanted), 1.0);
+        panel.draw(measure.name(), MarkShape::Rects(cells), colour(wanted), 1.0);
     }
     draw_present(&mut panel, axes, history);
     figure.stack(0, 1, vec![(panel, 160.0)]);

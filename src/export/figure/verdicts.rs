@@ -1,6 +1,6 @@
 //! The strip of verdicts below plots over time.
 
-use super::{Key, Panel, Shape, Sign};
+use super::{Key, MarkShape, Panel, Sign};
 use crate::palette::verdict_colour;
 
 /// The opacity of background.
@@ -25,7 +25,7 @@ pub(super) fn draw(panel: &mut Panel, columns: impl Iterator<Item = ([f64; 2], f
         let rects: Vec<_> =
             runs.filter_map(|run| Some([run.first()?.0[0], 0.0, run.last()?.0[1], 1.0])).collect();
         if !rects.is_empty() {
-            panel.draw(name, Shape::Rects(rects), verdict_colour(step.is_some(), false), strength);
+            panel.draw(name, MarkShape::Rects(rects), verdict_colour(step.is_some(), false), strength);
         }
     }
     // A ground line, so that pale background has a visible edge.

@@ -127,9 +127,14 @@ impl AnalysisRecord {
         self.change(position, |entry| entry.analysis = analysis);
     }
 
-    /// The analysis of a frame without its mask and labels, and its share of foreground.
-    pub(crate) fn outline(&self, position: u32) -> Option<(&Analysis, f32)> {
-        self.entries.get(position as usize).map(|entry| (&entry.analysis, entry.foreground_share))
+    /// The analysis of a frame without its mask and labels.
+    pub(crate) fn outline(&self, position: u32) -> Option<&Analysis> {
+        self.entries.get(position as usize).map(|entry| &entry.analysis)
+    }
+
+    /// The share of foreground of a frame, 0..=1.
+    pub(crate) fn foreground_share(&self, position: u32) -> Option<f32> {
+        self.entries.get(position as usize).map(|entry| entry.foreground_share)
     }
 
     /// All analyses without their masks and labels.

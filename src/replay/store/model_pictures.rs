@@ -19,19 +19,19 @@ impl ModelPictures {
     /// The images of a mixture after `frame`, with a map of `quantity` if the mixture after the frame determines it.
     pub(crate) fn of_mixture(mixture: &Mixture, frame: &Frame, quantity: Option<Quantity>) -> Self {
         let picture = |rgb| Arc::new(Frame::new(frame.number, frame.size, rgb));
-        let appearance = mixture.appearance();
+        let images = mixture.background_images();
         let values = match quantity {
             Some(Quantity::Sigma) => Some(mixture.sigmas()),
             Some(Quantity::Weight) => Some(mixture.weights()),
             Some(Quantity::Used) => Some(mixture.used_counts()),
             Some(Quantity::BackgroundCount) => {
-                Some(appearance.background_count.iter().map(|&count| f32::from(count)).collect())
+                Some(images.background_count.iter().map(|&count| f32::from(count)).collect())
             }
             Some(Quantity::Matched | Quantity::SinceForeground) | None => None,
         };
         let pictures = Self {
-            background: picture(appearance.mean),
-            multi_mode: Some(picture(appearance.multi_mode)),
+            background: picture(images.mean),
+            multi_mode: Some(picture(images.multi_mode)),
             map: None,
         };
         pictures.with_map(quantity, values)

@@ -3,7 +3,9 @@
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-use crate::explain::events::counterfactual::{Counterfactual, CounterfactualQuery, CounterfactualSearch};
+use crate::explain::events::counterfactual::{
+    Counterfactual, CounterfactualQuery, CounterfactualSearch, FrameRegions,
+};
 use crate::explain::events::event_pairs::EventTolerance;
 use crate::frame::Size;
 use crate::occlusion::Event;
@@ -73,7 +75,7 @@ fn query(event: &Event, model: &ModelTimeline, numbers: &[u32], size: Size, fps:
     let decides = |position: &u32| {
         model
             .outline(*position)
-            .is_some_and(|(analysis, _)| analysis.events.iter().any(|other| tolerance.matches(event, other)))
+            .is_some_and(|analysis| analysis.events.iter().any(|other| tolerance.matches(event, other)))
     };
     let most = (at + 60.max(10 * tolerance.frames)).min(model.analysed());
     let decided = (at..most).find(decides).unwrap_or(at);
@@ -81,8 +83,8 @@ fn query(event: &Event, model: &ModelTimeline, numbers: &[u32], size: Size, fps:
     let after = ((SECONDS_AFTER_EVENT * fps) as u32).max(tolerance.frames);
     let to = (decided + after + 1).min(model.analysed());
     let frames = (from..to).filter_map(|position| {
-        let (analysis, _) = model.outline(position)?;
-        Some((analysis.number, Arc::clone(&analysis.regions)))
+        let analysis = model.outline(position)?;
+        Some(FrameRegions { number: analysis.number, regions: Arc::clone(&analysis.regions) })
     });
     CounterfactualQuery {
         event: event.clone(),

@@ -92,8 +92,7 @@ impl ScoreJob {
     /// Advances by one step; returns the score if it is complete.
     fn advance(&mut self, record: &AnalysisRecord) -> Option<Score> {
         let started = Instant::now();
-        while let Some((masks, (analysis, _))) = self.truth.masks.as_ref().zip(record.outline(self.looked_at))
-        {
+        while let Some((masks, analysis)) = self.truth.masks.as_ref().zip(record.outline(self.looked_at)) {
             // The scored masks are those in which regions are found.
             if let Some(truth) = masks.of(analysis.number) {
                 let mut judge = truth.judge();

@@ -31,8 +31,15 @@ pub(crate) struct FrameInView {
 /// A frame to show first whose position is not known yet.
 enum StartTarget {
     Number(u32),
-    /// The first occlusion: the position at which it was decided, and its members.
-    Occlusion(Option<(u32, Vec<Identity>)>),
+    /// The first occlusion, once it is found.
+    Occlusion(Option<FoundOcclusion>),
+}
+
+/// An occlusion in the analysed frames.
+struct FoundOcclusion {
+    /// The position at which it was decided.
+    decided: u32,
+    objects: Vec<Identity>,
 }
 
 impl FrameInView {
@@ -112,12 +119,13 @@ impl FrameInView {
     pub(crate) fn find_occlusion(&mut self, model: &ModelTimeline, positions: Range<u32>) {
         let Some(StartTarget::Occlusion(found @ None)) = &mut self.start else { return };
         for position in positions {
-            let Some((analysis, _)) = model.outline(position) else { break };
+            let Some(analysis) = model.outline(position) else { break };
             let occlusion = analysis
                 .events
                 .iter()
                 .find(|event| matches!(event.kind, EventKind::Merge | EventKind::Disappear));
-            *found = occlusion.map(|event| (position, event.objects.clone()));
+            *found =
+                occlusion.map(|event| FoundOcclusion { decided: position, objects: event.objects.clone() });
             if found.is_some() {
                 break;
             }
@@ -133,7 +141,7 @@ impl FrameInView {
                 let position = numbers.partition_point(|known| known < number);
                 (position < numbers.len() || frames.is_complete()).then_some(position as u32)
             }
-            StartTarget::Occlusion(Some((decided, objects))) => {
+            StartTarget::Occlusion(Some(FoundOcclusion { decided, objects })) => {
                 let is_long_enough = pass.model.analysed() > decided.saturating_add(FRAMES_INTO_OCCLUSION);
                 (is_long_enough || pass.has_analysed_all(frames))
                     .then(|| within_occlusion(&pass.model, *decided, objects))
@@ -151,7 +159,7 @@ impl FrameInView {
 /// occlusion was decided.
 fn within_occlusion(model: &ModelTimeline, decided: u32, objects: &[Identity]) -> u32 {
     let occluded = |position: &u32| {
-        model.outline(*position).is_some_and(|(analysis, _)| {
+        model.outline(*position).is_some_and(|analysis| {
             let mut tracks = analysis.tracks.iter();
             tracks.any(|track| objects.contains(&track.id) && track.state != TrackState::Visible)
         })

@@ -28,8 +28,8 @@ impl TimelineBuilder {
     /// Replaces the online results by the offline result.
     pub(crate) fn finish(&mut self, result: OfflineResult) {
         self.track_spans.clear();
-        for (position, (_, tracks)) in (0..).zip(&result.tracks) {
-            extend_spans(&mut self.track_spans, position, tracks);
+        for (position, frame) in (0..).zip(&result.tracks) {
+            extend_spans(&mut self.track_spans, position, &frame.tracks);
         }
         self.events = result.events;
     }

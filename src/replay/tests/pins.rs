@@ -1,7 +1,7 @@
 //! Pinned pixels, and the share of foreground around one.
 
 use super::*;
-use crate::explain::pixel::region_shares::region_bounds;
+use crate::explain::pixel::region_shares::{PixelRegion, region_bounds};
 
 const PINS: [(u32, u32); 3] = [(30, 30), PIXEL, (0, 63)];
 
@@ -68,7 +68,7 @@ fn the_share_of_a_region_equals_that_of_the_masks() {
         (PIXEL, 9, Settings { t: 0.99, ..settings() }),
     ] {
         watched.request(settings_request(settings.clone(), None));
-        watched.request(Request::CountRegion(Some((at, side))));
+        watched.request(Request::CountRegion(Some(PixelRegion { centre: at, side })));
         let (_, raw, cleaned) = single_pass_pins(folder.path(), &settings);
         let (columns, rows) = region_bounds(at, side, Size::new(WIDTH, HEIGHT));
         let pixels = (columns.len() * rows.len()) as f32;
@@ -89,7 +89,7 @@ fn the_share_of_a_region_equals_that_of_the_masks() {
     }
     watched.request(Request::CountRegion(None));
     watched.wait_until(|state| state.region.is_none());
-    watched.request(Request::CountRegion(Some(((WIDTH, 3), 5))));
+    watched.request(Request::CountRegion(Some(PixelRegion { centre: (WIDTH, 3), side: 5 })));
     watched.request(Request::Show(3));
     assert!(watched.wait_until(|state| shows(state, 3)).region.is_none(), "outside the image");
 }

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::*;
-use crate::explain::pixel::region_shares::region_bounds;
+use crate::explain::pixel::region_shares::{PixelRegion, region_bounds};
 use crate::truth::Truth;
 use crate::truth::decisions::Decisions;
 use crate::truth::mask_score::MaskScore;
@@ -79,7 +79,7 @@ fn a_region_is_scored_under_other_settings() {
 
     let watched = WatchedSession::open(folder.path(), settings.clone(), Start::First, 0);
     watched.request(Request::Tune(Some([TunableSetting::K, TunableSetting::T])));
-    watched.request(Request::TuneRegion(Some((PIXEL, 9))));
+    watched.request(Request::TuneRegion(Some(PixelRegion { centre: PIXEL, side: 9 })));
     watched.request(Request::Truth(Some(truth_of_masks(&truth))));
     let tuned = |settings: &Settings| {
         let learnt = FRAMES.min(decoded(folder.path(), settings).2 as u32);
@@ -98,7 +98,7 @@ fn a_region_is_scored_under_other_settings() {
     assert_ne!(tuned(&compare::other()).present, first.present);
     // Each one after the result of the previous one.
     for side in [1, 3, 5, 1, 3] {
-        watched.request(Request::TuneRegion(Some((PIXEL, side))));
+        watched.request(Request::TuneRegion(Some(PixelRegion { centre: PIXEL, side })));
         watched.wait_until(|state| state.region_tuning.as_ref().is_some_and(|tuning| tuning.side == side));
     }
     watched.request(Request::TuneRegion(None));

@@ -11,7 +11,7 @@ use crate::replay::tests::{
     FIRST, FRAMES, HEIGHT, LEARNT, PIXEL, WIDTH, assert_same, half_roi, name, scene, settings, single_pass,
     single_pass_within,
 };
-use crate::settings::{BackgroundModel, Span};
+use crate::settings::{BackgroundModel, Settings, Span};
 use crate::source::{Options, Source};
 use crate::truth::Truth;
 use crate::truth::boxes::{Bounds, Boxes};
@@ -38,7 +38,7 @@ fn worker<'a>(shared: &'a Shared, video: &Path, settings: Settings) -> Worker<'a
     succeed(Worker::open(
         shared,
         || FrameCache::open(&video, Options::default(), ROOM),
-        (settings, None),
+        AnalysisOptions { settings, roi: None },
         Start::First,
         ROOM,
     ))
@@ -322,7 +322,8 @@ fn frames_are_decoded_once_for_both_passes() {
         };
         let cache = || FrameCache::new(open, room * FRAME_BYTES);
         let shared = shared();
-        let mut worker = succeed(Worker::open(&shared, cache, (settings(), None), Start::First, ROOM));
+        let analysis = AnalysisOptions { settings: settings(), roi: None };
+        let mut worker = succeed(Worker::open(&shared, cache, analysis, Start::First, ROOM));
         compare(&mut worker, settings(), Some(other()));
         work_until_idle(&mut worker);
         // Frames that were learned from and not cached are decoded again, for each of both passes where nothing is

@@ -5,15 +5,15 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::noise::Noise;
+use super::noise::CameraNoise;
 use super::scene::{Background, Scene};
 use crate::frame::Size;
-use stage::Stage;
+use scene_builder::SceneBuilder;
 
 mod background;
 mod occluders;
 mod people;
-mod stage;
+mod scene_builder;
 mod wardrobe;
 
 /// Number of frames at the start without people in the image.
@@ -24,7 +24,7 @@ pub const FPS: f32 = 25.0;
 
 /// The parameters of a scene.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Parameters {
+pub struct SceneParameters {
     /// Width and height, both even (because of chroma subsampling) and at least 64.
     pub size: Size,
     /// Number of frames; `None` for as many as the scene needs until all people have left.
@@ -32,20 +32,20 @@ pub struct Parameters {
     /// The seed of textures, noise, clothes and small differences of pace.
     pub seed: u64,
     /// The camera's noise.
-    pub noise: Noise,
+    pub noise: CameraNoise,
     /// Factor on the speed of all people.
     pub speed: f32,
     /// Whether people cast a soft contact shadow.
     pub shadows: bool,
 }
 
-impl Default for Parameters {
+impl Default for SceneParameters {
     fn default() -> Self {
         Self {
             size: Size::new(320, 240),
             frames: None,
             seed: 1,
-            noise: Noise { sigma: 4.0, signal_dependent: false },
+            noise: CameraNoise { sigma: 4.0, signal_dependent: false },
             speed: 1.0,
             shadows: false,
         }
@@ -60,7 +60,7 @@ pub struct Entry {
     /// The description, one sentence.
     pub description: &'static str,
     background: Background,
-    build: fn(&mut Stage),
+    build: fn(&mut SceneBuilder),
 }
 
 /// All scenes: those of people, those with occluders, and those with difficult backgrounds; the simplest of each
@@ -70,25 +70,25 @@ pub fn entries() -> impl Iterator<Item = &'static Entry> {
 }
 
 /// The scene of this name; `None` if there is none.
-pub fn scene(name: &str, parameters: &Parameters) -> Option<Scene> {
+pub fn scene(name: &str, parameters: &SceneParameters) -> Option<Scene> {
     let entry = entries().find(|entry| entry.name == name)?;
-    let mut stage = Stage::new(*parameters);
-    (entry.build)(&mut stage);
+    let mut builder = SceneBuilder::new(*parameters);
+    (entry.build)(&mut builder);
     Some(Scene {
         name: entry.name.to_owned(),
         description: entry.description.to_owned(),
         size: parameters.size,
         fps: FPS,
-        frames: parameters.frames.unwrap_or_else(|| stage.frames_needed()),
+        frames: parameters.frames.unwrap_or_else(|| builder.frames_needed()),
         seed: parameters.seed,
         background: entry.background,
-        motions: stage.motions,
-        actors: stage.actors,
-        cars: stage.cars,
-        occluders: stage.occluders,
-        light: stage.light,
-        jitter: stage.jitter,
-        noise: stage.noise,
-        shadows: stage.shadows,
+        motions: builder.motions,
+        actors: builder.actors,
+        cars: builder.cars,
+        occluders: builder.occluders,
+        light: builder.light,
+        jitter: builder.jitter,
+        noise: builder.noise,
+        shadows: builder.shadows,
     })
 }

@@ -1,9 +1,9 @@
 //! Scenes of people who pass behind an occluder.
 
-use super::stage::{Stage, WalkPlan};
+use super::scene_builder::{SceneBuilder, WalkPlan};
 use super::{Background, Entry};
 use crate::synth::occluder::OccluderKind;
-use crate::synth::path::Turn;
+use crate::synth::path::VelocityChange;
 
 /// See [`super::entries`].
 pub(super) const ENTRIES: [Entry; 4] = [
@@ -33,32 +33,32 @@ pub(super) const ENTRIES: [Entry; 4] = [
     },
 ];
 
-fn tree(stage: &mut Stage) {
-    let meeting = stage.earliest_meeting(&[1.0]);
-    stage.person(3, WalkPlan::right(1.0).meeting(meeting), 0.80);
-    stage.occluder(OccluderKind::Tree, 0.93, 1.16, 3.2);
+fn tree(builder: &mut SceneBuilder) {
+    let meeting = builder.earliest_meeting(&[1.0]);
+    builder.person(3, WalkPlan::right(1.0).meeting(meeting), 0.80);
+    builder.occluder(OccluderKind::Tree, 0.93, 1.16, 3.2);
 }
 
-fn pole(stage: &mut Stage) {
-    let meeting = stage.earliest_meeting(&[1.0]);
-    stage.person(1, WalkPlan::left(1.0).meeting(meeting), 0.80);
-    stage.occluder(OccluderKind::Pole, 0.89, 0.11, 2.9);
+fn pole(builder: &mut SceneBuilder) {
+    let meeting = builder.earliest_meeting(&[1.0]);
+    builder.person(1, WalkPlan::left(1.0).meeting(meeting), 0.80);
+    builder.occluder(OccluderKind::Pole, 0.89, 0.11, 2.9);
 }
 
-fn wall(stage: &mut Stage) {
-    let meeting = stage.earliest_meeting(&[1.0]);
-    stage.person(2, WalkPlan::right(1.0).meeting(meeting), 0.80);
-    stage.occluder(OccluderKind::Wall, 0.86, 1.7, 0.55);
+fn wall(builder: &mut SceneBuilder) {
+    let meeting = builder.earliest_meeting(&[1.0]);
+    builder.person(2, WalkPlan::right(1.0).meeting(meeting), 0.80);
+    builder.occluder(OccluderKind::Wall, 0.86, 1.7, 0.55);
 }
 
-fn wall_edge(stage: &mut Stage) {
-    let behind = 0.45 * stage.body();
-    let arrival = stage.earliest(&[1.0], 0.5 * stage.width() / stage.body());
-    let stay = stage.while_usual(30.0);
-    let actor = stage.person(0, WalkPlan::left(1.0).meeting(arrival), 0.80);
+fn wall_edge(builder: &mut SceneBuilder) {
+    let behind = 0.45 * builder.body();
+    let arrival = builder.earliest(&[1.0], 0.5 * builder.width() / builder.body());
+    let stay = builder.while_usual(30.0);
+    let actor = builder.person(0, WalkPlan::left(1.0).meeting(arrival), 0.80);
     let [speed, _] = actor.path.velocity;
     actor.path.at[0] = behind;
-    let stop = Turn { frame: arrival, velocity: [0.0; 2] };
-    actor.path.turns = vec![stop, Turn { frame: arrival + stay, velocity: [-speed, 0.0] }];
-    stage.occluder(OccluderKind::Wall, 0.86, 1.9, 1.4).at[0] = 0.0;
+    let stop = VelocityChange { frame: arrival, velocity: [0.0; 2] };
+    actor.path.turns = vec![stop, VelocityChange { frame: arrival + stay, velocity: [-speed, 0.0] }];
+    builder.occluder(OccluderKind::Wall, 0.86, 1.9, 1.4).at[0] = 0.0;
 }

@@ -159,7 +159,9 @@ impl AnalysisPass {
             }
         }
         for position in analysed..self.model.analysed() {
-            let Some((analysis, share)) = self.model.outline(position) else { break };
+            let record = self.model.record();
+            let outline = record.outline(position).zip(record.foreground_share(position));
+            let Some((analysis, share)) = outline else { break };
             self.timeline_builder.push(analysis, share);
         }
         if self.has_analysed_all(frames) && self.finished.is_none() {

@@ -235,7 +235,7 @@ impl ModelTimeline {
 
     /// Tracks the regions of a frame that are on record.
     fn track(&mut self, position: u32) {
-        if let Some((analysis, _)) = self.record.outline(position) {
+        if let Some(analysis) = self.record.outline(position) {
             let analysis = self.pipeline.track_again(analysis);
             self.record.replace(position, analysis);
             self.progress.add_analysed(1);
@@ -290,8 +290,8 @@ impl ModelTimeline {
         &self.record
     }
 
-    /// The analysis of a frame, without mask and labels, and its share of foreground.
-    pub(crate) fn outline(&self, position: u32) -> Option<(&Analysis, f32)> {
+    /// The analysis of a frame, without mask and labels.
+    pub(crate) fn outline(&self, position: u32) -> Option<&Analysis> {
         self.record.outline(position)
     }
 
@@ -435,7 +435,7 @@ impl ModelTimeline {
         let matches = before.then(|| mixture.matches(frame));
         if before {
             self.masks.resize_with(1, || Mask::empty(self.info.size));
-            mixture.replay(&[frame], &mut self.masks);
+            mixture.step_many(&[frame], &mut self.masks);
             *replayed += 1;
         }
         let pictures = ModelPictures::of_mixture(mixture, frame, quantity).with_map(quantity, matches);
@@ -450,7 +450,7 @@ impl ModelTimeline {
         {
             let borrowed: Vec<_> = frames.iter().map(Arc::as_ref).collect();
             self.masks.resize_with(frames.len(), || Mask::empty(self.info.size));
-            mixture.replay(&borrowed, &mut self.masks);
+            mixture.step_many(&borrowed, &mut self.masks);
             *replayed += frames.len() as u32;
             // Checkpoints may be sparse: some are stored on the way, for the next step back.
             if replayed.is_multiple_of(MIN_CHECKPOINT_SPACING_FRAMES)

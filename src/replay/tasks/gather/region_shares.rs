@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::explain::pixel::region_shares::{RegionShares, region_bounds};
+use crate::explain::pixel::region_shares::{PixelRegion, RegionShares, region_bounds};
 use crate::frame::Size;
 use crate::replay::store::analysis_record::AnalysisRecord;
 
@@ -15,12 +15,12 @@ const FRAMES_PER_STEP: u32 = 256;
 pub(crate) struct RegionShareCounter(Option<Arc<RegionShares>>);
 
 impl RegionShareCounter {
-    /// Chooses a region of an image of `size` by its centre and side, or none.
-    pub(crate) fn choose(&mut self, region: Option<((u32, u32), u32)>, size: Size) {
-        let region = region.filter(|&((x, y), _)| size.index(x, y).is_some());
-        let same = self.0.as_ref().map(|shares| (shares.at, shares.side)) == region;
-        if !same {
-            self.0 = region.map(|(at, side)| {
+    /// Chooses a region of an image of `size`, or none.
+    pub(crate) fn choose(&mut self, region: Option<PixelRegion>, size: Size) {
+        let region = region.filter(|region| region.is_centred_in(size));
+        let known = self.0.as_ref().map(|shares| PixelRegion { centre: shares.at, side: shares.side });
+        if known != region {
+            self.0 = region.map(|PixelRegion { centre: at, side }| {
                 let (columns, rows) = region_bounds(at, side, size);
                 let pixels = (columns.len() * rows.len()) as u32;
                 Arc::new(RegionShares { at, side, pixels, model: Vec::new(), cleaned: Vec::new() })

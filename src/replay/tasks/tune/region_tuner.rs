@@ -3,7 +3,7 @@
 use std::ops::Range;
 use std::sync::Arc;
 
-use crate::explain::pixel::region_shares::region_bounds;
+use crate::explain::pixel::region_shares::{PixelRegion, region_bounds};
 use crate::explain::tuning::{RegionTuning, RegionTuningQuery, StepwiseRegionTuning, TunableSetting};
 use crate::frame::{Frame, Size};
 use crate::mixture::Parameters;
@@ -29,8 +29,7 @@ pub(crate) struct RegionTuner {
 
 /// The pixels of the region in all frames so far.
 struct RegionFrames {
-    at: (u32, u32),
-    side: u32,
+    region: PixelRegion,
     columns: Range<u32>,
     rows: Range<u32>,
     frames: Vec<Frame>,
@@ -45,13 +44,13 @@ impl RegionFrames {
 }
 
 impl RegionTuner {
-    /// Chooses a region of an image of `size` by its centre and side, or none.
-    pub(crate) fn choose(&mut self, region: Option<((u32, u32), u32)>, size: Size) {
-        let region = region.filter(|&((x, y), _)| size.index(x, y).is_some());
-        if self.region.as_ref().map(|region| (region.at, region.side)) != region {
-            self.region = region.map(|(at, side)| {
-                let (columns, rows) = region_bounds(at, side, size);
-                RegionFrames { at, side, columns, rows, frames: Vec::new() }
+    /// Chooses a region of an image of `size`, or none.
+    pub(crate) fn choose(&mut self, region: Option<PixelRegion>, size: Size) {
+        let region = region.filter(|region| region.is_centred_in(size));
+        if self.region.as_ref().map(|frames| frames.region) != region {
+            self.region = region.map(|region| {
+                let (columns, rows) = region_bounds(region.centre, region.side, size);
+                RegionFrames { region, columns, rows, frames: Vec::new() }
             });
             (self.current, self.done) = (None, None);
         }
@@ -96,7 +95,8 @@ impl RegionTuner {
         else {
             return None;
         };
-        let (at, side, frames) = (region.at, region.side, region.frames.len());
+        let PixelRegion { centre: at, side } = region.region;
+        let frames = region.frames.len();
         let learnt = self.to_learn.min(frames as u32);
         let parameters = Parameters { learnt, ..Parameters::new(settings) };
         let query = RegionTuningQuery { at, side, tuned_settings, parameters, frames };
@@ -154,13 +154,13 @@ mod tests {
 
     use super::*;
     use crate::settings::Preset;
-    use crate::synth::{self, Parameters as Scene};
+    use crate::synth::{self, SceneParameters};
     use crate::truth::mixture_score::of_mixture;
 
     #[test]
     fn every_cell_computed_in_steps_equals_a_run_of_its_settings() {
-        let scene = Scene { size: Size::new(64, 48), ..Scene::default() };
-        let scene = synth::catalogue::scene("crossing", &scene).unwrap();
+        let parameters = SceneParameters { size: Size::new(64, 48), ..SceneParameters::default() };
+        let scene = synth::catalogue::scene("crossing", &parameters).unwrap();
         let (mut frames, mut masks) = (Vec::new(), BTreeMap::new());
         for (frame, truth) in synth::render(&scene).take(90) {
             let number = frame.number;
@@ -172,7 +172,7 @@ mod tests {
         let truth = Arc::new(TrueMasks::new(masks).unwrap());
         let settings = Settings::preset(Preset::Plain);
         let mut tuner = RegionTuner::default();
-        tuner.choose(Some(((30, 30), 5)), frames[0].size);
+        tuner.choose(Some(PixelRegion { centre: (30, 30), side: 5 }), frames[0].size);
         assert!(tuner.next().is_none() && tuner.advance(&settings).is_none(), "without true masks");
         tuner.set_truth(Some(Arc::clone(&truth)));
         while let Some(next) = tuner.next() {

@@ -1,9 +1,9 @@
 //! Builds a scene of the catalogue.
 
-use super::{Parameters, SETTLE, wardrobe};
-use crate::synth::light::Light;
-use crate::synth::motion::{Motion, MotionKind};
-use crate::synth::noise::Noise;
+use super::{SETTLE, SceneParameters, wardrobe};
+use crate::synth::light::Lighting;
+use crate::synth::motion::{BackgroundMotion, MotionKind};
+use crate::synth::noise::CameraNoise;
 use crate::synth::occluder::{Occluder, OccluderKind};
 use crate::synth::path::Path;
 use crate::synth::scene::{Actor, Car};
@@ -37,8 +37,8 @@ impl WalkPlan {
     }
 }
 
-pub(super) struct Stage {
-    pub(super) parameters: Parameters,
+pub(super) struct SceneBuilder {
+    pub(super) parameters: SceneParameters,
     /// A person's height relative to the image's.
     pub(super) body_share: f32,
     /// Number of frames at the start without people in the image.
@@ -47,18 +47,18 @@ pub(super) struct Stage {
     pub(super) pace_spread: f32,
     /// Least number of frames of the scene.
     pub(super) least_frames: u32,
-    pub(super) motions: Vec<Motion>,
+    pub(super) motions: Vec<BackgroundMotion>,
     pub(super) actors: Vec<Actor>,
     pub(super) cars: Vec<Car>,
     pub(super) occluders: Vec<Occluder>,
-    pub(super) light: Light,
+    pub(super) light: Lighting,
     pub(super) jitter: u32,
-    pub(super) noise: Noise,
+    pub(super) noise: CameraNoise,
     pub(super) shadows: bool,
 }
 
-impl Stage {
-    pub(super) fn new(parameters: Parameters) -> Self {
+impl SceneBuilder {
+    pub(super) fn new(parameters: SceneParameters) -> Self {
         Self {
             parameters,
             body_share: BODY,
@@ -69,7 +69,7 @@ impl Stage {
             actors: Vec::new(),
             cars: Vec::new(),
             occluders: Vec::new(),
-            light: Light::default(),
+            light: Lighting::default(),
             jitter: 0,
             noise: parameters.noise,
             shadows: parameters.shadows,
@@ -162,7 +162,7 @@ impl Stage {
     pub(super) fn motion(&mut self, kind: MotionKind, middle: [f32; 2], extent: [f32; 2], period: f32) {
         let at = [middle[0] * self.width(), middle[1] * self.height()];
         let [width, height] = extent.map(|side| side * self.body());
-        self.motions.push(Motion { kind, at, width, height, period });
+        self.motions.push(BackgroundMotion { kind, at, width, height, period });
     }
 
     /// Number of frames until all people have left.

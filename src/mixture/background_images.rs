@@ -10,7 +10,7 @@ use crate::settings::Space;
 
 /// The background model at each pixel, in row order.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
-pub struct Appearance {
+pub struct BackgroundImages {
     /// The mean of component 1: RGB bytes, luma repeated.
     pub mean: Vec<u8>,
     /// The weighted mean of the B background components: RGB bytes.
@@ -19,11 +19,18 @@ pub struct Appearance {
     pub background_count: Vec<u8>,
 }
 
-/// The part of an [`Appearance`] that belongs to one tile.
-struct TileAppearance {
+/// The part of [`BackgroundImages`] that belongs to one tile.
+struct TileBackground {
     mean: [u8; 3 * LANES],
     multi_mode: [u8; 3 * LANES],
     background_count: [u8; LANES],
+}
+
+/// The part of [`BackgroundImages`] that a thread writes.
+struct BackgroundSlices<'a> {
+    mean: &'a mut [u8],
+    multi_mode: &'a mut [u8],
+    background_count: &'a mut [u8],
 }
 
 /// Number of tiles in a thread's job.
@@ -35,9 +42,9 @@ impl Mixture {
     ///
     /// [`Pixel::background_mean`]: super::Pixel::background_mean
     /// [`Pixel::background_count`]: super::Pixel::background_count
-    pub fn appearance(&self) -> Appearance {
+    pub fn background_images(&self) -> BackgroundImages {
         let pixels = self.size().pixels();
-        let mut all = Appearance {
+        let mut all = BackgroundImages {
             mean: vec![0; 3 * pixels],
             multi_mode: vec![0; 3 * pixels],
             background_count: vec![0; pixels],
@@ -48,11 +55,12 @@ impl Mixture {
             .zip(all.multi_mode.par_chunks_mut(3 * LANES * TILES_A_JOB))
             .zip(all.background_count.par_chunks_mut(LANES * TILES_A_JOB))
             .enumerate()
-            .for_each(|(job, ((mean, multi_mode), count))| {
+            .for_each(|(job, ((mean, multi_mode), background_count))| {
                 let start = job * TILES_A_JOB;
+                let images = BackgroundSlices { mean, multi_mode, background_count };
                 dispatch!(level, simd => match &self.planes {
-                    Planes::Rgb(tiles) => look(simd, self, tiles, start, (mean, multi_mode, count)),
-                    Planes::Gray(tiles) => look(simd, self, tiles, start, (mean, multi_mode, count)),
+                    Planes::Rgb(tiles) => write_tiles(simd, self, tiles, start, images),
+                    Planes::Gray(tiles) => write_tiles(simd, self, tiles, start, images),
                 });
             });
         all
@@ -78,23 +86,26 @@ impl Mixture {
 }
 
 #[inline(always)]
-fn look<S: Simd, const N: usize>(
+fn write_tiles<S: Simd, const N: usize>(
     simd: S,
     mixture: &Mixture,
     tiles: &Tiles<N>,
     start: usize,
-    (mean, multi_mode, count): (&mut [u8], &mut [u8], &mut [u8]),
+    images: BackgroundSlices<'_>,
 ) {
     let others = mixture.parameters().k - 1;
-    let places =
-        mean.chunks_mut(3 * LANES).zip(multi_mode.chunks_mut(3 * LANES)).zip(count.chunks_mut(LANES));
+    let BackgroundSlices { mean, multi_mode, background_count } = images;
+    let places = mean
+        .chunks_mut(3 * LANES)
+        .zip(multi_mode.chunks_mut(3 * LANES))
+        .zip(background_count.chunks_mut(LANES));
     for (tile, ((mean, multi_mode), count)) in (start..).zip(places) {
         let used = usize::from(tiles.used[tile]);
         let others = &tiles.others[tile * others..][..used.saturating_sub(1)];
         // Brings the weights up to date, some of which are stored as of an earlier frame.
         let keep = tiles.keep(tile, mixture);
         let t = tile_t(simd, tiles.pasts.get(tile), keep.len(), mixture.parameters());
-        let seen = look_at(simd, &tiles.first[tile], others, &keep, t);
+        let seen = background_of_tile(simd, &tiles.first[tile], others, &keep, t);
         mean.copy_from_slice(&seen.mean[..mean.len()]);
         multi_mode.copy_from_slice(&seen.multi_mode[..multi_mode.len()]);
         count.copy_from_slice(&seen.background_count[..count.len()]);
@@ -120,13 +131,13 @@ fn tile_t<S: Simd>(
 }
 
 #[inline(always)]
-fn look_at<S: Simd, const N: usize>(
+fn background_of_tile<S: Simd, const N: usize>(
     simd: S,
     first: &Gaussians<N>,
     others: &[Gaussians<N>],
     keep: &[f32],
     t: f32x16<S>,
-) -> TileAppearance {
+) -> TileBackground {
     let (zero, one) = (f32x16::splat(simd, 0.0), f32x16::splat(simd, 1.0));
     let first = Vectors::load(simd, first);
     let settled = |other: &Gaussians<N>| {
@@ -168,7 +179,7 @@ fn look_at<S: Simd, const N: usize>(
         each(&settled(other));
     }
     let count = count.to_array();
-    TileAppearance {
+    TileBackground {
         mean: bytes(first.mean),
         multi_mode: bytes(multi_mode),
         background_count: std::array::from_fn(|lane| count[lane] as u8),

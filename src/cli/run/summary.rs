@@ -1,0 +1,94 @@
+//! The summary of a run: its file, and what is printed.
+
+use std::collections::BTreeSet;
+use std::time::Duration;
+
+use super::arguments::RunJob;
+use super::record::RunRecord;
+use super::tables::write_file;
+use super::{ROI, bulky_output};
+use crate::cli::frames::Frames;
+use crate::export::Staging;
+use crate::export::summary::{self, Input, Summary, Timing};
+use crate::occlusion::EventKind;
+use crate::source::SourceInfo;
+use crate::tracking::FrameTracks;
+
+/// The name of the file.
+pub(super) const FILE: &str = "summary.json";
+
+/// Prints the properties of the input, with `-v`.
+pub(super) fn print_input(job: &RunJob, frames: &Frames) {
+    job.console.detail(&format!(
+        "{}: {}, {} frames/s{}; {} threads",
+        job.video,
+        frames.info.size,
+        frames.info.fps,
+        frames.total.map_or_else(String::new, |total| format!(", about {total} frames")),
+        rayon::current_num_threads()
+    ));
+}
+
+/// The summary of a run that took `duration`; `sha256` is the hash of the input.
+pub(super) fn summarise(
+    job: &RunJob,
+    info: &SourceInfo,
+    record: &RunRecord,
+    sha256: Option<String>,
+    duration: Duration,
+) -> Summary {
+    let result = &record.result;
+    let frames = result.tracks.len() as u32;
+    let number = |frame: Option<&FrameTracks>| frame.map_or(0, |frame| frame.number);
+    let identities: BTreeSet<_> =
+        result.tracks.iter().flat_map(|frame| frame.tracks.iter().map(|track| track.id)).collect();
+    let seconds = duration.as_secs_f64();
+    Summary {
+        version: env!("CARGO_PKG_VERSION"),
+        input: Input {
+            path: job.video.clone(),
+            size: info.size,
+            fps: info.fps,
+            fps_from: info.fps_from.word(),
+            frames,
+            first_frame: number(result.tracks.first()),
+            last_frame: number(result.tracks.last()),
+            sha256,
+        },
+        settings: job.settings.clone(),
+        analysed_share: job.roi.as_ref().map(|roi| roi.share()),
+        objects: identities.len(),
+        events: result.counters,
+        episodes: result.episodes.len(),
+        foreground_share: record.foreground_share,
+        warnings: record.warnings.clone(),
+        timing: Timing { seconds, frames_per_second: f64::from(frames) / seconds.max(f64::MIN_POSITIVE) },
+    }
+}
+
+/// Writes the file.
+pub(super) fn write(summary: &Summary, staging: &Staging) -> anyhow::Result<()> {
+    write_file(staging, FILE, |out| summary::write(out, summary))
+}
+
+/// Prints the results, and a note for each large file of an earlier run.
+pub(super) fn print(job: &RunJob, summary: &Summary) {
+    job.console.note(&format!(
+        "{} frames, {} objects, {} occlusion episodes, {:.0} frames/s; written to {}",
+        summary.input.frames,
+        summary.objects,
+        summary.episodes,
+        summary.timing.frames_per_second,
+        job.out.display()
+    ));
+    for kind in EventKind::ALL {
+        job.console.detail(&format!("{:>9}: {}", kind.name(), summary.events.of(kind)));
+    }
+    let bulky = bulky_output::ALL.iter().map(|bulky| (bulky.file, job.wants(bulky)));
+    for (file, is_written) in bulky.chain([(ROI, job.roi.is_some())]) {
+        let path = job.out.join(file);
+        if !is_written && path.exists() {
+            job.console.note(&format!("note: {} is not from this run", path.display()));
+        }
+    }
+}
