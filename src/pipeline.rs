@@ -176,6 +176,38 @@ struct FoundRegions {
 }
 
 /// The stages with their state, ready for the next frame.
+///
+/// # Examples
+/// An object of 8 × 16 pixels moves over a grey background from frame 2 on. The preset `plain` has no bootstrap, so
+/// that frame 1 is the background:
+///
+/// ```
+/// use occluscope::frame::{Frame, Size};
+/// use occluscope::occlusion::EventKind;
+/// use occluscope::pipeline::{Pipeline, offline_result};
+/// use occluscope::regions::Rect;
+/// use occluscope::settings::{Preset, Settings};
+///
+/// let size = Size::new(64, 48);
+/// let frame = |number: u32| {
+///     let mut rgb = vec![100; 3 * size.pixels()];
+///     for y in (16..32).filter(|_| number >= 2) {
+///         let start = 64 * y + 4 + 2 * number as usize;
+///         rgb[3 * start..3 * (start + 8)].fill(220);
+///     }
+///     Frame::new(number, size, rgb)
+/// };
+/// let mut pipeline = Pipeline::new(&Settings::preset(Preset::Plain), size, 25.0)?;
+/// let analyses = (1..=13).map(|number| pipeline.step(&frame(number))).collect::<Result<Vec<_>, _>>()?;
+/// assert_eq!(analyses[0].mask.foreground_pixels(), 0);
+/// assert_eq!(analyses[3].regions[0].shape.bbox, Rect::new(12.0, 16.0, 8.0, 16.0));
+///
+/// let result = offline_result(&analyses, &pipeline);
+/// let (number, tracks) = &result.tracks[12];
+/// assert_eq!((*number, tracks[0].id, tracks[0].bbox), (13, 1, Rect::new(30.0, 16.0, 8.0, 16.0)));
+/// assert_eq!((result.events[0].frame, result.events[0].kind), (2, EventKind::Appear));
+/// # Ok::<(), occluscope::pipeline::PipelineError>(())
+/// ```
 pub struct Pipeline {
     size: Size,
     t: u32,

@@ -737,7 +737,29 @@ impl Settings {
         Setting::named(name).ok_or_else(|| SettingError::Unknown(name.to_owned()))?.set_text(self, text)
     }
 
-    /// Overrides these settings by the keys of a TOML file. `path` is used in messages only.
+    /// Overrides these settings by the keys of a TOML file, given as text; settings without a key keep their value.
+    /// `path` is used in messages only.
+    ///
+    /// Fails if the text is not TOML, or at the first key that is no setting or has a value out of range; other keys may
+    /// then already be set.
+    ///
+    /// # Examples
+    /// ```
+    /// use std::path::Path;
+    ///
+    /// use occluscope::settings::{Settings, Span, Stage};
+    ///
+    /// let path = Path::new("my.toml");
+    /// let mut settings = Settings::default();
+    /// settings.apply_toml("k = 5\nalpha = 0.01\nmax_hidden = \"2.5s\"\n", path)?;
+    /// assert_eq!((settings.k, settings.alpha, settings.max_hidden), (5, 0.01, Span::Seconds(2.5)));
+    /// assert_eq!(settings.first_difference(&Settings::default()), Some(Stage::Mixture));
+    ///
+    /// let error = settings.apply_toml("k = 9", path).unwrap_err();
+    /// let why = "the setting `k` cannot be `9`; allowed: 1–8";
+    /// assert_eq!(error.to_string(), format!("the settings file my.toml cannot be used: {why}"));
+    /// # Ok::<(), occluscope::settings::SettingError>(())
+    /// ```
     pub fn apply_toml(&mut self, text: &str, path: &Path) -> Result<(), SettingError> {
         let fail = |why: String| SettingError::File { path: path.display().to_string(), why };
         let table: toml::Table = text
