@@ -1,4 +1,5 @@
-//! The pipeline: all stages of the analysis of a frame.
+//! The pipeline: all stages of the analysis, from a [`Frame`] to its [`Analysis`]; [`offline_result`] applies later
+//! decisions to the analyses of a sequence.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -177,6 +178,8 @@ struct FoundRegions {
 
 /// The stages with their state, ready for the next frame.
 ///
+/// Methods that process frames fail if a frame has another size than the pipeline, or if OpenCV fails.
+///
 /// # Examples
 /// An object of 8 × 16 pixels moves over a grey background from frame 2 on. The preset `plain` has no bootstrap, so
 /// that frame 1 is the background:
@@ -219,7 +222,8 @@ pub struct Pipeline {
 }
 
 impl Pipeline {
-    /// The stages before the first frame, for frames of `size` at `fps` frames per second.
+    /// The stages before the first frame, for frames of `size` at `fps` frames per second. Fails only if OpenCV cannot
+    /// create MOG2 or KNN.
     pub fn new(settings: &Settings, size: Size, fps: f32) -> Result<Self, PipelineError> {
         let opencv =
             OpencvModel::new(settings, size).map_err(|source| PipelineError::Opencv { frame: 0, source })?;
@@ -289,7 +293,8 @@ impl Pipeline {
         self.model.masks(frames, self.registration)
     }
 
-    /// Processes frames in all stages after the model, whose masks are `raw`.
+    /// Processes frames in all stages after the model: `raw` is the mask of each frame, from [`Self::masks`] or from
+    /// another segmentation. Frames and masks have the size of the pipeline.
     pub fn analyse_masks(
         &mut self,
         frames: &[&Frame],

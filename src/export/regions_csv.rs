@@ -1,4 +1,7 @@
 //! Regions with shape, colour and objects, one per row.
+//!
+//! Lengths are in pixels, moments and derived measures are those of [`Shape`], `r,g,b` is the dominant colour, and
+//! `object` the identities of the associated objects, as in `3+5`; empty if there are none.
 
 use std::io::{self, Write};
 
@@ -25,7 +28,8 @@ impl From<&Region> for Row {
     }
 }
 
-/// Writes the regions of each frame with the objects of the same frame, both `(frame number, …)` in order.
+/// Writes the header, and the regions of each frame with the objects of the same frame, both `(frame number, …)` in
+/// order.
 pub fn write(
     out: &mut impl Write,
     frames: &[(u32, Vec<Row>)],

@@ -1,4 +1,4 @@
-//! All scores of an analysis.
+//! All scores of an analysis: of its tracks and of its masks.
 
 use std::collections::BTreeMap;
 
@@ -42,9 +42,9 @@ pub fn score(truth: &Boxes, found: &Boxes) -> TrackScore {
 }
 
 /// The boxes of an offline result, as in its file of tracks.
-pub fn boxes_of(reading: &OfflineResult) -> Boxes {
+pub fn boxes_of(result: &OfflineResult) -> Boxes {
     let mut boxes = Boxes::new();
-    for (number, tracks) in &reading.tracks {
+    for (number, tracks) in &result.tracks {
         let of_frame: BTreeMap<_, _> = tracks
             .iter()
             .map(|track| {
