@@ -1,4 +1,7 @@
 //! The data shared by all stages: frames, their sizes, and masks.
+//!
+//! Pixels are (x, y), column and row, from the upper left (0, 0). *Row order* is row by row from the top, each from the
+//! left.
 
 use std::fmt;
 use std::iter;

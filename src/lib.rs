@@ -79,6 +79,10 @@
 //! assert!(result.events.iter().any(|event| event.kind == occluscope::occlusion::EventKind::Merge));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
+//!
+//! More examples: one pixel ([`mixture::Pixel::update`]), regions of a mask ([`regions::find_regions`]), events from
+//! masks ([`occlusion::Tracker`]), all stages on frames in memory ([`pipeline::Pipeline`]), scores of tracks
+//! ([`truth::clear_mot::score`]), settings files ([`settings::Settings::apply_toml`]), rendered scenes ([`synth`]).
 
 #[cfg(feature = "gui")]
 pub mod app;

@@ -1,4 +1,5 @@
-//! The pipeline: all stages of the analysis of a frame.
+//! The pipeline: all stages of the analysis, from a [`Frame`] to its [`Analysis`]; [`offline_result`] applies later
+//! decisions to the analyses of a sequence.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
@@ -176,6 +177,40 @@ struct FoundRegions {
 }
 
 /// The stages with their state, ready for the next frame.
+///
+/// Methods that process frames fail if a frame has another size than the pipeline, or if OpenCV fails.
+///
+/// # Examples
+/// An object of 8 × 16 pixels moves over a grey background from frame 2 on. The preset `plain` has no bootstrap, so
+/// that frame 1 is the background:
+///
+/// ```
+/// use occluscope::frame::{Frame, Size};
+/// use occluscope::occlusion::EventKind;
+/// use occluscope::pipeline::{Pipeline, offline_result};
+/// use occluscope::regions::Rect;
+/// use occluscope::settings::{Preset, Settings};
+///
+/// let size = Size::new(64, 48);
+/// let frame = |number: u32| {
+///     let mut rgb = vec![100; 3 * size.pixels()];
+///     for y in (16..32).filter(|_| number >= 2) {
+///         let start = 64 * y + 4 + 2 * number as usize;
+///         rgb[3 * start..3 * (start + 8)].fill(220);
+///     }
+///     Frame::new(number, size, rgb)
+/// };
+/// let mut pipeline = Pipeline::new(&Settings::preset(Preset::Plain), size, 25.0)?;
+/// let analyses = (1..=13).map(|number| pipeline.step(&frame(number))).collect::<Result<Vec<_>, _>>()?;
+/// assert_eq!(analyses[0].mask.foreground_pixels(), 0);
+/// assert_eq!(analyses[3].regions[0].shape.bbox, Rect::new(12.0, 16.0, 8.0, 16.0));
+///
+/// let result = offline_result(&analyses, &pipeline);
+/// let (number, tracks) = &result.tracks[12];
+/// assert_eq!((*number, tracks[0].id, tracks[0].bbox), (13, 1, Rect::new(30.0, 16.0, 8.0, 16.0)));
+/// assert_eq!((result.events[0].frame, result.events[0].kind), (2, EventKind::Appear));
+/// # Ok::<(), occluscope::pipeline::PipelineError>(())
+/// ```
 pub struct Pipeline {
     size: Size,
     t: u32,
@@ -187,7 +222,8 @@ pub struct Pipeline {
 }
 
 impl Pipeline {
-    /// The stages before the first frame, for frames of `size` at `fps` frames per second.
+    /// The stages before the first frame, for frames of `size` at `fps` frames per second. Fails only if OpenCV cannot
+    /// create MOG2 or KNN.
     pub fn new(settings: &Settings, size: Size, fps: f32) -> Result<Self, PipelineError> {
         let opencv =
             OpencvModel::new(settings, size).map_err(|source| PipelineError::Opencv { frame: 0, source })?;
@@ -257,7 +293,8 @@ impl Pipeline {
         self.model.masks(frames, self.registration)
     }
 
-    /// Processes frames in all stages after the model, whose masks are `raw`.
+    /// Processes frames in all stages after the model: `raw` is the mask of each frame, from [`Self::masks`] or from
+    /// another segmentation. Frames and masks have the size of the pipeline.
     pub fn analyse_masks(
         &mut self,
         frames: &[&Frame],

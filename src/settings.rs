@@ -152,7 +152,7 @@ pub enum Kind {
 }
 
 impl Kind {
-    /// The range in words: `0 < value < 1`, `1..=8`, `weight | density | constant`.
+    /// The range in words: `0 < value < 1`, `1–8`, `density | weight | constant`. `symbol` stands for the value.
     pub fn range(&self, symbol: &str) -> String {
         match *self {
             Self::Integer { min, max } => format!("{min}–{max}"),
@@ -258,7 +258,7 @@ impl Setting {
         (self.get)(settings)
     }
 
-    /// Sets its value in `settings`.
+    /// Sets its value in `settings`. Fails if the value is of another kind or out of range.
     pub fn set(&self, settings: &mut Settings, value: Value) -> Result<(), SettingError> {
         if !self.kind.contains(value) {
             return Err(self.refusal(&value.to_string()));
@@ -267,7 +267,8 @@ impl Setting {
         Ok(())
     }
 
-    /// Parses its value from text and sets it in `settings`.
+    /// Parses its value from text and sets it in `settings`. Fails if the text is not a value of its kind within its
+    /// range.
     pub fn set_text(&self, settings: &mut Settings, text: &str) -> Result<(), SettingError> {
         let value = self.kind.parse(text).ok_or_else(|| self.refusal(text))?;
         (self.set)(settings, value);
@@ -375,7 +376,7 @@ macro_rules! words {
 }
 
 words! {
-    /// Which model decides what is background.
+    /// The background model.
     BackgroundModel {
         /// The adaptive mixture of Gaussians of §V–VI.
         Mixture = "mixture",
@@ -387,21 +388,21 @@ words! {
 }
 
 words! {
-    /// Which motion of the camera is taken out of each frame.
+    /// The camera motion that is compensated in each frame.
     Stabilise {
         /// None.
         Off = "off",
-        /// Shift, turn and zoom, from when the camera was seen to shake.
+        /// Shift, rotation and zoom, once the camera shakes.
         Auto = "auto",
         /// The shift.
         Shift = "shift",
-        /// Shift, turn and zoom.
+        /// Shift, rotation and zoom.
         Similarity = "similarity",
     }
 }
 
 words! {
-    /// Which change of light is taken out of each frame.
+    /// The change of light that is compensated in each frame.
     LightCorrection {
         /// None.
         Off = "off",
@@ -411,11 +412,11 @@ words! {
 }
 
 words! {
-    /// How fast a matched component learns: ρ of §V.
+    /// The update rate of the matched component: ρ of §V.
     Rate {
         /// ρ = α·η(X; μ, σ²I), the paper's equation.
         Density = "density",
-        /// ρ = α / w (Power & Schoonees 2002), what most working systems use.
+        /// ρ = α / w (Power & Schoonees 2002).
         Weight = "weight",
         /// ρ = α.
         Constant = "constant",
@@ -423,7 +424,7 @@ words! {
 }
 
 words! {
-    /// What the value X of a pixel is.
+    /// The value X of a pixel.
     Space {
         /// Three channels: red, green, blue.
         Rgb = "rgb",
@@ -433,41 +434,42 @@ words! {
 }
 
 words! {
-    /// From where an object's dominant colours come (Algorithm 1).
+    /// The source of an object's dominant colours (Algorithm 1).
     ColourMemory {
-        /// From the single frame before the occlusion, as Algorithm 1 has it.
+        /// The single frame before the occlusion, as in Algorithm 1.
         Frame = "frame",
-        /// From the histogram averaged over the object's clear frames.
+        /// The histogram averaged over the object's unoccluded frames.
         Clear = "clear",
     }
 }
 
 words! {
-    /// Where in the region that objects share each of them is.
+    /// Localisation of the members of an occlusion group within its region.
     Placing {
-        /// Where its own motion puts it, held inside the region.
+        /// By predicted motion, limited to the region.
         Predicted = "predicted",
-        /// Where its looks, remembered place by place, explain the region's pixels best.
+        /// By appearance: where the members' templates explain the region's pixels best.
         Looks = "looks",
     }
 }
 
 words! {
-    /// Whether something is done.
+    /// Whether a part of the method is used.
     Switch {
-        /// It is not.
+        /// Not used.
         Off = "off",
-        /// It is.
+        /// Used.
         On = "on",
     }
 }
 
 words! {
-    /// What decides who reappears (Algorithm 3).
+    /// The criterion of re-identification after an occlusion by the scene (Algorithm 3).
     ReappearBy {
-        /// The predicted position alone, as Algorithm 3 has it.
+        /// The predicted position alone, as in Algorithm 3.
         Position = "position",
-        /// The predicted position, colours deciding between several, and elsewhere on the way by the colours.
+        /// The predicted position, with colours to choose between several candidates; elsewhere on the predicted path
+        /// the colours.
         Colour = "colour",
     }
 }
@@ -481,7 +483,7 @@ macro_rules! settings {
         }
 
         impl Settings {
-            /// The values in the tables of the method, with every addition switched off.
+            /// The published method, all additions off.
             fn plain() -> Self {
                 Self { $($field: $plain,)+ }
             }
@@ -647,13 +649,13 @@ settings! {
 words! {
     /// A named set of values to start from.
     Preset {
-        /// The method exactly as its tables have it, every addition switched off.
+        /// The published method, all additions off.
         Plain = "plain",
-        /// `plain` with the paper's own rate, ρ = α·η.
+        /// `plain` with the paper's own learning rate, ρ = α·η.
         Paper = "paper",
         /// Imitates OpenCV's `bgsegm::BackgroundSubtractorMOG`.
         OpencvMog = "opencv-mog",
-        /// What evidence says works best.
+        /// The additions on, with values that were measured on many kinds of footage (`docs/occlusion.md`).
         Default = "default",
     }
 }
@@ -732,12 +734,35 @@ impl Settings {
         }
     }
 
-    /// Sets one parameter from text.
+    /// Sets one parameter, named as in a settings file or as a flag, from text. Fails if there is no such parameter,
+    /// or if the text is not a value within its range.
     pub fn set(&mut self, name: &str, text: &str) -> Result<(), SettingError> {
         Setting::named(name).ok_or_else(|| SettingError::Unknown(name.to_owned()))?.set_text(self, text)
     }
 
-    /// Overrides these settings by the keys of a TOML file. `path` is used in messages only.
+    /// Overrides these settings by the keys of a TOML file, given as text; settings without a key keep their value.
+    /// `path` is used in messages only.
+    ///
+    /// Fails if the text is not TOML, or at the first key that is no setting or has a value out of range; other keys may
+    /// then already be set.
+    ///
+    /// # Examples
+    /// ```
+    /// use std::path::Path;
+    ///
+    /// use occluscope::settings::{Settings, Span, Stage};
+    ///
+    /// let path = Path::new("my.toml");
+    /// let mut settings = Settings::default();
+    /// settings.apply_toml("k = 5\nalpha = 0.01\nmax_hidden = \"2.5s\"\n", path)?;
+    /// assert_eq!((settings.k, settings.alpha, settings.max_hidden), (5, 0.01, Span::Seconds(2.5)));
+    /// assert_eq!(settings.first_difference(&Settings::default()), Some(Stage::Mixture));
+    ///
+    /// let error = settings.apply_toml("k = 9", path).unwrap_err();
+    /// let why = "the setting `k` cannot be `9`; allowed: 1–8";
+    /// assert_eq!(error.to_string(), format!("the settings file my.toml cannot be used: {why}"));
+    /// # Ok::<(), occluscope::settings::SettingError>(())
+    /// ```
     pub fn apply_toml(&mut self, text: &str, path: &Path) -> Result<(), SettingError> {
         let fail = |why: String| SettingError::File { path: path.display().to_string(), why };
         let table: toml::Table = text

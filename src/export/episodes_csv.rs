@@ -1,4 +1,6 @@
-//! Occlusion episodes, one per row.
+//! Occlusion episodes, one per row: `kind,objects,start,end,least_visible,front,identities_kept`.
+//!
+//! `start` and `end` are frame numbers; `objects` are identities, as in `3+5`; `front` is empty if unknown.
 
 use std::io::{self, Write};
 
@@ -6,7 +8,7 @@ use super::joined;
 use super::number::significant;
 use crate::occlusion::Episode;
 
-/// Writes the episodes in the given order.
+/// Writes the header and the episodes in the given order.
 pub fn write(out: &mut impl Write, episodes: &[Episode]) -> io::Result<()> {
     writeln!(out, "kind,objects,start,end,least_visible,front,identities_kept")?;
     for episode in episodes {

@@ -1,4 +1,4 @@
-//! Events with their evidence, one JSON object per line.
+//! Events with their evidence, one JSON object per line, whose keys are the fields of [`Event`].
 
 use std::io::{self, Write};
 

@@ -39,14 +39,15 @@ impl PictureQueue {
         Ok(Self { jobs: Some(jobs), threads })
     }
 
-    /// Queues an image for writing to `path`; blocks while the queue is full.
+    /// Queues an image for writing to `path`; blocks while the queue is full. Fails if all threads have failed; other
+    /// errors are returned by [`Self::finish`].
     pub fn write(&mut self, path: PathBuf, picture: Picture) -> io::Result<()> {
         let taken = self.jobs.as_ref().is_some_and(|jobs| jobs.send((path, picture)).is_ok());
         // All threads have failed; joining them returns the error.
         if taken { Ok(()) } else { self.join() }
     }
 
-    /// Waits until all images are written.
+    /// Waits until all images are written. An error names the image that could not be written.
     pub fn finish(mut self) -> io::Result<()> {
         self.join()
     }

@@ -1,4 +1,8 @@
 //! The mixture of one pixel, one frame per row.
+//!
+//! Columns: the frame number, the value X (levels), `matched` (rank before the update, 0 if none), `rank` (after it),
+//! `background_count` (B), `foreground` (0 or 1), `rho`, `p`, and for each component in rank order `w`, `mu` (levels)
+//! and `var` (squared levels).
 
 use std::io::{self, Write};
 

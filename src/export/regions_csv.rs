@@ -1,4 +1,7 @@
 //! Regions with shape, colour and objects, one per row.
+//!
+//! Lengths are in pixels, moments and derived measures are those of [`Shape`], `r,g,b` is the dominant colour, and
+//! `object` the identities of the associated objects, as in `3+5`; empty if there are none.
 
 use std::io::{self, Write};
 
@@ -34,7 +37,7 @@ pub struct FrameRows {
     pub rows: Vec<RegionRow>,
 }
 
-/// Writes the regions of each frame with the objects of the same frame, both in order of frames.
+/// Writes the header, and the regions of each frame with the objects of the same frame, both in order of frames.
 pub fn write(out: &mut impl Write, frames: &[FrameRows], tracks: &[FrameTracks]) -> io::Result<()> {
     writeln!(out, "{HEADER}")?;
     let mut tracks = tracks.iter().peekable();

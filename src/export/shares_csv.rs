@@ -1,4 +1,4 @@
-//! The share of foreground around a pixel, one frame per row.
+//! The share of foreground around a pixel, 0..=1, before and after cleaning, one frame per row: `frame,model,cleaned`.
 
 use std::io::{self, Write};
 

@@ -1,4 +1,7 @@
 //! Statistics over a range of frames of a pixel, in one row.
+//!
+//! Mean and variance are in levels and squared levels, `time_constant` is 1/α in frames; the other columns are the
+//! fields of [`Statistics`].
 
 use std::io::{self, Write};
 use std::ops::Range;

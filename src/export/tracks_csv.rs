@@ -1,4 +1,5 @@
-//! Tracks in MOTChallenge's format: `frame,id,x,y,w,h,conf,-1,-1,-1`, no header.
+//! Tracks in MOTChallenge's format: `frame,id,x,y,w,h,conf,-1,-1,-1`, no header. Boxes are in pixels, and the upper
+//! left pixel is (0, 0).
 
 use std::io::{self, Write};
 

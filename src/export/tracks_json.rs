@@ -1,4 +1,5 @@
-//! Tracks with all their data: a JSON array of objects, one per line.
+//! Tracks with all their data: a JSON array of objects, one per line. Lengths are in pixels, `velocity` is in pixels
+//! per frame, `conf` is that of [`super::tracks_csv`].
 
 use std::io::{self, Write};
 

@@ -1,4 +1,7 @@
 //! Results for a pixel or a region under other settings, one cell of the grid per row.
+//!
+//! The first two columns are the values of the two settings; `foreground` (0 or 1) follows for a pixel, and
+//! `tp,fp,fn,tn,right,f_measure` for a region, `right` being the accuracy.
 
 use std::io::{self, Write};
 

@@ -1,4 +1,4 @@
-//! Writes a video frame by frame.
+//! Writes an MPEG-4 video frame by frame.
 
 use std::path::Path;
 
@@ -32,7 +32,7 @@ pub enum VideoError {
 }
 
 impl VideoFile {
-    /// Starts the file.
+    /// Starts a video of `fps` frames per second. Fails if OpenCV cannot encode this size or rate.
     pub fn create(path: &Path, size: Size, fps: f32) -> Result<Self, VideoError> {
         let fourcc = VideoWriter::fourcc('m', 'p', '4', 'v')?;
         let cv_size = CvSize::new(size.width as i32, size.height as i32);

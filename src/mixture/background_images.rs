@@ -1,4 +1,5 @@
-//! Images of the background model: its means, and the number of background components.
+//! Images of the background model, one value per pixel in row order: its means as RGB bytes, and the number of
+//! background components.
 
 use fearless_simd::{Simd, dispatch, f32x16, prelude::*};
 use rayon::prelude::*;

@@ -1,4 +1,4 @@
-//! Hysteresis: a second, narrower band around the background, which applies near foreground.
+//! Hysteresis: a second, narrower band around the background, in levels, which applies near foreground.
 
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;

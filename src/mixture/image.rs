@@ -1,7 +1,7 @@
 //! The mixtures of a whole image, optimised: equal to [`Pixel::update`] bit for bit.
 //!
-//! Pixels are independent, except for the votes of neighbours on shadow and doubt, which come last. They are stored
-//! in tiles of sixteen, and a tile processes many frames while its mixtures are in the nearest cache.
+//! Pixels are independent, except for the votes of neighbours on shadow and weak matches, which come last. They are
+//! stored in tiles of sixteen, and a tile processes many frames while its mixtures are in the nearest cache.
 //! [`Mixture::step_many`] loads and stores the state of a pixel once for all frames, [`Mixture::step`] once per frame.
 
 use std::ops::Range;

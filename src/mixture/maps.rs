@@ -1,4 +1,4 @@
-//! Maps of one quantity of every pixel's mixture.
+//! Maps of one quantity of every pixel's mixture: one f32 per pixel in row order.
 
 use rayon::prelude::*;
 use serde::{Deserialize, Serialize};

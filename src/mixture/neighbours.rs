@@ -1,4 +1,4 @@
-//! Decides pixels of a mask by a vote of the surrounding pixels.
+//! Decides the undecided pixels of a mask by the votes of the pixels in the square around each.
 
 use crate::frame::Mask;
 

@@ -329,8 +329,37 @@ impl Pixel {
         }
     }
 
-    /// Updates the mixture by the value of the `t`-th frame (from 1) and classifies the pixel. The first frame after
-    /// those that were learned from is processed after [`Self::begin`].
+    /// Updates the mixture by the value of the `t`-th frame (from 1) and classifies the pixel (§V–VI). Frames are
+    /// passed in order. The first frame after those that were learned from is processed after [`Self::begin`].
+    ///
+    /// # Examples
+    /// A pixel of a grey wall is hidden by a shirt in frames 5 and 6:
+    ///
+    /// ```
+    /// use occluscope::mixture::{Parameters, Pixel};
+    /// use occluscope::settings::{Preset, Settings};
+    ///
+    /// let plain = Settings::preset(Preset::Plain);
+    /// let parameters = Parameters::new(&Settings { k: 3, alpha: 0.125, initial_weight: 0.125, ..plain });
+    /// let (wall, shirt) = (parameters.value([100; 3]), parameters.value([200; 3]));
+    /// let mut pixel = Pixel::unseen(parameters.k);
+    /// for t in 1..=4 {
+    ///     assert!(!pixel.update(wall, t, &parameters).foreground);
+    /// }
+    ///
+    /// // No component matches: a new one starts with the weight w₀. As w₁ = 0.875 > T = 0.7, B is 1.
+    /// let first = pixel.update(shirt, 5, &parameters);
+    /// assert_eq!((first.matched, first.rank, first.background_count), (0, 2, 1));
+    /// assert!(first.foreground);
+    /// let weights: Vec<f32> = pixel.components().iter().map(|component| component.weight).collect();
+    /// assert_eq!(weights, [0.875, 0.125, 0.0]);
+    ///
+    /// // The shirt matches component 2, which is not background; the wall then matches component 1 at once.
+    /// let second = pixel.update(shirt, 6, &parameters);
+    /// assert_eq!((second.matched, second.foreground), (2, true));
+    /// let third = pixel.update(wall, 7, &parameters);
+    /// assert_eq!((third.matched, third.foreground), (1, false));
+    /// ```
     pub fn update(&mut self, x: PixelValue, t: u32, parameters: &Parameters) -> Outcome {
         if parameters.begins_at(t) {
             self.begin(parameters);

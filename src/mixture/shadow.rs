@@ -1,4 +1,5 @@
-//! Detects shadows and highlights in the foreground.
+//! Detects shadows and highlights in the foreground by their colour relative to the background, and removes evenly
+//! darkened or brightened areas.
 
 use fearless_simd::{Level, dispatch};
 use rayon::prelude::*;

@@ -33,7 +33,38 @@ use crate::settings::{Settings, Switch};
 use crate::tracking::seed_finder::SeedFinder;
 use crate::tracking::{ObjectId, Track};
 
-/// Follows objects through a sequence.
+/// Follows objects through a sequence: regions of each frame, in order → tracks and events.
+///
+/// # Examples
+/// A person of 20 × 60 pixels walks to the right, and is behind a wall in frames 50 to 69:
+///
+/// ```
+/// use occluscope::frame::{Frame, Mask, Size};
+/// use occluscope::occlusion::{EventKind, Tracker};
+/// use occluscope::regions::find_regions;
+/// use occluscope::settings::Settings;
+///
+/// let size = Size::new(320, 240);
+/// let red = [200, 40, 40].repeat(size.pixels());
+/// let mut tracker = Tracker::new(&Settings::default(), size, 25.0);
+/// let mut events = Vec::new();
+/// for number in 1..=100 {
+///     let mut mask = Mask::empty(size);
+///     if !(50..70).contains(&number) {
+///         for y in 80..140 {
+///             let start = 320 * y + 40 + 2 * number as usize;
+///             mask.data[start..start + 20].fill(Mask::FOREGROUND);
+///         }
+///     }
+///     let (_, regions) = find_regions(&Frame::new(number, size, red.clone()), &mask, 1);
+///     events.extend(tracker.step(number, &regions).events);
+/// }
+/// events.extend(tracker.finish().events);
+///
+/// let found: Vec<_> = events.iter().map(|event| (event.frame, event.kind, event.objects[0])).collect();
+/// let expected = [(1, EventKind::Appear, 1), (50, EventKind::Disappear, 1), (70, EventKind::Reappear, 1)];
+/// assert_eq!(found, expected);
+/// ```
 #[derive(Clone)]
 pub struct Tracker {
     context: Context,

@@ -1,4 +1,4 @@
-//! Cleaning of the mask before regions are found: filters against specks, gaps and holes.
+//! Cleaning of the mask before regions are found: filters against specks, gaps and holes. Mask → mask of the same size.
 
 use fearless_simd::{Level, dispatch};
 use opencv::boxed_ref::{BoxedRef, BoxedRefMut};
@@ -21,7 +21,7 @@ pub struct Cleaning {
     pub opening: u32,
     /// Diameter of the closing's disc in pixels.
     pub closing: u32,
-    /// Size in pixels up to which holes are filled.
+    /// Area in pixels up to which holes are filled.
     pub fill_holes: u32,
 }
 
@@ -36,7 +36,7 @@ impl Cleaning {
         }
     }
 
-    /// The cleaned mask.
+    /// The cleaned mask. Fails if OpenCV does.
     pub fn apply(&self, mask: Mask) -> opencv::Result<Mask> {
         let mut mask = mask;
         if self.median > 0 {

@@ -1,4 +1,5 @@
-//! Dominant colour: the most frequent colour of a region's own pixels (Algorithm 1).
+//! Dominant colour: the most frequent colour of a region's own pixels (Algorithm 1), from a histogram of 16 × 16 × 16
+//! bins.
 
 use palette::color_difference::EuclideanDistance;
 use palette::{IntoColor, Lab, Srgb};
@@ -7,7 +8,7 @@ use std::collections::BTreeMap;
 /// An 8-bit RGB colour.
 pub type Rgb = [u8; 3];
 
-/// CIE76 ΔE: the Euclidean distance of two colours in Lab.
+/// CIE76 ΔE: the Euclidean distance of two colours in Lab (D65), about 100 between black and white.
 pub fn delta_e(a: Rgb, b: Rgb) -> f32 {
     let lab = |colour: Rgb| -> Lab { Srgb::from(colour).into_linear::<f32>().into_color() };
     lab(a).distance(lab(b))

@@ -90,14 +90,40 @@ struct Run {
     parent: usize,
 }
 
-/// The 8-connected regions of at least `min_area` pixels, numbered from 1 in the raster order of
-/// their first pixels, and the label of each pixel.
+/// The 8-connected regions of at least `min_area` pixels, numbered from 1 in the raster order of their first pixels,
+/// and the label of each pixel. `frame`, which gives the colours, and `mask` have the same size.
 ///
 /// ```text
 /// mask   # # . .      labels   1 1 0 0
 ///        . . # .               0 0 1 0     one region: corners touch
 ///        . . . .               0 0 0 0
 ///        # . . #               2 0 0 3
+/// ```
+///
+/// # Examples
+/// The mask above, with single pixels left out:
+///
+/// ```
+/// use occluscope::frame::{Frame, Mask, Size};
+/// use occluscope::regions::{Rect, find_regions};
+///
+/// let size = Size::new(4, 4);
+/// let red = Frame::new(1, size, [200, 40, 40].repeat(size.pixels()));
+/// let data = vec![
+///     255, 255, 0, 0,
+///     0, 0, 255, 0,
+///     0, 0, 0, 0,
+///     255, 0, 0, 255,
+/// ];
+/// let (labels, regions) = find_regions(&red, &Mask { size, data }, 2);
+///
+/// assert_eq!(regions.len(), 1);
+/// let shape = regions[0].shape;
+/// assert_eq!((shape.area, shape.bbox), (3, Rect::new(0.0, 0.0, 3.0, 2.0)));
+/// assert_eq!((shape.extent, regions[0].colour), (0.5, [200, 40, 40]));
+/// assert_eq!(labels.at(2, 1), Some(1));
+/// assert_eq!(labels.at(0, 3), Some(0), "a region of one pixel is left out");
+/// assert_eq!(labels.at(4, 0), None, "outside the image");
 /// ```
 pub fn find_regions(frame: &Frame, mask: &Mask, min_area: u32) -> (Labels, Vec<Region>) {
     let mut runs = runs(mask);

@@ -1,4 +1,8 @@
-//! From mask to moving regions: cleaning, two-pass connected components, shape, dominant colour (§VII, Algorithm 1).
+//! From mask to moving regions (§VII, Algorithm 1): a foreground mask and its frame → [`Region`]s.
+//!
+//! [`cleaning`] filters the mask, [`components`] finds its connected components in two passes, [`shape`] and
+//! [`colour`] describe each of them, and [`mosaic`] holds its colours by position. [`roi`] is the part of the image
+//! that is analysed. Coordinates are pixels of the frame, y down.
 
 use std::sync::Arc;
 

@@ -1,7 +1,7 @@
 //! A region as a low-resolution image: the number of pixels and the mean colour of each cell.
 //!
-//! Bounding boxes and histograms do not locate the people within the region of a group. A mosaic does, at a hundredth
-//! of the size of the pixels.
+//! Bounding boxes and histograms do not show where the members of a group are within its region. A mosaic does, in less
+//! memory than the pixels.
 
 use std::ops::Range;
 use std::sync::Arc;

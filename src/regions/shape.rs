@@ -125,7 +125,7 @@ pub struct Shape {
     pub area: u32,
     /// Bounding box, in whole pixels.
     pub bbox: Rect,
-    /// Mean of the pixels' coordinates.
+    /// Mean (x, y) of the pixels' indices.
     pub centroid: [f32; 2],
     /// μ20 = Σ (x − x̄)², in pixels⁴ as OpenCV's `moments` gives it.
     pub mu20: f64,
@@ -135,7 +135,7 @@ pub struct Shape {
     pub mu02: f64,
     /// Angle of the longer axis to the x axis in radians, −π/2..=π/2, y down: ½·atan2(2μ11, μ20 − μ02).
     pub orientation: f32,
-    /// 0 for a disc, towards 1 for a line: √(1 − λ₂/λ₁) of the second moments' eigenvalues.
+    /// 0 for a disc, 1 for a line: √(1 − λ₂/λ₁) of the second moments' eigenvalues.
     pub eccentricity: f32,
     /// Area over the area of the bounding box, 0..=1.
     pub extent: f32,

@@ -121,9 +121,9 @@ impl Default for Light {
 /// The alignment of a frame to the reference.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Alignment {
-    /// The camera motion since the first frame.
+    /// The camera motion relative to the reference.
     pub motion: Motion,
-    /// The change of light against the recent past.
+    /// The change of light relative to the recent past.
     pub light: Light,
     /// The rest motion around which the camera shakes, once a shake is detected.
     pub rest: Option<Motion>,

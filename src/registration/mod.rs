@@ -1,4 +1,5 @@
-//! Registration of frames before the mixture: camera shake and changes of light in the whole image.
+//! Registration of frames before the mixture: camera shake and changes of light in the whole image. An addition to the
+//! paper, off in the preset `plain`.
 //!
 //! An [`Estimator`] compares each frame with a slow average of earlier frames and estimates the [`Alignment`]: the
 //! camera motion ([`Motion`]) and the change of light ([`Light`]). It does so once per frame, in order, and the

@@ -1,4 +1,4 @@
-//! Single-channel images.
+//! Single-channel images in levels, on which motion is estimated.
 
 use crate::frame::Frame;
 

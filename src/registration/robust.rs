@@ -1,4 +1,4 @@
-//! Functions for robust least squares.
+//! Robust least squares: the median, and the scale of Tukey's biweight.
 
 /// The median, the upper one of an even count; 0 if empty. Reorders the numbers.
 pub(super) fn median(numbers: &mut [f32]) -> f32 {

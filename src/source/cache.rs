@@ -205,8 +205,8 @@ impl FrameCache {
         }
     }
 
-    /// Makes one step towards the frame at `position`: decodes at most one frame, so that the caller can do other
-    /// work in between.
+    /// Makes one step towards the frame at `position`, from 0: decodes at most one frame, so that the caller can do
+    /// other work in between. Fails if the source cannot be read.
     pub fn fetch(&mut self, position: u32, keep: Keep) -> Result<Fetched, SourceError> {
         if let Some(frame) = self.kept(position) {
             return Ok(Fetched::Frame(frame));

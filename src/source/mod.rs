@@ -1,6 +1,8 @@
 //! Sources of frames: video files, folders and patterns of images, cameras.
 //!
-//! All later stages process [`Frame`]s, 8-bit RGB, in order.
+//! [`open`] gives a [`Source`] for a name. It gives [`Frame`]s of 8-bit RGB in order, all of one size, to all later
+//! stages; [`cache`] gives them at any position. Frames are numbered from 1, or by the numbers in the images' file
+//! names.
 
 pub(crate) mod ahead;
 pub mod cache;

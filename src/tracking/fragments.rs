@@ -1,9 +1,8 @@
-//! Fragments: regions of one frame that are parts of one thing, taken together as one detection.
+//! Fragments: regions of one frame that are parts of one object, joined to one detection.
 //!
-//! Where a part of an object has the colour of the background, its mask breaks. The fragments lie
-//! close to each other against their own size: one above the other with a small gap (a belt, a rail,
-//! a bench in front), or a small one (a hand, a foot) beside a large one. Two objects beside each
-//! other are neither.
+//! Where a part of an object has the colour of the background, its mask has a gap. The distance of the fragments is
+//! small relative to their size: one is above the other (with a belt, a rail or a bench between them), or a small one
+//! (a hand, a foot) is beside a large one. Two objects side by side are neither.
 
 use crate::regions::Rect;
 
@@ -12,12 +11,12 @@ pub const MIN_SHARED_COLUMNS: f32 = 0.5;
 /// A region of at most this share of another's pixels may be a small part of it.
 const MAX_SMALL_SHARE: f32 = 0.3;
 
-/// Groups regions `(box, pixels)` into detections, each as rising indices of its regions.
+/// Groups regions, `(box, number of pixels)`, into detections. Each is given by the ascending indices of its regions.
 ///
-/// `owners` holds for each region the object that already accounts for it, if one does: fragments
-/// of two different objects are never joined. `max_gap` is the largest gap over the longer side of
-/// the larger region, one above the other; for a small region beside a large one it is over √pixels
-/// of the large one.
+/// `owners` holds for each region the object that already explains it, if one does: fragments of two different
+/// objects are never joined. `max_gap` is the largest gap of two fragments, one above the other, relative to the
+/// longest side of both boxes; of a small region beside a large one, relative to √area of the large one. 0 joins
+/// nothing.
 pub fn group_fragments(regions: &[(Rect, f32)], owners: &[Option<usize>], max_gap: f32) -> Vec<Vec<usize>> {
     let mut groups: Vec<(Vec<usize>, Option<usize>)> =
         (0..regions.len()).map(|index| (vec![index], owners.get(index).copied().flatten())).collect();
@@ -58,7 +57,7 @@ pub fn group_fragments(regions: &[(Rect, f32)], owners: &[Option<usize>], max_ga
     groups.into_iter().map(|(group, _)| group).filter(|group| !group.is_empty()).collect()
 }
 
-/// The gap between two regions over their size, `None` where their arrangement is not that of fragments.
+/// The gap between two regions relative to their size, `None` where their arrangement is not that of fragments.
 fn fragment_gap((a, a_area): &(Rect, f32), (b, b_area): &(Rect, f32)) -> Option<f32> {
     let [across, down] = a.gap(b);
     let stacked = a.shared_columns(b) >= MIN_SHARED_COLUMNS;

@@ -5,16 +5,16 @@ use nalgebra::{Matrix3, Matrix3x6, Matrix6, Vector3, Vector6};
 /// The noise of the process and of the measurements.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
-    /// Standard deviation, in pixels, of by which position and size depart from constant velocity in a frame.
+    /// Standard deviation of position and size relative to constant velocity, in pixels per frame.
     pub process: f32,
-    /// Standard deviation, in pixels, of a measured position and size.
+    /// Standard deviation of a measured position and size, in pixels.
     pub measurement: f32,
 }
 
-/// What is measured of a region: (x, y, s), its box's centre and s = √area, in pixels.
+/// The measurement of a region: (x, y, s), the centre of its box and s = √area, in pixels.
 pub type Measurement = Vector3<f32>;
 
-/// How a measurement agrees with a model's prediction.
+/// The difference of a measurement from a model's prediction.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Innovation {
     /// Squared Mahalanobis length of the difference.
@@ -30,7 +30,7 @@ impl Innovation {
     }
 }
 
-/// State (x, y, s, vx, vy, vs) with its covariance.
+/// A Kalman filter with the state (x, y, s, vx, vy, vs), in pixels and pixels per frame, and its covariance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KalmanModel {
     state: Vector6<f32>,
@@ -39,8 +39,8 @@ pub struct KalmanModel {
 }
 
 impl KalmanModel {
-    /// A model that starts at a measurement with a velocity (vx, vy, vs), known to `velocity_sigma`
-    /// pixels a frame.
+    /// A model that starts at a measurement with a velocity (vx, vy, vs) of standard deviation `velocity_sigma`, in
+    /// pixels per frame.
     pub fn new(at: Measurement, velocity: Vector3<f32>, velocity_sigma: f32, noise: Noise) -> Self {
         let scale = noise_scale(at.z);
         let position = (scale * noise.measurement).powi(2);
@@ -54,7 +54,7 @@ impl KalmanModel {
         }
     }
 
-    /// The model through two measurements of consecutive frames, standing at the second.
+    /// The model through two measurements of consecutive frames, with the state at the second.
     pub fn through(first: Measurement, second: Measurement, noise: Noise) -> Self {
         Self::new(second, second - first, noise.measurement * std::f32::consts::SQRT_2, noise)
     }
@@ -79,8 +79,8 @@ impl KalmanModel {
             .map_or(f32::INFINITY, |inverse| (innovation.transpose() * inverse * innovation).x)
     }
 
-    /// How well a measurement agrees with the prediction when the object may have left its course by `manoeuvre` pixels
-    /// (standard deviation, of position and of size alike); 0 is constant velocity.
+    /// The difference of a measurement from the prediction, if the object may have deviated from constant velocity by
+    /// `manoeuvre` pixels (standard deviation of position and of size); 0 is constant velocity.
     pub fn innovation(&self, measured: &Measurement, manoeuvre: f32) -> Innovation {
         let difference = measured - self.measurement();
         let spread = self.innovation_covariance() + Matrix3::from_diagonal_element(manoeuvre.powi(2));
@@ -121,43 +121,43 @@ impl KalmanModel {
         self.covariance = (self.covariance + self.covariance.transpose()) * 0.5;
     }
 
-    /// Stands at a measurement from now on, keeping its velocity.
+    /// Restarts at a measurement with the same velocity and the covariance of a new model.
     pub fn restart_at(&mut self, measured: &Measurement) {
         *self = Self::new(*measured, self.velocity(), self.noise.measurement, self.noise);
     }
 
-    /// Gives the model a velocity (vx, vy, vs) from outside.
+    /// Sets the velocity (vx, vy, vs), in pixels per frame; the covariance stays.
     pub fn set_velocity(&mut self, velocity: Vector3<f32>) {
         self.state.fixed_rows_mut::<3>(3).copy_from(&velocity);
     }
 
-    /// Moves its centre without touching its certainty.
+    /// Sets the centre, in pixels; the covariance stays.
     pub fn set_centre(&mut self, centre: [f32; 2]) {
         [self.state.x, self.state.y] = centre;
     }
 
-    /// (x, y, s) as the model has it.
+    /// The estimated (x, y, s), in pixels.
     pub fn measurement(&self) -> Measurement {
         self.state.fixed_rows::<3>(0).into_owned()
     }
 
-    /// (vx, vy, vs).
+    /// The estimated velocity (vx, vy, vs), in pixels per frame.
     pub fn velocity(&self) -> Vector3<f32> {
         self.state.fixed_rows::<3>(3).into_owned()
     }
 
-    /// (x, y).
+    /// The estimated centre (x, y), in pixels.
     pub fn centre(&self) -> [f32; 2] {
         [self.state.x, self.state.y]
     }
 
-    /// s.
+    /// The estimated s = √area, in pixels.
     pub fn scale(&self) -> f32 {
         self.state.z
     }
 
-    /// Half axes and angle (radians) of the ellipse around the centre that holds the next measured
-    /// position while χ² is at most `chi_squared`.
+    /// Half axes (pixels) and angle (radians) of the ellipse around the centre in which the next measured position
+    /// has a χ² of at most `chi_squared`.
     pub fn gate_ellipse(&self, chi_squared: f32) -> [f32; 3] {
         let spread = self.innovation_covariance();
         let (a, b, c) = (spread.m11, spread.m12, spread.m22);
@@ -182,8 +182,8 @@ impl KalmanModel {
 /// pixels tall.
 const LARGE_OBJECT_PX: f32 = 80.0;
 
-/// How much larger the noise of a region of this √area is than that of a small one: of what is large in the image, mask
-/// and motion err in proportion to its size.
+/// The noise of a region of this √area relative to that of a small one: errors of mask and motion are proportional to
+/// the size of a large object.
 fn noise_scale(size: f32) -> f32 {
     (size / LARGE_OBJECT_PX).clamp(1.0, 10.0)
 }

@@ -1,7 +1,9 @@
 //! Correspondence of regions between frames: linearly predictive multiple hypothesis tracking (§VIII).
 //!
-//! [`kalman`] is one model, [`pool`] the competing models of each moving region and their matching, [`seed_finder`]
-//! starts new ones. These follow regions; [`crate::occlusion`] decides which objects are in them.
+//! [`fragments`] joins regions that are parts of one object into detections. [`kalman`] is one model of a moving
+//! region, [`pool`] the competing models of each moving region and their matching to the detections of a frame,
+//! [`seed_finder`] starts new ones. These follow regions; [`crate::occlusion`] decides which objects are in them.
+//! [`track`] and [`identity_map`] are the results. Lengths are in pixels, times in frames.
 
 #![deny(clippy::indexing_slicing)]
 

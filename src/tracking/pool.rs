@@ -11,34 +11,33 @@ use super::kalman::{KalmanModel, Measurement, Noise, chi_squared_3};
 use crate::regions::Rect;
 use crate::settings::Settings;
 
-/// Most hypotheses of one blob.
+/// Largest number of hypotheses of one blob.
 const MAX_HYPOTHESES_PER_BLOB: usize = 6;
 /// Least score of a hypothesis relative to the shown one (a factor of e⁻⁸).
 const MIN_SCORE: f32 = -8.0;
 
-/// Standard deviation of a sudden manoeuvre over the object's √area: the gate lets it go about as far in a frame as it
-/// is long. Tried from .3 to .6 on fish that dart; people and cars hardly need it.
+/// Standard deviation of a sudden manoeuvre relative to the object's √area: the gate then reaches about one object
+/// length per frame. Tried from .3 to .6 on fish that accelerate; people and cars hardly need it.
 const MANOEUVRE_SIGMA: f32 = 0.4;
 
 /// What a hypothesis can be matched to: one region, or the joined fragments of one object.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Observation {
-    /// Box of all its regions.
+    /// Bounding box of all its regions.
     pub bbox: Rect,
-    /// Pixels of all its regions.
+    /// Number of pixels of all its regions.
     pub area: f32,
 }
 
 impl Observation {
-    /// What the Kalman model measures of it: the box's centre and √area.
+    /// The measurement for the Kalman model: the box's centre and √area.
     pub fn measurement(&self) -> Measurement {
         let [x, y] = self.bbox.centre();
         Vector3::new(x, y, self.area.sqrt())
     }
 }
 
-/// Mean squared Mahalanobis length of the errors of a model that predicts as well as its covariance says: 3 degrees of
-/// freedom.
+/// Mean squared Mahalanobis length of the errors of a model whose covariance is right: 3 degrees of freedom.
 const EXPECTED_ERROR: f32 = 3.0;
 /// Frame rate to which the setting `null_factor` refers.
 const NULL_FACTOR_FPS: f32 = 25.0;
@@ -46,8 +45,8 @@ const NULL_FACTOR_FPS: f32 = 25.0;
 /// for two frames at any rate.
 const MAX_NULL_FRAMES: f32 = 5.0 / 3.0;
 
-/// How well a model predicts: 1 / mean squared Mahalanobis length of its errors, times the null factors since the last
-/// match.
+/// The fitness of a model (§VIII): 1 / mean squared Mahalanobis length of its prediction errors, times the null factors
+/// since the last match.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Fitness {
     mean_error: f32,
@@ -56,13 +55,13 @@ pub struct Fitness {
 }
 
 impl Fitness {
-    /// The fitness of a model whose errors are as large as its covariance says.
+    /// The fitness of a model whose errors agree with its covariance.
     pub const fn expected() -> Self {
         Self { mean_error: EXPECTED_ERROR, nulls: 1.0 }
     }
 
-    /// The number that is compared to `min_fitness`, 0..=1/3. Errors smaller than the covariance says make no model
-    /// fitter.
+    /// The number that is compared with `min_fitness`, 0..=1/3. Errors smaller than the covariance predicts do not
+    /// increase it.
     pub fn value(self) -> f32 {
         self.nulls / self.mean_error.max(EXPECTED_ERROR)
     }
@@ -77,7 +76,7 @@ impl Fitness {
     }
 }
 
-/// One explanation of a moving region's past.
+/// One explanation of the past of a moving region: which observation it was in each frame.
 #[derive(Clone, Debug)]
 pub struct Hypothesis {
     /// Its motion model.
@@ -94,16 +93,16 @@ pub struct Hypothesis {
 #[derive(Clone, Debug)]
 pub struct Blob {
     shown: Hypothesis,
-    /// The others that compete, the most probable first.
+    /// The other competing ones, the most probable first.
     others: Vec<Hypothesis>,
-    /// Frames since it last had a region.
+    /// Number of frames since it last had a region.
     pub lost: u32,
-    /// The box of its last region, moved along while it has none.
+    /// The box of its last region, moved by the velocity while it has none.
     pub bbox: Rect,
 }
 
 impl Blob {
-    /// A blob with one hypothesis, standing at an observation.
+    /// A blob with one hypothesis at an observation.
     pub fn new(model: KalmanModel, observation: &Observation) -> Self {
         let shown = Hypothesis { model, fitness: Fitness::expected(), score: 0.0, matched: None };
         Self { shown, others: Vec::new(), lost: 0, bbox: observation.bbox }
@@ -114,12 +113,12 @@ impl Blob {
         &self.shown
     }
 
-    /// All that compete, the one that is shown first.
+    /// All competing hypotheses, the shown one first.
     pub fn hypotheses(&self) -> impl Iterator<Item = &Hypothesis> {
         std::iter::once(&self.shown).chain(&self.others)
     }
 
-    /// Moves every hypothesis on by one frame.
+    /// Predicts every hypothesis by one frame.
     pub fn predict(&mut self) {
         for hypothesis in std::iter::once(&mut self.shown).chain(&mut self.others) {
             hypothesis.model.predict();
@@ -174,14 +173,14 @@ pub struct HypothesisMatcher {
     /// χ² at the edge of the gate.
     pub gate: f32,
     fitness_memory: u32,
-    /// Of one frame of this video.
+    /// The factor on the fitness per unmatched frame of this video.
     null_factor: f32,
     min_fitness: f32,
     max_hypotheses: usize,
 }
 
 impl HypothesisMatcher {
-    /// The pool's part of `settings`, for `fps` frames a second.
+    /// The pool's part of `settings`, for `fps` frames per second.
     pub fn new(settings: &Settings, fps: f32) -> Self {
         let frames = (NULL_FACTOR_FPS / fps.max(1.0)).min(MAX_NULL_FRAMES);
         Self {
@@ -226,9 +225,9 @@ impl HypothesisMatcher {
         chosen
     }
 
-    /// Matches blobs without a region to regions that nothing explains: a sudden manoeuvre takes an object out of the
-    /// gate of constant velocity, though hardly farther in a frame than its own size. Gives pairs of indices into
-    /// `blobs` and `observations`, the likeliest first, each in one pair at most.
+    /// Matches blobs without a region to unexplained regions: an object that accelerates suddenly leaves the gate of
+    /// constant velocity, but hardly moves farther per frame than its own size. Returns pairs of indices into `blobs`
+    /// and `observations`, the likeliest first, each in one pair at most.
     pub fn match_manoeuvres(&self, blobs: &[&Blob], observations: &[&Observation]) -> Vec<(usize, usize)> {
         let mut pairs = Vec::new();
         for (row, blob) in blobs.iter().enumerate() {
@@ -262,7 +261,7 @@ impl HypothesisMatcher {
         });
     }
 
-    /// The children of a blob's hypotheses: of several that took the same observation, the best.
+    /// The branches of a blob's hypotheses: of several with the same observation, the best.
     fn branch<'a>(
         &self,
         parents: impl Iterator<Item = &'a Hypothesis>,

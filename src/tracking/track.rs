@@ -48,9 +48,9 @@ impl TrackState {
 /// One of the hypotheses that compete for an object (§VIII).
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct HypothesisSummary {
-    /// Its Kalman model's centre (x, y).
+    /// Its Kalman model's centre (x, y), in pixels.
     pub centre: [f32; 2],
-    /// Half axes and angle (radians) of the ellipse within which its next region may lie.
+    /// Half axes (pixels) and angle (radians) of the ellipse within which the centre of its next region may lie.
     pub gate: [f32; 3],
     /// Inverse of the variance of its prediction error.
     pub fitness: f32,
@@ -71,19 +71,20 @@ pub struct Track {
     pub key: ObjectId,
     /// Its visibility.
     pub state: TrackState,
-    /// Its box, the predicted one while merged or hidden.
+    /// Its box in pixels, the predicted one while merged or hidden.
     pub bbox: Rect,
-    /// The Kalman model's centre (x, y), after the frame's measurement.
+    /// The Kalman model's centre (x, y) after the frame's measurement, in pixels.
     pub centre: [f32; 2],
-    /// The model's velocity (vx, vy) in pixels a frame.
+    /// The model's velocity (vx, vy), in pixels per frame.
     pub velocity: [f32; 2],
-    /// The model's size s = √area.
+    /// The model's size s = √area, in pixels.
     pub scale: f32,
-    /// Half axes and angle (radians) of the ellipse within which the next region may lie, at the gate's probability.
+    /// Half axes (pixels) and angle (radians) of the ellipse within which the centre of the next region lies with the
+    /// gate's probability.
     pub gate: [f32; 3],
     /// Inverse of the variance of the prediction error.
     pub fitness: f32,
-    /// The hypotheses that compete for it, the one that is shown first; none while no region is followed for it.
+    /// The hypotheses that compete for it, the shown one first; none while no region is followed for it.
     #[serde(skip)]
     pub hypotheses: Arc<[HypothesisSummary]>,
     /// Its visible share, 0..=1.

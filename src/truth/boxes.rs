@@ -1,4 +1,4 @@
-//! Bounding boxes by frame and identity, from MOTChallenge's CSV.
+//! Bounding boxes in pixels by frame number and identity, from MOTChallenge's CSV.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -10,12 +10,12 @@ use super::TruthError;
 pub struct Bounds(pub [f64; 4]);
 
 impl Bounds {
-    /// Its area.
+    /// Its area in square pixels.
     pub fn area(&self) -> f64 {
         self.0[2] * self.0[3]
     }
 
-    /// The area of the intersection.
+    /// The area of the intersection in square pixels.
     pub fn shared(&self, other: &Self) -> f64 {
         let [ax, ay, aw, ah] = self.0;
         let [bx, by, bw, bh] = other.0;
@@ -39,7 +39,7 @@ const LARGEST: f64 = 1_000_000_001.0;
 pub type Boxes = BTreeMap<u32, BTreeMap<u32, Bounds>>;
 
 /// Reads `frame,id,x,y,w,h[,conf,…]` without a header. Skips rows of confidence 0, which are not to be counted, and
-/// rows of fewer than six columns.
+/// rows of fewer than six columns. Fails with the line if a number cannot be read or is out of range.
 pub fn read(path: &Path) -> Result<Boxes, TruthError> {
     let reader =
         csv::ReaderBuilder::new().has_headers(false).flexible(true).trim(csv::Trim::All).from_path(path);

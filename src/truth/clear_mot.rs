@@ -32,7 +32,32 @@ pub struct ClearMot {
     pub num_unique_objects: usize,
 }
 
-/// Scores `found` against `truth`; boxes can match if their IoU is at least `threshold`.
+/// Scores `found` against `truth`; boxes can match if their IoU is at least `threshold`, 0..=1.
+///
+/// # Examples
+/// An object in four frames that is missed in frame 2 and has another identity in frame 4:
+///
+/// ```
+/// use occluscope::truth::boxes::{Bounds, Boxes};
+/// use occluscope::truth::clear_mot;
+///
+/// // The frame, identity and left edge of boxes of 10 × 10 pixels.
+/// let boxes = |rows: &[(u32, u32, f64)]| {
+///     let mut boxes = Boxes::new();
+///     for &(frame, identity, x) in rows {
+///         boxes.entry(frame).or_default().insert(identity, Bounds([x, 0.0, 10.0, 10.0]));
+///     }
+///     boxes
+/// };
+/// let truth = boxes(&[(1, 1, 0.0), (2, 1, 4.0), (3, 1, 8.0), (4, 1, 12.0)]);
+/// let found = boxes(&[(1, 5, 0.0), (3, 5, 8.0), (4, 6, 12.0)]);
+///
+/// let score = clear_mot::score(&truth, &found, 0.5);
+/// assert_eq!((score.precision, score.recall), (1.0, 0.75));
+/// assert_eq!((score.num_switches, score.num_fragmentations), (1, 1));
+/// assert_eq!(score.mota, 1.0 - 2.0 / 4.0, "one false negative and one switch");
+/// assert_eq!(score.idf1, 2.0 * 2.0 / (4.0 + 3.0), "identity 5 is the object in two frames");
+/// ```
 pub fn score(truth: &Boxes, found: &Boxes, threshold: f64) -> ClearMot {
     let frames: BTreeSet<u32> = truth.keys().chain(found.keys()).copied().collect();
     let no_boxes = BTreeMap::new();

@@ -1,4 +1,4 @@
-//! Counts of right and wrong decisions on pixels.
+//! Counts of correct and wrong decisions on pixels, and the measures computed from them.
 
 use std::iter::Sum;
 use std::ops::AddAssign;
@@ -10,14 +10,14 @@ use super::share::share_or_zero;
 /// The confusion matrix of foreground against truth, in pixels.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize)]
 pub struct Decisions {
-    /// True positives: foreground that is found.
+    /// True positives: foreground that is classified as such.
     pub tp: u64,
-    /// False positives: background that is taken for foreground.
+    /// False positives: background that is classified as foreground.
     pub fp: u64,
-    /// False negatives: foreground that is missed.
+    /// False negatives: foreground that is classified as background.
     #[serde(rename = "fn")]
     pub fn_: u64,
-    /// True negatives: background that is left as such.
+    /// True negatives: background that is classified as such.
     pub tn: u64,
 }
 
@@ -27,7 +27,7 @@ impl Decisions {
         self.tp + self.fp + self.fn_ + self.tn
     }
 
-    /// The share of right decisions (accuracy), 0..=1; 0 without decisions.
+    /// The share of correct decisions (accuracy), 0..=1; 0 without decisions.
     pub fn right(self) -> f64 {
         share_or_zero(self.tp + self.tn, self.all())
     }
@@ -41,7 +41,7 @@ impl Decisions {
 /// A measure for comparing decisions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Measure {
-    /// The share of right decisions.
+    /// The share of correct decisions (accuracy).
     Right,
     /// The harmonic mean of precision and recall.
     F,

@@ -12,10 +12,11 @@ use super::TruthError;
 use super::decisions::Decisions;
 use crate::frame::{Mask, Size};
 
-/// CDnet's gray levels of ignored pixels,
+/// CDnet's gray level of pixels outside the region of interest, which are ignored.
 const OUTSIDE: u8 = 85;
+/// CDnet's gray level of unknown pixels, which are ignored.
 const UNKNOWN: u8 = 170;
-/// and of moving ones; shadow (50) and static (0) are background.
+/// CDnet's gray level of moving pixels; shadow (50) and static (0) are background.
 const MOTION: u8 = 255;
 
 /// The true label of a pixel.

@@ -50,7 +50,7 @@ pub enum TruthSource {
 }
 
 impl TruthSource {
-    /// Detects the kind of the ground truth at `path`.
+    /// Detects the kind of the ground truth at `path`. Fails if there is none of a known kind.
     pub fn of(path: &Path) -> Result<Self, TruthError> {
         if path.is_file() {
             return Ok(Self::Boxes(path.to_owned()));

@@ -1,4 +1,4 @@
-//! All scores of an analysis.
+//! All scores of an analysis: of its tracks and of its masks.
 
 use std::collections::BTreeMap;
 

@@ -44,7 +44,7 @@ pub struct CounterfactualQuery {
     pub frames: Arc<Vec<FrameRegions>>,
     /// The size of the frames.
     pub size: Size,
-    /// Frames a second.
+    /// Frames per second.
     pub fps: f32,
 }
 
@@ -55,7 +55,7 @@ pub struct Prevention {
     pub setting: &'static str,
     /// The nearest value found at which the event does not happen.
     pub value: Value,
-    /// Whether it is greater than the present one; `None` of a choice among words.
+    /// Whether it is greater than the present one; `None` for a choice among words.
     pub above: Option<bool>,
 }
 

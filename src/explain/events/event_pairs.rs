@@ -1,21 +1,21 @@
-//! Which events two analyses of the same frames have in common.
+//! Pairs of the events that two analyses of the same frames have in common: of one kind, close in time and position.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::frame::Size;
 use crate::occlusion::Event;
 
-/// The tolerance within which events of one kind are the same.
+/// The largest differences of two events of one kind that count as the same.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct EventTolerance {
-    /// In frames.
+    /// Difference of the frame numbers.
     pub frames: u32,
-    /// In pixels.
+    /// Distance in pixels.
     pub pixels: f32,
 }
 
 impl EventTolerance {
-    /// For a video: a second, and a distance that people cross in less.
+    /// The tolerance for a video: one second, and 8 % of the image diagonal.
     pub fn of(size: Size, fps: f32) -> Self {
         Self {
             frames: fps.round().max(1.0) as u32,
@@ -31,7 +31,7 @@ impl EventTolerance {
     }
 }
 
-/// An event of either or both, by its place in its list.
+/// An event of one or both analyses, by its index in the list of each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum EventPair {
     /// Only the first analysis has it.
@@ -42,9 +42,10 @@ pub enum EventPair {
     Both(usize, usize),
 }
 
-/// Pairs the events of two timelines, nearest in time first; the pairs are in order of time.
+/// Pairs the events of two timelines, `(position in the sequence, event)` in order of position. The events nearest in
+/// time are paired first; the result is in order of time.
 ///
-/// Identities are not looked at: two analyses number the same people differently.
+/// Identities are not compared: two analyses number the same people differently.
 pub fn pair_events(
     first: &[(u32, Event)],
     second: &[(u32, Event)],

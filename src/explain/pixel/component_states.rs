@@ -1,4 +1,4 @@
-//! The components of one frame, as data of tables and plots.
+//! The components of a pixel in one frame, as data of tables and plots.
 
 use std::f64::consts::TAU;
 

@@ -1,6 +1,7 @@
 //! A report on one pixel: [`history`] follows it through a sequence, [`component_slots`] its components through their
 //! changes of rank, [`statistics`] summarises it, and [`verdict`] explains its classification in words.
-//! [`region_shares`] holds the foreground ratio of its neighbourhood. [`component_states`], [`downsampled_history`], [`sparklines`] and [`scatter_points`] are the data of plots.
+//! [`region_shares`] holds the foreground ratio of its neighbourhood. [`component_states`], [`downsampled_history`],
+//! [`sparklines`] and [`scatter_points`] are the data of plots.
 
 pub mod component_slots;
 pub mod component_states;

@@ -1,4 +1,4 @@
-//! The share of foreground around a pixel over time.
+//! The share of foreground in a square around a pixel, 0..=1 per frame.
 
 use std::ops::Range;
 
@@ -20,7 +20,7 @@ impl PixelRegion {
     }
 }
 
-/// The share of foreground among the pixels around one, in every analysed frame.
+/// The share of foreground among the pixels around one, 0..=1, in every analysed frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct RegionShares {
     /// The centre pixel: column and row.

@@ -1,4 +1,5 @@
-//! Statistics of a pixel over some of its frames.
+//! Statistics of a pixel over some of its frames: mean and variance of its values, and counts of foreground frames
+//! and of new components.
 
 use std::ops::Range;
 

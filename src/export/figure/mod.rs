@@ -54,7 +54,7 @@ const GAP: f64 = 9.0;
 /// A figure.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Figure {
-    /// Width and height.
+    /// Width and height in points.
     pub size: [f64; 2],
     /// The title, one line above the figure.
     pub title: String,
@@ -108,7 +108,7 @@ pub enum Sign {
 pub struct Panel {
     /// A line of text above it; may be empty.
     pub caption: String,
-    /// Left, top, width, height within the figure.
+    /// Left, top, width, height within the figure, in points.
     pub place: [f64; 4],
     /// The horizontal axis.
     pub x: Axis,

@@ -1,4 +1,4 @@
-//! Publishes the state.
+//! Publishes the state to the window, growing results at most ten times a second.
 
 use std::sync::Arc;
 use std::time::{Duration, Instant};

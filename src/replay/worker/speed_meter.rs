@@ -1,4 +1,4 @@
-//! Speed of the analysis.
+//! Speed of the analysis in frames per second.
 
 use std::collections::VecDeque;
 use std::time::Duration;
