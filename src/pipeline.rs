@@ -206,8 +206,9 @@ struct FoundRegions {
 /// assert_eq!(analyses[3].regions[0].shape.bbox, Rect::new(12.0, 16.0, 8.0, 16.0));
 ///
 /// let result = offline_result(&analyses, &pipeline);
-/// let (number, tracks) = &result.tracks[12];
-/// assert_eq!((*number, tracks[0].id, tracks[0].bbox), (13, 1, Rect::new(30.0, 16.0, 8.0, 16.0)));
+/// let frame = &result.tracks[12];
+/// assert_eq!(frame.number, 13);
+/// assert_eq!((frame.tracks[0].id, frame.tracks[0].bbox), (1, Rect::new(30.0, 16.0, 8.0, 16.0)));
 /// assert_eq!((result.events[0].frame, result.events[0].kind), (2, EventKind::Appear));
 /// # Ok::<(), occluscope::pipeline::PipelineError>(())
 /// ```
