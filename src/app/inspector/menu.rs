@@ -21,10 +21,15 @@ enum PlotExport {
     SaveTable,
 }
 
-const OF_PLOTS: [(PlotExport, &str, &str); 5] = [
+const OF_PLOTS: [(PlotExport, &str, &str); 6] = [
     (PlotExport::CopyPicture, "Copy image", "Copy as an image of 300 dpi on white"),
     (PlotExport::Save(Format::Png), "Save PNG…", "Save as a PNG image of 300 dpi on white"),
     (PlotExport::Save(Format::Svg), "Save SVG…", "Save as a vector image on white"),
+    (
+        PlotExport::Save(Format::Pdf),
+        "Save PDF…",
+        "Save as a PDF page with selectable text, as large as the plot",
+    ),
     (PlotExport::CopyTable, "Copy CSV", "Copy the plotted data as a table"),
     (PlotExport::SaveTable, "Save CSV…", "Save the plotted data as a table"),
 ];

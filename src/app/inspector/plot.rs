@@ -12,7 +12,7 @@ use crate::explain::pixel::{PixelHistory, scatter_points};
 use crate::explain::tuning::{RegionTuning, Tuning};
 use crate::export::figure::cube::{self, Look};
 use crate::export::figure::mixture::{self, UpdateSide};
-use crate::export::figure::{Figure, pins, raster, region, scatter, svg, through_time, tuning};
+use crate::export::figure::{Figure, pdf, pins, raster, region, scatter, svg, through_time, tuning};
 use crate::frame::Frame;
 use crate::truth::decisions::Measure;
 
@@ -46,6 +46,8 @@ pub enum Format {
     Png,
     /// A vector drawing.
     Svg,
+    /// A page as large as the plot, for a paper.
+    Pdf,
 }
 
 impl Format {
@@ -54,6 +56,7 @@ impl Format {
         match self {
             Self::Png => "png",
             Self::Svg => "svg",
+            Self::Pdf => "pdf",
         }
     }
 
@@ -62,6 +65,7 @@ impl Format {
         match self {
             Self::Png => "PNG image",
             Self::Svg => "SVG image",
+            Self::Pdf => "PDF document",
         }
     }
 }
@@ -136,6 +140,7 @@ impl Plot {
     pub(crate) fn save(&self, path: PathBuf, format: Format) -> Result<PathBuf, String> {
         atomic_write::write(path, format.ending(), |at: &Path| match format {
             Format::Svg => fs::write(at, svg::write(&self.figure())),
+            Format::Pdf => fs::write(at, pdf::write(&self.figure())?),
             Format::Png => raster::write_png(at, &self.drawn().map_err(io::Error::other)?),
         })
     }

@@ -1,12 +1,14 @@
-//! Figures for publications: described as data, written as SVG, and rasterised to PNG.
+//! Figures for publications: described as data, written as SVG and PDF, and rasterised to PNG.
 //!
 //! A [`Figure`] consists of panels with axes and marks on white, in points of 1/72 inch. Figures of one pixel are
 //! made by [`mixture`], [`through_time`], [`scatter`], [`cube`] and [`tuning`], of several by [`pins`] and of a
-//! region by [`region`]; [`svg`] and `raster` are independent of pixels.
+//! region by [`region`]; [`svg`], `pdf` and `raster` are independent of pixels.
 
 pub mod axis;
 pub mod cube;
 pub mod mixture;
+#[cfg(feature = "gui")]
+pub mod pdf;
 pub mod pins;
 #[cfg(feature = "gui")]
 pub mod raster;

@@ -24,10 +24,15 @@ static FONTS: LazyLock<Arc<fontdb::Database>> = LazyLock::new(|| {
     Arc::new(fonts)
 });
 
+/// The figure's SVG, parsed, with the window's own typeface.
+pub(super) fn tree(figure: &Figure) -> io::Result<Tree> {
+    let options = Options { fontdb: Arc::clone(&FONTS), ..Options::default() };
+    Tree::from_str(&svg::write(figure), &options).map_err(io::Error::other)
+}
+
 /// Renders the figure at [`RESOLUTION`]. Fails only for figures that are too large for memory.
 pub fn picture(figure: &Figure) -> io::Result<Frame> {
-    let options = Options { fontdb: Arc::clone(&FONTS), ..Options::default() };
-    let tree = Tree::from_str(&svg::write(figure), &options).map_err(io::Error::other)?;
+    let tree = tree(figure)?;
     let [width, height] =
         figure.size.map(|length| ((length * RESOLUTION / POINTS_AN_INCH).round() as u32).max(1));
     let mut pixels = Pixmap::new(width, height).ok_or_else(|| io::Error::other("the figure is too large"))?;

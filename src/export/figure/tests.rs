@@ -616,3 +616,23 @@ fn rasterised_figures_are_white_and_have_a_physical_size() {
         assert!(bytes.windows(size.len()).any(|part| part == size), "{name}");
     }
 }
+
+#[test]
+#[cfg(feature = "gui")]
+fn a_pdf_has_the_figures_size_and_its_typeface() {
+    let folder = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("target/figures");
+    std::fs::create_dir_all(&folder).unwrap();
+    for (name, figure) in all() {
+        let bytes = super::pdf::write(&figure).unwrap();
+        let text = String::from_utf8_lossy(&bytes);
+        let (_, page) = text.split_once("/MediaBox [").expect("a page has a size");
+        let sides: Vec<f64> =
+            page.split(']').next().unwrap().split(' ').map(|side| side.parse().unwrap()).collect();
+        for (side, length) in [0.0, 0.0, figure.size[0], figure.size[1]].iter().zip(&sides) {
+            assert!((side - length).abs() < 0.01, "{name}: {sides:?} is not {:?}", figure.size);
+        }
+        assert!(text.contains("/FontFile"), "{name}: the typeface is embedded");
+        assert!(!text.contains("/Subtype /Image"), "{name}: nothing is rasterised");
+        std::fs::write(folder.join(format!("{name}.pdf")), &bytes).unwrap();
+    }
+}

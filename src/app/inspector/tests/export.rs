@@ -42,7 +42,7 @@ fn a_map_is_saved_cell_by_cell() {
 }
 
 #[test]
-fn every_plot_is_exported_as_png_svg_and_table() {
+fn every_plot_is_exported_as_an_image_a_drawing_a_page_and_a_table() {
     let shown = shown(430);
     let history = Arc::clone(shown.pixel.as_ref().unwrap());
     let (mut harness, actions) = tall(Some(shown));
@@ -64,9 +64,11 @@ fn every_plot_is_exported_as_png_svg_and_table() {
         let [InspectorAction::CopyPicture(plot)] = &actions.take()[..] else { panic!("{tab}: no picture") };
         let picture = plot.drawn().unwrap();
         assert!(picture.size.width > 900 && picture.rgb[..3] == [255; 3], "{tab}: white background");
-        for (entry, format, begins) in
-            [("Save PNG…", Format::Png, &b"\x89PNG"[..]), ("Save SVG…", Format::Svg, b"<svg")]
-        {
+        for (entry, format, begins) in [
+            ("Save PNG…", Format::Png, &b"\x89PNG"[..]),
+            ("Save SVG…", Format::Svg, b"<svg"),
+            ("Save PDF…", Format::Pdf, b"%PDF-"),
+        ] {
             choose(&mut harness, menu, entry);
             let [InspectorAction::SavePicture(same, asked)] = &actions.take()[..] else {
                 panic!("{tab}: no file")
@@ -85,7 +87,7 @@ fn every_plot_is_exported_as_png_svg_and_table() {
             other => assert_eq!(other.name(), "tuning-5-4.csv"),
         }
     }
-    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 12, "no other files are written");
+    assert_eq!(std::fs::read_dir(folder.path()).unwrap().count(), 18, "no other files are written");
 }
 
 #[test]
@@ -103,7 +105,7 @@ fn a_scatter_plot_exports_its_displayed_frames() {
 }
 
 #[test]
-fn the_region_and_the_pins_are_exported_as_png_svg_and_table() {
+fn the_region_and_the_pins_are_exported_as_an_image_a_drawing_a_page_and_a_table() {
     let shown = shown(430);
     let history = Arc::clone(shown.pixel.as_ref().unwrap());
     let other = Arc::new(PixelHistory { at: (1, 2), ..history_of(&settings(), 600) });
@@ -140,7 +142,9 @@ fn the_region_and_the_pins_are_exported_as_png_svg_and_table() {
         let [InspectorAction::CopyPicture(plot)] = &actions.take()[..] else { panic!("{file}: no picture") };
         let picture = plot.drawn().unwrap();
         assert!(picture.size.width > 2000 && picture.rgb[..3] == [255; 3], "{file}: page width on white");
-        for (entry, format) in [("Save PNG…", Format::Png), ("Save SVG…", Format::Svg)] {
+        for (entry, format) in
+            [("Save PNG…", Format::Png), ("Save SVG…", Format::Svg), ("Save PDF…", Format::Pdf)]
+        {
             choose(&mut harness, menu, entry);
             let [InspectorAction::SavePicture(same, asked)] = &actions.take()[..] else { panic!("no file") };
             assert_eq!(
