@@ -28,7 +28,7 @@ pub(crate) fn ui(ctx: &Context, model: &Model, commands: &mut Vec<Command>) {
         let rect = ctx.content_rect();
         let painter = ctx.layer_painter(LayerId::new(Order::Foreground, Id::unique("drop")));
         let accent = theme::colours(&ctx.global_style().visuals).accent;
-        painter.rect_filled(rect, 0.0, Color32::from_black_alpha(190));
+        painter.rect_filled(rect, 0.0, Color32::from_black_alpha(225));
         painter.rect_stroke(rect.shrink(16.0), 10.0, Stroke::new(3.0, accent), StrokeKind::Inside);
         painter.text(
             rect.center(),

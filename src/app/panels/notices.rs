@@ -19,7 +19,9 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
 fn failure(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let Some(Phase::Failed(why)) = model.worker.state.as_ref().map(|state| &state.phase) else { return };
     let colours = theme::colours(ui.visuals());
-    let strip = Frame::new().fill(colours.bad.gamma_multiply(0.18)).inner_margin(Margin::symmetric(10, 6));
+    // Nothing is drawn below the bar, so its colour is opaque.
+    let fill = colours.panel.blend(colours.bad.gamma_multiply(0.18));
+    let strip = Frame::new().fill(fill).inner_margin(Margin::symmetric(10, 6));
     Panel::top("stopped").frame(strip).show(ui, |ui| {
         ui.horizontal_wrapped(|ui| {
             ui.label(m::ICON_ERROR.rich_text().size(theme::ICON_SIZE).color(colours.bad));

@@ -71,7 +71,7 @@ fn the_help_on_a_setting_looks_as_before() {
     let typed = harness.get_by_label("learning rate").rect();
     harness.hover_at(pos2(harness.get_by_label("Settings").rect().left() + 14.0, typed.center().y));
     harness.run_steps(10);
-    let lines = ["alpha  α", "w_k", "Command-line flag"];
+    let lines = ["alpha  α", "Learning rate of", "The model learns faster", "Command-line flag"];
     let lines = lines.map(|text| harness.get_by_label_contains(text).rect());
     let part = lines.into_iter().reduce(Rect::union).unwrap().expand(8.0);
     part_looks_as_before(&mut harness, part, "setting-help");
@@ -156,7 +156,8 @@ fn the_bars_over_the_views_look_as_before() {
         window(Some(state(Phase::Failed(why.into()), Some(58))), (1024.0, 640.0), Theme::Dark);
     harness.state_mut().model.videos.origin = Origin::Sample;
     harness.run_steps(4);
-    let part = rect_of(&harness, &[why, "Open again", "Hide hint"]);
+    let hint = harness.get_by_label_contains("Two people cross").rect().expand(4.0);
+    let part = rect_of(&harness, &[why, "Open again", "Hide hint"]).union(hint);
     let views = views(&harness);
     part_looks_as_before(&mut harness, part.with_min_x(views.left()).with_max_x(views.right()), "notices");
 }
