@@ -15,6 +15,7 @@ struct Replay {
     hidden: Set,
     gone: Set,
     groups: Vec<Set>,
+    returns: BTreeSet<(Identity, u32)>,
     /// The number of consecutive frames in which a track contradicts the events.
     differs: BTreeMap<Identity, u32>,
     faults: Vec<String>,
@@ -26,7 +27,7 @@ pub(crate) fn faults(events: &[Event], tracks: &[FrameTracks], settings: &Settin
     let same_episode = settings.same_episode.frames(fps);
     // A re-identified object has its identity after this many frames.
     let known_again = settings.min_track.frames(fps).max(fps.round() as u32);
-    let mut replay = Replay::default();
+    let mut replay = Replay { returns: returns(events), ..Replay::default() };
     let mut events = events.iter().peekable();
     for FrameTracks { number: frame, tracks } in tracks {
         let mut now = Vec::new();
@@ -38,6 +39,12 @@ pub(crate) fn faults(events: &[Event], tracks: &[FrameTracks], settings: &Settin
     }
     replay.faults.extend(events.map(|event| format!("after the last frame: {event:?}")));
     replay.faults
+}
+
+/// The reappearances: object and frame.
+fn returns(events: &[Event]) -> BTreeSet<(Identity, u32)> {
+    let returns = events.iter().filter(|event| event.kind == EventKind::Reappear);
+    returns.flat_map(|event| event.objects.iter().map(|&id| (id, event.frame))).collect()
 }
 
 impl Replay {
@@ -133,6 +140,14 @@ impl Replay {
             if !self.here.contains(&track.id) || told != with {
                 let frames = self.differs.get(&track.id).map_or(1, |frames| frames + 1);
                 let here = self.here.contains(&track.id);
+                // A member that leaves a group has no identity for as long as it is tentative. Where the group loses
+                // its region meanwhile, the events are its occlusion and its reappearance, and the tracks are its own.
+                let returns = |id: &Identity| {
+                    self.returns.range((*id, frame)..=(*id, frame + known_again)).next().is_some()
+                };
+                if here && told.iter().any(returns) {
+                    continue;
+                }
                 if frames == same_episode + 4 + if here { 0 } else { known_again } {
                     let (id, state) = (track.id, track.state.name());
                     self.faults.push(format!(
