@@ -66,22 +66,30 @@ fn normal_quantile(p: f64) -> f64 {
     polynomial(&A, q * q) * q / polynomial(&B, q * q)
 }
 
+/// The nearest level, halves up. `f32::round` would call the C library for each value.
+fn nearest_byte(value: f32) -> u8 {
+    let value = value.clamp(0.0, 255.0);
+    let whole = value as u8;
+    whole + u8::from(value - f32::from(whole) >= 0.5)
+}
+
 impl CameraNoise {
     /// Converts a row of light to the camera's bytes. The noise depends only on the seed, the frame and the row, so
     /// that rows and frames can be rendered in any order.
     pub fn expose(&self, light: &[Colour], rgb: &mut [u8], seed: u64, frame: u32, row: u32) {
         let key = |salt| u128::from(hash(seed ^ salt, i64::from(frame), i64::from(row)));
         let mut random = Pcg64Mcg::new(key(0x6E6F_6973) << 64 | key(0x65));
+        let quantiles = QUANTILES.as_slice();
         for (colour, bytes) in light.iter().zip(rgb.chunks_exact_mut(3)) {
             let bits = random.next_u64();
             for (channel, (value, byte)) in colour.iter().zip(bytes).enumerate() {
-                let sample = QUANTILES[(bits >> (20 * channel + 4)) as usize & 4095];
+                let sample = quantiles[(bits >> (20 * channel + 4)) as usize & 4095];
                 let sigma = if self.signal_dependent {
                     self.sigma * (0.16 + 0.84 * value / 128.0).max(0.0).sqrt()
                 } else {
                     self.sigma
                 };
-                *byte = (value + sigma * sample).round().clamp(0.0, 255.0) as u8;
+                *byte = nearest_byte(value + sigma * sample);
             }
         }
     }
@@ -98,6 +106,13 @@ mod tests {
         let mean = rgb.iter().map(|&value| f32::from(value)).sum::<f32>() / 60_000.0;
         let variance = rgb.iter().map(|&value| (f32::from(value) - mean).powi(2)).sum::<f32>() / 60_000.0;
         (mean, variance.sqrt())
+    }
+
+    #[test]
+    fn levels_are_rounded_and_limited() {
+        for value in (-600..=3000).map(|tenth| tenth as f32 / 10.0).chain([0.499_999_97, 254.499_98, 254.5]) {
+            assert_eq!(nearest_byte(value), value.round().clamp(0.0, 255.0) as u8, "{value}");
+        }
     }
 
     #[test]
