@@ -5,7 +5,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use occluscope::occlusion::{Event, EventKind};
 use occluscope::settings::Settings;
-use occluscope::tracking::{FrameTracks, Identity, Track, TrackState};
+use occluscope::tracking::{FrameTracks, Identity, ObjectId, Track, TrackState};
 
 type Set = BTreeSet<Identity>;
 
@@ -15,7 +15,7 @@ struct Replay {
     hidden: Set,
     gone: Set,
     groups: Vec<Set>,
-    returns: BTreeSet<(Identity, u32)>,
+    returns: BTreeSet<(Identity, u32, ObjectId)>,
     /// The number of consecutive frames in which a track contradicts the events.
     differs: BTreeMap<Identity, u32>,
     faults: Vec<String>,
@@ -27,7 +27,7 @@ pub(crate) fn faults(events: &[Event], tracks: &[FrameTracks], settings: &Settin
     let same_episode = settings.same_episode.frames(fps);
     // A re-identified object has its identity after this many frames.
     let known_again = settings.min_track.frames(fps).max(fps.round() as u32);
-    let mut replay = Replay { returns: returns(events), ..Replay::default() };
+    let mut replay = Replay { returns: returns(events, tracks), ..Replay::default() };
     let mut events = events.iter().peekable();
     for FrameTracks { number: frame, tracks } in tracks {
         let mut now = Vec::new();
@@ -41,10 +41,15 @@ pub(crate) fn faults(events: &[Event], tracks: &[FrameTracks], settings: &Settin
     replay.faults
 }
 
-/// The reappearances: object and frame.
-fn returns(events: &[Event]) -> BTreeSet<(Identity, u32)> {
+/// Where each reappearance was emitted: identity, frame, and the key of its track from there on.
+fn returns(events: &[Event], tracks: &[FrameTracks]) -> BTreeSet<(Identity, u32, ObjectId)> {
+    let key_from = |id: Identity, from: u32| {
+        let frames = tracks.iter().filter(|frame| frame.number >= from);
+        frames.flat_map(|frame| &frame.tracks).find(|track| track.id == id).map(|track| track.key)
+    };
     let returns = events.iter().filter(|event| event.kind == EventKind::Reappear);
-    returns.flat_map(|event| event.objects.iter().map(|&id| (id, event.frame))).collect()
+    let returns = returns.flat_map(|event| event.objects.iter().map(|&id| (id, event.frame)));
+    returns.filter_map(|(id, frame)| Some((id, frame, key_from(id, frame)?))).collect()
 }
 
 impl Replay {
@@ -141,11 +146,12 @@ impl Replay {
                 let frames = self.differs.get(&track.id).map_or(1, |frames| frames + 1);
                 let here = self.here.contains(&track.id);
                 // A member that leaves a group has no identity for as long as it is tentative. Where the group loses
-                // its region meanwhile, the events are its occlusion and its reappearance, and the tracks are its own.
-                let returns = |id: &Identity| {
-                    self.returns.range((*id, frame)..=(*id, frame + known_again)).next().is_some()
+                // its region meanwhile, the events are its occlusion and its reappearance; its track begins before.
+                let returns_later = |it: &Track| {
+                    let returns = self.returns.range((it.id, frame, 0)..=(it.id, u32::MAX, ObjectId::MAX));
+                    told.contains(&it.id) && returns.into_iter().any(|&(_, _, key)| key == it.key)
                 };
-                if here && told.iter().any(returns) {
+                if here && tracks.iter().any(returns_later) {
                     continue;
                 }
                 if frames == same_episode + 4 + if here { 0 } else { known_again } {
