@@ -1,22 +1,18 @@
 //! Decoded frames by position in the sequence, within a memory budget.
 //!
-//! A source is read from the first frame to the last, a little ahead of the requested position. A dropped frame is
-//! decoded again by a second reader. That reader may seek. Seeks in video are not frame-accurate, so the position
-//! after a seek is found by comparing frame fingerprints recorded at the first decoding. Where that fails, the reader
-//! starts from the beginning, which is slower and gives the same frame.
+//! A source is read from the first frame to the last, a little ahead of the requested position. An evicted frame is
+//! decoded again by a second reader, [`RandomAccess`].
 
 use std::num::NonZeroUsize;
 use std::sync::Arc;
 
 use lru::LruCache;
-use xxhash_rust::xxh3::xxh3_64;
 
 use super::ahead::{Ahead, Decoded};
+use super::random_access::{Fingerprint, Opener, RandomAccess, ReopenedSource, Step, fingerprint};
 use super::{Options, Source, SourceError, SourceInfo};
 use crate::frame::Frame;
 use crate::registration::{Alignment, Registered};
-
-type Opener = Box<dyn FnMut() -> Result<Box<dyn Source>, SourceError> + Send>;
 
 /// The result of one step towards a frame.
 #[derive(Debug, PartialEq)]
@@ -40,36 +36,13 @@ pub enum Keep {
     IfRoom,
 }
 
-/// Number of frames whose decoding in order takes no longer than to reopen the source and seek.
-const FAR: u32 = 48;
 /// Number of frames before the target at which a seek aims, because stepping back requests those next.
 const RUN_UP_FRAMES: u32 = 24;
-/// Number of equal frames in a row that leave the position after a jump undecided.
-const MAX_EQUAL_FRAMES: usize = 8;
 /// Largest number of frames that are decoded ahead.
 const MAX_FRAMES_AHEAD: usize = 32;
 
-/// A hash that identifies a frame: equal frames have equal fingerprints, different frames have different ones in
-/// practice.
-type Fingerprint = u64;
-
-/// The fingerprint of a frame's pixels.
-fn fingerprint(frame: &Frame) -> Fingerprint {
-    xxh3_64(&frame.rgb)
-}
-
-/// A second reader of the source, for frames that were evicted.
-struct RewoundSource {
-    source: Box<dyn Source>,
-    /// The position of the next frame that it gives.
-    next: u32,
-    /// Whether it got there by a seek.
-    jumped: bool,
-}
-
 /// Random access to the frames of a source.
 pub struct FrameCache {
-    open: Opener,
     info: Arc<SourceInfo>,
     /// The reader at the furthest position, `numbers.len()`.
     front: Ahead<(Frame, Fingerprint)>,
@@ -80,9 +53,8 @@ pub struct FrameCache {
     complete: bool,
     /// The error that ended the sequence, returned to the next request for a frame.
     failed: Option<SourceError>,
-    again: Option<RewoundSource>,
-    /// Whether seeks have worked so far.
-    jumps: bool,
+    /// The reader of evicted frames.
+    random_access: Box<dyn RandomAccess>,
     /// Decoded frames by position.
     kept: LruCache<u32, Arc<Frame>>,
     warnings: Vec<String>,
@@ -96,13 +68,18 @@ impl FrameCache {
     }
 
     /// Caches up to `budget` bytes of the frames of the source that `open` returns. `open` is called again when
-    /// evicted frames are requested.
+    /// evicted frames of a source without [`Source::random_access`] are requested.
     pub fn new(
         mut open: impl FnMut() -> Result<Box<dyn Source>, SourceError> + Send + 'static,
         budget: usize,
     ) -> Result<Self, SourceError> {
-        let front: Box<dyn Source> = Box::new(Registered::new(open()?));
-        let info = Arc::new(front.info().clone());
+        let source = open()?;
+        let info = Arc::new(source.info().clone());
+        let random_access = source.random_access().unwrap_or_else(|| {
+            let open: Opener = Box::new(open);
+            Box::new(ReopenedSource::new(open, &info.name))
+        });
+        let front: Box<dyn Source> = Box::new(Registered::new(source));
         let frame_bytes = (info.size.pixels() * 3).max(1);
         let room = budget / frame_bytes;
         let ahead = (room / 4).clamp(1, if info.live { 2 } else { MAX_FRAMES_AHEAD });
@@ -117,7 +94,6 @@ impl FrameCache {
         let mut kept = LruCache::unbounded();
         kept.resize(NonZeroUsize::new(room.saturating_sub(ahead).max(2)).unwrap_or(NonZeroUsize::MIN));
         Ok(Self {
-            open: Box::new(open),
             info,
             front,
             numbers: Vec::new(),
@@ -125,8 +101,7 @@ impl FrameCache {
             alignments: Vec::new(),
             complete: false,
             failed: None,
-            again: None,
-            jumps: true,
+            random_access,
             kept,
             warnings: Vec::new(),
         })
@@ -256,73 +231,19 @@ impl FrameCache {
     }
 
     fn fetch_again(&mut self, position: u32, keep: Keep) -> Result<Fetched, SourceError> {
-        let mut again = match self.again.take() {
-            Some(again) if again.next <= position && (position - again.next <= FAR || !self.jumps) => again,
-            _ => {
-                let mut source = (self.open)()?;
-                if self.jumps && position > FAR {
-                    self.jumps = source.seek(position - RUN_UP_FRAMES.min(self.room() as u32 / 2));
-                    if self.jumps {
-                        return self.land(source, position);
-                    }
-                    source = (self.open)()?;
-                }
-                RewoundSource { source, next: 0, jumped: false }
-            }
-        };
-        let here = again.next;
-        let frame = again.source.next_frame()?.filter(|frame| {
-            frame.size == self.info.size && self.fingerprints.get(here as usize) == Some(&fingerprint(frame))
-        });
-        let Some(mut frame) = frame else {
-            if again.jumped {
-                self.jumps = false;
-                return Ok(Fetched::OnTheWay);
-            }
-            return Err(SourceError::unusable(&self.info.name, "it changed while being read; open it again"));
-        };
-        // After a seek the reader's own frame numbers are wrong.
+        let run_up = RUN_UP_FRAMES.min(self.room() as u32 / 2);
+        let step = self.random_access.step(position.saturating_sub(run_up), position, &self.fingerprints);
+        self.warnings.extend(self.random_access.take_warnings());
+        let Step::Frame(here, mut frame) = step? else { return Ok(Fetched::OnTheWay) };
         frame.number = self.numbers[here as usize];
         // The alignment was measured when all earlier frames had been read.
         frame.alignment = self.alignments[here as usize];
-        again.next = here + 1;
-        self.again = Some(again);
         let frame = Arc::new(frame);
-        let near = (position - here) as usize <= self.room() / 2;
+        let near = position.abs_diff(here) as usize <= self.room() / 2;
         if keep == Keep::Yes && near || self.kept.len() < self.room() {
             self.kept.put(here, Arc::clone(&frame));
         }
         Ok(if here == position { Fetched::Frame(frame) } else { Fetched::OnTheWay })
-    }
-
-    /// Finds the position of a source after a seek from the fingerprints of the frames that it gives. Where that
-    /// position is not shortly before `position`, or ambiguous, seeks are not used any more.
-    fn land(&mut self, mut source: Box<dyn Source>, position: u32) -> Result<Fetched, SourceError> {
-        let mut seen = Vec::new();
-        self.jumps = false;
-        while seen.len() < MAX_EQUAL_FRAMES {
-            let Some(frame) = source.next_frame()?.filter(|frame| frame.size == self.info.size) else {
-                break;
-            };
-            seen.push(fingerprint(&frame));
-            let mut places = self
-                .fingerprints
-                .windows(seen.len())
-                .enumerate()
-                .filter(|(_, run)| *run == seen)
-                .map(|(at, _)| at);
-            let (Some(place), another) = (places.next(), places.next()) else { break };
-            let next = (place + seen.len()) as u32;
-            if !(next..=next + FAR).contains(&position) {
-                break;
-            }
-            if another.is_none() {
-                self.jumps = true;
-                self.again = Some(RewoundSource { source, next, jumped: true });
-                break;
-            }
-        }
-        Ok(Fetched::OnTheWay)
     }
 }
 
@@ -456,19 +377,18 @@ mod tests {
         assert!(error.contains("changed"), "{error}");
     }
 
-    /// A source whose seek lands `off` frames from the target, and which repeats each picture `still` times.
+    /// A source of 250 frames whose second reader seeks.
     struct Jumping {
         info: SourceInfo,
-        next: i64,
-        off: i64,
-        still: u32,
+        next: u32,
         decoded: Arc<AtomicU32>,
     }
 
     impl Jumping {
-        fn at(&self, position: u32) -> Frame {
-            let byte = |at: usize| (position / self.still * 31 + at as u32 * 7) as u8;
-            Frame::new(1 + position, SIZE, (0..SIZE.pixels() * 3).map(byte).collect())
+        fn read(&mut self) -> Option<Frame> {
+            self.decoded.fetch_add(1, Ordering::Relaxed);
+            self.next += 1;
+            (self.next <= 250).then(|| frame(self.next - 1))
         }
     }
 
@@ -478,14 +398,12 @@ mod tests {
         }
 
         fn next_frame(&mut self) -> Result<Option<Frame>, SourceError> {
-            self.decoded.fetch_add(1, Ordering::Relaxed);
-            self.next += 1;
-            Ok((self.next <= 250).then(|| self.at(self.next as u32 - 1)))
+            Ok(self.read())
         }
 
-        fn seek(&mut self, position: u32) -> bool {
-            self.next = (i64::from(position) + self.off).clamp(0, 249);
-            true
+        fn random_access(&self) -> Option<Box<dyn RandomAccess>> {
+            let (info, decoded) = (self.info.clone(), Arc::clone(&self.decoded));
+            Some(Box::new(Self { info, next: 0, decoded }))
         }
 
         fn take_warnings(&mut self) -> Vec<String> {
@@ -493,41 +411,41 @@ mod tests {
         }
     }
 
-    #[test]
-    fn an_inaccurate_seek_gives_the_requested_frame() {
-        for (off, still, most_decoded) in [
-            (0, 1, 80),
-            (-13, 1, 110),
-            (11, 1, 80),
-            (40, 1, 1000),
-            (0, 3, 90),
-            (0, 20, 1000),
-            (-900, 1, 1000),
-        ] {
-            let decoded = Arc::new(AtomicU32::new(0));
-            let count = Arc::clone(&decoded);
-            let open = move || {
-                let info = SourceInfo {
-                    name: "jumping".into(),
-                    size: SIZE,
-                    fps: 25.0,
-                    fps_from: crate::source::FpsFrom::Video,
-                    frames: None,
-                    live: false,
-                };
-                Ok(Box::new(Jumping { info, next: 0, off, still, decoded: Arc::clone(&count) })
-                    as Box<dyn Source>)
-            };
-            let mut cache = FrameCache::new(open, 40 * SIZE.pixels() * 3).unwrap();
-            cache.get(249).unwrap().unwrap();
-            let before = decoded.load(Ordering::Relaxed);
-            for position in [150, 149, 148, 140, 130, 90, 91, 10] {
-                let frame = cache.get(position).unwrap().unwrap();
-                let byte = (position / still * 31) as u8;
-                assert_eq!((frame.number, frame.rgb[0]), (position + 1, byte), "off {off}, still {still}");
+    impl RandomAccess for Jumping {
+        fn step(&mut self, from: u32, goal: u32, fingerprints: &[Fingerprint]) -> Result<Step, SourceError> {
+            if !(from..=goal).contains(&self.next) {
+                self.next = from;
+                return Ok(Step::OnTheWay);
             }
-            let again = decoded.load(Ordering::Relaxed) - before;
-            assert!(again <= most_decoded, "off {off}, still {still}: {again} decoded again");
+            let mut frame = self.read().unwrap();
+            assert_eq!(fingerprint(&frame), fingerprints[self.next as usize - 1]);
+            frame.number = 0;
+            Ok(Step::Frame(self.next - 1, frame))
         }
+    }
+
+    #[test]
+    fn a_second_reader_gives_the_requested_frame_and_those_shortly_before_it() {
+        let decoded = Arc::new(AtomicU32::new(0));
+        let count = Arc::clone(&decoded);
+        let open = move || {
+            let info = SourceInfo {
+                name: "jumping".into(),
+                size: SIZE,
+                fps: 25.0,
+                fps_from: crate::source::FpsFrom::Video,
+                frames: None,
+                live: false,
+            };
+            Ok(Box::new(Jumping { info, next: 0, decoded: Arc::clone(&count) }) as Box<dyn Source>)
+        };
+        let mut cache = FrameCache::new(open, 40 * SIZE.pixels() * 3).unwrap();
+        cache.get(249).unwrap().unwrap();
+        let before = decoded.load(Ordering::Relaxed);
+        for position in [150, 149, 148, 140, 130, 90, 91, 10] {
+            assert_eq!(cache.get(position).unwrap().as_deref(), Some(&frame(position)));
+        }
+        let again = decoded.load(Ordering::Relaxed) - before;
+        assert!(again <= 80, "{again} decoded again");
     }
 }

@@ -3,9 +3,11 @@
 use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::sync::{Arc, Mutex, PoisonError};
 
 use super::numbering::frame_numbers;
 use super::pattern::Pattern;
+use super::random_access::{Fingerprint, RandomAccess, Step, fingerprint};
 use super::rate::ImageRate;
 use super::{FpsFrom, Options, Source, SourceError, SourceInfo, image_file, rate};
 use crate::frame::{Frame, Size};
@@ -14,6 +16,8 @@ use crate::frame::{Frame, Size};
 pub(super) struct ImageSequence {
     info: SourceInfo,
     files: std::vec::IntoIter<File>,
+    /// The files of the frames so far.
+    read: Arc<Mutex<Vec<PathBuf>>>,
     /// The first frame, decoded at opening to check that there is one.
     first: Option<Frame>,
     warnings: Vec<String>,
@@ -116,7 +120,8 @@ impl ImageSequence {
         let frames = Some(frames);
         let info = SourceInfo { name: name.to_owned(), size, fps, fps_from, frames, live: false };
         let warnings = warning.into_iter().collect();
-        let mut sequence = Self { info, files: listed.into_iter(), first: None, warnings };
+        let mut sequence =
+            Self { info, files: listed.into_iter(), read: Arc::default(), first: None, warnings };
         sequence.first = sequence.decode_next();
         if sequence.first.is_some() { Ok(sequence) } else { Err(none()) }
     }
@@ -126,7 +131,10 @@ impl ImageSequence {
         for file in self.files.by_ref() {
             let read = file.unreadable.map_or_else(|| image_file::read(&file.path), Err);
             let why = match read {
-                Ok((size, rgb)) if size == self.info.size => return Some(Frame::new(file.number, size, rgb)),
+                Ok((size, rgb)) if size == self.info.size => {
+                    self.read.lock().unwrap_or_else(PoisonError::into_inner).push(file.path);
+                    return Some(Frame::new(file.number, size, rgb));
+                }
                 Ok((size, _)) => format!("it is {size}, but its header says {}", self.info.size),
                 Err(why) => why.split_whitespace().collect::<Vec<_>>().join(" "),
             };
@@ -149,19 +157,33 @@ impl Source for ImageSequence {
         Ok(self.first.take().or_else(|| self.decode_next()))
     }
 
-    fn seek(&mut self, position: u32) -> bool {
-        // The first image was already decoded at opening.
-        if position > 0 {
-            self.first = None;
-            let mut readable =
-                (1..position).take_while(|_| self.files.by_ref().any(|file| file.unreadable.is_none()));
-            while readable.next().is_some() {}
-        }
-        true
+    fn random_access(&self) -> Option<Box<dyn RandomAccess>> {
+        let (name, read) = (self.info.name.clone(), Arc::clone(&self.read));
+        Some(Box::new(ImageFiles { name, size: self.info.size, read }))
     }
 
     fn take_warnings(&mut self) -> Vec<String> {
         std::mem::take(&mut self.warnings)
+    }
+}
+
+/// The images of a sequence again, each directly from its file.
+struct ImageFiles {
+    name: String,
+    size: Size,
+    read: Arc<Mutex<Vec<PathBuf>>>,
+}
+
+impl RandomAccess for ImageFiles {
+    fn step(&mut self, _: u32, goal: u32, fingerprints: &[Fingerprint]) -> Result<Step, SourceError> {
+        let path = self.read.lock().unwrap_or_else(PoisonError::into_inner).get(goal as usize).cloned();
+        let image = path.and_then(|path| image_file::read(&path).ok());
+        image
+            .filter(|(size, _)| *size == self.size)
+            .map(|(size, rgb)| Frame::new(goal + 1, size, rgb))
+            .filter(|frame| fingerprints.get(goal as usize) == Some(&fingerprint(frame)))
+            .map(|frame| Step::Frame(goal, frame))
+            .ok_or_else(|| SourceError::changed(&self.name))
     }
 }
 

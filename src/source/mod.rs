@@ -6,11 +6,13 @@
 
 pub(crate) mod ahead;
 pub mod cache;
+mod camera;
 mod image_file;
 mod images;
 mod numbering;
 mod pattern;
 mod quiet;
+pub mod random_access;
 mod rate;
 mod video;
 
@@ -19,6 +21,8 @@ mod tests;
 
 use std::fs;
 use std::io::ErrorKind;
+
+use random_access::RandomAccess;
 
 use crate::frame::{Frame, Size};
 use crate::settings::Settings;
@@ -66,11 +70,9 @@ pub trait Source: Send {
     /// The next frame, `None` after the last. All frames have the size of [`SourceInfo::size`].
     fn next_frame(&mut self) -> Result<Option<Frame>, SourceError>;
 
-    /// Seeks to approximately the frame at this position, counted from 0; returns whether the source can seek. The
-    /// exact position must be found from the next frames, whose numbers do not count from the start. Must be called
-    /// before the first frame is read.
-    fn seek(&mut self, _position: u32) -> bool {
-        false
+    /// A second reader of the frames that this one gives. `None` where opening the source again is the only way.
+    fn random_access(&self) -> Option<Box<dyn RandomAccess>> {
+        None
     }
 
     /// Takes the warnings since the last call, one sentence each, of problems that did not end the sequence: an image
@@ -100,6 +102,10 @@ impl SourceError {
         let why = why.into().split_whitespace().collect::<Vec<_>>().join(" ");
         Self::Unusable { path: path.to_owned(), why }
     }
+
+    pub(crate) fn changed(path: &str) -> Self {
+        Self::unusable(path, "it changed while being read; open it again")
+    }
 }
 
 /// Opens the source `name`: a video file, a folder of images, a printf pattern such as `in%06d.png`, or a camera as
@@ -110,7 +116,7 @@ impl SourceError {
 pub fn open(name: &str, options: Options) -> Result<Box<dyn Source>, SourceError> {
     silence_libraries();
     if let Some(index) = name.strip_prefix("camera:") {
-        return Ok(Box::new(video::open_camera(name, index, options)?));
+        return Ok(Box::new(camera::Camera::open(name, index, options)?));
     }
     let metadata = match fs::metadata(name) {
         Ok(metadata) => metadata,
@@ -126,7 +132,7 @@ pub fn open(name: &str, options: Options) -> Result<Box<dyn Source>, SourceError
     if metadata.is_dir() {
         Ok(Box::new(images::ImageSequence::of_folder(name, options)?))
     } else if metadata.is_file() {
-        Ok(Box::new(video::open_file(name, options)?))
+        Ok(Box::new(video::Video::open(name, options)?))
     } else {
         Err(SourceError::unusable(
             name,

@@ -15,14 +15,15 @@ pub fn silence_libraries() {
             let _ = opencv::core::set_log_level(opencv::core::LogLevel::LOG_LEVEL_SILENT);
         }
         if std::env::var_os("OPENCV_FFMPEG_LOGLEVEL").is_none() {
-            set_ffmpeg_level();
+            ffmpeg::log::set_level(ffmpeg::log::Level::Quiet);
+            set_level_for_opencv();
         }
     });
 }
 
 /// Sets AV_LOG_QUIET in the variable that OpenCV reads when it first uses FFmpeg.
 #[expect(unsafe_code, reason = "OpenCV has no other way to set FFmpeg's log level than the environment")]
-fn set_ffmpeg_level() {
+fn set_level_for_opencv() {
     // SAFETY: called once. A program calls it before it has a second thread; the standard library locks its own reads
     // of the environment, and no other code of ours reads it.
     unsafe { std::env::set_var("OPENCV_FFMPEG_LOGLEVEL", "-8") };

@@ -40,6 +40,11 @@ impl FpsFrom {
     }
 }
 
+/// Whether a rate in a header is plausible as a frame rate. 1000 and above are clock rates of containers.
+pub(super) fn is_plausible(fps: f64) -> bool {
+    (0.05..1000.0).contains(&fps)
+}
+
 /// Parses a frame rate; `None` where the text is not a number within [`FPS_RANGE`].
 pub fn parse_fps(text: &str) -> Option<f32> {
     let (least, greatest) = FPS_RANGE;

@@ -1,0 +1,78 @@
+//! What the crate cannot do safely: fields of FFmpeg's structures, some of which it reads with a panic on unknown values,
+//! and the count of reported errors.
+
+#![expect(unsafe_code, reason = "the crate has no safe access to these numbers and to the log")]
+
+use std::ffi::{c_char, c_int, c_void};
+use std::sync::atomic::{AtomicU64, Ordering};
+
+use ffmpeg::ffi::{AV_LOG_ERROR, AVDiscard, av_log_set_callback};
+use ffmpeg::format::context::Input;
+use ffmpeg::frame::Video as Picture;
+
+/// The colour description of a picture, as the numbers of ITU-T H.273, and the range of its levels.
+///
+/// The crate's own readers panic on a number that they do not know, and containers pass on any number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct ColorNumbers {
+    /// Matrix: 1 is BT.709, 2 unspecified, 5 and 6 BT.601, 9 BT.2020.
+    pub(super) matrix: u32,
+    /// Transfer characteristic: 16 is PQ, 18 HLG.
+    pub(super) transfer: u32,
+    /// 0 is unspecified, 1 limited, 2 full.
+    pub(super) range: u32,
+}
+
+/// The colour description of a picture.
+pub(super) fn colors(picture: &Picture) -> ColorNumbers {
+    // SAFETY: a picture that was decoded into owns a valid AVFrame for as long as the borrow. The fields are numbers;
+    // their types are newtypes of integers, so any value is valid.
+    let frame = unsafe { &*picture.as_ptr() };
+    // The integers are signed on Windows.
+    #[allow(clippy::unnecessary_cast, reason = "the type differs between platforms")]
+    ColorNumbers {
+        matrix: frame.colorspace.0 as u32,
+        transfer: frame.color_trc.0 as u32,
+        range: frame.color_range.0 as u32,
+    }
+}
+
+/// Whether the decoder found errors in the picture's data or concealed them.
+pub(super) fn has_errors(picture: &Picture) -> bool {
+    // SAFETY: as in `colors`.
+    unsafe { (*picture.as_ptr()).decode_error_flags != 0 }
+}
+
+/// Makes the demuxer drop the packets of all streams except this one.
+pub(super) fn select_stream(input: &mut Input, selected: usize) {
+    for index in 0..input.nb_streams() as usize {
+        let Some(mut stream) = input.stream_mut(index) else { continue };
+        let discard = if index == selected { AVDiscard::DEFAULT } else { AVDiscard::ALL };
+        // SAFETY: the stream belongs to the context that is borrowed mutably; FFmpeg lets the caller set this field to
+        // one of these values at any time.
+        unsafe { (*stream.as_mut_ptr()).discard = discard };
+    }
+}
+
+/// Number of errors that FFmpeg reported in this process.
+static REPORTED_ERRORS: AtomicU64 = AtomicU64::new(0);
+
+/// Number of errors that FFmpeg reported in this process, in any file, since [`count_reported_errors`] was called.
+pub(super) fn reported_errors() -> u64 {
+    REPORTED_ERRORS.load(Ordering::SeqCst)
+}
+
+/// Counts FFmpeg's error messages from now on; they are not printed. OpenCV may end this when it opens a file.
+pub(super) fn count_reported_errors() {
+    // SAFETY: FFmpeg lets the callback be set at any time; it may be called from any thread, and `count` only changes
+    // an atomic number.
+    unsafe { av_log_set_callback(Some(count)) };
+}
+
+/// The type of the last argument, the values of a message, depends on the platform.
+unsafe extern "C" fn count<Values>(_: *mut c_void, level: c_int, _: *const c_char, _: Values) {
+    // The upper bits are a colour.
+    if level & 0xff <= AV_LOG_ERROR as c_int {
+        REPORTED_ERRORS.fetch_add(1, Ordering::SeqCst);
+    }
+}
