@@ -74,12 +74,13 @@ impl StreamInfo {
         let average_rate = rate(stream.avg_frame_rate());
         let seconds = |ticks: i64, tick: f64| (ticks > 0).then_some(ticks as f64 * tick);
         let frames_in = |seconds: Option<f64>| Some((seconds? * average_rate?).round() as u64);
-        // The header may count frames that an edit list removes; the stream's duration does not contain them.
+        // MP4's header counts frames that an edit list removes; the stream's duration does not contain them.
+        let has_edit_lists = input.format().name().starts_with("mov");
         let by_header = u64::try_from(stream.frames()).ok().filter(|&frames| frames > 0);
         let by_stream = frames_in(seconds(stream.duration(), time_base.value()));
         let by_file = || frames_in(seconds(input.duration(), 1e-6));
         let frames = match (by_header, by_stream) {
-            (Some(header), Some(stream)) => Some(header.min(stream)),
+            (Some(header), Some(stream)) if has_edit_lists => Some(header.min(stream)),
             (header, stream) => header.or(stream).or_else(by_file),
         };
         Some(Self {
