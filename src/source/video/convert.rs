@@ -63,8 +63,7 @@ impl Converter {
             rgb_of(&result)
         });
         let (size, rgb) = result.ok_or(Failure::Unconvertible)?;
-        self.size.get_or_insert(size);
-        Ok(rgb)
+        if *self.size.get_or_insert(size) == size { Ok(rgb) } else { Err(Failure::Unconvertible) }
     }
 
     fn graph_for(&self, form: &Form) -> Result<Graph, Failure> {

@@ -151,9 +151,10 @@ impl Decoder {
             return;
         };
         if let Some(until) = self.hurry_until {
-            let is_before = packet.pts().is_some_and(|pts| pts < until);
+            let is_over = packet.dts().is_some_and(|dts| dts >= until);
+            let is_before = !is_over && packet.pts().is_some_and(|pts| pts < until);
             self.codec.skip_frame(if is_before { Discard::NonReference } else { Discard::Default });
-            if packet.dts().is_some_and(|dts| dts >= until) {
+            if is_over {
                 self.hurry_until = None;
             }
         }

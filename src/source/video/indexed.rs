@@ -62,8 +62,8 @@ impl IndexedReader {
         }
     }
 
-    /// The reader, opened at the start if there is none that reads as the first reader did.
-    fn reader(&mut self) -> Result<&mut Reader, SourceError> {
+    /// Opens the video at its start if no reader of it reads as the first reader did.
+    fn ensure_open(&mut self) -> Result<(), SourceError> {
         let threads = if self.index.lock().is_damaged { Threads::One } else { Threads::All };
         let open = match self.reader.take() {
             Some(open) if open.1 == threads => open,
@@ -75,7 +75,8 @@ impl IndexedReader {
         if open.0.size() != self.size {
             return Err(SourceError::changed(&self.name));
         }
-        Ok(&mut self.reader.insert(open).0)
+        self.reader = Some(open);
+        Ok(())
     }
 
     fn rewind(&mut self) {
@@ -86,8 +87,10 @@ impl IndexedReader {
     /// Reads the next frame. Goes back to the start where a seek led to another frame.
     fn read_next(&mut self, fingerprints: &[Fingerprint]) -> Result<Step, SourceError> {
         let position = self.next;
-        let reader = self.reader()?;
+        let Some((reader, _)) = &mut self.reader else { return Ok(Step::OnTheWay) };
         let Some(picture) = reader.next() else { return self.differs(position, None) };
+        // They are in the index already.
+        drop(reader.take_keys());
         let time = picture.time;
         let rgb = reader.rgb(picture).map_err(|failure| failure.of(&self.name))?;
         let frame = Frame::new(position + 1, self.size, rgb);
@@ -131,7 +134,7 @@ impl IndexedReader {
         let Some(approach) = self.index.lock().approach(position) else { return Ok(None) };
         let mut last_landed = None;
         for key in &approach.keys {
-            let reader = self.reader()?;
+            let Some((reader, _)) = &mut self.reader else { break };
             let landed = match reader.seek_before(*key, approach.pts) {
                 Landing::At(landed) => landed,
                 Landing::AtEnd => break,
@@ -153,20 +156,9 @@ impl IndexedReader {
         }
         Ok(None)
     }
-}
 
-/// Decodes up to the picture with this time and `beyond` pictures further.
-fn find(reader: &mut Reader, pts: i64, beyond: u32) -> Option<TimedPicture> {
-    let mut picture = reader.decode_until(pts)?;
-    for _ in 0..beyond {
-        picture = reader.next()?;
-    }
-    Some(picture)
-}
-
-impl RandomAccess for IndexedReader {
-    fn step(&mut self, from: u32, goal: u32, fingerprints: &[Fingerprint]) -> Result<Step, SourceError> {
-        self.reader()?;
+    fn try_step(&mut self, from: u32, goal: u32, fingerprints: &[Fingerprint]) -> Result<Step, SourceError> {
+        self.ensure_open()?;
         let is_on_the_way = self.next <= goal && (goal - self.next <= FAR || self.goal == goal);
         self.goal = goal;
         if is_on_the_way {
@@ -182,6 +174,25 @@ impl RandomAccess for IndexedReader {
             self.rewind();
         }
         Ok(Step::OnTheWay)
+    }
+}
+
+/// Decodes up to the picture with this time and `beyond` pictures further.
+fn find(reader: &mut Reader, pts: i64, beyond: u32) -> Option<TimedPicture> {
+    let mut picture = reader.decode_until(pts)?;
+    for _ in 0..beyond {
+        picture = reader.next()?;
+    }
+    Some(picture)
+}
+
+impl RandomAccess for IndexedReader {
+    fn step(&mut self, from: u32, goal: u32, fingerprints: &[Fingerprint]) -> Result<Step, SourceError> {
+        let step = self.try_step(from, goal, fingerprints);
+        if step.is_err() {
+            self.rewind();
+        }
+        step
     }
 
     fn take_warnings(&mut self) -> Vec<String> {

@@ -42,6 +42,8 @@ enum Failure {
     NoDecoder(String),
     NoFrame,
     Unconvertible,
+    /// It cannot be opened again.
+    Changed,
 }
 
 impl Failure {
@@ -52,6 +54,7 @@ impl Failure {
             Self::NoDecoder(codec) => {
                 format!("there is no decoder for its codec, {codec}; convert it to H.264")
             }
+            Self::Changed => return SourceError::changed(name),
             Self::NoFrame => format!("none of its frames can be decoded; {whole}"),
             Self::Unconvertible => {
                 "its pictures cannot be converted to RGB; convert it to 8-bit colour".to_owned()
@@ -105,7 +108,8 @@ impl Source for Video {
         if self.is_over {
             return Ok(None);
         }
-        let Some(picture) = self.reader.next() else {
+        let next = self.reader.next().map_err(|failure| failure.of(&self.info.name))?;
+        let Some(picture) = next else {
             self.is_over = true;
             self.warnings.extend(self.progress.at_end(&self.info, self.reader.reader()));
             return Ok(None);

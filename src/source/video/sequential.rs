@@ -71,49 +71,51 @@ impl SequentialReader {
         &self.index
     }
 
-    /// The next picture, `None` after the last.
-    pub(super) fn next(&mut self) -> Option<TimedPicture> {
+    /// The next picture, `None` after the last. Fails where the file had to be opened again and could not be.
+    pub(super) fn next(&mut self) -> Result<Option<TimedPicture>, Failure> {
         let picture = match self.damage {
-            Damage::None => self.next_undamaged(),
-            Damage::Suspected(left) => self.next_suspected(left),
+            Damage::None => self.next_undamaged()?,
+            Damage::Suspected(left) => self.next_suspected(left)?,
             Damage::Certain => self.reader.next(),
         };
         let mut index = self.index.lock();
         index.add_keys(self.reader.take_keys());
         index.is_damaged = self.damage != Damage::None;
-        let picture = picture?;
+        let Some(picture) = picture else { return Ok(None) };
         index.push(picture.time);
         self.given += 1;
-        Some(picture)
+        Ok(Some(picture))
     }
 
     /// The next picture if there is no sign of damage up to those that may depend on each other, else that of a single
     /// thread.
-    fn next_undamaged(&mut self) -> Option<TimedPicture> {
+    fn next_undamaged(&mut self) -> Result<Option<TimedPicture>, Failure> {
         while self.held.len() <= self.reader.info().reordered {
             let picture = self.reader.next();
             if is_damaged(&self.reader, picture.as_ref()) || raw::reported_errors() > self.reported {
                 self.suspicions += 1;
                 let is_certain = self.suspicions > MAX_SUSPICIONS;
-                self.restart(if is_certain { Damage::Certain } else { Damage::Suspected(PROBATION) })?;
-                return self.next_decoded();
+                let damage = if is_certain { Damage::Certain } else { Damage::Suspected(PROBATION) };
+                return Ok(if self.restart(damage)? { self.next_decoded() } else { None });
             }
             let Some(picture) = picture else { break };
             self.held.push_back(picture);
         }
-        self.held.pop_front()
+        Ok(self.held.pop_front())
     }
 
     /// The next picture where damage is suspected.
-    fn next_suspected(&mut self, left: u32) -> Option<TimedPicture> {
+    fn next_suspected(&mut self, left: u32) -> Result<Option<TimedPicture>, Failure> {
         if left == 0 {
-            self.restart(Damage::None)?;
+            if !self.restart(Damage::None)? {
+                return Ok(None);
+            }
             // Those about the pictures so far were no signs.
             self.reported = raw::reported_errors();
             return self.next_undamaged();
         }
         self.damage = Damage::Suspected(left - 1);
-        self.next_decoded()
+        Ok(self.next_decoded())
     }
 
     /// The next picture of a single thread, which marks damaged pictures.
@@ -125,20 +127,20 @@ impl SequentialReader {
         picture
     }
 
-    /// Opens the video again and goes to the current picture.
-    fn restart(&mut self, damage: Damage) -> Option<()> {
+    /// Opens the video again and goes to the current picture; returns whether there are as many pictures this time.
+    fn restart(&mut self, damage: Damage) -> Result<bool, Failure> {
         self.damage = damage;
         let threads = if damage == Damage::None { Threads::All } else { Threads::One };
         self.held.clear();
         self.index.lock().add_keys(self.reader.take_keys());
-        self.reader.restart(threads).ok()?;
+        self.reader.restart(threads).map_err(|_| Failure::Changed)?;
         if self.given > FEW {
             if self.seek_to_current().is_some() {
-                return Some(());
+                return Ok(true);
             }
-            self.reader.restart(threads).ok()?;
+            self.reader.restart(threads).map_err(|_| Failure::Changed)?;
         }
-        (0..self.given).try_for_each(|_| self.reader.next().map(drop))
+        Ok((0..self.given).all(|_| self.reader.next().is_some()))
     }
 
     /// Goes to the current picture from a key packet well before it: of some videos, whose pictures are renewed part by
