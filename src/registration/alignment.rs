@@ -99,7 +99,6 @@ impl Light {
 
     /// The change of the luma.
     pub(super) fn luma(&self) -> LevelChange {
-        let luma = |[r, g, b]: [f32; 3]| (0.299 * r + 0.587 * g) + 0.114 * b;
         LevelChange { gain: luma(self.gain), offset: luma(self.offset) }
     }
 
@@ -141,4 +140,9 @@ impl Alignment {
             )
         })
     }
+}
+
+/// BT.601 luma of levels, gains or offsets of red, green and blue.
+pub(super) fn luma([r, g, b]: [f32; 3]) -> f32 {
+    (0.299 * r + 0.587 * g) + 0.114 * b
 }

@@ -1,6 +1,6 @@
 //! Estimates changes of light: a gain and an offset of the whole image, by consensus of its parts.
 
-use super::alignment::LevelChange;
+use super::alignment::{LevelChange, luma};
 use super::robust;
 use super::{Light, Motion};
 use crate::frame::{Frame, Size};
@@ -71,7 +71,6 @@ struct ColourPair {
 
 impl ColourPair {
     fn luma(&self) -> LevelPair {
-        let luma = |[r, g, b]: [f32; 3]| (0.299 * r + 0.587 * g) + 0.114 * b;
         LevelPair { before: luma(self.before), now: luma(self.now) }
     }
 

@@ -54,12 +54,7 @@ impl ViewContent for AgreementContent {
 
 /// The composition, with the colours of the slots.
 fn compose_style(in_view: AbSlot) -> ComposeStyle {
-    let share = |[r, g, b]: [u8; 3]| [r, g, b, 255].map(|channel| f32::from(channel) / 255.0);
-    ComposeStyle {
-        overlay: share(in_view.colour()),
-        other_colour: share(in_view.other().colour()),
-        ..ComposeStyle::plain(Compose::Agreement)
-    }
+    ComposeStyle::in_two_colours(Compose::Agreement, in_view.colour(), in_view.other().colour())
 }
 
 /// The legend of the colours, with the number of pixels of each.

@@ -1,6 +1,6 @@
 //! The views of the compared settings.
 
-use eframe::egui::{Align2, Color32, FontId};
+use eframe::egui::Color32;
 
 use super::compose_style::{Compose, ComposeStyle};
 use super::layer::ViewLayer;
@@ -95,8 +95,7 @@ pub(super) fn compared<'a>(pane: &Pane<'a>) -> Option<&'a ShownFrame> {
         } else {
             format!("Not analysed yet under {}.", slots.in_view.other().name())
         };
-        let font = FontId::proportional(theme::BODY_TEXT);
-        pane.painter.text(pane.canvas.rect.center(), Align2::CENTER_CENTER, why, font, pane.colours.weak);
+        draw::message(pane.painter, &pane.canvas, &why, pane.colours.weak);
     }
     compared
 }

@@ -1,6 +1,7 @@
 //! The kinds of composition of a view from the layers of a frame, and their parameters.
 
 use super::layer::ViewLayer;
+use crate::regions::Rgb;
 
 /// The kind of composition, in the order of the shader's constants.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -87,5 +88,11 @@ impl ComposeStyle {
     /// Without tint, overlay or scale.
     pub(crate) const fn plain(what: Compose) -> Self {
         Self { what, tint: 1.0, overlay: [0.0; 4], other_colour: [0.0; 4], scale: [0.0; 4] }
+    }
+
+    /// With opaque colours for pixels of the first and of the other kind.
+    pub(crate) fn in_two_colours(what: Compose, overlay: Rgb, other: Rgb) -> Self {
+        let opaque = |[r, g, b]: Rgb| [r, g, b, 255].map(|channel| f32::from(channel) / 255.0);
+        Self { overlay: opaque(overlay), other_colour: opaque(other), ..Self::plain(what) }
     }
 }

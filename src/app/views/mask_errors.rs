@@ -76,12 +76,7 @@ impl ViewContent for MaskErrorsContent {
 
 /// The composition, with the colours of the decisions.
 fn compose_style() -> ComposeStyle {
-    let share = |[r, g, b]: [u8; 3]| [r, g, b, 255].map(|channel| f32::from(channel) / 255.0);
-    ComposeStyle {
-        overlay: share(FALSE_POSITIVE),
-        other_colour: share(FALSE_NEGATIVE),
-        ..ComposeStyle::plain(Compose::MaskErrors)
-    }
+    ComposeStyle::in_two_colours(Compose::MaskErrors, FALSE_POSITIVE, FALSE_NEGATIVE)
 }
 
 /// The decision of a pixel: true or false, positive or negative.

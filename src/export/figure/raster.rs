@@ -24,9 +24,9 @@ static FONTS: LazyLock<Arc<fontdb::Database>> = LazyLock::new(|| {
     Arc::new(fonts)
 });
 
-/// The figure's SVG, parsed, with the window's own typeface.
+/// The figure's SVG, parsed, in points, with the window's own typeface.
 pub(super) fn tree(figure: &Figure) -> io::Result<Tree> {
-    let options = Options { fontdb: Arc::clone(&FONTS), ..Options::default() };
+    let options = Options { dpi: POINTS_AN_INCH as f32, fontdb: Arc::clone(&FONTS), ..Options::default() };
     Tree::from_str(&svg::write(figure), &options).map_err(io::Error::other)
 }
 
