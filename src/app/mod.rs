@@ -79,8 +79,10 @@ pub fn run(opening: Opening) -> anyhow::Result<()> {
         let mut window = Window::new(&creation.egui_ctx, gpu, settings, open_sessions(memory))?;
         window.restore(&creation.egui_ctx, creation.storage);
         window.model.edits.areas = Areas::of_mask(roi);
-        if let (Command::Open(name, _), Some(fps)) = (&first, of_video.fps) {
-            window.model.videos.command_line_rate = Some((name.clone(), fps));
+        if let Command::Open(name, _) = &first
+            && !of_video.is_default()
+        {
+            window.model.videos.command_line = Some((name.clone(), of_video));
         }
         window.apply(&creation.egui_ctx, first);
         if let Some(truth) = truth {

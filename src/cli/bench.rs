@@ -16,7 +16,7 @@ use serde::Serialize;
 use super::console::{Console, Progress};
 use super::flags::{self, FrameRange};
 use super::frames::{Batch, Frames, Item};
-use super::interrupt;
+use super::{interrupt, source_flags};
 use crate::frame::{Frame, Mask, Size};
 use crate::mixture::opencv::OpencvModel;
 use crate::mixture::{BATCH, Mixture, Parameters};
@@ -68,7 +68,7 @@ pub fn command() -> Command {
                 .action(ArgAction::SetTrue)
                 .help("Print one JSON object instead of a table"),
         );
-    flags::with_settings(flags::with_common(flags::with_source(command)))
+    flags::with_settings(flags::with_common(source_flags::with_options(command)))
 }
 
 /// Runs the measurement and prints it.
@@ -81,7 +81,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let asked = matches.get_one::<u32>("frames").copied();
     let sequence = Sequence::open(
         video,
-        flags::source_options(matches)?,
+        source_flags::options(matches)?,
         asked,
         scale,
         CorrectionChoice::new(&settings),

@@ -7,10 +7,8 @@ use std::sync::Arc;
 use anyhow::{Context as _, anyhow};
 use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 
-use super::console::Console;
 use crate::regions::Roi;
 use crate::settings::{Kind, Preset, SETTINGS, Settings};
-use crate::source::{FPS_RANGE, FpsFrom, Options, SourceInfo, parse_fps};
 
 /// An error of usage, independent of the contents of files: exit status 2.
 #[derive(Debug, thiserror::Error)]
@@ -129,34 +127,6 @@ pub(super) fn start_threads(matches: &ArgMatches) -> anyhow::Result<()> {
         .build_global()
         .with_context(|| format!("{threads} threads cannot be started; use fewer"))?;
     opencv::core::set_num_threads(i32::from(threads)).map_err(|error| anyhow!("OpenCV: {error}"))
-}
-
-/// Adds the options of the source: `--fps`.
-pub(super) fn with_source(command: Command) -> Command {
-    command.arg(Arg::new("fps").long("fps").value_name("N").allow_hyphen_values(true).help(
-        "Frames per second, if the source has none or a wrong value [default: from the video, or \
-         `frameRate` in seqinfo.ini in the image folder or its parent, else 25]",
-    ))
-}
-
-/// The options of the source.
-pub(super) fn source_options(matches: &ArgMatches) -> Result<Options, UsageError> {
-    let Some(text) = matches.get_one::<String>("fps") else { return Ok(Options::default()) };
-    let (least, greatest) = FPS_RANGE;
-    let fps = parse_fps(text).ok_or_else(|| {
-        UsageError(format!("--fps cannot be `{text}`: the range is {least}–{greatest} frames per second"))
-    })?;
-    Ok(Options { fps: Some(fps) })
-}
-
-/// Prints a note if the frame rate is assumed.
-pub(super) fn note_assumed_fps(info: &SourceInfo, console: Console) {
-    if info.fps_from == FpsFrom::Assumed {
-        console.note(&format!(
-            "note: {} has no frame rate, {} frames per second are assumed; set it with --fps N",
-            info.name, info.fps
-        ));
-    }
 }
 
 /// Adds `--range`.

@@ -11,6 +11,7 @@ pub mod pixel;
 pub mod run;
 pub mod score;
 pub mod settings;
+mod source_flags;
 pub mod synth;
 mod window;
 

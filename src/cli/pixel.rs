@@ -11,7 +11,7 @@ use clap::{Arg, ArgMatches, Command, value_parser};
 use super::console::Console;
 use super::flags::{self, FrameRange, UsageError};
 use super::frames::{Frames, Item};
-use super::interrupt;
+use super::{interrupt, source_flags};
 use crate::explain::pixel::PixelHistory;
 use crate::export::{Staging, pixel_csv};
 use crate::mixture::Parameters;
@@ -48,7 +48,9 @@ pub fn command() -> Command {
                 .value_parser(value_parser!(PathBuf))
                 .help("Output file [default: stdout]"),
         );
-    flags::with_settings(flags::with_common(flags::with_roi(flags::with_range(flags::with_source(command)))))
+    flags::with_settings(flags::with_common(flags::with_roi(flags::with_range(source_flags::with_options(
+        command,
+    )))))
 }
 
 /// Follows the pixel through the video.
@@ -70,7 +72,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
         settings: &settings,
         roi: flags::roi(matches)?,
         range,
-        options: flags::source_options(matches)?,
+        options: source_flags::options(matches)?,
         console: Console::new(matches),
     };
     if let Some(path) = matches.get_one::<PathBuf>("out") {

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use clap::{Arg, ArgMatches, Command, value_parser};
 
-use super::flags;
+use super::{flags, source_flags};
 use crate::regions::Roi;
 use crate::settings::Settings;
 use crate::source::Options;
@@ -30,7 +30,7 @@ pub(super) fn with_arguments(command: Command) -> Command {
             "Ground truth for scoring: a MOTChallenge file, a CDnet folder, or a scene written by `synth`",
         );
     let command = command.arg(video).arg(truth).arg(memory);
-    flags::with_common(flags::with_settings(flags::with_roi(flags::with_source(command))))
+    flags::with_common(flags::with_settings(flags::with_roi(source_flags::with_options(command))))
 }
 
 /// Opens the window and returns when it is closed.
@@ -44,7 +44,7 @@ pub(super) fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     }
     flags::start_threads(matches)?;
     let memory = matches.get_one::<u64>("memory").map(|&mib| mib as usize * (1 << 20));
-    let options = flags::source_options(matches)?;
+    let options = source_flags::options(matches)?;
     open(matches.get_one::<String>("video").cloned(), options, settings, roi, truth, memory)
 }
 

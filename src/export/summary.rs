@@ -7,6 +7,7 @@ use serde::Serialize;
 use crate::frame::Size;
 use crate::occlusion::Counters;
 use crate::settings::Settings;
+use crate::source::Options;
 
 /// The contents of `summary.json`. Equal inputs and settings give equal summaries, apart from [`Summary::timing`].
 #[derive(Clone, Debug, Serialize)]
@@ -45,6 +46,9 @@ pub struct Input {
     pub fps: f32,
     /// The origin of the rate: `--fps`, `video`, `seqinfo.ini`, or `assumed`.
     pub fps_from: &'static str,
+    /// The options with which it was read, unless it was read as it is.
+    #[serde(skip_serializing_if = "Options::is_default")]
+    pub options: Options,
     /// Number of analysed frames.
     pub frames: u32,
     /// The first frame number.

@@ -10,6 +10,7 @@ mod camera;
 mod image_file;
 mod images;
 mod numbering;
+mod options;
 mod pattern;
 mod quiet;
 pub mod random_access;
@@ -27,6 +28,7 @@ use random_access::RandomAccess;
 use crate::frame::{Frame, Size};
 use crate::settings::Settings;
 
+pub use options::Options;
 pub use quiet::silence_libraries;
 pub use rate::{FPS_RANGE, FpsFrom, parse_fps};
 
@@ -53,13 +55,6 @@ impl SourceInfo {
     pub fn bootstrap(&self, settings: &Settings) -> u32 {
         if self.live { 0 } else { settings.bootstrap.frames(self.fps) }
     }
-}
-
-/// Options of a source besides its name. They belong to the input and are not settings.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Options {
-    /// Frames per second, in place of the source's own rate.
-    pub fps: Option<f32>,
 }
 
 /// A sequence of frames, read once from the first to the last.

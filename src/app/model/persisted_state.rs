@@ -13,7 +13,7 @@ use crate::app::model::playback::SPEEDS;
 use crate::app::model::view::BackgroundDisplay;
 use crate::mixture::Quantity;
 use crate::occlusion::EventKind;
-use crate::source::FPS_RANGE;
+use crate::source::Options;
 
 /// The storage key.
 const STORAGE_KEY: &str = "window";
@@ -35,7 +35,7 @@ pub(crate) struct PersistedState {
     listed: Vec<bool>,
     recent: Vec<String>,
     marks: BTreeMap<String, Marks>,
-    rates: BTreeMap<String, f32>,
+    options: BTreeMap<String, Options>,
 }
 
 impl Default for PersistedState {
@@ -60,7 +60,7 @@ impl PersistedState {
             listed: model.events.listed_kinds.to_vec(),
             recent: model.videos.recent.clone(),
             marks: model.videos.marks.clone(),
-            rates: model.videos.frame_rates.clone(),
+            options: model.videos.options.clone(),
         }
     }
 
@@ -87,8 +87,6 @@ impl PersistedState {
         }
         (model.videos.recent, model.panels.hint) = (self.recent, self.hint);
         model.videos.marks = self.marks;
-        let (least, greatest) = FPS_RANGE;
-        model.videos.frame_rates =
-            self.rates.into_iter().filter(|(_, fps)| (least..=greatest).contains(fps)).collect();
+        model.videos.options = self.options.into_iter().filter(|(_, options)| options.is_valid()).collect();
     }
 }

@@ -31,10 +31,10 @@ pub(crate) struct Videos {
     pub(crate) recent: Vec<String>,
     /// The marks in other videos, by name.
     pub(crate) marks: BTreeMap<String, Marks>,
-    /// Typed frame rates of videos, by name.
-    pub(crate) frame_rates: BTreeMap<String, f32>,
-    /// The video whose frame rate the command line sets, for this run only, with that rate.
-    pub(crate) command_line_rate: Option<(String, f32)>,
+    /// Options of videos that were chosen in the window, by name.
+    pub(crate) options: BTreeMap<String, Options>,
+    /// The video that the command line opens, with its options, which hold for this run only.
+    pub(crate) command_line: Option<(String, Options)>,
 }
 
 impl Videos {
@@ -45,15 +45,25 @@ impl Videos {
             origin: Origin::New,
             recent: Vec::new(),
             marks: BTreeMap::new(),
-            frame_rates: BTreeMap::new(),
-            command_line_rate: None,
+            options: BTreeMap::new(),
+            command_line: None,
         }
     }
 
     /// The options of a video.
     pub(crate) fn options_of(&self, name: &str) -> Options {
-        let given = self.command_line_rate.as_ref().filter(|(of, _)| of == name).map(|(_, fps)| *fps);
-        Options { fps: given.or_else(|| self.frame_rates.get(name).copied()) }
+        let given = self.command_line.as_ref().filter(|(of, _)| of == name).map(|(_, options)| *options);
+        given.or_else(|| self.options.get(name).copied()).unwrap_or_default()
+    }
+
+    /// Sets the options of a video, in place of those of the command line.
+    pub(crate) fn set_options(&mut self, name: &str, options: Options) {
+        self.command_line = self.command_line.take().filter(|(of, _)| of != name);
+        if options.is_default() {
+            self.options.remove(name);
+        } else {
+            self.options.insert(name.to_owned(), options);
+        }
     }
 
     /// Stores the marks of the open video under its name.
@@ -89,16 +99,21 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_rate_of_the_command_line_precedes_a_typed_one() {
+    fn the_options_of_the_command_line_precede_those_chosen_before() {
         let mut videos = Videos::new();
-        videos.frame_rates.insert("a.mp4".into(), 12.5);
-        videos.command_line_rate = Some(("b.mp4".into(), 30.0));
+        let of_rate = |fps| Options { fps: Some(fps) };
+        videos.set_options("a.mp4", of_rate(12.5));
+        videos.command_line = Some(("b.mp4".into(), of_rate(30.0)));
         assert_eq!(
             ["a.mp4", "b.mp4", "c.mp4"].map(|name| videos.options_of(name).fps),
             [Some(12.5), Some(30.0), None]
         );
-        videos.command_line_rate = Some(("a.mp4".into(), 50.0));
+        videos.command_line = Some(("a.mp4".into(), of_rate(50.0)));
         assert_eq!(videos.options_of("a.mp4").fps, Some(50.0));
+        videos.set_options("a.mp4", of_rate(20.0));
+        assert_eq!(videos.options_of("a.mp4").fps, Some(20.0), "chosen later");
+        videos.set_options("a.mp4", Options::default());
+        assert!(videos.options.is_empty(), "nothing is kept of a video that is read as it is");
     }
 
     #[test]

@@ -232,12 +232,12 @@ fn an_unknown_frame_rate_is_labelled_as_assumed_and_can_be_typed() {
     harness.run_steps(2);
     harness.get_by_role_and_label(field.0, field.1).type_text("12.5");
     harness.run_steps(2);
-    assert!(harness.state().model.videos.frame_rates.is_empty(), "no rate is applied while typing");
+    assert!(harness.state().model.videos.options.is_empty(), "no rate is applied while typing");
     let said = scene.asked.borrow().len();
     harness.key_press(Key::Enter);
     harness.run_steps(3);
     let model = &harness.state().model;
-    assert_eq!(model.videos.frame_rates.get("/videos/walk.mp4"), Some(&12.5));
+    assert_eq!(model.videos.options_of("/videos/walk.mp4").fps, Some(12.5));
     assert_eq!(model.selection.pixel, Some((30, 60)), "the chosen pixel is retained");
     assert!(
         scene.asked.borrow()[said..].iter().any(|asked| matches!(asked, PlayerCall::Inspect(Some((30, 60)))))

@@ -212,11 +212,11 @@ impl Window {
     fn set_rate(&mut self, ctx: &Context, fps: f32) {
         let model = &mut self.model;
         let Some(name) = model.videos.opened.clone() else { return };
-        if model.videos.options_of(&name).fps == Some(fps) {
+        let mut options = model.videos.options_of(&name);
+        if options.fps.replace(fps) == Some(fps) {
             return;
         }
-        model.videos.command_line_rate = None;
-        model.videos.frame_rates.insert(name.clone(), fps);
+        model.videos.set_options(&name, options);
         let (pixel, truth, camera) = (model.selection.pixel, model.truth.clone(), model.display.camera);
         let start = Start::Frame(model.worker.number(model.worker.position()));
         self.open(ctx, &name, start);

@@ -8,6 +8,7 @@ use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 use super::bulky_output::{self, ANNOTATED, BulkyOutput, FRAMES};
 use crate::cli::console::Console;
 use crate::cli::flags::{self, FrameRange};
+use crate::cli::source_flags;
 use crate::regions::Roi;
 use crate::settings::Settings;
 use crate::source::Options;
@@ -37,7 +38,9 @@ pub fn command() -> Command {
         command
             .arg(Arg::new(flag).long(flag).action(ArgAction::SetTrue).help(help).help_heading("Large files"))
     });
-    flags::with_settings(flags::with_common(flags::with_roi(flags::with_range(flags::with_source(command)))))
+    flags::with_settings(flags::with_common(flags::with_roi(flags::with_range(source_flags::with_options(
+        command,
+    )))))
 }
 
 /// The arguments of a run.
@@ -65,7 +68,7 @@ impl RunJob {
             settings: flags::settings(matches)?,
             roi: flags::roi(matches)?,
             range: flags::range(matches)?,
-            options: flags::source_options(matches)?,
+            options: source_flags::options(matches)?,
             console: Console::new(matches),
             bulky: bulky_output::ALL
                 .iter()

@@ -23,8 +23,8 @@ use clap::ArgMatches;
 
 pub use arguments::command;
 
-use super::flags;
 use super::frames::Frames;
+use super::{flags, source_flags};
 use crate::export::Staging;
 use crate::registration::CorrectionChoice;
 use arguments::RunJob;
@@ -54,7 +54,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     staging.publish(summary::FILE).with_context(|| job.out_failure())?;
 
     summary::print(&job, &summary);
-    flags::note_assumed_fps(&frames.info, job.console);
+    source_flags::note_assumed_fps(&frames.info, job.console);
     Ok(())
 }
 

@@ -50,6 +50,7 @@ pub(super) fn summarise(
             size: info.size,
             fps: info.fps,
             fps_from: info.fps_from.word(),
+            options: job.options,
             frames,
             first_frame: number(result.tracks.first()),
             last_frame: number(result.tracks.last()),
