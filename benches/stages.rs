@@ -139,7 +139,7 @@ fn tracking(c: &mut Criterion) {
                 b.iter(|| {
                     let mut tracker = Tracker::new(&settings, size, 25.0);
                     for (number, regions) in (1..).zip(&sequence) {
-                        black_box(tracker.step(number, regions));
+                        black_box(tracker.step(number, f64::from(number) / 25.0, regions));
                     }
                 });
             });

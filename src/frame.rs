@@ -48,11 +48,13 @@ impl fmt::Display for Size {
     }
 }
 
-/// An 8-bit RGB image of a sequence, and its frame number. Equality ignores the alignment.
+/// An 8-bit RGB image of a sequence, with its frame number and time. Equality ignores the time and the alignment.
 #[derive(Clone)]
 pub struct Frame {
     /// The frame number that is shown and written to files: from 1, or the number in an image's file name.
     pub number: u32,
+    /// Its time of presentation in seconds since the source's first frame, which rises from frame to frame.
+    pub time: f64,
     /// Width and height.
     pub size: Size,
     /// Row by row, three bytes per pixel: red, green, blue.
@@ -62,13 +64,19 @@ pub struct Frame {
 }
 
 impl Frame {
-    /// A frame from its bytes, row by row, three per pixel.
+    /// A frame from its bytes, row by row, three per pixel, at time 0.
     ///
     /// # Panics
     /// If the number of bytes does not match the size: a source that decodes wrongly is a bug.
     pub fn new(number: u32, size: Size, rgb: Vec<u8>) -> Self {
         assert_eq!(rgb.len(), size.pixels() * 3, "three bytes for each pixel");
-        Self { number, size, rgb, alignment: Alignment::default() }
+        Self { number, time: 0.0, size, rgb, alignment: Alignment::default() }
+    }
+
+    /// The frame at this time, in seconds since the source's first frame.
+    #[must_use]
+    pub fn at_time(self, time: f64) -> Self {
+        Self { time, ..self }
     }
 
     /// The colour at (x, y); `None` outside the image.
@@ -80,11 +88,12 @@ impl Frame {
     /// The part within these columns and rows, which must be inside the image.
     pub fn cut(&self, columns: &Range<u32>, rows: &Range<u32>) -> Self {
         let size = Size::new(columns.len() as u32, rows.len() as u32);
-        let row = |row: u32| {
+        let mut rgb = Vec::with_capacity(size.pixels() * 3);
+        for row in rows.clone() {
             let start = (row as usize * self.size.width as usize + columns.start as usize) * 3;
-            &self.rgb[start..start + columns.len() * 3]
-        };
-        Self::new(self.number, size, rows.clone().flat_map(row).copied().collect())
+            rgb.extend_from_slice(&self.rgb[start..start + columns.len() * 3]);
+        }
+        Self::new(self.number, size, rgb).at_time(self.time)
     }
 }
 

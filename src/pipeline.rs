@@ -47,6 +47,8 @@ pub enum PipelineError {
 pub struct Analysis {
     /// The frame number in the source.
     pub number: u32,
+    /// The frame's time in seconds since the source's first frame.
+    pub time: f64,
     /// The frame's index among the classified ones, from 1.
     pub t: u32,
     /// The foreground in which regions were found: after cleaning, before `min_area`.
@@ -304,15 +306,16 @@ impl Pipeline {
         let region_finder = &self.region_finder;
         let found = frames.par_iter().zip(raw).map(|(frame, mask)| region_finder.find(frame, mask));
         let found = found.collect::<Result<Vec<_>, _>>()?;
-        Ok(frames.iter().zip(found).map(|(frame, found)| self.follow(frame.number, found)).collect())
+        Ok(frames.iter().zip(found).map(|(frame, found)| self.follow(frame, found)).collect())
     }
 
     /// Tracks the objects of the next frame and decides its events, from its regions.
-    fn follow(&mut self, number: u32, FoundRegions { mask, labels, regions }: FoundRegions) -> Analysis {
+    fn follow(&mut self, frame: &Frame, FoundRegions { mask, labels, regions }: FoundRegions) -> Analysis {
         self.t += 1;
-        let result = self.tracker.step(number, &regions);
+        let result = self.tracker.step(frame.number, frame.time, &regions);
         Analysis {
-            number,
+            number: frame.number,
+            time: frame.time,
             t: self.t,
             mask,
             labels,
@@ -344,7 +347,7 @@ impl Pipeline {
     /// and in the order of frames.
     pub fn track_again(&mut self, analysis: &Analysis) -> Analysis {
         self.t += 1;
-        let result = self.tracker.step(analysis.number, &analysis.regions);
+        let result = self.tracker.step(analysis.number, analysis.time, &analysis.regions);
         Analysis {
             tracks: Arc::new(result.tracks),
             tentative: Arc::new(result.tentative),
@@ -417,7 +420,8 @@ pub fn offline_result<'a>(
             !analysis.objects.iter().any(same)
         });
         let objects = before.into_iter().chain(analysis.objects.iter());
-        result.tracks.push(FrameTracks { number: analysis.number, tracks: identity_map.apply(objects) });
+        let tracks = identity_map.apply(objects);
+        result.tracks.push(FrameTracks { number: analysis.number, time: analysis.time, tracks });
         result.events.extend(analysis.events.iter().cloned());
     }
     result.events.extend(last.events);

@@ -113,7 +113,7 @@ proptest! {
             }
             let (frame, mask) = draw(number, &blocks, &mut random);
             let (labels, regions) = find_regions(&frame, &mask, 4);
-            let seen = tracker.step(number, &regions);
+            let seen = tracker.step(number, f64::from(number) / f64::from(fps), &regions);
 
             let keys: BTreeSet<u32> = seen.objects.iter().map(|track| track.key).collect();
             prop_assert_eq!(keys.len(), seen.objects.len(), "an object twice in frame {}", number);
@@ -155,6 +155,7 @@ proptest! {
         told.sort_by(|a, b| (a.frame, a.kind, &a.objects).cmp(&(b.frame, b.kind, &b.objects)));
         let apply = |(number, objects): &(u32, Vec<Track>)| FrameTracks {
             number: *number,
+            time: 0.0,
             tracks: identity_map.apply(objects),
         };
         let tracks: Vec<_> = frames.iter().map(apply).collect();

@@ -5,7 +5,8 @@
 use occluscope::frame::{Frame, Mask, Size};
 use occluscope::occlusion::{Event, EventKind, FrameResult, Relation, Tracker};
 use occluscope::regions::find_regions;
-use occluscope::settings::Settings;
+use occluscope::settings::{Settings, Span};
+use occluscope::tracking::TrackState;
 
 const SIZE: Size = Size { width: 320, height: 240 };
 const RED: [u8; 3] = [220, 30, 30];
@@ -40,7 +41,8 @@ fn draw(number: u32, figures: &[Figure]) -> (Frame, Mask) {
 fn step(tracker: &mut Tracker, number: u32, figures: &[Figure]) -> FrameResult {
     let (frame, mask) = draw(number, figures);
     let (_, regions) = find_regions(&frame, &mask, 4);
-    tracker.step(number, &regions)
+    // Without times, frames are one period apart.
+    tracker.step(number, 0.0, &regions)
 }
 
 /// Two figures that cross: separate at first, in one region from about frame 40, separate again from about 56.
@@ -220,10 +222,87 @@ fn a_partly_visible_object_has_a_box_of_its_visible_part() {
             mask.data[130 * SIZE.width as usize..].fill(Mask::BACKGROUND);
         }
         let (_, regions) = find_regions(&frame, &mask, 4);
-        let seen = tracker.step(number, &regions);
+        let seen = tracker.step(number, f64::from(number) / 25.0, &regions);
         if number > 30 {
             let [track] = &seen.tracks[..] else { panic!("frame {number}: {:?}", seen.tracks) };
             assert_eq!(track.bbox, regions[0].shape.bbox, "frame {number}");
         }
     }
+}
+
+/// The tracks of a figure that walks `speed` pixels a period, in frames at these periods, and the events.
+fn walk(
+    frames: impl IntoIterator<Item = u32>,
+    speed: i32,
+    times: impl Fn(u32) -> f64,
+) -> (Vec<usize>, Vec<Event>) {
+    let mut tracker = Tracker::new(&Settings::default(), SIZE, 25.0);
+    let (mut counts, mut events) = (Vec::new(), Vec::new());
+    for (number, period) in (1..).zip(frames) {
+        let (frame, mask) = draw(number, &[(20 + speed * period as i32, 100, RED)]);
+        let (_, regions) = find_regions(&frame, &mask, 4);
+        let seen = tracker.step(number, times(period), &regions);
+        counts.push(seen.tracks.len());
+        events.extend(seen.events);
+    }
+    events.extend(tracker.finish().events);
+    (counts, events)
+}
+
+#[test]
+fn an_object_is_followed_over_missing_frames_by_their_times() {
+    // Eight frames are missing.
+    let frames = || (0..20).chain(28..41);
+    let (counts, events) = walk(frames(), 7, |period| f64::from(period) / 25.0);
+    assert_eq!(kinds(&events), [EventKind::Appear], "one object, never lost");
+    assert_eq!(counts[20..], [1; 13], "not for a frame");
+    let (_, events) = walk(frames(), 7, |_| 0.0);
+    assert_ne!(
+        kinds(&events),
+        [EventKind::Appear],
+        "a leap of 63 pixels from one frame to the next is another object"
+    );
+}
+
+#[test]
+fn who_is_seen_elsewhere_after_a_long_gap_is_another_object() {
+    let mut tracker = Tracker::new(&Settings::default(), SIZE, 25.0);
+    let mut tracks = Vec::new();
+    for number in 1..=60_u32 {
+        let x = 2 * number as i32;
+        let (figure, time) =
+            if number <= 30 { ((40 + x, 100, RED), 0.0) } else { ((300 - x, 40, BLUE), 10.0) };
+        let (frame, mask) = draw(number, &[figure]);
+        let (_, regions) = find_regions(&frame, &mask, 4);
+        tracks = tracker.step(number, time + f64::from(number) / 25.0, &regions).tracks;
+    }
+    let seen: Vec<_> = tracks.iter().filter(|track| track.state == TrackState::Visible).collect();
+    assert_eq!(seen.iter().map(|track| track.id).collect::<Vec<_>>(), [2], "{tracks:?}");
+}
+
+#[test]
+fn settings_in_seconds_are_times_and_not_frames() {
+    let hidden_for = |seconds: f64| {
+        let settings = Settings { max_hidden: Span::Seconds(2.0), ..Settings::default() };
+        let mut tracker = Tracker::new(&settings, SIZE, 25.0);
+        let mut events = Vec::new();
+        for number in 1..=90 {
+            let x = 40 + 2 * number as i32;
+            let figures: &[Figure] = if (30..40).contains(&number) { &[] } else { &[(x, 100, RED)] };
+            let (frame, mask) = draw(number, figures);
+            let (_, regions) = find_regions(&frame, &mask, 4);
+            // The ten frames in which it is hidden are far apart.
+            let slow = f64::from(number.clamp(29, 39) - 29) * (seconds / 10.0 - 0.04);
+            events.extend(tracker.step(number, f64::from(number) / 25.0 + slow, &regions).events);
+        }
+        events.extend(tracker.finish().events);
+        kinds(&events)
+    };
+    let [enter, hidden, again] = hidden_for(1.0)[..] else { panic!("{:?}", hidden_for(1.0)) };
+    assert_eq!([enter, hidden, again], [EventKind::Appear, EventKind::Disappear, EventKind::Reappear]);
+    assert!(
+        !hidden_for(8.0).contains(&EventKind::Reappear),
+        "after eight seconds it is another: {:?}",
+        hidden_for(8.0)
+    );
 }

@@ -31,7 +31,11 @@ fn told_of(ways: &[Trajectory]) -> Vec<Vec<Event>> {
         let seen = ways.iter().zip(colours).filter_map(|(way, colour)| {
             way(number as i32).and_then(|at| Block::new(at, (8, 20), colour, SIZE))
         });
-        let seen = tracker.step(number, &regions(&seen.collect::<Vec<_>>(), SIZE));
+        let seen = tracker.step(
+            number,
+            f64::from(number) / f64::from(FPS),
+            &regions(&seen.collect::<Vec<_>>(), SIZE),
+        );
         events.extend(seen.events);
         identities.extend(seen.settled.identities);
         frames.push((number, seen.objects));
@@ -45,6 +49,7 @@ fn told_of(ways: &[Trajectory]) -> Vec<Vec<Event>> {
         }
         let apply = |(number, objects): &(u32, Vec<Track>)| FrameTracks {
             number: *number,
+            time: 0.0,
             tracks: identity_map.apply(objects),
         };
         let tracks: Vec<_> = frames.iter().map(apply).collect();

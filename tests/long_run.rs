@@ -68,7 +68,7 @@ fn remembered(every: u32, frames: u32, least: &Busy) -> Vec<usize> {
         }
         passers.retain(|passer| number - passer.from < 100);
         let blocks: Vec<Block> = passers.iter().filter_map(|passer| passer.seen(number)).collect();
-        let seen = tracker.step(number, &regions(&blocks, SIZE));
+        let seen = tracker.step(number, f64::from(number) / 25.0, &regions(&blocks, SIZE));
         busy.identities = seen.tracks.iter().map(|track| track.id).fold(busy.identities, u32::max);
         let episodes = &seen.settled.episodes;
         busy.occlusions += episodes.len();

@@ -49,6 +49,20 @@ fn a_negative_number_is_refused_as_the_value_of_its_setting() {
 }
 
 #[test]
+fn options_of_video_files_are_refused_for_images() {
+    let place = TestFolder::new();
+    let (images, out) = (place.path("images"), place.path("out"));
+    write_images(&images, 2, 1);
+    for flags in [&["--deinterlace"][..], &["--stream", "0"]] {
+        let line = fails(&[&["run", text(&images), "--out", text(&out)], flags].concat(), 1);
+        assert!(line.contains(flags[0]) && line.contains("for video files, not for images"), "{line}");
+        assert!(!out.exists());
+    }
+    let line = fails(&["run", text(&images), "--out", text(&out), "--stream", "first"], 2);
+    assert!(line.contains("--stream cannot be `first`"), "{line}");
+}
+
+#[test]
 fn a_duration_out_of_range_is_refused() {
     let line = refusal(&["--max-hidden", "99999999s"]);
     assert!(line.contains("max_hidden"), "{line}");

@@ -106,6 +106,7 @@ fn shown_at(position: u32, count: u32) -> ShownFrame {
         frame: picture(position + 1),
         analysis: Arc::new(Analysis {
             number: position + 1,
+            time: f64::from(position) / 30.0,
             t: position + 1,
             mask: Arc::new(mask),
             labels: Arc::new(Labels::of_image(SIZE, &labels)),
@@ -130,10 +131,12 @@ fn ready(frames: Rc<Vec<ShownFrame>>) -> ReadyPlayer {
     let info = SourceInfo {
         name: "crowd.mp4".into(),
         size: SIZE,
+        pixel_aspect: None,
         fps: 30.0,
         fps_from: crate::source::FpsFrom::Video,
         frames: Some(FRAMES),
         live: false,
+        reduction: None,
     };
     let timeline = Timeline { numbers: (1..=FRAMES).collect(), complete: true, ..Timeline::default() };
     let state = State {

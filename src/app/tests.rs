@@ -49,6 +49,7 @@ mod panels;
 mod pictures;
 mod pixels;
 mod sizes;
+mod source_options;
 mod timeline;
 mod truth;
 
@@ -299,7 +300,8 @@ fn shown_at(position: u32) -> ShownFrame {
             mosaic: Arc::default(),
         })
         .collect();
-    let frame = Arc::new(Frame::new(position + 1, SIZE, rgb));
+    let time = f64::from(position) / 25.0;
+    let frame = Arc::new(Frame::new(position + 1, SIZE, rgb).at_time(time));
     let background = Arc::new(Frame::new(position + 1, SIZE, background));
     ShownFrame {
         position,
@@ -308,6 +310,7 @@ fn shown_at(position: u32) -> ShownFrame {
         frame,
         analysis: Arc::new(Analysis {
             number: position + 1,
+            time,
             t: position + 1,
             mask: Arc::new(mask),
             labels: Arc::new(labels),
@@ -358,6 +361,7 @@ fn timeline() -> Timeline {
     let crossing = [(0, 49, Visible), (50, 69, Merged), (70, 119, Visible)];
     Timeline {
         numbers: (1..=FRAMES).collect(),
+        times: (0..FRAMES).map(|position| f64::from(position) / 25.0).collect(),
         complete: true,
         analysed: FRAMES,
         decoded: vec![(0, 30), (50, FRAMES - 1)],
@@ -387,10 +391,12 @@ fn state(phase: Phase, shown: Option<u32>) -> State {
             Arc::new(SourceInfo {
                 name: "walk.mp4".into(),
                 size: SIZE,
+                pixel_aspect: None,
                 fps: 25.0,
                 fps_from: FpsFrom::Video,
                 frames: Some(FRAMES),
                 live: false,
+                reduction: None,
             })
         }),
         shown: shown.map(|position| Arc::new(shown_at(position))),

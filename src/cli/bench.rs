@@ -57,36 +57,32 @@ pub fn command() -> Command {
                 .help("Number of frames to process [default: 320, or as many as fit into 1 GiB]"),
         )
         .arg(
-            Arg::new("scale")
-                .long("scale")
-                .value_name("WxH")
-                .help("Resize the frames to this size first, as in 1920x1080"),
-        )
-        .arg(
             Arg::new("json")
                 .long("json")
                 .action(ArgAction::SetTrue)
                 .help("Print one JSON object instead of a table"),
         );
-    flags::with_settings(flags::with_common(source_flags::with_options(command)))
+    let command = source_flags::with_options(command).mut_arg("scale", |scale| {
+        scale.value_name("S|WxH").help(
+            "Reduce the images by this factor, or resize the frames to this size first, as in 1920x1080",
+        )
+    });
+    flags::with_settings(flags::with_common(command))
 }
 
 /// Runs the measurement and prints it.
 pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let settings = flags::settings(matches)?;
-    let scale = scale(matches)?;
+    let scale = size(matches)?;
+    let options = match scale {
+        Some(_) => source_flags::unscaled_options(matches)?,
+        None => source_flags::options(matches)?,
+    };
     flags::start_threads(matches)?;
     let console = Console::new(matches);
     let video = matches.get_one::<String>("video").map_or("", String::as_str);
     let asked = matches.get_one::<u32>("frames").copied();
-    let sequence = Sequence::open(
-        video,
-        source_flags::options(matches)?,
-        asked,
-        scale,
-        CorrectionChoice::new(&settings),
-        console,
-    )?;
+    let sequence = Sequence::open(video, options, asked, scale, CorrectionChoice::new(&settings), console)?;
     let figures = Figures::measure(video, &sequence, scale.is_some(), &settings, console)?;
     let mut out = io::stdout().lock();
     if matches.get_flag("json") {
@@ -98,11 +94,12 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     Ok(out.flush()?)
 }
 
-fn scale(matches: &ArgMatches) -> Result<Option<Size>, flags::UsageError> {
+/// The size in place of a factor for `--scale`.
+fn size(matches: &ArgMatches) -> Result<Option<Size>, flags::UsageError> {
     let Some(text) = matches.get_one::<String>("scale") else { return Ok(None) };
-    let sides = text.split_once(['x', '×']);
-    let sides = sides.and_then(|(w, h)| Some(Size::new(w.trim().parse().ok()?, h.trim().parse().ok()?)));
-    match sides {
+    let Some((width, height)) = text.split_once(['x', '×']) else { return Ok(None) };
+    let side = |text: &str| text.trim().parse().ok();
+    match side(width).zip(side(height)).map(|(width, height)| Size::new(width, height)) {
         Some(size) if (1..=16_384).contains(&size.width) && (1..=16_384).contains(&size.height) => {
             Ok(Some(size))
         }
@@ -115,6 +112,7 @@ fn scale(matches: &ArgMatches) -> Result<Option<Size>, flags::UsageError> {
 /// Decoded frames, and the time of decoding each batch of them.
 struct Sequence {
     info: SourceInfo,
+    options: Options,
     frames: Vec<Frame>,
     decoding: Meter,
 }
@@ -141,8 +139,8 @@ impl Sequence {
                 bytes >> 20
             );
         }
-        let mut sequence =
-            Self { info: source.info().clone(), frames: Vec::new(), decoding: Meter::default() };
+        let info = source.info().clone();
+        let mut sequence = Self { info, options, frames: Vec::new(), decoding: Meter::default() };
         let progress = console.progress("decoding", Some(wanted));
         let mut ended = false;
         while !ended && sequence.frames.len() < wanted as usize {
@@ -364,8 +362,7 @@ impl Meter {
         } else {
             let last = sequence.frames.last().map_or(0, |frame| frame.number);
             let first = sequence.frames.first().map_or(0, |frame| frame.number);
-            let mut frames =
-                Frames::open(video, Options::default(), Some(FrameRange { first, last }), choice)?;
+            let mut frames = Frames::open(video, sequence.options, Some(FrameRange { first, last }), choice)?;
             loop {
                 stop_if_asked(video)?;
                 let Batch { frames: batch, after } = frames.batch(BATCH);

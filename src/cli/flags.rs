@@ -17,9 +17,10 @@ pub struct UsageError(pub String);
 
 /// The first argument, VIDEO.
 pub(super) fn video() -> Arg {
-    Arg::new("video")
-        .value_name("VIDEO")
-        .help("A video file, a folder of images, a pattern such as in%06d.png, or camera:0")
+    Arg::new("video").value_name("VIDEO").help(
+        "A video file, a TIFF file of several pages, a folder of images, the folder of a CDnet or MOTChallenge \
+         sequence, a pattern such as in%06d.png, camera:0, or an address such as rtsp://host/stream",
+    )
 }
 
 /// Adds `--preset`, `--settings` and a flag for every setting.
@@ -157,7 +158,7 @@ pub(super) fn range(matches: &ArgMatches) -> Result<Option<FrameRange>, UsageErr
 /// Adds `--roi`.
 pub(super) fn with_roi(command: Command) -> Command {
     command.arg(Arg::new("roi").long("roi").value_name("MASK.png").value_parser(value_parser!(PathBuf)).help(
-        "Analyse only the bright pixels (128 or more) of this image of the frame size; foreground \
+        "Analyse only the bright pixels (128 or more) of this image of the source's size; foreground \
              elsewhere is removed before post-processing",
     ))
 }

@@ -75,11 +75,8 @@ impl Frames {
         interrupt::watch();
         let source = source::open(video, options)?;
         let info = source.info().clone();
-        let total = match (range, info.frames) {
-            (Some(range), Some(frames)) => Some(frames.min(range.count())),
-            (Some(range), None) => Some(range.count()),
-            (None, frames) => frames,
-        };
+        let of_range = range.map(|range| range.count().div_ceil(info.every()));
+        let total = of_range.into_iter().chain(info.frames).min();
         let ahead = MAX_BYTES_AHEAD / (info.size.pixels() * 3).max(1);
         let source: Box<dyn Source> = match choice {
             None => source,
@@ -245,13 +242,20 @@ fn at_the_end(
 ) -> Option<Item> {
     let name = &info.name;
     let failed = |why: String| Some(Item::Failed(anyhow!(why)));
+    // Frames that are left out can follow the last one.
+    let left_out = info.every() - 1;
     match (range, last_number) {
         (None, None) => failed(format!("{name} has no frames that can be read")),
-        (Some(range), Some(last)) if last < range.first => failed(format!(
+        (Some(range), Some(last)) if last.saturating_add(left_out) < range.first => failed(format!(
             "the range {range} starts beyond the end of {name}, whose last frame is {last}; choose an earlier start"
         )),
-        (Some(range), _) if !has_begun => failed(format!("{name} has no frames in the range {range}")),
-        (Some(range), Some(last)) if last < range.last => {
+        (Some(range), _) if !has_begun => {
+            let every = info.every();
+            let why = format!("; --every {every} counts from the source's first frame");
+            let why = Some(why).filter(|_| every > 1).unwrap_or_default();
+            failed(format!("{name} has no frames in the range {range}{why}"))
+        }
+        (Some(range), Some(last)) if last.saturating_add(left_out) < range.last => {
             Some(Item::Warning(format!("the range {range} is truncated at {last}, the last frame of {name}")))
         }
         _ => None,

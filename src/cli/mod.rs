@@ -39,7 +39,8 @@ Examples:
   occluscope pixel street.mp4 --at 320,240    one pixel's mixture at every frame, as CSV
   occluscope settings > my.toml               every setting with its range and meaning
 
-VIDEO is a video file, a folder of images, a pattern such as in%06d.png, or camera:0.
+VIDEO is a video file, a TIFF file of several pages, a folder of images, the folder of a CDnet or
+MOTChallenge sequence, a pattern such as in%06d.png, camera:0, or an address such as rtsp://host/stream.
 `occluscope COMMAND --help` shows details; `--help` lists every setting, `-h` omits them.";
 
 /// Defines the whole command line.

@@ -15,6 +15,7 @@ use super::{interrupt, source_flags};
 use crate::explain::pixel::PixelHistory;
 use crate::export::{Staging, pixel_csv};
 use crate::mixture::Parameters;
+use crate::placement::Crop;
 use crate::regions::Roi;
 use crate::registration::CorrectionChoice;
 use crate::settings::{BackgroundModel, Settings};
@@ -39,7 +40,7 @@ pub fn command() -> Command {
                 .value_name("X,Y")
                 .required(true)
                 .allow_hyphen_values(true)
-                .help("The pixel as column and row; the upper left pixel is 0,0"),
+                .help("The pixel of the source as column and row; the upper left pixel is 0,0"),
         )
         .arg(
             Arg::new("out")
@@ -79,7 +80,8 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
         return to_file(path, &follow);
     }
     let mut out = BufWriter::new(io::stdout().lock());
-    follow.write_frames(&mut follow.open()?, &mut out)?;
+    let (mut frames, at) = follow.open()?;
+    follow.write_frames(&mut frames, at, &mut out)?;
     Ok(out.flush()?)
 }
 
@@ -97,24 +99,25 @@ fn at(matches: &ArgMatches) -> Result<(u32, u32), UsageError> {
 /// Writes a temporary file next to `path` and renames it; writes directly to a device or a pipe.
 fn to_file(path: &Path, follow: &Follow<'_>) -> anyhow::Result<()> {
     let fail = || format!("{} cannot be written", path.display());
-    let mut frames = follow.open()?;
+    let (mut frames, at) = follow.open()?;
     let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
     if target.exists() && !target.is_file() {
         let mut out = BufWriter::new(File::create(&target).with_context(fail)?);
-        follow.write_frames(&mut frames, &mut out)?;
+        follow.write_frames(&mut frames, at, &mut out)?;
         return out.flush().with_context(fail);
     }
     let name = target.file_name().with_context(fail)?;
     let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
     let staging = Staging::new(folder).with_context(fail)?;
     let mut out = BufWriter::new(File::create(staging.path(name)).with_context(fail)?);
-    follow.write_frames(&mut frames, &mut out)?;
+    follow.write_frames(&mut frames, at, &mut out)?;
     out.flush().with_context(fail)?;
     staging.publish(name).with_context(fail)
 }
 
 struct Follow<'a> {
     video: &'a str,
+    /// The pixel of the source's images.
     at: (u32, u32),
     settings: &'a Settings,
     roi: Option<Arc<Roi>>,
@@ -124,11 +127,13 @@ struct Follow<'a> {
 }
 
 impl Follow<'_> {
-    fn open(&self) -> anyhow::Result<Frames> {
+    /// Opens the video. Returns the pixel of its frames, too.
+    fn open(&self) -> anyhow::Result<(Frames, (u32, u32))> {
         let frames =
             Frames::open(self.video, self.options, self.range, Some(CorrectionChoice::new(self.settings)))?;
+        let info = &frames.info;
         let (x, y) = self.at;
-        let size = frames.info.size;
+        let size = info.source_size();
         if size.index(x, y).is_none() {
             bail!(
                 "pixel {x},{y} is outside {}, which is {size}; choose a column in 0–{} and a row in 0–{}",
@@ -137,21 +142,34 @@ impl Follow<'_> {
                 size.height - 1
             );
         }
+        let placement = info.placement();
+        let at = match &placement {
+            None => (x, y),
+            Some(placement) => placement.frame_pixel(self.at).with_context(|| {
+                let Crop { x: left, y: top, width, height } = placement.crop();
+                format!(
+                    "pixel {x},{y} is outside the crop of {}; choose a column in {left}–{} and a row in {top}–{}",
+                    self.video,
+                    left + width - 1,
+                    top + height - 1
+                )
+            })?,
+        };
         if let Some(roi) = &self.roi {
-            roi.check(size)?;
-            if !roi.contains(x, y) {
+            let roi = Roi::of_frames(roi, info.size, placement.as_ref())?;
+            if !roi.contains(at.0, at.1) {
                 self.console.note(&format!(
                     "note: pixel {x},{y} lies outside the analysed area: foreground verdicts of the \
                      mixture are removed by a later stage"
                 ));
             }
         }
-        Ok(frames)
+        Ok((frames, at))
     }
 
-    fn write_frames(&self, frames: &mut Frames, out: &mut impl Write) -> anyhow::Result<()> {
+    fn write_frames(&self, frames: &mut Frames, at: (u32, u32), out: &mut impl Write) -> anyhow::Result<()> {
         let parameters = Parameters::new(self.settings);
-        let mut history = PixelHistory::new(self.at, parameters);
+        let mut history = PixelHistory::new(at, parameters);
         frames.learn(self.settings, self.console, |frames| {
             for frame in frames {
                 history.learn(frame);

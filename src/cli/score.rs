@@ -1,14 +1,17 @@
 //! `occluscope score`: scores the output of `run` against ground truth.
 
 use std::collections::BTreeMap;
+use std::fs;
 use std::io::{self, Write};
+use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
 
 use anyhow::bail;
 use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::flags;
+use crate::source::Options;
 use crate::truth::boxes::{self, Boxes};
 use crate::truth::event_scoring::{self, EventScore, ScoredEvent};
 use crate::truth::mask_score::{self, MaskScore};
@@ -90,7 +93,7 @@ impl Scores {
             bail!("{} is not a results folder; give the output folder of `run --out`", results.display());
         }
         match TruthSource::of(truth)? {
-            TruthSource::Boxes(file) => Ok(Self::of_tracks(&boxes::read(&file)?, &tracks(results)?)),
+            TruthSource::Boxes(file) => Ok(Self::of_tracks(&boxes::read(&file)?, &tracks(results)?, results)),
             TruthSource::Cdnet(folder) => {
                 let masks = mask_score::score(&results.join("masks"), &MaskFiles::of_cdnet(&folder)?)?;
                 Ok(Self { masks: Some(masks), ..Self::default() })
@@ -99,8 +102,12 @@ impl Scores {
         }
     }
 
-    fn of_tracks(truth: &Boxes, found: &Boxes) -> Self {
-        Self { tracks: Some(summary::score(truth, found)), ..Self::default() }
+    fn of_tracks(truth: &Boxes, found: &Boxes, results: &Path) -> Self {
+        let tracks = match Sampling::of(results) {
+            Some(sampling) => summary::score_of_frames(truth, found, |number| sampling.contains(number)),
+            None => summary::score(truth, found),
+        };
+        Self { tracks: Some(tracks), ..Self::default() }
     }
 
     fn of_scene(results: &Path, scene: &Path) -> anyhow::Result<Self> {
@@ -117,7 +124,7 @@ impl Scores {
             events: Some(compare(events(scene)?, events(results)?)),
             episodes: Some(compare(episodes(scene)?, episodes(results)?)),
             masks: files.map(|files| mask_score::score(&masks, &files)).transpose()?,
-            ..Self::of_tracks(&truth, &found)
+            ..Self::of_tracks(&truth, &found, results)
         })
     }
 
@@ -179,4 +186,33 @@ impl Scores {
 
 fn tracks(results: &Path) -> anyhow::Result<Boxes> {
     Ok(boxes::read(&results.join("tracks.csv"))?)
+}
+
+/// The frames of a run that left out others.
+struct Sampling {
+    first_frame: u32,
+    every: NonZeroU32,
+}
+
+impl Sampling {
+    /// From the summary of a run; `None` where it left out no frame, or there is no summary.
+    fn of(results: &Path) -> Option<Self> {
+        #[derive(Deserialize)]
+        struct Summary {
+            input: Input,
+        }
+        #[derive(Deserialize)]
+        struct Input {
+            first_frame: u32,
+            #[serde(default)]
+            options: Options,
+        }
+        let text = fs::read_to_string(results.join("summary.json")).ok()?;
+        let Summary { input } = serde_json::from_str(&text).ok()?;
+        Some(Self { first_frame: input.first_frame, every: input.options.every? })
+    }
+
+    fn contains(&self, number: u32) -> bool {
+        number.abs_diff(self.first_frame).is_multiple_of(self.every.get())
+    }
 }

@@ -14,7 +14,8 @@ use crate::truth::TruthSource;
 /// Adds the arguments of the window.
 pub(super) fn with_arguments(command: Command) -> Command {
     let video = flags::video().help(
-        "Video file, folder of images, pattern such as in%06d.png, or camera:0 to open in the window \
+        "Video file, TIFF file of several pages, folder of images, folder of a CDnet or MOTChallenge sequence, \
+         pattern such as in%06d.png, camera:0, or address such as rtsp://host/stream to open in the window \
          [default: a bundled sample]",
     );
     let memory = Arg::new("memory")

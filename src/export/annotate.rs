@@ -27,14 +27,17 @@ pub struct FrameAnnotations<'a> {
 
 impl<'a> FrameAnnotations<'a> {
     /// The annotations of the frame at `index`, from the results of a sequence.
-    pub fn at(index: usize, tracks: &'a [FrameTracks], events: &'a [Event], fps: f32) -> Self {
-        let start = (index + 1).saturating_sub(((TRAIL_SECONDS * fps).round() as usize).max(2));
-        let recent = tracks.get(start..=index).unwrap_or_default();
-        let now = recent.last().map_or(0, |frame| frame.number);
-        let shown = ((EVENT_SECONDS * fps).round() as u32).max(1);
+    pub fn at(index: usize, tracks: &'a [FrameTracks], events: &'a [Event]) -> Self {
+        let Some(now) = tracks.get(index) else { return Self { recent: &[], events: &[] } };
+        // Half a millisecond is less than a frame period and more than the error of a sum of them.
+        let since = |seconds: f32| now.time - f64::from(seconds) + 0.000_5;
+        let first_after = |time: f64| tracks[..index].partition_point(|frame| frame.time < time);
+        let start = first_after(since(TRAIL_SECONDS)).min(index.saturating_sub(1));
+        let oldest = tracks[first_after(since(EVENT_SECONDS))].number;
         // Events are in order of frames.
-        let first = events.partition_point(|event| event.frame + shown <= now);
-        let end = events.partition_point(|event| event.frame <= now);
+        let first = events.partition_point(|event| event.frame < oldest);
+        let end = events.partition_point(|event| event.frame <= now.number);
+        let recent = &tracks[start..=index];
         Self { recent, events: events.get(first..end).unwrap_or_default() }
     }
 }
@@ -259,6 +262,11 @@ mod tests {
         }
     }
 
+    /// The objects of a frame of a video of 10 frames per second.
+    fn frame_tracks(number: u32, tracks: Vec<Track>) -> FrameTracks {
+        FrameTracks { number, time: f64::from(number) / 10.0, tracks }
+    }
+
     fn grey(number: u32, size: Size) -> Frame {
         Frame::new(number, size, vec![100; size.pixels() * 3])
     }
@@ -266,9 +274,9 @@ mod tests {
     #[test]
     fn a_box_has_the_colour_of_its_identity_and_does_not_cover_the_object() {
         let object = Track { bbox: Rect::new(40.0, 50.0, 20.0, 40.0), ..track(4, 0.0, 0.0) };
-        let tracks = vec![FrameTracks { number: 9, tracks: vec![object] }];
+        let tracks = vec![frame_tracks(9, vec![object])];
         let mut frame = grey(9, Size::new(200, 120));
-        annotate(&mut frame, &FrameAnnotations::at(0, &tracks, &[], 10.0));
+        annotate(&mut frame, &FrameAnnotations::at(0, &tracks, &[]));
         assert_eq!(frame.pixel(39, 70), Some(identity_colour(4)));
         assert_eq!(frame.pixel(60, 70), Some(identity_colour(4)));
         for y in 53..87 {
@@ -289,23 +297,30 @@ mod tests {
             bbox: Rect::new(40.0, 40.0, 60.0, 60.0),
             ..track(1, 0.0, 0.0)
         };
-        let tracks = vec![FrameTracks { number: 9, tracks: vec![hidden] }];
+        let tracks = vec![frame_tracks(9, vec![hidden])];
         let mut frame = grey(9, Size::new(200, 120));
-        annotate(&mut frame, &FrameAnnotations::at(0, &tracks, &[], 10.0));
+        annotate(&mut frame, &FrameAnnotations::at(0, &tracks, &[]));
         let coloured = (40..100).filter(|&y| frame.pixel(100, y) == Some(identity_colour(1))).count();
         assert!((15..45).contains(&coloured), "{coloured} of 60");
     }
 
     #[test]
     fn annotations_contain_recent_tracks_and_events() {
-        let tracks: Vec<_> =
-            (1..=50).map(|number| FrameTracks { number, tracks: vec![track(1, 0.0, 0.0)] }).collect();
+        let mut tracks: Vec<_> =
+            (1..=50).map(|number| frame_tracks(number, vec![track(1, 0.0, 0.0)])).collect();
         let events: Vec<_> = (1..=50).map(|frame| event(frame, EventKind::Merge, &[1, 2])).collect();
-        let annotations = FrameAnnotations::at(39, &tracks, &events, 10.0);
+        let annotations = FrameAnnotations::at(39, &tracks, &events);
         assert_eq!((annotations.recent[0].number, annotations.recent.last().unwrap().number), (21, 40));
         assert_eq!((annotations.events[0].frame, annotations.events.last().unwrap().frame), (31, 40));
-        let first = FrameAnnotations::at(0, &tracks, &events, 10.0);
+        let first = FrameAnnotations::at(0, &tracks, &events);
         assert_eq!((first.recent.len(), first.events.len()), (1, 1));
+        // Five seconds pass after frame 30.
+        for frame in &mut tracks[30..] {
+            frame.time += 5.0;
+        }
+        let after = FrameAnnotations::at(30, &tracks, &events);
+        assert_eq!(after.recent.len(), 2, "a line needs two points");
+        assert_eq!(after.events[0].frame, 31);
     }
 
     #[test]
@@ -327,10 +342,10 @@ mod tests {
                 ..track(id, 0.0, 0.0)
             })
             .collect();
-        let frames = vec![FrameTracks { number: 1, tracks }];
+        let frames = vec![frame_tracks(1, tracks)];
         let events = vec![event(1, EventKind::Merge, &group); 30];
         for size in [Size::new(1, 1), Size::new(20, 300), Size::new(333, 21)] {
-            annotate(&mut grey(1, size), &FrameAnnotations::at(0, &frames, &events, 25.0));
+            annotate(&mut grey(1, size), &FrameAnnotations::at(0, &frames, &events));
         }
     }
 }

@@ -14,6 +14,7 @@ pub mod picture_queue;
 pub mod pixel_csv;
 pub mod regions_csv;
 pub mod shares_csv;
+pub mod source_pixels;
 pub mod staging;
 pub mod statistics_csv;
 pub mod summary;

@@ -1,4 +1,4 @@
-//! Numbers in tables: nine significant digits, from which every f32 is restored exactly.
+//! Numbers in tables: nine significant digits, from which every f32 is restored exactly, and times.
 
 /// The number as in C's `%.9g`: at most nine significant digits, no trailing zeros, an exponent only below 10⁻⁴ and
 /// from 10⁹ on.
@@ -28,6 +28,11 @@ pub fn significant(value: impl Into<f64>) -> String {
     }
     let sign = if exponent < 0 { '-' } else { '+' };
     format!("{}e{sign}{:02}", without_trailing_zeros(mantissa), exponent.abs())
+}
+
+/// Seconds rounded to microseconds, for JSON, which writes as many digits as there are.
+pub fn microseconds(seconds: f64) -> f64 {
+    (seconds * 1e6).round() / 1e6
 }
 
 fn without_trailing_zeros(text: &str) -> &str {

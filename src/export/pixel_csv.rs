@@ -56,7 +56,7 @@ pub fn write_pins(out: &mut impl Write, pins: &[(u8, &PixelHistory)]) -> io::Res
     write!(out, "pin,x,y,")?;
     write_header(out, &first.parameters)?;
     for (pin, history) in pins {
-        let (x, y) = history.at;
+        let (x, y) = history.source_pixel();
         for state in &history.states {
             write!(out, "{pin},{x},{y},")?;
             write_row(out, &first.parameters, state)?;

@@ -7,6 +7,7 @@ use std::io::{self, Write};
 
 use super::joined;
 use super::number::significant;
+use crate::placement::Placement;
 use crate::regions::{Region, Rgb, Shape};
 use crate::tracking::{FrameTracks, Identity, Track};
 
@@ -25,6 +26,13 @@ pub struct RegionRow {
 impl From<&Region> for RegionRow {
     fn from(region: &Region) -> Self {
         Self { label: region.label, shape: region.shape, colour: region.colour }
+    }
+}
+
+impl RegionRow {
+    /// Moves it from the pixels of the frames to those of the source.
+    pub(super) fn move_to_source(&mut self, placement: &Placement) {
+        self.shape = placement.source_shape(&self.shape);
     }
 }
 
@@ -99,7 +107,8 @@ mod tests {
             FrameRows { number: 3, rows: vec![row(1)] },
             FrameRows { number: 4, rows: vec![row(1), row(2)] },
         ];
-        let tracks = [FrameTracks { number: 4, tracks: vec![track(3, 0.0, 0.0), track(5, 0.0, 0.0)] }];
+        let tracks =
+            [FrameTracks { number: 4, time: 0.0, tracks: vec![track(3, 0.0, 0.0), track(5, 0.0, 0.0)] }];
         let text = written(|out| write(out, &frames, &tracks));
         let lines: Vec<_> = text.lines().collect();
         assert_eq!(lines[0], HEADER);

@@ -40,9 +40,12 @@ pub struct Summary {
 pub struct Input {
     /// The name given by the user.
     pub path: String,
-    /// Width and height in pixels.
+    /// Width and height of the source's images, to whose pixels the files refer.
     pub size: Size,
-    /// Frames per second.
+    /// Width and height of the analysed frames, where they were cropped or scaled.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub analysed_size: Option<Size>,
+    /// Frames per second of the source.
     pub fps: f32,
     /// The origin of the rate: `--fps`, `video`, `seqinfo.ini`, or `assumed`.
     pub fps_from: &'static str,

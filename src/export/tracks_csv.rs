@@ -8,7 +8,7 @@ use crate::tracking::{FrameTracks, TrackState};
 
 /// Writes the objects of each frame, in order.
 pub fn write(out: &mut impl Write, frames: &[FrameTracks]) -> io::Result<()> {
-    for FrameTracks { number, tracks } in frames {
+    for FrameTracks { number, tracks, .. } in frames {
         for track in tracks {
             let [x, y, w, h] = [track.bbox.x, track.bbox.y, track.bbox.w, track.bbox.h].map(significant);
             let conf = confidence(track.state);
@@ -37,7 +37,7 @@ mod tests {
         let hidden = Track { state: TrackState::Hidden, ..track(7, 10.5, 20.25) };
         let tracks = [vec![track(3, 1.0, 2.0)], vec![], vec![track(3, 2.0, 2.0), hidden]];
         let frames: Vec<_> =
-            (4..).zip(tracks).map(|(number, tracks)| FrameTracks { number, tracks }).collect();
+            (4..).zip(tracks).map(|(number, tracks)| FrameTracks { number, time: 0.0, tracks }).collect();
         assert_eq!(
             written(|out| write(out, &frames)),
             "4,3,1,2,8,16,1,-1,-1,-1\n6,3,2,2,8,16,1,-1,-1,-1\n6,7,10.5,20.25,8,16,0.5,-1,-1,-1\n"

@@ -1,18 +1,20 @@
-//! Tracks with all their data: a JSON array of objects, one per line. Lengths are in pixels, `velocity` is in pixels
-//! per frame, `conf` is that of [`super::tracks_csv`].
+//! Tracks with all their data: a JSON array of objects, one per line. `time` is in seconds since the first frame of the
+//! video, lengths are in pixels, `velocity` is in pixels per frame period, `conf` is that of [`super::tracks_csv`].
 
 use std::io::{self, Write};
 
 use serde::Serialize;
 
+use super::number::microseconds;
 use super::tracks_csv::confidence;
 use crate::regions::Rgb;
 use crate::tracking::{FrameTracks, Identity, Track, TrackState};
 
 /// One object in one frame.
 #[derive(Serialize)]
-struct Record<'a> {
+struct TrackRow<'a> {
     frame: u32,
+    time: f64,
     id: Identity,
     state: TrackState,
     x: f32,
@@ -30,7 +32,7 @@ struct Record<'a> {
 
 /// Writes the objects of each frame, in order.
 pub fn write(out: &mut impl Write, frames: &[FrameTracks]) -> io::Result<()> {
-    let all = frames.iter().flat_map(|frame| frame.tracks.iter().map(|track| record(frame.number, track)));
+    let all = frames.iter().flat_map(|frame| frame.tracks.iter().map(|track| record(frame, track)));
     out.write_all(b"[")?;
     for (index, record) in all.enumerate() {
         out.write_all(if index == 0 { b"\n" } else { b",\n" })?;
@@ -39,9 +41,10 @@ pub fn write(out: &mut impl Write, frames: &[FrameTracks]) -> io::Result<()> {
     out.write_all(b"\n]\n")
 }
 
-fn record(frame: u32, track: &Track) -> Record<'_> {
-    Record {
-        frame,
+fn record<'a>(frame: &FrameTracks, track: &'a Track) -> TrackRow<'a> {
+    TrackRow {
+        frame: frame.number,
+        time: microseconds(frame.time),
         id: track.id,
         state: track.state,
         x: track.bbox.x,
@@ -66,11 +69,15 @@ mod tests {
 
     #[test]
     fn output_is_json_with_one_record_per_line() {
-        let frame = FrameTracks { number: 4, tracks: vec![track(3, 1.0, 2.0), track(5, 1.0, 2.0)] };
+        let frame =
+            FrameTracks { number: 4, time: 0.12, tracks: vec![track(3, 1.0, 2.0), track(5, 1.0, 2.0)] };
         let text = written(|out| write(out, &[frame]));
         assert_eq!(text.lines().count(), 4);
         let read: serde_json::Value = serde_json::from_str(&text).unwrap();
-        assert_eq!(read[1]["id"], 5);
+        assert_eq!(
+            (&read[1]["id"], &read[1]["frame"], &read[1]["time"]),
+            (&5.into(), &4.into(), &0.12.into())
+        );
         assert_eq!(read[0]["state"], "visible");
         assert_eq!(read[0]["colours"][0][0], 200);
 

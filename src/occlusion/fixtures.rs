@@ -27,7 +27,7 @@ pub(super) const BLUE: Rgb = [40, 40, 200];
 pub(super) fn context(t: u32) -> Context {
     let mut context = Context::new(&Settings::default(), Size::new(320, 240), 25.0);
     for number in 1..=t {
-        context.advance(number);
+        context.advance(number, f64::from(number) / 25.0);
     }
     context
 }
@@ -76,7 +76,7 @@ pub(super) fn object(context: &Context, id: ObjectId, detection: &Detection, [vx
     let noise = context.matcher.noise;
     let velocity = Vector3::new(vx, vy, 0.0);
     let model = KalmanModel::new(detection.observation().measurement(), velocity, 0.1, noise);
-    Object::new(id, (context.number, detection.bbox), model, detection.clone())
+    Object::new(id, (context.now(), detection.bbox), model, detection.clone())
 }
 
 /// Starts a tentative object in a blob of its own, without an appearance yet.

@@ -148,7 +148,7 @@ fn track_of(
 mod tests {
     use super::*;
     use crate::occlusion::fixtures::{RED, context, detection, person, start_confirmed, start_group};
-    use crate::occlusion::state::object_table::FrameRef;
+    use crate::occlusion::state::context::FrameRef;
 
     #[test]
     fn a_lone_object_is_visible_members_are_merged_and_a_lost_object_is_left_out() {
@@ -169,7 +169,7 @@ mod tests {
     fn an_object_at_a_known_occluder_is_reported_for_a_while() {
         let (mut table, mut decisions) = (ObjectTable::default(), Decisions::default());
         let id = start_confirmed(&context(1), &mut table, person(100.0, 80.0), RED, [0.0; 2]);
-        table.occlude(id, FrameRef { number: 2, t: 2 });
+        table.occlude(id, FrameRef { number: 2, index: 2, t: 2 });
         table.drop_empty_blobs();
         let states = |decisions: &Decisions, t: u32| -> Vec<TrackState> {
             object_tracks(&context(t), &table, decisions).iter().map(|track| track.state).collect()

@@ -57,7 +57,7 @@ use crate::tracking::{ObjectId, Track};
 ///         }
 ///     }
 ///     let (_, regions) = find_regions(&Frame::new(number, size, red.clone()), &mask, 1);
-///     events.extend(tracker.step(number, &regions).events);
+///     events.extend(tracker.step(number, f64::from(number) / 25.0, &regions).events);
 /// }
 /// events.extend(tracker.finish().events);
 ///
@@ -90,9 +90,10 @@ impl Tracker {
         }
     }
 
-    /// Processes the regions of the next frame, whose number is `number`.
-    pub fn step(&mut self, number: u32, regions: &[Region]) -> FrameResult {
-        self.context.advance(number);
+    /// Processes the regions of the next frame, whose number is `number`, at `time` in seconds since any common start. A
+    /// frame whose time is not later than that before it counts as one frame period later.
+    pub fn step(&mut self, number: u32, time: f64, regions: &[Region]) -> FrameResult {
+        self.context.advance(number, time);
         let Self { context, table, decisions, .. } = self;
 
         // Prediction and association.
@@ -235,7 +236,7 @@ mod tests {
         for number in 1..=100 {
             let x = 2.0 * number as f32;
             let boxes = [(person(40.0 + x, 80.0), RED), (person(260.0 - x, 80.0), BLUE)];
-            events.extend(tracker.step(number, &regions_of(&boxes)).events);
+            events.extend(tracker.step(number, f64::from(number) / 25.0, &regions_of(&boxes)).events);
         }
         events.extend(tracker.finish().events);
         let kinds: Vec<_> = events.iter().map(|event| event.kind).collect();
@@ -250,7 +251,7 @@ mod tests {
         for number in 1..=100 {
             let bbox = person(40.0 + 2.0 * number as f32, 80.0);
             let regions = if (50..70).contains(&number) { vec![] } else { vec![region(1, bbox, RED)] };
-            events.extend(tracker.step(number, &regions).events);
+            events.extend(tracker.step(number, f64::from(number) / 25.0, &regions).events);
         }
         events.extend(tracker.finish().events);
         let kinds: Vec<_> = events.iter().map(|event| (event.kind, event.objects.clone())).collect();
@@ -279,7 +280,7 @@ mod tests {
                         boxes.push((bbox, if red { RED } else { BLUE }));
                     }
                 }
-                tracker.step(number as u32, &regions_of(&boxes));
+                tracker.step(number as u32, f64::from(number) / 25.0, &regions_of(&boxes));
                 prop_assert_eq!(tracker.table.check(), None, "in frame {}", number);
             }
             tracker.finish();

@@ -2,10 +2,12 @@
 //! frames.
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use image::{DynamicImage, ImageReader};
 
 use crate::frame::{Mask, Size};
+use crate::placement::Placement;
 
 /// Gray level from which on a pixel of a mask is part of the region.
 const BRIGHT: u8 = 128;
@@ -31,6 +33,15 @@ pub enum RoiError {
     Dark {
         /// The file.
         path: PathBuf,
+    },
+    /// The region is empty in the frames.
+    #[error(
+        "the mask{file} is dark in all that is analysed; make a part white that is within the crop, and larger than a \
+         pixel after scaling"
+    )]
+    Cropped {
+        /// A blank and the mask's file, or empty.
+        file: String,
     },
     /// The mask has another size than the frames.
     #[error("the mask{file} is {found}, but the frames are {expected}; give one as large as the frames")]
@@ -87,8 +98,29 @@ impl Roi {
         if found == expected {
             return Ok(());
         }
-        let file = self.file.as_ref().map_or_else(String::new, |file| format!(" {}", file.display()));
-        Err(RoiError::Size { file, found, expected })
+        Err(RoiError::Size { file: self.file_name(), found, expected })
+    }
+
+    /// The region in frames of `size`, which are placed in the source's images: a region of the frames' size as it is,
+    /// one of the source's size reduced like them. Fails where it has another size or nothing of it is left.
+    pub fn of_frames(
+        roi: &Arc<Self>,
+        size: Size,
+        placement: Option<&Placement>,
+    ) -> Result<Arc<Self>, RoiError> {
+        match placement {
+            Some(placement) if roi.inside.size == placement.source() => {
+                let reduced = Self::new(placement.frame_mask(&roi.inside));
+                let reduced = reduced.ok_or_else(|| RoiError::Cropped { file: roi.file_name() })?;
+                Ok(Arc::new(Self { file: roi.file.clone(), ..reduced }))
+            }
+            _ => roi.check(size).map(|()| Arc::clone(roi)),
+        }
+    }
+
+    /// A blank and its file, or nothing.
+    fn file_name(&self) -> String {
+        self.file.as_ref().map_or_else(String::new, |file| format!(" {}", file.display()))
     }
 
     /// The region as a mask: foreground where pixels are analysed.

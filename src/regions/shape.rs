@@ -141,6 +141,38 @@ pub struct Shape {
     pub extent: f32,
 }
 
+impl Shape {
+    /// The moments, and what follows from them; all else is 0.
+    fn of_moments([mu20, mu11, mu02]: [f64; 3]) -> Self {
+        let half_difference = ((mu20 - mu02).powi(2) + 4.0 * mu11 * mu11).sqrt() / 2.0;
+        let middle = f64::midpoint(mu20, mu02);
+        let (longer, shorter) = (middle + half_difference, (middle - half_difference).max(0.0));
+        Self {
+            mu20,
+            mu11,
+            mu02,
+            orientation: (0.5 * (2.0 * mu11).atan2(mu20 - mu02)) as f32,
+            eccentricity: if longer > 0.0 { (1.0 - shorter / longer).max(0.0).sqrt() as f32 } else { 0.0 },
+            ..Self::default()
+        }
+    }
+
+    /// Area, moments and what follows from them with pixels `width` × `height` as large; no position. For whole numbers
+    /// they are those of the region in an image enlarged that many times.
+    pub(crate) fn enlarged(&self, [width, height]: [f64; 2]) -> Self {
+        let (area, times) = (f64::from(self.area), width * height);
+        // The pixels that one becomes are spread around its centre.
+        let spread = |side: f64| area * (side * side - 1.0) / 12.0;
+        let mu20 = self.mu20 * width * width + spread(width);
+        let mu02 = self.mu02 * height * height + spread(height);
+        Self {
+            area: (area * times).round() as u32,
+            extent: self.extent,
+            ..Self::of_moments([mu20, self.mu11 * times, mu02].map(|moment| moment * times))
+        }
+    }
+}
+
 /// Sums over a region's pixels from which its [`Shape`] is computed.
 #[derive(Clone, Debug, Default)]
 pub struct ShapeSums {
@@ -191,21 +223,14 @@ impl ShapeSums {
         let mu20 = self.xx as f64 - self.x as f64 * mean_x;
         let mu11 = self.xy as f64 - self.x as f64 * mean_y;
         let mu02 = self.yy as f64 - self.y as f64 * mean_y;
-        let half_difference = ((mu20 - mu02).powi(2) + 4.0 * mu11 * mu11).sqrt() / 2.0;
-        let middle = f64::midpoint(mu20, mu02);
-        let (longer, shorter) = (middle + half_difference, (middle - half_difference).max(0.0));
         let w = (self.right - self.left + 1) as f32;
         let h = (self.bottom - self.top + 1) as f32;
         Shape {
             area: self.area as u32,
             bbox: Rect::new(self.left as f32, self.top as f32, w, h),
             centroid: [mean_x as f32, mean_y as f32],
-            mu20,
-            mu11,
-            mu02,
-            orientation: (0.5 * (2.0 * mu11).atan2(mu20 - mu02)) as f32,
-            eccentricity: if longer > 0.0 { (1.0 - shorter / longer).max(0.0).sqrt() as f32 } else { 0.0 },
             extent: self.area as f32 / (w * h),
+            ..Shape::of_moments([mu20, mu11, mu02])
         }
     }
 }
@@ -213,6 +238,26 @@ impl ShapeSums {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    #[test]
+    fn moments_of_an_enlarged_region_are_those_of_its_pixels() {
+        let runs = [(2, 3..7), (3, 5..6), (4, 5..11)];
+        let (mut small, mut large) = (ShapeSums::default(), ShapeSums::default());
+        for (y, columns) in runs {
+            small.add_run(y, columns.clone());
+            (0..2).for_each(|row| large.add_run(2 * y + row, 3 * columns.start..3 * columns.end));
+        }
+        let (enlarged, large) = (small.shape().enlarged([3.0, 2.0]), large.shape());
+        assert_eq!((enlarged.area, enlarged.extent), (large.area, large.extent));
+        for (a, b) in [(enlarged.mu20, large.mu20), (enlarged.mu11, large.mu11), (enlarged.mu02, large.mu02)]
+        {
+            assert!((a - b).abs() < 1e-9 * b.abs(), "{a} {b}");
+        }
+        assert!((enlarged.orientation - large.orientation).abs() < 1e-6);
+        assert!((enlarged.eccentricity - large.eccentricity).abs() < 1e-6);
+        let same = small.shape();
+        assert_eq!(Shape { bbox: same.bbox, centroid: same.centroid, ..same.enlarged([1.0, 1.0]) }, same);
+    }
 
     #[test]
     fn a_box_inside_another_is_at_no_distance() {

@@ -302,10 +302,12 @@ fn recorded(mut frames: Vec<Frame>, live: bool) -> Recorded {
     let info = SourceInfo {
         name: "restless".into(),
         size: SIZE,
+        pixel_aspect: None,
         fps: 25.0,
         fps_from: FpsFrom::Assumed,
         frames: None,
         live,
+        reduction: None,
     };
     Recorded(info, frames)
 }

@@ -38,10 +38,12 @@ impl Texture {
         let info = SourceInfo {
             name: "texture".into(),
             size: SIZE,
+            pixel_aspect: None,
             fps: 25.0,
             fps_from: FpsFrom::Video,
             frames: Some(FRAMES),
             live: false,
+            reduction: None,
         };
         Self { info, number: 0 }
     }

@@ -143,6 +143,8 @@ pub struct ShownFrame {
 pub struct Timeline {
     /// The frame numbers of the positions known so far.
     pub numbers: Vec<u32>,
+    /// The times of these frames in seconds since the first.
+    pub times: Vec<f64>,
     /// Whether the end of the sequence is known, so that `numbers` is complete.
     pub complete: bool,
     /// Positions 0..analysed have been analysed under the present settings.

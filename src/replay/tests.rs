@@ -26,6 +26,7 @@ mod compare;
 mod counterfactual;
 mod maps;
 mod pins;
+mod reduced;
 mod truth;
 
 pub(super) const FRAMES: u32 = 60;
@@ -650,10 +651,12 @@ fn camera(length: u32, frames_kept: usize) -> WatchedSession {
     let info = SourceInfo {
         name: "camera:7".into(),
         size: scene[0].size,
+        pixel_aspect: None,
         fps: 25.0,
         fps_from: crate::source::FpsFrom::Video,
         frames: None,
         live: true,
+        reduction: None,
     };
     let open = move || -> Result<Box<dyn Source>, SourceError> {
         Ok(Box::new(LoopingCamera { info: info.clone(), scene: scene.clone(), next: 0, length }))

@@ -35,6 +35,7 @@ use super::tasks::gather::region_shares::RegionShareCounter;
 use super::tasks::show::FrameInView;
 use super::tasks::tune::pixel_tuner::PixelTuner;
 use super::tasks::tune::region_tuner::RegionTuner;
+use crate::regions::Roi;
 use crate::source::cache::FrameCache;
 use crate::source::{SourceError, SourceInfo};
 use crate::truth::Truth;
@@ -116,6 +117,8 @@ impl<'a> Worker<'a> {
         let frames = open()?;
         let info = Arc::clone(frames.info());
         let settings = Arc::new(settings);
+        let placement = info.placement();
+        let roi = roi.map(|roi| Roi::of_frames(&roi, info.size, placement.as_ref())).transpose()?;
         let inputs = PassInputs { settings, roi, info: Arc::clone(&info), budget: model_budget };
         let pass = AnalysisPass::new(inputs)?;
         shared.publish(|state| {

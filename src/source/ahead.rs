@@ -2,8 +2,9 @@
 
 use std::io;
 use std::thread::{self, JoinHandle};
+use std::time::Duration;
 
-use crossbeam_channel::{Receiver, bounded};
+use crossbeam_channel::{Receiver, RecvTimeoutError, bounded};
 
 use super::{Source, SourceError};
 use crate::frame::Frame;
@@ -52,6 +53,16 @@ impl<T: Send + 'static> Ahead<T> {
         self.items.as_ref()?.recv().ok()
     }
 
+    /// The next item as [`Self::next`], if it is decoded within a time.
+    pub(crate) fn next_within(&self, time: Duration) -> Result<Option<Decoded<T>>, RecvTimeoutError> {
+        let Some(items) = &self.items else { return Ok(None) };
+        match items.recv_timeout(time) {
+            Ok(item) => Ok(Some(item)),
+            Err(RecvTimeoutError::Disconnected) => Ok(None),
+            Err(timeout) => Err(timeout),
+        }
+    }
+
     /// Whether [`Self::next`] would return an item without blocking.
     pub(crate) fn is_ready(&self) -> bool {
         self.items.as_ref().is_some_and(|items| !items.is_empty())
@@ -88,10 +99,12 @@ mod tests {
             let info = SourceInfo {
                 name: "endless".into(),
                 size: Size::new(1, 1),
+                pixel_aspect: None,
                 fps: 25.0,
                 fps_from: FpsFrom::Video,
                 frames: None,
                 live: true,
+                reduction: None,
             };
             Box::new(Self(info, Arc::clone(read)))
         }

@@ -1,15 +1,18 @@
 //! Decoded frames by position in the sequence, within a memory budget.
 //!
 //! A source is read from the first frame to the last, a little ahead of the requested position. An evicted frame is
-//! decoded again by a second reader, [`RandomAccess`].
+//! decoded again by a second reader, [`RandomAccess`]; a third one decodes the frames before the one in view while the user
+//! steps back.
 
 use std::num::NonZeroUsize;
 use std::sync::Arc;
+use std::time::Duration;
 
 use lru::LruCache;
 
 use super::ahead::{Ahead, Decoded};
-use super::random_access::{Fingerprint, Opener, RandomAccess, ReopenedSource, Step, fingerprint};
+use super::random_access::{Fingerprint, RandomAccess, Step, fingerprint};
+use super::step_back::StepBackReader;
 use super::{Options, Source, SourceError, SourceInfo};
 use crate::frame::Frame;
 use crate::registration::{Alignment, Registered};
@@ -38,8 +41,15 @@ pub enum Keep {
 
 /// Number of frames before the target at which a seek aims, because stepping back requests those next.
 const RUN_UP_FRAMES: u32 = 24;
+/// The longest that is waited for a live source at once: the caller has other work.
+const MAX_LIVE_WAIT: Duration = Duration::from_millis(20);
 /// Largest number of frames that are decoded ahead.
 const MAX_FRAMES_AHEAD: usize = 32;
+/// Smallest and largest number of frames that are decoded at once for steps back. A run takes the time to decode from
+/// its key frame on: the longer it is, the less of that falls to each frame.
+const RUN_FRAMES: (usize, usize) = (4, 64);
+/// Largest number of frames between two frames in view that are a step back.
+const MAX_STEP_BACK: u32 = 8;
 
 /// Random access to the frames of a source.
 pub struct FrameCache {
@@ -47,14 +57,24 @@ pub struct FrameCache {
     /// The reader at the furthest position, `numbers.len()`.
     front: Ahead<(Frame, Fingerprint)>,
     numbers: Vec<u32>,
+    /// The time of each frame in seconds since the first.
+    times: Vec<f64>,
     fingerprints: Vec<Fingerprint>,
     /// The alignment of each frame to those before it.
     alignments: Vec<Alignment>,
     complete: bool,
     /// The error that ended the sequence, returned to the next request for a frame.
     failed: Option<SourceError>,
-    /// The reader of evicted frames.
-    random_access: Box<dyn RandomAccess>,
+    /// The reader of evicted frames; `None` for a live source.
+    random_access: Option<Box<dyn RandomAccess>>,
+    /// The reader of frames for steps back.
+    step_back: StepBackReader,
+    /// Number of frames that it reads at once; 0 where there is no room for them.
+    run_frames: u32,
+    /// The position of the frame in view.
+    viewed: u32,
+    /// Number of frames that may be cached, those decoded for steps back included.
+    room: usize,
     /// Decoded frames by position.
     kept: LruCache<u32, Arc<Frame>>,
     warnings: Vec<String>,
@@ -63,26 +83,40 @@ pub struct FrameCache {
 impl FrameCache {
     /// Opens the source of this name and caches up to `budget` bytes of its frames, at least two frames.
     pub fn open(name: &str, options: Options, budget: usize) -> Result<Self, SourceError> {
-        let (name, options) = (name.to_owned(), options);
-        Self::new(move || super::open(&name, options), budget)
+        let source = super::open(name, options)?;
+        let random_access = source.random_access();
+        Self::with_readers(source, random_access, budget)
     }
 
     /// Caches up to `budget` bytes of the frames of the source that `open` returns. `open` is called again when
     /// evicted frames of a source without [`Source::random_access`] are requested.
-    pub fn new(
+    #[cfg(test)]
+    pub(crate) fn new(
         mut open: impl FnMut() -> Result<Box<dyn Source>, SourceError> + Send + 'static,
         budget: usize,
     ) -> Result<Self, SourceError> {
+        use super::reopened::ReopenedSource;
+
         let source = open()?;
+        let name = source.info().name.clone();
+        let random_access =
+            source.random_access().unwrap_or_else(|| Box::new(ReopenedSource::new(Box::new(open), &name)));
+        Self::with_readers(source, Some(random_access), budget)
+    }
+
+    fn with_readers(
+        source: Box<dyn Source>,
+        random_access: Option<Box<dyn RandomAccess>>,
+        budget: usize,
+    ) -> Result<Self, SourceError> {
         let info = Arc::new(source.info().clone());
-        let random_access = source.random_access().unwrap_or_else(|| {
-            let open: Opener = Box::new(open);
-            Box::new(ReopenedSource::new(open, &info.name))
-        });
+        let step_back = StepBackReader::new(source.random_access());
         let front: Box<dyn Source> = Box::new(Registered::new(source));
         let frame_bytes = (info.size.pixels() * 3).max(1);
         let room = budget / frame_bytes;
         let ahead = (room / 4).clamp(1, if info.live { 2 } else { MAX_FRAMES_AHEAD });
+        let (least, most) = RUN_FRAMES;
+        let run_frames = if info.live || room / 3 < least { 0 } else { (room / 3).min(most) };
         let with_fingerprint = |frame| {
             let fingerprint = fingerprint(&frame);
             (frame, fingerprint)
@@ -92,16 +126,22 @@ impl FrameCache {
         })?;
         // `LruCache::new` would allocate for all frames of the budget, which a short sequence never has.
         let mut kept = LruCache::unbounded();
-        kept.resize(NonZeroUsize::new(room.saturating_sub(ahead).max(2)).unwrap_or(NonZeroUsize::MIN));
+        let room = room.saturating_sub(ahead).max(2);
+        kept.resize(capacity(room));
         Ok(Self {
             info,
             front,
             numbers: Vec::new(),
+            times: Vec::new(),
             fingerprints: Vec::new(),
             alignments: Vec::new(),
             complete: false,
             failed: None,
             random_access,
+            step_back,
+            run_frames: run_frames as u32,
+            viewed: 0,
+            room,
             kept,
             warnings: Vec::new(),
         })
@@ -120,6 +160,11 @@ impl FrameCache {
     /// The frame numbers of the positions known so far.
     pub fn numbers(&self) -> &[u32] {
         &self.numbers
+    }
+
+    /// The times of the positions known so far, in seconds since the first frame.
+    pub fn times(&self) -> &[f64] {
+        &self.times
     }
 
     /// The alignment of the frames of the known positions to those before them.
@@ -149,6 +194,7 @@ impl FrameCache {
     pub fn forget(&mut self) {
         if self.info.live {
             self.numbers.clear();
+            self.times.clear();
             self.fingerprints.clear();
             self.alignments.clear();
             self.kept.clear();
@@ -189,10 +235,37 @@ impl FrameCache {
         if position as usize >= self.numbers.len() {
             return self.fetch_ahead(position);
         }
-        if self.info.live {
-            return Ok(Fetched::Gone);
+        if keep == Keep::Yes && self.step_back.covers(position) {
+            match self.step_back.next() {
+                Some(Step::Frame(here, frame)) => return Ok(self.take_again(here, frame, position, true)),
+                Some(Step::OnTheWay) => return Ok(Fetched::OnTheWay),
+                None => {}
+            }
         }
         self.fetch_again(position, keep)
+    }
+
+    /// Tells that the frame at `position`, a known one, is in view. After a step back the frames before it that are not
+    /// cached are decoded on a thread, so that further steps back find them; they take up to a third of the budget.
+    pub fn view(&mut self, position: u32) {
+        let before = std::mem::replace(&mut self.viewed, position);
+        let is_step_back = position < before && before - position <= MAX_STEP_BACK;
+        if !is_step_back || self.run_frames == 0 {
+            return;
+        }
+        let wanted_frames = position.saturating_sub(self.run_frames)..position;
+        if wanted_frames.clone().any(|at| self.step_back.covers(at)) {
+            return;
+        }
+        if let Some(last) = wanted_frames.clone().rfind(|at| !self.kept.contains(at)) {
+            // Those that are next, not those that were used last, are to remain.
+            for at in wanted_frames {
+                self.kept.promote(&at);
+            }
+            self.kept.resize(capacity(self.room - self.run_frames as usize));
+            let first = (last + 1).saturating_sub(self.run_frames);
+            self.step_back.start(first..last + 1, &self.fingerprints);
+        }
     }
 
     /// The frame at `position`; `None` beyond the end or where a live source's frame is no longer cached.
@@ -213,7 +286,9 @@ impl FrameCache {
         if self.complete {
             return Ok(Fetched::End);
         }
-        let Some(Decoded { frame, warnings }) = self.front.next() else {
+        let next = if self.info.live { self.front.next_within(MAX_LIVE_WAIT) } else { Ok(self.front.next()) };
+        let Ok(next) = next else { return Ok(Fetched::OnTheWay) };
+        let Some(Decoded { frame, warnings }) = next else {
             return Err(SourceError::unusable(&self.info.name, "its decoder failed; open it again"));
         };
         self.warnings.extend(warnings);
@@ -223,6 +298,7 @@ impl FrameCache {
         };
         let here = self.numbers.len() as u32;
         self.numbers.push(frame.number);
+        self.times.push(frame.time);
         self.fingerprints.push(fingerprint);
         self.alignments.push(frame.alignment);
         let frame = Arc::new(frame);
@@ -232,19 +308,31 @@ impl FrameCache {
 
     fn fetch_again(&mut self, position: u32, keep: Keep) -> Result<Fetched, SourceError> {
         let run_up = RUN_UP_FRAMES.min(self.room() as u32 / 2);
-        let step = self.random_access.step(position.saturating_sub(run_up), position, &self.fingerprints);
-        self.warnings.extend(self.random_access.take_warnings());
-        let Step::Frame(here, mut frame) = step? else { return Ok(Fetched::OnTheWay) };
-        frame.number = self.numbers[here as usize];
+        let reader = self.random_access.as_mut().filter(|_| !self.info.live);
+        let Some(reader) = reader else { return Ok(Fetched::Gone) };
+        let step = reader.step(position.saturating_sub(run_up), position, &self.fingerprints);
+        self.warnings.extend(reader.take_warnings());
+        let Step::Frame(here, frame) = step? else { return Ok(Fetched::OnTheWay) };
+        let is_near = position.abs_diff(here) as usize <= self.room() / 2;
+        Ok(self.take_again(here, frame, position, keep == Keep::Yes && is_near))
+    }
+
+    /// Takes a frame at `here`, on the way to the one at `position`. It may evict others, or is cached where there is
+    /// room.
+    fn take_again(&mut self, here: u32, mut frame: Frame, position: u32, may_evict: bool) -> Fetched {
+        (frame.number, frame.time) = (self.numbers[here as usize], self.times[here as usize]);
         // The alignment was measured when all earlier frames had been read.
         frame.alignment = self.alignments[here as usize];
         let frame = Arc::new(frame);
-        let near = position.abs_diff(here) as usize <= self.room() / 2;
-        if keep == Keep::Yes && near || self.kept.len() < self.room() {
+        if may_evict || self.kept.len() < self.room() {
             self.kept.put(here, Arc::clone(&frame));
         }
-        Ok(if here == position { Fetched::Frame(frame) } else { Fetched::OnTheWay })
+        if here == position { Fetched::Frame(frame) } else { Fetched::OnTheWay }
     }
+}
+
+fn capacity(frames: usize) -> NonZeroUsize {
+    NonZeroUsize::new(frames).unwrap_or(NonZeroUsize::MIN)
 }
 
 #[cfg(test)]
@@ -269,10 +357,12 @@ mod tests {
             let info = SourceInfo {
                 name: "counting".into(),
                 size: SIZE,
+                pixel_aspect: None,
                 fps: 25.0,
                 fps_from: crate::source::FpsFrom::Video,
                 frames: None,
                 live,
+                reduction: None,
             };
             Box::new(Self { info, next: 0, length })
         }
@@ -424,22 +514,61 @@ mod tests {
         }
     }
 
-    #[test]
-    fn a_second_reader_gives_the_requested_frame_and_those_shortly_before_it() {
+    fn jumping(frames: usize) -> (FrameCache, Arc<AtomicU32>) {
         let decoded = Arc::new(AtomicU32::new(0));
         let count = Arc::clone(&decoded);
         let open = move || {
             let info = SourceInfo {
                 name: "jumping".into(),
                 size: SIZE,
+                pixel_aspect: None,
                 fps: 25.0,
                 fps_from: crate::source::FpsFrom::Video,
                 frames: None,
                 live: false,
+                reduction: None,
             };
             Ok(Box::new(Jumping { info, next: 0, decoded: Arc::clone(&count) }) as Box<dyn Source>)
         };
-        let mut cache = FrameCache::new(open, 40 * SIZE.pixels() * 3).unwrap();
+        (FrameCache::new(open, frames * SIZE.pixels() * 3).unwrap(), decoded)
+    }
+
+    #[test]
+    fn steps_back_find_frames_that_a_thread_decoded() {
+        let (mut cache, _) = jumping(60);
+        cache.get(249).unwrap().unwrap();
+        for position in (0..249).rev() {
+            assert_eq!(cache.get(position).unwrap().as_deref(), Some(&frame(position)));
+            cache.view(position);
+            let is_ready = |at: u32| cache.has(at) || cache.step_back.covers(at);
+            assert!((position.saturating_sub(20)..position).all(is_ready), "before {position}");
+        }
+        assert_eq!(cache.room(), 60 - 15 - 20, "a quarter is for frames ahead, a third for those behind");
+        // Frames that are not before the one in view are decoded as usual.
+        for position in [200, 120, 119, 240, 239, 230, 10] {
+            assert_eq!(cache.get(position).unwrap().as_deref(), Some(&frame(position)));
+            cache.view(position);
+        }
+    }
+
+    #[test]
+    fn nothing_is_decoded_for_steps_back_without_room_or_after_a_jump() {
+        let (mut cache, _) = jumping(11);
+        cache.get(249).unwrap().unwrap();
+        cache.view(249);
+        cache.view(248);
+        assert!((0..250).all(|at| !cache.step_back.covers(at)));
+        let (mut cache, _) = jumping(60);
+        cache.get(249).unwrap().unwrap();
+        for position in [249, 100, 101, 50] {
+            cache.view(position);
+            assert!((0..250).all(|at| !cache.step_back.covers(at)), "{position}");
+        }
+    }
+
+    #[test]
+    fn a_second_reader_gives_the_requested_frame_and_those_shortly_before_it() {
+        let (mut cache, decoded) = jumping(40);
         cache.get(249).unwrap().unwrap();
         let before = decoded.load(Ordering::Relaxed);
         for position in [150, 149, 148, 140, 130, 90, 91, 10] {

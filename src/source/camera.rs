@@ -1,11 +1,14 @@
 //! Cameras, through OpenCV.
 
+use std::time::Instant;
+
 use opencv::core::{CV_8UC1, CV_8UC3, CV_8UC4, Mat, Vec3b};
 use opencv::imgproc::{COLOR_BGR2RGB, COLOR_BGRA2RGB, COLOR_GRAY2RGB, cvt_color_def};
 use opencv::prelude::*;
 use opencv::videoio::{CAP_ANY, CAP_PROP_FPS, VideoCapture};
 
-use super::{FpsFrom, Options, Source, SourceError, SourceInfo, rate};
+use super::kind::CAMERA;
+use super::{Options, Source, SourceError, SourceInfo, rate};
 use crate::frame::{Frame, Size};
 
 /// A camera, read frame by frame.
@@ -16,14 +19,18 @@ pub(super) struct Camera {
     /// The first frame, decoded at opening because it gives the source's size.
     first: Option<Frame>,
     decoded: u32,
+    /// When the first image came, and the rate that the user gave.
+    started: Option<Instant>,
+    given_fps: Option<f64>,
     ended: bool,
     warnings: Vec<String>,
 }
 
 impl Camera {
-    /// Opens a camera by its number, given as text.
-    pub(super) fn open(name: &str, index: &str, options: Options) -> Result<Self, SourceError> {
-        let index: i32 = index.parse().ok().filter(|&index| (0..1000).contains(&index)).ok_or_else(|| {
+    /// Opens a camera by its name, `camera:` and its number.
+    pub(super) fn open(name: &str, options: Options) -> Result<Self, SourceError> {
+        let index = name.strip_prefix(CAMERA).and_then(|index| index.parse::<i32>().ok());
+        let index = index.filter(|&index| (0..1000).contains(&index)).ok_or_else(|| {
             SourceError::unusable(name, "cameras are selected by number: camera:0, camera:1, …")
         })?;
         let capture = VideoCapture::new(index, CAP_ANY)
@@ -35,16 +42,31 @@ impl Camera {
                     "there is no such camera, or another program uses it; check that it is connected and free",
                 )
             })?;
-        let said_fps = capture.get(CAP_PROP_FPS).unwrap_or(0.0);
-        let (fps, fps_from) = match options.fps {
-            Some(fps) => (fps, FpsFrom::Given),
-            None if rate::is_plausible(said_fps) => (said_fps as f32, FpsFrom::Video),
-            None => (rate::ASSUMED, FpsFrom::Assumed),
-        };
+        let (fps, fps_from) = rate::choose(options.fps, capture.get(CAP_PROP_FPS).ok());
         let size = Size::new(0, 0);
-        let info = SourceInfo { name: name.to_owned(), size, fps, fps_from, frames: None, live: true };
+        let info = SourceInfo {
+            name: name.to_owned(),
+            size,
+            pixel_aspect: None,
+            fps,
+            fps_from,
+            frames: None,
+            live: true,
+            reduction: None,
+        };
         let (picture, warnings) = (Mat::default(), Vec::new());
-        let mut camera = Self { info, capture, picture, first: None, decoded: 0, ended: false, warnings };
+        let given_fps = options.fps.map(f64::from);
+        let mut camera = Self {
+            info,
+            capture,
+            picture,
+            first: None,
+            decoded: 0,
+            started: None,
+            given_fps,
+            ended: false,
+            warnings,
+        };
         let first = camera.decode()?.ok_or_else(|| {
             SourceError::unusable(name, "the camera returns no image; check that no other program uses it")
         })?;
@@ -59,8 +81,11 @@ impl Camera {
             return Ok(None);
         }
         let (size, rgb) = rgb_of(&self.picture).map_err(|why| SourceError::unusable(&self.info.name, why))?;
+        let now = Instant::now();
+        let elapsed = now.duration_since(*self.started.get_or_insert(now)).as_secs_f64();
+        let time = self.given_fps.map_or(elapsed, |fps| f64::from(self.decoded) / fps);
         self.decoded += 1;
-        Ok(Some(Frame::new(self.decoded, size, rgb)))
+        Ok(Some(Frame::new(self.decoded, size, rgb).at_time(time)))
     }
 }
 

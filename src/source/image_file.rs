@@ -1,15 +1,22 @@
-//! One image file, as 8-bit RGB.
+//! One image file or page of a file, as 8-bit RGB.
 //!
-//! 16 bits are scaled to 8 (65535 becomes 255, rounded), gray is replicated, palettes are looked up. An alpha channel
-//! is dropped, not composited, as in OpenCV's `imread`: the background model measures the stored colours, and
-//! blending would add colours that are not in the data. The EXIF orientation is applied.
+//! 16 bits are scaled to 8 (65535 becomes 255, rounded) unless [`Levels`] are given, gray is replicated, palettes are
+//! looked up. An alpha channel is dropped, not composited, as in OpenCV's `imread`: the background model measures the
+//! stored colours, and blending would add colours that are not in the data. The EXIF orientation is applied.
+//!
+//! [`Levels`]: super::Levels
 
+use std::fmt;
 use std::fs::File;
 use std::io::{BufReader, Cursor, Read};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
-use image::{DynamicImage, ImageDecoder, ImageFormat, ImageReader, metadata::Orientation};
+use image::codecs::{gif::GifDecoder, png::PngDecoder, webp::WebPDecoder};
+use image::{AnimationDecoder, DynamicImage, ImageDecoder, ImageFormat, ImageReader, metadata::Orientation};
 
+use super::jpeg;
+use super::levels::{self, LevelRange};
+use super::tiff_pages::{self, PageReader};
 use crate::frame::Size;
 
 const EXTENSIONS: [&str; 13] =
@@ -17,6 +24,42 @@ const EXTENSIONS: [&str; 13] =
 
 /// A JPEG's header, thumbnail included, lies within these first bytes; the decoder would read the whole file.
 const JPEG_HEADER_BYTES: u64 = 256 << 10;
+
+/// The place of an image.
+#[derive(Clone, Debug)]
+pub(super) struct ImageFile {
+    pub(super) path: PathBuf,
+    /// The page of a TIFF file; `None` for the file's first or only image.
+    pub(super) page: Option<Page>,
+}
+
+/// A page of a TIFF file.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Page {
+    /// Its number from 1.
+    pub(super) number: u32,
+    /// The place of its directory in the file.
+    pub(super) directory: u64,
+}
+
+impl ImageFile {
+    /// The image without its folder.
+    pub(super) fn short_name(&self) -> String {
+        match self.page {
+            None => self.path.file_name().unwrap_or_default().to_string_lossy().into_owned(),
+            Some(page) => format!("page {}", page.number),
+        }
+    }
+}
+
+impl fmt::Display for ImageFile {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.page {
+            None => self.path.display().fmt(f),
+            Some(page) => write!(f, "page {} of {}", page.number, self.path.display()),
+        }
+    }
+}
 
 /// Whether the file name is that of an image; hidden files are not.
 pub(super) fn has_image_name(path: &Path) -> bool {
@@ -26,7 +69,11 @@ pub(super) fn has_image_name(path: &Path) -> bool {
 }
 
 /// The size of the image, read from its header only.
-pub(super) fn size(path: &Path) -> Result<Size, String> {
+pub(super) fn size(image: &ImageFile) -> Result<Size, String> {
+    let path = &image.path;
+    if let Some(page) = image.page {
+        return size_of(page_reader(path, page)?.into_decoder().map_err(text)?);
+    }
     let reader = reader(path)?;
     if reader.format() != Some(ImageFormat::Jpeg) {
         return size_of(reader.into_decoder().map_err(text)?);
@@ -40,23 +87,69 @@ pub(super) fn size(path: &Path) -> Result<Size, String> {
 }
 
 /// The image's size and its RGB bytes.
-pub(super) fn read(path: &Path) -> Result<(Size, Vec<u8>), String> {
-    let bytes = std::fs::read(path).map_err(text)?;
+pub(super) fn read(image: &ImageFile, levels: Option<LevelRange>) -> Result<(Size, Vec<u8>), String> {
+    Ok(rgb(decode(image)?, levels))
+}
+
+/// The size and the RGB bytes of a decoded image.
+pub(super) fn rgb(image: DynamicImage, levels: Option<LevelRange>) -> (Size, Vec<u8>) {
+    let rgb = levels::rgb8(image, levels);
+    (Size::new(rgb.width(), rgb.height()), rgb.into_raw())
+}
+
+/// The image with its stored values, upright.
+pub(super) fn decode(image: &ImageFile) -> Result<DynamicImage, String> {
+    if let Some(page) = image.page {
+        return upright(page_reader(&image.path, page)?.into_decoder().map_err(text)?);
+    }
+    let bytes = std::fs::read(&image.path).map_err(text)?;
     let reader = ImageReader::new(Cursor::new(&bytes)).with_guessed_format().map_err(text)?;
-    if reader.format() == Some(ImageFormat::Jpeg) && is_cut_off(&bytes) {
+    if reader.format() == Some(ImageFormat::Jpeg) && jpeg::is_cut_off(&bytes) {
         return Err("the file is truncated".into());
     }
-    let mut decoder = reader.into_decoder().map_err(text)?;
+    upright(reader.into_decoder().map_err(text)?)
+}
+
+/// What a file holds besides its first picture, if anything: pages, or an animation.
+pub(super) fn further_pictures(path: &Path) -> Option<&'static str> {
+    let file = || File::open(path).map(BufReader::new).ok();
+    let is_animated = match reader(path).ok()?.format()? {
+        ImageFormat::Tiff => {
+            let several = tiff_pages::pages(path, 2).is_ok_and(|pages| pages.directories.len() > 1);
+            return several.then_some(
+                "has several pages; of such files in a folder only the first page is used, give the file itself to read all",
+            );
+        }
+        ImageFormat::Png => PngDecoder::new(file()?).and_then(|png| png.is_apng()).ok()?,
+        ImageFormat::WebP => WebPDecoder::new(file()?).ok()?.has_animation(),
+        ImageFormat::Gif => GifDecoder::new(file()?).ok()?.into_frames().take(2).count() > 1,
+        _ => false,
+    };
+    is_animated.then_some(
+        "is animated; of such files only the first picture is used, convert it to a video to read all",
+    )
+}
+
+fn upright(mut decoder: impl ImageDecoder) -> Result<DynamicImage, String> {
     let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
     let mut image = DynamicImage::from_decoder(decoder).map_err(text)?;
     image.apply_orientation(orientation);
-    let rgb = image.into_rgb8();
-    Ok((Size::new(rgb.width(), rgb.height()), rgb.into_raw()))
+    Ok(image)
 }
 
 fn reader(path: &Path) -> Result<ImageReader<BufReader<File>>, String> {
-    let file = BufReader::new(File::open(path).map_err(text)?);
-    ImageReader::new(file).with_guessed_format().map_err(text)
+    let file = File::open(path).map_err(|error| {
+        if path.is_symlink() && !path.exists() {
+            "it is a link to a file that does not exist".to_owned()
+        } else {
+            text(error)
+        }
+    })?;
+    ImageReader::new(BufReader::new(file)).with_guessed_format().map_err(text)
+}
+
+fn page_reader(path: &Path, page: Page) -> Result<ImageReader<PageReader>, String> {
+    Ok(ImageReader::with_format(PageReader::open(path, page.directory).map_err(text)?, ImageFormat::Tiff))
 }
 
 fn size_of(mut decoder: impl ImageDecoder) -> Result<Size, String> {
@@ -66,12 +159,6 @@ fn size_of(mut decoder: impl ImageDecoder) -> Result<Size, String> {
     let sideways = matches!(orientation, Rotate90 | Rotate270 | Rotate90FlipH | Rotate270FlipH);
     let (width, height) = if sideways { (height, width) } else { (width, height) };
     if width == 0 || height == 0 { Err("it has no pixels".into()) } else { Ok(Size::new(width, height)) }
-}
-
-/// Whether the end marker of a JPEG is missing. The decoder fills missing data with gray, which the model would
-/// learn. Only the second half is searched, because a thumbnail's end marker lies in the first half.
-fn is_cut_off(jpeg: &[u8]) -> bool {
-    !jpeg[jpeg.len() / 2..].windows(2).any(|bytes| bytes == [0xff, 0xd9])
 }
 
 #[allow(clippy::needless_pass_by_value, reason = "fits `map_err`")]

@@ -1,151 +1,206 @@
-//! Image sequences from folders and patterns.
+//! Image sequences from folders, patterns and TIFF files.
 
-use std::ffi::OsString;
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 
-use super::numbering::frame_numbers;
-use super::pattern::Pattern;
-use super::random_access::{Fingerprint, RandomAccess, Step, fingerprint};
+use image::DynamicImage;
+
+use super::image_file::{self, ImageFile, Page};
+use super::levels::{self, LevelRange};
+use super::numbering::{NumberClock, NumberedFiles};
+use super::random_access::{Fingerprint, RandomAccess, Step, is_same};
 use super::rate::ImageRate;
-use super::{FpsFrom, Options, Source, SourceError, SourceInfo, image_file, rate};
+use super::{FpsFrom, Options, Source, SourceError, SourceInfo, folder, rate, tiff_pages};
 use crate::frame::{Frame, Size};
 
 /// An image sequence; all images have one size.
 pub(super) struct ImageSequence {
     info: SourceInfo,
-    files: std::vec::IntoIter<File>,
+    files: std::vec::IntoIter<ListedImage>,
+    clock: NumberClock,
+    levels: Option<LevelRange>,
     /// The files of the frames so far.
-    read: Arc<Mutex<Vec<PathBuf>>>,
+    read: Arc<Mutex<Vec<ImageFile>>>,
     /// The first frame, decoded at opening to check that there is one.
     first: Option<Frame>,
+    /// Whether a file with several pictures has been reported.
+    has_reported_further: bool,
     warnings: Vec<String>,
 }
 
-struct File {
-    path: PathBuf,
+struct ListedImage {
+    file: ImageFile,
     number: u32,
     /// The error of reading its header.
     unreadable: Option<String>,
 }
 
 impl ImageSequence {
-    /// The images of a folder in the natural order of their names; other files are ignored.
-    pub(super) fn of_folder(name: &str, options: Options) -> Result<Self, SourceError> {
-        let mut files = list(name, Path::new(name))?;
-        let anything = !files.is_empty();
-        files.retain(|path| image_file::has_image_name(path) && path.is_file());
-        if files.is_empty() {
-            let why = if anything { "the folder holds no images" } else { "the folder is empty" };
-            return Err(SourceError::unusable(
-                name,
-                format!("{why}; give a video, or a folder of png, jpg, bmp, tif, webp, gif or pnm images"),
-            ));
-        }
-        files.sort_by(|a, b| {
-            let (a, b) = (a.to_string_lossy(), b.to_string_lossy());
-            natord::compare(&a, &b).then_with(|| a.cmp(&b))
-        });
-        let numbers = frame_numbers(&files);
-        Self::new(name, Path::new(name), options, files.into_iter().zip(numbers))
+    /// The images of `folder` in the natural order of their names; other files are ignored.
+    pub(super) fn of_folder(name: &str, folder: &Path, options: Options) -> Result<Self, SourceError> {
+        let NumberedFiles { files, warnings } = folder::images(name, folder)?;
+        // The folder of images within that of a sequence may be a link.
+        let described = if rate::is_described(folder) { folder } else { Path::new(name) };
+        Self::new(
+            name,
+            options,
+            rate_of(options, Some(described)),
+            files.into_iter().map(whole_file),
+            warnings,
+        )
     }
 
     /// The images whose names match a pattern such as `in%06d.png`, ordered by number.
     pub(super) fn of_pattern(name: &str, options: Options) -> Result<Self, SourceError> {
+        let (folder, NumberedFiles { files, warnings }) = folder::matches(name)?;
+        Self::new(name, options, rate_of(options, Some(folder)), files.into_iter().map(whole_file), warnings)
+    }
+
+    /// The pages of a TIFF file, numbered from 1.
+    pub(super) fn of_pages(name: &str, options: Options) -> Result<Self, SourceError> {
         let path = Path::new(name);
-        let folder = path.parent().unwrap_or(Path::new(""));
-        let pattern = path
-            .file_name()
-            .and_then(|file| Pattern::parse(&file.to_string_lossy()))
-            .filter(|_| !folder.to_string_lossy().contains('%') || folder.is_dir())
-            .ok_or_else(|| {
-                SourceError::unusable(
-                    name,
-                    "no such file, and not a pattern; a pattern has one number in the file name, as in \
-                     in%06d.png",
-                )
-            })?;
-        if !folder.as_os_str().is_empty() && !folder.is_dir() {
-            return Err(SourceError::Missing(folder.display().to_string()));
+        let pages = tiff_pages::pages(path, u32::MAX as usize)
+            .map_err(|error| SourceError::unusable(name, format!("{error}; check that it is complete")))?;
+        let mut warnings = Vec::new();
+        if pages.is_cut_off {
+            let whole = pages.directories.len();
+            warnings.push(format!("{name} is truncated; it is read to page {whole}, the last whole one"));
+        } else if pages.directories.len() < 2 {
+            let why = "it is a single image; give its folder, or a pattern such as in%06d.tif";
+            return Err(SourceError::unusable(name, why));
         }
-        let mut files: Vec<(PathBuf, u32)> = list(name, folder)?
-            .into_iter()
-            .filter_map(|path| {
-                let number = pattern.number_in(&path.file_name()?.to_string_lossy())?;
-                path.is_file().then_some((path, number))
-            })
-            .collect();
-        if files.is_empty() {
-            return Err(SourceError::unusable(
-                name,
-                "no file matches the pattern; check its number of digits",
-            ));
-        }
-        files.sort_by_key(|&(_, number)| number);
-        Self::new(name, folder, options, files.into_iter())
+        let files = (1..).zip(pages.directories).map(|(number, directory)| {
+            let page = Some(Page { number, directory });
+            (ImageFile { path: path.to_owned(), page }, number)
+        });
+        Self::new(name, options, rate_of(options, None), files, warnings)
     }
 
     fn new(
         name: &str,
-        folder: &Path,
         options: Options,
-        files: impl Iterator<Item = (PathBuf, u32)>,
+        rate: ImageRate,
+        files: impl Iterator<Item = (ImageFile, u32)>,
+        mut warnings: Vec<String>,
     ) -> Result<Self, SourceError> {
-        let mut first: Option<(Size, PathBuf)> = None;
+        let mut first: Option<(Size, ImageFile)> = None;
         let mut listed = Vec::new();
-        for (path, number) in files {
-            let unreadable = match (image_file::size(&path), &first) {
+        for (file, number) in files {
+            let unreadable = match (image_file::size(&file), &first) {
                 (Ok(size), Some((expected, other))) if size != *expected => {
-                    return Err(differ(name, (other, *expected), (&path, size)));
+                    return Err(differ(name, (other, *expected), (&file, size)));
                 }
                 (Ok(size), None) => {
-                    first = Some((size, path.clone()));
+                    first = Some((size, file.clone()));
                     None
                 }
                 (Ok(_), Some(_)) => None,
                 (Err(why), _) => Some(why),
             };
-            listed.push(File { path, number, unreadable });
+            listed.push(ListedImage { file, number, unreadable });
         }
-        let none =
-            || SourceError::unusable(name, "none of its images can be read; check that they are complete");
-        let (size, _) = first.ok_or_else(none)?;
-        let frames = listed.iter().filter(|file| file.unreadable.is_none()).count() as u32;
-        // Image files carry no frame rate.
-        let ImageRate { fps, from: fps_from, warning } = match options.fps {
-            Some(fps) => ImageRate { fps, from: FpsFrom::Given, warning: None },
-            None => rate::of_images(folder),
+        let why = listed
+            .iter()
+            .find_map(|image| Some(format!(" ({}: {})", image.file, image.unreadable.as_ref()?)));
+        let why = why.unwrap_or_default();
+        let none = || {
+            let what = "none of its images can be read";
+            SourceError::unusable(
+                name,
+                format!("{what}{why}; check that they are complete, or convert them to PNG"),
+            )
         };
-        let frames = Some(frames);
-        let info = SourceInfo { name: name.to_owned(), size, fps, fps_from, frames, live: false };
-        let warnings = warning.into_iter().collect();
-        let mut sequence =
-            Self { info, files: listed.into_iter(), read: Arc::default(), first: None, warnings };
+        let (size, _) = first.ok_or_else(&none)?;
+        let readable: Vec<_> =
+            listed.iter().filter(|image| image.unreadable.is_none()).map(|image| &image.file).collect();
+        let frames = Some(readable.len() as u32);
+        let levels = options.levels.map(|levels| levels.range(&readable)).transpose();
+        let levels = levels.map_err(|why| SourceError::unusable(name, why))?;
+        let ImageRate { fps, from: fps_from, warning } = rate;
+        let clock = NumberClock::new(listed.iter().map(|image| image.number), fps);
+        let info = SourceInfo {
+            name: name.to_owned(),
+            size,
+            pixel_aspect: None,
+            fps,
+            fps_from,
+            frames,
+            live: false,
+            reduction: None,
+        };
+        warnings.extend(warning);
+        let mut sequence = Self {
+            info,
+            files: listed.into_iter(),
+            clock,
+            levels,
+            read: Arc::default(),
+            first: None,
+            has_reported_further: false,
+            warnings,
+        };
         sequence.first = sequence.decode_next();
         if sequence.first.is_some() { Ok(sequence) } else { Err(none()) }
     }
 
     /// The next readable image.
     fn decode_next(&mut self) -> Option<Frame> {
-        for file in self.files.by_ref() {
-            let read = file.unreadable.map_or_else(|| image_file::read(&file.path), Err);
-            let why = match read {
-                Ok((size, rgb)) if size == self.info.size => {
-                    self.read.lock().unwrap_or_else(PoisonError::into_inner).push(file.path);
-                    return Some(Frame::new(file.number, size, rgb));
+        while let Some(ListedImage { file, number, unreadable }) = self.files.next() {
+            let decoded = unreadable.map_or_else(|| image_file::decode(&file), Err);
+            let why = match decoded {
+                Ok(image) if has_size(&image, self.info.size) => {
+                    self.report_unusual(&image, &file);
+                    let (size, rgb) = image_file::rgb(image, self.levels);
+                    self.add_read(file);
+                    return Some(Frame::new(number, size, rgb).at_time(self.clock.time(number)));
                 }
-                Ok((size, _)) => format!("it is {size}, but its header says {}", self.info.size),
-                Err(why) => why.split_whitespace().collect::<Vec<_>>().join(" "),
+                Ok(image) => {
+                    let size = Size::new(image.width(), image.height());
+                    format!("it is {size}, but its header says {}", self.info.size)
+                }
+                Err(why) => why,
             };
-            self.warnings.push(format!(
-                "frame {} is skipped: {} cannot be read ({why})",
-                file.number,
-                file.path.display()
-            ));
+            self.warn_of(number, &file, &why);
         }
         None
     }
+
+    fn add_read(&self, file: ImageFile) {
+        self.read.lock().unwrap_or_else(PoisonError::into_inner).push(file);
+    }
+
+    fn warn_of(&mut self, number: u32, file: &ImageFile, why: &str) {
+        let why = why.split_whitespace().collect::<Vec<_>>().join(" ");
+        self.warnings.push(format!("frame {number} is skipped: {file} cannot be read ({why})"));
+    }
+
+    /// Warns of levels that are lost, judged by the first image, and of the first file with several pictures.
+    fn report_unusual(&mut self, image: &DynamicImage, file: &ImageFile) {
+        let is_first = self.read.lock().unwrap_or_else(PoisonError::into_inner).is_empty();
+        if is_first && self.levels.is_none() {
+            self.warnings.extend(levels::suggestion(image).map(|text| format!("{file} {text}")));
+        }
+        if !self.has_reported_further
+            && file.page.is_none()
+            && let Some(text) = image_file::further_pictures(&file.path)
+        {
+            self.has_reported_further = true;
+            self.warnings.push(format!("{file} {text}"));
+        }
+    }
+}
+
+/// Image files carry no frame rate: it is given, or read from a file beside them.
+fn rate_of(options: Options, folder: Option<&Path>) -> ImageRate {
+    match (options.fps, folder) {
+        (Some(fps), _) => ImageRate { fps, from: FpsFrom::Given, warning: None },
+        (None, Some(folder)) => rate::of_images(folder),
+        (None, None) => ImageRate { fps: rate::ASSUMED, from: FpsFrom::Assumed, warning: None },
+    }
+}
+
+fn whole_file((path, number): (PathBuf, u32)) -> (ImageFile, u32) {
+    (ImageFile { path, page: None }, number)
 }
 
 impl Source for ImageSequence {
@@ -157,9 +212,24 @@ impl Source for ImageSequence {
         Ok(self.first.take().or_else(|| self.decode_next()))
     }
 
+    /// An image with a readable header counts as one that can be read.
+    fn skip_frame(&mut self) -> Result<bool, SourceError> {
+        if self.first.take().is_some() {
+            return Ok(true);
+        }
+        while let Some(ListedImage { file, number, unreadable }) = self.files.next() {
+            let Some(why) = unreadable else {
+                self.add_read(file);
+                return Ok(true);
+            };
+            self.warn_of(number, &file, &why);
+        }
+        Ok(false)
+    }
+
     fn random_access(&self) -> Option<Box<dyn RandomAccess>> {
         let (name, read) = (self.info.name.clone(), Arc::clone(&self.read));
-        Some(Box::new(ImageFiles { name, size: self.info.size, read }))
+        Some(Box::new(ImageFiles { name, size: self.info.size, levels: self.levels, read }))
     }
 
     fn take_warnings(&mut self) -> Vec<String> {
@@ -171,43 +241,48 @@ impl Source for ImageSequence {
 struct ImageFiles {
     name: String,
     size: Size,
-    read: Arc<Mutex<Vec<PathBuf>>>,
+    levels: Option<LevelRange>,
+    read: Arc<Mutex<Vec<ImageFile>>>,
 }
 
 impl RandomAccess for ImageFiles {
     fn step(&mut self, _: u32, goal: u32, fingerprints: &[Fingerprint]) -> Result<Step, SourceError> {
-        let path = self.read.lock().unwrap_or_else(PoisonError::into_inner).get(goal as usize).cloned();
-        let image = path.and_then(|path| image_file::read(&path).ok());
+        let file = self.read.lock().unwrap_or_else(PoisonError::into_inner).get(goal as usize).cloned();
+        let image = file.and_then(|file| image_file::read(&file, self.levels).ok());
         image
             .filter(|(size, _)| *size == self.size)
             .map(|(size, rgb)| Frame::new(goal + 1, size, rgb))
-            .filter(|frame| fingerprints.get(goal as usize) == Some(&fingerprint(frame)))
+            .filter(|frame| is_same(fingerprints, goal, frame))
             .map(|frame| Step::Frame(goal, frame))
             .ok_or_else(|| SourceError::changed(&self.name))
     }
 }
 
-fn list(name: &str, folder: &Path) -> Result<Vec<PathBuf>, SourceError> {
-    let shown = if folder.as_os_str().is_empty() { Path::new(".") } else { folder };
-    let fail = |error: std::io::Error| {
-        SourceError::unusable(name, format!("the folder cannot be listed ({error}); check its permissions"))
-    };
-    let names: Result<Vec<OsString>, _> =
-        fs::read_dir(shown).map_err(fail)?.map(|entry| entry.map(|entry| entry.file_name())).collect();
-    Ok(names.map_err(fail)?.into_iter().map(|file| folder.join(file)).collect())
+fn has_size(image: &DynamicImage, size: Size) -> bool {
+    (image.width(), image.height()) == (size.width, size.height)
 }
 
-fn differ(name: &str, first: (&Path, Size), other: (&Path, Size)) -> SourceError {
-    let file = |path: &Path| path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+fn differ(
+    name: &str,
+    (first, size): (&ImageFile, Size),
+    (other, other_size): (&ImageFile, Size),
+) -> SourceError {
+    let (first, other) = (first.short_name(), other.short_name());
+    let is_turned = (size.width, size.height) == (other_size.height, other_size.width);
     SourceError::unusable(
         name,
-        format!(
-            "its images differ in size, {} is {} and {} is {}; give a folder or a pattern of images of one \
-             size",
-            file(first.0),
-            first.1,
-            file(other.0),
-            other.1
-        ),
+        if is_turned {
+            let [shape, other_shape] = [size, other_size]
+                .map(|size| if size.width > size.height { "landscape" } else { "portrait" });
+            format!(
+                "its images are in both orientations, {first} is {shape} ({size}) and {other} is {other_shape} \
+                 ({other_size}); give a folder or a pattern of images of one orientation"
+            )
+        } else {
+            format!(
+                "its images differ in size, {first} is {size} and {other} is {other_size}; give a folder or a \
+                 pattern of images of one size"
+            )
+        },
     )
 }

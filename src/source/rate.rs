@@ -1,7 +1,7 @@
 //! The frame rate: from the user, the video, or MOTChallenge's `seqinfo.ini` beside images.
 
 use std::fs::{self, File};
-use std::io::Read as _;
+use std::io::{self, Read as _};
 use std::path::{Path, PathBuf};
 
 /// Frames per second where no rate is given.
@@ -45,6 +45,15 @@ pub(super) fn is_plausible(fps: f64) -> bool {
     (0.05..1000.0).contains(&fps)
 }
 
+/// The rate given by the user, else the source's own if it is plausible, else the assumed one.
+pub(super) fn choose(given: Option<f32>, own: Option<f64>) -> (f32, FpsFrom) {
+    match (given, own.filter(|&fps| is_plausible(fps))) {
+        (Some(fps), _) => (fps, FpsFrom::Given),
+        (None, Some(fps)) => (fps as f32, FpsFrom::Video),
+        (None, None) => (ASSUMED, FpsFrom::Assumed),
+    }
+}
+
 /// Parses a frame rate; `None` where the text is not a number within [`FPS_RANGE`].
 pub fn parse_fps(text: &str) -> Option<f32> {
     let (least, greatest) = FPS_RANGE;
@@ -78,6 +87,11 @@ pub(super) fn of_images(folder: &Path) -> ImageRate {
     }
 }
 
+/// Whether there is a `seqinfo.ini` in the folder or its parent.
+pub(super) fn is_described(folder: &Path) -> bool {
+    seqinfo(folder).is_some()
+}
+
 fn seqinfo(folder: &Path) -> Option<PathBuf> {
     let beside = folder.join(SEQINFO);
     if beside.is_file() {
@@ -90,21 +104,32 @@ fn seqinfo(folder: &Path) -> Option<PathBuf> {
 }
 
 fn rate_in(path: &Path) -> Result<f32, String> {
+    rate_of(&text_of(path).map_err(|error| format!("it cannot be read ({error})"))?)
+}
+
+fn text_of(path: &Path) -> io::Result<String> {
     let mut bytes = Vec::new();
-    File::open(path)
-        .and_then(|file| file.take(MOST_BYTES).read_to_end(&mut bytes))
-        .map_err(|error| format!("it cannot be read ({error})"))?;
-    rate_of(&String::from_utf8_lossy(&bytes))
+    File::open(path)?.take(MOST_BYTES).read_to_end(&mut bytes)?;
+    Ok(String::from_utf8_lossy(&bytes).into_owned())
+}
+
+/// The name of the folder of images that the `seqinfo.ini` of a sequence's folder gives.
+pub(super) fn image_folder(sequence: &Path) -> Option<String> {
+    entry(&text_of(&sequence.join(SEQINFO)).ok()?, "imDir").map(str::to_owned)
+}
+
+/// The value of a key in the text of a `seqinfo.ini`.
+fn entry<'a>(text: &'a str, key: &str) -> Option<&'a str> {
+    let mut entries = text.trim_start_matches('\u{feff}').lines().filter_map(|line| line.split_once('='));
+    let (_, value) = entries.find(|(name, _)| name.trim().eq_ignore_ascii_case(key))?;
+    // A semicolon starts a comment.
+    Some(value.split(';').next().unwrap_or_default().trim())
 }
 
 /// The rate in the text of a `seqinfo.ini`, or why there is none.
 fn rate_of(text: &str) -> Result<f32, String> {
-    let entries = text.trim_start_matches('\u{feff}').lines().filter_map(|line| line.split_once('='));
-    let rate = entries.into_iter().find(|(key, _)| key.trim().eq_ignore_ascii_case("frameRate"));
-    let (_, value) = rate.ok_or("it has no frameRate")?;
+    let value = entry(text, "frameRate").ok_or("it has no frameRate")?;
     let (least, greatest) = FPS_RANGE;
-    // A semicolon starts a comment.
-    let value = value.split(';').next().unwrap_or_default().trim();
     let short: String = value.chars().take(40).collect();
     parse_fps(value).ok_or_else(|| format!("its frameRate `{short}` is not a number in {least}–{greatest}"))
 }
@@ -114,6 +139,15 @@ mod tests {
     #![allow(clippy::unwrap_used)]
 
     use super::*;
+
+    #[test]
+    fn the_rate_of_the_user_precedes_that_of_the_source() {
+        assert_eq!(choose(Some(5.0), Some(30.0)), (5.0, FpsFrom::Given));
+        assert_eq!(choose(None, Some(29.97)), (29.97, FpsFrom::Video));
+        for own in [None, Some(0.0), Some(f64::NAN), Some(90_000.0)] {
+            assert_eq!(choose(None, own), (ASSUMED, FpsFrom::Assumed), "{own:?}");
+        }
+    }
 
     #[test]
     fn a_rate_is_read_in_every_form_of_the_file() {

@@ -132,7 +132,8 @@ impl Renderer {
 
         let parked: Vec<Identity> = self.parked(number).collect();
         let truth = truth_of(number, size, identities, &things, &parked);
-        (Frame::new(number, size, rgb), truth)
+        let time = f64::from(number - 1) / f64::from(self.scene.fps);
+        (Frame::new(number, size, rgb).at_time(time), truth)
     }
 
     /// The camera's displacement in a frame, in pixels to the right and down.

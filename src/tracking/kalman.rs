@@ -1,11 +1,11 @@
-//! A Kalman model of a moving region: position and size, constant velocity per frame (§VIII).
+//! A Kalman model of a moving region: position and size, constant velocity (§VIII).
 
 use nalgebra::{Matrix3, Matrix3x6, Matrix6, Vector3, Vector6};
 
 /// The noise of the process and of the measurements.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Noise {
-    /// Standard deviation of position and size relative to constant velocity, in pixels per frame.
+    /// Standard deviation of position and size relative to constant velocity, in pixels per frame period.
     pub process: f32,
     /// Standard deviation of a measured position and size, in pixels.
     pub measurement: f32,
@@ -30,7 +30,7 @@ impl Innovation {
     }
 }
 
-/// A Kalman filter with the state (x, y, s, vx, vy, vs), in pixels and pixels per frame, and its covariance.
+/// A Kalman filter of a moving region; a frame period is the time from frame to frame at the average rate. It has the state (x, y, s, vx, vy, vs), in pixels and pixels per frame period, and its covariance.
 #[derive(Clone, Debug, PartialEq)]
 pub struct KalmanModel {
     state: Vector6<f32>,
@@ -40,7 +40,7 @@ pub struct KalmanModel {
 
 impl KalmanModel {
     /// A model that starts at a measurement with a velocity (vx, vy, vs) of standard deviation `velocity_sigma`, in
-    /// pixels per frame.
+    /// pixels per frame period.
     pub fn new(at: Measurement, velocity: Vector3<f32>, velocity_sigma: f32, noise: Noise) -> Self {
         let scale = noise_scale(at.z);
         let position = (scale * noise.measurement).powi(2);
@@ -54,21 +54,30 @@ impl KalmanModel {
         }
     }
 
-    /// The model through two measurements of consecutive frames, with the state at the second.
-    pub fn through(first: Measurement, second: Measurement, noise: Noise) -> Self {
-        Self::new(second, second - first, noise.measurement * std::f32::consts::SQRT_2, noise)
+    /// The model through two measurements that are `periods` frame periods apart, with the state at the second.
+    pub fn through(first: Measurement, second: Measurement, periods: f32, noise: Noise) -> Self {
+        let velocity_sigma = noise.measurement * std::f32::consts::SQRT_2 / periods;
+        Self::new(second, (second - first) / periods, velocity_sigma, noise)
     }
 
-    /// Predicts the state by one frame.
-    pub fn predict(&mut self) {
+    /// Predicts the state by a number of frame periods, 1 from one frame to the next of a constant rate. A whole number n
+    /// has the same effect as n predictions by one period.
+    pub fn predict(&mut self, periods: f32) {
+        let n = periods;
         let mut transition = Matrix6::identity();
-        transition.fixed_view_mut::<3, 3>(0, 3).fill_diagonal(1.0);
-        // White acceleration within the frame: the position has standard deviation q, the velocity q/2.
+        transition.fixed_view_mut::<3, 3>(0, 3).fill_diagonal(n);
+        // White acceleration within a period: the position has standard deviation q, the velocity q/2. The errors of
+        // the velocity after each of n periods add to the position.
         let process = noise_scale(self.state.z) * self.noise.process;
         let (q, v) = (process.powi(2), (process / 2.0).powi(2));
+        let position = n * q + n * (n - 1.0) * (2.0 * n - 1.0) / 6.0 * v;
+        let mut noise =
+            Matrix6::from_diagonal(&Vector6::new(position, position, position, n * v, n * v, n * v));
+        for (row, column) in [(0, 3), (3, 0)] {
+            noise.fixed_view_mut::<3, 3>(row, column).fill_diagonal(n * (n - 1.0) / 2.0 * v);
+        }
         self.state = transition * self.state;
-        self.covariance = transition * self.covariance * transition.transpose()
-            + Matrix6::from_diagonal(&Vector6::new(q, q, q, v, v, v));
+        self.covariance = transition * self.covariance * transition.transpose() + noise;
     }
 
     /// The squared Mahalanobis length of the difference between a measurement and the prediction.
@@ -126,7 +135,7 @@ impl KalmanModel {
         *self = Self::new(*measured, self.velocity(), self.noise.measurement, self.noise);
     }
 
-    /// Sets the velocity (vx, vy, vs), in pixels per frame; the covariance stays.
+    /// Sets the velocity (vx, vy, vs), in pixels per frame period; the covariance stays.
     pub fn set_velocity(&mut self, velocity: Vector3<f32>) {
         self.state.fixed_rows_mut::<3>(3).copy_from(&velocity);
     }
@@ -141,7 +150,7 @@ impl KalmanModel {
         self.state.fixed_rows::<3>(0).into_owned()
     }
 
-    /// The estimated velocity (vx, vy, vs), in pixels per frame.
+    /// The estimated velocity (vx, vy, vs), in pixels per frame period.
     pub fn velocity(&self) -> Vector3<f32> {
         self.state.fixed_rows::<3>(3).into_owned()
     }
@@ -229,10 +238,30 @@ mod tests {
     #[test]
     fn a_model_through_two_measurements_predicts_the_third_on_their_line() {
         let mut model =
-            KalmanModel::through(Vector3::new(10.0, 5.0, 8.0), Vector3::new(13.0, 4.0, 8.0), NOISE);
-        model.predict();
+            KalmanModel::through(Vector3::new(10.0, 5.0, 8.0), Vector3::new(13.0, 4.0, 8.0), 1.0, NOISE);
+        model.predict(1.0);
         assert_eq!(model.measurement(), Vector3::new(16.0, 3.0, 8.0));
         assert_eq!(model.distance_squared(&Vector3::new(16.0, 3.0, 8.0)), 0.0);
+    }
+
+    #[test]
+    fn a_prediction_over_several_periods_equals_that_many_of_one_period() {
+        let mut once = KalmanModel::through(at_x(10.0), at_x(19.0), 3.0, NOISE);
+        assert_eq!(once.velocity().x, 3.0, "nine pixels in three periods");
+        let mut often = once.clone();
+        once.predict(7.0);
+        (0..7).for_each(|_| often.predict(1.0));
+        assert_eq!(once.measurement(), often.measurement());
+        assert!((once.covariance - often.covariance).abs().max() < 1e-3 * once.covariance.max());
+        let mut halves = often.clone();
+        often.predict(1.0);
+        (0..2).for_each(|_| halves.predict(0.5));
+        assert_eq!(halves.measurement(), often.measurement());
+        assert!((halves.covariance - often.covariance).abs().max() < 0.01 * often.covariance.max());
+    }
+
+    fn at_x(x: f32) -> Measurement {
+        Vector3::new(x, 5.0, 8.0)
     }
 
     #[test]
@@ -240,7 +269,7 @@ mod tests {
         let at = Vector3::new(100.0, 50.0, 20.0);
         let sure = KalmanModel::new(at, Vector3::zeros(), 1.0, NOISE);
         let mut vague = sure.clone();
-        (0..5).for_each(|_| vague.predict());
+        (0..5).for_each(|_| vague.predict(1.0));
         let near = Vector3::new(101.0, 50.0, 20.0);
         let likelihood = |model: &KalmanModel| model.innovation(&near, 0.0).log_likelihood();
         assert!(likelihood(&sure) > likelihood(&vague) + 1.0);
@@ -256,7 +285,7 @@ mod tests {
         let mut steady = model.clone();
         let jumped = Vector3::new(96.0, 60.0, 20.0);
         for each in [&mut model, &mut steady] {
-            each.predict();
+            each.predict(1.0);
         }
         model.update_after_manoeuvre(&jumped, 8.0);
         steady.update(&jumped, 1.0);
@@ -281,22 +310,22 @@ mod tests {
     #[test]
     fn it_converges_to_a_constant_velocity_and_its_covariance_shrinks() {
         let at = |frame: f32| Vector3::new(2.5 * frame, 100.0 - frame, 20.0);
-        let mut model = KalmanModel::through(at(0.0), at(1.0) + Vector3::new(2.0, -1.0, 0.0), NOISE);
+        let mut model = KalmanModel::through(at(0.0), at(1.0) + Vector3::new(2.0, -1.0, 0.0), 1.0, NOISE);
         let unsure = {
-            model.predict();
+            model.predict(1.0);
             model.gate_ellipse(11.3)[0]
         };
         for frame in 2..40 {
             if frame > 2 {
-                model.predict();
+                model.predict(1.0);
             }
             model.update(&at(frame as f32), 1.0);
         }
         assert!((model.velocity() - Vector3::new(2.5, -1.0, 0.0)).norm() < 0.1);
-        model.predict();
+        model.predict(1.0);
         assert!(model.gate_ellipse(11.3)[0] < unsure);
         for _ in 0..10 {
-            model.predict();
+            model.predict(1.0);
         }
         assert!((model.centre()[0] - 2.5 * 50.0).abs() < 3.0, "{:?}", model.centre());
     }

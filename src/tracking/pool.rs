@@ -97,6 +97,8 @@ pub struct Blob {
     others: Vec<Hypothesis>,
     /// Number of frames since it last had a region.
     pub lost: u32,
+    /// Frame periods of the last prediction.
+    periods: f32,
     /// The box of its last region, moved by the velocity while it has none.
     pub bbox: Rect,
 }
@@ -105,7 +107,7 @@ impl Blob {
     /// A blob with one hypothesis at an observation.
     pub fn new(model: KalmanModel, observation: &Observation) -> Self {
         let shown = Hypothesis { model, fitness: Fitness::expected(), score: 0.0, matched: None };
-        Self { shown, others: Vec::new(), lost: 0, bbox: observation.bbox }
+        Self { shown, others: Vec::new(), lost: 0, periods: 1.0, bbox: observation.bbox }
     }
 
     /// The hypothesis that is shown.
@@ -118,10 +120,11 @@ impl Blob {
         std::iter::once(&self.shown).chain(&self.others)
     }
 
-    /// Predicts every hypothesis by one frame.
-    pub fn predict(&mut self) {
+    /// Predicts every hypothesis by a number of frame periods.
+    pub fn predict(&mut self, periods: f32) {
+        self.periods = periods;
         for hypothesis in std::iter::once(&mut self.shown).chain(&mut self.others) {
-            hypothesis.model.predict();
+            hypothesis.model.predict(periods);
         }
     }
 
@@ -217,8 +220,8 @@ impl HypothesisMatcher {
                 blob.bbox = observation.bbox;
             } else {
                 blob.lost += 1;
-                let velocity = blob.shown().model.velocity();
-                blob.bbox = blob.bbox.moved(velocity.x, velocity.y);
+                let travel = blob.periods * blob.shown().model.velocity();
+                blob.bbox = blob.bbox.moved(travel.x, travel.y);
             }
         }
         self.prune(blobs);
@@ -357,7 +360,7 @@ mod tests {
 
     fn blob(x: f32, y: f32, vx: f32) -> Blob {
         let model =
-            KalmanModel::through(at(x - vx, y).measurement(), at(x, y).measurement(), settings().noise);
+            KalmanModel::through(at(x - vx, y).measurement(), at(x, y).measurement(), 1.0, settings().noise);
         Blob::new(model, &at(x, y))
     }
 
@@ -366,7 +369,9 @@ mod tests {
         blobs: &mut [Blob],
         observations: &[Observation],
     ) -> Vec<Option<usize>> {
-        blobs.iter_mut().for_each(Blob::predict);
+        for blob in blobs.iter_mut() {
+            blob.predict(1.0);
+        }
         settings.match_observations(&mut blobs.iter_mut().collect::<Vec<_>>(), observations)
     }
 

@@ -30,6 +30,8 @@ pub struct Seed {
 pub struct SeedFinder {
     before_last: Vec<UnexplainedDetection>,
     last: Vec<UnexplainedDetection>,
+    /// Frame periods between the two.
+    periods: f32,
 }
 
 impl SeedFinder {
@@ -38,11 +40,12 @@ impl SeedFinder {
         self.before_last.len() + self.last.len()
     }
 
-    /// Processes the frame's unexplained detections, and returns the models that explain one of them, the best for
-    /// each.
+    /// Processes the unexplained detections of a frame that is `periods` frame periods after the previous one. Returns
+    /// the models that explain one of them, the best for each.
     pub fn step(
         &mut self,
         settings: &HypothesisMatcher,
+        periods: f32,
         unexplained: Vec<UnexplainedDetection>,
     ) -> Vec<Seed> {
         let mut found = Vec::new();
@@ -52,8 +55,8 @@ impl SeedFinder {
                     continue;
                 }
                 let [one, two] = [first, second].map(|it| it.observation.measurement());
-                let mut model = KalmanModel::through(one, two, settings.noise);
-                model.predict();
+                let mut model = KalmanModel::through(one, two, self.periods, settings.noise);
+                model.predict(periods);
                 for third in &unexplained {
                     let measured = third.observation.measurement();
                     let distance = model.distance_squared(&measured);
@@ -73,6 +76,7 @@ impl SeedFinder {
             taken.push(seed.index);
             free
         });
+        self.periods = periods;
         self.before_last = std::mem::replace(&mut self.last, unexplained);
         found.into_iter().map(|(_, seed)| seed).collect()
     }

@@ -75,7 +75,7 @@ pub struct Track {
     pub bbox: Rect,
     /// The Kalman model's centre (x, y) after the frame's measurement, in pixels.
     pub centre: [f32; 2],
-    /// The model's velocity (vx, vy), in pixels per frame.
+    /// The model's velocity (vx, vy), in pixels per frame period.
     pub velocity: [f32; 2],
     /// The model's size s = √area, in pixels.
     pub scale: f32,
@@ -102,6 +102,8 @@ pub struct Track {
 pub struct FrameTracks {
     /// The frame's number.
     pub number: u32,
+    /// Its time in seconds since the source's first frame.
+    pub time: f64,
     /// Its confirmed objects.
     pub tracks: Vec<Track>,
 }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use super::TruthError;
+use crate::placement::Placement;
 
 /// A box: left, top, width, height, in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -37,6 +38,15 @@ const LARGEST: f64 = 1_000_000_001.0;
 
 /// The boxes of each frame, by identity.
 pub type Boxes = BTreeMap<u32, BTreeMap<u32, Bounds>>;
+
+/// The boxes in the pixels of frames that are placed in the source's images.
+pub fn in_frames(boxes: &Boxes, placement: &Placement) -> Boxes {
+    let mut moved = boxes.clone();
+    for bounds in moved.values_mut().flat_map(BTreeMap::values_mut) {
+        bounds.0 = placement.frame_box(bounds.0);
+    }
+    moved
+}
 
 /// Reads `frame,id,x,y,w,h[,conf,…]` without a header. Skips rows of confidence 0, which are not to be counted, and
 /// rows of fewer than six columns. Fails with the line if a number cannot be read or is out of range.

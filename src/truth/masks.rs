@@ -11,6 +11,7 @@ use rayon::prelude::*;
 use super::TruthError;
 use super::decisions::Decisions;
 use crate::frame::{Mask, Size};
+use crate::placement::Placement;
 
 /// CDnet's gray level of pixels outside the region of interest, which are ignored.
 const OUTSIDE: u8 = 85;
@@ -106,6 +107,13 @@ impl TrueMask {
         Self { size, runs }
     }
 
+    /// The mask of a frame that is placed in an image of this size: the label at the centre of each of its pixels.
+    #[must_use]
+    pub fn in_frame(&self, placement: &Placement) -> Self {
+        let labels = self.labels();
+        Self::new(placement.size(), placement.centres().map(|at| labels[at]))
+    }
+
     /// Scores a mask of the same size.
     pub fn score(&self, mask: &Mask) -> Decisions {
         let mut judge = self.judge();
@@ -181,6 +189,13 @@ impl TrueMasks {
     pub fn new(masks: BTreeMap<u32, Arc<TrueMask>>) -> Option<Self> {
         let size = masks.values().next()?.size;
         masks.values().all(|mask| mask.size == size).then_some(Self { size, masks })
+    }
+
+    /// The masks of frames that are placed in images of this size.
+    #[must_use]
+    pub fn in_frames(&self, placement: &Placement) -> Self {
+        let masks = self.masks.par_iter().map(|(&number, mask)| (number, Arc::new(mask.in_frame(placement))));
+        Self { size: placement.size(), masks: masks.collect() }
     }
 
     /// Width and height of each.

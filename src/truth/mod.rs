@@ -21,6 +21,7 @@ use std::sync::Arc;
 
 use self::boxes::Boxes;
 use self::masks::{MaskFiles, TrueMasks};
+use crate::placement::Placement;
 
 /// An error of a file of results or of ground truth.
 #[derive(Debug, thiserror::Error)]
@@ -110,5 +111,20 @@ impl Truth {
             return Err(TruthError::new(path, why));
         }
         Ok(truth)
+    }
+
+    /// The truth of frames that are placed in the source's images: boxes in their pixels, and masks of the source's size
+    /// with the label at the centre of each of their pixels.
+    #[must_use]
+    pub fn in_frames(&self, placement: &Placement) -> Self {
+        let boxes = self.boxes.as_ref().map(|boxes| boxes::in_frames(boxes, placement));
+        let masks = self.masks.as_ref().map(|masks| {
+            if masks.size() == placement.source() {
+                Arc::new(masks.in_frames(placement))
+            } else {
+                Arc::clone(masks)
+            }
+        });
+        Self { boxes, masks }
     }
 }

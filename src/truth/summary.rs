@@ -42,10 +42,18 @@ pub fn score(truth: &Boxes, found: &Boxes) -> TrackScore {
     }
 }
 
+/// Scores `found`, which is known only of the frames for which `is_analysed` holds: objects in other frames are not
+/// missed. Occlusion episodes are those of all frames.
+pub fn score_of_frames(truth: &Boxes, found: &Boxes, is_analysed: impl Fn(u32) -> bool) -> TrackScore {
+    let analysed = truth.iter().filter(|(number, _)| is_analysed(**number));
+    let analysed: Boxes = analysed.map(|(number, boxes)| (*number, boxes.clone())).collect();
+    TrackScore { occlusion: survival::score(truth, found), ..score(&analysed, found) }
+}
+
 /// The boxes of an offline result, as in its file of tracks.
 pub fn boxes_of(result: &OfflineResult) -> Boxes {
     let mut boxes = Boxes::new();
-    for FrameTracks { number, tracks } in &result.tracks {
+    for FrameTracks { number, tracks, .. } in &result.tracks {
         let of_frame: BTreeMap<_, _> = tracks
             .iter()
             .map(|track| {

@@ -29,7 +29,7 @@ pub(crate) fn faults(events: &[Event], tracks: &[FrameTracks], settings: &Settin
     let known_again = settings.min_track.frames(fps).max(fps.round() as u32);
     let mut replay = Replay { returns: returns(events, tracks), ..Replay::default() };
     let mut events = events.iter().peekable();
-    for FrameTracks { number: frame, tracks } in tracks {
+    for FrameTracks { number: frame, tracks, .. } in tracks {
         let mut now = Vec::new();
         while let Some(event) = events.next_if(|event| event.frame <= *frame) {
             now.push(event);

@@ -1,6 +1,7 @@
 //! Videos that the `ffmpeg` program makes, and what it decodes of them.
 
-#![allow(unreachable_pub, missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
+// Every test file is a separate crate and uses only some of these.
+#![allow(dead_code, unreachable_pub, missing_docs, clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
 use std::fs;
 use std::path::Path;
@@ -81,7 +82,12 @@ pub fn damage(path: &Path, skip: usize, every: usize) {
 
 /// All frames, the warnings, and the properties of a video.
 pub fn read_all(path: &Path) -> (Vec<Frame>, Vec<String>, SourceInfo) {
-    let source = source::open(path.to_str().unwrap(), Options::default());
+    read_all_by(path, Options::default())
+}
+
+/// As [`read_all`], read with these options.
+pub fn read_all_by(path: &Path, options: Options) -> (Vec<Frame>, Vec<String>, SourceInfo) {
+    let source = source::open(path.to_str().unwrap(), options);
     let mut source = source.unwrap_or_else(|error| panic!("{error}"));
     let mut frames = Vec::new();
     while let Some(frame) = source.next_frame().unwrap() {
@@ -92,9 +98,10 @@ pub fn read_all(path: &Path) -> (Vec<Frame>, Vec<String>, SourceInfo) {
 }
 
 /// The bytes of all frames that the `ffmpeg` program decodes, as RGB.
-fn decoded_by_program(path: &Path, options: &str) -> Vec<u8> {
-    let input = options.split_whitespace().chain(["-i", path.to_str().unwrap(), "-map", "0:v:0"]);
-    ffmpeg(input.chain(["-vsync", "passthrough", "-f", "rawvideo", "-pix_fmt", "rgb24", "-"]))
+fn decoded_by_program(path: &Path, input_options: &str, output_options: &str) -> Vec<u8> {
+    let input = input_options.split_whitespace().chain(["-i", path.to_str().unwrap()]);
+    let output = output_options.split_whitespace();
+    ffmpeg(input.chain(output).chain(["-vsync", "passthrough", "-f", "rawvideo", "-pix_fmt", "rgb24", "-"]))
 }
 
 /// The number of frames according to `ffprobe`.
@@ -106,9 +113,33 @@ pub fn count_by_program(path: &Path) -> usize {
     String::from_utf8(output.stdout).unwrap().lines().next().unwrap().trim().parse().unwrap()
 }
 
-/// Asserts that the frames are those of the `ffmpeg` program, to one level.
+/// The presentation time of each frame according to `ffprobe`, in seconds.
+pub fn times_by_program(path: &Path) -> Vec<f64> {
+    let mut command = Command::new("ffprobe");
+    command.args([
+        "-v",
+        "quiet",
+        "-select_streams",
+        "v:0",
+        "-show_entries",
+        "frame=best_effort_timestamp_time",
+    ]);
+    let output =
+        command.args(["-of", "csv=p=0"]).arg(path).output().expect("the ffprobe program is installed");
+    let text = String::from_utf8(output.stdout).unwrap();
+    // Side data of a frame add a comma and an empty line.
+    let times = text.lines().map(|line| line.trim_end_matches(',')).filter(|line| !line.is_empty());
+    times.map(|time| time.parse().unwrap()).collect()
+}
+
+/// Asserts that the frames are those of the `ffmpeg` program with these options of the input, to one level.
 pub fn assert_as_program(path: &Path, frames: &[Frame], options: &str) {
-    let expected = decoded_by_program(path, options);
+    assert_as_program_by(path, frames, options, "-map 0:v:0");
+}
+
+/// As [`assert_as_program`], with these options of the output besides.
+pub fn assert_as_program_by(path: &Path, frames: &[Frame], input_options: &str, output_options: &str) {
+    let expected = decoded_by_program(path, input_options, output_options);
     let bytes = frames.first().map_or(0, |frame| frame.rgb.len());
     assert_eq!(frames.len() * bytes, expected.len(), "{}: {} frames", path.display(), frames.len());
     for (frame, expected) in frames.iter().zip(expected.chunks_exact(bytes.max(1))) {
@@ -119,7 +150,12 @@ pub fn assert_as_program(path: &Path, frames: &[Frame], options: &str) {
 
 /// Asserts that frames that are read again in any order are those that were read in order.
 pub fn assert_same_in_any_order(path: &Path, frames: &[Frame], jumps: usize) {
-    let mut cache = FrameCache::open(path.to_str().unwrap(), Options::default(), 0).unwrap();
+    assert_same_in_any_order_by(path, Options::default(), frames, jumps);
+}
+
+/// As [`assert_same_in_any_order`], read with these options.
+pub fn assert_same_in_any_order_by(path: &Path, options: Options, frames: &[Frame], jumps: usize) {
+    let mut cache = FrameCache::open(path.to_str().unwrap(), options, 0).unwrap();
     assert!(cache.get(frames.len() as u32).unwrap().is_none());
     let mut random = 12345_u64;
     for _ in 0..jumps {

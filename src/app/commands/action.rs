@@ -27,6 +27,8 @@ pub(crate) enum Action {
     OpenFolder,
     /// Open the bundled scene.
     OpenSample,
+    /// Change how the source is read.
+    SourceOptions,
     /// Close the video, or cancel opening it.
     CloseVideo,
     /// Write the annotated frame to a file.

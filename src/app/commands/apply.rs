@@ -36,6 +36,7 @@ pub(crate) fn apply(model: &mut Model, command: Command) {
         }
         Command::SettingRevealed => model.panels.revealed_setting = None,
         Command::HideHint => model.panels.hint = false,
+        Command::DismissTruth => model.offered_truth = None,
         Command::OpenEvent(event) => model.choose_event(event),
         Command::ReleaseSlot(slot) => {
             model.edits.held_slot = None;
@@ -51,6 +52,7 @@ pub(crate) fn apply(model: &mut Model, command: Command) {
         Command::Act(_)
         | Command::Open(..)
         | Command::Rate(_)
+        | Command::Read(_)
         | Command::ReadTruth(_)
         | Command::OpenSample
         | Command::Area(_) => {}
@@ -135,6 +137,7 @@ pub(crate) fn act(model: &mut Model, action: Action, now: f64) {
         Action::OpenVideo
         | Action::OpenFolder
         | Action::OpenSample
+        | Action::SourceOptions
         | Action::CloseVideo
         | Action::ExportFrame
         | Action::CopyPlace

@@ -11,6 +11,7 @@ use crate::app::model::selection::Subject;
 use crate::app::model::view::BackgroundDisplay;
 use crate::replay::Start;
 use crate::settings::Settings;
+use crate::source::Options;
 use crate::tracking::Identity;
 
 /// A command of a panel.
@@ -22,8 +23,12 @@ pub(crate) enum Command {
     Open(String, Start),
     /// Set the video's frame rate.
     Rate(f32),
+    /// Read the open video with these options.
+    Read(Options),
     /// Read ground truth from this file or folder.
     ReadTruth(PathBuf),
+    /// Dismiss the offer of ground truth.
+    DismissTruth,
     /// Open the bundled sample at its first occlusion.
     OpenSample,
     /// Show the frame at this position, from 0.

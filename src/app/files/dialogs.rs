@@ -12,12 +12,20 @@ use crate::app::files::atomic_write;
 use crate::app::files::export_frame::FrameExport;
 use crate::app::files::settings_file;
 use crate::export::picture;
+use crate::frame::Mask;
 use crate::regions::Roi;
 use crate::settings::Settings;
+use crate::source::SceneFolder;
 use crate::truth::Truth;
 
 /// Minimum time in which a user can cancel a dialog. A dialog that ends sooner was never shown.
 const MIN_DIALOG_DURATION: Duration = Duration::from_millis(250);
+
+/// The endings of the names of videos that the dialog lists.
+const VIDEO_ENDINGS: [&str; 20] = [
+    "mp4", "avi", "mkv", "mov", "webm", "m4v", "mpg", "mpeg", "ogv", "mts", "m2ts", "ts", "3gp", "wmv",
+    "flv", "y4m", "mxf", "gif", "tif", "tiff",
+];
 
 /// The result of a dialog.
 pub(crate) enum DialogResult {
@@ -35,6 +43,8 @@ pub(crate) enum DialogResult {
     Mask(Result<Arc<Roi>, String>),
     /// Ground truth was read, or an error in a sentence.
     Truth(Result<Arc<Truth>, String>),
+    /// The ground truth beside the video of this name, if any.
+    TruthOffered(String, Option<PathBuf>),
     /// This system has no file dialogs.
     NoDialog,
 }
@@ -64,12 +74,7 @@ impl Dialogs {
     pub(crate) fn video(&mut self, ctx: &Context) {
         self.ask(ctx, || {
             let dialog = FileDialog::new().set_title("Open video");
-            let endings = ["mp4", "avi", "mkv", "mov", "webm", "m4v", "mpg", "mpeg", "ogv"];
-            dialog
-                .add_filter("Video", &endings)
-                .add_filter("All files", &["*"])
-                .pick_file()
-                .map(DialogResult::Open)
+            with_filter(dialog, "Video", &VIDEO_ENDINGS).pick_file().map(DialogResult::Open)
         });
     }
 
@@ -95,10 +100,8 @@ impl Dialogs {
     /// Asks for a settings file and reads it.
     pub(crate) fn load_settings(&mut self, ctx: &Context) {
         self.ask(ctx, || {
-            let dialog = FileDialog::new()
-                .set_title("Load settings")
-                .add_filter("Settings", &[settings_file::EXTENSION]);
-            let path = dialog.add_filter("All files", &["*"]).pick_file()?;
+            let dialog = FileDialog::new().set_title("Load settings");
+            let path = with_filter(dialog, "Settings", &[settings_file::EXTENSION]).pick_file()?;
             let read = settings_file::read(&path);
             Some(DialogResult::Settings(read.map(|settings| (path, Box::new(settings)))))
         });
@@ -109,7 +112,7 @@ impl Dialogs {
         self.ask(ctx, || {
             let dialog = FileDialog::new().set_title("Load area mask");
             let endings = ["png", "bmp", "jpg", "jpeg", "tif", "tiff", "pgm"];
-            let path = dialog.add_filter("Image", &endings).add_filter("All files", &["*"]).pick_file()?;
+            let path = with_filter(dialog, "Image", &endings).pick_file()?;
             Some(DialogResult::Mask(Roi::read(&path).map(Arc::new).map_err(|error| error.to_string())))
         });
     }
@@ -118,8 +121,7 @@ impl Dialogs {
     pub(crate) fn load_truth(&mut self, ctx: &Context) {
         self.ask(ctx, || {
             let dialog = FileDialog::new().set_title("Load ground truth");
-            let dialog = dialog.add_filter("MOTChallenge", &["txt", "csv"]).add_filter("All files", &["*"]);
-            Some(truth(&dialog.pick_file()?))
+            Some(truth(&with_filter(dialog, "MOTChallenge", &["txt", "csv"]).pick_file()?))
         });
     }
 
@@ -135,10 +137,19 @@ impl Dialogs {
         self.run(ctx, move || truth(&path));
     }
 
+    /// Finds the ground truth beside the images of a data set's sequence.
+    pub(crate) fn find_truth(&mut self, ctx: &Context, name: &str) {
+        let name = name.to_owned();
+        self.run(ctx, move || {
+            let truth = SceneFolder::at(Path::new(&name)).and_then(|scene| scene.truth);
+            DialogResult::TruthOffered(name, truth)
+        });
+    }
+
     /// Asks for a path and writes the region of interest there as an image.
-    pub(crate) fn save_mask(&mut self, ctx: &Context, roi: Arc<Roi>) {
+    pub(crate) fn save_mask(&mut self, ctx: &Context, mask: Mask) {
         self.save(ctx, "Save area mask", "roi.png".to_owned(), ("PNG image", "png"), move |path| {
-            atomic_write::write(path, "png", |at| picture::write_mask(at, roi.mask()))
+            atomic_write::write(path, "png", |at| picture::write_mask(at, &mask))
         });
     }
 
@@ -193,6 +204,15 @@ impl Dialogs {
     }
 }
 
+/// Adds a filter of endings in lower and upper case, because some systems compare case, and one of all files.
+fn with_filter(dialog: FileDialog, kind: &str, endings: &[&str]) -> FileDialog {
+    dialog.add_filter(kind, &in_both_cases(endings)).add_filter("All files", &["*"])
+}
+
+fn in_both_cases(endings: &[&str]) -> Vec<String> {
+    endings.iter().flat_map(|ending| [(*ending).to_owned(), ending.to_uppercase()]).collect()
+}
+
 fn truth(path: &Path) -> DialogResult {
     let read = Truth::read(path);
     DialogResult::Truth(read.map(Arc::new).map_err(|error| format!("{error}; choose another file")))
@@ -214,6 +234,11 @@ mod tests {
         let answer = dialogs.answer();
         assert!(!dialogs.open);
         answer
+    }
+
+    #[test]
+    fn endings_are_listed_in_both_cases() {
+        assert_eq!(in_both_cases(&["mp4", "3gp"]), ["mp4", "MP4", "3gp", "3GP"]);
     }
 
     #[test]

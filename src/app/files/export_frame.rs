@@ -24,12 +24,16 @@ impl FrameExport {
     pub(crate) fn of(model: &Model) -> Option<Self> {
         let frame = model.worker.in_view.as_deref()?;
         let shown = Arc::clone(&frame.shown);
+        let timeline = model.worker.timeline()?;
         let recent = frame
             .trails
             .range(..=shown.position)
-            .map(|(_, (number, tracks))| FrameTracks { number: *number, tracks: tracks.as_ref().clone() })
+            .map(|(&position, (number, tracks))| FrameTracks {
+                number: *number,
+                time: timeline.times.get(position as usize).copied().unwrap_or_default(),
+                tracks: tracks.as_ref().clone(),
+            })
             .collect();
-        let timeline = model.worker.timeline()?;
         let here = timeline.events.iter().filter(|(position, _)| *position == shown.position);
         let events = here.map(|(_, event)| event.clone()).collect();
         Some(Self { shown, recent, events })

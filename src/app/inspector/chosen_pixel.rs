@@ -2,6 +2,7 @@
 
 use std::sync::Arc;
 
+use super::frame_times::FrameTimes;
 use crate::explain::pixel::component_slots;
 use crate::explain::pixel::{PixelHistory, PixelState};
 use crate::mixture::pixel::MAX_K;
@@ -26,8 +27,8 @@ pub(super) struct ChosenPixel<'a> {
     pub(super) index: usize,
     /// That state.
     pub(super) state: &'a PixelState,
-    /// The source's frame rate.
-    pub(super) fps: f32,
+    /// The times of the frames.
+    pub(super) times: FrameTimes<'a>,
 }
 
 impl ChosenPixel<'_> {

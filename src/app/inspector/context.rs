@@ -5,6 +5,7 @@ use std::sync::Arc;
 use crate::explain::pixel::PixelHistory;
 use crate::explain::pixel::region_shares::RegionShares;
 use crate::explain::tuning::{RegionTuning, TunableSetting};
+use crate::placement::Placement;
 use crate::replay::WorkProgress;
 
 /// The data that the inspector shows besides the chosen pixel's history.
@@ -12,6 +13,8 @@ use crate::replay::WorkProgress;
 pub struct InspectorContext<'a> {
     /// The chosen pixel.
     pub chosen: Option<(u32, u32)>,
+    /// Where the frames lie in the source's images, if they are not these images.
+    pub placement: Option<Placement>,
     /// The pinned pixels, with their numbers.
     pub pins: &'a [(u8, (u32, u32))],
     /// The available histories of the pinned pixels.
@@ -24,6 +27,13 @@ pub struct InspectorContext<'a> {
     pub shares: Option<&'a Arc<RegionShares>>,
     /// The accuracy around the chosen pixel, by the ground truth.
     pub accuracy: RegionAccuracy<'a>,
+}
+
+impl InspectorContext<'_> {
+    /// The pixel of the source's images, which is what the user sees.
+    pub(super) fn source_pixel(&self, at: (u32, u32)) -> (u32, u32) {
+        self.placement.map_or(at, |placement| placement.source_pixel(at))
+    }
 }
 
 /// Accuracy in the region around the chosen pixel, by the ground truth.

@@ -4,19 +4,26 @@ use eframe::egui::{Painter, Rangef, Response, Stroke, Tooltip, Ui, Visuals};
 
 use super::action::InspectorAction;
 use super::chart::ChartAxis;
+use super::frame_times::FrameTimes;
 use super::style;
 
 /// The frame in view.
 #[derive(Clone, Copy)]
-pub(super) struct FramePosition {
+pub(super) struct FramePosition<'a> {
     /// Its position, from 0.
     pub(super) index: usize,
-    /// The source's frame rate.
-    pub(super) fps: f32,
+    /// The times of the frames.
+    pub(super) times: FrameTimes<'a>,
 }
 
 /// A line at the frame in view.
-pub(super) fn mark(painter: &Painter, visuals: &Visuals, axis: ChartAxis, here: FramePosition, y: Rangef) {
+pub(super) fn mark(
+    painter: &Painter,
+    visuals: &Visuals,
+    axis: ChartAxis,
+    here: FramePosition<'_>,
+    y: Rangef,
+) {
     let x = axis.at(here.index as f64 + 0.5);
     painter.vline(x, y, Stroke::new(3.0, visuals.panel_fill.gamma_multiply(0.6)));
     painter.vline(x, y, Stroke::new(1.5, style::ink(visuals)));

@@ -33,16 +33,13 @@ pub(super) fn header(ui: &mut Ui, chosen: &ChosenPixel<'_>, pinned: Option<u8>) 
         style::swatch(ui, state.rgb, 34.0, &format!("colour {r}, {g}, {b}"));
         ui.vertical(|ui| {
             ui.spacing_mut().item_spacing.y = 1.0;
-            let (x, y) = chosen.history.at;
+            let (x, y) = chosen.history.source_pixel();
             ui.horizontal(|ui| {
                 ui.label(RichText::new(format!("Pixel {x}, {y}")).size(15.0).strong());
                 pin = pin_button(ui, pinned);
                 ui.with_layout(egui::Layout::right_to_left(egui::Align::Center), |ui| {
                     if ui.available_width() > MIN_SECONDS_WIDTH {
-                        ui.label(style::aside(
-                            ui,
-                            &format!("{} s", style::seconds(chosen.index, chosen.fps)),
-                        ));
+                        ui.label(style::aside(ui, &format!("{} s", chosen.times.text(chosen.index))));
                     }
                     ui.label(format!("frame {}", state.number));
                 });

@@ -325,7 +325,7 @@ fn frame_words(ui: &mut Ui, chosen: &ChosenPixel<'_>, frame: usize) {
     let Some(state) = chosen.history.states.get(frame) else { return };
     let words = verdict(chosen.history, frame);
     ui.set_max_width(260.0);
-    ui.label(format!("Frame {}, {} s", state.number, style::seconds(frame, chosen.fps)));
+    ui.label(format!("Frame {}, {} s", state.number, chosen.times.text(frame)));
     let values = chosen.channels().iter().zip(state.value);
     let values: Vec<_> = values.map(|(name, value)| format!("{name} {value}")).collect();
     ui.label(small(&format!("{}, B = {}", values.join("  "), state.outcome.background_count)));
@@ -345,6 +345,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
 
     use super::*;
+    use crate::app::inspector::FrameTimes;
     use crate::explain::pixel::component_slots::slots_by_rank;
     use crate::mixture::Parameters;
     use crate::settings::Settings;
@@ -359,8 +360,13 @@ mod tests {
         let mut view = HistoryView::default();
         let mut made = |history: &Arc<PixelHistory>, frames: Range<usize>, columns: usize| {
             let slots = Arc::new(slots_by_rank(history));
-            let chosen =
-                ChosenPixel { history, slots: &slots, index: 3, state: &history.states[3], fps: 25.0 };
+            let chosen = ChosenPixel {
+                history,
+                slots: &slots,
+                index: 3,
+                state: &history.states[3],
+                times: FrameTimes { fps: 25.0, times: &[] },
+            };
             let bins = view.bins(&chosen, frames, columns);
             (bins.as_ptr(), bins.len(), bins[0].value[0].0)
         };

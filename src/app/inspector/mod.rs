@@ -12,6 +12,7 @@ mod components;
 mod context;
 mod cube;
 mod frame_axis;
+mod frame_times;
 mod grid;
 mod header;
 mod history;
@@ -42,6 +43,7 @@ pub use self::chosen_pixel::SlottedHistory;
 use self::chosen_pixel::{ChosenPixel, slotted};
 pub use self::context::{InspectorContext, InspectorRequests, RegionAccuracy};
 use self::frame_axis::FramePosition;
+pub use self::frame_times::FrameTimes;
 use self::header::{header, message, verdict_ui};
 pub use self::plot::{Format, Plot};
 pub use self::table::Table;
@@ -82,15 +84,14 @@ impl Inspector {
     /// Draws the panel of the pixel chosen in `shown`. Returns the requested action.
     ///
     /// `newest` is the pixel under the latest settings. It is drawn in place of the frame's own while the frame in
-    /// view still waits for these settings. `fps` is the source's frame rate, to show times in seconds beside frame
-    /// numbers. `tuning` is the result of a request of [`Self::requests`], and `context` holds other pixels.
+    /// view still waits for these settings. `times` gives times in seconds beside frame numbers. `tuning` is the result of a request of [`Self::requests`], and `context` holds other pixels.
     pub fn ui(
         &mut self,
         ui: &mut Ui,
         shown: Option<&ShownFrame>,
         newest: Option<&Arc<PixelHistory>>,
         tuning: Option<&Tuning>,
-        fps: f32,
+        times: FrameTimes<'_>,
         context: &InspectorContext<'_>,
     ) -> Option<InspectorAction> {
         let Some(shown) = shown else {
@@ -116,12 +117,12 @@ impl Inspector {
         let ahead = newest.filter(|newest| {
             !newest.parameters.equal_settings(&shown.settings) && newest.states.len() > index
         });
-        let here = FramePosition { index, fps };
+        let here = FramePosition { index, times };
         let Some(history) = ahead.or(shown.pixel.as_ref()) else {
             return self.without_history(ui, here, context);
         };
         let Some(state) = history.states.get(index) else {
-            let (x, y) = history.at;
+            let (x, y) = history.source_pixel();
             message(
                 ui,
                 &format!("Pixel {x}, {y}"),
@@ -131,7 +132,7 @@ impl Inspector {
         };
 
         let slots = slotted(&mut self.followed, history);
-        let chosen = ChosenPixel { history, slots: &slots, index, state, fps };
+        let chosen = ChosenPixel { history, slots: &slots, index, state, times };
         let mut words = verdict(history, index);
         let (x, y) = history.place(index);
         // There is no mask yet under settings that the frame still waits for.
@@ -149,7 +150,7 @@ impl Inspector {
             let mut words = verdict(history, index);
             let ignored = other.roi.as_ref().is_some_and(|roi| !roi.contains(x, y));
             words.details.splice(0..0, overruled(words.foreground, mask, ignored, &other.settings));
-            (ChosenPixel { history, slots, index, state, fps }, words, mask)
+            (ChosenPixel { history, slots, index, state, times }, words, mask)
         });
 
         let pinned = context.pins.iter().find(|(_, at)| *at == history.at).map(|&(number, _)| number);
@@ -195,14 +196,16 @@ impl Inspector {
     fn without_history(
         &mut self,
         ui: &mut Ui,
-        here: FramePosition,
+        here: FramePosition<'_>,
         context: &InspectorContext<'_>,
     ) -> Option<InspectorAction> {
         let (title, text) = match context.chosen {
-            Some((x, y)) if context.lost.contains(&(x, y)) => {
-                (format!("Pixel {x}, {y}"), LOST_HISTORY.to_owned())
+            Some(at) => {
+                let (x, y) = context.source_pixel(at);
+                let is_lost = context.lost.contains(&at);
+                let why = if is_lost { LOST_HISTORY.to_owned() } else { computing_history(context.progress) };
+                (format!("Pixel {x}, {y}"), why)
             }
-            Some((x, y)) => (format!("Pixel {x}, {y}"), computing_history(context.progress)),
             None if context.pins.is_empty() => ("No pixel selected".to_owned(), CLICK_PIXEL.to_owned()),
             None => ("No pixel selected".to_owned(), CLICK_PIXEL_OR_PIN.to_owned()),
         };

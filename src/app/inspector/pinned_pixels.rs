@@ -54,7 +54,7 @@ impl PinnedPixelsView {
     pub(super) fn ui(
         &mut self,
         ui: &mut Ui,
-        here: FramePosition,
+        here: FramePosition<'_>,
         context: &InspectorContext<'_>,
     ) -> Option<InspectorAction> {
         self.cache
@@ -85,12 +85,13 @@ impl PinnedPixelsView {
             ui.add_space(4.0);
             let history = known(at);
             let state = history.and_then(|history| history.states.get(here.index));
-            asked = pin_row(ui, number, at, state, context.chosen == Some(at)).or(asked);
+            let place = (at, context.source_pixel(at));
+            asked = pin_row(ui, number, place, state, context.chosen == Some(at)).or(asked);
             let (area, response) = ui.allocate_exact_size(
                 vec2(ui.available_width(), SPARKLINE_HEIGHT + VERDICT_STRIP_HEIGHT + 3.0),
                 Sense::click(),
             );
-            let (x, y) = at;
+            let (x, y) = context.source_pixel(at);
             response.widget_info(|| {
                 let name =
                     format!("Pinned pixel {number} at {x}, {y} over all frames; click to go to a frame");
@@ -112,7 +113,7 @@ impl PinnedPixelsView {
             asked = go_to(ui, &response, axis, frames, |ui, frame| {
                 let state = history.and_then(|history| history.states.get(frame));
                 let Some(state) = state else { return };
-                ui.label(format!("Frame {}, {} s", state.number, style::seconds(frame, here.fps)));
+                ui.label(format!("Frame {}, {} s", state.number, here.times.text(frame)));
                 ui.label(small(&format!("{}: {}", values(state), word(state.outcome.foreground))));
             })
             .or(asked);
@@ -151,11 +152,11 @@ fn values(state: &PixelState) -> String {
     format!("{r} {g} {b}")
 }
 
-/// Number, position and verdict of a pin, with the button that unpins it.
+/// Number, position and verdict of a pin at a pixel of the frames and of the source, with the button that unpins it.
 fn pin_row(
     ui: &mut Ui,
     number: u8,
-    (x, y): (u32, u32),
+    (at, (x, y)): ((u32, u32), (u32, u32)),
     state: Option<&PixelState>,
     chosen: bool,
 ) -> Option<InspectorAction> {
@@ -170,7 +171,7 @@ fn pin_row(
         let place = Button::selectable(chosen, small(&format!("{x}, {y}")));
         let response = ui.add(place).on_hover_text("Select this pixel for the other tabs");
         if response.clicked() {
-            asked = Some(InspectorAction::Choose((x, y)));
+            asked = Some(InspectorAction::Choose(at));
         }
         if let Some(state) = state {
             style::swatch(ui, state.rgb, 12.0, &format!("colour {}", values(state)));
@@ -203,7 +204,7 @@ fn draw(
     sparks: &[SparklineColumn],
     colour: Color32,
     axis: ChartAxis,
-    here: FramePosition,
+    here: FramePosition<'_>,
 ) {
     let (painter, visuals) = (ui.painter_at(area.expand(1.0)), ui.visuals());
     let plot = Rect::from_min_size(area.min, vec2(area.width(), SPARKLINE_HEIGHT));

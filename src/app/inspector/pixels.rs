@@ -26,7 +26,7 @@ impl PixelsView {
         &mut self,
         ui: &mut Ui,
         chosen: &Arc<PixelHistory>,
-        here: FramePosition,
+        here: FramePosition<'_>,
         context: &InspectorContext<'_>,
     ) -> Option<InspectorAction> {
         let region = self.region.ui(ui, chosen, here, context.shares);

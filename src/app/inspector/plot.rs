@@ -106,8 +106,10 @@ impl Plot {
             | Self::Cube(of, scatter_points::ScatterSelection { frames, .. }, ..) => {
                 Table::History(Arc::clone(&of.history), frames.clone())
             }
-            Self::Map(_, tuning) => Table::Map(tuning.clone()),
-            Self::RegionAccuracy(_, judged, _) => Table::RegionAccuracy(Arc::clone(judged)),
+            Self::Map(of, tuning) => Table::Map(Arc::clone(&of.history), tuning.clone()),
+            Self::RegionAccuracy(of, judged, _) => {
+                Table::RegionAccuracy(Arc::clone(&of.history), Arc::clone(judged))
+            }
             Self::Region(of, shares, _) => Table::Region(Arc::clone(of), Arc::clone(shares)),
             Self::Pins(pins, _) => Table::Pins(pins.clone()),
         }
@@ -126,7 +128,7 @@ impl Plot {
             Self::Region(of, ..) => ("region", of),
             Self::Pins(..) => return format!("pins.{}", format.ending()),
         };
-        let (x, y) = of.at;
+        let (x, y) = of.source_pixel();
         format!("{what}-{x}-{y}.{}", format.ending())
     }
 

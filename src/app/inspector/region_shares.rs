@@ -52,7 +52,7 @@ impl RegionSharesView {
         &mut self,
         ui: &mut Ui,
         chosen: &Arc<PixelHistory>,
-        here: FramePosition,
+        here: FramePosition<'_>,
         shares: Option<&Arc<RegionShares>>,
     ) -> Option<InspectorAction> {
         let shares = shares.filter(|shares| shares.side == self.side && shares.at == chosen.at);
@@ -89,7 +89,7 @@ impl RegionSharesView {
         &mut self,
         ui: &mut Ui,
         chosen: &PixelHistory,
-        here: FramePosition,
+        here: FramePosition<'_>,
         shares: Option<&Arc<RegionShares>>,
     ) -> Option<InspectorAction> {
         let size = vec2(ui.available_width(), SHARES_HEIGHT + TICKS_HEIGHT + 4.0);
@@ -139,7 +139,7 @@ impl RegionSharesView {
             let Some(shares) = shares else { return };
             let per_cent = |shares: &[f32]| shares.get(frame).copied().unwrap_or(0.0) * 100.0;
             let Some(state) = chosen.states.get(frame) else { return };
-            ui.label(format!("Frame {}, {} s", state.number, style::seconds(frame, here.fps)));
+            ui.label(format!("Frame {}, {} s", state.number, here.times.text(frame)));
             let (after, before) = (per_cent(&shares.cleaned), per_cent(&shares.model));
             ui.label(small(&format!(
                 "{after:.0} % of {} pixels, {before:.0} % before post-processing",

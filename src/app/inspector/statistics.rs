@@ -33,7 +33,7 @@ impl StatisticsView {
             let values = values.map(|value| format!("{value:.1}"));
             if gray { values[0].clone() } else { values.join("   ") }
         };
-        let seconds = |frames: f32| number(frames / chosen.fps.max(f32::MIN_POSITIVE));
+        let seconds = |frames: f32| number(frames / chosen.times.fps.max(f32::MIN_POSITIVE));
         let alpha = chosen.history.parameters.alpha;
         let frames = statistics.frames;
         let channels = chosen.channels().join(", ");

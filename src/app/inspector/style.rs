@@ -88,8 +88,3 @@ pub(super) fn swatch(ui: &mut Ui, rgb: [u8; 3], side: f32, name: &str) {
         StrokeKind::Inside,
     );
 }
-
-/// The time of a position in seconds, with one decimal.
-pub(super) fn seconds(position: usize, fps: f32) -> String {
-    format!("{:.1}", position as f32 / fps.max(f32::MIN_POSITIVE))
-}

@@ -16,10 +16,10 @@ use crate::export::{pixel_csv, shares_csv, statistics_csv, tuning_csv};
 pub enum Table {
     /// These states of a pixel, one row a frame, as `occluscope pixel` writes them.
     History(Arc<PixelHistory>, Range<usize>),
-    /// A tuning map, one row a cell.
-    Map(Box<Tuning>),
+    /// A tuning map of a pixel, one row a cell.
+    Map(Arc<PixelHistory>, Box<Tuning>),
     /// The accuracy around a pixel, one row a cell.
-    RegionAccuracy(Arc<RegionTuning>),
+    RegionAccuracy(Arc<PixelHistory>, Arc<RegionTuning>),
     /// The statistics over these states of a pixel, in one row.
     Statistics(Arc<PixelHistory>, Range<usize>),
     /// The foreground ratio around a pixel, one row a frame.
@@ -36,21 +36,23 @@ impl Table {
             Self::Statistics(..) => 1,
             Self::Region(history, shares) => history.states.len().min(shares.cleaned.len()),
             Self::Pins(pins) => pins.iter().map(|(_, history)| history.states.len()).sum(),
-            Self::Map(tuning) => tuning.map.axes.iter().map(|axis| axis.values.len()).product(),
-            Self::RegionAccuracy(judged) => judged.cells.len(),
+            Self::Map(_, tuning) => tuning.map.axes.iter().map(|axis| axis.values.len()).product(),
+            Self::RegionAccuracy(_, judged) => judged.cells.len(),
         }
     }
 
     /// A file name.
     pub fn name(&self) -> String {
-        match self {
-            Self::History(history, _) => format!("pixel-{}-{}.csv", history.at.0, history.at.1),
-            Self::Map(tuning) => format!("tuning-{}-{}.csv", tuning.at.0, tuning.at.1),
-            Self::RegionAccuracy(judged) => format!("accuracy-{}-{}.csv", judged.at.0, judged.at.1),
-            Self::Statistics(history, _) => format!("statistics-{}-{}.csv", history.at.0, history.at.1),
-            Self::Region(history, _) => format!("region-{}-{}.csv", history.at.0, history.at.1),
-            Self::Pins(_) => "pins.csv".to_owned(),
-        }
+        let (what, of) = match self {
+            Self::History(of, _) => ("pixel", of),
+            Self::Map(of, _) => ("tuning", of),
+            Self::RegionAccuracy(of, _) => ("accuracy", of),
+            Self::Statistics(of, _) => ("statistics", of),
+            Self::Region(of, _) => ("region", of),
+            Self::Pins(_) => return "pins.csv".to_owned(),
+        };
+        let (x, y) = of.source_pixel();
+        format!("{what}-{x}-{y}.csv")
     }
 
     /// Writes the table as CSV.
@@ -64,8 +66,8 @@ impl Table {
             Self::Statistics(history, range) => statistics_csv::write(out, history, range.clone()),
             Self::Region(history, shares) => shares_csv::write(out, history, shares),
             Self::Pins(pins) => pixel_csv::write_pins(out, &borrowed(pins)),
-            Self::Map(tuning) => tuning_csv::write_map(out, &tuning.map),
-            Self::RegionAccuracy(judged) => tuning_csv::write_decisions(out, &judged.axes, &judged.cells),
+            Self::Map(_, tuning) => tuning_csv::write_map(out, &tuning.map),
+            Self::RegionAccuracy(_, judged) => tuning_csv::write_decisions(out, &judged.axes, &judged.cells),
         }
     }
 

@@ -13,7 +13,10 @@ use egui_kittest::Harness;
 use egui_kittest::kittest::{NodeT, Queryable};
 
 use super::super::golden::looks_as_before;
-use super::{Format, Inspector, InspectorAction, InspectorContext, SlottedHistory, Table, computing_history};
+use super::{
+    Format, FrameTimes, Inspector, InspectorAction, InspectorContext, SlottedHistory, Table,
+    computing_history,
+};
 use crate::explain::pixel::PixelHistory;
 use crate::explain::pixel::component_slots::{ComponentChange, component_change};
 use crate::explain::pixel::region_shares::RegionShares;
@@ -69,6 +72,7 @@ fn shown_of(settings: Settings, history: Option<PixelHistory>, position: u32) ->
         frame: Arc::clone(&frame),
         analysis: Arc::new(Analysis {
             number: position + 1,
+            time: f64::from(position) / 10.0,
             t: position + 1,
             mask: Arc::new(mask),
             labels: Arc::new(Labels::none(SIZE)),
@@ -137,7 +141,7 @@ fn harness(
                     shown.as_ref(),
                     None,
                     tuning.as_ref(),
-                    10.0,
+                    FrameTimes { fps: 10.0, times: &[] },
                     &InspectorContext::default(),
                 ));
             });
@@ -294,7 +298,14 @@ fn a_selected_number_of_frames_is_retained_over_a_short_history() {
         .with_context_setup(crate::app::theme::install)
         .build_ui(move |ui| {
             egui::CentralPanel::default().show(ui, |ui| {
-                inspector.ui(ui, Some(&seen.borrow()), None, None, 10.0, &InspectorContext::default())
+                inspector.ui(
+                    ui,
+                    Some(&seen.borrow()),
+                    None,
+                    None,
+                    FrameTimes { fps: 10.0, times: &[] },
+                    &InspectorContext::default(),
+                )
             });
         });
     open(&mut harness, "Scatter");
@@ -502,7 +513,14 @@ fn new_settings_show_their_verdict_before_the_frame_is_analysed() {
         .with_context_setup(crate::app::theme::install)
         .build_ui(move |ui| {
             egui::CentralPanel::default().show(ui, |ui| {
-                inspector.ui(ui, Some(&shown), Some(&newest), None, 10.0, &InspectorContext::default())
+                inspector.ui(
+                    ui,
+                    Some(&shown),
+                    Some(&newest),
+                    None,
+                    FrameTimes { fps: 10.0, times: &[] },
+                    &InspectorContext::default(),
+                )
             });
         });
     assert!(texts(&harness).contains(&expected), "{expected}");
@@ -683,7 +701,14 @@ fn a_map_of_other_settings_is_requested_and_shown_when_computed() {
         .with_context_setup(crate::app::theme::install)
         .build_ui(move |ui| {
             egui::CentralPanel::default().show(ui, |ui| {
-                inspector.ui(ui, Some(&shown), None, tuning.as_ref(), 10.0, &InspectorContext::default());
+                inspector.ui(
+                    ui,
+                    Some(&shown),
+                    None,
+                    tuning.as_ref(),
+                    FrameTimes { fps: 10.0, times: &[] },
+                    &InspectorContext::default(),
+                );
                 *noted.borrow_mut() = inspector.requests().tuning_axes;
             });
         });

@@ -62,7 +62,7 @@ impl Edits {
     }
 
     /// Drops the areas with their edits.
-    pub(super) fn forget_areas(&mut self) {
+    pub(crate) fn forget_areas(&mut self) {
         self.areas = Areas::default();
         self.history.forget_areas();
     }

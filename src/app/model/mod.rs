@@ -24,8 +24,10 @@ pub(crate) mod videos;
 pub(crate) mod view;
 pub(crate) mod worker;
 
+use std::path::PathBuf;
 use std::sync::Arc;
 
+use crate::app::model::areas::Areas;
 use crate::app::model::camera::ViewCamera;
 use crate::app::model::display::{Display, PanelState};
 use crate::app::model::edits::Edits;
@@ -37,9 +39,11 @@ use crate::app::model::player::Player;
 use crate::app::model::selection::{Selection, Subject};
 use crate::app::model::videos::{Origin, Videos, file_name};
 use crate::app::model::worker::WorkerLink;
+use crate::placement::Placement;
 use crate::regions::Roi;
 use crate::replay::Request;
 use crate::settings::Settings;
+use crate::source::Options;
 use crate::tracking::Identity;
 use crate::truth::Truth;
 
@@ -63,6 +67,8 @@ pub(crate) struct Model {
     pub(crate) events: EventList,
     /// The ground truth.
     pub(crate) truth: Option<Arc<Truth>>,
+    /// The path of ground truth beside the video, until it is dismissed.
+    pub(crate) offered_truth: Option<PathBuf>,
 }
 
 impl Model {
@@ -78,6 +84,7 @@ impl Model {
             panels: PanelState::new(),
             events: EventList::new(),
             truth: None,
+            offered_truth: None,
         }
     }
 
@@ -95,10 +102,12 @@ impl Model {
     pub(crate) fn open(&mut self, name: &str, player: Box<dyn Player>) {
         self.worker.open(player, self.edits.settings.clone());
         self.store_marks();
-        self.playback.marks = self.videos.marks.get(name).cloned().unwrap_or_default();
-        self.playback.playing = false;
         (self.videos.opened, self.videos.origin) = (Some(name.to_owned()), Origin::New);
+        self.videos.read_with = self.videos.options_of(name);
+        self.playback.marks = self.videos.stored_marks();
+        self.playback.playing = false;
         (self.panels.timeline_span, self.truth, self.events.comparison) = (None, None, None);
+        self.offered_truth = None;
         self.selection = Selection::NONE;
         self.display.camera = ViewCamera::FIT;
     }
@@ -110,7 +119,7 @@ impl Model {
         self.playback.marks = Marks::default();
         self.playback.playing = false;
         (self.videos.opened, self.videos.origin) = (None, Origin::New);
-        (self.panels.timeline_span, self.truth) = (None, None);
+        (self.panels.timeline_span, self.truth, self.offered_truth) = (None, None, None);
         self.selection = Selection::NONE;
         self.edits.forget_areas();
     }
@@ -124,9 +133,10 @@ impl Model {
     pub(crate) fn frame_description(&self) -> Option<String> {
         let shown = self.worker.shown()?;
         let name = self.videos.opened.as_deref().map_or("", file_name);
-        let seconds = shown.position as f32 / self.worker.fps();
+        let seconds = shown.frame.time;
         let pixel = self.selection.pixel.and_then(|(x, y)| {
             let [r, g, b] = shown.frame.pixel(x, y)?;
+            let (x, y) = self.worker.source_pixel((x, y));
             Some(format!(", pixel {x},{y} = {r} {g} {b}"))
         });
         Some(format!("{name}, frame {}, {seconds:.2} s{}", shown.frame.number, pixel.unwrap_or_default()))
@@ -137,6 +147,25 @@ impl Model {
         self.selection.pixel = pixel;
         if let Some(player) = &self.worker.player {
             player.request(Request::Inspect(pixel));
+        }
+    }
+
+    /// The chosen pixel in the frames of the open video read with `options`; `None` if it is not in them.
+    pub(crate) fn pixel_with(&self, options: Options) -> Option<(u32, u32)> {
+        let pixel = self.worker.source_pixel(self.selection.pixel?);
+        let info = self.worker.state.as_ref()?.info.as_ref()?;
+        Placement::new(info.source_size(), options.crop, options.scale)?.frame_pixel(pixel)
+    }
+
+    /// Reduces a mask of the source's size like the frames, once their place in the source is known.
+    fn fit_mask(&mut self) {
+        let Some((placement, mask)) = self.worker.placement().zip(self.edits.areas.mask.as_ref()) else {
+            return;
+        };
+        if mask.mask().size == placement.source()
+            && let Ok(mask) = Roi::of_frames(mask, placement.size(), Some(&placement))
+        {
+            self.edits.areas = Areas::of_mask(Some(mask));
         }
     }
 
@@ -154,7 +183,16 @@ impl Model {
     /// Whether there are ground-truth masks of the video.
     pub(crate) fn has_true_masks(&self) -> bool {
         let masks = self.truth.as_ref().and_then(|truth| truth.masks.as_ref());
-        masks.is_some_and(|masks| Some(masks.size()) == self.worker.size())
+        let size = masks.map(|masks| masks.size());
+        let source = self.worker.placement().map(|placement| placement.source());
+        size.is_some() && (size == self.worker.size() || size == source)
+    }
+
+    /// Offers the ground truth that was found beside a video, if that is still open.
+    pub(crate) fn offer_truth(&mut self, name: &str, truth: Option<PathBuf>) {
+        if self.videos.opened.as_deref() == Some(name) {
+            self.offered_truth = truth;
+        }
     }
 
     /// Sets the ground truth.
@@ -215,6 +253,7 @@ impl Model {
         self.events.comparison = EventComparison::of(&state, self.worker.fps(), compared);
         let is_open = state.info.is_some();
         let warnings = self.worker.receive(state);
+        self.fit_mask();
         self.selection.find_event_again(&self.worker);
         if is_open && self.videos.origin == Origin::New {
             self.videos.remember(self.worker.is_live());

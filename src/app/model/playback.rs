@@ -21,6 +21,9 @@ pub(crate) struct Playback {
     pub(crate) marks: Marks,
 }
 
+/// The longest that a frame is shown while playing at normal speed, in seconds, however long it was until the next.
+const MAX_PAUSE_SECONDS: f64 = 2.0;
+
 impl Playback {
     /// Stopped, at the normal speed, without marks.
     pub(super) fn new() -> Self {
@@ -61,10 +64,11 @@ impl Playback {
         if now < self.next_at {
             return Some(self.next_at - now);
         }
-        let period = 1.0 / f64::from(worker.fps() * SPEEDS[self.speed]);
+        let next = restart.unwrap_or(position + 1);
+        let period = worker.seconds_to(next + 1).min(MAX_PAUSE_SECONDS) / f64::from(SPEEDS[self.speed]);
         let behind = now - self.next_at > period;
         self.next_at = if behind { now + period } else { self.next_at + period };
-        worker.go_to(restart.unwrap_or(position + 1));
+        worker.go_to(next);
         Some(period)
     }
 }

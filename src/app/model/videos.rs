@@ -29,7 +29,10 @@ pub(crate) struct Videos {
     pub(crate) origin: Origin,
     /// Recent videos, latest first.
     pub(crate) recent: Vec<String>,
-    /// The marks in other videos, by name.
+    /// The options with which the open video is read.
+    pub(crate) read_with: Options,
+    /// The marks in other videos, by name; pixels and positions are those of frames that are read in one way, so that
+    /// each way has its own.
     pub(crate) marks: BTreeMap<String, Marks>,
     /// Options of videos that were chosen in the window, by name.
     pub(crate) options: BTreeMap<String, Options>,
@@ -44,6 +47,7 @@ impl Videos {
             opened: None,
             origin: Origin::New,
             recent: Vec::new(),
+            read_with: Options::AS_IS,
             marks: BTreeMap::new(),
             options: BTreeMap::new(),
             command_line: None,
@@ -68,12 +72,32 @@ impl Videos {
 
     /// Stores the marks of the open video under its name.
     pub(crate) fn store_marks(&mut self, marks: &Marks) {
-        let Some(name) = &self.opened else { return };
+        let Some(key) = self.marks_key() else { return };
         if marks.is_empty() {
-            self.marks.remove(name);
+            self.marks.remove(&key);
         } else {
-            self.marks.insert(name.clone(), marks.clone());
+            self.marks.insert(key, marks.clone());
         }
+    }
+
+    /// The stored marks of the open video.
+    pub(super) fn stored_marks(&self) -> Marks {
+        self.marks_key().and_then(|key| self.marks.get(&key).cloned()).unwrap_or_default()
+    }
+
+    /// The key of the open video's marks: its name, with the options that change its frames.
+    fn marks_key(&self) -> Option<String> {
+        let name = self.opened.as_ref()?;
+        let read_with = Options { fps: None, ..self.read_with };
+        if read_with.is_default() {
+            return Some(name.clone());
+        }
+        Some(format!("{name} {}", serde_json::to_string(&read_with).ok()?))
+    }
+
+    /// The options of the open video.
+    pub(crate) fn opened_options(&self) -> Options {
+        self.opened.as_ref().map_or_else(Options::default, |name| self.options_of(name))
     }
 
     /// Moves the open video to the front of the recent videos, unless it is `live`.
@@ -101,7 +125,7 @@ mod tests {
     #[test]
     fn the_options_of_the_command_line_precede_those_chosen_before() {
         let mut videos = Videos::new();
-        let of_rate = |fps| Options { fps: Some(fps) };
+        let of_rate = |fps| Options { fps: Some(fps), ..Options::default() };
         videos.set_options("a.mp4", of_rate(12.5));
         videos.command_line = Some(("b.mp4".into(), of_rate(30.0)));
         assert_eq!(
@@ -114,6 +138,20 @@ mod tests {
         assert_eq!(videos.options_of("a.mp4").fps, Some(20.0), "chosen later");
         videos.set_options("a.mp4", Options::default());
         assert!(videos.options.is_empty(), "nothing is kept of a video that is read as it is");
+    }
+
+    #[test]
+    fn marks_belong_to_a_way_of_reading() {
+        let mut videos = Videos::new();
+        let mut marks = Marks::default();
+        marks.toggle_bookmark(7);
+        videos.opened = Some("a.mp4".into());
+        videos.store_marks(&marks);
+        videos.read_with = Options { scale: Some(0.5), ..Options::default() };
+        assert!(videos.stored_marks().is_empty(), "those of whole frames are elsewhere in smaller ones");
+        videos.store_marks(&Marks::default());
+        videos.read_with = Options { fps: Some(5.0), ..Options::default() };
+        assert_eq!(videos.stored_marks(), marks, "the rate changes no frame");
     }
 
     #[test]

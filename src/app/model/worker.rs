@@ -15,6 +15,7 @@ use crate::explain::tuning::{RegionTuning, Tuning};
 use crate::frame::Size;
 use crate::mixture::Quantity;
 use crate::occlusion::Event;
+use crate::placement::Placement;
 use crate::regions::Roi;
 use crate::replay::{Phase, Request, ShownFrame, Start, State, Timeline};
 use crate::settings::Settings;
@@ -288,6 +289,23 @@ impl WorkerLink {
         self.state.as_ref()?.info.as_ref().map(|info| info.size)
     }
 
+    /// Where the frames lie in the source's images, if they are not these images.
+    pub(crate) fn placement(&self) -> Option<Placement> {
+        self.state.as_ref()?.info.as_ref()?.placement()
+    }
+
+    /// The pixel of the source's images for one of the frames. The user sees the former.
+    pub(crate) fn source_pixel(&self, at: (u32, u32)) -> (u32, u32) {
+        self.placement().map_or(at, |placement| placement.source_pixel(at))
+    }
+
+    /// The width of a pixel relative to its height; 1 until it is known.
+    pub(crate) fn pixel_aspect(&self) -> f32 {
+        let info = self.state.as_ref().and_then(|state| state.info.as_ref());
+        let aspect = info.and_then(|info| info.pixel_aspect);
+        aspect.map_or(1.0, |(width, height)| width as f32 / height.max(1) as f32)
+    }
+
     /// The video's frame rate; 25 until it is known.
     pub(crate) fn fps(&self) -> f32 {
         let info = self.state.as_ref().and_then(|state| state.info.as_ref());
@@ -315,6 +333,14 @@ impl WorkerLink {
     pub(crate) fn number(&self, position: u32) -> u32 {
         let known = self.timeline().and_then(|timeline| timeline.numbers.get(position as usize));
         known.copied().unwrap_or(position + 1)
+    }
+
+    /// Seconds from the frame before this position to the frame there; the average where their times are not known.
+    pub(crate) fn seconds_to(&self, position: u32) -> f64 {
+        let times = self.timeline().map_or(&[][..], |timeline| &timeline.times);
+        let at = |position: Option<u32>| times.get(position? as usize).copied();
+        let known = at(Some(position)).zip(at(position.checked_sub(1)));
+        known.map_or(1.0 / f64::from(self.fps()), |(time, before)| time - before)
     }
 
     /// The position of the frame of this number, or of the next existing one.

@@ -8,17 +8,18 @@ use crate::app::commands::command::Command;
 use crate::app::model::Model;
 use crate::app::theme;
 use crate::replay::Start;
+use crate::source::SceneFolder;
 use crate::truth::TruthSource;
 
-/// Shows a hint while files are dragged over the window, and opens dropped files. Dropped ground truth is loaded for
-/// the open video.
+/// Shows a hint while files are dragged over the window, and opens dropped files and folders. Dropped ground truth is
+/// loaded for the open video.
 pub(crate) fn ui(ctx: &Context, model: &Model, commands: &mut Vec<Command>) {
     let (hovered, dropped) = ctx.input(|input| {
         let path = input.raw.dropped_files.first().map(|file| file.path().to_string_lossy().into_owned());
         (!input.raw.hovered_files.is_empty(), path)
     });
     if let Some(path) = dropped.filter(|path| !path.is_empty()) {
-        if model.worker.shown().is_some() && is_truth(Path::new(&path)) {
+        if model.worker.shown().is_some() && is_truth_for(Path::new(&path), model) {
             commands.push(Command::ReadTruth(path.into()));
         } else {
             commands.push(Command::Open(path, Start::First));
@@ -40,8 +41,13 @@ pub(crate) fn ui(ctx: &Context, model: &Model, commands: &mut Vec<Command>) {
     }
 }
 
-/// Whether a path is ground truth rather than a video.
-fn is_truth(path: &Path) -> bool {
-    let of_boxes = ["txt", "csv"].map(|ending| path.extension().is_some_and(|other| other == ending));
-    if path.is_dir() { TruthSource::of(path).is_ok() } else { of_boxes.contains(&true) }
+/// Whether a path is ground truth for the open video rather than a video. The folder of a sequence is both: it is opened,
+/// unless the open video is in it.
+fn is_truth_for(path: &Path, model: &Model) -> bool {
+    if path.is_dir() {
+        let is_opened = || model.videos.opened.as_ref().is_some_and(|name| Path::new(name).starts_with(path));
+        return TruthSource::of(path).is_ok() && (is_opened() || SceneFolder::at(path).is_none());
+    }
+    let ending = path.extension().unwrap_or_default();
+    ["txt", "csv"].iter().any(|other| ending.eq_ignore_ascii_case(other))
 }

@@ -14,6 +14,7 @@ pub(crate) mod score_panel;
 pub(crate) mod setting_control;
 pub(crate) mod setting_help;
 pub(crate) mod settings_panel;
+pub(crate) mod source_options;
 pub(crate) mod status;
 pub(crate) mod subject_choice;
 pub(crate) mod timeline;

@@ -1,4 +1,7 @@
-//! Bars over the views: a failure of the analysis, and the hint for the bundled sample.
+//! Bars over the views: a failure of the analysis, the question for the frame rate, an offer of ground truth, and the hint
+//! for the bundled sample.
+
+use std::sync::Arc;
 
 use eframe::egui::{Align, Button, Frame, Label, Layout, Margin, Panel, RichText, Ui};
 use egui_material_icons::icons as m;
@@ -8,10 +11,13 @@ use crate::app::model::Model;
 use crate::app::model::videos::Origin;
 use crate::app::theme;
 use crate::replay::{Phase, Start};
+use crate::source::{FpsFrom, SourceInfo};
 
 /// Draws the bars.
 pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     failure(ui, model, commands);
+    rate(ui, model, commands);
+    offer_truth(ui, model, commands);
     hint(ui, model, commands);
 }
 
@@ -30,6 +36,51 @@ fn failure(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
                 && ui.button("Open again").clicked()
             {
                 commands.push(Command::Open(name.clone(), Start::First));
+            }
+        });
+    });
+}
+
+/// Frame rates of common cameras and data sets.
+const COMMON_RATES: [u16; 7] = [7, 10, 14, 15, 25, 30, 50];
+
+/// A question over the views of a source that states no frame rate, until one is chosen or typed.
+fn rate(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    let info = model.worker.state.as_ref().and_then(|state| state.info.as_ref());
+    let is_unknown = |info: &&Arc<SourceInfo>| info.fps_from == FpsFrom::Assumed && !info.live;
+    let Some(info) = info.filter(is_unknown) else { return };
+    let colours = theme::colours(ui.visuals());
+    let strip = Frame::new().fill(colours.panel).inner_margin(Margin::symmetric(10, 4));
+    Panel::top("rate").frame(strip).show(ui, |ui| {
+        ui.horizontal_wrapped(|ui| {
+            ui.label(m::ICON_SPEED.rich_text().size(theme::ICON_SIZE).color(colours.accent));
+            let text = format!("No frame rate is given, {} fps are assumed. Choose it:", info.source_fps());
+            ui.label(text).on_hover_text("Times and settings in seconds depend on it");
+            for rate in COMMON_RATES {
+                if ui.button(rate.to_string()).clicked() {
+                    commands.push(Command::Rate(rate.into()));
+                }
+            }
+            ui.weak("or type it above");
+        });
+    });
+}
+
+/// An offer to load the ground truth beside the video, until it is loaded or dismissed.
+fn offer_truth(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
+    let Some(path) = model.offered_truth.as_ref().filter(|_| model.truth.is_none()) else { return };
+    let colours = theme::colours(ui.visuals());
+    let strip = Frame::new().fill(colours.panel).inner_margin(Margin::symmetric(10, 3));
+    Panel::top("offered truth").frame(strip).show(ui, |ui| {
+        ui.horizontal_wrapped(|ui| {
+            ui.label(m::ICON_LIGHTBULB.rich_text().size(theme::ICON_SIZE).color(colours.accent));
+            ui.label(RichText::new("This sequence has ground truth.").color(colours.weak));
+            let load = ui.button("Load its ground truth");
+            if load.on_hover_text(path.display().to_string()).clicked() {
+                commands.push(Command::ReadTruth(path.clone()));
+            }
+            if ui.button("Not now").clicked() {
+                commands.push(Command::DismissTruth);
             }
         });
     });

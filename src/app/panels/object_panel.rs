@@ -11,8 +11,9 @@ use crate::app::model::Model;
 use crate::app::model::event_comparison::EventRef;
 use crate::app::panels::evidence::participants;
 use crate::app::theme;
+use crate::export::source_pixels;
 use crate::palette::{event_colour, identity_colour};
-use crate::regions::{Region, colour::delta_e};
+use crate::regions::{Region, Shape, colour::delta_e};
 use crate::replay::TrackTimeline;
 use crate::tracking::{HypothesisSummary, Identity, Track, TrackState};
 
@@ -34,11 +35,15 @@ pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             track_timeline(ui, model, life, commands);
         }
         if let Some(track) = track {
-            motion(ui, track, model.worker.fps(), &shown.settings);
-            hypotheses_table(ui, &track.hypotheses);
+            let placement = model.worker.placement();
+            let moved = placement.map(|placement| source_pixels::track_in_source(track, &placement));
+            let in_source = moved.as_ref().unwrap_or(track);
+            motion(ui, in_source, model.worker.fps(), &shown.settings);
+            hypotheses_table(ui, &in_source.hypotheses);
             for region in shown.analysis.regions.iter().filter(|region| track.regions.contains(&region.label))
             {
-                appearance(ui, region, track, shown.settings.same_colour);
+                let shape = placement.map_or(region.shape, |placement| placement.source_shape(&region.shape));
+                appearance(ui, region, &shape, track, shown.settings.same_colour);
             }
         }
         object_events(ui, model, id, commands);
@@ -172,15 +177,14 @@ fn hypotheses_table(ui: &mut Ui, hypotheses: &[HypothesisSummary]) {
     });
 }
 
-/// A region's shape and colours, compared with the object's appearance model.
-fn appearance(ui: &mut Ui, region: &Region, track: &Track, same_colour: f32) {
+/// A region's shape in the source and colours, compared with the object's appearance model.
+fn appearance(ui: &mut Ui, region: &Region, shape: &Shape, track: &Track, same_colour: f32) {
     let title = format!("Region {}", region.label);
     section(
         ui,
         &title,
         "Connected component of the mask that is associated with the object, alone or in a group",
     );
-    let shape = &region.shape;
     rows(ui, &title, |ui| {
         row(ui, "area", format!("{} px", shape.area), "Area in pixels");
         row(

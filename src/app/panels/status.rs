@@ -33,14 +33,14 @@ pub(crate) fn ui(
     ui.horizontal_centered(|ui| {
         ui.spacing_mut().item_spacing.x = 3.0 * theme::SPACE;
         if let Some(shown) = model.worker.shown() {
-            let seconds = shown.position as f32 / model.worker.fps();
+            let seconds = shown.frame.time;
             let speed = SPEEDS[model.playback.speed];
             let speed = if model.playback.playing { format!("  ×{speed}") } else { String::new() };
             let text = format!("#{}  {seconds:.2} s{speed}", shown.frame.number);
             ui.label(RichText::new(text).monospace().color(colours.weak));
         }
         if let Some((hover, value)) = model.selection.hovered.zip(value) {
-            let (x, y) = hover.pixel;
+            let (x, y) = model.worker.source_pixel(hover.pixel);
             ui.label(RichText::new(format!("{x}, {y}")).monospace());
             ui.label(
                 RichText::new(format!("{}  {value}", hover.view.label(&model.edits.ab_settings))).monospace(),

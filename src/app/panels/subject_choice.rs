@@ -10,8 +10,8 @@ use crate::app::model::selection::Subject;
 pub(crate) fn ui(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
     let Some(id) = model.selection.object else { return };
     ui.horizontal(|ui| {
-        let pixel =
-            model.selection.pixel.map_or_else(|| "Pixel".to_owned(), |(x, y)| format!("Pixel {x}, {y}"));
+        let pixel = model.selection.pixel.map(|at| model.worker.source_pixel(at));
+        let pixel = pixel.map_or_else(|| "Pixel".to_owned(), |(x, y)| format!("Pixel {x}, {y}"));
         for (subject, word) in [(Subject::Pixel, pixel), (Subject::Object, format!("Object {id}"))] {
             let name = format!("Explain {}", word.to_lowercase());
             let response =

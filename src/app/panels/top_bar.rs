@@ -101,15 +101,23 @@ fn opened(ui: &mut Ui, model: &Model, commands: &mut Vec<Command>) {
             (0, _) => "frames unknown".to_owned(),
             (frames, _) => format!("{about}{frames} frames"),
         };
-        let rounded = (info.fps * 100.0).round() / 100.0;
+        let rounded = (info.source_fps() * 100.0).round() / 100.0;
+        let size = match info.placement() {
+            Some(_) => format!("{} of {}", info.size, info.source_size()),
+            None => info.size.to_string(),
+        };
+        let frames = match info.every() {
+            1 => frames,
+            every => format!("{frames}, 1 of {every}"),
+        };
         match info.fps_from {
             FpsFrom::Video | FpsFrom::SeqInfo => {
-                ui.weak(format!("·  {}  ·  {rounded} fps  ·  {frames}", info.size));
+                ui.weak(format!("·  {size}  ·  {rounded} fps  ·  {frames}"));
             }
             FpsFrom::Given | FpsFrom::Assumed => {
                 ui.weak(format!("·  {frames}"));
                 rate(ui, rounded, info.fps_from, commands);
-                ui.weak(format!("·  {}  ·", info.size));
+                ui.weak(format!("·  {size}  ·"));
             }
         }
     }

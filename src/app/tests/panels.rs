@@ -36,7 +36,7 @@ pub(super) fn settings_panel(harness: &Harness<'_, Window>) -> Rect {
 }
 
 /// Checks the open dialog of this id.
-fn dialog_looks_as_before(harness: &mut Harness<'_, Window>, id: &str, name: &str) {
+pub(super) fn dialog_looks_as_before(harness: &mut Harness<'_, Window>, id: &str, name: &str) {
     // The cursor would blink.
     harness.ctx.all_styles_mut(|style| style.visuals.text_cursor.blink = false);
     harness.run_steps(2);
@@ -147,6 +147,25 @@ fn the_status_bar_looks_as_before() {
     let whole = harness.ctx.content_rect();
     let part = whole.with_min_y(whole.bottom() - theme::ROW_HEIGHT);
     part_looks_as_before(&mut harness, part, "status");
+}
+
+#[test]
+fn a_frame_rate_is_asked_for_where_none_is_given() {
+    let mut state = state(Phase::Ready, Some(58));
+    let info = SourceInfo { fps_from: FpsFrom::Assumed, ..SourceInfo::clone(state.info.as_ref().unwrap()) };
+    state.info = Some(Arc::new(info));
+    let (mut harness, _) = window(Some(state), (1024.0, 640.0), Theme::Dark);
+    harness.run_steps(4);
+    let part = rect_of(
+        &harness,
+        &["No frame rate is given, 25 fps are assumed. Choose it:", "50", "or type it above"],
+    );
+    let views = views(&harness);
+    part_looks_as_before(&mut harness, part.with_min_x(views.left()).with_max_x(views.right()), "ask-rate");
+    harness.get_by_label("14").click();
+    harness.run_steps(4);
+    let options = harness.state().model.videos.options_of("/videos/walk.mp4");
+    assert_eq!(options.fps, Some(14.0));
 }
 
 #[test]

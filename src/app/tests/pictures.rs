@@ -102,6 +102,19 @@ fn each_view_shows_its_layer() {
 }
 
 #[test]
+fn pixels_that_are_not_square_are_drawn_in_their_shape() {
+    let mut state = state(Phase::Ready, Some(10));
+    let info = SourceInfo { pixel_aspect: Some((3, 2)), ..SourceInfo::clone(state.info.as_ref().unwrap()) };
+    state.info = Some(Arc::new(info));
+    let (mut harness, _) = window(Some(state), (1600.0, 1000.0), Theme::Dark);
+    harness.state_mut().model.display.maximised = Some(View::Input);
+    settle(&mut harness);
+    let rect = harness.get_by_label("Input view").rect();
+    let canvas = ViewCanvas::of_aspect(rect, SIZE, 1.5, harness.state().model.display.camera);
+    compare(&mut harness, &canvas, |shown, (x, y)| shown.frame.pixel(x, y).unwrap());
+}
+
+#[test]
 fn the_background_view_shows_the_kind_that_is_chosen() {
     let (mut harness, scene, canvas) = alone(View::Background, 10);
     let modes = Arc::new(Frame::new(11, SIZE, [40, 90, 200].repeat(SIZE.pixels())));

@@ -236,6 +236,77 @@ fn ground_truth_can_be_dropped_on_a_video() {
     assert!(scene.asked.borrow().contains(&PlayerCall::Truth(true)));
 }
 
+/// The folder of a sequence with images and true boxes.
+fn sequence() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    for inner in ["img1", "gt", "groundtruth"] {
+        std::fs::create_dir(folder.path().join(inner)).unwrap();
+    }
+    image::RgbImage::new(8, 6).save(folder.path().join("img1/000001.png")).unwrap();
+    folder
+}
+
+#[test]
+fn the_folder_of_a_sequence_is_opened_when_dropped_and_is_truth_for_its_own_images() {
+    let folder = sequence();
+    let path = folder.path().to_str().unwrap();
+    let drop = |harness: &mut Harness<'_, Window>| {
+        harness.input_mut().dropped_files.push(Arc::new(Dropped(folder.path().into())));
+        harness.run_steps(3);
+    };
+    let (mut harness, _) = ready(58);
+    drop(&mut harness);
+    assert_eq!(harness.state().model.videos.opened.as_deref(), Some(path));
+
+    let (mut harness, _) = ready(58);
+    let images = folder.path().join("img1").to_str().unwrap().to_owned();
+    harness.state_mut().model.videos.opened = Some(images.clone());
+    drop(&mut harness);
+    assert_eq!(harness.state().model.videos.opened.as_deref(), Some(images.as_str()));
+}
+
+#[test]
+fn the_truth_beside_a_sequence_is_offered_until_it_is_loaded_or_dismissed() {
+    let folder = sequence();
+    std::fs::remove_dir(folder.path().join("groundtruth")).unwrap();
+    let path = folder.path().join("gt/gt.txt");
+    std::fs::write(&path, "59,1,20,20,30,50,1,1,1\n").unwrap();
+    let (mut harness, _) = ready(58);
+    let ctx = harness.ctx.clone();
+    let is_offered =
+        |harness: &Harness<'_, Window>| harness.query_by_label("Load its ground truth").is_some();
+    let name = folder.path().to_str().unwrap().to_owned();
+    harness.state_mut().apply(&ctx, Command::Open(name.clone(), Start::First));
+    let until = |harness: &mut Harness<'_, Window>, holds: &dyn Fn(&Window) -> bool| {
+        for _ in 0..500 {
+            harness.step();
+            if holds(harness.state()) {
+                return;
+            }
+            std::thread::sleep(Duration::from_millis(10));
+        }
+        panic!("it never holds");
+    };
+    until(&mut harness, &|window| window.model.offered_truth.as_ref() == Some(&path));
+    harness.run_steps(3);
+    assert!(is_offered(&harness));
+    picture(&mut harness, "truth-offered");
+    harness.get_by_label("Not now").click();
+    harness.run_steps(3);
+    assert!(!is_offered(&harness));
+
+    let offer = DialogResult::TruthOffered("another video".into(), Some(path.clone()));
+    harness.state_mut().handle_result(&ctx, offer);
+    harness.run_steps(3);
+    assert!(!is_offered(&harness), "the video is no longer open");
+    harness.state_mut().handle_result(&ctx, DialogResult::TruthOffered(name, Some(path.clone())));
+    harness.run_steps(3);
+    harness.get_by_label("Load its ground truth").click();
+    until(&mut harness, &|window| window.model.truth.is_some());
+    harness.run_steps(3);
+    assert!(!is_offered(&harness));
+}
+
 #[derive(Debug)]
 struct Dropped(std::path::PathBuf);
 

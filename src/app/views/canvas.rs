@@ -20,44 +20,56 @@ pub(crate) struct ViewCanvas {
     pub(crate) rect: Rect,
     /// The image's size.
     pub(crate) size: Size,
-    /// Points per image pixel.
+    /// Points per row of the image.
     pub(crate) scale: f32,
+    /// Width of an image pixel relative to its height.
+    aspect: f32,
     origin: Pos2,
     fitted: f32,
     camera: ViewCamera,
 }
 
 impl ViewCanvas {
-    /// The canvas of an image of `size` in the view `rect` for a camera.
+    /// The canvas of an image of `size` with square pixels in the view `rect` for a camera.
+    #[cfg(test)]
     pub(crate) fn new(rect: Rect, size: Size, camera: ViewCamera) -> Self {
-        let (w, h) = (size.width.max(1) as f32, size.height.max(1) as f32);
+        Self::of_aspect(rect, size, 1.0, camera)
+    }
+
+    /// The canvas of an image of `size` in the view `rect` for a camera; pixels are wider than high by `aspect`.
+    pub(crate) fn of_aspect(rect: Rect, size: Size, aspect: f32, camera: ViewCamera) -> Self {
+        let (w, h) = (size.width.max(1) as f32 * aspect, size.height.max(1) as f32);
         let fitted = (rect.width() / w).min(rect.height() / h).max(1e-3) * FITTED_SHARE;
         let scale = (fitted * camera.magnification).min(MAX_PIXEL_PT.max(fitted));
         let centre = vec2(camera.centre[0] * w, camera.centre[1] * h);
-        Self { rect, size, scale, origin: rect.center() - centre * scale, fitted, camera }
+        Self { rect, size, scale, aspect, origin: rect.center() - centre * scale, fitted, camera }
     }
 
-    /// The canvas of an image of `size` in the view `rect` with a pixel at the centre; `scale` is in points per image
-    /// pixel.
-    pub(crate) fn around(rect: Rect, size: Size, (x, y): (u32, u32), scale: f32) -> Self {
-        let centre = [x as f32 + 0.5, y as f32 + 0.5];
-        let whole = Self::new(rect, size, ViewCamera::FIT);
-        Self { scale, origin: rect.center() - vec2(centre[0], centre[1]) * scale, ..whole }
+    /// The canvas of the same image in the view `rect` with a pixel at the centre; `scale` is in points per row.
+    pub(crate) fn around(&self, rect: Rect, (x, y): (u32, u32), scale: f32) -> Self {
+        let whole = Self::of_aspect(rect, self.size, self.aspect, ViewCamera::FIT);
+        let centre = vec2((x as f32 + 0.5) * self.aspect, y as f32 + 0.5);
+        Self { scale, origin: rect.center() - centre * scale, ..whole }
     }
 
-    /// Points per image pixel of the fitted image.
+    /// Points per column and per row of the image.
+    pub(crate) fn pixel_size(&self) -> Vec2 {
+        vec2(self.aspect, 1.0) * self.scale
+    }
+
+    /// Points per row of the fitted image.
     pub(crate) const fn fitted(&self) -> f32 {
         self.fitted
     }
 
     /// The screen position of an image point.
     pub(crate) fn screen(&self, [x, y]: [f32; 2]) -> Pos2 {
-        self.origin + vec2(x, y) * self.scale
+        self.origin + vec2(x, y) * self.pixel_size()
     }
 
     /// The image point at a screen position.
     pub(crate) fn image(&self, at: Pos2) -> [f32; 2] {
-        let offset = (at - self.origin) / self.scale;
+        let offset = (at - self.origin) / self.pixel_size();
         [offset.x, offset.y]
     }
 
@@ -71,7 +83,7 @@ impl ViewCanvas {
     /// The screen rectangle of the image.
     pub(crate) fn whole(&self) -> Rect {
         let size = vec2(self.size.width as f32, self.size.height as f32);
-        Rect::from_min_size(self.origin, size * self.scale)
+        Rect::from_min_size(self.origin, size * self.pixel_size())
     }
 
     /// The screen rectangle of an image rectangle.
@@ -97,7 +109,7 @@ impl ViewCanvas {
         let most = (MAX_PIXEL_PT / self.fitted).max(1.0);
         let magnification = (self.camera.magnification * factor).clamp(MIN_MAGNIFICATION, most);
         let pinned = self.image(at);
-        let scale = self.fitted * magnification;
+        let scale = vec2(self.aspect, 1.0) * self.fitted * magnification;
         let offset = (at - self.rect.center()) / scale;
         self.looking_at([pinned[0] - offset.x, pinned[1] - offset.y], magnification)
     }
@@ -138,6 +150,21 @@ mod tests {
     }
 
     #[test]
+    fn an_image_of_wide_pixels_is_wider() {
+        let rect = Rect::from_min_size(pos2(100.0, 50.0), vec2(400.0, 300.0));
+        let canvas = ViewCanvas::of_aspect(rect, Size::new(200, 100), 1.5, ViewCamera::FIT);
+        let whole = canvas.whole();
+        assert!((whole.width() / whole.height() - 3.0).abs() < 1e-3 && rect.contains_rect(whole));
+        assert_eq!(canvas.pixel(canvas.place_pixel((150, 20)).center()), Some((150, 20)));
+        let loupe = canvas.around(rect, (7, 9), 20.0);
+        assert!((loupe.place_pixel((7, 9)).center() - rect.center()).length() < 1e-3);
+        assert!((loupe.place_pixel((7, 9)).size() - vec2(30.0, 20.0)).length() < 1e-3);
+        let (at, camera) = (pos2(180.0, 170.0), canvas.zoomed(pos2(180.0, 170.0), 3.0));
+        let near = ViewCanvas::of_aspect(rect, Size::new(200, 100), 1.5, camera);
+        assert!((near.screen(canvas.image(at)) - at).length() < 0.1, "the point under the pointer stays");
+    }
+
+    #[test]
     fn zooming_keeps_the_point_under_the_pointer() {
         let before = canvas(ViewCamera::FIT);
         let at = pos2(180.0, 170.0);
@@ -150,7 +177,7 @@ mod tests {
     #[test]
     fn a_canvas_around_a_pixel_centres_it() {
         let rect = Rect::from_min_size(pos2(10.0, 20.0), vec2(90.0, 90.0));
-        let canvas = ViewCanvas::around(rect, Size::new(200, 100), (3, 99), 12.0);
+        let canvas = ViewCanvas::new(rect, Size::new(200, 100), ViewCamera::FIT).around(rect, (3, 99), 12.0);
         assert_eq!(canvas.pixel(rect.center()), Some((3, 99)));
         assert!((canvas.place_pixel((3, 99)).center() - rect.center()).length() < 0.01);
         assert_eq!(canvas.pixel(rect.center() + vec2(0.0, 12.0)), None, "there is no row below");

@@ -14,13 +14,12 @@ struct ViewUniforms {
     // The colour scale: 0 for steps, 1 for linear, 2 for logarithmic; the offset; the values of the darkest and the
     // brightest colour.
     numbers: vec4<f32>,
-    // Screen pixels per texel.
-    scale: f32,
+    // Screen pixels per texel, in width and height.
+    scale: vec2<f32>,
     // All colours are multiplied by this.
     tint: f32,
     // Screen pixels per point.
     dense: f32,
-    unused: f32,
     // The colour of pixels that are foreground only in the other mask, or only in the ground truth.
     other_colour: vec4<f32>,
 }
@@ -249,7 +248,7 @@ fn mean_of_named(what: Under) -> vec4<f32> {
 fn set_back(colour: vec3<f32>, position: vec2<f32>) -> vec3<f32> {
     let at = (position - view.origin) / view.scale;
     var share = 0.0;
-    if view.scale >= 1.0 {
+    if min(view.scale.x, view.scale.y) >= 1.0 {
         share = textureLoad(ignored, vec2<i32>(clamp(floor(at), vec2<f32>(0.0), view.texels - 1.0)), 0).r;
     } else {
         share = textureSampleLevel(ignored, smooth_sampler, at / view.texels, 0.0).r;
@@ -261,7 +260,7 @@ fn set_back(colour: vec3<f32>, position: vec2<f32>) -> vec3<f32> {
 
 fn composed(position: vec2<f32>) -> vec3<f32> {
     let middle = (position - view.origin) / view.scale;
-    if view.scale >= 1.0 {
+    if min(view.scale.x, view.scale.y) >= 1.0 {
         return texel(vec2<i32>(clamp(floor(middle), vec2<f32>(0.0), view.texels - 1.0)));
     }
     let what = under(middle);

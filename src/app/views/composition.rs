@@ -69,6 +69,7 @@ impl Composition {
         let [r, g, b, a] = self.style.overlay;
         let other_colour = self.style.other_colour;
         let [kind, offset, low, high] = self.style.scale;
+        let texel = self.canvas.pixel_size() * dense * self.set.every as f32;
         let values = [
             whole.left() * dense,
             whole.top() * dense,
@@ -86,10 +87,10 @@ impl Composition {
             offset,
             low,
             high,
-            self.canvas.scale * dense * self.set.every as f32,
+            texel.x,
+            texel.y,
             self.style.tint,
             dense,
-            0.0,
             other_colour[0],
             other_colour[1],
             other_colour[2],

@@ -85,14 +85,21 @@ pub(crate) fn hatch(painter: &Painter, rect: Rect, stroke: Stroke, step: f32) {
 }
 
 /// Adds a dotted ellipse with semi-axes and an angle to a mesh.
-pub(crate) fn add_ellipse(mesh: &mut Mesh, centre: Pos2, axes: Vec2, angle: f32, stroke: Stroke) {
+pub(crate) fn add_ellipse(
+    mesh: &mut Mesh,
+    centre: Pos2,
+    axes: Vec2,
+    angle: f32,
+    pixel: Vec2,
+    stroke: Stroke,
+) {
     let (sin, cos) = angle.sin_cos();
     let turned = |t: f32| {
         let (x, y) = (axes.x * t.cos(), axes.y * t.sin());
-        centre + vec2(x * cos - y * sin, x * sin + y * cos)
+        centre + vec2(x * cos - y * sin, x * sin + y * cos) * pixel
     };
     // Dots of three points with gaps of two and a half.
-    let dots = (std::f32::consts::TAU * axes.length() / 2.0_f32.sqrt() / 5.5).round().max(6.0);
+    let dots = (std::f32::consts::TAU * (axes.length() * pixel.y) / 2.0_f32.sqrt() / 5.5).round().max(6.0);
     let part = std::f32::consts::TAU / dots;
     for dot in 0..dots as u32 {
         let (from, to) = (turned(dot as f32 * part), turned((dot as f32 + 0.55) * part));
@@ -237,10 +244,11 @@ pub(crate) fn values(
     value: impl Fn((u32, u32)) -> String,
     ground: impl Fn((u32, u32)) -> Color32,
 ) {
-    if canvas.scale < MIN_VALUES_PIXEL_PT {
+    let side = canvas.pixel_size().min_elem();
+    if side < MIN_VALUES_PIXEL_PT {
         return;
     }
-    let font = FontId::monospace((canvas.scale / 5.0).clamp(8.0, 15.0));
+    let font = FontId::monospace((side / 5.0).clamp(8.0, 15.0));
     let (columns, rows) = canvas.visible();
     for y in rows {
         for x in columns.clone() {

@@ -5,7 +5,6 @@ use eframe::egui::{
 };
 
 use super::agreement;
-use super::canvas::ViewCanvas;
 use super::composition::Composition;
 use super::contents::{content, pixel_value};
 use super::pane::Pane;
@@ -66,7 +65,7 @@ pub(super) fn paint(ui: &Ui, pane: &Pane<'_>, pointer: Pos2, pixel: (u32, u32)) 
     );
     let picture = picture(place);
     let scale = (pane.canvas.scale * LOUPE_ZOOM).clamp(PIXEL_RANGE_PT.0, PIXEL_RANGE_PT.1);
-    let canvas = ViewCanvas::around(picture, pane.canvas.size, pixel, scale);
+    let canvas = pane.canvas.around(picture, pixel, scale);
     let inside = painter.with_clip_rect(picture);
     if let Some(style) = content(pane.view).compose_style(pane)
         && let Some(shape) = Composition::loupe(pane.composer, pane.set, style, canvas)
@@ -96,7 +95,7 @@ pub(crate) fn words(
     shown: &ShownFrame,
     pixel: (u32, u32),
 ) -> [(String, Color32); 3] {
-    let (x, y) = pixel;
+    let (x, y) = model.worker.source_pixel(pixel);
     let value = pixel_value(view, model, shown, pixel);
     [(format!("{x}, {y}"), WEAK_INK), (value, VALUE_INK), verdict(view, model, shown, pixel)]
 }

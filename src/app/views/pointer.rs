@@ -30,7 +30,7 @@ pub(super) fn navigate(
     commands: &mut Vec<Command>,
 ) -> ViewCamera {
     let mut camera = model.display.camera;
-    let canvas = ViewCanvas::new(response.rect, size, camera);
+    let canvas = ViewCanvas::of_aspect(response.rect, size, model.worker.pixel_aspect(), camera);
     let drawing = model.edits.areas.draft.is_some();
     if drawing && response.hovered() {
         ui.ctx().set_cursor_icon(CursorIcon::Crosshair);

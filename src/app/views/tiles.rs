@@ -94,7 +94,7 @@ impl Panes<'_> {
         let shown = &*set.frame().shown;
         let size = shown.frame.size;
         let camera = pointer::navigate(ui, &response, self.model, view, size, &mut self.hover, self.commands);
-        let canvas = ViewCanvas::new(rect, size, camera);
+        let canvas = ViewCanvas::of_aspect(rect, size, self.model.worker.pixel_aspect(), camera);
         let area = if response.contains_pointer() { f32::INFINITY } else { rect.area() };
         if self.fitted.is_none_or(|(most, _)| area > most) {
             self.fitted = Some((area, canvas.fitted()));

@@ -87,7 +87,10 @@ pub(super) fn paint(pane: &Pane<'_>) {
     let truth =
         pane.model.truth.as_ref().and_then(|truth| truth.boxes.as_ref()?.get(&pane.shown.frame.number));
     let truth = truth.filter(|_| drawn.has(TrackOverlay::Truth));
-    for &Bounds([x, y, w, h]) in truth.into_iter().flat_map(|boxes| boxes.values()) {
+    let placement = pane.model.worker.placement();
+    let in_frame = |bounds: &Bounds| placement.map_or(bounds.0, |placement| placement.frame_box(bounds.0));
+    for bounds in truth.into_iter().flat_map(|boxes| boxes.values()) {
+        let [x, y, w, h] = in_frame(bounds);
         let place = regions::Rect::new(x as f32, y as f32, w as f32, h as f32);
         let place = pane.canvas.place(&place);
         let stroke = |width, colour| Stroke::new(width, colour);
@@ -105,7 +108,8 @@ pub(super) fn paint(pane: &Pane<'_>) {
         let colour = theme::rgb(identity_colour(track.id));
         draw::free_tag(pane.painter, at, &word, colour, pane.canvas.rect, &mut taken);
     }
-    for (id, &Bounds([x, y, w, h])) in truth.into_iter().flatten() {
+    for (id, bounds) in truth.into_iter().flatten() {
+        let [x, y, w, h] = in_frame(bounds);
         let foot = pane.canvas.screen([(x + w) as f32, (y + h) as f32]) + vec2(1.0, 17.0);
         let word = format!("GT {id}");
         draw::free_tag(pane.painter, foot, &word, Color32::from_gray(225), pane.canvas.rect, &mut taken);
@@ -133,12 +137,22 @@ fn object(pane: &Pane<'_>, track: &Track, gates: &mut Mesh) {
         draw::dashed_rect(pane.painter, place, stroke, 6.0);
     }
     let [major, minor, angle] = track.gate;
-    let gate = vec2(major, minor) * pane.canvas.scale;
-    if gate.x.is_finite() && gate.y.is_finite() && gate.length() < 4.0 * pane.canvas.rect.width() {
+    let gate = vec2(major, minor);
+    if gate.x.is_finite()
+        && gate.y.is_finite()
+        && gate.length() * pane.canvas.scale < 4.0 * pane.canvas.rect.width()
+    {
         let centre = pane.canvas.screen(track.centre);
         // A gate grows while the track coasts; at full opacity a large gate would hide the image.
         let strength = if track.state == TrackState::Visible { 0.8 } else { 0.4 };
-        draw::add_ellipse(gates, centre, gate, angle, Stroke::new(1.0, colour.gamma_multiply(strength)));
+        draw::add_ellipse(
+            gates,
+            centre,
+            gate,
+            angle,
+            pane.canvas.pixel_size(),
+            Stroke::new(1.0, colour.gamma_multiply(strength)),
+        );
     }
 }
 
@@ -152,10 +166,10 @@ fn chosen(pane: &Pane<'_>, track: &Track) {
         let centre = pane.canvas.screen(each.centre);
         if rank > 0 {
             let [major, minor, angle] = each.gate;
-            let gate = vec2(major, minor) * pane.canvas.scale;
+            let gate = vec2(major, minor);
             let faint = Stroke::new(1.0, Color32::WHITE.gamma_multiply(0.25 + 0.6 * each.probability));
-            if gate.x.is_finite() && gate.length() < 4.0 * pane.canvas.rect.width() {
-                draw::add_ellipse(&mut gates, centre, gate, angle, faint);
+            if gate.x.is_finite() && gate.length() * pane.canvas.scale < 4.0 * pane.canvas.rect.width() {
+                draw::add_ellipse(&mut gates, centre, gate, angle, pane.canvas.pixel_size(), faint);
             }
         }
         let size = 3.0 + 3.0 * each.probability;
@@ -173,7 +187,8 @@ fn chosen(pane: &Pane<'_>, track: &Track) {
     pane.painter.add(gates);
     // The predicted position in half a second, at the model's velocity.
     let from = pane.canvas.screen(track.centre);
-    let way = vec2(track.velocity[0], track.velocity[1]) * 0.5 * pane.model.worker.fps() * pane.canvas.scale;
+    let way =
+        vec2(track.velocity[0], track.velocity[1]) * 0.5 * pane.model.worker.fps() * pane.canvas.pixel_size();
     if way.length() > 6.0 && way.length() < pane.canvas.rect.width() {
         pane.painter.arrow(from, way, Stroke::new(3.5, Color32::from_black_alpha(140)));
         pane.painter.arrow(from, way, Stroke::new(1.5, colour));

@@ -1,7 +1,5 @@
 //! Execution of the commands that need the window: dialogs, messages, views, the clipboard and videos.
 
-use std::sync::Arc;
-
 use eframe::egui::{ColorImage, Context, Theme, ViewportCommand};
 
 use crate::app::commands::action::{Action, UiScale};
@@ -19,7 +17,9 @@ use crate::app::model::view::View;
 use crate::app::views;
 use crate::app::window::Window;
 use crate::mixture::Quantity;
+use crate::regions::Roi;
 use crate::replay::Start;
+use crate::source::Options;
 
 impl Window {
     /// Executes a command.
@@ -27,7 +27,11 @@ impl Window {
         match command {
             Command::Act(action) => self.act(ctx, action),
             Command::Open(name, start) => self.open(ctx, &name, start),
-            Command::Rate(fps) => self.set_rate(ctx, fps),
+            Command::Rate(fps) => {
+                let options = self.model.videos.opened_options();
+                self.set_options(ctx, Options { fps: Some(fps), ..options });
+            }
+            Command::Read(options) => self.set_options(ctx, options),
             Command::ReadTruth(path) => self.dialogs.read_truth(ctx, path),
             Command::OpenSample => self.open_sample(ctx),
             Command::Area(change) => self.change_areas(ctx, change),
@@ -53,6 +57,10 @@ impl Window {
                 if let Some(picture) = FrameExport::of(model) {
                     self.dialogs.export_frame(ctx, picture);
                 }
+            }
+            Action::SourceOptions => {
+                let name = model.videos.opened.as_deref().unwrap_or_default();
+                self.source_options.open(name, model.videos.opened_options());
             }
             Action::CloseVideo => self.close(ctx),
             Action::CopyPlace => {
@@ -107,8 +115,12 @@ impl Window {
             Action::LoadTruthFolder => self.dialogs.load_truth_folder(ctx),
             Action::LoadMask => self.dialogs.load_mask(ctx),
             Action::SaveMask => {
+                // A file has the source's size.
                 if let Some(roi) = &model.edits.areas.roi {
-                    self.dialogs.save_mask(ctx, Arc::clone(roi));
+                    let placement = model.worker.placement();
+                    let mask = placement
+                        .map_or_else(|| roi.mask().clone(), |placement| placement.source_mask(roi.mask()));
+                    self.dialogs.save_mask(ctx, mask);
                 }
             }
             Action::Actual => {
@@ -186,12 +198,17 @@ impl Window {
     /// Edits the areas, or shows why the edit is rejected.
     pub(super) fn change_areas(&mut self, ctx: &Context, change: AreaEdit) {
         let Some(size) = self.model.worker.size() else { return };
-        if let AreaEdit::Load(mask) = &change
-            && let Err(error) = mask.check(size)
-        {
-            self.toasts.fail(ctx, error.to_string());
-            return;
-        }
+        let placement = self.model.worker.placement();
+        let change = match change {
+            AreaEdit::Load(mask) => match Roi::of_frames(&mask, size, placement.as_ref()) {
+                Ok(mask) => AreaEdit::Load(mask),
+                Err(error) => {
+                    self.toasts.fail(ctx, error.to_string());
+                    return;
+                }
+            },
+            change => change,
+        };
         match self.model.edits.change_areas(change, size) {
             Ok(false) => {}
             Ok(true) => self.model.send_roi(),
@@ -207,20 +224,31 @@ impl Window {
         ctx.send_viewport_cmd(ViewportCommand::Title("Occluscope".into()));
     }
 
-    /// Sets the video's frame rate. Restarts the analysis if the rate differs, because settings in seconds depend on
-    /// it.
-    fn set_rate(&mut self, ctx: &Context, fps: f32) {
+    /// Reads the open video with these options. Restarts the analysis if they differ.
+    fn set_options(&mut self, ctx: &Context, options: Options) {
         let model = &mut self.model;
         let Some(name) = model.videos.opened.clone() else { return };
-        let mut options = model.videos.options_of(&name);
-        if options.fps.replace(fps) == Some(fps) {
+        let before = model.videos.options_of(&name);
+        if options == before {
             return;
         }
+        let place = |options: Options| (options.crop, options.scale, options.stream);
+        let is_same_place = place(options) == place(before);
+        // Another stream may show something else in another size.
+        let pixel = model.pixel_with(options).filter(|_| options.stream == before.stream);
+        if !is_same_place && !model.edits.areas.is_empty() {
+            model.edits.forget_areas();
+            self.toasts
+                .warn(ctx, "The areas were removed: they belong to the images as they were read before");
+        }
+        let model = &mut self.model;
         model.videos.set_options(&name, options);
-        let (pixel, truth, camera) = (model.selection.pixel, model.truth.clone(), model.display.camera);
+        let (truth, camera) = (model.truth.clone(), model.display.camera);
         let start = Start::Frame(model.worker.number(model.worker.position()));
         self.open(ctx, &name, start);
-        self.model.display.camera = camera;
+        if is_same_place {
+            self.model.display.camera = camera;
+        }
         self.model.choose_pixel(pixel);
         if let Some(truth) = truth {
             self.model.set_truth(truth);
@@ -236,6 +264,7 @@ impl Window {
         self.pictures.clear();
         self.inspector.forget();
         self.model.open(name, player);
+        self.dialogs.find_truth(ctx, name);
         ctx.send_viewport_cmd(ViewportCommand::Title(format!("{} - Occluscope", file_name(name))));
     }
 }

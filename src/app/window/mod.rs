@@ -22,6 +22,7 @@ use crate::app::model::view::View;
 use crate::app::model::worker::PlayerFactory;
 use crate::app::panels::about::About;
 use crate::app::panels::command_palette::CommandPalette;
+use crate::app::panels::source_options::SourceOptions;
 use crate::app::panels::toasts::Toasts;
 use crate::app::panels::{drop_files, help};
 use crate::app::theme;
@@ -47,6 +48,7 @@ pub(super) struct Window {
     pub(super) command_palette: CommandPalette,
     pub(super) help: bool,
     pub(super) about: About,
+    pub(super) source_options: SourceOptions,
     player_factory: PlayerFactory,
     pub(super) inspector: Inspector,
     settings_sent_at: Option<Instant>,
@@ -80,6 +82,7 @@ impl Window {
             command_palette: CommandPalette::default(),
             help: false,
             about: About::on(&gpu.adapter.get_info()),
+            source_options: SourceOptions::default(),
             player_factory,
             inspector: Inspector::default(),
             settings_sent_at: None,
@@ -167,7 +170,7 @@ impl Window {
 
     /// Whether a dialog is open over the window and takes all keys.
     const fn has_dialog(&self) -> bool {
-        self.help || self.about.open || self.command_palette.is_open()
+        self.help || self.about.open || self.source_options.is_open() || self.command_palette.is_open()
     }
 
     /// Restores the focus once no dialog is open. Controls under a dialog get no focus until one frame after it is
@@ -204,6 +207,7 @@ impl Window {
         self.request_pictures();
         help::ui(&ctx, &mut self.help);
         self.about.ui(&ctx);
+        self.source_options.ui(&ctx, &self.model, &mut commands);
         self.command_palette.ui(&ctx, &self.model, &mut commands);
         drop_files::ui(&ctx, &self.model, &mut commands);
         self.toasts.show(&ctx);

@@ -3,7 +3,7 @@
 use eframe::egui::{CentralPanel, Frame, Margin, Panel, Rect, Ui};
 
 use crate::app::commands::command::Command;
-use crate::app::inspector::{Inspector, InspectorAction, InspectorContext, RegionAccuracy};
+use crate::app::inspector::{FrameTimes, Inspector, InspectorAction, InspectorContext, RegionAccuracy};
 use crate::app::model::Model;
 use crate::app::model::selection::Subject;
 use crate::app::panels::status::FrameTiming;
@@ -161,6 +161,7 @@ fn inspect(ui: &mut Ui, model: &Model, inspector: &mut Inspector) -> Option<Insp
     let state = worker.state.as_ref();
     let context = InspectorContext {
         chosen: model.selection.pixel,
+        placement: worker.placement(),
         pins: &pins,
         histories: state.map_or(&[], |state| &state.pins),
         lost: state.map_or(&[], |state| &state.lost),
@@ -168,5 +169,7 @@ fn inspect(ui: &mut Ui, model: &Model, inspector: &mut Inspector) -> Option<Insp
         shares: worker.region_shares(model.selection.pixel),
         accuracy: RegionAccuracy { has_masks: model.has_true_masks(), tuning: worker.region_tuning() },
     };
-    inspector.ui(ui, worker.shown(), worker.pixel(), worker.tuning(), worker.fps(), &context)
+    let times =
+        FrameTimes { fps: worker.fps(), times: worker.timeline().map_or(&[], |timeline| &timeline.times) };
+    inspector.ui(ui, worker.shown(), worker.pixel(), worker.tuning(), times, &context)
 }

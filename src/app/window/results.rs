@@ -33,6 +33,7 @@ impl Window {
             }
             DialogResult::Mask(Ok(mask)) => self.change_areas(ctx, AreaEdit::Load(mask)),
             DialogResult::Truth(Ok(truth)) => self.set_truth(ctx, truth),
+            DialogResult::TruthOffered(name, truth) => self.model.offer_truth(&name, truth),
             DialogResult::NoDialog => self.toasts.fail(
                 ctx,
                 "No file dialog available; install xdg-desktop-portal or zenity, drop a video on the \

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use anyhow::{Context as _, bail};
 
+use super::annotated_output::AnnotatedOutput;
 use super::arguments::RunJob;
 use super::live_annotation::LiveAnnotation;
 use super::pictures::Pictures;
@@ -13,13 +14,21 @@ use crate::cli::interrupt;
 use crate::export::Staging;
 use crate::mixture::BATCH;
 use crate::pipeline::Pipeline;
+use crate::regions::Roi;
 
-/// Analyses all frames. Images that do not need the offline result are written during it.
-pub(super) fn analyse(job: &RunJob, frames: &mut Frames, staging: &Staging) -> anyhow::Result<RunRecord> {
+/// Analyses all frames within `roi`. Images that do not need the offline result are written during it, and a camera's
+/// annotated frames.
+pub(super) fn analyse(
+    job: &RunJob,
+    roi: Option<&Arc<Roi>>,
+    frames: &mut Frames,
+    staging: &Staging,
+    annotated: &mut AnnotatedOutput,
+) -> anyhow::Result<RunRecord> {
     let info = &frames.info.clone();
-    let mut pipeline = prepare(job, frames)?;
-    let mut pictures = Pictures::new(job, staging).with_context(|| job.out_failure())?;
-    let mut live = LiveAnnotation::new(job, info, staging)?;
+    let mut pipeline = prepare(job, roi, frames)?;
+    let mut pictures = Pictures::new(job, info, staging).with_context(|| job.out_failure())?;
+    let mut live = LiveAnnotation::new(info, annotated);
     let mut recorder = ResultRecorder::new(info);
 
     let progress = job.console.progress("analysing", frames.total);
@@ -54,17 +63,14 @@ pub(super) fn analyse(job: &RunJob, frames: &mut Frames, staging: &Staging) -> a
     }
     drop(progress);
     pictures.finish().with_context(|| job.out_failure())?;
-    if let Some(live) = live {
-        live.finish()?;
-    }
     let record = recorder.finish(&pipeline);
     record.with_context(|| format!("{} has no frames; nothing was written", job.video))
 }
 
 /// The stages, after the model has learned from the first frames.
-fn prepare(job: &RunJob, frames: &mut Frames) -> anyhow::Result<Pipeline> {
+fn prepare(job: &RunJob, roi: Option<&Arc<Roi>>, frames: &mut Frames) -> anyhow::Result<Pipeline> {
     let mut pipeline = Pipeline::new(&job.settings, frames.info.size, frames.info.fps)?;
-    pipeline.set_roi(job.roi.clone())?;
+    pipeline.set_roi(roi.cloned())?;
     frames.learn(&job.settings, job.console, |frames| {
         pipeline.learn(frames).with_context(|| job.video.clone())
     })?;

@@ -1,6 +1,7 @@
 //! The destination of annotated frames: images, a video, or both.
 
-use std::path::PathBuf;
+use std::fs;
+use std::path::{Path, PathBuf};
 
 use anyhow::Context as _;
 use rayon::prelude::*;
@@ -8,15 +9,18 @@ use rayon::prelude::*;
 use super::arguments::RunJob;
 use super::bulky_output::{ANNOTATED, FRAMES};
 use super::pictures::numbered;
-use crate::export::video::VideoFile;
+use crate::export::video::{VideoError, VideoFile};
 use crate::export::{Staging, picture};
 use crate::frame::Frame;
 use crate::source::SourceInfo;
 
 /// The destination of annotated frames.
+///
+/// An error of the video ends the video alone, so that images and tables are still written.
 pub(super) struct AnnotatedOutput {
     frames: Option<PathBuf>,
-    video: Option<VideoFile>,
+    video: Option<Result<VideoFile, VideoError>>,
+    video_path: PathBuf,
 }
 
 impl AnnotatedOutput {
@@ -27,30 +31,69 @@ impl AnnotatedOutput {
             .then(|| staging.folder(FRAMES.file))
             .transpose()
             .with_context(|| job.out_failure())?;
-        let video = job
-            .wants(&ANNOTATED)
-            .then(|| VideoFile::create(&staging.path(ANNOTATED.file), info.size, info.fps))
-            .transpose()?;
-        Ok(Self { frames, video })
+        let video_path = staging.path(ANNOTATED.file);
+        let mut output = Self { frames, video: None, video_path };
+        if job.wants(&ANNOTATED) {
+            match VideoFile::create(&output.video_path, info.size, info.fps, info.pixel_aspect) {
+                Ok(video) => {
+                    if !video.is_h264() {
+                        job.console.note(&format!(
+                            "warning: FFmpeg has no encoder for H.264 here: {} is MPEG-4 part 2, which browsers do not \
+                             play; install FFmpeg with libx264",
+                            ANNOTATED.file
+                        ));
+                    }
+                    output.video = Some(Ok(video));
+                }
+                Err(error) => {
+                    job.console.note(&format!("warning: {} will not be written: {error}", ANNOTATED.file));
+                    output.give_up_video(error);
+                }
+            }
+        }
+        Ok(output)
     }
 
-    /// Writes the next annotated frames.
+    /// Whether frames are still to be written.
+    pub(super) fn is_open(&self) -> bool {
+        self.frames.is_some() || matches!(self.video, Some(Ok(_)))
+    }
+
+    /// Writes the next annotated frames. Fails only where an image cannot be written.
     pub(super) fn write(&mut self, frames: &[Frame]) -> anyhow::Result<()> {
         if let Some(folder) = &self.frames {
             frames
                 .par_iter()
                 .try_for_each(|frame| picture::write_frame(&numbered(folder, frame.number), frame))?;
         }
-        if let Some(video) = &mut self.video {
-            for frame in frames {
-                video.write(frame)?;
+        for frame in frames {
+            let Some(Ok(video)) = &mut self.video else { break };
+            if let Err(error) = video.write(frame, frame.time) {
+                self.give_up_video(error);
             }
         }
         Ok(())
     }
 
-    /// Completes the video.
-    pub(super) fn finish(self) -> anyhow::Result<()> {
-        Ok(self.video.map_or(Ok(()), VideoFile::finish)?)
+    /// Completes the video; returns its first error.
+    pub(super) fn finish(self) -> Result<(), VideoError> {
+        let finished = self.video.map_or(Ok(()), |video| video?.finish());
+        if finished.is_err() {
+            remove(&self.video_path);
+        }
+        finished
     }
+
+    /// Ends the video with this error.
+    fn give_up_video(&mut self, error: VideoError) {
+        self.video = Some(Err(error));
+        // The images that are still to be written may need its space.
+        remove(&self.video_path);
+    }
+}
+
+/// Removes the incomplete file, which must not appear under its name.
+fn remove(path: &Path) {
+    // Fails where it was not created.
+    let _ = fs::remove_file(path);
 }

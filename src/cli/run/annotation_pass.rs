@@ -7,17 +7,18 @@ use super::annotated_output::AnnotatedOutput;
 use super::arguments::RunJob;
 use crate::cli::frames::{Frames, Item};
 use crate::cli::interrupt;
-use crate::export::Staging;
 use crate::export::annotate::{FrameAnnotations, annotate};
 use crate::frame::Frame;
 use crate::pipeline::OfflineResult;
 
 /// Decodes the frames again and draws `result` onto them.
-pub(super) fn annotate_frames(job: &RunJob, result: &OfflineResult, staging: &Staging) -> anyhow::Result<()> {
+pub(super) fn annotate_frames(
+    job: &RunJob,
+    result: &OfflineResult,
+    output: &mut AnnotatedOutput,
+) -> anyhow::Result<()> {
     let mut frames = Frames::open(&job.video, job.options, job.range, None)?;
-    let fps = frames.info.fps;
     let OfflineResult { tracks, events, .. } = result;
-    let mut output = AnnotatedOutput::new(job, &frames.info, staging)?;
     let progress = job.console.progress("drawing", Some(tracks.len() as u32));
 
     let mut decoded = frames.items().filter_map(|item| match item {
@@ -27,7 +28,7 @@ pub(super) fn annotate_frames(job: &RunJob, result: &OfflineResult, staging: &St
         Item::Failed(error) => Some(Err(error)),
     });
     let mut done = 0;
-    while done < tracks.len() {
+    while done < tracks.len() && output.is_open() {
         if interrupt::is_stop_requested() {
             bail!("stopped before all frames of {} were drawn; nothing was written", job.video);
         }
@@ -38,11 +39,11 @@ pub(super) fn annotate_frames(job: &RunJob, result: &OfflineResult, staging: &St
             return Err(anyhow!("{} changed during the analysis; run again", job.video));
         }
         batch.par_iter_mut().enumerate().for_each(|(offset, frame)| {
-            annotate(frame, &FrameAnnotations::at(done + offset, tracks, events, fps));
+            annotate(frame, &FrameAnnotations::at(done + offset, tracks, events));
         });
         output.write(&batch).with_context(|| job.out_failure())?;
         done += batch.len();
         progress.advance(batch.len());
     }
-    output.finish()
+    Ok(())
 }

@@ -5,7 +5,7 @@ use std::sync::Arc;
 
 use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 
-use super::bulky_output::{self, ANNOTATED, BulkyOutput, FRAMES};
+use super::bulky_output::{self, BulkyOutput};
 use crate::cli::console::Console;
 use crate::cli::flags::{self, FrameRange};
 use crate::cli::source_flags;
@@ -81,11 +81,6 @@ impl RunJob {
     /// The context of an error of writing to the output folder.
     pub(super) fn out_failure(&self) -> String {
         format!("{} cannot be written to", self.out.display())
-    }
-
-    /// Whether annotated frames are requested.
-    pub(super) fn is_annotated(&self) -> bool {
-        self.wants(&FRAMES) || self.wants(&ANNOTATED)
     }
 
     pub(super) fn wants(&self, bulky: &BulkyOutput) -> bool {

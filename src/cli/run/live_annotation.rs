@@ -1,8 +1,6 @@
 //! Annotated frames of a camera: the online result, drawn during the analysis.
 
 use super::annotated_output::AnnotatedOutput;
-use super::arguments::RunJob;
-use crate::export::Staging;
 use crate::export::annotate::{FrameAnnotations, annotate};
 use crate::frame::Frame;
 use crate::occlusion::Event;
@@ -11,37 +9,32 @@ use crate::source::SourceInfo;
 use crate::tracking::FrameTracks;
 
 /// Draws the online result onto each frame.
-pub(super) struct LiveAnnotation {
-    output: AnnotatedOutput,
-    fps: f32,
+pub(super) struct LiveAnnotation<'a> {
+    output: &'a mut AnnotatedOutput,
     tracks: Vec<FrameTracks>,
     events: Vec<Event>,
 }
 
-impl LiveAnnotation {
+impl<'a> LiveAnnotation<'a> {
     /// `None` if the source is no camera, or no annotated frames are requested.
-    pub(super) fn new(job: &RunJob, info: &SourceInfo, staging: &Staging) -> anyhow::Result<Option<Self>> {
-        if !info.live || !job.is_annotated() {
-            return Ok(None);
-        }
-        let output = AnnotatedOutput::new(job, info, staging)?;
-        Ok(Some(Self { output, fps: info.fps, tracks: Vec::new(), events: Vec::new() }))
+    pub(super) fn new(info: &SourceInfo, output: &'a mut AnnotatedOutput) -> Option<Self> {
+        let is_wanted = info.live && output.is_open();
+        is_wanted.then(|| Self { output, tracks: Vec::new(), events: Vec::new() })
     }
 
     /// Writes the next frame with its results.
     pub(super) fn write(&mut self, frame: &Frame, analysis: &Analysis) -> anyhow::Result<()> {
-        self.tracks.push(FrameTracks { number: analysis.number, tracks: analysis.tracks.to_vec() });
+        self.tracks.push(FrameTracks {
+            number: analysis.number,
+            time: analysis.time,
+            tracks: analysis.tracks.to_vec(),
+        });
         self.events.extend(analysis.events.iter().cloned());
         // An event can be decided some frames after it happened.
         self.events.sort_by_key(|event| event.frame);
         let index = self.tracks.len() - 1;
         let mut frame = frame.clone();
-        annotate(&mut frame, &FrameAnnotations::at(index, &self.tracks, &self.events, self.fps));
+        annotate(&mut frame, &FrameAnnotations::at(index, &self.tracks, &self.events));
         self.output.write(&[frame])
-    }
-
-    /// Completes the output.
-    pub(super) fn finish(self) -> anyhow::Result<()> {
-        self.output.finish()
     }
 }

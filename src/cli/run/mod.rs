@@ -2,7 +2,8 @@
 //!
 //! Decoding runs ahead on its own thread, images are encoded on others. The data for tables is kept until the end,
 //! because the offline result needs all frames; annotated frames are drawn in a second pass over the video for the
-//! same reason. A camera has no second pass: its annotated frames show the online result.
+//! same reason. A camera has no second pass: its annotated frames show the online result. Where the video of them
+//! cannot be encoded, all other files are still written, and the run fails.
 
 mod analysis_pass;
 mod annotated_output;
@@ -16,6 +17,7 @@ mod record;
 mod summary;
 mod tables;
 
+use std::sync::Arc;
 use std::time::Instant;
 
 use anyhow::Context as _;
@@ -26,8 +28,11 @@ pub use arguments::command;
 use super::frames::Frames;
 use super::{flags, source_flags};
 use crate::export::Staging;
+use crate::regions::Roi;
 use crate::registration::CorrectionChoice;
+use annotated_output::AnnotatedOutput;
 use arguments::RunJob;
+use bulky_output::{ANNOTATED, MASKS};
 use input_hash::InputHash;
 
 /// The region of interest, if it is not the whole image.
@@ -38,32 +43,39 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let job = RunJob::new(matches)?;
     flags::start_threads(matches)?;
     let started = Instant::now();
-    let mut frames = open(&job)?;
+    let (mut frames, roi) = open(&job)?;
     let hash = InputHash::start(&job.video);
     summary::print_input(&job, &frames);
 
     let staging = Staging::new(&job.out).with_context(|| job.out_failure())?;
-    let record = analysis_pass::analyse(&job, &mut frames, &staging)?;
-    if job.is_annotated() && !frames.info.live {
-        annotation_pass::annotate_frames(&job, &record.result, &staging)?;
+    let mut annotated = AnnotatedOutput::new(&job, &frames.info, &staging)?;
+    let mut record = analysis_pass::analyse(&job, roi.as_ref(), &mut frames, &staging, &mut annotated)?;
+    if annotated.is_open() && !frames.info.live {
+        annotation_pass::annotate_frames(&job, &record.result, &mut annotated)?;
+    }
+    let video = annotated.finish();
+    if let Some(placement) = frames.info.placement() {
+        record.move_to_source(&placement);
     }
     let sha256 = hash.finish(&record)?;
     tables::write(&record, &job, &staging)?;
-    let summary = summary::summarise(&job, &frames.info, &record, sha256, started.elapsed());
+    let summary = summary::summarise(&job, roi.as_deref(), &frames.info, &record, sha256, started.elapsed());
     summary::write(&summary, &staging)?;
     staging.publish(summary::FILE).with_context(|| job.out_failure())?;
 
-    summary::print(&job, &summary);
+    summary::print(&job, &summary, video.is_ok());
     source_flags::note_assumed_fps(&frames.info, job.console);
-    Ok(())
+    source_flags::note_truth(&job.video, &job.out, job.wants(&MASKS), job.console);
+    let path = job.out.join(ANNOTATED.file);
+    video.with_context(|| format!("the tables are written, {} is not", path.display()))
 }
 
-/// Opens the video and checks that the region of interest has its size.
-fn open(job: &RunJob) -> anyhow::Result<Frames> {
+/// Opens the video. Returns the region of interest in its frames, too.
+fn open(job: &RunJob) -> anyhow::Result<(Frames, Option<Arc<Roi>>)> {
     let frames =
         Frames::open(&job.video, job.options, job.range, Some(CorrectionChoice::new(&job.settings)))?;
-    if let Some(roi) = &job.roi {
-        roi.check(frames.info.size)?;
-    }
-    Ok(frames)
+    let info = &frames.info;
+    let roi = job.roi.as_ref().map(|roi| Roi::of_frames(roi, info.size, info.placement().as_ref()));
+    let roi = roi.transpose()?;
+    Ok((frames, roi))
 }

@@ -10,23 +10,28 @@ use crate::export::Staging;
 use crate::export::picture_queue::{Picture, PictureQueue};
 use crate::frame::Frame;
 use crate::pipeline::{Analysis, Pipeline};
+use crate::placement::Placement;
+use crate::source::SourceInfo;
 
 /// The folders of the requested images, and the queue that encodes them.
 pub(super) struct Pictures {
     masks: Option<PathBuf>,
     background: Option<PathBuf>,
     plain_frames: Option<PathBuf>,
+    /// Where the frames lie in the source's images, if they are not these images.
+    placement: Option<Placement>,
     queue: PictureQueue,
 }
 
 impl Pictures {
     /// Creates the folders of the requested images.
-    pub(super) fn new(job: &RunJob, staging: &Staging) -> io::Result<Self> {
+    pub(super) fn new(job: &RunJob, info: &SourceInfo, staging: &Staging) -> io::Result<Self> {
         let folder = |bulky: &BulkyOutput| job.wants(bulky).then(|| staging.folder(bulky.file)).transpose();
         Ok(Self {
             masks: folder(&MASKS)?,
             background: folder(&BACKGROUND)?,
             plain_frames: folder(&PLAIN_FRAMES)?,
+            placement: info.placement(),
             queue: PictureQueue::start(rayon::current_num_threads().min(8))?,
         })
     }
@@ -46,7 +51,11 @@ impl Pictures {
         let number = frame.number;
         if let Some(folder) = &self.masks {
             let path = folder.join(format!("bin{number:06}.png"));
-            self.queue.write(path, Picture::Mask(analysis.mask.clone()))?;
+            let mask = match &self.placement {
+                Some(placement) => Arc::new(placement.source_mask(&analysis.mask)),
+                None => analysis.mask.clone(),
+            };
+            self.queue.write(path, Picture::Mask(mask))?;
         }
         if let Some(folder) = &self.background {
             let image = Frame::new(number, frame.size, pipeline.background_image()?);

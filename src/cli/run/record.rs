@@ -6,8 +6,10 @@ use sha2::{Digest, Sha256};
 
 use super::input_hash::{hexadecimal, is_images};
 use crate::export::regions_csv::{FrameRows, RegionRow};
+use crate::export::source_pixels;
 use crate::frame::{Frame, Mask, Size};
 use crate::pipeline::{Analysis, OfflineResult, Pipeline, offline_result};
+use crate::placement::Placement;
 use crate::regions::{Labels, Region};
 use crate::source::SourceInfo;
 
@@ -22,6 +24,15 @@ pub(super) struct RunRecord {
     pub warnings: Vec<String>,
     /// The hash of all decoded frames; `None` for a camera or a video file, which has its own hash.
     pub frames_hash: Option<String>,
+}
+
+impl RunRecord {
+    /// Moves the results from the pixels of the frames to those of the source.
+    pub(super) fn move_to_source(&mut self, placement: &Placement) {
+        source_pixels::move_tracks(&mut self.result.tracks, placement);
+        source_pixels::move_events(&mut self.result.events, placement);
+        source_pixels::move_regions(&mut self.regions, placement);
+    }
 }
 
 /// Records the results frame by frame.

@@ -4,6 +4,7 @@ use std::collections::BTreeSet;
 use std::time::Duration;
 
 use super::arguments::RunJob;
+use super::bulky_output::{ANNOTATED, BulkyOutput};
 use super::record::RunRecord;
 use super::tables::write_file;
 use super::{ROI, bulky_output};
@@ -11,6 +12,7 @@ use crate::cli::frames::Frames;
 use crate::export::Staging;
 use crate::export::summary::{self, Input, Summary, Timing};
 use crate::occlusion::EventKind;
+use crate::regions::Roi;
 use crate::source::SourceInfo;
 use crate::tracking::FrameTracks;
 
@@ -29,9 +31,11 @@ pub(super) fn print_input(job: &RunJob, frames: &Frames) {
     ));
 }
 
-/// The summary of a run that took `duration`; `sha256` is the hash of the input.
+/// The summary of a run that took `duration`; `roi` is the region of interest in the frames, `sha256` the hash of the
+/// input.
 pub(super) fn summarise(
     job: &RunJob,
+    roi: Option<&Roi>,
     info: &SourceInfo,
     record: &RunRecord,
     sha256: Option<String>,
@@ -46,9 +50,10 @@ pub(super) fn summarise(
     Summary {
         version: env!("CARGO_PKG_VERSION"),
         input: Input {
-            path: job.video.clone(),
-            size: info.size,
-            fps: info.fps,
+            path: info.name.clone(),
+            size: info.source_size(),
+            analysed_size: info.placement().map(|placement| placement.size()),
+            fps: info.source_fps(),
             fps_from: info.fps_from.word(),
             options: job.options,
             frames,
@@ -57,7 +62,7 @@ pub(super) fn summarise(
             sha256,
         },
         settings: job.settings.clone(),
-        analysed_share: job.roi.as_ref().map(|roi| roi.share()),
+        analysed_share: roi.map(Roi::share),
         objects: identities.len(),
         events: result.counters,
         episodes: result.episodes.len(),
@@ -72,8 +77,9 @@ pub(super) fn write(summary: &Summary, staging: &Staging) -> anyhow::Result<()> 
     write_file(staging, FILE, |out| summary::write(out, summary))
 }
 
-/// Prints the results, and a note for each large file of an earlier run.
-pub(super) fn print(job: &RunJob, summary: &Summary) {
+/// Prints the results, and a note for each large file of an earlier run. `has_video`: whether the video is written if
+/// it is requested.
+pub(super) fn print(job: &RunJob, summary: &Summary, has_video: bool) {
     job.console.note(&format!(
         "{} frames, {} objects, {} occlusion episodes, {:.0} frames/s; written to {}",
         summary.input.frames,
@@ -85,7 +91,8 @@ pub(super) fn print(job: &RunJob, summary: &Summary) {
     for kind in EventKind::ALL {
         job.console.detail(&format!("{:>9}: {}", kind.name(), summary.events.of(kind)));
     }
-    let bulky = bulky_output::ALL.iter().map(|bulky| (bulky.file, job.wants(bulky)));
+    let is_written = |bulky: &BulkyOutput| job.wants(bulky) && (has_video || bulky.flag != ANNOTATED.flag);
+    let bulky = bulky_output::ALL.iter().map(|bulky| (bulky.file, is_written(bulky)));
     for (file, is_written) in bulky.chain([(ROI, job.roi.is_some())]) {
         let path = job.out.join(file);
         if !is_written && path.exists() {

@@ -30,7 +30,7 @@ pub(super) fn write(record: &RunRecord, job: &RunJob, staging: &Staging) -> anyh
     write_file(staging, "tracks.csv", |out| tracks_csv::write(out, &result.tracks))?;
     write_file(staging, "tracks.json", |out| tracks_json::write(out, &result.tracks))?;
     write_file(staging, "regions.csv", |out| regions_csv::write(out, regions, &result.tracks))?;
-    write_file(staging, "events.jsonl", |out| events_jsonl::write(out, &result.events))?;
+    write_file(staging, "events.jsonl", |out| events_jsonl::write(out, &result.events, &result.tracks))?;
     write_file(staging, "episodes.csv", |out| episodes_csv::write(out, &result.episodes))
 }
 

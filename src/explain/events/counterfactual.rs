@@ -29,6 +29,8 @@ const MAX_PARALLEL_TRIALS: usize = 16;
 pub struct FrameRegions {
     /// The frame's number.
     pub number: u32,
+    /// Its time in seconds since the source's first frame.
+    pub time: f64,
     /// Its regions.
     pub regions: Arc<Vec<Region>>,
 }
@@ -181,7 +183,7 @@ impl Trial {
         let from = self.at;
         query.frames.iter().skip(from).take(FRAMES_PER_ADVANCE).map(|frame| {
             self.at += 1;
-            (frame.number, self.tracker.step(frame.number, &frame.regions))
+            (frame.number, self.tracker.step(frame.number, frame.time, &frame.regions))
         })
     }
 
@@ -466,12 +468,18 @@ mod tests {
             .map(|number| {
                 let is_visible = !(40..52).contains(&number);
                 let region = is_visible.then(|| region(1, 60.0 + number as f32, 24.0));
-                FrameRegions { number, regions: Arc::new(region.into_iter().collect()) }
+                FrameRegions {
+                    number,
+                    time: f64::from(number) / 25.0,
+                    regions: Arc::new(region.into_iter().collect()),
+                }
             })
             .collect();
         let mut tracker = Tracker::new(&settings, SIZE, 25.0);
-        let events: Vec<Event> =
-            frames.iter().flat_map(|frame| tracker.step(frame.number, &frame.regions).events).collect();
+        let events: Vec<Event> = frames
+            .iter()
+            .flat_map(|frame| tracker.step(frame.number, frame.time, &frame.regions).events)
+            .collect();
         let event = events.into_iter().find(|event| event.kind == kind)?;
         Some(CounterfactualQuery { event, settings, frames: Arc::new(frames), size: SIZE, fps: 25.0 })
     }

@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use crate::frame::Frame;
 use crate::mixture::pixel::{Outcome, Parameters, Pixel, PixelValue};
+use crate::placement::Placement;
 use crate::registration::{Applied, ObservedColour};
 use crate::settings::Space;
 
@@ -43,8 +44,10 @@ pub struct LearntState {
 /// The states of one pixel, one per classified frame.
 #[derive(Clone, Debug, PartialEq)]
 pub struct PixelHistory {
-    /// The pixel: column and row.
+    /// The pixel of the frames: column and row.
     pub at: (u32, u32),
+    /// Where the frames lie in the source's images, if they are not these images.
+    pub placement: Option<Placement>,
     /// The parameters of the mixture.
     pub parameters: Parameters,
     /// The state before the first classified frame; `None` if no frames were learned from.
@@ -56,7 +59,12 @@ pub struct PixelHistory {
 impl PixelHistory {
     /// A history that starts with the next frame.
     pub fn new(at: (u32, u32), parameters: Parameters) -> Self {
-        Self { at, parameters, learnt: None, states: Vec::new() }
+        Self { at, placement: None, parameters, learnt: None, states: Vec::new() }
+    }
+
+    /// The pixel of the source's images, which is what users see.
+    pub fn source_pixel(&self) -> (u32, u32) {
+        self.placement.map_or(self.at, |placement| placement.source_pixel(self.at))
     }
 
     /// Learns from one frame before the first classified one. Ignores a frame that does not contain the pixel.

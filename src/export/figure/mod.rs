@@ -297,7 +297,8 @@ impl Panel {
 
 /// `pixel (160, 137)`.
 fn pixel_name(history: &PixelHistory) -> String {
-    format!("pixel ({}, {})", history.at.0, history.at.1)
+    let (x, y) = history.source_pixel();
+    format!("pixel ({x}, {y})")
 }
 
 /// The number of the frame at a position; 0 beyond the end.

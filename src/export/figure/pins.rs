@@ -40,7 +40,7 @@ pub fn figure(pins: &[(u8, &PixelHistory)], index: usize) -> Figure {
             frames_axis(ends),
             Axis::new(format!("P{pin} (levels)"), (low.into(), high.into()), 3),
         );
-        let (x, y) = history.at;
+        let (x, y) = history.source_pixel();
         panel.caption = format!("P{pin}, pixel ({x}, {y})");
         bands(&mut panel, history, sparks, identity_on_light((*pin).into()));
         let brightness = sparks.iter().flat_map(|spark| {

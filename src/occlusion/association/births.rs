@@ -23,7 +23,9 @@ pub(crate) fn start_objects(
         Some(UnexplainedDetection { index, observation, labels })
     };
     let mut tracks = Vec::new();
-    for seed in seeds.step(&context.matcher, unexplained.iter().filter_map(candidate).collect()) {
+    for seed in
+        seeds.step(&context.matcher, context.periods, unexplained.iter().filter_map(candidate).collect())
+    {
         let Some(detection) = detections.get(seed.index) else { continue };
         let blob = Blob::new(seed.model.clone(), &detection.observation());
         let birth = (context.recent[0], seed.earlier[0].observation.bbox);
@@ -34,10 +36,10 @@ pub(crate) fn start_objects(
         };
         let id = table.start_alone(new, blob, detection.clone());
         let Some(object) = table.get(id) else { continue };
-        for (number, earlier) in context.recent.into_iter().zip(&seed.earlier) {
+        for (frame, earlier) in context.recent.into_iter().zip(&seed.earlier) {
             // At the image edge the first visible part is often a foot or an arm.
             if !context.is_cut_off(&earlier.observation.bbox) {
-                tracks.push((number, track_before_birth(context, object, earlier)));
+                tracks.push((frame.number, track_before_birth(context, object, earlier)));
             }
         }
     }
@@ -65,7 +67,7 @@ mod tests {
         assert_eq!(after(&[100.0, 104.0]).0.blobs().len(), 0, "two are too few");
         let (table, tracks) = after(&[100.0, 104.0, 108.0]);
         let (id, object, _) = table.lone_objects().next().unwrap();
-        assert_eq!((object.first_frame, object.first_bbox), (1, person(100.0, 80.0)));
+        assert_eq!((object.first_frame.number, object.first_bbox), (1, person(100.0, 80.0)));
         assert_eq!((object.seen_frames, object.key, object.confirmed), (2, id, false));
         let places: Vec<_> = tracks.iter().map(|(number, track)| (*number, track.bbox.x)).collect();
         assert_eq!(places, [(1, 100.0), (2, 104.0)]);

@@ -44,13 +44,16 @@ fn expected_region(table: &ObjectTable, tracked: &TrackedBlob) -> ExpectedRegion
 }
 
 /// Matches lone objects that are lost in this frame to unexplained detections within reach of a manoeuvre. Gives the
-/// detections that stay unexplained.
+/// detections that stay unexplained. After a gap in time, the reach would be everywhere: nothing is matched.
 pub(crate) fn match_manoeuvred_blobs(
     context: &Context,
     table: &mut ObjectTable,
     detections: &[Detection],
     mut unexplained: Vec<usize>,
 ) -> Vec<usize> {
+    if context.periods > context.limits.max_gap_frames as f32 {
+        return unexplained;
+    }
     let is_lost = |tracked: &&mut TrackedBlob| tracked.detection.is_none() && !tracked.is_shared();
     let mut lost: Vec<&mut TrackedBlob> = table.blobs_mut().filter(is_lost).collect();
     let free: Vec<(usize, &Detection, Observation)> = unexplained

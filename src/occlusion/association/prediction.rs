@@ -1,4 +1,4 @@
-//! Predicts blobs and objects by one frame.
+//! Predicts blobs and objects from one frame to the next.
 
 use crate::occlusion::state::context::Context;
 use crate::occlusion::state::object_table::{ObjectTable, TrackedBlob};
@@ -6,24 +6,24 @@ use crate::occlusion::state::perspective::Perspective;
 use crate::settings::Switch;
 use crate::tracking::ObjectId;
 
-/// Predicts every blob and object by one frame. A lone object that was wholly visible has its blob's motion; the
+/// Predicts every blob and object from the frame before to the present one. A lone object that was wholly visible has its blob's motion; the
 /// others have their own.
 pub(crate) fn predict(context: &Context, table: &mut ObjectTable, perspective: &Perspective) {
     for tracked in table.blobs_mut() {
         tracked.detection = None;
-        tracked.blob.predict();
+        tracked.blob.predict(context.periods);
     }
     let occluded: Vec<ObjectId> = table.occluded().iter().map(|occluded| occluded.id).collect();
     let (blobs, objects) = table.blobs_and_objects();
     for &id in blobs.iter().filter(|it| it.is_shared()).flat_map(TrackedBlob::members).chain(&occluded) {
         if let Some(object) = objects.get_mut(id) {
-            object.predict();
+            object.predict(context.periods);
         }
     }
     for tracked in blobs.iter() {
         if let Some(object) = tracked.only_member().and_then(|id| objects.get_mut(id)) {
             if object.partial_frames > 0 {
-                object.predict();
+                object.predict(context.periods);
             } else {
                 object.set_model(&tracked.blob.shown().model);
             }
@@ -41,7 +41,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::occlusion::fixtures::{RED, context, person, start_confirmed, start_group, start_tentative};
-    use crate::occlusion::state::object_table::FrameRef;
+    use crate::occlusion::state::context::FrameRef;
 
     fn predict_one_frame(table: &mut ObjectTable) {
         predict(&context(2), table, &Perspective::default());
@@ -77,7 +77,7 @@ mod tests {
         let (mut table, context) = (ObjectTable::default(), context(1));
         let members = start_group(&context, &mut table, person(100.0, 80.0), person(120.0, 80.0));
         let occluded = start_confirmed(&context, &mut table, person(200.0, 80.0), RED, [2.0, 0.0]);
-        table.occlude(occluded, FrameRef { number: 1, t: 1 });
+        table.occlude(occluded, FrameRef { number: 1, index: 1, t: 1 });
         table.drop_empty_blobs();
         for id in members {
             table.get_mut(id).unwrap().model.set_velocity(nalgebra::Vector3::new(1.0, 0.0, 0.0));

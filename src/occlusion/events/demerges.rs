@@ -9,7 +9,7 @@ use crate::occlusion::event::{Comparison, Evidence};
 use crate::occlusion::state::context::Context;
 use crate::occlusion::state::decisions::{Decisions, PendingDemerge};
 use crate::occlusion::state::groups::GroupChange;
-use crate::occlusion::state::object_table::{FrameRef, ObjectTable, SplitPart};
+use crate::occlusion::state::object_table::{ObjectTable, SplitPart};
 use crate::occlusion::state::split_region::{AssociationScore, SplitRegion};
 use crate::regions::Histogram;
 use crate::tracking::ObjectId;
@@ -60,7 +60,7 @@ pub(crate) fn start_demerge(
         table.renew_key(id);
     }
     decisions.demerges.push(PendingDemerge {
-        at: FrameRef { number: context.number, t: context.t },
+        at: context.now(),
         members: present,
         region_of,
         regions,

@@ -2,10 +2,10 @@
 //! and makes the moves in the table that belong to them.
 
 use crate::occlusion::event::{Episode, EpisodeKind, Event, EventKind, Evidence};
-use crate::occlusion::state::context::Context;
+use crate::occlusion::state::context::{Context, FrameRef};
 use crate::occlusion::state::decisions::Decisions;
 use crate::occlusion::state::groups::{GroupChange, partition_by};
-use crate::occlusion::state::object_table::{FrameRef, ObjectTable};
+use crate::occlusion::state::object_table::ObjectTable;
 use crate::regions::Rect;
 use crate::tracking::ObjectId;
 
@@ -193,7 +193,7 @@ mod tests {
     use crate::occlusion::fixtures::{RED, context, person, start_confirmed, start_group};
     use crate::occlusion::state::decisions::PendingReappearance;
 
-    const SINCE: FrameRef = FrameRef { number: 2, t: 2 };
+    const SINCE: FrameRef = FrameRef { number: 2, index: 2, t: 2 };
 
     /// A person that was occluded at x = 60 from frame 2 on and reappeared at x = 100 in frame 8.
     fn reappeared() -> (ObjectTable, Decisions, ObjectId) {
@@ -226,7 +226,13 @@ mod tests {
     #[test]
     fn an_object_that_is_occluded_again_at_once_never_reappeared() {
         let (mut table, mut decisions, id) = reappeared();
-        mark_occluded(&context(10), &mut table, &mut decisions, id, FrameRef { number: 10, t: 10 });
+        mark_occluded(
+            &context(10),
+            &mut table,
+            &mut decisions,
+            id,
+            FrameRef { number: 10, index: 10, t: 10 },
+        );
         assert_eq!(table.occlusion_of(id).map(|occluded| occluded.since), Some(SINCE));
         assert!(decisions.events.is_empty() && decisions.reappearances.is_empty());
     }

@@ -127,7 +127,7 @@ fn start_companion(
     let other = other.filter(|_| known.size().0 >= MIN_DOUBLE_WIDTH_RATIO * body.bbox.w);
     let birth = match other {
         Some(_) => (known.first_frame, known.first_bbox),
-        None => (context.number, body.bbox),
+        None => (context.now(), body.bbox),
     };
     let noise = context.matcher.noise;
     let model = |detection: &Detection| {

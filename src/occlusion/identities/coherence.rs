@@ -44,7 +44,7 @@ pub(super) fn fragment_verdict(
     let (_, mine, my_detection) = alone.clone().find(|(only, ..)| *only == id)?;
     let (whole, theirs, detection) = alone.find(|(only, other, detection)| {
         *only != id
-            && mine.first_frame.abs_diff(other.first_frame) <= context.limits.edge_wait_frames
+            && mine.first_frame.t.abs_diff(other.first_frame.t) <= context.limits.edge_wait_frames
             && are_stacked(&my_detection.bbox, &detection.bbox)
     })?;
     let [my_travel, their_travel] = [(mine, my_detection), (theirs, detection)].map(|(object, detection)| {
@@ -56,7 +56,7 @@ pub(super) fn fragment_verdict(
     {
         return (mine.seen_frames < context.limits.edge_wait_frames).then_some(FragmentVerdict::Undecided);
     }
-    let frames = |object: &Object| context.number.saturating_sub(object.first_frame).max(1) as f32;
+    let frames = |object: &Object| context.t.saturating_sub(object.first_frame.t).max(1) as f32;
     let (mine_per_frame, theirs_per_frame) = (my_travel / frames(mine), their_travel / frames(theirs));
     let faster = mine_per_frame.norm().max(theirs_per_frame.norm());
     let difference = (mine_per_frame - theirs_per_frame).norm() / faster;

@@ -104,7 +104,7 @@ pub(crate) fn confirm_object(
     }
     let Some(identity) = table.confirm(id) else { return };
     let Some(object) = table.get_mut(id) else { return };
-    let (born, birthplace) = (object.first_frame, object.first_bbox);
+    let (born, birthplace) = (object.first_frame.number, object.first_bbox);
     let fragments = std::mem::take(&mut object.fragments);
     let mut evidence = birth_evidence(context, table, &birthplace);
     evidence.comparisons.extend(fragments);
@@ -189,7 +189,7 @@ mod tests {
     #![allow(clippy::unwrap_used)]
     use super::*;
     use crate::occlusion::fixtures::{RED, context, detection, person, start_confirmed, start_tentative};
-    use crate::occlusion::state::object_table::FrameRef;
+    use crate::occlusion::state::context::FrameRef;
 
     /// A tentative object that moved from `from` to `to` and was detected in so many frames; the kinds of events.
     fn confirm(from: Rect, to: Rect, seen_frames: u32) -> Vec<EventKind> {
@@ -223,7 +223,7 @@ mod tests {
         let reidentify = |x: f32| {
             let (mut table, now) = (ObjectTable::default(), context(10));
             let known = start_confirmed(&context(1), &mut table, person(8.0, 80.0), RED, [0.0; 2]);
-            table.occlude(known, FrameRef { number: 2, t: 2 });
+            table.occlude(known, FrameRef { number: 2, index: 2, t: 2 });
             table.drop_empty_blobs();
             let new = start_tentative(&now, &mut table, person(x, 80.0), RED, [0.0; 2]);
             try_reidentify(&now, &mut table, &mut Decisions::default(), new)

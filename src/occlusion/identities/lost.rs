@@ -5,10 +5,10 @@ use crate::occlusion::event::Evidence;
 use crate::occlusion::events::demerges::settle_demerges_of;
 use crate::occlusion::events::emission::{can_leave, emit_exit, mark_occluded};
 use crate::occlusion::members::member_search::try_reidentify_in_group;
-use crate::occlusion::state::context::Context;
+use crate::occlusion::state::context::{Context, FrameRef};
 use crate::occlusion::state::decisions::Decisions;
 use crate::occlusion::state::object::{MIN_STABLE_FRAMES, Object};
-use crate::occlusion::state::object_table::{FrameRef, ObjectTable, TrackedBlob};
+use crate::occlusion::state::object_table::{ObjectTable, TrackedBlob};
 use crate::regions::Rect;
 use crate::tracking::ObjectId;
 
@@ -25,9 +25,9 @@ pub(crate) fn resolve_lost_blobs(context: &Context, table: &mut ObjectTable, dec
             tracked.lost_from = None;
             continue;
         }
-        let now = FrameRef { number: context.number, t: context.t };
+        let now = context.now();
         let lost_from = *tracked.lost_from.get_or_insert(now);
-        let frames = context.t - lost_from.t + 1;
+        let frames = context.index - lost_from.index + 1;
         let (members, bbox) = (tracked.members().to_vec(), tracked.blob.bbox);
         let waits = !context.matcher.is_unfit(&tracked.blob) && !context.is_outside(&bbox);
         if !members.iter().any(|&id| table.is_confirmed(id)) {
@@ -80,7 +80,7 @@ pub(crate) fn resolve_lost_blobs_at_end(
         let Some(tracked) = table.blob(index) else { continue };
         let Some(lost_from) = tracked.lost_from else { continue };
         let exit = exit_evidence(context, table, tracked, lost_from);
-        let lasts = context.t - lost_from.t + 1 >= MIN_STABLE_FRAMES;
+        let lasts = context.index - lost_from.index + 1 >= MIN_STABLE_FRAMES;
         let members = tracked.members().to_vec();
         if !members.iter().all(|&id| table.is_confirmed(id) && can_leave(context, table, id))
             || exit.is_none() && !lasts
@@ -104,7 +104,7 @@ pub(crate) fn resolve_lost_blobs_at_end(
 fn try_recover_track(context: &Context, table: &mut ObjectTable, id: ObjectId, lost_from: FrameRef) -> bool {
     let Some(past) = table.get(id).filter(|object| object.confirmed) else { return false };
     let reach = past.reappearance_radius(0);
-    let since = |new: &Object| new.first_frame.abs_diff(lost_from.number);
+    let since = |new: &Object| new.first_frame.t.abs_diff(lost_from.t);
     let near = |new: &Object| past.predicted_box().distance_outside(&new.last_detection.bbox);
     let new = table
         .lone_objects()
@@ -165,7 +165,7 @@ mod tests {
             let context = context(t);
             for tracked in table.blobs_mut() {
                 tracked.detection = None;
-                tracked.blob.predict();
+                tracked.blob.predict(1.0);
                 context.matcher.match_observations(&mut [&mut tracked.blob], &[]);
             }
             resolve_lost_blobs(&context, table, &mut decisions);
@@ -182,7 +182,7 @@ mod tests {
         let mut table = ObjectTable::default();
         let id = start_confirmed(&context(1), &mut table, person(150.0, 80.0), RED, [2.0, 0.0]);
         assert_eq!(lose(&mut table).1, [EventKind::Disappear]);
-        assert_eq!(table.occlusion_of(id).unwrap().since, FrameRef { number: 2, t: 2 });
+        assert_eq!(table.occlusion_of(id).unwrap().since, FrameRef { number: 2, index: 2, t: 2 });
     }
 
     #[test]
@@ -213,7 +213,7 @@ mod tests {
         for _ in 0..10 {
             context(3).matcher.match_observations(&mut [&mut tracked.blob], &[]);
         }
-        tracked.lost_from = Some(FrameRef { number: 3, t: 3 });
+        tracked.lost_from = Some(FrameRef { number: 3, index: 3, t: 3 });
         resolve_lost_blobs(&context(8), &mut table, &mut decisions);
         assert!(decisions.events.is_empty() && !table.contains(new));
         assert_eq!(table.blobs()[0].members(), [known]);

@@ -129,7 +129,7 @@ fn continue_occluded(
     let Some(from) = table.get(occluded.id).map(|object| object.last_detection.bbox) else { return };
     let Some(seen) = table.get(new) else { return };
     // Its new region may have begun before the old one was given up.
-    let (frame, at) = (seen.first_frame.max(occluded.since.number), seen.first_bbox.centre());
+    let (frame, at) = (seen.first_frame.number.max(occluded.since.number), seen.first_bbox.centre());
     table.merge_track_into(new, occluded.id);
     let Some(identity) = table.identity(occluded.id) else { return };
     let event = Event::of_one(frame, EventKind::Reappear, identity, at, evidence);
@@ -193,14 +193,14 @@ mod tests {
     #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
     use super::*;
     use crate::occlusion::fixtures::{RED, context, person, start_confirmed, start_tentative};
-    use crate::occlusion::state::object_table::FrameRef;
+    use crate::occlusion::state::context::FrameRef;
 
     /// A red person that is occluded from frame 2 on at x = 100, and a new object in frame 10. Gives the number of
     /// the known one if the new one is matched to it.
     fn match_new(x: f32) -> (Option<ObjectId>, ObjectTable, Decisions) {
         let (mut table, mut decisions, now) = (ObjectTable::default(), Decisions::default(), context(10));
         let known = start_confirmed(&context(1), &mut table, person(100.0, 80.0), RED, [0.0; 2]);
-        table.occlude(known, FrameRef { number: 2, t: 2 });
+        table.occlude(known, FrameRef { number: 2, index: 2, t: 2 });
         table.drop_empty_blobs();
         let new = start_tentative(&now, &mut table, person(x, 80.0), RED, [0.0; 2]);
         let matched = try_match_reappearance(&now, &mut table, &mut decisions, new);
@@ -231,7 +231,7 @@ mod tests {
     fn an_object_ends_after_it_was_occluded_for_too_long() {
         let (mut table, mut decisions) = (ObjectTable::default(), Decisions::default());
         let id = start_confirmed(&context(1), &mut table, person(100.0, 80.0), RED, [0.0; 2]);
-        table.occlude(id, FrameRef { number: 2, t: 2 });
+        table.occlude(id, FrameRef { number: 2, index: 2, t: 2 });
         table.drop_empty_blobs();
         let most = context(1).limits.max_hidden_frames;
         update_occluded(&context(2 + most), &mut table, &mut decisions);

@@ -37,7 +37,7 @@ pub(super) fn try_match_split_member(
         let Some(new) = table.get(id) else { return false };
         let Some(candidate) = best_candidate(context, table, decisions, id, new) else { return false };
         if !decisions.has_demerge_of(candidate.member) {
-            break (candidate, new.first_frame, new.first_bbox.centre());
+            break (candidate, new.first_frame.number, new.first_bbox.centre());
         }
         // The identities within the group were undecided until now: another member may fit better.
         settle_demerges_of(context, table, decisions, candidate.member);

@@ -6,7 +6,7 @@ use crate::occlusion::events::emission::{can_leave, emit_exit, mark_occluded};
 use crate::occlusion::state::context::Context;
 use crate::occlusion::state::decisions::Decisions;
 use crate::occlusion::state::object::{Detection, Object};
-use crate::occlusion::state::object_table::{FrameRef, ObjectTable, TrackedBlob};
+use crate::occlusion::state::object_table::{ObjectTable, TrackedBlob};
 use crate::tracking::ObjectId;
 
 /// Upper limit of the log odds of existence.
@@ -44,7 +44,7 @@ pub(crate) fn update_member_existence(context: &Context, table: &mut ObjectTable
             evidence.at_most("distance to image edge, pixels", distance, context.limits.border_px);
             emit_exit(context, table, decisions, id, context.number, evidence);
         } else {
-            mark_occluded(context, table, decisions, id, FrameRef { number: context.number, t: context.t });
+            mark_occluded(context, table, decisions, id, context.now());
         }
     }
 }

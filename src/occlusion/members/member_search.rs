@@ -131,7 +131,7 @@ mod tests {
     #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
     use super::*;
     use crate::occlusion::fixtures::{BLUE, RED, context, person, shared_detection, start_confirmed};
-    use crate::occlusion::state::object_table::FrameRef;
+    use crate::occlusion::state::context::FrameRef;
     use crate::regions::Rgb;
 
     /// Searches for an occluded blue person beside a visible red one, whose region shows these boxes.
@@ -139,7 +139,7 @@ mod tests {
         let (mut table, mut decisions) = (ObjectTable::default(), Decisions::default());
         start_confirmed(&context(1), &mut table, person(100.0, 80.0), RED, [0.0; 2]);
         let blue = start_confirmed(&context(1), &mut table, person(124.0, 80.0), BLUE, [0.0; 2]);
-        table.occlude(blue, FrameRef { number: 2, t: 2 });
+        table.occlude(blue, FrameRef { number: 2, index: 2, t: 2 });
         table.drop_empty_blobs();
         table.blob_mut(0).unwrap().detection = Some(shared_detection(seen));
         reidentify_unseen_members(&context(6), &mut table, &mut decisions);

@@ -126,8 +126,8 @@ mod tests {
     #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
     use super::*;
     use crate::occlusion::fixtures::{BLUE, RED, context, detection, person, start_confirmed, start_group};
+    use crate::occlusion::state::context::FrameRef;
     use crate::occlusion::state::decisions::PendingDemerge;
-    use crate::occlusion::state::object_table::FrameRef;
 
     /// Updates a confirmed person of 20 by 60 pixels with this detection in so many frames; gives the object.
     fn updated(detection: &Detection, decisions: &Decisions, frames: u32) -> Object {
@@ -152,7 +152,7 @@ mod tests {
     #[test]
     fn the_appearance_of_an_object_with_an_undecided_identity_stays() {
         let demerge = PendingDemerge {
-            at: FrameRef { number: 1, t: 1 },
+            at: FrameRef { number: 1, index: 1, t: 1 },
             members: vec![1],
             region_of: vec![0],
             regions: Vec::new(),

@@ -12,6 +12,12 @@ const HEAD_COUNT_SECONDS: f32 = 0.3;
 /// Seconds for which an object is partly visible before its appearance is learnt anew.
 const RELEARN_SECONDS: f32 = 1.5;
 
+/// Deviations from a whole number of frame periods up to this are errors of rounding.
+const MAX_TIME_ERROR_SECONDS: f64 = 0.001_5;
+const MAX_TIME_ERROR_PERIODS: f64 = 0.25;
+/// Largest number of frame periods between two frames: no object is followed for so long.
+const MAX_PERIODS: f64 = 10_000.0;
+
 /// The times and lengths of the settings in frames and pixels of this video.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Limits {
@@ -58,6 +64,53 @@ impl Limits {
     }
 }
 
+/// A frame of the video.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub(crate) struct FrameRef {
+    /// Its number.
+    pub(crate) number: u32,
+    /// Its index among the processed frames, from 1.
+    pub(crate) index: u32,
+    /// Its time in whole frame periods, 1 in the first processed frame; two frames can have the same. It equals the
+    /// index at a constant frame rate without gaps.
+    pub(crate) t: u32,
+}
+
+/// The time from frame to frame in frame periods.
+#[derive(Clone, Copy, Debug)]
+struct Clock {
+    /// Seconds.
+    period: f64,
+    /// Time of the last frame in seconds.
+    last: Option<f64>,
+    /// Sum of the periods; 1 in the first frame.
+    elapsed: f64,
+}
+
+impl Clock {
+    fn new(fps: f32) -> Self {
+        Self { period: 1.0 / f64::from(fps.max(f32::MIN_POSITIVE)), last: None, elapsed: 0.0 }
+    }
+
+    /// Goes on to the next frame, at `time` in seconds. Gives the periods since the frame before it, 1 for the first and
+    /// where the time does not rise.
+    fn advance(&mut self, time: f64) -> f64 {
+        let seconds = self.last.replace(time).map_or(0.0, |last| time - last);
+        let periods = if seconds > 0.0 { self.periods(seconds) } else { 1.0 };
+        self.elapsed += periods;
+        periods
+    }
+
+    fn periods(&self, seconds: f64) -> f64 {
+        // Whole milliseconds are the finest times in some files.
+        let tolerance = (MAX_TIME_ERROR_SECONDS / self.period).min(MAX_TIME_ERROR_PERIODS);
+        let periods = seconds / self.period;
+        let whole = periods.round().max(1.0);
+        let periods = if (periods - whole).abs() <= tolerance { whole } else { periods };
+        periods.min(MAX_PERIODS)
+    }
+}
+
 /// The settings of a video's tracking, and the present frame's number and size.
 #[derive(Clone, Debug)]
 pub(crate) struct Context {
@@ -65,12 +118,17 @@ pub(crate) struct Context {
     pub(crate) matcher: HypothesisMatcher,
     pub(crate) limits: Limits,
     pub(crate) size: Size,
-    /// Frames processed so far, the present one included.
+    /// The present frame's index among the processed frames, from 1.
+    pub(crate) index: u32,
+    /// The present frame's time in whole frame periods, as in [`FrameRef`].
     pub(crate) t: u32,
     /// The present frame's number.
     pub(crate) number: u32,
-    /// Numbers of the last three frames, the present one last; 0 before the first.
-    pub(crate) recent: [u32; 3],
+    /// The last three frames, the present one last; 0 before the first.
+    pub(crate) recent: [FrameRef; 3],
+    /// Frame periods from the frame before to the present one; 1 at a constant rate.
+    pub(crate) periods: f32,
+    clock: Clock,
 }
 
 impl Context {
@@ -81,17 +139,27 @@ impl Context {
             matcher: HypothesisMatcher::new(settings, fps),
             limits: Limits::new(settings, size, fps),
             size,
+            index: 0,
             t: 0,
             number: 0,
-            recent: [0; 3],
+            recent: [FrameRef::default(); 3],
+            periods: 1.0,
+            clock: Clock::new(fps),
         }
     }
 
-    /// Goes on to the next frame, whose number is `number`.
-    pub(crate) const fn advance(&mut self, number: u32) {
-        self.t += 1;
+    /// Goes on to the next frame, whose number is `number`, at `time` in seconds.
+    pub(crate) fn advance(&mut self, number: u32, time: f64) {
+        self.periods = self.clock.advance(time) as f32;
+        self.index += 1;
+        self.t = self.clock.elapsed.round() as u32;
         self.number = number;
-        self.recent = [self.recent[1], self.recent[2], number];
+        self.recent = [self.recent[1], self.recent[2], self.now()];
+    }
+
+    /// The present frame.
+    pub(crate) const fn now(&self) -> FrameRef {
+        FrameRef { number: self.number, index: self.index, t: self.t }
     }
 
     /// Whether a box is near the image edge.

@@ -1,9 +1,9 @@
 //! Decisions about objects: those that wait for later frames, and the events and episodes that are decided and not
 //! returned yet.
 
+use super::context::FrameRef;
 use super::group_episodes::GroupEpisodes;
 use super::object::Object;
-use super::object_table::FrameRef;
 use super::split_region::{AssociationScore, SplitRegion};
 use crate::occlusion::event::{Episode, Event};
 use crate::regions::Rect;
@@ -51,7 +51,7 @@ pub(crate) struct PendingReappearance {
     pub(crate) id: ObjectId,
     /// The first frame of the occlusion.
     pub(crate) since: FrameRef,
-    /// The frame of the re-identification, as t.
+    /// The time of the re-identification, in frame periods.
     pub(crate) t: u32,
     pub(crate) event: Event,
     /// Its last box before the occlusion.

@@ -11,9 +11,9 @@ use crate::tracking::{Identity, ObjectId};
 struct GroupEpisode {
     /// All members so far.
     members: BTreeSet<ObjectId>,
-    /// Number and t of the first frame with a shared region.
+    /// Number and time (in frame periods) of the first frame with a shared region.
     start: (u32, u32),
-    /// Number and t of the last one.
+    /// Those of the last one.
     last: (u32, u32),
     /// The least visible share of a member.
     least_visible: f32,
@@ -47,7 +47,7 @@ pub(crate) struct GroupEpisodes {
 }
 
 impl GroupEpisodes {
-    /// Records that these objects, each with its visible share, share a region in frame `number` (the `t`-th).
+    /// Records that these objects, each with its visible share, share a region in frame `number`, at time `t` in frame periods.
     /// Whether this starts a new episode.
     pub(crate) fn record_sharing(
         &mut self,

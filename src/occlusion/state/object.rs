@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::Vector3;
 
+use super::context::FrameRef;
 use super::perspective::Perspective;
 use super::template::Template;
 use crate::occlusion::event::{Comparison, EventKind};
@@ -127,8 +128,8 @@ impl Appearance {
 pub(crate) struct Object {
     /// The number under which its tracks are recorded: its own until its first demerge.
     pub(crate) key: ObjectId,
-    /// Number of the first frame with a detection.
-    pub(crate) first_frame: u32,
+    /// The first frame with a detection.
+    pub(crate) first_frame: FrameRef,
     /// Its first box.
     pub(crate) first_bbox: Rect,
     /// Number of frames with a detection.
@@ -171,7 +172,7 @@ impl Object {
     /// A new tentative object with its key, first frame and box, motion model and detection.
     pub(crate) fn new(
         key: ObjectId,
-        (first_frame, first_bbox): (u32, Rect),
+        (first_frame, first_bbox): (FrameRef, Rect),
         model: KalmanModel,
         last_detection: Detection,
     ) -> Self {
@@ -237,10 +238,10 @@ impl Object {
         Rect::around(self.model.centre(), w, h)
     }
 
-    /// Predicts its own motion by one frame.
-    pub(crate) fn predict(&mut self) {
+    /// Predicts its own motion by a number of frame periods.
+    pub(crate) fn predict(&mut self, periods: f32) {
         self.unconstrained_centre = None;
-        self.model.predict();
+        self.model.predict(periods);
     }
 
     /// Takes the motion of its blob.
@@ -482,10 +483,10 @@ mod tests {
         let detection = Detection { bbox, area: 2500.0, histogram, labels: vec![1], mosaic };
         let noise = Noise { process: 0.5, measurement: 2.0 };
         let model = KalmanModel::new(Vector3::new(100.0, 100.0, 50.0), Vector3::zeros(), 1.0, noise);
-        let mut object = Object::new(1, (1, bbox), model, detection);
+        let mut object = Object::new(1, (FrameRef { number: 1, index: 1, t: 1 }, bbox), model, detection);
         // Its region is smaller than its box, and each frame it is localised a little beside the region's middle.
         for _ in 0..100 {
-            object.predict();
+            object.predict(1.0);
             object.constrain_centre([100.0, 100.0]);
             object.update_position([106.0, 112.0], 0.5);
         }
@@ -511,7 +512,8 @@ mod tests {
         };
         let noise = Noise { process: 0.5, measurement: 2.0 };
         let model = KalmanModel::new(Vector3::new(100.0, 100.0, 50.0), Vector3::zeros(), 1.0, noise);
-        let mut object = Object::new(1, (1, bbox), model, detection.clone());
+        let mut object =
+            Object::new(1, (FrameRef { number: 1, index: 1, t: 1 }, bbox), model, detection.clone());
         object.update_appearance(&detection, false, &Settings::default());
         object.set_centre([100.0, 110.0]);
         for _ in 0..20 {

@@ -6,6 +6,7 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
+use super::context::FrameRef;
 use super::groups::OcclusionGroups;
 use super::object::{Detection, Object};
 use crate::tracking::pool::Blob;
@@ -13,15 +14,6 @@ use crate::tracking::{Identity, IdentityMap, ObjectId};
 
 /// Identities of ended objects are dropped once they exceed those of live objects by this many.
 const MIN_PRUNED_IDENTITIES: usize = 64;
-
-/// A frame of the video.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) struct FrameRef {
-    /// Its number.
-    pub(crate) number: u32,
-    /// Its index among the processed frames, from 1.
-    pub(crate) t: u32,
-}
 
 /// A blob and its members: one object, or the objects of an occlusion group.
 #[derive(Clone, Debug)]
@@ -494,7 +486,7 @@ mod tests {
         BLUE, RED, context, detection, object, person, start_confirmed, start_tentative,
     };
 
-    const NOW: FrameRef = FrameRef { number: 1, t: 1 };
+    const NOW: FrameRef = FrameRef { number: 1, index: 1, t: 1 };
 
     fn blob(detection: &Detection) -> Blob {
         Blob::new(object(&context(1), 0, detection, [0.0; 2]).model, &detection.observation())

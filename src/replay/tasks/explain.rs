@@ -84,7 +84,8 @@ fn query(event: &Event, model: &ModelTimeline, numbers: &[u32], size: Size, fps:
     let to = (decided + after + 1).min(model.analysed());
     let frames = (from..to).filter_map(|position| {
         let analysis = model.outline(position)?;
-        Some(FrameRegions { number: analysis.number, regions: Arc::clone(&analysis.regions) })
+        let regions = Arc::clone(&analysis.regions);
+        Some(FrameRegions { number: analysis.number, time: analysis.time, regions })
     });
     CounterfactualQuery {
         event: event.clone(),

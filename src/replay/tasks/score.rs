@@ -1,5 +1,6 @@
 //! Scores of an analysis against ground truth, computed in short steps.
 
+use std::collections::BTreeSet;
 use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
@@ -45,19 +46,25 @@ struct ScoreJob {
 }
 
 impl Scorer {
-    /// Advances the score of an analysis on `record`, whose offline result is `found`, against `truth`.
+    /// Advances the score of an analysis on `record`, whose offline result is `found`, against `truth`. Where the
+    /// sequence `leaves_out` frames, objects in these are not missed.
     pub(crate) fn advance(
         &mut self,
         truth: &Arc<Truth>,
         found: &Arc<Boxes>,
         record: &AnalysisRecord,
+        leaves_out: bool,
     ) -> ScoreStep {
         if self.by(truth).is_some() {
             return ScoreStep::Idle;
         }
         let job = match self.job.take() {
             Some(job) if Arc::ptr_eq(&job.truth, truth) => self.job.insert(job),
-            _ => self.job.insert(ScoreJob::new(truth, found)),
+            _ => {
+                let analysed =
+                    leaves_out.then(|| record.outlines().map(|analysis| analysis.number).collect());
+                self.job.insert(ScoreJob::new(truth, found, analysed))
+            }
         };
         let Some(score) = job.advance(record) else { return ScoreStep::Working };
         (self.job, self.done) = (None, Some((Arc::clone(truth), Arc::new(score))));
@@ -72,13 +79,21 @@ impl Scorer {
 }
 
 impl ScoreJob {
-    fn new(truth: &Arc<Truth>, found: &Arc<Boxes>) -> Self {
+    /// `analysed` are the numbers of the analysed frames where others are left out.
+    fn new(truth: &Arc<Truth>, found: &Arc<Boxes>, analysed: Option<BTreeSet<u32>>) -> Self {
         let tracks = truth.boxes.is_some().then(|| {
             let (answer, answered) = channel();
             let (truth, found) = (Arc::clone(truth), Arc::clone(found));
             // All frames are matched in one call, which would delay a newer request.
             rayon::spawn(move || {
-                let score = || truth.boxes.as_ref().map(|boxes| summary::score(boxes, &found));
+                let score = || {
+                    truth.boxes.as_ref().map(|boxes| match &analysed {
+                        Some(analysed) => {
+                            summary::score_of_frames(boxes, &found, |number| analysed.contains(&number))
+                        }
+                        None => summary::score(boxes, &found),
+                    })
+                };
                 // The receiver is dropped when another truth is loaded.
                 if let Some(score) = catch_unwind(AssertUnwindSafe(score)).transpose() {
                     let _ = answer.send(score);

@@ -200,6 +200,7 @@ pub(crate) fn seek_frame(
         Fetched::OnTheWay => return Ok(ShowStep::Decodes),
         Fetched::Gone | Fetched::End => return Ok(ShowStep::FrameLost),
     };
+    frames.view(position);
     let needed = match pass.model.seek(position, &frame, quantity)? {
         SeekStep::Pictures(pictures) => {
             return Ok(pass.shown(position, frame, pictures).map_or(ShowStep::Continues, ShowStep::Frame));

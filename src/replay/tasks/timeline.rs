@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use crate::occlusion::Event;
 use crate::pipeline::{Analysis, OfflineResult};
 use crate::replay::{Timeline, TrackTimeline};
+use crate::source::cache::FrameCache;
 use crate::tracking::{Identity, Track, TrackState};
 
 /// A [`Timeline`] in progress.
@@ -34,15 +35,17 @@ impl TimelineBuilder {
         self.events = result.events;
     }
 
-    /// The current timeline; `numbers` are the frame numbers of the positions, in ascending order.
-    pub(crate) fn timeline(&self, numbers: &[u32], complete: bool) -> Timeline {
+    /// The current timeline of the frames of `source`.
+    pub(crate) fn timeline(&self, source: &FrameCache) -> Timeline {
+        let numbers = source.numbers();
         let position = |frame: u32| numbers.partition_point(|&number| number < frame) as u32;
         let mut events: Vec<_> =
             self.events.iter().map(|event| (position(event.frame), event.clone())).collect();
         events.sort_by_key(|(position, event)| (*position, event.kind));
         Timeline {
             numbers: numbers.to_vec(),
-            complete,
+            times: source.times().to_vec(),
+            complete: source.is_complete(),
             analysed: self.foreground_share.len() as u32,
             decoded: Vec::new(),
             alignments: Vec::new(),

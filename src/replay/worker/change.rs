@@ -22,12 +22,17 @@ pub(super) struct SettingsChange {
 }
 
 impl Worker<'_> {
-    /// Sets the ground truth, without masks if they have another size than the frames.
+    /// Sets the ground truth, without masks if they have another size than the source.
     pub(super) fn set_truth_data(&mut self, truth: Option<Arc<Truth>>) {
         let size = self.info.size;
+        let truth = match self.info.placement() {
+            Some(placement) => truth.map(|truth| Arc::new(truth.in_frames(&placement))),
+            None => truth,
+        };
         let (truth, masks) = match truth {
             Some(truth) if truth.masks.as_ref().is_some_and(|masks| masks.size() != size) => {
-                let masks = truth.masks.as_ref().map_or(size, |masks| masks.size());
+                let (masks, size) =
+                    (truth.masks.as_ref().map_or(size, |masks| masks.size()), self.info.source_size());
                 self.outbox.warnings.push(format!(
                     "the ground-truth masks are {masks}, the frames of {} are {size}: the masks are \
                      ignored; load those of this video",

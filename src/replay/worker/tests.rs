@@ -311,10 +311,12 @@ fn frames_are_decoded_once_for_both_passes() {
         let info = SourceInfo {
             name: "counted".into(),
             size: frames[0].size,
+            pixel_aspect: None,
             fps: 25.0,
             fps_from: crate::source::FpsFrom::Video,
             frames: None,
             live: false,
+            reduction: None,
         };
         let open = move || -> Result<Box<dyn Source>, SourceError> {
             let (info, frames, decoded) = (info.clone(), Arc::clone(&frames), Arc::clone(&count));

@@ -1,17 +1,16 @@
 //! Demultiplexing and decoding of a video stream: its pictures in the order of presentation.
 
-use std::ffi::OsString;
-use std::path::{self, Path};
-
 use ffmpeg::codec::discard::Discard;
 use ffmpeg::format::context::Input;
 use ffmpeg::frame::Video as Picture;
 use ffmpeg::{Dictionary, Packet, decoder};
 
 use super::Failure;
+use super::file::InputFile;
 use super::index::Key;
 use super::info::StreamInfo;
 use super::raw;
+use crate::libav::wants_data;
 
 /// Number of errors in a row at the end of a stream after which the decoder is given up.
 const MAX_ERRORS_AT_END: u32 = 4096;
@@ -70,10 +69,10 @@ pub(super) struct Decoder {
 
 impl Decoder {
     /// Opens a file at its start.
-    pub(super) fn open(file: &Path, threads: Threads) -> Result<Self, Failure> {
+    pub(super) fn open(file: &InputFile, threads: Threads) -> Result<Self, Failure> {
         raw::count_reported_errors();
         let mut input = open_input(file)?;
-        let info = StreamInfo::of_best(&input).ok_or(Failure::NoVideo)?;
+        let info = StreamInfo::of(&input, file.stream)?;
         raw::select_stream(&mut input, info.index);
         let stream = input.stream(info.index).ok_or(Failure::NoVideo)?;
         let parameters = stream.parameters();
@@ -210,21 +209,13 @@ impl Decoder {
     }
 }
 
-fn open_input(file: &Path) -> Result<Input, Failure> {
-    // Without a protocol, a name with a colon would be read as an address.
-    let mut address = OsString::from("file:");
-    address.push(path::absolute(file).map_err(|_| Failure::NoVideo)?);
-    // The crate panics on a zero byte.
-    if address.as_encoded_bytes().contains(&0) {
-        return Err(Failure::NoVideo);
-    }
+fn open_input(file: &InputFile) -> Result<Input, Failure> {
+    let address = file.address().ok_or(Failure::NoVideo)?;
     let mut options = Dictionary::new();
-    // A local playlist must not open a network address.
-    options.set("protocol_whitelist", "file,crypto,data");
-    ffmpeg::format::input_with_dictionary(&address, options).map_err(|_| Failure::NoVideo)
-}
-
-fn wants_data(error: ffmpeg::Error) -> bool {
-    let kind = |errno| std::io::Error::from_raw_os_error(errno).kind();
-    matches!(error, ffmpeg::Error::Other { errno } if kind(errno) == std::io::ErrorKind::WouldBlock)
+    for (name, value) in file.open_options() {
+        options.set(name, value);
+    }
+    ffmpeg::format::input_with_dictionary(&address, options).map_err(|error| {
+        if file.is_live() { Failure::Unreachable(error.to_string()) } else { Failure::NoVideo }
+    })
 }

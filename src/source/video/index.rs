@@ -90,6 +90,11 @@ impl Index {
         }
     }
 
+    /// Number of frames.
+    pub(super) fn len(&self) -> u32 {
+        self.times.len() as u32
+    }
+
     /// The time of the frame at `position`.
     pub(super) fn time(&self, position: u32) -> Option<FrameTime> {
         self.times.get(position as usize).copied()
@@ -105,6 +110,13 @@ impl Index {
         let before = self.keys.partition_point(|key| key.time().is_some_and(|time| time <= pts));
         let keys = BACK.iter().filter_map(|back| self.keys.get(before.checked_sub(1 + back)?).copied());
         Some(Approach { anchor, pts, keys: keys.collect() })
+    }
+
+    /// Number of frames before the one at `position` back to this key packet; all of them where it has no time.
+    pub(super) fn distance(&self, key: Option<Key>, position: u32) -> u32 {
+        let Some(time) = key.and_then(|key| key.time()) else { return position };
+        let before = self.times.iter().take(position as usize).rev();
+        before.take_while(|frame| frame.pts >= time).count() as u32
     }
 }
 
@@ -149,6 +161,16 @@ mod tests {
         let untimed = self::index(&untimed, &[0]);
         assert_eq!(untimed.approach(64).map(|approach| approach.anchor), Some(0));
         assert_eq!(untimed.approach(65), None);
+    }
+
+    #[test]
+    fn the_distance_to_a_key_packet_is_counted_in_frames() {
+        let times: Vec<_> = (0..50).map(|at| (at * 10, true)).collect();
+        let index = index(&times, &[0, 200]);
+        assert_eq!(index.distance(Some(key(200)), 30), 10);
+        assert_eq!(index.distance(Some(key(200)), 20), 0);
+        assert_eq!(index.distance(None, 30), 30);
+        assert_eq!((index.len(), index.distance(Some(key(0)), index.len())), (50, 50));
     }
 
     #[test]

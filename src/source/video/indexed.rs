@@ -1,14 +1,13 @@
 //! Frames of a video again, in any order, the same as at the first reading.
 
-use std::fs;
-use std::path::{Path, PathBuf};
-use std::time::SystemTime;
-
+use super::Failure;
+use super::convert::{Converted, Converter};
 use super::decode::{Landing, Threads};
-use super::index::SharedIndex;
+use super::file::InputFile;
+use super::index::{Key, SharedIndex};
 use super::reader::{Reader, TimedPicture};
 use crate::frame::{Frame, Size};
-use crate::source::random_access::{Fingerprint, RandomAccess, Step, fingerprint};
+use crate::source::random_access::{Fingerprint, RandomAccess, Step, is_same};
 use crate::source::{SourceError, SourceInfo};
 
 /// Number of frames whose decoding in order takes no longer than a seek.
@@ -19,11 +18,10 @@ const MAX_MISSES: u32 = 3;
 /// Reads frames of a video again.
 pub(super) struct IndexedReader {
     name: String,
-    file: PathBuf,
-    version: Option<Version>,
+    file: InputFile,
     size: Size,
     index: SharedIndex,
-    reader: Option<(Reader, Threads)>,
+    open: Option<OpenVideo>,
     /// The position of the reader's next frame.
     next: u32,
     /// Whether it got there by a seek.
@@ -35,24 +33,51 @@ pub(super) struct IndexedReader {
     warnings: Vec<String>,
 }
 
-/// What changes when a file is written to.
-type Version = (u64, SystemTime);
+/// A reader with the conversion of its pictures.
+struct OpenVideo {
+    reader: Reader,
+    threads: Threads,
+    converter: Converter,
+}
 
-fn version(file: &Path) -> Option<Version> {
-    let metadata = fs::metadata(file).ok()?;
-    Some((metadata.len(), metadata.modified().ok()?))
+impl OpenVideo {
+    /// Opens a video at its start. Its first frame determines the size of all.
+    fn new(file: &InputFile, threads: Threads) -> Result<Self, Failure> {
+        let mut reader = Reader::open(file, threads)?;
+        let mut converter = Converter::new(reader.info().display_matrix, file.deinterlace);
+        converter.prepare(|| Ok(reader.next()))?.ok_or(Failure::NoFrame)?;
+        Ok(Self { reader, threads, converter })
+    }
+
+    /// The next frame, `None` after the last.
+    fn next(&mut self) -> Result<Option<Converted>, Failure> {
+        let next = self.converter.next(|| Ok(self.reader.next()));
+        // They are in the index already.
+        drop(self.reader.take_keys());
+        next
+    }
+
+    /// The frame `skipped` frames after that of `picture`, which is the reader's last one.
+    fn next_from(&mut self, picture: TimedPicture, skipped: u32) -> Result<Option<Converted>, Failure> {
+        self.converter.jump();
+        let mut first = Some(picture);
+        let mut next = || Ok(first.take().or_else(|| self.reader.next()));
+        for _ in 0..skipped {
+            self.converter.next(&mut next)?;
+        }
+        self.converter.next(next)
+    }
 }
 
 impl IndexedReader {
     /// A reader of the frames in `index`. It opens the file when it is used first.
-    pub(super) fn new(info: &SourceInfo, file: &Path, index: &SharedIndex) -> Self {
+    pub(super) fn new(info: &SourceInfo, file: InputFile, index: &SharedIndex) -> Self {
         Self {
             name: info.name.clone(),
-            file: file.to_owned(),
-            version: version(file),
+            file,
             size: info.size,
             index: index.clone(),
-            reader: None,
+            open: None,
             next: 0,
             has_jumped: false,
             goal: 0,
@@ -65,41 +90,37 @@ impl IndexedReader {
     /// Opens the video at its start if no reader of it reads as the first reader did.
     fn ensure_open(&mut self) -> Result<(), SourceError> {
         let threads = if self.index.lock().is_damaged { Threads::One } else { Threads::All };
-        let open = match self.reader.take() {
-            Some(open) if open.1 == threads => open,
-            _ => {
-                (self.next, self.has_jumped) = (0, false);
-                (Reader::open(&self.file, threads).map_err(|failure| failure.of(&self.name))?, threads)
-            }
-        };
-        if open.0.size() != self.size {
+        if self.open.as_ref().is_some_and(|open| open.threads == threads) {
+            return Ok(());
+        }
+        self.rewind();
+        let open = OpenVideo::new(&self.file, threads).map_err(|failure| failure.of(&self.name))?;
+        if open.converter.size() != Some(self.size) {
             return Err(SourceError::changed(&self.name));
         }
-        self.reader = Some(open);
+        self.open = Some(open);
         Ok(())
     }
 
     fn rewind(&mut self) {
-        self.reader = None;
+        self.open = None;
         (self.next, self.has_jumped) = (0, false);
     }
 
     /// Reads the next frame. Goes back to the start where a seek led to another frame.
     fn read_next(&mut self, fingerprints: &[Fingerprint]) -> Result<Step, SourceError> {
         let position = self.next;
-        let Some((reader, _)) = &mut self.reader else { return Ok(Step::OnTheWay) };
-        let Some(picture) = reader.next() else { return self.differs(position, None) };
-        // They are in the index already.
-        drop(reader.take_keys());
-        let time = picture.time;
-        let rgb = reader.rgb(picture).map_err(|failure| failure.of(&self.name))?;
+        let Some(open) = &mut self.open else { return Ok(Step::OnTheWay) };
+        let next = open.next().map_err(|failure| failure.of(&self.name))?;
+        let Some(Converted { info, rgb }) = next else { return self.differs(position, None) };
+        let time = info.time;
         let frame = Frame::new(position + 1, self.size, rgb);
         self.next = position + 1;
         let is_same_time =
             self.index.lock().time(position).is_none_or(|expected| {
                 !(expected.is_from_file && time.is_from_file) || expected.pts == time.pts
             });
-        if is_same_time && fingerprints.get(position as usize) == Some(&fingerprint(&frame)) {
+        if is_same_time && is_same(fingerprints, position, &frame) {
             return Ok(Step::Frame(position, frame));
         }
         self.differs(position, is_same_time.then_some(frame))
@@ -112,7 +133,7 @@ impl IndexedReader {
             self.misses += 1;
             return Ok(Step::OnTheWay);
         }
-        let frame = frame.filter(|_| version(&self.file) == self.version);
+        let frame = frame.filter(|_| self.file.is_unchanged());
         let Some(frame) = frame else {
             self.rewind();
             return Err(SourceError::changed(&self.name));
@@ -129,32 +150,51 @@ impl IndexedReader {
         Ok(Step::Frame(position, frame))
     }
 
-    /// Seeks to the frame at `position`. `None` where it is not found; the reader is then anywhere.
+    /// Goes to the frame at `position`, by a seek unless decoding goes on to it from a key packet anyway. `None` where it
+    /// is not found; the reader is then anywhere.
     fn jump(&mut self, position: u32, fingerprints: &[Fingerprint]) -> Result<Option<Frame>, SourceError> {
-        let Some(approach) = self.index.lock().approach(position) else { return Ok(None) };
+        // A deinterlaced frame depends on the picture before its own.
+        let first = if self.file.deinterlace { position.saturating_sub(1) } else { position };
+        let Some(approach) = self.index.lock().approach(first) else { return Ok(None) };
+        let seeks = approach.keys.iter().copied().map(Some);
+        let starts = self.is_past_key(approach.anchor, approach.keys.first()).then_some(None);
         let mut last_landed = None;
-        for key in &approach.keys {
-            let Some((reader, _)) = &mut self.reader else { break };
-            let landed = match reader.seek_before(*key, approach.pts) {
-                Landing::At(landed) => landed,
-                Landing::AtEnd => break,
-                Landing::Refused => {
-                    self.misses = MAX_MISSES;
-                    break;
+        for seek in starts.into_iter().chain(seeks) {
+            let Some(open) = &mut self.open else { break };
+            if let Some(key) = seek {
+                let landed = match open.reader.seek_before(key, approach.pts) {
+                    Landing::At(landed) => landed,
+                    Landing::AtEnd => break,
+                    Landing::Refused => {
+                        self.misses = MAX_MISSES;
+                        break;
+                    }
+                };
+                if last_landed.replace(landed) == Some(landed) {
+                    continue;
                 }
-            };
-            if last_landed.replace(landed) == Some(landed) {
-                continue;
             }
-            let found = find(reader, approach.pts, position - approach.anchor);
-            let Some(rgb) = found.map(|picture| reader.rgb(picture)) else { continue };
-            let frame = Frame::new(position + 1, self.size, rgb.map_err(|failure| failure.of(&self.name))?);
-            if fingerprints.get(position as usize) == Some(&fingerprint(&frame)) {
+            let found = find(&mut open.reader, approach.pts, first - approach.anchor);
+            let Some(picture) = found else { continue };
+            let converted =
+                open.next_from(picture, position - first).map_err(|failure| failure.of(&self.name))?;
+            let Some(Converted { rgb, .. }) = converted else { continue };
+            let frame = Frame::new(position + 1, self.size, rgb);
+            if is_same(fingerprints, position, &frame) {
                 (self.next, self.has_jumped) = (position + 1, true);
                 return Ok(Some(frame));
             }
         }
         Ok(None)
+    }
+
+    /// Whether a seek to this key packet for the frame at `position` would lead back over pictures that the reader has
+    /// decoded.
+    fn is_past_key(&self, position: u32, key: Option<&Key>) -> bool {
+        let decoded = self.next + self.open.as_ref().map_or(0, |open| open.converter.held() as u32);
+        let index = self.index.lock();
+        let next = index.time(decoded).map(|time| time.pts);
+        decoded <= position && key.and_then(Key::time).is_some_and(|key| next >= Some(key))
     }
 
     fn try_step(&mut self, from: u32, goal: u32, fingerprints: &[Fingerprint]) -> Result<Step, SourceError> {

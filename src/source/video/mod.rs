@@ -1,4 +1,4 @@
-//! Video files, through FFmpeg's libraries.
+//! Video files and network streams, through FFmpeg's libraries.
 //!
 //! [`Video`] reads a file in order and records an index of times and key packets; [`IndexedReader`] gives any frame of the
 //! index again. Frames are those that the `ffmpeg` program gives: every one, upright, converted with the matrix and
@@ -7,6 +7,7 @@
 mod check;
 mod convert;
 mod decode;
+mod file;
 mod index;
 mod indexed;
 mod info;
@@ -15,17 +16,20 @@ mod raw;
 mod reader;
 mod rotate;
 mod sequential;
+mod times;
 
-use std::fs;
-use std::path::PathBuf;
-
+use convert::{Converted, Converter};
+pub(super) use file::is_address;
+use file::{InputFile, without_credentials};
 use indexed::IndexedReader;
-use progress::Progress;
-use reader::Reader;
+use info::StreamInfo;
+use progress::{INTERLACED, Progress};
+use reader::PictureInfo;
 use sequential::SequentialReader;
+use times::PresentationTimes;
 
 use super::random_access::RandomAccess;
-use super::{FpsFrom, Options, Source, SourceError, SourceInfo, rate};
+use super::{Options, Source, SourceError, SourceInfo, rate};
 use crate::frame::Frame;
 
 /// The transfer characteristics of HDR video, and their names.
@@ -38,6 +42,15 @@ const MAX_FRAMES: u64 = 100_000_000;
 #[derive(Debug)]
 enum Failure {
     NoVideo,
+    /// The file has no video stream.
+    NoVideoStream,
+    /// An address cannot be opened, and why.
+    Unreachable(String),
+    /// There is no video stream of this index; those that there are, in words.
+    NoStream {
+        index: usize,
+        streams: String,
+    },
     /// There is no decoder for this codec.
     NoDecoder(String),
     NoFrame,
@@ -51,6 +64,15 @@ impl Failure {
         let whole = "check that it is complete and plays elsewhere, or convert it";
         let why = match self {
             Self::NoVideo => format!("it is not a decodable video; {whole}"),
+            Self::NoVideoStream => {
+                "it has no video stream, only sound or a cover picture; give a video".to_owned()
+            }
+            Self::Unreachable(why) => {
+                format!("{why}; check the address, the network, and that it plays elsewhere")
+            }
+            Self::NoStream { index, streams } => {
+                format!("it has no video stream {index}; set --stream to one of those that it has: {streams}")
+            }
             Self::NoDecoder(codec) => {
                 format!("there is no decoder for its codec, {codec}; convert it to H.264")
             }
@@ -64,38 +86,81 @@ impl Failure {
     }
 }
 
-/// A video file, read frame by frame.
+/// A video file or network stream, read frame by frame.
 pub(super) struct Video {
     info: SourceInfo,
-    file: PathBuf,
+    file: InputFile,
     reader: SequentialReader,
+    converter: Converter,
     progress: Progress,
+    times: PresentationTimes,
     is_over: bool,
     warnings: Vec<String>,
 }
 
 impl Video {
-    /// Opens a video file.
+    /// Opens a video file or network stream.
     pub(super) fn open(name: &str, options: Options) -> Result<Self, SourceError> {
-        check::check_file(name)?;
-        let file = fs::canonicalize(name)
+        if !is_address(name) {
+            check::check_file(name)?;
+        }
+        let file = InputFile::new(name, options)
             .map_err(|error| SourceError::unusable(name, format!("{error}; check the path")))?;
-        let mut reader = SequentialReader::open(&file).map_err(|failure| failure.of(name))?;
-        let first = reader.reader();
-        let stream = first.info();
-        let mut rates = [stream.average_rate, stream.base_rate].into_iter().flatten();
-        let rate = rates.find(|&fps| rate::is_plausible(fps));
-        let (fps, fps_from) = match (options.fps, rate) {
-            (Some(fps), _) => (fps, FpsFrom::Given),
-            (None, Some(fps)) => (fps as f32, FpsFrom::Video),
-            (None, None) => (rate::ASSUMED, FpsFrom::Assumed),
+        let shown = without_credentials(name);
+        Self::open_file(&shown, file, options).map_err(|failure| failure.of(&shown))
+    }
+
+    fn open_file(name: &str, file: InputFile, options: Options) -> Result<Self, Failure> {
+        let mut reader = SequentialReader::open(&file)?;
+        let mut converter = Converter::new(reader.reader().info().display_matrix, file.deinterlace);
+        let first = converter.prepare(|| reader.next())?.ok_or(Failure::NoFrame)?;
+        let size = converter.size().ok_or(Failure::NoFrame)?;
+        let stream = reader.reader().info();
+        let (fps, fps_from) = rate::choose(options.fps, stream.rate);
+        let frames = stream.frames.filter(|frames| stream.rate.is_some() && (1..MAX_FRAMES).contains(frames));
+        let live = file.is_live();
+        let frames = frames.map(|frames| frames as u32).filter(|_| !live);
+        let pixel_aspect = stream.pixel_aspect.map(|aspect| {
+            let (width, height) = (aspect.numerator.unsigned_abs(), aspect.denominator.unsigned_abs());
+            if converter.swaps_sides() { (height, width) } else { (width, height) }
+        });
+        let times = match options.fps {
+            Some(fps) => PresentationTimes::of_rate(fps),
+            None => PresentationTimes::of_ticks(stream.time_base.value(), fps),
         };
-        let frames = stream.frames.filter(|frames| rate.is_some() && (1..MAX_FRAMES).contains(frames));
-        let frames = frames.map(|frames| frames as u32);
-        let info =
-            SourceInfo { name: name.to_owned(), size: first.size(), fps, fps_from, frames, live: false };
-        let warnings = opening_warnings(name, first);
-        Ok(Self { info, file, reader, progress: Progress::default(), is_over: false, warnings })
+        let info = SourceInfo {
+            name: name.to_owned(),
+            size,
+            pixel_aspect,
+            fps,
+            fps_from,
+            frames,
+            live,
+            reduction: None,
+        };
+        let warnings = opening_warnings(name, stream, &first, options);
+        let knows_interlaced = options.deinterlace || stream.is_interlaced;
+        let progress = Progress::new(knows_interlaced);
+        Ok(Self { info, file, reader, converter, progress, times, is_over: false, warnings })
+    }
+}
+
+impl Video {
+    /// Notes the next picture, or the end. Returns the picture's time in seconds.
+    fn pass(&mut self, picture: Option<&PictureInfo>) -> Option<f64> {
+        let Some(picture) = picture else {
+            self.is_over = true;
+            self.warnings.extend(self.progress.at_end(&self.info, self.reader.reader()));
+            if self.info.live {
+                self.warnings.push(format!(
+                    "{} sends no more frames after frame {}; check the connection if that is too early",
+                    self.info.name, self.progress.frames
+                ));
+            }
+            return None;
+        };
+        self.warnings.extend(self.progress.add(picture, &self.info));
+        Some(self.times.next(picture.time.pts))
     }
 }
 
@@ -108,19 +173,27 @@ impl Source for Video {
         if self.is_over {
             return Ok(None);
         }
-        let next = self.reader.next().map_err(|failure| failure.of(&self.info.name))?;
-        let Some(picture) = next else {
-            self.is_over = true;
-            self.warnings.extend(self.progress.at_end(&self.info, self.reader.reader()));
-            return Ok(None);
+        let next =
+            self.converter.next(|| self.reader.next()).map_err(|failure| failure.of(&self.info.name))?;
+        let time = self.pass(next.as_ref().map(|converted| &converted.info));
+        let frame = |(Converted { rgb, .. }, time)| {
+            Frame::new(self.progress.frames, self.info.size, rgb).at_time(time)
         };
-        self.warnings.extend(self.progress.add(&picture, &self.info));
-        let rgb = self.reader.reader().rgb(picture).map_err(|failure| failure.of(&self.info.name))?;
-        Ok(Some(Frame::new(self.progress.frames, self.info.size, rgb)))
+        Ok(next.zip(time).map(frame))
+    }
+
+    fn skip_frame(&mut self) -> Result<bool, SourceError> {
+        // A deinterlaced frame depends on the pictures around its own.
+        if self.is_over || self.file.deinterlace || self.converter.held() > 0 {
+            return Ok(self.next_frame()?.is_some());
+        }
+        let next = self.reader.next().map_err(|failure| failure.of(&self.info.name))?;
+        Ok(self.pass(next.as_ref().map(|picture| &picture.info)).is_some())
     }
 
     fn random_access(&self) -> Option<Box<dyn RandomAccess>> {
-        Some(Box::new(IndexedReader::new(&self.info, &self.file, self.reader.index())))
+        let reader = || IndexedReader::new(&self.info, self.file.clone(), self.reader.index());
+        (!self.info.live).then(|| Box::new(reader()) as Box<dyn RandomAccess>)
     }
 
     fn take_warnings(&mut self) -> Vec<String> {
@@ -129,22 +202,23 @@ impl Source for Video {
 }
 
 /// What is unusual about a video as a whole.
-fn opening_warnings(name: &str, reader: &Reader) -> Vec<String> {
-    let stream = reader.info();
+fn opening_warnings(name: &str, stream: &StreamInfo, first: &PictureInfo, options: Options) -> Vec<String> {
     let mut warnings = Vec::new();
-    if stream.video_streams > 1 {
+    if stream.video_streams > 1 && options.stream.is_none() {
         warnings.push(format!(
-            "{name} holds {} video streams; stream {} of the file is used",
+            "{name} holds {} video streams; stream {} of the file is used, --stream selects another",
             stream.video_streams, stream.index
         ));
     }
-    if stream.is_interlaced {
-        warnings.push(format!(
-            "{name} is interlaced: every other line of a frame is from another time, so moving edges look like combs; \
-             deinterlace it for exact outlines"
-        ));
+    match (options.deinterlace, stream.is_interlaced) {
+        (false, true) => warnings.push(format!("{name} {INTERLACED}")),
+        (true, false) if !first.is_interlaced => warnings.push(format!(
+            "{name} is not marked as interlaced, and --deinterlace blurs frames that are not; leave it out unless \
+             moving edges look like combs"
+        )),
+        _ => {}
     }
-    let transfer = reader.first_colors().transfer;
+    let transfer = first.colors.transfer;
     if let Some((_, transfer)) = HDR_TRANSFERS.iter().find(|(number, _)| *number == transfer) {
         warnings.push(format!(
             "{name} is HDR ({transfer}): its levels are used as they are, without tone mapping"

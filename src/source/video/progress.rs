@@ -1,14 +1,20 @@
 //! What was read of a video so far, and the warnings that follow from it.
 
-use super::reader::{Reader, TimedPicture};
+use super::reader::{PictureInfo, Reader};
 use crate::frame::Size;
 use crate::source::SourceInfo;
 
-/// The pictures read so far.
+/// A warning after the name of an interlaced video.
+pub(super) const INTERLACED: &str = "is interlaced: every other line of a frame is from another time, so moving edges \
+                                     look like combs; use --deinterlace for exact outlines";
+
+/// The pictures whose frames were given so far.
 #[derive(Debug, Default)]
 pub(super) struct Progress {
     /// Number of pictures.
     pub(super) frames: u32,
+    /// Whether it was told that the video is interlaced, or does not matter.
+    knows_interlaced: bool,
     /// The earliest and the latest time.
     times: Option<(i64, i64)>,
     /// Size of the first picture in the stream.
@@ -19,25 +25,33 @@ pub(super) struct Progress {
 }
 
 impl Progress {
-    /// Adds the next picture; returns a warning where it is the first of another size.
-    pub(super) fn add(&mut self, picture: &TimedPicture, info: &SourceInfo) -> Option<String> {
+    /// No pictures. It tells of interlaced ones unless `knows_interlaced`.
+    pub(super) fn new(knows_interlaced: bool) -> Self {
+        Self { knows_interlaced, ..Self::default() }
+    }
+
+    /// Adds the next picture; returns warnings where it is the first of another size, or the first interlaced one.
+    pub(super) fn add(&mut self, picture: &PictureInfo, info: &SourceInfo) -> Vec<String> {
         self.frames += 1;
         let pts = picture.time.pts;
         self.times = Some(self.times.map_or((pts, pts), |(first, last)| (first.min(pts), last.max(pts))));
-        if picture.is_damaged() {
+        if picture.is_damaged {
             self.damaged += 1;
             self.first_damaged.get_or_insert(self.frames);
         }
+        let mut warnings = Vec::new();
+        if picture.is_interlaced && !std::mem::replace(&mut self.knows_interlaced, true) {
+            warnings.push(format!("{} {INTERLACED}", info.name));
+        }
         let size = picture.coded_size;
         let before = *self.size.get_or_insert(size);
-        if before == size || self.has_resized {
-            return None;
+        if before != size && !std::mem::replace(&mut self.has_resized, true) {
+            warnings.push(format!(
+                "{} changes its size from {before} to {size} at frame {}; frames of another size are scaled to {}",
+                info.name, self.frames, info.size
+            ));
         }
-        self.has_resized = true;
-        Some(format!(
-            "{} changes its size from {before} to {size} at frame {}; frames of another size are scaled to {}",
-            info.name, self.frames, info.size
-        ))
+        warnings
     }
 
     /// The warnings after the last picture: of damage, and of an end before that which the header announces.
@@ -46,9 +60,10 @@ impl Progress {
         let name = &info.name;
         let stream = reader.info();
         let (first, last) = self.times.unwrap_or_default();
-        let first = stream.start.map_or(first, |start| start.min(first));
+        // The length in a header may begin at 0, before a start that is later.
+        let first = stream.start.map_or(first, |start| start.min(first)).min(0);
         let seconds = last.saturating_sub(first) as f64 * stream.time_base.value();
-        let fps = stream.average_rate.or(stream.base_rate).unwrap_or(f64::from(info.fps));
+        let fps = stream.rate.unwrap_or(f64::from(info.fps));
         let expected = info.frames.filter(|&expected| is_clearly_short(frames, expected, seconds, fps));
         let mut warnings = Vec::new();
         if let Some(expected) = expected {
@@ -60,12 +75,14 @@ impl Progress {
             ));
         }
         match self.first_damaged {
-            // The last picture of a video that breaks off is often incomplete.
-            Some(first) if expected.is_none() || first < frames => warnings.push(format!(
+            // The last pictures of a video that breaks off are often incomplete: the last one in the stream, and those that
+            // are shown after it.
+            Some(first) if expected.is_none() || first as usize + stream.reordered < frames as usize => warnings.push(format!(
                 "{name} is damaged: the missing parts of {damaged} of its {frames} frames, the first of them {first}, \
                  are filled in by the decoder"
             )),
-            None if expected.is_none() && reader.errors() > 0 => warnings.push(format!(
+            // The end of a connection is an error, too.
+            None if expected.is_none() && !info.live && reader.errors() > 0 => warnings.push(format!(
                 "{name} is damaged: parts of it cannot be decoded; frames may be missing or incomplete"
             )),
             _ => {}

@@ -3,6 +3,7 @@
 
 #![expect(unsafe_code, reason = "the crate has no safe access to these numbers and to the log")]
 
+use std::cell::Cell;
 use std::ffi::{c_char, c_int, c_void};
 use std::sync::atomic::{AtomicU64, Ordering};
 
@@ -43,6 +44,28 @@ pub(super) fn has_errors(picture: &Picture) -> bool {
     unsafe { (*picture.as_ptr()).decode_error_flags != 0 }
 }
 
+/// Whether the stream says that the picture consists of two fields of different times.
+pub(super) fn is_interlaced(picture: &Picture) -> bool {
+    picture.is_interlaced()
+}
+
+/// The flag where the crate has no method for it, with FFmpeg 8 and newer.
+///
+/// Where the crate has the method, it takes precedence over this one.
+#[allow(dead_code, reason = "used where the crate has no method")]
+trait InterlacedFlag {
+    fn is_interlaced(&self) -> bool;
+}
+
+impl InterlacedFlag for Picture {
+    fn is_interlaced(&self) -> bool {
+        /// FFmpeg's `AV_FRAME_FLAG_INTERLACED`, which 5.1 does not have.
+        const INTERLACED: c_int = 1 << 3;
+        // SAFETY: as in `colors`.
+        unsafe { (*self.as_ptr()).flags & INTERLACED != 0 }
+    }
+}
+
 /// Makes the demuxer drop the packets of all streams except this one.
 pub(super) fn select_stream(input: &mut Input, selected: usize) {
     for index in 0..input.nb_streams() as usize {
@@ -57,15 +80,26 @@ pub(super) fn select_stream(input: &mut Input, selected: usize) {
 /// Number of errors that FFmpeg reported in this process.
 static REPORTED_ERRORS: AtomicU64 = AtomicU64::new(0);
 
+thread_local! {
+    /// Number of errors that FFmpeg reported on this thread.
+    static REPORTED_ERRORS_HERE: Cell<u64> = const { Cell::new(0) };
+}
+
 /// Number of errors that FFmpeg reported in this process, in any file, since [`count_reported_errors`] was called.
 pub(super) fn reported_errors() -> u64 {
     REPORTED_ERRORS.load(Ordering::SeqCst)
 }
 
+/// Number of errors that FFmpeg reported on this thread since [`count_reported_errors`] was called. A decoder of one thread
+/// works and reports on the thread that calls it.
+pub(super) fn reported_errors_here() -> u64 {
+    REPORTED_ERRORS_HERE.get()
+}
+
 /// Counts FFmpeg's error messages from now on; they are not printed. OpenCV may end this when it opens a file.
 pub(super) fn count_reported_errors() {
     // SAFETY: FFmpeg lets the callback be set at any time; it may be called from any thread, and `count` only changes
-    // an atomic number.
+    // an atomic number and one of its thread.
     unsafe { av_log_set_callback(Some(count)) };
 }
 
@@ -74,5 +108,7 @@ unsafe extern "C" fn count<Values>(_: *mut c_void, level: c_int, _: *const c_cha
     // The upper bits are a colour.
     if level & 0xff <= AV_LOG_ERROR as c_int {
         REPORTED_ERRORS.fetch_add(1, Ordering::SeqCst);
+        // A thread that ends has none any more.
+        let _ = REPORTED_ERRORS_HERE.try_with(|errors| errors.set(errors.get() + 1));
     }
 }

@@ -1,10 +1,10 @@
 //! Pictures of a video with their times, from the start or from a key packet on.
 
-use std::path::{Path, PathBuf};
+use ffmpeg::frame::Video as Picture;
 
 use super::Failure;
-use super::convert::Converter;
 use super::decode::{Decoded, Decoder, Landing, Threads};
+use super::file::InputFile;
 use super::index::{FrameTime, Key};
 use super::info::StreamInfo;
 use super::raw::{self, ColorNumbers};
@@ -15,74 +15,55 @@ const EARLIER: [f64; 3] = [0.3, 1.5, 5.0];
 /// Number of pictures with later times after which a picture is not expected any more.
 const MAX_LATER: usize = 64;
 
-/// A picture with its time.
-pub(super) struct TimedPicture {
-    decoded: Decoded,
+/// Properties of a decoded picture.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct PictureInfo {
+    /// Its time of presentation.
     pub(super) time: FrameTime,
     /// Size in the stream, before rotation and scaling.
     pub(super) coded_size: Size,
-    /// The pixels, where they are converted already.
-    rgb: Option<Vec<u8>>,
-}
-
-impl TimedPicture {
+    pub(super) colors: ColorNumbers,
     /// Whether the decoder had to fill in what is missing or wrong.
-    pub(super) fn is_damaged(&self) -> bool {
-        self.decoded.is_damaged
-    }
+    pub(super) is_damaged: bool,
+    /// Whether the stream says that it consists of two fields of different times.
+    pub(super) is_interlaced: bool,
 }
 
-/// Reads a video. All its frames have the size of the first.
+/// A decoded picture with its properties.
+pub(super) struct TimedPicture {
+    pub(super) picture: Picture,
+    pub(super) info: PictureInfo,
+}
+
+/// Reads the pictures of a video.
 pub(super) struct Reader {
-    file: PathBuf,
+    file: InputFile,
     decoder: Decoder,
-    converter: Converter,
-    /// Decoded at opening.
-    first: Option<TimedPicture>,
-    first_colors: ColorNumbers,
     last_pts: Option<i64>,
     /// Errors before the first picture since the start: the video starts within a group of pictures.
     early_errors: Option<u64>,
 }
 
 impl Reader {
-    /// Opens a video at its start and decodes its first picture, which determines the size of all.
-    pub(super) fn open(file: &Path, threads: Threads) -> Result<Self, Failure> {
-        let mut decoder = Decoder::open(file, threads)?;
-        let mut converter = Converter::new(decoder.info().display_matrix);
-        let decoded = decoder.next().ok_or(Failure::NoFrame)?;
-        converter.follow_matrix(&decoded.picture);
-        let first_colors = raw::colors(&decoded.picture);
-        let early_errors = Some(decoder.errors());
-        let file = file.to_owned();
-        let mut reader =
-            Self { file, decoder, converter, first: None, first_colors, last_pts: None, early_errors };
-        let mut first = reader.timed(decoded);
-        first.rgb = Some(reader.converter.rgb(&first.decoded.picture)?);
-        reader.first = Some(first);
-        Ok(reader)
+    /// Opens a video at its start.
+    pub(super) fn open(file: &InputFile, threads: Threads) -> Result<Self, Failure> {
+        let decoder = Decoder::open(file, threads)?;
+        Ok(Self { file: file.clone(), decoder, last_pts: None, early_errors: None })
     }
 
-    /// Opens the decoder again, at the start of the video.
+    /// Opens the decoder again, at the start of the video, which must not have changed.
     pub(super) fn restart(&mut self, threads: Threads) -> Result<(), Failure> {
-        self.decoder = Decoder::open(&self.file, threads)?;
-        (self.first, self.last_pts, self.early_errors) = (None, None, None);
+        if !self.file.is_unchanged() {
+            return Err(Failure::Changed);
+        }
+        self.decoder = Decoder::open(&self.file, threads).map_err(|_| Failure::Changed)?;
+        (self.last_pts, self.early_errors) = (None, None);
         Ok(())
     }
 
     /// Properties of the stream.
     pub(super) fn info(&self) -> &StreamInfo {
         self.decoder.info()
-    }
-
-    /// Size of all frames.
-    pub(super) fn size(&self) -> Size {
-        self.converter.size().unwrap_or(Size::new(0, 0))
-    }
-
-    /// The colour description of the first picture.
-    pub(super) fn first_colors(&self) -> ColorNumbers {
-        self.first_colors
     }
 
     /// Number of errors that the decoder reported since the first picture.
@@ -97,17 +78,9 @@ impl Reader {
 
     /// The next picture, `None` after the last.
     pub(super) fn next(&mut self) -> Option<TimedPicture> {
-        if let Some(first) = self.first.take() {
-            return Some(first);
-        }
         let decoded = self.decoder.next()?;
         self.early_errors.get_or_insert(self.decoder.errors());
         Some(self.timed(decoded))
-    }
-
-    /// The pixels of a picture: RGB in row order.
-    pub(super) fn rgb(&mut self, picture: TimedPicture) -> Result<Vec<u8>, Failure> {
-        picture.rgb.map_or_else(|| self.converter.rgb(&picture.decoded.picture), Ok)
     }
 
     /// Seeks to this key packet or to one before it, not later than `time`. [`Landing::AtEnd`] where no such packet is
@@ -123,7 +96,7 @@ impl Reader {
             if last_aim.replace(aim) == Some(aim) {
                 continue;
             }
-            (self.first, self.last_pts) = (None, None);
+            self.last_pts = None;
             match self.decoder.seek(aim) {
                 Landing::At(landed) if landed.time().is_some_and(|landed| landed <= time) => {
                     return Landing::At(landed);
@@ -141,23 +114,25 @@ impl Reader {
         let mut later = 0;
         while later < MAX_LATER {
             let picture = self.next()?;
-            if picture.time == (FrameTime { pts, is_from_file: true }) {
+            if picture.info.time == (FrameTime { pts, is_from_file: true }) {
                 return Some(picture);
             }
-            later += usize::from(picture.time.pts > pts);
+            later += usize::from(picture.info.time.pts > pts);
         }
         None
     }
 
-    fn timed(&mut self, decoded: Decoded) -> TimedPicture {
+    fn timed(&mut self, Decoded { picture, pts: own_pts, is_damaged }: Decoded) -> TimedPicture {
         let expected = || self.last_pts.map_or(0, |last| last.saturating_add(self.info().ticks_per_frame()));
-        let pts = decoded.pts.unwrap_or_else(expected);
+        let pts = own_pts.unwrap_or_else(expected);
         self.last_pts = Some(pts);
-        TimedPicture {
-            time: FrameTime { pts, is_from_file: decoded.pts.is_some() },
-            coded_size: Size::new(decoded.picture.width(), decoded.picture.height()),
-            decoded,
-            rgb: None,
-        }
+        let info = PictureInfo {
+            time: FrameTime { pts, is_from_file: own_pts.is_some() },
+            coded_size: Size::new(picture.width(), picture.height()),
+            colors: raw::colors(&picture),
+            is_damaged,
+            is_interlaced: raw::is_interlaced(&picture),
+        };
+        TimedPicture { picture, info }
     }
 }

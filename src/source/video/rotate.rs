@@ -49,6 +49,11 @@ pub(super) fn filters(matrix: &DisplayMatrix) -> Vec<String> {
     filters.iter().map(|&filter| filter.to_owned()).collect()
 }
 
+/// Whether the upright pictures have the stored pictures' width as their height.
+pub(super) fn swaps_sides(matrix: &DisplayMatrix) -> bool {
+    filters(matrix).iter().any(|filter| filter.starts_with("transpose"))
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -71,6 +76,15 @@ mod tests {
         assert_eq!(of(0, 1, 1, 0), "transpose=cclock_flip");
         assert_eq!(of(0, -1, -1, 0), "transpose=clock_flip");
         assert_eq!(of(0, 0, 0, 0), "", "not a matrix");
+    }
+
+    #[test]
+    fn quarter_turns_swap_the_sides() {
+        let of = |a: i32, b: i32, c: i32, d: i32| {
+            swaps_sides(&[a * ONE, b * ONE, 0, c * ONE, d * ONE, 0, 0, 0, 1 << 30])
+        };
+        assert!(of(0, 1, -1, 0) && of(0, -1, 1, 0) && of(0, 1, 1, 0));
+        assert!(!of(1, 0, 0, 1) && !of(-1, 0, 0, -1) && !of(-1, 0, 0, 1));
     }
 
     #[test]

@@ -6,16 +6,19 @@
 //! mark damaged pictures: FFmpeg's reports of errors, which may be about another file, are a sign, too.
 
 use std::collections::VecDeque;
-use std::path::Path;
 
 use super::Failure;
 use super::decode::{Landing, Threads};
+use super::file::InputFile;
 use super::index::SharedIndex;
 use super::raw;
 use super::reader::{Reader, TimedPicture};
 
 /// Number of pictures that are decoded again from the start of the video rather than from a key packet.
 const FEW: u32 = 1500;
+/// Number of pictures that are decoded again to examine a suspicion of damage. Where there are more, as in a video with
+/// few key packets, it counts as damaged.
+const MAX_AGAIN: u32 = 5000;
 /// Number of pictures without damage after which a message of FFmpeg's was not about damage.
 const PROBATION: u32 = 100;
 /// Number of suspicions after which the video counts as damaged.
@@ -35,35 +38,35 @@ enum Damage {
 /// Reads a video once.
 pub(super) struct SequentialReader {
     reader: Reader,
+    /// Whether the video cannot be read again.
+    is_live: bool,
     index: SharedIndex,
     damage: Damage,
     suspicions: u32,
     /// Number of reported errors so far that are no sign of damage.
     reported: u64,
     held: VecDeque<TimedPicture>,
-    /// Number of pictures given.
-    given: u32,
 }
 
 impl SequentialReader {
     /// Opens a video at its start.
-    pub(super) fn open(file: &Path) -> Result<Self, Failure> {
+    pub(super) fn open(file: &InputFile) -> Result<Self, Failure> {
         let reported = raw::reported_errors();
         let reader = Reader::open(file, Threads::All)?;
         Ok(Self {
             reader,
+            is_live: file.is_live(),
             index: SharedIndex::default(),
             damage: Damage::None,
             suspicions: 0,
             reported,
             held: VecDeque::new(),
-            given: 0,
         })
     }
 
-    /// The reader, for properties and the conversion of pictures.
-    pub(super) fn reader(&mut self) -> &mut Reader {
-        &mut self.reader
+    /// The reader of the pictures, for its properties.
+    pub(super) fn reader(&self) -> &Reader {
+        &self.reader
     }
 
     /// The index of the frames given so far.
@@ -71,19 +74,22 @@ impl SequentialReader {
         &self.index
     }
 
-    /// The next picture, `None` after the last. Fails where the file had to be opened again and could not be.
+    /// The next picture, `None` after the last. A network stream has no index. Fails where the file had to be opened again and could not be.
     pub(super) fn next(&mut self) -> Result<Option<TimedPicture>, Failure> {
+        if self.is_live {
+            drop(self.reader.take_keys());
+            return Ok(self.reader.next());
+        }
         let picture = match self.damage {
             Damage::None => self.next_undamaged()?,
             Damage::Suspected(left) => self.next_suspected(left)?,
-            Damage::Certain => self.reader.next(),
+            Damage::Certain => self.next_decoded(),
         };
         let mut index = self.index.lock();
         index.add_keys(self.reader.take_keys());
         index.is_damaged = self.damage != Damage::None;
         let Some(picture) = picture else { return Ok(None) };
-        index.push(picture.time);
-        self.given += 1;
+        index.push(picture.info.time);
         Ok(Some(picture))
     }
 
@@ -94,7 +100,8 @@ impl SequentialReader {
             let picture = self.reader.next();
             if is_damaged(&self.reader, picture.as_ref()) || raw::reported_errors() > self.reported {
                 self.suspicions += 1;
-                let is_certain = self.suspicions > MAX_SUSPICIONS;
+                self.index.lock().add_keys(self.reader.take_keys());
+                let is_certain = self.suspicions > MAX_SUSPICIONS || self.decoded_again() > MAX_AGAIN;
                 let damage = if is_certain { Damage::Certain } else { Damage::Suspected(PROBATION) };
                 return Ok(if self.restart(damage)? { self.next_decoded() } else { None });
             }
@@ -118,10 +125,16 @@ impl SequentialReader {
         Ok(self.next_decoded())
     }
 
-    /// The next picture of a single thread, which marks damaged pictures.
+    /// The next picture of a single thread, which marks damaged pictures. Some decoders only report what is wrong with a
+    /// picture; before the first one, reports are about pictures that depend on missing ones.
     fn next_decoded(&mut self) -> Option<TimedPicture> {
-        let picture = self.reader.next();
-        if is_damaged(&self.reader, picture.as_ref()) {
+        let reported = raw::reported_errors_here();
+        let mut picture = self.reader.next();
+        let has_report = raw::reported_errors_here() > reported && self.index.lock().len() > 0;
+        if let Some(picture) = &mut picture {
+            picture.info.is_damaged |= has_report;
+        }
+        if has_report || is_damaged(&self.reader, picture.as_ref()) {
             self.damage = Damage::Certain;
         }
         picture
@@ -133,21 +146,32 @@ impl SequentialReader {
         let threads = if damage == Damage::None { Threads::All } else { Threads::One };
         self.held.clear();
         self.index.lock().add_keys(self.reader.take_keys());
-        self.reader.restart(threads).map_err(|_| Failure::Changed)?;
-        if self.given > FEW {
+        self.reader.restart(threads)?;
+        let given = self.index.lock().len();
+        if given > FEW {
             if self.seek_to_current().is_some() {
                 return Ok(true);
             }
-            self.reader.restart(threads).map_err(|_| Failure::Changed)?;
+            self.reader.restart(threads)?;
         }
-        Ok((0..self.given).all(|_| self.reader.next().is_some()))
+        Ok((0..given).all(|_| self.reader.next().is_some()))
+    }
+
+    /// Number of pictures that a restart decodes again.
+    fn decoded_again(&self) -> u32 {
+        let index = self.index.lock();
+        let given = index.len();
+        let approach = given.checked_sub(1).filter(|_| given > FEW).and_then(|last| index.approach(last));
+        index.distance(approach.and_then(|approach| approach.keys.last().copied()), given)
     }
 
     /// Goes to the current picture from a key packet well before it: of some videos, whose pictures are renewed part by
     /// part, the first pictures after a key packet are incomplete.
     fn seek_to_current(&mut self) -> Option<()> {
-        let last = self.given.checked_sub(1)?;
-        let approach = self.index.lock().approach(last)?;
+        let index = self.index.lock();
+        let last = index.len().checked_sub(1)?;
+        let approach = index.approach(last)?;
+        drop(index);
         let key = *approach.keys.last()?;
         if !matches!(self.reader.seek_before(key, approach.pts), Landing::At(_)) {
             return None;
@@ -158,5 +182,5 @@ impl SequentialReader {
 }
 
 fn is_damaged(reader: &Reader, next: Option<&TimedPicture>) -> bool {
-    reader.errors() > 0 || next.is_some_and(TimedPicture::is_damaged)
+    reader.errors() > 0 || next.is_some_and(|picture| picture.info.is_damaged)
 }

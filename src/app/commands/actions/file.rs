@@ -38,6 +38,15 @@ pub(super) const ENTRIES: &[ActionEntry] = &[
     .always(),
     entry(
         Menu::File,
+        Action::SourceOptions,
+        m::ICON_TUNE,
+        "Source options…",
+        &[],
+        "Frame rate, frames left out, scale and part of the images of the open video",
+    )
+    .always(),
+    entry(
+        Menu::File,
         Action::ExportFrame,
         m::ICON_PHOTO_CAMERA,
         "Export frame…",
@@ -86,7 +95,7 @@ pub(super) const ENTRIES: &[ActionEntry] = &[
         m::ICON_UPLOAD_FILE,
         "Load area mask…",
         &[],
-        "Load an image of the frame size; only its bright pixels are analysed, as with --roi",
+        "Load an image of the video's size; only its bright pixels are analysed, as with --roi",
     )
     .after_line(),
     entry(

@@ -127,7 +127,14 @@ fn the_region_and_the_pins_are_exported_as_an_image_a_drawing_a_page_and_a_table
                 ..InspectorContext::default()
             };
             egui::CentralPanel::default().show(ui, |ui| {
-                asked.borrow_mut().extend(inspector.ui(ui, Some(&shown), None, None, 10.0, &context));
+                asked.borrow_mut().extend(inspector.ui(
+                    ui,
+                    Some(&shown),
+                    None,
+                    None,
+                    FrameTimes { fps: 10.0, times: &[] },
+                    &context,
+                ));
             });
         });
     open(&mut harness, "Pixels");

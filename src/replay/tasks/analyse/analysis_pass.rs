@@ -218,7 +218,8 @@ impl AnalysisPass {
     /// Advances the score of the offline result and the masks against `truth`, if the analysis is complete.
     pub(crate) fn score(&mut self, truth: &Arc<Truth>) -> ScoreStep {
         let Some(found) = &self.finished else { return ScoreStep::Idle };
-        self.scorer.advance(truth, found, self.model.record())
+        let leaves_out = self.model.info().every() > 1;
+        self.scorer.advance(truth, found, self.model.record(), leaves_out)
     }
 
     /// The current timeline, with the score against `truth`.
@@ -227,7 +228,7 @@ impl AnalysisPass {
             decoded: frames.kept_ranges(),
             alignments: frames.alignments().to_vec(),
             score: truth.and_then(|truth| self.scorer.by(truth)),
-            ..self.timeline_builder.timeline(frames.numbers(), frames.is_complete())
+            ..self.timeline_builder.timeline(frames)
         }
     }
 }

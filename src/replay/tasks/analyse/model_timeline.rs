@@ -498,10 +498,12 @@ mod tests {
         let info = SourceInfo {
             name: "scene".into(),
             size,
+            pixel_aspect: None,
             fps: 25.0,
             fps_from: crate::source::FpsFrom::Video,
             frames: None,
             live: false,
+            reduction: None,
         };
         let without_learning = Settings { bootstrap: Span::Frames(0), ..settings() };
         let few = Arc::new(Settings { median: 5, min_area: 2000, ..without_learning.clone() });

@@ -45,7 +45,10 @@ impl PixelFollower {
             Some(history.at) == at && history.parameters.equal_settings(settings)
         };
         if !self.history.as_ref().is_some_and(same) {
-            self.history = at.map(|at| Arc::new(PixelHistory::new(at, Parameters::new(settings))));
+            self.history = at.map(|at| {
+                let history = PixelHistory::new(at, Parameters::new(settings));
+                Arc::new(PixelHistory { placement: info.placement(), ..history })
+            });
         }
     }
 
@@ -155,10 +158,12 @@ mod tests {
         let info = SourceInfo {
             name: "pixel".into(),
             size,
+            pixel_aspect: None,
             fps: 25.0,
             fps_from: FpsFrom::Video,
             frames: None,
             live: false,
+            reduction: None,
         };
         let settings = Settings { bootstrap: Span::Frames(3), ..Settings::default() };
         let mut follower = PixelFollower::default();
