@@ -139,16 +139,22 @@ impl Placement {
     /// A mask of the frame's size as a mask of the source's size: each pixel has the value of the frame's pixel at its
     /// place, and is background outside the crop.
     pub fn source_mask(&self, mask: &Mask) -> Mask {
+        Mask { size: self.source, data: self.source_values(&mask.data, Mask::BACKGROUND) }
+    }
+
+    /// The values of the frame's pixels, in row order, as those of the source's pixels: each has the value of the
+    /// frame's pixel at its place, or `outside` the crop.
+    pub fn source_values<T: Copy>(&self, values: &[T], outside: T) -> Vec<T> {
         let Self { source, crop, size } = *self;
         let columns: Vec<usize> =
             (0..crop.width).map(|column| map_pixel(column, crop.width, size.width) as usize).collect();
-        let mut whole = Mask::empty(source);
+        let mut whole = vec![outside; source.pixels()];
         let width = source.width as usize;
         let (left, right) = (crop.x as usize, (crop.x + crop.width) as usize);
-        let rows = whole.data.chunks_exact_mut(width).skip(crop.y as usize).take(crop.height as usize);
+        let rows = whole.chunks_exact_mut(width).skip(crop.y as usize).take(crop.height as usize);
         for (row, out) in (0..).zip(rows) {
             let from = map_pixel(row, crop.height, size.height) as usize * size.width as usize;
-            let values = &mask.data[from..from + size.width as usize];
+            let values = &values[from..from + size.width as usize];
             for (out, &column) in out[left..right].iter_mut().zip(&columns) {
                 *out = values[column];
             }

@@ -69,11 +69,20 @@ fn every_file_has_its_documented_format() {
     let stdout = run(
         &images,
         &out,
-        &["--masks", "--frames", "--annotated", "--background", "--plain-frames", "--bootstrap", "0"],
+        &[
+            "--masks",
+            "--labels",
+            "--frames",
+            "--annotated",
+            "--background",
+            "--plain-frames",
+            "--bootstrap",
+            "0",
+        ],
     );
     assert!(stdout.is_empty());
     let mut expected: Vec<_> = TABLES.to_vec();
-    expected.extend(["annotated.mp4", "background", "frames", "masks", "plain-frames"]);
+    expected.extend(["annotated.mp4", "background", "frames", "labels", "masks", "plain-frames"]);
     expected.sort_unstable();
     assert_eq!(common::names(&out), expected);
 
@@ -88,7 +97,7 @@ fn every_file_has_its_documented_format() {
 
     // Images: numbered like the frames, masks of 0 and 255, whose share of foreground is in the summary.
     assert_eq!(common::names(&out.join("masks")), numbered("bin", 1..=60));
-    for folder in ["frames", "background", "plain-frames"] {
+    for folder in ["frames", "background", "labels", "plain-frames"] {
         assert_eq!(common::names(&out.join(folder)), numbered("", 1..=60));
     }
     let mut foreground = 0;
@@ -219,7 +228,7 @@ fn results_are_independent_of_threads_and_reruns() {
     let place = TestFolder::new();
     let images = place.path("images");
     write_images(&images, 50, 1);
-    let bulky = ["--masks", "--frames", "--background", "--annotated"];
+    let bulky = ["--masks", "--labels", "--frames", "--background", "--annotated"];
     let folder = |name: &str, more: &[&str]| {
         let out = place.path(name);
         run(&images, &out, &[&bulky[..], more].concat());

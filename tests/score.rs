@@ -1,4 +1,4 @@
-//! `score`: agreement with motmetrics, a rendered scene from video to scores, and refused inputs.
+//! `score`: agreement with motmetrics and TrackEval, a rendered scene from video to scores, and refused inputs.
 
 #![allow(clippy::unwrap_used, clippy::expect_used, clippy::panic)]
 
@@ -8,6 +8,7 @@ use std::fmt::Write as _;
 use std::fs;
 
 use common::{TestFolder, fails, text, works};
+use image::{GrayImage, Luma};
 use serde_json::Value;
 
 /// Three walkers, two of whom cross, and tracks of them with false negatives, shifted boxes, identity switches, and
@@ -39,7 +40,7 @@ fn tracks() -> (String, String) {
 }
 
 #[test]
-fn scores_of_tracks_equal_those_of_motmetrics() {
+fn scores_of_tracks_equal_those_of_motmetrics_and_trackeval() {
     let place = TestFolder::new();
     let (truth, found) = tracks();
     let results = place.path("results");
@@ -65,11 +66,29 @@ fn scores_of_tracks_equal_those_of_motmetrics() {
         let ours = json["iou0.5"][key].as_f64().unwrap();
         assert!((ours - value).abs() <= 0.000_05, "{key}: {ours}, where motmetrics has {value}");
     }
+    // The results of TrackEval 1.3 for the same files.
+    let expected = [
+        ("hota", 0.576_553_392_319_447_4),
+        ("deta", 0.642_275_317_481_741),
+        ("assa", 0.517_604_943_409_107_6),
+        ("loca", 0.800_369_464_077_102_3),
+    ];
+    for (short, long) in [("mota", "mota"), ("idf1", "idf1"), ("switches", "num_switches")] {
+        assert_eq!(json[short], json["iou0.5"][long], "{short}");
+    }
+    for (key, value) in expected {
+        let ours = json[key].as_f64().unwrap();
+        assert!((ours - value).abs() <= 1e-12, "{key}: {ours}, where TrackEval has {value}");
+    }
     let occlusion = &json["occlusion"];
     assert_eq!((&occlusion["episodes"], &occlusion["survived"]), (&1.into(), &1.into()));
-    assert!(json.get("masks").is_none() && json.get("events").is_none());
+    assert_eq!(json["identities_kept"], 0.5);
+    assert!(
+        ["masks", "events", "f", "precision", "episode_recall"].iter().all(|key| json.get(key).is_none())
+    );
     let table = works(&["score", &results, "--truth", text(&truth)]);
     assert!(table.contains("MOTA 0.853") && table.contains("1 of 2 identities kept"), "{table}");
+    assert!(table.contains("HOTA 0.577  DetA 0.642  AssA 0.518  LocA 0.800"), "{table}");
 }
 
 #[test]
@@ -89,6 +108,25 @@ fn a_rendered_scene_is_scored_from_video_to_masks() {
     assert_eq!(json["occlusion"]["survival"], 1.0);
     assert!(json["iou0.5"]["mota"].as_f64().unwrap() > 0.8, "{json}");
     assert!(json["masks"]["f_measure"].as_f64().unwrap() > 0.85, "{json}");
+    let masks = [
+        ("f", "f_measure"),
+        ("precision", "precision"),
+        ("recall", "recall"),
+        ("pwc", "pwc"),
+        ("specificity", "specificity"),
+        ("fpr", "fpr"),
+        ("fnr", "fnr"),
+    ];
+    for (short, long) in masks {
+        assert_eq!(json[short], json["masks"][long], "{short}");
+    }
+    assert_eq!((&json["episode_recall"], &json["episode_precision"]), (&1.0.into(), &1.0.into()));
+    assert_eq!(json["identities_kept"], 1.0);
+    let table = works(&["score", text(&results), "--truth", text(&scene)]);
+    assert!(
+        table.contains("  all           TP 1, GT 1, reported 1: precision 1.000  recall 1.000"),
+        "{table}"
+    );
 }
 
 #[test]
@@ -102,8 +140,8 @@ fn unusable_inputs_of_score_fail_in_one_line() {
     let line = score(text(&truth));
     assert!(line.contains("gt.txt") && line.contains("line 1") && line.contains("five"), "{line}");
     for row in [
-        "4294967295,1,0,0,5,5,1",
-        "1,4294967295,0,0,5,5,1",
+        "4294967296,1,0,0,5,5,1",
+        "1,4294967296,0,0,5,5,1",
         "-3,1,0,0,5,5,1",
         "1,1,nan,0,5,5,1",
         "1,1,0,0,-5,5,1",
@@ -119,4 +157,217 @@ fn unusable_inputs_of_score_fail_in_one_line() {
     assert!(fails(&["score", "nowhere", "--truth", text(&truth)], 1).contains("nowhere"));
     fs::create_dir_all(results.join("groundtruth")).unwrap();
     assert!(score(text(&results)).contains("--masks"));
+}
+
+/// A folder with a file of true tracks and a results folder with those of [`tracks`].
+struct Scored {
+    place: TestFolder,
+    results: String,
+    truth: String,
+}
+
+impl Scored {
+    fn new(truth: &str, found: &str) -> Self {
+        let place = TestFolder::new();
+        fs::create_dir(place.path("results")).unwrap();
+        fs::write(place.path("gt.txt"), truth).unwrap();
+        fs::write(place.path("results/tracks.csv"), found).unwrap();
+        let (results, truth) =
+            (text(&place.path("results")).to_owned(), text(&place.path("gt.txt")).to_owned());
+        Self { place, results, truth }
+    }
+
+    /// The scores of the results, and stderr.
+    fn score(&self, more: &[&str]) -> (Value, String) {
+        scores(&self.results, &self.truth, more)
+    }
+}
+
+fn scores(results: &str, truth: &str, more: &[&str]) -> (Value, String) {
+    let mut arguments = vec!["score", results, "--truth", truth, "--json"];
+    arguments.extend(more);
+    let output = common::occluscope(&arguments).output().unwrap();
+    let told = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success(), "{arguments:?}: {told}");
+    (serde_json::from_slice(&output.stdout).unwrap(), told)
+}
+
+fn mota(scores: &Value) -> f64 {
+    scores["iou0.5"]["mota"].as_f64().unwrap()
+}
+
+/// The rows of one walker by `step` pixels a frame in these frames, with an addition to the numbers.
+fn walker(frames: std::ops::RangeInclusive<i64>, step: i64, addition: i64) -> String {
+    let rows: Vec<_> = frames.map(|f| format!("{},1,{},50,20,40,1\n", f + addition, 10 + step * f)).collect();
+    rows.concat()
+}
+
+#[test]
+fn separators_and_headers_do_not_change_scores() {
+    let (truth, found) = tracks();
+    let plain = Scored::new(&truth, &found).score(&[]).0;
+    assert!(mota(&plain) > 0.8);
+    for (from, to) in [(",", " "), (",", "\t"), (",", ";"), (",", ", "), ("\n", "\r\n"), ("\n", "\r")] {
+        let other = Scored::new(&truth.replace(from, to), &found.replace(from, to)).score(&[]).0;
+        assert_eq!(other, plain, "{to:?}");
+    }
+    let header = "frame,id,bb_left,bb_top,bb_width,bb_height,conf,x,y,z\n";
+    let headed = Scored::new(&format!("\u{feff}{header}{truth}"), &format!("{header}{found}"));
+    assert_eq!(headed.score(&[]).0, plain);
+    let wide: Vec<u8> = truth.encode_utf16().flat_map(u16::to_le_bytes).collect();
+    fs::write(&headed.truth, [&[0xFF, 0xFE][..], &wide].concat()).unwrap();
+    let line = fails(&["score", &headed.results, "--truth", &headed.truth], 1);
+    assert!(line.contains("gt.txt") && line.contains("UTF-16"), "{line}");
+}
+
+#[test]
+fn what_is_found_at_an_ignored_box_is_neither_right_nor_wrong() {
+    let truth = walker(1..=20, 4, 0)
+        + &walker(1..=20, 4, 0).replace(",1,", ",2,").replace(",50,20,40,1", ",150,20,40,0");
+    let found = truth.replace(",40,0\n", ",40,1\n");
+    let (score, told) = Scored::new(&truth, &found).score(&[]);
+    assert_eq!((mota(&score), &score["iou0.5"]["precision"]), (1.0, &1.0.into()), "{score}");
+    assert!(told.contains("20 boxes of confidence 0") && told.lines().count() == 1, "{told}");
+}
+
+#[test]
+fn only_analysed_frames_are_judged() {
+    let scored = Scored::new(&walker(1..=60, 4, 0), &walker(31..=40, 4, 0));
+    let (score, told) = scored.score(&[]);
+    assert_eq!(mota(&score), 1.0);
+    assert!(
+        told.contains("10 frames are judged, 31 to 40") && told.contains("50 frames of the ground"),
+        "{told}"
+    );
+    // A summary states what was analysed, with or without objects.
+    let summary = r#"{"input":{"frames":20,"first_frame":21,"last_frame":40}}"#;
+    fs::write(scored.place.path("results/summary.json"), summary).unwrap();
+    let (score, told) = scored.score(&[]);
+    assert_eq!((mota(&score), &score["iou0.5"]["recall"]), (0.5, &0.5.into()));
+    assert!(told.contains("20 frames are judged, 21 to 40;"), "{told}");
+}
+
+#[test]
+fn other_frame_numbers_are_told_with_the_offset_that_mends_them() {
+    for (addition, mend) in [(-1, "--offset 1"), (3, "--offset -3"), (-30, "--offset 30")] {
+        let truth = walker(31..=60, 9, addition);
+        let scored = Scored::new(&truth, &walker(31..=60, 9, 0));
+        let line = if addition == -30 {
+            fails(&["score", &scored.results, "--truth", &scored.truth], 1)
+        } else {
+            scored.score(&[]).1
+        };
+        assert!(line.contains(mend), "{line}");
+        let offset = mend.trim_start_matches("--offset ");
+        let (score, told) = scored.score(&["--offset", offset]);
+        assert!(mota(&score) == 1.0 && !told.contains("warning"), "{score} {told}");
+    }
+    // Slow objects off by one match nearly as well: the frame 0 gives it away.
+    let scored = Scored::new(&walker(0..=29, 1, 0), &walker(0..=29, 1, 1));
+    assert!(scored.score(&[]).1.contains("--offset 1"));
+}
+
+#[test]
+fn masks_with_other_numbers_are_told_with_an_offset() {
+    let place = TestFolder::new();
+    let (truth, found) = (place.path("truth"), place.path("found"));
+    fs::create_dir(&truth).unwrap();
+    fs::create_dir(&found).unwrap();
+    let mask = |number: u32| GrayImage::from_fn(40, 10, |x, _| Luma([if x / 3 == number { 255 } else { 0 }]));
+    for number in 1..=9 {
+        mask(number).save(truth.join(format!("{number:04}.png"))).unwrap();
+        mask(number).save(found.join(format!("fg_{}.png", number + 2))).unwrap();
+    }
+    let (score, told) = scores(text(&found), text(&truth), &[]);
+    assert_eq!(score["masks"]["f_measure"], 0.0);
+    assert!(told.contains("7 frames are judged") && told.contains("--offset 2"), "{told}");
+    let (score, told) = scores(text(&found), text(&truth), &["--offset", "2"]);
+    assert_eq!((&score["masks"]["f_measure"], &score["masks"]["frames"]), (&1.0.into(), &9.into()));
+    assert!(!told.contains("warning"), "{told}");
+    let line = fails(&["score", text(&found), "--truth", text(&truth), "--offset", "-100"], 1);
+    assert!(line.contains("no mask"), "{line}");
+    let line = fails(&["score", text(&found), "--truth", text(&truth), "--offset", "100"], 1);
+    assert!(line.contains("101 to 109") && line.contains("--offset 2"), "{line}");
+    GrayImage::from_pixel(40, 10, Luma([127])).save(found.join("fg_3.png")).unwrap();
+    let line = fails(&["score", text(&found), "--truth", text(&truth)], 1);
+    assert!(line.contains("fg_3.png") && line.contains("127"), "{line}");
+}
+
+#[test]
+fn folders_of_sequences_and_tracks_of_others_are_scored() {
+    let (truth, found) = tracks();
+    let scored = Scored::new(&truth, &found);
+    let (expected, _) = scored.score(&[]);
+    let sequence = scored.place.path("MOT-02");
+    fs::create_dir_all(sequence.join("gt")).unwrap();
+    fs::create_dir_all(sequence.join("img1")).unwrap();
+    fs::copy(&scored.truth, sequence.join("gt/gt.txt")).unwrap();
+    let tracks = scored.place.path("tracker.txt");
+    fs::write(&tracks, found.replace(',', " ")).unwrap();
+    for folder in [sequence.clone(), sequence.join("gt")] {
+        assert_eq!(scores(&scored.results, text(&folder), &[]).0, expected);
+        assert_eq!(scores(text(&tracks), text(&folder), &[]).0, expected);
+    }
+    // Of the wrong kind.
+    let masks = scored.place.path("groundtruth");
+    fs::create_dir(&masks).unwrap();
+    GrayImage::new(4, 4).save(masks.join("gt000001.png")).unwrap();
+    assert!(fails(&["score", text(&tracks), "--truth", text(&masks)], 1).contains("masks"));
+    assert!(fails(&["score", text(&masks), "--truth", &scored.truth], 1).contains("boxes"));
+}
+
+#[test]
+fn tracks_in_xml_json_and_label_images_are_ground_truth() {
+    let place = TestFolder::new();
+    let found = place.path("found.txt");
+    fs::write(&found, walker(1..=8, 4, 0)).unwrap();
+    let boxes = |f: i64| (f, 10 + 4 * f);
+    let cvat: Vec<_> = (1..=8)
+        .map(boxes)
+        .map(|(f, x)| {
+            format!(r#"<box frame="{}" outside="0" xtl="{x}" ytl="50" xbr="{}" ybr="90"/>"#, f - 1, x + 20)
+        })
+        .collect();
+    let cvat =
+        format!(r#"<annotations><track id="0" label="person">{}</track></annotations>"#, cvat.concat());
+    let caviar: Vec<_> = (1..=8)
+        .map(boxes)
+        .map(|(f, x)| {
+            let object = format!(r#"<object id="4"><box xc="{}" yc="70" w="20" h="40"/></object>"#, x + 10);
+            format!(r#"<frame number="{}"><objectlist>{object}</objectlist></frame>"#, f - 1)
+        })
+        .collect();
+    let caviar = format!(r#"<dataset name="a">{}</dataset>"#, caviar.concat());
+    let images: Vec<_> = (1..=8).map(|f| format!(r#"{{"id":{f},"frame_id":{f}}}"#)).collect();
+    let annotations: Vec<_> = (1..=8)
+        .map(boxes)
+        .map(|(f, x)| format!(r#"{{"id":{f},"image_id":{f},"track_id":2,"bbox":[{x},50,20,40]}}"#))
+        .collect();
+    let coco = format!(r#"{{"images":[{}],"annotations":[{}]}}"#, images.join(","), annotations.join(","));
+    for (name, content) in [("cvat.xml", cvat), ("caviar.xml", caviar), ("coco.json", coco)] {
+        let truth = place.path(name);
+        fs::write(&truth, content).unwrap();
+        let (score, told) = scores(text(&found), text(&truth), &[]);
+        assert_eq!((mota(&score), &score["iou0.5"]["motp"]), (1.0, &0.0.into()), "{name}: {score} {told}");
+    }
+    let labels = place.path("labels");
+    fs::create_dir(&labels).unwrap();
+    for (f, left) in (1..=8).map(boxes) {
+        let level = |x: u32, y: u32| {
+            Luma([if (left..left + 20).contains(&i64::from(x)) && (50..90).contains(&y) {
+                300_u16
+            } else {
+                0
+            }])
+        };
+        let image = image::ImageBuffer::from_fn(80, 100, level);
+        image.save(labels.join(format!("{f:06}.png"))).unwrap();
+    }
+    for (results, truth) in [(&found, &labels), (&labels, &found)] {
+        let (score, told) = scores(text(results), text(truth), &[]);
+        assert_eq!(mota(&score), 1.0, "{told}");
+    }
+    let zip = place.path("mot.zip");
+    fs::write(&zip, b"PK\x03\x04rest").unwrap();
+    assert!(fails(&["score", text(&found), "--truth", text(&zip)], 1).contains("unpack"));
 }

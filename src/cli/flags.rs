@@ -8,7 +8,7 @@ use anyhow::{Context as _, anyhow};
 use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 
 use crate::regions::Roi;
-use crate::settings::{Kind, Preset, SETTINGS, Settings};
+use crate::settings::{BackgroundModel, Kind, Preset, SETTINGS, Settings};
 
 /// An error of usage, independent of the contents of files: exit status 2.
 #[derive(Debug, thiserror::Error)]
@@ -89,6 +89,16 @@ pub(super) fn settings(matches: &ArgMatches) -> anyhow::Result<Settings> {
         }
     }
     Ok(settings)
+}
+
+/// Refuses a background model that has no mixture.
+pub(super) fn require_mixture(settings: &Settings) -> Result<(), UsageError> {
+    let model = settings.background_model;
+    if model == BackgroundModel::Mixture {
+        return Ok(());
+    }
+    let word = model.word();
+    Err(UsageError(format!("the background model `{word}` has no mixture; omit --background-model {word}")))
 }
 
 /// Adds `--threads`, `--quiet` and `-v`.

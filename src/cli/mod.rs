@@ -4,12 +4,16 @@
 
 pub mod bench;
 mod console;
+pub mod export;
 mod flags;
 mod frames;
 mod interrupt;
+pub mod model;
+mod out_file;
 pub mod pixel;
 pub mod run;
 pub mod score;
+mod scored_results;
 pub mod settings;
 mod source_flags;
 pub mod synth;
@@ -36,6 +40,7 @@ Examples:
   occluscope street.mp4 --preset paper        open a video with the paper's own settings
   occluscope run street.mp4 --out results     analyse without a display
   occluscope score results --truth gt.txt     compare the results with ground truth
+  occluscope export results --format coco     convert the tracks for other tools
   occluscope pixel street.mp4 --at 320,240    one pixel's mixture at every frame, as CSV
   occluscope settings > my.toml               every setting with its range and meaning
 
@@ -54,7 +59,9 @@ pub fn command() -> Command {
         .subcommand_precedence_over_arg(false)
         .subcommand(run::command())
         .subcommand(pixel::command())
+        .subcommand(model::command())
         .subcommand(score::command())
+        .subcommand(export::command())
         .subcommand(bench::command())
         .subcommand(settings::command())
         .subcommand(flags::with_common(synth::command()));
@@ -85,7 +92,9 @@ fn dispatch(matches: &ArgMatches) -> anyhow::Result<()> {
     match matches.subcommand() {
         Some(("run", matches)) => run::run(matches),
         Some(("pixel", matches)) => pixel::run(matches),
+        Some(("model", matches)) => model::run(matches),
         Some(("score", matches)) => score::run(matches),
+        Some(("export", matches)) => export::run(matches),
         Some(("bench", matches)) => bench::run(matches),
         Some(("settings", matches)) => settings::run(matches),
         Some(("synth", matches)) => flags::start_threads(matches).and_then(|()| synth::run(matches)),

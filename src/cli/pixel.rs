@@ -1,8 +1,7 @@
 //! `occluscope pixel`: one pixel's mixture at every frame, as CSV.
 
-use std::fs::File;
 use std::io::{self, BufWriter, Write};
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 use std::sync::Arc;
 
 use anyhow::{Context as _, bail};
@@ -11,14 +10,14 @@ use clap::{Arg, ArgMatches, Command, value_parser};
 use super::console::Console;
 use super::flags::{self, FrameRange, UsageError};
 use super::frames::{Frames, Item};
-use super::{interrupt, source_flags};
+use super::{interrupt, out_file, source_flags};
 use crate::explain::pixel::PixelHistory;
-use crate::export::{Staging, pixel_csv};
+use crate::export::pixel_csv;
 use crate::mixture::Parameters;
 use crate::placement::Crop;
 use crate::regions::Roi;
 use crate::registration::CorrectionChoice;
-use crate::settings::{BackgroundModel, Settings};
+use crate::settings::Settings;
 use crate::source::Options;
 
 /// Defines the subcommand.
@@ -59,13 +58,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let settings = flags::settings(matches)?;
     let range = flags::range(matches)?;
     let at = at(matches)?;
-    if settings.background_model != BackgroundModel::Mixture {
-        let model = settings.background_model.word();
-        return Err(UsageError(format!(
-            "the background model `{model}` has no mixture; omit --background-model {model}"
-        ))
-        .into());
-    }
+    flags::require_mixture(&settings)?;
     flags::start_threads(matches)?;
     let follow = Follow {
         video: text(matches, "video"),
@@ -77,7 +70,8 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
         console: Console::new(matches),
     };
     if let Some(path) = matches.get_one::<PathBuf>("out") {
-        return to_file(path, &follow);
+        let (mut frames, at) = follow.open()?;
+        return out_file::write(path, |out| follow.write_frames(&mut frames, at, out));
     }
     let mut out = BufWriter::new(io::stdout().lock());
     let (mut frames, at) = follow.open()?;
@@ -94,25 +88,6 @@ fn at(matches: &ArgMatches) -> Result<(u32, u32), UsageError> {
     text.split_once(',')
         .and_then(|(x, y)| Some((x.trim().parse().ok()?, y.trim().parse().ok()?)))
         .ok_or_else(|| UsageError(format!("--at cannot be `{text}`: give column and row, as in 320,240")))
-}
-
-/// Writes a temporary file next to `path` and renames it; writes directly to a device or a pipe.
-fn to_file(path: &Path, follow: &Follow<'_>) -> anyhow::Result<()> {
-    let fail = || format!("{} cannot be written", path.display());
-    let (mut frames, at) = follow.open()?;
-    let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
-    if target.exists() && !target.is_file() {
-        let mut out = BufWriter::new(File::create(&target).with_context(fail)?);
-        follow.write_frames(&mut frames, at, &mut out)?;
-        return out.flush().with_context(fail);
-    }
-    let name = target.file_name().with_context(fail)?;
-    let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let staging = Staging::new(folder).with_context(fail)?;
-    let mut out = BufWriter::new(File::create(staging.path(name)).with_context(fail)?);
-    follow.write_frames(&mut frames, at, &mut out)?;
-    out.flush().with_context(fail)?;
-    staging.publish(name).with_context(fail)
 }
 
 struct Follow<'a> {

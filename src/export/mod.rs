@@ -5,9 +5,15 @@
 
 pub mod annotate;
 pub mod canvas;
+pub mod coco_json;
+pub mod cvat_xml;
 pub mod episodes_csv;
 pub mod events_jsonl;
 pub mod figure;
+pub mod label_image;
+pub mod model_npz;
+pub mod mot_zip;
+pub mod npy;
 pub mod number;
 pub mod picture;
 pub mod picture_queue;
@@ -18,10 +24,12 @@ pub mod source_pixels;
 pub mod staging;
 pub mod statistics_csv;
 pub mod summary;
+pub mod track_table;
 pub mod tracks_csv;
 pub mod tracks_json;
 pub mod tuning_csv;
 pub mod video;
+pub mod zip;
 
 pub use staging::Staging;
 

@@ -7,6 +7,7 @@ use std::path::Path;
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
 
+use super::label_image::LabelImage;
 use crate::frame::{Frame, Mask};
 
 /// Writes an RGB image.
@@ -20,6 +21,14 @@ pub fn write_frame(path: &Path, frame: &Frame) -> io::Result<()> {
 pub fn write_mask(path: &Path, mask: &Mask) -> io::Result<()> {
     let size = mask.size;
     write(path, &mask.data, size.width, size.height, ExtendedColorType::L8, FilterType::NoFilter)
+}
+
+/// Writes a label image: 16-bit gray, 0 background.
+pub fn write_labels(path: &Path, image: &LabelImage) -> io::Result<()> {
+    let size = image.size;
+    // The encoder expects the machine's order of bytes.
+    let bytes: Vec<u8> = image.data.iter().flat_map(|label| label.to_ne_bytes()).collect();
+    write(path, &bytes, size.width, size.height, ExtendedColorType::L16, FilterType::NoFilter)
 }
 
 fn write(
@@ -60,5 +69,12 @@ mod tests {
         let read = image::open(&path).unwrap();
         assert_eq!(read.color(), image::ColorType::L8);
         assert_eq!(read.into_luma8().into_raw(), mask.data);
+
+        let image = LabelImage { size, data: (0..15).map(|at| at * 4681).collect() };
+        let path = folder.path().join("labels.png");
+        write_labels(&path, &image).unwrap();
+        let read = image::open(&path).unwrap();
+        assert_eq!(read.color(), image::ColorType::L16);
+        assert_eq!(read.into_luma16().into_raw(), image.data);
     }
 }

@@ -7,7 +7,8 @@ use std::{io, mem};
 
 use crossbeam_channel::{Receiver, Sender, bounded};
 
-use super::picture::{write_frame, write_mask};
+use super::label_image::LabelImage;
+use super::picture::{write_frame, write_labels, write_mask};
 use crate::frame::{Frame, Mask};
 
 /// An image to be written.
@@ -16,6 +17,8 @@ pub enum Picture {
     Frame(Arc<Frame>),
     /// A mask, in gray.
     Mask(Arc<Mask>),
+    /// A label image, in gray of 16 bits.
+    Labels(LabelImage),
 }
 
 /// Threads that write images. Dropping it completes the queued images.
@@ -74,6 +77,7 @@ fn work(waiting: &Receiver<(PathBuf, Picture)>) -> io::Result<()> {
         let written = match &picture {
             Picture::Frame(frame) => write_frame(&path, frame),
             Picture::Mask(mask) => write_mask(&path, mask),
+            Picture::Labels(image) => write_labels(&path, image),
         };
         written.map_err(|error| io::Error::new(error.kind(), format!("{}: {error}", path.display())))?;
     }

@@ -10,6 +10,7 @@ pub mod cleaning;
 pub mod colour;
 pub mod components;
 pub mod mosaic;
+pub(crate) mod rle;
 pub mod roi;
 pub mod shape;
 

@@ -110,7 +110,11 @@ fn the_time_from_a_click_to_the_history() {
     let labels = (0..SIZE.pixels()).map(|at| if at % 5 == 0 { Label::Foreground } else { Label::Background });
     let mask = Arc::new(TrueMask::new(SIZE, labels));
     let masks = TrueMasks::new((1..=FRAMES).map(|number| (number, Arc::clone(&mask))).collect());
-    session.request(Request::Truth(Some(Arc::new(Truth { boxes: None, masks: masks.map(Arc::new) }))));
+    session.request(Request::Truth(Some(Arc::new(Truth {
+        boxes: None,
+        masks: masks.map(Arc::new),
+        ..Truth::default()
+    }))));
     for tuned_settings in
         [[TunableSetting::Alpha, TunableSetting::T], [TunableSetting::Alpha, TunableSetting::Lambda]]
     {

@@ -2,7 +2,7 @@
 
 use std::sync::Arc;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use crate::regions::{Rect, Rgb};
 
@@ -15,7 +15,7 @@ pub type ObjectId = u32;
 pub type Identity = u32;
 
 /// The visibility of an object.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum TrackState {
     /// It has a region of its own.

@@ -1,9 +1,7 @@
-//! Bounding boxes in pixels by frame number and identity, from MOTChallenge's CSV.
+//! Bounding boxes in pixels by frame number and identity.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
-use super::TruthError;
 use crate::placement::Placement;
 
 /// A box: left, top, width, height, in pixels.
@@ -33,9 +31,6 @@ impl Bounds {
     }
 }
 
-/// Limit of frame numbers and identities, far below overflow.
-const LARGEST: f64 = 1_000_000_001.0;
-
 /// The boxes of each frame, by identity.
 pub type Boxes = BTreeMap<u32, BTreeMap<u32, Bounds>>;
 
@@ -48,35 +43,18 @@ pub fn in_frames(boxes: &Boxes, placement: &Placement) -> Boxes {
     moved
 }
 
-/// Reads `frame,id,x,y,w,h[,conf,…]` without a header. Skips rows of confidence 0, which are not to be counted, and
-/// rows of fewer than six columns. Fails with the line if a number cannot be read or is out of range.
-pub fn read(path: &Path) -> Result<Boxes, TruthError> {
-    let reader =
-        csv::ReaderBuilder::new().has_headers(false).flexible(true).trim(csv::Trim::All).from_path(path);
-    let mut boxes = Boxes::new();
-    for (row, line) in reader.map_err(|error| TruthError::new(path, error))?.records().zip(1..) {
-        let row = row.map_err(|error| TruthError::new(path, error))?;
-        if row.len() < 6 {
-            continue;
-        }
-        let numbers: Result<Vec<f64>, _> = row.iter().take(7).map(str::parse).collect();
-        let numbers = numbers.map_err(|_| {
-            let why = "expected numbers in MOTChallenge format: frame,id,x,y,w,h,conf,…";
-            TruthError::new(
-                path,
-                format!("line {line} is `{}`: {why}", row.iter().collect::<Vec<_>>().join(",")),
-            )
-        })?;
-        if numbers.get(6) == Some(&0.0) {
-            continue;
-        }
-        let place = Bounds([numbers[2], numbers[3], numbers[4], numbers[5]]);
-        let whole = numbers[..2].iter().all(|number| (0.0..LARGEST).contains(number));
-        if !whole || !place.0.iter().all(|side| side.is_finite()) || place.0[2] < 0.0 || place.0[3] < 0.0 {
-            let why = "frame and id must be 0 to 1000000000, and box sides finite and not negative";
-            return Err(TruthError::new(path, format!("line {line}: {why}")));
-        }
-        boxes.entry(numbers[0] as u32).or_default().insert(numbers[1] as u32, place);
-    }
-    Ok(boxes)
+/// A map by frame number with `offset` added to the numbers, without those that become negative or too large.
+pub fn shifted<T: Clone>(frames: &BTreeMap<u32, T>, offset: i64) -> BTreeMap<u32, T> {
+    let moved = frames.iter().map(|(number, content)| (shifted_number(*number, offset), content));
+    moved.filter_map(|(number, content)| Some((number?, content.clone()))).collect()
+}
+
+/// A frame number plus `offset`; `None` if it becomes negative or too large.
+pub fn shifted_number(number: u32, offset: i64) -> Option<u32> {
+    i64::from(number).checked_add(offset).and_then(|number| u32::try_from(number).ok())
+}
+
+/// The first and the last frame number.
+pub fn span<T>(frames: &BTreeMap<u32, T>) -> Option<(u32, u32)> {
+    Some((*frames.first_key_value()?.0, *frames.last_key_value()?.0))
 }

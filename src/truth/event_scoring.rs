@@ -39,6 +39,24 @@ pub struct EventScore {
     pub recall: f64,
 }
 
+impl EventScore {
+    fn new(truth: usize, reported: usize, matched: usize) -> Self {
+        Self {
+            truth,
+            reported,
+            matched,
+            precision: share_or_one(matched as u64, reported as u64),
+            recall: share_or_one(matched as u64, truth as u64),
+        }
+    }
+}
+
+/// The score of the events of all kinds together.
+pub fn total(kinds: &BTreeMap<String, EventScore>) -> EventScore {
+    let sum = |count: fn(&EventScore) -> usize| kinds.values().map(count).sum();
+    EventScore::new(sum(|kind| kind.truth), sum(|kind| kind.reported), sum(|kind| kind.matched))
+}
+
 /// Reads `events.jsonl`.
 pub fn read_events(path: &Path) -> Result<Vec<ScoredEvent>, TruthError> {
     #[derive(Deserialize)]
@@ -134,8 +152,7 @@ pub fn compare(
         }
     }
     for found in all.values_mut() {
-        found.precision = share_or_one(found.matched as u64, found.reported as u64);
-        found.recall = share_or_one(found.matched as u64, found.truth as u64);
+        *found = EventScore::new(found.truth, found.reported, found.matched);
     }
     all
 }
@@ -160,5 +177,17 @@ mod tests {
         assert_eq!((score.precision, score.recall), (0.25, 1.0 / 3.0));
         let nothing = &compare(&[], &reported, &people, 8)["merge"];
         assert_eq!((nothing.precision, nothing.recall), (0.0, 1.0));
+    }
+
+    #[test]
+    fn the_total_of_all_kinds_is_that_of_their_counts() {
+        let kinds = [("merge", EventScore::new(4, 1, 1)), ("enter", EventScore::new(0, 3, 0))];
+        let total = total(&kinds.map(|(kind, score)| (kind.to_owned(), score)).into());
+        assert_eq!((total.truth, total.reported, total.matched), (4, 4, 1));
+        assert_eq!((total.precision, total.recall), (0.25, 0.25));
+        assert_eq!(
+            (super::total(&BTreeMap::new()).precision, super::total(&BTreeMap::new()).recall),
+            (1.0, 1.0)
+        );
     }
 }

@@ -1,11 +1,13 @@
 //! Scores masks against ground truth by CDnet's seven measures.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use rayon::prelude::*;
 use serde::Serialize;
 
 use super::TruthError;
+use super::boxes::span;
 use super::decisions::Decisions;
 use super::masks::{self, MaskFiles};
 use super::share::share_or_zero;
@@ -53,31 +55,57 @@ impl MaskScore {
     }
 }
 
-/// Scores `masks/bin000001.png` … of a run, for the frames with truth.
+/// The masks of results by frame number.
+pub type MaskResults = BTreeMap<u32, PathBuf>;
+
+/// The masks of a folder, `bin000001.png` … of a run or other names with numbers.
+pub fn results_in(folder: &Path) -> Result<MaskResults, TruthError> {
+    if folder.is_dir() { masks::numbered_images(folder) } else { Ok(MaskResults::new()) }
+}
+
+/// Scores the masks in `folder` for the frames with truth.
 pub fn score(folder: &Path, truth: &MaskFiles) -> Result<MaskScore, TruthError> {
-    let pairs = truth.numbers().map(|number| (number, folder.join(format!("bin{number:06}.png"))));
-    let pairs: Vec<_> = pairs.filter(|(_, mask)| mask.is_file()).collect();
+    let found = results_in(folder)?;
+    let pairs: Vec<_> = truth.numbers().filter_map(|number| Some((number, found.get(&number)?))).collect();
     if pairs.is_empty() {
-        let why = "no mask for a frame of the ground truth; run with --masks and a range that includes \
-         these frames";
+        let mut why = "no mask for a frame of the ground truth; run with --masks and a range that includes \
+             these frames"
+            .to_owned();
+        let (first, last) = (truth.numbers().next(), truth.numbers().last());
+        if let (Some((first, last)), Some((found_first, found_last))) = (first.zip(last), span(&found)) {
+            let offset = truth.offset() + i64::from(found_first) - i64::from(first);
+            why = format!(
+                "no mask for a frame of the ground truth: it has {first} to {last}, the masks {found_first} to \
+                 {found_last}; run with --masks and a range that includes these frames, or score with --offset \
+                 {offset}, which makes the first numbers equal"
+            );
+        }
         return Err(TruthError::new(folder, why));
     }
-    let decide = |(number, path): &(u32, PathBuf)| {
-        let (Some(truth), found) = (truth.read(*number)?, masks::read(path)?) else {
-            return Ok(Decisions::default());
-        };
-        let (width, height) = found.dimensions();
-        if Size::new(width, height) != truth.size() {
-            return Err(TruthError::new(
-                path,
-                format!("its size differs from the ground truth, {}", truth.size()),
-            ));
-        }
-        let data = found.iter().map(|&level| if level > 0 { Mask::FOREGROUND } else { Mask::BACKGROUND });
-        Ok(truth.score(&Mask { size: truth.size(), data: data.collect() }))
-    };
-    let decisions: Vec<Decisions> = pairs.par_iter().map(decide).collect::<Result<_, TruthError>>()?;
+    let decisions = pairs.par_iter().map(|(number, path)| decide(truth, *number, path));
+    let decisions: Vec<Decisions> = decisions.collect::<Result<_, TruthError>>()?;
     Ok(MaskScore::new(pairs.len(), decisions.into_iter().sum()))
+}
+
+/// Compares the mask in a file with the true one of the frame `number`. Fails if it has other levels than those of
+/// foreground and background.
+pub(super) fn decide(truth: &MaskFiles, number: u32, path: &Path) -> Result<Decisions, TruthError> {
+    let (Some(truth), found) = (truth.read(number)?, masks::read(path)?) else {
+        return Ok(Decisions::default());
+    };
+    let (width, height) = found.dimensions();
+    if Size::new(width, height) != truth.size() {
+        return Err(TruthError::new(
+            path,
+            format!("its size differs from the ground truth, {}", truth.size()),
+        ));
+    }
+    if let Some(level) = found.iter().find(|level| !matches!(level, 0 | 1 | 255)) {
+        let why = format!("it has the level {level}; results are masks of 0 and 255, so apply a threshold");
+        return Err(TruthError::new(path, why));
+    }
+    let data = found.iter().map(|&level| if level > 0 { Mask::FOREGROUND } else { Mask::BACKGROUND });
+    Ok(truth.score(&Mask { size: truth.size(), data: data.collect() }))
 }
 
 #[cfg(test)]

@@ -9,6 +9,7 @@ use image::GrayImage;
 use rayon::prelude::*;
 
 use super::TruthError;
+use super::boxes;
 use super::decisions::Decisions;
 use crate::frame::{Mask, Size};
 use crate::placement::Placement;
@@ -19,6 +20,9 @@ const OUTSIDE: u8 = 85;
 const UNKNOWN: u8 = 170;
 /// CDnet's gray level of moving pixels; shadow (50) and static (0) are background.
 const MOTION: u8 = 255;
+
+/// All of CDnet's levels.
+const LEVELS: [u8; 5] = [0, 50, OUTSIDE, UNKNOWN, MOTION];
 
 /// The true label of a pixel.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -223,6 +227,10 @@ impl TrueMasks {
 pub struct MaskFiles {
     paths: BTreeMap<u32, PathBuf>,
     label: fn(u8) -> Label,
+    /// Whether levels that no mask has are an error, and those of a mask of 0 and 1 are accepted.
+    is_strict: bool,
+    /// What was added to the numbers.
+    offset: i64,
     /// The region of interest, dark outside, and its file.
     roi: Option<(PathBuf, GrayImage)>,
 }
@@ -231,23 +239,48 @@ impl MaskFiles {
     /// The masks of a CDnet folder: `groundtruth/gt000001.png` …, and, if they exist, `ROI.bmp` or `ROI.jpg` and
     /// `temporalROI.txt`.
     pub fn of_cdnet(folder: &Path) -> Result<Self, TruthError> {
+        Self::within_rois(folder, numbered(&folder.join("groundtruth"), "gt")?, false)
+    }
+
+    /// The masks of a folder of numbered images of CDnet's levels, of 0 and 255, or of 0 and 1, and, if they are in it,
+    /// `ROI.bmp` or `ROI.jpg` and `temporalROI.txt`. The last number in a name is the frame's.
+    pub fn of_folder(folder: &Path) -> Result<Self, TruthError> {
+        Self::within_rois(folder, numbered_images(folder)?, true)
+    }
+
+    fn within_rois(
+        folder: &Path,
+        mut paths: BTreeMap<u32, PathBuf>,
+        is_strict: bool,
+    ) -> Result<Self, TruthError> {
         let roi = ["ROI.bmp", "ROI.jpg", "ROI.png"].map(|name| folder.join(name));
         let roi = roi.into_iter().find(|path| path.is_file());
         let roi = roi.map(|path| read(&path).map(|image| (path, image))).transpose()?;
         let (first, last) = temporal_roi(&folder.join("temporalROI.txt"))?;
-        let mut paths = numbered(&folder.join("groundtruth"), "gt")?;
         paths.retain(|number, _| (first..=last).contains(number));
         let label = |level| match level {
             OUTSIDE | UNKNOWN => Label::Uncounted,
             MOTION => Label::Foreground,
             _ => Label::Background,
         };
-        Ok(Self { paths, label, roi })
+        Ok(Self { paths, label, is_strict, offset: 0, roi })
     }
 
     /// The masks of a folder of identity images by `synth`: `000001.png` ….
     pub fn of_identities(folder: &Path) -> Result<Self, TruthError> {
-        Ok(Self { paths: numbered(folder, "")?, label: label_of_identity, roi: None })
+        let paths = numbered(folder, "")?;
+        Ok(Self { paths, label: label_of_identity, is_strict: false, offset: 0, roi: None })
+    }
+
+    /// The same masks with `offset` added to their numbers.
+    #[must_use]
+    pub fn shifted(self, offset: i64) -> Self {
+        Self { paths: boxes::shifted(&self.paths, offset), offset: self.offset + offset, ..self }
+    }
+
+    /// What [`Self::shifted`] added to the numbers.
+    pub fn offset(&self) -> i64 {
+        self.offset
     }
 
     /// The frame numbers in ascending order.
@@ -260,16 +293,17 @@ impl MaskFiles {
         let Some(path) = self.paths.get(&number) else { return Ok(None) };
         let image = read(path)?;
         let (width, height) = image.dimensions();
+        let label = if self.is_strict { strict_label(self.label, path, &image)? } else { self.label };
         let levels = image.iter();
         let mask = match &self.roi {
-            None => TrueMask::new(Size::new(width, height), levels.map(|&level| (self.label)(level))),
+            None => TrueMask::new(Size::new(width, height), levels.map(|&level| label(level))),
             Some((path, roi)) => {
                 if roi.dimensions() != (width, height) {
                     let why = format!("its size differs from the ground truth, {width}×{height}");
                     return Err(TruthError::new(path, why));
                 }
                 let counted = |(&level, &inside): (&u8, &u8)| {
-                    if inside == 0 { Label::Uncounted } else { (self.label)(level) }
+                    if inside == 0 { Label::Uncounted } else { label(level) }
                 };
                 TrueMask::new(Size::new(width, height), levels.zip(roi.iter()).map(counted))
             }
@@ -299,6 +333,62 @@ pub(super) fn read(path: &Path) -> Result<GrayImage, TruthError> {
         let why = error.to_string();
         TruthError::new(path, format!("{}; check that it is complete", why.trim_end_matches('.')))
     })
+}
+
+/// The function from the levels of an image to labels: `label` for CDnet's levels, another one for 0 and 1.
+fn strict_label(
+    label: fn(u8) -> Label,
+    path: &Path,
+    image: &GrayImage,
+) -> Result<fn(u8) -> Label, TruthError> {
+    if image.iter().all(|level| *level <= 1) {
+        return Ok(label_of_identity);
+    }
+    match image.iter().find(|level| !LEVELS.contains(level)) {
+        None => Ok(label),
+        Some(level) => {
+            let why = format!("it has the level {level}; masks have 0 and 255, or CDnet's {LEVELS:?}");
+            Err(TruthError::new(path, why))
+        }
+    }
+}
+
+/// Whether the images of a folder are masks, by the levels of the first and the middle one.
+pub(super) fn is_folder_of_masks(folder: &Path) -> bool {
+    let Ok(paths) = numbered_images(folder) else { return false };
+    let paths: Vec<_> = paths.into_values().collect();
+    let is_mask = |path: &PathBuf| {
+        read(path).is_ok_and(|image| image.iter().all(|level| *level == 1 || LEVELS.contains(level)))
+    };
+    !paths.is_empty() && is_mask(&paths[0]) && is_mask(&paths[paths.len() / 2])
+}
+
+/// The images of a folder without loss (PNG, BMP, TIFF, PGM) by the last number in their names. Fails if two have the same
+/// number.
+pub(super) fn numbered_images(folder: &Path) -> Result<BTreeMap<u32, PathBuf>, TruthError> {
+    let entries = std::fs::read_dir(folder).map_err(|error| TruthError::new(folder, error))?;
+    let mut paths: BTreeMap<u32, PathBuf> = BTreeMap::new();
+    for entry in entries {
+        let path = entry.map_err(|error| TruthError::new(folder, error))?.path();
+        let ending = path.extension().unwrap_or_default();
+        let is_image = ["png", "bmp", "tif", "tiff", "pgm"].iter().any(|it| ending.eq_ignore_ascii_case(it));
+        let number = path.file_stem().and_then(|stem| last_number(&stem.to_string_lossy()));
+        let Some(number) = number.filter(|_| is_image) else { continue };
+        if let Some(other) = paths.insert(number, path.clone()) {
+            let why = format!("{} has the number {number} too; leave one of them", other.display());
+            return Err(TruthError::new(&path, why));
+        }
+    }
+    Ok(paths)
+}
+
+/// The last number in a name without its ending.
+pub(super) fn last_number(stem: &str) -> Option<u32> {
+    let end = stem.rfind(|it: char| it.is_ascii_digit())? + 1;
+    let start = stem[..end].rfind(|it: char| !it.is_ascii_digit());
+    // The character before can have several bytes.
+    let start = start.map_or(0, |at| at + stem[at..].chars().next().map_or(0, char::len_utf8));
+    stem[start..end].parse().ok()
 }
 
 /// The files with names such as `gt000001.png`, by number.
@@ -375,6 +465,39 @@ mod tests {
             let data = part.iter().map(|&(x, y)| if found.is_foreground(x, y) { 255 } else { 0 }).collect();
             prop_assert_eq!(cut.score(&Mask { size: cut.size(), data }), expected(&part));
         }
+    }
+
+    #[test]
+    fn a_folder_of_masks_has_levels_of_masks() {
+        let folder = tempfile::tempdir().unwrap();
+        let write = |name: &str, levels: [u8; 4]| {
+            GrayImage::from_raw(4, 1, levels.to_vec()).unwrap().save(folder.path().join(name)).unwrap();
+        };
+        let labels = |number: u32| {
+            let masks = MaskFiles::of_folder(folder.path()).unwrap();
+            masks.read(number).map(|mask| mask.unwrap().labels())
+        };
+        let [background, foreground, uncounted] = [Label::Background, Label::Foreground, Label::Uncounted];
+        write("cam2_mask-0007.png", [0, 50, 170, 255]);
+        assert_eq!(labels(7).unwrap(), [background, background, uncounted, foreground]);
+        write("cam2_mask-0008.png", [0, 1, 1, 0]);
+        assert_eq!(labels(8).unwrap(), [background, foreground, foreground, background]);
+        assert!(is_folder_of_masks(folder.path()));
+        write("ROI.bmp", [255, 0, 255, 255]);
+        std::fs::write(folder.path().join("temporalROI.txt"), "8 9").unwrap();
+        assert_eq!(labels(8).unwrap(), [background, uncounted, foreground, background]);
+        assert_eq!(
+            MaskFiles::of_folder(folder.path()).unwrap().shifted(-3).numbers().collect::<Vec<_>>(),
+            [5]
+        );
+        write("cam2_mask-0009.png", [0, 37, 255, 0]);
+        assert!(labels(9).unwrap_err().to_string().contains("37"));
+        write("other-9.png", [0; 4]);
+        assert!(numbered_images(folder.path()).unwrap_err().to_string().contains("number 9"));
+        assert_eq!(
+            (last_number("é12é"), last_number("no"), last_number("99999999999")),
+            (Some(12), None, None)
+        );
     }
 
     #[test]

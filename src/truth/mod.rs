@@ -1,15 +1,24 @@
 //! Ground truth, and the scores of results against it.
 //!
-//! [`boxes`] reads tracks in MOTChallenge's format, [`clear_mot`] and [`survival`] score them, [`summary`] by both;
-//! [`masks`] reads masks in CDnet's format, [`mask_score`] and [`mixture_score`] score pixels against them in counts of
-//! [`decisions`]; [`event_scoring`] scores events and episodes of rendered scenes.
+//! [`formats`] reads [`boxes`] of several formats, [`ignored`] drops what is not judged, [`clear_mot`], [`hota`] and
+//! [`survival`] score tracks, [`summary`] by all; [`masks`] reads masks of CDnet's levels, [`mask_score`] and
+//! [`mixture_score`] score pixels against them in counts of [`decisions`]; [`alignment`] finds frame numbers that fit better;
+//! [`event_scoring`] scores events and episodes of rendered scenes. [`measures`] are the main results of all under short
+//! names, and [`mask_measures`] those of masks with their means over a data set.
 
+pub mod alignment;
+mod assignment;
 pub mod boxes;
 pub mod clear_mot;
 pub mod decisions;
 pub mod event_scoring;
+pub mod formats;
+pub mod hota;
+pub mod ignored;
+pub mod mask_measures;
 pub mod mask_score;
 pub mod masks;
+pub mod measures;
 pub mod mixture_score;
 mod share;
 pub mod summary;
@@ -19,7 +28,9 @@ use std::fmt::Display;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-use self::boxes::Boxes;
+use self::boxes::{Bounds, Boxes};
+use self::formats::{Role, TrackFile, label_images};
+use self::ignored::Ignored;
 use self::masks::{MaskFiles, TrueMasks};
 use crate::placement::Placement;
 
@@ -42,10 +53,12 @@ impl TruthError {
 /// The kind of ground truth at a path.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum TruthSource {
-    /// A file of boxes.
+    /// A file of boxes, or a folder of label images.
     Boxes(PathBuf),
     /// A CDnet folder.
     Cdnet(PathBuf),
+    /// A folder of masks.
+    Masks(PathBuf),
     /// The folder of ground truth of a scene written by `synth`.
     Scene(PathBuf),
 }
@@ -59,26 +72,52 @@ impl TruthSource {
         if path.join("groundtruth").is_dir() {
             return Ok(Self::Cdnet(path.to_owned()));
         }
-        let scene = [path.join("truth"), path.to_owned()];
-        match scene.into_iter().find(|folder| folder.join("gt.txt").is_file()) {
-            Some(scene) => Ok(Self::Scene(scene)),
+        if let Some(folder) = path.parent().filter(|_| path.is_dir() && path.ends_with("groundtruth")) {
+            return Ok(Self::Cdnet(
+                if folder.as_os_str().is_empty() { Path::new(".") } else { folder }.to_owned(),
+            ));
+        }
+        // The folder of a scene, then that of a MOTChallenge sequence.
+        let folders = [path.join("truth"), path.to_owned(), path.join("gt")];
+        match folders.into_iter().find(|folder| folder.join("gt.txt").is_file()) {
+            Some(folder) if folder.join("events.jsonl").is_file() || folder.join("identities").is_dir() => {
+                Ok(Self::Scene(folder))
+            }
+            Some(folder) => Ok(Self::Boxes(folder.join("gt.txt"))),
             None if !path.exists() => Err(TruthError::new(path, "it does not exist; check the path")),
+            None if label_images::is_folder_of_labels(path) => Ok(Self::Boxes(path.to_owned())),
+            None if masks::is_folder_of_masks(path) => Ok(Self::Masks(path.to_owned())),
             None => Err(TruthError::new(
                 path,
-                "unknown ground truth format; use a MOTChallenge file, a CDnet folder with groundtruth/, \
-                 or a scene written by `synth`",
+                "unknown ground truth format; use MOTChallenge text or its sequence folder, CVAT or CAVIAR XML, COCO \
+                 JSON, a CDnet folder with groundtruth/, a folder of masks of 0 and 255 or of 16-bit labels, or a \
+                 scene written by `synth`",
             )),
+        }
+    }
+
+    /// The masks, if it has such; of a scene only where they were rendered.
+    pub fn masks(&self) -> Result<Option<MaskFiles>, TruthError> {
+        match self {
+            Self::Boxes(_) => Ok(None),
+            Self::Cdnet(folder) => MaskFiles::of_cdnet(folder).map(Some),
+            Self::Masks(folder) => MaskFiles::of_folder(folder).map(Some),
+            Self::Scene(folder) => masks_of_scene(folder),
+        }
+    }
+
+    /// The tracks, if it has such.
+    pub fn tracks(&self) -> Result<Option<TrackFile>, TruthError> {
+        match self {
+            Self::Boxes(path) => formats::read(path, Role::Truth).map(Some),
+            Self::Scene(folder) => formats::read(&folder.join("gt.txt"), Role::Truth).map(Some),
+            Self::Cdnet(_) | Self::Masks(_) => Ok(None),
         }
     }
 }
 
-/// Reads the boxes of a scene's folder of ground truth.
-pub fn boxes_of_scene(folder: &Path) -> Result<Boxes, TruthError> {
-    boxes::read(&folder.join("gt.txt"))
-}
-
 /// The masks of a scene's folder of ground truth, if it has any.
-pub fn masks_of_scene(folder: &Path) -> Result<Option<MaskFiles>, TruthError> {
+fn masks_of_scene(folder: &Path) -> Result<Option<MaskFiles>, TruthError> {
     let identities = folder.join("identities");
     identities.is_dir().then(|| MaskFiles::of_identities(&identities)).transpose()
 }
@@ -88,24 +127,19 @@ pub fn masks_of_scene(folder: &Path) -> Result<Option<MaskFiles>, TruthError> {
 pub struct Truth {
     /// The true boxes.
     pub boxes: Option<Boxes>,
+    /// The boxes that are neither found nor missed.
+    pub ignored: Ignored,
     /// The true masks.
     pub masks: Option<Arc<TrueMasks>>,
 }
 
 impl Truth {
-    /// Reads the ground truth at `path`: a MOTChallenge file, a CDnet folder, or a scene written by `synth`.
+    /// Reads the ground truth at `path`, of any kind of [`TruthSource`].
     pub fn read(path: &Path) -> Result<Self, TruthError> {
-        let truth = match TruthSource::of(path)? {
-            TruthSource::Boxes(file) => Self { boxes: Some(boxes::read(&file)?), masks: None },
-            TruthSource::Cdnet(folder) => {
-                Self { boxes: None, masks: MaskFiles::of_cdnet(&folder)?.read_all()?.map(Arc::new) }
-            }
-            TruthSource::Scene(folder) => {
-                let masks = masks_of_scene(&folder)?;
-                let masks = masks.map(|files| files.read_all()).transpose()?.flatten();
-                Self { boxes: Some(boxes_of_scene(&folder)?), masks: masks.map(Arc::new) }
-            }
-        };
+        let source = TruthSource::of(path)?;
+        let masks = source.masks()?.map(|files| files.read_all()).transpose()?.flatten().map(Arc::new);
+        let (boxes, ignored) = source.tracks()?.map(|file| (file.boxes, file.ignored)).unzip();
+        let truth = Self { boxes, ignored: ignored.unwrap_or_default(), masks };
         if truth.boxes.is_none() && truth.masks.is_none() {
             let why = "no masks groundtruth/gt000001.png … found in it, or none within temporalROI.txt";
             return Err(TruthError::new(path, why));
@@ -118,6 +152,10 @@ impl Truth {
     #[must_use]
     pub fn in_frames(&self, placement: &Placement) -> Self {
         let boxes = self.boxes.as_ref().map(|boxes| boxes::in_frames(boxes, placement));
+        let ignored = self.ignored.iter().map(|(number, places)| {
+            let moved = places.iter().map(|place| Bounds(placement.frame_box(place.0)));
+            (*number, moved.collect())
+        });
         let masks = self.masks.as_ref().map(|masks| {
             if masks.size() == placement.source() {
                 Arc::new(masks.in_frames(placement))
@@ -125,6 +163,6 @@ impl Truth {
                 Arc::clone(masks)
             }
         });
-        Self { boxes, masks }
+        Self { boxes, ignored: ignored.collect(), masks }
     }
 }

@@ -6,6 +6,7 @@ use serde::Serialize;
 
 use super::boxes::{Bounds, Boxes};
 use super::clear_mot::{self, ClearMot};
+use super::hota::{self, Hota};
 use super::mask_score::MaskScore;
 use super::survival::{self, Survival};
 use crate::pipeline::OfflineResult;
@@ -20,6 +21,9 @@ pub struct TrackScore {
     /// Matches from an IoU of 0.3 on.
     #[serde(rename = "iou0.3")]
     pub loose: ClearMot,
+    /// The means over 19 least IoUs of a match; serialised among the [`Measures`](super::measures::Measures).
+    #[serde(skip)]
+    pub hota: Hota,
     /// The survival of identities through occlusion.
     pub occlusion: Survival,
 }
@@ -38,6 +42,7 @@ pub fn score(truth: &Boxes, found: &Boxes) -> TrackScore {
     TrackScore {
         strict: clear_mot::score(truth, found, 0.5),
         loose: clear_mot::score(truth, found, 0.3),
+        hota: hota::score(truth, found),
         occlusion: survival::score(truth, found),
     }
 }

@@ -6,6 +6,7 @@
 //! object.
 
 use std::collections::BTreeMap;
+use std::ops::Bound;
 
 use serde::Serialize;
 
@@ -46,13 +47,15 @@ pub fn score(truth: &Boxes, found: &Boxes) -> Survival {
     let identities = matched_identities(truth, found);
     let mut survival = Survival::default();
     for (a, boxes_a) in &objects {
-        for (b, boxes_b) in objects.range(a + 1..) {
+        for (b, boxes_b) in objects.range((Bound::Excluded(*a), Bound::Unbounded)) {
             for (start, end) in episodes(boxes_a, boxes_b) {
                 survival.episodes += 1;
                 survival.identities += 2;
                 let most = |object: u32, from: u32, to: u32| most_frequent(&identities, object, from, to);
                 let before = [a, b].map(|id| most(*id, start.saturating_sub(FRAMES_AROUND_EPISODE), start));
-                let after = [a, b].map(|id| most(*id, end + 1, end + 1 + FRAMES_AROUND_EPISODE));
+                let after = [a, b].map(|id| {
+                    most(*id, end.saturating_add(1), end.saturating_add(1 + FRAMES_AROUND_EPISODE))
+                });
                 for (object, other) in [(0, 1), (1, 0)] {
                     let is_kept = before[object].is_some() && before[object] == after[object];
                     let is_distinct = before[object] != before[other] && after[object] != after[other];
@@ -82,7 +85,7 @@ fn episodes(a: &BTreeMap<u32, Bounds>, b: &BTreeMap<u32, Bounds>) -> Vec<(u32, u
     runs.retain(|&(start, end)| {
         end - start + 1 >= MIN_EPISODE_FRAMES
             && both_within(start.saturating_sub(FRAMES_AROUND_EPISODE), start)
-            && both_within(end + 1, end + 1 + FRAMES_AROUND_EPISODE)
+            && both_within(end.saturating_add(1), end.saturating_add(1 + FRAMES_AROUND_EPISODE))
     });
     runs
 }

@@ -121,7 +121,7 @@ impl Dialogs {
     pub(crate) fn load_truth(&mut self, ctx: &Context) {
         self.ask(ctx, || {
             let dialog = FileDialog::new().set_title("Load ground truth");
-            Some(truth(&with_filter(dialog, "MOTChallenge", &["txt", "csv"]).pick_file()?))
+            Some(truth(&with_filter(dialog, "Tracks", &["txt", "csv", "xml", "json"]).pick_file()?))
         });
     }
 

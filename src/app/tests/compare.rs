@@ -10,6 +10,7 @@ use crate::replay::ComparedSequence;
 use crate::truth::Truth;
 use crate::truth::boxes::Boxes;
 use crate::truth::clear_mot::ClearMot;
+use crate::truth::hota::Hota;
 use crate::truth::summary::{Score, TrackScore};
 use crate::truth::survival::Survival;
 
@@ -57,7 +58,8 @@ fn score(mota: f64) -> TrackScore {
         num_unique_objects: 3,
     };
     let occlusion = Survival { episodes: 2, identities: 4, survived: 3, survival: Some(0.75) };
-    TrackScore { strict: of.clone(), loose: of, occlusion }
+    let hota = Hota { hota: mota, deta: mota, assa: mota, loca: 0.8 };
+    TrackScore { strict: of.clone(), loose: of, hota, occlusion }
 }
 
 /// The worker's published state after new settings.
@@ -270,7 +272,7 @@ fn events_are_filtered_by_slot() {
 fn both_slots_are_scored_against_the_ground_truth() {
     let (mut harness, scene) = comparing();
     let ctx = harness.ctx.clone();
-    let boxes = Truth { boxes: Some(Boxes::new()), masks: None };
+    let boxes = Truth { boxes: Some(Boxes::new()), masks: None, ..Truth::default() };
     harness.state_mut().handle_result(&ctx, DialogResult::Truth(Ok(Arc::new(boxes))));
     settle(&mut harness);
     assert!(scene.asked.borrow().contains(&PlayerCall::Truth(true)));

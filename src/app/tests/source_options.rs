@@ -125,7 +125,7 @@ fn true_boxes_of_the_source_are_drawn_where_the_objects_are() {
     let of_source = Bounds([50.0, 60.0, 240.0, 160.0]);
     let boxes = BTreeMap::from([(59, BTreeMap::from([(1, of_source)]))]);
     let placement = harness.state().model.worker.placement().unwrap();
-    let truth = Truth { boxes: Some(boxes), masks: None };
+    let truth = Truth { boxes: Some(boxes), masks: None, ..Truth::default() };
     let in_frames = truth.in_frames(&placement).boxes.unwrap();
     assert_eq!(in_frames[&59][&1], Bounds([20.0, 20.0, 120.0, 80.0]));
     let ctx = harness.ctx.clone();

@@ -25,7 +25,7 @@ fn true_mask(position: u32) -> TrueMask {
 
 fn truth(position: u32) -> Arc<Truth> {
     let masks = BTreeMap::from([(position + 1, Arc::new(true_mask(position)))]);
-    Arc::new(Truth { boxes: None, masks: TrueMasks::new(masks).map(Arc::new) })
+    Arc::new(Truth { boxes: None, masks: TrueMasks::new(masks).map(Arc::new), ..Truth::default() })
 }
 
 /// A result of the worker: best at the right and in the middle.
@@ -130,7 +130,7 @@ fn without_masks_the_views_show_how_to_load_them() {
     assert!(!harness.state().model.has_true_masks());
     let other =
         TrueMasks::new(BTreeMap::from([(1, Arc::new(TrueMask::of_identities(Size::new(2, 2), &[0; 4])))]));
-    load(&mut harness, Arc::new(Truth { boxes: None, masks: other.map(Arc::new) }));
+    load(&mut harness, Arc::new(Truth { boxes: None, masks: other.map(Arc::new), ..Truth::default() }));
     assert!(!harness.state().model.has_true_masks(), "masks of another size are of another video");
 }
 

@@ -6,6 +6,7 @@ use anyhow::{Context as _, bail};
 
 use super::annotated_output::AnnotatedOutput;
 use super::arguments::RunJob;
+use super::label_spool::LabelSpool;
 use super::live_annotation::LiveAnnotation;
 use super::pictures::Pictures;
 use super::record::{ResultRecorder, RunRecord};
@@ -17,13 +18,14 @@ use crate::pipeline::Pipeline;
 use crate::regions::Roi;
 
 /// Analyses all frames within `roi`. Images that do not need the offline result are written during it, and a camera's
-/// annotated frames.
+/// annotated frames; `labels` takes the labels of all frames.
 pub(super) fn analyse(
     job: &RunJob,
     roi: Option<&Arc<Roi>>,
     frames: &mut Frames,
     staging: &Staging,
     annotated: &mut AnnotatedOutput,
+    mut labels: Option<&mut LabelSpool>,
 ) -> anyhow::Result<RunRecord> {
     let info = &frames.info.clone();
     let mut pipeline = prepare(job, roi, frames)?;
@@ -45,6 +47,9 @@ pub(super) fn analyse(
         let analyses = pipeline.step_many(&borrowed).with_context(|| job.video.clone())?;
         for (frame, analysis) in batch.iter().zip(analyses) {
             pictures.write(frame, &analysis, &pipeline).with_context(|| job.out_failure())?;
+            if let Some(spool) = &mut labels {
+                spool.add(&analysis.labels).with_context(|| job.out_failure())?;
+            }
             if let Some(live) = &mut live {
                 live.write(frame, &analysis).with_context(|| job.out_failure())?;
             }

@@ -12,6 +12,11 @@ pub(super) struct BulkyOutput {
 
 pub(super) const MASKS: BulkyOutput =
     BulkyOutput { flag: "masks", file: "masks", help: "masks/bin000001.png …: foreground masks, 0 or 255" };
+pub(super) const LABELS: BulkyOutput = BulkyOutput {
+    flag: "labels",
+    file: "labels",
+    help: "labels/000001.png …: the identity of each pixel, 16-bit, 0 background",
+};
 pub(super) const FRAMES: BulkyOutput = BulkyOutput {
     flag: "frames",
     file: "frames",
@@ -31,4 +36,4 @@ pub(super) const PLAIN_FRAMES: BulkyOutput = BulkyOutput {
 };
 
 /// All of them, in the order of the help.
-pub(super) const ALL: [BulkyOutput; 5] = [MASKS, FRAMES, ANNOTATED, BACKGROUND, PLAIN_FRAMES];
+pub(super) const ALL: [BulkyOutput; 6] = [MASKS, LABELS, FRAMES, ANNOTATED, BACKGROUND, PLAIN_FRAMES];

@@ -1,9 +1,10 @@
 //! `occluscope run`: the whole analysis without a display.
 //!
 //! Decoding runs ahead on its own thread, images are encoded on others. The data for tables is kept until the end,
-//! because the offline result needs all frames; annotated frames are drawn in a second pass over the video for the
-//! same reason. A camera has no second pass: its annotated frames show the online result. Where the video of them
-//! cannot be encoded, all other files are still written, and the run fails.
+//! because the offline result needs all frames; label images are written then for the same reason, from labels that wait
+//! in a temporary file, and annotated frames are drawn in a second pass over the video. A camera has no second pass:
+//! its annotated frames show the online result. Where the video of them cannot be encoded, all other files are still
+//! written, and the run fails.
 
 mod analysis_pass;
 mod annotated_output;
@@ -11,6 +12,7 @@ mod annotation_pass;
 mod arguments;
 mod bulky_output;
 mod input_hash;
+mod label_spool;
 mod live_annotation;
 mod pictures;
 mod record;
@@ -34,6 +36,7 @@ use annotated_output::AnnotatedOutput;
 use arguments::RunJob;
 use bulky_output::{ANNOTATED, MASKS};
 use input_hash::InputHash;
+use label_spool::LabelSpool;
 
 /// The region of interest, if it is not the whole image.
 const ROI: &str = "roi.png";
@@ -49,7 +52,12 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
 
     let staging = Staging::new(&job.out).with_context(|| job.out_failure())?;
     let mut annotated = AnnotatedOutput::new(&job, &frames.info, &staging)?;
-    let mut record = analysis_pass::analyse(&job, roi.as_ref(), &mut frames, &staging, &mut annotated)?;
+    let mut labels = LabelSpool::new(&job, &frames.info, &staging).with_context(|| job.out_failure())?;
+    let mut record =
+        analysis_pass::analyse(&job, roi.as_ref(), &mut frames, &staging, &mut annotated, labels.as_mut())?;
+    if let Some(labels) = labels {
+        labels.write_images(&job, &frames.info, &record.result, &staging)?;
+    }
     if annotated.is_open() && !frames.info.live {
         annotation_pass::annotate_frames(&job, &record.result, &mut annotated)?;
     }

@@ -5,8 +5,8 @@ use std::sync::Arc;
 
 use crate::frame::{Mask, Size};
 use crate::pipeline::Analysis;
+use crate::regions::rle;
 use crate::regions::{Labels, Region};
-use crate::replay::store::rle;
 use crate::tracking::{HypothesisSummary, Track};
 
 /// The analyses of a sequence from its first frame on. Copies share the large parts.

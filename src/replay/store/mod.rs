@@ -3,5 +3,4 @@
 pub(crate) mod analysis_record;
 pub(crate) mod local_checkpoints;
 pub(crate) mod model_pictures;
-pub(crate) mod rle;
 pub(crate) mod strided_checkpoints;

@@ -12,6 +12,7 @@ use crate::replay::tasks::gather::frame_consumer::MAX_TURN;
 use crate::truth::Truth;
 use crate::truth::boxes::Boxes;
 use crate::truth::decisions::Decisions;
+use crate::truth::ignored::without_ignored;
 use crate::truth::mask_score::MaskScore;
 use crate::truth::summary::{self, Score, TrackScore};
 
@@ -87,11 +88,14 @@ impl ScoreJob {
             // All frames are matched in one call, which would delay a newer request.
             rayon::spawn(move || {
                 let score = || {
-                    truth.boxes.as_ref().map(|boxes| match &analysed {
-                        Some(analysed) => {
-                            summary::score_of_frames(boxes, &found, |number| analysed.contains(&number))
+                    truth.boxes.as_ref().map(|boxes| {
+                        let found = without_ignored(boxes, &truth.ignored, &found);
+                        match &analysed {
+                            Some(analysed) => {
+                                summary::score_of_frames(boxes, &found, |number| analysed.contains(&number))
+                            }
+                            None => summary::score(boxes, &found),
                         }
-                        None => summary::score(boxes, &found),
                     })
                 };
                 // The receiver is dropped when another truth is loaded.

@@ -144,7 +144,7 @@ fn both_passes_are_scored_against_the_truth() {
     assert!(boxes_of_a.len() > 30);
     let expected = summary::score(&boxes_of_a, &boxes(folder.path(), &b));
     assert!(expected.strict.mota < 1.0);
-    let truth = Arc::new(Truth { boxes: Some(boxes_of_a), masks: None });
+    let truth = Arc::new(Truth { boxes: Some(boxes_of_a), masks: None, ..Truth::default() });
     let watched = WatchedSession::open(folder.path(), a.clone(), Start::First, 1 << 30);
     watched.request(settings_request(a, Some(b)));
     watched.request(Request::Truth(Some(truth)));

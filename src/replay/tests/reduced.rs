@@ -37,7 +37,7 @@ fn truth_of(analyses: &[Analysis], pipeline: &Pipeline, placement: &Placement) -
         Arc::new(TrueMask::new(mask.size, mask.data.iter().map(label)))
     };
     let masks: BTreeMap<_, _> = analyses.iter().map(|analysis| (analysis.number, mask(analysis))).collect();
-    Truth { boxes: Some(boxes), masks: TrueMasks::new(masks).map(Arc::new) }
+    Truth { boxes: Some(boxes), masks: TrueMasks::new(masks).map(Arc::new), ..Truth::default() }
 }
 
 #[test]
@@ -73,7 +73,7 @@ fn ground_truth_of_the_source_is_compared_with_reduced_frames() {
     // Masks of neither size are still refused.
     let mask = Arc::new(TrueMask::of_identities(Size::new(4, 3), &[1; 12]));
     let masks = TrueMasks::new(BTreeMap::from([(FIRST, mask)])).map(Arc::new);
-    watched.request(Request::Truth(Some(Arc::new(Truth { boxes: None, masks }))));
+    watched.request(Request::Truth(Some(Arc::new(Truth { boxes: None, masks, ..Truth::default() }))));
     let state = watched.wait_until(|state| !state.warnings.is_empty());
     assert!(state.warnings[0].contains("4×3") && state.warnings[0].contains("96×64"), "{:?}", state.warnings);
 }

@@ -25,7 +25,7 @@ fn masks_of(single_pass: &[ShownFrame]) -> Arc<TrueMasks> {
 }
 
 fn truth_of_masks(masks: &Arc<TrueMasks>) -> Arc<Truth> {
-    Arc::new(Truth { boxes: None, masks: Some(Arc::clone(masks)) })
+    Arc::new(Truth { boxes: None, masks: Some(Arc::clone(masks)), ..Truth::default() })
 }
 
 #[test]

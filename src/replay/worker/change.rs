@@ -38,7 +38,7 @@ impl Worker<'_> {
                      ignored; load those of this video",
                     self.info.name
                 ));
-                (Some(Arc::new(Truth { boxes: truth.boxes.clone(), masks: None })), None)
+                (Some(Arc::new(Truth { masks: None, ..Truth::clone(&truth) })), None)
             }
             truth => {
                 let masks = truth.as_ref().and_then(|truth| truth.masks.clone());

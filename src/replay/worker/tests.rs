@@ -234,7 +234,7 @@ fn the_status_names_the_current_work() {
     show(&mut worker, 7);
     work_until(&mut worker, is_seeking);
     assert!(is_seeking(&worker));
-    let truth = Truth { boxes: Some(Boxes::new()), masks: None };
+    let truth = Truth { boxes: Some(Boxes::new()), masks: None, ..Truth::default() };
     request(&mut worker, Request::Truth(Some(Arc::new(truth))));
     while !worker.is_view_current() {
         assert!(succeed(worker.work_once()));
@@ -253,7 +253,7 @@ fn scores_are_against_the_newest_truth() {
     work_until_idle(&mut worker);
     let truths = [0, 1, 2].map(|count| {
         let boxes = (0..count).map(|at| (FIRST + 20 + at, [(1, Bounds([34.0, 26.0, 9.0, 14.0]))].into()));
-        Some(Arc::new(Truth { boxes: Some(boxes.collect()), masks: None }))
+        Some(Arc::new(Truth { boxes: Some(boxes.collect()), masks: None, ..Truth::default() }))
     });
     let mut score_against = |truth: &Option<Arc<Truth>>, pieces: bool| {
         request(&mut worker, Request::Truth(truth.clone()));
