@@ -10,22 +10,12 @@ use std::fs;
 use std::path::Path;
 use std::process::Command;
 
-use common::{TestFolder, names, noise, occluscope, text, works, write_images};
+use common::{TABLES, TestFolder, names, noise, occluscope, text, works, write_images};
 use encoded::{make, read_all, remux, set_display_matrix, times_by_program};
 use image::{Rgb, RgbImage};
 use occluscope::export::video::VideoFile;
 use occluscope::frame::{Frame, Size};
 use serde_json::Value;
-
-const TABLES: [&str; 7] = [
-    "episodes.csv",
-    "events.jsonl",
-    "regions.csv",
-    "settings.toml",
-    "summary.json",
-    "tracks.csv",
-    "tracks.json",
-];
 
 /// A frame of coloured stripes that move.
 fn stripes(number: u32, size: Size) -> Frame {

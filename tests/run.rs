@@ -8,21 +8,11 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::Path;
 
-use common::{HEIGHT, TestFolder, WIDTH, fails, occluscope, scene, text, works, write_images};
+use common::{HEIGHT, TABLES, TestFolder, WIDTH, fails, occluscope, scene, text, works, write_images};
 use opencv::core::{Mat, Vector};
 use opencv::prelude::*;
 use opencv::{imgcodecs, videoio};
 use serde_json::Value;
-
-const TABLES: [&str; 7] = [
-    "episodes.csv",
-    "events.jsonl",
-    "regions.csv",
-    "settings.toml",
-    "summary.json",
-    "tracks.csv",
-    "tracks.json",
-];
 
 /// Settings with which the small scene's block is an object.
 const SMALL: [&str; 8] = ["--median", "0", "--min-area", "10", "--track-min-area", "0.5", "--alpha", "0.01"];

@@ -10,6 +10,17 @@ use assert_cmd::Command;
 use image::{Rgb, RgbImage};
 use tempfile::TempDir;
 
+/// The files that `run` always writes.
+pub const TABLES: [&str; 7] = [
+    "episodes.csv",
+    "events.jsonl",
+    "regions.csv",
+    "settings.toml",
+    "summary.json",
+    "tracks.csv",
+    "tracks.json",
+];
+
 pub const WIDTH: u32 = 96;
 pub const HEIGHT: u32 = 72;
 
