@@ -39,12 +39,7 @@ pub struct Score {
 
 /// Scores `found` against `truth`.
 pub fn score(truth: &Boxes, found: &Boxes) -> TrackScore {
-    TrackScore {
-        strict: clear_mot::score(truth, found, 0.5),
-        loose: clear_mot::score(truth, found, 0.3),
-        hota: hota::score(truth, found),
-        occlusion: survival::score(truth, found),
-    }
+    score_with_episodes(truth, found, truth)
 }
 
 /// Scores `found`, which is known only of the frames for which `is_analysed` holds: objects in other frames are not
@@ -52,7 +47,17 @@ pub fn score(truth: &Boxes, found: &Boxes) -> TrackScore {
 pub fn score_of_frames(truth: &Boxes, found: &Boxes, is_analysed: impl Fn(u32) -> bool) -> TrackScore {
     let analysed = truth.iter().filter(|(number, _)| is_analysed(**number));
     let analysed: Boxes = analysed.map(|(number, boxes)| (*number, boxes.clone())).collect();
-    TrackScore { occlusion: survival::score(truth, found), ..score(&analysed, found) }
+    score_with_episodes(&analysed, found, truth)
+}
+
+/// Scores `found` against `truth`, and by the occlusion episodes of `whole_truth`.
+fn score_with_episodes(truth: &Boxes, found: &Boxes, whole_truth: &Boxes) -> TrackScore {
+    TrackScore {
+        strict: clear_mot::score(truth, found, 0.5),
+        loose: clear_mot::score(truth, found, 0.3),
+        hota: hota::score(truth, found),
+        occlusion: survival::score(whole_truth, found),
+    }
 }
 
 /// The boxes of an offline result, as in its file of tracks.

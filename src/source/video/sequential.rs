@@ -74,7 +74,8 @@ impl SequentialReader {
         &self.index
     }
 
-    /// The next picture, `None` after the last. A network stream has no index. Fails where the file had to be opened again and could not be.
+    /// The next picture, `None` after the last. A network stream has no index. Fails where the file had to be opened again
+    /// and could not be.
     pub(super) fn next(&mut self) -> Result<Option<TimedPicture>, Failure> {
         if self.is_live {
             drop(self.reader.take_keys());
