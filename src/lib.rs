@@ -101,6 +101,7 @@ pub mod registration;
 pub mod replay;
 pub mod settings;
 pub mod source;
+pub mod sweep;
 pub mod synth;
 pub mod tracking;
 pub mod truth;

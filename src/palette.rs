@@ -34,6 +34,15 @@ const COMPONENTS: [[u8; 3]; 8] = [
     [170, 170, 170],
 ];
 
+/// The colour of a pixel that is foreground in the mask and in the ground truth.
+pub const TRUE_POSITIVE: [u8; 3] = [228, 232, 238];
+/// The colour of a pixel that is foreground in the mask alone.
+pub const FALSE_POSITIVE: [u8; 3] = [232, 92, 28];
+/// The colour of a pixel that is foreground in the ground truth alone.
+pub const FALSE_NEGATIVE: [u8; 3] = [86, 180, 233];
+/// The colour of a pixel that the ground truth ignores.
+pub const IGNORED: [u8; 3] = [58, 52, 66];
+
 /// The colour of an object; neighbouring identities differ strongly, and the same identity always has the same.
 pub fn identity_colour(id: Identity) -> [u8; 3] {
     IDENTITIES[(id.max(1) - 1) as usize % IDENTITIES.len()]

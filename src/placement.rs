@@ -1,5 +1,7 @@
 //! Where the analysed frames lie in the images of their source, if these are cropped or scaled.
 
+use std::fmt::{self, Display, Formatter};
+
 use serde::{Deserialize, Serialize};
 
 use crate::frame::{Frame, Mask, Size};
@@ -16,6 +18,14 @@ pub struct Crop {
     pub width: u32,
     /// Number of rows, at least 1.
     pub height: u32,
+}
+
+impl Display for Crop {
+    /// As in `--crop X,Y,W,H`.
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let Self { x, y, width, height } = self;
+        write!(f, "{x},{y},{width},{height}")
+    }
 }
 
 impl Crop {
@@ -71,6 +81,11 @@ impl Placement {
     /// The analysed part of the source's images.
     pub const fn crop(&self) -> Crop {
         self.crop
+    }
+
+    /// The analysed part of the source's images; `None` where it is all of them.
+    pub fn part(&self) -> Option<Crop> {
+        (self.crop != Crop::whole(self.source)).then_some(self.crop)
     }
 
     /// Size of the analysed frames.
@@ -257,7 +272,9 @@ mod tests {
         assert_eq!(size(None, Some(0.5)), Size::new(20, 15));
         assert_eq!(size(Some(CROP), Some(0.5)), Size::new(10, 8), "7.5 is rounded up");
         assert_eq!(size(Some(Crop { x: 39, y: 0, width: 1, height: 30 }), Some(0.01)), Size::new(1, 1));
-        assert!(placement(Some(Crop::whole(SOURCE)), Some(1.0)).is_identity());
+        let whole = placement(Some(Crop::whole(SOURCE)), Some(1.0));
+        assert!(whole.is_identity() && whole.part().is_none());
+        assert_eq!(placement(Some(CROP), Some(0.5)).part(), Some(CROP));
     }
 
     #[test]

@@ -201,6 +201,7 @@ impl Kind {
 }
 
 /// The definition of a parameter.
+#[derive(Debug)]
 pub struct Setting {
     /// Its key in a settings file; with dashes in place of underscores, its flag.
     pub name: &'static str,

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use common::{TestFolder, fails, text, works, write_images};
+use common::{TestFolder, fails, occluscope, text, works, write_images};
 use serde_json::Value;
 
 /// Boxes of a `tracks.csv` by frame and identity.
@@ -184,6 +184,119 @@ fn a_crop_moves_results_by_whole_pixels() {
     assert_ne!(half("20,30"), half("22,30"));
     let rows = half("20,30");
     assert!(rows.lines().nth(2).unwrap().starts_with("4,") && rows.lines().count() == 21, "{rows}");
+}
+
+/// The scores as JSON, and what is told of them.
+fn scores(results: &Path, truth: &Path) -> (Value, String) {
+    let output = occluscope(&["score", text(results), "--truth", text(truth), "--json"]).output().unwrap();
+    let told = String::from_utf8(output.stderr).unwrap();
+    assert!(output.status.success(), "{told}");
+    let mut scores: Value = serde_json::from_slice(&output.stdout).unwrap();
+    scores.as_object_mut().unwrap().remove("truth_path");
+    scores.as_object_mut().unwrap().remove("summary_sha256");
+    (scores, told)
+}
+
+fn assert_agree(a: &Value, b: &Value) {
+    match (a, b) {
+        (Value::Object(a), Value::Object(b)) => {
+            assert!(a.keys().eq(b.keys()), "{a:?} {b:?}");
+            a.values().zip(b.values()).for_each(|(a, b)| assert_agree(a, b));
+        }
+        (Value::Number(a), Value::Number(b)) => {
+            assert!((a.as_f64().unwrap() - b.as_f64().unwrap()).abs() < 1e-6, "{a} {b}");
+        }
+        _ => assert_eq!(a, b),
+    }
+}
+
+#[test]
+fn a_crop_is_scored_as_the_same_part_in_a_video_of_its_own() {
+    let place = TestFolder::new();
+    let [video, part, masks, part_masks] =
+        ["images", "part", "masks", "part-masks"].map(|name| place.path(name));
+    write_images(&video, 60, 1);
+    for folder in [&part, &masks, &part_masks] {
+        fs::create_dir(folder).unwrap();
+    }
+    // The block, and an object and moving pixels above the crop 8,16,80,48, in which the block is cut at the left.
+    let (mut boxes, mut part_boxes) = (Vec::new(), Vec::new());
+    for t in 1..=60 {
+        let name = format!("in{t:06}.png");
+        image::open(video.join(&name)).unwrap().crop_imm(8, 16, 80, 48).save(part.join(&name)).unwrap();
+        let (left, right) = ((i64::from(t) * 2 - 50).max(0), i64::from(t) * 2 - 40);
+        boxes.push(format!("{t},2,30,2,9,9,1\n"));
+        if right > 0 {
+            boxes.push(format!("{t},1,{left},25,{},25,1\n", right - left));
+        }
+        let (cut, width) = (left.max(8), right - left.max(8));
+        if width > 0 {
+            // Less than half of a box is ignored.
+            let conf = i32::from(2 * width >= right - left);
+            part_boxes.push(format!("{t},1,{},9,{width},25,{conf}\n", cut - 8));
+        }
+        let level = |x: u32, y: u32| {
+            let is_block = (left..right).contains(&i64::from(x)) && (25..50).contains(&y);
+            image::Luma([if is_block || y < 12 { 255 } else { 0 }])
+        };
+        let mask = image::GrayImage::from_fn(96, 72, level);
+        mask.save(masks.join(&name)).unwrap();
+        image::imageops::crop_imm(&mask, 8, 16, 80, 48).to_image().save(part_masks.join(&name)).unwrap();
+    }
+    let [truth, part_truth] = ["gt.txt", "part.txt"].map(|name| place.path(name));
+    fs::write(&truth, boxes.concat()).unwrap();
+    fs::write(&part_truth, part_boxes.concat()).unwrap();
+    let (of_part, cropped) = (place.path("of-part"), place.path("cropped"));
+    run(&part, &of_part, &[]);
+    run(&video, &cropped, &["--crop", "8,16,80,48"]);
+
+    let (tracks, told) = scores(&cropped, &truth);
+    assert!(tracks["mota"].as_f64().unwrap() > 0.5, "{tracks}");
+    assert_agree(&tracks, &scores(&of_part, &part_truth).0);
+    assert!(told.contains("boxes outside the crop 8,16,80,48 are left out"), "{told}");
+    let (masks, told) = scores(&cropped, &masks);
+    assert_agree(&masks, &scores(&of_part, &part_masks).0);
+    assert!(told.contains("pixels outside the crop 8,16,80,48 do not count"), "{told}");
+
+    // Without the crop in its summary, the same files miss what they do not show.
+    let mut summary = json(&cropped.join("summary.json"));
+    summary["input"]["options"] = serde_json::json!({});
+    fs::write(cropped.join("summary.json"), summary.to_string()).unwrap();
+    assert!(scores(&cropped, &truth).0["mota"].as_f64().unwrap() < 0.5);
+
+    // Events are those of whole images.
+    let (video, scene) = crossing(&place);
+    let out = place.path("out");
+    run(&video, &out, &["--crop", "100,0,380,360"]);
+    let (score, told) = scores(&out, &scene);
+    assert!(score.get("events").is_none() && score.get("episode_recall").is_none(), "{score}");
+    assert!(told.contains("all events and episodes, are left out"), "{told}");
+}
+
+#[test]
+fn the_analysed_frames_are_known_where_the_numbers_of_images_have_gaps() {
+    let place = TestFolder::new();
+    let (video, out) = (place.path("images"), place.path("out"));
+    write_images(&video, 60, 1);
+    fs::remove_file(video.join("in000031.png")).unwrap();
+    run(&video, &out, &["--every", "2"]);
+    assert_eq!(
+        json(&out.join("summary.json"))["input"]["analysed"],
+        serde_json::json!([[1, 29, 2], [32, 60, 2]])
+    );
+    // The tracks themselves as ground truth, and their objects in the other frames as well.
+    let rows = fs::read_to_string(out.join("tracks.csv")).unwrap();
+    let next = |row: &str| {
+        let (frame, rest) = row.split_once(',').unwrap();
+        format!("{},{rest}\n", frame.parse::<u32>().unwrap() + 1)
+    };
+    let truth = place.path("gt.txt");
+    let later: Vec<String> = rows.lines().map(next).collect();
+    fs::write(&truth, rows.clone() + &later.concat()).unwrap();
+    assert!(rows.lines().count() > 10, "{rows}");
+    let (score, told) = scores(&out, &truth);
+    assert_eq!((&score["mota"], &score["iou0.5"]["recall"]), (&1.0.into(), &1.0.into()), "{score}");
+    assert!(told.contains("30 frames are judged, 1 to 60"), "{told}");
 }
 
 #[test]

@@ -183,13 +183,18 @@ impl Scored {
     }
 }
 
+/// The scores, without the path and offset of the ground truth that they state, and the notes.
 fn scores(results: &str, truth: &str, more: &[&str]) -> (Value, String) {
     let mut arguments = vec!["score", results, "--truth", truth, "--json"];
     arguments.extend(more);
     let output = common::occluscope(&arguments).output().unwrap();
     let told = String::from_utf8(output.stderr).unwrap();
     assert!(output.status.success(), "{arguments:?}: {told}");
-    (serde_json::from_slice(&output.stdout).unwrap(), told)
+    let mut scores: Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(scores.as_object_mut().unwrap().remove("truth_path"), Some(truth.into()));
+    scores.as_object_mut().unwrap().remove("summary_sha256");
+    assert!(scores.as_object_mut().unwrap().remove("offset").is_some_and(|offset| offset.is_i64()));
+    (scores, told)
 }
 
 fn mota(scores: &Value) -> f64 {

@@ -172,8 +172,8 @@ fn help_and_version_are_printed() {
         assert!(long.contains(part) && !short.contains(part), "{part}");
     }
     let help = works(&["--help"]);
-    assert!(["run", "pixel", "score", "bench", "settings", "synth"].iter().all(|name| help.contains(name)));
-    assert!(!help.contains("sweep"));
+    let names = ["run", "pixel", "model", "score", "export", "sweep", "bench", "settings", "synth"];
+    assert!(names.iter().all(|name| help.contains(&format!("\n  {name} "))), "{help}");
 }
 
 /// Asserts that `run` and `pixel` fail on `input` in one line that names it, and write nothing into `place`.

@@ -123,6 +123,7 @@ fn shown_at(position: u32, count: u32) -> ShownFrame {
         map: None,
         pixel: None,
         truth: None,
+        external: None,
         compared: None,
     }
 }

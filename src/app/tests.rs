@@ -34,12 +34,14 @@ use crate::settings::{SETTINGS, Settings};
 use crate::source::{FpsFrom, SourceInfo};
 use crate::tracking::{HypothesisSummary, Track, TrackState};
 use crate::truth::Truth;
+use crate::truth::external::ExternalResults;
 use crate::truth::masks::TrueMask;
 
 mod access;
 mod areas;
 mod around;
 mod compare;
+mod external;
 mod inspector;
 mod layout;
 mod loupe;
@@ -50,6 +52,7 @@ mod pictures;
 mod pixels;
 mod sizes;
 mod source_options;
+mod sweep;
 mod timeline;
 mod truth;
 
@@ -63,6 +66,7 @@ enum PlayerCall {
     Settings(Box<Settings>),
     Compare(Option<Box<Settings>>),
     Truth(bool),
+    External(bool),
     Explain(Option<Box<Event>>),
     Roi(Option<Arc<regions::Roi>>),
     Inspect(Option<(u32, u32)>),
@@ -81,6 +85,7 @@ struct RecordingPlayer {
     state: Rc<RefCell<State>>,
     asked: Rc<RefCell<Vec<PlayerCall>>>,
     truth: Rc<RefCell<Option<Arc<Truth>>>>,
+    external: Rc<RefCell<Option<Arc<ExternalResults>>>>,
 }
 
 impl Player for RecordingPlayer {
@@ -96,6 +101,7 @@ impl Player for RecordingPlayer {
             }
             Request::Roi(roi) => vec![PlayerCall::Roi(roi.clone())],
             Request::Truth(truth) => vec![PlayerCall::Truth(truth.is_some())],
+            Request::External(results) => vec![PlayerCall::External(results.is_some())],
             Request::AnalyseAhead(ahead) => vec![PlayerCall::Ahead(*ahead)],
             Request::Inspect(at) => vec![PlayerCall::Inspect(*at)],
             Request::Pin(pixels) => vec![PlayerCall::Pin(pixels.clone())],
@@ -125,7 +131,8 @@ impl RecordingPlayer {
             Request::Show(position) => {
                 let shown = shown_at(position.min(FRAMES - 1));
                 let (map, truth) = (self.asked_map().map(map_of), self.truth_of(&shown));
-                self.state.borrow_mut().shown = Some(Arc::new(ShownFrame { map, truth, ..shown }));
+                let external = self.external_of(&shown);
+                self.state.borrow_mut().shown = Some(Arc::new(ShownFrame { map, truth, external, ..shown }));
             }
             Request::Settings { in_view, candidate } => {
                 let candidate = candidate.map(|settings| *settings);
@@ -141,6 +148,13 @@ impl RecordingPlayer {
                 let shown = self.state.borrow().shown.clone();
                 self.state.borrow_mut().shown = shown.map(|shown| {
                     Arc::new(ShownFrame { truth: self.truth_of(&shown), ..ShownFrame::clone(&shown) })
+                });
+            }
+            Request::External(results) => {
+                *self.external.borrow_mut() = results;
+                let shown = self.state.borrow().shown.clone();
+                self.state.borrow_mut().shown = shown.map(|shown| {
+                    Arc::new(ShownFrame { external: self.external_of(&shown), ..ShownFrame::clone(&shown) })
                 });
             }
             Request::Map(quantity) => {
@@ -166,6 +180,11 @@ impl RecordingPlayer {
     /// The ground-truth mask of a frame, if any.
     fn truth_of(&self, shown: &ShownFrame) -> Option<Arc<TrueMask>> {
         self.truth.borrow().as_ref()?.masks.as_ref()?.of(shown.frame.number).cloned()
+    }
+
+    /// The external mask of a frame, if any.
+    fn external_of(&self, shown: &ShownFrame) -> Option<Arc<TrueMask>> {
+        self.external.borrow().as_ref()?.mask(shown.frame.number).cloned()
     }
 
     /// The quantity of the latest request for maps.
@@ -327,6 +346,7 @@ fn shown_at(position: u32) -> ShownFrame {
         map: None,
         pixel: None,
         truth: None,
+        external: None,
         compared: None,
     }
 }
@@ -423,7 +443,9 @@ fn window_at(
 ) -> (Harness<'static, Window>, RecordingPlayer) {
     let asked = Rc::<RefCell<Vec<PlayerCall>>>::default();
     let first = state.clone().unwrap_or_else(|| self::state(Phase::Opening, None));
-    let scene = RecordingPlayer { state: Rc::new(RefCell::new(first)), asked, truth: Rc::default() };
+    let state_of_player = Rc::new(RefCell::new(first));
+    let scene =
+        RecordingPlayer { state: state_of_player, asked, truth: Rc::default(), external: Rc::default() };
     let player = scene.clone();
     let mut harness = Harness::builder()
         .with_size(vec2(size.0, size.1))

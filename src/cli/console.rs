@@ -3,7 +3,7 @@
 use std::io::{self, Write};
 
 use clap::ArgMatches;
-use indicatif::{ProgressBar, ProgressStyle};
+use indicatif::{HumanDuration, ProgressBar, ProgressStyle};
 
 /// The verbosity of messages.
 #[derive(Clone, Copy, Debug)]
@@ -48,6 +48,58 @@ impl Console {
         }
         bar.set_message(what);
         Progress { bar, console: self }
+    }
+
+    /// The progress of a long work, whose total is in any unit.
+    pub(super) fn long_progress(self, total: u64) -> LongProgress {
+        let bar = if self.quiet { ProgressBar::hidden() } else { ProgressBar::new(total) };
+        let template = "{msg} {wide_bar:.cyan/dim} {percent:>3} %  {eta:>4} left";
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            bar.set_style(style.progress_chars("━╸─"));
+        }
+        bar.set_position(0);
+        LongProgress { bar, console: self }
+    }
+}
+
+/// The progress of a long work of several parts: a bar with the time left on a terminal, lines elsewhere.
+pub(super) struct LongProgress {
+    bar: ProgressBar,
+    console: Console,
+}
+
+impl LongProgress {
+    /// Names the part that is in work.
+    pub(super) fn begin(&self, part: String) {
+        self.bar.set_message(part);
+    }
+
+    /// Advances by this much of the total.
+    pub(super) fn advance(&self, work: u64) {
+        self.bar.inc(work);
+    }
+
+    /// Prints that a part is done, with the share of the whole and the time left.
+    pub(super) fn part_done(&self, part: &str) {
+        let total = self.bar.length().unwrap_or(0).max(1);
+        let left = if self.bar.position() < total {
+            format!(", {} left", HumanDuration(self.bar.eta()))
+        } else {
+            String::new()
+        };
+        let percent = 100 * self.bar.position().min(total) / total;
+        self.note(&format!("{part} ({percent} % of all{left})"));
+    }
+
+    /// Prints a note.
+    pub(super) fn note(&self, text: &str) {
+        self.bar.suspend(|| self.console.note(text));
+    }
+}
+
+impl Drop for LongProgress {
+    fn drop(&mut self) {
+        self.bar.finish_and_clear();
     }
 }
 

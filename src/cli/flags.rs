@@ -23,6 +23,17 @@ pub(super) fn video() -> Arg {
     )
 }
 
+/// `--offset`.
+pub(super) fn offset() -> Arg {
+    Arg::new("offset")
+        .long("offset")
+        .value_name("N")
+        .allow_negative_numbers(true)
+        .value_parser(value_parser!(i64).range(-(1 << 32)..=1 << 32))
+        .default_value("0")
+        .help("Add N to the frame numbers of the ground truth")
+}
+
 /// Adds `--preset`, `--settings` and a flag for every setting.
 pub(super) fn with_settings(command: Command) -> Command {
     let presets: Vec<_> =

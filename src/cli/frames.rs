@@ -100,7 +100,7 @@ impl Frames {
         &mut self,
         settings: &Settings,
         console: Console,
-        mut learn: impl FnMut(&[&Frame]) -> anyhow::Result<()>,
+        learn: impl FnMut(&[&Frame]) -> anyhow::Result<()>,
     ) -> anyhow::Result<()> {
         let most = self.info.bootstrap(settings);
         if self.info.live && settings.bootstrap.frames(self.info.fps) > 0 {
@@ -113,8 +113,19 @@ impl Frames {
             return Ok(());
         }
         let progress = console.progress("learning", Some(self.total.map_or(most, |total| total.min(most))));
+        self.learn_first(most, learn, |count| progress.advance(count))
+    }
+
+    /// Calls `learn` with the first frames in order, in batches, up to `most`, and `advance` with the size of each batch.
+    /// The sequence then starts with the first of them again.
+    pub(super) fn learn_first(
+        &mut self,
+        most: u32,
+        mut learn: impl FnMut(&[&Frame]) -> anyhow::Result<()>,
+        advance: impl Fn(usize),
+    ) -> anyhow::Result<()> {
         self.learn_within(MAX_KEPT_BYTES, most, |frames| {
-            progress.advance(frames.len());
+            advance(frames.len());
             learn(frames)
         })
     }

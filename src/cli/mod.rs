@@ -16,6 +16,7 @@ pub mod score;
 mod scored_results;
 pub mod settings;
 mod source_flags;
+pub mod sweep;
 pub mod synth;
 mod window;
 
@@ -41,6 +42,8 @@ Examples:
   occluscope run street.mp4 --out results     analyse without a display
   occluscope score results --truth gt.txt     compare the results with ground truth
   occluscope export results --format coco     convert the tracks for other tools
+  occluscope sweep street.mp4 --truth gt.txt --grid k=3,4,5 --out swept
+                                              compare settings by their scores
   occluscope pixel street.mp4 --at 320,240    one pixel's mixture at every frame, as CSV
   occluscope settings > my.toml               every setting with its range and meaning
 
@@ -62,6 +65,7 @@ pub fn command() -> Command {
         .subcommand(model::command())
         .subcommand(score::command())
         .subcommand(export::command())
+        .subcommand(sweep::command())
         .subcommand(bench::command())
         .subcommand(settings::command())
         .subcommand(flags::with_common(synth::command()));
@@ -95,6 +99,7 @@ fn dispatch(matches: &ArgMatches) -> anyhow::Result<()> {
         Some(("model", matches)) => model::run(matches),
         Some(("score", matches)) => score::run(matches),
         Some(("export", matches)) => export::run(matches),
+        Some(("sweep", matches)) => sweep::run(matches),
         Some(("bench", matches)) => bench::run(matches),
         Some(("settings", matches)) => settings::run(matches),
         Some(("synth", matches)) => flags::start_threads(matches).and_then(|()| synth::run(matches)),

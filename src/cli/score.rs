@@ -1,34 +1,29 @@
 //! `occluscope score`: scores the output of `run`, or anybody's tracks or masks, against ground truth.
 
-use std::collections::BTreeMap;
+use std::fs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-use anyhow::bail;
 use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 use serde::Serialize;
+use sha2::{Digest, Sha256};
 
 use super::console::Console;
 use super::flags;
-use super::scored_results::{AnalysedFrames, ScoredResults};
-use crate::truth::alignment;
-use crate::truth::boxes::{Boxes, shifted, shifted_number, span};
-use crate::truth::event_scoring::{self, EventScore, ScoredEvent};
-use crate::truth::formats::TrackFile;
+use super::run::hexadecimal;
+use super::scored_results::ScoredResults;
+use crate::truth::comparison::Comparison;
+use crate::truth::event_scoring::{self, EventScore};
 use crate::truth::hota::Hota;
-use crate::truth::ignored::without_ignored;
-use crate::truth::mask_score::{self, MaskScore};
+use crate::truth::mask_score;
 use crate::truth::masks::MaskFiles;
 use crate::truth::measures::Measures;
-use crate::truth::summary::{self, TrackScore};
+use crate::truth::sequence_truth::{Occlusions, Scores, SequenceTruth};
 use crate::truth::survival::Survival;
-use crate::truth::{TruthError, TruthSource};
+use crate::truth::{TruthError, alignment};
 
 /// F measure of masks below which other offsets are tried.
 const POOR_F: f64 = 0.5;
-
-/// Largest deviation in frames of events and of the ends of episodes.
-const TOLERANCE: u32 = 8;
 
 /// Defines the subcommand.
 pub fn command() -> Command {
@@ -41,8 +36,8 @@ pub fn command() -> Command {
              temporalROI.txt), or a folder of masks of 0 and 255: the seven mask measures; `run` needs \
              --masks;\n  a scene written by `synth`: tracks, events and episodes by kind (tolerance of 8 frames), \
              and masks if available.\n\nOnly frames that were analysed are judged: those in summary.json, or from \
-             the first to the last of a file of tracks. Boxes of confidence 0 and of MOTChallenge's distractors are \
-             neither found nor missed. Frames that CVAT and CAVIAR number from 0 are read from 1.\n\n\
+             the first to the last of a file of tracks; with --crop, only what is inside it. Boxes of confidence 0 and \
+             of MOTChallenge's distractors are neither found nor missed. Frames that CVAT and CAVIAR number from 0 are read from 1.\n\n\
              Examples:\n  occluscope score results --truth gt.txt\n  occluscope score results --truth highway \
              --json\n  occluscope score results --truth crossing\n  occluscope score tracker.txt --truth MOT17-09\n  \
              occluscope score results --truth gt.txt --offset 1",
@@ -62,15 +57,7 @@ pub fn command() -> Command {
                 .value_parser(value_parser!(PathBuf))
                 .help("Ground truth: tracks, masks, or a scene written by `synth`; see below"),
         )
-        .arg(
-            Arg::new("offset")
-                .long("offset")
-                .value_name("N")
-                .allow_negative_numbers(true)
-                .value_parser(value_parser!(i64).range(-(1 << 32)..=1 << 32))
-                .default_value("0")
-                .help("Add N to the frame numbers of the ground truth"),
-        )
+        .arg(flags::offset())
         .arg(
             Arg::new("json")
                 .long("json")
@@ -92,12 +79,25 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     }
     let mut out = io::stdout().lock();
     if matches.get_flag("json") {
-        serde_json::to_writer(&mut out, &Json { measures: scores.measures(), scores: &scores })?;
+        let json = Json {
+            measures: scores.measures(),
+            scores: &scores,
+            truth_path: path("truth"),
+            offset,
+            summary_sha256: hash_of_summary(&path("results")),
+        };
+        serde_json::to_writer(&mut out, &json)?;
         writeln!(out)?;
     } else {
-        scores.print(&mut out)?;
+        print(&scores, &mut out)?;
     }
     Ok(out.flush()?)
+}
+
+/// The SHA-256 of the summary in the output folder of a run, if there is one: it tells whether a score is of this run.
+pub(super) fn hash_of_summary(folder: &Path) -> Option<String> {
+    let summary = fs::read(folder.join("summary.json")).ok()?;
+    Some(hexadecimal(&Sha256::digest(summary)))
 }
 
 /// What `--json` prints: the measures under short names, and all scores by what they are of.
@@ -107,19 +107,11 @@ struct Json<'a> {
     measures: Measures,
     #[serde(flatten)]
     scores: &'a Scores,
-}
-
-/// All scores that the ground truth permits.
-#[derive(Default, Serialize)]
-struct Scores {
-    #[serde(flatten)]
-    tracks: Option<TrackScore>,
+    truth_path: PathBuf,
+    offset: i64,
+    /// The hash of the summary of the run that is scored.
     #[serde(skip_serializing_if = "Option::is_none")]
-    events: Option<BTreeMap<String, EventScore>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    episodes: Option<BTreeMap<String, EventScore>>,
-    #[serde(skip_serializing_if = "Option::is_none")]
-    masks: Option<MaskScore>,
+    summary_sha256: Option<String>,
 }
 
 /// Scores, and what is to be known of them.
@@ -131,272 +123,145 @@ struct Scored {
 
 impl Scored {
     fn of(results: &Path, truth: &Path, offset: i64) -> anyhow::Result<Self> {
-        let (results, source) = (ScoredResults::of(results)?, TruthSource::of(truth)?);
+        let (results, mut truth) = (ScoredResults::of(results)?, SequenceTruth::read(truth, offset)?);
+        if let Some(part) = results.part() {
+            truth = truth.within(part);
+        }
         let mut scored = Self::default();
-        match &source {
-            TruthSource::Boxes(_) => {
-                if let Some(tracks) = source.tracks()? {
-                    let compared = Compared::new(&tracks, &results, offset)?;
-                    compared.check_frames(truth)?;
-                    scored.add_tracks(&compared, truth);
+        if results.has_roi {
+            scored.notes.push(
+                "note: ground truth outside the region of interest of the run counts as missed; --crop of `run` leaves it \
+                 out"
+                .to_owned(),
+            );
+        }
+        if let Some(masks) = &truth.masks {
+            // Of a scene, which has boxes, too, the masks are judged where there are some.
+            let folder = if results.has_only_tracks() && truth.tracks.is_some() {
+                None
+            } else {
+                Some(results.masks()?).filter(|folder| truth.tracks.is_none() || folder.is_dir())
+            };
+            if let Some(folder) = folder {
+                scored.add_masks(&folder, masks, &truth.path)?;
+                if results.has_only_masks() {
+                    return Ok(scored);
                 }
             }
-            TruthSource::Cdnet(_) | TruthSource::Masks(_) => {
-                if let Some(masks) = source.masks()? {
-                    scored.add_masks(&results.masks()?, masks, truth, offset)?;
-                }
+        }
+        if let Some(tracks) = &truth.tracks {
+            let found = results.tracks()?;
+            let analysed = results.analysed(&found.boxes);
+            let comparison = Comparison::new(tracks, &found, &analysed, offset);
+            if truth.occlusions.is_none() {
+                comparison.check_frames(&truth.path)?;
             }
-            TruthSource::Scene(folder) => scored.add_scene(&results, &source, folder, offset)?,
+            let reported = truth.occlusions.as_ref().and(results.folder());
+            let reported = reported.map(Occlusions::read).transpose()?;
+            scored.scores.add_tracks(&comparison, truth.occlusions.as_ref(), reported.as_ref());
+            scored.add_notes(&comparison, &truth.path);
         }
         Ok(scored)
     }
 
-    fn add_tracks(&mut self, compared: &Compared, truth: &Path) {
-        self.notes.push(compared.note(truth));
-        if let Some(offset) = compared.better {
+    fn add_notes(&mut self, comparison: &Comparison<'_>, truth: &Path) {
+        let truth = truth.display();
+        self.notes.push(format!("note: {truth}: {}", comparison.note()));
+        if let Some(offset) = comparison.better_offset() {
             self.notes.push(format!(
-                "warning: {}: its boxes match better with --offset {offset}; check where its frame numbers start",
-                truth.display()
+                "warning: {truth}: its boxes match better with --offset {offset}; check where its frame numbers start"
             ));
         }
-        self.scores.tracks = Some(compared.score());
     }
 
-    fn add_masks(
-        &mut self,
-        folder: &Path,
-        masks: MaskFiles,
-        truth: &Path,
-        offset: i64,
-    ) -> Result<(), TruthError> {
-        let masks = masks.shifted(offset);
-        let score = mask_score::score(folder, &masks)?;
+    fn add_masks(&mut self, folder: &Path, masks: &MaskFiles, truth: &Path) -> Result<(), TruthError> {
+        let score = mask_score::score(folder, masks)?;
+        let outside = masks.part().map(|part| format!("; pixels outside the crop {part} do not count"));
         self.notes.push(format!(
-            "note: {}: {} masks; {} frames are judged, those with a mask in {}",
+            "note: {}: {} masks; {} frames are judged, those with a mask in {}{}",
             truth.display(),
             masks.numbers().count(),
             score.frames,
-            folder.display()
+            folder.display(),
+            outside.unwrap_or_default()
         ));
+        if let Some(remark) = masks.remark() {
+            self.notes.push(format!("warning: {}: {remark}", truth.display()));
+        }
         if score.f_measure < POOR_F
-            && let Some(more) = alignment::better_offset_of_masks(&masks, &mask_score::results_in(folder)?)?
+            && let Some(more) = alignment::better_offset_of_masks(masks, &mask_score::results_in(folder)?)?
         {
             self.notes.push(format!(
                 "warning: {}: its masks match better with --offset {}; check where its frame numbers start",
                 truth.display(),
-                offset + more
+                masks.offset() + more
             ));
         }
         self.scores.masks = Some(score);
         Ok(())
     }
-
-    fn add_scene(
-        &mut self,
-        results: &ScoredResults,
-        source: &TruthSource,
-        scene: &Path,
-        offset: i64,
-    ) -> anyhow::Result<()> {
-        let masks = match (results, source.masks()?) {
-            (ScoredResults::Tracks(_), _) | (_, None) => None,
-            (_, Some(masks)) => Some((results.masks()?, masks)).filter(|(folder, _)| folder.is_dir()),
-        };
-        if let Some((folder, masks)) = masks {
-            self.add_masks(&folder, masks, scene, offset)?;
-            if let ScoredResults::Masks(_) = results {
-                return Ok(());
-            }
-        }
-        let Some(tracks) = source.tracks()? else { return Ok(()) };
-        let compared = Compared::new(&tracks, results, offset)?;
-        if let Some(folder) = results.folder() {
-            let people = event_scoring::people(&compared.boxes, &compared.found);
-            let compare = |truth: Vec<ScoredEvent>, found: Vec<ScoredEvent>| {
-                event_scoring::compare(&compared.analysed_events(truth), &found, &people, TOLERANCE)
-            };
-            let events = |folder: &Path| event_scoring::read_events(&folder.join("events.jsonl"));
-            let episodes = |folder: &Path| event_scoring::read_episodes(&folder.join("episodes.csv"));
-            self.scores.events = Some(compare(events(scene)?, events(folder)?));
-            self.scores.episodes = Some(compare(episodes(scene)?, episodes(folder)?));
-        }
-        self.add_tracks(&compared, scene);
-        Ok(())
-    }
 }
 
-/// True and found boxes in the analysed frames.
-struct Compared {
-    /// The true boxes in the range of analysed frames.
-    boxes: Boxes,
-    /// The found boxes that count.
-    found: Boxes,
-    analysed: AnalysedFrames,
-    /// The first and last frame of the ground truth, analysed or not.
-    all_frames: Option<(i64, i64)>,
-    /// Number of frames with true boxes that were not analysed.
-    left_out: usize,
-    offset: i64,
-    /// The offset at which the boxes match better, if there is one.
-    better: Option<i64>,
-    /// The offset that makes the first frame of the ground truth the first that was analysed.
-    aligning: i64,
-    /// What was read.
-    read: String,
-}
-
-impl Compared {
-    fn new(truth: &TrackFile, results: &ScoredResults, offset: i64) -> anyhow::Result<Self> {
-        let found = results.tracks()?;
-        let analysed = results.analysed(&found.boxes);
-        let mut boxes = shifted(&truth.boxes, offset);
-        let span = span(&truth.boxes).map(|(first, last)| (i64::from(first), i64::from(last)));
-        let more = alignment::better_offset(&boxes, &found.boxes, analysed.first);
-        let left_out = boxes.keys().filter(|number| !analysed.contains(**number)).count();
-        boxes.retain(|number, _| analysed.covers(*number));
-        let mut read = format!("{}, {} boxes in {} frames", truth.format, truth.count(), truth.boxes.len());
-        for remark in &truth.remarks {
-            read += "; ";
-            read += remark;
-        }
-        for remark in &found.remarks {
-            read += "; of the results, ";
-            read += remark;
-        }
-        Ok(Self {
-            found: without_ignored(&boxes, &shifted(&truth.ignored, offset), &found.boxes),
-            aligning: i64::from(analysed.first) - span.map_or(0, |(first, _)| first),
-            better: more.map(|more| offset + more),
-            boxes,
-            analysed,
-            all_frames: span.map(|(first, last)| (first + offset, last + offset)),
-            left_out,
-            offset,
-            read,
-        })
+fn print(scores: &Scores, out: &mut impl Write) -> io::Result<()> {
+    let of_tracks = scores.tracks.iter();
+    for (name, score) in
+        of_tracks.flat_map(|tracks| [("IoU 0.5", &tracks.strict), ("IoU 0.3", &tracks.loose)])
+    {
+        writeln!(
+            out,
+            "{name}   MOTA {:.3}  IDF1 {:.3}  precision {:.3}  recall {:.3}  MOTP {:.3}  IDSW {}  \
+             fragmentations {}  mostly tracked {} of {}",
+            score.mota,
+            score.idf1,
+            score.precision,
+            score.recall,
+            score.motp,
+            score.num_switches,
+            score.num_fragmentations,
+            score.mostly_tracked,
+            score.num_unique_objects
+        )?;
     }
-
-    /// Fails if no frame of the ground truth was analysed.
-    fn check_frames(&self, truth: &Path) -> anyhow::Result<()> {
-        let Some((first, last)) = self.all_frames.filter(|_| self.boxes.is_empty()) else { return Ok(()) };
-        let (offset, reason) = match self.better {
-            Some(offset) => (offset, "where the boxes match"),
-            None => (self.aligning, "which makes the first numbers equal"),
-        };
-        bail!(
-            "{}: its frames {first} to {last} are not among those that were analysed, {} to {}; score with \
-             --offset {offset}, {reason}",
-            truth.display(),
-            self.analysed.first,
-            self.analysed.last
-        );
+    if let Some(tracks) = &scores.tracks {
+        let Hota { hota, deta, assa, loca } = tracks.hota;
+        writeln!(
+            out,
+            "HOTA      HOTA {hota:.3}  DetA {deta:.3}  AssA {assa:.3}  LocA {loca:.3}  (means over IoU 0.05 to \
+             0.95)"
+        )?;
+        let Survival { episodes, identities, survived, .. } = &tracks.occlusion;
+        writeln!(
+            out,
+            "occlusion {survived} of {identities} identities kept through {episodes} occlusion episodes"
+        )?;
     }
-
-    fn score(&self) -> TrackScore {
-        summary::score_of_frames(&self.boxes, &self.found, |number| self.analysed.contains(number))
-    }
-
-    /// The events that lie within the analysed frames.
-    fn analysed_events(&self, events: Vec<ScoredEvent>) -> Vec<ScoredEvent> {
-        let moved = events.into_iter().filter_map(|event| {
-            let (start, end) = event.span;
-            let span = (shifted_number(start, self.offset)?, shifted_number(end, self.offset)?);
-            Some(ScoredEvent { span, ..event })
-        });
-        moved
-            .filter(|event| self.analysed.covers(event.span.0) && self.analysed.covers(event.span.1))
-            .collect()
-    }
-
-    /// What was read and what is judged.
-    fn note(&self, truth: &Path) -> String {
-        let AnalysedFrames { first, last, is_told, .. } = self.analysed;
-        let judged = if is_told || last < u32::MAX {
-            let from = if is_told { "" } else { ", the first to the last with a result" };
-            format!("{} frames are judged, {first} to {last}{from}", self.analysed.count())
-        } else {
-            "all frames are judged, as there are no results".to_owned()
-        };
-        let left_out = if self.left_out > 0 {
-            format!("; {} frames of the ground truth that were not analysed are left out", self.left_out)
-        } else {
-            String::new()
-        };
-        format!("note: {}: {}; {judged}{left_out}", truth.display(), self.read)
-    }
-}
-
-impl Scores {
-    fn measures(&self) -> Measures {
-        Measures {
-            masks: self.masks.as_ref().map(Into::into),
-            tracks: self.tracks.as_ref().map(Into::into),
-            episodes: self.episodes.as_ref().map(Into::into),
-        }
-    }
-
-    fn print(&self, out: &mut impl Write) -> io::Result<()> {
-        let of_tracks = self.tracks.iter();
-        for (name, score) in
-            of_tracks.flat_map(|tracks| [("IoU 0.5", &tracks.strict), ("IoU 0.3", &tracks.loose)])
+    for (title, found) in [("events", &scores.events), ("episodes", &scores.episodes)] {
+        let Some(found) = found else { continue };
+        writeln!(out, "{title}")?;
+        let all = event_scoring::total(found);
+        let kinds = found.iter().map(|(kind, score)| (kind.as_str(), score));
+        for (kind, EventScore { truth, reported, matched, precision, recall }) in kinds.chain([("all", &all)])
         {
             writeln!(
                 out,
-                "{name}   MOTA {:.3}  IDF1 {:.3}  precision {:.3}  recall {:.3}  MOTP {:.3}  IDSW {}  \
-                 fragmentations {}  mostly tracked {} of {}",
-                score.mota,
-                score.idf1,
-                score.precision,
-                score.recall,
-                score.motp,
-                score.num_switches,
-                score.num_fragmentations,
-                score.mostly_tracked,
-                score.num_unique_objects
+                "  {kind:13} TP {matched}, GT {truth}, reported {reported}: precision {precision:.3}  \
+                 recall {recall:.3}"
             )?;
         }
-        if let Some(tracks) = &self.tracks {
-            let Hota { hota, deta, assa, loca } = tracks.hota;
-            writeln!(
-                out,
-                "HOTA      HOTA {hota:.3}  DetA {deta:.3}  AssA {assa:.3}  LocA {loca:.3}  (means over IoU 0.05 to \
-                 0.95)"
-            )?;
-            let Survival { episodes, identities, survived, .. } = &tracks.occlusion;
-            writeln!(
-                out,
-                "occlusion {survived} of {identities} identities kept through {episodes} occlusion episodes"
-            )?;
-        }
-        for (title, found) in [("events", &self.events), ("episodes", &self.episodes)] {
-            let Some(found) = found else { continue };
-            writeln!(out, "{title}")?;
-            let all = event_scoring::total(found);
-            let kinds = found.iter().map(|(kind, score)| (kind.as_str(), score));
-            for (kind, EventScore { truth, reported, matched, precision, recall }) in
-                kinds.chain([("all", &all)])
-            {
-                writeln!(
-                    out,
-                    "  {kind:13} TP {matched}, GT {truth}, reported {reported}: precision {precision:.3}  \
-                     recall {recall:.3}"
-                )?;
-            }
-        }
-        if let Some(score) = &self.masks {
-            writeln!(
-                out,
-                "masks     F {:.4}  precision {:.4}  recall {:.4}  specificity {:.4}  FPR {:.4}  FNR {:.4}  PWC {:.3}  ({} frames)",
-                score.f_measure,
-                score.precision,
-                score.recall,
-                score.specificity,
-                score.fpr,
-                score.fnr,
-                score.pwc,
-                score.frames
-            )?;
-        }
-        Ok(())
     }
+    if let Some(score) = &scores.masks {
+        writeln!(
+            out,
+            "masks     F {:.4}  precision {:.4}  recall {:.4}  specificity {:.4}  FPR {:.4}  FNR {:.4}  PWC {:.3}  ({} frames)",
+            score.f_measure,
+            score.precision,
+            score.recall,
+            score.specificity,
+            score.fpr,
+            score.fnr,
+            score.pwc,
+            score.frames
+        )?;
+    }
+    Ok(())
 }

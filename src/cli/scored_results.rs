@@ -4,58 +4,68 @@ use std::fs;
 use std::num::NonZeroU32;
 use std::path::{Path, PathBuf};
 
-use anyhow::bail;
+use anyhow::{Context as _, bail};
 use serde::Deserialize;
 
+use crate::frame::Size;
+use crate::placement::{Crop, Placement};
 use crate::source::Options;
+use crate::truth::analysed_frames::AnalysedFrames;
 use crate::truth::boxes::{Boxes, span};
-use crate::truth::formats::{self, Role, TrackFile, label_images};
-use crate::truth::mask_score;
+use crate::truth::formats::{self, Role, TrackFile};
+use crate::truth::result_source::ResultSource;
 
 /// The results at a path.
 #[derive(Debug)]
-pub(super) enum ScoredResults {
-    /// The output folder of `run`.
-    Folder(PathBuf),
-    /// A file of tracks, or a folder of label images.
-    Tracks(PathBuf),
-    /// A folder of masks.
-    Masks(PathBuf),
+pub(super) struct ScoredResults {
+    source: ResultSource,
+    /// The input of the run, from its summary.
+    input: Option<Input>,
+    /// Whether the run was limited to a region of interest.
+    pub(super) has_roi: bool,
 }
 
 impl ScoredResults {
+    /// Finds the kind of the results, and reads the summary of a run. Fails if it is damaged.
     pub(super) fn of(path: &Path) -> anyhow::Result<Self> {
-        if path.is_file() {
-            return Ok(Self::Tracks(path.to_owned()));
-        }
-        if !path.is_dir() {
+        if !path.is_file() && !path.is_dir() {
             bail!(
                 "{} is not there; give the output folder of `run --out`, a file of tracks, or a folder of masks",
                 path.display()
             );
         }
-        let of_run = ["summary.json", "tracks.csv", "masks"].iter().any(|name| path.join(name).exists());
-        Ok(match () {
-            () if of_run => Self::Folder(path.to_owned()),
-            () if label_images::is_folder_of_labels(path) => Self::Tracks(path.to_owned()),
-            () if !mask_score::results_in(path)?.is_empty() => Self::Masks(path.to_owned()),
-            () => Self::Folder(path.to_owned()),
-        })
+        let source = ResultSource::of(path)?;
+        let summary = match &source {
+            ResultSource::Run(folder) => Summary::read(folder)?,
+            ResultSource::Tracks(_) | ResultSource::Masks(_) => None,
+        };
+        let has_roi = summary.as_ref().is_some_and(|summary| summary.analysed_share.is_some());
+        Ok(Self { source, input: summary.map(|summary| summary.input), has_roi })
     }
 
     /// The output folder of `run`, if it is one.
     pub(super) fn folder(&self) -> Option<&Path> {
-        match self {
-            Self::Folder(folder) => Some(folder),
-            Self::Tracks(_) | Self::Masks(_) => None,
+        match &self.source {
+            ResultSource::Run(folder) => Some(folder),
+            ResultSource::Tracks(_) | ResultSource::Masks(_) => None,
         }
     }
 
+    /// Whether there are tracks and no masks.
+    pub(super) fn has_only_tracks(&self) -> bool {
+        matches!(self.source, ResultSource::Tracks(_))
+    }
+
+    /// Whether there are masks and no tracks.
+    pub(super) fn has_only_masks(&self) -> bool {
+        matches!(self.source, ResultSource::Masks(_))
+    }
+
     pub(super) fn tracks(&self) -> anyhow::Result<TrackFile> {
-        match self {
-            Self::Folder(folder) => Ok(formats::read(&folder.join("tracks.csv"), Role::Results)?),
-            Self::Tracks(path) => Ok(formats::read(path, Role::Results)?),
-            Self::Masks(path) => bail!(
+        match &self.source {
+            ResultSource::Run(folder) => Ok(formats::read(&folder.join("tracks.csv"), Role::Results)?),
+            ResultSource::Tracks(path) => Ok(formats::read(path, Role::Results)?),
+            ResultSource::Masks(path) => bail!(
                 "{} has masks, and the ground truth has boxes; give a file of tracks, or ground truth of masks",
                 path.display()
             ),
@@ -64,10 +74,10 @@ impl ScoredResults {
 
     /// The folder of the masks, which need not exist.
     pub(super) fn masks(&self) -> anyhow::Result<PathBuf> {
-        match self {
-            Self::Folder(folder) => Ok(folder.join("masks")),
-            Self::Masks(folder) => Ok(folder.clone()),
-            Self::Tracks(path) => bail!(
+        match &self.source {
+            ResultSource::Run(folder) => Ok(folder.join("masks")),
+            ResultSource::Masks(folder) => Ok(folder.clone()),
+            ResultSource::Tracks(path) => bail!(
                 "{} has tracks, and the ground truth has masks; give a folder of masks, or ground truth of boxes",
                 path.display()
             ),
@@ -77,56 +87,55 @@ impl ScoredResults {
     /// The analysed frames: from the summary of a run, else those from the first to the last with a box in `found`; all
     /// where there is none.
     pub(super) fn analysed(&self, found: &Boxes) -> AnalysedFrames {
-        let of_summary = self.folder().and_then(AnalysedFrames::of_summary);
-        of_summary.unwrap_or_else(|| {
-            let (first, last) = span(found).unwrap_or((0, u32::MAX));
-            AnalysedFrames { first, last, every: NonZeroU32::MIN, is_told: false }
-        })
+        let of_summary = self.input.as_ref().and_then(Input::frames);
+        of_summary.unwrap_or_else(|| AnalysedFrames::of_results(span(found)))
+    }
+
+    /// The part of the images that was analysed; `None` where it is all of them, or not known.
+    pub(super) fn part(&self) -> Option<Crop> {
+        let Input { size, options, .. } = self.input.as_ref()?;
+        Placement::new((*size)?, options.crop, options.scale)?.part()
     }
 }
 
-/// The numbers of the frames that were analysed.
-pub(super) struct AnalysedFrames {
-    pub(super) first: u32,
-    pub(super) last: u32,
-    every: NonZeroU32,
-    /// Whether a summary states them.
-    pub(super) is_told: bool,
+/// What is read of the summary of a run.
+#[derive(Deserialize)]
+struct Summary {
+    input: Input,
+    /// The share of the region of interest, if there is one.
+    #[serde(default)]
+    analysed_share: Option<f32>,
 }
 
-impl AnalysedFrames {
-    fn of_summary(folder: &Path) -> Option<Self> {
-        #[derive(Deserialize)]
-        struct Summary {
-            input: Input,
+/// The input as the summary of a run has it.
+#[derive(Debug, Deserialize)]
+struct Input {
+    size: Option<Size>,
+    frames: u32,
+    first_frame: u32,
+    last_frame: u32,
+    /// Older summaries do not have it.
+    analysed: Option<AnalysedFrames>,
+    #[serde(default)]
+    options: Options,
+}
+
+impl Summary {
+    /// Reads the summary in a folder; `None` if there is none.
+    fn read(folder: &Path) -> anyhow::Result<Option<Self>> {
+        let path = folder.join("summary.json");
+        if !path.is_file() {
+            return Ok(None);
         }
-        #[derive(Deserialize)]
-        struct Input {
-            frames: u32,
-            first_frame: u32,
-            last_frame: u32,
-            #[serde(default)]
-            options: Options,
-        }
-        let text = fs::read_to_string(folder.join("summary.json")).ok()?;
-        let Summary { input } = serde_json::from_str(&text).ok()?;
-        let Input { frames, first_frame: first, last_frame: last, options } = input;
-        let every = options.every.unwrap_or(NonZeroU32::MIN);
-        (frames > 0 && first <= last).then_some(Self { first, last, every, is_told: true })
+        let text = fs::read_to_string(&path).with_context(|| format!("{} cannot be read", path.display()))?;
+        serde_json::from_str(&text).with_context(|| format!("{} is damaged; run again", path.display()))
     }
+}
 
-    /// Whether a frame is in the range, analysed or left out between others.
-    pub(super) fn covers(&self, number: u32) -> bool {
-        (self.first..=self.last).contains(&number)
-    }
-
-    /// Whether a frame was analysed.
-    pub(super) fn contains(&self, number: u32) -> bool {
-        self.covers(number) && (number - self.first).is_multiple_of(self.every.get())
-    }
-
-    /// Number of frames.
-    pub(super) fn count(&self) -> u64 {
-        u64::from(self.last - self.first) / u64::from(self.every.get()) + 1
+impl Input {
+    fn frames(&self) -> Option<AnalysedFrames> {
+        let step = self.options.every.map_or(1, NonZeroU32::get);
+        let counted = || AnalysedFrames::at_steps(self.first_frame, self.last_frame, step);
+        self.analysed.clone().or_else(counted).filter(|_| self.frames > 0)
     }
 }

@@ -30,6 +30,12 @@ pub fn significant(value: impl Into<f64>) -> String {
     format!("{}e{sign}{:02}", without_trailing_zeros(mantissa), exponent.abs())
 }
 
+/// The number that is read back from the text of [`significant`].
+pub fn rounded(value: f32) -> f64 {
+    // What it writes is a number.
+    significant(value).parse().unwrap_or_else(|_| f64::from(value))
+}
+
 /// Seconds rounded to microseconds, for JSON, which writes as many digits as there are.
 pub fn microseconds(seconds: f64) -> f64 {
     (seconds * 1e6).round() / 1e6

@@ -8,6 +8,7 @@ use crate::frame::Size;
 use crate::occlusion::Counters;
 use crate::settings::Settings;
 use crate::source::Options;
+use crate::truth::analysed_frames::AnalysedFrames;
 
 /// The contents of `summary.json`. Equal inputs and settings give equal summaries, apart from [`Summary::timing`].
 #[derive(Clone, Debug, Serialize)]
@@ -52,12 +53,18 @@ pub struct Input {
     /// The options with which it was read, unless it was read as it is.
     #[serde(skip_serializing_if = "Options::is_default")]
     pub options: Options,
+    /// The requested range of frames, as in `100..250`, unless all were requested.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub range: Option<String>,
     /// Number of analysed frames.
     pub frames: u32,
     /// The first frame number.
     pub first_frame: u32,
     /// The last frame number.
     pub last_frame: u32,
+    /// The numbers of all analysed frames.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub analysed: Option<AnalysedFrames>,
     /// SHA-256 of the file, or of a folder's or pattern's images concatenated in order; `None` for a camera.
     pub sha256: Option<String>,
 }

@@ -81,6 +81,8 @@ pub struct State {
     /// The sequence under the candidate settings of `Request::Settings`; `None` if nothing is compared, or the
     /// settings are equal.
     pub compared: Option<Arc<ComparedSequence>>,
+    /// The score of the external results of `Request::External` against the ground truth, once all frames are analysed.
+    pub external_score: Option<Arc<Score>>,
     /// The current work of the worker, `None` when it is idle.
     pub busy: Option<WorkProgress>,
     /// Frames analysed per second, averaged over about the last second of work; 0 when unknown.
@@ -133,6 +135,8 @@ pub struct ShownFrame {
     pub pixel: Option<Arc<PixelHistory>>,
     /// The true label of each pixel, if the ground truth of `Request::Truth` has a mask of this frame.
     pub truth: Option<Arc<TrueMask>>,
+    /// The mask of the external results of `Request::External`, if they have one of this frame.
+    pub external: Option<Arc<TrueMask>>,
     /// The same frame under the candidate settings; `None` if nothing is compared, or the frame has not been analysed
     /// under them.
     pub compared: Option<Arc<ShownFrame>>,

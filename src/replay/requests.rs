@@ -10,6 +10,7 @@ use crate::occlusion::Event;
 use crate::regions::Roi;
 use crate::settings::Settings;
 use crate::truth::Truth;
+use crate::truth::external::ExternalResults;
 
 /// A request to a [`Session`](super::Session). Within the queue a newer one replaces an older one of its kind.
 #[derive(Clone, Debug)]
@@ -32,6 +33,9 @@ pub enum Request {
     /// Set the ground truth for scores; `None` for no scores. Masks of another size than the frames are ignored with a
     /// warning.
     Truth(Option<Arc<Truth>>),
+    /// Set the results of another method to compare and score, in the source's pixels; `None` for none. Masks of another
+    /// size than the frames are ignored with a warning.
+    External(Option<Arc<ExternalResults>>),
     /// Continue the analysis beyond the frame in view, which is the default, or stop it and drop the pending frame.
     /// Later requests are processed in either case.
     AnalyseAhead(bool),
@@ -122,6 +126,7 @@ mod tests {
             Request::Roi(None),
             Request::Settings { in_view: settings.clone(), candidate: Some(settings) },
             Request::Truth(None),
+            Request::External(None),
             Request::AnalyseAhead(true),
             Request::Inspect(None),
             Request::Pin(vec![(1, 2)]),

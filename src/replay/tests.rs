@@ -221,6 +221,7 @@ pub(super) fn single_pass_within(
             pixel: mixture.is_some().then(|| Arc::new(history.clone())),
             frame: Arc::new(frame),
             truth: None,
+            external: None,
             compared: None,
         });
     }

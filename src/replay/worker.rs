@@ -32,6 +32,7 @@ use super::tasks::analyse::compared_pass::ComparedPass;
 use super::tasks::explain::CounterfactualTask;
 use super::tasks::gather::pin_follower::PinFollower;
 use super::tasks::gather::region_shares::RegionShareCounter;
+use super::tasks::score_external::ExternalScorer;
 use super::tasks::show::FrameInView;
 use super::tasks::tune::pixel_tuner::PixelTuner;
 use super::tasks::tune::region_tuner::RegionTuner;
@@ -79,6 +80,8 @@ pub(super) struct Worker<'a> {
     counterfactual_task: CounterfactualTask,
     /// The ground truth for scores.
     truth: Option<Arc<Truth>>,
+    /// The external results and their score.
+    external: ExternalScorer,
     stopped: bool,
     busy: Option<WorkProgress>,
     speed_meter: SpeedMeter,
@@ -141,6 +144,7 @@ impl<'a> Worker<'a> {
             region_tuner: RegionTuner::default(),
             counterfactual_task: CounterfactualTask::default(),
             truth: None,
+            external: ExternalScorer::default(),
             stopped: false,
             busy: None,
             speed_meter: SpeedMeter::default(),
@@ -175,6 +179,7 @@ impl<'a> Worker<'a> {
                 }
                 Request::Roi(roi) => change.get_or_insert_with(|| self.present_settings()).roi = roi,
                 Request::Truth(truth) => self.set_truth_data(truth),
+                Request::External(results) => self.set_external(results),
                 Request::AnalyseAhead(ahead) => self.analyse_ahead(ahead),
                 Request::Inspect(pixel) => self.inspect(pixel),
                 Request::Pin(pixels) => self.pin(pixels),
@@ -219,6 +224,7 @@ impl<'a> Worker<'a> {
             // The frame in view, or the end, has been reached.
             self.busy = None;
             return Ok(self.advance_scores()
+                || self.advance_external_score()
                 || self.advance_counterfactual()
                 || self.advance_region_tuning());
         }

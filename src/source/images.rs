@@ -10,7 +10,7 @@ use super::levels::{self, LevelRange};
 use super::numbering::{NumberClock, NumberedFiles};
 use super::random_access::{Fingerprint, RandomAccess, Step, is_same};
 use super::rate::ImageRate;
-use super::{FpsFrom, Options, Source, SourceError, SourceInfo, folder, rate, tiff_pages};
+use super::{FpsFrom, Options, Source, SourceError, SourceInfo, folder, rate, scene_folder, tiff_pages};
 use crate::frame::{Frame, Size};
 
 /// An image sequence; all images have one size.
@@ -38,7 +38,8 @@ struct ListedImage {
 impl ImageSequence {
     /// The images of `folder` in the natural order of their names; other files are ignored.
     pub(super) fn of_folder(name: &str, folder: &Path, options: Options) -> Result<Self, SourceError> {
-        let NumberedFiles { files, warnings } = folder::images(name, folder)?;
+        let NumberedFiles { files, mut warnings } = folder::images(name, folder)?;
+        warnings.extend(scene_folder::missing_images(Path::new(name), folder));
         // The folder of images within that of a sequence may be a link.
         let described = if rate::is_described(folder) { folder } else { Path::new(name) };
         Self::new(

@@ -11,7 +11,7 @@ pub(super) const ASSUMED: f32 = 25.0;
 pub const FPS_RANGE: (f32, f32) = (0.05, 1000.0);
 
 /// The file with a sequence's properties, in the folder of the images or its parent.
-const SEQINFO: &str = "seqinfo.ini";
+pub(super) const SEQINFO: &str = "seqinfo.ini";
 /// Maximum number of bytes of it that are read.
 const MOST_BYTES: u64 = 1 << 16;
 

@@ -62,9 +62,7 @@ impl Reduced {
 }
 
 fn beyond(whole: &SourceInfo, options: Options) -> SourceError {
-    let crop = options
-        .crop
-        .map_or_else(String::new, |crop| format!("{},{},{},{}", crop.x, crop.y, crop.width, crop.height));
+    let crop = options.crop.map_or_else(String::new, |crop| crop.to_string());
     SourceError::unusable(
         &whole.name,
         format!(

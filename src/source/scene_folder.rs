@@ -33,6 +33,18 @@ impl SceneFolder {
     }
 }
 
+/// A warning where the `seqinfo.ini` of the sequence at `path` names another folder of images than `images`, which are read.
+pub(super) fn missing_images(path: &Path, images: &Path) -> Option<String> {
+    let named = rate::image_folder(path).filter(|name| !name.is_empty() && path != images)?;
+    (path.join(&named) != images).then(|| {
+        format!(
+            "{}: imDir names the folder {named}, which has no images; {} is read in its place",
+            path.join(rate::SEQINFO).display(),
+            images.display()
+        )
+    })
+}
+
 /// Whether a folder has an image that can be a frame. The region of interest of CDnet lies beside its `input/`.
 fn has_images(folder: &Path) -> bool {
     let is_roi =
@@ -82,6 +94,8 @@ mod tests {
             if let Some(truth) = &expected.truth {
                 crate::truth::TruthSource::of(truth).unwrap();
             }
+            let warning = missing_images(path, &expected.images);
+            assert_eq!(warning.is_some(), files.contains(&"frames/notes.txt"), "{warning:?}");
             assert_eq!(SceneFolder::at(path), Some(expected), "{files:?}");
         }
     }

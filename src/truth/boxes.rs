@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use crate::placement::Placement;
+use crate::placement::{Crop, Placement};
 
 /// A box: left, top, width, height, in pixels.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -21,6 +21,22 @@ impl Bounds {
         let width = (ax + aw).min(bx + bw) - ax.max(bx);
         let height = (ay + ah).min(by + bh) - ay.max(by);
         width.max(0.0) * height.max(0.0)
+    }
+
+    /// The part of it that lies in a part of the image; `None` if nothing does.
+    pub fn within(&self, crop: &Crop) -> Option<Self> {
+        let cut = |start: f64, length: f64, first: u32, count: u32| {
+            let (first, end) = (f64::from(first), f64::from(first) + f64::from(count));
+            if start >= first && start + length <= end {
+                return Some([start, length]);
+            }
+            let (start, end) = (start.max(first), end.min(start + length));
+            (start < end).then_some([start, end - start])
+        };
+        let [x, y, w, h] = self.0;
+        let [x, w] = cut(x, w, crop.x, crop.width)?;
+        let [y, h] = cut(y, h, crop.y, crop.height)?;
+        Some(Self([x, y, w, h]))
     }
 
     /// Intersection over union, 0..=1.

@@ -142,7 +142,7 @@ pub fn score(truth: &Boxes, found: &Boxes, threshold: f64) -> ClearMot {
 }
 
 /// The assignment of the greatest total weight; pairs of weight 0 are not assigned.
-pub(super) fn assign(rows: &[u32], columns: &[u32], weight: impl Fn(&u32, &u32) -> i64) -> Vec<(u32, u32)> {
+pub(crate) fn assign(rows: &[u32], columns: &[u32], weight: impl Fn(&u32, &u32) -> i64) -> Vec<(u32, u32)> {
     if rows.is_empty() || columns.is_empty() {
         return Vec::new();
     }

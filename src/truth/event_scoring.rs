@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
 use std::path::Path;
 
+use csv::StringRecord;
 use serde::{Deserialize, Serialize};
 
 use super::TruthError;
@@ -84,15 +85,30 @@ pub fn read_episodes(path: &Path) -> Result<Vec<ScoredEvent>, TruthError> {
         start: u32,
         end: u32,
     }
-    let mut reader = csv::Reader::from_path(path).map_err(|error| TruthError::new(path, error))?;
-    let row = |row: Result<Row, csv::Error>| {
-        let Row { kind, objects, start, end } = row.map_err(|error| TruthError::new(path, error))?;
-        let objects: Result<Vec<u32>, _> = objects.split('+').map(str::parse).collect();
-        let mut objects = objects.map_err(|error| TruthError::new(path, format!("objects: {error}")))?;
+    let text = fs::read(path).map_err(|error| TruthError::new(path, error))?;
+    let mut reader = csv::ReaderBuilder::new().flexible(true).from_reader(text.as_slice());
+    let episode = |row: &StringRecord, headers: &StringRecord| {
+        let Row { kind, objects, start, end } = row.deserialize(Some(headers)).ok()?;
+        let mut objects = objects.split('+').map(|id| id.parse().ok()).collect::<Option<Vec<u32>>>()?;
         objects.sort_unstable();
-        Ok(ScoredEvent { kind, objects, span: (start, end) })
+        Some(ScoredEvent { kind, objects, span: (start, end) })
     };
-    reader.deserialize().map(row).collect()
+    // The position of a row is before the empty lines above it.
+    let line_at = |byte: usize| {
+        let empty = text[byte..].iter().take_while(|byte| matches!(byte, b'\r' | b'\n')).count();
+        text[..byte + empty].split(|&byte| byte == b'\n').count()
+    };
+    let refused = |line: usize| {
+        let why = "is not an episode; expected numbers under the header kind,objects,start,end, as in inter-object,1+2,10,20";
+        TruthError::new(path, format!("line {line} {why}"))
+    };
+    let headers = reader.headers().map_err(|_| refused(1))?.clone();
+    let rows = reader.records().zip(2..).map(|(row, count)| {
+        let row = row.map_err(|_| refused(count))?;
+        let line = row.position().map_or(count, |position| line_at(position.byte() as usize));
+        episode(&row, &headers).ok_or_else(|| refused(line))
+    });
+    rows.collect()
 }
 
 /// The person that each identity matches most often; 0 if none.
@@ -159,6 +175,8 @@ pub fn compare(
 
 #[cfg(test)]
 mod tests {
+    #![allow(clippy::unwrap_used)]
+
     use super::*;
 
     fn merge(objects: &[u32], frame: u32) -> ScoredEvent {
@@ -177,6 +195,30 @@ mod tests {
         assert_eq!((score.precision, score.recall), (0.25, 1.0 / 3.0));
         let nothing = &compare(&[], &reported, &people, 8)["merge"];
         assert_eq!((nothing.precision, nothing.recall), (0.0, 1.0));
+    }
+
+    #[test]
+    fn an_episode_that_cannot_be_read_is_told_with_its_line() {
+        let file = tempfile::NamedTempFile::new().unwrap();
+        let read = |text: &[u8]| {
+            fs::write(&file, text).unwrap();
+            read_episodes(file.path()).map_err(|error| error.to_string())
+        };
+        let episodes = read(b"kind,objects,start,end,front\n\ninter-object,2+1,3,9,\n").unwrap();
+        let expected = ScoredEvent { kind: "inter-object".into(), objects: vec![1, 2], span: (3, 9) };
+        assert_eq!(episodes, [expected]);
+        for (text, line) in [
+            (&b"kind,objects,start,end\ninter-object,1+2,3,9\ninter-object,1+b,3,9\n"[..], "line 3"),
+            (b"kind,objects,start,end\ninter-object,1+2,3\n", "line 2"),
+            (b"kind,objects\n\ninter-object,1+2\n", "line 3"),
+            (b"kind,objects,start,end\n\xff,1,3,9\n", "line 2"),
+        ] {
+            let why = read(text).unwrap_err();
+            assert!(
+                why.contains(line) && why.contains("kind,objects,start,end") && !why.contains("CSV"),
+                "{why}"
+            );
+        }
     }
 
     #[test]

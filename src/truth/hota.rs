@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::assignment;
 use super::boxes::{Bounds, Boxes};
@@ -12,7 +12,7 @@ use super::share::share_or_zero;
 const THRESHOLDS: usize = 19;
 
 /// Means over the least IoUs 0.05, 0.1 … 0.95 of a match, each 0..=1.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Hota {
     /// The mean of √(DetA·AssA).
     pub hota: f64,

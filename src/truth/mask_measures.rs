@@ -3,12 +3,12 @@
 use std::collections::BTreeMap;
 use std::iter::Sum;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::mask_score::MaskScore;
 
 /// CDnet's seven measures, each 0..=1 except PWC. One without a denominator is 0.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct MaskMeasures {
     /// 2·precision·recall / (precision + recall).
     pub f: f64,

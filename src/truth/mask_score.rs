@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
+use image::GrayImage;
 use rayon::prelude::*;
 use serde::Serialize;
 
@@ -68,19 +69,11 @@ pub fn score(folder: &Path, truth: &MaskFiles) -> Result<MaskScore, TruthError> 
     let found = results_in(folder)?;
     let pairs: Vec<_> = truth.numbers().filter_map(|number| Some((number, found.get(&number)?))).collect();
     if pairs.is_empty() {
-        let mut why = "no mask for a frame of the ground truth; run with --masks and a range that includes \
-             these frames"
-            .to_owned();
-        let (first, last) = (truth.numbers().next(), truth.numbers().last());
-        if let (Some((first, last)), Some((found_first, found_last))) = (first.zip(last), span(&found)) {
-            let offset = truth.offset() + i64::from(found_first) - i64::from(first);
-            why = format!(
-                "no mask for a frame of the ground truth: it has {first} to {last}, the masks {found_first} to \
-                 {found_last}; run with --masks and a range that includes these frames, or score with --offset \
-                 {offset}, which makes the first numbers equal"
-            );
-        }
-        return Err(TruthError::new(folder, why));
+        let Some(span) = span(&found) else {
+            let why = "it has no masks for the ground truth; run with --masks";
+            return Err(TruthError::new(folder, why));
+        };
+        return Err(truth.without_common_frame(folder, span));
     }
     let decisions = pairs.par_iter().map(|(number, path)| decide(truth, *number, path));
     let decisions: Vec<Decisions> = decisions.collect::<Result<_, TruthError>>()?;
@@ -100,19 +93,28 @@ pub(super) fn decide(truth: &MaskFiles, number: u32, path: &Path) -> Result<Deci
             format!("its size differs from the ground truth, {}", truth.size()),
         ));
     }
-    if let Some(level) = found.iter().find(|level| !matches!(level, 0 | 1 | 255)) {
+    Ok(truth.score(&mask_of(path, &found)?))
+}
+
+/// Reads the mask of a result. Fails if it has other levels than those of foreground and background.
+pub(super) fn read_result(path: &Path) -> Result<Mask, TruthError> {
+    mask_of(path, &masks::read(path)?)
+}
+
+/// The mask in an image, which was read from `path`.
+fn mask_of(path: &Path, image: &GrayImage) -> Result<Mask, TruthError> {
+    if let Some(level) = image.iter().find(|level| !matches!(level, 0 | 1 | 255)) {
         let why = format!("it has the level {level}; results are masks of 0 and 255, so apply a threshold");
         return Err(TruthError::new(path, why));
     }
-    let data = found.iter().map(|&level| if level > 0 { Mask::FOREGROUND } else { Mask::BACKGROUND });
-    Ok(truth.score(&Mask { size: truth.size(), data: data.collect() }))
+    let data = image.iter().map(|&level| if level > 0 { Mask::FOREGROUND } else { Mask::BACKGROUND });
+    let (width, height) = image.dimensions();
+    Ok(Mask { size: Size::new(width, height), data: data.collect() })
 }
 
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use image::GrayImage;
-
     use super::*;
 
     #[test]
@@ -146,7 +148,16 @@ mod tests {
         std::fs::write(truth.join("temporalROI.txt"), "8 9").unwrap();
         assert!(score_all().unwrap_err().to_string().contains("--masks"));
         std::fs::write(truth.join("temporalROI.txt"), "2 9\n").unwrap();
+        // One of another size, which a sequence of CDnet has, is left out and told.
         GrayImage::new(4, 2).save(truth.join("ROI.bmp")).unwrap();
-        assert!(score_all().unwrap_err().to_string().contains("ROI.bmp"));
+        let files = MaskFiles::of_cdnet(&truth).unwrap();
+        assert!(files.remark().is_some_and(|remark| remark.contains("ROI.bmp is 4×2 and the masks are 8×1")));
+        let Decisions { tp, fp, fn_, tn } = score(&masks, &files).unwrap().decisions;
+        assert_eq!([tp, fp, fn_, tn], [2, 4, 4, 2], "the last pixel counts");
+        // In a folder of masks without levels of their own for it, it is an error.
+        let folder = truth.join("groundtruth");
+        GrayImage::new(4, 2).save(folder.join("ROI.bmp")).unwrap();
+        let files = MaskFiles::of_folder(&folder).unwrap();
+        assert!(files.read(2).unwrap_err().to_string().contains("ROI.bmp"));
     }
 }

@@ -12,7 +12,7 @@ use super::TruthError;
 use super::boxes;
 use super::decisions::Decisions;
 use crate::frame::{Mask, Size};
-use crate::placement::Placement;
+use crate::placement::{Crop, Placement};
 
 /// CDnet's gray level of pixels outside the region of interest, which are ignored.
 const OUTSIDE: u8 = 85;
@@ -111,6 +111,15 @@ impl TrueMask {
         Self { size, runs }
     }
 
+    /// The same labels in a part of the image, [`Label::Uncounted`] outside.
+    #[must_use]
+    pub fn within(&self, part: &Crop) -> Self {
+        let width = self.size.width;
+        let is_inside = |at: u32| part.contains(at % width, at / width);
+        let labels = (0..).zip(self.labels());
+        Self::new(self.size, labels.map(|(at, label)| if is_inside(at) { label } else { Label::Uncounted }))
+    }
+
     /// The mask of a frame that is placed in an image of this size: the label at the centre of each of its pixels.
     #[must_use]
     pub fn in_frame(&self, placement: &Placement) -> Self {
@@ -122,6 +131,14 @@ impl TrueMask {
     pub fn score(&self, mask: &Mask) -> Decisions {
         let mut judge = self.judge();
         mask.runs().for_each(|run| judge.take(run));
+        judge.decisions()
+    }
+
+    /// Scores a mask of the same size that is given by its labels.
+    pub fn score_labels(&self, found: &Self) -> Decisions {
+        let mut judge = self.judge();
+        let foreground = found.runs.iter().filter(|run| run.counts);
+        foreground.for_each(|run| judge.take(run.pixels.start as usize..run.pixels.end as usize));
         judge.decisions()
     }
 
@@ -195,11 +212,31 @@ impl TrueMasks {
         masks.values().all(|mask| mask.size == size).then_some(Self { size, masks })
     }
 
+    /// Masks that were read from the files at `paths`; `None` if there are none. Fails with the file of one whose size
+    /// differs from that of the first.
+    pub(super) fn of_files(
+        masks: BTreeMap<u32, Arc<TrueMask>>,
+        paths: &BTreeMap<u32, PathBuf>,
+    ) -> Result<Option<Self>, TruthError> {
+        let Some(size) = masks.values().next().map(|mask| mask.size) else { return Ok(None) };
+        if let Some((number, mask)) = masks.iter().find(|(_, mask)| mask.size != size) {
+            let why = format!("it is {} and the first one is {size}; all must have the same size", mask.size);
+            return Err(TruthError::new(&paths[number], why));
+        }
+        Ok(Self::new(masks))
+    }
+
     /// The masks of frames that are placed in images of this size.
     #[must_use]
     pub fn in_frames(&self, placement: &Placement) -> Self {
         let masks = self.masks.par_iter().map(|(&number, mask)| (number, Arc::new(mask.in_frame(placement))));
         Self { size: placement.size(), masks: masks.collect() }
+    }
+
+    /// Masks of the source's size as those of frames that are placed in its images; others as they are.
+    #[must_use]
+    pub(super) fn fitted(self: &Arc<Self>, placement: &Placement) -> Arc<Self> {
+        if self.size == placement.source() { Arc::new(self.in_frames(placement)) } else { Arc::clone(self) }
     }
 
     /// Width and height of each.
@@ -215,6 +252,11 @@ impl TrueMasks {
     /// The mask of a frame.
     pub fn of(&self, number: u32) -> Option<&Arc<TrueMask>> {
         self.masks.get(&number)
+    }
+
+    /// The number of the first frame with a mask.
+    pub fn first(&self) -> u32 {
+        self.masks.first_key_value().map_or(0, |(&number, _)| number)
     }
 
     /// The number of the last frame with a mask.
@@ -233,6 +275,10 @@ pub struct MaskFiles {
     offset: i64,
     /// The region of interest, dark outside, and its file.
     roi: Option<(PathBuf, GrayImage)>,
+    /// What was left out, a clause.
+    remark: Option<String>,
+    /// The part of the images outside of which pixels are ignored.
+    part: Option<Crop>,
 }
 
 impl MaskFiles {
@@ -255,7 +301,21 @@ impl MaskFiles {
     ) -> Result<Self, TruthError> {
         let roi = ["ROI.bmp", "ROI.jpg", "ROI.png"].map(|name| folder.join(name));
         let roi = roi.into_iter().find(|path| path.is_file());
-        let roi = roi.map(|path| read(&path).map(|image| (path, image))).transpose()?;
+        let mut roi = roi.map(|path| read(&path).map(|image| (path, image))).transpose()?;
+        let mut remark = None;
+        let size_of_masks = paths.values().next().and_then(|path| image::image_dimensions(path).ok());
+        // A sequence of CDnet has a region of interest of another size; its masks mark what is outside, too.
+        if !is_strict
+            && let Some((width, height)) = size_of_masks
+            && let Some((path, image)) = roi.take_if(|(_, image)| image.dimensions() != (width, height))
+        {
+            let name = path.file_name().unwrap_or_default().display();
+            let (other_width, other_height) = image.dimensions();
+            remark = Some(format!(
+                "{name} is {other_width}×{other_height} and the masks are {width}×{height}: it is not applied, only \
+                 level {OUTSIDE} of the masks is outside"
+            ));
+        }
         let (first, last) = temporal_roi(&folder.join("temporalROI.txt"))?;
         paths.retain(|number, _| (first..=last).contains(number));
         let label = |level| match level {
@@ -263,13 +323,21 @@ impl MaskFiles {
             MOTION => Label::Foreground,
             _ => Label::Background,
         };
-        Ok(Self { paths, label, is_strict, offset: 0, roi })
+        Ok(Self { paths, label, is_strict, offset: 0, roi, remark, part: None })
     }
 
     /// The masks of a folder of identity images by `synth`: `000001.png` ….
     pub fn of_identities(folder: &Path) -> Result<Self, TruthError> {
         let paths = numbered(folder, "")?;
-        Ok(Self { paths, label: label_of_identity, is_strict: false, offset: 0, roi: None })
+        Ok(Self {
+            paths,
+            label: label_of_identity,
+            is_strict: false,
+            offset: 0,
+            roi: None,
+            remark: None,
+            part: None,
+        })
     }
 
     /// The same masks with `offset` added to their numbers.
@@ -278,9 +346,42 @@ impl MaskFiles {
         Self { paths: boxes::shifted(&self.paths, offset), offset: self.offset + offset, ..self }
     }
 
+    /// The same masks with the pixels outside a part of the images ignored.
+    #[must_use]
+    pub fn within(self, part: Crop) -> Self {
+        Self { part: Some(part), ..self }
+    }
+
+    /// The part of the images outside of which pixels are ignored; `None` if it is all of them.
+    pub fn part(&self) -> Option<Crop> {
+        self.part
+    }
+
+    /// What was left out of what is there, a clause.
+    pub fn remark(&self) -> Option<&str> {
+        self.remark.as_deref()
+    }
+
     /// What [`Self::shifted`] added to the numbers.
     pub fn offset(&self) -> i64 {
         self.offset
+    }
+
+    /// The error that no frame from `first` to `last`, of the results in `path`, has a mask here.
+    pub fn without_common_frame(&self, path: &Path, (first, last): (u32, u32)) -> TruthError {
+        let numbers = self.numbers().next().zip(self.numbers().last());
+        let Some((true_first, true_last)) = numbers else {
+            let why = "no mask for a frame of the ground truth, which has none itself; check its folder and \
+                       temporalROI.txt, and run with --masks";
+            return TruthError::new(path, why);
+        };
+        let offset = self.offset + i64::from(first) - i64::from(true_first);
+        let why = format!(
+            "no mask for a frame of the ground truth: it has {true_first} to {true_last}, the masks {first} to \
+             {last}; run with --masks and a range that includes these frames, or, if its numbers begin elsewhere, score \
+             with --offset {offset}, which makes the first numbers equal"
+        );
+        TruthError::new(path, why)
     }
 
     /// The frame numbers in ascending order.
@@ -308,7 +409,23 @@ impl MaskFiles {
                 TrueMask::new(Size::new(width, height), levels.zip(roi.iter()).map(counted))
             }
         };
-        Ok(Some(mask))
+        Ok(Some(match &self.part {
+            Some(part) => mask.within(part),
+            None => mask,
+        }))
+    }
+
+    /// Reads the mask of a frame, which must have this size; `None` if there is none.
+    pub fn read_of_size(&self, number: u32, size: Size) -> Result<Option<TrueMask>, TruthError> {
+        let mask = self.read(number)?;
+        match (&mask, self.paths.get(&number)) {
+            (Some(mask), Some(path)) if mask.size != size => {
+                let why =
+                    format!("it is {} and the video is {size}; both must have the same size", mask.size);
+                Err(TruthError::new(path, why))
+            }
+            _ => Ok(mask),
+        }
     }
 
     /// Reads all masks; `None` if there is no file.
@@ -317,13 +434,7 @@ impl MaskFiles {
         let masks = numbers.par_iter().map(|&number| Ok((number, self.read(number)?)));
         let masks: Vec<_> = masks.collect::<Result<_, TruthError>>()?;
         let masks = masks.into_iter().filter_map(|(number, mask)| Some((number, Arc::new(mask?))));
-        let masks: BTreeMap<u32, Arc<TrueMask>> = masks.collect();
-        let Some(size) = masks.values().next().map(|mask| mask.size) else { return Ok(None) };
-        if let Some((number, mask)) = masks.iter().find(|(_, mask)| mask.size != size) {
-            let why = format!("it is {} and the first one is {size}; all must have the same size", mask.size);
-            return Err(TruthError::new(&self.paths[number], why));
-        }
-        Ok(TrueMasks::new(masks))
+        TrueMasks::of_files(masks.collect(), &self.paths)
     }
 }
 
@@ -464,6 +575,8 @@ mod tests {
             prop_assert_eq!(cut.labels(), of_part);
             let data = part.iter().map(|&(x, y)| if found.is_foreground(x, y) { 255 } else { 0 }).collect();
             prop_assert_eq!(cut.score(&Mask { size: cut.size(), data }), expected(&part));
+            let crop = Crop { x: columns.start, y: rows.start, width: 2, height: 2 };
+            prop_assert_eq!(mask.within(&crop).score(&found), expected(&part));
         }
     }
 
@@ -490,6 +603,9 @@ mod tests {
             MaskFiles::of_folder(folder.path()).unwrap().shifted(-3).numbers().collect::<Vec<_>>(),
             [5]
         );
+        let right = Crop { x: 2, y: 0, width: 2, height: 1 };
+        let mask = MaskFiles::of_folder(folder.path()).unwrap().within(right).read(8).unwrap().unwrap();
+        assert_eq!(mask.labels(), [uncounted, uncounted, foreground, background]);
         write("cam2_mask-0009.png", [0, 37, 255, 0]);
         assert!(labels(9).unwrap_err().to_string().contains("37"));
         write("other-9.png", [0; 4]);

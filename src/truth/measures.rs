@@ -2,15 +2,151 @@
 
 use std::collections::BTreeMap;
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 use super::event_scoring::{self, EventScore};
 use super::hota::Hota;
 use super::mask_measures::MaskMeasures;
 use super::summary::TrackScore;
 
+/// A measure as a column of a table.
+#[derive(Clone, Copy, Debug)]
+pub struct MeasureColumn {
+    /// Its name in tables and as a key.
+    pub name: &'static str,
+    /// Its name on the screen.
+    pub label: &'static str,
+    /// Its meaning, a sentence.
+    pub meaning: &'static str,
+    /// Whether a greater value is better.
+    pub more_is_better: bool,
+    /// Its value, if the ground truth permits it.
+    pub of: fn(&Measures) -> Option<f64>,
+}
+
+impl MeasureColumn {
+    /// Whether a value is better than another.
+    pub fn is_better(&self, value: f64, other: f64) -> bool {
+        if self.more_is_better { value > other } else { value < other }
+    }
+
+    /// Number of decimals on the screen; a mean of counts has one, a whole count none.
+    pub fn decimals(&self) -> usize {
+        match self.name {
+            "switches" => 1,
+            "pwc" => 2,
+            _ => 3,
+        }
+    }
+
+    /// A value on the screen.
+    pub fn text(&self, value: f64) -> String {
+        let decimals = if self.decimals() == 1 && value.fract() == 0.0 { 0 } else { self.decimals() };
+        format!("{value:.decimals$}").replace('-', "−")
+    }
+}
+
+/// The measure by which combinations of settings are ranked where none is chosen: the mean of F and HOTA, or the one of
+/// them that the ground truth permits.
+pub static OBJECTIVE: MeasureColumn = MeasureColumn {
+    name: "score",
+    label: "score",
+    meaning: "Mean of F and HOTA, or the one of them that the ground truth permits",
+    more_is_better: true,
+    of: |measures| match (measures.masks, measures.tracks) {
+        (Some(masks), Some(tracks)) => Some(f64::midpoint(masks.f, tracks.hota.hota)),
+        (Some(masks), None) => Some(masks.f),
+        (None, Some(tracks)) => Some(tracks.hota.hota),
+        (None, None) => None,
+    },
+};
+
+/// Whether a measure has this name.
+pub fn is_name(name: &str) -> bool {
+    name == OBJECTIVE.name || column(name).is_some()
+}
+
+/// The column of this name.
+pub fn column(name: &str) -> Option<&'static MeasureColumn> {
+    COLUMNS.iter().find(|column| column.name == name)
+}
+
+/// The measures of tables, in their order.
+pub static COLUMNS: [MeasureColumn; 10] = [
+    MeasureColumn {
+        name: "f",
+        label: "F",
+        meaning: "Harmonic mean of precision and recall of the masks",
+        more_is_better: true,
+        of: |measures| Some(measures.masks?.f),
+    },
+    MeasureColumn {
+        name: "precision",
+        label: "precision",
+        meaning: "Share of true foreground in the foreground of the masks",
+        more_is_better: true,
+        of: |measures| Some(measures.masks?.precision),
+    },
+    MeasureColumn {
+        name: "recall",
+        label: "recall",
+        meaning: "Share of the true foreground that the masks have",
+        more_is_better: true,
+        of: |measures| Some(measures.masks?.recall),
+    },
+    MeasureColumn {
+        name: "pwc",
+        label: "PWC",
+        meaning: "Percentage of wrong classifications of the masks",
+        more_is_better: false,
+        of: |measures| Some(measures.masks?.pwc),
+    },
+    MeasureColumn {
+        name: "mota",
+        label: "MOTA",
+        meaning: "CLEAR-MOT's accuracy of the tracks, boxes matched from an IoU of 0.5 on",
+        more_is_better: true,
+        of: |measures| Some(measures.tracks?.mota),
+    },
+    MeasureColumn {
+        name: "idf1",
+        label: "IDF1",
+        meaning: "Harmonic mean of identity precision and recall, from an IoU of 0.5 on",
+        more_is_better: true,
+        of: |measures| Some(measures.tracks?.idf1),
+    },
+    MeasureColumn {
+        name: "hota",
+        label: "HOTA",
+        meaning: "Geometric mean of detection and association accuracy, over 19 thresholds of IoU",
+        more_is_better: true,
+        of: |measures| Some(measures.tracks?.hota.hota),
+    },
+    MeasureColumn {
+        name: "switches",
+        label: "ID switches",
+        meaning: "Number of identity switches",
+        more_is_better: false,
+        of: |measures| Some(measures.tracks?.switches as f64),
+    },
+    MeasureColumn {
+        name: "episode_recall",
+        label: "episode recall",
+        meaning: "Share of the true occlusion episodes that are reported",
+        more_is_better: true,
+        of: |measures| Some(measures.episodes?.episode_recall),
+    },
+    MeasureColumn {
+        name: "episode_precision",
+        label: "episode precision",
+        meaning: "Share of the reported occlusion episodes that are true",
+        more_is_better: true,
+        of: |measures| Some(measures.episodes?.episode_precision),
+    },
+];
+
 /// The measures that the ground truth permits, each serialised under its own name.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Measures {
     /// Of the masks.
     #[serde(flatten)]
@@ -23,8 +159,15 @@ pub struct Measures {
     pub episodes: Option<EpisodeMeasures>,
 }
 
+impl Measures {
+    /// Whether they are those that ground truth with masks, with tracks or with both permits.
+    pub fn is_of(&self, masks: bool, tracks: bool) -> bool {
+        self.masks.is_some() == masks && self.tracks.is_some() == tracks
+    }
+}
+
 /// The measures of tracks. CLEAR-MOT and IDF1 are those of matches from an IoU of 0.5 on.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct TrackMeasures {
     /// CLEAR-MOT's accuracy.
     pub mota: f64,
@@ -52,7 +195,7 @@ impl From<&TrackScore> for TrackMeasures {
 }
 
 /// The measures of occlusion episodes of all kinds together.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct EpisodeMeasures {
     /// The share of the true episodes that are reported; 1 if there is none.
     pub episode_recall: f64,
@@ -64,5 +207,25 @@ impl From<&BTreeMap<String, EventScore>> for EpisodeMeasures {
     fn from(kinds: &BTreeMap<String, EventScore>) -> Self {
         let EventScore { recall, precision, .. } = event_scoring::total(kinds);
         Self { episode_recall: recall, episode_precision: precision }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+
+    #[test]
+    fn a_value_has_the_digits_of_its_measure() {
+        for (name, value, text) in [
+            ("f", 0.812_49, "0.812"),
+            ("mota", -0.25, "−0.250"),
+            ("pwc", 3.456, "3.46"),
+            ("switches", 12.0, "12"),
+            ("switches", 12.25, "12.2"),
+        ] {
+            assert_eq!(column(name).unwrap().text(value), text, "{name}");
+        }
     }
 }

@@ -3,15 +3,20 @@
 //! [`formats`] reads [`boxes`] of several formats, [`ignored`] drops what is not judged, [`clear_mot`], [`hota`] and
 //! [`survival`] score tracks, [`summary`] by all; [`masks`] reads masks of CDnet's levels, [`mask_score`] and
 //! [`mixture_score`] score pixels against them in counts of [`decisions`]; [`alignment`] finds frame numbers that fit better;
-//! [`event_scoring`] scores events and episodes of rendered scenes. [`measures`] are the main results of all under short
-//! names, and [`mask_measures`] those of masks with their means over a data set.
+//! [`event_scoring`] scores events and episodes of rendered scenes. [`result_source`] finds the kind of results that are
+//! scored, [`external`] reads those of another method. [`sequence_truth`] is all of a sequence, of which [`comparison`] judges
+//! the frames that were [analysed](analysed_frames). [`measures`] are the main results of all under short names, and
+//! [`mask_measures`] those of masks with their means over a data set.
 
 pub mod alignment;
+pub mod analysed_frames;
 mod assignment;
 pub mod boxes;
 pub mod clear_mot;
+pub mod comparison;
 pub mod decisions;
 pub mod event_scoring;
+pub mod external;
 pub mod formats;
 pub mod hota;
 pub mod ignored;
@@ -20,6 +25,8 @@ pub mod mask_score;
 pub mod masks;
 pub mod measures;
 pub mod mixture_score;
+pub mod result_source;
+pub mod sequence_truth;
 mod share;
 pub mod summary;
 pub mod survival;
@@ -131,15 +138,19 @@ pub struct Truth {
     pub ignored: Ignored,
     /// The true masks.
     pub masks: Option<Arc<TrueMasks>>,
+    /// What was left out of the masks, a clause.
+    pub remark: Option<String>,
 }
 
 impl Truth {
     /// Reads the ground truth at `path`, of any kind of [`TruthSource`].
     pub fn read(path: &Path) -> Result<Self, TruthError> {
         let source = TruthSource::of(path)?;
-        let masks = source.masks()?.map(|files| files.read_all()).transpose()?.flatten().map(Arc::new);
+        let files = source.masks()?;
+        let remark = files.as_ref().and_then(|files| files.remark().map(ToOwned::to_owned));
+        let masks = files.map(|files| files.read_all()).transpose()?.flatten().map(Arc::new);
         let (boxes, ignored) = source.tracks()?.map(|file| (file.boxes, file.ignored)).unzip();
-        let truth = Self { boxes, ignored: ignored.unwrap_or_default(), masks };
+        let truth = Self { boxes, ignored: ignored.unwrap_or_default(), masks, remark };
         if truth.boxes.is_none() && truth.masks.is_none() {
             let why = "no masks groundtruth/gt000001.png … found in it, or none within temporalROI.txt";
             return Err(TruthError::new(path, why));
@@ -147,22 +158,19 @@ impl Truth {
         Ok(truth)
     }
 
-    /// The truth of frames that are placed in the source's images: boxes in their pixels, and masks of the source's size
-    /// with the label at the centre of each of their pixels.
+    /// The truth of frames that are placed in the source's images: boxes in their pixels, as [`ignored::crop`] cuts them,
+    /// and masks of the source's size with the label at the centre of each of their pixels.
     #[must_use]
     pub fn in_frames(&self, placement: &Placement) -> Self {
-        let boxes = self.boxes.as_ref().map(|boxes| boxes::in_frames(boxes, placement));
-        let ignored = self.ignored.iter().map(|(number, places)| {
-            let moved = places.iter().map(|place| Bounds(placement.frame_box(place.0)));
-            (*number, moved.collect())
-        });
-        let masks = self.masks.as_ref().map(|masks| {
-            if masks.size() == placement.source() {
-                Arc::new(masks.in_frames(placement))
-            } else {
-                Arc::clone(masks)
-            }
-        });
-        Self { boxes, ignored: ignored.collect(), masks }
+        let (mut boxes, mut ignored) = (self.boxes.clone(), self.ignored.clone());
+        if let Some((boxes, part)) = boxes.as_mut().zip(placement.part()) {
+            ignored::crop(boxes, &mut ignored, &part);
+        }
+        let boxes = boxes.map(|boxes| boxes::in_frames(&boxes, placement));
+        for place in ignored.values_mut().flatten() {
+            *place = Bounds(placement.frame_box(place.0));
+        }
+        let masks = self.masks.as_ref().map(|masks| masks.fitted(placement));
+        Self { boxes, ignored, masks, remark: self.remark.clone() }
     }
 }

@@ -9,6 +9,7 @@ use super::clear_mot::{self, ClearMot};
 use super::hota::{self, Hota};
 use super::mask_score::MaskScore;
 use super::survival::{self, Survival};
+use crate::export::number::rounded;
 use crate::pipeline::OfflineResult;
 use crate::tracking::FrameTracks;
 
@@ -68,7 +69,7 @@ pub fn boxes_of(result: &OfflineResult) -> Boxes {
             .iter()
             .map(|track| {
                 let bbox = track.bbox;
-                (track.id, Bounds([bbox.x, bbox.y, bbox.w, bbox.h].map(f64::from)))
+                (track.id, Bounds([bbox.x, bbox.y, bbox.w, bbox.h].map(rounded)))
             })
             .collect();
         if !of_frame.is_empty() {

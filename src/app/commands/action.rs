@@ -41,6 +41,8 @@ pub(crate) enum Action {
     SaveSettings,
     /// Read the settings from a file.
     LoadSettings,
+    /// Read the table of a sweep and show its maps.
+    OpenSweep,
     /// End the program.
     Quit,
     /// Undo the last edit.
@@ -79,6 +81,12 @@ pub(crate) enum Action {
     LoadTruth,
     /// Read ground-truth masks, or boxes and masks, from a folder.
     LoadTruthFolder,
+    /// Read external tracks from a file.
+    LoadExternal,
+    /// Read external masks, label images or the output of a run from a folder.
+    LoadExternalFolder,
+    /// Drop the external results.
+    CloseExternal,
     /// Pause the analysis beyond the frame in view, or resume it.
     AnalyseAhead,
     /// Start or stop playing.

@@ -22,6 +22,7 @@ pub(crate) fn apply(model: &mut Model, command: Command) {
         Command::Span(span) => model.panels.timeline_span = span,
         Command::Speed(index) => model.playback.speed = index.min(SPEEDS.len() - 1),
         Command::Set(settings) => model.edits.settings = *settings,
+        Command::SetSlot(slot, settings) => model.edits.set_slot(slot, *settings),
         Command::Choose(pixel) => model.choose_pixel(pixel),
         Command::ChooseObject(object) => model.choose_object(object),
         Command::ShowSubject(subject) => model.selection.subject = subject,
@@ -54,6 +55,7 @@ pub(crate) fn apply(model: &mut Model, command: Command) {
         | Command::Rate(_)
         | Command::Read(_)
         | Command::ReadTruth(_)
+        | Command::ReadSweep(_)
         | Command::OpenSample
         | Command::Area(_) => {}
     }
@@ -130,6 +132,7 @@ pub(crate) fn act(model: &mut Model, action: Action, now: f64) {
         Action::ClearPixel => model.choose_pixel(None),
         Action::ClearObject => model.choose_object(None),
         Action::Loupe => model.display.loupe = !model.display.loupe,
+        Action::CloseExternal => model.set_external(None),
         Action::ClearPins => model.playback.marks.pins.clear(),
         Action::SettingsPanel => model.panels.settings = !model.panels.settings,
         Action::InspectorPanel => model.panels.inspector = !model.panels.inspector,
@@ -144,6 +147,7 @@ pub(crate) fn act(model: &mut Model, action: Action, now: f64) {
         | Action::CopyPicture
         | Action::SaveSettings
         | Action::LoadSettings
+        | Action::OpenSweep
         | Action::Quit
         | Action::AbSlot(_)
         | Action::KeepSettings
@@ -157,6 +161,8 @@ pub(crate) fn act(model: &mut Model, action: Action, now: f64) {
         | Action::SaveMask
         | Action::LoadTruth
         | Action::LoadTruthFolder
+        | Action::LoadExternal
+        | Action::LoadExternalFolder
         | Action::Open(_)
         | Action::Arrange(_)
         | Action::Actual

@@ -45,6 +45,8 @@ pub(crate) fn is_available(model: &Model, entry: &ActionEntry) -> bool {
         Action::ClearPins => !model.playback.marks.pins.is_empty(),
         Action::ClearObject => model.selection.object.is_some(),
         Action::Draw(TrackOverlay::Truth) => model.truth.as_ref().is_some_and(|truth| truth.boxes.is_some()),
+        Action::Draw(TrackOverlay::External) => model.external_boxes().is_some(),
+        Action::CloseExternal => model.external.is_some(),
         Action::CloseVideo | Action::SourceOptions => model.worker.player.is_some(),
         // The last open view cannot be closed.
         Action::Open(view) => {

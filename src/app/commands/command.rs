@@ -27,6 +27,8 @@ pub(crate) enum Command {
     Read(Options),
     /// Read ground truth from this file or folder.
     ReadTruth(PathBuf),
+    /// Read a sweep from its table or folder.
+    ReadSweep(PathBuf),
     /// Dismiss the offer of ground truth.
     DismissTruth,
     /// Open the bundled sample at its first occlusion.
@@ -41,6 +43,8 @@ pub(crate) enum Command {
     Speed(usize),
     /// Analyse with these settings.
     Set(Box<Settings>),
+    /// Analyse with these settings in a slot.
+    SetSlot(AbSlot, Box<Settings>),
     /// Choose a pixel.
     Choose(Option<(u32, u32)>),
     /// Choose an object by its identity.

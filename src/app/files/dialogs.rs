@@ -11,12 +11,15 @@ use rfd::FileDialog;
 use crate::app::files::atomic_write;
 use crate::app::files::export_frame::FrameExport;
 use crate::app::files::settings_file;
+use crate::app::files::sweep_file;
+use crate::app::model::opened_sweep::OpenedSweep;
 use crate::export::picture;
 use crate::frame::Mask;
 use crate::regions::Roi;
 use crate::settings::Settings;
 use crate::source::SceneFolder;
 use crate::truth::Truth;
+use crate::truth::external::ExternalResults;
 
 /// Minimum time in which a user can cancel a dialog. A dialog that ends sooner was never shown.
 const MIN_DIALOG_DURATION: Duration = Duration::from_millis(250);
@@ -26,6 +29,9 @@ const VIDEO_ENDINGS: [&str; 20] = [
     "mp4", "avi", "mkv", "mov", "webm", "m4v", "mpg", "mpeg", "ogv", "mts", "m2ts", "ts", "3gp", "wmv",
     "flv", "y4m", "mxf", "gif", "tif", "tiff",
 ];
+
+/// The endings of the names of files of tracks that the dialogs list.
+const TRACK_ENDINGS: [&str; 4] = ["txt", "csv", "xml", "json"];
 
 /// The result of a dialog.
 pub(crate) enum DialogResult {
@@ -39,10 +45,14 @@ pub(crate) enum DialogResult {
     Table(Result<(String, usize), String>),
     /// Settings were read from a file, or an error in a sentence.
     Settings(Result<(PathBuf, Box<Settings>), String>),
+    /// A sweep was read, or an error in a sentence.
+    Sweep(Result<Arc<OpenedSweep>, String>),
     /// A mask was read from a file, or an error in a sentence.
     Mask(Result<Arc<Roi>, String>),
     /// Ground truth was read, or an error in a sentence.
     Truth(Result<Arc<Truth>, String>),
+    /// External results were read, or an error in a sentence.
+    External(Result<Arc<ExternalResults>, String>),
     /// The ground truth beside the video of this name, if any.
     TruthOffered(String, Option<PathBuf>),
     /// This system has no file dialogs.
@@ -107,6 +117,19 @@ impl Dialogs {
         });
     }
 
+    /// Asks for the table of a sweep and reads it.
+    pub(crate) fn open_sweep(&mut self, ctx: &Context) {
+        self.ask(ctx, || {
+            let dialog = FileDialog::new().set_title("Open sweep");
+            Some(sweep(&with_filter(dialog, "Table of a sweep", &["csv"]).pick_file()?))
+        });
+    }
+
+    /// Reads a sweep from its table or folder.
+    pub(crate) fn read_sweep(&mut self, ctx: &Context, path: PathBuf) {
+        self.run(ctx, move || sweep(&path));
+    }
+
     /// Asks for an image of the region of interest and reads it.
     pub(crate) fn load_mask(&mut self, ctx: &Context) {
         self.ask(ctx, || {
@@ -121,7 +144,7 @@ impl Dialogs {
     pub(crate) fn load_truth(&mut self, ctx: &Context) {
         self.ask(ctx, || {
             let dialog = FileDialog::new().set_title("Load ground truth");
-            Some(truth(&with_filter(dialog, "Tracks", &["txt", "csv", "xml", "json"]).pick_file()?))
+            Some(truth(&with_filter(dialog, "Tracks", &TRACK_ENDINGS).pick_file()?))
         });
     }
 
@@ -129,6 +152,21 @@ impl Dialogs {
     pub(crate) fn load_truth_folder(&mut self, ctx: &Context) {
         self.ask(ctx, || {
             Some(truth(&FileDialog::new().set_title("Load ground truth folder").pick_folder()?))
+        });
+    }
+
+    /// Asks for a file of external tracks and reads it.
+    pub(crate) fn load_external(&mut self, ctx: &Context) {
+        self.ask(ctx, || {
+            let dialog = FileDialog::new().set_title("Load external results");
+            Some(external(&with_filter(dialog, "Tracks", &TRACK_ENDINGS).pick_file()?))
+        });
+    }
+
+    /// Asks for a folder of external results and reads it.
+    pub(crate) fn load_external_folder(&mut self, ctx: &Context) {
+        self.ask(ctx, || {
+            Some(external(&FileDialog::new().set_title("Load external results folder").pick_folder()?))
         });
     }
 
@@ -213,9 +251,18 @@ fn in_both_cases(endings: &[&str]) -> Vec<String> {
     endings.iter().flat_map(|ending| [(*ending).to_owned(), ending.to_uppercase()]).collect()
 }
 
+fn sweep(path: &Path) -> DialogResult {
+    DialogResult::Sweep(sweep_file::read(path).map(Arc::new))
+}
+
 fn truth(path: &Path) -> DialogResult {
     let read = Truth::read(path);
     DialogResult::Truth(read.map(Arc::new).map_err(|error| format!("{error}; choose another file")))
+}
+
+fn external(path: &Path) -> DialogResult {
+    let read = ExternalResults::read(path);
+    DialogResult::External(read.map(Arc::new).map_err(|error| error.to_string()))
 }
 
 #[cfg(test)]

@@ -5,3 +5,4 @@ pub(crate) mod dialogs;
 pub(crate) mod export_frame;
 pub(crate) mod sample;
 pub(crate) mod settings_file;
+pub(crate) mod sweep_file;

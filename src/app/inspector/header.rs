@@ -10,13 +10,17 @@ use crate::app::theme;
 use crate::explain::pixel::verdict::Verdict;
 use crate::settings::Space;
 
+/// Maximum width of an explanation, in points: longer lines are hard to read.
+const MAX_TEXT_WIDTH: f32 = 300.0;
+
 /// A title with an explanation, where there is nothing to inspect.
 pub(super) fn message(ui: &mut Ui, title: &str, text: &str) {
     ui.vertical_centered(|ui| {
         ui.add_space((ui.available_height() * 0.3).clamp(16.0, 160.0));
         ui.label(RichText::new(title).size(15.0).strong());
         ui.add_space(4.0);
-        ui.set_max_width(300.0);
+        // A text wider than the panel would move the views over its left side.
+        ui.set_max_width(ui.available_width().min(MAX_TEXT_WIDTH));
         ui.label(RichText::new(text).color(style::muted(ui.visuals())));
     });
 }

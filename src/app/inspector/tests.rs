@@ -89,6 +89,7 @@ fn shown_of(settings: Settings, history: Option<PixelHistory>, position: u32) ->
         map: None,
         pixel: history.map(Arc::new),
         truth: None,
+        external: None,
         compared: None,
     }
 }

@@ -51,6 +51,17 @@ impl Edits {
         self.history.record_slots(before, (self.ab_settings.clone(), self.settings.clone()));
     }
 
+    /// Sets the settings of a slot, in one edit. The slot in view stays in view.
+    pub(crate) fn set_slot(&mut self, slot: AbSlot, settings: Settings) {
+        self.change_slots(|slots, in_view| {
+            if slots.in_view == slot {
+                *in_view = settings;
+            } else {
+                slots.other = Some(settings);
+            }
+        });
+    }
+
     /// Edits the areas of an image of this size. Returns whether the region of interest changed.
     pub(crate) fn change_areas(&mut self, change: AreaEdit, size: Size) -> Result<bool, AreaError> {
         let before = self.areas.clone();

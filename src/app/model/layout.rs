@@ -35,18 +35,28 @@ impl ViewLayout {
     pub(crate) const fn rows(self) -> &'static [LayoutRow] {
         use View::{
             Agreement, Background, ComparedBackground, ComparedForeground, ComparedTracks, Difference,
-            Foreground, Input, Map, MaskErrors, Regions, Tracks,
+            ExternalAgreement, ExternalErrors, Foreground, Input, Map, MaskErrors, Regions, Tracks,
         };
         match self {
             Self::All => &[
                 (1.0, &[&[Input], &[Background, Difference, Map, ComparedBackground]]),
-                (1.0, &[&[Foreground, ComparedForeground], &[Regions, MaskErrors, Agreement]]),
+                (
+                    1.0,
+                    &[
+                        &[Foreground, ComparedForeground],
+                        &[Regions, MaskErrors, Agreement, ExternalErrors, ExternalAgreement],
+                    ],
+                ),
                 (1.6, &[&[Tracks, ComparedTracks]]),
             ],
             Self::Figure => &[
                 (
                     1.0,
-                    &[&[Input], &[Background, ComparedBackground], &[Difference, Map, MaskErrors, Agreement]],
+                    &[
+                        &[Input],
+                        &[Background, ComparedBackground],
+                        &[Difference, Map, MaskErrors, Agreement, ExternalErrors, ExternalAgreement],
+                    ],
                 ),
                 (1.0, &[&[Foreground, ComparedForeground], &[Regions], &[Tracks, ComparedTracks]]),
             ],
@@ -55,7 +65,15 @@ impl ViewLayout {
                     1.0,
                     &[
                         &[Input, Background, Difference, Map, ComparedBackground],
-                        &[Foreground, MaskErrors, Regions, ComparedForeground, Agreement],
+                        &[
+                            Foreground,
+                            MaskErrors,
+                            Regions,
+                            ComparedForeground,
+                            Agreement,
+                            ExternalErrors,
+                            ExternalAgreement,
+                        ],
                     ],
                 ),
                 (1.0, &[&[Tracks, ComparedTracks]]),
@@ -65,7 +83,7 @@ impl ViewLayout {
                     1.0,
                     &[
                         &[Foreground, MaskErrors, Background, Regions],
-                        &[Agreement, Input, Difference, Map],
+                        &[Agreement, Input, Difference, Map, ExternalErrors, ExternalAgreement],
                         &[ComparedForeground, ComparedBackground],
                     ],
                 ),
@@ -78,7 +96,7 @@ impl ViewLayout {
                     &[
                         &[Background, Difference, ComparedBackground],
                         &[Foreground, MaskErrors, Regions, ComparedForeground],
-                        &[Map, Agreement],
+                        &[Map, Agreement, ExternalErrors, ExternalAgreement],
                     ],
                 ),
             ],

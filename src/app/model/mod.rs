@@ -9,8 +9,10 @@ pub(crate) mod display;
 pub(crate) mod edits;
 pub(crate) mod event_comparison;
 pub(crate) mod event_list;
+pub(crate) mod external;
 pub(crate) mod layout;
 pub(crate) mod marks;
+pub(crate) mod opened_sweep;
 pub(crate) mod overlays;
 pub(crate) mod persisted_state;
 pub(crate) mod pins;
@@ -33,6 +35,7 @@ use crate::app::model::display::{Display, PanelState};
 use crate::app::model::edits::Edits;
 use crate::app::model::event_comparison::{EventComparison, EventRef};
 use crate::app::model::event_list::EventList;
+use crate::app::model::external::LoadedResults;
 use crate::app::model::marks::Marks;
 use crate::app::model::playback::Playback;
 use crate::app::model::player::Player;
@@ -46,6 +49,8 @@ use crate::settings::Settings;
 use crate::source::Options;
 use crate::tracking::Identity;
 use crate::truth::Truth;
+use crate::truth::boxes::Boxes;
+use crate::truth::external::ExternalResults;
 
 /// The complete state of the window.
 pub(crate) struct Model {
@@ -67,6 +72,8 @@ pub(crate) struct Model {
     pub(crate) events: EventList,
     /// The ground truth.
     pub(crate) truth: Option<Arc<Truth>>,
+    /// The results of another method, compared with ours.
+    pub(crate) external: Option<LoadedResults>,
     /// The path of ground truth beside the video, until it is dismissed.
     pub(crate) offered_truth: Option<PathBuf>,
 }
@@ -84,6 +91,7 @@ impl Model {
             panels: PanelState::new(),
             events: EventList::new(),
             truth: None,
+            external: None,
             offered_truth: None,
         }
     }
@@ -107,7 +115,7 @@ impl Model {
         self.playback.marks = self.videos.stored_marks();
         self.playback.playing = false;
         (self.panels.timeline_span, self.truth, self.events.comparison) = (None, None, None);
-        self.offered_truth = None;
+        (self.external, self.offered_truth) = (None, None);
         self.selection = Selection::NONE;
         self.display.camera = ViewCamera::FIT;
     }
@@ -120,6 +128,7 @@ impl Model {
         self.playback.playing = false;
         (self.videos.opened, self.videos.origin) = (None, Origin::New);
         (self.panels.timeline_span, self.truth, self.offered_truth) = (None, None, None);
+        self.external = None;
         self.selection = Selection::NONE;
         self.edits.forget_areas();
     }
@@ -203,6 +212,19 @@ impl Model {
         self.truth = Some(truth);
     }
 
+    /// Sets the results to compare with ours, or none.
+    pub(crate) fn set_external(&mut self, results: Option<Arc<ExternalResults>>) {
+        if let Some(player) = &self.worker.player {
+            player.request(Request::External(results.clone()));
+        }
+        self.external = results.map(LoadedResults::new);
+    }
+
+    /// The boxes of the results to compare with ours, if they have any.
+    pub(crate) fn external_boxes(&self) -> Option<&Boxes> {
+        self.external.as_ref()?.results.boxes.as_ref()
+    }
+
     /// Sends the settings to the worker.
     pub(crate) fn send_settings(&mut self) {
         self.worker.sent.settings = (self.edits.settings.clone(), self.edits.ab_settings.other.clone());
@@ -252,7 +274,10 @@ impl Model {
         let compared = self.events.comparison.take();
         self.events.comparison = EventComparison::of(&state, self.worker.fps(), compared);
         let is_open = state.info.is_some();
-        let warnings = self.worker.receive(state);
+        let mut warnings = self.worker.receive(state);
+        if let Some((loaded, timeline)) = self.external.as_mut().zip(self.worker.timeline()) {
+            warnings.extend(loaded.check(timeline));
+        }
         self.fit_mask();
         self.selection.find_event_again(&self.worker);
         if is_open && self.videos.origin == Origin::New {

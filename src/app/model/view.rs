@@ -35,11 +35,15 @@ pub(crate) enum View {
     /// True and false decisions of the mask against the ground truth.
     #[serde(rename = "Right")]
     MaskErrors,
+    /// Comparison of the mask with that of the external results.
+    ExternalAgreement,
+    /// True and false decisions of the external mask against the ground truth.
+    ExternalErrors,
 }
 
 impl View {
     /// All views in menu order; the first nine have the keys 1 to 9.
-    pub(crate) const ALL: [Self; 12] = [
+    pub(crate) const ALL: [Self; 14] = [
         Self::Input,
         Self::Background,
         Self::Foreground,
@@ -52,6 +56,8 @@ impl View {
         Self::ComparedForeground,
         Self::ComparedTracks,
         Self::ComparedBackground,
+        Self::ExternalAgreement,
+        Self::ExternalErrors,
     ];
 
     /// Its title.
@@ -69,13 +75,15 @@ impl View {
             Self::ComparedTracks => "Tracks (B)",
             Self::Agreement => "A vs B difference",
             Self::MaskErrors => "Mask errors",
+            Self::ExternalAgreement => "Ours vs external",
+            Self::ExternalErrors => "Mask errors (external)",
         }
     }
 
     /// Its title while there are two slots, of which `in_view` is in view.
     pub(crate) fn slot_title(self, in_view: AbSlot) -> String {
         let (title, slot) = match self {
-            Self::Input | Self::Agreement => return self.title().to_owned(),
+            Self::Input | Self::Agreement | Self::ExternalErrors => return self.title().to_owned(),
             Self::ComparedBackground => (Self::Background.title(), in_view.other()),
             Self::ComparedForeground => (Self::Foreground.title(), in_view.other()),
             Self::ComparedTracks => (Self::Tracks.title(), in_view.other()),
@@ -101,9 +109,14 @@ impl View {
         )
     }
 
-    /// Whether it is open initially, without compared settings or ground truth.
+    /// Whether it needs external results.
+    pub(crate) const fn is_external(self) -> bool {
+        matches!(self, Self::ExternalAgreement | Self::ExternalErrors)
+    }
+
+    /// Whether it is open initially, without compared settings, ground truth or external results.
     pub(crate) const fn is_open_at_first(self) -> bool {
-        !self.compares() && !matches!(self, Self::MaskErrors)
+        !self.compares() && !self.is_external() && !matches!(self, Self::MaskErrors)
     }
 
     /// A description of its content.
@@ -131,6 +144,13 @@ impl View {
             Self::MaskErrors => {
                 "Foreground after post-processing against the ground truth: true positives (TP), false \
                  positives (FP), false negatives (FN)."
+            }
+            Self::ExternalAgreement => {
+                "Pixels that are foreground in our mask only, in the external mask only and in both, over a dark input."
+            }
+            Self::ExternalErrors => {
+                "Foreground of the external mask against the ground truth: true positives (TP), false positives (FP), \
+                 false negatives (FN)."
             }
         }
     }

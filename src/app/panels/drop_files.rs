@@ -1,4 +1,4 @@
-//! Opening by dropping a file or folder on the window.
+//! Opening by dropping a file or folder on the window: a video, ground truth, or the results of a sweep.
 
 use std::path::Path;
 
@@ -6,6 +6,7 @@ use eframe::egui::{Align2, Color32, Context, FontId, Id, LayerId, Order, Stroke,
 
 use crate::app::commands::command::Command;
 use crate::app::model::Model;
+use crate::app::model::opened_sweep::TABLE_NAME;
 use crate::app::theme;
 use crate::replay::Start;
 use crate::source::SceneFolder;
@@ -19,7 +20,9 @@ pub(crate) fn ui(ctx: &Context, model: &Model, commands: &mut Vec<Command>) {
         (!input.raw.hovered_files.is_empty(), path)
     });
     if let Some(path) = dropped.filter(|path| !path.is_empty()) {
-        if model.worker.shown().is_some() && is_truth_for(Path::new(&path), model) {
+        if is_sweep(Path::new(&path)) {
+            commands.push(Command::ReadSweep(path.into()));
+        } else if model.worker.shown().is_some() && is_truth_for(Path::new(&path), model) {
             commands.push(Command::ReadTruth(path.into()));
         } else {
             commands.push(Command::Open(path, Start::First));
@@ -39,6 +42,11 @@ pub(crate) fn ui(ctx: &Context, model: &Model, commands: &mut Vec<Command>) {
             Color32::WHITE,
         );
     }
+}
+
+/// Whether a path is a sweep rather than a video or ground truth: its table, or a folder that has one.
+fn is_sweep(path: &Path) -> bool {
+    path.file_name().is_some_and(|name| name == TABLE_NAME) || path.join(TABLE_NAME).is_file()
 }
 
 /// Whether a path is ground truth for the open video rather than a video. The folder of a sequence is both: it is opened,

@@ -17,6 +17,7 @@ pub(crate) mod settings_panel;
 pub(crate) mod source_options;
 pub(crate) mod status;
 pub(crate) mod subject_choice;
+pub(crate) mod sweep_maps;
 pub(crate) mod timeline;
 pub(crate) mod toasts;
 pub(crate) mod top_bar;

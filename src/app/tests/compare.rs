@@ -276,8 +276,8 @@ fn both_slots_are_scored_against_the_ground_truth() {
     harness.state_mut().handle_result(&ctx, DialogResult::Truth(Ok(Arc::new(boxes))));
     settle(&mut harness);
     assert!(scene.asked.borrow().contains(&PlayerCall::Truth(true)));
-    harness.get_all_by_label("0.900").next().unwrap();
-    harness.get_all_by_label("0.400").next().unwrap();
+    harness.get_all_by_label(".900").next().unwrap();
+    harness.get_all_by_label(".400").next().unwrap();
     let end =
         harness.get_all_by_label("Registration").map(|node| node.rect().top()).reduce(f32::min).unwrap();
     let part = settings_panel(&harness).with_max_y(end);

@@ -83,8 +83,11 @@ fn overlays_of_the_tracks_view_can_be_hidden() {
     for what in TrackOverlay::ALL {
         act(&mut harness, Action::Draw(what));
         let less = harness.render().unwrap();
-        // A single frame has no trails and no events, and no ground truth is loaded.
-        let nothing = matches!(what, TrackOverlay::Trails | TrackOverlay::Events | TrackOverlay::Truth);
+        // A single frame has no trails and no events, and neither ground truth nor external results are loaded.
+        let nothing = matches!(
+            what,
+            TrackOverlay::Trails | TrackOverlay::Events | TrackOverlay::Truth | TrackOverlay::External
+        );
         assert_eq!(less == plain, nothing, "{what:?}");
         plain = less;
     }

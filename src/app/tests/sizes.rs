@@ -128,6 +128,28 @@ fn in_the_smallest_window_no_view_overlaps_a_panel() {
 }
 
 #[test]
+fn in_the_smallest_window_the_views_do_not_cover_the_panel_on_the_right() {
+    // Without a chosen pixel the panel has an explanation, which must not be wider than the panel.
+    for (name, state) in [("no-pixel", state(Phase::Ready, Some(58))), ("pixel", inspected_state(58))] {
+        let (mut harness, _) = window(Some(state), (1600.0, 1000.0), Theme::Dark);
+        harness.run_steps(4);
+        harness.set_size(vec2(800.0, 560.0));
+        harness.run_steps(6);
+        let views = views(&harness).right();
+        let window = harness.ctx.content_rect();
+        for label in ["Events", "Show exit events", "Show merge events"] {
+            let rect = harness.get_by_label(label).rect();
+            assert!(views <= rect.left(), "the views end at {views} and cover {label} at {rect}");
+        }
+        if let Some(text) = harness.query_by_label_contains("Click a pixel in any view to inspect its") {
+            let rect = text.rect();
+            assert!(views <= rect.left() && rect.right() <= window.right(), "{rect} beside {views}");
+        }
+        picture(&mut harness, &format!("smallest-right-panel-{name}"));
+    }
+}
+
+#[test]
 fn text_and_controls_can_be_made_larger_and_smaller() {
     let (mut harness, _) = ready(58);
     for (key, factor) in

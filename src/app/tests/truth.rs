@@ -212,7 +212,7 @@ fn masks_are_scored_beside_the_events() {
         Timeline { score: Some(Arc::new(Score { tracks: None, masks: Some(masks) })), ..timeline() };
     scene.state.borrow_mut().timeline = Arc::new(timeline);
     settle(&mut harness);
-    for number in ["0.818", "0.900", "0.750", "4.00"] {
+    for number in [".818", ".900", ".750", "4.00"] {
         harness.get_by_label(number);
     }
     picture(&mut harness, "scores-of-masks");
@@ -308,7 +308,7 @@ fn the_truth_beside_a_sequence_is_offered_until_it_is_loaded_or_dismissed() {
 }
 
 #[derive(Debug)]
-struct Dropped(std::path::PathBuf);
+pub(super) struct Dropped(pub(super) std::path::PathBuf);
 
 impl egui::DroppedFile for Dropped {
     fn path(&self) -> &Path {

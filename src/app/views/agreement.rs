@@ -13,10 +13,31 @@ use crate::app::model::ab_settings::AbSlot;
 use crate::app::model::view::BackgroundDisplay;
 use crate::app::theme;
 use crate::frame::Mask;
+use crate::palette::TRUE_POSITIVE;
+use crate::regions::Rgb;
 use crate::replay::ShownFrame;
 
 /// The colour of pixels that are foreground in both masks.
-pub(super) const BOTH_COLOUR: [u8; 3] = [228, 232, 238];
+const BOTH_COLOUR: [u8; 3] = TRUE_POSITIVE;
+
+/// Two masks to compare.
+pub(super) struct MaskPair {
+    /// The colours of pixels that are foreground in one of them only.
+    pub(super) colours: [Rgb; 2],
+    /// The names of these colours in the legend.
+    pub(super) names: [&'static str; 2],
+}
+
+impl MaskPair {
+    /// The composition of the masks, of which the first is ours.
+    pub(super) fn compose_style(&self, what: Compose) -> ComposeStyle {
+        ComposeStyle::in_two_colours(what, self.colours[0], self.colours[1])
+    }
+}
+
+/// The masks under A and B.
+const SLOTS: MaskPair =
+    MaskPair { colours: [AbSlot::A.colour(), AbSlot::B.colour()], names: ["A only", "B only"] };
 
 /// Both masks over a dark input.
 pub(super) struct AgreementContent;
@@ -31,20 +52,19 @@ impl ViewContent for AgreementContent {
     }
 
     fn paint(&self, pane: &Pane<'_>) {
-        let Some(compared) = compared(pane) else { return };
+        if compared(pane).is_none() {
+            return;
+        }
         let in_view = pane.model.edits.ab_settings.in_view;
         pane.compose(compose_style(in_view));
-        let (first, second) = (&pane.shown.analysis.mask, &compared.analysis.mask);
-        let ground = |(x, y)| match (first.is_foreground(x, y), second.is_foreground(x, y)) {
-            (true, true) => theme::rgb(BOTH_COLOUR),
-            (true, false) => theme::rgb(in_view.colour()),
-            (false, true) => theme::rgb(in_view.other().colour()),
-            (false, false) => Color32::BLACK,
-        };
-        draw::values(pane.painter, &pane.canvas, |at| value(pane.shown, in_view, at), ground);
-        if let Some(agreement) = pane.set.agreement {
-            legend(pane, in_view, agreement);
-        }
+        let is_in = |at| of_pixel(pane.shown, in_view, at).unwrap_or_default();
+        let agreement = pane.set.agreement.map(|agreement| match in_view {
+            AbSlot::A => agreement,
+            AbSlot::B => {
+                MaskAgreement { first: agreement.second, second: agreement.first, both: agreement.both }
+            }
+        });
+        paint(pane, &SLOTS, is_in, |at| value(pane.shown, in_view, at), agreement);
     }
 
     fn value(&self, model: &Model, shown: &ShownFrame, at: (u32, u32)) -> String {
@@ -57,17 +77,25 @@ fn compose_style(in_view: AbSlot) -> ComposeStyle {
     ComposeStyle::in_two_colours(Compose::Agreement, in_view.colour(), in_view.other().colour())
 }
 
-/// The legend of the colours, with the number of pixels of each.
-fn legend(pane: &Pane<'_>, in_view: AbSlot, agreement: MaskAgreement) {
-    let (a, b) = match in_view {
-        AbSlot::A => (agreement.first, agreement.second),
-        AbSlot::B => (agreement.second, agreement.first),
+/// Draws the values of two masks where pixels are large enough, and the legend of their colours with the number of pixels
+/// of each.
+pub(super) fn paint(
+    pane: &Pane<'_>,
+    masks: &MaskPair,
+    is_in: impl Fn((u32, u32)) -> [bool; 2],
+    value: impl Fn((u32, u32)) -> String,
+    agreement: Option<MaskAgreement>,
+) {
+    let ground = |at| match is_in(at) {
+        [true, true] => theme::rgb(BOTH_COLOUR),
+        [true, false] => theme::rgb(masks.colours[0]),
+        [false, true] => theme::rgb(masks.colours[1]),
+        [false, false] => Color32::BLACK,
     };
-    let rows = [
-        (AbSlot::A.colour(), "A only", a),
-        (AbSlot::B.colour(), "B only", b),
-        (BOTH_COLOUR, "both", agreement.both),
-    ];
+    draw::values(pane.painter, &pane.canvas, value, ground);
+    let Some(MaskAgreement { first, second, both }) = agreement else { return };
+    let ([of_first, of_second], [one, other]) = (masks.colours, masks.names);
+    let rows = [(of_first, one, first), (of_second, other, second), (BOTH_COLOUR, "both", both)];
     let rows = rows.map(|(colour, word, count)| (colour, format!("{word}  {count} px")));
     draw::legend(pane.painter, pane.canvas.rect, &rows);
 }
@@ -84,7 +112,11 @@ pub(super) fn of_pixel(shown: &ShownFrame, in_view: AbSlot, (x, y): (u32, u32)) 
 
 /// The mask values in A and in B, each 0 or 255.
 fn value(shown: &ShownFrame, in_view: AbSlot, at: (u32, u32)) -> String {
-    let level = |foreground| if foreground { Mask::FOREGROUND } else { Mask::BACKGROUND };
-    let levels = of_pixel(shown, in_view, at).map(|both| both.map(level));
-    levels.map_or_else(String::new, |[a, b]| format!("{a} {b}"))
+    of_pixel(shown, in_view, at).map_or_else(String::new, levels)
+}
+
+/// The values of two masks.
+pub(super) fn levels(is_in: [bool; 2]) -> String {
+    let [a, b] = is_in.map(|foreground| if foreground { Mask::FOREGROUND } else { Mask::BACKGROUND });
+    format!("{a} {b}")
 }

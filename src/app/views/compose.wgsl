@@ -39,6 +39,7 @@ struct ViewUniforms {
 @group(1) @binding(9) var compared_mask: texture_2d<f32>;
 // Foreground in the ground truth, and pixels that are not ignored.
 @group(1) @binding(10) var truth: texture_2d<f32>;
+@group(1) @binding(11) var external_mask: texture_2d<f32>;
 
 // The kind of composition, in the order of `Compose`. It is a constant and not a uniform: software adapters execute all
 // branches of a condition that is unknown when the shader is built.
@@ -55,6 +56,8 @@ const COMPARED_MEAN: u32 = 8u;
 const COMPARED_MASK: u32 = 9u;
 const AGREEMENT: u32 = 10u;
 const MASK_ERRORS: u32 = 11u;
+const EXTERNAL_AGREEMENT: u32 = 12u;
+const EXTERNAL_ERRORS: u32 = 13u;
 
 // The colour of ignored pixels.
 const IGNORED = vec3<f32>(58.0, 52.0, 66.0) / 255.0;
@@ -160,6 +163,14 @@ fn texel(at: vec2<i32>) -> vec3<f32> {
             let truth_here = textureLoad(truth, at, 0).rg;
             return mask_errors(textureLoad(mask, at, 0).r, truth_here, textureLoad(input, at, 0).rgb);
         }
+        case EXTERNAL_AGREEMENT: {
+            let external_here = textureLoad(external_mask, at, 0).r;
+            return agreement(textureLoad(mask, at, 0).r, external_here, textureLoad(input, at, 0).rgb);
+        }
+        case EXTERNAL_ERRORS: {
+            let truth_here = textureLoad(truth, at, 0).rg;
+            return mask_errors(textureLoad(external_mask, at, 0).r, truth_here, textureLoad(input, at, 0).rgb);
+        }
         default: { return textureLoad(input, at, 0).rgb; }
     }
 }
@@ -213,6 +224,16 @@ fn smooth_texels(at: vec2<f32>) -> vec3<f32> {
             let mask_here = textureSampleLevel(mask, smooth_sampler, at, 0.0).r;
             let truth_here = textureSampleLevel(truth, smooth_sampler, at, 0.0).rg;
             return mask_errors(mask_here, truth_here, textureSampleLevel(input, smooth_sampler, at, 0.0).rgb);
+        }
+        case EXTERNAL_AGREEMENT: {
+            let mask_here = textureSampleLevel(mask, smooth_sampler, at, 0.0).r;
+            let external_here = textureSampleLevel(external_mask, smooth_sampler, at, 0.0).r;
+            return agreement(mask_here, external_here, textureSampleLevel(input, smooth_sampler, at, 0.0).rgb);
+        }
+        case EXTERNAL_ERRORS: {
+            let external_here = textureSampleLevel(external_mask, smooth_sampler, at, 0.0).r;
+            let truth_here = textureSampleLevel(truth, smooth_sampler, at, 0.0).rg;
+            return mask_errors(external_here, truth_here, textureSampleLevel(input, smooth_sampler, at, 0.0).rgb);
         }
         default: { return textureSampleLevel(input, smooth_sampler, at, 0.0).rgb; }
     }

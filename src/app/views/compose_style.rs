@@ -30,11 +30,15 @@ pub(crate) enum Compose {
     Agreement,
     /// False decisions of the mask, in two colours over a dark input.
     MaskErrors,
+    /// The mask and that of the external results in two colours over a dark input.
+    ExternalAgreement,
+    /// False decisions of the external mask, in two colours over a dark input.
+    ExternalErrors,
 }
 
 impl Compose {
     /// All kinds in order.
-    pub(super) const ALL: [Self; 12] = [
+    pub(super) const ALL: [Self; 14] = [
         Self::Input,
         Self::Masked,
         Self::Mean,
@@ -47,6 +51,8 @@ impl Compose {
         Self::ComparedMask,
         Self::Agreement,
         Self::MaskErrors,
+        Self::ExternalAgreement,
+        Self::ExternalErrors,
     ];
 
     /// The layers that it needs.
@@ -64,6 +70,8 @@ impl Compose {
             Self::ComparedMask => &[ViewLayer::ComparedMask],
             Self::Agreement => &[ViewLayer::Input, ViewLayer::Mask, ViewLayer::ComparedMask],
             Self::MaskErrors => &[ViewLayer::Input, ViewLayer::Mask, ViewLayer::Truth],
+            Self::ExternalAgreement => &[ViewLayer::Input, ViewLayer::Mask, ViewLayer::External],
+            Self::ExternalErrors => &[ViewLayer::Input, ViewLayer::External, ViewLayer::Truth],
         }
     }
 }
@@ -75,8 +83,8 @@ pub(crate) struct ComposeStyle {
     pub(crate) what: Compose,
     /// A factor of all colours.
     pub(crate) tint: f32,
-    /// The colour over foreground in [`Compose::Masked`], and of pixels that are foreground in the mask only in
-    /// [`Compose::Agreement`] and [`Compose::MaskErrors`]: red, green, blue and opacity, each 0..=1.
+    /// The colour over foreground in [`Compose::Masked`], and of pixels that are foreground only in the first mask of two:
+    /// red, green, blue and opacity, each 0..=1.
     pub(crate) overlay: [f32; 4],
     /// The colour of pixels that are foreground only in the other mask, or only in the ground truth.
     pub(crate) other_colour: [f32; 4],

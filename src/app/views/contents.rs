@@ -4,6 +4,7 @@ use super::agreement::AgreementContent;
 use super::background::BackgroundContent;
 use super::compared::{ComparedBackgroundContent, ComparedForegroundContent, ComparedTracksContent};
 use super::difference::DifferenceContent;
+use super::external_masks::{ExternalAgreementContent, ExternalErrorsContent};
 use super::foreground::ForegroundContent;
 use super::input::InputContent;
 use super::map::MapContent;
@@ -30,6 +31,8 @@ pub(super) const fn content(view: View) -> &'static dyn ViewContent {
         View::ComparedTracks => &ComparedTracksContent,
         View::Agreement => &AgreementContent,
         View::MaskErrors => &MaskErrorsContent,
+        View::ExternalAgreement => &ExternalAgreementContent,
+        View::ExternalErrors => &ExternalErrorsContent,
     }
 }
 

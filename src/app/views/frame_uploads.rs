@@ -197,9 +197,15 @@ impl UploadThread {
                 compared.map(|compared| MaskAgreement::of(&shown.analysis.mask, &compared.analysis.mask));
             let truth = shown.truth.as_ref().filter(|_| request.layers.has(ViewLayer::Truth));
             let decisions = truth.map(|truth| truth.score(&shown.analysis.mask));
+            let external = shown.external.as_ref().filter(|_| request.layers.has(ViewLayer::External));
+            let external_agreement =
+                external.map(|mask| MaskAgreement::from(mask.score(&shown.analysis.mask)));
+            let external_decisions = truth.zip(external).map(|(truth, mask)| truth.score_labels(mask));
             let set = UploadedFrame {
                 agreement,
                 decisions,
+                external_agreement,
+                external_decisions,
                 group: self.composer.bind(&self.device, view),
                 frame: Arc::clone(&request.frame),
                 video: request.video,

@@ -36,6 +36,8 @@ pub(crate) enum ViewLayer {
     ComparedMask,
     /// The ground-truth foreground, and the pixels that are not ignored.
     Truth,
+    /// The mask of the external results.
+    External,
 }
 
 /// Texels in a row of the palette.
@@ -47,7 +49,7 @@ const LAST_LABEL: u32 = u16::MAX as u32;
 
 impl ViewLayer {
     /// All layers, in the order of their bindings in the shader.
-    pub(crate) const ALL: [Self; 11] = [
+    pub(crate) const ALL: [Self; 12] = [
         Self::Input,
         Self::Mean,
         Self::Modes,
@@ -59,6 +61,7 @@ impl ViewLayer {
         Self::ComparedMean,
         Self::ComparedMask,
         Self::Truth,
+        Self::External,
     ];
 
     /// The texture format.
@@ -68,7 +71,7 @@ impl ViewLayer {
                 TextureFormat::Rgba8Unorm
             }
             Self::Map => TextureFormat::R32Float,
-            Self::Mask | Self::Ignored | Self::ComparedMask => TextureFormat::R8Unorm,
+            Self::Mask | Self::Ignored | Self::ComparedMask | Self::External => TextureFormat::R8Unorm,
             Self::Labels => TextureFormat::R16Uint,
             Self::Truth => TextureFormat::Rg8Unorm,
         }
@@ -78,13 +81,13 @@ impl ViewLayer {
     pub(crate) const fn texel_bytes(self) -> usize {
         match self {
             Self::Input | Self::Mean | Self::Modes | Self::Map | Self::Palette | Self::ComparedMean => 4,
-            Self::Mask | Self::Ignored | Self::ComparedMask => 1,
+            Self::Mask | Self::Ignored | Self::ComparedMask | Self::External => 1,
             Self::Labels | Self::Truth => 2,
         }
     }
 
-    /// Whether a frame has the layer. `Modes` needs a mixture; `Map`, `Truth`, `Ignored` and the compared layers need
-    /// their data in the frame.
+    /// Whether a frame has the layer. `Modes` needs a mixture; `Map`, `Truth`, `External`, `Ignored` and the compared
+    /// layers need their data in the frame.
     pub(crate) const fn is_in(self, shown: &ShownFrame) -> bool {
         match self {
             Self::Modes => shown.multi_mode.is_some(),
@@ -92,6 +95,7 @@ impl ViewLayer {
             Self::Ignored => shown.roi.is_some(),
             Self::ComparedMean | Self::ComparedMask => shown.compared.is_some(),
             Self::Truth => shown.truth.is_some(),
+            Self::External => shown.external.is_some(),
             _ => true,
         }
     }
@@ -116,6 +120,7 @@ impl ViewLayer {
             Self::ComparedMean => compared(a, b).is_some_and(|(a, b)| Self::Mean.is_same(a, b)),
             Self::ComparedMask => compared(a, b).is_some_and(|(a, b)| Self::Mask.is_same(a, b)),
             Self::Truth => both(a.truth.as_ref(), b.truth.as_ref()),
+            Self::External => both(a.external.as_ref(), b.external.as_ref()),
         }
     }
 
@@ -161,6 +166,12 @@ impl ViewLayer {
                         Label::Uncounted => [0, 0],
                     };
                     numbers(&truth.labels(), width, every, bytes, put);
+                }
+            }
+            Self::External => {
+                if let Some(mask) = &shown.external {
+                    let bytes = |label: &Label| [if *label == Label::Foreground { 255 } else { 0 }];
+                    numbers(&mask.labels(), width, every, bytes, put);
                 }
             }
             Self::ComparedMean | Self::ComparedMask => {

@@ -33,7 +33,7 @@ pub(crate) fn tree_of(layout: ViewLayout) -> Tree<View> {
     }
     let root = tiles.insert_container(Container::Linear(column));
     let mut tree = Tree::new(Id::unique("views"), root, tiles);
-    // Without compared settings or ground truth these views are empty.
+    // Without compared settings, ground truth or external results these views are empty.
     for view in View::ALL {
         if !(view.is_open_at_first() || view.compares() && layout == ViewLayout::Compare) {
             set_open(&mut tree, view, false);

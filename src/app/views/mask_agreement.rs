@@ -1,6 +1,7 @@
 //! Numbers of pixels in which two foreground masks agree and differ.
 
 use crate::frame::Mask;
+use crate::truth::decisions::Decisions;
 
 /// Numbers of foreground pixels in two masks.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -11,6 +12,14 @@ pub(crate) struct MaskAgreement {
     pub(crate) second: usize,
     /// In both masks.
     pub(crate) both: usize,
+}
+
+/// The agreement of a mask with another one, from its decisions against that.
+impl From<Decisions> for MaskAgreement {
+    fn from(Decisions { tp, fp, fn_, .. }: Decisions) -> Self {
+        let [first, second, both] = [fp, fn_, tp].map(|count| count as usize);
+        Self { first, second, both }
+    }
 }
 
 impl MaskAgreement {

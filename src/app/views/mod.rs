@@ -11,6 +11,8 @@ mod composition;
 mod contents;
 mod difference;
 mod draw;
+mod external_boxes;
+mod external_masks;
 mod foreground;
 mod frame_uploads;
 mod input;

@@ -170,7 +170,8 @@ impl Behavior<View> for Panes<'_> {
         _scroll_offset: &mut f32,
     ) {
         if let Some(&view) = tabs.active.and_then(|active| tiles.get_pane(&active)) {
-            title_bar::controls(ui, self.model, view, tabs.children.len(), self.commands);
+            let seen = tabs.children.iter().filter(|&&tab| tiles.is_visible(tab)).count();
+            title_bar::controls(ui, self.model, view, seen, self.commands);
         }
     }
 

@@ -6,6 +6,7 @@ use eframe::egui::{Align2, Color32, FontId, Mesh, Rect, Stroke, pos2, vec2};
 
 use super::compose_style::{Compose, ComposeStyle};
 use super::draw::{self, OccupiedRects};
+use super::external_boxes;
 use super::input;
 use super::layer::ViewLayer;
 use super::pane::{Pane, ViewContent};
@@ -84,6 +85,7 @@ pub(super) fn paint(pane: &Pane<'_>) {
     if drawn.has(TrackOverlay::Gates) {
         pane.painter.add(gates);
     }
+    external_boxes::outlines(pane);
     let truth =
         pane.model.truth.as_ref().and_then(|truth| truth.boxes.as_ref()?.get(&pane.shown.frame.number));
     let truth = truth.filter(|_| drawn.has(TrackOverlay::Truth));
@@ -114,6 +116,7 @@ pub(super) fn paint(pane: &Pane<'_>) {
         let word = format!("GT {id}");
         draw::free_tag(pane.painter, foot, &word, Color32::from_gray(225), pane.canvas.rect, &mut taken);
     }
+    external_boxes::tags(pane, &mut taken);
     for group in groups.iter().filter(|_| drawn.has(TrackOverlay::Names)) {
         let place = around(pane, group);
         let names: Vec<String> = group.iter().map(|track| track.id.to_string()).collect();

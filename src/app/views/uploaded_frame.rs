@@ -28,6 +28,10 @@ pub(crate) struct UploadedFrame {
     pub(super) agreement: Option<MaskAgreement>,
     /// The decisions of its mask against the ground truth, if there is a ground-truth mask and its view is visible.
     pub(super) decisions: Option<Decisions>,
+    /// The agreement of its mask with the external mask, if there is one and its view is visible.
+    pub(super) external_agreement: Option<MaskAgreement>,
+    /// The decisions of the external mask against the ground truth, if there are both and their view is visible.
+    pub(super) external_decisions: Option<Decisions>,
     /// The duration of the upload.
     pub(super) took: Duration,
     /// The number of uploaded bytes. Unchanged layers of the previous frame are reused.
@@ -54,6 +58,18 @@ impl UploadedFrame {
     #[cfg(test)]
     pub(crate) const fn decisions(&self) -> Option<Decisions> {
         self.decisions
+    }
+
+    /// The agreement of its mask with the external mask.
+    #[cfg(test)]
+    pub(crate) const fn external_agreement(&self) -> Option<MaskAgreement> {
+        self.external_agreement
+    }
+
+    /// The decisions of the external mask against the ground truth.
+    #[cfg(test)]
+    pub(crate) const fn external_decisions(&self) -> Option<Decisions> {
+        self.external_decisions
     }
 
     /// The duration of the upload.

@@ -1,5 +1,7 @@
 //! Execution of the commands that need the window: dialogs, messages, views, the clipboard and videos.
 
+use std::sync::Arc;
+
 use eframe::egui::{ColorImage, Context, Theme, ViewportCommand};
 
 use crate::app::commands::action::{Action, UiScale};
@@ -33,6 +35,7 @@ impl Window {
             }
             Command::Read(options) => self.set_options(ctx, options),
             Command::ReadTruth(path) => self.dialogs.read_truth(ctx, path),
+            Command::ReadSweep(path) => self.dialogs.read_sweep(ctx, path),
             Command::OpenSample => self.open_sample(ctx),
             Command::Area(change) => self.change_areas(ctx, change),
             Command::Hover(_) => {
@@ -79,6 +82,7 @@ impl Window {
             }
             Action::SaveSettings => self.dialogs.save_settings(ctx, model.edits.settings.clone()),
             Action::LoadSettings => self.dialogs.load_settings(ctx),
+            Action::OpenSweep => self.dialogs.open_sweep(ctx),
             Action::Quit => ctx.send_viewport_cmd(ViewportCommand::Close),
             Action::AbSlot(slot) => {
                 if model.edits.show_slot(slot) {
@@ -113,6 +117,8 @@ impl Window {
             Action::ClearAreas => self.change_areas(ctx, AreaEdit::Clear),
             Action::LoadTruth => self.dialogs.load_truth(ctx),
             Action::LoadTruthFolder => self.dialogs.load_truth_folder(ctx),
+            Action::LoadExternal => self.dialogs.load_external(ctx),
+            Action::LoadExternalFolder => self.dialogs.load_external_folder(ctx),
             Action::LoadMask => self.dialogs.load_mask(ctx),
             Action::SaveMask => {
                 // A file has the source's size.
@@ -244,6 +250,7 @@ impl Window {
         let model = &mut self.model;
         model.videos.set_options(&name, options);
         let (truth, camera) = (model.truth.clone(), model.display.camera);
+        let external = model.external.as_ref().map(|loaded| Arc::clone(&loaded.results));
         let start = Start::Frame(model.worker.number(model.worker.position()));
         self.open(ctx, &name, start);
         if is_same_place {
@@ -252,6 +259,9 @@ impl Window {
         self.model.choose_pixel(pixel);
         if let Some(truth) = truth {
             self.model.set_truth(truth);
+        }
+        if external.is_some() {
+            self.model.set_external(external);
         }
     }
 

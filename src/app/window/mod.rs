@@ -23,6 +23,7 @@ use crate::app::model::worker::PlayerFactory;
 use crate::app::panels::about::About;
 use crate::app::panels::command_palette::CommandPalette;
 use crate::app::panels::source_options::SourceOptions;
+use crate::app::panels::sweep_maps::SweepMaps;
 use crate::app::panels::toasts::Toasts;
 use crate::app::panels::{drop_files, help};
 use crate::app::theme;
@@ -49,6 +50,7 @@ pub(super) struct Window {
     pub(super) help: bool,
     pub(super) about: About,
     pub(super) source_options: SourceOptions,
+    pub(super) sweep_maps: SweepMaps,
     player_factory: PlayerFactory,
     pub(super) inspector: Inspector,
     settings_sent_at: Option<Instant>,
@@ -83,6 +85,7 @@ impl Window {
             help: false,
             about: About::on(&gpu.adapter.get_info()),
             source_options: SourceOptions::default(),
+            sweep_maps: SweepMaps::default(),
             player_factory,
             inspector: Inspector::default(),
             settings_sent_at: None,
@@ -170,7 +173,11 @@ impl Window {
 
     /// Whether a dialog is open over the window and takes all keys.
     const fn has_dialog(&self) -> bool {
-        self.help || self.about.open || self.source_options.is_open() || self.command_palette.is_open()
+        self.help
+            || self.about.open
+            || self.source_options.is_open()
+            || self.sweep_maps.is_open()
+            || self.command_palette.is_open()
     }
 
     /// Restores the focus once no dialog is open. Controls under a dialog get no focus until one frame after it is
@@ -208,6 +215,7 @@ impl Window {
         help::ui(&ctx, &mut self.help);
         self.about.ui(&ctx);
         self.source_options.ui(&ctx, &self.model, &mut commands);
+        self.sweep_maps.ui(&ctx, &self.model, &mut commands);
         self.command_palette.ui(&ctx, &self.model, &mut commands);
         drop_files::ui(&ctx, &self.model, &mut commands);
         self.toasts.show(&ctx);

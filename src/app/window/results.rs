@@ -14,6 +14,7 @@ use crate::app::views;
 use crate::app::window::Window;
 use crate::replay::Start;
 use crate::truth::Truth;
+use crate::truth::external::ExternalResults;
 
 impl Window {
     /// Handles the result of a dialog.
@@ -31,8 +32,16 @@ impl Window {
                 self.apply(ctx, Command::Set(settings));
                 self.toasts.done(ctx, format!("Loaded the settings of {}", path.display()));
             }
+            DialogResult::Sweep(Ok(sweep)) => self.sweep_maps.open(sweep),
             DialogResult::Mask(Ok(mask)) => self.change_areas(ctx, AreaEdit::Load(mask)),
-            DialogResult::Truth(Ok(truth)) => self.set_truth(ctx, truth),
+            DialogResult::Truth(Ok(truth)) => {
+                let remark = truth.remark.clone();
+                self.set_truth(ctx, truth);
+                if let Some(remark) = remark {
+                    self.toasts.warn(ctx, remark);
+                }
+            }
+            DialogResult::External(Ok(results)) => self.set_external(ctx, results),
             DialogResult::TruthOffered(name, truth) => self.model.offer_truth(&name, truth),
             DialogResult::NoDialog => self.toasts.fail(
                 ctx,
@@ -47,8 +56,10 @@ impl Window {
             | DialogResult::Table(Err(why))
             | DialogResult::Written(Err(why))
             | DialogResult::Settings(Err(why))
+            | DialogResult::Sweep(Err(why))
             | DialogResult::Mask(Err(why))
-            | DialogResult::Truth(Err(why)) => {
+            | DialogResult::Truth(Err(why))
+            | DialogResult::External(Err(why)) => {
                 self.toasts.fail(ctx, why);
             }
         }
@@ -70,6 +81,25 @@ impl Window {
         }
         self.model.set_truth(truth);
         self.toasts.done(ctx, format!("Loaded ground truth: {}", parts.join("; ")));
+    }
+
+    /// Sets the external results, shows a message about them, and opens the view that compares the masks if they have any.
+    fn set_external(&mut self, ctx: &Context, results: Arc<ExternalResults>) {
+        let boxes = results
+            .boxes
+            .as_ref()
+            .map(|boxes| format!("boxes of {} frames, shown over the tracks", boxes.len()));
+        let masks = results.masks.as_ref();
+        let masks = masks.map(|masks| {
+            format!("masks of {} frames, shown in {}", masks.frames(), View::ExternalAgreement.title())
+        });
+        let parts: Vec<String> =
+            boxes.into_iter().chain(masks).chain(results.remarks.iter().cloned()).collect();
+        if results.masks.is_some() {
+            views::set_open(&mut self.tree, View::ExternalAgreement, true);
+        }
+        self.toasts.done(ctx, format!("Loaded {}: {}", results.name, parts.join("; ")));
+        self.model.set_external(Some(results));
     }
 
     /// Executes an action of the inspector.

@@ -13,6 +13,7 @@ use crate::cli::console::Console;
 use crate::export::track_table::{TrackBox, TrackTable};
 use crate::frame::Size;
 use crate::source::Options;
+use crate::truth::analysed_frames::AnalysedFrames;
 
 /// What is read of `summary.json`.
 #[derive(Deserialize)]
@@ -28,6 +29,8 @@ struct Input {
     frames: u32,
     first_frame: u32,
     last_frame: u32,
+    /// Older summaries do not have it.
+    analysed: Option<AnalysedFrames>,
     #[serde(default)]
     options: Options,
 }
@@ -91,10 +94,13 @@ fn json<T: DeserializeOwned>(path: &Path) -> anyhow::Result<T> {
 fn frames(input: &Input, boxes: &[TrackBox], folder: &Path, console: Console) -> (Vec<u32>, u32) {
     let &Input { frames, first_frame, last_frame, .. } = input;
     let every = input.options.every.map_or(1, u32::from);
+    if let Some(analysed) = input.analysed.as_ref().filter(|analysed| analysed.count() == u64::from(frames)) {
+        return (analysed.numbers().collect(), every);
+    }
     if u64::from((last_frame - first_frame) / every) + 1 == u64::from(frames) {
         return ((first_frame..=last_frame).step_by(every as usize).collect(), every);
     }
-    // Which numbers the images lack is not among the results.
+    // Which numbers the images lack is not in older summaries.
     let with_boxes = boxes.iter().map(|object| object.frame);
     let known = with_boxes.filter(|number| (first_frame..=last_frame).contains(number));
     let known: BTreeSet<u32> = known.chain([first_frame, last_frame]).collect();

@@ -40,7 +40,7 @@ pub(super) fn is_images(info: &SourceInfo) -> bool {
 }
 
 /// The digits of a hash.
-pub(super) fn hexadecimal(bytes: &[u8]) -> String {
+pub(in crate::cli) fn hexadecimal(bytes: &[u8]) -> String {
     use std::fmt::Write as _;
     bytes.iter().fold(String::new(), |mut text, byte| {
         // Writing to a string cannot fail.

@@ -26,6 +26,8 @@ use anyhow::Context as _;
 use clap::ArgMatches;
 
 pub use arguments::command;
+pub(super) use input_hash::hexadecimal;
+pub(super) use tables::write_file;
 
 use super::frames::Frames;
 use super::{flags, source_flags};

@@ -15,6 +15,7 @@ use crate::occlusion::EventKind;
 use crate::regions::Roi;
 use crate::source::SourceInfo;
 use crate::tracking::FrameTracks;
+use crate::truth::analysed_frames::AnalysedFrames;
 
 /// The name of the file.
 pub(super) const FILE: &str = "summary.json";
@@ -56,9 +57,11 @@ pub(super) fn summarise(
             fps: info.source_fps(),
             fps_from: info.fps_from.word(),
             options: job.options,
+            range: job.range.map(|range| range.to_string()),
             frames,
             first_frame: number(result.tracks.first()),
             last_frame: number(result.tracks.last()),
+            analysed: AnalysedFrames::of_numbers(result.tracks.iter().map(|frame| frame.number)),
             sha256,
         },
         settings: job.settings.clone(),

@@ -35,7 +35,7 @@ pub(super) fn write(record: &RunRecord, job: &RunJob, staging: &Staging) -> anyh
 }
 
 /// Writes one staged file.
-pub(super) fn write_file(
+pub(in crate::cli) fn write_file(
     staging: &Staging,
     name: &str,
     content: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,

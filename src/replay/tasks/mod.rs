@@ -4,6 +4,7 @@ pub(crate) mod analyse;
 pub(crate) mod explain;
 pub(crate) mod gather;
 pub(crate) mod score;
+pub(crate) mod score_external;
 pub(crate) mod show;
 pub(crate) mod timeline;
 pub(crate) mod tune;

@@ -5,10 +5,13 @@ use std::collections::BTreeMap;
 use super::*;
 use crate::explain::pixel::region_shares::{PixelRegion, region_bounds};
 use crate::truth::Truth;
+use crate::truth::boxes::{Bounds, Boxes};
 use crate::truth::decisions::Decisions;
+use crate::truth::external::ExternalResults;
 use crate::truth::mask_score::MaskScore;
 use crate::truth::masks::{Label, TrueMask, TrueMasks};
 use crate::truth::mixture_score::of_mixture;
+use crate::truth::summary;
 
 /// The resulting masks of some frames as truth, with the first row ignored.
 fn masks_of(single_pass: &[ShownFrame]) -> Arc<TrueMasks> {
@@ -104,6 +107,64 @@ fn a_region_is_scored_under_other_settings() {
     watched.request(Request::TuneRegion(None));
     watched.request(Request::Truth(None));
     watched.wait_until(|state| state.region_tuning.is_none());
+}
+
+#[test]
+fn external_results_are_scored_and_their_masks_shown() {
+    let folder = scene();
+    let of_a = single_pass(folder.path(), &settings());
+    let truth = masks_of(&of_a);
+    // The results of another method: masks without their left half, and boxes in some frames.
+    let mask = |shown: &ShownFrame| {
+        let is_left = |at: usize| at as u32 % WIDTH < WIDTH / 2;
+        let data = shown.analysis.mask.data.iter().enumerate();
+        let levels: Vec<u8> = data.map(|(at, &level)| if is_left(at) { 0 } else { level }).collect();
+        Arc::new(TrueMask::of_identities(shown.analysis.mask.size, &levels))
+    };
+    let masks = of_a.iter().map(|shown| (shown.frame.number, mask(shown))).collect();
+    let place = |number: u32| BTreeMap::from([(4, Bounds([f64::from(number), 5.0, 10.0, 20.0]))]);
+    let boxes: Boxes = (FIRST + 2..FIRST + 9).map(|number| (number, place(number))).collect();
+    let results = Arc::new(ExternalResults {
+        name: "theirs".into(),
+        boxes: Some(boxes.clone()),
+        masks: TrueMasks::new(masks).map(Arc::new),
+        remarks: Vec::new(),
+    });
+    let true_boxes: Boxes = (FIRST..FIRST + 9).map(|number| (number, place(number))).collect();
+    let truth = Arc::new(Truth { boxes: Some(true_boxes.clone()), masks: Some(truth), ..Truth::default() });
+
+    let watched = WatchedSession::open(folder.path(), settings(), Start::First, 1 << 30);
+    watched.request(Request::External(Some(Arc::clone(&results))));
+    let state = watched.wait_until_analysed();
+    assert_eq!(state.external_score, None, "there is no ground truth");
+    watched.request(Request::Truth(Some(Arc::clone(&truth))));
+    let state = watched.wait_until(|state| state.external_score.is_some());
+    let score = state.external_score.unwrap();
+    let analysed = (FIRST..FIRST + FRAMES).collect();
+    assert_eq!(*score, results.score(&truth, &analysed, false));
+    assert_eq!(score.tracks, Some(summary::score(&true_boxes, &boxes)));
+    assert_eq!(score.tracks.as_ref().unwrap().strict.recall, 7.0 / 9.0);
+    let of_masks = score.masks.unwrap();
+    assert_eq!((of_masks.frames, of_masks.decisions.fp), (20, 0));
+    assert!(of_masks.decisions.fn_ > 100 && of_masks.decisions.tp > 100, "{of_masks:?}");
+    let shown = watched.show_and_wait(30);
+    assert_eq!(shown.external.as_ref(), results.mask(FIRST + 30));
+    assert!(state.warnings.is_empty(), "{:?}", state.warnings);
+
+    watched.request(Request::External(None));
+    watched.wait_until(|state| {
+        state.external_score.is_none() && state.shown.as_ref().unwrap().external.is_none()
+    });
+    // Masks of another size are ignored with a warning, and the boxes are scored.
+    let small = Arc::new(TrueMask::of_identities(Size::new(4, 3), &[1; 12]));
+    let masks = TrueMasks::new(BTreeMap::from([(FIRST, small)])).map(Arc::new);
+    watched.request(Request::External(Some(Arc::new(ExternalResults {
+        masks,
+        ..ExternalResults::clone(&results)
+    }))));
+    let state = watched.wait_until(|state| state.external_score.is_some());
+    assert_eq!(state.external_score.unwrap().masks, None);
+    assert!(state.warnings[0].starts_with("the masks of theirs are 4×3"), "{:?}", state.warnings);
 }
 
 #[test]

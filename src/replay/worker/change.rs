@@ -10,6 +10,7 @@ use crate::replay::tasks::analyse::analysis_pass::AnalysisPass;
 use crate::replay::tasks::analyse::compared_pass::ComparedPass;
 use crate::settings::{Settings, Stage};
 use crate::truth::Truth;
+use crate::truth::external::ExternalResults;
 
 /// What decides which stages run again.
 pub(super) struct SettingsChange {
@@ -48,7 +49,35 @@ impl Worker<'_> {
         self.truth = truth;
         self.region_tuner.set_truth(masks);
         self.publish_region_tuning();
+        self.publish_external_score();
         (self.outbox.timeline_grew, self.outbox.compared_grew) = (true, true);
+        self.show_again();
+    }
+
+    /// Sets the external results, without masks if they have another size than the source.
+    pub(super) fn set_external(&mut self, results: Option<Arc<ExternalResults>>) {
+        let results = match self.info.placement() {
+            Some(placement) => results.map(|results| Arc::new(results.in_frames(&placement))),
+            None => results,
+        };
+        let results = results.map(|results| {
+            let masks = results.masks.as_ref().map(|masks| masks.size());
+            let Some(masks) = masks.filter(|masks| *masks != self.info.size) else { return results };
+            self.outbox.warnings.push(format!(
+                "the masks of {} are {masks}, the frames of {} are {}: the masks are ignored; load those of this video",
+                results.name,
+                self.info.name,
+                self.info.source_size()
+            ));
+            Arc::new(ExternalResults { masks: None, ..ExternalResults::clone(&results) })
+        });
+        self.external.set_results(results);
+        self.publish_external_score();
+        self.show_again();
+    }
+
+    /// Publishes the frame in view with the present masks of ground truth and external results.
+    fn show_again(&mut self) {
         if let Some(shown) = self.view.shown.clone() {
             self.show(ShownFrame::clone(&shown));
         }

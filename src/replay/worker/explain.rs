@@ -19,6 +19,18 @@ impl Worker<'_> {
         candidate != ScoreStep::Idle
     }
 
+    /// Advances the score of the external results once all frames are analysed; returns whether there was work to do.
+    pub(super) fn advance_external_score(&mut self) -> bool {
+        let Some(truth) = self.truth.as_ref().filter(|_| self.pass.has_analysed_all(&self.frames)) else {
+            return false;
+        };
+        let step = self.external.advance(truth, self.frames.numbers(), self.info.every() > 1);
+        if step == ScoreStep::Finished {
+            self.publish_external_score();
+        }
+        step != ScoreStep::Idle
+    }
+
     /// Advances the tuning of the region; returns whether there was work to do.
     pub(super) fn advance_region_tuning(&mut self) -> bool {
         let before = self.region_tuner.latest();

@@ -62,6 +62,11 @@ impl Worker<'_> {
         self.shared.publish(|state| state.counterfactual = counterfactual);
     }
 
+    pub(super) fn publish_external_score(&self) {
+        let score = self.truth.as_ref().and_then(|truth| self.external.by(truth));
+        self.shared.publish(|state| state.external_score = score);
+    }
+
     pub(super) fn publish_region_tuning(&self) {
         let tuning = self.region_tuner.latest();
         self.shared.publish(|state| state.region_tuning = tuning);
@@ -71,7 +76,9 @@ impl Worker<'_> {
     pub(super) fn show(&mut self, shown: ShownFrame) {
         let truth =
             self.truth.as_ref().and_then(|truth| truth.masks.as_ref()?.of(shown.frame.number).cloned());
-        let shown = Arc::new(ShownFrame { compared: self.compared.frame_for(&shown), truth, ..shown });
+        let external = self.external.mask(shown.frame.number).cloned();
+        let compared = self.compared.frame_for(&shown);
+        let shown = Arc::new(ShownFrame { truth, external, compared, ..shown });
         self.view.shown = Some(Arc::clone(&shown));
         let timeline = (shown.position >= self.outbox.analysed).then(|| self.timeline());
         // The compared sequence is published together with it.

@@ -91,6 +91,15 @@ pub(super) const ENTRIES: &[ActionEntry] = &[
     .always(),
     entry(
         Menu::File,
+        Action::OpenSweep,
+        m::ICON_GRID_ON,
+        "Open sweep…",
+        &[],
+        "Show the sweep.csv of a sweep as heat maps, and load settings from their cells",
+    )
+    .always(),
+    entry(
+        Menu::File,
         Action::LoadMask,
         m::ICON_UPLOAD_FILE,
         "Load area mask…",
@@ -122,6 +131,33 @@ pub(super) const ENTRIES: &[ActionEntry] = &[
         &[],
         "Score against the masks of a CDnet folder, or the boxes and masks of a scene written by synth",
     ),
+    entry(
+        Menu::File,
+        Action::LoadExternal,
+        m::ICON_COMPARE,
+        "Load external results…",
+        &[],
+        "Compare with the tracks of another method: MOTChallenge text, CVAT or CAVIAR XML, COCO JSON",
+    )
+    .within("External results"),
+    entry(
+        Menu::File,
+        Action::LoadExternalFolder,
+        m::ICON_COMPARE,
+        "Load external results folder…",
+        &[],
+        "Compare with a folder of masks or of 16-bit label images, or with the output folder of another run",
+    )
+    .within("External results"),
+    entry(
+        Menu::File,
+        Action::CloseExternal,
+        m::ICON_LAYERS_CLEAR,
+        "Close external results",
+        &[],
+        "Drop the results of the other method",
+    )
+    .within("External results"),
     entry(
         Menu::File,
         Action::CloseVideo,

@@ -97,4 +97,13 @@ pub(super) const ENTRIES: &[ActionEntry] = &[
         "Boxes of the loaded ground truth (white, dotted)",
     )
     .within("Track overlays"),
+    entry(
+        Menu::View,
+        Action::Draw(TrackOverlay::External),
+        m::ICON_COMPARE,
+        "External results",
+        &[],
+        "Boxes of the loaded external results (black and white), with # before each identity",
+    )
+    .within("Track overlays"),
 ];

@@ -211,6 +211,7 @@ impl AnalysisPass {
             map: pictures.map,
             pixel: self.pixel_follower.history_covering(position),
             truth: None,
+            external: None,
             compared: None,
         })
     }

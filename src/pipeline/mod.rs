@@ -1,20 +1,26 @@
 //! The pipeline: all stages of the analysis, from a [`Frame`] to its [`Analysis`]; [`offline_result`] applies later
 //! decisions to the analyses of a sequence.
 
-use std::collections::BTreeMap;
+mod background_subtractor;
+mod offline;
+mod region_finder;
+
 use std::sync::Arc;
 
 use rayon::prelude::*;
 
+pub use self::offline::{OfflineResult, offline_result};
+
+pub(crate) use self::background_subtractor::BackgroundSubtractor;
+pub(crate) use self::offline::{TrackedFrame, offline_result_of};
+pub(crate) use self::region_finder::RegionFinder;
 use crate::frame::{Frame, Mask, Size};
-use crate::mixture::opencv::OpencvModel;
-use crate::mixture::{Mixture, Parameters};
-use crate::occlusion::{Counters, Episode, Event, EventKind, SettledResults, Tracker};
+use crate::mixture::Mixture;
+use crate::occlusion::{Counters, Event, SettledResults, Tracker};
 use crate::regions::roi::RoiError;
-use crate::regions::{Cleaning, Labels, Region, Roi, find_regions};
-use crate::registration::{Correction, CorrectionChoice, corrected};
+use crate::regions::{Labels, Region, Roi};
 use crate::settings::Settings;
-use crate::tracking::{FrameTracks, IdentityMap, Track};
+use crate::tracking::Track;
 
 /// An error of the analysis of a frame.
 #[derive(Debug, thiserror::Error)]
@@ -71,113 +77,6 @@ pub struct Analysis {
     pub counters: Counters,
 }
 
-/// The offline result of a sequence: late decisions applied, short tracks removed.
-#[derive(Clone, Debug, Default)]
-pub struct OfflineResult {
-    /// The confirmed objects of each frame by identity, in order of frames.
-    pub tracks: Vec<FrameTracks>,
-    /// The events by frame, then by kind.
-    pub events: Vec<Event>,
-    /// The episodes by start.
-    pub episodes: Vec<Episode>,
-    /// The events by kind.
-    pub counters: Counters,
-}
-
-enum BackgroundSubtractor {
-    Mixture(Box<Mixture>),
-    Opencv(OpencvModel),
-}
-
-impl BackgroundSubtractor {
-    /// Learns from frames before the first that is classified.
-    fn learn(&mut self, frames: &[&Frame], choice: CorrectionChoice) -> Result<(), PipelineError> {
-        match self {
-            Self::Mixture(mixture) => {
-                mixture.learn(frames);
-                Ok(())
-            }
-            Self::Opencv(model) => frames.iter().try_for_each(|frame| {
-                let corrected = corrected(frame, choice);
-                let seen = corrected.as_ref().map_or(*frame, |corrected| &corrected.frame);
-                model.learn(seen).map_err(|source| PipelineError::Opencv { frame: frame.number, source })
-            }),
-        }
-    }
-
-    /// Processes the next frames and returns the foreground mask of each, in the frame's own coordinates.
-    fn masks(&mut self, frames: &[&Frame], choice: CorrectionChoice) -> Result<Vec<Mask>, PipelineError> {
-        let corrections: Vec<_> =
-            frames.iter().map(|frame| choice.correction(&frame.alignment, frame.size)).collect();
-        let masks = match self {
-            Self::Mixture(mixture) => {
-                let mut masks = vec![Mask::empty(mixture.size()); frames.len()];
-                mixture.step_many(frames, &mut masks);
-                masks
-            }
-            Self::Opencv(model) => {
-                let step = |(frame, correction): (&&Frame, &Option<Correction>)| {
-                    let corrected = correction.as_ref().map(|correction| correction.apply(frame));
-                    let seen = corrected.as_ref().map_or(*frame, |corrected| &corrected.frame);
-                    let failed = |source| PipelineError::Opencv { frame: frame.number, source };
-                    let mut mask = model.step(seen).map_err(failed)?;
-                    if let Some(unknown) = corrected.and_then(|corrected| corrected.unknown) {
-                        for (pixel, _) in mask.data.iter_mut().zip(unknown).filter(|(_, unknown)| *unknown) {
-                            *pixel = Mask::BACKGROUND;
-                        }
-                    }
-                    Ok(mask)
-                };
-                frames.iter().zip(&corrections).map(step).collect::<Result<_, PipelineError>>()?
-            }
-        };
-        let masks = masks.into_par_iter().zip(&corrections);
-        Ok(masks
-            .map(|(mask, correction)| match correction {
-                Some(correction) => correction.mask_of_frame(mask),
-                None => mask,
-            })
-            .collect())
-    }
-}
-
-/// Finds regions in masks.
-#[derive(Clone)]
-struct RegionFinder {
-    /// The region of interest; `None` for the whole image.
-    roi: Option<Arc<Roi>>,
-    cleaning: Cleaning,
-    min_area: u32,
-}
-
-impl RegionFinder {
-    fn new(settings: &Settings, roi: Option<Arc<Roi>>) -> Self {
-        Self { roi, cleaning: Cleaning::new(settings), min_area: settings.min_area }
-    }
-
-    /// Finds the regions of a frame from the model's mask, independently of earlier frames.
-    fn find(&self, frame: &Frame, mut raw: Mask) -> Result<FoundRegions, PipelineError> {
-        let failed = |source| PipelineError::Opencv { frame: frame.number, source };
-        if let Some(roi) = &self.roi {
-            roi.clear_outside(&mut raw);
-        }
-        let mut mask = self.cleaning.apply(raw).map_err(failed)?;
-        // A closing extends beyond the region of interest, and a filled hole can be ignored.
-        if let Some(roi) = &self.roi {
-            roi.clear_outside(&mut mask);
-        }
-        let (labels, regions) = find_regions(frame, &mask, self.min_area);
-        Ok(FoundRegions { mask: Arc::new(mask), labels: Arc::new(labels), regions: Arc::new(regions) })
-    }
-}
-
-/// The foreground mask of a frame with its regions.
-struct FoundRegions {
-    mask: Arc<Mask>,
-    labels: Arc<Labels>,
-    regions: Arc<Vec<Region>>,
-}
-
 /// The stages with their state, ready for the next frame.
 ///
 /// Methods that process frames fail if a frame has another size than the pipeline, or if OpenCV fails.
@@ -217,8 +116,6 @@ struct FoundRegions {
 pub struct Pipeline {
     size: Size,
     t: u32,
-    /// The correction of a frame before the model.
-    registration: CorrectionChoice,
     model: BackgroundSubtractor,
     region_finder: RegionFinder,
     tracker: Tracker,
@@ -228,17 +125,10 @@ impl Pipeline {
     /// The stages before the first frame, for frames of `size` at `fps` frames per second. Fails only if OpenCV cannot
     /// create MOG2 or KNN.
     pub fn new(settings: &Settings, size: Size, fps: f32) -> Result<Self, PipelineError> {
-        let opencv =
-            OpencvModel::new(settings, size).map_err(|source| PipelineError::Opencv { frame: 0, source })?;
-        let model = opencv.map_or_else(
-            || BackgroundSubtractor::Mixture(Box::new(Mixture::new(size, Parameters::new(settings)))),
-            BackgroundSubtractor::Opencv,
-        );
         Ok(Self {
             size,
             t: 0,
-            registration: CorrectionChoice::new(settings),
-            model,
+            model: BackgroundSubtractor::new(settings, size)?,
             region_finder: RegionFinder::new(settings, None),
             tracker: Tracker::new(settings, size, fps),
         })
@@ -257,15 +147,13 @@ impl Pipeline {
     /// classified afterwards.
     pub fn learn(&mut self, frames: &[&Frame]) -> Result<(), PipelineError> {
         self.check_sizes(frames)?;
-        self.model.learn(frames, self.registration)
+        self.model.learn(frames)
     }
 
     /// Starts classification with the learned model after the last frame to learn from. Needed only to read the model
     /// before the first step, which otherwise does the same.
     pub fn begin(&mut self) {
-        if let BackgroundSubtractor::Mixture(mixture) = &mut self.model {
-            mixture.begin();
-        }
+        self.model.begin();
     }
 
     fn check_sizes(&self, frames: &[&Frame]) -> Result<(), PipelineError> {
@@ -293,7 +181,7 @@ impl Pipeline {
     /// [`Self::analyse_masks`].
     pub fn masks(&mut self, frames: &[&Frame]) -> Result<Vec<Mask>, PipelineError> {
         self.check_sizes(frames)?;
-        self.model.masks(frames, self.registration)
+        self.model.masks(frames)
     }
 
     /// Processes frames in all stages after the model: `raw` is the mask of each frame, from [`Self::masks`] or from
@@ -304,22 +192,27 @@ impl Pipeline {
         raw: Vec<Mask>,
     ) -> Result<Vec<Analysis>, PipelineError> {
         let region_finder = &self.region_finder;
-        let found = frames.par_iter().zip(raw).map(|(frame, mask)| region_finder.find(frame, mask));
-        let found = found.collect::<Result<Vec<_>, _>>()?;
-        Ok(frames.iter().zip(found).map(|(frame, found)| self.follow(frame, found)).collect())
+        let found = frames.par_iter().zip(raw).map(|(frame, raw)| {
+            let mask = region_finder.clean(frame, raw)?;
+            let (labels, regions) = region_finder.find(frame, &mask);
+            Ok((mask, labels, regions))
+        });
+        let found = found.collect::<Result<Vec<_>, PipelineError>>()?;
+        let found = frames.iter().zip(found);
+        Ok(found.map(|(frame, (mask, labels, regions))| self.follow(frame, mask, labels, regions)).collect())
     }
 
     /// Tracks the objects of the next frame and decides its events, from its regions.
-    fn follow(&mut self, frame: &Frame, FoundRegions { mask, labels, regions }: FoundRegions) -> Analysis {
+    fn follow(&mut self, frame: &Frame, mask: Mask, labels: Labels, regions: Vec<Region>) -> Analysis {
         self.t += 1;
         let result = self.tracker.step(frame.number, frame.time, &regions);
         Analysis {
             number: frame.number,
             time: frame.time,
             t: self.t,
-            mask,
-            labels,
-            regions,
+            mask: Arc::new(mask),
+            labels: Arc::new(labels),
+            regions: Arc::new(regions),
             tracks: Arc::new(result.tracks),
             tentative: Arc::new(result.tentative),
             objects: Arc::new(result.objects),
@@ -362,27 +255,18 @@ impl Pipeline {
     /// The model's background: the mean of component 1, or the background image of MOG2 or KNN; RGB bytes in row
     /// order.
     pub fn background_image(&self) -> Result<Vec<u8>, PipelineError> {
-        match &self.model {
-            BackgroundSubtractor::Mixture(mixture) => Ok(mixture.mean_image()),
-            BackgroundSubtractor::Opencv(model) => {
-                model.background_image().map_err(|source| PipelineError::Opencv { frame: 0, source })
-            }
-        }
+        self.model.background_image()
     }
 
     /// The mixture; `None` with MOG2 or KNN.
     pub const fn mixture(&self) -> Option<&Mixture> {
-        match &self.model {
-            BackgroundSubtractor::Mixture(mixture) => Some(mixture),
-            BackgroundSubtractor::Opencv(_) => None,
-        }
+        self.model.mixture()
     }
 
     /// A copy of the current state; `None` for MOG2 and KNN, whose state cannot be copied.
     pub fn try_clone(&self) -> Option<Self> {
-        let mixture = self.mixture()?.clone();
         Some(Self {
-            model: BackgroundSubtractor::Mixture(Box::new(mixture)),
+            model: self.model.try_clone()?,
             tracker: self.tracker.clone(),
             region_finder: self.region_finder.clone(),
             ..*self
@@ -390,64 +274,12 @@ impl Pipeline {
     }
 }
 
-/// The offline result of all `analyses`, in order, after `pipeline` has processed the last of them: identities from
-/// each object's first frame on, short tracks removed.
-pub fn offline_result<'a>(
-    analyses: impl IntoIterator<Item = &'a Analysis>,
-    pipeline: &Pipeline,
-) -> OfflineResult {
-    // Pending decisions at the last frame are made in a copy, because the pipeline may continue.
-    let last = pipeline.tracker.clone().finish();
-    let analyses: Vec<&Analysis> = analyses.into_iter().collect();
-    let mut identity_map = IdentityMap::default();
-    let mut result = OfflineResult::default();
-    let mut earlier: BTreeMap<u32, Vec<&Track>> = BTreeMap::new();
-    for settled in analyses.iter().map(|analysis| &*analysis.settled).chain([&last.settled]) {
-        for &(key, identity) in &settled.identities {
-            identity_map.set(key, identity);
-        }
-        result.episodes.extend(settled.episodes.iter().cloned());
-        for (number, track) in &settled.earlier {
-            earlier.entry(*number).or_default().push(track);
-        }
-    }
-    result.episodes.sort_by(|a, b| (a.start, &a.objects).cmp(&(b.start, &b.objects)));
-    for analysis in analyses {
-        let mut before = earlier.remove(&analysis.number).unwrap_or_default();
-        // An object tracked in this frame has no earlier track here.
-        before.retain(|track| {
-            let same = |followed: &Track| identity_map.of(followed.key) == identity_map.of(track.key);
-            !analysis.objects.iter().any(same)
-        });
-        let objects = before.into_iter().chain(analysis.objects.iter());
-        let tracks = identity_map.apply(objects);
-        result.tracks.push(FrameTracks { number: analysis.number, time: analysis.time, tracks });
-        result.events.extend(analysis.events.iter().cloned());
-    }
-    result.events.extend(last.events);
-    result.events.sort_by(|a, b| (a.frame, a.kind, &a.objects).cmp(&(b.frame, b.kind, &b.objects)));
-    for event in &mut result.events {
-        result.counters.count(event.kind);
-        if event.kind == EventKind::Merge {
-            // The object in front is known while they are merged, after the event.
-            event.front = result
-                .episodes
-                .iter()
-                .filter(|episode| (episode.start..=episode.end).contains(&event.frame))
-                .find(|episode| event.objects.iter().all(|id| episode.objects.contains(id)))
-                .and_then(|episode| episode.front)
-                .filter(|front| event.objects.contains(front));
-        }
-    }
-    result
-}
-
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used, clippy::indexing_slicing)]
     use super::*;
     use crate::export::tests::track;
-    use crate::occlusion::{EpisodeKind, Evidence};
+    use crate::occlusion::{Episode, EpisodeKind, EventKind, Evidence};
     use crate::regions::Rect;
     use crate::settings::Preset;
 

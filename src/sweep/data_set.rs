@@ -1,0 +1,159 @@
+//! The sequences of a data set: folders with images or a video and ground truth beside them.
+
+use std::collections::HashSet;
+use std::fs;
+use std::io;
+use std::path::{Path, PathBuf};
+
+use serde::Deserialize;
+
+use crate::source::SceneFolder;
+
+/// How deep below the data set's folder sequences are looked for.
+const MAX_DEPTH: usize = 6;
+
+/// A sequence with its ground truth.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Sequence {
+    /// Its name, unique within a sweep; within a data set its path below the data set's folder, with `/`.
+    pub name: String,
+    /// The name of the source.
+    pub video: String,
+    /// The path of the ground truth.
+    pub truth: PathBuf,
+}
+
+/// The sequences of a data set.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct DataSet {
+    /// Those with images and ground truth, in natural order of their names.
+    pub sequences: Vec<Sequence>,
+    /// The names of folders with images or ground truth alone.
+    pub incomplete: Vec<String>,
+}
+
+/// The sequences below `root`, or that at `root`, by name: folders with `input/` and `groundtruth/`, with `img1/` and
+/// `gt/gt.txt`, and scenes written by `synth`. Fails if a folder cannot be read.
+///
+/// A folder that several links lead to is taken once.
+pub fn sequences_below(root: &Path) -> io::Result<DataSet> {
+    let mut found = DataSet::default();
+    let name = root.file_name().or_else(|| root.parent().and_then(Path::file_name));
+    let name = name.map_or_else(|| "sequence".to_owned(), |name| name.to_string_lossy().into_owned());
+    match sequence_at(root, &name) {
+        Some(sequence) => found.sequences.push(sequence),
+        None => search(root, "", 0, &mut found, &mut HashSet::new())?,
+    }
+    Ok(found)
+}
+
+fn search(
+    folder: &Path,
+    prefix: &str,
+    depth: usize,
+    found: &mut DataSet,
+    visited: &mut HashSet<PathBuf>,
+) -> io::Result<()> {
+    if !visited.insert(folder.canonicalize()?) {
+        return Ok(());
+    }
+    let mut folders: Vec<(String, PathBuf)> = Vec::new();
+    for entry in fs::read_dir(folder)? {
+        let path = entry?.path();
+        let name = path.file_name().unwrap_or_default().to_string_lossy().into_owned();
+        if path.is_dir() && !name.starts_with('.') {
+            folders.push((name, path));
+        }
+    }
+    folders.sort_by(|a, b| natord::compare(&a.0, &b.0));
+    for (name, path) in folders {
+        let name = if prefix.is_empty() { name } else { format!("{prefix}/{name}") };
+        match sequence_at(&path, &name) {
+            Some(_) if !visited.insert(path.canonicalize()?) => {}
+            Some(sequence) => found.sequences.push(sequence),
+            None if is_incomplete(&path) => found.incomplete.push(name),
+            None if depth < MAX_DEPTH => search(&path, &name, depth + 1, found, visited)?,
+            None => {}
+        }
+    }
+    Ok(())
+}
+
+/// Whether a folder has a part of a data set's layout without the others: images without ground truth, or ground truth
+/// without images.
+fn is_incomplete(folder: &Path) -> bool {
+    ["input", "img1", "groundtruth", "gt/gt.txt"].iter().any(|name| folder.join(name).exists())
+}
+
+/// The sequence in a folder, if it is that of one.
+fn sequence_at(folder: &Path, name: &str) -> Option<Sequence> {
+    let sequence = |video: &Path, truth: PathBuf| Sequence {
+        name: name.to_owned(),
+        video: video.to_string_lossy().into_owned(),
+        truth,
+    };
+    if let Some(SceneFolder { truth: Some(truth), .. }) = SceneFolder::at(folder) {
+        return Some(sequence(folder, truth));
+    }
+    let video = folder.join(video_of_scene(folder)?);
+    (video.is_file() && folder.join("truth").join("gt.txt").is_file())
+        .then(|| sequence(&video, folder.to_owned()))
+}
+
+/// The name of the video of a scene written by `synth`.
+fn video_of_scene(folder: &Path) -> Option<String> {
+    #[derive(Deserialize)]
+    struct SceneFile {
+        video: String,
+    }
+    let text = fs::read_to_string(folder.join("scene.json")).ok()?;
+    let SceneFile { video } = serde_json::from_str(&text).ok()?;
+    Some(video)
+}
+
+#[cfg(test)]
+mod tests {
+    #![allow(clippy::unwrap_used)]
+
+    use super::*;
+
+    #[test]
+    fn sequences_of_all_layouts_are_found_in_natural_order() {
+        let root = tempfile::tempdir().unwrap();
+        for file in [
+            "shadow/cubicle/input/in000001.jpg",
+            "shadow/cubicle/groundtruth/gt000001.png",
+            "MOT-10/img1/000001.jpg",
+            "MOT-10/gt/gt.txt",
+            "MOT-9/img1/000001.jpg",
+            "MOT-9/gt/gt.txt",
+            "tree/tree.mp4",
+            "tree/scene.json",
+            "tree/truth/gt.txt",
+            "untrue/img1/000001.jpg",
+            "notes/readme.txt",
+            ".hidden/img1/000001.jpg",
+            ".hidden/gt/gt.txt",
+        ] {
+            let path = root.path().join(file);
+            fs::create_dir_all(path.parent().unwrap()).unwrap();
+            fs::write(path, if file.ends_with("scene.json") { r#"{"video":"tree.mp4"}"# } else { "" })
+                .unwrap();
+        }
+        // A link to a folder above, and one to a sequence.
+        #[cfg(unix)]
+        for (to, link) in [("", "shadow/back"), ("tree", "again")] {
+            std::os::unix::fs::symlink(root.path().join(to), root.path().join(link)).unwrap();
+        }
+        let DataSet { sequences: found, incomplete } = sequences_below(root.path()).unwrap();
+        assert_eq!(incomplete, ["untrue"]);
+        let names: Vec<_> = found.iter().map(|it| &it.name).collect();
+        assert_eq!(names, ["MOT-9", "MOT-10", "again", "shadow/cubicle"], "natural order, once each");
+        assert_eq!(Path::new(&found[2].video), root.path().join("again/tree.mp4"));
+        assert_eq!(found[3].truth, root.path().join("shadow/cubicle"));
+        let single = sequences_below(&root.path().join("tree")).unwrap();
+        assert_eq!(single.sequences.iter().map(|it| &it.name).collect::<Vec<_>>(), ["tree"]);
+        assert!(sequences_below(&root.path().join("notes")).unwrap().sequences.is_empty());
+        assert!(sequences_below(&root.path().join("nothing")).is_err());
+    }
+}

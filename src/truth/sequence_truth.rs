@@ -1,0 +1,134 @@
+//! The ground truth of a sequence as files, and all scores that it permits.
+
+use std::collections::BTreeMap;
+use std::path::{Path, PathBuf};
+
+use serde::Serialize;
+
+use super::comparison::Comparison;
+use super::event_scoring::{self, EventScore, ScoredEvent};
+use super::formats::TrackFile;
+use super::mask_score::MaskScore;
+use super::masks::MaskFiles;
+use super::measures::Measures;
+use super::summary::TrackScore;
+use super::{TruthError, TruthSource, ignored};
+use crate::placement::Crop;
+
+/// Largest deviation in frames of events and of the ends of episodes.
+pub const EVENT_TOLERANCE: u32 = 8;
+
+/// Events and episodes, true or reported.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Occlusions {
+    /// The events.
+    pub events: Vec<ScoredEvent>,
+    /// The occlusion episodes.
+    pub episodes: Vec<ScoredEvent>,
+}
+
+impl Occlusions {
+    /// Reads `events.jsonl` and `episodes.csv` of a folder.
+    pub fn read(folder: &Path) -> Result<Self, TruthError> {
+        Ok(Self {
+            events: event_scoring::read_events(&folder.join("events.jsonl"))?,
+            episodes: event_scoring::read_episodes(&folder.join("episodes.csv"))?,
+        })
+    }
+}
+
+/// The ground truth of a sequence: tracks, masks, or both.
+pub struct SequenceTruth {
+    /// Its path.
+    pub path: PathBuf,
+    /// The true tracks, in their own frame numbers.
+    pub tracks: Option<TrackFile>,
+    /// The files of the true masks, in the frame numbers of the results.
+    pub masks: Option<MaskFiles>,
+    /// The true events and episodes, in their own frame numbers.
+    pub occlusions: Option<Occlusions>,
+    /// What is added to its frame numbers.
+    pub offset: i64,
+}
+
+impl SequenceTruth {
+    /// Reads the ground truth at `path`, of any kind of [`TruthSource`], except its masks. `offset` is added to its frame
+    /// numbers.
+    pub fn read(path: &Path, offset: i64) -> Result<Self, TruthError> {
+        let source = TruthSource::of(path)?;
+        let occlusions = match &source {
+            TruthSource::Scene(folder) if folder.join("events.jsonl").is_file() => {
+                Some(Occlusions::read(folder)?)
+            }
+            _ => None,
+        };
+        Ok(Self {
+            path: path.to_owned(),
+            tracks: source.tracks()?,
+            masks: source.masks()?.map(|masks| masks.shifted(offset)),
+            occlusions,
+            offset,
+        })
+    }
+
+    /// The ground truth of a part of the images, as [`ignored::crop`] cuts boxes; pixels outside do not count. Events and
+    /// episodes, which are those of whole images, are left out.
+    #[must_use]
+    pub fn within(mut self, part: Crop) -> Self {
+        if let Some(tracks) = &mut self.tracks {
+            let left_out = ignored::crop(&mut tracks.boxes, &mut tracks.ignored, &part);
+            let occlusions = if self.occlusions.is_some() { ", and all events and episodes," } else { "" };
+            tracks.remarks.push(format!("{left_out} boxes outside the crop {part}{occlusions} are left out"));
+        }
+        self.masks = self.masks.map(|masks| masks.within(part));
+        self.occlusions = None;
+        self
+    }
+}
+
+/// All scores that the ground truth permits.
+#[derive(Default, Serialize)]
+pub struct Scores {
+    /// Of the tracks.
+    #[serde(flatten)]
+    pub tracks: Option<TrackScore>,
+    /// Of the events by kind.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub events: Option<BTreeMap<String, EventScore>>,
+    /// Of the occlusion episodes by kind.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub episodes: Option<BTreeMap<String, EventScore>>,
+    /// Of the masks.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub masks: Option<MaskScore>,
+}
+
+impl Scores {
+    /// Scores the tracks, and, where both have them, the events and episodes.
+    pub fn add_tracks(
+        &mut self,
+        comparison: &Comparison<'_>,
+        truth: Option<&Occlusions>,
+        reported: Option<&Occlusions>,
+    ) {
+        if let Some((truth, reported)) = truth.zip(reported) {
+            let people = event_scoring::people(&comparison.boxes, &comparison.found);
+            let compare = |truth: &[ScoredEvent], reported: &[ScoredEvent]| {
+                let truth = comparison.analysed_events(truth);
+                event_scoring::compare(&truth, reported, &people, EVENT_TOLERANCE)
+            };
+            self.events = Some(compare(&truth.events, &reported.events));
+            self.episodes = Some(compare(&truth.episodes, &reported.episodes));
+        }
+        self.tracks = Some(comparison.score());
+    }
+
+    /// The main results under short names.
+    pub fn measures(&self) -> Measures {
+        Measures {
+            masks: self.masks.as_ref().map(Into::into),
+            tracks: self.tracks.as_ref().map(Into::into),
+            episodes: self.episodes.as_ref().map(Into::into),
+        }
+    }
+}
