@@ -176,6 +176,27 @@ fn help_and_version_are_printed() {
     assert!(names.iter().all(|name| help.contains(&format!("\n  {name} "))), "{help}");
 }
 
+#[test]
+fn wrong_usage_is_told_in_one_line_with_the_help_to_read() {
+    for (arguments, parts) in [
+        (&["run"][..], &["--out <DIR>, <VIDEO>", "see occluscope run --help"][..]),
+        (&["run", "x", "--out", "y", "--threads", "0"], &["'0' for '--threads <N>'", "1..=1024"]),
+        (&["run", "x", "--out", "y", "--k"], &["a value is required for '--k <N>'"]),
+        (
+            &["run", "x", "--out", "y", "--bogus"],
+            &["unexpected argument '--bogus' found; see occluscope run --help"],
+        ),
+        (&["run", "x", "--out", "y", "--mask"], &["'--mask' found; a similar argument exists: '--masks'"]),
+        (&["run", "x", "y", "--out", "z"], &["unexpected argument 'y'"]),
+        (&["sweep", "--sequence", "a", "b", "--out", "z"], &["3 values required", "sweep --help"]),
+        (&["score"], &["--truth <PATH>, <DIR>"]),
+        (&["--bogus"], &["'--bogus' found; see occluscope --help"]),
+    ] {
+        let line = fails(arguments, 2);
+        assert!(line.starts_with("error: ") && parts.iter().all(|part| line.contains(part)), "{line}");
+    }
+}
+
 /// Asserts that `run` and `pixel` fail on `input` in one line that names it, and write nothing into `place`.
 fn assert_unusable(place: &TestFolder, input: &Path) {
     let before = place.names(".");

@@ -75,11 +75,16 @@ pub fn command() -> Command {
 /// Runs the program with these arguments, the first being the program's name.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     crate::source::silence_libraries();
-    let matches = match command().try_get_matches_from(arguments) {
+    let arguments: Vec<OsString> = arguments.into_iter().collect();
+    let matches = match command().try_get_matches_from(&arguments) {
         Ok(matches) => matches,
         Err(error) => {
             // A closed pipe, as after `--help | head`, is not a failure.
-            let _ = error.print();
+            let _ = if error.use_stderr() {
+                writeln!(io::stderr(), "{}", usage_line(&error.to_string(), &arguments))
+            } else {
+                error.print()
+            };
             return ExitCode::from(error.exit_code() as u8);
         }
     };
@@ -90,6 +95,31 @@ pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
         Ok(Err(error)) => report(&error),
         Err(_) => ExitCode::FAILURE,
     }
+}
+
+/// A message of clap about wrong usage in one line, with the command whose help says what is right.
+fn usage_line(message: &str, arguments: &[OsString]) -> String {
+    let mut line = String::new();
+    for part in message.lines().map(str::trim).filter(|part| !part.is_empty()) {
+        if part.starts_with("Usage:") || part.starts_with("For more information") {
+            break;
+        }
+        // Arguments that look like flags are no values here.
+        if part.starts_with("tip: to pass") {
+            continue;
+        }
+        line += match () {
+            () if line.is_empty() => "",
+            () if line.ends_with(':') => " ",
+            () if part.starts_with("tip: ") => "; ",
+            () => ", ",
+        };
+        line += part.strip_prefix("tip: ").unwrap_or(part);
+    }
+    let name = arguments.get(1).map(|name| name.to_string_lossy());
+    let subcommand = name.filter(|name| command().find_subcommand(&**name).is_some());
+    let help = subcommand.map_or_else(|| "--help".to_owned(), |name| format!("{name} --help"));
+    format!("{line}; see occluscope {help}")
 }
 
 fn dispatch(matches: &ArgMatches) -> anyhow::Result<()> {
