@@ -363,6 +363,13 @@ fn within(shown: ShownFrame, roi: Option<Arc<regions::Roi>>) -> ShownFrame {
     ShownFrame { analysis: Arc::new(analysis), roi: Some(roi), ..shown }
 }
 
+/// Number of pixels within a part of the window that differ between two pictures of it.
+fn different_pixels(a: &image::RgbaImage, b: &image::RgbaImage, place: egui::Rect) -> usize {
+    let pixels = (place.left() as u32..place.right() as u32)
+        .flat_map(|x| (place.top() as u32..place.bottom() as u32).map(move |y| (x, y)));
+    pixels.filter(|&(x, y)| a.get_pixel(x, y) != b.get_pixel(x, y)).count()
+}
+
 fn event(kind: EventKind, frame: u32, objects: &[u32], at: (f32, f32)) -> (u32, Event) {
     let mut evidence =
         Evidence { branch: format!("{} because region 4 grew", kind.name()), ..Evidence::default() };

@@ -198,21 +198,29 @@ impl Pipeline {
             Ok((mask, labels, regions))
         });
         let found = found.collect::<Result<Vec<_>, PipelineError>>()?;
-        let found = frames.iter().zip(found);
-        Ok(found.map(|(frame, (mask, labels, regions))| self.follow(frame, mask, labels, regions)).collect())
+        let analyses = frames.iter().zip(found).map(|(frame, (mask, labels, regions))| {
+            self.follow((frame.number, frame.time), Arc::new(mask), Arc::new(labels), Arc::new(regions))
+        });
+        Ok(analyses.collect())
     }
 
     /// Tracks the objects of the next frame and decides its events, from its regions.
-    fn follow(&mut self, frame: &Frame, mask: Mask, labels: Labels, regions: Vec<Region>) -> Analysis {
+    fn follow(
+        &mut self,
+        (number, time): (u32, f64),
+        mask: Arc<Mask>,
+        labels: Arc<Labels>,
+        regions: Arc<Vec<Region>>,
+    ) -> Analysis {
         self.t += 1;
-        let result = self.tracker.step(frame.number, frame.time, &regions);
+        let result = self.tracker.step(number, time, &regions);
         Analysis {
-            number: frame.number,
-            time: frame.time,
+            number,
+            time,
             t: self.t,
-            mask: Arc::new(mask),
-            labels: Arc::new(labels),
-            regions: Arc::new(regions),
+            mask,
+            labels,
+            regions,
             tracks: Arc::new(result.tracks),
             tentative: Arc::new(result.tentative),
             objects: Arc::new(result.objects),
@@ -239,17 +247,8 @@ impl Pipeline {
     /// Processes the regions of an analysed frame in tracking and occlusion only, after [`Self::restart_tracking`]
     /// and in the order of frames.
     pub fn track_again(&mut self, analysis: &Analysis) -> Analysis {
-        self.t += 1;
-        let result = self.tracker.step(analysis.number, analysis.time, &analysis.regions);
-        Analysis {
-            tracks: Arc::new(result.tracks),
-            tentative: Arc::new(result.tentative),
-            objects: Arc::new(result.objects),
-            events: Arc::new(result.events),
-            settled: Arc::new(result.settled),
-            counters: self.tracker.counters(),
-            ..analysis.clone()
-        }
+        let Analysis { number, time, mask, labels, regions, .. } = analysis;
+        self.follow((*number, *time), Arc::clone(mask), Arc::clone(labels), Arc::clone(regions))
     }
 
     /// The model's background: the mean of component 1, or the background image of MOG2 or KNN; RGB bytes in row

@@ -119,12 +119,7 @@ fn ground_truth_boxes_are_drawn_over_the_tracks_of_their_frame() {
     let with = harness.render().unwrap();
     let rect = harness.get_by_label("Tracks and occlusions view").rect();
     let canvas = crate::app::views::ViewCanvas::new(rect, SIZE, harness.state().model.display.camera);
-    let differs = |place: Rect| {
-        let place = canvas.place(&place);
-        let pixels = (place.left() as u32..place.right() as u32)
-            .flat_map(|x| (place.top() as u32..place.bottom() as u32).map(move |y| (x, y)));
-        pixels.filter(|&(x, y)| with.get_pixel(x, y) != without.get_pixel(x, y)).count()
-    };
+    let differs = |place: Rect| different_pixels(&with, &without, canvas.place(&place));
     assert!(differs(Rect::new(18.0, 18.0, 34.0, 54.0)) > 200);
     assert_eq!(differs(Rect::new(100.0, 80.0, 30.0, 30.0)), 0, "boxes of other frames are not drawn");
     picture(&mut harness, "ground-truth");
