@@ -162,7 +162,8 @@ fn external_results_are_scored_and_their_masks_shown() {
         masks,
         ..ExternalResults::clone(&results)
     }))));
-    let state = watched.wait_until(|state| state.external_score.is_some());
+    // A score is published at once, a warning at a limited rate.
+    let state = watched.wait_until(|state| state.external_score.is_some() && !state.warnings.is_empty());
     assert_eq!(state.external_score.unwrap().masks, None);
     assert!(state.warnings[0].starts_with("the masks of theirs are 4×3"), "{:?}", state.warnings);
 }
