@@ -50,6 +50,7 @@ mod object;
 mod panels;
 mod pictures;
 mod pixels;
+mod random_use;
 mod sizes;
 mod source_options;
 mod sweep;

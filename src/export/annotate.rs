@@ -12,6 +12,9 @@ use crate::tracking::{FrameTracks, Identity, Track, TrackState};
 pub const TRAIL_SECONDS: f32 = 2.0;
 /// The time that an event stays in the banner, in seconds: one frame of a video is too short to read.
 pub const EVENT_SECONDS: f32 = 1.0;
+/// How long before its own time an annotated frame shows tracks and events, in seconds; the frame before it is always
+/// shown.
+pub const ANNOTATED_SECONDS: f32 = TRAIL_SECONDS.max(EVENT_SECONDS);
 
 const BLACK: [u8; 3] = [0; 3];
 const WHITE: [u8; 3] = [255; 3];

@@ -7,7 +7,6 @@ use serde::Serialize;
 
 use super::number::microseconds;
 use crate::occlusion::Event;
-use crate::tracking::FrameTracks;
 
 #[derive(Serialize)]
 struct EventLine<'a> {
@@ -16,11 +15,11 @@ struct EventLine<'a> {
     event: &'a Event,
 }
 
-/// Writes the events in the given order. `frames` are all frames, in order, for their times.
-pub fn write(out: &mut impl Write, events: &[Event], frames: &[FrameTracks]) -> io::Result<()> {
+/// Writes the events in the given order. `times` are the numbers and times of all frames, in order.
+pub fn write(out: &mut impl Write, events: &[Event], times: &[(u32, f64)]) -> io::Result<()> {
     for event in events {
-        let at = frames.partition_point(|frame| frame.number < event.frame);
-        let time = frames.get(at).map_or(0.0, |frame| microseconds(frame.time));
+        let at = times.partition_point(|&(number, _)| number < event.frame);
+        let time = times.get(at).map_or(0.0, |&(_, time)| microseconds(time));
         serde_json::to_writer(&mut *out, &EventLine { time, event })?;
         out.write_all(b"\n")?;
     }
@@ -48,9 +47,8 @@ mod tests {
             front: None,
             evidence,
         };
-        let frame = |number, time| FrameTracks { number, time, tracks: Vec::new() };
-        let frames = [frame(202, 8.04), frame(203, 8.079_999_999_1), frame(204, 8.12)];
-        let text = written(|out| write(out, &[event.clone(), event], &frames));
+        let times = [(202, 8.04), (203, 8.079_999_999_1), (204, 8.12)];
+        let text = written(|out| write(out, &[event.clone(), event], &times));
         assert_eq!(text.lines().count(), 2);
         assert!(
             text.starts_with(

@@ -5,18 +5,20 @@
 
 use std::io::{self, Write};
 
+use serde::{Deserialize, Serialize};
+
 use super::joined;
 use super::number::significant;
 use crate::placement::Placement;
 use crate::regions::{Region, Rgb, Shape};
-use crate::tracking::{FrameTracks, Identity, Track};
+use crate::tracking::{Identity, Track};
 
 /// The columns of the header.
 const HEADER: &str =
     "frame,label,area,x,y,w,h,cx,cy,mu20,mu11,mu02,orientation,eccentricity,extent,r,g,b,object";
 
-/// A row's data of a region: small, so that a long video's regions fit in memory.
-#[derive(Clone, Copy, Debug, PartialEq)]
+/// A row's data of a region.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct RegionRow {
     label: u32,
     shape: Shape,
@@ -45,17 +47,15 @@ pub struct FrameRows {
     pub rows: Vec<RegionRow>,
 }
 
-/// Writes the header, and the regions of each frame with the objects of the same frame, both in order of frames.
-pub fn write(out: &mut impl Write, frames: &[FrameRows], tracks: &[FrameTracks]) -> io::Result<()> {
-    writeln!(out, "{HEADER}")?;
-    let mut tracks = tracks.iter().peekable();
-    for FrameRows { number, rows } in frames {
-        while tracks.next_if(|frame| frame.number < *number).is_some() {}
-        let here = tracks.peek().filter(|frame| frame.number == *number);
-        let here = here.map_or(&[][..], |frame| &frame.tracks);
-        for row in rows {
-            write_row(out, *number, row, &objects_of(row.label, here))?;
-        }
+/// Writes the header.
+pub fn write_header(out: &mut impl Write) -> io::Result<()> {
+    writeln!(out, "{HEADER}")
+}
+
+/// Writes the regions of a frame with the objects of the same frame.
+pub fn write_frame(out: &mut impl Write, frame: &FrameRows, tracks: &[Track]) -> io::Result<()> {
+    for row in &frame.rows {
+        write_row(out, frame.number, row, &objects_of(row.label, tracks))?;
     }
     Ok(())
 }
@@ -107,9 +107,11 @@ mod tests {
             FrameRows { number: 3, rows: vec![row(1)] },
             FrameRows { number: 4, rows: vec![row(1), row(2)] },
         ];
-        let tracks =
-            [FrameTracks { number: 4, time: 0.0, tracks: vec![track(3, 0.0, 0.0), track(5, 0.0, 0.0)] }];
-        let text = written(|out| write(out, &frames, &tracks));
+        let tracks = [vec![], vec![track(3, 0.0, 0.0), track(5, 0.0, 0.0)]];
+        let text = written(|out| {
+            write_header(out)?;
+            frames.iter().zip(&tracks).try_for_each(|(frame, tracks)| write_frame(out, frame, tracks))
+        });
         let lines: Vec<_> = text.lines().collect();
         assert_eq!(lines[0], HEADER);
         assert_eq!(lines[1], "3,1,12,1,2,3,4,2,3.5,8,-0.5,15,1.5,0.25,1,9,8,7,");

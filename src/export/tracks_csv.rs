@@ -6,14 +6,12 @@ use std::io::{self, Write};
 use super::number::significant;
 use crate::tracking::{FrameTracks, TrackState};
 
-/// Writes the objects of each frame, in order.
-pub fn write(out: &mut impl Write, frames: &[FrameTracks]) -> io::Result<()> {
-    for FrameTracks { number, tracks, .. } in frames {
-        for track in tracks {
-            let [x, y, w, h] = [track.bbox.x, track.bbox.y, track.bbox.w, track.bbox.h].map(significant);
-            let conf = confidence(track.state);
-            writeln!(out, "{number},{},{x},{y},{w},{h},{conf},-1,-1,-1", track.id)?;
-        }
+/// Writes the objects of a frame.
+pub fn write_frame(out: &mut impl Write, FrameTracks { number, tracks, .. }: &FrameTracks) -> io::Result<()> {
+    for track in tracks {
+        let [x, y, w, h] = [track.bbox.x, track.bbox.y, track.bbox.w, track.bbox.h].map(significant);
+        let conf = confidence(track.state);
+        writeln!(out, "{number},{},{x},{y},{w},{h},{conf},-1,-1,-1", track.id)?;
     }
     Ok(())
 }
@@ -39,7 +37,7 @@ mod tests {
         let frames: Vec<_> =
             (4..).zip(tracks).map(|(number, tracks)| FrameTracks { number, time: 0.0, tracks }).collect();
         assert_eq!(
-            written(|out| write(out, &frames)),
+            written(|out| frames.iter().try_for_each(|frame| write_frame(out, frame))),
             "4,3,1,2,8,16,1,-1,-1,-1\n6,3,2,2,8,16,1,-1,-1,-1\n6,7,10.5,20.25,8,16,0.5,-1,-1,-1\n"
         );
     }

@@ -30,15 +30,35 @@ struct TrackRow<'a> {
     regions: &'a [u32],
 }
 
-/// Writes the objects of each frame, in order.
-pub fn write(out: &mut impl Write, frames: &[FrameTracks]) -> io::Result<()> {
-    let all = frames.iter().flat_map(|frame| frame.tracks.iter().map(|track| record(frame, track)));
-    out.write_all(b"[")?;
-    for (index, record) in all.enumerate() {
-        out.write_all(if index == 0 { b"\n" } else { b",\n" })?;
-        serde_json::to_writer(&mut *out, &record)?;
+/// Writes the file frame by frame.
+#[derive(Debug)]
+pub struct TracksJson<W: Write> {
+    out: W,
+    is_empty: bool,
+}
+
+impl<W: Write> TracksJson<W> {
+    /// Writes the beginning.
+    pub fn new(mut out: W) -> io::Result<Self> {
+        out.write_all(b"[")?;
+        Ok(Self { out, is_empty: true })
     }
-    out.write_all(b"\n]\n")
+
+    /// Writes the objects of the next frame.
+    pub fn write_frame(&mut self, frame: &FrameTracks) -> io::Result<()> {
+        for track in &frame.tracks {
+            self.out.write_all(if self.is_empty { b"\n" } else { b",\n" })?;
+            self.is_empty = false;
+            serde_json::to_writer(&mut self.out, &record(frame, track))?;
+        }
+        Ok(())
+    }
+
+    /// Writes the end and flushes.
+    pub fn finish(mut self) -> io::Result<()> {
+        self.out.write_all(b"\n]\n")?;
+        self.out.flush()
+    }
 }
 
 fn record<'a>(frame: &FrameTracks, track: &'a Track) -> TrackRow<'a> {
@@ -71,7 +91,11 @@ mod tests {
     fn output_is_json_with_one_record_per_line() {
         let frame =
             FrameTracks { number: 4, time: 0.12, tracks: vec![track(3, 1.0, 2.0), track(5, 1.0, 2.0)] };
-        let text = written(|out| write(out, &[frame]));
+        let text = written(|out| {
+            let mut json = TracksJson::new(out)?;
+            json.write_frame(&frame)?;
+            json.finish()
+        });
         assert_eq!(text.lines().count(), 4);
         let read: serde_json::Value = serde_json::from_str(&text).unwrap();
         assert_eq!(
@@ -81,7 +105,7 @@ mod tests {
         assert_eq!(read[0]["state"], "visible");
         assert_eq!(read[0]["colours"][0][0], 200);
 
-        let text = written(|out| write(out, &[]));
+        let text = written(|out| TracksJson::new(out)?.finish());
         assert_eq!(serde_json::from_str::<serde_json::Value>(&text).unwrap(), serde_json::json!([]));
     }
 }

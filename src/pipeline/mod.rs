@@ -12,11 +12,11 @@ use rayon::prelude::*;
 pub use self::offline::{OfflineResult, offline_result};
 
 pub(crate) use self::background_subtractor::BackgroundSubtractor;
-pub(crate) use self::offline::{TrackedFrame, offline_result_of};
+pub(crate) use self::offline::{LateDecisions, TrackedFrame, offline_result_of};
 pub(crate) use self::region_finder::RegionFinder;
 use crate::frame::{Frame, Mask, Size};
 use crate::mixture::Mixture;
-use crate::occlusion::{Counters, Event, SettledResults, Tracker};
+use crate::occlusion::{Counters, Event, FinalResult, SettledResults, Tracker};
 use crate::regions::roi::RoiError;
 use crate::regions::{Labels, Region, Roi};
 use crate::settings::Settings;
@@ -249,6 +249,11 @@ impl Pipeline {
     pub fn track_again(&mut self, analysis: &Analysis) -> Analysis {
         let Analysis { number, time, mask, labels, regions, .. } = analysis;
         self.follow((*number, *time), Arc::clone(mask), Arc::clone(labels), Arc::clone(regions))
+    }
+
+    /// What is decided if the last frame was the last of the sequence. The pipeline may continue.
+    pub(crate) fn decide_pending(&self) -> FinalResult {
+        self.tracker.clone().finish()
     }
 
     /// The model's background: the mean of component 1, or the background image of MOG2 or KNN; RGB bytes in row

@@ -39,8 +39,7 @@ pub fn offline_result<'a>(
     analyses: impl IntoIterator<Item = &'a Analysis>,
     pipeline: &Pipeline,
 ) -> OfflineResult {
-    // Pending decisions at the last frame are made in a copy, because the pipeline may continue.
-    let last = pipeline.tracker.clone().finish();
+    let last = pipeline.decide_pending();
     let frames = analyses.into_iter().map(|analysis| TrackedFrame {
         number: analysis.number,
         time: analysis.time,
@@ -53,45 +52,71 @@ pub fn offline_result<'a>(
 
 /// The offline result of all `frames`, in order, and of what the tracker decided after the last.
 pub(crate) fn offline_result_of(frames: &[TrackedFrame<'_>], last: &FinalResult) -> OfflineResult {
-    let mut identity_map = IdentityMap::default();
-    let mut result = OfflineResult::default();
-    let mut earlier: BTreeMap<u32, Vec<&Track>> = BTreeMap::new();
-    for settled in frames.iter().map(|frame| frame.settled).chain([&last.settled]) {
-        for &(key, identity) in &settled.identities {
-            identity_map.set(key, identity);
-        }
-        result.episodes.extend(settled.episodes.iter().cloned());
-        for (number, track) in &settled.earlier {
-            earlier.entry(*number).or_default().push(track);
-        }
-    }
-    result.episodes.sort_by(|a, b| (a.start, &a.objects).cmp(&(b.start, &b.objects)));
+    let mut decisions = LateDecisions::default();
     for frame in frames {
-        let mut before = earlier.remove(&frame.number).unwrap_or_default();
-        // An object tracked in this frame has no earlier track here.
-        before.retain(|track| {
-            let same = |followed: &Track| identity_map.of(followed.key) == identity_map.of(track.key);
-            !frame.objects.iter().any(same)
-        });
-        let objects = before.into_iter().chain(frame.objects.iter());
-        let tracks = identity_map.apply(objects);
-        result.tracks.push(FrameTracks { number: frame.number, time: frame.time, tracks });
-        result.events.extend(frame.events.iter().cloned());
+        decisions.add(frame.settled, frame.events);
     }
-    result.events.extend(last.events.iter().cloned());
-    result.events.sort_by(|a, b| (a.frame, a.kind, &a.objects).cmp(&(b.frame, b.kind, &b.objects)));
-    for event in &mut result.events {
-        result.counters.count(event.kind);
-        if event.kind == EventKind::Merge {
-            // The object in front is known while they are merged, after the event.
-            event.front = result
-                .episodes
-                .iter()
-                .filter(|episode| (episode.start..=episode.end).contains(&event.frame))
-                .find(|episode| event.objects.iter().all(|id| episode.objects.contains(id)))
-                .and_then(|episode| episode.front)
-                .filter(|front| event.objects.contains(front));
+    decisions.finish(last);
+    let tracks =
+        frames.iter().map(|frame| decisions.tracks_of(frame.number, frame.time, frame.objects)).collect();
+    let LateDecisions { events, episodes, counters, .. } = decisions;
+    OfflineResult { tracks, events, episodes, counters }
+}
+
+/// What is decided about earlier frames, collected over a sequence. The objects of the frames are not held.
+#[derive(Debug, Default)]
+pub(crate) struct LateDecisions {
+    identity_map: IdentityMap,
+    /// Tracks of objects in frames before they were followed, by frame number.
+    earlier: BTreeMap<u32, Vec<Track>>,
+    /// The events; by frame, then by kind, once the sequence has ended.
+    pub(crate) events: Vec<Event>,
+    /// The episodes; by start, once the sequence has ended.
+    pub(crate) episodes: Vec<Episode>,
+    /// The events by kind, once the sequence has ended.
+    pub(crate) counters: Counters,
+}
+
+impl LateDecisions {
+    /// Adds the decisions and events of the next frame.
+    pub(crate) fn add(&mut self, settled: &SettledResults, events: &[Event]) {
+        for &(key, identity) in &settled.identities {
+            self.identity_map.set(key, identity);
+        }
+        self.episodes.extend(settled.episodes.iter().cloned());
+        for (number, track) in &settled.earlier {
+            self.earlier.entry(*number).or_default().push(track.clone());
+        }
+        self.events.extend(events.iter().cloned());
+    }
+
+    /// Adds what the tracker decided after the last frame, and sorts all events and episodes.
+    pub(crate) fn finish(&mut self, last: &FinalResult) {
+        self.add(&last.settled, &last.events);
+        self.episodes.sort_by(|a, b| (a.start, &a.objects).cmp(&(b.start, &b.objects)));
+        self.events.sort_by(|a, b| (a.frame, a.kind, &a.objects).cmp(&(b.frame, b.kind, &b.objects)));
+        for event in &mut self.events {
+            self.counters.count(event.kind);
+            if event.kind == EventKind::Merge {
+                // The object in front is known while they are merged, after the event.
+                event.front = self
+                    .episodes
+                    .iter()
+                    .filter(|episode| (episode.start..=episode.end).contains(&event.frame))
+                    .find(|episode| event.objects.iter().all(|id| episode.objects.contains(id)))
+                    .and_then(|episode| episode.front)
+                    .filter(|front| event.objects.contains(front));
+            }
         }
     }
-    result
+
+    /// The confirmed objects of a frame by identity, from all its `objects` by their track keys.
+    pub(crate) fn tracks_of(&self, number: u32, time: f64, objects: &[Track]) -> FrameTracks {
+        let identity = |track: &Track| self.identity_map.of(track.key);
+        let earlier = self.earlier.get(&number).map_or(&[][..], Vec::as_slice);
+        // An object tracked in this frame has no earlier track here.
+        let earlier =
+            earlier.iter().filter(|track| !objects.iter().any(|object| identity(object) == identity(track)));
+        FrameTracks { number, time, tracks: self.identity_map.apply(earlier.chain(objects)) }
+    }
 }

@@ -119,7 +119,7 @@ impl Rect {
 }
 
 /// The shape of a region, from its pixels (i, j) as points at their indices.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct Shape {
     /// Number of pixels.
     pub area: u32,

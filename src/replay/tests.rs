@@ -66,17 +66,17 @@ fn write_scene_from(folder: &Path, camera: impl Fn(u32) -> (u32, u32), light: im
     }
 }
 
-pub(super) fn scene() -> tempfile::TempDir {
+pub(crate) fn scene() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     write_scene(folder.path());
     folder
 }
 
-pub(super) fn name(path: &Path) -> String {
+pub(crate) fn name(path: &Path) -> String {
     path.to_str().unwrap().to_owned()
 }
 
-pub(super) fn settings() -> Settings {
+pub(crate) fn settings() -> Settings {
     let bootstrap = Span::Frames(LEARNT);
     Settings { track_min_area: 0.3, warm_up: 0, alpha: 0.02, bootstrap, ..Settings::preset(Preset::Default) }
 }
@@ -168,7 +168,11 @@ pub(super) fn single_pass(video: &Path, settings: &Settings) -> Vec<ShownFrame> 
 
 /// All frames of a video, and the number of first ones that are learned from before classification.
 pub(super) fn decoded(video: &Path, settings: &Settings) -> (SourceInfo, Vec<Frame>, usize) {
-    let mut source = Registered::new(source::open(&name(video), Options::default()).unwrap());
+    decoded_with(video, &Options::default(), settings)
+}
+
+fn decoded_with(video: &Path, options: &Options, settings: &Settings) -> (SourceInfo, Vec<Frame>, usize) {
+    let mut source = Registered::new(source::open(&name(video), options.clone()).unwrap());
     let info = source.info().clone();
     let frames: Vec<_> = std::iter::from_fn(|| source.next_frame().unwrap()).collect();
     let learnt = frames.len().min(info.bootstrap(settings) as usize);
@@ -199,7 +203,17 @@ pub(super) fn single_pass_within(
     settings: &Settings,
     roi: Option<&Arc<Roi>>,
 ) -> Vec<ShownFrame> {
-    let (info, frames, first) = decoded(video, settings);
+    single_pass_of(video, &Options::default(), settings, roi)
+}
+
+/// The same of a video that is read with options.
+pub(crate) fn single_pass_of(
+    video: &Path,
+    options: &Options,
+    settings: &Settings,
+    roi: Option<&Arc<Roi>>,
+) -> Vec<ShownFrame> {
+    let (info, frames, first) = decoded_with(video, options, settings);
     let mut pipeline = learned_pipeline(settings, &info, &frames[..first]);
     pipeline.set_roi(roi.cloned()).unwrap();
     let shared = Arc::new(settings.clone());
@@ -228,7 +242,7 @@ pub(super) fn single_pass_within(
     all
 }
 
-pub(super) fn assert_same(got: &ShownFrame, expected: &ShownFrame) {
+pub(crate) fn assert_same(got: &ShownFrame, expected: &ShownFrame) {
     let position = expected.position;
     assert_eq!(got.position, position);
     assert_eq!((&got.settings, &got.roi), (&expected.settings, &expected.roi));

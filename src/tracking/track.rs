@@ -62,7 +62,7 @@ pub struct HypothesisSummary {
 }
 
 /// An object in one frame.
-#[derive(Clone, Debug, PartialEq, Serialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Track {
     /// Its identity; 0 while it is tentative.
     pub id: Identity,

@@ -80,6 +80,12 @@ impl Default for Dialogs {
 }
 
 impl Dialogs {
+    /// Opens no dialog from now on, as while one is open.
+    #[cfg(test)]
+    pub(crate) const fn refuse(&mut self) {
+        self.open = true;
+    }
+
     /// Asks for a video file.
     pub(crate) fn video(&mut self, ctx: &Context) {
         self.ask(ctx, || {

@@ -31,7 +31,7 @@ pub(super) fn analyse(
     let mut pipeline = prepare(job, roi, frames)?;
     let mut pictures = Pictures::new(job, info, staging).with_context(|| job.out_failure())?;
     let mut live = LiveAnnotation::new(info, annotated);
-    let mut recorder = ResultRecorder::new(info);
+    let mut recorder = ResultRecorder::new(info, staging).with_context(|| job.out_failure())?;
 
     let progress = job.console.progress("analysing", frames.total);
     // Images of the model are of the state after each frame.
@@ -53,7 +53,7 @@ pub(super) fn analyse(
             if let Some(live) = &mut live {
                 live.write(frame, &analysis).with_context(|| job.out_failure())?;
             }
-            recorder.add(frame, analysis);
+            recorder.add(frame, &analysis).with_context(|| job.out_failure())?;
         }
         progress.advance(batch.len());
         match after {
@@ -68,8 +68,10 @@ pub(super) fn analyse(
     }
     drop(progress);
     pictures.finish().with_context(|| job.out_failure())?;
-    let record = recorder.finish(&pipeline);
-    record.with_context(|| format!("{} has no frames; nothing was written", job.video))
+    if recorder.frames() == 0 {
+        bail!("{} has no frames; nothing was written", job.video);
+    }
+    recorder.finish(&pipeline).with_context(|| job.out_failure())
 }
 
 /// The stages, after the model has learned from the first frames.

@@ -8,12 +8,12 @@ use anyhow::{Context as _, bail};
 use super::arguments::RunJob;
 use super::bulky_output::LABELS;
 use super::pictures::numbered;
+use super::result_spool::ResultSpool;
 use crate::cli::interrupt;
 use crate::export::Staging;
 use crate::export::label_image::LabelImage;
 use crate::export::picture_queue::{Picture, PictureQueue};
 use crate::frame::Size;
-use crate::pipeline::OfflineResult;
 use crate::regions::{Labels, rle};
 use crate::source::SourceInfo;
 
@@ -41,12 +41,12 @@ impl LabelSpool {
         self.file.write_all(&bytes)
     }
 
-    /// Writes the label image of each frame of `result`, which is in the pixels of the frames.
+    /// Writes the label image of each frame of `results`, which are in the pixels of the frames.
     pub(super) fn write_images(
         self,
         job: &RunJob,
         info: &SourceInfo,
-        result: &OfflineResult,
+        results: &ResultSpool,
         staging: &Staging,
     ) -> anyhow::Result<()> {
         let failed = || job.out_failure();
@@ -56,14 +56,15 @@ impl LabelSpool {
         file.rewind().with_context(failed)?;
         let mut file = BufReader::new(file);
         let placement = info.placement();
-        let progress = job.console.progress("labelling", Some(result.tracks.len() as u32));
-        for tracks in &result.tracks {
+        let progress = job.console.progress("labelling", Some(results.len() as u32));
+        for frame in results.frames().with_context(failed)? {
+            let tracks = frame.with_context(failed)?.tracks;
             if interrupt::is_stop_requested() && !info.live {
                 bail!("stopped before all label images of {} were written; nothing was written", job.video);
             }
             let labels = read(&mut file, self.size).with_context(failed)?;
-            let image =
-                LabelImage::new(&labels, tracks, &result.episodes).with_context(|| job.video.clone())?;
+            let image = LabelImage::new(&labels, &tracks, &results.decisions.episodes)
+                .with_context(|| job.video.clone())?;
             let image = match &placement {
                 Some(placement) => image.in_source(placement),
                 None => image,

@@ -1,8 +1,8 @@
 //! `occluscope run`: the whole analysis without a display.
 //!
-//! Decoding runs ahead on its own thread, images are encoded on others. The data for tables is kept until the end,
-//! because the offline result needs all frames; label images are written then for the same reason, from labels that wait
-//! in a temporary file, and annotated frames are drawn in a second pass over the video. A camera has no second pass:
+//! Decoding runs ahead on its own thread, images are encoded on others. The data for tables waits in a temporary file
+//! until the end, because the offline result needs all frames; label images are written then for the same reason, from
+//! labels that wait in another, and annotated frames are drawn in a second pass over the video. A camera has no second pass:
 //! its annotated frames show the online result. Where the video of them cannot be encoded, all other files are still
 //! written, and the run fails.
 
@@ -15,7 +15,9 @@ mod input_hash;
 mod label_spool;
 mod live_annotation;
 mod pictures;
+mod recent_tracks;
 mod record;
+mod result_spool;
 mod summary;
 mod tables;
 
@@ -58,18 +60,19 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let mut record =
         analysis_pass::analyse(&job, roi.as_ref(), &mut frames, &staging, &mut annotated, labels.as_mut())?;
     if let Some(labels) = labels {
-        labels.write_images(&job, &frames.info, &record.result, &staging)?;
+        labels.write_images(&job, &frames.info, &record.results, &staging)?;
     }
     if annotated.is_open() && !frames.info.live {
-        annotation_pass::annotate_frames(&job, &record.result, &mut annotated)?;
+        annotation_pass::annotate_frames(&job, &record.results, &mut annotated)?;
     }
     let video = annotated.finish();
     if let Some(placement) = frames.info.placement() {
-        record.move_to_source(&placement);
+        record.results.move_to_source(placement);
     }
     let sha256 = hash.finish(&record)?;
-    tables::write(&record, &job, &staging)?;
-    let summary = summary::summarise(&job, roi.as_deref(), &frames.info, &record, sha256, started.elapsed());
+    let objects = tables::write(&record, &job, &staging)?;
+    let counts = summary::Counts { objects, sha256, duration: started.elapsed() };
+    let summary = summary::summarise(&job, roi.as_deref(), &frames.info, &record, counts);
     summary::write(&summary, &staging)?;
     staging.publish(summary::FILE).with_context(|| job.out_failure())?;
 

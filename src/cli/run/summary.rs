@@ -1,6 +1,5 @@
 //! The summary of a run: its file, and what is printed.
 
-use std::collections::BTreeSet;
 use std::time::Duration;
 
 use super::arguments::RunJob;
@@ -14,7 +13,6 @@ use crate::export::summary::{self, Input, Summary, Timing};
 use crate::occlusion::EventKind;
 use crate::regions::Roi;
 use crate::source::SourceInfo;
-use crate::tracking::FrameTracks;
 use crate::truth::analysed_frames::AnalysedFrames;
 
 /// The name of the file.
@@ -32,21 +30,27 @@ pub(super) fn print_input(job: &RunJob, frames: &Frames) {
     ));
 }
 
-/// The summary of a run that took `duration`; `roi` is the region of interest in the frames, `sha256` the hash of the
-/// input.
+/// What the record does not have.
+pub(super) struct Counts {
+    /// Number of identities.
+    pub objects: usize,
+    /// The hash of the input.
+    pub sha256: Option<String>,
+    /// How long the run took.
+    pub duration: Duration,
+}
+
+/// The summary of a run; `roi` is the region of interest in the frames.
 pub(super) fn summarise(
     job: &RunJob,
     roi: Option<&Roi>,
     info: &SourceInfo,
     record: &RunRecord,
-    sha256: Option<String>,
-    duration: Duration,
+    Counts { objects, sha256, duration }: Counts,
 ) -> Summary {
-    let result = &record.result;
-    let frames = result.tracks.len() as u32;
-    let number = |frame: Option<&FrameTracks>| frame.map_or(0, |frame| frame.number);
-    let identities: BTreeSet<_> =
-        result.tracks.iter().flat_map(|frame| frame.tracks.iter().map(|track| track.id)).collect();
+    let (times, decisions) = (&record.times, &record.results.decisions);
+    let frames = times.len() as u32;
+    let number = |frame: Option<&(u32, f64)>| frame.map_or(0, |&(number, _)| number);
     let seconds = duration.as_secs_f64();
     Summary {
         version: env!("CARGO_PKG_VERSION"),
@@ -59,16 +63,16 @@ pub(super) fn summarise(
             options: job.options,
             range: job.range.map(|range| range.to_string()),
             frames,
-            first_frame: number(result.tracks.first()),
-            last_frame: number(result.tracks.last()),
-            analysed: AnalysedFrames::of_numbers(result.tracks.iter().map(|frame| frame.number)),
+            first_frame: number(times.first()),
+            last_frame: number(times.last()),
+            analysed: AnalysedFrames::of_numbers(times.iter().map(|&(number, _)| number)),
             sha256,
         },
         settings: job.settings.clone(),
         analysed_share: roi.map(Roi::share),
-        objects: identities.len(),
-        events: result.counters,
-        episodes: result.episodes.len(),
+        objects,
+        events: decisions.counters,
+        episodes: decisions.episodes.len(),
         foreground_share: record.foreground_share,
         warnings: record.warnings.clone(),
         timing: Timing { seconds, frames_per_second: f64::from(frames) / seconds.max(f64::MIN_POSITIVE) },

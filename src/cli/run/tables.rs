@@ -1,5 +1,6 @@
 //! The files that are always written, except the summary.
 
+use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 
@@ -8,11 +9,13 @@ use anyhow::Context as _;
 use super::ROI;
 use super::arguments::RunJob;
 use super::record::RunRecord;
-use crate::export::{Staging, episodes_csv, events_jsonl, picture, regions_csv, tracks_csv, tracks_json};
+use super::result_spool::FrameResults;
+use crate::export::tracks_json::TracksJson;
+use crate::export::{Staging, episodes_csv, events_jsonl, picture, regions_csv, tracks_csv};
+use crate::pipeline::LateDecisions;
 
-/// Writes the settings, the region of interest and the tables of the offline result.
-pub(super) fn write(record: &RunRecord, job: &RunJob, staging: &Staging) -> anyhow::Result<()> {
-    let RunRecord { result, regions, .. } = record;
+/// Writes the settings, the region of interest and the tables of the offline result. Returns the number of identities.
+pub(super) fn write(record: &RunRecord, job: &RunJob, staging: &Staging) -> anyhow::Result<usize> {
     write_file(staging, "settings.toml", |out| {
         out.write_all(job.settings.to_toml().as_bytes())?;
         if job.roi.is_some() {
@@ -27,11 +30,30 @@ pub(super) fn write(record: &RunRecord, job: &RunJob, staging: &Staging) -> anyh
         picture::write_mask(&staging.path(ROI), roi.mask())
             .with_context(|| format!("{ROI} cannot be written"))?;
     }
-    write_file(staging, "tracks.csv", |out| tracks_csv::write(out, &result.tracks))?;
-    write_file(staging, "tracks.json", |out| tracks_json::write(out, &result.tracks))?;
-    write_file(staging, "regions.csv", |out| regions_csv::write(out, regions, &result.tracks))?;
-    write_file(staging, "events.jsonl", |out| events_jsonl::write(out, &result.events, &result.tracks))?;
-    write_file(staging, "episodes.csv", |out| episodes_csv::write(out, &result.episodes))
+    let LateDecisions { events, episodes, .. } = &record.results.decisions;
+    write_file(staging, "events.jsonl", |out| events_jsonl::write(out, events, &record.times))?;
+    write_file(staging, "episodes.csv", |out| episodes_csv::write(out, episodes))?;
+    let mut identities = BTreeSet::new();
+    write_file(staging, "tracks.csv", |out| {
+        record.results.frames()?.try_for_each(|frame| {
+            let tracks = frame?.tracks;
+            identities.extend(tracks.tracks.iter().map(|track| track.id));
+            tracks_csv::write_frame(out, &tracks)
+        })
+    })?;
+    write_file(staging, "tracks.json", |out| {
+        let mut json = TracksJson::new(out)?;
+        record.results.frames()?.try_for_each(|frame| json.write_frame(&frame?.tracks))?;
+        json.finish()
+    })?;
+    write_file(staging, "regions.csv", |out| {
+        regions_csv::write_header(out)?;
+        record.results.frames()?.try_for_each(|frame| {
+            let FrameResults { tracks, regions } = frame?;
+            regions_csv::write_frame(out, &regions, &tracks.tracks)
+        })
+    })?;
+    Ok(identities.len())
 }
 
 /// Writes one staged file.

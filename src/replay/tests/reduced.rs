@@ -152,7 +152,8 @@ fn what_is_outside_the_crop_is_judged_neither_here_nor_by_score() {
     let mut result = offline_result(&analyses, &pipeline);
     source_pixels::move_tracks(&mut result.tracks, &placement);
     let tracks = place.path().join("tracks.csv");
-    tracks_csv::write(&mut fs::File::create(&tracks).unwrap(), &result.tracks).unwrap();
+    let mut file = fs::File::create(&tracks).unwrap();
+    result.tracks.iter().try_for_each(|frame| tracks_csv::write_frame(&mut file, frame)).unwrap();
     for analysis in &analyses {
         let Mask { size, data } = placement.source_mask(&analysis.mask);
         let mask = GrayImage::from_raw(size.width, size.height, data).unwrap();
