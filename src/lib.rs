@@ -90,6 +90,7 @@ pub mod cli;
 pub mod explain;
 pub mod export;
 pub mod frame;
+mod instruction_set;
 mod libav;
 pub mod mixture;
 pub mod occlusion;

@@ -765,10 +765,12 @@ impl Settings {
     /// # Ok::<(), occluscope::settings::SettingError>(())
     /// ```
     pub fn apply_toml(&mut self, text: &str, path: &Path) -> Result<(), SettingError> {
-        let fail = |why: String| SettingError::File { path: path.display().to_string(), why };
-        let table: toml::Table = text
-            .parse()
-            .map_err(|error: toml::de::Error| fail(error.to_string().trim().replace('\n', " ")))?;
+        // A message repeats values, which may contain line breaks.
+        let fail = |why: String| {
+            let why = why.split_whitespace().collect::<Vec<_>>().join(" ");
+            SettingError::File { path: path.display().to_string(), why }
+        };
+        let table: toml::Table = text.parse().map_err(|error: toml::de::Error| fail(error.to_string()))?;
         for (name, value) in &table {
             let text = match value {
                 toml::Value::String(text) => text.clone(),

@@ -38,6 +38,7 @@ use crate::truth::external::ExternalResults;
 use crate::truth::masks::TrueMask;
 
 mod access;
+mod altered_state;
 mod areas;
 mod around;
 mod compare;

@@ -7,6 +7,7 @@ use rayon::prelude::*;
 use super::image::{Mixture, Planes, Tiles};
 use super::pixel::Parameters;
 use super::tile::{Gaussians, LANES, Vectors, VerdictMemories, raised_t};
+use crate::instruction_set;
 use crate::settings::Space;
 
 /// The background model at each pixel, in row order.
@@ -50,7 +51,7 @@ impl Mixture {
             multi_mode: vec![0; 3 * pixels],
             background_count: vec![0; pixels],
         };
-        let level = fearless_simd::Level::new();
+        let level = instruction_set::level();
         all.mean
             .par_chunks_mut(3 * LANES * TILES_A_JOB)
             .zip(all.multi_mode.par_chunks_mut(3 * LANES * TILES_A_JOB))

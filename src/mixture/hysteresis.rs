@@ -90,6 +90,7 @@ fn pixels_of_square(size: Size, radius: usize, x: usize, y: usize) -> usize {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::instruction_set;
 
     const HYSTERESIS: Hysteresis = Hysteresis { distance: 24.0, window: 7, share: 0.35 };
 
@@ -101,7 +102,7 @@ mod tests {
             _ => Mask::BACKGROUND,
         };
         let mut mask = Mask { size, data: rows.iter().flat_map(|row| row.bytes().map(byte)).collect() };
-        HYSTERESIS.settle(Level::new(), std::slice::from_mut(&mut mask));
+        HYSTERESIS.settle(instruction_set::level(), std::slice::from_mut(&mut mask));
         let mark = |&byte: &u8| if byte == Mask::FOREGROUND { '#' } else { '.' };
         mask.data.chunks(rows[0].len()).map(|row| row.iter().map(mark).collect()).collect()
     }

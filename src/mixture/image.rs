@@ -14,6 +14,7 @@ use super::tile::{
     self, Constants, FrameParameters, Gaussians, LANES, StoredTile, Tile, TileRgb, VerdictMemories,
 };
 use crate::frame::{Frame, Mask, Size};
+use crate::instruction_set;
 use crate::registration::Corrected;
 use crate::settings::{Rate, Space};
 
@@ -162,7 +163,7 @@ impl Mixture {
         let corrections: Vec<_> =
             frames.iter().map(|frame| choice.correction(&frame.alignment, frame.size)).collect();
         if corrections.iter().all(Option::is_none) {
-            self.take(Level::new(), frames, &[], masks);
+            self.take(instruction_set::level(), frames, &[], masks);
             return;
         }
         let corrected: Vec<Option<Corrected>> = corrections
@@ -177,7 +178,7 @@ impl Mixture {
             .iter()
             .map(|corrected| corrected.as_ref().and_then(|seen| seen.unknown.as_deref()))
             .collect();
-        self.take(Level::new(), &seen, &unknown, masks);
+        self.take(instruction_set::level(), &seen, &unknown, masks);
     }
 
     /// Processes frames with the instruction set `level`; all give the same bits. `unknown` is empty, or has for each
@@ -585,21 +586,6 @@ mod tests {
     use super::*;
     use crate::settings::{Preset, Settings};
 
-    /// The instruction sets of this machine, the most basic first.
-    #[cfg(target_arch = "x86_64")]
-    fn levels() -> Vec<Level> {
-        let best = Level::new();
-        let sse2 = best.as_sse2().map(Level::Sse2);
-        let avx2 = best.as_avx2().map(Level::Avx2);
-        let avx512 = best.as_avx512().map(Level::Avx512);
-        [sse2, best.as_sse4_2().map(Level::Sse4_2), avx2, avx512].into_iter().flatten().collect()
-    }
-
-    #[cfg(not(target_arch = "x86_64"))]
-    fn levels() -> Vec<Level> {
-        vec![Level::new()]
-    }
-
     #[test]
     fn every_instruction_set_gives_the_same_bits() {
         let size = Size::new(53, 3);
@@ -634,7 +620,7 @@ mod tests {
                 let pixels: Vec<_> = (0..size.pixels()).map(|index| mixture.pixel_at(index)).collect();
                 (masks, format!("{pixels:?}"))
             };
-            let levels = levels();
+            let levels = instruction_set::tests::all();
             let plainest = run(levels[0]);
             assert!(plainest.0.iter().any(|mask| mask.foreground_pixels() > 0));
             for &level in &levels[1..] {

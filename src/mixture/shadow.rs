@@ -187,6 +187,7 @@ mod tests {
 
     use super::*;
     use crate::frame::Size;
+    use crate::instruction_set;
 
     const SHADOW: Shadow = Shadow { floor: 0.6, ceiling: 1.0, colour: 12.0, window: 0, spread: 0.08 };
 
@@ -231,7 +232,7 @@ mod tests {
     }
 
     fn settled(mut mask: Mask) -> Mask {
-        Shadow { window: 7, ..SHADOW }.settle(Level::new(), std::slice::from_mut(&mut mask));
+        Shadow { window: 7, ..SHADOW }.settle(instruction_set::level(), std::slice::from_mut(&mut mask));
         mask
     }
 
@@ -275,7 +276,7 @@ mod tests {
             let data: Vec<u8> = values[..size.pixels()].iter().map(|&at| choice[at]).collect();
             let mut mask = Mask { size, data: data.clone() };
             let shadow = Shadow { window: 2 * radius + 1, spread: 0.077, ..SHADOW };
-            shadow.settle(Level::new(), std::slice::from_mut(&mut mask));
+            shadow.settle(instruction_set::level(), std::slice::from_mut(&mut mask));
             let at = |x: u32, y: u32| data[(y * width + x) as usize];
             let around = |x: u32, y: u32, radius: u32| {
                 let rows = y.saturating_sub(radius)..=(y + radius).min(height - 1);

@@ -1,6 +1,6 @@
 //! Cleaning of the mask before regions are found: filters against specks, gaps and holes. Mask → mask of the same size.
 
-use fearless_simd::{Level, dispatch};
+use fearless_simd::dispatch;
 use opencv::boxed_ref::{BoxedRef, BoxedRefMut};
 use opencv::core::{BORDER_CONSTANT, CV_32S, Mat, Point, Size as CvSize};
 use opencv::imgproc::{
@@ -10,6 +10,7 @@ use opencv::imgproc::{
 use opencv::prelude::*;
 
 use crate::frame::Mask;
+use crate::instruction_set;
 use crate::settings::Settings;
 
 /// The filters and their sizes; a size of 0 turns a filter off. They run in the order of the fields.
@@ -62,7 +63,7 @@ const BLOCK: usize = 32;
 /// equal the nearest inside.
 fn majority(mask: &Mask, side: usize) -> Mask {
     let mut result = Mask::empty(mask.size);
-    dispatch!(Level::new(), _simd => majority_into(mask, side, &mut result));
+    dispatch!(instruction_set::level(), _simd => majority_into(mask, side, &mut result));
     result
 }
 

@@ -81,7 +81,11 @@ impl Roi {
 
     /// Reads an image whose bright pixels (128 or more) are analysed.
     pub fn read(path: &Path) -> Result<Self, RoiError> {
-        let unreadable = |why: String| RoiError::Unreadable { path: path.to_owned(), why };
+        let unreadable = |why: String| {
+            // Messages of the decoders may contain line breaks; ours are one line.
+            let why = why.split_whitespace().collect::<Vec<_>>().join(" ");
+            RoiError::Unreadable { path: path.to_owned(), why }
+        };
         let reader = ImageReader::open(path).and_then(ImageReader::with_guessed_format);
         let image = reader.map_err(|error| unreadable(error.to_string()))?.decode();
         let luma = image.map(DynamicImage::into_luma8).map_err(|error| unreadable(error.to_string()))?;

@@ -2,8 +2,9 @@
 
 use super::{Alignment, Light, Motion};
 use crate::frame::{Frame, Mask, Size};
+use crate::instruction_set;
 use crate::settings::{LightCorrection, Settings, Stabilise};
-use fearless_simd::{Level, Simd, dispatch, f32x16, i32x16, prelude::*};
+use fearless_simd::{Simd, dispatch, f32x16, i32x16, prelude::*};
 use rayon::prelude::*;
 
 /// Which parts of a frame's alignment are corrected.
@@ -180,7 +181,7 @@ impl Correction {
         let mut unknown = vec![false; self.size.pixels()];
         let rows =
             rgb.par_chunks_exact_mut((3 * width).max(1)).zip(unknown.par_chunks_exact_mut(width.max(1)));
-        let level = Level::new();
+        let level = instruction_set::level();
         rows.with_min_len(16).enumerate().for_each(|(y, (row, unknown))| {
             dispatch!(level, simd => self.move_row(simd, frame, y, row, unknown));
         });
@@ -243,7 +244,7 @@ impl Correction {
         let back = self.motion.inverse();
         let (centre_x, centre_y) = self.centre();
         let mut moved = Mask::empty(self.size);
-        let level = Level::new();
+        let level = instruction_set::level();
         let (width, height) = (self.size.width as usize, self.size.height as usize);
         let has_any: Vec<bool> = mask.data.chunks_exact(width.max(1)).map(has_foreground).collect();
         moved.data.par_chunks_exact_mut(width.max(1)).with_min_len(16).enumerate().for_each(|(y, row)| {

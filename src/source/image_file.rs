@@ -12,7 +12,9 @@ use std::io::{BufReader, Cursor, Read};
 use std::path::{Path, PathBuf};
 
 use image::codecs::{gif::GifDecoder, png::PngDecoder, webp::WebPDecoder};
-use image::{AnimationDecoder, DynamicImage, ImageDecoder, ImageFormat, ImageReader, metadata::Orientation};
+use image::{
+    AnimationDecoder, DynamicImage, ImageDecoder, ImageFormat, ImageReader, Limits, metadata::Orientation,
+};
 
 use super::jpeg;
 use super::levels::{self, LevelRange};
@@ -21,6 +23,9 @@ use crate::frame::Size;
 
 const EXTENSIONS: [&str; 13] =
     ["png", "jpg", "jpeg", "jpe", "bmp", "tif", "tiff", "webp", "ppm", "pgm", "pbm", "pnm", "gif"];
+
+/// Largest memory of a decoded image: that of 2 billion bytes, as 26000 × 26000 RGB.
+const MOST_BYTES: u64 = 1 << 31;
 
 /// A JPEG's header, thumbnail included, lies within these first bytes; the decoder would read the whole file.
 const JPEG_HEADER_BYTES: u64 = 256 << 10;
@@ -131,6 +136,13 @@ pub(super) fn further_pictures(path: &Path) -> Option<&'static str> {
 }
 
 fn upright(mut decoder: impl ImageDecoder) -> Result<DynamicImage, String> {
+    // A header can claim any size; the memory for it is reserved before any pixel is read.
+    let mut limits = Limits::no_limits();
+    limits.max_alloc = Some(MOST_BYTES);
+    limits.reserve(decoder.total_bytes()).map_err(|_| {
+        let (width, height) = decoder.dimensions();
+        format!("it claims {width}×{height} pixels, more than can be read; make it smaller")
+    })?;
     let orientation = decoder.orientation().unwrap_or(Orientation::NoTransforms);
     let mut image = DynamicImage::from_decoder(decoder).map_err(text)?;
     image.apply_orientation(orientation);

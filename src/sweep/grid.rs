@@ -1,5 +1,7 @@
 //! The combinations of a sweep: the values of some settings, each with each.
 
+use std::collections::HashSet;
+
 use crate::settings::{Kind, Setting, SettingError, Settings, Value};
 
 /// Largest number of combinations.
@@ -47,11 +49,12 @@ impl Axis {
             None => values.split(',').map(|value| value.trim().to_owned()).collect(),
         };
         let mut values: Vec<Value> = Vec::new();
+        let mut distinct = HashSet::new();
         for text in &texts {
             let mut settings = Settings::default();
             setting.set_text(&mut settings, text)?;
             let value = setting.get(&settings);
-            if values.contains(&value) {
+            if !distinct.insert(value.to_string()) {
                 return Err(refused(&format!("it has the value {value} twice; use fewer values")));
             }
             values.push(value);

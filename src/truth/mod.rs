@@ -53,7 +53,9 @@ pub struct TruthError {
 
 impl TruthError {
     fn new(path: &Path, why: impl Display) -> Self {
-        Self { path: path.to_owned(), why: why.to_string() }
+        // Messages of libraries may contain line breaks; ours are one line.
+        let why = why.to_string().split_whitespace().collect::<Vec<_>>().join(" ");
+        Self { path: path.to_owned(), why }
     }
 }
 

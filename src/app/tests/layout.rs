@@ -7,7 +7,7 @@ use crate::app::commands::action::Action;
 use crate::app::model::layout::ViewLayout;
 use crate::app::model::overlays::TrackOverlay;
 
-fn act(harness: &mut Harness<'_, Window>, action: Action) {
+pub(super) fn act(harness: &mut Harness<'_, Window>, action: Action) {
     let ctx = harness.ctx.clone();
     harness.state_mut().apply(&ctx, Command::Act(action));
     harness.run_steps(3);
@@ -137,7 +137,7 @@ fn actual_size_draws_each_pixel_as_one_screen_pixel() {
 }
 
 #[derive(Default)]
-struct Storage(HashMap<String, String>);
+pub(super) struct Storage(pub(super) HashMap<String, String>);
 
 impl eframe::Storage for Storage {
     fn get_string(&self, key: &str) -> Option<String> {

@@ -38,7 +38,7 @@ mod uploaded_frame;
 pub(crate) use canvas::ViewCanvas;
 pub(crate) use contents::pixel_value;
 pub(crate) use frame_uploads::FrameUploads;
-pub(crate) use layouts::{is_open, set_open, tree_of};
+pub(crate) use layouts::{is_open, restored, set_open, tree_of};
 #[cfg(test)]
 pub(crate) use loupe::{picture as loupe_picture, place as loupe_place, words as loupe_words};
 pub(crate) use tiles::show;

@@ -100,9 +100,7 @@ impl Window {
     /// Restores the persisted state. Unreadable parts have their initial values.
     pub(super) fn restore(&mut self, ctx: &Context, storage: Option<&dyn eframe::Storage>) {
         let layout: Option<Tree<View>> = storage.and_then(|storage| eframe::get_value(storage, LAYOUT_KEY));
-        if let Some(tree) =
-            layout.filter(|tree| View::ALL.iter().all(|view| tree.tiles.find_pane(view).is_some()))
-        {
+        if let Some(tree) = layout.and_then(views::restored) {
             self.tree = tree;
         }
         PersistedState::read(storage).restore(ctx, &mut self.model);

@@ -35,6 +35,9 @@ struct Input {
     options: Options,
 }
 
+/// Largest number of frames, a month at 25 per second: their numbers are kept in memory.
+const MOST_FRAMES: u32 = 1 << 26;
+
 /// The tracks of a results folder, for a tool whose first frame has the number `first`. Notes if not all frames are
 /// known.
 pub(super) fn read(folder: &Path, first: u32, console: Console) -> anyhow::Result<TrackTable> {
@@ -49,6 +52,14 @@ pub(super) fn read(folder: &Path, first: u32, console: Console) -> anyhow::Resul
             summary.display(),
             input.last_frame,
             input.first_frame
+        );
+    }
+    if input.frames > MOST_FRAMES {
+        bail!(
+            "{}: {} frames are more than {MOST_FRAMES}, the most that a table can hold; repeat the run on a part of \
+             the video",
+            summary.display(),
+            input.frames
         );
     }
     let tracks = folder.join("tracks.json");
