@@ -95,6 +95,7 @@ mod libav;
 pub mod mixture;
 pub mod occlusion;
 pub mod palette;
+mod panic_message;
 pub mod pipeline;
 pub mod placement;
 pub mod regions;

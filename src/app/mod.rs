@@ -31,6 +31,7 @@ use std::sync::Arc;
 use eframe::egui::{self, vec2};
 
 use self::commands::command::Command;
+use self::files::kept_state;
 use self::model::areas::Areas;
 use self::model::worker::PlayerFactory;
 use self::window::Window;
@@ -39,6 +40,8 @@ use crate::replay::{AnalysisOptions, Session, Start};
 use crate::settings::Settings;
 use crate::source::Options;
 
+/// The identifier of the program for the desktop, and the name of the folder of its state.
+const APP_ID: &str = "occluscope";
 /// The program's icon.
 const ICON: &[u8] = include_bytes!("../../assets/occluscope.png");
 
@@ -65,7 +68,7 @@ pub fn run(opening: Opening) -> anyhow::Result<()> {
     let Opening { video, options: of_video, settings, roi, truth, memory } = opening;
     let viewport = egui::ViewportBuilder::default()
         .with_title("Occluscope")
-        .with_app_id("occluscope")
+        .with_app_id(APP_ID)
         .with_icon(eframe::icon_data::from_png_bytes(ICON).unwrap_or_default())
         .with_inner_size(vec2(1600.0, 1000.0))
         .with_min_inner_size(vec2(800.0, 560.0));
@@ -74,10 +77,15 @@ pub fn run(opening: Opening) -> anyhow::Result<()> {
         Some(video) => Command::Open(video, Start::First),
         None => Command::OpenSample,
     };
+    let state = kept_state::folder(APP_ID);
+    if let Some(folder) = &state {
+        kept_state::restore(folder);
+    }
     let create = move |creation: &eframe::CreationContext<'_>| -> Result<Box<dyn eframe::App>, _> {
         let gpu = creation.wgpu_render_state.as_ref().ok_or("no graphics adapter")?;
         let mut window = Window::new(&creation.egui_ctx, gpu, settings, open_sessions(memory))?;
         window.restore(&creation.egui_ctx, creation.storage);
+        window.state_folder = state;
         window.model.edits.areas = Areas::of_mask(roi);
         if let Command::Open(name, _) = &first
             && !of_video.is_default()

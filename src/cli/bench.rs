@@ -16,7 +16,7 @@ use serde::Serialize;
 use super::console::{Console, Progress};
 use super::flags::{self, FrameRange};
 use super::frames::{Batch, Frames, Item};
-use super::{interrupt, source_flags};
+use super::{interrupt, source_flags, standard_output};
 use crate::frame::{Frame, Mask, Size};
 use crate::mixture::opencv::OpencvModel;
 use crate::mixture::{BATCH, Mixture, Parameters};
@@ -84,14 +84,13 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let asked = matches.get_one::<u32>("frames").copied();
     let sequence = Sequence::open(video, options, asked, scale, CorrectionChoice::new(&settings), console)?;
     let figures = Figures::measure(video, &sequence, scale.is_some(), &settings, console)?;
-    let mut out = io::stdout().lock();
-    if matches.get_flag("json") {
-        serde_json::to_writer(&mut out, &figures)?;
-        writeln!(out)?;
-    } else {
-        figures.print(&mut out)?;
-    }
-    Ok(out.flush()?)
+    standard_output::write(|out| {
+        if !matches.get_flag("json") {
+            return Ok(figures.print(out)?);
+        }
+        serde_json::to_writer(&mut *out, &figures).map_err(io::Error::from)?;
+        Ok(writeln!(out)?)
+    })
 }
 
 /// The size in place of a factor for `--scale`.

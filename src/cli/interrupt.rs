@@ -3,15 +3,19 @@
 use std::sync::Once;
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use crate::export::staging;
+
 static STOP_REQUESTED: AtomicBool = AtomicBool::new(false);
 
-/// Installs the handler: the first Ctrl-C (or SIGTERM) requests a stop, the second ends the process.
+/// Installs the handler: the first Ctrl-C (or SIGTERM) requests a stop, the second removes temporary files and ends the
+/// process.
 pub(super) fn watch() {
     static ONCE: Once = Once::new();
     ONCE.call_once(|| {
         // Without a handler, Ctrl-C ends the process at once.
         let _ = ctrlc::set_handler(|| {
             if STOP_REQUESTED.swap(true, Ordering::SeqCst) {
+                staging::remove_all();
                 std::process::exit(1);
             }
         });

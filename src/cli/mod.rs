@@ -5,6 +5,7 @@
 pub mod bench;
 mod console;
 pub mod export;
+mod file_limit;
 mod flags;
 mod frames;
 mod interrupt;
@@ -16,6 +17,7 @@ pub mod score;
 mod scored_results;
 pub mod settings;
 mod source_flags;
+mod standard_output;
 pub mod sweep;
 pub mod synth;
 mod window;
@@ -75,6 +77,7 @@ pub fn command() -> Command {
 /// Runs the program with these arguments, the first being the program's name.
 pub fn main(arguments: impl IntoIterator<Item = OsString>) -> ExitCode {
     crate::source::silence_libraries();
+    file_limit::make_an_error();
     let arguments: Vec<OsString> = arguments.into_iter().collect();
     let matches = match command().try_get_matches_from(&arguments) {
         Ok(matches) => matches,

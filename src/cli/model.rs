@@ -8,7 +8,8 @@ use clap::{Arg, ArgMatches, Command, value_parser};
 use super::console::Console;
 use super::flags::{self, FrameRange, UsageError};
 use super::frames::{Batch, Frames, Item};
-use super::{interrupt, out_file, source_flags};
+use super::out_file::OutFile;
+use super::{interrupt, source_flags};
 use crate::export::model_npz;
 use crate::mixture::BATCH;
 use crate::pipeline::Pipeline;
@@ -63,11 +64,10 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     }
     flags::start_threads(matches)?;
     let out = matches.get_one::<PathBuf>("out").cloned().unwrap_or_default();
+    let out = OutFile::begin(&out)?;
     let pipeline = job.learn()?;
     let mixture = pipeline.mixture().context("this background model has no mixture")?;
-    out_file::write(&out, |file| {
-        model_npz::write(file, mixture).with_context(|| format!("{} cannot be written", out.display()))
-    })
+    out.write(|file| Ok(model_npz::write(file, mixture)?))
 }
 
 struct ModelJob {

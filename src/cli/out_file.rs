@@ -1,30 +1,43 @@
 //! A single output file, which appears under its name when it is complete.
 
 use std::fs::File;
-use std::io::{BufWriter, Write as _};
-use std::path::Path;
+use std::io::{self, BufWriter, Write as _};
+use std::path::{Path, PathBuf};
 
-use anyhow::Context as _;
+use crate::export::SingleFile;
+use crate::export::staging::Replace;
+use crate::export::write_failure::told;
 
-use crate::export::Staging;
+/// An output file that is begun before the work, so that a path that cannot be written is told at once.
+pub(super) struct OutFile {
+    path: PathBuf,
+    /// `None` for a device or a pipe, which is written directly.
+    file: Option<SingleFile>,
+    out: BufWriter<File>,
+}
 
-/// Writes a temporary file next to `path` and renames it; writes directly to a device or a pipe.
-pub(super) fn write(
-    path: &Path,
-    content: impl FnOnce(&mut BufWriter<File>) -> anyhow::Result<()>,
-) -> anyhow::Result<()> {
-    let fail = || format!("{} cannot be written", path.display());
-    let target = path.canonicalize().unwrap_or_else(|_| path.to_owned());
-    if target.exists() && !target.is_file() {
-        let mut out = BufWriter::new(File::create(&target).with_context(fail)?);
-        content(&mut out)?;
-        return out.flush().with_context(fail);
+impl OutFile {
+    /// Fails if the file cannot be written.
+    pub(super) fn begin(path: &Path) -> io::Result<Self> {
+        let is_special = path.exists() && !path.is_file() && !path.is_dir();
+        let file = if is_special { None } else { Some(SingleFile::new(path)?) };
+        let staged = file.as_ref().map_or_else(|| path.to_owned(), SingleFile::staged);
+        let out = File::create(staged).map_err(|error| told(path, error))?;
+        Ok(Self { path: path.to_owned(), file, out: BufWriter::new(out) })
     }
-    let name = target.file_name().with_context(fail)?;
-    let folder = target.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-    let staging = Staging::new(folder).with_context(fail)?;
-    let mut out = BufWriter::new(File::create(staging.path(name)).with_context(fail)?);
-    content(&mut out)?;
-    out.flush().with_context(fail)?;
-    staging.publish(name).with_context(fail)
+
+    /// Writes the content and moves the file to its path.
+    pub(super) fn write(
+        self,
+        content: impl FnOnce(&mut BufWriter<File>) -> anyhow::Result<()>,
+    ) -> anyhow::Result<()> {
+        let Self { path, file, mut out } = self;
+        content(&mut out).map_err(|error| match error.downcast::<io::Error>() {
+            Ok(error) => told(&path, error).into(),
+            Err(other) => other,
+        })?;
+        out.flush().map_err(|error| told(&path, error))?;
+        drop(out);
+        Ok(file.map_or(Ok(()), |file| file.publish(Replace::Yes))?)
+    }
 }

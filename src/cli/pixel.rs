@@ -1,6 +1,6 @@
 //! `occluscope pixel`: one pixel's mixture at every frame, as CSV.
 
-use std::io::{self, BufWriter, Write};
+use std::io::Write;
 use std::path::PathBuf;
 use std::sync::Arc;
 
@@ -10,7 +10,8 @@ use clap::{Arg, ArgMatches, Command, value_parser};
 use super::console::Console;
 use super::flags::{self, FrameRange, UsageError};
 use super::frames::{Frames, Item};
-use super::{interrupt, out_file, source_flags};
+use super::out_file::OutFile;
+use super::{interrupt, source_flags, standard_output};
 use crate::explain::pixel::PixelHistory;
 use crate::export::pixel_csv;
 use crate::mixture::Parameters;
@@ -71,12 +72,10 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     };
     if let Some(path) = matches.get_one::<PathBuf>("out") {
         let (mut frames, at) = follow.open()?;
-        return out_file::write(path, |out| follow.write_frames(&mut frames, at, out));
+        return OutFile::begin(path)?.write(|out| follow.write_frames(&mut frames, at, out));
     }
-    let mut out = BufWriter::new(io::stdout().lock());
     let (mut frames, at) = follow.open()?;
-    follow.write_frames(&mut frames, at, &mut out)?;
-    Ok(out.flush()?)
+    standard_output::write(|out| follow.write_frames(&mut frames, at, out))
 }
 
 fn text<'a>(matches: &'a ArgMatches, name: &str) -> &'a str {

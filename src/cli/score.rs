@@ -12,6 +12,7 @@ use super::console::Console;
 use super::flags;
 use super::run::hexadecimal;
 use super::scored_results::ScoredResults;
+use super::standard_output;
 use crate::truth::comparison::Comparison;
 use crate::truth::event_scoring::{self, EventScore};
 use crate::truth::hota::Hota;
@@ -77,8 +78,10 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     for note in &notes {
         console.note(note);
     }
-    let mut out = io::stdout().lock();
-    if matches.get_flag("json") {
+    standard_output::write(|out| {
+        if !matches.get_flag("json") {
+            return Ok(print(&scores, out)?);
+        }
         let json = Json {
             measures: scores.measures(),
             scores: &scores,
@@ -86,12 +89,9 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
             offset,
             summary_sha256: hash_of_summary(&path("results")),
         };
-        serde_json::to_writer(&mut out, &json)?;
-        writeln!(out)?;
-    } else {
-        print(&scores, &mut out)?;
-    }
-    Ok(out.flush()?)
+        serde_json::to_writer(&mut *out, &json).map_err(io::Error::from)?;
+        Ok(writeln!(out)?)
+    })
 }
 
 /// The SHA-256 of the summary in the output folder of a run, if there is one: it tells whether a score is of this run.

@@ -1,10 +1,10 @@
 //! `occluscope settings`: every setting, its default, range and meaning, as commented TOML.
 
-use std::io::{self, Write};
+use std::io::Write as _;
 
 use clap::{ArgMatches, Command};
 
-use super::flags;
+use super::{flags, standard_output};
 
 /// Defines the subcommand.
 pub fn command() -> Command {
@@ -19,7 +19,5 @@ pub fn command() -> Command {
 /// Prints the requested settings.
 pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     let settings = flags::settings(matches)?;
-    let mut out = io::stdout().lock();
-    out.write_all(settings.to_toml().as_bytes())?;
-    Ok(out.flush()?)
+    standard_output::write(|out| Ok(out.write_all(settings.to_toml().as_bytes())?))
 }

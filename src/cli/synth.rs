@@ -1,6 +1,6 @@
 //! `occluscope synth`: renders a scene with its ground truth.
 
-use std::io::{ErrorKind, Write as _};
+use std::io::Write as _;
 use std::ops::ControlFlow;
 use std::path::PathBuf;
 
@@ -8,7 +8,7 @@ use clap::builder::PossibleValuesParser;
 use clap::{Arg, ArgAction, ArgMatches, Command, value_parser};
 
 use super::console::Console;
-use super::interrupt;
+use super::{interrupt, standard_output};
 use crate::frame::Size;
 use crate::synth::noise::CameraNoise;
 use crate::synth::{self, SceneParameters, catalogue};
@@ -145,15 +145,12 @@ fn parameters(matches: &ArgMatches) -> SceneParameters {
 }
 
 fn list() -> anyhow::Result<()> {
-    let mut out = std::io::stdout().lock();
-    for entry in catalogue::entries() {
-        match writeln!(out, "{:17} {}", entry.name, entry.description) {
-            // A reader that closes the pipe is not a failure.
-            Err(error) if error.kind() == ErrorKind::BrokenPipe => return Ok(()),
-            written => written?,
+    standard_output::write(|out| {
+        for entry in catalogue::entries() {
+            writeln!(out, "{:17} {}", entry.name, entry.description)?;
         }
-    }
-    Ok(())
+        Ok(())
+    })
 }
 
 fn parse_size(text: &str) -> Result<Size, String> {

@@ -22,6 +22,7 @@ pub mod pixel_csv;
 pub mod regions_csv;
 pub mod report;
 pub mod shares_csv;
+pub mod single_file;
 pub mod source_pixels;
 pub mod staging;
 pub mod statistics_csv;
@@ -32,8 +33,10 @@ pub mod tracks_csv;
 pub mod tracks_json;
 pub mod tuning_csv;
 pub mod video;
+pub mod write_failure;
 pub mod zip;
 
+pub use single_file::SingleFile;
 pub use staging::Staging;
 
 use crate::tracking::Identity;

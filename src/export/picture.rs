@@ -1,13 +1,14 @@
-//! Images as PNG files.
+//! Images as PNG files. Errors name the file and a remedy.
 
-use std::fs::File;
-use std::io::{self, BufWriter};
+use std::fs;
+use std::io;
 use std::path::Path;
 
 use image::codecs::png::{CompressionType, FilterType, PngEncoder};
 use image::{ExtendedColorType, ImageEncoder};
 
 use super::label_image::LabelImage;
+use super::write_failure::told;
 use crate::frame::{Frame, Mask};
 
 /// Writes an RGB image.
@@ -39,13 +40,12 @@ fn write(
     colour: ExtendedColorType,
     filter: FilterType,
 ) -> io::Result<()> {
-    let out = BufWriter::new(File::create(path)?);
+    // The encoder passes on no error of its last writes: it has memory to write to, and the file gets all bytes at once.
+    let mut bytes_of_file = Vec::new();
     // A run writes thousands of images: the fast level takes a tenth of the time for a few per cent more size.
-    let encoder = PngEncoder::new_with_quality(out, CompressionType::Fast, filter);
-    encoder.write_image(bytes, width, height, colour).map_err(|error| match error {
-        image::ImageError::IoError(error) => error,
-        other => io::Error::other(other),
-    })
+    let encoder = PngEncoder::new_with_quality(&mut bytes_of_file, CompressionType::Fast, filter);
+    let encoded = encoder.write_image(bytes, width, height, colour).map_err(io::Error::other);
+    encoded.and_then(|()| fs::write(path, bytes_of_file)).map_err(|error| told(path, error))
 }
 
 #[cfg(test)]

@@ -3,7 +3,7 @@
 use std::path::PathBuf;
 use std::sync::Arc;
 use std::thread::{self, JoinHandle};
-use std::{io, mem};
+use std::{io, mem, panic};
 
 use crossbeam_channel::{Receiver, Sender, bounded};
 
@@ -50,19 +50,25 @@ impl PictureQueue {
         if taken { Ok(()) } else { self.join() }
     }
 
-    /// Waits until all images are written. An error names the image that could not be written.
+    /// Waits until all images are written. An error names the image that could not be written; a panic of a thread goes
+    /// on in this one.
     pub fn finish(mut self) -> io::Result<()> {
         self.join()
     }
 
     fn join(&mut self) -> io::Result<()> {
         self.jobs = None;
-        let mut result = Ok(());
+        let (mut result, mut panicked) = (Ok(()), None);
         for thread in mem::take(&mut self.threads) {
-            let outcome = thread.join().unwrap_or_else(|_| Err(io::Error::other("a writer thread failed")));
-            result = result.and(outcome);
+            match thread.join() {
+                Ok(outcome) => result = result.and(outcome),
+                Err(payload) => panicked = Some(payload),
+            }
         }
-        result
+        match panicked {
+            Some(payload) if !thread::panicking() => panic::resume_unwind(payload),
+            _ => result,
+        }
     }
 }
 
@@ -74,12 +80,11 @@ impl Drop for PictureQueue {
 
 fn work(waiting: &Receiver<(PathBuf, Picture)>) -> io::Result<()> {
     for (path, picture) in waiting {
-        let written = match &picture {
+        match &picture {
             Picture::Frame(frame) => write_frame(&path, frame),
             Picture::Mask(mask) => write_mask(&path, mask),
             Picture::Labels(image) => write_labels(&path, image),
-        };
-        written.map_err(|error| io::Error::new(error.kind(), format!("{}: {error}", path.display())))?;
+        }?;
     }
     Ok(())
 }
@@ -111,5 +116,14 @@ mod tests {
             refused = refused.and(queue.write("/nowhere/at/all.png".into(), Picture::Mask(mask.clone())));
         }
         assert!(refused.and(queue.finish()).unwrap_err().to_string().contains("/nowhere/at/all.png"));
+    }
+
+    #[test]
+    fn a_panic_of_a_thread_goes_on_in_the_caller() {
+        let folder = tempfile::tempdir().unwrap();
+        let mut queue = PictureQueue::start(1).unwrap();
+        let broken = Arc::new(Mask { size: Size::new(4, 3), data: vec![0; 5] });
+        queue.write(folder.path().join("a.png"), Picture::Mask(broken)).unwrap();
+        assert!(panic::catch_unwind(panic::AssertUnwindSafe(|| queue.finish())).is_err());
     }
 }

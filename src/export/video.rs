@@ -13,6 +13,8 @@ use ffmpeg::frame::Video as Picture;
 use ffmpeg::util::color;
 use ffmpeg::{Dictionary, Packet, Rational, encoder};
 
+use super::staging::probe;
+use super::write_failure::told;
 use crate::frame::{Frame, Size};
 use crate::libav::{address, wants_data};
 use crate::source::silence_libraries;
@@ -70,7 +72,7 @@ pub enum VideoError {
     #[error("FFmpeg's encoder failed at frame {0}; use --frames in place of --annotated")]
     Frame(u32),
     /// The file cannot be created or written.
-    #[error("{0}; check the free space and the permissions")]
+    #[error("{0}")]
     File(io::Error),
 }
 
@@ -143,15 +145,22 @@ impl VideoFile {
         self.write_packets()
     }
 
-    /// Completes the file and waits until it is stored.
+    /// Completes the file, waits until it is stored, and reads it back.
     pub fn finish(mut self) -> Result<(), VideoError> {
         self.encoder.send_eof().map_err(|_| VideoError::Frame(self.last_number))?;
         self.write_packets()?;
-        self.output.write_trailer().map_err(file_error)?;
+        self.output.write_trailer().map_err(|error| file_error(&self.path, error))?;
         // Closing reports no errors; the operating system gives them to whoever asks next.
         drop(self.output);
-        let file = OpenOptions::new().write(true).open(self.path);
-        file.and_then(|file| file.sync_all()).map_err(VideoError::File)
+        let file = OpenOptions::new().write(true).open(&self.path);
+        file.and_then(|file| file.sync_all()).map_err(|error| VideoError::File(told(&self.path, error)))?;
+        // Players would open no part of a file of which some bytes are missing.
+        let readable = count_frames(&self.path).map_err(|error| file_error(&self.path, error))?;
+        if readable == self.frames {
+            return Ok(());
+        }
+        let why = format!("only {readable} of {} frames can be read back", self.frames);
+        Err(VideoError::File(told(&self.path, cause(&self.path, why))))
     }
 
     /// The frame in the encoder's pixel format.
@@ -194,7 +203,8 @@ impl VideoFile {
             // Only that of the last packet counts; others end where the next begins.
             packet.set_duration(self.mean_step());
             packet.rescale_ts(self.tick, self.file_tick);
-            packet.write_interleaved(&mut self.output).map_err(file_error)?;
+            let written = packet.write_interleaved(&mut self.output);
+            written.map_err(|error| file_error(&self.path, error))?;
         }
     }
 
@@ -291,8 +301,9 @@ fn open_output(
     rate: Rational,
     tick: Rational,
 ) -> Result<(Output, Rational), VideoError> {
-    let no_address = || VideoError::File(io::Error::from(io::ErrorKind::InvalidFilename));
-    let address = address(path).ok_or_else(no_address)?;
+    let file_error = |error| file_error(path, error);
+    let no_address = || told(path, io::Error::from(io::ErrorKind::InvalidFilename));
+    let address = address(path).ok_or_else(|| VideoError::File(no_address()))?;
     let mut output = ffmpeg::format::output_as(&address, "mp4").map_err(file_error)?;
     let mut stream = output.add_stream(Id::None).map_err(file_error)?;
     stream.copy_parameters_from_context(encoder.as_ref());
@@ -322,12 +333,31 @@ fn converter(Size { width, height }: Size) -> Result<Graph, ffmpeg::Error> {
     Ok(graph)
 }
 
+/// The number of frames in a file, which are not decoded.
+fn count_frames(path: &Path) -> Result<i64, ffmpeg::Error> {
+    let Some(address) = address(path) else { return Ok(0) };
+    let mut input = ffmpeg::format::input(&address)?;
+    let mut count = 0;
+    for packet in input.packets() {
+        packet?;
+        count += 1;
+    }
+    Ok(count)
+}
+
 /// The operating system's error, where it is one; FFmpeg's own sentences say nothing to a user.
-fn file_error(error: ffmpeg::Error) -> VideoError {
-    VideoError::File(match error {
+fn file_error(path: &Path, error: ffmpeg::Error) -> VideoError {
+    let error = match error {
         ffmpeg::Error::Other { errno } => io::Error::from_raw_os_error(errno),
-        _ => io::Error::other("FFmpeg's writer of MP4 files failed"),
-    })
+        _ => cause(path, "FFmpeg's writer of MP4 files failed".to_owned()),
+    };
+    VideoError::File(told(path, error))
+}
+
+/// Why a file could not be written: the error of another one beside it, otherwise `why`.
+fn cause(path: &Path, why: String) -> io::Error {
+    let beside = path.parent().map_or(Ok(()), probe);
+    beside.err().unwrap_or_else(|| io::Error::other(why))
 }
 
 #[cfg(test)]

@@ -1,6 +1,5 @@
 //! The window's side of a session.
 
-use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
@@ -12,6 +11,7 @@ use super::published::{Start, State};
 use super::requests::Request;
 use super::shared::Shared;
 use super::worker::Worker;
+use crate::panic_message::message;
 use crate::regions::Roi;
 use crate::settings::Settings;
 use crate::source::cache::FrameCache;
@@ -72,7 +72,7 @@ impl Session {
             if let Err(payload) = catch_unwind(work) {
                 of_worker.fail(format!(
                     "{video} cannot be analysed further: internal error ({}); open it again",
-                    panic_message(&*payload)
+                    message(&*payload)
                 ));
             }
             drop(running);
@@ -102,10 +102,4 @@ impl Drop for Session {
         let waited = self.ended.recv_timeout(Duration::from_secs(2));
         debug_assert!(matches!(waited, Err(RecvTimeoutError::Disconnected | RecvTimeoutError::Timeout)));
     }
-}
-
-fn panic_message(payload: &(dyn Any + Send)) -> String {
-    let text = payload.downcast_ref::<&str>().copied();
-    let text = text.or_else(|| payload.downcast_ref::<String>().map(String::as_str));
-    text.unwrap_or("of an unknown kind").split_whitespace().collect::<Vec<_>>().join(" ")
 }

@@ -588,6 +588,50 @@ fn a_panic_in_the_worker_becomes_a_failure() {
     assert!(why.contains("the panic of this test") && !why.contains('\n'), "{why}");
 }
 
+/// A source whose reader panics at a frame.
+struct BrokenReader(Box<dyn Source>);
+
+impl Source for BrokenReader {
+    fn info(&self) -> &SourceInfo {
+        self.0.info()
+    }
+
+    fn next_frame(&mut self) -> Result<Option<Frame>, SourceError> {
+        let frame = self.0.next_frame()?;
+        assert!(frame.as_ref().is_none_or(|frame| frame.number < FIRST + 30), "the reader broke");
+        Ok(frame)
+    }
+
+    fn take_warnings(&mut self) -> Vec<String> {
+        self.0.take_warnings()
+    }
+}
+
+#[test]
+fn a_panic_of_the_reader_becomes_a_failure_and_the_window_goes_on() {
+    let folder = scene();
+    let video = name(folder.path());
+    let path = video.clone();
+    let open = move || -> Result<Box<dyn Source>, SourceError> {
+        Ok(Box::new(BrokenReader(source::open(&path, Options::default())?)))
+    };
+    let cache = move || FrameCache::new(open, 1 << 24);
+    let plain = Settings { bootstrap: Span::Frames(0), ..settings() };
+    let broken = WatchedSession::start(&video, cache, 1 << 24, plain.clone(), Start::First);
+    let state = broken.wait_until(|state| matches!(state.phase, Phase::Failed(_)));
+    let Phase::Failed(why) = state.phase else { panic!("no failure") };
+    let told =
+        format!("{video} cannot be analysed further: internal error (the reader broke); open it again");
+    assert_eq!(why, told);
+    // What was shown stays, and requests are taken without an answer.
+    assert_eq!(state.shown.unwrap().position, 0);
+    broken.request(Request::Show(5));
+    broken.request(settings_request(Settings { alpha: 0.1, ..plain.clone() }, None));
+    assert!(matches!(broken.session.state().phase, Phase::Failed(_)));
+    let again = WatchedSession::open(folder.path(), plain, Start::First, 1 << 24);
+    again.wait_until_analysed();
+}
+
 #[test]
 fn dropping_a_session_ends_its_worker() {
     let folder = scene();

@@ -1,6 +1,9 @@
 //! Decodes frames on a separate thread, ahead of the consumer.
 
+use std::any::Any;
 use std::io;
+use std::panic::{AssertUnwindSafe, catch_unwind, resume_unwind};
+use std::sync::{Arc, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
@@ -17,11 +20,15 @@ pub(crate) struct Decoded<T> {
     pub(crate) warnings: Vec<String>,
 }
 
-/// A source that is read ahead. It gives nothing after the end or an error.
+/// A source that is read ahead. It gives nothing after the end or an error. A panic of its thread goes on in the consumer.
 pub(crate) struct Ahead<T> {
     items: Option<Receiver<Decoded<T>>>,
     thread: Option<JoinHandle<()>>,
+    panic: Panic,
 }
+
+/// The payload of a panic of the decoding thread.
+type Panic = Arc<Mutex<Option<Box<dyn Any + Send>>>>;
 
 impl<T: Send + 'static> Ahead<T> {
     /// Starts the decoding thread; the queue holds at most `most` frames. The thread calls `prepare` with each frame.
@@ -33,24 +40,45 @@ impl<T: Send + 'static> Ahead<T> {
         prepare: impl Fn(Frame) -> T + Send + 'static,
     ) -> io::Result<Self> {
         let (sender, items) = bounded(most);
+        let panic = Panic::default();
+        let of_thread = Arc::clone(&panic);
         let thread = thread::Builder::new().name("decode ahead".into()).spawn(move || {
-            loop {
-                let next = source.next_frame();
-                let warnings = source.take_warnings();
-                let next = if is_stopped() { Ok(None) } else { next };
-                let is_over = !matches!(next, Ok(Some(_)));
-                let frame = next.map(|frame| frame.map(&prepare));
-                if sender.send(Decoded { frame, warnings }).is_err() || is_over {
-                    return;
+            let work = AssertUnwindSafe(|| {
+                loop {
+                    let next = source.next_frame();
+                    let warnings = source.take_warnings();
+                    let next = if is_stopped() { Ok(None) } else { next };
+                    let is_over = !matches!(next, Ok(Some(_)));
+                    let frame = next.map(|frame| frame.map(&prepare));
+                    if sender.send(Decoded { frame, warnings }).is_err() || is_over {
+                        return;
+                    }
                 }
+            });
+            if let Err(payload) = catch_unwind(work) {
+                *of_thread.lock().unwrap_or_else(PoisonError::into_inner) = Some(payload);
             }
+            // The consumer looks for a panic when there are no more items.
+            drop(sender);
         })?;
-        Ok(Self { items: Some(items), thread: Some(thread) })
+        Ok(Self { items: Some(items), thread: Some(thread), panic })
+    }
+
+    /// Goes on with the panic of the thread, if that is why there are no more items.
+    fn resume_panic(&self) {
+        let payload = self.panic.lock().unwrap_or_else(PoisonError::into_inner).take();
+        if let Some(payload) = payload {
+            resume_unwind(payload);
+        }
     }
 
     /// The next item; `None` when there are no more. Blocks until a frame is decoded.
     pub(crate) fn next(&self) -> Option<Decoded<T>> {
-        self.items.as_ref()?.recv().ok()
+        let item = self.items.as_ref()?.recv().ok();
+        if item.is_none() {
+            self.resume_panic();
+        }
+        item
     }
 
     /// The next item as [`Self::next`], if it is decoded within a time.
@@ -58,7 +86,10 @@ impl<T: Send + 'static> Ahead<T> {
         let Some(items) = &self.items else { return Ok(None) };
         match items.recv_timeout(time) {
             Ok(item) => Ok(Some(item)),
-            Err(RecvTimeoutError::Disconnected) => Ok(None),
+            Err(RecvTimeoutError::Disconnected) => {
+                self.resume_panic();
+                Ok(None)
+            }
             Err(timeout) => Err(timeout),
         }
     }
@@ -75,7 +106,7 @@ impl<T> Drop for Ahead<T> {
         // process ends.
         self.items = None;
         if let Some(thread) = self.thread.take() {
-            // A panic in a decoder was already reported as an early end.
+            // It does not panic.
             let _ = thread.join();
         }
     }
@@ -84,7 +115,6 @@ impl<T> Drop for Ahead<T> {
 #[cfg(test)]
 mod tests {
     #![allow(clippy::unwrap_used)]
-    use std::sync::Arc;
     use std::sync::atomic::{AtomicU32, Ordering};
 
     use super::*;
@@ -143,6 +173,21 @@ mod tests {
         let text = |number: u32| format!("before {number}");
         assert_eq!(items(&ahead), [(Some(1), text(1)), (Some(2), text(2)), (None, text(3))]);
         assert!(!ahead.is_ready());
+    }
+
+    #[test]
+    fn a_panic_goes_on_in_the_consumer() {
+        let read = Arc::new(AtomicU32::new(0));
+        let broken = |frame: Frame| {
+            assert!(frame.number < 3, "broken");
+            frame.number
+        };
+        let ahead = Ahead::start(Endless::boxed(&read), 1, || false, broken).unwrap();
+        assert_eq!(ahead.next().and_then(|item| item.frame.unwrap()), Some(1));
+        assert_eq!(ahead.next().and_then(|item| item.frame.unwrap()), Some(2));
+        let payload = catch_unwind(AssertUnwindSafe(|| ahead.next().is_some())).unwrap_err();
+        assert_eq!(payload.downcast_ref::<&str>(), Some(&"broken"));
+        assert!(ahead.next().is_none());
     }
 
     #[test]

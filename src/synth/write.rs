@@ -9,15 +9,15 @@
 //! | `truth/episodes.csv` | header `kind,objects,start,end,least_visible,front,identities_kept` |
 //! | `scene.json` | name, seed, size, fps, frames, the video's name, the parameters, and everything that is in the scene |
 //!
-//! All files are written to a temporary folder next to the output and moved when they are complete, `scene.json`
-//! last.
+//! All files are written to a hidden folder in the output folder and moved when all are complete, `scene.json` last.
 
-use std::fs;
-use std::io::Write as _;
+use std::fs::{self, File};
+use std::io;
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 
-use image::GrayImage;
+use image::codecs::png::PngEncoder;
+use image::{ExtendedColorType, ImageEncoder as _};
 use opencv::{core, imgproc, prelude::*, videoio};
 use rayon::prelude::*;
 use serde::Serialize;
@@ -26,8 +26,18 @@ use super::catalogue::SceneParameters;
 use super::render::{FrameTruth, Renderer};
 use super::scene::Scene;
 use super::truth::{Recorder, SceneTruth};
+use crate::export::Staging;
+use crate::export::staging::{IsFolder, probe};
+use crate::export::write_failure::told;
 use crate::frame::{Frame, Size};
 use crate::source::silence_libraries;
+
+/// The folder of the identity images.
+const IDENTITIES: &str = "truth/identities";
+/// The other files of the truth.
+const TRUTH: [&str; 3] = ["truth/gt.txt", "truth/events.jsonl", "truth/episodes.csv"];
+/// The description of the scene.
+const SCENE: &str = "scene.json";
 
 /// Number of frames rendered at once: enough for all cores, few enough for memory at any size.
 const BATCH: u32 = 16;
@@ -35,14 +45,9 @@ const BATCH: u32 = 16;
 /// An error of writing a scene. Each message names the file, the problem, its cause and a remedy.
 #[derive(Debug, thiserror::Error)]
 pub enum WriteError {
-    /// A file or folder cannot be created.
-    #[error("{path} cannot be written: {why}; choose another folder")]
-    File {
-        /// Its path.
-        path: PathBuf,
-        /// The error of the operating system.
-        why: String,
-    },
+    /// A file or folder cannot be written.
+    #[error("{0}")]
+    File(io::Error),
     /// The video cannot be created.
     #[error("{path} cannot be encoded: {why}")]
     Video {
@@ -56,9 +61,9 @@ pub enum WriteError {
     Stopped,
 }
 
-impl WriteError {
-    fn file(path: &Path, why: impl std::fmt::Display) -> Self {
-        Self::File { path: path.to_owned(), why: format!("{why}") }
+impl From<io::Error> for WriteError {
+    fn from(error: io::Error) -> Self {
+        Self::File(error)
     }
 }
 
@@ -83,25 +88,21 @@ pub fn write(
     mut progress: impl FnMut(u32) -> ControlFlow<()>,
 ) -> Result<PathBuf, WriteError> {
     silence_libraries();
-    let out = std::path::absolute(out).map_err(|why| WriteError::file(out, why))?;
-    let identities = out.join("truth").join("identities");
-    fs::create_dir_all(&identities).map_err(|why| WriteError::file(&identities, why))?;
-    let draft = tempfile::Builder::new()
-        .prefix(".synth-")
-        .tempdir_in(&out)
-        .map_err(|why| WriteError::file(&out, why))?;
-    let draft = draft.path();
-    let draft_identities = draft.join("truth").join("identities");
-    fs::create_dir_all(&draft_identities).map_err(|why| WriteError::file(&draft_identities, why))?;
-
+    let out = &std::path::absolute(out).map_err(|error| told(out, error))?;
+    let staging = Staging::new(out)?;
     let video_name = format!("{}.{}", scene.name, if lossless { "avi" } else { "mp4" });
-    let mut encoder = Encoder::open(draft, &out.join(&video_name), scene, lossless)?;
+    let files =
+        TRUTH.into_iter().chain([video_name.as_str(), SCENE]).map(|name| (Path::new(name), IsFolder::No));
+    staging.check(files.chain([(Path::new(IDENTITIES), IsFolder::Yes)]))?;
+    let identities = staging.folder(IDENTITIES)?;
+
+    let mut encoder = Encoder::open(&staging, &video_name, out, scene, lossless)?;
     let renderer = Renderer::new(scene);
     let mut recorder = Recorder::new(scene.fps);
     for first in (1..=scene.frames).step_by(BATCH as usize) {
         let last = first.saturating_add(BATCH - 1).min(scene.frames);
         let batch: Vec<_> = (first..=last).into_par_iter().map(|number| renderer.frame(number)).collect();
-        batch.par_iter().try_for_each(|(_, truth)| write_identities(&draft_identities, truth))?;
+        batch.par_iter().try_for_each(|(_, truth)| write_identities(&identities, truth))?;
         for (frame, truth) in &batch {
             encoder.add(frame)?;
             recorder.push(truth);
@@ -112,19 +113,11 @@ pub fn write(
     }
     encoder.finish(scene.frames)?;
 
-    write_truth(&draft.join("truth"), &recorder.finish())?;
+    write_truth(&staging, &recorder.finish())?;
     let description = SceneFile { scene, video: &video_name, parameters, version: env!("CARGO_PKG_VERSION") };
-    let path = draft.join("scene.json");
-    let text = serde_json::to_string_pretty(&description).map_err(|why| WriteError::file(&path, why))?;
-    fs::write(&path, text + "\n").map_err(|why| WriteError::file(&path, why))?;
-
-    remove_later_identities(&identities, scene.frames)?;
-    let images = (1..=scene.frames).map(|number| format!("truth/identities/{}", image_name(number)));
-    let others = ["truth/gt.txt", "truth/events.jsonl", "truth/episodes.csv", &video_name, "scene.json"];
-    for name in images.chain(others.map(str::to_owned)) {
-        let place = out.join(&name);
-        fs::rename(draft.join(&name), &place).map_err(|why| WriteError::file(&place, why))?;
-    }
+    let text = serde_json::to_string_pretty(&description).map_err(io::Error::from)?;
+    write_text(&staging, SCENE, &(text + "\n"))?;
+    staging.publish(SCENE)?;
     Ok(out.join(video_name))
 }
 
@@ -135,39 +128,24 @@ fn image_name(number: u32) -> String {
 fn write_identities(folder: &Path, truth: &FrameTruth) -> Result<(), WriteError> {
     let path = folder.join(image_name(truth.number));
     let Size { width, height } = truth.size;
-    GrayImage::from_raw(width, height, truth.identities.clone())
-        .ok_or_else(|| WriteError::file(&path, "it has no pixels"))?
-        .save(&path)
-        .map_err(|why| WriteError::file(&path, why))
+    // The encoder passes on no error of its last writes: it has memory to write to, and the file gets all bytes at once.
+    let mut bytes = Vec::new();
+    let encoded =
+        PngEncoder::new(&mut bytes).write_image(&truth.identities, width, height, ExtendedColorType::L8);
+    let written = encoded.map_err(io::Error::other).and_then(|()| fs::write(&path, bytes));
+    Ok(written.map_err(|error| told(&path, error))?)
 }
 
-/// Identity images of an earlier, longer scene would be read as truth of this one.
-fn remove_later_identities(folder: &Path, frames: u32) -> Result<(), WriteError> {
-    let entries = fs::read_dir(folder).map_err(|why| WriteError::file(folder, why))?;
-    for entry in entries.flatten() {
-        let name = entry.file_name();
-        let number = name.to_str().and_then(|name| name.strip_suffix(".png")?.parse::<u32>().ok());
-        let ours = number.filter(|&number| number > frames && name.to_str() == Some(&image_name(number)));
-        if ours.is_some() {
-            fs::remove_file(entry.path()).map_err(|why| WriteError::file(&entry.path(), why))?;
-        }
-    }
-    Ok(())
+fn write_truth(staging: &Staging, truth: &SceneTruth) -> io::Result<()> {
+    let [boxes, events, episodes] = TRUTH;
+    write_text(staging, boxes, &boxes_text(truth))?;
+    write_text(staging, events, &events_text(truth)?)?;
+    write_text(staging, episodes, &episodes_text(truth))
 }
 
-fn write_truth(folder: &Path, truth: &SceneTruth) -> Result<(), WriteError> {
-    let put = |name: &str, text: String| {
-        let path = folder.join(name);
-        fs::File::create(&path)
-            .and_then(|mut file| file.write_all(text.as_bytes()))
-            .map_err(|why| WriteError::file(&path, why))
-    };
-    put("gt.txt", boxes_text(truth))?;
-    put(
-        "events.jsonl",
-        events_text(truth).map_err(|why| WriteError::file(&folder.join("events.jsonl"), why))?,
-    )?;
-    put("episodes.csv", episodes_text(truth))
+fn write_text(staging: &Staging, name: &str, text: &str) -> io::Result<()> {
+    let path = staging.path(name);
+    fs::write(&path, text).map_err(|error| told(&path, error))
 }
 
 /// The text of `gt.txt`.
@@ -209,29 +187,39 @@ pub fn episodes_text(truth: &SceneTruth) -> String {
 }
 
 /// A video file in progress.
-struct Encoder {
+struct Encoder<'a> {
+    staging: &'a Staging,
     draft: PathBuf,
     /// The final path, for messages.
     place: PathBuf,
     writer: videoio::VideoWriter,
 }
 
-impl Encoder {
-    /// Starts a video in folder `draft`, with the file name of `place`.
-    fn open(draft: &Path, place: &Path, scene: &Scene, lossless: bool) -> Result<Self, WriteError> {
-        let draft = draft.join(place.file_name().unwrap_or_default());
+impl<'a> Encoder<'a> {
+    /// Starts a video of this name among the staged files of folder `out`.
+    fn open(
+        staging: &'a Staging,
+        name: &str,
+        out: &Path,
+        scene: &Scene,
+        lossless: bool,
+    ) -> Result<Self, WriteError> {
+        let (draft, place) = (staging.path(name), out.join(name));
         let codecs: &[[char; 4]] =
             if lossless { &[['F', 'F', 'V', '1']] } else { &[['a', 'v', 'c', '1'], ['m', 'p', '4', 'v']] };
         for codec in codecs {
             match Self::try_open(&draft, scene.size, scene.fps, *codec) {
                 Ok(writer) if writer.is_opened().unwrap_or(false) => {
-                    return Ok(Self { draft, place: place.to_owned(), writer });
+                    return Ok(Self { staging, draft, place, writer });
                 }
                 _ => {}
             }
         }
+        // OpenCV does not say why.
+        File::create(&draft).map_err(|error| told(&place, error))?;
+        probe(&staging.path("")).map_err(|error| told(&place, error))?;
         let why = "no encoder available; install FFmpeg's codecs (libavcodec with libx264)";
-        Err(WriteError::Video { path: place.to_owned(), why: why.to_owned() })
+        Err(WriteError::Video { path: place, why: why.to_owned() })
     }
 
     fn try_open(path: &Path, size: Size, fps: f32, codec: [char; 4]) -> opencv::Result<videoio::VideoWriter> {
@@ -249,14 +237,12 @@ impl Encoder {
     fn finish(mut self, frames: u32) -> Result<(), WriteError> {
         self.writer.release().map_err(|why| self.error(&why.message))?;
         let readable = count_frames(&self.draft).map_err(|why| self.error(&why.message))?;
-        if readable != frames {
-            let why = format!(
-                "only {readable} of {frames} frames can be read back; check the free disk space, or try \
-                 --lossless"
-            );
-            return Err(self.error(&why));
+        if readable == frames {
+            return Ok(());
         }
-        Ok(())
+        probe(&self.staging.path("")).map_err(|error| told(&self.place, error))?;
+        let why = format!("only {readable} of {frames} frames can be read back");
+        Err(WriteError::File(told(&self.place, io::Error::other(why))))
     }
 
     fn error(&self, why: &str) -> WriteError {
@@ -426,7 +412,6 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let stopped = write(&scene, &parameters, folder.path(), false, |_| ControlFlow::Break(()));
         assert!(matches!(stopped, Err(WriteError::Stopped)));
-        let names: Vec<_> = fs::read_dir(folder.path()).unwrap().map(|it| it.unwrap().file_name()).collect();
-        assert_eq!(names, ["truth"], "only the empty truth folder remains");
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
     }
 }

@@ -1,7 +1,9 @@
 //! File dialogs and the file access that follows them. Both run on their own threads, so that the window never waits.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
+use std::thread;
 use std::time::{Duration, Instant};
 
 use crossbeam_channel::{Receiver, Sender};
@@ -15,6 +17,7 @@ use crate::app::files::sweep_file;
 use crate::app::model::opened_sweep::OpenedSweep;
 use crate::export::picture;
 use crate::frame::Mask;
+use crate::panic_message::message;
 use crate::regions::Roi;
 use crate::settings::Settings;
 use crate::source::SceneFolder;
@@ -57,6 +60,8 @@ pub(crate) enum DialogResult {
     TruthOffered(String, Option<PathBuf>),
     /// This system has no file dialogs.
     NoDialog,
+    /// The work could not be done, in a sentence.
+    Failed(String),
 }
 
 /// The result, if any, and whether it closed a dialog.
@@ -215,11 +220,32 @@ impl Dialogs {
 
     /// Runs work without a dialog on a thread of its own.
     pub(crate) fn run(&mut self, ctx: &Context, work: impl FnOnce() -> DialogResult + Send + 'static) {
+        self.start(ctx, false, || Some(work()));
+    }
+
+    /// Does the work on a thread of its own, which answers in any case.
+    fn start(
+        &self,
+        ctx: &Context,
+        from_dialog: bool,
+        work: impl FnOnce() -> Option<DialogResult> + Send + 'static,
+    ) {
         let (sender, ctx) = (self.sender.clone(), ctx.clone());
-        std::thread::spawn(move || {
-            let _ = sender.send(DialogOutcome { answer: Some(work()), from_dialog: false });
+        let work = move || {
+            let answer = catch_unwind(AssertUnwindSafe(work)).unwrap_or_else(|panic| {
+                let why = message(&*panic);
+                Some(DialogResult::Failed(format!(
+                    "internal error ({why}); save your settings and try again"
+                )))
+            });
+            // Sending fails if the window is already closed; the result is then discarded.
+            let _ = sender.send(DialogOutcome { answer, from_dialog });
             ctx.request_repaint();
-        });
+        };
+        if let Err(error) = thread::Builder::new().name("files".into()).spawn(work) {
+            let why = format!("no thread can be started: {error}; close other programs and try again");
+            let _ = self.sender.send(DialogOutcome { answer: Some(DialogResult::Failed(why)), from_dialog });
+        }
     }
 
     /// The next pending result.
@@ -236,14 +262,9 @@ impl Dialogs {
             return;
         }
         self.open = true;
-        let (sender, ctx) = (self.sender.clone(), ctx.clone());
-        std::thread::spawn(move || {
+        self.start(ctx, true, || {
             let asked = Instant::now();
-            let answer = dialog()
-                .or_else(|| (asked.elapsed() < MIN_DIALOG_DURATION).then_some(DialogResult::NoDialog));
-            // Sending fails if the window is already closed; the result is then discarded.
-            let _ = sender.send(DialogOutcome { answer, from_dialog: true });
-            ctx.request_repaint();
+            dialog().or_else(|| (asked.elapsed() < MIN_DIALOG_DURATION).then_some(DialogResult::NoDialog))
         });
     }
 }
@@ -273,7 +294,7 @@ fn external(path: &Path) -> DialogResult {
 
 #[cfg(test)]
 mod tests {
-    #![allow(clippy::unwrap_used)]
+    #![allow(clippy::unwrap_used, clippy::panic)]
 
     use super::*;
 
@@ -302,6 +323,17 @@ mod tests {
         let answer = dialogs.receiver.recv().unwrap();
         dialogs.sender.send(answer).unwrap();
         assert!(matches!(dialogs.answer(), Some(DialogResult::Table(Ok(_)))) && dialogs.open);
+    }
+
+    #[test]
+    fn a_panic_becomes_a_message_and_the_next_dialog_opens() {
+        let answer = outcome(|| panic!("the writer\n broke"));
+        let Some(DialogResult::Failed(why)) = answer else { panic!("no message") };
+        assert_eq!(why, "internal error (the writer broke); save your settings and try again");
+        let (ctx, mut dialogs) = (Context::default(), Dialogs::default());
+        dialogs.run(&ctx, || panic!("number {}", 7));
+        let answer = dialogs.receiver.recv().unwrap().answer;
+        assert!(matches!(answer, Some(DialogResult::Failed(why)) if why.contains("number 7")));
     }
 
     #[test]

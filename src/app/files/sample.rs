@@ -1,7 +1,10 @@
 //! The bundled sample video, unpacked for the decoder.
 
-use std::io::Write;
 use std::path::{Path, PathBuf};
+
+use crate::export::SingleFile;
+use crate::export::staging::Replace;
+use crate::export::write_failure::told;
 
 /// A video of two people who cross.
 const CROSSING_VIDEO: &[u8] = include_bytes!("../../../sample_videos/crossing.mp4");
@@ -15,10 +18,10 @@ pub(crate) fn unpacked() -> Result<PathBuf, String> {
     for folder in folders() {
         match unpack_into(&folder) {
             Ok(path) => return Ok(path),
-            Err(error) => why = format!("the sample cannot be written to {}: {error}", folder.display()),
+            Err(error) => why = error.to_string(),
         }
     }
-    Err(format!("{why}; open another video, or set TMPDIR to a writable folder"))
+    Err(format!("{why}; open another video, or set TMPDIR to a folder that can be written"))
 }
 
 /// The candidate folders: the user's cache, then the folder for temporary files.
@@ -34,10 +37,9 @@ fn unpack_into(folder: &Path) -> std::io::Result<PathBuf> {
     if std::fs::read(&path).is_ok_and(|there| there == CROSSING_VIDEO) {
         return Ok(path);
     }
-    std::fs::create_dir_all(folder)?;
-    let mut file = tempfile::NamedTempFile::new_in(folder)?;
-    file.write_all(CROSSING_VIDEO)?;
-    file.persist(&path).map_err(|error| error.error)?;
+    let file = SingleFile::new(&path)?;
+    std::fs::write(file.staged(), CROSSING_VIDEO).map_err(|error| told(&path, error))?;
+    file.publish(Replace::Yes)?;
     Ok(path)
 }
 

@@ -5,6 +5,7 @@ mod panels;
 mod results;
 
 use std::io;
+use std::path::PathBuf;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
@@ -14,6 +15,7 @@ use egui_tiles::Tree;
 
 use crate::app::commands::keys;
 use crate::app::files::dialogs::Dialogs;
+use crate::app::files::kept_state;
 use crate::app::inspector::Inspector;
 use crate::app::model::Model;
 use crate::app::model::layout::ViewLayout;
@@ -63,6 +65,8 @@ pub(super) struct Window {
     focused: Option<Id>,
     /// This thread's time for the previous frame, in seconds.
     frame_seconds: Option<f32>,
+    /// The folder in which the state that survives a restart is stored.
+    pub(super) state_folder: Option<PathBuf>,
 }
 
 impl Window {
@@ -94,6 +98,7 @@ impl Window {
             frames_without_focus: 0,
             focused: None,
             frame_seconds: None,
+            state_folder: None,
         })
     }
 
@@ -236,6 +241,9 @@ impl eframe::App for Window {
     }
 
     fn save(&mut self, storage: &mut dyn eframe::Storage) {
+        if let Some(folder) = &self.state_folder {
+            kept_state::keep(folder);
+        }
         eframe::set_value(storage, LAYOUT_KEY, &self.tree);
         self.model.store_marks();
         PersistedState::of(&self.model, self.light).write(storage);

@@ -52,7 +52,8 @@ impl Window {
                 ctx.copy_text(text);
                 self.toasts.done(ctx, format!("Copied {rows} rows as CSV"));
             }
-            DialogResult::Plot(Err(why))
+            DialogResult::Failed(why)
+            | DialogResult::Plot(Err(why))
             | DialogResult::Table(Err(why))
             | DialogResult::Written(Err(why))
             | DialogResult::Settings(Err(why))

@@ -11,7 +11,8 @@ use clap::builder::PossibleValuesParser;
 use clap::{Arg, ArgMatches, Command, value_parser};
 
 use super::console::Console;
-use super::{flags, out_file};
+use super::flags;
+use super::out_file::OutFile;
 use crate::export::track_table::TrackTable;
 use crate::export::{coco_json, cvat_xml, mot_zip};
 
@@ -87,9 +88,7 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
 
     let table = results::read(&folder, first, console)?;
     let out = path("out").unwrap_or_else(|| folder.join(format.file));
-    out_file::write(&out, |file| {
-        (format.write)(file, &table).with_context(|| format!("{} cannot be written", out.display()))
-    })?;
+    OutFile::begin(&out)?.write(|file| Ok((format.write)(file, &table)?))?;
     console.note(&format!("{} boxes; written to {}", table.boxes.len(), out.display()));
     Ok(())
 }

@@ -29,9 +29,9 @@ pub(super) fn analyse(
 ) -> anyhow::Result<RunRecord> {
     let info = &frames.info.clone();
     let mut pipeline = prepare(job, roi, frames)?;
-    let mut pictures = Pictures::new(job, info, staging).with_context(|| job.out_failure())?;
+    let mut pictures = Pictures::new(job, info, staging)?;
     let mut live = LiveAnnotation::new(info, annotated);
-    let mut recorder = ResultRecorder::new(info, staging).with_context(|| job.out_failure())?;
+    let mut recorder = ResultRecorder::new(info, staging)?;
 
     let progress = job.console.progress("analysing", frames.total);
     // Images of the model are of the state after each frame.
@@ -46,14 +46,14 @@ pub(super) fn analyse(
         let borrowed: Vec<_> = batch.iter().map(Arc::as_ref).collect();
         let analyses = pipeline.step_many(&borrowed).with_context(|| job.video.clone())?;
         for (frame, analysis) in batch.iter().zip(analyses) {
-            pictures.write(frame, &analysis, &pipeline).with_context(|| job.out_failure())?;
+            pictures.write(frame, &analysis, &pipeline)?;
             if let Some(spool) = &mut labels {
-                spool.add(&analysis.labels).with_context(|| job.out_failure())?;
+                spool.add(&analysis.labels)?;
             }
             if let Some(live) = &mut live {
-                live.write(frame, &analysis).with_context(|| job.out_failure())?;
+                live.write(frame, &analysis)?;
             }
-            recorder.add(frame, &analysis).with_context(|| job.out_failure())?;
+            recorder.add(frame, &analysis)?;
         }
         progress.advance(batch.len());
         match after {
@@ -67,11 +67,11 @@ pub(super) fn analyse(
         }
     }
     drop(progress);
-    pictures.finish().with_context(|| job.out_failure())?;
+    pictures.finish()?;
     if recorder.frames() == 0 {
         bail!("{} has no frames; nothing was written", job.video);
     }
-    recorder.finish(&pipeline).with_context(|| job.out_failure())
+    Ok(recorder.finish(&pipeline)?)
 }
 
 /// The stages, after the model has learned from the first frames.

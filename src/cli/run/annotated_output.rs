@@ -3,7 +3,6 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use anyhow::Context as _;
 use rayon::prelude::*;
 
 use super::arguments::RunJob;
@@ -16,7 +15,8 @@ use crate::source::SourceInfo;
 
 /// The destination of annotated frames.
 ///
-/// An error of the video ends the video alone, so that images and tables are still written.
+/// A frame that no encoder accepts ends the video alone, so that images and tables are still written. A file that cannot be
+/// written ends the run.
 pub(super) struct AnnotatedOutput {
     frames: Option<PathBuf>,
     video: Option<Result<VideoFile, VideoError>>,
@@ -26,11 +26,7 @@ pub(super) struct AnnotatedOutput {
 impl AnnotatedOutput {
     /// Creates the requested folder and video file.
     pub(super) fn new(job: &RunJob, info: &SourceInfo, staging: &Staging) -> anyhow::Result<Self> {
-        let frames = job
-            .wants(&FRAMES)
-            .then(|| staging.folder(FRAMES.file))
-            .transpose()
-            .with_context(|| job.out_failure())?;
+        let frames = job.wants(&FRAMES).then(|| staging.folder(FRAMES.file)).transpose()?;
         let video_path = staging.path(ANNOTATED.file);
         let mut output = Self { frames, video: None, video_path };
         if job.wants(&ANNOTATED) {
@@ -45,6 +41,7 @@ impl AnnotatedOutput {
                     }
                     output.video = Some(Ok(video));
                 }
+                Err(VideoError::File(error)) => return Err(error.into()),
                 Err(error) => {
                     job.console.note(&format!("warning: {} will not be written: {error}", ANNOTATED.file));
                     output.give_up_video(error);
@@ -59,7 +56,7 @@ impl AnnotatedOutput {
         self.frames.is_some() || matches!(self.video, Some(Ok(_)))
     }
 
-    /// Writes the next annotated frames. Fails only where an image cannot be written.
+    /// Writes the next annotated frames. Fails where a file cannot be written.
     pub(super) fn write(&mut self, frames: &[Frame]) -> anyhow::Result<()> {
         if let Some(folder) = &self.frames {
             frames
@@ -68,20 +65,26 @@ impl AnnotatedOutput {
         }
         for frame in frames {
             let Some(Ok(video)) = &mut self.video else { break };
-            if let Err(error) = video.write(frame, frame.time) {
-                self.give_up_video(error);
+            match video.write(frame, frame.time) {
+                Ok(()) => {}
+                Err(VideoError::File(error)) => return Err(error.into()),
+                Err(error) => self.give_up_video(error),
             }
         }
         Ok(())
     }
 
-    /// Completes the video; returns its first error.
-    pub(super) fn finish(self) -> Result<(), VideoError> {
-        let finished = self.video.map_or(Ok(()), |video| video?.finish());
-        if finished.is_err() {
-            remove(&self.video_path);
+    /// Completes the video. Fails where its file cannot be written; returns the error that ended the video alone.
+    pub(super) fn finish(self) -> anyhow::Result<Result<(), VideoError>> {
+        match self.video.map_or(Ok(()), |video| video?.finish()) {
+            Err(VideoError::File(error)) => Err(error.into()),
+            finished => {
+                if finished.is_err() {
+                    remove(&self.video_path);
+                }
+                Ok(finished)
+            }
         }
-        finished
     }
 
     /// Ends the video with this error.

@@ -1,6 +1,6 @@
 //! The second pass: the offline result, drawn onto the frames.
 
-use anyhow::{Context as _, anyhow, bail};
+use anyhow::{anyhow, bail};
 use rayon::prelude::*;
 
 use super::annotated_output::AnnotatedOutput;
@@ -21,7 +21,7 @@ pub(super) fn annotate_frames(
     let mut frames = Frames::open(&job.video, job.options, job.range, None)?;
     let events = &results.decisions.events;
     let progress = job.console.progress("drawing", Some(results.len() as u32));
-    let mut tracks = results.frames().with_context(|| job.out_failure())?;
+    let mut tracks = results.frames()?;
     let mut recent = RecentTracks::default();
 
     let mut decoded = frames.items().filter_map(|item| match item {
@@ -40,7 +40,7 @@ pub(super) fn annotate_frames(
         recent.forget();
         let before = recent.frames().len();
         for frame in tracks.by_ref().take(batch.len()) {
-            recent.push(frame.with_context(|| job.out_failure())?.tracks);
+            recent.push(frame?.tracks);
         }
         let mut pairs = batch.iter().zip(&recent.frames()[before..]);
         if batch.is_empty() || pairs.any(|(frame, tracks)| frame.number != tracks.number) {
@@ -49,7 +49,7 @@ pub(super) fn annotate_frames(
         batch.par_iter_mut().enumerate().for_each(|(offset, frame)| {
             annotate(frame, &FrameAnnotations::at(before + offset, recent.frames(), events));
         });
-        output.write(&batch).with_context(|| job.out_failure())?;
+        output.write(&batch)?;
         done += batch.len();
         progress.advance(batch.len());
     }

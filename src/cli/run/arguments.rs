@@ -78,11 +78,6 @@ impl RunJob {
         })
     }
 
-    /// The context of an error of writing to the output folder.
-    pub(super) fn out_failure(&self) -> String {
-        format!("{} cannot be written to", self.out.display())
-    }
-
     pub(super) fn wants(&self, bulky: &BulkyOutput) -> bool {
         self.bulky.contains(&bulky.flag)
     }

@@ -2,10 +2,11 @@
 
 use std::fs::File;
 use std::io::{self, Read};
+use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 use std::thread::{self, JoinHandle};
 
-use anyhow::anyhow;
+use anyhow::Context as _;
 use sha2::{Digest, Sha256};
 
 use super::record::RunRecord;
@@ -29,8 +30,8 @@ impl InputHash {
     /// Waits for the hash of the file; without one it is that of the decoded frames, `None` for a camera.
     pub(super) fn finish(self, record: &RunRecord) -> anyhow::Result<Option<String>> {
         let Some(of_file) = self.of_file else { return Ok(record.frames_hash.clone()) };
-        let hash = of_file.join().map_err(|_| anyhow!("{} could not be hashed", self.video))??;
-        Ok(Some(hash))
+        let hash = of_file.join().unwrap_or_else(|panic| resume_unwind(panic));
+        Ok(Some(hash.with_context(|| format!("{} cannot be read", self.video))?))
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Read, Seek as _, Write as _};
+use std::path::PathBuf;
 
 use anyhow::{Context as _, bail};
 
@@ -13,6 +14,7 @@ use crate::cli::interrupt;
 use crate::export::Staging;
 use crate::export::label_image::LabelImage;
 use crate::export::picture_queue::{Picture, PictureQueue};
+use crate::export::write_failure::told;
 use crate::frame::Size;
 use crate::regions::{Labels, rle};
 use crate::source::SourceInfo;
@@ -22,6 +24,8 @@ use crate::source::SourceInfo;
 pub(super) struct LabelSpool {
     size: Size,
     file: BufWriter<File>,
+    /// The folder of the label images, for messages.
+    folder: PathBuf,
 }
 
 impl LabelSpool {
@@ -30,15 +34,16 @@ impl LabelSpool {
         if !job.wants(&LABELS) {
             return Ok(None);
         }
-        let file = BufWriter::new(tempfile::tempfile_in(staging.path(""))?);
-        Ok(Some(Self { size: info.size, file }))
+        let folder = staging.folder(LABELS.file)?;
+        let file = tempfile::tempfile_in(&folder).map_err(|error| told(&folder, error))?;
+        Ok(Some(Self { size: info.size, file: BufWriter::new(file), folder }))
     }
 
     /// Adds the labels of the next frame.
     pub(super) fn add(&mut self, labels: &Labels) -> io::Result<()> {
         let bytes = rle::encode_labels(labels);
-        self.file.write_all(&(bytes.len() as u64).to_le_bytes())?;
-        self.file.write_all(&bytes)
+        let length = self.file.write_all(&(bytes.len() as u64).to_le_bytes());
+        length.and_then(|()| self.file.write_all(&bytes)).map_err(|error| told(&self.folder, error))
     }
 
     /// Writes the label image of each frame of `results`, which are in the pixels of the frames.
@@ -47,22 +52,21 @@ impl LabelSpool {
         job: &RunJob,
         info: &SourceInfo,
         results: &ResultSpool,
-        staging: &Staging,
     ) -> anyhow::Result<()> {
-        let failed = || job.out_failure();
-        let folder = staging.folder(LABELS.file).with_context(failed)?;
-        let mut queue = PictureQueue::start(rayon::current_num_threads().min(8)).with_context(failed)?;
-        let mut file = self.file.into_inner().map_err(io::IntoInnerError::into_error).with_context(failed)?;
-        file.rewind().with_context(failed)?;
+        let folder = self.folder;
+        let failed = |error| told(&folder, error);
+        let mut queue = PictureQueue::start(rayon::current_num_threads().min(8))?;
+        let mut file = self.file.into_inner().map_err(io::IntoInnerError::into_error).map_err(failed)?;
+        file.rewind().map_err(failed)?;
         let mut file = BufReader::new(file);
         let placement = info.placement();
         let progress = job.console.progress("labelling", Some(results.len() as u32));
-        for frame in results.frames().with_context(failed)? {
-            let tracks = frame.with_context(failed)?.tracks;
+        for frame in results.frames()? {
+            let tracks = frame?.tracks;
             if interrupt::is_stop_requested() && !info.live {
                 bail!("stopped before all label images of {} were written; nothing was written", job.video);
             }
-            let labels = read(&mut file, self.size).with_context(failed)?;
+            let labels = read(&mut file, self.size).map_err(failed)?;
             let image = LabelImage::new(&labels, &tracks, &results.decisions.episodes)
                 .with_context(|| job.video.clone())?;
             let image = match &placement {
@@ -70,10 +74,10 @@ impl LabelSpool {
                 None => image,
             };
             let path = numbered(&folder, tracks.number);
-            queue.write(path, Picture::Labels(image)).with_context(failed)?;
+            queue.write(path, Picture::Labels(image))?;
             progress.advance(1);
         }
-        queue.finish().with_context(failed)
+        Ok(queue.finish()?)
     }
 }
 

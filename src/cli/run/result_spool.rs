@@ -3,12 +3,14 @@
 
 use std::fs::File;
 use std::io::{self, BufReader, BufWriter, Read as _, Seek as _, Write as _};
+use std::path::PathBuf;
 
 use serde::{Deserialize, Serialize};
 
 use crate::export::Staging;
 use crate::export::regions_csv::{FrameRows, RegionRow};
 use crate::export::source_pixels;
+use crate::export::write_failure::told;
 use crate::pipeline::{Analysis, LateDecisions};
 use crate::placement::Placement;
 use crate::tracking::{FrameTracks, ObjectId, Track};
@@ -36,12 +38,16 @@ struct SpooledFrame {
 pub(super) struct SpoolWriter {
     file: BufWriter<File>,
     frames: usize,
+    /// The output folder, for messages.
+    folder: PathBuf,
 }
 
 impl SpoolWriter {
     /// An empty file.
     pub(super) fn new(staging: &Staging) -> io::Result<Self> {
-        Ok(Self { file: BufWriter::new(tempfile::tempfile_in(staging.path(""))?), frames: 0 })
+        let folder = staging.path("");
+        let file = tempfile::tempfile_in(&folder).map_err(|error| told(&folder, error))?;
+        Ok(Self { file: BufWriter::new(file), frames: 0, folder })
     }
 
     /// Adds the next frame.
@@ -53,16 +59,17 @@ impl SpoolWriter {
             regions: analysis.regions.iter().map(RegionRow::from).collect(),
         };
         let bytes = postcard::to_stdvec(&frame).map_err(io::Error::other)?;
-        self.file.write_all(&(bytes.len() as u64).to_le_bytes())?;
-        self.file.write_all(&bytes)?;
+        let length = self.file.write_all(&(bytes.len() as u64).to_le_bytes());
+        length.and_then(|()| self.file.write_all(&bytes)).map_err(|error| told(&self.folder, error))?;
         self.frames += 1;
         Ok(())
     }
 
     /// The complete file, with everything that was decided later.
     pub(super) fn finish(self, decisions: LateDecisions) -> io::Result<ResultSpool> {
-        let file = self.file.into_inner().map_err(io::IntoInnerError::into_error)?;
-        Ok(ResultSpool { file, frames: self.frames, decisions, placement: None })
+        let Self { file, frames, folder } = self;
+        let file = file.into_inner().map_err(|error| told(&folder, error.into_error()))?;
+        Ok(ResultSpool { file, frames, folder, decisions, placement: None })
     }
 }
 
@@ -70,6 +77,7 @@ impl SpoolWriter {
 pub(super) struct ResultSpool {
     file: File,
     frames: usize,
+    folder: PathBuf,
     /// The decisions, with all events and episodes.
     pub decisions: LateDecisions,
     placement: Option<Placement>,
@@ -91,9 +99,10 @@ impl ResultSpool {
     pub(super) fn frames(&self) -> io::Result<impl Iterator<Item = io::Result<FrameResults>>> {
         // All readers of a file share its position: there is one at a time.
         let mut file = &self.file;
-        file.rewind()?;
+        let failed = |error| told(&self.folder, error);
+        file.rewind().map_err(failed)?;
         let mut file = BufReader::new(file);
-        Ok((0..self.frames).map(move |_| Ok(self.decided(read(&mut file)?))))
+        Ok((0..self.frames).map(move |_| Ok(self.decided(read(&mut file).map_err(failed)?))))
     }
 
     fn decided(&self, SpooledFrame { number, time, objects, regions }: SpooledFrame) -> FrameResults {

@@ -1,5 +1,6 @@
 //! The summary of a run: its file, and what is printed.
 
+use std::io;
 use std::time::Duration;
 
 use super::arguments::RunJob;
@@ -80,7 +81,7 @@ pub(super) fn summarise(
 }
 
 /// Writes the file.
-pub(super) fn write(summary: &Summary, staging: &Staging) -> anyhow::Result<()> {
+pub(super) fn write(summary: &Summary, staging: &Staging) -> io::Result<()> {
     write_file(staging, FILE, |out| summary::write(out, summary))
 }
 

@@ -4,18 +4,21 @@ use std::collections::BTreeSet;
 use std::fs::File;
 use std::io::{self, BufWriter, Write};
 
-use anyhow::Context as _;
-
 use super::ROI;
 use super::arguments::RunJob;
 use super::record::RunRecord;
 use super::result_spool::FrameResults;
 use crate::export::tracks_json::TracksJson;
+use crate::export::write_failure::told;
 use crate::export::{Staging, episodes_csv, events_jsonl, picture, regions_csv, tracks_csv};
 use crate::pipeline::LateDecisions;
 
+/// The names of the files that are always written, except the region of interest.
+pub(super) const FILES: [&str; 6] =
+    ["settings.toml", "tracks.csv", "tracks.json", "regions.csv", "events.jsonl", "episodes.csv"];
+
 /// Writes the settings, the region of interest and the tables of the offline result. Returns the number of identities.
-pub(super) fn write(record: &RunRecord, job: &RunJob, staging: &Staging) -> anyhow::Result<usize> {
+pub(super) fn write(record: &RunRecord, job: &RunJob, staging: &Staging) -> io::Result<usize> {
     write_file(staging, "settings.toml", |out| {
         out.write_all(job.settings.to_toml().as_bytes())?;
         if job.roi.is_some() {
@@ -27,8 +30,7 @@ pub(super) fn write(record: &RunRecord, job: &RunJob, staging: &Staging) -> anyh
         Ok(())
     })?;
     if let Some(roi) = &job.roi {
-        picture::write_mask(&staging.path(ROI), roi.mask())
-            .with_context(|| format!("{ROI} cannot be written"))?;
+        picture::write_mask(&staging.path(ROI), roi.mask())?;
     }
     let LateDecisions { events, episodes, .. } = &record.results.decisions;
     write_file(staging, "events.jsonl", |out| events_jsonl::write(out, events, &record.times))?;
@@ -61,11 +63,12 @@ pub(in crate::cli) fn write_file(
     staging: &Staging,
     name: &str,
     content: impl FnOnce(&mut BufWriter<File>) -> io::Result<()>,
-) -> anyhow::Result<()> {
+) -> io::Result<()> {
+    let path = staging.path(name);
     let write = || {
-        let mut out = BufWriter::new(File::create(staging.path(name))?);
+        let mut out = BufWriter::new(File::create(&path)?);
         content(&mut out)?;
         out.flush()
     };
-    write().with_context(|| format!("{name} cannot be written"))
+    write().map_err(|error| told(&path, error))
 }

@@ -120,11 +120,6 @@ impl SweepJob {
             console: Console::new(matches),
         })
     }
-
-    /// The context of an error of writing to the output folder.
-    pub(super) fn out_failure(&self) -> String {
-        format!("{} cannot be written to", self.out.display())
-    }
 }
 
 #[allow(clippy::needless_pass_by_value)] // For `map_err`.

@@ -15,9 +15,9 @@ mod run_results;
 mod shown_frames;
 
 use std::collections::{BTreeMap, BTreeSet};
-use std::io::{self, Write};
+use std::path::Path;
 
-use anyhow::{Context as _, bail};
+use anyhow::bail;
 use clap::ArgMatches;
 
 pub use arguments::command;
@@ -25,6 +25,8 @@ pub use arguments::command;
 use super::console::LongProgress;
 use super::flags;
 use super::interrupt;
+use super::standard_output;
+use crate::export::Staging;
 use crate::sweep::pass::Outcome;
 use crate::sweep::scoring;
 use crate::sweep::sequence_frames::SequenceFrames;
@@ -51,7 +53,9 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
             .note("note: ground truth outside the region of interest counts as missed; --crop leaves it out");
     }
     let results = job.results.as_ref().map(|folder| RunResults::below(folder)).transpose()?;
-    let log = RowLog::open(&job.out).with_context(|| job.out_failure())?;
+    let staging = Staging::new(&job.out)?;
+    staging.check(output::TARGETS.map(|(name, is_folder)| (Path::new(name), is_folder)))?;
+    let log = RowLog::open(&job.out)?;
     let mut sweep = Sweep {
         table: SweepTable {
             grid: job.grid.clone(),
@@ -71,11 +75,9 @@ pub fn run(matches: &ArgMatches) -> anyhow::Result<()> {
     sweep.take_known_rows(results.as_ref());
     sweep.compute_missing_rows()?;
     let frames = sweep.frames_of_best()?;
-    output::write(&job, &sequences, &sweep.table, &frames, &sweep.failures)?;
+    output::write(&job, &sequences, &sweep.table, &frames, &sweep.failures, staging)?;
 
-    let mut out = io::stdout().lock();
-    best_rows::write(&mut out, &sweep.table)?;
-    out.flush()?;
+    standard_output::write(|out| Ok(best_rows::write(out, &sweep.table)?))?;
     match sweep.failures.as_slice() {
         [] => Ok(()),
         [only] => bail!("{only}; what depends on it is missing"),
@@ -239,7 +241,7 @@ impl Sweep<'_> {
                 logged.push((key, sequence.name.clone(), name, seconds, measures));
             }
         }
-        self.log.add(logged).with_context(|| self.job.out_failure()).map_err(Failure::Output)?;
+        self.log.add(logged).map_err(|error| Failure::Output(error.into()))?;
         self.table.rows.extend(rows);
         Ok(())
     }

@@ -4,13 +4,12 @@ use std::fs;
 use std::io::Write as _;
 use std::path::Path;
 
-use anyhow::Context as _;
-
 use super::arguments::SweepJob;
 use super::opened_sequence::OpenedSequence;
 use crate::cli::run::write_file;
 use crate::export::heat_map::{HeatMapFile, is_name_of_map};
 use crate::export::report::{self, Report};
+use crate::export::staging::IsFolder;
 use crate::export::{Staging, heat_map, picture, sweep_csv};
 use crate::source::Options;
 use crate::sweep::sequence_frames::SequenceFrames;
@@ -21,6 +20,14 @@ const TABLE: &str = "sweep.csv";
 /// The name of the folder of heat maps.
 const MAPS: &str = "heatmaps";
 
+/// The names of all files and folders.
+pub(super) const TARGETS: [(&str, IsFolder); 4] = [
+    ("settings.toml", IsFolder::No),
+    (TABLE, IsFolder::No),
+    (MAPS, IsFolder::Yes),
+    ("report.html", IsFolder::No),
+];
+
 /// Writes all files of a sweep; `failures` are those of sequences whose rows are missing.
 pub(super) fn write(
     job: &SweepJob,
@@ -28,17 +35,16 @@ pub(super) fn write(
     table: &SweepTable,
     frames: &[SequenceFrames],
     failures: &[String],
+    staging: Staging,
 ) -> anyhow::Result<()> {
-    let staging = Staging::new(&job.out).with_context(|| job.out_failure())?;
     write_file(&staging, "settings.toml", |out| out.write_all(job.base.to_toml().as_bytes()))?;
     write_file(&staging, TABLE, |out| sweep_csv::write(out, table))?;
     let (maps, left_out) = heat_map::files(table);
     if !maps.is_empty() {
-        let folder = staging.folder(MAPS).with_context(|| job.out_failure())?;
+        let folder = staging.folder(MAPS)?;
         for map in &maps {
             let path = folder.join(&map.name);
-            picture::write_frame(&path, &map.draw(table))
-                .with_context(|| format!("{} cannot be written", path.display()))?;
+            picture::write_frame(&path, &map.draw(table))?;
         }
     }
     if left_out > 0 {
@@ -56,7 +62,7 @@ pub(super) fn write(
         warnings: failures,
     };
     write_file(&staging, "report.html", |out| report::write(out, &report))?;
-    staging.publish(TABLE).with_context(|| job.out_failure())?;
+    staging.publish(TABLE)?;
     remove_other_maps(&job.out.join(MAPS), &maps);
     Ok(())
 }

@@ -4,14 +4,16 @@
 //! version of the program is not taken.
 
 use std::collections::HashMap;
-use std::fs::{self, File, OpenOptions};
-use std::io::{self, Write};
-use std::path::Path;
+use std::fs::{self, File, OpenOptions, TryLockError};
+use std::io::{self, Read as _, Seek as _, SeekFrom, Write as _};
+use std::path::{Path, PathBuf};
 
+use anyhow::bail;
 use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 
 use crate::cli::run::hexadecimal;
+use crate::export::write_failure::told;
 use crate::truth::measures::Measures;
 
 /// The name of the file.
@@ -28,32 +30,53 @@ pub(super) struct LoggedRow {
     pub measures: Measures,
 }
 
-/// The complete rows in the file of an output folder.
+/// The complete rows in the file of an output folder, which is locked against other sweeps.
 pub(super) struct RowLog {
     rows: HashMap<String, LoggedRow>,
+    path: PathBuf,
     file: File,
+    /// The length of the file, in bytes.
+    length: u64,
 }
 
 impl RowLog {
-    /// Reads the rows in `folder`, which is created if it does not exist. A cut or foreign line is no row: it is computed
-    /// again.
-    pub(super) fn open(folder: &Path) -> io::Result<Self> {
-        fs::create_dir_all(folder)?;
+    /// Reads the rows in `folder`, which must exist. A foreign line is no row, and a cut one at the end is removed: it is
+    /// computed again. Fails where another sweep writes rows there. All errors name the file.
+    pub(super) fn open(folder: &Path) -> anyhow::Result<Self> {
         let path = folder.join(FILE);
-        let bytes = match fs::read(&path) {
-            Ok(bytes) => bytes,
-            Err(error) if error.kind() == io::ErrorKind::NotFound => Vec::new(),
-            Err(error) => return Err(error),
+        let failed = |error| told(&path, error);
+        let file = loop {
+            let file = OpenOptions::new().read(true).write(true).create(true).truncate(false).open(&path);
+            let file = file.map_err(failed)?;
+            match file.try_lock() {
+                // Without locks on this disk there is no protection.
+                Ok(()) | Err(TryLockError::Error(_)) => {}
+                Err(TryLockError::WouldBlock) => bail!(
+                    "another sweep writes into {}; wait until it is done, or choose another --out",
+                    folder.display()
+                ),
+            }
+            // The other sweep has removed an empty file in the moment before the lock.
+            if path.exists() {
+                break file;
+            }
         };
-        let lines = bytes.split(|&byte| byte == b'\n');
+        let mut bytes = Vec::new();
+        (&file).read_to_end(&mut bytes).map_err(failed)?;
+        let whole = bytes.iter().rposition(|&byte| byte == b'\n').map_or(0, |end| end + 1);
+        let lines = bytes[..whole].split(|&byte| byte == b'\n');
         let rows = lines.filter_map(|line| serde_json::from_slice::<LoggedRow>(line).ok());
         let rows = rows.map(|row| (row.key.clone(), row)).collect();
-        let mut file = OpenOptions::new().create(true).append(true).open(path)?;
-        // A killed sweep can leave a line without its end.
-        if bytes.last().is_some_and(|&byte| byte != b'\n') {
-            file.write_all(b"\n")?;
+        let log = Self { rows, path, file, length: whole as u64 };
+        if whole < bytes.len() {
+            log.cut().map_err(|error| told(&log.path, error))?;
         }
-        Ok(Self { rows, file })
+        Ok(log)
+    }
+
+    /// Removes what is behind the last whole row.
+    fn cut(&self) -> io::Result<()> {
+        self.file.set_len(self.length)
     }
 
     /// The row of this key, if it is complete.
@@ -67,15 +90,34 @@ impl RowLog {
         &mut self,
         rows: impl IntoIterator<Item = (String, String, String, f64, Measures)>,
     ) -> io::Result<()> {
-        let mut text = Vec::new();
+        let (mut text, mut added) = (Vec::new(), Vec::new());
         for (key, sequence, settings, seconds, measures) in rows {
             let row = LoggedRow { key: hash(&key), sequence, settings, seconds, measures };
             serde_json::to_writer(&mut text, &row)?;
             text.push(b'\n');
-            self.rows.insert(row.key.clone(), row);
+            added.push((row.key.clone(), row));
         }
-        self.file.write_all(&text)?;
-        self.file.sync_data()
+        let written = self.file.seek(SeekFrom::Start(self.length)).and_then(|_| {
+            self.file.write_all(&text)?;
+            self.file.sync_data()
+        });
+        if let Err(error) = written {
+            // Where this fails too, the next sweep does it.
+            let _ = self.cut();
+            return Err(told(&self.path, error));
+        }
+        self.length += text.len() as u64;
+        self.rows.extend(added);
+        Ok(())
+    }
+}
+
+impl Drop for RowLog {
+    fn drop(&mut self) {
+        // A sweep that fails on its input leaves no file.
+        if self.length == 0 {
+            let _ = fs::remove_file(&self.path);
+        }
     }
 }
 
@@ -93,20 +135,31 @@ mod tests {
     #[test]
     fn rows_are_found_again_by_their_key_and_a_cut_line_is_none() {
         let folder = tempfile::tempdir().unwrap();
-        let path = folder.path().join("out");
+        let path = folder.path();
         let masks = MaskMeasures { f: 0.1 + 0.2, pwc: 1.0 / 3.0, ..MaskMeasures::default() };
         let measures = Measures { masks: Some(masks), ..Measures::default() };
         let row = |key: &str| (key.to_owned(), "a/b".to_owned(), "k=3".to_owned(), 1.25, measures);
-        RowLog::open(&path).unwrap().add([row("one"), row("two")]).unwrap();
+        RowLog::open(path).unwrap().add([row("one"), row("two")]).unwrap();
         let log = fs::read(path.join(FILE)).unwrap();
         fs::write(path.join(FILE), &log[..log.len() - 20]).unwrap();
 
-        let mut log = RowLog::open(&path).unwrap();
+        let mut log = RowLog::open(path).unwrap();
+        assert!(fs::read(path.join(FILE)).unwrap().ends_with(b"\n"), "the cut line is gone");
         let one = log.row("one").unwrap();
         assert_eq!((one.measures, one.seconds), (measures, 1.25));
         assert_eq!(log.row("two"), None);
         log.add([row("two")]).unwrap();
-        assert!(RowLog::open(&path).unwrap().row("two").is_some());
-        assert_eq!(RowLog::open(&path).unwrap().row("three"), None);
+        let refused = RowLog::open(path).map(drop).unwrap_err().to_string();
+        assert!(refused.starts_with("another sweep writes into "), "{refused}");
+        drop(log);
+        assert!(RowLog::open(path).unwrap().row("two").is_some());
+        assert_eq!(RowLog::open(path).unwrap().row("three"), None);
+    }
+
+    #[test]
+    fn without_rows_there_is_no_file() {
+        let folder = tempfile::tempdir().unwrap();
+        drop(RowLog::open(folder.path()).unwrap());
+        assert_eq!(fs::read_dir(folder.path()).unwrap().count(), 0);
     }
 }

@@ -1,7 +1,7 @@
 //! Rasterises figures: renders the SVG with the window's own typeface, independent of installed fonts.
 
-use std::fs::File;
-use std::io::{self, BufWriter};
+use std::fs;
+use std::io;
 use std::path::Path;
 use std::sync::{Arc, LazyLock};
 
@@ -47,13 +47,15 @@ pub fn picture(figure: &Figure) -> io::Result<Frame> {
 
 /// Writes an image of [`picture`] as a PNG with its physical size.
 pub fn write_png(path: &Path, picture: &Frame) -> io::Result<()> {
-    let out = BufWriter::new(File::create(path)?);
-    let mut encoder = png::Encoder::new(out, picture.size.width, picture.size.height);
+    // The encoder passes on no error of its last writes: it has memory to write to, and the file gets all bytes at once.
+    let mut bytes = Vec::new();
+    let mut encoder = png::Encoder::new(&mut bytes, picture.size.width, picture.size.height);
     encoder.set_color(png::ColorType::Rgb);
     encoder.set_depth(png::BitDepth::Eight);
     let each = (RESOLUTION / METRES_AN_INCH).round() as u32;
     encoder.set_pixel_dims(Some(png::PixelDimensions { xppu: each, yppu: each, unit: png::Unit::Meter }));
     let mut writer = encoder.write_header().map_err(io::Error::from)?;
     writer.write_image_data(&picture.rgb).map_err(io::Error::from)?;
-    writer.finish().map_err(io::Error::from)
+    writer.finish().map_err(io::Error::from)?;
+    fs::write(path, bytes)
 }

@@ -38,7 +38,9 @@ fn a_map_is_saved_cell_by_cell() {
         assert_eq!(lines[1 + row * 24 + column], line);
     }
     let nowhere = folder.path().join("none").join("map.csv");
-    assert!(table.save(nowhere).unwrap_err().contains("map.csv was not written"));
+    assert!(
+        table.save(nowhere).unwrap_err().contains("map.csv cannot be written: its folder does not exist")
+    );
 }
 
 #[test]
